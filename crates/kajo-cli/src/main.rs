@@ -1,0 +1,2 @@
+//! The `kajo` command line.
+fn main() {}

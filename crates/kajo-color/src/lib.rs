@@ -1,0 +1,1 @@
+//! Spectra and colour spaces for kajo.

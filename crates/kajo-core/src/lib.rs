@@ -1,0 +1,1 @@
+//! The compiled scene of kajo and everything evaluated along a ray.

@@ -1,0 +1,1 @@
+//! Pixel buffers, picture files and picture comparison for kajo.

@@ -1,0 +1,117 @@
+//! Elementary functions with the same bits on every machine.
+//!
+//! The system's maths library picks its code by processor and by version, and so may
+//! round differently from one machine to the next. These are plain Rust.
+
+/// Sine of an angle in radians.
+#[inline]
+pub fn sin(x: f32) -> f32 {
+    libm::sinf(x)
+}
+
+/// Cosine of an angle in radians.
+#[inline]
+pub fn cos(x: f32) -> f32 {
+    libm::cosf(x)
+}
+
+/// Sine and cosine of an angle in radians.
+#[inline]
+pub fn sin_cos(x: f32) -> (f32, f32) {
+    libm::sincosf(x)
+}
+
+/// Tangent of an angle in radians.
+#[inline]
+pub fn tan(x: f32) -> f32 {
+    libm::tanf(x)
+}
+
+/// Angle of the point `(x, y)` in (-pi, pi].
+#[inline]
+pub fn atan2(y: f32, x: f32) -> f32 {
+    libm::atan2f(y, x)
+}
+
+/// Arc sine in [-pi/2, pi/2].
+#[inline]
+pub fn asin(x: f32) -> f32 {
+    libm::asinf(x)
+}
+
+/// Arc cosine in [0, pi].
+#[inline]
+pub fn acos(x: f32) -> f32 {
+    libm::acosf(x)
+}
+
+/// `e` to the power `x`.
+#[inline]
+pub fn exp(x: f32) -> f32 {
+    libm::expf(x)
+}
+
+/// Natural logarithm.
+#[inline]
+pub fn ln(x: f32) -> f32 {
+    libm::logf(x)
+}
+
+/// `x` to the power `y`; `0^0` is 1.
+///
+/// Whole exponents up to 1024, which is what shininess usually is, go by squaring.
+#[inline]
+pub fn pow(x: f32, y: f32) -> f32 {
+    if y >= 0.0 && y <= 1024.0 && y == y.trunc() {
+        return powi(x, y as u32);
+    }
+    libm::powf(x, y)
+}
+
+/// `x` to a whole power, by repeated squaring in double precision.
+#[inline]
+pub fn powi(x: f32, mut n: u32) -> f32 {
+    let (mut square, mut product) = (f64::from(x), 1.0f64);
+    while n > 0 {
+        if n & 1 == 1 {
+            product *= square;
+        }
+        square *= square;
+        n >>= 1;
+    }
+    product as f32
+}
+
+/// Sine in double precision.
+#[inline]
+pub fn sin64(x: f64) -> f64 {
+    libm::sin(x)
+}
+
+/// Cosine in double precision.
+#[inline]
+pub fn cos64(x: f64) -> f64 {
+    libm::cos(x)
+}
+
+/// Tangent in double precision.
+#[inline]
+pub fn tan64(x: f64) -> f64 {
+    libm::tan(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_powers_agree_with_the_general_one() {
+        for x in [0.0f32, 0.1, 0.5, 0.93, 1.0, 1.7] {
+            for n in [0u32, 1, 2, 3, 16, 100, 1000] {
+                let (a, b) = (powi(x, n), libm::powf(x, n as f32));
+                assert!((a - b).abs() <= 1e-5 * b.abs() || a == b, "{x}^{n}: {a} {b}");
+            }
+        }
+        assert_eq!(pow(0.0, 0.0), 1.0);
+    }
+}

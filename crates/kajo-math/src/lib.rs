@@ -1,0 +1,21 @@
+//! Vectors, rays, boxes, transforms, random numbers and noise.
+//!
+//! Everything here is a pure function of its arguments. Coordinates are
+//! right-handed; angles are radians unless a name says degrees. Elementary
+//! functions come from [`fmath`], never from the system's maths library, so that a
+//! picture does not depend on the machine it was made on.
+
+pub mod aabb;
+pub mod fmath;
+pub mod noise;
+pub mod ray;
+pub mod rng;
+pub mod robust;
+pub mod roots;
+pub mod transform;
+pub mod warp;
+
+pub use aabb::Aabb;
+pub use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec2, DVec3, Mat3, Mat4, UVec2, Vec2, Vec3, Vec3A, Vec4};
+pub use ray::Ray;
+pub use transform::Transform;

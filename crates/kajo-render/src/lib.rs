@@ -1,0 +1,1 @@
+//! Film, integrators and the schedule of kajo.

@@ -1,0 +1,1 @@
+//! Statistics and comparisons for the tests of kajo.

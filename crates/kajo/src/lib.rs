@@ -1,0 +1,1 @@
+//! kajo, a ray tracer: load, compile and render scenes.
