@@ -131,7 +131,8 @@ impl Aabb {
             let b = (self.max[axis] - ray.o[axis]) * inv;
             // Three roundings on either side; see `robust::gamma`.
             near = near.max(a.min(b));
-            far = far.min(a.max(b) * (1.0 + 2.0 * crate::robust::gamma(3)));
+            let exit = a.max(b);
+            far = far.min(exit + exit.abs() * (2.0 * crate::robust::gamma(3)));
         }
         (near <= far).then_some((near, far))
     }
