@@ -1,1 +1,25 @@
 //! The scene language of kajo: text to a tree with places, and mesh files.
+
+#![forbid(unsafe_code)]
+
+mod args;
+mod assets;
+mod diagnostic;
+mod lexer;
+mod limits;
+mod nearest;
+mod params;
+mod parser;
+mod source;
+mod tree;
+
+pub use args::Args;
+pub use assets::{AssetError, AssetFile, Assets, MemoryAssets, read_limited, relative_asset};
+pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
+pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};
+pub use limits::Limits;
+pub use nearest::nearest;
+pub use params::{Params, not_supported_yet, unknown_word};
+pub use parser::Parsed;
+pub use source::{Position, Source, SourceId, Sources, Span};
+pub use tree::{Item, Items, SceneDesc, Value, Word};

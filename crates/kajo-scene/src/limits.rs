@@ -1,0 +1,58 @@
+//! What a scene may cost before it is refused.
+//!
+//! Every reader of this crate takes a [`Limits`], so that no file, however
+//! short, can ask for unbounded time or memory.
+
+/// Upper bounds on what readers accept; exceeding one ends in an error that names it.
+///
+/// ```
+/// use kajo_scene::Limits;
+/// let strict = Limits { nesting: 32, ..Limits::default() };
+/// assert!(strict.items > 0);
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes of scene text, summed over every file each time it is included. At most `u32::MAX`.
+    pub text_bytes: u64,
+    /// Blocks inside blocks.
+    pub nesting: usize,
+    /// Files including files.
+    pub include_depth: usize,
+    /// `include` statements followed, in all.
+    pub includes: usize,
+    /// Items of the tree, after includes were followed.
+    pub items: usize,
+    /// Errors of one parse before it gives up.
+    pub errors: usize,
+    /// Bytes of one mesh or material file.
+    pub mesh_bytes: u64,
+    /// Bytes of one line of a mesh or material file, continuations included.
+    pub line_bytes: usize,
+    /// Vertex positions of one mesh; the same bound holds for its normals and its texture coordinates.
+    pub vertices: usize,
+    /// Triangles of one mesh, after polygons were split.
+    pub faces: usize,
+    /// Corners of one polygon.
+    pub polygon_corners: usize,
+    /// Materials of one mesh or material file.
+    pub materials: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            text_bytes: 1 << 30,
+            nesting: 256,
+            include_depth: 32,
+            includes: 10_000,
+            items: 10_000_000,
+            errors: 1000,
+            mesh_bytes: 64 << 30,
+            line_bytes: 1 << 20,
+            vertices: 1 << 30,
+            faces: 1 << 30,
+            polygon_corners: 4096,
+            materials: 1 << 20,
+        }
+    }
+}

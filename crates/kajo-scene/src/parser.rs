@@ -1,0 +1,522 @@
+//! Scene text to [`SceneDesc`].
+//!
+//! ```text
+//! file  := item*
+//! item  := WORD (WORD | STRING)? NUMBER* ( '{' NUMBER* item* '}' )?
+//!        | 'include' (WORD | STRING)            the items of that file
+//! ```
+//!
+//! No keyword but `include` is known. After a mistake the parser goes on with
+//! the next token, so that one run shows all of them. Open blocks and open
+//! files are kept on explicit stacks: deep nesting costs no program stack.
+
+use crate::assets::{AssetError, Assets, MemoryAssets, read_limited};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity, quoted};
+use crate::lexer::{LexError, TokenKind, Tokens, looks_like_number};
+use crate::limits::Limits;
+use crate::source::{SourceId, Span};
+use crate::tree::{Node, Number, SceneDesc, Word};
+use std::collections::HashMap;
+use std::string::FromUtf8Error;
+
+/// What came of reading a scene: always a tree, complete unless there are errors.
+#[derive(Debug, Default)]
+pub struct Parsed {
+    /// The items found.
+    pub desc: SceneDesc,
+    /// What was wrong.
+    pub diagnostics: Diagnostics,
+}
+
+impl SceneDesc {
+    /// Reads the scene that `assets` knows as `name`, and what it includes.
+    pub fn load(name: &str, assets: &dyn Assets, limits: &Limits) -> Parsed {
+        let mut parser = Parser::new(assets, limits);
+        match parser.read_source(name, None) {
+            Ok(source) => parser.run(source),
+            Err(diagnostic) => parser.error(diagnostic),
+        }
+        parser.finish()
+    }
+
+    /// Reads a scene from a text; `path` is its name, from which includes are resolved.
+    pub fn parse(path: &str, text: impl Into<String>, assets: &dyn Assets, limits: &Limits) -> Parsed {
+        let mut parser = Parser::new(assets, limits);
+        match parser.add_source(path, text.into().into_bytes()) {
+            Ok(source) => parser.run(source),
+            Err(diagnostic) => parser.error(diagnostic),
+        }
+        parser.finish()
+    }
+
+    /// Reads a text that includes no other, within the default limits.
+    pub fn parse_str(text: &str) -> Parsed {
+        Self::parse("scene", text, &MemoryAssets::new(), &Limits::default())
+    }
+}
+
+/// A file being read.
+struct Frame {
+    source: SourceId,
+    /// Where its reading goes on.
+    at: u32,
+    /// Blocks that were open when it was included.
+    outer_blocks: usize,
+}
+
+/// What the item last begun may still take.
+#[derive(Clone, Copy, PartialEq)]
+enum Expect {
+    /// No item takes values here.
+    Keyword,
+    /// A word, string, number or block.
+    Value,
+    /// A number or block.
+    Number,
+    /// A number, first in the block of the innermost open item.
+    BlockNumber,
+}
+
+struct Parser<'l> {
+    assets: &'l dyn Assets,
+    limits: &'l Limits,
+    desc: SceneDesc,
+    diagnostics: Diagnostics,
+    /// Files open, the scene itself first.
+    frames: Vec<Frame>,
+    /// Items whose blocks are open; `None` for a brace without a keyword, whose
+    /// content counts as its surroundings'.
+    blocks: Vec<Option<u32>>,
+    expect: Expect,
+    includes: usize,
+    by_path: HashMap<String, SourceId>,
+    text_bytes: u64,
+}
+
+/// Reading cannot go on; the reason has been reported.
+struct Stop;
+
+impl<'l> Parser<'l> {
+    fn new(assets: &'l dyn Assets, limits: &'l Limits) -> Self {
+        Self {
+            assets,
+            limits,
+            desc: SceneDesc::default(),
+            diagnostics: Diagnostics::new(),
+            frames: Vec::new(),
+            blocks: Vec::new(),
+            expect: Expect::Keyword,
+            includes: 0,
+            by_path: HashMap::new(),
+            text_bytes: 0,
+        }
+    }
+
+    fn error(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+
+    fn run(&mut self, root: SourceId) {
+        self.frames.push(Frame { source: root, at: 0, outer_blocks: 0 });
+        while !self.frames.is_empty() {
+            if let Err(Stop) = self.read_frame() {
+                break;
+            }
+        }
+    }
+
+    fn finish(mut self) -> Parsed {
+        while let Some(block) = self.blocks.pop() {
+            self.close(block, None);
+        }
+        Parsed { desc: self.desc, diagnostics: self.diagnostics }
+    }
+
+    /// Reads the innermost file up to its end or to an include.
+    fn read_frame(&mut self) -> Result<(), Stop> {
+        let Some(&Frame { source, at, outer_blocks }) = self.frames.last() else { return Err(Stop) };
+        let text = self.desc.sources.get(source).shared_text();
+        let mut tokens = Tokens::resume(&text, at);
+        while let Some(token) = tokens.next_significant() {
+            let span = Span { source, start: token.start, end: token.end };
+            let word = &text[span.range()];
+            match token.kind {
+                TokenKind::Word if word == INCLUDE && self.expect != Expect::Value => {
+                    self.end_item();
+                    let name = include_name(source, &mut tokens);
+                    if let Some(frame) = self.frames.last_mut() {
+                        frame.at = tokens.offset();
+                    }
+                    return self.include(span, name);
+                }
+                TokenKind::Word => self.word(span, word)?,
+                TokenKind::String => self.string(span),
+                TokenKind::Number(value) => self.number(span, word, value),
+                TokenKind::OpenBrace => self.open_brace(span)?,
+                TokenKind::CloseBrace => self.close_brace(span, outer_blocks),
+                TokenKind::Error(error) => self.lex_error(span, error),
+                TokenKind::Whitespace | TokenKind::Comment => {}
+            }
+            if self.diagnostics.count(Severity::Error) >= self.limits.errors {
+                self.error(Diagnostic::error("too many mistakes: the rest of the scene was not read"));
+                return Err(Stop);
+            }
+        }
+        self.end_of_file(source, outer_blocks, text.len() as u32);
+        Ok(())
+    }
+
+    fn word(&mut self, span: Span, word: &str) -> Result<(), Stop> {
+        if self.expect == Expect::Value
+            && let Some(node) = self.desc.nodes.last_mut()
+        {
+            node.word = (span.start, span.end);
+            node.end = span.end;
+            self.expect = Expect::Number;
+            return Ok(());
+        }
+        if looks_like_number(word) {
+            self.bad_number(span, word);
+            return Ok(());
+        }
+        self.begin_item(span)
+    }
+
+    fn begin_item(&mut self, span: Span) -> Result<(), Stop> {
+        self.end_item();
+        if self.desc.nodes.len() >= self.limits.items {
+            self.error(
+                Diagnostic::error(format!(
+                    "the scene has more than {} items, files included by it counted",
+                    self.limits.items
+                ))
+                .label(span, "this one is too many")
+                .help("use a mesh file for large geometry, and include files fewer times"),
+            );
+            return Err(Stop);
+        }
+        let index = self.desc.nodes.len() as u32;
+        let first_number = self.desc.numbers.len() as u32;
+        self.desc.nodes.push(Node {
+            source: span.source,
+            keyword: (span.start, span.end),
+            word: (0, 0),
+            end: span.end,
+            numbers: (first_number, first_number),
+            next: index + 1,
+            has_block: false,
+        });
+        self.expect = Expect::Value;
+        Ok(())
+    }
+
+    /// The item last begun takes no more values.
+    fn end_item(&mut self) {
+        if self.expect == Expect::Value
+            && let Some(node) = self.desc.nodes.last()
+        {
+            let span = Span { source: node.source, start: node.keyword.0, end: node.keyword.1 };
+            let keyword = quoted(self.desc.sources.text(span));
+            self.error(
+                Diagnostic::error(format!("{keyword} has neither a value nor a block"))
+                    .label(span, "expected numbers, a word or `{` after this"),
+            );
+        }
+        self.expect = Expect::Keyword;
+    }
+
+    /// The item that takes numbers, if one does.
+    fn number_taker(&self) -> Option<u32> {
+        match self.expect {
+            Expect::Value | Expect::Number => (self.desc.nodes.len() as u32).checked_sub(1),
+            Expect::BlockNumber => self.blocks.last().copied().flatten(),
+            Expect::Keyword => None,
+        }
+    }
+
+    fn number(&mut self, span: Span, text: &str, value: f64) {
+        let Some(taker) = self.number_taker() else {
+            self.error(
+                Diagnostic::error(format!("the number {} belongs to no keyword", quoted(text)))
+                    .label(span, "expected a keyword or `}`"),
+            );
+            return;
+        };
+        if !value.is_finite() {
+            self.error(
+                Diagnostic::error(format!("{} is not a finite number", quoted(text)))
+                    .label(span, "expected a finite number"),
+            );
+        }
+        self.add_number(taker, span, if value.is_finite() { value } else { 0.0 });
+    }
+
+    /// Takes 0 for a misspelt number, so that the count of numbers stays right.
+    fn bad_number(&mut self, span: Span, word: &str) {
+        let help = ["//", "/*", "#"]
+            .into_iter()
+            .find(|start| word.contains(start))
+            .map(|start| format!("write a blank before the comment's `{start}`"));
+        self.error(
+            Diagnostic::error(format!("{} is not a number", quoted(word)))
+                .label(span, "expected a number such as 1, -0.5 or 2e3, or a keyword")
+                .maybe_help(help),
+        );
+        if let Some(taker) = self.number_taker() {
+            self.add_number(taker, span, 0.0);
+        }
+    }
+
+    fn add_number(&mut self, taker: u32, span: Span, value: f64) {
+        self.desc.numbers.push(Number { value, start: span.start, end: span.end });
+        let node = &mut self.desc.nodes[taker as usize];
+        node.numbers.1 = self.desc.numbers.len() as u32;
+        node.end = span.end;
+        if self.expect == Expect::Value {
+            self.expect = Expect::Number;
+        }
+    }
+
+    fn string(&mut self, span: Span) {
+        if self.expect == Expect::Value
+            && let Some(node) = self.desc.nodes.last_mut()
+        {
+            node.word = (span.start, span.end);
+            node.end = span.end;
+            self.expect = Expect::Number;
+            return;
+        }
+        let found = quoted(self.desc.sources.text(span));
+        self.error(
+            Diagnostic::error(format!("the string {found} belongs to no keyword"))
+                .label(span, "expected a keyword or `}`")
+                .help("a string stands right after a keyword, as in `obj_file \"my bunny.obj\"`"),
+        );
+    }
+
+    fn open_brace(&mut self, span: Span) -> Result<(), Stop> {
+        if self.blocks.len() >= self.limits.nesting {
+            self.error(
+                Diagnostic::error(format!("blocks are nested more than {} deep", self.limits.nesting))
+                    .label(span, "this block is too deep; the rest was not read"),
+            );
+            return Err(Stop);
+        }
+        let taker = if self.expect == Expect::BlockNumber { None } else { self.number_taker() };
+        self.blocks.push(taker);
+        match taker {
+            Some(index) => {
+                let node = &mut self.desc.nodes[index as usize];
+                node.has_block = true;
+                node.end = span.end;
+                self.expect = Expect::BlockNumber;
+            }
+            None => {
+                self.expect = Expect::Keyword;
+                self.error(
+                    Diagnostic::error("`{` without a keyword before it")
+                        .label(span, "expected a keyword, as in `Group {`"),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn close_brace(&mut self, span: Span, outer_blocks: usize) {
+        self.end_item();
+        if self.blocks.len() <= outer_blocks {
+            self.error(
+                Diagnostic::error("`}` without a block to close")
+                    .label(span, "no `{` of this file is open here")
+                    .help("remove it, or add the missing `{`"),
+            );
+            return;
+        }
+        if let Some(block) = self.blocks.pop() {
+            self.close(block, Some(span.end));
+        }
+    }
+
+    /// Ends a block; `end` is where its brace ends, if there is one.
+    fn close(&mut self, block: Option<u32>, end: Option<u32>) {
+        let next = self.desc.nodes.len() as u32;
+        if let Some(index) = block {
+            let node = &mut self.desc.nodes[index as usize];
+            node.next = next;
+            node.end = end.unwrap_or(node.end);
+        }
+    }
+
+    fn end_of_file(&mut self, source: SourceId, outer_blocks: usize, end: u32) {
+        self.end_item();
+        while self.blocks.len() > outer_blocks {
+            let Some(block) = self.blocks.pop() else { break };
+            self.close(block, Some(end));
+            if let Some(index) = block {
+                self.unclosed(index, Span { source, start: end, end });
+            }
+        }
+        self.frames.pop();
+    }
+
+    fn unclosed(&mut self, index: u32, end: Span) {
+        let node = self.desc.nodes[index as usize];
+        let keyword = Span { source: node.source, start: node.keyword.0, end: node.keyword.1 };
+        let name = quoted(self.desc.sources.text(keyword));
+        self.error(
+            Diagnostic::error(format!("the block of {name} is not closed"))
+                .label(keyword, "its `{` has no `}`")
+                .label(end, "the file ends here")
+                .help("add the missing `}`"),
+        );
+    }
+
+    fn lex_error(&mut self, span: Span, error: LexError) {
+        let start = Span { end: span.start + 1, ..span };
+        self.error(match error {
+            LexError::UnterminatedString => Diagnostic::error("the string is not closed")
+                .label(start, "no `\"` follows on this line")
+                .help("end the string with `\"`; a quote inside it is written `\\\"`"),
+            LexError::UnterminatedComment => Diagnostic::error("the comment is not closed")
+                .label(Span { end: span.start + 2, ..span }, "no `*/` follows")
+                .help("end the comment with `*/`"),
+        });
+        // A cut string still stands for its keyword's value.
+        if error == LexError::UnterminatedString && self.expect == Expect::Value {
+            self.string(span);
+        }
+    }
+
+    fn include(&mut self, keyword: Span, name: Option<Span>) -> Result<(), Stop> {
+        let Some(span) = name else {
+            self.error(
+                Diagnostic::error("`include` names no file")
+                    .label(keyword, "expected a file name after this, as in `include \"lights.txt\"`"),
+            );
+            return Ok(());
+        };
+        let raw = self.desc.sources.text(span);
+        let name = Word { raw, span }.text().into_owned();
+        self.includes += 1;
+        if self.includes > self.limits.includes {
+            self.error(
+                Diagnostic::error(format!(
+                    "more than {} files are included, repeats counted",
+                    self.limits.includes
+                ))
+                .label(span, "this one is too many"),
+            );
+            return Err(Stop);
+        }
+        if self.frames.len() > self.limits.include_depth {
+            self.error(
+                Diagnostic::error(format!(
+                    "files include each other more than {} deep: {}",
+                    self.limits.include_depth,
+                    self.chain(0, &name)
+                ))
+                .label(span, "this one is too deep"),
+            );
+            return Ok(());
+        }
+        match self.read_source(&name, Some(span)) {
+            Ok(source) => {
+                self.frames.push(Frame { source, at: 0, outer_blocks: self.blocks.len() });
+                Ok(())
+            }
+            Err(diagnostic) => {
+                self.error(diagnostic);
+                Ok(())
+            }
+        }
+    }
+
+    /// The files being read from the `first` on, and then `last`, as "a -> b -> c".
+    fn chain(&self, first: usize, last: &str) -> String {
+        let mut chain = String::new();
+        for frame in &self.frames[first..] {
+            chain.push_str(self.desc.sources.get(frame.source).path());
+            chain.push_str(" -> ");
+        }
+        chain + last
+    }
+
+    /// Opens and keeps a file; `span` is its name in an include, `None` for the scene itself.
+    fn read_source(&mut self, name: &str, span: Option<Span>) -> Result<SourceId, Diagnostic> {
+        let from = span.map_or("", |span| self.desc.sources.get(span.source).path());
+        let file = self.assets.open(name, from).map_err(|error| unreadable(name, span, &error))?;
+        let path = file.path.clone();
+        if let Some(first) = self.frames.iter().position(|f| self.desc.sources.get(f.source).path() == path) {
+            let message = format!("a file includes itself: {}", self.chain(first, &path));
+            let diagnostic = Diagnostic::error(message);
+            return Err(match span {
+                Some(span) => diagnostic.label(span, "this include closes the circle"),
+                None => diagnostic,
+            });
+        }
+        if let Some(&id) = self.by_path.get(&path) {
+            let len = self.desc.sources.get(id).text().len() as u64;
+            self.count_text(len).map_err(|error| unreadable(name, span, &error))?;
+            return Ok(id);
+        }
+        let room = self.limits.text_bytes.min(u64::from(u32::MAX)).saturating_sub(self.text_bytes);
+        let bytes = read_limited(file, room).map_err(|error| unreadable(name, span, &error))?;
+        self.add_source(&path, bytes)
+    }
+
+    fn add_source(&mut self, path: &str, bytes: Vec<u8>) -> Result<SourceId, Diagnostic> {
+        self.count_text(bytes.len() as u64).map_err(|error| unreadable(path, None, &error))?;
+        let text = match String::from_utf8(bytes) {
+            Ok(text) => text,
+            Err(error) => return Err(self.not_utf8(path, &error)),
+        };
+        let nul = text.find('\0');
+        let source = self.desc.sources.add(path, text);
+        if let Some(nul) = nul {
+            let span = Span { source, start: nul as u32, end: nul as u32 + 1 };
+            return Err(Diagnostic::error("the file is not text: it holds a zero byte").label(span, "here"));
+        }
+        self.by_path.insert(path.to_owned(), source);
+        Ok(source)
+    }
+
+    fn count_text(&mut self, len: u64) -> Result<(), AssetError> {
+        self.text_bytes = self.text_bytes.saturating_add(len);
+        let limit = self.limits.text_bytes.min(u64::from(u32::MAX));
+        if self.text_bytes > limit { Err(AssetError::TooLarge { limit }) } else { Ok(()) }
+    }
+
+    fn not_utf8(&mut self, path: &str, error: &FromUtf8Error) -> Diagnostic {
+        let wide = error.as_bytes().starts_with(&[0xff, 0xfe]) || error.as_bytes().starts_with(&[0xfe, 0xff]);
+        let message = if wide { "the file is UTF-16, not UTF-8" } else { "the file is not UTF-8 text" };
+        let start = error.utf8_error().valid_up_to();
+        // The first bad byte is replaced by one character, at the same place.
+        let lossy = String::from_utf8_lossy(error.as_bytes()).into_owned();
+        let source = self.desc.sources.add(path, lossy);
+        let end = start + char::REPLACEMENT_CHARACTER.len_utf8();
+        Diagnostic::error(message)
+            .label(Span { source, start: start as u32, end: end as u32 }, "the first byte that is no text")
+            .help("save the file as UTF-8")
+    }
+}
+
+const INCLUDE: &str = "include";
+
+/// The word or string that follows an `include`, if one does.
+fn include_name(source: SourceId, tokens: &mut Tokens<'_>) -> Option<Span> {
+    let mut ahead = tokens.clone();
+    let token = ahead.next_significant()?;
+    if !matches!(token.kind, TokenKind::Word | TokenKind::String) {
+        return None;
+    }
+    *tokens = ahead;
+    Some(Span { source, start: token.start, end: token.end })
+}
+
+fn unreadable(name: &str, span: Option<Span>, error: &AssetError) -> Diagnostic {
+    let message = Diagnostic::error(format!("cannot read {}: {error}", quoted(name)));
+    match span {
+        Some(span) => message.label(span, "included here"),
+        None => message,
+    }
+}

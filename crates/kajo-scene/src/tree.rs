@@ -1,0 +1,257 @@
+//! A scene as a uniform tree of items, each with its place.
+//!
+//! An item is a keyword, at most one word or string, numbers, and a block of
+//! further items. What keywords mean is for others to say. Items lie in one
+//! array in pre-order and know where their subtree ends; numbers lie in
+//! another. Text is not copied: words are spans of the kept sources.
+
+use crate::source::{SourceId, Sources, Span};
+use std::borrow::Cow;
+
+/// The items of a scene and the texts they came from.
+#[derive(Debug, Default)]
+pub struct SceneDesc {
+    pub(crate) sources: Sources,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) numbers: Vec<Number>,
+}
+
+/// An item in the array; spans are bytes of `source`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub source: SourceId,
+    pub keyword: (u32, u32),
+    /// The word or string after the keyword; empty when there is none.
+    pub word: (u32, u32),
+    /// One past the last byte of the item.
+    pub end: u32,
+    /// Range in [`SceneDesc::numbers`].
+    pub numbers: (u32, u32),
+    /// Index of the first item after this one's subtree.
+    pub next: u32,
+    pub has_block: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Number {
+    pub value: f64,
+    pub start: u32,
+    pub end: u32,
+}
+
+impl SceneDesc {
+    /// The items that stand in no block, in order.
+    pub fn roots(&self) -> Items<'_> {
+        Items { desc: self, next: 0, end: self.nodes.len() as u32 }
+    }
+
+    /// All items in the order of the text: a block's item, then its content.
+    pub fn items(&self) -> impl Iterator<Item = Item<'_>> {
+        (0..self.nodes.len() as u32).map(|index| Item { desc: self, index })
+    }
+
+    /// The number of items, at all depths.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no item.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The texts that spans point into.
+    pub fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
+    /// As [`SceneDesc::sources`], to add excerpts of other files for messages.
+    pub fn sources_mut(&mut self) -> &mut Sources {
+        &mut self.sources
+    }
+}
+
+/// One item of a [`SceneDesc`].
+#[derive(Clone, Copy)]
+pub struct Item<'a> {
+    desc: &'a SceneDesc,
+    index: u32,
+}
+
+impl<'a> Item<'a> {
+    /// The word the item starts with.
+    pub fn keyword(&self) -> &'a str {
+        self.text(self.node().keyword)
+    }
+
+    /// Where the keyword stands.
+    pub fn keyword_span(&self) -> Span {
+        self.span_of(self.node().keyword)
+    }
+
+    /// The whole item, with its block.
+    pub fn span(&self) -> Span {
+        self.span_of((self.node().keyword.0, self.node().end))
+    }
+
+    /// The keyword and the values that stand before the block.
+    pub fn head_span(&self) -> Span {
+        let node = self.node();
+        if node.has_block {
+            let end = if node.word.1 > 0 { node.word.1 } else { node.keyword.1 };
+            return self.span_of((node.keyword.0, end));
+        }
+        self.span()
+    }
+
+    /// The word or string after the keyword.
+    pub fn word(&self) -> Option<Word<'a>> {
+        let range = self.node().word;
+        (range.0 < range.1).then(|| Word { raw: self.text(range), span: self.span_of(range) })
+    }
+
+    /// The numbers after the keyword and the word, or first in the block.
+    pub fn numbers(&self) -> impl ExactSizeIterator<Item = (f64, Span)> + use<'a> {
+        let source = self.node().source;
+        self.number_slice().iter().map(move |n| (n.value, Span { source, start: n.start, end: n.end }))
+    }
+
+    /// The values: a word or string, if any, and then the numbers.
+    pub fn values(&self) -> impl Iterator<Item = (Value<'a>, Span)> + use<'a> {
+        let word = self.word().map(|w| (w.value(), w.span));
+        word.into_iter().chain(self.numbers().map(|(value, span)| (Value::Number(value), span)))
+    }
+
+    /// Whether the item has neither value nor block; the parser has reported it.
+    pub fn is_bare(&self) -> bool {
+        let node = self.node();
+        !node.has_block && node.word.1 == 0 && node.numbers.0 == node.numbers.1
+    }
+
+    /// Whether braces follow the values.
+    pub fn has_block(&self) -> bool {
+        self.node().has_block
+    }
+
+    /// The items of the block, in order.
+    pub fn children(&self) -> Items<'a> {
+        Items { desc: self.desc, next: self.index + 1, end: self.node().next }
+    }
+
+    /// The tree the item belongs to.
+    pub fn desc(&self) -> &'a SceneDesc {
+        self.desc
+    }
+
+    /// The name of the file the item stands in.
+    pub fn path(&self) -> &'a str {
+        self.desc.sources.get(self.node().source).path()
+    }
+
+    fn node(&self) -> &'a Node {
+        &self.desc.nodes[self.index as usize]
+    }
+
+    pub(crate) fn number_slice(&self) -> &'a [Number] {
+        let (start, end) = self.node().numbers;
+        &self.desc.numbers[start as usize..end as usize]
+    }
+
+    fn text(&self, range: (u32, u32)) -> &'a str {
+        self.desc.sources.text(self.span_of(range))
+    }
+
+    pub(crate) fn span_of(&self, (start, end): (u32, u32)) -> Span {
+        Span { source: self.node().source, start, end }
+    }
+}
+
+impl std::fmt::Debug for Item<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let values: Vec<_> = self.values().map(|(value, _)| value).collect();
+        f.debug_struct("Item")
+            .field("keyword", &self.keyword())
+            .field("values", &values)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Sibling items in order.
+#[derive(Clone)]
+pub struct Items<'a> {
+    desc: &'a SceneDesc,
+    next: u32,
+    end: u32,
+}
+
+impl<'a> Iterator for Items<'a> {
+    type Item = Item<'a>;
+
+    fn next(&mut self) -> Option<Item<'a>> {
+        if self.next >= self.end {
+            return None;
+        }
+        let item = Item { desc: self.desc, index: self.next };
+        self.next = item.node().next;
+        Some(item)
+    }
+}
+
+/// The word or string after a keyword.
+#[derive(Clone, Copy, Debug)]
+pub struct Word<'a> {
+    /// As written, with quotes and escapes.
+    pub raw: &'a str,
+    /// Where it stands.
+    pub span: Span,
+}
+
+impl<'a> Word<'a> {
+    /// The text meant: without quotes, with `\"` and `\\` resolved.
+    pub fn text(&self) -> Cow<'a, str> {
+        self.value().text().unwrap_or_default()
+    }
+
+    /// As a value.
+    pub fn value(&self) -> Value<'a> {
+        match self.raw.strip_prefix('"') {
+            Some(rest) => Value::String(unescape(rest.strip_suffix('"').unwrap_or(rest))),
+            None => Value::Word(self.raw),
+        }
+    }
+}
+
+/// A value of an item.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value<'a> {
+    /// A finite number.
+    Number(f64),
+    /// A bare word.
+    Word(&'a str),
+    /// A string, unescaped.
+    String(Cow<'a, str>),
+}
+
+impl<'a> Value<'a> {
+    /// The text of a word or string.
+    pub fn text(self) -> Option<Cow<'a, str>> {
+        match self {
+            Value::Number(_) => None,
+            Value::Word(word) => Some(Cow::Borrowed(word)),
+            Value::String(string) => Some(string),
+        }
+    }
+}
+
+fn unescape(inner: &str) -> Cow<'_, str> {
+    if !inner.contains('\\') {
+        return Cow::Borrowed(inner);
+    }
+    let mut out = String::with_capacity(inner.len());
+    let mut chars = inner.chars().peekable();
+    while let Some(c) = chars.next() {
+        let escaped = if c == '\\' { chars.next_if(|next| matches!(next, '"' | '\\')) } else { None };
+        out.push(escaped.unwrap_or(c));
+    }
+    Cow::Owned(out)
+}
