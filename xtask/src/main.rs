@@ -1,2 +1,129 @@
-//! Chores: `cargo xtask`.
-fn main() {}
+//! Chores of the workspace, each one word: `cargo xtask test`.
+
+mod floors;
+mod manifest;
+mod packages;
+mod steps;
+mod words;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use steps::{Cargo, Report};
+
+const HELP: &str = "\
+Usage: cargo xtask <CHORE>
+
+  test             everything a change must pass: format, lints, docs, floors, words, all tests
+  check            the quick part of it: format, lints, floors, words
+  floors           only the floors: which crate and which module may import which
+  words            only the words that no file may hold
+  deep             all tests in release, the slow ones included
+  fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
+  gallery [OUT]    renders both galleries to OUT (out/)";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let root = workspace_root();
+    let mut report = Report::default();
+    match words[..] {
+        ["test"] => test(&root, &mut report),
+        ["check"] => check(&root, &mut report),
+        ["floors"] => floors(&root, &mut report),
+        ["words"] => no_banned_words(&root, &mut report),
+        ["deep"] => deep(&root, &mut report),
+        ["fuzz"] => fuzz(&root, &mut report, 60),
+        ["fuzz", seconds] => match seconds.parse() {
+            Ok(seconds) => fuzz(&root, &mut report, seconds),
+            Err(_) => return usage(&format!("`{seconds}` is not a number of seconds")),
+        },
+        ["gallery"] => gallery(&root, &mut report, Path::new("out")),
+        ["gallery", out] => gallery(&root, &mut report, Path::new(out)),
+        [] | ["help" | "--help" | "-h"] => {
+            println!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        _ => return usage(&format!("there is no chore `{}`", words.join(" "))),
+    }
+    report.print();
+    if report.failed() { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+fn usage(complaint: &str) -> ExitCode {
+    eprintln!("{complaint}\n\n{HELP}");
+    ExitCode::from(2)
+}
+
+/// The folder above this crate.
+fn workspace_root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_path_buf()
+}
+
+fn test(root: &Path, report: &mut Report) {
+    packages::provide(report);
+    check(root, report);
+    report.run(
+        "documentation",
+        Cargo::new(root, "doc --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"),
+    );
+    if steps::has_cargo_command("nextest") {
+        report.run("tests", Cargo::new(root, "nextest run --workspace"));
+        report.run("examples in the documentation", Cargo::new(root, "test --workspace --doc"));
+    } else {
+        report.run("tests", Cargo::new(root, "test --workspace"));
+    }
+    if !root.join("../shared/course").is_dir() {
+        report.skip("course set", "the course's files are not at ../shared/course");
+    }
+    report.skip("slow tests", "run `cargo xtask deep` for them");
+}
+
+fn check(root: &Path, report: &mut Report) {
+    floors(root, report);
+    no_banned_words(root, report);
+    report.run("format", Cargo::new(root, "fmt --all --check"));
+    report.run("lints", Cargo::new(root, "clippy --workspace --all-targets -- -D warnings"));
+}
+
+fn floors(root: &Path, report: &mut Report) {
+    report.add("floors", floors::check(root));
+}
+
+fn no_banned_words(root: &Path, report: &mut Report) {
+    report.add("words", words::check(root));
+}
+
+fn deep(root: &Path, report: &mut Report) {
+    packages::provide(report);
+    report.run("all tests in release", Cargo::new(root, "test --workspace --release -- --include-ignored"));
+}
+
+fn fuzz(root: &Path, report: &mut Report, seconds: u64) {
+    if !steps::has_cargo_command("fuzz") {
+        return report.skip("fuzzing", "cargo-fuzz is not installed: `cargo install cargo-fuzz`");
+    }
+    if !steps::has_nightly() {
+        return report.skip("fuzzing", "it needs a nightly compiler: `rustup toolchain install nightly`");
+    }
+    match manifest::binaries(&root.join("fuzz/Cargo.toml")) {
+        Ok(targets) => {
+            for target in targets {
+                let line = format!("fuzz run {target} -- -max_total_time={seconds}");
+                report.run(&format!("fuzz {target}"), Cargo::new(root, &line).toolchain("nightly"));
+            }
+        }
+        Err(problem) => report.add("fuzzing", Err(vec![problem])),
+    }
+}
+
+fn gallery(root: &Path, report: &mut Report, out: &Path) {
+    let render = |name: &str| {
+        let manifest = format!("scenes/{name}/manifest.txt");
+        let cargo = Cargo::new(root, "run --release --quiet --package kajo-cli -- gallery");
+        cargo.argument(&manifest).argument(out.join(name))
+    };
+    report.run("classic gallery", render("classic"));
+    report.run("gallery", render("gallery"));
+}
