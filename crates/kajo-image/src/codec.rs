@@ -1,0 +1,293 @@
+//! Picture files: which format a name or a file's first bytes mean, and the way there.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::io::Cursor;
+
+use ::image::codecs::{hdr::HdrEncoder, pnm, tga::TgaEncoder};
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Rgb};
+
+use crate::exr::{ExrLayer, ExrPicture};
+use crate::{BitDepth, DecodeLimits, Image, ImageError, Quantiser, exr, pfm, png};
+
+/// A picture file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Portable Network Graphics, 8 or 16 bits.
+    Png,
+    /// OpenEXR, floats.
+    Exr,
+    /// Truevision TGA, 8 bits.
+    Tga,
+    /// Portable pixmap or greymap, 8 bits when written.
+    Ppm,
+    /// Portable float map.
+    Pfm,
+    /// Radiance HDR: three mantissas of 8 bits with one exponent.
+    Hdr,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 6] = [Self::Png, Self::Exr, Self::Tga, Self::Ppm, Self::Pfm, Self::Hdr];
+
+    /// The format of files that end in `.extension`, in any case.
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        Some(match extension.to_ascii_lowercase().as_str() {
+            "png" => Self::Png,
+            "exr" => Self::Exr,
+            "tga" => Self::Tga,
+            "ppm" | "pgm" | "pbm" | "pnm" => Self::Ppm,
+            "pfm" => Self::Pfm,
+            "hdr" | "pic" | "rgbe" => Self::Hdr,
+            _ => return None,
+        })
+    }
+
+    /// The usual ending of such files.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Exr => "exr",
+            Self::Tga => "tga",
+            Self::Ppm => "ppm",
+            Self::Pfm => "pfm",
+            Self::Hdr => "hdr",
+        }
+    }
+
+    /// The format a file's first bytes name. TGA has no such bytes.
+    pub fn from_magic(bytes: &[u8]) -> Option<Self> {
+        Some(match bytes {
+            [0x89, b'P', b'N', b'G', ..] => Self::Png,
+            [0x76, 0x2f, 0x31, 0x01, ..] => Self::Exr,
+            [b'#', b'?', ..] => Self::Hdr,
+            [b'P', b'F' | b'f', ..] => Self::Pfm,
+            [b'P', b'1'..=b'7', ..] => Self::Ppm,
+            _ => return None,
+        })
+    }
+
+    /// Whether the file holds floats, linear and unclamped, rather than numbers for a screen.
+    pub fn is_float(self) -> bool {
+        matches!(self, Self::Exr | Self::Pfm | Self::Hdr)
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Png => "PNG",
+            Self::Exr => "OpenEXR",
+            Self::Tga => "TGA",
+            Self::Ppm => "PPM",
+            Self::Pfm => "PFM",
+            Self::Hdr => "Radiance HDR",
+        })
+    }
+}
+
+/// How a picture is written. Formats take from it what they can hold: float formats ignore
+/// the quantiser, only PNG has 16 bits, only PNG and OpenEXR have text.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct EncodeOptions {
+    /// Bits per sample in PNG.
+    pub depth: BitDepth,
+    /// From floats to whole numbers.
+    pub quantiser: Quantiser,
+    /// Write red, green, blue and an alpha of 1, whatever channels the picture has; this
+    /// is what the classic ray tracer writes. For PNG and TGA.
+    pub opaque_alpha: bool,
+    /// Remarks: keyword and text.
+    pub text: Vec<(String, String)>,
+}
+
+impl EncodeOptions {
+    /// The stored numbers of `image`, in its own order; alpha takes no curve.
+    pub(crate) fn quantise(&self, image: &Image) -> Vec<u16> {
+        let channels = image.channels();
+        let colours = if channels.is_multiple_of(2) { channels - 1 } else { channels };
+        let mut samples = Vec::with_capacity(image.data().len());
+        for pixel in image.pixels() {
+            let (colour, alpha) = pixel.split_at(colours);
+            samples.extend(colour.iter().map(|&v| self.quantiser.colour(v, self.depth)));
+            samples.extend(alpha.iter().map(|&v| self.quantiser.linear(v, self.depth)));
+        }
+        samples
+    }
+
+    fn bytes(&self, image: &Image) -> Vec<u8> {
+        let eight = Self { depth: BitDepth::Eight, ..self.clone() };
+        eight.quantise(image).iter().map(|&v| v as u8).collect()
+    }
+}
+
+/// A picture read from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decoded {
+    /// What the file was.
+    pub format: Format,
+    /// The numbers as stored: whole numbers divided by their maximum, floats as they are.
+    /// Of an OpenEXR file, the picture a viewer would show.
+    pub image: Image,
+    /// Bits per sample in the file; `None` for floats.
+    pub depth: Option<BitDepth>,
+    /// Remarks: keyword and text.
+    pub text: Vec<(String, String)>,
+}
+
+/// The bytes of a picture file.
+///
+/// # Errors
+/// [`ImageError::Parameter`] when the format cannot hold the picture or the text.
+pub fn encode(image: &Image, format: Format, options: &EncodeOptions) -> Result<Vec<u8>, ImageError> {
+    match format {
+        Format::Png => png::encode(&*opaque(image, options)?, options),
+        Format::Exr => exr::encode(ExrPicture {
+            width: image.width(),
+            height: image.height(),
+            layers: vec![ExrLayer::from_image(None, image)],
+            attributes: options.text.clone(),
+        }),
+        Format::Tga => encode_tga(&*opaque(image, options)?, options),
+        Format::Ppm => encode_ppm(image, options),
+        Format::Pfm => pfm::encode(image),
+        Format::Hdr => encode_hdr(image),
+    }
+}
+
+/// Reads a picture of any format this crate knows, by its first bytes.
+///
+/// `hint` is the format its name suggests; it decides only where the bytes do not, which
+/// is for TGA.
+///
+/// # Errors
+/// [`ImageError::UnknownFormat`], [`ImageError::Malformed`], [`ImageError::Unsupported`]
+/// and [`ImageError::Limit`].
+pub fn decode(bytes: &[u8], hint: Option<Format>, limits: &DecodeLimits) -> Result<Decoded, ImageError> {
+    let format = Format::from_magic(bytes).or(hint).ok_or(ImageError::UnknownFormat)?;
+    match format {
+        Format::Png => png::decode(bytes, limits),
+        Format::Pfm => pfm::decode(bytes, limits),
+        Format::Exr => {
+            let picture = exr::decode(bytes, limits)?;
+            Ok(Decoded { format, image: picture.main_image()?, depth: None, text: picture.attributes })
+        }
+        Format::Tga => decode_with(bytes, format, ::image::ImageFormat::Tga, limits),
+        Format::Ppm => decode_with(bytes, format, ::image::ImageFormat::Pnm, limits),
+        Format::Hdr => decode_with(bytes, format, ::image::ImageFormat::Hdr, limits),
+    }
+}
+
+fn opaque<'a>(image: &'a Image, options: &EncodeOptions) -> Result<Cow<'a, Image>, ImageError> {
+    if !options.opaque_alpha {
+        return Ok(Cow::Borrowed(image));
+    }
+    // Through three channels, so that an alpha the picture has is replaced.
+    Ok(Cow::Owned(image.with_channels(3)?.with_channels(4)?))
+}
+
+fn encode_tga(image: &Image, options: &EncodeOptions) -> Result<Vec<u8>, ImageError> {
+    let colour = match image.channels() {
+        1 => ExtendedColorType::L8,
+        2 => ExtendedColorType::La8,
+        3 => ExtendedColorType::Rgb8,
+        _ => ExtendedColorType::Rgba8,
+    };
+    let mut bytes = Vec::new();
+    TgaEncoder::new(&mut bytes)
+        .write_image(&options.bytes(image), image.width(), image.height(), colour)
+        .map_err(ImageError::parameter)?;
+    Ok(bytes)
+}
+
+fn encode_ppm(image: &Image, options: &EncodeOptions) -> Result<Vec<u8>, ImageError> {
+    let binary = pnm::SampleEncoding::Binary;
+    let (channels, subtype, colour) = if image.channels() < 3 {
+        (1, pnm::PnmSubtype::Graymap(binary), ExtendedColorType::L8)
+    } else {
+        (3, pnm::PnmSubtype::Pixmap(binary), ExtendedColorType::Rgb8)
+    };
+    let samples = options.bytes(&image.with_channels(channels)?);
+    let mut bytes = Vec::new();
+    pnm::PnmEncoder::new(&mut bytes)
+        .with_subtype(subtype)
+        .write_image(&samples, image.width(), image.height(), colour)
+        .map_err(ImageError::parameter)?;
+    Ok(bytes)
+}
+
+fn encode_hdr(image: &Image) -> Result<Vec<u8>, ImageError> {
+    // The format has no sign, no infinity and no NaN.
+    let pixels: Vec<_> = image.rgb_pixels().map(|p| Rgb(p.map(|v| v.clamp(0.0, HDR_MAX).max(0.0)))).collect();
+    let mut bytes = Vec::new();
+    HdrEncoder::new(&mut bytes)
+        .encode(&pixels, image.width() as usize, image.height() as usize)
+        .map_err(ImageError::parameter)?;
+    Ok(bytes)
+}
+
+/// A little below 2¹²⁷, the largest power of two the shared exponent can hold.
+const HDR_MAX: f32 = 1e38;
+
+/// Reads with a decoder of the `image` crate.
+fn decode_with(
+    bytes: &[u8],
+    format: Format,
+    decoder: ::image::ImageFormat,
+    limits: &DecodeLimits,
+) -> Result<Decoded, ImageError> {
+    let error = |error| by_fault(format, limits, error);
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), decoder);
+    let mut bounds = ::image::Limits::no_limits();
+    bounds.max_alloc = Some(limits.max_bytes);
+    reader.limits(bounds);
+    let decoder = reader.into_decoder().map_err(error)?;
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        return Err(ImageError::malformed(format, "a picture without pixels"));
+    }
+    let colour = decoder.color_type();
+    let channels = u64::from(colour.channel_count());
+    limits.check(width.into(), height.into(), u64::from(colour.bytes_per_pixel()) + 4 * channels)?;
+
+    let pixels = DynamicImage::from_decoder(decoder).map_err(error)?;
+    let (data, depth) =
+        floats(pixels).ok_or_else(|| ImageError::unsupported(format, "an unknown kind of pixel"))?;
+    let image = Image::from_data(width, height, channels as usize, data)?;
+    Ok(Decoded { format, image, depth, text: Vec::new() })
+}
+
+/// The samples in the decoder's order; `None` for kinds of pixel the crate may add one day.
+fn floats(pixels: DynamicImage) -> Option<(Vec<f32>, Option<BitDepth>)> {
+    use DynamicImage as D;
+    let eight = |v: Vec<u8>| (v.into_iter().map(|v| f32::from(v) / 255.0).collect(), Some(BitDepth::Eight));
+    let sixteen =
+        |v: Vec<u16>| (v.into_iter().map(|v| f32::from(v) / 65535.0).collect(), Some(BitDepth::Sixteen));
+    Some(match pixels {
+        D::ImageLuma8(p) => eight(p.into_raw()),
+        D::ImageLumaA8(p) => eight(p.into_raw()),
+        D::ImageRgb8(p) => eight(p.into_raw()),
+        D::ImageRgba8(p) => eight(p.into_raw()),
+        D::ImageLuma16(p) => sixteen(p.into_raw()),
+        D::ImageLumaA16(p) => sixteen(p.into_raw()),
+        D::ImageRgb16(p) => sixteen(p.into_raw()),
+        D::ImageRgba16(p) => sixteen(p.into_raw()),
+        D::ImageRgb32F(p) => (p.into_raw(), None),
+        D::ImageRgba32F(p) => (p.into_raw(), None),
+        _ => return None,
+    })
+}
+
+fn by_fault(format: Format, limits: &DecodeLimits, error: ::image::ImageError) -> ImageError {
+    use ::image::ImageError as E;
+    match error {
+        E::Unsupported(e) => ImageError::unsupported(format, e),
+        // The crate does not say by how much.
+        E::Limits(_) => {
+            let limit = limits.max_bytes;
+            ImageError::Limit { what: "memory in bytes", needed: limit.saturating_add(1), limit }
+        }
+        other => ImageError::malformed(format, other),
+    }
+}

@@ -1,0 +1,140 @@
+use super::*;
+use crate::{DecodeLimits, EncodeOptions, Format};
+
+fn ramp(n: usize) -> Vec<f32> {
+    (0..n).map(|i| i as f32 * 0.25 - 1.0).collect()
+}
+
+/// Every kind of channel, a name for every habit, and values no other format keeps.
+fn render() -> ExrPicture {
+    let (width, height) = (9, 37);
+    let n = (width * height) as usize;
+    let f32s = |name: &str, scale: f32| {
+        (name.to_owned(), ChannelData::F32(ramp(n).into_iter().map(|v| v * scale).collect()))
+    };
+    let mut depth = ramp(n);
+    depth[0] = f32::INFINITY;
+    depth[1] = f32::MIN_POSITIVE / 2.0;
+    ExrPicture {
+        width,
+        height,
+        layers: vec![
+            ExrLayer {
+                name: None,
+                channels: vec![
+                    f32s("A", 1.0),
+                    f32s("B", 2.0),
+                    f32s("G", 3.0),
+                    f32s("R", 4.0),
+                    ("Z".into(), ChannelData::F32(depth)),
+                ],
+            },
+            ExrLayer {
+                name: Some("N".into()),
+                channels: vec![f32s("X", 1.0), f32s("Y", 2.0), f32s("Z", 3.0)],
+            },
+            ExrLayer {
+                name: Some("light.key".into()),
+                channels: vec![("B".into(), ChannelData::F16(ramp(n)))],
+            },
+            ExrLayer {
+                name: Some("objectId".into()),
+                channels: vec![(
+                    "id".into(),
+                    ChannelData::U32((0..n as u32).map(|i| u32::MAX - i).collect()),
+                )],
+            },
+        ],
+        attributes: [("comments", "Kúla"), ("kajo/scene", "a.txt"), ("kajo/spp", "64"), ("software", "kajo")]
+            .map(|(k, v)| (k.to_owned(), v.to_owned()))
+            .to_vec(),
+    }
+}
+
+#[test]
+fn every_layer_channel_and_remark_round_trips() {
+    let bytes = encode(render()).unwrap();
+    assert_eq!(decode(&bytes, &DecodeLimits::default()).unwrap(), render());
+}
+
+#[test]
+fn the_same_picture_gives_the_same_bytes() {
+    let first = encode(render()).unwrap();
+    // Every map of the underlying crate has its own seed, so eight runs would differ.
+    for _ in 0..8 {
+        assert!(encode(render()).unwrap() == first);
+    }
+}
+
+#[test]
+fn long_names_are_kept() {
+    let mut picture = render();
+    picture.layers[1].name = Some("n".repeat(200));
+    let bytes = encode(picture).unwrap();
+    assert!(decode(&bytes, &DecodeLimits::default()).unwrap().layer(Some(&"n".repeat(200))).is_some());
+}
+
+#[test]
+fn contradictions_are_refused() {
+    let refused = |change: fn(&mut ExrPicture)| {
+        let mut picture = render();
+        change(&mut picture);
+        matches!(encode(picture), Err(ImageError::Parameter(_)))
+    };
+    assert!(refused(|p| p.width = 0));
+    assert!(refused(|p| p.height += 1));
+    assert!(refused(|p| p.layers.clear()));
+    assert!(refused(|p| p.layers[1].name = Some(String::new())));
+    assert!(refused(|p| p.layers[1].name = Some("n".repeat(300))));
+    assert!(refused(|p| p.layers[1].name = Some("a\0b".into())));
+    assert!(refused(|p| p.layers[0].channels[0].0 = String::new()));
+    assert!(refused(|p| p.layers[0].channels[0].0 = "R".into()));
+    assert!(refused(|p| p.attributes[0].0 = String::new()));
+    assert!(!refused(|_| ()));
+}
+
+#[test]
+fn the_main_picture_is_colour_with_alpha() {
+    let image = render().main_image().unwrap();
+    assert_eq!(image.channels(), 4);
+    assert_eq!(image.pixel(1, 0), [-3.0, -2.25, -1.5, -0.75]);
+}
+
+#[test]
+fn layers_of_every_shape_become_pictures() {
+    let channels = |names: &[&str]| {
+        let layer = ExrLayer {
+            name: None,
+            channels: names.iter().map(|&n| (n.to_owned(), ChannelData::U32(vec![7]))).collect(),
+        };
+        layer.to_image(1, 1).map(|image| image.channels())
+    };
+    assert_eq!(channels(&["Y"]), Ok(1));
+    assert_eq!(channels(&["A", "Y"]), Ok(2));
+    assert_eq!(channels(&["B", "G", "R", "Z"]), Ok(3));
+    assert_eq!(channels(&["X", "Y", "Z"]), Ok(3), "not luminance");
+    assert_eq!(channels(&["U", "V"]), Ok(1));
+    assert_eq!(channels(&["a", "b", "c", "d"]), Ok(3));
+    assert!(channels(&[]).is_err());
+    assert!(render().layers[0].to_image(9, 36).is_err());
+}
+
+#[test]
+fn images_round_trip_through_the_common_entry() {
+    let image = Image::from_fn(5, 3, |x, y| [x as f32, y as f32, -0.5]).unwrap();
+    let options = EncodeOptions { text: vec![("software".into(), "kajo".into())], ..Default::default() };
+    let bytes = crate::encode(&image, Format::Exr, &options).unwrap();
+    let decoded = crate::decode(&bytes, None, &DecodeLimits::default()).unwrap();
+    assert_eq!(decoded.image, image);
+    assert_eq!(decoded.text, options.text);
+}
+
+#[test]
+fn limits_count_every_channel() {
+    let bytes = encode(render()).unwrap();
+    let pixels = 9 * 37;
+    let needed = pixels * 10 * 8;
+    assert!(decode(&bytes, &DecodeLimits { max_bytes: needed, ..Default::default() }).is_ok());
+    let short = decode(&bytes, &DecodeLimits { max_bytes: needed - 1, ..Default::default() });
+    assert!(matches!(short, Err(ImageError::Limit { what: "memory in bytes", .. })), "{short:?}");
+}
