@@ -25,7 +25,7 @@ FACES = {
     "right": lambda u, v: (1, v, u),
     "left": lambda u, v: (-1, v, -u),
     "up": lambda u, v: (u, 1, v),
-    "down": lambda u, v: (u, -1, v),
+    "down": lambda u, v: (u, -1, -v),
     "front": lambda u, v: (-u, v, 1),
     "back": lambda u, v: (u, v, -1),
 }
