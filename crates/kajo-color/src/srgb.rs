@@ -23,6 +23,6 @@ mod tests {
             assert!((decode(encode(x)) - x).abs() < 1e-6, "{x}");
         }
         assert!((encode(0.214_041_14) - 0.5).abs() < 1e-6);
-        assert_eq!((encode(0.0), encode(1.0)), (0.0, 1.0));
+        assert!(encode(0.0) == 0.0 && (encode(1.0) - 1.0).abs() < 1e-6);
     }
 }

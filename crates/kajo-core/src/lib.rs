@@ -1,1 +1,23 @@
-//! The compiled scene of kajo and everything evaluated along a ray.
+//! The compiled scene and everything evaluated along a ray.
+//!
+//! [`compile::compile`] turns the tree of a scene text into a [`Scene`]: typed pools, 32-bit handles and
+//! a tree of bounds. Nothing here opens a file, starts a thread or prints.
+
+pub mod background;
+pub mod bsdf;
+pub mod camera;
+pub mod compile;
+mod family;
+pub mod interaction;
+pub mod light;
+pub mod material;
+pub mod medium;
+pub mod sampler;
+pub mod scene;
+pub mod settings;
+pub mod shape;
+pub mod texture;
+
+pub use family::Pooled;
+pub use interaction::RayOffset;
+pub use scene::{Event, Interaction, Scene};

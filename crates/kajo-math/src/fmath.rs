@@ -100,6 +100,24 @@ pub fn tan64(x: f64) -> f64 {
     libm::tan(x)
 }
 
+/// Arc sine in double precision.
+#[inline]
+pub fn asin64(x: f64) -> f64 {
+    libm::asin(x)
+}
+
+/// `e` to the power `x` in double precision.
+#[inline]
+pub fn exp64(x: f64) -> f64 {
+    libm::exp(x)
+}
+
+/// `e^x - 1` in double precision, accurate near zero.
+#[inline]
+pub fn exp_m1_64(x: f64) -> f64 {
+    libm::expm1(x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,115 @@
+//! What rays see that hit nothing.
+//!
+//! Either one colour or a cube map: six square pictures around the scene, right and left
+//! (+x, -x), up and down (+y, -y), front and back (+z, -z), looked up bilinearly.
+//!
+//! Scene: `Background { color 0.2 0.3 0.5  ambientLight 0.1 0.1 0.1  cubeMap sky }`
+
+use kajo_color::Spectrum;
+use kajo_image::Image;
+use kajo_math::Vec3;
+
+/// File names of the six pictures of a cube map, in the order of [`CubeMap::new`].
+pub const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
+
+/// The surroundings of a scene.
+#[derive(Debug)]
+pub enum Background {
+    /// The same in all directions.
+    Constant(Spectrum),
+    /// A picture in every direction.
+    CubeMap(CubeMap),
+}
+
+impl Background {
+    /// Radiance from the direction `d`, not necessarily of unit length.
+    #[inline]
+    pub fn radiance(&self, d: Vec3) -> Spectrum {
+        match self {
+            Background::Constant(color) => *color,
+            Background::CubeMap(map) => map.radiance(d),
+        }
+    }
+}
+
+/// Six pictures around the scene.
+#[derive(Debug)]
+pub struct CubeMap {
+    faces: [Image; 6],
+}
+
+impl CubeMap {
+    /// A cube map of the faces right, left, up, down, front, back, each with at least one channel.
+    pub fn new(faces: [Image; 6]) -> CubeMap {
+        CubeMap { faces }
+    }
+
+    /// Which picture shows the direction, and where: `u` to the right and `v` upward, in [0, 1].
+    fn place(d: Vec3) -> (usize, f32, f32) {
+        let a = d.abs();
+        let unit = |v: f32| 0.5 * (v + 1.0);
+        if a.x >= a.y && a.x >= a.z {
+            let (u, v) = (unit(d.z / d.x), unit(d.y / d.x));
+            if d.x > 0.0 { (0, u, v) } else { (1, u, 1.0 - v) }
+        } else if a.y >= a.z {
+            let (u, v) = (unit(d.x / d.y), unit(d.z / d.y));
+            if d.y > 0.0 { (2, u, v) } else { (3, 1.0 - u, v) }
+        } else {
+            let (u, v) = (unit(d.x / d.z), unit(d.y / d.z));
+            if d.z > 0.0 { (4, 1.0 - u, v) } else { (5, 1.0 - u, 1.0 - v) }
+        }
+    }
+
+    fn radiance(&self, d: Vec3) -> Spectrum {
+        let (face, u, v) = CubeMap::place(d);
+        bilinear(&self.faces[face], u, v)
+    }
+}
+
+/// The picture's colour between its four nearest pixels; borders are continued.
+fn bilinear(image: &Image, u: f32, v: f32) -> Spectrum {
+    let split = |at: f32, n: u32| {
+        let x = (at * n as f32 - 0.5).clamp(0.0, (n - 1) as f32);
+        let low = x.floor();
+        (low as u32, (low as u32 + 1).min(n - 1), x - low)
+    };
+    let (x0, x1, s) = split(u, image.width());
+    let (y0, y1, t) = split(1.0 - v, image.height());
+    let pixel = |x, y| Spectrum::from(Vec3::from(image.rgb(x, y)));
+    pixel(x0, y0).lerp(pixel(x1, y0), s).lerp(pixel(x0, y1).lerp(pixel(x1, y1), s), t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Faces that show their own number and agree along no edge.
+    fn numbered() -> CubeMap {
+        CubeMap::new(std::array::from_fn(|i| Image::filled(2, 2, &[i as f32, 0.0, 0.0]).unwrap()))
+    }
+
+    #[test]
+    fn axes_look_at_their_faces() {
+        let map = numbered();
+        let axes = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+        for (i, d) in axes.into_iter().enumerate() {
+            assert_eq!(map.radiance(3.0 * d)[0], i as f32);
+        }
+    }
+
+    #[test]
+    fn places_within_faces_follow_the_table() {
+        let (eps, mid) = (1e-6, 0.75);
+        for (d, face, u, v) in [
+            (Vec3::new(1.0, 0.5, 0.5), 0, mid, mid),
+            (Vec3::new(-1.0, 0.5, 0.5), 1, 1.0 - mid, mid),
+            (Vec3::new(0.5, 1.0, 0.5), 2, mid, mid),
+            (Vec3::new(0.5, -1.0, 0.5), 3, mid, 1.0 - mid),
+            (Vec3::new(0.5, 0.5, 1.0), 4, 1.0 - mid, mid),
+            (Vec3::new(0.5, 0.5, -1.0), 5, mid, mid),
+        ] {
+            let (f, a, b) = CubeMap::place(d);
+            assert!(f == face && (a - u).abs() < eps && (b - v).abs() < eps, "{d}: {f} {a} {b}");
+        }
+    }
+}

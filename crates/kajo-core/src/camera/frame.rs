@@ -1,0 +1,33 @@
+//! The position and axes of a camera.
+
+use kajo_math::DVec3;
+
+/// Where a camera stands and what it calls right, up and forward.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// World-space position.
+    pub center: DVec3,
+    /// Unit vector to the right, or zero when up and direction are parallel.
+    pub right: DVec3,
+    /// Unit vector up, perpendicular to the direction unless given raw.
+    pub up: DVec3,
+    /// Unit vector forward.
+    pub forward: DVec3,
+}
+
+impl Frame {
+    /// The frame that looks along `direction` with `up` as near to up as possible.
+    ///
+    /// `right = direction x up` and `up' = right x direction`, each normalised. Degenerate
+    /// input gives zero axes, and so the centre ray everywhere, as in the reference program.
+    pub fn new(center: DVec3, direction: DVec3, up: DVec3) -> Frame {
+        let forward = direction.normalize_or_zero();
+        let right = forward.cross(up).normalize_or_zero();
+        Frame { center, right, up: right.cross(forward).normalize_or_zero(), forward }
+    }
+
+    /// The same frame with `up` taken as it stands, which the `mit-a2` programs do.
+    pub fn with_raw_up(self, up: DVec3) -> Frame {
+        Frame { up, ..self }
+    }
+}

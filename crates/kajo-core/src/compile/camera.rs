@@ -1,0 +1,75 @@
+//! Camera blocks.
+
+use kajo_math::DVec3;
+use kajo_scene::{Args, Diagnostic, Item, Params};
+
+use super::Compiler;
+use crate::camera::{
+    Camera, EyePair, Frame, OrthographicCamera, PanoramaCamera, PerspectiveCamera, Stereo,
+    StereoCubemapCamera,
+};
+
+/// Words that make a camera.
+pub(super) const KEYWORDS: [&str; 4] =
+    ["OrthographicCamera", "PanoramaCamera", "PerspectiveCamera", "StereoCubemapCamera"];
+
+/// Distance between a grown person's eyes in metres.
+const EYE_SEPARATION: f32 = 0.065;
+
+impl Compiler<'_> {
+    /// The camera of the scene: the last of several. One must be there when there is something to see.
+    pub(super) fn camera(&mut self, items: &[Item<'_>], needed: bool) -> Option<Camera> {
+        for pair in items.windows(2) {
+            let warning = Diagnostic::warning("the scene has several cameras; the last one counts");
+            let earlier = "this one has no effect";
+            self.diagnostics
+                .push(warning.label(pair[1].keyword_span(), "").label(pair[0].keyword_span(), earlier));
+        }
+        let Some(&item) = items.last() else {
+            if needed {
+                let help = "add, for instance, `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
+                self.diagnostics.push(Diagnostic::error("the scene has no camera").help(help));
+            }
+            let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+            return Some(Camera::Orthographic(OrthographicCamera { frame, size: 2.0 }));
+        };
+        let raw_up = self.rules.raw_up;
+        self.read(item, |params| {
+            params.later(&["aperture", "focus", "shutter"]);
+            let frame = frame(params, raw_up);
+            let eyes = |params: &mut Params<'_, '_>| {
+                let separation = params.or("eyeSeparation", EYE_SEPARATION, |a| a.number_in(0.0..));
+                EyePair { separation: separation.into() }
+            };
+            Some(match item.keyword() {
+                "OrthographicCamera" => {
+                    let size = params.required("size", Args::number);
+                    Camera::Orthographic(OrthographicCamera { frame: frame?, size: size?.into() })
+                }
+                "PerspectiveCamera" => {
+                    let angle = params.required("angle", Args::number);
+                    Camera::Perspective(PerspectiveCamera::new(frame?, f64::from(angle?).to_radians()))
+                }
+                "PanoramaCamera" => {
+                    let eyes = eyes(params);
+                    let stereo = params
+                        .or("stereo", false, |a| a.choice(&[("none", false), ("omnidirectional", true)]));
+                    Camera::Panorama(PanoramaCamera { frame: frame?, eyes: stereo.then_some(eyes) })
+                }
+                _ => {
+                    let kinds = [("twin", Stereo::Twin), ("omnidirectional", Stereo::Omnidirectional)];
+                    let eyes = eyes(params);
+                    let stereo = params.or("stereo", Stereo::Twin, |a| a.choice(&kinds));
+                    Camera::StereoCubemap(StereoCubemapCamera { frame: frame?, eyes, stereo })
+                }
+            })
+        })
+    }
+}
+
+fn frame(params: &mut Params<'_, '_>, raw_up: bool) -> Option<Frame> {
+    let [center, direction, up] = ["center", "direction", "up"].map(|key| params.required(key, Args::vec3));
+    let (center, direction, up) = (center?.as_dvec3(), direction?.as_dvec3(), up?.as_dvec3());
+    let frame = Frame::new(center, direction, up);
+    Some(if raw_up { frame.with_raw_up(up) } else { frame })
+}

@@ -1,0 +1,290 @@
+//! The `Materials` block.
+//!
+//! Materials are numbered from 0 in the order of the text and may have names. Blends refer to
+//! others by number or name, earlier or later ones; a blend that leads back to itself is refused,
+//! and so is a tower of blends that would take more than [`MAX_PARTS`] evaluations a hit.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use kajo_color::Spectrum;
+use kajo_math::Affine3A;
+use kajo_scene::{Args, Diagnostic, Item, Params, Span, nearest};
+
+use super::{Compiler, transform};
+use crate::bsdf::Phong;
+use crate::family::Pooled;
+use crate::material::{Blend, MaterialId};
+use crate::texture::{Checker, Marble, Noise, TextureId, Wood};
+
+const KEYWORDS: [&str; 6] = ["Checkerboard", "Marble", "Material", "Noise", "PhongMaterial", "Wood"];
+
+/// The most materials that one hit may have to evaluate.
+const MAX_PARTS: u32 = 1024;
+
+/// Absorption that lets nothing through.
+const OPAQUE: f32 = 1e30;
+
+/// A material as it is written, before its references are followed.
+enum Draft<'t> {
+    Phong(Phong),
+    Blend { pattern: TextureId, pattern_from_world: Affine3A, parts: [Reference<'t>; 2], place: Span },
+}
+
+/// Another material, by number or name.
+#[derive(Clone)]
+pub(super) enum Reference<'t> {
+    Number(usize, Span),
+    Name(Cow<'t, str>, Span),
+}
+
+impl<'t> Reference<'t> {
+    /// The value of a `MaterialIndex`.
+    pub(super) fn read(args: &mut Args<'t>) -> Result<Reference<'t>, Diagnostic> {
+        let place = args.item().head_span();
+        if args.is_word() {
+            return Ok(Reference::Name(args.text()?, place));
+        }
+        Ok(Reference::Number(args.int_in(0..=i64::from(u32::MAX))? as usize, place))
+    }
+}
+
+/// How far the resolution of a draft has come.
+#[derive(Clone, Copy)]
+enum State {
+    Untouched,
+    /// Its parts are being resolved.
+    Open,
+    /// Done, with the number of materials that a hit evaluates.
+    Done(MaterialId, u32),
+    /// Failed, which has been reported.
+    Failed,
+}
+
+impl Compiler<'_> {
+    pub(super) fn materials(&mut self, item: Item<'_>) {
+        let mut params = Params::new(item, self.diagnostics);
+        let count = params.block("numMaterials");
+        let items = params.take(&KEYWORDS);
+        params.finish();
+        self.check_count("numMaterials", count, items.len(), "materials");
+
+        let mut names = HashMap::new();
+        let mut drafts = Vec::with_capacity(items.len());
+        for (i, &item) in items.iter().enumerate() {
+            let name = item.word().map(|word| word.text().into_owned());
+            if let Some(name) = &name
+                && names.insert(name.clone(), i).is_some()
+            {
+                let error = Diagnostic::error(format!("there are two materials named `{name}`"));
+                self.diagnostics.push(error.label(item.head_span(), "the second one"));
+            }
+            drafts.push((self.draft(item), name));
+        }
+        let mut states = vec![State::Untouched; drafts.len()];
+        for i in 0..drafts.len() {
+            if let State::Done(id, _) = self.resolve(i, &drafts, &names, &mut states) {
+                let name = drafts[i].1.clone();
+                self.material_names.extend(name.clone().map(|name| (name, id)));
+                self.material_list.push((id, name));
+            }
+        }
+    }
+
+    /// The material that a `MaterialIndex` means; an unknown one is reported.
+    pub(super) fn material(&mut self, reference: &Reference<'_>) -> Option<MaterialId> {
+        match reference {
+            Reference::Number(i, place) => {
+                let found = self.material_list.get(*i).map(|&(id, _)| id);
+                self.report_missing(found, reference, self.material_list.len(), *place, None)
+            }
+            Reference::Name(name, place) => {
+                let found = self.material_names.get(&**name).copied();
+                let near = nearest(name, self.material_names.keys().map(String::as_str)).map(str::to_owned);
+                self.report_missing(found, reference, self.material_list.len(), *place, near)
+            }
+        }
+    }
+
+    fn draft<'t>(&mut self, item: Item<'t>) -> Option<Draft<'t>> {
+        let keyword = item.keyword();
+        if let "Material" | "PhongMaterial" = keyword {
+            let reflects_specular = self.rules.reflects_specular;
+            return self.read(item, |params| Some(Draft::Phong(read_phong(params, reflects_specular))));
+        }
+        let by_rows = self.rules.matrix_by_rows;
+        let mut params = Params::new(item, self.diagnostics);
+        params.name();
+        let transform = params.block("Transform");
+        let parts = params.take(&["materialIndex"]);
+        let shape = (keyword != "Checkerboard").then(|| Turbulence::read(&mut params, keyword));
+        params.finish();
+        let parts: Vec<_> = parts
+            .into_iter()
+            .filter_map(|part| Args::read(part, self.diagnostics, Reference::read))
+            .collect();
+        let pattern_from_world = transform
+            .and_then(|item| transform::read_alone(item, by_rows, self.diagnostics))
+            .unwrap_or(Affine3A::IDENTITY);
+        let Ok(parts) = <[Reference<'t>; 2]>::try_from(parts) else {
+            let error = Diagnostic::error(format!("`{keyword}` needs two `materialIndex`"));
+            self.diagnostics.push(error.label(item.keyword_span(), "mixes two materials"));
+            return None;
+        };
+        let textures = &mut self.textures;
+        let pattern = match shape {
+            None => Checker.store(textures),
+            Some(Turbulence { octaves, .. }) if keyword == "Noise" => Noise { octaves }.store(textures),
+            Some(Turbulence { octaves, frequency, amplitude }) if keyword == "Marble" => {
+                Marble { octaves, frequency, amplitude }.store(textures)
+            }
+            Some(Turbulence { octaves, frequency, amplitude }) => {
+                Wood { octaves, frequency, amplitude }.store(textures)
+            }
+        };
+        Some(Draft::Blend { pattern: pattern?, pattern_from_world, parts, place: item.head_span() })
+    }
+
+    /// Puts draft `i` and everything it refers to into the pools.
+    fn resolve(
+        &mut self,
+        i: usize,
+        drafts: &[(Option<Draft<'_>>, Option<String>)],
+        names: &HashMap<String, usize>,
+        states: &mut [State],
+    ) -> State {
+        if let State::Done(..) | State::Failed = states[i] {
+            return states[i];
+        }
+        let state = match &drafts[i].0 {
+            None => State::Failed,
+            Some(Draft::Phong(phong)) => {
+                phong.store(&mut self.materials).map_or(State::Failed, |id| State::Done(id, 1))
+            }
+            Some(Draft::Blend { pattern, pattern_from_world, parts, place }) => {
+                if matches!(states[i], State::Open) {
+                    let error = Diagnostic::error("this material is made of itself");
+                    self.diagnostics.push(error.label(*place, "leads back here"));
+                    State::Failed
+                } else {
+                    states[i] = State::Open;
+                    let open = states.iter().filter(|s| matches!(s, State::Open)).count();
+                    let resolved = parts.each_ref().map(|part| {
+                        let j = self.draft_number(part, drafts.len(), names)?;
+                        if open as u32 > MAX_PARTS {
+                            return None;
+                        }
+                        match self.resolve(j, drafts, names, states) {
+                            State::Done(id, cost) => Some((id, cost)),
+                            _ => None,
+                        }
+                    });
+                    match resolved {
+                        [Some((a, cost_a)), Some((b, cost_b))] => {
+                            let cost = cost_a.saturating_add(cost_b).saturating_add(1);
+                            let materials = [a, b];
+                            let blend = Blend {
+                                pattern: *pattern,
+                                pattern_from_world: *pattern_from_world,
+                                materials,
+                            };
+                            self.priced(blend, cost, *place)
+                        }
+                        _ => State::Failed,
+                    }
+                }
+            }
+        };
+        states[i] = state;
+        state
+    }
+
+    fn priced(&mut self, blend: Blend, cost: u32, place: Span) -> State {
+        if cost > MAX_PARTS {
+            let message = format!("this material is made of more than {MAX_PARTS} others");
+            self.diagnostics.push(Diagnostic::error(message).label(place, "too many levels of mixtures"));
+            return State::Failed;
+        }
+        blend.store(&mut self.materials).map_or(State::Failed, |id| State::Done(id, cost))
+    }
+
+    /// The draft that a blend's part means; an unknown one is reported.
+    fn draft_number(
+        &mut self,
+        part: &Reference<'_>,
+        n: usize,
+        names: &HashMap<String, usize>,
+    ) -> Option<usize> {
+        match part {
+            Reference::Number(i, place) => self.report_missing((*i < n).then_some(*i), part, n, *place, None),
+            Reference::Name(name, place) => {
+                let near = nearest(name, names.keys().map(String::as_str)).map(str::to_owned);
+                self.report_missing(names.get(&**name).copied(), part, n, *place, near)
+            }
+        }
+    }
+
+    fn report_missing<T>(
+        &mut self,
+        found: Option<T>,
+        reference: &Reference<'_>,
+        n: usize,
+        place: Span,
+        near: Option<String>,
+    ) -> Option<T> {
+        if found.is_none() {
+            let message = match reference {
+                Reference::Number(i, _) => format!("there is no material number {i}"),
+                Reference::Name(name, _) => format!("there is no material named `{name}`"),
+            };
+            let help = match (near, n) {
+                (Some(near), _) => format!("did you mean `{near}`?"),
+                (None, 0) => "the scene has no materials: add a `Materials` block".to_owned(),
+                (None, n) => format!("the scene has {n} materials, numbered from 0 to {}", n - 1),
+            };
+            self.diagnostics.push(Diagnostic::error(message).label(place, "asked for here").help(help));
+        }
+        found
+    }
+}
+
+fn read_phong(params: &mut Params<'_, '_>, reflects_specular: bool) -> Phong {
+    params.name();
+    params.later(&["bump", "normalMap", "texture"]);
+    let mut color = |key, default| params.optional(key, Args::vec3).map_or(default, Spectrum::from);
+    let diffuse = color("diffuseColor", Spectrum::WHITE);
+    let specular = color("specularColor", Spectrum::BLACK);
+    let reflective = color("reflectiveColor", if reflects_specular { specular } else { Spectrum::BLACK });
+    let transparent = color("transparentColor", Spectrum::BLACK);
+    let ambient = color("ambientColor", diffuse);
+    let absorption = color("absorption", transparent.map(absorption_of));
+    let default_exponent = if reflects_specular { 0.0 } else { 1.0 };
+    let exponent = params.or("exponent", default_exponent, |a| a.number_in(0.0..));
+    let exponent = params.or("shininess", exponent, |a| a.number_in(0.0..));
+    let eta = params.or("indexOfRefraction", 1.0, Args::positive);
+    Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta }
+}
+
+/// The absorption per unit length that leaves the share `t` after one unit.
+fn absorption_of(t: f32) -> f32 {
+    if t <= 0.0 { OPAQUE } else { (-kajo_math::fmath::ln(t)).max(0.0) }
+}
+
+/// The keys that the noisy patterns share.
+struct Turbulence {
+    octaves: u32,
+    frequency: f32,
+    amplitude: f32,
+}
+
+impl Turbulence {
+    fn read(params: &mut Params<'_, '_>, keyword: &str) -> Turbulence {
+        let octaves = params.or("octaves", 1, |args| args.int_in(1..=32)) as u32;
+        let (mut frequency, mut amplitude) = (1.0, 1.0);
+        if keyword != "Noise" {
+            frequency = params.or("frequency", 1.0, Args::number);
+            amplitude = params.or("amplitude", 1.0, Args::number);
+        }
+        Turbulence { octaves, frequency, amplitude }
+    }
+}

@@ -1,0 +1,220 @@
+//! From the tree of a scene text to a [`Scene`].
+//!
+//! Each kind of block has a file here that reads it and puts what it says into the pools. Mistakes
+//! do not stop the reading: all of them are collected with their places, and a scene comes out
+//! only when there are none.
+
+mod background;
+mod camera;
+mod group;
+mod lights;
+mod materials;
+mod mesh;
+mod settings;
+mod transform;
+
+use std::collections::HashMap;
+
+use kajo_bvh::{BuildSettings, Bvh};
+use kajo_color::Spectrum;
+use kajo_math::{Aabb, Transform};
+use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, Params, SceneDesc};
+
+use crate::background::Background;
+use crate::family::Pooled;
+use crate::light::{LightId, Lights};
+use crate::material::{MaterialId, Materials};
+use crate::scene::{Object, Primitive, Scene};
+use crate::settings::{Dialect, Rules, Settings};
+use crate::shape::{ShapeId, Shapes};
+use crate::texture::Textures;
+
+/// What the compiler is told besides the text.
+#[derive(Clone, Debug, Default)]
+pub struct CompileOptions {
+    /// The dialect, where it is not to be the scene's own choice.
+    pub dialect: Option<Dialect>,
+    /// Bounds on what files may demand.
+    pub limits: Limits,
+    /// How to build the trees over geometry.
+    pub build: BuildSettings,
+}
+
+/// Turns a scene's tree into a scene.
+///
+/// Returns the scene, or `None` when `diagnostics` holds an error afterwards. Files that the scene
+/// names are read through `assets`.
+pub fn compile(
+    desc: &SceneDesc,
+    assets: &dyn Assets,
+    options: &CompileOptions,
+    diagnostics: &mut Diagnostics,
+) -> Option<Scene> {
+    let mut root = Params::root(desc, diagnostics);
+    let cameras = root.take(&camera::KEYWORDS);
+    let settings = root.block("Settings");
+    let background = root.block("Background");
+    let fog = root.block("Fog");
+    let lights = root.block("Lights");
+    let materials = root.block("Materials");
+    let group = root.block("Group");
+    root.finish();
+
+    let settings = settings.map(|item| settings::read(item, diagnostics)).unwrap_or_default();
+    let dialect = options.dialect.or(settings.dialect).unwrap_or_default();
+    let mut compiler = Compiler::new(assets, options, dialect.rules(), diagnostics);
+    let camera = compiler.camera(&cameras, group.is_some());
+    let (background, ambient) = compiler.background(background);
+    let fog = fog.and_then(|item| compiler.fog(item));
+    if let Some(item) = lights {
+        compiler.lights(item);
+    }
+    if let Some(item) = materials {
+        compiler.materials(item);
+    }
+    if let Some(item) = group {
+        compiler.objects(item);
+    }
+    if compiler.diagnostics.has_errors() {
+        return None;
+    }
+    // Classic rule: a scene without lights is fully lit by ambient light.
+    let ambient = if compiler.light_list.is_empty() { Spectrum::WHITE } else { ambient };
+    Some(compiler.finish(Surroundings {
+        camera: camera?,
+        background,
+        ambient,
+        fog,
+        settings,
+        has_group: group.is_some(),
+    }))
+}
+
+/// What a scene has besides objects, materials and lights.
+struct Surroundings {
+    camera: crate::camera::Camera,
+    background: Background,
+    ambient: Spectrum,
+    fog: Option<crate::medium::Fog>,
+    settings: Settings,
+    has_group: bool,
+}
+
+/// The scene while it is being put together.
+struct Compiler<'a> {
+    assets: &'a dyn Assets,
+    options: &'a CompileOptions,
+    rules: Rules,
+    diagnostics: &'a mut Diagnostics,
+    shapes: Shapes,
+    transforms: Vec<Transform>,
+    primitives: Vec<Primitive>,
+    objects: Vec<Object>,
+    materials: Materials,
+    material_list: Vec<(MaterialId, Option<String>)>,
+    material_names: HashMap<String, MaterialId>,
+    slot_materials: Vec<MaterialId>,
+    textures: Textures,
+    lights: Lights,
+    light_list: Vec<LightId>,
+    meshes: mesh::MeshCache,
+}
+
+impl<'a> Compiler<'a> {
+    fn new(
+        assets: &'a dyn Assets,
+        options: &'a CompileOptions,
+        rules: Rules,
+        diagnostics: &'a mut Diagnostics,
+    ) -> Compiler<'a> {
+        Compiler {
+            assets,
+            options,
+            rules,
+            diagnostics,
+            shapes: Shapes::default(),
+            transforms: vec![Transform::IDENTITY],
+            primitives: Vec::new(),
+            objects: Vec::new(),
+            materials: Materials::default(),
+            material_list: Vec::new(),
+            material_names: HashMap::new(),
+            slot_materials: Vec::new(),
+            textures: Textures::default(),
+            lights: Lights::default(),
+            light_list: Vec::new(),
+            meshes: mesh::MeshCache::default(),
+        }
+    }
+
+    /// Reads the block of `item`; everything in it that `read` does not ask for is an error.
+    fn read<'t, T>(
+        &mut self,
+        item: Item<'t>,
+        read: impl FnOnce(&mut Params<'t, '_>) -> Option<T>,
+    ) -> Option<T> {
+        let mut params = Params::new(item, self.diagnostics);
+        let value = read(&mut params);
+        params.finish();
+        value
+    }
+
+    /// Checks an optional count such as `numLights`.
+    fn check_count(&mut self, key: &str, counter: Option<Item<'_>>, found: usize, what: &str) {
+        let Some(counter) = counter else { return };
+        let said =
+            kajo_scene::Args::read(counter, self.diagnostics, |args| args.int_in(0..=i64::from(u32::MAX)));
+        if let Some(said) = said.filter(|&said| usize::try_from(said) != Ok(found)) {
+            let message = format!("`{key}` says {said}, but there are {found} {what} in this block");
+            let error = Diagnostic::error(message).label(counter.head_span(), format!("expected {found}"));
+            self.diagnostics.push(error.help(format!("write `{key} {found}`, or leave the count out")));
+        }
+    }
+
+    /// Puts a shape into its pool.
+    fn shape(&mut self, item: Item<'_>, shape: impl Pooled<Shapes, Handle = ShapeId>) -> Option<ShapeId> {
+        let id = shape.store(&mut self.shapes);
+        if id.is_none() {
+            let message = "there are too many objects of this kind in one scene";
+            self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "one too many"));
+        }
+        id
+    }
+
+    fn finish(self, rest: Surroundings) -> Scene {
+        let numbers = self.material_list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
+        let material_numbers = numbers.rev().collect();
+        let mut scene = Scene {
+            shapes: self.shapes,
+            transforms: self.transforms,
+            primitives: self.primitives,
+            objects: self.objects,
+            materials: self.materials,
+            material_list: self.material_list,
+            slot_materials: self.slot_materials,
+            textures: self.textures,
+            lights: self.lights,
+            light_list: self.light_list,
+            ambient: rest.ambient,
+            background: rest.background,
+            fog: rest.fog,
+            camera: rest.camera,
+            settings: rest.settings,
+            rules: self.rules,
+            has_group: rest.has_group,
+            material_numbers,
+            bvh: Bvh::default(),
+            unbounded: Vec::new(),
+        };
+        let bounds: Vec<Aabb> = scene.primitives.iter().map(|p| scene.world_bounds(p)).collect();
+        // The tree leaves empty boxes out, so unbounded shapes keep their numbers and stand aside.
+        let bounded = |b: &Aabb| if b.is_finite() { *b } else { Aabb::EMPTY };
+        let is_unbounded = |i: &u32| !bounds[*i as usize].is_finite() && !bounds[*i as usize].is_empty();
+        scene.unbounded = (0..bounds.len() as u32).filter(is_unbounded).collect();
+        scene.bvh = Bvh::build(&bounds.iter().map(bounded).collect::<Vec<_>>(), &self.options.build);
+        scene
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,70 @@
+//! The `Settings` block.
+
+use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
+
+use crate::interaction::RayOffset;
+use crate::sampler::SamplerKind;
+use crate::settings::{Dialect, FilterChoice, Settings, ShadowAttenuation, Shadows};
+
+const SHADOWS: [(&str, Shadows); 3] =
+    [("off", Shadows::Off), ("on", Shadows::Opaque), ("transparent", Shadows::Transparent)];
+const ATTENUATIONS: [(&str, ShadowAttenuation); 2] =
+    [("length", ShadowAttenuation::Length), ("surface", ShadowAttenuation::Surface)];
+const OFFSETS: [(&str, RayOffset); 2] = [("auto", RayOffset::Auto), ("reference", RayOffset::Reference)];
+const SAMPLERS: [(&str, SamplerKind); 3] = [
+    ("jittered", SamplerKind::Jittered),
+    ("regular", SamplerKind::Regular),
+    ("uniform", SamplerKind::Uniform),
+];
+
+/// The most samples of a pixel.
+pub const MAX_SAMPLES: i64 = 1 << 20;
+
+pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
+    let mut params = Params::new(item, diagnostics);
+    params.later(&["integrator", "exposure"]);
+    let dialects: Vec<_> = Dialect::NAMES.into_iter().zip(Dialect::ALL).collect();
+    let settings = Settings {
+        size: params.optional("size", size),
+        bounces: params.optional("bounces", |a| a.int_in(0..=1000).map(|n| n as u32)),
+        weight: params.optional("weight", |a| a.number_in(0.0..)),
+        shadows: params.optional("shadows", |a| a.choice(&SHADOWS)),
+        shadow_attenuation: params.optional("transparentShadows", |a| a.choice(&ATTENUATIONS)),
+        shade_back: params.optional("shadeBack", Args::flag),
+        samples: params
+            .optional("samples", |a| Ok((a.choice(&SAMPLERS)?, a.int_in(0..=MAX_SAMPLES)? as u32))),
+        filter: params.optional("filter", filter),
+        seed: params.optional("seed", |a| a.int_in(0..=1 << 53).map(|n| n as u64)),
+        fresnel: params.optional("fresnel", Args::flag),
+        total_reflection: params.optional("totalReflection", Args::flag),
+        ray_offset: params.optional("rayOffset", |a| a.choice(&OFFSETS)),
+        dialect: params.optional("dialect", |a| a.choice(&dialects)),
+        depth_range: params.optional("depthRange", Args::numbers::<2>),
+    };
+    params.finish();
+    settings
+}
+
+fn size(args: &mut Args<'_>) -> Result<[u32; 2], Diagnostic> {
+    let side = |n: f32| (n >= 1.0 && n <= 16_777_216.0 && n == n.trunc()).then_some(n as u32);
+    match args.numbers::<2>()?.map(side) {
+        [Some(w), Some(h)] => Ok([w, h]),
+        _ => Err(args.error("`size` must be two whole numbers above zero")),
+    }
+}
+
+/// A filter with its radius, or its standard deviation where it is Gaussian.
+fn filter(args: &mut Args<'_>) -> Result<FilterChoice, Diagnostic> {
+    type Make = fn(f32) -> FilterChoice;
+    let kinds: [(&str, (Make, f32)); 6] = [
+        ("box", (FilterChoice::Box, 0.5)),
+        ("gaussian", (FilterChoice::Gaussian, 0.5)),
+        ("lanczos", (FilterChoice::Lanczos, 3.0)),
+        ("mitchell", (FilterChoice::Mitchell, 2.0)),
+        ("none", (|_| FilterChoice::None, 0.0)),
+        ("tent", (FilterChoice::Tent, 1.0)),
+    ];
+    let (make, default) = args.choice(&kinds)?;
+    let size = if args.numbers_left() == 0 { default } else { args.number_in(1e-3..=64.0)? };
+    Ok(make(size))
+}

@@ -1,0 +1,119 @@
+//! Closed families: typed pools behind 32-bit handles.
+//!
+//! A family is a trait with a fixed list of members. Each member type has a pool of its own,
+//! `Vec<Member>`, and a handle names a member by kind (upper bits) and index (lower bits).
+//! Dispatch is a `match` on the kind: no pointers, no virtual calls, plain data that a
+//! graphics card can take as it is. The one macro below writes handle, pools, dispatch and
+//! keyword table from the list of members; adding a member is its file and one line.
+
+/// How many low bits of a handle are the index: 2^27 members of each kind, 32 kinds.
+pub(crate) const INDEX_BITS: u32 = 27;
+
+/// Kind and index of a handle.
+#[inline]
+pub(crate) fn split(handle: u32) -> (u32, usize) {
+    (handle >> INDEX_BITS, (handle & ((1 << INDEX_BITS) - 1)) as usize)
+}
+
+/// A value that has a pool in `Pools`.
+pub trait Pooled<Pools> {
+    /// What names a stored value.
+    type Handle;
+
+    /// Stores the value and returns its name; `None` when the pool is full.
+    fn store(self, pools: &mut Pools) -> Option<Self::Handle>;
+}
+
+macro_rules! family {
+    (
+        $(#[$handle_doc:meta])* handle $Handle:ident;
+        $(#[$pools_doc:meta])* pools $Pools:ident;
+        contract $Contract:ident;
+        members $members:tt
+        methods { $(
+            $(#[$method_doc:meta])*
+            fn $method:ident $(<$G:ident: $Bound:path>)? ($($args:tt)*) $(-> $Out:ty)?;
+        )* }
+    ) => {
+        $(#[$handle_doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub struct $Handle(u32);
+
+        family!(@pools [$(#[$pools_doc])*] $Pools $members);
+
+        const _: () = {
+            family!(@kinds $Handle $Pools $members);
+
+            impl $Pools {
+                $(family!(@method [$(#[$method_doc])*] $Handle $Contract $members
+                    $method [$($G $Bound)?] ($($args)*) [$($Out)?]);)*
+            }
+        };
+    };
+
+    (@pools [$(#[$doc:meta])*] $Pools:ident { $($field:ident: $Member:ty),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Default)]
+        pub struct $Pools {
+            $(
+                #[doc = concat!("All members of type `", stringify!($Member), "`.")]
+                pub $field: Vec<$Member>,
+            )+
+        }
+    };
+
+    (@kinds $Handle:ident $Pools:ident { $($field:ident: $Member:ty),+ $(,)? }) => {
+        #[expect(non_camel_case_types, reason = "kinds are named after their pools")]
+        enum Kind { $($field),+ }
+
+        impl $Pools {
+            /// How many members there are of each kind that has any, by the name of the pool.
+            pub fn counts(&self) -> Vec<(&'static str, usize)> {
+                let all = [$((stringify!($field), self.$field.len())),+];
+                all.into_iter().filter(|&(_, n)| n > 0).collect()
+            }
+        }
+
+        $(
+            impl crate::family::Pooled<$Pools> for $Member {
+                type Handle = $Handle;
+                fn store(self, pools: &mut $Pools) -> Option<$Handle> {
+                    let index = u32::try_from(pools.$field.len()).ok()?;
+                    if index >> crate::family::INDEX_BITS != 0 {
+                        return None;
+                    }
+                    pools.$field.push(self);
+                    Some($Handle((Kind::$field as u32) << crate::family::INDEX_BITS | index))
+                }
+            }
+        )+
+    };
+
+    (
+        @method [$(#[$doc:meta])*] $Handle:ident $Contract:ident $members:tt
+        $method:ident [$($G:ident $Bound:path)?] ($($arg:ident: $Arg:ty),* $(,)?) [$($Out:ty)?]
+    ) => {
+        $(#[$doc])*
+        #[inline]
+        pub fn $method $(<$G: $Bound>)? (&self, id: $Handle $(, $arg: $Arg)*) $(-> $Out)? {
+            let (kind, index) = crate::family::split(id.0);
+            family!(@match self kind index $Contract $method ($($arg),*) $members)
+        }
+    };
+
+    (
+        @match $self:ident $kind:ident $index:ident $Contract:ident $method:ident $args:tt
+        { $($field:ident: $Member:ty),+ $(,)? }
+    ) => {
+        match $kind {
+            $(k if k == Kind::$field as u32 => family!(@call $Contract $method (&$self.$field[$index]) $args),)+
+            _ => unreachable!("handles are made by their own pools"),
+        }
+    };
+
+    (@call $Contract:ident $method:ident ($member:expr) ($($arg:ident),*)) => {
+        $Contract::$method($member $(, $arg)*)
+    };
+}
+
+pub(crate) use family;

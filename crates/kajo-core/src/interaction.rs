@@ -1,0 +1,78 @@
+//! Where a ray meets a surface.
+
+use kajo_math::{
+    Ray, Transform, Vec2, Vec3, Vec3A,
+    robust::{gamma, offset_origin},
+};
+
+/// The cheap record of a hit that traversal keeps: enough to work the rest out for the winner.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hit {
+    /// Ray parameter.
+    pub t: f32,
+    /// First parameter within the part, a barycentric coordinate for triangles.
+    pub u: f32,
+    /// Second parameter within the part.
+    pub v: f32,
+    /// Which part of the shape was hit: the triangle of a mesh, the face of a box, the side or a cap.
+    pub part: u32,
+}
+
+/// Position and orientation of a surface at a hit.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// The point, brought back onto the surface as exactly as single precision allows.
+    pub p: Vec3,
+    /// Bound on the absolute error of each coordinate of `p`.
+    pub p_error: Vec3,
+    /// Unit shading normal, outward; never turned towards the viewer.
+    pub n: Vec3,
+    /// Unit geometric normal, outward.
+    pub ng: Vec3,
+}
+
+impl SurfacePoint {
+    /// A point of a surface whose shading and geometric normals agree.
+    pub(crate) fn flat(p: Vec3, p_error: Vec3, n: Vec3) -> SurfacePoint {
+        SurfacePoint { p, p_error, n, ng: n }
+    }
+
+    /// The same point in world space.
+    pub fn transformed(&self, t: &Transform) -> SurfacePoint {
+        let p = t.point(self.p);
+        // The error that the map makes of the old one, its own rounding, and the rounding of
+        // the way back that a ray leaving from here takes into object space.
+        let there = |v: Vec3| Vec3::from(t.world_from_object.matrix3.abs() * Vec3A::from(v));
+        let back = |v: Vec3| Vec3::from(t.object_from_world.matrix3.abs() * Vec3A::from(v));
+        let [t1, t2] = [&t.world_from_object, &t.object_from_world].map(|m| Vec3::from(m.translation.abs()));
+        let return_error = gamma(4) * (back(p.abs()) + t2);
+        let p_error =
+            (1.0 + gamma(4)) * there(self.p_error + return_error) + gamma(4) * (there(self.p.abs()) + t1);
+        SurfacePoint { p, p_error, n: t.normal(self.n), ng: t.normal(self.ng) }
+    }
+}
+
+/// How rays that leave a surface keep clear of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RayOffset {
+    /// Origins outside the error bound of the point, hits from there on. Right at every scale.
+    #[default]
+    Auto,
+    /// Besides that, hits nearer than 0.001 are ignored, as in the reference program.
+    Reference,
+}
+
+impl SurfacePoint {
+    /// A ray that leaves this point in direction `d` and ends before `t_max`.
+    #[inline]
+    pub fn ray_towards(&self, d: Vec3, t_max: f32, time: f32, offset: RayOffset) -> Ray {
+        let t_min = match offset {
+            RayOffset::Auto => 0.0,
+            RayOffset::Reference => 1e-3,
+        };
+        Ray { o: offset_origin(self.p, self.p_error, self.ng, d), t_min, d, t_max, time }
+    }
+}
+
+/// Texture coordinates of a surface that has none of its own.
+pub(crate) const NO_UV: Vec2 = Vec2::ZERO;

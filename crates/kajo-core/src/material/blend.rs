@@ -1,0 +1,42 @@
+//! Two materials mixed by a pattern: the classic `Checkerboard`, `Noise`, `Marble` and `Wood`.
+//!
+//! The pattern is evaluated at `Transform * p`, `p` the world-space point, and every property
+//! of the two materials is mixed, the index of refraction too.
+//!
+//! Scene: `Checkerboard { Transform { UniformScale 2 }  materialIndex 0  materialIndex 1 }`
+
+use kajo_math::{Affine3A, Vec3};
+
+use super::{Appearance, MaterialId, Materials};
+use crate::bsdf::Phong;
+use crate::texture::{TextureId, Textures};
+
+/// A mixture of two materials.
+#[derive(Clone, Copy, Debug)]
+pub struct Blend {
+    /// 0 shows the first material, 1 the second.
+    pub pattern: TextureId,
+    /// World space to the pattern's space.
+    pub pattern_from_world: Affine3A,
+    /// The two materials. The compiler sees to it that they lead to no circle.
+    pub materials: [MaterialId; 2],
+}
+
+impl Appearance for Blend {
+    fn phong(&self, materials: &Materials, textures: &Textures, p: Vec3) -> Phong {
+        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(p));
+        let [first, second] = self.materials;
+        if t == 0.0 {
+            return materials.phong(first, materials, textures, p);
+        }
+        if t == 1.0 {
+            return materials.phong(second, materials, textures, p);
+        }
+        let first = materials.phong(first, materials, textures, p);
+        first.lerp(&materials.phong(second, materials, textures, p), t)
+    }
+
+    fn may_transmit(&self, materials: &Materials) -> bool {
+        self.materials.iter().any(|&m| materials.may_transmit(m, materials))
+    }
+}

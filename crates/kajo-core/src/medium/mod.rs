@@ -1,0 +1,5 @@
+//! What fills the space between surfaces.
+
+mod fog;
+
+pub use fog::Fog;

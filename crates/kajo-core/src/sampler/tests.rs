@@ -1,0 +1,97 @@
+use super::*;
+
+fn stream(k: u32) -> Stream {
+    Stream::new(11, [3, 5], k)
+}
+
+fn positions(kind: SamplerKind, n: u32) -> Vec<Vec2> {
+    let sampler = Sampler::new(kind, n);
+    (0..n).map(|k| sampler.position(k, &stream(k))).collect()
+}
+
+#[test]
+fn regular_positions_are_those_of_the_handout() {
+    assert_eq!(positions(SamplerKind::Regular, 1), [Vec2::new(0.5, 0.5)]);
+    let four = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)].map(|(x, y)| Vec2::new(x, y));
+    assert_eq!(positions(SamplerKind::Regular, 4), four);
+}
+
+#[test]
+fn a_number_that_is_no_square_overhangs_as_in_the_reference() {
+    assert_eq!(positions(SamplerKind::Regular, 2), [Vec2::new(0.5, 0.5), Vec2::new(0.5, 1.5)]);
+    for (n, overhangs, height) in [
+        (0, false, 1.0),
+        (1, false, 1.0),
+        (2, true, 2.0),
+        (3, true, 3.0),
+        (9, false, 1.0),
+        (15, true, 5.0 / 3.0),
+    ] {
+        for kind in [SamplerKind::Regular, SamplerKind::Jittered] {
+            let sampler = Sampler::new(kind, n);
+            assert_eq!((sampler.overhangs(), sampler.height()), (overhangs, height), "{kind:?} {n}");
+            for p in positions(kind, n) {
+                assert!(p.x >= 0.0 && p.x < 1.0 && p.y >= 0.0 && p.y < height, "{kind:?} {n}: {p}");
+            }
+        }
+        assert!(!Sampler::new(SamplerKind::Uniform, n).overhangs());
+    }
+}
+
+#[test]
+fn jittered_samples_keep_to_their_sub_pixel() {
+    for side in [1, 2, 3, 7, 100, 1000] {
+        let sampler = Sampler::new(SamplerKind::Jittered, side * side);
+        for k in (0..side * side).step_by(side as usize / 3 + 1) {
+            let p = sampler.position(k, &stream(k)) * side as f32;
+            let cell = Vec2::new((k % side) as f32, (k / side) as f32);
+            let inside = (p - cell).clamp(Vec2::splat(-1e-4), Vec2::splat(1.0001));
+            assert_eq!(inside, p - cell, "sample {k} of {}", side * side);
+        }
+    }
+}
+
+#[test]
+fn the_largest_random_number_does_not_round_out_of_the_pixel() {
+    for side in [1, 3, 4096, 65_535] {
+        let sampler = Sampler::new(SamplerKind::Jittered, side * side);
+        let p = sampler.in_sub_pixel(side * side - 1, Vec2::splat(1f32.next_down()));
+        assert!(p.x < 1.0 && p.y < 1.0, "{side}: {p}");
+    }
+}
+
+/// Mean, variance and correlation of the two coordinates over many pixels.
+fn moments(kind: SamplerKind) -> [f64; 5] {
+    let sampler = Sampler::new(kind, 1);
+    let n = 100_000u32;
+    let mut sums = [0.0; 5];
+    for i in 0..n {
+        let p = sampler.position(0, &Stream::new(2, [i % 331, i / 331], 0)).as_dvec2() - 0.5;
+        for (sum, v) in sums.iter_mut().zip([p.x, p.y, p.x * p.x, p.y * p.y, p.x * p.y]) {
+            *sum += v / f64::from(n);
+        }
+    }
+    sums
+}
+
+#[test]
+fn random_positions_are_uniform_over_the_pixel() {
+    for kind in [SamplerKind::Uniform, SamplerKind::Jittered] {
+        // Five standard errors of each moment of the uniform distribution on (-½, ½)².
+        let found = moments(kind);
+        let expected = [0.0, 0.0, 1.0 / 12.0, 1.0 / 12.0, 0.0];
+        let sigma = [0.2887, 0.2887, 0.0745, 0.0745, 0.0833];
+        for i in 0..5 {
+            let error = (found[i] - expected[i]).abs();
+            assert!(error < 5.0 * sigma[i] / 100_000f64.sqrt(), "{kind:?}, moment {i}: off by {error}");
+        }
+    }
+}
+
+#[test]
+fn positions_depend_on_the_stream_only_where_they_are_random() {
+    let at = |kind, k| Sampler::new(kind, 4).position(1, &stream(k));
+    assert_eq!(at(SamplerKind::Regular, 0), at(SamplerKind::Regular, 1));
+    assert_ne!(at(SamplerKind::Jittered, 0), at(SamplerKind::Jittered, 1));
+    assert_ne!(at(SamplerKind::Uniform, 0), at(SamplerKind::Uniform, 1));
+}

@@ -1,0 +1,216 @@
+//! The compiled scene: everything rays meet, immutable and shared by all threads.
+
+use std::collections::HashMap;
+
+use kajo_bvh::Bvh;
+use kajo_color::Spectrum;
+use kajo_math::{Aabb, Ray, Transform, Vec2};
+
+use crate::background::Background;
+use crate::camera::Camera;
+use crate::interaction::{Hit, SurfacePoint};
+use crate::light::{LightId, Lights};
+use crate::material::{MaterialId, Materials};
+use crate::medium::Fog;
+use crate::settings::{Rules, Settings};
+use crate::shape::{ShapeId, Shapes, Surface};
+use crate::texture::Textures;
+
+/// A shape at its place in the world, with its material.
+#[derive(Clone, Copy, Debug)]
+pub struct Primitive {
+    /// The geometry.
+    pub shape: ShapeId,
+    /// Index into [`Scene::transforms`]; 0 is the identity.
+    pub transform: u32,
+    /// The material of parts that bring none of their own.
+    pub material: MaterialId,
+}
+
+/// What a user wrote as one object of the scene.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// The name given in the scene, if any.
+    pub name: Option<String>,
+    /// The word that made it, such as `Sphere`.
+    pub keyword: &'static str,
+}
+
+/// What becomes of a ray.
+#[derive(Clone, Copy, Debug)]
+pub enum Event {
+    /// It meets a surface.
+    Surface(Interaction),
+    /// It leaves the scene.
+    Escaped,
+}
+
+/// A ray's meeting with a surface, in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct Interaction {
+    /// Position and normals.
+    pub point: SurfacePoint,
+    /// The record of the hit in the shape's own terms.
+    pub hit: Hit,
+    /// Index into [`Scene::primitives`].
+    pub primitive: u32,
+    /// The material there.
+    pub material: MaterialId,
+}
+
+/// A scene ready to be rendered.
+#[derive(Debug)]
+pub struct Scene {
+    /// Geometry, in object space.
+    pub shapes: Shapes,
+    /// Maps from object to world space; the first is the identity.
+    pub transforms: Vec<Transform>,
+    /// Shapes at their places, in the order of the file. Object `i + 1` of the id layers is primitive `i`.
+    pub primitives: Vec<Primitive>,
+    /// The user's words for each primitive.
+    pub objects: Vec<Object>,
+    /// Materials.
+    pub materials: Materials,
+    /// Every material of the file, in its order, with its name. Number `i + 1` of the id layers is entry `i`.
+    pub material_list: Vec<(MaterialId, Option<String>)>,
+    /// Materials of mesh parts, by [`crate::shape::Surface::material_slot`].
+    pub slot_materials: Vec<MaterialId>,
+    /// Patterns that materials use.
+    pub textures: Textures,
+    /// Lights.
+    pub lights: Lights,
+    /// The lights in the order of the file.
+    pub light_list: Vec<LightId>,
+    /// Light that comes from everywhere.
+    pub ambient: Spectrum,
+    /// What escaping rays see.
+    pub background: Background,
+    /// Fog everywhere, if any.
+    pub fog: Option<Fog>,
+    /// The camera.
+    pub camera: Camera,
+    /// What the file itself says about how to render it.
+    pub settings: Settings,
+    /// The conventions of the file's dialect.
+    pub rules: Rules,
+    /// Whether the file has a group of objects at all; without one the reference shows the uv picture.
+    pub has_group: bool,
+    pub(crate) material_numbers: HashMap<MaterialId, u32>,
+    pub(crate) bvh: Bvh,
+    /// Primitives without bounds, tested one by one.
+    pub(crate) unbounded: Vec<u32>,
+}
+
+impl Scene {
+    /// Follows a ray to the first surface it meets.
+    ///
+    /// Of surfaces at the same distance the one that stands first in the file is met.
+    #[inline]
+    pub fn trace(&self, ray: &Ray) -> Event {
+        match self.closest(ray) {
+            Some((primitive, hit)) => Event::Surface(self.interaction(ray, primitive, hit)),
+            None => Event::Escaped,
+        }
+    }
+
+    /// Whether anything lies within the ray's range.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let blocks = |i: u32| {
+            let primitive = &self.primitives[i as usize];
+            self.shapes.blocks(primitive.shape, &self.in_object(primitive, ray))
+        };
+        self.unbounded.iter().any(|&i| blocks(i)) || self.bvh.any(ray, blocks)
+    }
+
+    /// Visits every crossing within the ray's range, in no particular order.
+    pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit)) {
+        let mut each = |i: u32| {
+            let primitive = &self.primitives[i as usize];
+            self.shapes.crossings(primitive.shape, &self.in_object(primitive, ray), |hit| visit(i, hit));
+        };
+        self.unbounded.iter().for_each(|&i| each(i));
+        self.bvh.each(ray, each);
+    }
+
+    /// Position, normals and material at a crossing.
+    #[inline]
+    pub fn interaction(&self, ray: &Ray, primitive: u32, hit: Hit) -> Interaction {
+        let Primitive { shape, transform, material } = self.primitives[primitive as usize];
+        let point = if transform == 0 {
+            self.shapes.surface_at(shape, ray, &hit)
+        } else {
+            let transform = &self.transforms[transform as usize];
+            self.shapes.surface_at(shape, &transform.ray_in_object(ray), &hit).transformed(transform)
+        };
+        let slot = self.shapes.material_slot(shape, hit.part);
+        let material = slot.map_or(material, |slot| self.slot_materials[slot as usize]);
+        Interaction { point, hit, primitive, material }
+    }
+
+    /// Surface coordinates at an interaction.
+    pub fn uv(&self, at: &Interaction) -> Vec2 {
+        let Primitive { shape, transform, .. } = self.primitives[at.primitive as usize];
+        let p = self.transforms[transform as usize].object_from_world.transform_point3(at.point.p);
+        self.shapes.uv_at(shape, &at.hit, p)
+    }
+
+    /// The number of a material in the id layers: its place in the file from 1 on; 0 for a material
+    /// that came with a mesh.
+    pub fn material_number(&self, material: MaterialId) -> u32 {
+        self.material_numbers.get(&material).copied().unwrap_or(0)
+    }
+
+    /// A box around everything that has bounds.
+    pub fn bounds(&self) -> Aabb {
+        self.primitives
+            .iter()
+            .map(|p| self.world_bounds(p))
+            .filter(Aabb::is_finite)
+            .fold(Aabb::EMPTY, Aabb::union)
+    }
+
+    /// Bytes of geometry and its trees.
+    pub fn bytes(&self) -> usize {
+        let meshes: usize = self.shapes.meshes.iter().map(Surface::heap_bytes).sum();
+        meshes + self.bvh.stats().bytes + size_of_val(&*self.primitives) + size_of_val(&*self.transforms)
+    }
+
+    pub(crate) fn world_bounds(&self, primitive: &Primitive) -> Aabb {
+        let bounds = self.shapes.bounds(primitive.shape);
+        if primitive.transform == 0 {
+            bounds
+        } else {
+            self.transforms[primitive.transform as usize].bounds(&bounds)
+        }
+    }
+
+    #[inline]
+    fn closest(&self, ray: &Ray) -> Option<(u32, Hit)> {
+        let mut best: Option<(u32, Hit)> = None;
+        let mut consider = |i: u32, t_max: f32| {
+            let primitive = &self.primitives[i as usize];
+            // One step further, so that an equally near object that stands earlier can still win.
+            let range = ray.over(ray.t_min, if best.is_some() { t_max.next_up() } else { t_max });
+            let Some(hit) = self.shapes.hit(primitive.shape, &self.in_object(primitive, &range)) else {
+                return t_max;
+            };
+            if best.is_some_and(|(first, nearest)| hit.t == nearest.t && first < i) {
+                return t_max;
+            }
+            best = Some((i, hit));
+            hit.t
+        };
+        let t_max = self.unbounded.iter().fold(ray.t_max, |t_max, &i| consider(i, t_max));
+        self.bvh.closest(&ray.over(ray.t_min, t_max), consider);
+        best
+    }
+
+    #[inline]
+    fn in_object(&self, primitive: &Primitive, ray: &Ray) -> Ray {
+        if primitive.transform == 0 {
+            *ray
+        } else {
+            self.transforms[primitive.transform as usize].ray_in_object(ray)
+        }
+    }
+}

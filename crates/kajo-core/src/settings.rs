@@ -1,0 +1,150 @@
+//! What a scene file may say about how it is to be rendered, and the rules of its dialect.
+
+use crate::bsdf::Highlight;
+use crate::interaction::RayOffset;
+use crate::sampler::SamplerKind;
+
+/// Which of the three lineages of the classic format a file belongs to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// The course handout's, and kajo's own.
+    #[default]
+    Handout,
+    /// MIT 6.837 of fall 2004, assignments 1 to 9.
+    Mit2004,
+    /// The later rewrite of that course.
+    MitA2,
+}
+
+impl Dialect {
+    /// Names on the command line and in `Settings`, in the order of the variants.
+    pub const NAMES: [&'static str; 3] = ["handout", "mit-2004", "mit-a2"];
+
+    /// All dialects, in the order of [`Dialect::NAMES`].
+    pub const ALL: [Dialect; 3] = [Dialect::Handout, Dialect::Mit2004, Dialect::MitA2];
+
+    /// The dialect of that name.
+    pub fn from_name(name: &str) -> Option<Dialect> {
+        Dialect::NAMES.iter().position(|&n| n == name).map(|i| Dialect::ALL[i])
+    }
+
+    /// The name of the dialect.
+    pub fn name(self) -> &'static str {
+        Dialect::NAMES[self as usize]
+    }
+
+    /// What the dialect means for rendering.
+    pub fn rules(self) -> Rules {
+        let handout = Rules {
+            dialect: self,
+            highlight: Highlight::Mirror,
+            corner_samples: false,
+            raw_up: false,
+            smooth_meshes: false,
+            matrix_by_rows: false,
+            reflects_specular: false,
+            maps: MapRules::Inverted,
+        };
+        match self {
+            Dialect::Handout => handout,
+            Dialect::Mit2004 => Rules { highlight: Highlight::Half, matrix_by_rows: true, ..handout },
+            Dialect::MitA2 => Rules {
+                corner_samples: true,
+                raw_up: true,
+                smooth_meshes: true,
+                reflects_specular: true,
+                maps: MapRules::Direct,
+                ..handout
+            },
+        }
+    }
+}
+
+/// The conventions in which the dialects differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rules {
+    /// The dialect itself.
+    pub dialect: Dialect,
+    /// The vector of the highlight.
+    pub highlight: Highlight,
+    /// Samples lie on the picture's corners, `x = 2i/(w-1) - 1`, instead of at pixel centres.
+    pub corner_samples: bool,
+    /// The camera's up vector is used as it stands.
+    pub raw_up: bool,
+    /// Meshes are shaded smooth unless told otherwise.
+    pub smooth_meshes: bool,
+    /// `Matrix` is read row by row.
+    pub matrix_by_rows: bool,
+    /// Mirror rays are weighted by the specular colour.
+    pub reflects_specular: bool,
+    /// How depth and normals become pictures.
+    pub maps: MapRules,
+}
+
+/// How depth, normals and 8-bit values are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapRules {
+    /// Near is white, normals are absolute values, 8-bit values are rounded.
+    Inverted,
+    /// Near is black, normals are `(n + 1)/2`, 8-bit values are cut off.
+    Direct,
+}
+
+/// How shadows are cast.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shadows {
+    /// Not at all.
+    #[default]
+    Off,
+    /// By everything, glass included.
+    Opaque,
+    /// Transparent things let light through.
+    Transparent,
+}
+
+/// How light is weakened on its straight way through transparent things.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShadowAttenuation {
+    /// By `exp(-absorption * length inside)`.
+    #[default]
+    Length,
+    /// By the transparent colour at every surface.
+    Surface,
+}
+
+/// How samples become pixels; lengths in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FilterChoice {
+    /// The plain average of a pixel's own samples.
+    None,
+    /// The average over a square of that half width.
+    Box(f32),
+    /// A pyramid of that half width.
+    Tent(f32),
+    /// A Gaussian of that standard deviation.
+    Gaussian(f32),
+    /// The cubic of Mitchell and Netravali over that half width.
+    Mitchell(f32),
+    /// A windowed sinc over that half width.
+    Lanczos(f32),
+}
+
+/// The `Settings` block of a scene; what is absent is left to the command line and its defaults.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "the fields are the keys of the block, documented in the manual")]
+pub struct Settings {
+    pub size: Option<[u32; 2]>,
+    pub bounces: Option<u32>,
+    pub weight: Option<f32>,
+    pub shadows: Option<Shadows>,
+    pub shadow_attenuation: Option<ShadowAttenuation>,
+    pub shade_back: Option<bool>,
+    pub samples: Option<(SamplerKind, u32)>,
+    pub filter: Option<FilterChoice>,
+    pub seed: Option<u64>,
+    pub fresnel: Option<bool>,
+    pub total_reflection: Option<bool>,
+    pub ray_offset: Option<RayOffset>,
+    pub dialect: Option<Dialect>,
+    pub depth_range: Option<[f32; 2]>,
+}

@@ -1,0 +1,207 @@
+//! Triangle meshes.
+//!
+//! A mesh has a tree of its own whose leaves test triangles and nothing else, watertight
+//! (see `kajo-bvh`). Flat shading takes the normal of the winding, `(b-a) x (c-a)`; smooth
+//! shading interpolates normals at the vertices.
+//!
+//! Scene: `TriangleMesh { obj_file bunny.obj  smooth on }`
+
+use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, robust::gamma};
+
+use super::Surface;
+use crate::interaction::{Hit, NO_UV, SurfacePoint};
+
+/// A corner of a face that has no normal or no texture coordinates of its own.
+pub const ABSENT: u32 = u32::MAX;
+
+/// Values at corners of faces: a list of values and three indices into it for each face.
+#[derive(Debug, Default)]
+pub struct CornerValues<T> {
+    /// The values.
+    pub values: Vec<T>,
+    /// Indices of the corners' values, or [`ABSENT`].
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl<T: Copy> CornerValues<T> {
+    fn of(&self, face: u32) -> Option<[T; 3]> {
+        let [a, b, c] = *self.faces.get(face as usize)?;
+        let value = |i: u32| self.values.get(i as usize).copied();
+        Some([value(a)?, value(b)?, value(c)?])
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&*self.values) + size_of_val(&*self.faces)
+    }
+}
+
+/// An indexed triangle mesh with its tree.
+#[derive(Debug)]
+pub struct Mesh {
+    positions: Vec<Vec3>,
+    faces: Vec<[u32; 3]>,
+    normals: Option<CornerValues<Vec3>>,
+    uvs: Option<CornerValues<Vec2>>,
+    material_slots: Option<Vec<u32>>,
+    bvh: TriangleBvh,
+    closed: bool,
+}
+
+/// What a mesh is made of; every index lies within the list it points to.
+#[derive(Debug, Default)]
+pub struct MeshData {
+    /// Vertices.
+    pub positions: Vec<Vec3>,
+    /// Vertex indices of each triangle.
+    pub faces: Vec<[u32; 3]>,
+    /// Unit normals at the corners, for smooth shading.
+    pub normals: Option<CornerValues<Vec3>>,
+    /// Texture coordinates at the corners.
+    pub uvs: Option<CornerValues<Vec2>>,
+    /// The mesh's own material number of each triangle.
+    pub material_slots: Option<Vec<u32>>,
+}
+
+impl Mesh {
+    /// Builds the tree of a mesh.
+    ///
+    /// Triangles without area or with coordinates that are not finite are never hit; how many
+    /// there are is [`Mesh::dropped`].
+    ///
+    /// # Errors
+    ///
+    /// When a face names a vertex that does not exist, or there are too many faces.
+    pub fn new(data: MeshData, settings: &BuildSettings) -> Result<Mesh, BuildError> {
+        let MeshData { positions, faces, normals, uvs, material_slots } = data;
+        let bvh = TriangleBvh::build(&positions, &faces, settings)?;
+        let closed = is_closed(&positions, &faces);
+        Ok(Mesh { positions, faces, normals, uvs, material_slots, bvh, closed })
+    }
+
+    /// Number of triangles given.
+    pub fn triangle_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Number of triangles that no ray can hit, for want of area or of finite corners.
+    pub fn dropped(&self) -> usize {
+        self.bvh.stats().dropped
+    }
+
+    /// The corners of a triangle.
+    pub fn triangle(&self, face: u32) -> [Vec3; 3] {
+        self.faces[face as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// Interpolated unit normal, if the mesh has normals there.
+    fn smooth_normal(&self, hit: &Hit) -> Option<Vec3> {
+        let [a, b, c] = self.normals.as_ref()?.of(hit.part)?;
+        ((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).try_normalize()
+    }
+}
+
+impl Surface for Mesh {
+    fn bounds(&self) -> Aabb {
+        self.bvh.bounds()
+    }
+
+    #[inline]
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let hit = self.bvh.closest(ray)?;
+        Some(Hit { t: hit.t, u: hit.u, v: hit.v, part: hit.triangle })
+    }
+
+    #[inline]
+    fn blocks(&self, ray: &Ray) -> bool {
+        self.bvh.any(ray)
+    }
+
+    fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
+        self.bvh.all(ray, |hit| visit(Hit { t: hit.t, u: hit.u, v: hit.v, part: hit.triangle }));
+    }
+
+    fn surface_at(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let corners = self.triangle(hit.part);
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+        let ng = (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3();
+        let p = (a + u * (b - a) + v * (c - a)).as_vec3();
+        let size = corners[0].abs().max(corners[1].abs()).max(corners[2].abs());
+        SurfacePoint { p, p_error: gamma(8) * size, n: self.smooth_normal(hit).unwrap_or(ng), ng }
+    }
+
+    fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
+        let corners = self.uvs.as_ref().and_then(|uvs| uvs.of(hit.part));
+        corners.map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
+    }
+
+    fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    fn material_slot(&self, part: u32) -> Option<u32> {
+        self.material_slots.as_ref().map(|slots| slots[part as usize])
+    }
+
+    fn heap_bytes(&self) -> usize {
+        size_of_val(&*self.positions)
+            + size_of_val(&*self.faces)
+            + self.normals.as_ref().map_or(0, CornerValues::bytes)
+            + self.uvs.as_ref().map_or(0, CornerValues::bytes)
+            + self.material_slots.as_ref().map_or(0, |s| size_of_val(&**s))
+            + self.bvh.stats().bytes
+    }
+}
+
+/// Normals at the vertices: the plain sum of the unit normals of the faces around, as the
+/// `mit-a2` programs have it.
+///
+/// Vertices count as one where their positions are equal.
+pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]]) -> CornerValues<Vec3> {
+    let welded = welded(positions);
+    let mut sums = vec![Vec3::ZERO; positions.len()];
+    for face in faces {
+        let [a, b, c] = face.map(|i| positions[i as usize].as_dvec3());
+        let n = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+        for &corner in face {
+            sums[welded[corner as usize] as usize] += n;
+        }
+    }
+    let values = sums.iter().map(|n| n.normalize_or_zero()).collect();
+    let faces = faces.iter().map(|face| face.map(|i| welded[i as usize])).collect();
+    CornerValues { values, faces }
+}
+
+/// For each vertex the first one at the same position.
+fn welded(positions: &[Vec3]) -> Vec<u32> {
+    let key = |i: u32| (positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&i| (key(i), i));
+    let mut first = vec![0; positions.len()];
+    for group in order.chunk_by(|&i, &j| key(i) == key(j)) {
+        for &i in group {
+            first[i as usize] = group[0];
+        }
+    }
+    first
+}
+
+/// Whether every edge is used equally often in both directions, so that the surface has no border.
+fn is_closed(positions: &[Vec3], faces: &[[u32; 3]]) -> bool {
+    let welded = welded(positions);
+    let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(3 * faces.len());
+    for &[a, b, c] in faces {
+        for (i, j) in [(a, b), (b, c), (c, a)] {
+            let (i, j) = (welded[i as usize], welded[j as usize]);
+            if i != j {
+                edges.push((i.min(j), i.max(j), i < j));
+            }
+        }
+    }
+    edges.sort_unstable();
+    edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|group| {
+        let forward = group.iter().filter(|edge| edge.2).count();
+        2 * forward == group.len()
+    })
+}

@@ -1,0 +1,151 @@
+//! Shapes: what rays hit.
+//!
+//! A shape answers in its own object space, with rays whose direction is not normalised.
+//! Analytic shapes solve in double precision; meshes are single precision with a watertight
+//! test. Every shape can also report all crossings, which transparent shadows and solid
+//! modelling need.
+
+mod cone;
+mod cuboid;
+mod disk;
+mod mesh;
+mod plane;
+mod quad;
+mod sphere;
+mod triangle;
+
+pub use cone::Cone;
+pub use cuboid::Cuboid;
+pub use disk::Disk;
+pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, vertex_normals};
+pub use plane::Plane;
+pub use quad::Quad;
+pub use sphere::Sphere;
+pub use triangle::Triangle;
+
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
+
+use crate::family::family;
+use crate::interaction::{Hit, SurfacePoint};
+
+/// What every shape can do. All in object space.
+pub trait Surface: Sized {
+    /// A box that holds the shape; [`Aabb::EVERYWHERE`] for unbounded ones.
+    fn bounds(&self) -> Aabb;
+
+    /// The nearest crossing with `t_min < t < t_max`.
+    fn hit(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether there is any crossing with `t_min < t < t_max`.
+    #[inline]
+    fn blocks(&self, ray: &Ray) -> bool {
+        self.hit(ray).is_some()
+    }
+
+    /// Every crossing with `t_min < t < t_max`, in no particular order.
+    fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, visit: F);
+
+    /// Position and normals at a hit of this shape by this ray.
+    fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint;
+
+    /// Surface coordinates, in [0, 1]^2 where the shape is finite.
+    fn uv_at(&self, hit: &Hit, p: Vec3) -> Vec2;
+
+    /// Whether the surface encloses a volume, so that crossings come in pairs.
+    fn is_closed(&self) -> bool;
+
+    /// Which of the shape's own materials a part has, if it brings any.
+    fn material_slot(&self, _part: u32) -> Option<u32> {
+        None
+    }
+
+    /// Bytes kept beyond the shape's own record.
+    fn heap_bytes(&self) -> usize {
+        0
+    }
+}
+
+family! {
+    /// Names a shape in [`Shapes`].
+    handle ShapeId;
+    /// All shapes of a scene, each kind in a pool of its own.
+    pools Shapes;
+    contract Surface;
+    members {
+        cones: Cone,
+        cuboids: Cuboid,
+        disks: Disk,
+        meshes: Mesh,
+        planes: Plane,
+        quads: Quad,
+        spheres: Sphere,
+        triangles: Triangle,
+    }
+    methods {
+        /// See [`Surface::bounds`].
+        fn bounds() -> Aabb;
+        /// See [`Surface::hit`].
+        fn hit(ray: &Ray) -> Option<Hit>;
+        /// See [`Surface::blocks`].
+        fn blocks(ray: &Ray) -> bool;
+        /// See [`Surface::crossings`].
+        fn crossings<F: FnMut(Hit)>(ray: &Ray, visit: F);
+        /// See [`Surface::surface_at`].
+        fn surface_at(ray: &Ray, hit: &Hit) -> SurfacePoint;
+        /// See [`Surface::uv_at`].
+        fn uv_at(hit: &Hit, p: Vec3) -> Vec2;
+        /// See [`Surface::is_closed`].
+        fn is_closed() -> bool;
+        /// See [`Surface::material_slot`].
+        fn material_slot(part: u32) -> Option<u32>;
+    }
+}
+
+/// A ray in double precision, for analytic shapes.
+#[derive(Clone, Copy)]
+pub(crate) struct Ray64 {
+    pub o: DVec3,
+    pub d: DVec3,
+}
+
+impl Ray64 {
+    #[inline]
+    pub fn new(ray: &Ray) -> Ray64 {
+        Ray64 { o: ray.o.as_dvec3(), d: ray.d.as_dvec3() }
+    }
+
+    #[inline]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.o + t * self.d
+    }
+}
+
+/// `t` in single precision if it lies in the ray's range.
+#[inline]
+pub(crate) fn in_range(ray: &Ray, t: f64) -> Option<f32> {
+    let t = t as f32;
+    (t > ray.t_min && t < ray.t_max).then_some(t)
+}
+
+/// The nearest of a few crossings of a shape, from its list of all of them.
+#[inline]
+pub(crate) fn nearest_crossing(shape: &impl Surface, ray: &Ray) -> Option<Hit> {
+    let mut nearest: Option<Hit> = None;
+    shape.crossings(ray, |hit| {
+        if nearest.is_none_or(|best| hit.t < best.t) {
+            nearest = Some(hit);
+        }
+    });
+    nearest
+}
+
+/// Bound on the rounding of a point that was computed in double precision near coordinates
+/// of size `scale` and stored in single.
+#[inline]
+pub(crate) fn stored(p: DVec3) -> (Vec3, Vec3) {
+    let single = p.as_vec3();
+    (single, single.abs() * kajo_math::robust::gamma(2) + Vec3::splat(f32::MIN_POSITIVE))
+}
+
+#[cfg(test)]
+mod tests;

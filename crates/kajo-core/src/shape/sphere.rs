@@ -1,0 +1,93 @@
+//! Spheres.
+//!
+//! With `m = o - c` the ray meets `|p - c| = r` where
+//!
+//!     (d.d) t^2 + 2 (m.d) t + (m.m - r^2) = 0.
+//!
+//! The discriminant is taken as `r^2 - |m - (m.d / d.d) d|^2`, the squared radius less the
+//! squared distance from the centre to the line, which keeps its digits when the origin is far
+//! away [Haines et al. 2019, eq. 8].
+//!
+//! Scene: `Sphere { center 0 0 0  radius 1 }`
+
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, fmath};
+
+use super::{Ray64, Surface, in_range, stored};
+use crate::interaction::{Hit, SurfacePoint};
+
+/// A sphere; a radius of zero is never hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    /// Centre.
+    pub center: Vec3,
+    /// Radius, not negative.
+    pub radius: f32,
+}
+
+impl Sphere {
+    /// A sphere with the absolute value of `radius`, as the classic format has it.
+    pub fn new(center: Vec3, radius: f32) -> Sphere {
+        Sphere { center, radius: radius.abs() }
+    }
+
+    /// Both roots, smaller first.
+    #[inline]
+    fn roots(&self, ray: &Ray) -> Option<(f64, f64)> {
+        let Ray64 { o, d } = Ray64::new(ray);
+        let (m, r) = (o - self.center.as_dvec3(), f64::from(self.radius));
+        let (a, h) = (d.dot(d), m.dot(d));
+        let foot = m - (h / a) * d;
+        let discriminant = r * r - foot.dot(foot);
+        if r == 0.0 || discriminant.is_nan() || discriminant < 0.0 {
+            return None;
+        }
+        let q = -(h + (a * discriminant).sqrt().copysign(h));
+        if q == 0.0 {
+            return Some((0.0, 0.0));
+        }
+        let (t0, t1) = (q / a, (m.dot(m) - r * r) / q);
+        Some(if t0 <= t1 { (t0, t1) } else { (t1, t0) })
+    }
+}
+
+impl Surface for Sphere {
+    fn bounds(&self) -> Aabb {
+        let r = Vec3::splat(self.radius);
+        Aabb { min: self.center - r, max: self.center + r }.padded(1e-6)
+    }
+
+    #[inline]
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let (t0, t1) = self.roots(ray)?;
+        let t = in_range(ray, t0).or_else(|| in_range(ray, t1))?;
+        Some(Hit { t, ..Hit::default() })
+    }
+
+    fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
+        if let Some((t0, t1)) = self.roots(ray) {
+            for t in [t0, t1].into_iter().filter_map(|t| in_range(ray, t)) {
+                visit(Hit { t, ..Hit::default() });
+            }
+        }
+    }
+
+    #[inline]
+    fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let center = self.center.as_dvec3();
+        let n = (Ray64::new(ray).at(hit.t.into()) - center).normalize_or(DVec3::Z);
+        let (p, p_error) = stored(center + f64::from(self.radius) * n);
+        SurfacePoint::flat(p, p_error, n.as_vec3())
+    }
+
+    /// `u` runs once around the y axis, starting at +z towards +x; `v` from the south pole to the north.
+    fn uv_at(&self, _hit: &Hit, p: Vec3) -> Vec2 {
+        let n = ((p - self.center) / self.radius).clamp(Vec3::NEG_ONE, Vec3::ONE);
+        let turn = fmath::atan2(n.x, n.z) / std::f32::consts::TAU;
+        let u = if turn < 0.0 { turn + 1.0 } else { turn };
+        Vec2::new(u, 0.5 + fmath::asin(n.y) / std::f32::consts::PI)
+    }
+
+    fn is_closed(&self) -> bool {
+        true
+    }
+}

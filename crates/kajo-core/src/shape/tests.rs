@@ -1,0 +1,238 @@
+//! What holds for every shape, checked from one list.
+
+use std::f64::consts::PI;
+
+use kajo_bvh::BuildSettings;
+use kajo_math::{rng::Stream, warp};
+
+use super::*;
+use crate::interaction::RayOffset;
+
+/// Calls `$check` with every finite shape of the list, its name first.
+macro_rules! every_shape {
+    ($check:ident $(, $arg:expr)*) => {{
+        $check("sphere", &Sphere::new(Vec3::new(0.3, -0.2, 0.1), 0.9) $(, $arg)*);
+        $check("box", &Cuboid::new(Vec3::new(-0.5, -1.0, -0.2), Vec3::new(0.9, 0.4, 0.7)) $(, $arg)*);
+        $check("cylinder", &cone(0.6, 0.6, true) $(, $arg)*);
+        $check("cone", &cone(0.8, 0.0, true) $(, $arg)*);
+        $check("truncated cone", &cone(0.8, 0.3, true) $(, $arg)*);
+        $check("open cylinder", &cone(0.6, 0.6, false) $(, $arg)*);
+        $check("disk", &Disk::new(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), 1.0, 0.3).unwrap() $(, $arg)*);
+        $check("quad", &Quad::new(Vec3::ZERO, Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.3, 1.0, 0.5)).unwrap() $(, $arg)*);
+        $check("triangle", &triangle() $(, $arg)*);
+        $check("mesh", &octahedron() $(, $arg)*);
+    }};
+}
+
+fn cone(base: f32, top: f32, capped: bool) -> Cone {
+    Cone::new(Vec3::new(0.1, -0.6, 0.2), Vec3::new(-0.2, 0.7, 0.4), base, top, capped).unwrap()
+}
+
+fn triangle() -> Triangle {
+    let vertices = [Vec3::new(-0.7, 0.0, 0.3), Vec3::new(0.8, -0.2, 0.1), Vec3::new(0.1, 0.9, -0.5)];
+    Triangle { vertices, uvs: [Vec2::ZERO, Vec2::X, Vec2::Y] }
+}
+
+fn octahedron() -> Mesh {
+    let positions = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].to_vec();
+    let faces = vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    Mesh::new(MeshData { positions, faces, ..MeshData::default() }, &BuildSettings::default()).unwrap()
+}
+
+/// A line through a random point of the unit ball in a random direction.
+fn random_line(i: u32) -> Ray {
+    let s = Stream::new(17, [i, 0], 0);
+    let u = |k| Vec2::new(s.uniform(k), s.uniform(k + 1));
+    let (through, d) = (warp::uniform_sphere(u(0)) * s.uniform(2), warp::uniform_sphere(u(3)));
+    Ray::new(through - 3.0 * d, d)
+}
+
+fn hits_lie_in_the_bounds_and_on_the_surface(name: &str, shape: &impl Surface) {
+    let (bounds, mut found) = (shape.bounds(), 0);
+    for i in 0..4000 {
+        let ray = random_line(i);
+        let mut nearest = f32::INFINITY;
+        let mut count = 0;
+        shape.crossings(&ray, |hit| {
+            nearest = nearest.min(hit.t);
+            count += 1;
+        });
+        let hit = shape.hit(&ray);
+        assert_eq!(hit.map_or(f32::INFINITY, |h| h.t), nearest, "{name}: nearest of all crossings, ray {i}");
+        assert_eq!(hit.is_some(), shape.blocks(&ray));
+        assert!(!shape.is_closed() || count % 2 == 0, "{name}: a closed shape is left as often as entered");
+        let Some(hit) = hit else { continue };
+        found += 1;
+        let at = shape.surface_at(&ray, &hit);
+        assert!(bounds.padded(1e-6).contains(at.p), "{name}: {} outside {bounds:?}", at.p);
+        assert!(at.p.distance(ray.at(hit.t)) < 1e-5, "{name}: {} is not on the ray", at.p);
+        assert!((at.n.length() - 1.0).abs() < 1e-5);
+        let uv = shape.uv_at(&hit, at.p);
+        assert!(uv.cmpge(Vec2::splat(-1e-4)).all() && uv.cmple(Vec2::splat(1.0001)).all(), "{name}: uv {uv}");
+        // The range is exclusive on both sides.
+        assert!(shape.hit(&ray.over(0.0, hit.t)).is_none(), "{name}: t_max");
+        let beyond = shape.hit(&ray.over(hit.t, f32::INFINITY));
+        assert!(beyond.is_none_or(|next| next.t > hit.t), "{name}: t_min");
+    }
+    assert!(found > 400, "{name}: only {found} rays hit");
+}
+
+#[test]
+fn every_shape_is_consistent() {
+    every_shape!(hits_lie_in_the_bounds_and_on_the_surface);
+}
+
+/// Normals against the surface itself: three neighbouring rays give two tangents.
+fn normals_are_perpendicular_to_the_surface(name: &str, shape: &impl Surface) {
+    let mut checked = 0;
+    for i in 0..2000 {
+        let ray = random_line(i);
+        let (s, t) = warp::basis(ray.d);
+        let h = 2e-3;
+        let point = |offset: Vec3| {
+            let moved = Ray { o: ray.o + offset, ..ray };
+            shape.hit(&moved).map(|hit| (hit, shape.surface_at(&moved, &hit)))
+        };
+        // Central differences, where all five rays meet the same part away from silhouettes.
+        let five = [Vec3::ZERO, h * s, -h * s, h * t, -h * t].map(point);
+        let [Some(middle), Some(a), Some(b), Some(c), Some(d)] = five else { continue };
+        let elsewhere = |h: &Hit| h.part != middle.0.part || (h.t - middle.0.t).abs() > 0.01;
+        if [a, b, c, d].iter().any(|p| elsewhere(&p.0)) || ray.d.dot(middle.1.n).abs() < 0.4 {
+            continue;
+        }
+        checked += 1;
+        let n = (a.1.p - b.1.p).cross(c.1.p - d.1.p).normalize();
+        let off = n.dot(middle.1.n).abs();
+        assert!(off > 1.0 - 2e-5, "{name}: ray {i}, {n} against {}", middle.1.n);
+        if shape.is_closed() {
+            assert!(ray.d.dot(middle.1.ng) < 0.0, "{name}: normals of closed shapes point outward");
+        }
+    }
+    assert!(checked > 200, "{name}: only {checked} checked");
+}
+
+#[test]
+fn every_normal_is_right() {
+    every_shape!(normals_are_perpendicular_to_the_surface);
+}
+
+/// Volume by the lengths of parallel chords, from all crossings.
+fn volume(shape: &impl Surface) -> f64 {
+    let bounds = shape.bounds().padded(0.01);
+    let (n, extent) = (700, bounds.extent());
+    let mut sum = 0.0;
+    for j in 0..n {
+        for i in 0..n {
+            let at = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / n as f32;
+            let o = bounds.min + Vec3::new(at.x * extent.x, at.y * extent.y, -1.0);
+            let ray = Ray::new(o, Vec3::Z);
+            shape.crossings(&ray, |hit| {
+                let leaves = shape.surface_at(&ray, &hit).ng.z > 0.0;
+                sum += f64::from(if leaves { hit.t } else { -hit.t });
+            });
+        }
+    }
+    sum * f64::from(extent.x) * f64::from(extent.y) / f64::from(n * n)
+}
+
+#[test]
+fn volumes_follow_their_formulas() {
+    let height = f64::from(Vec3::new(-0.3, 1.3, 0.2).length());
+    let frustum = |r: f64, s: f64| PI * height / 3.0 * (r * r + r * s + s * s);
+    let near = |name: &str, got: f64, expected: f64| {
+        assert!((got / expected - 1.0).abs() < 1e-3, "{name}: {got} instead of {expected}");
+    };
+    near("sphere", volume(&Sphere::new(Vec3::splat(0.3), 0.9)), 4.0 / 3.0 * PI * 0.729);
+    near("box", volume(&Cuboid::new(Vec3::ZERO, Vec3::new(1.0, 2.0, 0.5))), 1.0);
+    near("cylinder", volume(&cone(0.6, 0.6, true)), frustum(0.6, 0.6));
+    near("cone", volume(&cone(0.8, 0.0, true)), frustum(0.8, 0.0));
+    near("truncated cone", volume(&cone(0.8, 0.3, true)), frustum(0.8, 0.3));
+    near("mesh", volume(&octahedron()), 4.0 / 3.0);
+}
+
+/// Rays that leave a convex shape outward never meet it again, at any scale and place.
+fn outward_rays_escape(name: &str, shape: &impl Surface) {
+    for i in 0..4000 {
+        let ray = random_line(i);
+        let Some(hit) = shape.hit(&ray) else { continue };
+        let at = shape.surface_at(&ray, &hit);
+        let s = Stream::new(23, [i, 0], 0);
+        let w = warp::uniform_sphere(Vec2::new(s.uniform(0), s.uniform(1)));
+        let w = if w.dot(at.ng) < 0.0 { -w } else { w };
+        let away = at.ray_towards(w, f32::INFINITY, 0.0, RayOffset::Auto);
+        assert!(!shape.blocks(&away), "{name}: ray {i} towards {w} at {}", at.p);
+    }
+}
+
+#[test]
+fn no_ray_meets_the_surface_it_leaves() {
+    every_shape!(outward_rays_escape);
+    for scale in [1e-4f32, 1e-2, 1.0, 1e3, 1e6] {
+        let far = Vec3::new(3.0, -2.0, 1.0) * scale;
+        for i in 0..2000 {
+            let line = random_line(i);
+            let ray = Ray::new(far + scale * line.o, line.d);
+            leaves_alone(&Sphere::new(far, 0.8 * scale), &ray);
+            leaves_alone(&Plane::new(DVec3::new(0.3, 1.0, -0.2), f64::from(scale)), &ray);
+            leaves_alone(&Disk::new(far, line.o, scale, 0.0).unwrap(), &ray);
+        }
+    }
+}
+
+fn leaves_alone(shape: &impl Surface, ray: &Ray) {
+    let Some(hit) = shape.hit(ray) else { return };
+    let at = shape.surface_at(ray, &hit);
+    for d in [Vec3::X, Vec3::new(0.6, -0.64, 0.48), Vec3::NEG_Z] {
+        let d = if d.dot(at.ng) < 0.0 { -d } else { d };
+        assert!(!shape.blocks(&at.ray_towards(d, f32::INFINITY, 0.0, RayOffset::Auto)), "{} {d}", at.p);
+    }
+}
+
+#[test]
+fn odd_numbers_do_no_harm() {
+    fn poke(_name: &str, shape: &impl Surface) {
+        for bad in [f32::NAN, f32::INFINITY, f32::MAX, 0.0, -0.0, f32::MIN_POSITIVE] {
+            for k in 0..6 {
+                let mut v = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
+                v[k] = bad;
+                let ray = Ray::new(Vec3::new(v[0], v[1], v[2]), Vec3::new(v[3], v[4], v[5]));
+                if let Some(hit) = shape.hit(&ray) {
+                    assert!(!hit.t.is_nan());
+                }
+            }
+            let still = Ray::new(Vec3::ZERO, Vec3::splat(0.0 * bad));
+            assert!(shape.hit(&still).is_none_or(|hit| !hit.t.is_nan()));
+        }
+    }
+    every_shape!(poke);
+    assert!(Sphere::new(Vec3::ZERO, 0.0).hit(&Ray::new(Vec3::NEG_Z, Vec3::Z)).is_none());
+    assert_eq!(Sphere::new(Vec3::ZERO, -2.0).radius, 2.0);
+    assert!(Plane::new(DVec3::ZERO, 1.0).hit(&Ray::new(Vec3::NEG_Z, Vec3::Z)).is_none());
+    let flat = Triangle { vertices: [Vec3::ZERO, Vec3::X, 2.0 * Vec3::X], uvs: [Vec2::ZERO; 3] };
+    assert!(flat.is_degenerate() && !triangle().is_degenerate());
+}
+
+/// A row of triangles round a point shares edges; no ray through an edge or the point slips between.
+#[test]
+fn neighbouring_triangles_leave_no_gap() {
+    let hub = Vec3::new(0.123, -0.456, 0.789);
+    let rim: Vec<Vec3> = (0..7)
+        .map(|i| {
+            let s = Stream::new(31, [i, 0], 0);
+            let (sin, cos) =
+                kajo_math::fmath::sin_cos(std::f32::consts::TAU * (i as f32 + s.uniform(0)) / 7.0);
+            hub + Vec3::new(cos, sin, s.uniform(1) - 0.5)
+        })
+        .collect();
+    let fan: Vec<Triangle> = (0..7)
+        .map(|i| Triangle { vertices: [hub, rim[i], rim[(i + 1) % 7]], uvs: [Vec2::ZERO; 3] })
+        .collect();
+    for i in 0..200_000u32 {
+        let s = Stream::new(37, [i, 0], 0);
+        let edge = rim[(i % 7) as usize] - hub;
+        let target = if i % 3 == 0 { hub } else { hub + 0.9 * s.uniform(0) * edge };
+        let o = hub + Vec3::new(s.uniform(1) - 0.5, s.uniform(2) - 0.5, 5.0);
+        let ray = Ray::new(o, target - o);
+        assert!(fan.iter().any(|t| t.hit(&ray).is_some()), "ray {i} slips through");
+    }
+}

@@ -1,0 +1,21 @@
+//! A checkerboard of unit cells in three dimensions.
+//!
+//! The cell's parity is counted as the reference program counts it: whole parts with C's
+//! remainder, plus one for each negative coordinate. Away from whole negative numbers this
+//! is the parity of `floor(x) + floor(y) + floor(z)`, even for the first material.
+
+use kajo_math::Vec3;
+
+use super::Pattern;
+
+/// 0 in the cells of the first material, 1 in those of the second.
+#[derive(Clone, Copy, Debug)]
+pub struct Checker;
+
+impl Pattern for Checker {
+    fn value(&self, q: Vec3) -> f32 {
+        let parity = |v: f32| (v.trunc() as i64 % 2) + i64::from(v < 0.0);
+        let odd = (1 + parity(q.x) + parity(q.y) + parity(q.z)) % 2 != 0;
+        if odd { 0.0 } else { 1.0 }
+    }
+}
