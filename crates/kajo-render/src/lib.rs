@@ -1,1 +1,18 @@
 //! Film, integrators and the schedule of kajo.
+//!
+//! An integrator turns a place on the film into radiance ([`PixelIntegrator`]); [`render`] calls it for
+//! every sample of every tile on all cores; a [`Film`] sums the samples exactly and develops them into
+//! pictures.
+
+pub mod film;
+pub mod order;
+pub mod rect;
+pub mod sample;
+pub mod schedule;
+
+pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap};
+pub use rect::Rect;
+pub use sample::{FirstHit, PixelIntegrator, PixelSample, RayCounters};
+pub use schedule::{
+    FailedUnit, Progress, RenderError, RenderSettings, RenderStats, Silent, Unit, render, render_unit,
+};

@@ -1,0 +1,179 @@
+//! Exact sums over a rectangle of pixels.
+//!
+//! Every number here is an integer and every rule of combination (adding, taking the smaller index) is
+//! commutative and associative, so it does not matter in which order samples and rectangles come
+//! together.
+
+use super::{
+    fixed::{self, Term, Weight},
+    layer::Layer,
+    spec::{FilmSpec, Parts},
+};
+use crate::{FirstHit, rect::Rect};
+
+/// Object and material seen by the sample of smallest index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct First {
+    sample: u32,
+    object: u32,
+    material: u32,
+}
+
+impl First {
+    /// No sample yet. No sample has this index, since their number is a `u32`.
+    const NONE: First = First { sample: u32::MAX, object: 0, material: 0 };
+
+    #[inline]
+    fn keep_earlier(&mut self, other: First) {
+        if other.sample < self.sample {
+            *self = other;
+        }
+    }
+}
+
+/// The sums of a rectangle of pixels; arrays that the film does not need are empty.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sums {
+    pub rect: Rect,
+    parts: Parts,
+    /// Weighted values, `parts.channels` for each pixel.
+    values: Vec<i128>,
+    /// Bits of [`Weight`]s.
+    weights: Vec<i64>,
+    counts: Vec<u32>,
+    distances: Vec<i128>,
+    hits: Vec<u32>,
+    firsts: Vec<First>,
+}
+
+impl Sums {
+    /// Nothing, over no pixels.
+    pub fn empty(spec: &FilmSpec) -> Sums {
+        Sums {
+            rect: Rect::of_size(0, 0),
+            parts: spec.parts(),
+            values: Vec::new(),
+            weights: Vec::new(),
+            counts: Vec::new(),
+            distances: Vec::new(),
+            hits: Vec::new(),
+            firsts: Vec::new(),
+        }
+    }
+
+    /// Starts afresh with the pixels of `rect`, keeping the memory.
+    pub fn reset(&mut self, rect: Rect) {
+        fn refill<T: Clone>(array: &mut Vec<T>, len: usize, value: T) {
+            array.clear();
+            array.resize(len, value);
+        }
+        let parts = self.parts;
+        let pixels = rect.area() as usize;
+        let len = |wanted: bool| if wanted { pixels } else { 0 };
+        self.rect = rect;
+        refill(&mut self.values, pixels * parts.channels, 0);
+        refill(&mut self.weights, len(parts.weights), 0);
+        refill(&mut self.counts, len(parts.counts), 0);
+        refill(&mut self.distances, len(parts.distances), 0);
+        refill(&mut self.hits, len(parts.distances), 0);
+        refill(&mut self.firsts, len(parts.firsts), First::NONE);
+    }
+
+    /// Adds the filtered channels of a sample to a pixel.
+    #[inline]
+    pub fn add_filtered(&mut self, pixel: usize, weight: Weight, terms: &[Term]) {
+        let start = pixel * self.parts.channels;
+        for (sum, term) in self.values[start..start + terms.len()].iter_mut().zip(terms) {
+            *sum += term.times(weight);
+        }
+        if self.parts.weights {
+            self.weights[pixel] += weight.bits();
+        }
+    }
+
+    /// Records what concerns only the pixel that sample `k` was taken for.
+    ///
+    /// Returns whether all of it was finite.
+    #[inline]
+    pub fn add_own(&mut self, pixel: usize, k: u32, hit: Option<&FirstHit>) -> bool {
+        if self.parts.counts {
+            self.counts[pixel] += 1;
+        }
+        if self.parts.firsts {
+            let (object, material) = hit.map_or((0, 0), |hit| (hit.object, hit.material));
+            self.firsts[pixel].keep_earlier(First { sample: k, object, material });
+        }
+        let Some(hit) = hit.filter(|_| self.parts.distances) else { return true };
+        let Some(distance) = Term::new(hit.t) else { return false };
+        self.distances[pixel] += distance.times(Weight::ONE);
+        self.hits[pixel] += 1;
+        true
+    }
+
+    /// Adds the sums of the pixels that both rectangles have.
+    pub fn absorb(&mut self, other: &Sums) {
+        let common = self.rect.intersection(&other.rect);
+        let (channels, width) = (self.parts.channels, common.width() as usize);
+        if width == 0 {
+            return;
+        }
+        for y in common.y0..common.y1 {
+            let (to, from) = (self.rect.index(common.x0, y), other.rect.index(common.x0, y));
+            combine(
+                &mut self.values,
+                to * channels,
+                &other.values,
+                from * channels,
+                width * channels,
+                |a, b| *a += b,
+            );
+            combine(&mut self.weights, to, &other.weights, from, width, |a, b| *a += b);
+            combine(&mut self.counts, to, &other.counts, from, width, |a, b| *a += b);
+            combine(&mut self.distances, to, &other.distances, from, width, |a, b| *a += b);
+            combine(&mut self.hits, to, &other.hits, from, width, |a, b| *a += b);
+            combine(&mut self.firsts, to, &other.firsts, from, width, First::keep_earlier);
+        }
+    }
+
+    /// A function from a pixel's index to the values of a layer, of which the first
+    /// [`Layer::channels`] are meant.
+    pub fn values_of(&self, spec: &FilmSpec, layer: Layer) -> impl Fn(usize) -> [f32; 3] {
+        let offset: usize = spec.layers.filtered().take_while(|&l| l != layer).map(Layer::channels).sum();
+        move |pixel| match layer {
+            Layer::Depth if self.hits[pixel] == 0 => [f32::INFINITY, 0.0, 0.0],
+            Layer::Depth => [fixed::average(self.distances[pixel], f64::from(self.hits[pixel])), 0.0, 0.0],
+            Layer::ObjectId | Layer::MaterialId => [self.id(layer, pixel) as f32, 0.0, 0.0],
+            Layer::SampleCount => [self.counts[pixel] as f32, 0.0, 0.0],
+            _ => {
+                let weight = self.weight(pixel);
+                let sums = &self.values[pixel * self.parts.channels + offset..];
+                let channel = |c| if c < layer.channels() { fixed::average(sums[c], weight) } else { 0.0 };
+                [channel(0), channel(1), channel(2)]
+            }
+        }
+    }
+
+    /// Number of the object or material of a pixel's first sample; 0 without samples.
+    pub fn id(&self, layer: Layer, pixel: usize) -> u32 {
+        let first = self.firsts[pixel];
+        if layer == Layer::ObjectId { first.object } else { first.material }
+    }
+
+    /// Sum of the weights of the samples that reached a pixel.
+    fn weight(&self, pixel: usize) -> f64 {
+        if self.parts.weights {
+            fixed::weight_sum(self.weights[pixel])
+        } else {
+            f64::from(self.counts[pixel])
+        }
+    }
+}
+
+/// Combines a run of one array into another of the same kind; empty arrays are left alone.
+fn combine<T: Copy>(to: &mut [T], at: usize, from: &[T], start: usize, len: usize, rule: impl Fn(&mut T, T)) {
+    if !from.is_empty() {
+        for (a, &b) in to[at..at + len].iter_mut().zip(&from[start..start + len]) {
+            rule(a, b);
+        }
+    }
+}

@@ -1,0 +1,317 @@
+use kajo_color::Spectrum;
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_math::{Vec2, Vec3, rng::Stream};
+use proptest::prelude::*;
+
+use super::*;
+use crate::{FirstHit, PixelSample};
+
+const FILTERS: [Filter; 8] = [
+    Filter::None,
+    Filter::BOX,
+    Filter::Box { radius: 1.2 },
+    Filter::Tent { radius: 1.0 },
+    Filter::Tent { radius: 0.75 },
+    Filter::Gaussian { sigma: 0.5 },
+    Filter::MITCHELL,
+    Filter::LANCZOS,
+];
+
+fn sampler(kind: SamplerKind, n: u32) -> Sampler {
+    Sampler::new(kind, n)
+}
+
+fn all_layers(width: u32, height: u32, filter: Filter) -> FilmSpec {
+    FilmSpec { filter, layers: LayerSet::of(&Layer::ALL), ..FilmSpec::new(width, height) }
+}
+
+fn film(spec: FilmSpec) -> Film {
+    Film::new(spec, u64::MAX).expect("a sensible film")
+}
+
+/// A sample full of random values, a miss now and then, the same for the same place and index.
+fn random_sample(x: u32, y: u32, k: u32) -> PixelSample {
+    let stream = Stream::new(99, [x, y], k);
+    let u = |d| stream.uniform(d);
+    let radiance = Spectrum::rgb(u(10) - 0.3, u(11) * 1e6, u(12) * 1e-6);
+    let hit = FirstHit {
+        t: u(13) * 20.0 - 1.0,
+        n: Vec3::new(u(14) - 0.5, u(15) - 0.5, u(16) - 0.5).normalize_or_zero(),
+        uv: Vec2::new(u(17), u(18)),
+        object: stream.bits(19) % 5 + 1,
+        material: stream.bits(20),
+    };
+    PixelSample { radiance, first: (u(21) < 0.8).then_some(hit) }
+}
+
+/// The part of a tile's random samples with indices in a range.
+fn random_part(spec: &FilmSpec, sampler: &Sampler, tile: Rect, samples: std::ops::Range<u32>) -> FilmPart {
+    let mut part = FilmPart::new(spec, sampler);
+    part.reset(&tile);
+    for y in tile.y0..tile.y1 {
+        for x in tile.x0..tile.x1 {
+            for k in samples.clone() {
+                let offset = sampler.position(k, &Stream::new(1, [x, y], k));
+                part.add(x, y, k, offset, &random_sample(x, y, k));
+            }
+        }
+    }
+    part
+}
+
+/// The bits of every layer.
+fn bits(film: &Film) -> Vec<Vec<u32>> {
+    let mut bits: Vec<Vec<u32>> = Vec::new();
+    for layer in film.spec().layers.iter() {
+        let image = film.develop(layer).expect("the film has it");
+        bits.push(image.data().iter().map(|v| v.to_bits()).collect());
+        bits.extend(film.ids(layer));
+    }
+    bits
+}
+
+/// A film of samples `value(x, y, k)` of every pixel.
+fn splat(spec: FilmSpec, sampler: &Sampler, value: impl Fn(u32, u32, u32) -> f32) -> Film {
+    let film = film(spec);
+    let mut part = FilmPart::new(&spec, sampler);
+    part.reset(&spec.rect());
+    for y in 0..spec.height {
+        for x in 0..spec.width {
+            for k in 0..sampler.samples() {
+                let offset = sampler.position(k, &Stream::new(5, [x, y], k));
+                let radiance = Spectrum::grey(value(x, y, k));
+                part.add(x, y, k, offset, &PixelSample { radiance, first: None });
+            }
+        }
+    }
+    film.merge(&part).expect("a part of this film");
+    film
+}
+
+#[test]
+fn the_response_to_an_impulse_is_the_filter() {
+    let sampler = sampler(SamplerKind::Regular, 9);
+    let place = |x: u32, y: u32, k: u32| {
+        let offset = sampler.position(k, &Stream::new(0, [0, 0], 0));
+        (f64::from(x) + f64::from(offset.x), f64::from(y) + f64::from(offset.y))
+    };
+    for filter in FILTERS {
+        // One impulse in the middle and one in a corner, where the border cuts the filter off.
+        for (ix, iy, ik) in [(6, 7, 2), (0, 0, 0)] {
+            let value = |x, y, k| if (x, y, k) == (ix, iy, ik) { 1.0 } else { 0.0 };
+            let image = splat(FilmSpec { filter, ..FilmSpec::new(13, 13) }, &sampler, value);
+            let image = image.develop(Layer::Color).expect("colour");
+            for py in 0..13u32 {
+                for px in 0..13u32 {
+                    let weight = |x, y, k| {
+                        let (sx, sy) = place(x, y, k);
+                        match filter {
+                            Filter::None => f64::from(u8::from((x, y) == (px, py))),
+                            _ => f64::from(filter.weight(
+                                (sx - f64::from(px) - 0.5) as f32,
+                                (sy - f64::from(py) - 0.5) as f32,
+                            )),
+                        }
+                    };
+                    let samples =
+                        (0..13).flat_map(|y| (0..13).flat_map(move |x| (0..9).map(move |k| (x, y, k))));
+                    let sum: f64 = samples.map(|(x, y, k)| weight(x, y, k)).sum();
+                    let expected = weight(ix, iy, ik) / sum;
+                    let found = f64::from(image.pixel(px, py)[0]);
+                    assert!(
+                        (found - expected).abs() < 2e-7,
+                        "{filter:?} at ({px}, {py}): {found}, not {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_constant_picture_stays_constant() {
+    for filter in FILTERS {
+        for (kind, n) in [(SamplerKind::Regular, 4), (SamplerKind::Jittered, 16), (SamplerKind::Uniform, 5)] {
+            for value in [1.0, 0.1, 1e-6, 12_345.678, 3e9] {
+                for cell in [None, Some([3, 4])] {
+                    let spec = FilmSpec { filter, cell, ..FilmSpec::new(9, 8) };
+                    let image = splat(spec, &sampler(kind, n), |_, _, _| value)
+                        .develop(Layer::Color)
+                        .expect("colour");
+                    for &found in image.data() {
+                        assert!(
+                            (found - value).abs() <= 1e-7 * value,
+                            "{filter:?} {kind:?}: {found}, not {value}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn cells_do_not_bleed_into_each_other() {
+    for filter in FILTERS {
+        let spec = FilmSpec { filter, cell: Some([4, 3]), ..FilmSpec::new(8, 6) };
+        // Jittered with a number that is no square, so that samples even overhang.
+        let film = splat(spec, &sampler(SamplerKind::Jittered, 6), |x, y, _| (x / 4 + 2 * (y / 3)) as f32);
+        let image = film.develop(Layer::Color).expect("colour");
+        for y in 0..6 {
+            for x in 0..8 {
+                let found = image.pixel(x, y)[0];
+                let expected = (x / 4 + 2 * (y / 3)) as f32;
+                assert!((found - expected).abs() < 1e-6, "{filter:?} at ({x}, {y}): {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn own_layers_look_at_the_pixels_own_samples() {
+    let spec = all_layers(2, 1, Filter::MITCHELL);
+    let film = film(spec);
+    let sampler = sampler(SamplerKind::Regular, 4);
+    let mut part = FilmPart::new(&spec, &sampler);
+    part.reset(&spec.rect());
+    let hit = |t, object| PixelSample {
+        radiance: Spectrum::BLACK,
+        first: Some(FirstHit { t, n: Vec3::Z, uv: Vec2::ZERO, object, material: object + 10 }),
+    };
+    let at = |k| sampler.position(k, &Stream::new(0, [0, 0], 0));
+    // Indices out of order: the smallest decides the numbers.
+    part.add(0, 0, 2, at(2), &hit(5.0, 2));
+    part.add(0, 0, 1, at(1), &hit(2.0, u32::MAX - 10));
+    part.add(0, 0, 3, at(3), &PixelSample::default());
+    part.add(1, 0, 0, at(0), &PixelSample::default());
+    part.add(1, 0, 1, at(1), &PixelSample::default());
+    film.merge(&part).expect("a part of this film");
+    let data = |layer| film.develop(layer).expect("the film has it").into_data();
+    assert_eq!(data(Layer::Depth), [3.5, f32::INFINITY]);
+    assert_eq!(data(Layer::SampleCount), [3.0, 2.0]);
+    assert_eq!(film.ids(Layer::ObjectId), Some(vec![u32::MAX - 10, 0]));
+    assert_eq!(film.ids(Layer::MaterialId), Some(vec![u32::MAX, 0]));
+    assert_eq!(film.ids(Layer::Color), None);
+}
+
+#[test]
+fn maps_are_averages_of_maps() {
+    let spec = FilmSpec {
+        depth_map: DepthMap { min: 0.0, max: 10.0, far_is_white: false },
+        ..all_layers(1, 1, Filter::None)
+    };
+    let film = film(spec);
+    let sampler = sampler(SamplerKind::Regular, 4);
+    let mut part = FilmPart::new(&spec, &sampler);
+    part.reset(&spec.rect());
+    // Clamped before the average: 1, 0.5, 0 and a miss.
+    let depths = [Some((-4.0, Vec3::X)), Some((5.0, Vec3::NEG_X)), Some((20.0, Vec3::Y)), None];
+    for (k, depth) in (0..).zip(depths) {
+        let first = depth.map(|(t, n)| FirstHit { t, n, uv: Vec2::ONE, object: 1, material: 1 });
+        part.add(0, 0, k, Vec2::splat(0.5), &PixelSample { radiance: Spectrum::BLACK, first });
+    }
+    film.merge(&part).expect("a part of this film");
+    let data = |layer| film.develop(layer).expect("the film has it").into_data();
+    assert_eq!(data(Layer::DepthMap), [0.375]);
+    assert_eq!(data(Layer::NormalMap), [0.5, 0.25, 0.0]);
+    assert_eq!(data(Layer::Normal), [0.0, 0.25, 0.0]);
+    assert_eq!(data(Layer::Uv), [0.75, 0.75]);
+}
+
+#[test]
+fn values_that_are_no_numbers_are_black_and_counted() {
+    for filter in FILTERS {
+        let value = |x: u32, _, k| match (x, k) {
+            (0, 0) => f32::NAN,
+            (1, 1) => f32::INFINITY,
+            (2, 2) => f32::NEG_INFINITY,
+            _ => 0.0,
+        };
+        let film =
+            splat(FilmSpec { filter, ..FilmSpec::new(4, 3) }, &sampler(SamplerKind::Regular, 4), value);
+        assert_eq!(film.non_finite(), 9);
+        assert!(film.develop(Layer::Color).expect("colour").data().iter().all(|&v| v == 0.0), "{filter:?}");
+    }
+}
+
+#[test]
+fn a_film_without_samples_is_black() {
+    let film = film(all_layers(3, 2, Filter::LANCZOS));
+    for layer in Layer::ALL {
+        let nothing = if layer == Layer::Depth { f32::INFINITY } else { 0.0 };
+        let image = film.develop(layer).expect("the film has it");
+        assert_eq!(image.data().len(), 6 * layer.channels());
+        assert!(image.data().iter().all(|&v| v == nothing), "{layer:?}");
+    }
+    assert!(self::film(FilmSpec::new(3, 2)).develop(Layer::Uv).is_none());
+}
+
+#[test]
+fn parts_of_other_films_and_of_finished_ones_are_refused() {
+    let sampler = sampler(SamplerKind::Regular, 1);
+    let spec = FilmSpec { one_pass: true, ..FilmSpec::new(300, 300) };
+    let part = FilmPart::new(&spec, &sampler);
+    assert_eq!(film(spec).merge(&part), Err(FilmError::OnePass));
+    assert_eq!(film(FilmSpec { one_pass: false, ..spec }).merge(&part), Err(FilmError::OtherFilm));
+}
+
+#[test]
+fn finished_pixels_are_what_the_sums_would_give() {
+    let sampler = sampler(SamplerKind::Jittered, 3);
+    let spec = FilmSpec { layers: LayerSet::of(&Layer::ALL), ..FilmSpec::new(300, 230) };
+    let (open, one_pass) = (film(spec), film(FilmSpec { one_pass: true, ..spec }));
+    for column in 0..3 {
+        let tile = Rect { x0: column * 90, y0: 0, x1: column * 90 + 90, y1: 200 };
+        open.add(&random_part(&spec, &sampler, tile, 0..3));
+        one_pass.add(&random_part(one_pass.spec(), &sampler, tile, 0..3));
+    }
+    assert!(!one_pass.spec().keeps_sums());
+    // Below row 200 and right of column 270 no sample was taken.
+    assert_eq!(bits(&open), bits(&one_pass));
+}
+
+/// The tiles of a cut of a picture in two directions, each with its samples cut in two.
+fn units(spec: &FilmSpec, x: u32, y: u32, k: u32, n: u32) -> Vec<(Rect, std::ops::Range<u32>)> {
+    let (w, h) = (spec.width, spec.height);
+    let mut units = Vec::new();
+    for (x0, x1) in [(0, x), (x, w)] {
+        for (y0, y1) in [(0, y), (y, h)] {
+            for samples in [0..k, k..n] {
+                units.push((Rect { x0, y0, x1, y1 }, samples));
+            }
+        }
+    }
+    units
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Splitting by place and by sample range, and merging in any order, changes no bit.
+    #[test]
+    fn any_split_in_any_order_gives_the_same_bits(
+        size in (1u32..40, 1u32..40),
+        which in 0..FILTERS.len(),
+        kind in prop_oneof![Just(SamplerKind::Uniform), Just(SamplerKind::Regular), Just(SamplerKind::Jittered)],
+        n in 1u32..7,
+        cut in (0f64..1.0, 0f64..1.0, 0f64..1.0),
+        cells in any::<bool>(),
+        order in Just((0..8).collect::<Vec<usize>>()).prop_shuffle(),
+    ) {
+        let (w, h) = size;
+        let cell = cells.then_some([w.div_ceil(3), h.div_ceil(2)]);
+        let spec = FilmSpec { cell, ..all_layers(w, h, FILTERS[which]) };
+        let sampler = Sampler::new(kind, n);
+        let whole = film(spec);
+        whole.merge(&random_part(&spec, &sampler, spec.rect(), 0..n)).expect("a part of this film");
+        let split = film(spec);
+        let at = |share: f64, of: u32| (share * f64::from(of)) as u32;
+        let units = units(&spec, at(cut.0, w), at(cut.1, h), at(cut.2, n), n);
+        for i in order {
+            let (tile, samples) = units[i].clone();
+            split.merge(&random_part(&spec, &sampler, tile, samples)).expect("a part of this film");
+        }
+        prop_assert_eq!(bits(&whole), bits(&split));
+        prop_assert_eq!(whole.non_finite(), split.non_finite());
+    }
+}

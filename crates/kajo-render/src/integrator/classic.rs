@@ -1,0 +1,274 @@
+//! Recursive ray tracing in the manner of the course's reference program [Whitted 1980].
+//!
+//! The light along a ray that meets a surface is
+//!
+//!     L = ambient + sum of visible lights (Phong) + reflective L(mirror ray) + transparent L(refracted ray)
+//!
+//! with as many mirror and refracted rays in a row as `bounces` allows. A ray carries the
+//! index of refraction of where it travels: 1 at the camera, a material's own once it
+//! has entered through the outside, 1 again after leaving anything. Under total internal
+//! reflection the transmitted term is zero.
+//!
+//! Two options go beyond the reference. `total_reflection` sends the transmitted share into the
+//! mirror direction where it cannot pass. `fresnel` divides it everywhere: the share `F` of
+//! [`fresnel::dielectric`] is mirrored and `1 - F` passes.
+
+use kajo_color::Spectrum;
+use kajo_core::bsdf::{Highlight, Phong, fresnel};
+use kajo_core::scene::{Event, Interaction, Scene};
+use kajo_core::settings::{ShadowAttenuation, Shadows};
+use kajo_core::{RayOffset, light::Illumination};
+use kajo_math::{Ray, Vec2, Vec3, rng::Stream};
+
+use super::shadow;
+use crate::{FirstHit, PixelIntegrator, PixelSample, RayCounters};
+
+/// The most mirror and refracted rays in a row that may be asked for.
+pub const MAX_BOUNCES: u32 = 1000;
+
+/// Options of [`Classic`].
+#[derive(Clone, Copy, Debug)]
+pub struct ClassicSettings {
+    /// Mirror and refracted rays in a row, at most [`MAX_BOUNCES`].
+    pub bounces: u32,
+    /// A branch ends where the product of the magnitudes of its colours falls below this.
+    pub weight: f32,
+    /// Whether and how lights are hidden.
+    pub shadows: Shadows,
+    /// How transparent shadows weaken light.
+    pub shadow_attenuation: ShadowAttenuation,
+    /// Whether surfaces are lit on their back sides too.
+    pub shade_back: bool,
+    /// Show the uv test picture instead of the scene.
+    pub uv: bool,
+    /// Divide light at transparent surfaces by Fresnel's equations.
+    pub fresnel: bool,
+    /// Mirror what cannot leave a transparent body.
+    pub total_reflection: bool,
+    /// How rays keep clear of the surface they leave.
+    pub ray_offset: RayOffset,
+    /// The vector of the highlight.
+    pub highlight: Highlight,
+}
+
+/// The classic integrator over one scene and one picture size.
+pub struct Classic<'a> {
+    scene: &'a Scene,
+    settings: ClassicSettings,
+    size: [u32; 2],
+    /// Whether surface coordinates at the first hit are wanted.
+    wants_uv: bool,
+}
+
+/// Where a ray is on its way: what later light is multiplied by, and through what it travels.
+#[derive(Clone, Copy)]
+struct Path {
+    bounces_left: u32,
+    /// Product of the magnitudes of the colours so far.
+    weight: f32,
+    /// Index of refraction around the ray.
+    eta: f32,
+    /// Whether the ray travels inside a body, where there is no fog.
+    inside: bool,
+}
+
+impl<'a> Classic<'a> {
+    /// The integrator for a picture of `size` pixels.
+    pub fn new(scene: &'a Scene, settings: ClassicSettings, size: [u32; 2], wants_uv: bool) -> Classic<'a> {
+        Classic { scene, settings, size, wants_uv }
+    }
+
+    /// The camera ray through a place of the picture, in pixels from its top left corner.
+    pub fn camera_ray(&self, raster: Vec2) -> Ray {
+        let [w, h] = self.size.map(|n| n as f32);
+        let at = if self.scene.rules.corner_samples {
+            let across = |x: f32, n: f32| if n > 1.0 { 2.0 * (x - 0.5) / (n - 1.0) - 1.0 } else { 0.0 };
+            Vec2::new(across(raster.x, w), -across(raster.y, h))
+        } else {
+            Vec2::new(2.0 * raster.x / w - 1.0, 1.0 - 2.0 * raster.y / h)
+        };
+        self.scene.camera.ray(at, w / h)
+    }
+
+    /// Light along `ray`, and the surface it meets first.
+    fn li(&self, mut ray: Ray, mut path: Path, rays: &mut RayCounters) -> (Spectrum, Option<Interaction>) {
+        let mut light = Spectrum::BLACK;
+        let mut throughput = Spectrum::WHITE;
+        let mut first = None;
+        // Where only one branch goes on, it goes on in this loop; the other branch of a fork is a call.
+        loop {
+            let Event::Surface(at) = self.scene.trace(&ray) else {
+                light += throughput * self.through_fog(&ray, f32::INFINITY, &path, self.scene.background.radiance(ray.d));
+                return (light, first);
+            };
+            first = first.or(Some(at));
+            let phong = self.scene.materials.phong(at.material, &self.scene.materials, &self.scene.textures, at.point.p);
+            let local = self.shade(&ray, &at, &phong, rays);
+            // Fog weakens everything that comes from the surface, also what arrives there later.
+            light += throughput * self.through_fog(&ray, at.hit.t, &path, local);
+            throughput *= self.fog_factor(&ray, at.hit.t, &path);
+
+            let mirrored = self.mirrored(&ray, &at, &phong, &path);
+            let refracted = self.refracted(&ray, &at, &phong, &path);
+            match (mirrored, refracted) {
+                (None, None) => return (light, first),
+                (Some(branch), None) => {
+                    rays.reflected += 1;
+                    (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
+                }
+                (mirrored, Some(branch)) => {
+                    if let Some(mirrored) = mirrored {
+                        rays.reflected += 1;
+                        let (seen, _) = self.li(mirrored.ray, mirrored.path, rays);
+                        light += throughput * mirrored.factor * seen;
+                    }
+                    rays.refracted += 1;
+                    (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
+                }
+            }
+        }
+    }
+
+    /// Ambient light and every visible light, by the material's own model.
+    fn shade(&self, ray: &Ray, at: &Interaction, phong: &Phong, rays: &mut RayCounters) -> Spectrum {
+        let mut light = self.scene.ambient * phong.ambient;
+        let from_behind = ray.d.dot(at.point.n) > 0.0;
+        if from_behind && !self.settings.shade_back {
+            return light;
+        }
+        let n = if from_behind { -at.point.n } else { at.point.n };
+        let wo = -ray.d;
+        for &id in &self.scene.light_list {
+            let Illumination { wi, distance, intensity } = self.scene.lights.illuminate(id, at.point.p);
+            let shaded = phong.shade(n, wo, wi, intensity, self.settings.highlight);
+            if !shaded.is_black() {
+                light += shaded * self.visibility(at, wi, distance, ray.time, rays);
+            }
+        }
+        light
+    }
+
+    /// The share of a light at `distance` along `wi` that arrives.
+    fn visibility(&self, at: &Interaction, wi: Vec3, distance: f32, time: f32, rays: &mut RayCounters) -> Spectrum {
+        let shadow_ray = || at.point.ray_towards(wi, distance, time, self.settings.ray_offset);
+        match self.settings.shadows {
+            Shadows::Off => Spectrum::WHITE,
+            Shadows::Opaque => {
+                rays.shadow += 1;
+                if self.scene.occluded(&shadow_ray()) { Spectrum::BLACK } else { Spectrum::WHITE }
+            }
+            Shadows::Transparent => {
+                rays.shadow += 1;
+                shadow::transmittance(self.scene, &shadow_ray(), self.settings.shadow_attenuation)
+            }
+        }
+    }
+
+    fn mirrored(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &Path) -> Option<Branch> {
+        let mut factor = phong.reflective;
+        if (self.settings.fresnel || self.settings.total_reflection) && !phong.transparent.is_black() {
+            factor += phong.transparent * self.mirrored_share(ray, at, phong, path);
+        }
+        let d = fresnel::reflect(ray.d, at.point.n);
+        self.branch(ray, at, d, factor, path, *path)
+    }
+
+    fn refracted(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &Path) -> Option<Branch> {
+        if phong.transparent.is_black() {
+            return None;
+        }
+        let crossing = Crossing::of(ray, at, phong);
+        let d = fresnel::refract(ray.d, crossing.n, crossing.eta_far / path.eta)?;
+        let passing = if self.settings.fresnel { 1.0 - self.mirrored_share(ray, at, phong, path) } else { 1.0 };
+        let beyond = Path { eta: crossing.eta_far, inside: crossing.enters, ..*path };
+        self.branch(ray, at, d, phong.transparent * passing, path, beyond)
+    }
+
+    /// The share of the transmitted light that is mirrored instead.
+    fn mirrored_share(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &Path) -> f32 {
+        let crossing = Crossing::of(ray, at, phong);
+        let eta = crossing.eta_far / path.eta;
+        if self.settings.fresnel {
+            fresnel::dielectric(-ray.d.dot(crossing.n), eta)
+        } else if fresnel::refract(ray.d, crossing.n, eta).is_none() {
+            1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// A further ray from `at`, if anything of it could be seen.
+    fn branch(&self, ray: &Ray, at: &Interaction, d: Vec3, factor: Spectrum, path: &Path, next: Path) -> Option<Branch> {
+        let weight = path.weight * factor.magnitude();
+        if path.bounces_left == 0 || factor.is_black() || weight < self.settings.weight {
+            return None;
+        }
+        let ray = at.point.ray_towards(d, f32::INFINITY, ray.time, self.settings.ray_offset);
+        Some(Branch { ray, factor, path: Path { bounces_left: path.bounces_left - 1, weight, ..next } })
+    }
+
+    /// `behind` as it is seen through the fog along the first `t` of a ray.
+    fn through_fog(&self, ray: &Ray, t: f32, path: &Path, behind: Spectrum) -> Spectrum {
+        match &self.scene.fog {
+            Some(fog) if !path.inside => fog.seen_through(behind, ray.o, ray.d, t.max(0.0)),
+            _ => behind,
+        }
+    }
+
+    /// What remains of light from behind the first `t` of a ray.
+    fn fog_factor(&self, ray: &Ray, t: f32, path: &Path) -> f32 {
+        match &self.scene.fog {
+            Some(fog) if !path.inside => fog.transmittance(ray.o, ray.d, t.max(0.0)),
+            _ => 1.0,
+        }
+    }
+
+    /// The test picture: red grows to the right, green downward; the values of pixel centres.
+    fn uv_picture(&self, raster: Vec2) -> Spectrum {
+        let center = |x: f32, n: u32| (x.floor().clamp(0.0, (n - 1) as f32) + 0.5) / n as f32;
+        Spectrum::rgb(center(raster.x, self.size[0]), center(raster.y, self.size[1]), 1.0)
+    }
+}
+
+/// A mirror or refracted ray to be followed.
+struct Branch {
+    ray: Ray,
+    factor: Spectrum,
+    path: Path,
+}
+
+/// The two sides of a surface as a ray meets it.
+struct Crossing {
+    /// Unit normal against the ray.
+    n: Vec3,
+    /// Whether the ray comes from outside.
+    enters: bool,
+    /// Index of refraction beyond the surface; leaving always goes to vacuum.
+    eta_far: f32,
+}
+
+impl Crossing {
+    fn of(ray: &Ray, at: &Interaction, phong: &Phong) -> Crossing {
+        let enters = ray.d.dot(at.point.n) < 0.0;
+        let n = if enters { at.point.n } else { -at.point.n };
+        Crossing { n, enters, eta_far: if enters { phong.eta } else { 1.0 } }
+    }
+}
+
+impl PixelIntegrator for Classic<'_> {
+    fn sample(&self, raster: Vec2, _stream: &Stream, rays: &mut RayCounters) -> PixelSample {
+        rays.camera += 1;
+        let ray = self.camera_ray(raster);
+        let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
+        let (light, first) = self.li(ray, path, rays);
+        let first = first.map(|at| FirstHit {
+            t: at.hit.t,
+            n: at.point.n,
+            uv: if self.wants_uv { self.scene.uv(&at) } else { Vec2::ZERO },
+            object: at.primitive + 1,
+            material: self.scene.material_number(at.material),
+        });
+        let radiance = if self.settings.uv { self.uv_picture(raster) } else { light };
+        PixelSample { radiance, first }
+    }
+}

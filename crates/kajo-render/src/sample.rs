@@ -1,0 +1,69 @@
+//! What one camera ray brings to the film, and who casts it.
+
+use std::ops::AddAssign;
+
+use kajo_color::Spectrum;
+use kajo_math::{Vec2, Vec3, rng::Stream};
+
+/// What one camera ray brings to the film.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PixelSample {
+    /// Radiance arriving along the ray.
+    pub radiance: Spectrum,
+    /// The nearest surface, or `None` when the ray left the scene.
+    pub first: Option<FirstHit>,
+}
+
+/// The nearest surface along a camera ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstHit {
+    /// Parameter of the ray: the distance when its direction is a unit vector.
+    pub t: f32,
+    /// World space unit normal as stored with the surface, not turned towards the viewer.
+    pub n: Vec3,
+    /// Parameters of the surface.
+    pub uv: Vec2,
+    /// Number of the object, counted from 1: 0 is what a miss has.
+    pub object: u32,
+    /// Number of the material, counted from 1: 0 is what a miss has.
+    pub material: u32,
+}
+
+/// Radiance arriving along the camera ray through a film position.
+pub trait PixelIntegrator: Sync {
+    /// Casts one camera ray.
+    ///
+    /// * `raster`: position on the film in pixels; (0, 0) is the top left corner of the picture
+    /// * `stream`: the random numbers of this sample; the sampler owns dimensions 0 and 1
+    /// * `counters`: every ray cast, the camera's included, is added here
+    fn sample(&self, raster: Vec2, stream: &Stream, counters: &mut RayCounters) -> PixelSample;
+}
+
+/// Rays cast, by what they were for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounters {
+    /// From the camera.
+    pub camera: u64,
+    /// Towards a light.
+    pub shadow: u64,
+    /// Mirrored at a surface.
+    pub reflected: u64,
+    /// Refracted through a surface.
+    pub refracted: u64,
+}
+
+impl RayCounters {
+    /// Rays of every kind.
+    pub fn total(&self) -> u64 {
+        self.camera + self.shadow + self.reflected + self.refracted
+    }
+}
+
+impl AddAssign for RayCounters {
+    fn add_assign(&mut self, other: RayCounters) {
+        self.camera += other.camera;
+        self.shadow += other.shadow;
+        self.reflected += other.reflected;
+        self.refracted += other.refracted;
+    }
+}
