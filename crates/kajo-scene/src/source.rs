@@ -95,14 +95,18 @@ impl Source {
 }
 
 fn line_starts(bytes: &[u8]) -> Vec<u32> {
-    let mut starts = vec![0];
-    for (i, &byte) in bytes.iter().enumerate() {
-        let ends_line = byte == b'\n' || (byte == b'\r' && bytes.get(i + 1) != Some(&b'\n'));
-        if ends_line {
-            starts.push(i as u32 + 1);
-        }
-    }
-    starts
+    std::iter::once(0).chain(line_ends(bytes)).collect()
+}
+
+/// One past each line end.
+fn line_ends(bytes: &[u8]) -> impl Iterator<Item = u32> {
+    let ends_line = |i: usize, byte: u8| byte == b'\n' || (byte == b'\r' && bytes.get(i + 1) != Some(&b'\n'));
+    bytes.iter().enumerate().filter(move |&(i, &byte)| ends_line(i, byte)).map(|(i, _)| i as u32 + 1)
+}
+
+/// How many line ends there are.
+pub(crate) fn count_line_ends(bytes: &[u8]) -> usize {
+    line_ends(bytes).count()
 }
 
 /// The last character boundary at or before `offset`.
