@@ -2,40 +2,68 @@
 
 use kajo_math::{Aabb, Ray};
 
+use crate::build::{self, LeafShape, Prim};
+use crate::simd::dispatch;
+use crate::walk::Tree;
 use crate::{BuildSettings, Stats};
 
+/// One primitive to a leaf: what the caller does with it is dear.
+const SHAPE: LeafShape = LeafShape { block: 1, most: 1 };
+
 /// A tree over the boxes of primitives that the caller intersects.
-#[derive(Clone, Debug, Default)]
+///
+/// A query visits every primitive that has a hit within its box, and few others: boxes are
+/// widened by the rounding of the ray's arithmetic, so a hit that rounding has moved just
+/// out of its box is not lost.
+#[derive(Clone, Debug)]
 pub struct Bvh {
-    boxes: Vec<(u32, Aabb)>,
+    tree: Tree,
+    leaves: usize,
     dropped: usize,
 }
 
+impl Default for Bvh {
+    fn default() -> Bvh {
+        Bvh { tree: Tree::EMPTY, leaves: 0, dropped: 0 }
+    }
+}
+
 impl Bvh {
-    /// Builds a tree over `boxes`; empty boxes are left out.
+    /// Builds a tree over `boxes`. Boxes that are empty or not finite are left out and
+    /// counted; so is what comes after the first 2^31 boxes.
+    ///
+    /// Threads of the current rayon pool share the work; their number does not change the
+    /// tree.
     pub fn build(boxes: &[Aabb], _settings: &BuildSettings) -> Bvh {
-        let kept: Vec<_> = (0u32..).zip(boxes.iter().copied()).filter(|(_, b)| !b.is_empty()).collect();
-        Bvh { dropped: boxes.len() - kept.len(), boxes: kept }
+        let usable = |(_, b): &(u32, &Aabb)| b.is_finite() && !b.is_empty();
+        let numbered = (0..crate::node::Child::LIMIT as u32).zip(boxes);
+        let prims: Vec<_> = numbered.filter(usable).map(|(id, b)| Prim::new(*b, id)).collect();
+        let leaves = prims.len();
+        let built = build::build(prims, SHAPE);
+        let payloads: Vec<Vec<u32>> =
+            built.parts.iter().map(|part| part.leaves().map(|ids| ids[0]).collect()).collect();
+        Bvh { tree: built.finish(&payloads), leaves, dropped: boxes.len() - leaves }
     }
 
-    /// Calls `hit(primitive, t_max)` for primitives whose boxes the ray meets before `t_max`,
-    /// roughly front to back. `hit` answers the new `t_max`: the parameter of the hit if the
-    /// primitive has one before `t_max`, else `t_max` itself.
-    pub fn closest(&self, ray: &Ray, mut hit: impl FnMut(u32, f32) -> f32) {
-        let mut ray = *ray;
-        for (primitive, bounds) in &self.boxes {
-            if bounds.clip(&ray).is_some() {
-                ray.t_max = hit(*primitive, ray.t_max);
-            }
-        }
+    /// Calls `hit(primitive, t_max)` for primitives whose boxes the ray meets up to `t_max`,
+    /// nearest box first. `hit` answers the new `t_max`: the parameter of the hit if it
+    /// accepts one, else the `t_max` it was given.
+    ///
+    /// A box entered exactly at `t_max` is still visited, so of equally near hits the caller
+    /// can choose one by its own rule, such as the lowest number.
+    #[inline]
+    pub fn closest(&self, ray: &Ray, hit: impl FnMut(u32, f32) -> f32) {
+        dispatch!(simd => self.tree.nearest(simd, ray, hit))
     }
 
     /// Whether `hit` is true of any primitive whose box the ray meets.
-    pub fn any(&self, ray: &Ray, mut hit: impl FnMut(u32) -> bool) -> bool {
-        self.boxes.iter().any(|(primitive, bounds)| bounds.clip(ray).is_some() && hit(*primitive))
+    #[inline]
+    pub fn any(&self, ray: &Ray, hit: impl FnMut(u32) -> bool) -> bool {
+        dispatch!(simd => self.tree.any(simd, ray, hit))
     }
 
     /// Calls `visit` once for every primitive whose box the ray meets, in no set order.
+    #[inline]
     pub fn each(&self, ray: &Ray, mut visit: impl FnMut(u32)) {
         self.any(ray, |primitive| {
             visit(primitive);
@@ -45,11 +73,17 @@ impl Bvh {
 
     /// The box around everything; empty when there is nothing.
     pub fn bounds(&self) -> Aabb {
-        self.boxes.iter().fold(Aabb::EMPTY, |all, (_, b)| all.union(*b))
+        self.tree.bounds
     }
 
     /// Size, depth and memory of the tree.
     pub fn stats(&self) -> Stats {
-        Stats { leaves: self.boxes.len(), dropped: self.dropped, ..Stats::default() }
+        Stats {
+            nodes: self.tree.nodes.len(),
+            leaves: self.leaves,
+            depth: self.tree.depth,
+            dropped: self.dropped,
+            bytes: size_of_val(self.tree.nodes.as_slice()),
+        }
     }
 }

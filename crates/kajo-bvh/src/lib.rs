@@ -3,11 +3,20 @@
 //! [`Bvh`] stands over boxes of anything; [`TriangleBvh`] over triangles, which it also
 //! intersects. Neither knows shapes, materials or scenes.
 
+#[cfg(feature = "bench")]
+pub mod bench;
 mod boxes;
+mod build;
+mod group;
+mod node;
+mod simd;
+mod slabs;
 mod triangles;
+mod walk;
 
 pub use boxes::Bvh;
-pub use triangles::{TriangleBvh, TriangleHit};
+pub use group::TriangleHit;
+pub use triangles::TriangleBvh;
 
 /// How much time to spend on a tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

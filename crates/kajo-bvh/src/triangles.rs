@@ -1,94 +1,203 @@
 //! A tree over triangles.
 
-use kajo_math::{Aabb, Ray, Vec3};
+use kajo_math::{Aabb, DVec3, Ray, Vec3};
+use rayon::prelude::*;
 
-use crate::{BuildError, BuildSettings, Bvh, Stats};
+use crate::build::{self, Built, LeafShape, Prim};
+use crate::group::{Group, LANES, Shear, TriangleHit};
+use crate::simd::{Simd, dispatch};
+use crate::walk::Tree;
+use crate::{BuildError, BuildSettings, Stats};
 
-/// Where a ray meets a triangle `a b c`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriangleHit {
-    /// Ray parameter.
-    pub t: f32,
-    /// Weight of `b`: the point is `(1 - u - v) a + u b + v c`.
-    pub u: f32,
-    /// Weight of `c`.
-    pub v: f32,
-    /// The triangle's place in the list the tree was built from.
-    pub triangle: u32,
-}
+/// A leaf names its first group and, in the low bits, how many follow it.
+const MORE_BITS: u32 = 3;
+/// Groups that the rest of a leaf's 31 bits can tell apart.
+const MOST_GROUPS: usize = 1 << (31 - MORE_BITS);
+
+const SHAPE: LeafShape = LeafShape { block: LANES as u32, most: LANES << MORE_BITS };
 
 /// A tree over triangles, and the triangles.
-#[derive(Clone, Debug, Default)]
+///
+/// Closed meshes are watertight: a ray cannot pass between triangles that share vertices.
+/// Both sides of a triangle count, and its edges belong to it.
+#[derive(Clone, Debug)]
 pub struct TriangleBvh {
-    tree: Bvh,
-    triangles: Vec<[Vec3; 3]>,
+    tree: Tree,
+    groups: Vec<Group>,
+    leaves: usize,
+    dropped: usize,
+}
+
+impl Default for TriangleBvh {
+    fn default() -> TriangleBvh {
+        TriangleBvh { tree: Tree::EMPTY, groups: Vec::new(), leaves: 0, dropped: 0 }
+    }
 }
 
 impl TriangleBvh {
     /// Builds a tree over `triangles`, three indices into `positions` each. What it needs of
-    /// them is copied.
+    /// them is copied. Triangles without area or with a coordinate that is not finite are
+    /// left out and counted.
+    ///
+    /// Threads of the current rayon pool share the work; their number does not change the
+    /// tree.
     pub fn build(
         positions: &[Vec3],
         triangles: &[[u32; 3]],
-        settings: &BuildSettings,
+        _settings: &BuildSettings,
     ) -> Result<TriangleBvh, BuildError> {
-        let corners = |(triangle, t): (usize, &[u32; 3])| {
-            let corner = |index: u32| {
-                let vertices = positions.len();
-                let missing = BuildError::IndexOutOfRange { triangle, index, vertices };
-                positions.get(index as usize).copied().ok_or(missing)
-            };
-            Ok([corner(t[0])?, corner(t[1])?, corner(t[2])?])
-        };
-        let triangles: Vec<_> = triangles.iter().enumerate().map(corners).collect::<Result<_, _>>()?;
-        let boxes: Vec<_> = triangles.iter().map(|t| Aabb::around(*t)).collect();
-        Ok(TriangleBvh { tree: Bvh::build(&boxes, settings), triangles })
+        check(positions, triangles)?;
+        let corners = |triangle: u32| triangles[triangle as usize].map(|i| positions[i as usize]);
+        let ids = 0..triangles.len() as u32;
+        let prims: Vec<Prim> = ids
+            .into_par_iter()
+            .with_min_len(1 << 12)
+            .filter_map(|id| {
+                let corners = corners(id);
+                can_be_hit(corners).then(|| Prim::new(Aabb::around(corners), id))
+            })
+            .collect();
+        let dropped = triangles.len() - prims.len();
+        let built = build::build(prims, SHAPE);
+        let (groups, payloads) = fill(&built, corners);
+        if groups.len() > MOST_GROUPS {
+            return Err(BuildError::TooMany(triangles.len()));
+        }
+        let leaves = payloads.iter().map(Vec::len).sum();
+        Ok(TriangleBvh { tree: built.finish(&payloads), groups, leaves, dropped })
     }
 
     /// The nearest hit in the ray's range; of equally near ones that of the lowest number.
+    #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<TriangleHit> {
-        let mut best: Option<TriangleHit> = None;
-        self.tree.closest(ray, |triangle, t_max| {
-            let hit = self.meet(ray, triangle).filter(|h| h.t < best.map_or(ray.t_max, |b| b.t));
-            best = hit.or(best);
-            hit.map_or(t_max, |h| h.t)
-        });
-        best
+        dispatch!(simd => self.closest_on(simd, ray))
     }
 
     /// Whether anything is hit in the ray's range.
+    #[inline]
     pub fn any(&self, ray: &Ray) -> bool {
-        self.tree.any(ray, |triangle| self.meet(ray, triangle).is_some())
+        dispatch!(simd => self.any_on(simd, ray))
     }
 
     /// Calls `visit` once for every crossing in the ray's range, in no set order.
-    pub fn all(&self, ray: &Ray, mut visit: impl FnMut(TriangleHit)) {
-        self.tree.each(ray, |triangle| {
-            if let Some(hit) = self.meet(ray, triangle) {
-                visit(hit);
-            }
-        });
+    ///
+    /// A ray through an edge or vertex crosses exactly one of the triangles on either side,
+    /// so a ray from outside a closed mesh to outside crosses it an even number of times.
+    #[inline]
+    pub fn all(&self, ray: &Ray, visit: impl FnMut(TriangleHit)) {
+        dispatch!(simd => self.all_on(simd, ray, visit))
     }
 
     /// The box around everything; empty when there is nothing.
     pub fn bounds(&self) -> Aabb {
-        self.tree.bounds()
+        self.tree.bounds
     }
 
     /// Size, depth and memory of the tree.
     pub fn stats(&self) -> Stats {
-        self.tree.stats()
+        Stats {
+            nodes: self.tree.nodes.len(),
+            leaves: self.leaves,
+            depth: self.tree.depth,
+            dropped: self.dropped,
+            bytes: size_of_val(self.tree.nodes.as_slice()) + size_of_val(self.groups.as_slice()),
+        }
     }
 
-    fn meet(&self, ray: &Ray, triangle: u32) -> Option<TriangleHit> {
-        let [a, b, c] = self.triangles[triangle as usize];
-        let (e1, e2) = (b - a, c - a);
-        let p = ray.d.cross(e2);
-        let inv = e1.dot(p).recip();
-        let s = ray.o - a;
-        let q = s.cross(e1);
-        let (u, v, t) = (s.dot(p) * inv, ray.d.dot(q) * inv, e2.dot(q) * inv);
-        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > ray.t_min && t < ray.t_max;
-        inside.then_some(TriangleHit { t, u, v, triangle })
+    #[inline(always)]
+    fn leaf(&self, payload: u32) -> &[Group] {
+        let (first, more) = (payload >> MORE_BITS, payload & ((1 << MORE_BITS) - 1));
+        &self.groups[first as usize..=(first + more) as usize]
     }
+
+    #[inline(always)]
+    fn closest_on<S: Simd>(&self, simd: S, ray: &Ray) -> Option<TriangleHit> {
+        let shear = Shear::new(ray);
+        let mut best: Option<TriangleHit> = None;
+        self.tree.nearest(simd, ray, |payload, mut t_max| {
+            for group in self.leaf(payload) {
+                let tie = best.map_or(0, |b| b.triangle);
+                if let Some(hit) = group.closest(&shear, t_max, tie) {
+                    t_max = hit.t;
+                    best = Some(hit);
+                }
+            }
+            t_max
+        });
+        best
+    }
+
+    #[inline(always)]
+    fn any_on<S: Simd>(&self, simd: S, ray: &Ray) -> bool {
+        let shear = Shear::new(ray);
+        self.tree.any(simd, ray, |payload| self.leaf(payload).iter().any(|g| g.any(&shear, ray.t_max)))
+    }
+
+    #[inline(always)]
+    fn all_on<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(TriangleHit)) {
+        let shear = Shear::new(ray);
+        self.tree.any(simd, ray, |payload| {
+            for group in self.leaf(payload) {
+                group.all(&shear, ray.t_max, &mut visit);
+            }
+            false
+        });
+    }
+}
+
+fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), BuildError> {
+    if triangles.len() > MOST_GROUPS * LANES {
+        return Err(BuildError::TooMany(triangles.len()));
+    }
+    let vertices = positions.len();
+    let bad = triangles
+        .par_iter()
+        .with_min_len(1 << 14)
+        .position_first(|t| t.iter().any(|&i| i as usize >= vertices));
+    let Some(triangle) = bad else { return Ok(()) };
+    let index = triangles[triangle].into_iter().max().unwrap_or_default();
+    Err(BuildError::IndexOutOfRange { triangle, index, vertices })
+}
+
+/// Whether the corners are finite and not on one line.
+#[inline]
+fn can_be_hit([a, b, c]: [Vec3; 3]) -> bool {
+    if (b - a).cross(c - a) != Vec3::ZERO {
+        return a.is_finite() && b.is_finite() && c.is_finite();
+    }
+    // The product may have vanished in f32 for smallness alone.
+    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+    let normal = (b - a).cross(c - a);
+    normal.is_finite() && normal != DVec3::ZERO
+}
+
+/// Groups for all leaves, and for each part of the tree what its leaves are to hold.
+fn fill(built: &Built, corners: impl Fn(u32) -> [Vec3; 3] + Sync) -> (Vec<Group>, Vec<Vec<u32>>) {
+    let sizes =
+        built.parts.iter().map(|part| part.leaves().map(|ids| ids.len().div_ceil(LANES)).sum::<usize>());
+    let sizes: Vec<usize> = sizes.collect();
+    let mut groups = vec![Group::EMPTY; sizes.iter().sum()];
+    let mut work = Vec::with_capacity(built.parts.len());
+    let (mut first, mut rest) = (0, groups.as_mut_slice());
+    for (part, size) in built.parts.iter().zip(sizes) {
+        let (mine, others) = rest.split_at_mut(size);
+        work.push((part, first, mine));
+        (first, rest) = (first + size, others);
+    }
+    let fill = |(part, mut first, groups): (&build::Part, usize, &mut [Group])| {
+        let mut places = groups.iter_mut();
+        let leaf = |ids: &[u32]| {
+            let mut ids = ids.to_vec();
+            ids.sort_unstable();
+            let payload = (first << MORE_BITS) as u32 | (ids.len().div_ceil(LANES) - 1) as u32;
+            for (ids, place) in ids.chunks(LANES).zip(&mut places) {
+                *place = Group::new(ids, &corners);
+                first += 1;
+            }
+            payload
+        };
+        part.leaves().map(leaf).collect()
+    };
+    let payloads = work.into_par_iter().map(fill).collect();
+    (groups, payloads)
 }

@@ -1,0 +1,212 @@
+//! Eight floats at a time, by what the processor at hand can do.
+//!
+//! [`Avx2`] exists only where the processor has AVX2 and FMA, found out at run time;
+//! [`Portable`] exists everywhere and becomes SSE2 on x86-64 and NEON on ARM by way of
+//! glam. Kernels are written once, generic over [`Simd`], inlined into
+//! [`Simd::vectorize`], and so compiled once for each.
+//!
+//! [`Simd::mul_add`] may round once or twice: it must decide only what may differ between
+//! machines, which is how tightly a box encloses, never what is hit.
+#![allow(unsafe_code, reason = "intrinsics, each behind a proof that the processor has them")]
+
+use kajo_math::Vec4;
+
+/// A set of instructions that works on eight floats.
+pub(crate) trait Simd: Copy {
+    /// Eight floats.
+    type F32x8: Copy;
+
+    /// Runs `f`, with everything inlined into it compiled for this set.
+    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R;
+    fn splat(self, x: f32) -> Self::F32x8;
+    fn load(self, x: &[f32; 8]) -> Self::F32x8;
+    fn store(self, x: Self::F32x8) -> [f32; 8];
+    /// `a b + c`, rounded once or twice.
+    fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
+    fn min(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    /// Bit `i` tells whether `a <= b` in lane `i`.
+    fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+}
+
+/// Two halves of four, each a register on most machines.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Portable;
+
+impl Simd for Portable {
+    type F32x8 = [Vec4; 2];
+
+    #[inline(always)]
+    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
+        f()
+    }
+    #[inline(always)]
+    fn splat(self, x: f32) -> [Vec4; 2] {
+        [Vec4::splat(x); 2]
+    }
+    #[inline(always)]
+    fn load(self, x: &[f32; 8]) -> [Vec4; 2] {
+        [Vec4::from_slice(&x[..4]), Vec4::from_slice(&x[4..])]
+    }
+    #[inline(always)]
+    fn store(self, x: [Vec4; 2]) -> [f32; 8] {
+        let mut out = [0.0; 8];
+        x[0].write_to_slice(&mut out[..4]);
+        x[1].write_to_slice(&mut out[4..]);
+        out
+    }
+    #[inline(always)]
+    fn mul_add(self, a: [Vec4; 2], b: [Vec4; 2], c: [Vec4; 2]) -> [Vec4; 2] {
+        [a[0] * b[0] + c[0], a[1] * b[1] + c[1]]
+    }
+    #[inline(always)]
+    fn min(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
+        [a[0].min(b[0]), a[1].min(b[1])]
+    }
+    #[inline(always)]
+    fn max(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
+        [a[0].max(b[0]), a[1].max(b[1])]
+    }
+    #[inline(always)]
+    fn le(self, a: [Vec4; 2], b: [Vec4; 2]) -> u32 {
+        a[0].cmple(b[0]).bitmask() | a[1].cmple(b[1]).bitmask() << 4
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
+
+/// Evaluates an expression with the best [`Simd`] this machine has.
+macro_rules! dispatch {
+    ($simd:ident => $body:expr) => {{
+        #[cfg(target_arch = "x86_64")]
+        if let Some($simd) = $crate::simd::Avx2::detect() {
+            return $crate::simd::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $body,
+            );
+        }
+        let $simd = $crate::simd::Portable;
+        $crate::simd::Simd::vectorize(
+            $simd,
+            #[inline(always)]
+            || $body,
+        )
+    }};
+}
+pub(crate) use dispatch;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use std::arch::x86_64::*;
+
+    use super::Simd;
+
+    /// Proof that the processor has AVX2 and FMA.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct Avx2(());
+
+    impl Avx2 {
+        /// The proof, where it holds.
+        #[inline(always)]
+        pub(crate) fn detect() -> Option<Avx2> {
+            (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Avx2(()))
+        }
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+    fn run<R>(f: impl FnOnce() -> R) -> R {
+        f()
+    }
+
+    // SAFETY of every block below: `self` proves that the processor has the instruction.
+    impl Simd for Avx2 {
+        type F32x8 = __m256;
+
+        #[inline(always)]
+        fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
+            // SAFETY: as above.
+            unsafe { run(f) }
+        }
+        #[inline(always)]
+        fn splat(self, x: f32) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_set1_ps(x) }
+        }
+        #[inline(always)]
+        fn load(self, x: &[f32; 8]) -> __m256 {
+            // SAFETY: as above, and eight floats lie at the address.
+            unsafe { _mm256_loadu_ps(x.as_ptr()) }
+        }
+        #[inline(always)]
+        fn store(self, x: __m256) -> [f32; 8] {
+            let mut out = [0.0; 8];
+            // SAFETY: as above, and there is room for eight floats.
+            unsafe { _mm256_storeu_ps(out.as_mut_ptr(), x) };
+            out
+        }
+        #[inline(always)]
+        fn mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_fmadd_ps(a, b, c) }
+        }
+        #[inline(always)]
+        fn min(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_min_ps(a, b) }
+        }
+        #[inline(always)]
+        fn max(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_max_ps(a, b) }
+        }
+        #[inline(always)]
+        fn le(self, a: __m256, b: __m256) -> u32 {
+            // SAFETY: as above.
+            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32 }
+        }
+    }
+}
+
+/// A stack of fixed capacity that costs nothing to set up.
+///
+/// Capacity is a promise of the builder (depth of the tree times children of a node); the
+/// check on every push only guards the memory.
+pub(crate) struct Stack<T: Copy, const N: usize> {
+    len: usize,
+    items: [std::mem::MaybeUninit<T>; N],
+}
+
+impl<T: Copy, const N: usize> Stack<T, N> {
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        Stack { len: 0, items: [const { std::mem::MaybeUninit::uninit() }; N] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn push(&mut self, item: T) {
+        self.items[self.len].write(item);
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    pub(crate) fn pop(&mut self) -> Option<T> {
+        self.len = self.len.checked_sub(1)?;
+        // SAFETY: only `push` raises `len`, after writing the item below it.
+        Some(unsafe { self.items.get_unchecked(self.len).assume_init() })
+    }
+
+    /// The items from number `start` on, oldest first.
+    #[inline(always)]
+    pub(crate) fn from(&mut self, start: usize) -> &mut [T] {
+        let items = &mut self.items[start..self.len];
+        // SAFETY: items below `len` were written.
+        unsafe { items.assume_init_mut() }
+    }
+
+    #[inline(always)]
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+}

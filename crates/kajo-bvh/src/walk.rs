@@ -1,0 +1,174 @@
+//! Walks of a ray through a tree.
+
+use kajo_math::{Aabb, Ray, Vec3};
+
+use crate::node::{Child, MAX_DEPTH, Node, WIDTH};
+use crate::simd::{Simd, Stack};
+use crate::slabs::Slabs;
+
+/// Children that can wait at the same time: all but one at each level.
+const WAITING: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+
+/// The inner nodes of a finished tree. What its leaves hold is known to the owner.
+#[derive(Clone, Debug)]
+pub(crate) struct Tree {
+    pub(crate) nodes: Vec<Node>,
+    /// `None` when there is nothing to hit.
+    pub(crate) root: Option<Child>,
+    pub(crate) bounds: Aabb,
+    pub(crate) depth: usize,
+}
+
+/// A child that waits, with the parameter at which the ray enters its box.
+#[derive(Clone, Copy)]
+struct Waiting(u64);
+
+impl Waiting {
+    #[inline(always)]
+    fn new(near: f32, child: Child) -> Waiting {
+        Waiting(u64::from(near.to_bits()) << 32 | u64::from(child.0))
+    }
+
+    #[inline(always)]
+    fn near(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn child(self) -> Child {
+        Child(self.0 as u32)
+    }
+
+    /// The two, nearer one first. Entries before the ray's origin, of rays that reach
+    /// backwards, come in the wrong order: slower, not wrong.
+    #[inline(always)]
+    fn sorted(a: Waiting, b: Waiting) -> (Waiting, Waiting) {
+        (Waiting(a.0.min(b.0)), Waiting(a.0.max(b.0)))
+    }
+}
+
+/// The numbers of the bits that are set, lowest first.
+#[inline(always)]
+fn take_lowest(bits: &mut u32) -> usize {
+    let lowest = bits.trailing_zeros() as usize;
+    *bits &= *bits - 1;
+    lowest & (WIDTH - 1)
+}
+
+impl Tree {
+    pub(crate) const EMPTY: Tree = Tree { nodes: Vec::new(), root: None, bounds: Aabb::EMPTY, depth: 0 };
+
+    /// Largest absolute coordinate on each axis.
+    #[inline(always)]
+    fn reach(&self) -> Vec3 {
+        self.bounds.min.abs().max(self.bounds.max.abs())
+    }
+
+    /// Visits leaves whose boxes the ray meets before `t_max`, nearest box first. `leaf`
+    /// answers the new `t_max`.
+    #[inline(always)]
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, ray: &Ray, mut leaf: impl FnMut(u32, f32) -> f32) {
+        let (Some(root), Some(slabs)) = (self.root, Slabs::new(simd, ray, self.reach())) else { return };
+        let mut stack = Stack::<Waiting, WAITING>::new();
+        let mut t_max = ray.t_max;
+        let mut current = root;
+        loop {
+            if !current.is_leaf() {
+                let node = &self.nodes[current.index() as usize];
+                let (mask, near) = slabs.meet(node, t_max);
+                if mask != 0 {
+                    current = descend(node, mask, &simd.store(near), &mut stack);
+                    continue;
+                }
+            } else {
+                t_max = leaf(current.index(), t_max);
+            }
+            // Boxes entered exactly at `t_max` may hold an equally near hit.
+            current = loop {
+                let Some(waiting) = stack.pop() else { return };
+                if waiting.near() <= t_max {
+                    break waiting.child();
+                }
+            };
+        }
+    }
+
+    /// Visits leaves whose boxes the ray meets until `leaf` is true of one, and tells whether
+    /// that happened.
+    #[inline(always)]
+    pub(crate) fn any<S: Simd>(&self, simd: S, ray: &Ray, mut leaf: impl FnMut(u32) -> bool) -> bool {
+        let (Some(root), Some(slabs)) = (self.root, Slabs::new(simd, ray, self.reach())) else {
+            return false;
+        };
+        let mut stack = Stack::<Child, WAITING>::new();
+        let mut current = root;
+        loop {
+            if !current.is_leaf() {
+                let node = &self.nodes[current.index() as usize];
+                let (mut mask, _) = slabs.meet(node, ray.t_max);
+                if mask != 0 {
+                    current = node.children[take_lowest(&mut mask)];
+                    while mask != 0 {
+                        stack.push(node.children[take_lowest(&mut mask)]);
+                    }
+                    continue;
+                }
+            } else if leaf(current.index()) {
+                return true;
+            }
+            match stack.pop() {
+                Some(child) => current = child,
+                None => return false,
+            }
+        }
+    }
+}
+
+/// The nearest of the children in `mask`; the others wait on the stack, nearest on top.
+#[inline(always)]
+fn descend(node: &Node, mut mask: u32, near: &[f32; WIDTH], stack: &mut Stack<Waiting, WAITING>) -> Child {
+    let mut next = || {
+        let slot = take_lowest(&mut mask);
+        (Waiting::new(near[slot], node.children[slot]), mask == 0)
+    };
+    let (a, last) = next();
+    if last {
+        return a.child();
+    }
+    let (b, last) = next();
+    let (a, b) = Waiting::sorted(a, b);
+    if last {
+        stack.push(b);
+        return a.child();
+    }
+    let (c, last) = next();
+    let (b, c) = Waiting::sorted(b, c);
+    let (a, b) = Waiting::sorted(a, b);
+    if last {
+        stack.push(c);
+        stack.push(b);
+        return a.child();
+    }
+    let start = stack.len();
+    stack.push(c);
+    stack.push(b);
+    stack.push(a);
+    loop {
+        let (d, last) = next();
+        stack.push(d);
+        let waiting = stack.from(start);
+        let mut place = waiting.len() - 1;
+        while place > 0 && waiting[place - 1].0 < d.0 {
+            waiting[place] = waiting[place - 1];
+            place -= 1;
+        }
+        waiting[place] = d;
+        if last {
+            break;
+        }
+    }
+    match stack.pop() {
+        Some(nearest) => nearest.child(),
+        None => a.child(),
+    }
+}
