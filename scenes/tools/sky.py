@@ -89,10 +89,9 @@ def sky(d):
     colour = tuple(c + glow * g for c, g in zip(colour, (1.0, 0.72, 0.42)))
     if facing > 0.9990:
         colour = (1.0, 0.97, 0.85)
-    if y < ridge_height(atan2(z, x)):
-        haze = exp(-3 * (1 - facing))
-        colour = mix((0.055, 0.05, 0.09), (0.42, 0.24, 0.20), haze)
-    return colour
+    # The ridge's edge is about a pixel wide, so that it has no stairs.
+    haze = mix((0.055, 0.05, 0.09), (0.42, 0.24, 0.20), exp(-3 * (1 - facing)))
+    return mix(colour, haze, 0.5 + 300 * (ridge_height(atan2(z, x)) - y))
 
 
 def write_png(path, size, rows):
