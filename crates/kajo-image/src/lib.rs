@@ -15,7 +15,10 @@ mod image;
 mod limits;
 mod quantise;
 
+pub mod colormap;
+pub mod difference;
 pub mod exr;
+pub mod metrics;
 pub mod pfm;
 pub mod png;
 
