@@ -164,3 +164,58 @@ fn without_options(mut fields: Fields<'_>) -> Fields<'_> {
 fn text(field: Field<'_>) -> String {
     String::from_utf8_lossy(field.bytes).into_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<MtlFile, String> {
+        read_mtl(text.as_bytes(), "m.mtl", &Limits::default()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn every_statement_reaches_its_field() {
+        let text = "newmtl red paint # x\nKa 1 2 3\nKd 0.5\nKs 4 5 6\nKe 7 8 9\nTf 1 0 1\nNs 10\nNi 1.5\n\
+                    Tr 0.25\nillum 2\nmap_Kd -s 1 1 1 -clamp on -imfchan r my wood.png\nbump -bm 0.5 b.png\n\
+                    newmtl glass\nTr 0.9\nd -halo 0.5\nKd spectral a.rfl\n";
+        let file = read(text).unwrap();
+        let red = MtlMaterial {
+            name: "red paint # x".to_owned(),
+            ambient: Some([1., 2., 3.]),
+            diffuse: Some([0.5; 3]),
+            specular: Some([4., 5., 6.]),
+            emission: Some([7., 8., 9.]),
+            transmission: Some([1., 0., 1.]),
+            exponent: Some(10.0),
+            index_of_refraction: Some(1.5),
+            opacity: Some(0.75),
+            illumination: Some(2),
+            maps: vec![
+                ("map_Kd".to_owned(), "my wood.png".to_owned()),
+                ("bump".to_owned(), "b.png".to_owned()),
+            ],
+        };
+        let glass = MtlMaterial { name: "glass".to_owned(), opacity: Some(0.5), ..MtlMaterial::default() };
+        assert_eq!(file, MtlFile { materials: vec![red, glass], unknown: 0 });
+    }
+
+    #[test]
+    fn unknown_and_early_statements_are_counted() {
+        let file = read("Kd 1 1 1\nnewmtl a\nsharpness 3\nhello\n").unwrap();
+        assert_eq!((file.materials.len(), file.unknown), (1, 3));
+    }
+
+    #[test]
+    fn mistakes_have_line_column_and_reason() {
+        for (text, expected) in [
+            ("newmtl a\nKd 1 2\n", "m.mtl:2:7: expected a number after `Kd`, found the end of the line"),
+            ("newmtl a\nNs x\n", "m.mtl:2:4: expected a finite number after `Ns`, found `x`"),
+            ("newmtl a\nKe 1 nan 0\n", "m.mtl:2:6: expected a finite number after `Ke`, found `nan`"),
+            ("newmtl a\nd 1e99\n", "m.mtl:2:3: expected a finite number after `d`, found `1e99`"),
+        ] {
+            assert_eq!(read(text).unwrap_err(), expected);
+        }
+        let limits = Limits { materials: 1, ..Limits::default() };
+        assert!(read_mtl(&b"newmtl a\nnewmtl b\n"[..], "m", &limits).is_err());
+    }
+}

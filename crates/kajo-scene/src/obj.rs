@@ -18,6 +18,7 @@ use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
 use crate::triangulate::triangulate;
 use std::collections::HashMap;
 use std::io::Read;
+use std::ops::Range;
 
 /// Stands for "none" among the indices of an [`ObjMesh`].
 pub const NO_INDEX: u32 = u32::MAX;
@@ -143,8 +144,18 @@ type Corner = [u32; 3];
 /// The farthest reference to something not yet defined.
 struct Forward {
     index: u32,
-    /// The error if it never will be.
-    mistake: MeshFileError,
+    // The line and the place in it, should it never be defined.
+    bytes: Vec<u8>,
+    number: usize,
+    place: Range<usize>,
+}
+
+impl Forward {
+    fn mistake(&self, path: &str, list: List) -> MeshFileError {
+        let line = Line { bytes: &self.bytes, number: self.number };
+        let field = Field { bytes: &self.bytes[self.place.clone()], start: self.place.start };
+        line.mistake(path, field, format!("there is no {} {}", list.name(), u64::from(self.index) + 1))
+    }
 }
 
 struct Builder<'l> {
@@ -261,7 +272,8 @@ impl<'l> Builder<'l> {
                     break;
                 }
                 let key = String::from_utf8_lossy(keyword.bytes);
-                let message = format!("expected {least} numbers after `{key}`, found {i}");
+                let plural = if least == 1 { "" } else { "s" };
+                let message = format!("expected {least} number{plural} after `{key}`, found {i}");
                 return Err(line.mistake(self.path, fields.end(), message));
             };
             *out = field.float().ok_or_else(|| {
@@ -400,8 +412,11 @@ impl<'l> Builder<'l> {
     fn refer_forward(&mut self, line: Line<'_>, field: Field<'_>, list: List, index: u32) -> u32 {
         let slot = &mut self.forward[list as usize];
         if slot.as_ref().is_none_or(|forward| forward.index < index) {
-            let message = format!("there is no {} {}", list.name(), u64::from(index) + 1);
-            *slot = Some(Forward { index, mistake: line.mistake(self.path, field, message) });
+            let mut bytes = slot.take().map(|forward| forward.bytes).unwrap_or_default();
+            bytes.clear();
+            bytes.extend_from_slice(line.bytes);
+            let place = field.start..field.start + field.bytes.len();
+            *slot = Some(Forward { index, bytes, number: line.number, place });
         }
         index
     }
@@ -463,9 +478,9 @@ impl<'l> Builder<'l> {
 
     fn finish(mut self) -> Result<(ObjMesh, ObjReport), MeshFileError> {
         let lens = [self.mesh.positions.len(), self.mesh.uvs.len(), self.mesh.normals.len()];
-        for (forward, len) in self.forward.iter_mut().zip(lens) {
-            if let Some(forward) = forward.take_if(|forward| forward.index as usize >= len) {
-                return Err(forward.mistake);
+        for ((forward, len), list) in self.forward.iter().zip(lens).zip(List::ALL) {
+            if let Some(forward) = forward.as_ref().filter(|forward| forward.index as usize >= len) {
+                return Err(forward.mistake(self.path, list));
             }
         }
         for (first, corners) in std::mem::take(&mut self.unsplit) {
@@ -544,3 +559,6 @@ fn retain<T>(list: &mut Vec<T>, keep: &[bool]) {
     let mut keep = keep.iter();
     list.retain(|_| keep.next().is_none_or(|&keep| keep));
 }
+
+#[cfg(test)]
+mod tests;

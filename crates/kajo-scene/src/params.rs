@@ -245,3 +245,202 @@ pub fn not_supported_yet(item: Item<'_>) -> Diagnostic {
     Diagnostic::error(format!("`{}` is not supported yet", item.keyword()))
         .label(item.keyword_span(), "this version cannot render it")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Severity;
+    use kajo_math::{Vec2, Vec3};
+
+    /// Reads the first item of a text and returns the result and the messages.
+    ///
+    /// The tree is leaked, so that `Args::vec3` and its like can be passed as they are.
+    fn read<T>(text: &str, reader: impl FnOnce(&mut Params<'static, '_>) -> T) -> (T, Vec<String>) {
+        let parsed = Box::leak(Box::new(SceneDesc::parse_str(text)));
+        let mut diagnostics = parsed.diagnostics.clone();
+        let mut params = Params::new(parsed.desc.roots().next().unwrap(), &mut diagnostics);
+        let value = reader(&mut params);
+        params.finish();
+        let messages = diagnostics.iter().map(|d| crate::one_line(d, parsed.desc.sources())).collect();
+        (value, messages)
+    }
+
+    /// The value of key `k` in `B { k ... }`, or the one message without its place.
+    fn value<T>(
+        values: &str,
+        reader: impl FnOnce(&mut Args<'static>) -> Result<T, Diagnostic>,
+    ) -> Result<T, String> {
+        let (value, messages) = read(&format!("B {{ k {values} }}"), |params| params.required("k", reader));
+        match (value, messages.as_slice()) {
+            (Some(value), []) => Ok(value),
+            (None, [message]) => Err(message.strip_prefix("scene:1:").unwrap().to_owned()),
+            (_, messages) => panic!("{messages:?}"),
+        }
+    }
+
+    fn error<T: PartialEq + std::fmt::Debug>(text: &str) -> Result<T, String> {
+        Err(text.to_owned())
+    }
+
+    #[test]
+    fn numbers_are_counted_and_typed() {
+        assert_eq!(value("1 2 3", Args::vec3), Ok(Vec3::new(1.0, 2.0, 3.0)));
+        assert_eq!(value("1 2", Args::vec2), Ok(Vec2::new(1.0, 2.0)));
+        assert_eq!(value("1e300", Args::double), Ok(1e300));
+        assert_eq!(value("1 2 3 4", Args::numbers::<4>), Ok([1.0, 2.0, 3.0, 4.0]));
+        assert_eq!(value("1 2", Args::vec3), error("7: error: expected 3 numbers after `k`, found 2"));
+        assert_eq!(value("1 2 3 4", Args::vec3), error("13: error: expected 3 numbers after `k`, found 4"));
+    }
+
+    #[test]
+    fn words_are_no_numbers() {
+        assert_eq!(value("x", Args::number), error("7: error: expected 1 number after `k`, found `x`"));
+        let not_a_number =
+            error("7: error: expected 1 number after `k`, found `1.2.3`, which is not a number");
+        assert_eq!(value("1.2.3", Args::number), not_a_number);
+        assert_eq!(value("x 1", Args::number), error("7: error: expected 1 number after `k`, found `x`"));
+    }
+
+    #[test]
+    fn ranges_hold_at_their_ends() {
+        let angle = |args: &mut Args<'static>| args.number_in(0.0..=180.0);
+        assert_eq!(value("0", angle), Ok(0.0));
+        assert_eq!(value("180", angle), Ok(180.0));
+        let message = "7: error: `k` must be at least 0 and at most 180, found 180.5";
+        assert_eq!(value("180.5", angle), error(message));
+        assert_eq!(value("-1", |a| a.number_in(0.0..)), error("7: error: `k` must be at least 0, found -1"));
+        assert_eq!(value("0", Args::positive), error("7: error: `k` must be more than 0, found 0"));
+        assert_eq!(value("1", |a| a.number_in(..1.0)), error("7: error: `k` must be less than 1, found 1"));
+        let count = |args: &mut Args<'static>| args.int_in(1..=9);
+        assert_eq!((value("1", count), value("9.0", count)), (Ok(1), Ok(9)));
+        for wrong in ["0", "10", "1.5", "1e30", "-1e30"] {
+            let message = format!("7: error: `k` must be a whole number from 1 to 9, found {wrong}");
+            assert_eq!(value(wrong, count), Err(message));
+        }
+    }
+
+    #[test]
+    fn numbers_too_large_for_32_bits_are_refused() {
+        assert_eq!(value("3.4e38", Args::number), Ok(3.4e38));
+        let message = "9: error: `k` must be between -3.4e38 and 3.4e38, found 1e39";
+        assert_eq!(value("1 1e39 1", Args::vec3), error(message));
+        assert_eq!(value("1e-60", Args::number), Ok(0.0));
+    }
+
+    #[test]
+    fn choices_and_flags() {
+        let table = [("regular", 1), ("jittered", 2)];
+        assert_eq!(value("jittered", |a| a.choice(&table)), Ok(2));
+        let message = "7: error: expected `regular` or `jittered` after `k`, found `jitered`";
+        assert_eq!(value("jitered", |a| a.choice(&table)), error(message));
+        let message = "7: error: expected `regular` or `jittered` after `k`, found 1 number";
+        assert_eq!(value("4", |a| a.choice(&table)), error(message));
+        for (text, on) in
+            [("on", true), ("true", true), ("yes", true), ("1", true), ("off", false), ("0", false)]
+        {
+            assert_eq!(value(text, Args::flag), Ok(on), "{text}");
+        }
+        for text in ["2", "maybe", "1 0", "on 1"] {
+            assert!(value(text, Args::flag).is_err(), "{text}");
+        }
+        assert_eq!(
+            value("gaussian 0.5", |a| Ok((a.word_of(&["box", "gaussian"])?, a.number()?))),
+            Ok(("gaussian", 0.5))
+        );
+    }
+
+    #[test]
+    fn texts_and_points() {
+        assert_eq!(value("a/b.obj", |a| a.text().map(|t| t.into_owned())), Ok("a/b.obj".to_owned()));
+        assert_eq!(value("\"a \\\" b\"", |a| a.text().map(|t| t.into_owned())), Ok("a \" b".to_owned()));
+        let message = "7: error: expected a word or a string in quotes after `k`, found 1 number";
+        assert_eq!(value("1", |a| a.text().map(|t| t.into_owned())), error(message));
+        assert_eq!(value("1 2 3 4 5 6", Args::points).map(|p| p.len()), Ok(2));
+        assert!(value("1 2 3 4", Args::points).unwrap_err().contains("groups of three"));
+        assert_eq!(value("{ 1 2 3 }", Args::vec3), Ok(Vec3::new(1.0, 2.0, 3.0)));
+        assert_eq!(value("1 { a 2 }", Args::number), error("11: error: `k` takes no block"));
+    }
+
+    #[test]
+    fn missing_unknown_and_repeated_keys() {
+        let (values, messages) = read("B { radus 1 b 2 a 3 a 4 Torus { } zzz 1 }", |params| {
+            params.later(&["Torus", "Blob"]);
+            let required = params.required("radius", Args::number);
+            (
+                required,
+                params.or("a", 0.0, Args::number),
+                params.or("c", 7.0, Args::number),
+                params.optional("b", Args::vec3),
+            )
+        });
+        assert_eq!(values, (None, 4.0, 7.0, None));
+        assert_eq!(
+            messages,
+            [
+                "scene:1:1: error: `B` needs `radius`",
+                "scene:1:21: warning: `a` is given again; the last one counts",
+                "scene:1:15: error: expected 3 numbers after `b`, found 1",
+                "scene:1:5: error: unknown word `radus` in `B`",
+                "scene:1:25: error: `Torus` is not supported yet",
+                "scene:1:35: error: unknown word `zzz` in `B`",
+            ]
+        );
+    }
+
+    #[test]
+    fn unknown_words_come_with_advice() {
+        let parsed = SceneDesc::parse_str("raduis 1 torus 2");
+        let help = |i: usize, allowed: &[&str]| {
+            unknown_word(parsed.desc.roots().nth(i).unwrap(), None, allowed.iter().copied()).help.unwrap()
+        };
+        assert_eq!(help(0, &["center", "radius"]), "did you mean `radius`?");
+        assert_eq!(help(1, &["center", "radius"]), "expected `center` or `radius`");
+        assert_eq!(help(1, &[]), "expected nothing");
+    }
+
+    #[test]
+    fn names_and_values_before_the_block_must_be_asked_for() {
+        let (name, messages) = read("B moon { }", |params| params.name().map(|n| n.into_owned()));
+        assert_eq!((name.as_deref(), messages.len()), (Some("moon"), 0));
+        assert_eq!(read("B moon { }", |_| ()).1, ["scene:1:3: error: unexpected `moon` after `B`"]);
+        assert_eq!(read("B 1 2 { }", |_| ()).1, ["scene:1:3: error: unexpected `1` after `B`"]);
+        let (own, messages) =
+            read("B 1 2 { a 1 }", |params| (params.own(Args::vec2), params.or("a", 0.0, Args::number)));
+        assert_eq!((own, messages.len()), ((Some(Vec2::new(1.0, 2.0)), 1.0), 0));
+    }
+
+    #[test]
+    fn a_missing_block_is_told_once() {
+        let (_, messages) = read("B 1", |params| params.required("a", Args::number));
+        assert_eq!(messages, ["scene:1:1: error: expected a block after `B`"]);
+        let (_, messages) = read("B", |params| params.required("a", Args::number));
+        assert_eq!(messages, ["scene:1:1: error: `B` has neither a value nor a block"]);
+        let (_, messages) = read("B { a }", |params| params.required("a", Args::number));
+        assert_eq!(messages, ["scene:1:5: error: `a` has neither a value nor a block"]);
+    }
+
+    #[test]
+    fn children_are_handed_out_once_and_in_order() {
+        let ((taken, blocks, rest), messages) = read("B { S { } M 1 T { } S { } n 2 }", |params| {
+            let keys =
+                |items: Vec<Item<'_>>| items.iter().map(|i| i.keyword().to_owned()).collect::<String>();
+            (keys(params.take(&["S", "M"])), keys(params.blocks()), keys(params.rest()))
+        });
+        assert_eq!((taken.as_str(), blocks.as_str(), rest.as_str()), ("SMS", "T", "n"));
+        assert_eq!(messages, [""; 0]);
+    }
+
+    #[test]
+    fn the_whole_scene_is_a_place_too() {
+        let parsed = SceneDesc::parse_str("Camera { } size 1 2 3 what 1");
+        let mut diagnostics = Diagnostics::new();
+        let mut params = Params::root(&parsed.desc, &mut diagnostics);
+        assert!(params.block("Camera").is_some() && params.block("Group").is_none());
+        assert_eq!(params.required("size", Args::vec3), Some(Vec3::new(1.0, 2.0, 3.0)));
+        params.required("Lights", Args::number);
+        params.finish();
+        assert_eq!(diagnostics.count(Severity::Error), 2);
+        let messages: Vec<_> = diagnostics.iter().map(|d| d.message.as_str()).collect();
+        assert_eq!(messages, ["the scene needs `Lights`", "unknown word `what`"]);
+    }
+}

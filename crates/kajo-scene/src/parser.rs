@@ -10,14 +10,15 @@
 //! the next token, so that one run shows all of them. Open blocks and open
 //! files are kept on explicit stacks: deep nesting costs no program stack.
 
-use crate::assets::{AssetError, Assets, MemoryAssets, read_limited};
+mod files;
+
+use crate::assets::{Assets, MemoryAssets};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, quoted};
 use crate::lexer::{LexError, TokenKind, Tokens, looks_like_number};
 use crate::limits::Limits;
 use crate::source::{SourceId, Span};
-use crate::tree::{Node, Number, SceneDesc, Word};
+use crate::tree::{Node, Number, SceneDesc};
 use std::collections::HashMap;
-use std::string::FromUtf8Error;
 
 /// What came of reading a scene: always a tree, complete unless there are errors.
 #[derive(Debug, Default)]
@@ -42,7 +43,7 @@ impl SceneDesc {
     /// Reads a scene from a text; `path` is its name, from which includes are resolved.
     pub fn parse(path: &str, text: impl Into<String>, assets: &dyn Assets, limits: &Limits) -> Parsed {
         let mut parser = Parser::new(assets, limits);
-        match parser.add_source(path, text.into().into_bytes()) {
+        match parser.add_source(path, text.into().into_bytes(), None) {
             Ok(source) => parser.run(source),
             Err(diagnostic) => parser.error(diagnostic),
         }
@@ -386,118 +387,6 @@ impl<'l> Parser<'l> {
             self.string(span);
         }
     }
-
-    fn include(&mut self, keyword: Span, name: Option<Span>) -> Result<(), Stop> {
-        let Some(span) = name else {
-            self.error(
-                Diagnostic::error("`include` names no file")
-                    .label(keyword, "expected a file name after this, as in `include \"lights.txt\"`"),
-            );
-            return Ok(());
-        };
-        let raw = self.desc.sources.text(span);
-        let name = Word { raw, span }.text().into_owned();
-        self.includes += 1;
-        if self.includes > self.limits.includes {
-            self.error(
-                Diagnostic::error(format!(
-                    "more than {} files are included, repeats counted",
-                    self.limits.includes
-                ))
-                .label(span, "this one is too many"),
-            );
-            return Err(Stop);
-        }
-        if self.frames.len() > self.limits.include_depth {
-            self.error(
-                Diagnostic::error(format!(
-                    "files include each other more than {} deep: {}",
-                    self.limits.include_depth,
-                    self.chain(0, &name)
-                ))
-                .label(span, "this one is too deep"),
-            );
-            return Ok(());
-        }
-        match self.read_source(&name, Some(span)) {
-            Ok(source) => {
-                self.frames.push(Frame { source, at: 0, outer_blocks: self.blocks.len() });
-                Ok(())
-            }
-            Err(diagnostic) => {
-                self.error(diagnostic);
-                Ok(())
-            }
-        }
-    }
-
-    /// The files being read from the `first` on, and then `last`, as "a -> b -> c".
-    fn chain(&self, first: usize, last: &str) -> String {
-        let mut chain = String::new();
-        for frame in &self.frames[first..] {
-            chain.push_str(self.desc.sources.get(frame.source).path());
-            chain.push_str(" -> ");
-        }
-        chain + last
-    }
-
-    /// Opens and keeps a file; `span` is its name in an include, `None` for the scene itself.
-    fn read_source(&mut self, name: &str, span: Option<Span>) -> Result<SourceId, Diagnostic> {
-        let from = span.map_or("", |span| self.desc.sources.get(span.source).path());
-        let file = self.assets.open(name, from).map_err(|error| unreadable(name, span, &error))?;
-        let path = file.path.clone();
-        if let Some(first) = self.frames.iter().position(|f| self.desc.sources.get(f.source).path() == path) {
-            let message = format!("a file includes itself: {}", self.chain(first, &path));
-            let diagnostic = Diagnostic::error(message);
-            return Err(match span {
-                Some(span) => diagnostic.label(span, "this include closes the circle"),
-                None => diagnostic,
-            });
-        }
-        if let Some(&id) = self.by_path.get(&path) {
-            let len = self.desc.sources.get(id).text().len() as u64;
-            self.count_text(len).map_err(|error| unreadable(name, span, &error))?;
-            return Ok(id);
-        }
-        let room = self.limits.text_bytes.min(u64::from(u32::MAX)).saturating_sub(self.text_bytes);
-        let bytes = read_limited(file, room).map_err(|error| unreadable(name, span, &error))?;
-        self.add_source(&path, bytes)
-    }
-
-    fn add_source(&mut self, path: &str, bytes: Vec<u8>) -> Result<SourceId, Diagnostic> {
-        self.count_text(bytes.len() as u64).map_err(|error| unreadable(path, None, &error))?;
-        let text = match String::from_utf8(bytes) {
-            Ok(text) => text,
-            Err(error) => return Err(self.not_utf8(path, &error)),
-        };
-        let nul = text.find('\0');
-        let source = self.desc.sources.add(path, text);
-        if let Some(nul) = nul {
-            let span = Span { source, start: nul as u32, end: nul as u32 + 1 };
-            return Err(Diagnostic::error("the file is not text: it holds a zero byte").label(span, "here"));
-        }
-        self.by_path.insert(path.to_owned(), source);
-        Ok(source)
-    }
-
-    fn count_text(&mut self, len: u64) -> Result<(), AssetError> {
-        self.text_bytes = self.text_bytes.saturating_add(len);
-        let limit = self.limits.text_bytes.min(u64::from(u32::MAX));
-        if self.text_bytes > limit { Err(AssetError::TooLarge { limit }) } else { Ok(()) }
-    }
-
-    fn not_utf8(&mut self, path: &str, error: &FromUtf8Error) -> Diagnostic {
-        let wide = error.as_bytes().starts_with(&[0xff, 0xfe]) || error.as_bytes().starts_with(&[0xfe, 0xff]);
-        let message = if wide { "the file is UTF-16, not UTF-8" } else { "the file is not UTF-8 text" };
-        let start = error.utf8_error().valid_up_to();
-        // The first bad byte is replaced by one character, at the same place.
-        let lossy = String::from_utf8_lossy(error.as_bytes()).into_owned();
-        let source = self.desc.sources.add(path, lossy);
-        let end = start + char::REPLACEMENT_CHARACTER.len_utf8();
-        Diagnostic::error(message)
-            .label(Span { source, start: start as u32, end: end as u32 }, "the first byte that is no text")
-            .help("save the file as UTF-8")
-    }
 }
 
 const INCLUDE: &str = "include";
@@ -513,10 +402,5 @@ fn include_name(source: SourceId, tokens: &mut Tokens<'_>) -> Option<Span> {
     Some(Span { source, start: token.start, end: token.end })
 }
 
-fn unreadable(name: &str, span: Option<Span>, error: &AssetError) -> Diagnostic {
-    let message = Diagnostic::error(format!("cannot read {}: {error}", quoted(name)));
-    match span {
-        Some(span) => message.label(span, "included here"),
-        None => message,
-    }
-}
+#[cfg(test)]
+mod tests;
