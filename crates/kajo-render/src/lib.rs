@@ -5,6 +5,7 @@
 //! pictures.
 
 pub mod film;
+pub mod integrator;
 pub mod order;
 pub mod rect;
 pub mod sample;

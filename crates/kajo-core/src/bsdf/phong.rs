@@ -1,6 +1,8 @@
 //! The Phong model as the classic programs have it, not normalised.
 //!
-//!     L = ka La + sum over lights of I [ kd max(n.l, 0) + ks max(r.v, 0)^q ]
+//! ```text
+//! L = ka La + sum over lights of I [ kd max(n.l, 0) + ks max(r.v, 0)^q ]
+//! ```
 //!
 //! with `r = 2 (n.l) n - l` the mirror image of the direction to the light and `v` the direction
 //! to the viewer. The highlight vanishes where `n.l <= 0`. `0^0` is 1. The older programs

@@ -1,7 +1,7 @@
 //! `Background` and `Fog` blocks.
 
 use kajo_color::Spectrum;
-use kajo_image::{DecodeLimits, Image};
+use kajo_image::{DecodeLimits, Format, Image};
 use kajo_scene::{Args, Diagnostic, Item, read_limited};
 
 use super::Compiler;
@@ -37,7 +37,7 @@ impl Compiler<'_> {
         let limit = self.options.limits.mesh_bytes;
         let read = self.assets.open(name, item.path()).and_then(|file| read_limited(file, limit));
         let picture = read.map_err(|e| e.to_string()).and_then(|bytes| {
-            let decoded = kajo_image::decode(&bytes, &DecodeLimits::default());
+            let decoded = kajo_image::decode(&bytes, Some(Format::Png), &DecodeLimits::default());
             decoded.map(|d| d.image).map_err(|e| e.to_string())
         });
         match picture {

@@ -1,15 +1,174 @@
-//! `TriangleMesh` blocks.
-use super::Compiler;
-use crate::shape::ShapeId;
-use kajo_scene::Item;
+//! `TriangleMesh` blocks and the files they name.
+//!
+//! A file is read and its tree built once, however many objects show it.
+
 use std::collections::HashMap;
+
+use kajo_color::Spectrum;
+use kajo_math::{Vec2, Vec3};
+use kajo_scene::{Args, AssetFile, Diagnostic, Item, MtlMaterial, ObjMesh, Span, read_mtl, read_obj};
+
+use super::Compiler;
+use crate::bsdf::Phong;
+use crate::family::Pooled;
+use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, ShapeId, vertex_normals};
+
 /// Meshes read so far.
-#[derive(Default)]
-pub(super) struct MeshCache {
-    _by_file: HashMap<String, ShapeId>,
+pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
+
+/// What makes two meshes the same.
+#[derive(PartialEq, Eq, Hash)]
+pub(super) struct MeshKey {
+    path: String,
+    smooth: bool,
+    own_materials: bool,
 }
+
 impl Compiler<'_> {
-    pub(super) fn mesh(&mut self, _item: Item<'_>) -> Option<ShapeId> {
-        None
+    pub(super) fn mesh(&mut self, item: Item<'_>) -> Option<ShapeId> {
+        let smooth_by_default = self.rules.smooth_meshes;
+        let (name, place, smooth, own_materials) = self.read(item, |params| {
+            params.name();
+            let file =
+                params.required("obj_file", |args| Ok((args.text()?.into_owned(), args.item().head_span())));
+            let smooth = params.or("smooth", smooth_by_default, Args::flag);
+            let own_materials = params.or("materials", false, Args::flag);
+            let (name, place) = file?;
+            Some((name, place, smooth, own_materials))
+        })?;
+        let file = match self.assets.open(&name, item.path()) {
+            Ok(file) => file,
+            Err(error) => {
+                self.cannot_read(&name, &error.to_string(), place);
+                return None;
+            }
+        };
+        let key = MeshKey { path: file.path.clone(), smooth, own_materials };
+        if let Some(&known) = self.meshes.get(&key) {
+            return known;
+        }
+        let shape = self.read_mesh(file, smooth, own_materials, item, place);
+        self.meshes.insert(key, shape);
+        shape
+    }
+
+    fn read_mesh(
+        &mut self,
+        file: AssetFile,
+        smooth: bool,
+        own_materials: bool,
+        item: Item<'_>,
+        place: Span,
+    ) -> Option<ShapeId> {
+        let path = file.path;
+        let (obj, report) = match read_obj(file.reader, &path, &self.options.limits) {
+            Ok(read) => read,
+            Err(error) => {
+                self.file_errors.push((error, place));
+                return None;
+            }
+        };
+        for warning in report.warnings() {
+            self.diagnostics
+                .push(Diagnostic::warning(format!("`{path}`: {warning}")).label(place, "read here"));
+        }
+        let slots = if own_materials { self.material_slots(&obj, &path, place) } else { None };
+        let mesh = match Mesh::new(mesh_data(obj, smooth, slots), &self.options.build) {
+            Ok(mesh) => mesh,
+            Err(error) => {
+                self.cannot_read(&path, &error.to_string(), place);
+                return None;
+            }
+        };
+        let warning = match (mesh.triangle_count(), mesh.dropped()) {
+            (0, _) => Some(format!("`{path}` holds no triangles")),
+            (_, 0) => None,
+            (n, flat) => {
+                Some(format!("{flat} of the {n} triangles of `{path}` have no area and are left out"))
+            }
+        };
+        if let Some(warning) = warning {
+            self.diagnostics.push(Diagnostic::warning(warning).label(place, "read here"));
+        }
+        self.shape(item, mesh)
+    }
+
+    /// For each face the index of its material among the scene's slots.
+    fn material_slots(&mut self, obj: &ObjMesh, path: &str, place: Span) -> Option<Vec<u32>> {
+        let face_materials = obj.face_materials.as_ref()?;
+        let mut known: HashMap<String, MtlMaterial> = HashMap::new();
+        for library in &obj.libraries {
+            match self.assets.open(library, path) {
+                Ok(file) => {
+                    let (mtl_path, reader) = (file.path, file.reader);
+                    match read_mtl(reader, &mtl_path, &self.options.limits) {
+                        Ok(mtl) => known.extend(mtl.materials.into_iter().map(|m| (m.name.clone(), m))),
+                        Err(error) => self.file_errors.push((error, place)),
+                    }
+                }
+                Err(error) => self.cannot_read(library, &error.to_string(), place),
+            }
+        }
+        let slots: Vec<u32> = obj
+            .material_names
+            .iter()
+            .map(|name| self.material_slot(known.get(name), name, path, place))
+            .collect();
+        Some(face_materials.iter().map(|&m| slots.get(m as usize).copied().unwrap_or(ABSENT)).collect())
+    }
+
+    fn material_slot(&mut self, found: Option<&MtlMaterial>, name: &str, path: &str, place: Span) -> u32 {
+        let Some(mtl) = found else {
+            let message = format!("`{path}` uses the material `{name}`, which none of its libraries has");
+            self.diagnostics.push(Diagnostic::warning(message).label(place, "read here"));
+            return ABSENT;
+        };
+        if let Some((map, _)) = mtl.maps.first() {
+            let message = format!("`{map}` of the material `{name}` is not supported yet and left out");
+            self.diagnostics.push(Diagnostic::warning(message).label(place, "read here"));
+        }
+        let Some(id) = phong(mtl).store(&mut self.materials) else { return ABSENT };
+        self.slot_materials.push(id);
+        self.slot_materials.len() as u32 - 1
+    }
+
+    fn cannot_read(&mut self, name: &str, reason: &str, place: Span) {
+        let error = Diagnostic::error(format!("cannot read `{name}`: {reason}"));
+        self.diagnostics.push(error.label(place, "named here"));
+    }
+}
+
+fn mesh_data(obj: ObjMesh, smooth: bool, material_slots: Option<Vec<u32>>) -> MeshData {
+    let positions: Vec<Vec3> = obj.positions.into_iter().map(Vec3::from).collect();
+    let normals = smooth.then(|| match obj.face_normals {
+        Some(faces) => {
+            let values = obj.normals.into_iter().map(|n| Vec3::from(n).normalize_or_zero()).collect();
+            CornerValues { values, faces }
+        }
+        None => vertex_normals(&positions, &obj.faces),
+    });
+    let uvs = obj.face_uvs.map(|faces| {
+        let values = obj.uvs.into_iter().map(Vec2::from).collect();
+        CornerValues { values, faces }
+    });
+    MeshData { positions, faces: obj.faces, normals, uvs, material_slots }
+}
+
+/// The Phong material that an MTL material describes.
+fn phong(mtl: &MtlMaterial) -> Phong {
+    let color = |c: Option<[f32; 3]>, default| c.map_or(default, |[r, g, b]| Spectrum::rgb(r, g, b));
+    let diffuse = color(mtl.diffuse, Spectrum::WHITE);
+    let specular = color(mtl.specular, Spectrum::BLACK);
+    let mirrors = matches!(mtl.illumination, Some(3 | 5..=7));
+    let through = 1.0 - mtl.opacity.unwrap_or(1.0).clamp(0.0, 1.0);
+    Phong {
+        ambient: color(mtl.ambient, diffuse),
+        diffuse,
+        specular,
+        exponent: mtl.exponent.unwrap_or(1.0).max(0.0),
+        reflective: if mirrors { specular } else { Spectrum::BLACK },
+        transparent: color(mtl.transmission, Spectrum::WHITE) * through,
+        absorption: Spectrum::BLACK,
+        eta: mtl.index_of_refraction.filter(|&eta| eta > 0.0).unwrap_or(1.0),
     }
 }

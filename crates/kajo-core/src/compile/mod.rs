@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_color::Spectrum;
 use kajo_math::{Aabb, Transform};
-use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, Params, SceneDesc};
+use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
 
 use crate::background::Background;
 use crate::family::Pooled;
@@ -43,12 +43,31 @@ pub struct CompileOptions {
 /// Turns a scene's tree into a scene.
 ///
 /// Returns the scene, or `None` when `diagnostics` holds an error afterwards. Files that the scene
-/// names are read through `assets`.
+/// names are read through `assets`; lines of theirs that messages show are added to the
+/// sources of `desc`.
 pub fn compile(
+    desc: &mut SceneDesc,
+    assets: &dyn Assets,
+    options: &CompileOptions,
+    diagnostics: &mut Diagnostics,
+) -> Option<Scene> {
+    let mut file_errors = Vec::new();
+    let scene = compile_tree(desc, assets, options, diagnostics, &mut file_errors);
+    if file_errors.is_empty() {
+        return scene;
+    }
+    for (error, place) in file_errors {
+        diagnostics.push(error.to_diagnostic(desc.sources_mut(), Some(place)));
+    }
+    None
+}
+
+fn compile_tree(
     desc: &SceneDesc,
     assets: &dyn Assets,
     options: &CompileOptions,
     diagnostics: &mut Diagnostics,
+    file_errors: &mut Vec<(MeshFileError, Span)>,
 ) -> Option<Scene> {
     let mut root = Params::root(desc, diagnostics);
     let cameras = root.take(&camera::KEYWORDS);
@@ -62,7 +81,7 @@ pub fn compile(
 
     let settings = settings.map(|item| settings::read(item, diagnostics)).unwrap_or_default();
     let dialect = options.dialect.or(settings.dialect).unwrap_or_default();
-    let mut compiler = Compiler::new(assets, options, dialect.rules(), diagnostics);
+    let mut compiler = Compiler::new(assets, options, dialect.rules(), diagnostics, file_errors);
     let camera = compiler.camera(&cameras, group.is_some());
     let (background, ambient) = compiler.background(background);
     let fog = fog.and_then(|item| compiler.fog(item));
@@ -75,19 +94,13 @@ pub fn compile(
     if let Some(item) = group {
         compiler.objects(item);
     }
-    if compiler.diagnostics.has_errors() {
+    if compiler.diagnostics.has_errors() || !compiler.file_errors.is_empty() {
         return None;
     }
     // Classic rule: a scene without lights is fully lit by ambient light.
     let ambient = if compiler.light_list.is_empty() { Spectrum::WHITE } else { ambient };
-    Some(compiler.finish(Surroundings {
-        camera: camera?,
-        background,
-        ambient,
-        fog,
-        settings,
-        has_group: group.is_some(),
-    }))
+    let has_group = group.is_some();
+    Some(compiler.finish(Surroundings { camera: camera?, background, ambient, fog, settings, has_group }))
 }
 
 /// What a scene has besides objects, materials and lights.
@@ -106,6 +119,8 @@ struct Compiler<'a> {
     options: &'a CompileOptions,
     rules: Rules,
     diagnostics: &'a mut Diagnostics,
+    /// Mistakes in files other than the scene's, with where the scene names them.
+    file_errors: &'a mut Vec<(MeshFileError, Span)>,
     shapes: Shapes,
     transforms: Vec<Transform>,
     primitives: Vec<Primitive>,
@@ -126,12 +141,14 @@ impl<'a> Compiler<'a> {
         options: &'a CompileOptions,
         rules: Rules,
         diagnostics: &'a mut Diagnostics,
+        file_errors: &'a mut Vec<(MeshFileError, Span)>,
     ) -> Compiler<'a> {
         Compiler {
             assets,
             options,
             rules,
             diagnostics,
+            file_errors,
             shapes: Shapes::default(),
             transforms: vec![Transform::IDENTITY],
             primitives: Vec::new(),

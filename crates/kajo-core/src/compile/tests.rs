@@ -1,1 +1,269 @@
+use kajo_math::{Ray, Vec3};
+use kajo_scene::{MemoryAssets, Severity};
 
+use super::*;
+use crate::camera::Camera;
+use crate::scene::Event;
+
+const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
+const RED: &str = "Materials { Material red { diffuseColor 1 0 0 } Material { diffuseColor 0 1 0 } }\n";
+
+/// The scene of a text, and everything said about it.
+fn compiled(text: &str) -> (Option<Scene>, Vec<(Severity, String)>) {
+    compiled_as(text, None)
+}
+
+fn compiled_as(text: &str, dialect: Option<Dialect>) -> (Option<Scene>, Vec<(Severity, String)>) {
+    let mut parsed = SceneDesc::parse_str(text);
+    let mut diagnostics = parsed.diagnostics;
+    let options = CompileOptions { dialect, ..CompileOptions::default() };
+    let scene = compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut diagnostics);
+    let said = diagnostics.iter().map(|d| (d.severity, d.message.clone())).collect();
+    (scene, said)
+}
+
+fn scene(text: &str) -> Scene {
+    let (scene, said) = compiled(text);
+    scene.unwrap_or_else(|| panic!("{text}\n{said:?}"))
+}
+
+/// The first error about a group in front of a usual camera.
+fn error_in_group(group: &str) -> String {
+    let (scene, said) = compiled(&format!("{CAMERA}{RED}Group {{ {group} }}"));
+    assert!(scene.is_none(), "accepted: {group}");
+    said.into_iter().find(|(severity, _)| *severity == Severity::Error).expect("an error").1
+}
+
+/// What a ray down the z axis from (x, y) meets first.
+fn look(scene: &Scene, x: f32, y: f32) -> Option<(Vec3, Vec3, [f32; 3])> {
+    let ray = Ray::new(Vec3::new(x, y, 10.0), Vec3::NEG_Z);
+    match scene.trace(&ray) {
+        Event::Escaped => None,
+        Event::Surface(at) => {
+            let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, at.point.p);
+            Some((at.point.p, at.point.n, phong.diffuse.to_rgb()))
+        }
+    }
+}
+
+#[test]
+fn material_index_runs_through_the_whole_file() {
+    let s = scene(&format!(
+        "{CAMERA}{RED}Group {{ MaterialIndex 1 Sphere {{ center 0 0 0 radius 1 }}
+         Group {{ MaterialIndex red Sphere {{ center 3 0 0 radius 1 }} }} Sphere {{ center 6 0 0 radius 1 }} }}"
+    ));
+    assert_eq!(look(&s, 0.0, 0.0).unwrap().2, [0.0, 1.0, 0.0]);
+    assert_eq!(look(&s, 3.0, 0.0).unwrap().2, [1.0, 0.0, 0.0]);
+    assert_eq!(look(&s, 6.0, 0.0).unwrap().2, [1.0, 0.0, 0.0], "set in a nested group, in force after it");
+    let numbers: Vec<u32> = s.primitives.iter().map(|p| s.material_number(p.material)).collect();
+    assert_eq!(numbers, [2, 1, 1]);
+}
+
+#[test]
+fn the_first_of_two_equal_objects_wins() {
+    for n in [2, 9] {
+        let others = "MaterialIndex 1 Sphere { center 0 0 0 radius 1 } ".repeat(n);
+        let planes = "Plane { normal 0 0 1 offset 1 } ".repeat(n);
+        let s = scene(&format!(
+            "{CAMERA}{RED}Group {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} {others} {planes} }}"
+        ));
+        assert_eq!(look(&s, 0.0, 0.0).unwrap().2, [1.0, 0.0, 0.0]);
+    }
+}
+
+#[test]
+fn later_operations_act_first_and_matrices_from_the_left() {
+    let at = |ops: &str| {
+        let s = scene(&format!(
+            "{CAMERA}{RED}Group {{ MaterialIndex 0 Transform {{ {ops} Sphere {{ center 1 0 0 radius 0.1 }} }} }}"
+        ));
+        s.bounds().center()
+    };
+    let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-4, "{a} {b}");
+    near(at("Translate 5 0 0 Scale 2 2 2"), Vec3::new(7.0, 0.0, 0.0));
+    near(at("Scale 2 2 2 Translate 5 0 0"), Vec3::new(12.0, 0.0, 0.0));
+    near(at("ZRotate 90 Translate 1 0 0"), Vec3::new(0.0, 2.0, 0.0));
+    near(at("YRotate 90"), Vec3::new(0.0, 0.0, -1.0));
+    near(at("XRotate 90 Translate 0 1 0"), Vec3::new(1.0, 0.0, 1.0));
+    near(at("Rotate { 0 0 1 90 }"), Vec3::Y);
+    // Column by column: the last quadruple is the translation.
+    let moves = "Matrix { 1 0 0 0  0 1 0 0  0 0 1 0  3 0 0 1 }";
+    near(at(&format!("UniformScale 2 {moves}")), Vec3::new(5.0, 0.0, 0.0));
+    near(at(&format!("{moves} UniformScale 2")), Vec3::new(5.0, 0.0, 0.0));
+    // An axis of length 2: cos I + sin [a]x + (1 - cos) a a^T maps x to x + 3 x for 180 degrees... by the formula.
+    let c = 60f32.to_radians().cos();
+    near(at("Rotate { 2 0 0 60 }"), Vec3::new(c + (1.0 - c) * 4.0, 0.0, 0.0));
+}
+
+#[test]
+fn mirrored_things_keep_their_normals_outward() {
+    let triangle = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }";
+    let s =
+        scene(&format!("{CAMERA}{RED}Group {{ MaterialIndex 0 Transform {{ Scale -1 1 1 {triangle} }} }}"));
+    let (_, n, _) = look(&s, -0.2, 0.2).unwrap();
+    assert!(n.distance(Vec3::Z) < 1e-6, "{n}");
+    let s = scene(&format!(
+        "{CAMERA}{RED}Group {{ MaterialIndex 0 Transform {{ Scale 1 1 -3 Sphere {{ center 0 0 0 radius 1 }} }} }}"
+    ));
+    let (p, n, _) = look(&s, 0.0, 0.0).unwrap();
+    assert!(n.distance(Vec3::Z) < 1e-6 && (p.z - 3.0).abs() < 1e-5, "{p} {n}");
+}
+
+#[test]
+fn a_flattened_object_is_invisible_and_said_to_be() {
+    let text = format!(
+        "{CAMERA}{RED}Group {{ MaterialIndex 0 Transform {{ Scale 1 0 1 Sphere {{ center 0 0 0 radius 1 }} }} }}"
+    );
+    let (scene, said) = compiled(&text);
+    assert!(look(&scene.unwrap(), 0.0, 0.0).is_none());
+    assert!(said[0].0 == Severity::Warning && said[0].1.contains("no inverse"), "{said:?}");
+}
+
+#[test]
+fn without_lights_the_ambient_light_is_white() {
+    let dark = scene(&format!("{CAMERA} Background {{ ambientLight 0.1 0.2 0.3 }} Lights {{ numLights 0 }}"));
+    assert_eq!(dark.ambient, Spectrum::WHITE);
+    let lit = scene(&format!(
+        "{CAMERA} Background {{ ambientLight 0.1 0.2 0.3 }} Lights {{ DirectionalLight {{ direction 0 -1 0 color 0 0 0 }} }}"
+    ));
+    assert_eq!(lit.ambient, Spectrum::rgb(0.1, 0.2, 0.3));
+}
+
+#[test]
+fn mistakes_are_told_with_what_was_expected() {
+    assert!(error_in_group("Sphere { center 0 0 0 radius 1 }").contains("no material"));
+    assert!(error_in_group("MaterialIndex 7").contains("no material number 7"));
+    assert!(error_in_group("MaterialIndex rde").contains("no material named `rde`"));
+    assert!(
+        error_in_group("numObjects 3 MaterialIndex 0 Sphere { center 0 0 0 radius 1 }")
+            .contains("there are 1 objects")
+    );
+    assert!(
+        error_in_group("MaterialIndex 0 Spehre { center 0 0 0 radius 1 }").contains("unknown word `Spehre`")
+    );
+    assert!(
+        error_in_group("MaterialIndex 0 Sphere { center 0 0 radius 1 }")
+            .contains("expected 3 numbers after `center`")
+    );
+    assert!(error_in_group("MaterialIndex 0 Sphere { center 0 0 0 }").contains("`Sphere` needs `radius`"));
+    assert!(error_in_group("MaterialIndex 0 Torus { radius 1 }").contains("not supported yet"));
+    assert!(
+        error_in_group("MaterialIndex 0 Quad { corner 0 0 0 edge1 1 0 0 edge2 2 0 0 }").contains("parallel")
+    );
+    let late = "MaterialIndex 0 Transform { Sphere { center 0 0 0 radius 1 } Translate 1 0 0 }";
+    assert!(error_in_group(late).contains("after the object"));
+    let (none, said) = compiled("Group { }");
+    assert!(none.is_none() && said[0].1.contains("no camera"));
+}
+
+#[test]
+fn all_mistakes_are_told_at_once() {
+    let (_, said) = compiled(
+        "Camrea { } Lights { numLights 2 PointLight { position 0 0 0 } }
+         Group { Sphere { center 0 0 0 radius x } Plane { normal 0 1 0 } }",
+    );
+    let errors = said.iter().filter(|s| s.0 == Severity::Error).count();
+    assert!(errors >= 6, "{said:#?}");
+}
+
+#[test]
+fn circles_and_towers_of_blends_are_refused() {
+    let blend = |body: &str| compiled(&format!("{CAMERA} Materials {{ {body} }} Group {{ }}"));
+    let (none, said) = blend(
+        "Checkerboard { materialIndex 1 materialIndex 0 } Checkerboard { materialIndex 0 materialIndex 0 }",
+    );
+    assert!(none.is_none() && said.iter().any(|s| s.1.contains("made of itself")), "{said:?}");
+    // Each level mixes the previous one with itself: 2^40 evaluations a hit.
+    let mut tower = "Material { }".to_owned();
+    for i in 0..40 {
+        tower += &format!("Noise {{ materialIndex {i} materialIndex {i} }}");
+    }
+    let (none, said) = blend(&tower);
+    assert!(none.is_none() && said.iter().any(|s| s.1.contains("more than 1024")), "{said:?}");
+    let mut chain = String::new();
+    for i in 0..5000 {
+        chain += &format!("Noise {{ materialIndex {} materialIndex {} }}", i + 1, i + 1);
+    }
+    let (none, said) = blend(&(chain + "Material { }"));
+    assert!(none.is_none() && !said.is_empty(), "a long chain of forward references");
+    let (some, _) = blend("Checkerboard { materialIndex late materialIndex 1 } Material late { }");
+    assert!(some.is_some(), "forward references by name and number");
+}
+
+#[test]
+fn dialects_change_what_they_should() {
+    let mesh = "Group { MaterialIndex 0 Transform { Matrix { 1 0 0 3  0 1 0 0  0 0 1 0  0 0 0 1 } Sphere { center 0 0 0 radius 1 } } }";
+    let text = format!("{CAMERA}{RED}{mesh}");
+    let center = |dialect| compiled_as(&text, Some(dialect)).0.unwrap().bounds().center();
+    assert!(center(Dialect::Handout).distance(Vec3::ZERO) < 1e-5, "the fourth row is ignored");
+    assert!(center(Dialect::Mit2004).distance(Vec3::new(3.0, 0.0, 0.0)) < 1e-5, "row by row");
+    let a2 = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 2 1 angle 30 }
+              Materials { Material { specularColor 0.5 0.5 0.5 } } Lights { PointLight { position 0 0 0 color 1 1 1 falloff 2 } }";
+    let s = compiled_as(a2, Some(Dialect::MitA2)).0.unwrap();
+    let Camera::Perspective(camera) = s.camera else { panic!("a perspective camera") };
+    assert_eq!(camera.frame().up.as_vec3(), Vec3::new(0.0, 2.0, 1.0));
+    assert_eq!(s.materials.phongs[0].reflective, Spectrum::grey(0.5));
+    assert_eq!(s.materials.phongs[0].exponent, 0.0);
+    assert_eq!(s.lights.point[0].attenuation, [0.0, 0.0, 2.0]);
+    // The scene's own choice gives way to the command line's.
+    let chosen = format!("Settings {{ dialect mit-2004 }} {CAMERA}");
+    assert_eq!(compiled(&chosen).0.unwrap().rules.dialect, Dialect::Mit2004);
+    assert_eq!(compiled_as(&chosen, Some(Dialect::MitA2)).0.unwrap().rules.dialect, Dialect::MitA2);
+}
+
+#[test]
+fn the_tree_and_the_planes_agree_with_brute_force() {
+    let mut text = format!("{CAMERA}{RED}Group {{ MaterialIndex 0 Plane {{ normal 0.2 1 0.1 offset -3 }}");
+    for i in 0..200u32 {
+        let s = kajo_math::rng::Stream::new(41, [i, 0], 0);
+        let v = |k| 8.0 * s.uniform(k) - 4.0;
+        text += &match i % 4 {
+            0 => format!("Sphere {{ center {} {} {} radius {} }}", v(0), v(1), v(2), s.uniform(3)),
+            1 => format!(
+                "Transform {{ Translate {} {} {} XRotate {} Scale 1 0.4 -2 Sphere {{ center 0 0 0 radius 0.5 }} }}",
+                v(0),
+                v(1),
+                v(2),
+                v(3) * 50.0
+            ),
+            2 => format!("Box {{ min {0} {1} {2} max {0} {1} {3} }}", v(0), v(1), v(2), v(3)),
+            _ => format!(
+                "Cylinder {{ base {} {} {} top {} {} {} radius 0.2 }}",
+                v(0),
+                v(1),
+                v(2),
+                v(3),
+                v(4),
+                v(5)
+            ),
+        };
+    }
+    let s = scene(&(text + "}"));
+    let mut hits = 0;
+    for i in 0..20_000u32 {
+        let r = kajo_math::rng::Stream::new(43, [i, 0], 0);
+        let v = |k| Vec3::new(r.uniform(k), r.uniform(k + 1), r.uniform(k + 2)) * 12.0 - 6.0;
+        let ray = Ray::new(v(0), v(3) - v(0));
+        let each = s.primitives.iter().enumerate().filter_map(|(j, p)| {
+            let local = s.transforms[p.transform as usize].ray_in_object(&ray);
+            let local = if p.transform == 0 { ray } else { local };
+            Some((s.shapes.hit(p.shape, &local)?.t, j as u32))
+        });
+        let brute = each.min_by(|a, b| a.partial_cmp(b).unwrap());
+        let found = match s.trace(&ray) {
+            Event::Surface(at) => Some((at.hit.t, at.primitive)),
+            Event::Escaped => None,
+        };
+        assert_eq!(found, brute, "ray {i}");
+        assert_eq!(s.occluded(&ray), brute.is_some());
+        let mut nearest = None;
+        s.crossings(&ray, |j, hit| {
+            if nearest.is_none_or(|n: (f32, u32)| (hit.t, j) < n) {
+                nearest = Some((hit.t, j));
+            }
+        });
+        assert_eq!(nearest, brute);
+        hits += u32::from(brute.is_some());
+    }
+    assert!(hits > 5000);
+}

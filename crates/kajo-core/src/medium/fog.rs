@@ -2,12 +2,16 @@
 //!
 //! Over a length with optical depth `tau` the light `L` from behind becomes
 //!
-//!     T L + (1 - T) C,    T = exp(-tau),
+//! ```text
+//! T L + (1 - T) C,    T = exp(-tau),
+//! ```
 //!
 //! exact for fog that glows with the constant colour `C`. Even fog has `tau = density * length`.
 //! Fog that thins with height, `density * exp(-k (y - h0))`, has along `o + s w`, `w` a unit vector,
 //!
-//!     tau = density exp(-k (o.y - h0)) (1 - exp(-k w.y s)) / (k w.y).
+//! ```text
+//! tau = density exp(-k (o.y - h0)) (1 - exp(-k w.y s)) / (k w.y).
+//! ```
 //!
 //! Scene: `Fog { color 0.7 0.8 0.9  density 0.05  heightFalloff 0.5  height 0 }`
 

@@ -3,7 +3,9 @@
 //! Along the unit axis `a` from the base `b` the radius is `r(s) = r0 + k s`. With
 //! `w = o - b`, `s = w.a + t d.a`, a point of the side satisfies
 //!
-//!     |w + t d|^2 - s^2 = r(s)^2,
+//! ```text
+//! |w + t d|^2 - s^2 = r(s)^2,
+//! ```
 //!
 //! a quadratic in `t`. The origin is first moved along the ray to the point nearest the base,
 //! so that far-away rays lose no digits.

@@ -141,7 +141,7 @@ impl Surface for Mesh {
     }
 
     fn material_slot(&self, part: u32) -> Option<u32> {
-        self.material_slots.as_ref().map(|slots| slots[part as usize])
+        self.material_slots.as_ref().map(|slots| slots[part as usize]).filter(|&slot| slot != ABSENT)
     }
 
     fn heap_bytes(&self) -> usize {

@@ -2,7 +2,9 @@
 //!
 //! With `m = o - c` the ray meets `|p - c| = r` where
 //!
-//!     (d.d) t^2 + 2 (m.d) t + (m.m - r^2) = 0.
+//! ```text
+//! (d.d) t^2 + 2 (m.d) t + (m.m - r^2) = 0.
+//! ```
 //!
 //! The discriminant is taken as `r^2 - |m - (m.d / d.d) d|^2`, the squared radius less the
 //! squared distance from the centre to the line, which keeps its digits when the origin is far

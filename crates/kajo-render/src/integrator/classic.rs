@@ -2,7 +2,9 @@
 //!
 //! The light along a ray that meets a surface is
 //!
-//!     L = ambient + sum of visible lights (Phong) + reflective L(mirror ray) + transparent L(refracted ray)
+//! ```text
+//! L = ambient + sum of visible lights (Phong) + reflective L(mirror ray) + transparent L(refracted ray)
+//! ```
 //!
 //! with as many mirror and refracted rays in a row as `bounces` allows. A ray carries the
 //! index of refraction of where it travels: 1 at the camera, a material's own once it
@@ -106,7 +108,7 @@ impl<'a> Classic<'a> {
             let local = self.shade(&ray, &at, &phong, rays);
             // Fog weakens everything that comes from the surface, also what arrives there later.
             light += throughput * self.through_fog(&ray, at.hit.t, &path, local);
-            throughput *= self.fog_factor(&ray, at.hit.t, &path);
+            throughput = throughput * self.fog_factor(&ray, at.hit.t, &path);
 
             let mirrored = self.mirrored(&ray, &at, &phong, &path);
             let refracted = self.refracted(&ray, &at, &phong, &path);
