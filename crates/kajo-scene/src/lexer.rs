@@ -16,7 +16,7 @@ use std::iter::FusedIterator;
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TokenKind {
-    /// Blanks, line ends, and a byte order mark at the very start.
+    /// Blanks, line ends and byte order marks.
     Whitespace,
     /// A whole comment, without the line end that closes it.
     Comment,
@@ -117,7 +117,7 @@ impl Iterator for Tokens<'_> {
             b'#' => (TokenKind::Comment, line_len(bytes)),
             b'/' if bytes.starts_with(b"//") => (TokenKind::Comment, line_len(bytes)),
             b'/' if bytes.starts_with(b"/*") => block_comment(rest),
-            _ => blank_or_word(rest, start == 0),
+            _ => blank_or_word(rest),
         };
         self.at += len;
         Some(Token { kind, start: start as u32, end: self.at as u32 })
@@ -150,8 +150,8 @@ fn string(bytes: &[u8]) -> (TokenKind, usize) {
     (TokenKind::Error(LexError::UnterminatedString), i)
 }
 
-fn blank_or_word(rest: &str, at_start: bool) -> (TokenKind, usize) {
-    let len = blank_len(rest, at_start);
+fn blank_or_word(rest: &str) -> (TokenKind, usize) {
+    let len = blank_len(rest);
     if len > 0 {
         return (TokenKind::Whitespace, len);
     }
@@ -159,9 +159,9 @@ fn blank_or_word(rest: &str, at_start: bool) -> (TokenKind, usize) {
     (number(word).map_or(TokenKind::Word, TokenKind::Number), word.len())
 }
 
-fn blank_len(rest: &str, at_start: bool) -> usize {
+fn blank_len(rest: &str) -> usize {
     let bytes = rest.as_bytes();
-    let mut i = if at_start && rest.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+    let mut i = 0;
     while let Some(&byte) = bytes.get(i) {
         match CLASS[byte as usize] {
             Class::Blank => i += 1,
@@ -182,7 +182,7 @@ fn word_len(rest: &str) -> usize {
         match CLASS[byte as usize] {
             Class::Word => i += 1,
             Class::NotAscii => match rest[i..].chars().next() {
-                Some(c) if !c.is_whitespace() => i += c.len_utf8(),
+                Some(c) if !is_blank(c) => i += c.len_utf8(),
                 _ => break,
             },
             Class::Blank | Class::Special => break,
@@ -193,7 +193,12 @@ fn word_len(rest: &str) -> usize {
 
 /// The length of a blank beyond ASCII, such as a no-break space, at the start of `rest`.
 fn wide_blank(rest: &str) -> Option<usize> {
-    rest.chars().next().filter(|c| c.is_whitespace()).map(char::len_utf8)
+    rest.chars().next().filter(|&c| is_blank(c)).map(char::len_utf8)
+}
+
+/// White space of Unicode, and the byte order mark, which nobody can see either.
+fn is_blank(c: char) -> bool {
+    c.is_whitespace() || c == '\u{feff}'
 }
 
 /// The value of a word that is a number; `None` for other words and for overflow.
@@ -294,7 +299,7 @@ mod tests {
     fn braces_need_no_blanks_and_wide_blanks_separate() {
         let words: Vec<_> = kinds("Group{numObjects\u{a0}1}").into_iter().map(|(_, text)| text).collect();
         assert_eq!(words, ["Group", "{", "numObjects", "1", "}"]);
-        assert_eq!(kinds("\u{feff}été"), [(TokenKind::Word, "été")]);
+        assert_eq!(kinds("\u{feff}été\u{feff}"), [(TokenKind::Word, "été")]);
     }
 
     proptest! {

@@ -37,11 +37,11 @@ fn project(corners: &[[f32; 3]]) -> Option<Vec<[f64; 2]>> {
     let mut normal = [0.0; 3];
     for (i, a) in points.iter().enumerate() {
         let b = points[(i + 1) % points.len()];
-        for axis in 0..3 {
+        for (axis, sum) in normal.iter_mut().enumerate() {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
             // Relative to the first corner, so that distance from the origin costs no digits.
             let relative = |p: [f64; 3], k: usize| p[k] - points[0][k];
-            normal[axis] += relative(*a, u) * relative(b, v) - relative(*a, v) * relative(b, u);
+            *sum += relative(*a, u) * relative(b, v) - relative(*a, v) * relative(b, u);
         }
     }
     let largest =

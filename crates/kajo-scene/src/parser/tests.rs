@@ -216,7 +216,7 @@ fn text_beyond_the_limit_is_refused() {
     assert_eq!(messages(&load_within(&[("a", "include b"), ("b", "k 123")], &limits)), [""; 0]);
     let over = load_within(&[("a", "include b include b"), ("b", "k 123")], &limits);
     let message = "more than 26 bytes of scene text, included files counted each time";
-    assert_eq!(messages(&over), [format!("a:1:9: error: {message}")]);
+    assert_eq!(messages(&over), [format!("a:1:19: error: {message}")]);
     let over = load_within(&[("a", "a 1                          ")], &limits);
     assert_eq!(messages(&over), [format!("error: {message}")]);
     let over = SceneDesc::parse("a", " ".repeat(27), &MemoryAssets::new(), &limits);

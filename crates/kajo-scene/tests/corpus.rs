@@ -1,0 +1,169 @@
+//! The seeds of `fuzz/corpus`, replayed and mutated with a fixed seed.
+
+use kajo_scene::{
+    Limits, MemoryAssets, NO_INDEX, SceneDesc, Sources, print, read_mtl, read_obj, render, render_one, tokens,
+};
+use std::path::Path;
+
+fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(name);
+    let mut seeds: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
+        .expect("the corpus is part of the repository")
+        .map(|entry| entry.expect("a readable folder").path())
+        .map(|path| (path.display().to_string(), std::fs::read(&path).expect("a readable seed")))
+        .collect();
+    seeds.sort();
+    assert!(seeds.len() >= 20, "the corpus is missing");
+    seeds
+}
+
+fn check_scene(data: &[u8]) {
+    if let Ok(text) = std::str::from_utf8(data) {
+        let mut at = 0;
+        for token in tokens(text) {
+            assert_eq!(token.start, at);
+            assert!(text.is_char_boundary(token.end as usize) && token.end > at);
+            at = token.end;
+        }
+        assert_eq!(at as usize, text.len());
+    }
+    let limits = Limits { includes: 20, items: 10_000, ..Limits::default() };
+    let assets = MemoryAssets::new().with("self", data).with("b", data);
+    let parsed = SceneDesc::load("self", &assets, &limits);
+    let sources = parsed.desc.sources();
+    for item in parsed.desc.items() {
+        // Slicing checks that spans are in range and on character boundaries.
+        let whole = item.span().range();
+        assert!(sources.text(item.span()).starts_with(item.keyword()));
+        for (_, span) in item.values() {
+            assert!(!sources.text(span).is_empty());
+            assert!(whole.contains(&span.range().start));
+        }
+    }
+    for label in parsed.diagnostics.iter().flat_map(|d| &d.labels) {
+        assert!(sources.get(label.span.source).text().get(label.span.range()).is_some());
+    }
+    let shown = render(&parsed.diagnostics, sources, false);
+    assert!(shown.chars().all(|c| c == '\n' || !c.is_control()), "{shown:?}");
+    if !parsed.diagnostics.has_errors() {
+        let printed = print(&parsed.desc);
+        let again = SceneDesc::parse("print", &*printed, &MemoryAssets::new(), &limits);
+        assert!(again.diagnostics.is_empty(), "{printed}");
+        assert_eq!(print(&again.desc), printed);
+        assert_eq!(again.desc.len(), parsed.desc.len());
+    }
+}
+
+fn check_obj(data: &[u8]) {
+    let limits = Limits::default();
+    match read_obj(data, "m.obj", &limits) {
+        Ok((mesh, _)) => {
+            let finite = |v: u32| mesh.positions[v as usize].iter().all(|x| x.is_finite());
+            assert!(mesh.faces.iter().flatten().all(|&v| finite(v)));
+            for (list, len) in [(&mesh.face_normals, mesh.normals.len()), (&mesh.face_uvs, mesh.uvs.len())] {
+                let Some(list) = list else { continue };
+                assert_eq!(list.len(), mesh.faces.len());
+                assert!(list.iter().flatten().all(|&i| i == NO_INDEX || (i as usize) < len));
+            }
+            if let Some(materials) = &mesh.face_materials {
+                assert_eq!(materials.len(), mesh.faces.len());
+                let known = mesh.material_names.len();
+                assert!(materials.iter().all(|&m| m == NO_INDEX || (m as usize) < known));
+            }
+        }
+        Err(error) => {
+            let mut sources = Sources::default();
+            let diagnostic = error.to_diagnostic(&mut sources, None);
+            assert!(render_one(&diagnostic, &sources, false).contains("error: "));
+        }
+    }
+    let _ = read_mtl(data, "m.mtl", &limits);
+}
+
+/// SplitMix64 [Steele et al. 2014].
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() % n.max(1) as u64) as usize
+    }
+}
+
+/// One to four of: a changed byte, a removed, doubled or foreign piece, an inserted token, a cut.
+fn mutate(seed: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
+    const PIECES: [&[u8]; 16] = [
+        b"{",
+        b"}",
+        b"\"",
+        b"/*",
+        b"*/",
+        b"//",
+        b"#",
+        b" include b ",
+        b" nan ",
+        b" 1e999 ",
+        b"\\\n",
+        b"\xef\xbb\xbf",
+        b"\xc2",
+        b"/",
+        b"-",
+        b"\0",
+    ];
+    let mut data = seed.to_vec();
+    for _ in 0..=random.below(4) {
+        let at = random.below(data.len() + 1);
+        let end = (at + random.below(20)).min(data.len());
+        match random.below(6) {
+            0 if at < data.len() => data[at] ^= 1 << random.below(8),
+            1 => drop(data.drain(at..end)),
+            2 => {
+                let piece = data[at..end].to_vec();
+                data.splice(at..at, piece);
+            }
+            3 => {
+                let from = random.below(other.len() + 1);
+                data.splice(at..end, other[from..].iter().take(200).copied());
+            }
+            4 => {
+                let piece = PIECES[random.below(PIECES.len())];
+                let times = if random.below(10) == 0 { 300 } else { 1 };
+                data.splice(at..at, piece.repeat(times));
+            }
+            _ => data.truncate(at),
+        }
+    }
+    data
+}
+
+fn run(name: &str, mutations: usize, check: impl Fn(&[u8])) {
+    let seeds = corpus(name);
+    for (path, data) in &seeds {
+        println!("{path}");
+        check(data);
+    }
+    let mut random = Random(2);
+    for i in 0..mutations {
+        let other = random.below(seeds.len());
+        let data = mutate(&seeds[i % seeds.len()].1, &seeds[other].1, &mut random);
+        println!("{i}: {:?}", String::from_utf8_lossy(&data));
+        check(&data);
+    }
+}
+
+#[test]
+fn scenes_never_panic_and_keep_their_promises() {
+    run("scene", 6000, check_scene);
+}
+
+#[test]
+fn meshes_never_panic_and_keep_their_promises() {
+    run("obj", 10_000, check_obj);
+}
