@@ -5,6 +5,7 @@ use std::fmt;
 use std::io::Cursor;
 
 use ::image::codecs::{hdr::HdrEncoder, pnm, tga::TgaEncoder};
+use ::image::error::UnsupportedErrorKind;
 use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Rgb};
 
 use crate::exr::{ExrLayer, ExrPicture};
@@ -282,12 +283,130 @@ fn floats(pixels: DynamicImage) -> Option<(Vec<f32>, Option<BitDepth>)> {
 fn by_fault(format: Format, limits: &DecodeLimits, error: ::image::ImageError) -> ImageError {
     use ::image::ImageError as E;
     match error {
-        E::Unsupported(e) => ImageError::unsupported(format, e),
+        E::Unsupported(e) => match e.kind() {
+            UnsupportedErrorKind::GenericFeature(what) => ImageError::unsupported(format, what),
+            _ => ImageError::unsupported(format, e),
+        },
         // The crate does not say by how much.
         E::Limits(_) => {
             let limit = limits.max_bytes;
             ImageError::Limit { what: "memory in bytes", needed: limit.saturating_add(1), limit }
         }
         other => ImageError::malformed(format, other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Transfer;
+
+    fn picture<const N: usize>() -> Image {
+        Image::from_fn::<N>(7, 5, |x, y| {
+            std::array::from_fn(|c| (x * 30 + y * 11 + c as u32 * 7) as f32 / 255.0)
+        })
+        .unwrap()
+    }
+
+    fn round_trip(image: &Image, format: Format, options: &EncodeOptions) -> Decoded {
+        let bytes = encode(image, format, options).unwrap();
+        let decoded = decode(&bytes, Some(format), &DecodeLimits::default()).unwrap();
+        assert_eq!(decoded.format, format);
+        decoded
+    }
+
+    #[test]
+    fn extensions_and_names_go_both_ways() {
+        for format in Format::ALL {
+            assert_eq!(Format::from_extension(format.extension()), Some(format));
+            assert_eq!(Format::from_extension(&format.extension().to_uppercase()), Some(format));
+        }
+        assert_eq!(Format::from_extension("jpeg"), None);
+        assert_eq!(Format::from_extension(""), None);
+    }
+
+    #[test]
+    fn every_format_but_tga_is_known_by_its_bytes() {
+        for format in Format::ALL {
+            let bytes = encode(&picture::<3>(), format, &EncodeOptions::default()).unwrap();
+            assert_eq!(Format::from_magic(&bytes), (format != Format::Tga).then_some(format));
+            let misleading = if format == Format::Tga { None } else { Some(Format::Tga) };
+            let found = decode(&bytes, misleading, &DecodeLimits::default()).map(|d| d.format);
+            assert_eq!(
+                found,
+                if format == Format::Tga { Err(ImageError::UnknownFormat) } else { Ok(format) }
+            );
+        }
+    }
+
+    #[test]
+    fn whole_numbers_round_trip() {
+        let options = EncodeOptions::default();
+        for format in [Format::Png, Format::Tga, Format::Ppm] {
+            assert_eq!(round_trip(&picture::<1>(), format, &options).image, picture::<1>(), "{format}");
+            assert_eq!(round_trip(&picture::<3>(), format, &options).image, picture::<3>(), "{format}");
+        }
+        for format in [Format::Png, Format::Tga] {
+            assert_eq!(round_trip(&picture::<4>(), format, &options).image, picture::<4>(), "{format}");
+        }
+        assert_eq!(
+            round_trip(&picture::<4>(), Format::Ppm, &options).image,
+            picture::<4>().with_channels(3).unwrap()
+        );
+    }
+
+    #[test]
+    fn floats_round_trip() {
+        let options = EncodeOptions::default();
+        for format in [Format::Exr, Format::Pfm] {
+            let mut image = picture::<3>();
+            image.data_mut()[..3].copy_from_slice(&[-1.5, 1e30, f32::NEG_INFINITY]);
+            assert_eq!(round_trip(&image, format, &options).image, image, "{format}");
+            assert_eq!(round_trip(&picture::<1>(), format, &options).image, picture::<1>(), "{format}");
+        }
+    }
+
+    #[test]
+    fn radiance_keeps_eight_bits_of_the_brightest_channel() {
+        let image = Image::from_data(
+            4,
+            1,
+            3,
+            vec![0.5, 0.25, 0.0, 1000.0, 3.0, 1.0, -1.0, f32::NAN, 0.0, f32::INFINITY, 0.0, 0.0],
+        )
+        .unwrap();
+        let decoded = round_trip(&image, Format::Hdr, &EncodeOptions::default());
+        assert_eq!(decoded.depth, None);
+        for (from, to) in image.pixels().zip(decoded.image.pixels()) {
+            let sane: Vec<f32> = from.iter().map(|v| v.max(0.0).min(HDR_MAX)).collect();
+            let brightest = sane.iter().copied().fold(0.0, f32::max);
+            for (a, b) in sane.iter().zip(to) {
+                assert!((a - b).abs() <= brightest / 128.0, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_classic_program_writes_opaque_colour() {
+        let options = EncodeOptions { opaque_alpha: true, ..Default::default() };
+        for format in [Format::Png, Format::Tga] {
+            let image = Image::filled(1, 1, &[0.1, 0.3, 0.7, 0.2]).unwrap();
+            let stored: Vec<_> = round_trip(&image, format, &options)
+                .image
+                .data()
+                .iter()
+                .map(|v| (v * 255.0).round())
+                .collect();
+            assert_eq!(stored, [26.0, 77.0, 179.0, 255.0], "{format}");
+            assert_eq!(round_trip(&picture::<1>(), format, &options).image.channels(), 4);
+        }
+    }
+
+    #[test]
+    fn the_curve_leaves_alpha_alone() {
+        let quantiser = Quantiser { transfer: Transfer::Srgb, ..Default::default() };
+        let options = EncodeOptions { quantiser, ..Default::default() };
+        let image = Image::filled(1, 1, &[0.214_041_14, 0.5]).unwrap();
+        assert_eq!(options.quantise(&image), [128, 128]);
     }
 }

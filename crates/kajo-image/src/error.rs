@@ -20,7 +20,7 @@ pub enum ImageError {
     #[error("not a picture of a known format (PNG, OpenEXR, PFM, PPM, TGA or Radiance HDR)")]
     UnknownFormat,
     /// The file may be valid, but asks for something this crate lacks.
-    #[error("this {format} picture needs {feature}, which is not supported")]
+    #[error("this {format} picture is not supported: {feature}")]
     Unsupported {
         /// The format of the file.
         format: Format,

@@ -138,3 +138,37 @@ fn limits_count_every_channel() {
     let short = decode(&bytes, &DecodeLimits { max_bytes: needed - 1, ..Default::default() });
     assert!(matches!(short, Err(ImageError::Limit { what: "memory in bytes", .. })), "{short:?}");
 }
+
+/// A file of several parts, as other programs write it; `names` are parts and their channel.
+fn parts(sizes: [usize; 3], names: [(&str, &str); 3]) -> Vec<u8> {
+    use ::exr::prelude::*;
+    let layers: Vec<Layer<AnyChannels<FlatSamples>>> = names
+        .iter()
+        .zip(sizes)
+        .map(|(&(part, channel), size)| {
+            let channel = AnyChannel::new(channel, FlatSamples::F32(vec![size as f32; size * 2]));
+            let channels = AnyChannels::sort(SmallVec::from_vec(vec![channel]));
+            Layer::new((size, 2), LayerAttributes::named(part), Encoding::FAST_LOSSLESS, channels)
+        })
+        .collect();
+    let attributes = ImageAttributes::with_size((sizes[0], 2));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    ::exr::image::Image::from_layers(attributes, layers).write().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+#[test]
+fn parts_become_layers() {
+    let file = parts([3; 3], [("rgba", "Y"), ("depth", "Z"), ("whatever", "diffuse.R")]);
+    let picture = decode(&file, &DecodeLimits::default()).unwrap();
+    let names: Vec<_> =
+        picture.layers.iter().map(|l| (l.name.as_deref(), l.channels[0].0.as_str())).collect();
+    assert_eq!(names, [(None, "Y"), (Some("depth"), "Z"), (Some("diffuse"), "R")]);
+}
+
+#[test]
+fn parts_of_different_sizes_are_not_supported() {
+    let file = parts([3, 3, 4], [("a", "Y"), ("b", "Z"), ("c", "R")]);
+    let result = decode(&file, &DecodeLimits::default());
+    assert!(matches!(result, Err(ImageError::Unsupported { .. })), "{result:?}");
+}
