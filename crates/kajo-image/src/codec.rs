@@ -9,6 +9,7 @@ use ::image::error::UnsupportedErrorKind;
 use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Rgb};
 
 use crate::exr::{ExrLayer, ExrPicture};
+use crate::quantise::clamp_or_zero;
 use crate::{BitDepth, DecodeLimits, Image, ImageError, Quantiser, exr, pfm, png};
 
 /// A picture file format.
@@ -220,7 +221,7 @@ fn encode_ppm(image: &Image, options: &EncodeOptions) -> Result<Vec<u8>, ImageEr
 
 fn encode_hdr(image: &Image) -> Result<Vec<u8>, ImageError> {
     // The format has no sign, no infinity and no NaN.
-    let pixels: Vec<_> = image.rgb_pixels().map(|p| Rgb(p.map(|v| v.clamp(0.0, HDR_MAX).max(0.0)))).collect();
+    let pixels: Vec<_> = image.rgb_pixels().map(|p| Rgb(p.map(|v| clamp_or_zero(v, HDR_MAX)))).collect();
     let mut bytes = Vec::new();
     HdrEncoder::new(&mut bytes)
         .encode(&pixels, image.width() as usize, image.height() as usize)
@@ -378,7 +379,7 @@ mod tests {
         let decoded = round_trip(&image, Format::Hdr, &EncodeOptions::default());
         assert_eq!(decoded.depth, None);
         for (from, to) in image.pixels().zip(decoded.image.pixels()) {
-            let sane: Vec<f32> = from.iter().map(|v| v.max(0.0).min(HDR_MAX)).collect();
+            let sane: Vec<f32> = from.iter().map(|v| clamp_or_zero(*v, HDR_MAX)).collect();
             let brightest = sane.iter().copied().fold(0.0, f32::max);
             for (a, b) in sane.iter().zip(to) {
                 assert!((a - b).abs() <= brightest / 128.0, "{a} {b}");

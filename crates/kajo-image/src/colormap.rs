@@ -4,6 +4,8 @@
 //! error map also reads in grey. Every eighth entry of the original 256 is kept (at equal
 //! distances); between them the map is linear, within 1.3/255 of the original.
 
+use crate::quantise::clamp_or_zero;
+
 /// sRGB-encoded colours at 0, 1/32 .. 1.
 const MAGMA: [[u8; 3]; 33] = [
     [0, 0, 4],
@@ -44,7 +46,7 @@ const MAGMA: [[u8; 3]; 33] = [
 /// The sRGB-encoded colour of `t`, clamped to [0, 1]; NaN is 0.
 pub fn magma(t: f32) -> [f32; 3] {
     let last = MAGMA.len() - 1;
-    let position = t.max(0.0).min(1.0) * last as f32;
+    let position = clamp_or_zero(t, 1.0) * last as f32;
     let i = (position as usize).min(last - 1);
     let fraction = position - i as f32;
     std::array::from_fn(|c| {

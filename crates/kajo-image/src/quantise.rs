@@ -92,6 +92,11 @@ impl Quantiser {
     }
 }
 
+/// `value` in [0, `max`]; NaN is 0, where `f32::clamp` would keep it.
+pub(crate) fn clamp_or_zero(value: f32, max: f32) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(0.0, max) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -22,6 +22,7 @@ use kajo_color::srgb;
 use kajo_math::fmath;
 
 use super::check_same_size;
+use crate::quantise::clamp_or_zero;
 use crate::{Image, ImageError};
 
 /// The authors' viewing conditions: a screen of 3840 pixels and 0.7 m seen from 0.7 m.
@@ -116,8 +117,8 @@ fn max_distance() -> f32 {
 
 const XYZ_FROM_RGB: [[f32; 3]; 3] = [
     [0.412_386_56, 0.357_591_49, 0.180_450_49],
-    [0.212_636_82, 0.715_182_98, 0.072_180_196],
-    [0.019_330_62, 0.119_197_16, 0.950_372_59],
+    [0.212_636_82, 0.715_182_98, 0.072_180_2],
+    [0.019_330_62, 0.119_197_16, 0.950_372_6],
 ];
 const RGB_FROM_XYZ: [[f32; 3]; 3] = [
     [3.241_003_3, -1.537_398_9, -0.498_615_86],
@@ -179,8 +180,7 @@ fn opponent_planes(image: &Image) -> [Plane; 3] {
     let mut planes =
         std::array::from_fn(|_| Plane { width, values: Vec::with_capacity(image.pixels().len()) });
     for rgb in image.rgb_pixels() {
-        // `max` before `min` also turns NaN into 0.
-        let linear = rgb.map(|v| srgb::decode(v.max(0.0).min(1.0)));
+        let linear = rgb.map(|v| srgb::decode(clamp_or_zero(v, 1.0)));
         for (plane, value) in planes.iter_mut().zip(opponent(xyz(linear))) {
             plane.values.push(value);
         }
@@ -201,14 +201,14 @@ impl Plane {
     fn filter_rows(&self, kernel: &[f32]) -> Self {
         let radius = kernel.len() / 2;
         let mut padded = vec![0.0; self.width + 2 * radius];
-        let mut values = Vec::with_capacity(self.values.len());
-        for row in self.values.chunks_exact(self.width) {
+        let mut values = vec![0.0; self.values.len()];
+        for (row, out) in self.values.chunks_exact(self.width).zip(values.chunks_exact_mut(self.width)) {
             padded[..radius].fill(row[0]);
             padded[radius..radius + self.width].copy_from_slice(row);
             padded[radius + self.width..].fill(row[self.width - 1]);
-            values.extend(
-                padded.windows(kernel.len()).map(|w| w.iter().zip(kernel).map(|(v, k)| v * k).sum::<f32>()),
-            );
+            for (i, k) in kernel.iter().enumerate() {
+                out.iter_mut().zip(&padded[i..]).for_each(|(o, v)| *o += k * v);
+            }
         }
         Self { width: self.width, values }
     }

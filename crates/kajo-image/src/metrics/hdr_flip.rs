@@ -15,6 +15,7 @@ use kajo_color::srgb;
 use kajo_math::fmath;
 
 use super::{check_same_size, flip};
+use crate::quantise::clamp_or_zero;
 use crate::{Image, ImageError};
 
 /// T(x) = (K0 x² + K1 x) / (K2 x² + K3 x + K4), with the fit's own exposure of 0.6 taken out.
@@ -119,9 +120,8 @@ fn exposed_to_target() -> f32 {
     half + (half * half - c / a).sqrt()
 }
 
-/// `max` before `min` also turns NaN into 0.
 fn sane(v: f32) -> f32 {
-    v.max(0.0).min(MAX_VALUE)
+    clamp_or_zero(v, MAX_VALUE)
 }
 
 #[cfg(test)]
