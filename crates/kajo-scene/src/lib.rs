@@ -1,4 +1,28 @@
 //! The scene language of kajo: text to a tree with places, and mesh files.
+//!
+//! ```text
+//! text --tokens--> SceneDesc --Params, Args--> typed values (in the crates above)
+//!                      |
+//!                      +--print, apply_edits--> text
+//! ```
+//!
+//! This crate knows how a scene is written, not what its words mean: members of
+//! the language ask a [`Params`] for their keys, and what nobody asks for is an
+//! error with its place and the nearest word that would have been right.
+//! Files come from an [`Assets`]; what they may cost is bounded by [`Limits`].
+//!
+//! ```
+//! use kajo_scene::{Args, Params, SceneDesc, render};
+//! let mut parsed = SceneDesc::parse_str("Sphere { center 0 0 radius 1 }");
+//! let sphere = parsed.desc.roots().next().unwrap();
+//! let mut params = Params::new(sphere, &mut parsed.diagnostics);
+//! let center = params.required("center", Args::vec3);
+//! let radius = params.required("radius", Args::positive);
+//! params.finish();
+//! assert_eq!((center, radius), (None, Some(1.0)));
+//! let report = render(&parsed.diagnostics, parsed.desc.sources(), false);
+//! assert!(report.starts_with("error: expected 3 numbers after `center`, found 2"));
+//! ```
 
 #![forbid(unsafe_code)]
 

@@ -5,7 +5,7 @@
 //! cannot differ from what the code reads.
 
 use crate::args::{Args, one_of};
-use crate::diagnostic::{Diagnostic, Diagnostics, quoted};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity, quoted};
 use crate::nearest::nearest;
 use crate::tree::{Item, SceneDesc};
 use std::borrow::Cow;
@@ -162,6 +162,10 @@ impl<'a, 'd> Params<'a, 'd> {
     /// Reports everything that was never asked for.
     pub fn finish(self) {
         for child in self.children.iter().filter(|child| !child.used) {
+            // A flood of unknown words is not worth the search for near ones.
+            if self.diagnostics.count(Severity::Error) > Diagnostics::KEPT {
+                return;
+            }
             let diagnostic = if self.later.contains(&child.item.keyword()) {
                 not_supported_yet(child.item)
             } else {
@@ -249,7 +253,6 @@ pub fn not_supported_yet(item: Item<'_>) -> Diagnostic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Severity;
     use kajo_math::{Vec2, Vec3};
 
     /// Reads the first item of a text and returns the result and the messages.
