@@ -10,6 +10,7 @@ out the same. Nothing beyond the Python standard library is needed.
   classic/hare_200.obj    a sitting hare of eight ellipsoids, 200 triangles
   classic/hare_1000.obj   the same hare, 1000 triangles
   gallery/meshes/knot.obj      a (2, 3) torus knot without normals
+  gallery/meshes/knot_low.obj  the same knot of few facets
   gallery/meshes/vase.obj      a turned vase whose bands name MTL materials
   gallery/meshes/gem.obj       a brilliant-cut stone, closed, flat facets
 """
@@ -248,6 +249,7 @@ def main():
         assert len(mesh.faces) == count
         mesh.write(classic / f"hare_{count}.obj", f"a hare of {count} triangles", with_normals=True)
     knot().write(gallery / "knot.obj", "a (2, 3) torus knot")
+    knot(around=54, across=8).write(gallery / "knot_low.obj", "a (2, 3) torus knot of few facets")
     vase().write(gallery / "vase.obj", "a vase with three materials", library="vase.mtl")
     gem().write(gallery / "gem.obj", "a brilliant-cut stone")
 
