@@ -117,12 +117,10 @@ impl Group {
     #[inline(always)]
     pub(crate) fn closest(&self, ray: &Shear, t_max: f32, tie: u32) -> Option<TriangleHit> {
         let sheared = self.sheared(ray);
-        let candidates = sheared.candidates();
-        if candidates == 0 {
-            return None;
-        }
+        let mut candidates = sheared.candidates();
         let mut best: Option<TriangleHit> = None;
-        for lane in lanes(candidates) {
+        while candidates != 0 {
+            let lane = take_lowest(&mut candidates);
             let Some((t, u, v)) = sheared.hit(lane, ray, Border::Inside) else { continue };
             let triangle = self.triangles[lane];
             let (limit, tie) = best.map_or((t_max, tie), |b| (b.t, b.triangle));
@@ -133,19 +131,32 @@ impl Group {
         best
     }
 
+    #[cfg(test)]
+    pub(crate) fn candidate_count(&self, ray: &Shear) -> u32 {
+        self.sheared(ray).candidates().count_ones()
+    }
+
     /// Whether there is a hit with `t_min < t < t_max`.
     #[inline(always)]
     pub(crate) fn any(&self, ray: &Shear, t_max: f32) -> bool {
         let sheared = self.sheared(ray);
-        lanes(sheared.candidates())
-            .any(|lane| sheared.hit(lane, ray, Border::Inside).is_some_and(|(t, ..)| t < t_max))
+        let mut candidates = sheared.candidates();
+        while candidates != 0 {
+            let lane = take_lowest(&mut candidates);
+            if sheared.hit(lane, ray, Border::Inside).is_some_and(|(t, ..)| t < t_max) {
+                return true;
+            }
+        }
+        false
     }
 
     /// Every crossing with `t_min < t < t_max`.
     #[inline(always)]
     pub(crate) fn all(&self, ray: &Shear, t_max: f32, mut visit: impl FnMut(TriangleHit)) {
         let sheared = self.sheared(ray);
-        for lane in lanes(sheared.candidates()) {
+        let mut candidates = sheared.candidates();
+        while candidates != 0 {
+            let lane = take_lowest(&mut candidates);
             let triangle = self.triangles[lane];
             let filler = lane > 0 && self.triangles[lane - 1] == triangle;
             let hit = sheared.hit(lane, ray, Border::Shared).filter(|(t, ..)| *t < t_max);
@@ -156,14 +167,12 @@ impl Group {
     }
 }
 
-/// The lanes whose bits are set.
+/// Clears the lowest of the set bits and answers its number.
 #[inline(always)]
-fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = (bits != 0).then(|| bits.trailing_zeros() as usize % LANES);
-        bits &= bits.wrapping_sub(1);
-        lane
-    })
+fn take_lowest(bits: &mut u32) -> usize {
+    let lowest = bits.trailing_zeros() as usize % LANES;
+    *bits &= *bits - 1;
+    lowest
 }
 
 impl Sheared {

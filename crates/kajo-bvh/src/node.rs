@@ -1,13 +1,9 @@
 //! Wide nodes: the boxes of up to eight children, laid out for one vector instruction each.
 
-use kajo_math::{Aabb, Vec3};
+use kajo_math::Aabb;
 
 /// Children of a node.
 pub(crate) const WIDTH: usize = 8;
-
-/// Wide nodes on the longest way from the root to a leaf, the root counted: the builder
-/// keeps to it, traversal relies on it.
-pub(crate) const MAX_DEPTH: usize = 32;
 
 /// What a slot of a node leads to: the number of a node, or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,33 +38,50 @@ impl Child {
 }
 
 /// Up to eight children. Empty slots have boxes that no ray meets.
+///
+/// 256 bytes, so that a node is found by a shift, and both planes of an axis share a cache
+/// line.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(crate) struct Node {
-    /// By axis, smallest or largest, child.
-    pub(crate) planes: [[[f32; WIDTH]; 2]; 3],
-    pub(crate) children: [Child; WIDTH],
+    /// Smallest and largest x, y and z of the children's boxes.
+    planes: [[f32; WIDTH]; 6],
+    children: [Child; WIDTH],
 }
 
 impl Node {
-    pub(crate) const EMPTY: Node = Node {
-        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
-        children: [Child(0); WIDTH],
+    pub(crate) const EMPTY: Node = {
+        let (none, all) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
+        Node { planes: [none, all, none, all, none, all], children: [Child(0); WIDTH] }
     };
 
     /// Fills a slot.
     pub(crate) fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {
-        for (axis, planes) in self.planes.iter_mut().enumerate() {
-            planes[0][slot] = bounds.min[axis];
-            planes[1][slot] = bounds.max[axis];
+        for axis in 0..3 {
+            self.planes[2 * axis][slot] = bounds.min[axis];
+            self.planes[2 * axis + 1][slot] = bounds.max[axis];
         }
         self.children[slot] = child;
     }
 
-
     /// Whether a slot leads anywhere.
-    #[inline]
     pub(crate) fn is_used(&self, slot: usize) -> bool {
-        self.planes[0][0][slot] <= self.planes[0][1][slot]
+        self.planes[0][slot] <= self.planes[1][slot]
+    }
+
+    /// Planes of all children: twice the axis, plus one for the larger side.
+    #[inline(always)]
+    pub(crate) fn planes(&self, row: usize) -> &[f32; WIDTH] {
+        &self.planes[row]
+    }
+
+    /// Where a slot leads.
+    #[inline(always)]
+    pub(crate) fn child(&self, slot: usize) -> Child {
+        self.children[slot % WIDTH]
+    }
+
+    pub(crate) fn child_mut(&mut self, slot: usize) -> &mut Child {
+        &mut self.children[slot]
     }
 }

@@ -83,7 +83,7 @@ impl<S: Simd> Slabs<S> {
     pub(crate) fn meet(&self, node: &Node, t_max: f32) -> (u32, S::F32x8) {
         let simd = self.simd;
         let at = |axis: usize, side: usize, c: &[S::F32x8; 3]| {
-            simd.mul_add(simd.load(&node.planes[axis][side & 1]), self.rd[axis], c[axis])
+            simd.mul_add(simd.load(node.planes(2 * axis + (side & 1))), self.rd[axis], c[axis])
         };
         let enter = |axis: usize| at(axis, self.first[axis], &self.near);
         let leave = |axis: usize| at(axis, self.first[axis] ^ 1, &self.far);

@@ -201,3 +201,88 @@ fn fill(built: &Built, corners: impl Fn(u32) -> [Vec3; 3] + Sync) -> (Vec<Group>
     let payloads = work.into_par_iter().map(fill).collect();
     (groups, payloads)
 }
+
+#[cfg(test)]
+mod steps {
+    use super::*;
+    use std::cell::Cell;
+    thread_local!(static NODES: Cell<u64> = const { Cell::new(0) });
+    #[derive(Clone, Copy)]
+    struct Counting;
+    use crate::simd::Portable as P;
+    impl Simd for Counting {
+        type F32x8 = <P as Simd>::F32x8;
+        fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
+            f()
+        }
+        fn splat(self, x: f32) -> Self::F32x8 {
+            P.splat(x)
+        }
+        fn load(self, x: &[f32; 8]) -> Self::F32x8 {
+            P.load(x)
+        }
+        fn store(self, x: Self::F32x8) -> [f32; 8] {
+            P.store(x)
+        }
+        fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8 {
+            P.mul_add(a, b, c)
+        }
+        fn min(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
+            P.min(a, b)
+        }
+        fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
+            P.max(a, b)
+        }
+        fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32 {
+            NODES.set(NODES.get() + 1);
+            P.le(a, b)
+        }
+    }
+    #[test]
+    fn tmp_steps() {
+        for m in std::env::var("M").unwrap().split(',') {
+            let mesh = crate::bench::Mesh::read(std::path::Path::new(&format!("/tmp/bench/meshes/{m}.kmsh")))
+                .unwrap();
+            let t = TriangleBvh::build(&mesh.positions, &mesh.triangles, &Default::default()).unwrap();
+            let rays = crate::bench::primary(&mesh);
+            let hits: Vec<_> = rays.iter().map(|r| t.closest(r)).collect();
+            let second = crate::bench::secondary(&mesh, &rays, &hits);
+            let run = |name: &str, rays: &[Ray]| {
+                NODES.set(0);
+                let (mut leaves, mut groups, mut cands) = (0u64, 0u64, 0u64);
+                for ray in rays {
+                    let shear = Shear::new(ray);
+                    let mut best: Option<TriangleHit> = None;
+                    t.tree.nearest(Counting, ray, |payload, mut t_max| {
+                        leaves += 1;
+                        for group in t.leaf(payload) {
+                            groups += 1;
+                            cands += group.candidate_count(&shear) as u64;
+                            if let Some(hit) = group.closest(&shear, t_max, best.map_or(0, |b| b.triangle)) {
+                                t_max = hit.t;
+                                best = Some(hit);
+                            }
+                        }
+                        t_max
+                    });
+                }
+                let n = rays.len() as f64;
+                println!(
+                    "{m} {name}: nodes {:.2} leaves {:.2} groups {:.2} cands {:.2}",
+                    NODES.get() as f64 / n,
+                    leaves as f64 / n,
+                    groups as f64 / n,
+                    cands as f64 / n
+                );
+            };
+            println!(
+                "{:?} tris/group {:.2} children/node {:.2}",
+                t.stats(),
+                mesh.triangles.len() as f64 / t.groups.len() as f64,
+                (t.leaves + t.tree.nodes.len() - 1) as f64 / t.tree.nodes.len() as f64
+            );
+            run("primary", &rays);
+            run("bounce", &second.bounce);
+        }
+    }
+}

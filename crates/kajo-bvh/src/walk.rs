@@ -2,12 +2,14 @@
 
 use kajo_math::{Aabb, Ray, Vec3};
 
-use crate::node::{Child, MAX_DEPTH, Node, WIDTH};
+use crate::build::MAX_LEVELS;
+use crate::node::{Child, Node, WIDTH};
 use crate::simd::{Simd, Stack};
 use crate::slabs::Slabs;
 
-/// Children that can wait at the same time: all but one at each level.
-const WAITING: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+/// Children that can wait at the same time: all but one of each node on the way to a leaf,
+/// and the wide tree is no deeper than the binary one.
+const WAITING: usize = MAX_LEVELS * (WIDTH - 1) + 1;
 
 /// The inner nodes of a finished tree. What its leaves hold is known to the owner.
 #[derive(Clone, Debug)]
@@ -77,7 +79,11 @@ impl Tree {
                 let node = &self.nodes[current.index() as usize];
                 let (mask, near) = slabs.meet(node, t_max);
                 if mask != 0 {
-                    current = descend(node, mask, &simd.store(near), &mut stack);
+                    current = if mask & (mask - 1) == 0 {
+                        node.child(mask.trailing_zeros() as usize)
+                    } else {
+                        descend(node, mask, &simd.store(near), &mut stack)
+                    };
                     continue;
                 }
             } else {
@@ -107,9 +113,9 @@ impl Tree {
                 let node = &self.nodes[current.index() as usize];
                 let (mut mask, _) = slabs.meet(node, ray.t_max);
                 if mask != 0 {
-                    current = node.children[take_lowest(&mut mask)];
+                    current = node.child(take_lowest(&mut mask));
                     while mask != 0 {
-                        stack.push(node.children[take_lowest(&mut mask)]);
+                        stack.push(node.child(take_lowest(&mut mask)));
                     }
                     continue;
                 }
@@ -124,17 +130,15 @@ impl Tree {
     }
 }
 
-/// The nearest of the children in `mask`; the others wait on the stack, nearest on top.
+/// The nearest of the children in `mask`, which holds at least two; the others wait on the
+/// stack, nearest on top.
 #[inline(always)]
 fn descend(node: &Node, mut mask: u32, near: &[f32; WIDTH], stack: &mut Stack<Waiting, WAITING>) -> Child {
     let mut next = || {
         let slot = take_lowest(&mut mask);
-        (Waiting::new(near[slot], node.children[slot]), mask == 0)
+        (Waiting::new(near[slot], node.child(slot)), mask == 0)
     };
-    let (a, last) = next();
-    if last {
-        return a.child();
-    }
+    let (a, _) = next();
     let (b, last) = next();
     let (a, b) = Waiting::sorted(a, b);
     if last {

@@ -1,25 +1,21 @@
-//! From boxes to wide nodes.
-//!
-//! A node starts as one set of boxes. Its largest set is split, by the surface area
-//! heuristic, until there are eight or none is worth splitting; then each becomes a child.
-//! Large sets are split by all threads together, sets below [`TASK`] each by one thread.
-//! Every decision depends on sizes and boxes alone, so the tree does not depend on the
-//! number of threads.
+//! From boxes to wide nodes: a binary tree by the surface area heuristic ([`binary`],
+//! [`split`]), then the best wide tree within it ([`collapse`]).
 
+mod binary;
+mod collapse;
 mod prim;
 mod split;
 
 use kajo_math::Aabb;
 use rayon::prelude::*;
 
-use self::prim::Box4;
+pub(crate) use self::binary::MAX_LEVELS;
+use self::binary::Set;
+use self::collapse::Collapse;
 pub(crate) use self::prim::Prim;
-use self::split::{PARALLEL, Split};
-use crate::node::{Child, MAX_DEPTH, Node, WIDTH};
+use self::split::PARALLEL;
+use crate::node::{Child, Node, WIDTH};
 use crate::walk::Tree;
-
-/// Sets up to this size are built by one thread.
-const TASK: usize = 1 << 13;
 
 /// How primitives go into leaves.
 #[derive(Clone, Copy, Debug)]
@@ -59,46 +55,6 @@ impl Part {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| &self.ids[start as usize..end as usize])
     }
-
-    fn grow(&mut self, mut set: Set<'_>, depth: usize, shape: LeafShape) -> Child {
-        let Some(children) = set.divide(depth, shape) else {
-            self.depth = self.depth.max(depth);
-            self.ids.extend(set.prims.iter().map(Prim::id));
-            self.ends.push(self.ids.len() as u32);
-            return Child::leaf(self.ends.len() as u32 - 1);
-        };
-        let place = self.nodes.len();
-        self.nodes.push(Node::EMPTY);
-        for (slot, child) in children.into_iter().enumerate() {
-            let bounds = child.bounds.aabb();
-            let child = self.grow(child, depth + 1, shape);
-            self.nodes[place].set(slot, &bounds, child);
-        }
-        Child::node(place)
-    }
-}
-
-/// The upper part of the tree while it is built.
-enum Piece {
-    Part(Part),
-    Node(Vec<(Aabb, Piece)>),
-}
-
-impl Piece {
-    fn build(mut set: Set<'_>, depth: usize, shape: LeafShape) -> Piece {
-        let children = if set.prims.len() > TASK { set.divide(depth, shape) } else { None };
-        match children {
-            Some(children) => {
-                let child = |set: Set<'_>| (set.bounds.aabb(), Piece::build(set, depth + 1, shape));
-                Piece::Node(children.into_par_iter().map(child).collect())
-            }
-            None => {
-                let mut part = Part::default();
-                part.root = Some(part.grow(set, depth, shape));
-                Piece::Part(part)
-            }
-        }
-    }
 }
 
 /// Builds a tree over `prims`, each with a box that is not empty and finite.
@@ -110,31 +66,14 @@ pub(crate) fn build(mut prims: Vec<Prim>, shape: LeafShape) -> Built {
         return built;
     }
     let mut spare = if prims.len() >= 2 * PARALLEL { prims.clone() } else { Vec::new() };
-    let piece = Piece::build(Set { prims: &mut prims, spare: &mut spare, bounds }, 0, shape);
-    built.add(piece);
+    let groves = binary::build(Set { prims: &mut prims, spare: &mut spare, bounds }, shape.block);
+    drop((prims, spare));
+    (built.top, built.parts) = Collapse::new(&groves, shape).wide();
+    built.depth = built.parts.iter().map(|part| part.depth).max().unwrap_or_default();
     built
 }
 
 impl Built {
-    fn add(&mut self, piece: Piece) -> Child {
-        match piece {
-            Piece::Part(part) => {
-                self.depth = self.depth.max(part.depth);
-                self.parts.push(part);
-                Child::leaf(self.parts.len() as u32 - 1)
-            }
-            Piece::Node(children) => {
-                let place = self.top.len();
-                self.top.push(Node::EMPTY);
-                for (slot, (bounds, piece)) in children.into_iter().enumerate() {
-                    let child = self.add(piece);
-                    self.top[place].set(slot, &bounds, child);
-                }
-                Child::node(place)
-            }
-        }
-    }
-
     /// The finished tree, with `payloads[p][l]` for leaf `l` of part `p`.
     pub(crate) fn finish(&self, payloads: &[Vec<u32>]) -> Tree {
         let mut bases = Vec::with_capacity(self.parts.len());
@@ -157,9 +96,9 @@ impl Built {
                 }
             };
             for slot in 0..WIDTH {
-                let child = node.children[slot];
+                let child = node.child(slot);
                 if node.is_used(slot) {
-                    node.children[slot] = match home {
+                    *node.child_mut(slot) = match home {
                         Some(p) => in_part(p, child),
                         None if child.is_leaf() => root_of(child.index() as usize).unwrap_or(child),
                         None => child,
@@ -176,82 +115,4 @@ impl Built {
         };
         Tree { nodes, root, bounds: self.bounds, depth: self.depth }
     }
-}
-
-/// A set of primitives on its way into the tree.
-struct Set<'a> {
-    prims: &'a mut [Prim],
-    /// As long as `prims`, for parting large sets; else empty.
-    spare: &'a mut [Prim],
-    bounds: Box4,
-}
-
-impl<'a> Set<'a> {
-    /// The children of a node over this set, or `None` if it should be a leaf.
-    ///
-    /// * `depth`: nodes above; never more than [`MAX_DEPTH`]
-    fn divide(&mut self, depth: usize, shape: LeafShape) -> Option<Vec<Set<'a>>> {
-        let n = self.prims.len();
-        if n <= shape.block as usize {
-            return None;
-        }
-        // More than a tree of the levels below each child can hold, unless shared out evenly.
-        let crowded = n > capacity(depth + 1, shape);
-        let split = Split::best(self.prims, shape.block).filter(|_| !crowded);
-        if n <= shape.most {
-            let area = self.bounds.half_area();
-            let as_leaf = area * (n as u32).div_ceil(shape.block) as f32;
-            if split.is_none_or(|s| as_leaf <= area + s.cost) {
-                return None;
-            }
-        }
-        let mut children = Vec::with_capacity(WIDTH);
-        let (left, right) = self.take().split(split);
-        children.extend([left, right]);
-        while children.len() < WIDTH {
-            let large = |c: &Set<'_>| c.prims.len() > shape.block as usize;
-            let size = |c: &Set<'_>| if crowded { c.prims.len() as f32 } else { c.bounds.half_area() };
-            let candidates = children.iter().enumerate().filter(|(_, c)| large(c));
-            let Some((next, _)) = candidates.max_by(|a, b| size(a.1).total_cmp(&size(b.1))) else { break };
-            let set = children.swap_remove(next);
-            let split = Split::best(set.prims, shape.block).filter(|_| !crowded);
-            let (left, right) = set.split(split);
-            children.extend([left, right]);
-        }
-        Some(children)
-    }
-
-    fn take(&mut self) -> Set<'a> {
-        let (prims, spare) = (std::mem::take(&mut self.prims), std::mem::take(&mut self.spare));
-        Set { prims, spare, bounds: self.bounds }
-    }
-
-    /// Both sides of `split`; without one, two halves.
-    fn split(self, split: Option<Split>) -> (Set<'a>, Set<'a>) {
-        let (mut prims, mut spare) = (self.prims, self.spare);
-        let Some(split) = split else {
-            let (left, right) = prims.split_at_mut(prims.len() / 2);
-            let whole = |prims: &'a mut [Prim]| Set { bounds: split::bounds(prims), prims, spare: &mut [] };
-            return (whole(left), whole(right));
-        };
-        if spare.len() == prims.len() && prims.len() >= 2 * PARALLEL {
-            split.part_into(prims, spare);
-            std::mem::swap(&mut prims, &mut spare);
-        } else {
-            split.part(prims);
-        }
-        let (left, right) = prims.split_at_mut(split.left);
-        let (spare_left, spare_right) = spare.split_at_mut(split.left.min(spare.len()));
-        let [bounds_left, bounds_right] = split.sides;
-        (
-            Set { prims: left, spare: spare_left, bounds: bounds_left },
-            Set { prims: right, spare: spare_right, bounds: bounds_right },
-        )
-    }
-}
-
-/// Primitives that surely fit below `depth` nodes.
-fn capacity(depth: usize, shape: LeafShape) -> usize {
-    let levels = (MAX_DEPTH - depth.min(MAX_DEPTH)) as u32;
-    WIDTH.checked_pow(levels).map_or(usize::MAX, |n| n.saturating_mul(shape.block as usize))
 }
