@@ -25,6 +25,8 @@ pub struct Primitive {
     pub transform: u32,
     /// The material of parts that bring none of their own.
     pub material: MaterialId,
+    /// Whether light may pass through any part.
+    pub transmits: bool,
 }
 
 /// What a user wrote as one object of the scene.
@@ -122,6 +124,22 @@ impl Scene {
         self.unbounded.iter().any(|&i| blocks(i)) || self.bvh.any(ray, blocks)
     }
 
+    /// Visits every crossing with things that light may pass through within the ray's range, in no
+    /// particular order; `true` as soon as anything else is in the way or `visit` says so.
+    pub fn occluded_or(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit) -> bool) -> bool {
+        let mut blocks = |i: u32| {
+            let primitive = &self.primitives[i as usize];
+            let ray = self.in_object(primitive, ray);
+            if !primitive.transmits {
+                return self.shapes.blocks(primitive.shape, &ray);
+            }
+            let mut blocked = false;
+            self.shapes.crossings(primitive.shape, &ray, |hit| blocked = blocked || visit(i, hit));
+            blocked
+        };
+        self.unbounded.iter().any(|&i| blocks(i)) || self.bvh.any(ray, blocks)
+    }
+
     /// Visits every crossing within the ray's range, in no particular order.
     pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit)) {
         let mut each = |i: u32| {
@@ -135,7 +153,7 @@ impl Scene {
     /// Position, normals and material at a crossing.
     #[inline]
     pub fn interaction(&self, ray: &Ray, primitive: u32, hit: Hit) -> Interaction {
-        let Primitive { shape, transform, material } = self.primitives[primitive as usize];
+        let Primitive { shape, transform, material, .. } = self.primitives[primitive as usize];
         let point = if transform == 0 {
             self.shapes.surface_at(shape, ray, &hit)
         } else {

@@ -133,7 +133,9 @@ impl Compiler<'_> {
             return;
         };
         let Some(shape) = shape else { return };
-        self.primitives.push(Primitive { shape, transform: place, material });
+        let brings_own = keyword == "TriangleMesh" && self.slots_transmit();
+        let transmits = brings_own || self.materials.may_transmit(material, &self.materials);
+        self.primitives.push(Primitive { shape, transform: place, material, transmits });
         self.objects.push(Object { name: item.word().map(|word| word.text().into_owned()), keyword });
     }
 
@@ -155,6 +157,11 @@ impl Compiler<'_> {
             }
         }
         self.shape(item, triangle)
+    }
+
+    /// Whether light may pass through any material that came with a mesh.
+    fn slots_transmit(&self) -> bool {
+        self.slot_materials.iter().any(|&id| self.materials.may_transmit(id, &self.materials))
     }
 
     /// The items in a block; an item without a block is reported.

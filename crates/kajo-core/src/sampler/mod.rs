@@ -82,9 +82,10 @@ impl Sampler {
     #[inline]
     fn in_sub_pixel(&self, k: u32, u: Vec2) -> Vec2 {
         let place = |cell: u32, u: f32| {
-            // The sum may round up to the next sub-pixel, which does not belong to this one.
+            let p = (cell as f32 + u) / self.side as f32;
             let end = (cell + 1) as f32 / self.side as f32;
-            ((cell as f32 + u) / self.side as f32).min(end.next_down())
+            // The sum may round up to the next sub-pixel, which does not belong to this one.
+            if p < end { p } else { end.next_down() }
         };
         Vec2::new(place(k % self.side, u.x), place(k / self.side, u.y))
     }

@@ -4,3 +4,6 @@ pub mod classic;
 mod shadow;
 
 pub use classic::{Classic, ClassicSettings};
+
+#[cfg(test)]
+mod tests;

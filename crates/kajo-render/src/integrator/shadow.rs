@@ -34,28 +34,23 @@ struct Body {
 pub(super) fn transmittance(scene: &Scene, ray: &Ray, by: ShadowAttenuation) -> Spectrum {
     let mut through = Spectrum::WHITE;
     let mut bodies: [Option<Body>; MAX_BODIES] = [None; MAX_BODIES];
-    scene.crossings(ray, |primitive, hit| {
-        if through.is_black() {
-            return;
-        }
+    let blocked = scene.occluded_or(ray, |primitive, hit| {
         let at = scene.interaction(ray, primitive, hit);
         let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, at.point.p);
         let closed = scene.shapes.is_closed(scene.primitives[primitive as usize].shape);
         if phong.transparent.is_black() || by == ShadowAttenuation::Surface || !closed {
             through *= phong.transparent;
-            return;
+            return through.is_black();
         }
-        let Some(body) = find(&mut bodies, primitive) else {
-            through = Spectrum::BLACK;
-            return;
-        };
+        let Some(body) = find(&mut bodies, primitive) else { return true };
         let sign = if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
         body.exits += sign;
         body.length += sign as f32 * hit.t;
         body.absorption = phong.absorption;
+        false
     });
-    if through.is_black() {
-        return through;
+    if blocked {
+        return Spectrum::BLACK;
     }
     for body in bodies.iter().map_while(Option::as_ref) {
         // Entered and not left: the rest of the way to the light is inside too.
