@@ -100,11 +100,17 @@ impl<'a> Classic<'a> {
         // Where only one branch goes on, it goes on in this loop; the other branch of a fork is a call.
         loop {
             let Event::Surface(at) = self.scene.trace(&ray) else {
-                light += throughput * self.through_fog(&ray, f32::INFINITY, &path, self.scene.background.radiance(ray.d));
+                light += throughput
+                    * self.through_fog(&ray, f32::INFINITY, &path, self.scene.background.radiance(ray.d));
                 return (light, first);
             };
             first = first.or(Some(at));
-            let phong = self.scene.materials.phong(at.material, &self.scene.materials, &self.scene.textures, at.point.p);
+            let phong = self.scene.materials.phong(
+                at.material,
+                &self.scene.materials,
+                &self.scene.textures,
+                at.point.p,
+            );
             let local = self.shade(&ray, &at, &phong, rays);
             // Fog weakens everything that comes from the surface, also what arrives there later.
             light += throughput * self.through_fog(&ray, at.hit.t, &path, local);
@@ -151,7 +157,14 @@ impl<'a> Classic<'a> {
     }
 
     /// The share of a light at `distance` along `wi` that arrives.
-    fn visibility(&self, at: &Interaction, wi: Vec3, distance: f32, time: f32, rays: &mut RayCounters) -> Spectrum {
+    fn visibility(
+        &self,
+        at: &Interaction,
+        wi: Vec3,
+        distance: f32,
+        time: f32,
+        rays: &mut RayCounters,
+    ) -> Spectrum {
         let shadow_ray = || at.point.ray_towards(wi, distance, time, self.settings.ray_offset);
         match self.settings.shadows {
             Shadows::Off => Spectrum::WHITE,
@@ -181,7 +194,8 @@ impl<'a> Classic<'a> {
         }
         let crossing = Crossing::of(ray, at, phong);
         let d = fresnel::refract(ray.d, crossing.n, crossing.eta_far / path.eta)?;
-        let passing = if self.settings.fresnel { 1.0 - self.mirrored_share(ray, at, phong, path) } else { 1.0 };
+        let passing =
+            if self.settings.fresnel { 1.0 - self.mirrored_share(ray, at, phong, path) } else { 1.0 };
         let beyond = Path { eta: crossing.eta_far, inside: crossing.enters, ..*path };
         self.branch(ray, at, d, phong.transparent * passing, path, beyond)
     }
@@ -200,7 +214,15 @@ impl<'a> Classic<'a> {
     }
 
     /// A further ray from `at`, if anything of it could be seen.
-    fn branch(&self, ray: &Ray, at: &Interaction, d: Vec3, factor: Spectrum, path: &Path, next: Path) -> Option<Branch> {
+    fn branch(
+        &self,
+        ray: &Ray,
+        at: &Interaction,
+        d: Vec3,
+        factor: Spectrum,
+        path: &Path,
+        next: Path,
+    ) -> Option<Branch> {
         let weight = path.weight * factor.magnitude();
         if path.bounces_left == 0 || factor.is_black() || weight < self.settings.weight {
             return None;
