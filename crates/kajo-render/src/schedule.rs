@@ -6,7 +6,7 @@
 //! picture.
 //!
 //! Threads take the next unit from a counter until none is left, which keeps all of them busy to the
-//! end; tiles are numbered along a Hilbert curve (see [`order`](crate::order)). When a picture has few
+//! end; tiles are numbered along a Hilbert curve (see [`mod@order`]). When a picture has few
 //! tiles for the threads at hand, its samples are split as well.
 
 use std::{
@@ -33,8 +33,17 @@ use crate::{
 /// Side of a tile in pixels unless the settings say otherwise.
 const TILE: u32 = 32;
 
+/// Largest side of a tile, since each thread holds the sums of one.
+const LARGEST_TILE: u32 = 512;
+
+/// Most threads that are started, whatever is asked for.
+const MOST_THREADS: usize = 1024;
+
 /// Units for each thread below which samples are split too.
 const UNITS_PER_THREAD: u64 = 8;
+
+/// Stack of a thread in bytes: room for a thousand mirrors in a row.
+const STACK: usize = 8 << 20;
 
 /// Camera rays between two questions whether to go on.
 const SAMPLES_PER_CHECK: u64 = 256;
@@ -46,9 +55,9 @@ pub struct RenderSettings {
     pub sampler: Sampler,
     /// Seed of every random number.
     pub seed: u64,
-    /// Threads; 0 for one on each core.
+    /// Threads; 0 for one on each core, and no more than 1024.
     pub threads: usize,
-    /// Side of a tile in pixels; 0 for the default of 32.
+    /// Side of a tile in pixels; 0 for the default of 32, and no more than 512.
     pub tile: u32,
 }
 
@@ -62,7 +71,7 @@ impl RenderSettings {
     fn thread_count(&self) -> usize {
         match self.threads {
             0 => thread::available_parallelism().map_or(1, |n| n.get()),
-            n => n,
+            n => n.min(MOST_THREADS),
         }
     }
 }
@@ -167,19 +176,17 @@ pub fn render<I: PixelIntegrator + ?Sized>(
     };
     let wanted = (settings.thread_count() as u64).min(plan.len()).max(1);
     let threads = thread::scope(|scope| {
-        let mut threads = 1;
-        while threads < wanted {
-            let builder = thread::Builder::new().name(format!("render-{threads}"));
-            // Fewer threads than asked for make the same picture.
-            if builder.spawn_scoped(scope, || pass.work()).is_err() {
-                break;
-            }
-            threads += 1;
-        }
-        pass.work();
-        threads
+        let spawn = |i: &u64| {
+            let builder = thread::Builder::new().name(format!("render-{i}")).stack_size(STACK);
+            builder.spawn_scoped(scope, || pass.work()).is_ok()
+        };
+        (0..wanted).take_while(spawn).count()
     });
-    pass.finish(start.elapsed().as_secs_f64(), threads as usize)
+    if threads == 0 {
+        // The system gives no threads. Fewer than asked for make the same picture.
+        pass.work();
+    }
+    pass.finish(start.elapsed().as_secs_f64(), threads.max(1))
 }
 
 /// Renders one unit into a part, which is emptied first.
@@ -318,7 +325,7 @@ impl Plan {
     fn new(film: &Film, settings: &RenderSettings) -> Plan {
         let spec = film.spec();
         let samples = settings.sampler.samples();
-        let tile = if settings.tile == 0 { TILE } else { settings.tile };
+        let tile = if settings.tile == 0 { TILE } else { settings.tile.min(LARGEST_TILE) };
         let grid = Grid::new(spec.width, spec.height, tile);
         let wanted = (UNITS_PER_THREAD * settings.thread_count() as u64).div_ceil(grid.len());
         let ranges = if spec.keeps_sums() { wanted.min(u64::from(samples)).max(1) as u32 } else { 1 };

@@ -75,11 +75,11 @@ impl Term {
     #[inline]
     pub fn times(self, weight: Weight) -> i128 {
         let product = self.mantissa * weight.0;
-        if self.shift >= 0 {
-            i128::from(product) << self.shift
-        } else {
-            let places = (-self.shift).min(63);
-            i128::from(((product >> (places - 1)) + 1) >> 1)
+        match self.shift {
+            // The common case, values below 128: the result fits in 63 bits.
+            shift @ 0..=8 => i128::from(product << shift),
+            shift @ 9.. => i128::from(product) << shift,
+            shift => i128::from(((product >> (-shift - 1).min(62)) + 1) >> 1),
         }
     }
 }
@@ -91,7 +91,12 @@ impl Term {
 #[inline]
 pub fn average(sum: i128, weight: f64) -> f32 {
     const UNIT: f64 = 1.0 / (1u64 << SUM_BITS) as f64;
-    if weight == 0.0 { 0.0 } else { (sum as f64 * UNIT / weight) as f32 }
+    if weight == 0.0 {
+        return 0.0;
+    }
+    // Both conversions round to the nearest; the first one is an instruction, the second a function.
+    let sum = i64::try_from(sum).map_or_else(|_| sum as f64, |small| small as f64);
+    (sum * UNIT / weight) as f32
 }
 
 /// The sum of weights that an integer stands for.
@@ -112,7 +117,9 @@ mod tests {
     #[test]
     fn known_values() {
         let one = |v: f32| value(Term::new(v).expect("finite").times(Weight::ONE));
-        for v in [0.0, 1.0, -1.0, 0.1, -0.3, 1e-9, 123_456.79, LARGEST, -LARGEST] {
+        for v in [
+            0.0, 1.0, -1.0, 0.1, -0.3, 1e-9, 63.9, 64.1, -127.9, 128.1, -256.0, 123_456.79, LARGEST, -LARGEST,
+        ] {
             assert_eq!(one(v), f64::from(v));
         }
         assert_eq!(one(1e30), f64::from(LARGEST));

@@ -7,7 +7,8 @@
 
 use kajo_math::Vec3;
 
-use crate::{FirstHit, PixelSample};
+use super::spec::FilmSpec;
+use crate::PixelSample;
 
 /// One output of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +59,7 @@ impl Layer {
 
     /// Whether the layer is an average over the filter's support.
     pub fn is_filtered(self) -> bool {
-        matches!(self, Layer::Color | Layer::DepthMap | Layer::NormalMap | Layer::Normal | Layer::Uv)
+        FILTERED.has(self)
     }
 }
 
@@ -153,41 +154,43 @@ impl NormalMap {
     }
 }
 
+/// The filtered layers.
+const FILTERED: LayerSet =
+    LayerSet::of(&[Layer::Color, Layer::DepthMap, Layer::NormalMap, Layer::Normal, Layer::Uv]);
+
 /// Most channels that the filtered layers can have together.
 pub(crate) const MAX_CHANNELS: usize = 12;
 
-/// Writes the values of a sample for the filtered layers of the set, in their order, and returns how
-/// many there are.
+/// The values of a sample for the filtered layers of a film, in their order, written into `values`.
 #[inline]
-pub(crate) fn filtered_values(
-    layers: LayerSet,
-    depth: &DepthMap,
-    normals: NormalMap,
+pub(crate) fn filtered_values<'a>(
+    spec: &FilmSpec,
     sample: &PixelSample,
-    values: &mut [f32; MAX_CHANNELS],
-) -> usize {
+    values: &'a mut [f32; MAX_CHANNELS],
+) -> &'a [f32] {
     let [r, g, b] = sample.radiance.to_rgb();
-    if layers == LayerSet::of(&[Layer::Color]) {
-        values[..3].copy_from_slice(&[r, g, b]);
-        return 3;
+    if spec.layers.0 & FILTERED.0 == LayerSet::of(&[Layer::Color]).0 {
+        [values[0], values[1], values[2]] = [r, g, b];
+        return &values[..3];
     }
     let mut n = 0;
     let mut put = |channels: &[f32]| {
         values[n..n + channels.len()].copy_from_slice(channels);
         n += channels.len();
     };
-    let normal = sample.first.map_or(Vec3::ZERO, |hit| hit.n);
-    for layer in layers.filtered() {
+    let hit = sample.first.as_ref();
+    let normal = hit.map_or(Vec3::ZERO, |hit| hit.n);
+    for layer in spec.layers.filtered() {
         match layer {
             Layer::Color => put(&[r, g, b]),
-            Layer::DepthMap => put(&[sample.first.map_or(0.0, |hit| depth.value(hit.t))]),
-            Layer::NormalMap => put(&normals.value(normal).to_array()),
+            Layer::DepthMap => put(&[hit.map_or(0.0, |hit| spec.depth_map.value(hit.t))]),
+            Layer::NormalMap => put(&spec.normal_map.value(normal).to_array()),
             Layer::Normal => put(&normal.to_array()),
-            Layer::Uv => put(&sample.first.map_or([0.0; 2], |hit: FirstHit| hit.uv.to_array())),
+            Layer::Uv => put(&hit.map_or([0.0; 2], |hit| hit.uv.to_array())),
             Layer::Depth | Layer::ObjectId | Layer::MaterialId | Layer::SampleCount => {}
         }
     }
-    n
+    &values[..n]
 }
 
 #[cfg(test)]
@@ -195,6 +198,8 @@ mod tests {
     use super::*;
     use kajo_color::Spectrum;
     use kajo_math::Vec2;
+
+    use crate::FirstHit;
 
     #[test]
     fn sets_hold_what_was_put_in() {
@@ -232,12 +237,15 @@ mod tests {
     fn values_come_in_the_order_of_the_layers() {
         let hit = FirstHit { t: 2.0, n: Vec3::NEG_Z, uv: Vec2::new(0.1, 0.2), object: 1, material: 2 };
         let sample = PixelSample { radiance: Spectrum::rgb(1.0, 2.0, 3.0), first: Some(hit) };
-        let depth = DepthMap { min: 0.0, max: 4.0, far_is_white: false };
+        let depth_map = DepthMap { min: 0.0, max: 4.0, far_is_white: false };
         let mut values = [0.0; MAX_CHANNELS];
-        let n = filtered_values(LayerSet::of(&Layer::ALL), &depth, NormalMap::Absolute, &sample, &mut values);
-        assert_eq!(values[..n], [1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.1, 0.2]);
-        let n =
-            filtered_values(LayerSet::of(&[Layer::Color]), &depth, NormalMap::Absolute, &sample, &mut values);
-        assert_eq!(values[..n], [1.0, 2.0, 3.0]);
+        let mut values_of = |layers: &[Layer]| {
+            let spec = FilmSpec { layers: LayerSet::of(layers), depth_map, ..FilmSpec::new(1, 1) };
+            filtered_values(&spec, &sample, &mut values).to_vec()
+        };
+        assert_eq!(values_of(&Layer::ALL), [1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.1, 0.2]);
+        assert_eq!(values_of(&[Layer::ObjectId, Layer::Color]), [1.0, 2.0, 3.0]);
+        assert_eq!(values_of(&[Layer::Normal]), [0.0, 0.0, -1.0]);
+        assert_eq!(values_of(&[Layer::Depth]), []);
     }
 }

@@ -150,18 +150,14 @@ impl Film {
         let mut data = self.plane(layer, n, background)?;
         let width = self.spec.width as usize;
         self.for_each_block(|rect, block| {
-            let mut copy = |value: &dyn Fn(usize) -> [f32; 3]| {
-                for y in rect.y0..rect.y1 {
-                    for x in rect.x0..rect.x1 {
-                        let at = (y as usize * width + x as usize) * n;
-                        data[at..at + n].copy_from_slice(&value(rect.index(x, y))[..n]);
-                    }
+            for y in rect.y0..rect.y1 {
+                let start = (y as usize * width + rect.x0 as usize) * n;
+                let row = &mut data[start..start + rect.width() as usize * n];
+                match block {
+                    Block::Empty => {}
+                    Block::Open(sums) => sums.row(&self.spec, layer, rect.index(rect.x0, y), row),
+                    Block::Finished(pixels) => pixels.row(&self.spec, layer, rect.index(rect.x0, y), row),
                 }
-            };
-            match block {
-                Block::Empty => {}
-                Block::Open(sums) => copy(&sums.values_of(&self.spec, layer)),
-                Block::Finished(pixels) => copy(&pixels.values_of(&self.spec, layer)),
             }
         });
         Image::from_data(self.spec.width, self.spec.height, n, data).ok()

@@ -23,7 +23,8 @@ pub struct FilmPart {
     pub(crate) sums: Sums,
     /// Samples with values that were not finite numbers.
     pub(crate) non_finite: u64,
-    /// Weights of the columns and rows of the splat at hand.
+    /// The splat at hand: values, and weights of its columns and rows.
+    terms: Vec<Term>,
     columns: Vec<f32>,
     rows: Vec<f32>,
 }
@@ -53,6 +54,7 @@ impl FilmPart {
             reach: spec.filter.radius().map(|radius| Reach::new(radius, sampler)),
             sums: Sums::empty(spec),
             non_finite: 0,
+            terms: Vec::with_capacity(MAX_CHANNELS),
             columns: Vec::new(),
             rows: Vec::new(),
         }
@@ -89,41 +91,36 @@ impl FilmPart {
     /// A value that is no finite number counts as zero, and the sample is counted as such.
     #[inline]
     pub fn add(&mut self, x: u32, y: u32, k: u32, offset: Vec2, sample: &PixelSample) {
-        let spec = &self.spec;
-        let mut values = [0.0; MAX_CHANNELS];
-        let n = layer::filtered_values(spec.layers, &spec.depth_map, spec.normal_map, sample, &mut values);
-        let mut finite = true;
-        let mut terms = [Term::ZERO; MAX_CHANNELS];
-        for (term, &value) in terms[..n].iter_mut().zip(&values[..n]) {
-            match Term::new(value) {
-                Some(t) => *term = t,
-                None => finite = false,
-            }
-        }
         let own = self.sums.rect.index(x, y);
-        finite &= self.sums.add_own(own, k, sample.first.as_ref());
-        self.non_finite += u64::from(!finite);
-        match self.reach {
-            None => self.sums.add_filtered(own, Weight::ONE, &terms[..n]),
-            Some(reach) => self.splat(x, y, offset, reach, &terms[..n]),
-        }
+        let mut values = [0.0; MAX_CHANNELS];
+        let values = layer::filtered_values(&self.spec, sample, &mut values);
+        let finite = match self.reach {
+            None => self.sums.add_plain(own, values),
+            Some(reach) => self.splat(x, y, offset, reach, values),
+        };
+        let own_finite = self.sums.add_own(own, k, sample.first.as_ref());
+        self.non_finite += u64::from(!finite | !own_finite);
     }
 
-    /// Adds a sample to every pixel in the support of its filter.
-    fn splat(&mut self, x: u32, y: u32, offset: Vec2, reach: Reach, terms: &[Term]) {
+    /// Adds values to every pixel in the support of their sample's filter.
+    ///
+    /// Returns whether all of them were finite.
+    fn splat(&mut self, x: u32, y: u32, offset: Vec2, reach: Reach, values: &[f32]) -> bool {
+        self.terms.clear();
+        self.terms.extend(values.iter().map(|&v| Term::new(v).unwrap_or(Term::ZERO)));
         let cell = self.spec.cell_around(x, y);
         let filter = &self.spec.filter;
         let x0 = taps(filter, offset.x, x, (cell.x0, cell.x1), (reach.side, reach.side), &mut self.columns);
         let y0 = taps(filter, offset.y, y, (cell.y0, cell.y1), (reach.side, reach.below), &mut self.rows);
-        if self.columns.is_empty() {
-            return;
-        }
-        for (y, &wy) in (y0..).zip(&self.rows) {
+        // Without columns, `x0` need not even be in the rectangle.
+        let rows = if self.columns.is_empty() { &[] } else { &*self.rows };
+        for (y, &wy) in (y0..).zip(rows) {
             let row = self.sums.rect.index(x0, y);
             for (pixel, &wx) in (row..).zip(&self.columns) {
-                self.sums.add_filtered(pixel, Weight::new(wx * wy), terms);
+                self.sums.add_filtered(pixel, Weight::new(wx * wy), &self.terms);
             }
         }
+        values.iter().all(|v| v.is_finite())
     }
 }
 

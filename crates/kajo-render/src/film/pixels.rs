@@ -34,35 +34,34 @@ impl Pixels {
     /// Develops the sums of the pixels that both rectangles have.
     pub fn take(&mut self, spec: &FilmSpec, sums: &Sums) {
         let common = self.rect.intersection(&sums.rect);
+        let width = common.width() as usize;
+        if width == 0 {
+            return;
+        }
         for layer in spec.layers.iter() {
-            let start = self.start(spec, layer);
-            let value = sums.values_of(spec, layer);
+            let (start, n) = (self.start(spec, layer), layer.channels());
             for y in common.y0..common.y1 {
-                for x in common.x0..common.x1 {
-                    let (to, from) = (self.rect.index(x, y), sums.rect.index(x, y));
-                    if is_id(layer) {
-                        self.ids[start + to] = sums.id(layer, from);
-                    } else {
-                        let n = layer.channels();
-                        self.values[start + to * n..][..n].copy_from_slice(&value(from)[..n]);
+                let (to, from) = (self.rect.index(common.x0, y), sums.rect.index(common.x0, y));
+                if is_id(layer) {
+                    for (pixel, id) in (from..).zip(&mut self.ids[start + to..][..width]) {
+                        *id = sums.id(layer, pixel);
                     }
+                } else {
+                    sums.row(spec, layer, from, &mut self.values[start + to * n..][..width * n]);
                 }
             }
         }
     }
 
-    /// A function from a pixel's index to the values of a layer; see [`Sums::values_of`].
-    pub fn values_of(&self, spec: &FilmSpec, layer: Layer) -> impl Fn(usize) -> [f32; 3] {
-        let start = self.start(spec, layer);
-        let n = layer.channels();
-        move |pixel| {
-            let mut values = [0.0; 3];
-            if is_id(layer) {
-                values[0] = self.ids[start + pixel] as f32;
-            } else {
-                values[..n].copy_from_slice(&self.values[start + pixel * n..][..n]);
+    /// A row of a layer; see [`Sums::row`].
+    pub fn row(&self, spec: &FilmSpec, layer: Layer, first: usize, out: &mut [f32]) {
+        let (start, n) = (self.start(spec, layer), layer.channels());
+        if is_id(layer) {
+            for (&id, out) in self.ids[start + first..].iter().zip(out) {
+                *out = id as f32;
             }
-            values
+        } else {
+            out.copy_from_slice(&self.values[start + first * n..][..out.len()]);
         }
     }
 

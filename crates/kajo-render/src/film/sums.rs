@@ -86,9 +86,23 @@ impl Sums {
         for (sum, term) in self.values[start..start + terms.len()].iter_mut().zip(terms) {
             *sum += term.times(weight);
         }
-        if self.parts.weights {
-            self.weights[pixel] += weight.bits();
+        self.weights[pixel] += weight.bits();
+    }
+
+    /// Adds the filtered channels of a sample with weight 1, which the count stands for, to a pixel.
+    ///
+    /// Returns whether all of them were finite.
+    #[inline]
+    pub fn add_plain(&mut self, pixel: usize, values: &[f32]) -> bool {
+        let start = pixel * self.parts.channels;
+        let mut finite = true;
+        for (sum, &value) in self.values[start..start + values.len()].iter_mut().zip(values) {
+            match Term::new(value) {
+                Some(term) => *sum += term.times(Weight::ONE),
+                None => finite = false,
+            }
         }
+        finite
     }
 
     /// Records what concerns only the pixel that sample `k` was taken for.
@@ -135,20 +149,23 @@ impl Sums {
         }
     }
 
-    /// A function from a pixel's index to the values of a layer, of which the first
-    /// [`Layer::channels`] are meant.
-    pub fn values_of(&self, spec: &FilmSpec, layer: Layer) -> impl Fn(usize) -> [f32; 3] {
+    /// Develops a row of a layer: the values of pixels from index `first` on, as many as `out` has room for.
+    pub fn row(&self, spec: &FilmSpec, layer: Layer, first: usize, out: &mut [f32]) {
+        let n = layer.channels();
         let offset: usize = spec.layers.filtered().take_while(|&l| l != layer).map(Layer::channels).sum();
-        move |pixel| match layer {
-            Layer::Depth if self.hits[pixel] == 0 => [f32::INFINITY, 0.0, 0.0],
-            Layer::Depth => [fixed::average(self.distances[pixel], f64::from(self.hits[pixel])), 0.0, 0.0],
-            Layer::ObjectId | Layer::MaterialId => [self.id(layer, pixel) as f32, 0.0, 0.0],
-            Layer::SampleCount => [self.counts[pixel] as f32, 0.0, 0.0],
-            _ => {
-                let weight = self.weight(pixel);
-                let sums = &self.values[pixel * self.parts.channels + offset..];
-                let channel = |c| if c < layer.channels() { fixed::average(sums[c], weight) } else { 0.0 };
-                [channel(0), channel(1), channel(2)]
+        for (pixel, out) in (first..).zip(out.chunks_exact_mut(n)) {
+            match layer {
+                Layer::Depth if self.hits[pixel] == 0 => out[0] = f32::INFINITY,
+                Layer::Depth => out[0] = fixed::average(self.distances[pixel], f64::from(self.hits[pixel])),
+                Layer::ObjectId | Layer::MaterialId => out[0] = self.id(layer, pixel) as f32,
+                Layer::SampleCount => out[0] = self.counts[pixel] as f32,
+                _ => {
+                    let weight = self.weight(pixel);
+                    let sums = &self.values[pixel * self.parts.channels + offset..][..n];
+                    for (out, &sum) in out.iter_mut().zip(sums) {
+                        *out = fixed::average(sum, weight);
+                    }
+                }
             }
         }
     }

@@ -258,4 +258,9 @@ fn few_tiles_share_their_samples_among_threads() {
     assert_eq!(plan(1, 1, 3, 8).len(), 3);
     assert_eq!(plan(320, 320, 1000, 8).len(), 100);
     assert_eq!(plan(320, 320, 0, 8).len(), 0);
+    // Absurd wishes are cut down.
+    let absurd =
+        RenderSettings { threads: usize::MAX, tile: u32::MAX, ..settings(SamplerKind::Uniform, u32::MAX) };
+    let plan = Plan::new(&film(FilmSpec::new(1000, 1000)), &absurd);
+    assert_eq!((plan.grid.len(), plan.len()), (4, 8 * 1024));
 }
