@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn the_standard_error_is_that_of_the_variance() {
         // The variance of x² is 4/45.
-        let expected = (4.0 / 45.0 / 320_000.0).sqrt();
+        let expected = (4.0f64 / 45.0 / 320_000.0).sqrt();
         let found = square(10_000, 1.0).standard_error;
         assert!((found / expected - 1.0).abs() < 0.4, "{found}, expected about {expected}");
         assert_eq!(Estimate::of_batches(|_| 0.1).check(0.1, 1e-12), Ok(()));
