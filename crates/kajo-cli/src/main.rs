@@ -1,2 +1,48 @@
 //! The `kajo` command line.
-fn main() {}
+
+mod args;
+mod commands;
+mod console;
+mod failure;
+mod gallery;
+mod interrupt;
+mod job;
+mod json;
+mod progress;
+
+use std::process::ExitCode;
+
+use args::{Cli, Command};
+use failure::Failure;
+use interrupt::Interrupt;
+
+fn main() -> ExitCode {
+    ExitCode::from(failure::guarded(run))
+}
+
+fn run() -> Result<(), Failure> {
+    let cli = match Cli::read(std::env::args_os().collect()) {
+        Ok(cli) => cli,
+        Err(error) => return said_by_clap(&error),
+    };
+    let interrupt = Interrupt::listen();
+    match cli.command {
+        Command::Render(args) => commands::render(&args.job()?, &args.run, &interrupt),
+        Command::Classic(args) => {
+            args.warnings().for_each(|warning| console::warning(&warning));
+            commands::render(&args.job()?, args.run(), &interrupt)
+        }
+        Command::Check(args) => commands::check(&args),
+        Command::Info(args) => commands::info(&args),
+        Command::Diff(args) => commands::diff(&args),
+        Command::Gallery(args) => gallery::run(&args, &interrupt),
+        Command::Completions(args) => commands::completions(args.shell),
+    }
+}
+
+/// Help and version are answers; everything else is a mistake in the command line.
+fn said_by_clap(error: &clap::Error) -> Result<(), Failure> {
+    // The reader may have gone away.
+    let _ = error.print();
+    if error.use_stderr() { Err(Failure::Input(String::new())) } else { Ok(()) }
+}

@@ -1,1 +1,54 @@
-//! kajo, a ray tracer: load, compile and render scenes.
+//! kajo, a ray tracer: load a scene, render it, write pictures.
+//!
+//! This crate is all that a program needs that uses kajo; the command line is one such program. A render is
+//! three steps, each a function: [`load`] reads a scene and says what is wrong with it, [`render()`] makes a
+//! picture of it, and [`Picture::encode`] turns that into the bytes of a file, which
+//! [`output::Target`] writes whole or not at all.
+//!
+//! ```
+//! use kajo::{Defaults, Format, LoadOptions, MemoryAssets, RenderSettings, Resources, Settings, Silent, View};
+//!
+//! let text = "
+//!     PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }
+//!     Lights { DirectionalLight { direction -1 -1 -1  color 1 1 1 } }
+//!     Materials { Material gold { diffuseColor 1 0.8 0.2 } }
+//!     Group { MaterialIndex gold  Sphere { center 0 0 0  radius 1 } }";
+//! let assets = MemoryAssets::new().with("ball.txt", text);
+//! let loaded = kajo::load_from("ball.txt", &assets, &LoadOptions::default());
+//! let scene = loaded.scene.as_ref().expect("the scene has no errors");
+//!
+//! let asked = Settings { size: Some([64, 48]), ..Settings::default() };
+//! let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false)?;
+//! let outputs = [(View::Color, Format::Png)];
+//! let picture = kajo::render(scene, &settings, &outputs, &Resources::default(), &Silent)?;
+//! let png = picture.encode(&[View::Color], Format::Png, kajo::BitDepth::Eight)?;
+//! assert!(png.starts_with(b"\x89PNG"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod assets;
+pub mod compare;
+mod info;
+mod load;
+pub mod memory;
+pub mod output;
+mod render;
+mod settings;
+mod view;
+
+pub use assets::FsAssets;
+pub use info::{ObjectInfo, SceneInfo, TreeNode};
+pub use load::{LoadOptions, Loaded, load, load_from};
+pub use render::{Picture, RenderError, Resources, render};
+pub use settings::{Defaults, RenderSettings, SettingsError};
+pub use view::View;
+
+pub use kajo_core::RayOffset;
+pub use kajo_core::bsdf::Highlight;
+pub use kajo_core::sampler::SamplerKind;
+pub use kajo_core::scene::Scene;
+pub use kajo_core::settings::{Dialect, FilterChoice, Settings, ShadowAttenuation, Shadows};
+pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode};
+pub use kajo_render::integrator::classic::MAX_BOUNCES;
+pub use kajo_render::{Progress, RayCounters, RenderStats, Silent};
+pub use kajo_scene::{Diagnostic, Diagnostics, Limits, MemoryAssets, Severity, Sources, nearest};

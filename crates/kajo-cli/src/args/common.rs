@@ -1,0 +1,73 @@
+//! Options that several commands share.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use kajo::{Dialect, LoadOptions, Resources};
+
+use super::values;
+
+/// How a scene is read.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Reading the scene")]
+pub struct SceneArgs {
+    /// The lineage of the scene's format, where it is not to be the scene's own choice
+    #[arg(long, value_parser = values::dialect())]
+    pub dialect: Option<Dialect>,
+    /// A folder besides the scene's own whose files it may name [may be repeated]
+    #[arg(long, value_name = "DIR", action = clap::ArgAction::Append)]
+    pub assets: Vec<PathBuf>,
+    /// Let the scene name files anywhere; only for scenes you trust
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+impl SceneArgs {
+    /// The same for the loader.
+    pub fn options(&self) -> LoadOptions {
+        LoadOptions {
+            dialect: self.dialect,
+            folders: self.assets.clone(),
+            allow_outside: self.allow_outside,
+            ..LoadOptions::default()
+        }
+    }
+}
+
+/// How a render is run. None of it changes the picture.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Running")]
+pub struct RunArgs {
+    /// Threads; 0 for one on each core
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=4096))]
+    pub threads: u16,
+    /// Side of the tiles that threads work on, in pixels; 0 for the default
+    #[arg(long, value_name = "PIXELS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=65536))]
+    pub tile: u32,
+    /// Memory a picture may take, in MB; what the system has left by default
+    #[arg(long, value_name = "MB")]
+    pub memory: Option<u32>,
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Print numbers of rays and times at the end
+    #[arg(long)]
+    pub stats: bool,
+    /// Show progress even where there is no terminal
+    #[arg(long = "show_progress")]
+    pub show_progress: bool,
+    /// When interrupted, write what there is of the picture
+    #[arg(long)]
+    pub keep_partial: bool,
+}
+
+impl RunArgs {
+    /// The same for the renderer.
+    pub fn resources(&self) -> Resources {
+        Resources {
+            threads: self.threads.into(),
+            tile: self.tile,
+            memory: self.memory.map(|megabytes| u64::from(megabytes) * 1_000_000),
+        }
+    }
+}

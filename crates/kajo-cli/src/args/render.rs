@@ -1,0 +1,178 @@
+//! `kajo render`: the modern command line.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use kajo::{BitDepth, Defaults, Format, RayOffset, Settings, ShadowAttenuation, Shadows, View};
+
+use super::values::{self, Aov, FilterArg, Samples, Size};
+use super::{RunArgs, SceneArgs};
+use crate::failure::Failure;
+use crate::job::{Destination, Job, Output};
+
+/// What to render, how, and where to put it. What is not said here is up to the scene's `Settings`.
+#[derive(Args, Debug)]
+pub struct RenderArgs {
+    /// Scene file
+    pub scene: PathBuf,
+    /// The picture; its ending is the format: png, exr, tga, ppm, pfm or hdr. `-` is PNG to standard output.
+    /// By default a PNG beside the scene
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Width and height in pixels: 800 600 or 800x600
+    #[arg(long, value_name = "W H")]
+    pub size: Option<Size>,
+    /// A further picture, or without FILE a further layer of the OpenEXR file: depth, normals, uv, object,
+    /// material, samples [may be repeated]
+    #[arg(long, value_name = "NAME[=FILE]", value_parser = values::aov(), action = clap::ArgAction::Append)]
+    pub aov: Vec<Aov>,
+    /// Layers of the OpenEXR file, separated by commas, or all
+    #[arg(long, value_name = "NAMES", value_delimiter = ',',
+        value_parser = PossibleValuesParser::new(View::NAMES.into_iter().chain(["all"])))]
+    pub layers: Vec<String>,
+    /// Distances shown as white and as black in a depth picture; by default the nearest and farthest in it
+    #[arg(long, value_names = ["MIN", "MAX"], num_args = 2, allow_negative_numbers = true,
+        value_parser = values::finite)]
+    pub depth_range: Option<Vec<f32>>,
+    /// Bits a channel in PNG files
+    #[arg(long, value_name = "BITS", default_value = "8", value_parser = ["8", "16"])]
+    pub bits: String,
+
+    /// Rays for each pixel, and how they are spread: 16, or regular 16, jittered 16, uniform 16
+    #[arg(long, value_name = "[PATTERN] N", help_heading = "Quality")]
+    pub samples: Option<Samples>,
+    /// How rays become pixels, with a width in pixels: none, box, tent, gaussian, mitchell, lanczos
+    #[arg(long, value_name = "NAME [WIDTH]", help_heading = "Quality")]
+    pub filter: Option<FilterArg>,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", help_heading = "Quality")]
+    pub seed: Option<u64>,
+
+    /// How many times in a row a ray may be mirrored or refracted
+    #[arg(long, value_name = "N", help_heading = "Light",
+        value_parser = clap::value_parser!(u32).range(0..=i64::from(kajo::MAX_BOUNCES)))]
+    pub bounces: Option<u32>,
+    /// End a branch when it counts for less than this
+    #[arg(long, value_name = "W", help_heading = "Light", value_parser = values::weight)]
+    pub weight: Option<f32>,
+    /// Whether objects hide lights, and whether glass lets light through
+    #[arg(long, help_heading = "Light", value_parser = values::choice([
+        ("off", Shadows::Off), ("on", Shadows::Opaque), ("transparent", Shadows::Transparent)]))]
+    pub shadows: Option<Shadows>,
+    /// How glass weakens light that passes through: by length, or at each surface
+    #[arg(long, help_heading = "Light", value_parser = values::choice([
+        ("length", ShadowAttenuation::Length), ("surface", ShadowAttenuation::Surface)]))]
+    pub transparent_shadows: Option<ShadowAttenuation>,
+    /// Light the back sides of surfaces too
+    #[arg(long, value_name = "ON|OFF", help_heading = "Light", value_parser = values::on_off())]
+    pub shade_back: Option<bool>,
+    /// Divide light at glass by Fresnel's equations
+    #[arg(long, value_name = "ON|OFF", help_heading = "Light", value_parser = values::on_off())]
+    pub fresnel: Option<bool>,
+    /// Mirror what cannot leave glass
+    #[arg(long, value_name = "ON|OFF", help_heading = "Light", value_parser = values::on_off())]
+    pub total_reflection: Option<bool>,
+    /// How rays keep clear of the surface they leave
+    #[arg(long, help_heading = "Light", value_parser = values::choice([
+        ("auto", RayOffset::Auto), ("reference", RayOffset::Reference)]))]
+    pub ray_offset: Option<RayOffset>,
+
+    #[command(flatten)]
+    pub scene_args: SceneArgs,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+impl RenderArgs {
+    /// The same as a job.
+    ///
+    /// # Errors
+    /// When a name says no format, or layers are asked for that no file holds.
+    pub fn job(&self) -> Result<Job, Failure> {
+        Ok(Job {
+            scene: self.scene.clone(),
+            load: self.scene_args.options(),
+            defaults: Defaults::Modern,
+            asked: self.settings(),
+            classic: None,
+            outputs: self.outputs()?,
+            depth: if self.bits == "16" { BitDepth::Sixteen } else { BitDepth::Eight },
+            resources: self.run.resources(),
+            keep_partial: self.run.keep_partial,
+        })
+    }
+
+    fn settings(&self) -> Settings {
+        Settings {
+            size: self.size.map(|size| size.0),
+            bounces: self.bounces,
+            weight: self.weight,
+            shadows: self.shadows,
+            shadow_attenuation: self.transparent_shadows,
+            shade_back: self.shade_back,
+            samples: self.samples.map(|samples| (samples.0, samples.1)),
+            filter: self.filter.map(|filter| filter.0),
+            seed: self.seed,
+            fresnel: self.fresnel,
+            total_reflection: self.total_reflection,
+            ray_offset: self.ray_offset,
+            dialect: self.scene_args.dialect,
+            depth_range: self.depth_range.as_ref().and_then(|range| range.as_slice().try_into().ok()),
+        }
+    }
+
+    fn outputs(&self) -> Result<Vec<Output>, Failure> {
+        let main = match &self.output {
+            Some(path) if path.as_os_str() == "-" => Destination::StandardOutput,
+            Some(path) => Destination::File(path.clone()),
+            None => Destination::File(beside(&self.scene)?),
+        };
+        let main = Output { format: main.format()?, destination: main, views: self.main_views() };
+        if main.views.len() > 1 && main.format != Format::Exr {
+            let message = "only an OpenEXR file (-o FILE.exr) holds several layers; give the others files of their own: --aov depth=FILE";
+            return Err(Failure::Input(message.to_owned()));
+        }
+        let mut outputs = vec![main];
+        for aov in &self.aov {
+            if let Some(path) = &aov.path {
+                let destination = Destination::File(path.clone());
+                outputs.push(Output { format: destination.format()?, destination, views: vec![aov.view] });
+            }
+        }
+        Ok(outputs)
+    }
+
+    /// What the main file shows: the layers asked for, or colour and the outputs without files of their own.
+    fn main_views(&self) -> Vec<View> {
+        let mut views = match self.layers.iter().any(|name| name == "all") {
+            true => View::ALL.to_vec(),
+            false => self.layers.iter().filter_map(|name| View::from_name(name)).collect(),
+        };
+        if views.is_empty() {
+            views.push(View::Color);
+        }
+        for aov in self.aov.iter().filter(|aov| aov.path.is_none()) {
+            views.push(aov.view);
+        }
+        let mut unique: Vec<View> = Vec::new();
+        for view in views {
+            if !unique.contains(&view) {
+                unique.push(view);
+            }
+        }
+        unique
+    }
+}
+
+/// `scene.png` for `scene.txt`.
+fn beside(scene: &Path) -> Result<PathBuf, Failure> {
+    let png = scene.with_extension("png");
+    if scene.file_stem().is_none() || png == *scene {
+        return Err(Failure::Input(format!(
+            "`{}` is no scene; name the picture with -o FILE",
+            scene.display()
+        )));
+    }
+    Ok(png)
+}

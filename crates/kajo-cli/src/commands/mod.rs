@@ -1,0 +1,108 @@
+//! The commands but `gallery`, each from its arguments to its end.
+
+mod diff;
+mod info;
+
+use std::path::Path;
+
+use clap_complete::Shell;
+use kajo::{Severity, load};
+
+pub use diff::diff;
+pub use info::info;
+
+use crate::args::{CheckArgs, Cli, RunArgs};
+use crate::console;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::job::{Destination, Done, Job, has_errors};
+use crate::progress::{Meter, in_short};
+
+/// `kajo render` and `kajo classic`
+pub fn render(job: &Job, run: &RunArgs, interrupt: &Interrupt) -> Result<(), Failure> {
+    let meter = Meter::new(run.quiet, run.show_progress);
+    let done = job.run(&meter, interrupt, &mut |text| console::line(text.trim_end()))?;
+    if !run.quiet {
+        console::line(summary(job, &done));
+    }
+    if run.stats {
+        console::line(statistics(&done));
+    }
+    Ok(())
+}
+
+/// `out.png: 800 x 600, 16 samples a pixel, 7.9 M rays in 1.20 s (6.6 M rays/s)`
+fn summary(job: &Job, done: &Done) -> String {
+    let names: Vec<String> = job
+        .outputs
+        .iter()
+        .map(|output| match &output.destination {
+            Destination::File(path) => path.display().to_string(),
+            Destination::StandardOutput => "standard output".to_owned(),
+        })
+        .collect();
+    let names = if names.is_empty() { "nothing written".to_owned() } else { names.join(", ") };
+    let [width, height] = done.size;
+    let rays = done.stats.rays.total() as f64;
+    let seconds = done.stats.seconds;
+    format!(
+        "{names}: {width} x {height}, {} samples a pixel, {} rays in {seconds:.2} s ({} rays/s)",
+        done.samples,
+        in_short(rays),
+        in_short(rays / seconds.max(1e-6))
+    )
+}
+
+fn statistics(done: &Done) -> String {
+    let stats = &done.stats;
+    let rays = [
+        ("camera rays", stats.rays.camera),
+        ("shadow rays", stats.rays.shadow),
+        ("mirror rays", stats.rays.reflected),
+        ("refracted rays", stats.rays.refracted),
+        ("all rays", stats.rays.total()),
+        ("samples", stats.samples),
+        ("threads", stats.threads as u64),
+    ];
+    let lines: Vec<String> = rays.iter().map(|(name, count)| format!("  {name:<16}{count:>16}")).collect();
+    format!("{}\n  {:<16}{:>16.3}", lines.join("\n"), "seconds", stats.seconds)
+}
+
+/// `kajo check`
+pub fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let mut first_failure = None;
+    for scene in &args.scenes {
+        if let Err(failure) = check_one(scene, args) {
+            console::error(failure.message());
+            first_failure.get_or_insert(Failure::Input(String::new()));
+        }
+    }
+    first_failure.map_or(Ok(()), Err)
+}
+
+fn check_one(scene: &Path, args: &CheckArgs) -> Result<(), Failure> {
+    let loaded = load(scene, &args.scene_args.options());
+    if args.short {
+        loaded.lines().for_each(console::line);
+    } else if !loaded.diagnostics.is_empty() {
+        console::line(loaded.report(console::in_color()).trim_end());
+    }
+    if loaded.scene.is_none() {
+        return Err(has_errors(scene, &loaded));
+    }
+    let warnings = match loaded.diagnostics.count(Severity::Warning) {
+        0 => String::new(),
+        1 => ", with 1 warning".to_owned(),
+        n => format!(", with {n} warnings"),
+    };
+    console::answer(&format!("{}: fine{warnings}\n", scene.display()));
+    Ok(())
+}
+
+/// `kajo completions`
+pub fn completions(shell: Shell) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::tree(), "kajo", &mut script);
+    console::answer(&String::from_utf8_lossy(&script));
+    Ok(())
+}

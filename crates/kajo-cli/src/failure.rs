@@ -1,0 +1,126 @@
+//! How a run of the program can end other than well, and the exit code that says so.
+
+use std::panic::{self, AssertUnwindSafe};
+
+use kajo::compare::CompareError;
+use kajo::output::OutputError;
+use kajo::{ImageError, RenderError, SettingsError};
+
+use crate::console;
+
+/// Why the program ends early. The text, if any, is still to be shown.
+#[derive(Debug, PartialEq)]
+pub enum Failure {
+    /// A comparison found more difference than allowed.
+    Different(String),
+    /// A scene, a picture or the command line is wrong.
+    Input(String),
+    /// The program is wrong.
+    Bug(String),
+    /// A file could not be written.
+    Output(String),
+    /// There is not enough memory.
+    Memory(String),
+    /// The user said stop.
+    Interrupted,
+}
+
+impl Failure {
+    /// The exit code.
+    pub fn code(&self) -> u8 {
+        match self {
+            Failure::Different(_) => 1,
+            Failure::Input(_) => 2,
+            Failure::Bug(_) => 4,
+            Failure::Output(_) => 5,
+            Failure::Memory(_) => 6,
+            Failure::Interrupted => 130,
+        }
+    }
+
+    /// What to tell the user.
+    pub fn message(&self) -> &str {
+        match self {
+            Failure::Different(text)
+            | Failure::Input(text)
+            | Failure::Bug(text)
+            | Failure::Output(text)
+            | Failure::Memory(text) => text,
+            Failure::Interrupted => "interrupted",
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Failure {
+        Failure::Output(error.to_string())
+    }
+}
+
+impl From<SettingsError> for Failure {
+    fn from(error: SettingsError) -> Failure {
+        Failure::Input(error.to_string())
+    }
+}
+
+impl From<CompareError> for Failure {
+    fn from(error: CompareError) -> Failure {
+        Failure::Input(error.to_string())
+    }
+}
+
+/// A picture that was rendered but cannot be put into its file.
+impl From<ImageError> for Failure {
+    fn from(error: ImageError) -> Failure {
+        Failure::Output(error.to_string())
+    }
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Failure {
+        match error {
+            RenderError::Film(_) => Failure::Input(error.to_string()),
+            RenderError::Memory { .. } => Failure::Memory(error.to_string()),
+            RenderError::Cancelled(_) => Failure::Interrupted,
+            RenderError::Panicked { .. } => Failure::Bug(error.to_string()),
+        }
+    }
+}
+
+/// Runs `program`, shows how it ended if it failed, and returns the exit code.
+///
+/// A panic is a bug of ours; it is shown as such and ends with code 4.
+pub fn guarded(program: impl FnOnce() -> Result<(), Failure>) -> u8 {
+    panic::set_hook(Box::new(|info| {
+        console::error(&format!("this is a bug in kajo, not in your scene: {info}"));
+    }));
+    match panic::catch_unwind(AssertUnwindSafe(program)) {
+        Ok(Ok(())) => 0,
+        Ok(Err(failure)) => {
+            if !failure.message().is_empty() {
+                console::error(failure.message());
+            }
+            failure.code()
+        }
+        Err(_) => {
+            console::line("Please report it, with the scene and the command line if you can.");
+            Failure::Bug(String::new()).code()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_end_has_its_code() {
+        assert_eq!(guarded(|| Ok(())), 0);
+        assert_eq!(guarded(|| Err(Failure::Different(String::new()))), 1);
+        assert_eq!(guarded(|| Err(Failure::Input("x".into()))), 2);
+        assert_eq!(guarded(|| panic!("on purpose")), 4);
+        assert_eq!(guarded(|| Err(Failure::Output("x".into()))), 5);
+        assert_eq!(guarded(|| Err(Failure::Memory("x".into()))), 6);
+        assert_eq!(guarded(|| Err(Failure::Interrupted)), 130);
+    }
+}

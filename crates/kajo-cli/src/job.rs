@@ -1,0 +1,198 @@
+//! One render from the scene's file to the pictures' files, whichever command asked for it.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use kajo::output::{OutputError, Target};
+use kajo::{
+    BitDepth, Defaults, Dialect, Format, Highlight, LoadOptions, Loaded, Picture, RenderError,
+    RenderSettings, RenderStats, Resources, SamplerKind, Scene, Settings, Severity, View,
+};
+
+use crate::console;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::progress::Meter;
+
+/// What to render, how, and where to put it.
+#[derive(Debug)]
+pub struct Job {
+    pub scene: PathBuf,
+    pub load: LoadOptions,
+    pub defaults: Defaults,
+    /// What the command line says about the picture.
+    pub asked: Settings,
+    /// What the classic command line says besides.
+    pub classic: Option<ClassicWords>,
+    pub outputs: Vec<Output>,
+    /// Bits a channel in PNG files.
+    pub depth: BitDepth,
+    pub resources: Resources,
+    /// Write what there is when interrupted.
+    pub keep_partial: bool,
+}
+
+/// Classic options whose meaning depends on the scene's dialect, or that no `Settings` block has.
+#[derive(Clone, Copy, Debug)]
+pub struct ClassicWords {
+    pub uv: bool,
+    pub specular_fix: bool,
+    /// The samples were asked for by `-uniform_samples`.
+    pub uniform_samples: bool,
+}
+
+/// A file to be written and what it shows.
+#[derive(Debug)]
+pub struct Output {
+    pub destination: Destination,
+    pub format: Format,
+    pub views: Vec<View>,
+}
+
+/// Where the bytes of a picture go.
+#[derive(Debug)]
+pub enum Destination {
+    File(PathBuf),
+    StandardOutput,
+}
+
+/// What a job did.
+#[derive(Debug)]
+pub struct Done {
+    pub size: [u32; 2],
+    pub samples: u32,
+    pub stats: RenderStats,
+}
+
+impl Destination {
+    /// The format that the name's ending says; PNG for standard output and devices.
+    ///
+    /// # Errors
+    /// When the ending says nothing.
+    pub fn format(&self) -> Result<Format, Failure> {
+        let Destination::File(path) = self else { return Ok(Format::Png) };
+        let extension = path.extension().map(|extension| extension.to_string_lossy());
+        let is_device = extension.is_none() && path.starts_with("/dev");
+        let format = extension.and_then(|extension| Format::from_extension(&extension));
+        format.or(is_device.then_some(Format::Png)).ok_or_else(|| {
+            let message = "its ending says no format; known are .png, .exr, .tga, .ppm, .pfm and .hdr";
+            Failure::Input(format!("cannot write `{}`: {message}", path.display()))
+        })
+    }
+}
+
+impl Job {
+    /// Does it all.
+    ///
+    /// * `say`: told what there is to say about the scene, before the render starts
+    ///
+    /// # Errors
+    /// [`Failure`]; then no file is written that was not finished before.
+    pub fn run(
+        &self,
+        meter: &Meter,
+        interrupt: &Interrupt,
+        say: &mut dyn FnMut(&str),
+    ) -> Result<Done, Failure> {
+        let mut loaded = kajo::load(&self.scene, &self.load);
+        if !loaded.diagnostics.is_empty() {
+            say(&loaded.report(console::in_color()));
+        }
+        let scene = loaded.scene.take().ok_or_else(|| has_errors(&self.scene, &loaded))?;
+        let settings = self.settings(&scene, say)?;
+        let targets = self.targets(&loaded.files)?;
+        let outputs: Vec<(View, Format)> = self
+            .outputs
+            .iter()
+            .flat_map(|output| output.views.iter().map(|&view| (view, output.format)))
+            .collect();
+        let (result, interrupted) = interrupt.during(|| {
+            let result =
+                kajo::render(&scene, &settings, &outputs, &self.resources, &meter.watched(interrupt));
+            meter.finish();
+            result
+        });
+        let picture = match result {
+            Ok(picture) => picture,
+            Err(RenderError::Cancelled(partial)) => *partial,
+            Err(error) => return Err(error.into()),
+        };
+        if interrupted && !self.keep_partial {
+            return Err(Failure::Interrupted);
+        }
+        warn_of_numbers(&picture.stats, say);
+        self.write(&picture, &targets, interrupt)?;
+        if interrupted {
+            return Err(Failure::Interrupted);
+        }
+        Ok(Done { size: picture.size(), samples: settings.samples.1, stats: picture.stats })
+    }
+
+    fn settings(&self, scene: &Scene, say: &mut dyn FnMut(&str)) -> Result<RenderSettings, Failure> {
+        let Some(words) = self.classic else {
+            return Ok(RenderSettings::resolve(scene, &self.asked, self.defaults, false)?);
+        };
+        let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, words.uv)?;
+        let is_2004 = scene.rules.dialect == Dialect::Mit2004;
+        if words.uniform_samples && is_2004 {
+            settings.samples.0 = SamplerKind::Regular;
+        }
+        match (words.specular_fix, is_2004) {
+            (true, true) => settings.classic.highlight = Highlight::HalfTimesCosine,
+            (true, false) => say("warning: `-specular_fix` works in dialect mit-2004 only\n"),
+            (false, _) => {}
+        }
+        Ok(settings)
+    }
+
+    /// Makes sure that every file can be written.
+    fn targets(&self, inputs: &[PathBuf]) -> Result<Vec<Target>, OutputError> {
+        let files = self.outputs.iter().filter_map(|output| match &output.destination {
+            Destination::File(path) => Some(path.clone()),
+            Destination::StandardOutput => None,
+        });
+        Target::check_all(&files.collect::<Vec<_>>(), inputs)
+    }
+
+    fn write(&self, picture: &Picture, targets: &[Target], interrupt: &Interrupt) -> Result<(), Failure> {
+        let mut targets = targets.iter();
+        for output in &self.outputs {
+            let bytes = picture.encode(&output.views, output.format, self.depth)?;
+            let (result, interrupted) = interrupt.during(|| match &output.destination {
+                Destination::StandardOutput => write_to_standard_output(&bytes),
+                Destination::File(_) => match targets.next() {
+                    Some(target) => target.write(&bytes).map_err(Failure::from),
+                    None => Ok(()),
+                },
+            });
+            result?;
+            if interrupted {
+                return Err(Failure::Interrupted);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// "scene.txt has 3 errors"
+pub fn has_errors(scene: &Path, loaded: &Loaded) -> Failure {
+    let count = loaded.diagnostics.count(Severity::Error);
+    let errors = if count == 1 { "error" } else { "errors" };
+    Failure::Input(format!("`{}` has {count} {errors}", scene.display()))
+}
+
+fn warn_of_numbers(stats: &RenderStats, say: &mut dyn FnMut(&str)) {
+    if stats.non_finite > 0 {
+        say(&format!("warning: {} samples were not finite numbers and count as black\n", stats.non_finite));
+    }
+}
+
+fn write_to_standard_output(bytes: &[u8]) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(bytes).and_then(|()| stdout.flush()).map_err(|error| {
+        Failure::Output(format!(
+            "cannot write to standard output, which needs {} bytes: {error}",
+            bytes.len()
+        ))
+    })
+}

@@ -1,0 +1,113 @@
+//! How far a render is, shown to whoever is there to see it.
+
+use std::fmt::Write;
+use std::io::{self, IsTerminal};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use kajo::Progress;
+
+use crate::console;
+use crate::interrupt::Interrupt;
+
+/// Shows progress in one of three ways.
+pub enum Meter {
+    /// Not at all.
+    Silent,
+    /// A bar that moves, with rays a second and the time left.
+    Bar { bar: ProgressBar, rays: Arc<AtomicU64> },
+    /// A line for each tenth, where there is no terminal.
+    Lines { tenths: AtomicU64 },
+}
+
+/// A meter that also knows whether to stop.
+pub struct Watched<'a> {
+    meter: &'a Meter,
+    interrupt: &'a Interrupt,
+}
+
+impl Meter {
+    /// A bar on a terminal; elsewhere nothing, or lines if they are asked for.
+    pub fn new(quiet: bool, forced: bool) -> Meter {
+        match (io::stderr().is_terminal(), quiet && !forced) {
+            (_, true) => Meter::Silent,
+            (true, false) => Meter::bar(),
+            (false, false) if forced => Meter::Lines { tenths: AtomicU64::new(0) },
+            (false, false) => Meter::Silent,
+        }
+    }
+
+    fn bar() -> Meter {
+        let rays = Arc::new(AtomicU64::new(0));
+        let (cast, start) = (Arc::clone(&rays), Instant::now());
+        let rate = move |_: &ProgressState, text: &mut dyn Write| {
+            let seconds = start.elapsed().as_secs_f64().max(1e-3);
+            let _ = write!(text, "{} rays/s", in_short(cast.load(Ordering::Relaxed) as f64 / seconds));
+        };
+        let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {rate}  {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar())
+            .with_key("rate", rate);
+        Meter::Bar { bar: ProgressBar::no_length().with_style(style), rays }
+    }
+
+    /// The same, stoppable.
+    pub fn watched<'a>(&'a self, interrupt: &'a Interrupt) -> Watched<'a> {
+        Watched { meter: self, interrupt }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        if let Meter::Bar { bar, .. } = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Progress for Watched<'_> {
+    fn done(&self, pixels_done: u64, pixels_total: u64, rays: u64) {
+        match self.meter {
+            Meter::Silent => {}
+            Meter::Bar { bar, rays: cast } => {
+                cast.fetch_max(rays, Ordering::Relaxed);
+                if bar.length() != Some(pixels_total) {
+                    bar.set_length(pixels_total);
+                }
+                bar.set_position(pixels_done);
+            }
+            Meter::Lines { tenths } => {
+                let tenth = pixels_done * 10 / pixels_total.max(1);
+                if tenths.fetch_max(tenth, Ordering::Relaxed) < tenth {
+                    console::line(format_args!("{} %, {} rays", tenth * 10, in_short(rays as f64)));
+                }
+            }
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.interrupt.is_stopping()
+    }
+}
+
+/// 7,900,000 as "7.9 M".
+pub fn in_short(count: f64) -> String {
+    match count {
+        count if count < 1e3 => format!("{count:.0}"),
+        count if count < 1e6 => format!("{:.1} k", count / 1e3),
+        count if count < 1e9 => format!("{:.1} M", count / 1e6),
+        count => format!("{:.1} G", count / 1e9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_short() {
+        assert_eq!(in_short(999.0), "999");
+        assert_eq!(in_short(7_900_000.0), "7.9 M");
+        assert_eq!(in_short(1.25e10), "12.5 G");
+    }
+}

@@ -1,0 +1,139 @@
+//! From a file to a scene ready to be rendered, with everything there is to say about it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use kajo_core::compile::{CompileOptions, compile};
+use kajo_core::scene::Scene;
+use kajo_core::settings::Dialect;
+use kajo_scene::{Assets, Diagnostic, Diagnostics, Limits, Parsed, SceneDesc, Sources, one_line, render};
+
+use crate::FsAssets;
+
+/// What is known about a scene before it is read.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// The dialect, where it is not to be the scene's own choice.
+    pub dialect: Option<Dialect>,
+    /// Folders besides the scene's own whose files it may name.
+    pub folders: Vec<PathBuf>,
+    /// Whether it may name any file at all.
+    pub allow_outside: bool,
+    /// Bounds on what it may demand.
+    pub limits: Limits,
+}
+
+/// What came of reading a scene.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The tree of its text, complete unless there are errors.
+    pub desc: SceneDesc,
+    /// Everything worth saying, in the order it came up.
+    pub diagnostics: Diagnostics,
+    /// The scene; `None` when there are errors.
+    pub scene: Option<Scene>,
+    /// Real paths of the files it was read from.
+    pub files: Vec<PathBuf>,
+}
+
+impl Loaded {
+    /// The texts that the messages point into.
+    pub fn sources(&self) -> &Sources {
+        self.desc.sources()
+    }
+
+    /// The messages as they are shown to people, with the lines they are about; in colour on request.
+    pub fn report(&self, color: bool) -> String {
+        render(&self.diagnostics, self.sources(), color)
+    }
+
+    /// One line a message: `file:line:column: error: what`.
+    pub fn lines(&self) -> impl Iterator<Item = String> {
+        self.diagnostics.iter().map(|diagnostic| one_line(diagnostic, self.sources()))
+    }
+}
+
+/// Reads the scene at `path` and all it names.
+///
+/// Never fails: what is wrong is in [`Loaded::diagnostics`].
+pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
+    match assets(path, options) {
+        Ok(assets) => {
+            let loaded = load_from(assets.scene_name(), &assets, options);
+            Loaded { files: assets.opened(), ..loaded }
+        }
+        Err(problem) => {
+            let mut diagnostics = Diagnostics::new();
+            diagnostics.push(Diagnostic::error(problem));
+            Loaded { desc: SceneDesc::default(), diagnostics, scene: None, files: Vec::new() }
+        }
+    }
+}
+
+/// As [`load`], with files from anywhere; the folders of `options` are not looked at.
+///
+/// ```
+/// use kajo::{LoadOptions, MemoryAssets};
+///
+/// let assets = MemoryAssets::new().with("ball.txt", "Group { Sphre { center 0 0 0  radius 1 } }");
+/// let loaded = kajo::load_from("ball.txt", &assets, &LoadOptions::default());
+/// assert!(loaded.scene.is_none());
+/// assert!(loaded.lines().any(|line| line.starts_with("ball.txt:1:9: error: ")));
+/// ```
+pub fn load_from(name: &str, assets: &dyn Assets, options: &LoadOptions) -> Loaded {
+    let Parsed { mut desc, mut diagnostics } = SceneDesc::load(name, assets, &options.limits);
+    let compile_options = CompileOptions {
+        dialect: options.dialect,
+        limits: options.limits.clone(),
+        ..CompileOptions::default()
+    };
+    // A text that could not be read whole would only give complaints about what is missing from it.
+    let scene = match diagnostics.has_errors() {
+        true => None,
+        false => compile(&mut desc, assets, &compile_options, &mut diagnostics),
+    };
+    Loaded { desc, diagnostics, scene, files: Vec::new() }
+}
+
+fn assets(path: &Path, options: &LoadOptions) -> Result<FsAssets, String> {
+    let open =
+        |folder: &Path, error: io::Error| format!("cannot enter the folder `{}`: {error}", folder.display());
+    let mut assets = FsAssets::new(path).map_err(|error| match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => open(folder, error),
+        _ => open(Path::new("."), error),
+    })?;
+    for folder in &options.folders {
+        assets = assets.with_folder(folder).map_err(|error| open(folder, error))?;
+    }
+    Ok(assets.allow_outside(options.allow_outside))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_scene_is_read_with_its_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.txt");
+        fs::write(&path, "include \"camera.txt\"\nMaterials { Material {} } Group { MaterialIndex 0 Sphere { center 0 0 0  radius 1 } }").unwrap();
+        let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+        fs::write(folder.path().join("camera.txt"), camera).unwrap();
+        let loaded = load(&path, &LoadOptions::default());
+        assert!(loaded.scene.is_some(), "{}", loaded.report(false));
+        assert_eq!(loaded.files.len(), 2);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = load(&folder.path().join("scene.txt"), &LoadOptions::default());
+        assert!(missing.report(false).contains("there is no such file"));
+        let nowhere = load(&folder.path().join("nowhere/scene.txt"), &LoadOptions::default());
+        assert!(nowhere.report(false).contains("cannot enter the folder"));
+        let options = LoadOptions { folders: vec![folder.path().join("lost")], ..LoadOptions::default() };
+        let lost = load(&folder.path().join("scene.txt"), &options);
+        assert!(lost.report(false).contains("lost"));
+    }
+}

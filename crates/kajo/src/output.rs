@@ -1,0 +1,297 @@
+//! Output files: whole or not at all.
+//!
+//! [`Target::check`] finds out before rendering whether a file can be written; [`Target::write`] fills a
+//! temporary file beside it, brings it to the disk and renames it. The file that stood there before is
+//! untouched until then, and after any failure.
+
+use std::fs::{self, File, Metadata};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile};
+
+/// Why a file could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// It is the scene or something that the scene is made of.
+    #[error("cannot write `{}`: the scene was read from it; choose another name", path.display())]
+    IsInput {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Two outputs have one name.
+    #[error("cannot write `{}` twice in one run; choose another name for one of them", path.display())]
+    Twice {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It stands where a file should.
+    #[error("cannot write `{}`: it is a folder", path.display())]
+    IsFolder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// There is nowhere to put it.
+    #[error("cannot write `{}`: there is no folder `{}`", path.display(), folder.display())]
+    NoFolder {
+        /// The file.
+        path: PathBuf,
+        /// The folder it should be in.
+        folder: PathBuf,
+    },
+    /// The operating system refused the file before anything was written.
+    #[error("cannot write `{}`: {source}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: io::Error,
+    },
+    /// Writing failed: the disk is full, or worse.
+    #[error("cannot write `{}`, which needs {bytes} bytes: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// How long the file would be.
+        bytes: usize,
+        /// What went wrong.
+        source: io::Error,
+    },
+}
+
+/// A file to be written, found to be writable.
+#[derive(Debug)]
+pub struct Target {
+    /// As the user wrote it.
+    path: PathBuf,
+    /// What is to be replaced: behind the link, if `path` is one.
+    real: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    /// A file, there already or not.
+    File,
+    /// A device or a pipe, written in place.
+    Stream,
+}
+
+impl Target {
+    /// Makes sure that `path` can be written.
+    ///
+    /// * `inputs`: real paths of files that must not be overwritten
+    ///
+    /// # Errors
+    /// Every reason that can be known beforehand.
+    pub fn check(path: &Path, inputs: &[PathBuf]) -> Result<Target, OutputError> {
+        let refused = |source| OutputError::Refused { path: path.to_path_buf(), source };
+        let existing = match fs::metadata(path) {
+            Ok(metadata) => Some(metadata),
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(error) => return Err(refused(error)),
+        };
+        if existing.as_ref().is_some_and(Metadata::is_dir) {
+            return Err(OutputError::IsFolder { path: path.to_path_buf() });
+        }
+        let real = match &existing {
+            Some(_) => fs::canonicalize(path).map_err(refused)?,
+            None => path.to_path_buf(),
+        };
+        if inputs.contains(&real) {
+            return Err(OutputError::IsInput { path: path.to_path_buf() });
+        }
+        let is_stream = existing.is_some_and(|metadata| !metadata.is_file());
+        let kind = if is_stream { Kind::Stream } else { Kind::File };
+        let target = Target { path: path.to_path_buf(), real, kind };
+        if let Kind::File = target.kind {
+            target.probe()?;
+        }
+        Ok(target)
+    }
+
+    /// As [`Target::check`] for several files of one run.
+    ///
+    /// # Errors
+    /// As there, and [`OutputError::Twice`].
+    pub fn check_all(paths: &[PathBuf], inputs: &[PathBuf]) -> Result<Vec<Target>, OutputError> {
+        let mut targets: Vec<Target> = Vec::with_capacity(paths.len());
+        for path in paths {
+            let target = Target::check(path, inputs)?;
+            let is_file = matches!(target.kind, Kind::File);
+            if is_file && targets.iter().any(|other| other.real == target.real) {
+                return Err(OutputError::Twice { path: path.clone() });
+            }
+            targets.push(target);
+        }
+        Ok(targets)
+    }
+
+    /// The path as the user wrote it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes the file, whole.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`]; what stood there before still does.
+    pub fn write(&self, bytes: &[u8]) -> Result<(), OutputError> {
+        let result = match self.kind {
+            Kind::File => self.replace(bytes),
+            Kind::Stream => File::options().write(true).open(&self.real).and_then(|mut file| {
+                file.write_all(bytes)?;
+                file.flush()
+            }),
+        };
+        result.map_err(|source| OutputError::Write { path: self.path.clone(), bytes: bytes.len(), source })
+    }
+
+    fn replace(&self, bytes: &[u8]) -> io::Result<()> {
+        let mut file = self.temporary()?;
+        if let Ok(existing) = fs::metadata(&self.real) {
+            file.as_file().set_permissions(existing.permissions())?;
+        }
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(&self.real).map_err(|error| error.error)?;
+        self.sync_folder();
+        Ok(())
+    }
+
+    /// Brings the new name to the disk too, where the system lets a folder be synchronised; the file
+    /// itself is whole either way.
+    fn sync_folder(&self) {
+        if cfg!(unix) {
+            let _ = File::open(self.folder()).and_then(|folder| folder.sync_all());
+        }
+    }
+
+    /// Whether a file can be made there.
+    fn probe(&self) -> Result<(), OutputError> {
+        let folder = self.folder();
+        if !folder.is_dir() {
+            return Err(OutputError::NoFolder { path: self.path.clone(), folder: folder.to_path_buf() });
+        }
+        let refused = |source| OutputError::Refused { path: self.path.clone(), source };
+        if fs::metadata(&self.real).is_ok_and(|metadata| metadata.permissions().readonly()) {
+            return Err(refused(io::Error::new(ErrorKind::PermissionDenied, "the file is write-protected")));
+        }
+        self.temporary().map(drop).map_err(refused)
+    }
+
+    /// An empty file in the target's folder, gone when dropped, with the rights that new files have.
+    fn temporary(&self) -> io::Result<NamedTempFile> {
+        let mut builder = Builder::new();
+        builder.prefix(".kajo-").suffix(".part");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        // The name that the error would carry is that of the temporary file, which means nothing to anybody.
+        builder.tempfile_in(self.folder()).map_err(|error| match error.raw_os_error() {
+            Some(code) => io::Error::from_raw_os_error(code),
+            None => io::Error::from(error.kind()),
+        })
+    }
+
+    fn folder(&self) -> &Path {
+        match self.real.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_is_made_or_replaced_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        for content in [&b"one"[..], b"two, longer"] {
+            let target = Target::check(&path, &[]).unwrap();
+            target.write(content).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), content);
+            assert_eq!(names(folder.path()), ["a.png"]);
+        }
+    }
+
+    #[test]
+    fn a_check_leaves_no_trace() {
+        let folder = tempfile::tempdir().unwrap();
+        Target::check(&folder.path().join("a.png"), &[]).unwrap();
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn faults_are_found_beforehand() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("scene.txt"), "").unwrap();
+        let inputs = [fs::canonicalize(path("scene.txt")).unwrap()];
+        let check = |name: &str| Target::check(&path(name), &inputs);
+        assert!(matches!(check("scene.txt"), Err(OutputError::IsInput { .. })));
+        assert!(matches!(check("./scene.txt"), Err(OutputError::IsInput { .. })));
+        assert!(matches!(check("nowhere/a.png"), Err(OutputError::NoFolder { .. })));
+        assert!(matches!(
+            check("scene.txt/a.png"),
+            Err(OutputError::NoFolder { .. } | OutputError::Refused { .. })
+        ));
+        assert!(matches!(Target::check(folder.path(), &[]), Err(OutputError::IsFolder { .. })));
+        let twice = Target::check_all(&[path("a.png"), path("a.png")], &[]);
+        assert!(matches!(twice, Err(OutputError::Twice { .. })));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_and_rights_are_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("real.png"), "old").unwrap();
+        fs::set_permissions(path("real.png"), fs::Permissions::from_mode(0o640)).unwrap();
+        symlink("real.png", path("link.png")).unwrap();
+        Target::check(&path("link.png"), &[]).unwrap().write(b"new").unwrap();
+        assert!(fs::symlink_metadata(path("link.png")).unwrap().is_symlink());
+        assert_eq!(fs::read(path("real.png")).unwrap(), b"new");
+        assert_eq!(fs::metadata(path("real.png")).unwrap().permissions().mode() & 0o777, 0o640);
+
+        Target::check(&path("fresh.png"), &[]).unwrap().write(b"new").unwrap();
+        File::create(path("usual.png")).unwrap();
+        let mode = |name: &str| fs::metadata(path(name)).unwrap().permissions().mode();
+        assert_eq!(mode("fresh.png"), mode("usual.png"), "the same rights as any new file");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_write_protected_file_is_refused() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+        assert!(matches!(Target::check(&path, &[]), Err(OutputError::Refused { .. })));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_are_written_in_place() {
+        Target::check(Path::new("/dev/null"), &[]).unwrap().write(b"gone").unwrap();
+        let full = Target::check(Path::new("/dev/full"), &[]).unwrap().write(b"too much").unwrap_err();
+        assert!(matches!(&full, OutputError::Write { bytes: 8, .. }), "{full}");
+        assert!(full.to_string().contains("8 bytes"));
+    }
+}

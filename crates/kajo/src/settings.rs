@@ -1,0 +1,206 @@
+//! What a render is asked to do: the command line wins over the scene, the scene over the defaults.
+
+use kajo_core::RayOffset;
+use kajo_core::camera::Camera;
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_core::scene::Scene;
+use kajo_core::settings::{FilterChoice, MapRules, Settings, ShadowAttenuation, Shadows};
+use kajo_render::integrator::ClassicSettings;
+use kajo_render::{DepthMap, Filter, NormalMap};
+
+/// Where a render starts from when neither the scene nor the user says anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Defaults {
+    /// The course program's: 100 × 100 pixels, one ray through the middle of each, no bounces, no shadows,
+    /// rays that start 0.001 off surfaces. A scene without a `Group` shows the uv test picture.
+    Classic,
+    /// What one wants to see: 800 × 600 pixels with 16 jittered rays each, shadows, four bounces, rays that
+    /// start as close as rounding allows.
+    Modern,
+}
+
+/// Everything about a render but who runs it.
+#[derive(Clone, Copy, Debug)]
+pub struct RenderSettings {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Pattern and number of samples of each pixel.
+    pub samples: (SamplerKind, u32),
+    /// How samples become pixels.
+    pub filter: Filter,
+    /// Seed of every random number.
+    pub seed: u64,
+    /// How light is followed.
+    pub classic: ClassicSettings,
+    /// Distances that are white and black in a depth picture; what the picture spans, where absent.
+    pub depth_range: Option<[f32; 2]>,
+    /// How depth, normals and numbers become pictures.
+    pub maps: MapRules,
+    /// Whether PNG and TGA files get an alpha channel of ones, as the course program writes them.
+    pub opaque_alpha: bool,
+}
+
+/// Why a scene cannot be rendered as asked.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// A stereo cubemap is twelve squares in a row.
+    #[error("a stereo cubemap needs a picture 12 times as wide as high, not {} x {}; ask for {} x {}",
+        .0[0], .0[1], .0[1].saturating_mul(12), .0[1])]
+    NotTwelveToOne([u32; 2]),
+    /// Two eyes above each other.
+    #[error("a stereo panorama needs an even height, one half for each eye, not {}", .0[1])]
+    OddHeight([u32; 2]),
+}
+
+impl RenderSettings {
+    /// Puts together what `asked` says, what the scene says and the defaults.
+    ///
+    /// * `uv`: show the uv test picture
+    ///
+    /// # Errors
+    /// [`SettingsError`] when the size does not suit the camera.
+    pub fn resolve(
+        scene: &Scene,
+        asked: &Settings,
+        defaults: Defaults,
+        uv: bool,
+    ) -> Result<RenderSettings, SettingsError> {
+        let own = &scene.settings;
+        let classic = defaults == Defaults::Classic;
+        let size = asked.size.or(own.size).unwrap_or_else(|| default_size(&scene.camera, defaults));
+        check_size(&scene.camera, size)?;
+        let filter = asked.filter.or(own.filter).unwrap_or(FilterChoice::None);
+        let default_samples = if classic { (SamplerKind::Regular, 1) } else { (SamplerKind::Jittered, 16) };
+        let default_shadows = if classic { Shadows::Off } else { Shadows::Opaque };
+        let default_offset = if classic { RayOffset::Reference } else { RayOffset::Auto };
+        let attenuation = asked.shadow_attenuation.or(own.shadow_attenuation);
+        Ok(RenderSettings {
+            size,
+            samples: asked.samples.or(own.samples).unwrap_or(default_samples),
+            filter: film_filter(filter),
+            seed: asked.seed.or(own.seed).unwrap_or(0),
+            classic: ClassicSettings {
+                bounces: asked.bounces.or(own.bounces).unwrap_or(if classic { 0 } else { 4 }),
+                weight: asked.weight.or(own.weight).unwrap_or(0.0),
+                shadows: asked.shadows.or(own.shadows).unwrap_or(default_shadows),
+                shadow_attenuation: attenuation.unwrap_or(ShadowAttenuation::Length),
+                shade_back: asked.shade_back.or(own.shade_back).unwrap_or(false),
+                uv: uv || (classic && !scene.has_group),
+                fresnel: asked.fresnel.or(own.fresnel).unwrap_or(false),
+                total_reflection: asked.total_reflection.or(own.total_reflection).unwrap_or(false),
+                ray_offset: asked.ray_offset.or(own.ray_offset).unwrap_or(default_offset),
+                highlight: scene.rules.highlight,
+            },
+            depth_range: asked.depth_range.or(own.depth_range),
+            maps: scene.rules.maps,
+            opaque_alpha: classic,
+        })
+    }
+
+    /// Where samples lie within a pixel.
+    pub fn sampler(&self) -> Sampler {
+        Sampler::new(self.samples.0, self.samples.1)
+    }
+
+    /// How distances become grey, where a range is given.
+    pub(crate) fn depth_map(&self) -> DepthMap {
+        let [min, max] = self.depth_range.unwrap_or([0.0, 1.0]);
+        DepthMap { min, max, far_is_white: self.maps == MapRules::Direct }
+    }
+
+    /// How normals become colours.
+    pub(crate) fn normal_map(&self) -> NormalMap {
+        match self.maps {
+            MapRules::Inverted => NormalMap::Absolute,
+            MapRules::Direct => NormalMap::Biased,
+        }
+    }
+}
+
+/// A size that the camera's picture looks right in.
+fn default_size(camera: &Camera, defaults: Defaults) -> [u32; 2] {
+    match camera.natural_aspect() {
+        Some(aspect) if aspect > 2.0 => [3072, 256],
+        Some(aspect) if aspect > 1.0 => [1024, 512],
+        Some(_) => [1024, 1024],
+        None if defaults == Defaults::Classic => [100, 100],
+        None => [800, 600],
+    }
+}
+
+fn check_size(camera: &Camera, size: [u32; 2]) -> Result<(), SettingsError> {
+    let [width, height] = size;
+    match camera.cells() {
+        [12, _] if u64::from(width) != 12 * u64::from(height) => Err(SettingsError::NotTwelveToOne(size)),
+        [_, 2] if height % 2 != 0 => Err(SettingsError::OddHeight(size)),
+        _ => Ok(()),
+    }
+}
+
+fn film_filter(choice: FilterChoice) -> Filter {
+    match choice {
+        FilterChoice::None => Filter::None,
+        FilterChoice::Box(radius) => Filter::Box { radius },
+        FilterChoice::Tent(radius) => Filter::Tent { radius },
+        FilterChoice::Gaussian(sigma) => Filter::Gaussian { sigma },
+        FilterChoice::Mitchell(radius) => Filter::Mitchell { radius },
+        FilterChoice::Lanczos(radius) => Filter::Lanczos { radius },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{LoadOptions, MemoryAssets, load_from};
+
+    const CAMERA: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+
+    fn scene(text: &str) -> Scene {
+        let assets = MemoryAssets::new().with("scene.txt", text);
+        let loaded = load_from("scene.txt", &assets, &LoadOptions::default());
+        assert!(loaded.scene.is_some(), "{}", loaded.report(false));
+        loaded.scene.unwrap()
+    }
+
+    fn resolve(scene: &Scene, asked: &Settings, defaults: Defaults) -> RenderSettings {
+        RenderSettings::resolve(scene, asked, defaults, false).unwrap()
+    }
+
+    #[test]
+    fn the_command_line_wins_over_the_scene_and_the_scene_over_the_defaults() {
+        let scene = scene(&format!("{CAMERA} Group {{}} Settings {{ size 40 30  bounces 7 }}"));
+        let asked = Settings { bounces: Some(2), ..Settings::default() };
+        let settings = resolve(&scene, &asked, Defaults::Modern);
+        assert_eq!((settings.size, settings.classic.bounces), ([40, 30], 2));
+        assert_eq!(settings.samples, (SamplerKind::Jittered, 16));
+        assert_eq!(settings.classic.shadows, Shadows::Opaque);
+    }
+
+    #[test]
+    fn classic_defaults_are_those_of_the_course() {
+        let settings = resolve(&scene(CAMERA), &Settings::default(), Defaults::Classic);
+        assert_eq!((settings.size, settings.samples), ([100, 100], (SamplerKind::Regular, 1)));
+        assert_eq!((settings.classic.bounces, settings.classic.shadows), (0, Shadows::Off));
+        assert_eq!((settings.filter, settings.classic.ray_offset), (Filter::None, RayOffset::Reference));
+        assert!(settings.classic.uv, "there is no group");
+        assert!(!resolve(&scene(CAMERA), &Settings::default(), Defaults::Modern).classic.uv);
+    }
+
+    #[test]
+    fn the_size_must_suit_the_camera() {
+        let basis = "center 0 0 0 direction 0 0 -1 up 0 1 0";
+        let cubes = scene(&format!("StereoCubemapCamera {{ {basis} }}"));
+        let panorama = scene(&format!("PanoramaCamera {{ {basis} stereo omnidirectional }}"));
+        assert_eq!(resolve(&cubes, &Settings::default(), Defaults::Classic).size, [3072, 256]);
+        assert_eq!(resolve(&panorama, &Settings::default(), Defaults::Modern).size, [1024, 1024]);
+        let with_size = |scene, size| {
+            let asked = Settings { size: Some(size), ..Settings::default() };
+            RenderSettings::resolve(scene, &asked, Defaults::Classic, false).map(|settings| settings.size)
+        };
+        assert_eq!(with_size(&cubes, [120, 10]), Ok([120, 10]));
+        assert_eq!(with_size(&cubes, [100, 100]), Err(SettingsError::NotTwelveToOne([100, 100])));
+        assert_eq!(with_size(&panorama, [10, 11]), Err(SettingsError::OddHeight([10, 11])));
+        let message = with_size(&cubes, [100, u32::MAX]).unwrap_err().to_string();
+        assert!(message.contains("12 times as wide"), "{message}");
+    }
+}

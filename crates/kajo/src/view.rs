@@ -1,0 +1,236 @@
+//! What a picture shows, and how it gets into a file.
+//!
+//! A float file (OpenEXR, PFM) holds the numbers themselves. Other files hold a picture of them: distances as
+//! grey, normals as colours, every object in a colour of its own.
+
+use kajo_core::settings::MapRules;
+use kajo_image::exr::{ChannelData, ExrLayer, ExrPicture};
+use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, Quantiser, Rounding, exr};
+use kajo_render::{Film, Layer};
+
+use crate::RenderSettings;
+
+/// One thing a render can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// Light.
+    Color,
+    /// Distance along the camera ray to the first surface.
+    Depth,
+    /// Direction of the first surface.
+    Normals,
+    /// Coordinates on the first surface.
+    Uv,
+    /// Which object it belongs to, numbered from 1 in the order of the file.
+    Object,
+    /// Which material it has, numbered from 1 in the order of the file.
+    Material,
+    /// How many samples were taken.
+    Samples,
+}
+
+impl View {
+    /// All views.
+    pub const ALL: [View; 7] =
+        [View::Color, View::Depth, View::Normals, View::Uv, View::Object, View::Material, View::Samples];
+
+    /// Their names, in the same order.
+    pub const NAMES: [&'static str; 7] = ["color", "depth", "normals", "uv", "object", "material", "samples"];
+
+    /// The view of that name.
+    pub fn from_name(name: &str) -> Option<View> {
+        View::NAMES.iter().position(|&known| known == name).map(|i| View::ALL[i])
+    }
+
+    /// The name of the view.
+    pub fn name(self) -> &'static str {
+        View::NAMES[self as usize]
+    }
+
+    /// What the film must record for it.
+    pub(crate) fn layer(self, format: Format, settings: &RenderSettings) -> Layer {
+        let numbers = holds_numbers(format);
+        match self {
+            View::Color => Layer::Color,
+            View::Depth if !numbers && settings.depth_range.is_some() => Layer::DepthMap,
+            View::Depth => Layer::Depth,
+            View::Normals if numbers => Layer::Normal,
+            View::Normals => Layer::NormalMap,
+            View::Uv => Layer::Uv,
+            View::Object => Layer::ObjectId,
+            View::Material => Layer::MaterialId,
+            View::Samples => Layer::SampleCount,
+        }
+    }
+}
+
+/// Whether files of the format hold any number, rather than something to look at.
+fn holds_numbers(format: Format) -> bool {
+    matches!(format, Format::Exr | Format::Pfm)
+}
+
+/// The bytes of a file that shows `views`; only OpenEXR can show more than one.
+///
+/// # Errors
+/// When the film lacks a layer, the format cannot hold the picture, or memory runs out.
+pub(crate) fn encode(
+    film: &Film,
+    views: &[View],
+    format: Format,
+    depth: BitDepth,
+    settings: &RenderSettings,
+) -> Result<Vec<u8>, ImageError> {
+    let text = vec![("Software".to_owned(), concat!("kajo ", env!("CARGO_PKG_VERSION")).to_owned())];
+    if format == Format::Exr {
+        let layers = exr_layers(film, views)?;
+        let (width, height) = (film.spec().width, film.spec().height);
+        return exr::encode(ExrPicture { width, height, layers, attributes: text });
+    }
+    let [view] = views else {
+        return Err(ImageError::Parameter(format!("a {format} file shows one thing, not {}", views.len())));
+    };
+    let rounding = match settings.maps {
+        MapRules::Inverted => Rounding::Nearest,
+        MapRules::Direct => Rounding::Truncate,
+    };
+    let quantiser = Quantiser { rounding, ..Quantiser::default() };
+    let options = EncodeOptions { depth, quantiser, opaque_alpha: settings.opaque_alpha, text };
+    kajo_image::encode(&picture(film, *view, format, settings)?, format, &options)
+}
+
+/// The view as a picture of one or three channels.
+fn picture(film: &Film, view: View, format: Format, settings: &RenderSettings) -> Result<Image, ImageError> {
+    let layer = view.layer(format, settings);
+    let image = develop(film, layer)?;
+    match view {
+        View::Uv => mapped(&image, |uv| [uv[0], uv[1], 0.0]),
+        View::Depth if layer == Layer::Depth && !holds_numbers(format) => nearness(&image),
+        View::Samples if !holds_numbers(format) => {
+            let most = image.data().iter().copied().fold(1.0, f32::max);
+            mapped(&image, |count| [count[0] / most])
+        }
+        View::Object | View::Material if !holds_numbers(format) => mapped(&image, |id| false_colour(id[0])),
+        _ => Ok(image),
+    }
+}
+
+fn develop(film: &Film, layer: Layer) -> Result<Image, ImageError> {
+    film.develop(layer).ok_or_else(|| missing(layer))
+}
+
+fn ids(film: &Film, layer: Layer) -> Result<ChannelData, ImageError> {
+    film.ids(layer).map(ChannelData::U32).ok_or_else(|| missing(layer))
+}
+
+fn missing(layer: Layer) -> ImageError {
+    ImageError::Parameter(format!("the film has no layer {layer:?}, or there is no memory to show it"))
+}
+
+fn mapped<const N: usize>(image: &Image, map: impl Fn(&[f32]) -> [f32; N]) -> Result<Image, ImageError> {
+    let mut result = Image::new(image.width(), image.height(), N)?;
+    for (to, from) in result.data_mut().chunks_exact_mut(N).zip(image.pixels()) {
+        to.copy_from_slice(&map(from));
+    }
+    Ok(result)
+}
+
+/// Distances as grey: what is nearest in the picture is white, what is farthest a dark grey, misses are black.
+fn nearness(depth: &Image) -> Result<Image, ImageError> {
+    /// Tells the farthest surface from a miss.
+    const FARTHEST: f32 = 0.1;
+    let hits = || depth.data().iter().copied().filter(|t| t.is_finite());
+    let (near, far) = (hits().fold(f32::INFINITY, f32::min), hits().fold(f32::NEG_INFINITY, f32::max));
+    mapped(depth, |t| {
+        let share = if far > near { (t[0] - near) / (far - near) } else { 0.0 };
+        [if t[0].is_finite() { 1.0 - (1.0 - FARTHEST) * share } else { 0.0 }]
+    })
+}
+
+/// Black for 0 and a strong colour for every other number, neighbours far apart.
+fn false_colour(id: f32) -> [f32; 3] {
+    /// Turns of the colour circle by this share never meet again [Knuth 1998, 6.4].
+    const GOLDEN_RATIO: f32 = 0.618_034;
+    if id == 0.0 {
+        return [0.0; 3];
+    }
+    let hue = (id * GOLDEN_RATIO).fract() * 6.0;
+    // Three tents of the colour circle, a third of it apart.
+    [3.0, 5.0, 1.0].map(|offset| {
+        let distance = ((hue + offset) % 6.0 - 3.0).abs();
+        0.25 + 0.7 * (distance - 1.0).clamp(0.0, 1.0)
+    })
+}
+
+fn exr_layers(film: &Film, views: &[View]) -> Result<Vec<ExrLayer>, ImageError> {
+    // Colour and distance share the main layer, where compositors look for `Z`.
+    let mut main = ExrLayer::default();
+    let mut others = Vec::new();
+    for view in views {
+        match view {
+            View::Color => main.channels.extend(planes(&develop(film, Layer::Color)?, &["R", "G", "B"])),
+            View::Depth => main.channels.extend(planes(&develop(film, Layer::Depth)?, &["Z"])),
+            View::Normals => {
+                others.push(named("N", planes(&develop(film, Layer::Normal)?, &["X", "Y", "Z"])))
+            }
+            View::Uv => others.push(named("uv", planes(&develop(film, Layer::Uv)?, &["U", "V"]))),
+            View::Object => {
+                others.push(named("object", vec![("id".to_owned(), ids(film, Layer::ObjectId)?)]))
+            }
+            View::Material => {
+                others.push(named("material", vec![("id".to_owned(), ids(film, Layer::MaterialId)?)]))
+            }
+            View::Samples => {
+                others.push(named("samples", planes(&develop(film, Layer::SampleCount)?, &["count"])));
+            }
+        }
+    }
+    if !main.channels.is_empty() {
+        others.insert(0, main);
+    }
+    Ok(others)
+}
+
+fn named(name: &str, channels: Vec<(String, ChannelData)>) -> ExrLayer {
+    ExrLayer { name: Some(name.to_owned()), channels }
+}
+
+fn planes(image: &Image, names: &[&str]) -> Vec<(String, ChannelData)> {
+    let plane = |c: usize| ChannelData::F32(image.pixels().map(|pixel| pixel[c]).collect());
+    names.iter().enumerate().map(|(c, &name)| (name.to_owned(), plane(c))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_go_both_ways() {
+        for view in View::ALL {
+            assert_eq!(View::from_name(view.name()), Some(view));
+        }
+        assert_eq!(View::from_name("colour"), None);
+    }
+
+    #[test]
+    fn near_is_white_and_misses_are_black() {
+        let depth = Image::from_data(2, 2, 1, vec![5.0, 7.0, f32::INFINITY, 6.0]).unwrap();
+        let grey = nearness(&depth).unwrap();
+        for (found, expected) in grey.data().iter().zip([1.0, 0.1, 0.0, 0.55]) {
+            assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
+        }
+        let nothing = Image::filled(1, 1, &[f32::INFINITY]).unwrap();
+        assert_eq!(nearness(&nothing).unwrap().data(), [0.0]);
+        let flat = Image::filled(1, 1, &[3.0]).unwrap();
+        assert_eq!(nearness(&flat).unwrap().data(), [1.0]);
+    }
+
+    #[test]
+    fn false_colours_differ_and_none_is_black() {
+        let colours: Vec<_> = (0..50).map(|id| false_colour(id as f32).map(|v| (v * 255.0) as u8)).collect();
+        assert_eq!(colours[0], [0; 3]);
+        for (i, a) in colours.iter().enumerate() {
+            assert!(colours[..i].iter().all(|b| a != b), "number {i} looks like an earlier one");
+            assert!(i == 0 || a.iter().any(|&v| v > 200), "number {i} is dark: {a:?}");
+        }
+    }
+}
