@@ -90,40 +90,42 @@ fn splat(spec: FilmSpec, sampler: &Sampler, value: impl Fn(u32, u32, u32) -> f32
 
 #[test]
 fn the_response_to_an_impulse_is_the_filter() {
-    let sampler = sampler(SamplerKind::Regular, 9);
-    let place = |x: u32, y: u32, k: u32| {
-        let offset = sampler.position(k, &Stream::new(0, [0, 0], 0));
-        (f64::from(x) + f64::from(offset.x), f64::from(y) + f64::from(offset.y))
-    };
     for filter in FILTERS {
         // One impulse in the middle and one in a corner, where the border cuts the filter off.
-        for (ix, iy, ik) in [(6, 7, 2), (0, 0, 0)] {
-            let value = |x, y, k| if (x, y, k) == (ix, iy, ik) { 1.0 } else { 0.0 };
-            let image = splat(FilmSpec { filter, ..FilmSpec::new(13, 13) }, &sampler, value);
-            let image = image.develop(Layer::Color).expect("colour");
-            for py in 0..13u32 {
-                for px in 0..13u32 {
-                    let weight = |x, y, k| {
-                        let (sx, sy) = place(x, y, k);
-                        match filter {
-                            Filter::None => f64::from(u8::from((x, y) == (px, py))),
-                            _ => f64::from(filter.weight(
-                                (sx - f64::from(px) - 0.5) as f32,
-                                (sy - f64::from(py) - 0.5) as f32,
-                            )),
-                        }
-                    };
-                    let samples =
-                        (0..13).flat_map(|y| (0..13).flat_map(move |x| (0..9).map(move |k| (x, y, k))));
-                    let sum: f64 = samples.map(|(x, y, k)| weight(x, y, k)).sum();
-                    let expected = weight(ix, iy, ik) / sum;
-                    let found = f64::from(image.pixel(px, py)[0]);
-                    assert!(
-                        (found - expected).abs() < 2e-7,
-                        "{filter:?} at ({px}, {py}): {found}, not {expected}"
-                    );
-                }
-            }
+        check_impulse(filter, 9, (6, 7, 2));
+        check_impulse(filter, 9, (0, 0, 0));
+        // Three is no square: sample 2 lies two pixels below the one it is taken for.
+        check_impulse(filter, 3, (6, 7, 2));
+    }
+}
+
+/// Compares a picture of one sample of value 1 among `n` in each pixel with the filter's weights.
+fn check_impulse(filter: Filter, n: u32, impulse: (u32, u32, u32)) {
+    let sampler = sampler(SamplerKind::Regular, n);
+    let value = |x, y, k| if (x, y, k) == impulse { 1.0 } else { 0.0 };
+    let image = splat(FilmSpec { filter, ..FilmSpec::new(13, 13) }, &sampler, value);
+    let image = image.develop(Layer::Color).expect("colour");
+    // Weight of a sample at the pixel (px, py).
+    let weight = |(x, y, k): (u32, u32, u32), px: u32, py: u32| {
+        if filter == Filter::None {
+            return f64::from(u8::from((x, y) == (px, py)));
+        }
+        let offset = sampler.position(k, &Stream::new(0, [0, 0], 0));
+        let centre = |sample: u32, offset: f32, pixel: u32| {
+            (f64::from(sample) - f64::from(pixel)) as f32 + offset - 0.5
+        };
+        f64::from(filter.weight(centre(x, offset.x, px), centre(y, offset.y, py)))
+    };
+    for py in 0..13 {
+        for px in 0..13 {
+            let samples = (0..13).flat_map(|y| (0..13).flat_map(move |x| (0..n).map(move |k| (x, y, k))));
+            let sum: f64 = samples.map(|sample| weight(sample, px, py)).sum();
+            let expected = if sum == 0.0 { 0.0 } else { weight(impulse, px, py) / sum };
+            let found = f64::from(image.pixel(px, py)[0]);
+            assert!(
+                (found - expected).abs() < 3e-7,
+                "{filter:?}, {n} at ({px}, {py}): {found}, not {expected}"
+            );
         }
     }
 }
