@@ -12,7 +12,7 @@
 
 use kajo_math::{Ray, Vec3, Vec4};
 
-use crate::slabs::main_axis;
+use crate::simd::Simd;
 
 /// Triangles in a group.
 pub(crate) const LANES: usize = 4;
@@ -39,6 +39,15 @@ pub struct TriangleHit {
     pub triangle: u32,
 }
 
+/// The axis along which `d` is longest.
+#[inline(always)]
+fn main_axis(d: Vec3) -> usize {
+    // No branches: for scattered rays they would be mispredicted.
+    let a = d.abs();
+    let (xy, longer) = (usize::from(a.y > a.x), a.x.max(a.y));
+    if a.z >= longer { 2 } else { xy }
+}
+
 /// A ray made ready for triangle tests: axes renamed so that it runs fastest along the third.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shear {
@@ -55,14 +64,21 @@ impl Shear {
     pub(crate) fn new(ray: &Ray) -> Shear {
         let z = main_axis(ray.d);
         let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
-        let inv_dz = ray.d[z].recip();
+        let (o, d) = (ray.o.to_array(), ray.d.to_array());
+        let inv_dz = d[z].recip();
         Shear {
             axes,
-            o: axes.map(|axis| ray.o[axis]),
-            slope: [ray.d[axes[0]] * inv_dz, ray.d[axes[1]] * inv_dz],
+            o: axes.map(|axis| o[axis]),
+            slope: [d[axes[0]] * inv_dz, d[axes[1]] * inv_dz],
             inv_dz,
             t_min: ray.t_min,
         }
+    }
+
+    /// The lanes whose parameters lie after the ray's start.
+    #[inline(always)]
+    fn after_start(&self, t: Vec4) -> u32 {
+        t.cmpgt(Vec4::splat(self.t_min)).bitmask()
     }
 }
 
@@ -71,15 +87,6 @@ struct Sheared {
     x: [Vec4; 3],
     y: [Vec4; 3],
     z: [Vec4; 3],
-}
-
-/// An edge through the ray, as seen from the ray.
-#[derive(Clone, Copy)]
-enum Border {
-    /// The edge belongs to the triangle: for queries where a hole is worse than a double.
-    Inside,
-    /// The edge belongs to one of the two triangles that meet in it: for counting.
-    Shared,
 }
 
 impl Group {
@@ -115,20 +122,31 @@ impl Group {
     /// The nearest hit with `t_min < t < t_max`, of equally near ones the lowest number. A
     /// hit at exactly `t_max` counts if its triangle's number is below `tie`.
     #[inline(always)]
-    pub(crate) fn closest(&self, ray: &Shear, t_max: f32, tie: u32) -> Option<TriangleHit> {
+    pub(crate) fn closest<S: Simd>(&self, simd: S, ray: &Shear, t_max: f32, tie: u32) -> Option<TriangleHit> {
         let sheared = self.sheared(ray);
-        let mut candidates = sheared.candidates();
-        let mut best: Option<TriangleHit> = None;
-        while candidates != 0 {
-            let lane = take_lowest(&mut candidates);
-            let Some((t, u, v)) = sheared.hit(lane, ray, Border::Inside) else { continue };
+        let candidates = sheared.candidates();
+        if candidates == 0 {
+            return None;
+        }
+        let edges = sheared.edges(simd);
+        let (t, scale) = edges.distances(simd, &sheared, ray);
+        let mut hits =
+            candidates & edges.inside(simd) & ray.after_start(t) & t.cmple(Vec4::splat(t_max)).bitmask();
+        if hits == 0 {
+            return None;
+        }
+        let u = simd.narrow(simd.mul_f64(edges.v, scale)).to_array();
+        let v = simd.narrow(simd.mul_f64(edges.w, scale)).to_array();
+        let t = t.to_array();
+        let mut best = TriangleHit { t: t_max, u: 0.0, v: 0.0, triangle: tie };
+        while hits != 0 {
+            let lane = take_lowest(&mut hits);
             let triangle = self.triangles[lane];
-            let (limit, tie) = best.map_or((t_max, tie), |b| (b.t, b.triangle));
-            if t < limit || (t == limit && triangle < tie) {
-                best = Some(TriangleHit { t, u, v, triangle });
+            if t[lane] < best.t || (t[lane] == best.t && triangle < best.triangle) {
+                best = TriangleHit { t: t[lane], u: u[lane], v: v[lane], triangle };
             }
         }
-        best
+        (best.t < t_max || best.triangle < tie).then_some(best)
     }
 
     #[cfg(test)]
@@ -138,30 +156,36 @@ impl Group {
 
     /// Whether there is a hit with `t_min < t < t_max`.
     #[inline(always)]
-    pub(crate) fn any(&self, ray: &Shear, t_max: f32) -> bool {
+    pub(crate) fn any<S: Simd>(&self, simd: S, ray: &Shear, t_max: f32) -> bool {
         let sheared = self.sheared(ray);
-        let mut candidates = sheared.candidates();
-        while candidates != 0 {
-            let lane = take_lowest(&mut candidates);
-            if sheared.hit(lane, ray, Border::Inside).is_some_and(|(t, ..)| t < t_max) {
-                return true;
-            }
+        let candidates = sheared.candidates();
+        if candidates == 0 {
+            return false;
         }
-        false
+        let edges = sheared.edges(simd);
+        let (t, _) = edges.distances(simd, &sheared, ray);
+        candidates & edges.inside(simd) & ray.after_start(t) & t.cmplt(Vec4::splat(t_max)).bitmask() != 0
     }
 
     /// Every crossing with `t_min < t < t_max`.
     #[inline(always)]
-    pub(crate) fn all(&self, ray: &Shear, t_max: f32, mut visit: impl FnMut(TriangleHit)) {
+    pub(crate) fn all<S: Simd>(&self, simd: S, ray: &Shear, t_max: f32, mut visit: impl FnMut(TriangleHit)) {
         let sheared = self.sheared(ray);
-        let mut candidates = sheared.candidates();
-        while candidates != 0 {
-            let lane = take_lowest(&mut candidates);
+        let candidates = sheared.candidates();
+        if candidates == 0 {
+            return;
+        }
+        let edges = sheared.edges(simd);
+        let (t, scale) = edges.distances(simd, &sheared, ray);
+        let mut hits = candidates & ray.after_start(t) & t.cmplt(Vec4::splat(t_max)).bitmask();
+        let u = simd.narrow(simd.mul_f64(edges.v, scale)).to_array();
+        let v = simd.narrow(simd.mul_f64(edges.w, scale)).to_array();
+        while hits != 0 {
+            let lane = take_lowest(&mut hits);
             let triangle = self.triangles[lane];
             let filler = lane > 0 && self.triangles[lane - 1] == triangle;
-            let hit = sheared.hit(lane, ray, Border::Shared).filter(|(t, ..)| *t < t_max);
-            if let (Some((t, u, v)), false) = (hit, filler) {
-                visit(TriangleHit { t, u, v, triangle });
+            if !filler && sheared.is_crossed(lane) {
+                visit(TriangleHit { t: t.to_array()[lane], u: u[lane], v: v[lane], triangle });
             }
         }
     }
@@ -186,41 +210,69 @@ impl Sheared {
         !(negative & positive).bitmask() & 0xf
     }
 
-    /// `t`, `u` and `v` of the triangle in a lane if the ray meets it after `t_min`.
+    /// The edge functions, their signs exact.
     #[inline(always)]
-    fn hit(&self, lane: usize, ray: &Shear, border: Border) -> Option<(f32, f32, f32)> {
-        let at = |v: &[Vec4; 3], corner: usize| f64::from(v[corner].to_array()[lane]);
-        let edge = |p: usize, q: usize| at(&self.x, p) * at(&self.y, q) - at(&self.y, p) * at(&self.x, q);
-        let weights = [edge(2, 1), edge(0, 2), edge(1, 0)];
-        let inside = match border {
-            Border::Inside => weights.iter().all(|w| *w >= 0.0) || weights.iter().all(|w| *w <= 0.0),
-            Border::Shared => {
-                let sides = [
-                    self.side(weights[0], lane, 2, 1),
-                    self.side(weights[1], lane, 0, 2),
-                    self.side(weights[2], lane, 1, 0),
-                ];
-                sides == [true; 3] || sides == [false; 3]
-            }
-        };
-        let [a, b, c] = weights;
-        let det = a + b + c;
-        let inv = 1.0 / det;
-        let z = a * at(&self.z, 0) + b * at(&self.z, 1) + c * at(&self.z, 2);
-        let t = (z * inv * f64::from(ray.inv_dz)) as f32;
-        (inside && det != 0.0 && t > ray.t_min).then(|| (t, (b * inv) as f32, (c * inv) as f32))
+    fn edges<S: Simd>(&self, simd: S) -> Edges<S> {
+        let (x, y) = (self.x.map(|x| simd.widen(x)), self.y.map(|y| simd.widen(y)));
+        let edge = |p: usize, q: usize| simd.sub_f64(simd.mul_f64(x[p], y[q]), simd.mul_f64(y[p], x[q]));
+        Edges { u: edge(2, 1), v: edge(0, 2), w: edge(1, 0) }
     }
 
-    /// Whether the ray passes left of the directed edge from corner `p` to corner `q`, whose
-    /// edge function is `value`. A ray through the edge is moved by `(e, e^2)` for an
-    /// infinitesimal `e`, so that it passes both triangles at the edge on opposite sides.
+    /// Whether the ray crosses the triangle in a lane, where each edge belongs to only one of
+    /// the two triangles that meet in it.
     #[inline(always)]
-    fn side(&self, value: f64, lane: usize, p: usize, q: usize) -> bool {
-        if value != 0.0 {
-            return value > 0.0;
-        }
-        let at = |v: &[Vec4; 3], corner: usize| v[corner].to_array()[lane];
-        let (py, qy) = (at(&self.y, p), at(&self.y, q));
-        if py != qy { py > qy } else { at(&self.x, p) < at(&self.x, q) }
+    fn is_crossed(&self, lane: usize) -> bool {
+        let corner = |i: usize| (self.x[i].to_array()[lane], self.y[i].to_array()[lane]);
+        let (a, b, c) = (corner(0), corner(1), corner(2));
+        let sides = [is_left(c, b), is_left(a, c), is_left(b, a)];
+        sides == [true; 3] || sides == [false; 3]
+    }
+}
+
+/// Whether the origin is left of the directed edge from `p` to `q`.
+///
+/// An origin on the edge counts as moved by `(e, e^2)` for an infinitesimal `e`: the two
+/// triangles at the edge, which see it in opposite directions, get opposite answers.
+#[inline(always)]
+fn is_left((px, py): (f32, f32), (qx, qy): (f32, f32)) -> bool {
+    let edge = f64::from(px) * f64::from(qy) - f64::from(py) * f64::from(qx);
+    if edge != 0.0 {
+        edge > 0.0
+    } else if py != qy {
+        py > qy
+    } else {
+        px < qx
+    }
+}
+
+/// Edge functions of four triangles: the unscaled weights of their corners.
+struct Edges<S: Simd> {
+    u: S::F64x4,
+    v: S::F64x4,
+    w: S::F64x4,
+}
+
+impl<S: Simd> Edges<S> {
+    /// The lanes whose triangles the ray meets, edges included.
+    #[inline(always)]
+    fn inside(&self, simd: S) -> u32 {
+        let zero = simd.splat_f64(0.0);
+        let [u, v, w] = [self.u, self.v, self.w];
+        let positive = simd.le_f64(zero, u) & simd.le_f64(zero, v) & simd.le_f64(zero, w);
+        let negative = simd.le_f64(u, zero) & simd.le_f64(v, zero) & simd.le_f64(w, zero);
+        positive | negative
+    }
+
+    /// The ray parameters, and the scale that turns edge functions into weights; not numbers
+    /// where the ray lies in the triangle's plane.
+    #[inline(always)]
+    fn distances(&self, simd: S, sheared: &Sheared, ray: &Shear) -> (Vec4, S::F64x4) {
+        let [a, b, c] = sheared.z.map(|z| simd.widen(z));
+        let det = simd.add_f64(simd.add_f64(self.u, self.v), self.w);
+        let scale = simd.div_f64(simd.splat_f64(1.0), det);
+        let sum = simd.add_f64(simd.mul_f64(self.u, a), simd.mul_f64(self.v, b));
+        let sum = simd.add_f64(sum, simd.mul_f64(self.w, c));
+        let inv_dz = simd.splat_f64(f64::from(ray.inv_dz));
+        (simd.narrow(simd.mul_f64(simd.mul_f64(sum, scale), inv_dz)), scale)
     }
 }

@@ -27,6 +27,19 @@ pub(crate) trait Simd: Copy {
     fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// Bit `i` tells whether `a <= b` in lane `i`.
     fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+
+    /// Four doubles; every operation rounds once, the same on all machines.
+    type F64x4: Copy;
+
+    fn widen(self, x: Vec4) -> Self::F64x4;
+    fn narrow(self, x: Self::F64x4) -> Vec4;
+    fn splat_f64(self, x: f64) -> Self::F64x4;
+    fn add_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn sub_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn mul_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn div_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    /// Bit `i` tells whether `a <= b` in lane `i`.
+    fn le_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
 }
 
 /// Two halves of four, each a register on most machines.
@@ -71,6 +84,41 @@ impl Simd for Portable {
     fn le(self, a: [Vec4; 2], b: [Vec4; 2]) -> u32 {
         a[0].cmple(b[0]).bitmask() | a[1].cmple(b[1]).bitmask() << 4
     }
+
+    type F64x4 = [f64; 4];
+
+    #[inline(always)]
+    fn widen(self, x: Vec4) -> [f64; 4] {
+        x.to_array().map(f64::from)
+    }
+    #[inline(always)]
+    fn narrow(self, x: [f64; 4]) -> Vec4 {
+        Vec4::from_array(x.map(|x| x as f32))
+    }
+    #[inline(always)]
+    fn splat_f64(self, x: f64) -> [f64; 4] {
+        [x; 4]
+    }
+    #[inline(always)]
+    fn add_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        [0, 1, 2, 3].map(|i| a[i] + b[i])
+    }
+    #[inline(always)]
+    fn sub_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        [0, 1, 2, 3].map(|i| a[i] - b[i])
+    }
+    #[inline(always)]
+    fn mul_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        [0, 1, 2, 3].map(|i| a[i] * b[i])
+    }
+    #[inline(always)]
+    fn div_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        [0, 1, 2, 3].map(|i| a[i] / b[i])
+    }
+    #[inline(always)]
+    fn le_f64(self, a: [f64; 4], b: [f64; 4]) -> u32 {
+        (0..4).fold(0, |bits, i| bits | u32::from(a[i] <= b[i]) << i)
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -101,7 +149,7 @@ pub(crate) use dispatch;
 mod avx2 {
     use std::arch::x86_64::*;
 
-    use super::Simd;
+    use super::{Simd, Vec4};
 
     /// Proof that the processor has AVX2 and FMA.
     #[derive(Clone, Copy, Debug)]
@@ -165,6 +213,49 @@ mod avx2 {
         fn le(self, a: __m256, b: __m256) -> u32 {
             // SAFETY: as above.
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32 }
+        }
+
+        type F64x4 = __m256d;
+
+        #[inline(always)]
+        fn widen(self, x: Vec4) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_cvtps_pd(x.into()) }
+        }
+        #[inline(always)]
+        fn narrow(self, x: __m256d) -> Vec4 {
+            // SAFETY: as above.
+            unsafe { _mm256_cvtpd_ps(x) }.into()
+        }
+        #[inline(always)]
+        fn splat_f64(self, x: f64) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_set1_pd(x) }
+        }
+        #[inline(always)]
+        fn add_f64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_add_pd(a, b) }
+        }
+        #[inline(always)]
+        fn sub_f64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_sub_pd(a, b) }
+        }
+        #[inline(always)]
+        fn mul_f64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_mul_pd(a, b) }
+        }
+        #[inline(always)]
+        fn div_f64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_div_pd(a, b) }
+        }
+        #[inline(always)]
+        fn le_f64(self, a: __m256d, b: __m256d) -> u32 {
+            // SAFETY: as above.
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)) as u32 }
         }
     }
 }

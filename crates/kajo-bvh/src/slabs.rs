@@ -14,7 +14,7 @@
 //! - the slab's own products and sums by `5u S_k`,
 //! - replacing a tiny `d_k` by `2^-30 d_z` by `2^-30 S_z`.
 //!
-//! In all less than `7u S_k + 9u S_z`.
+//! In all less than `7u S_k + 9u S_z`; the largest `S` stands for `S_z` below.
 
 use kajo_math::{Ray, Vec3, Vec3A};
 
@@ -35,19 +35,6 @@ pub(crate) struct Slabs<S: Simd> {
     t_min: S::F32x8,
 }
 
-/// The axis along which `d` is longest.
-#[inline(always)]
-pub(crate) fn main_axis(d: Vec3) -> usize {
-    let a = d.abs();
-    if a.x > a.y && a.x > a.z {
-        0
-    } else if a.y > a.z {
-        1
-    } else {
-        2
-    }
-}
-
 impl<S: Simd> Slabs<S> {
     /// Prepares `ray` for boxes whose coordinates are at most `reach` in size.
     ///
@@ -56,21 +43,22 @@ impl<S: Simd> Slabs<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &Ray, reach: Vec3) -> Option<Slabs<S>> {
         let (o, d) = (Vec3A::from(ray.o), Vec3A::from(ray.d));
-        let main = main_axis(ray.d);
         // A direction along a slab would divide by zero; the tilt is within the error bound.
         let least = Vec3A::splat(d.abs().max_element() * (1.0 / (1u32 << 30) as f32));
         let rd = d.abs().max(least).copysign(d).recip();
         let s = o.abs() + Vec3A::from(reach);
-        let error = (7.0 * U) * s + (9.0 * U) * s[main];
+        let error = (7.0 * U) * s + Vec3A::splat((9.0 * U) * s.max_element());
         let (base, slack) = (-o * rd, error * rd.abs());
         let (near, far) = (base - slack, base + slack);
-        if !(near.is_finite() && far.is_finite() && rd.is_finite()) {
+        // Whatever was not finite has spread to here.
+        if !(far - near).is_finite() {
             return None;
         }
         let splat = |v: Vec3A| v.to_array().map(|x| simd.splat(x));
+        let backward = rd.cmplt(Vec3A::ZERO).bitmask() as usize;
         Some(Slabs {
             simd,
-            first: rd.to_array().map(|x| usize::from(x < 0.0)),
+            first: [backward & 1, backward >> 1 & 1, backward >> 2 & 1],
             rd: splat(rd),
             near: splat(near),
             far: splat(far),

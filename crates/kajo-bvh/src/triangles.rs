@@ -117,7 +117,7 @@ impl TriangleBvh {
         self.tree.nearest(simd, ray, |payload, mut t_max| {
             for group in self.leaf(payload) {
                 let tie = best.map_or(0, |b| b.triangle);
-                if let Some(hit) = group.closest(&shear, t_max, tie) {
+                if let Some(hit) = group.closest(simd, &shear, t_max, tie) {
                     t_max = hit.t;
                     best = Some(hit);
                 }
@@ -130,7 +130,7 @@ impl TriangleBvh {
     #[inline(always)]
     fn any_on<S: Simd>(&self, simd: S, ray: &Ray) -> bool {
         let shear = Shear::new(ray);
-        self.tree.any(simd, ray, |payload| self.leaf(payload).iter().any(|g| g.any(&shear, ray.t_max)))
+        self.tree.any(simd, ray, |payload| self.leaf(payload).iter().any(|g| g.any(simd, &shear, ray.t_max)))
     }
 
     #[inline(always)]
@@ -138,7 +138,7 @@ impl TriangleBvh {
         let shear = Shear::new(ray);
         self.tree.any(simd, ray, |payload| {
             for group in self.leaf(payload) {
-                group.all(&shear, ray.t_max, &mut visit);
+                group.all(simd, &shear, ray.t_max, &mut visit);
             }
             false
         });
@@ -258,7 +258,8 @@ mod steps {
                         for group in t.leaf(payload) {
                             groups += 1;
                             cands += group.candidate_count(&shear) as u64;
-                            if let Some(hit) = group.closest(&shear, t_max, best.map_or(0, |b| b.triangle)) {
+                            if let Some(hit) = group.closest(P, &shear, t_max, best.map_or(0, |b| b.triangle))
+                            {
                                 t_max = hit.t;
                                 best = Some(hit);
                             }
