@@ -6,9 +6,9 @@
 //! (d.d) t^2 + 2 (m.d) t + (m.m - r^2) = 0.
 //! ```
 //!
-//! The discriminant is taken as `r^2 - |m - (m.d / d.d) d|^2`, the squared radius less the
-//! squared distance from the centre to the line, which keeps its digits when the origin is far
-//! away [Haines et al. 2019, eq. 8].
+//! The discriminant is taken as `(d.d) r^2 - |m x d|^2`: up to the factor `d.d` it is the squared radius
+//! less the squared distance from the centre to the line, which keeps its digits when the origin
+//! is far away [Haines et al. 2019, eq. 8].
 //!
 //! Scene: `Sphere { center 0 0 0  radius 1 }`
 
@@ -38,12 +38,12 @@ impl Sphere {
         let Ray64 { o, d } = Ray64::new(ray);
         let (m, r) = (o - self.center.as_dvec3(), f64::from(self.radius));
         let (a, h) = (d.dot(d), m.dot(d));
-        let foot = m - (h / a) * d;
-        let discriminant = r * r - foot.dot(foot);
+        let across = m.cross(d);
+        let discriminant = a * (r * r) - across.dot(across);
         if r == 0.0 || discriminant.is_nan() || discriminant < 0.0 {
             return None;
         }
-        let q = -(h + (a * discriminant).sqrt().copysign(h));
+        let q = -(h + discriminant.sqrt().copysign(h));
         if q == 0.0 {
             return Some((0.0, 0.0));
         }

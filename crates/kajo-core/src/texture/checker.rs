@@ -14,7 +14,7 @@ pub struct Checker;
 
 impl Pattern for Checker {
     fn value(&self, q: Vec3) -> f32 {
-        let parity = |v: f32| (v.trunc() as i64 % 2) + i64::from(v < 0.0);
+        let parity = |v: f32| (v as i64 % 2) + i64::from(v < 0.0);
         let odd = (1 + parity(q.x) + parity(q.y) + parity(q.z)) % 2 != 0;
         if odd { 0.0 } else { 1.0 }
     }

@@ -23,7 +23,7 @@ use kajo_core::{RayOffset, light::Illumination};
 use kajo_math::{Ray, Vec2, Vec3, rng::Stream};
 
 use super::shadow;
-use crate::{FirstHit, PixelIntegrator, PixelSample, RayCounters};
+use crate::{FirstHit, Layer, LayerSet, PixelIntegrator, PixelSample, RayCounters};
 
 /// The most mirror and refracted rays in a row that may be asked for.
 pub const MAX_BOUNCES: u32 = 1000;
@@ -58,8 +58,8 @@ pub struct Classic<'a> {
     scene: &'a Scene,
     settings: ClassicSettings,
     size: [u32; 2],
-    /// Whether surface coordinates at the first hit are wanted.
-    wants_uv: bool,
+    /// What of the first hit is wanted.
+    layers: LayerSet,
 }
 
 /// Where a ray is on its way: what later light is multiplied by, and through what it travels.
@@ -75,9 +75,9 @@ struct Path {
 }
 
 impl<'a> Classic<'a> {
-    /// The integrator for a picture of `size` pixels.
-    pub fn new(scene: &'a Scene, settings: ClassicSettings, size: [u32; 2], wants_uv: bool) -> Classic<'a> {
-        Classic { scene, settings, size, wants_uv }
+    /// The integrator for a picture of `size` pixels with these `layers`.
+    pub fn new(scene: &'a Scene, settings: ClassicSettings, size: [u32; 2], layers: LayerSet) -> Classic<'a> {
+        Classic { scene, settings, size, layers }
     }
 
     /// The camera ray through a place of the picture, in pixels from its top left corner.
@@ -288,9 +288,13 @@ impl PixelIntegrator for Classic<'_> {
         let first = first.map(|at| FirstHit {
             t: at.hit.t,
             n: at.point.n,
-            uv: if self.wants_uv { self.scene.uv(&at) } else { Vec2::ZERO },
+            uv: if self.layers.has(Layer::Uv) { self.scene.uv(&at) } else { Vec2::ZERO },
             object: at.primitive + 1,
-            material: self.scene.material_number(at.material),
+            material: if self.layers.has(Layer::MaterialId) {
+                self.scene.material_number(at.material)
+            } else {
+                0
+            },
         });
         let radiance = if self.settings.uv { self.uv_picture(raster) } else { light };
         PixelSample { radiance, first }

@@ -9,7 +9,7 @@ use kajo_math::{Vec2, rng::Stream};
 use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::classic::{Classic, ClassicSettings};
-use crate::{PixelIntegrator, RayCounters};
+use crate::{LayerSet, PixelIntegrator, RayCounters};
 
 /// An orthographic camera two units high that looks down the z axis, and a world without light.
 const VIEW: &str = "OrthographicCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 size 2 }
@@ -40,7 +40,7 @@ fn plain(scene: &Scene) -> ClassicSettings {
 
 /// Light along the camera ray through picture coordinates `(x, y)` in [-1, 1]^2, and the rays it took.
 fn look(scene: &Scene, settings: ClassicSettings, x: f32, y: f32) -> ([f32; 3], RayCounters) {
-    let classic = Classic::new(scene, settings, [200, 200], false);
+    let classic = Classic::new(scene, settings, [200, 200], LayerSet::of(&[]));
     let raster = Vec2::new(100.0 * (x + 1.0), 100.0 * (1.0 - y));
     let mut rays = RayCounters::default();
     let sample = classic.sample(raster, &Stream::new(0, [0, 0], 0), &mut rays);
@@ -307,7 +307,7 @@ fn back_sides_are_dark_or_lit_as_told() {
 #[test]
 fn the_test_picture_shows_pixel_centres() {
     let s = scene(VIEW);
-    let classic = Classic::new(&s, ClassicSettings { uv: true, ..plain(&s) }, [8, 4], false);
+    let classic = Classic::new(&s, ClassicSettings { uv: true, ..plain(&s) }, [8, 4], LayerSet::of(&[]));
     for (i, j) in [(0u32, 0u32), (7, 0), (3, 2), (7, 3)] {
         for offset in [0.01, 0.5, 0.99] {
             let raster = Vec2::new(i as f32 + offset, j as f32 + offset);
@@ -327,7 +327,7 @@ fn depth_of_a_tilted_plane_is_exact() {
             "PerspectiveCamera {{ center 0 0 10 direction 0 0 -1 up 0 1 0 angle 40 }} Materials {{ Material {{ }} }}
              Group {{ MaterialIndex 0 Plane {{ normal {nx} {ny} 1 offset {offset} }} }}"
         ));
-        let classic = Classic::new(&s, plain(&s), [64, 64], false);
+        let classic = Classic::new(&s, plain(&s), [64, 64], LayerSet::of(&[]));
         let raster = Vec2::new(64.0 * u(3), 64.0 * u(4));
         let sample = classic.sample(raster, &Stream::new(0, [0, 0], 0), &mut RayCounters::default());
         let d = f64::to_radians(20.0).tan();
