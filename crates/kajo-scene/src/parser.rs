@@ -27,6 +27,9 @@ pub struct Parsed {
     pub desc: SceneDesc,
     /// What was wrong.
     pub diagnostics: Diagnostics,
+    /// Whether the tree holds every item of the text at its place, whatever is wrong with single
+    /// values. If not, complaints about what is missing from it may only be consequences.
+    pub whole: bool,
 }
 
 impl SceneDesc {
@@ -35,7 +38,7 @@ impl SceneDesc {
         let mut parser = Parser::new(assets, limits);
         match parser.read_source(name, None) {
             Ok(source) => parser.run(source),
-            Err(diagnostic) => parser.error(diagnostic),
+            Err(diagnostic) => parser.damage(diagnostic),
         }
         parser.finish()
     }
@@ -45,7 +48,7 @@ impl SceneDesc {
         let mut parser = Parser::new(assets, limits);
         match parser.add_source(path, text.into().into_bytes(), None) {
             Ok(source) => parser.run(source),
-            Err(diagnostic) => parser.error(diagnostic),
+            Err(diagnostic) => parser.damage(diagnostic),
         }
         parser.finish()
     }
@@ -92,6 +95,8 @@ struct Parser<'l> {
     includes: usize,
     by_path: HashMap<String, SourceId>,
     text_bytes: u64,
+    /// See [`Parsed::whole`].
+    whole: bool,
 }
 
 /// Reading cannot go on; the reason has been reported.
@@ -110,11 +115,18 @@ impl<'l> Parser<'l> {
             includes: 0,
             by_path: HashMap::new(),
             text_bytes: 0,
+            whole: true,
         }
     }
 
     fn error(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
+    }
+
+    /// An error after which items are missing from the tree or stand in wrong blocks.
+    fn damage(&mut self, diagnostic: Diagnostic) {
+        self.whole = false;
+        self.error(diagnostic);
     }
 
     fn run(&mut self, root: SourceId) {
@@ -130,7 +142,7 @@ impl<'l> Parser<'l> {
         while let Some(block) = self.blocks.pop() {
             self.close(block, None);
         }
-        Parsed { desc: self.desc, diagnostics: self.diagnostics }
+        Parsed { desc: self.desc, diagnostics: self.diagnostics, whole: self.whole }
     }
 
     /// Reads the innermost file up to its end or to an include.
@@ -159,7 +171,7 @@ impl<'l> Parser<'l> {
                 TokenKind::Whitespace | TokenKind::Comment => {}
             }
             if self.diagnostics.count(Severity::Error) >= self.limits.errors {
-                self.error(Diagnostic::error("too many mistakes: the rest of the scene was not read"));
+                self.damage(Diagnostic::error("too many mistakes: the rest of the scene was not read"));
                 return Err(Stop);
             }
         }
@@ -186,7 +198,7 @@ impl<'l> Parser<'l> {
     fn begin_item(&mut self, span: Span) -> Result<(), Stop> {
         self.end_item();
         if self.desc.nodes.len() >= self.limits.items {
-            self.error(
+            self.damage(
                 Diagnostic::error(format!(
                     "the scene has more than {} items, files included by it counted",
                     self.limits.items
@@ -297,7 +309,7 @@ impl<'l> Parser<'l> {
 
     fn open_brace(&mut self, span: Span) -> Result<(), Stop> {
         if self.blocks.len() >= self.limits.nesting {
-            self.error(
+            self.damage(
                 Diagnostic::error(format!("blocks are nested more than {} deep", self.limits.nesting))
                     .label(span, "this block is too deep; the rest was not read"),
             );
@@ -314,7 +326,7 @@ impl<'l> Parser<'l> {
             }
             None => {
                 self.expect = Expect::Keyword;
-                self.error(
+                self.damage(
                     Diagnostic::error("`{` without a keyword before it")
                         .label(span, "expected a keyword, as in `Group {`"),
                 );
@@ -326,7 +338,7 @@ impl<'l> Parser<'l> {
     fn close_brace(&mut self, span: Span, outer_blocks: usize) {
         self.end_item();
         if self.blocks.len() <= outer_blocks {
-            self.error(
+            self.damage(
                 Diagnostic::error("`}` without a block to close")
                     .label(span, "no `{` of this file is open here")
                     .help("remove it, or add the missing `{`"),
@@ -364,7 +376,7 @@ impl<'l> Parser<'l> {
         let node = self.desc.nodes[index as usize];
         let keyword = Span { source: node.source, start: node.keyword.0, end: node.keyword.1 };
         let name = quoted(self.desc.sources.text(keyword));
-        self.error(
+        self.damage(
             Diagnostic::error(format!("the block of {name} is not closed"))
                 .label(keyword, "its `{` has no `}`")
                 .label(end, "the file ends here")
@@ -374,7 +386,7 @@ impl<'l> Parser<'l> {
 
     fn lex_error(&mut self, span: Span, error: LexError) {
         let start = Span { end: span.start + 1, ..span };
-        self.error(match error {
+        self.damage(match error {
             LexError::UnterminatedString => Diagnostic::error("the string is not closed")
                 .label(start, "no `\"` follows on this line")
                 .help("end the string with `\"`; a quote inside it is written `\\\"`"),

@@ -81,16 +81,16 @@ pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
 /// assert!(loaded.lines().any(|line| line.starts_with("ball.txt:1:9: error: ")));
 /// ```
 pub fn load_from(name: &str, assets: &dyn Assets, options: &LoadOptions) -> Loaded {
-    let Parsed { mut desc, mut diagnostics } = SceneDesc::load(name, assets, &options.limits);
+    let Parsed { mut desc, mut diagnostics, whole } = SceneDesc::load(name, assets, &options.limits);
     let compile_options = CompileOptions {
         dialect: options.dialect,
         limits: options.limits.clone(),
         ..CompileOptions::default()
     };
     // A text that could not be read whole would only give complaints about what is missing from it.
-    let scene = match diagnostics.has_errors() {
-        true => None,
-        false => compile(&mut desc, assets, &compile_options, &mut diagnostics),
+    let scene = match whole {
+        true => compile(&mut desc, assets, &compile_options, &mut diagnostics),
+        false => None,
     };
     Loaded { desc, diagnostics, scene, files: Vec::new() }
 }
@@ -123,6 +123,19 @@ mod tests {
         let loaded = load(&path, &LoadOptions::default());
         assert!(loaded.scene.is_some(), "{}", loaded.report(false));
         assert_eq!(loaded.files.len(), 2);
+    }
+
+    #[test]
+    fn slips_of_the_pen_do_not_hide_other_mistakes() {
+        let text = "PerspectiveCamera { center 0 0 nan direction 0 0 -1 up 0 1 0 angle 3O }
+            Group { Sphre { center 0 0 0 radius 1 } }";
+        let assets = kajo_scene::MemoryAssets::new().with("a.txt", text);
+        let loaded = load_from("a.txt", &assets, &LoadOptions::default());
+        let lines: Vec<_> = loaded.lines().collect();
+        assert_eq!(lines.len(), 3, "{lines:#?}");
+        // What is cut off only draws complaints about what is missing, so the cut is all that is said.
+        let assets = kajo_scene::MemoryAssets::new().with("a.txt", "Group { Sphre {");
+        assert!(load_from("a.txt", &assets, &LoadOptions::default()).lines().all(|l| l.contains("not closed")));
     }
 
     #[test]

@@ -11,7 +11,7 @@ impl Parser<'_> {
     /// Goes on with the file that an include names.
     pub(super) fn include(&mut self, keyword: Span, name: Option<Span>) -> Result<(), Stop> {
         let Some(span) = name else {
-            self.error(
+            self.damage(
                 Diagnostic::error("`include` names no file")
                     .label(keyword, "expected a file name after this, as in `include \"lights.txt\"`"),
             );
@@ -21,7 +21,7 @@ impl Parser<'_> {
         let name = Word { raw, span }.text().into_owned();
         self.includes += 1;
         if self.includes > self.limits.includes {
-            self.error(
+            self.damage(
                 Diagnostic::error(format!(
                     "more than {} files are included, repeats counted",
                     self.limits.includes
@@ -31,7 +31,7 @@ impl Parser<'_> {
             return Err(Stop);
         }
         if self.frames.len() > self.limits.include_depth {
-            self.error(
+            self.damage(
                 Diagnostic::error(format!(
                     "files include each other more than {} deep: {}",
                     self.limits.include_depth,
@@ -47,7 +47,7 @@ impl Parser<'_> {
                 Ok(())
             }
             Err(diagnostic) => {
-                self.error(diagnostic);
+                self.damage(diagnostic);
                 Ok(())
             }
         }
