@@ -17,7 +17,7 @@ const SHAPE: LeafShape = LeafShape { block: 1, most: 1 };
 /// out of its box is not lost.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    tree: Tree,
+    pub(crate) tree: Tree,
     leaves: usize,
     dropped: usize,
 }

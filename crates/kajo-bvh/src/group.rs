@@ -18,7 +18,7 @@ use crate::simd::Simd;
 pub(crate) const LANES: usize = 4;
 
 /// Up to four triangles in ascending order of their numbers, the last one repeated to fill up.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub(crate) struct Group {
     /// By axis and corner.
@@ -147,11 +147,6 @@ impl Group {
             }
         }
         (best.t < t_max || best.triangle < tie).then_some(best)
-    }
-
-    #[cfg(test)]
-    pub(crate) fn candidate_count(&self, ray: &Shear) -> u32 {
-        self.sheared(ray).candidates().count_ones()
     }
 
     /// Whether there is a hit with `t_min < t < t_max`.

@@ -11,6 +11,8 @@ mod group;
 mod node;
 mod simd;
 mod slabs;
+#[cfg(test)]
+mod tests;
 mod triangles;
 mod walk;
 

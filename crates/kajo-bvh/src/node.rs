@@ -41,7 +41,7 @@ impl Child {
 ///
 /// 256 bytes, so that a node is found by a shift, and both planes of an axis share a cache
 /// line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     /// Smallest and largest x, y and z of the children's boxes.

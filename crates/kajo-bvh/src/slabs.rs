@@ -38,8 +38,8 @@ pub(crate) struct Slabs<S: Simd> {
 impl<S: Simd> Slabs<S> {
     /// Prepares `ray` for boxes whose coordinates are at most `reach` in size.
     ///
-    /// Returns `None` for rays that hit nothing: no direction, or a number in origin or
-    /// direction that is not finite or out of all proportion.
+    /// Returns `None` for rays that hit nothing: an empty range, no direction, or a number in
+    /// origin or direction that is not finite or out of all proportion.
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &Ray, reach: Vec3) -> Option<Slabs<S>> {
         let (o, d) = (Vec3A::from(ray.o), Vec3A::from(ray.d));
@@ -51,7 +51,7 @@ impl<S: Simd> Slabs<S> {
         let (base, slack) = (-o * rd, error * rd.abs());
         let (near, far) = (base - slack, base + slack);
         // Whatever was not finite has spread to here.
-        if !(far - near).is_finite() {
+        if !((far - near + d).is_finite() && ray.t_min < ray.t_max) {
             return None;
         }
         let splat = |v: Vec3A| v.to_array().map(|x| simd.splat(x));

@@ -22,8 +22,8 @@ const SHAPE: LeafShape = LeafShape { block: LANES as u32, most: LANES << MORE_BI
 /// Both sides of a triangle count, and its edges belong to it.
 #[derive(Clone, Debug)]
 pub struct TriangleBvh {
-    tree: Tree,
-    groups: Vec<Group>,
+    pub(crate) tree: Tree,
+    pub(crate) groups: Vec<Group>,
     leaves: usize,
     dropped: usize,
 }
@@ -111,7 +111,7 @@ impl TriangleBvh {
     }
 
     #[inline(always)]
-    fn closest_on<S: Simd>(&self, simd: S, ray: &Ray) -> Option<TriangleHit> {
+    pub(crate) fn closest_on<S: Simd>(&self, simd: S, ray: &Ray) -> Option<TriangleHit> {
         let shear = Shear::new(ray);
         let mut best: Option<TriangleHit> = None;
         self.tree.nearest(simd, ray, |payload, mut t_max| {
@@ -128,13 +128,13 @@ impl TriangleBvh {
     }
 
     #[inline(always)]
-    fn any_on<S: Simd>(&self, simd: S, ray: &Ray) -> bool {
+    pub(crate) fn any_on<S: Simd>(&self, simd: S, ray: &Ray) -> bool {
         let shear = Shear::new(ray);
         self.tree.any(simd, ray, |payload| self.leaf(payload).iter().any(|g| g.any(simd, &shear, ray.t_max)))
     }
 
     #[inline(always)]
-    fn all_on<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(TriangleHit)) {
+    pub(crate) fn all_on<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(TriangleHit)) {
         let shear = Shear::new(ray);
         self.tree.any(simd, ray, |payload| {
             for group in self.leaf(payload) {
@@ -161,7 +161,7 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), BuildError> {
 
 /// Whether the corners are finite and not on one line.
 #[inline]
-fn can_be_hit([a, b, c]: [Vec3; 3]) -> bool {
+pub(crate) fn can_be_hit([a, b, c]: [Vec3; 3]) -> bool {
     if (b - a).cross(c - a) != Vec3::ZERO {
         return a.is_finite() && b.is_finite() && c.is_finite();
     }
@@ -200,90 +200,4 @@ fn fill(built: &Built, corners: impl Fn(u32) -> [Vec3; 3] + Sync) -> (Vec<Group>
     };
     let payloads = work.into_par_iter().map(fill).collect();
     (groups, payloads)
-}
-
-#[cfg(test)]
-mod steps {
-    use super::*;
-    use std::cell::Cell;
-    thread_local!(static NODES: Cell<u64> = const { Cell::new(0) });
-    #[derive(Clone, Copy)]
-    struct Counting;
-    use crate::simd::Portable as P;
-    impl Simd for Counting {
-        type F32x8 = <P as Simd>::F32x8;
-        fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
-            f()
-        }
-        fn splat(self, x: f32) -> Self::F32x8 {
-            P.splat(x)
-        }
-        fn load(self, x: &[f32; 8]) -> Self::F32x8 {
-            P.load(x)
-        }
-        fn store(self, x: Self::F32x8) -> [f32; 8] {
-            P.store(x)
-        }
-        fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8 {
-            P.mul_add(a, b, c)
-        }
-        fn min(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
-            P.min(a, b)
-        }
-        fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8 {
-            P.max(a, b)
-        }
-        fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32 {
-            NODES.set(NODES.get() + 1);
-            P.le(a, b)
-        }
-    }
-    #[test]
-    fn tmp_steps() {
-        for m in std::env::var("M").unwrap().split(',') {
-            let mesh = crate::bench::Mesh::read(std::path::Path::new(&format!("/tmp/bench/meshes/{m}.kmsh")))
-                .unwrap();
-            let t = TriangleBvh::build(&mesh.positions, &mesh.triangles, &Default::default()).unwrap();
-            let rays = crate::bench::primary(&mesh);
-            let hits: Vec<_> = rays.iter().map(|r| t.closest(r)).collect();
-            let second = crate::bench::secondary(&mesh, &rays, &hits);
-            let run = |name: &str, rays: &[Ray]| {
-                NODES.set(0);
-                let (mut leaves, mut groups, mut cands) = (0u64, 0u64, 0u64);
-                for ray in rays {
-                    let shear = Shear::new(ray);
-                    let mut best: Option<TriangleHit> = None;
-                    t.tree.nearest(Counting, ray, |payload, mut t_max| {
-                        leaves += 1;
-                        for group in t.leaf(payload) {
-                            groups += 1;
-                            cands += group.candidate_count(&shear) as u64;
-                            if let Some(hit) = group.closest(P, &shear, t_max, best.map_or(0, |b| b.triangle))
-                            {
-                                t_max = hit.t;
-                                best = Some(hit);
-                            }
-                        }
-                        t_max
-                    });
-                }
-                let n = rays.len() as f64;
-                println!(
-                    "{m} {name}: nodes {:.2} leaves {:.2} groups {:.2} cands {:.2}",
-                    NODES.get() as f64 / n,
-                    leaves as f64 / n,
-                    groups as f64 / n,
-                    cands as f64 / n
-                );
-            };
-            println!(
-                "{:?} tris/group {:.2} children/node {:.2}",
-                t.stats(),
-                mesh.triangles.len() as f64 / t.groups.len() as f64,
-                (t.leaves + t.tree.nodes.len() - 1) as f64 / t.tree.nodes.len() as f64
-            );
-            run("primary", &rays);
-            run("bounce", &second.bounce);
-        }
-    }
 }

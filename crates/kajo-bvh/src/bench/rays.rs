@@ -72,7 +72,7 @@ pub fn secondary(mesh: &Mesh, rays: &[Ray], hits: &[Option<TriangleHit>]) -> Ray
         let q = ray.o + ray.d * hit.t + n * mesh.eps;
         let z = 1.0 - 2.0 * uniform(i, 0);
         let r = (1.0 - z * z).max(0.0).sqrt();
-        let phi = 6.283_185_3 * uniform(i, 1);
+        let phi = std::f32::consts::TAU * uniform(i, 1);
         let d = n + Vec3::new(r * fmath::cos(phi), r * fmath::sin(phi), z);
         let d = if d.dot(d) > 1e-12 { d } else { n };
         out.bounce.push(Ray::new(q, unit(d)));

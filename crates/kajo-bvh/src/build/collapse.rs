@@ -4,9 +4,11 @@
 //! wide node above it. With `A` the surface, `P` the blocks of a leaf, the cheapest ways are
 //! [Ylitie, Karras and Laine 2017, eq. 3-6]
 //!
-//!     C(n, 1) = min(A P c_block, A c_node + D(n, 8))
-//!     C(n, i) = min(D(n, i), C(n, i - 1))
-//!     D(n, i) = min over 0 < k < i of C(left, k) + C(right, i - k)
+//! ```text
+//! C(n, 1) = min(A P c_block, A c_node + D(n, 8))
+//! C(n, i) = min(D(n, i), C(n, i - 1))
+//! D(n, i) = min over 0 < k < i of C(left, k) + C(right, i - k)
+//! ```
 //!
 //! found from the leaves up, one table of `C` a node.
 

@@ -3,7 +3,9 @@
 //! A node costs the rays that meet it; the chance of that is proportional to its surface.
 //! Splitting a set into `L` and `R` costs
 //!
-//!     C = 1 + (A(L) n(L) + A(R) n(R)) / A
+//! ```text
+//! C = 1 + (A(L) n(L) + A(R) n(R)) / A
+//! ```
 //!
 //! where `n` counts leaf blocks rather than primitives. Centres are sorted into bins on each
 //! axis and the borders between bins are tried [Wald 2007].
@@ -146,10 +148,10 @@ impl Split {
     pub(super) fn part(&self, prims: &mut [Prim]) {
         let mut left = 0;
         for i in 0..prims.len() {
-            let prim = prims[i];
-            prims[i] = prims[left];
-            prims[left] = prim;
-            left += usize::from(self.is_left(&prim));
+            // Without a branch: which side comes next cannot be predicted.
+            let is_left = self.is_left(&prims[i]);
+            prims.swap(i, left);
+            left += usize::from(is_left);
         }
     }
 

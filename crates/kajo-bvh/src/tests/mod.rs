@@ -1,0 +1,9 @@
+//! Both trees against plain loops over everything, and against geometry.
+
+mod boxes;
+mod brute;
+mod hostile;
+mod meshes;
+mod steps;
+mod threads;
+mod watertight;
