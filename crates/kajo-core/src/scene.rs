@@ -119,7 +119,7 @@ impl Scene {
     pub fn occluded(&self, ray: &Ray) -> bool {
         let blocks = |i: u32| {
             let primitive = &self.primitives[i as usize];
-            self.shapes.blocks(primitive.shape, &self.in_object(primitive, ray))
+            self.in_object(primitive, ray, |ray| self.shapes.blocks(primitive.shape, ray))
         };
         self.unbounded.iter().any(|&i| blocks(i)) || self.bvh.any(ray, blocks)
     }
@@ -129,13 +129,14 @@ impl Scene {
     pub fn occluded_or(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit) -> bool) -> bool {
         let mut blocks = |i: u32| {
             let primitive = &self.primitives[i as usize];
-            let ray = self.in_object(primitive, ray);
-            if !primitive.transmits {
-                return self.shapes.blocks(primitive.shape, &ray);
-            }
-            let mut blocked = false;
-            self.shapes.crossings(primitive.shape, &ray, |hit| blocked = blocked || visit(i, hit));
-            blocked
+            self.in_object(primitive, ray, |ray| {
+                if !primitive.transmits {
+                    return self.shapes.blocks(primitive.shape, ray);
+                }
+                let mut blocked = false;
+                self.shapes.crossings(primitive.shape, ray, |hit| blocked = blocked || visit(i, hit));
+                blocked
+            })
         };
         self.unbounded.iter().any(|&i| blocks(i)) || self.bvh.any(ray, blocks)
     }
@@ -144,7 +145,7 @@ impl Scene {
     pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit)) {
         let mut each = |i: u32| {
             let primitive = &self.primitives[i as usize];
-            self.shapes.crossings(primitive.shape, &self.in_object(primitive, ray), |hit| visit(i, hit));
+            self.in_object(primitive, ray, |ray| self.shapes.crossings(primitive.shape, ray, |hit| visit(i, hit)));
         };
         self.unbounded.iter().for_each(|&i| each(i));
         self.bvh.each(ray, each);
@@ -205,11 +206,12 @@ impl Scene {
     #[inline]
     fn closest(&self, ray: &Ray) -> Option<(u32, Hit)> {
         let mut best: Option<(u32, Hit)> = None;
+        let mut range = *ray;
         let mut consider = |i: u32, t_max: f32| {
             let primitive = &self.primitives[i as usize];
             // One step further, so that an equally near object that stands earlier can still win.
-            let range = ray.over(ray.t_min, if best.is_some() { t_max.next_up() } else { t_max });
-            let Some(hit) = self.shapes.hit(primitive.shape, &self.in_object(primitive, &range)) else {
+            range.t_max = if best.is_some() { t_max.next_up() } else { t_max };
+            let Some(hit) = self.in_object(primitive, &range, |ray| self.shapes.hit(primitive.shape, ray)) else {
                 return t_max;
             };
             if best.is_some_and(|(first, nearest)| hit.t == nearest.t && first < i) {
@@ -223,12 +225,12 @@ impl Scene {
         best
     }
 
+    /// `f` of the ray in the space of a primitive.
     #[inline]
-    fn in_object(&self, primitive: &Primitive, ray: &Ray) -> Ray {
-        if primitive.transform == 0 {
-            *ray
-        } else {
-            self.transforms[primitive.transform as usize].ray_in_object(ray)
+    fn in_object<T>(&self, primitive: &Primitive, ray: &Ray, f: impl FnOnce(&Ray) -> T) -> T {
+        match primitive.transform {
+            0 => f(ray),
+            transform => f(&self.transforms[transform as usize].ray_in_object(ray)),
         }
     }
 }
