@@ -82,7 +82,7 @@ impl From<RenderError> for Failure {
             RenderError::Film(_) => Failure::Input(error.to_string()),
             RenderError::Memory { .. } => Failure::Memory(error.to_string()),
             RenderError::Cancelled(_) => Failure::Interrupted,
-            RenderError::Panicked { .. } => Failure::Bug(error.to_string()),
+            RenderError::Panicked(_) => Failure::Bug(error.to_string()),
         }
     }
 }

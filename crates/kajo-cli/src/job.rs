@@ -174,11 +174,12 @@ impl Job {
     }
 }
 
-/// "scene.txt has 3 errors"
+/// "scene.txt has 3 errors", after they were shown; a single one speaks for itself.
 pub fn has_errors(scene: &Path, loaded: &Loaded) -> Failure {
-    let count = loaded.diagnostics.count(Severity::Error);
-    let errors = if count == 1 { "error" } else { "errors" };
-    Failure::Input(format!("`{}` has {count} {errors}", scene.display()))
+    match loaded.diagnostics.count(Severity::Error) {
+        0 | 1 => Failure::Input(String::new()),
+        count => Failure::Input(format!("`{}` has {count} errors", scene.display())),
+    }
 }
 
 fn warn_of_numbers(stats: &RenderStats, say: &mut dyn FnMut(&str)) {

@@ -18,8 +18,8 @@ pub enum Meter {
     Silent,
     /// A bar that moves, with rays a second and the time left.
     Bar { bar: ProgressBar, rays: Arc<AtomicU64> },
-    /// A line for each tenth, where there is no terminal.
-    Lines { tenths: AtomicU64 },
+    /// A line at the start and after each tenth, where there is no terminal.
+    Lines { next_tenth: AtomicU64 },
 }
 
 /// A meter that also knows whether to stop.
@@ -34,7 +34,7 @@ impl Meter {
         match (io::stderr().is_terminal(), quiet && !forced) {
             (_, true) => Meter::Silent,
             (true, false) => Meter::bar(),
-            (false, false) if forced => Meter::Lines { tenths: AtomicU64::new(0) },
+            (false, false) if forced => Meter::Lines { next_tenth: AtomicU64::new(0) },
             (false, false) => Meter::Silent,
         }
     }
@@ -76,9 +76,9 @@ impl Progress for Watched<'_> {
                 }
                 bar.set_position(pixels_done);
             }
-            Meter::Lines { tenths } => {
+            Meter::Lines { next_tenth } => {
                 let tenth = pixels_done * 10 / pixels_total.max(1);
-                if tenths.fetch_max(tenth, Ordering::Relaxed) < tenth {
+                if next_tenth.fetch_max(tenth + 1, Ordering::Relaxed) <= tenth {
                     console::line(format_args!("{} %, {} rays", tenth * 10, in_short(rays as f64)));
                 }
             }

@@ -248,7 +248,7 @@ mod tests {
 
         fn assets(&self) -> FsAssets {
             let assets = FsAssets::new(&self.path("inside/scene.txt")).unwrap();
-            assets.open(&assets.scene_name().to_owned(), "").unwrap();
+            assets.open(assets.scene_name(), "").unwrap();
             assets
         }
     }
@@ -315,7 +315,7 @@ mod tests {
         assert_eq!(missing("quite_something_else"), "there is no such file");
         assert_eq!(missing("no_folder/x.obj"), "there is no such file");
         let assets = FsAssets::new(&folders.path("inside/scen.txt")).unwrap();
-        let missing = assets.open(&assets.scene_name().to_owned(), "").unwrap_err().to_string();
+        let missing = assets.open(assets.scene_name(), "").unwrap_err().to_string();
         assert!(missing.contains("did you mean `scene.txt`?"), "{missing}");
         assert!(FsAssets::new(&folders.path("nowhere/scene.txt")).is_err());
     }

@@ -135,7 +135,9 @@ mod tests {
         assert_eq!(lines.len(), 3, "{lines:#?}");
         // What is cut off only draws complaints about what is missing, so the cut is all that is said.
         let assets = kajo_scene::MemoryAssets::new().with("a.txt", "Group { Sphre {");
-        assert!(load_from("a.txt", &assets, &LoadOptions::default()).lines().all(|l| l.contains("not closed")));
+        assert!(
+            load_from("a.txt", &assets, &LoadOptions::default()).lines().all(|l| l.contains("not closed"))
+        );
     }
 
     #[test]

@@ -55,14 +55,9 @@ pub enum RenderError {
     /// [`Progress::cancelled`] said so. The picture holds what was rendered.
     #[error("the render was interrupted")]
     Cancelled(Box<Picture>),
-    /// Some tiles failed because of a bug. The picture holds the others.
-    #[error("{message}")]
-    Panicked {
-        /// What happened.
-        message: String,
-        /// The other tiles.
-        picture: Box<Picture>,
-    },
+    /// Some tiles failed because of a bug; this says which and how.
+    #[error("{0}")]
+    Panicked(String),
 }
 
 /// Renders `scene`, recording what files of these views and formats need.
@@ -82,8 +77,7 @@ pub fn render(
     let spec = film_spec(scene, settings, layers);
     check_memory(&spec, resources)?;
     let film = Film::new(spec, u64::MAX).map_err(RenderError::Film)?;
-    let integrator =
-        Classic::new(scene, light_settings(settings, layers), settings.size, layers.has(Layer::Uv));
+    let integrator = Classic::new(scene, light_settings(settings, layers), settings.size, layers);
     let schedule = kajo_render::RenderSettings {
         sampler: settings.sampler(),
         seed: settings.seed,
@@ -95,9 +89,7 @@ pub fn render(
     match result {
         Ok(stats) => Ok(picture(stats)),
         Err(PassError::Cancelled(stats)) => Err(RenderError::Cancelled(Box::new(picture(stats)))),
-        Err(error @ PassError::Panicked { stats, .. }) => {
-            Err(RenderError::Panicked { message: error.to_string(), picture: Box::new(picture(stats)) })
-        }
+        Err(error @ PassError::Panicked { .. }) => Err(RenderError::Panicked(error.to_string())),
     }
 }
 

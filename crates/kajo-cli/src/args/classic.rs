@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Arg, ArgMatches, Args, FromArgMatches, parser::ValueSource};
 use kajo::{BitDepth, Defaults, FilterChoice, SamplerKind, Settings, Shadows, View};
 
-use super::values::{self, Size};
+use super::values::{self, MakeFilter, Size};
 use super::{RunArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::job::{ClassicWords, Destination, Job, Output};
@@ -146,7 +146,7 @@ impl Args for ClassicArgs {
 impl FromArgMatches for ClassicArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<ClassicArgs, clap::Error> {
         let given = |name: &&str| matches.value_source(name) == Some(ValueSource::CommandLine);
-        let ignored = MEANINGLESS.into_iter().map(|(name, _)| name).filter(|name| given(&name)).collect();
+        let ignored = MEANINGLESS.into_iter().map(|(name, _)| name).filter(given).collect();
         Ok(ClassicArgs { known: KnownArgs::from_arg_matches(matches)?, ignored })
     }
 
@@ -226,7 +226,7 @@ impl KnownArgs {
             (self.jittered_samples, SamplerKind::Jittered),
             (self.random_samples, SamplerKind::Uniform),
         ];
-        let filters: [(Option<f32>, fn(f32) -> FilterChoice); 5] = [
+        let filters: [(Option<f32>, MakeFilter); 5] = [
             (self.box_filter, FilterChoice::Box),
             (self.tent_filter, FilterChoice::Tent),
             (self.gaussian_filter, FilterChoice::Gaussian),

@@ -1,6 +1,6 @@
 //! The command line.
 //!
-//! One tree of commands for `clap`, and before it [`normalise`], which turns the spellings that `clap` does
+//! One tree of commands for `clap`, and before it [`normalise()`], which turns the spellings that `clap` does
 //! not know into ones it does: a bare scene file, the single dashes of the classic program, and values
 //! of two words.
 
@@ -31,8 +31,10 @@ Examples:
   kajo diff reference.png out.png --share 0.5      fails if more than 0.5 % of the pixels are off
 
 Exit codes:
-  0 success    1 pictures differ too much    2 wrong scene, picture or command line    4 a bug in kajo
-  5 a file could not be written    6 not enough memory    130 interrupted";
+  0  success                                       5  a file could not be written
+  1  two pictures differ by more than allowed      6  not enough memory
+  2  a wrong scene, picture or command line      130  interrupted
+  4  a bug in kajo";
 
 /// A ray tracer.
 #[derive(Debug, Parser)]
@@ -53,14 +55,17 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a scene with the modern command line; `kajo SCENE` is short for it
+    #[command(allow_negative_numbers = true)]
     Render(RenderArgs),
     /// Render a scene with the classic command line; `kajo -input SCENE` is short for it
+    #[command(allow_negative_numbers = true)]
     Classic(ClassicArgs),
     /// Read scenes and report every mistake, without rendering
     Check(CheckArgs),
     /// Tell what is in a scene
     Info(InfoArgs),
     /// Compare two pictures
+    #[command(allow_negative_numbers = true)]
     Diff(DiffArgs),
     /// Render every scene of a list to a folder with a page that shows them
     Gallery(GalleryArgs),

@@ -12,8 +12,6 @@ use clap::Command;
 use clap::error::ErrorKind;
 use kajo::nearest;
 
-use super::values::{FILTERS, PATTERNS};
-
 /// Rewrites a whole command line, the program's name first.
 ///
 /// * `tree`: the commands, built
@@ -24,30 +22,30 @@ pub fn normalise(line: Vec<OsString>, tree: &Command) -> Result<Vec<OsString>, c
     let mut words = line.into_iter();
     let mut result: Vec<OsString> = words.next().into_iter().collect();
     let mut words: Vec<OsString> = words.collect();
-    let Some(first) = words.first().and_then(|word| word.to_str().map(str::to_owned)) else {
-        // Nothing at all, or a scene whose name is no UTF-8.
-        result.extend((!words.is_empty()).then(|| "render".into()));
-        result.extend(words);
+    let Some(first) = words.first() else { return Ok(result) };
+    // A scene's name may be any bytes, but no command's is.
+    let first = first.to_str().unwrap_or_default().to_owned();
+    if ["-h", "-help", "--help", "-V", "-version", "--version", "help"].contains(&first.as_str()) {
+        result.push(
+            if first.len() > 2 && first.starts_with('-') { with_two_dashes(&first) } else { first }.into(),
+        );
+        result.extend(words.drain(1..));
         return Ok(result);
-    };
-    let is_help = ["-h", "-help", "--help", "-V", "-version", "--version", "help"].contains(&first.as_str());
-    let command = if is_help || tree.find_subcommand(&first).is_some() {
+    }
+    let command = if tree.find_subcommand(&first).is_some() {
         words.remove(0);
         first
     } else {
         if words.iter().any(is_input) { "classic" } else { "render" }.to_owned()
     };
     let options = tree.find_subcommand(&command).map(Options::of).unwrap_or_default();
-    result.push(
-        if is_help && command.len() > 2 { format!("--{}", command.trim_start_matches('-')) } else { command }
-            .into(),
-    );
-    if result.last().is_some_and(|word| word == "--help") && !words.is_empty() {
-        // `help COMMAND` is known to clap as it is.
-        *result.last_mut().unwrap_or(&mut OsString::new()) = "help".into();
-    }
+    result.push(command.into());
     options.rewrite(words, tree, &mut result)?;
     Ok(result)
+}
+
+fn with_two_dashes(word: &str) -> String {
+    format!("--{}", word.trim_start_matches('-'))
 }
 
 fn is_input(word: &OsString) -> bool {
@@ -80,7 +78,7 @@ impl Options {
                 break;
             }
             let Some(name) = option_name(&word) else {
-                result.push(word);
+                result.push(with_leading_zero(word));
                 continue;
             };
             let known = self.known(name).ok_or_else(|| self.unknown(&word, name, tree))?;
@@ -130,17 +128,25 @@ fn option_name(word: &OsStr) -> Option<&str> {
     (is_name && !is_number(word)).then_some(name)
 }
 
+/// `-.5` as `-0.5`, which `clap` takes for a number too.
+fn with_leading_zero(word: OsString) -> OsString {
+    match word.to_str().and_then(|word| word.strip_prefix("-.")) {
+        Some(digits) if is_number(&format!(".{digits}")) => format!("-0.{digits}").into(),
+        _ => word,
+    }
+}
+
 /// Joins the first word of a value of two with the second, if there is one.
 type Join = Box<dyn Fn(Option<&str>) -> String>;
 
 /// How a value that starts with `first` goes on, for options whose value may be two words.
 fn first_half(option: &str, first: &str) -> Option<Join> {
-    let (first, separator) = match option {
-        "size" if is_number(first) => (first.to_owned(), 'x'),
-        "samples" if PATTERNS.iter().any(|(name, _)| *name == first) => (first.to_owned(), ':'),
-        "filter" if FILTERS.iter().any(|(name, ..)| *name == first) => (first.to_owned(), ':'),
+    let separator = match option {
+        "size" if is_number(first) => 'x',
+        "samples" | "filter" if !is_number(first) && !first.starts_with('-') => ':',
         _ => return None,
     };
+    let first = first.to_owned();
     Some(Box::new(move |second| match second {
         Some(second) => format!("{first}{separator}{second}"),
         None => first.clone(),
@@ -184,6 +190,10 @@ mod tests {
             "classic --input a.txt --size=200x100 --depth -5 10 d.png --regular_samples 9"
         );
         assert_eq!(normal("-size 10 10 -input a.txt"), "classic --size=10x10 --input a.txt");
+        assert_eq!(
+            normal("-input a.txt -depth -.5 -1e1 d.png"),
+            "classic --input a.txt --depth -0.5 -1e1 d.png"
+        );
         assert_eq!(normal("a.txt -shade-back on"), "render a.txt --shade-back on");
         assert_eq!(normal("a.txt --shade_back=on"), "render a.txt --shade-back=on");
         assert_eq!(normal("-input a.txt -show-progress"), "classic --input a.txt --show_progress");

@@ -31,7 +31,7 @@ pub struct Samples(pub SamplerKind, pub u32);
 pub const MAX_SAMPLES: i64 = 1 << 20;
 
 /// Words for the patterns of samples.
-pub const PATTERNS: [(&str, SamplerKind); 3] = [
+const PATTERNS: [(&str, SamplerKind); 3] = [
     ("jittered", SamplerKind::Jittered),
     ("regular", SamplerKind::Regular),
     ("uniform", SamplerKind::Uniform),
@@ -60,8 +60,11 @@ pub struct FilterArg(pub FilterChoice);
 /// The widest filter, in pixels.
 const WIDEST_FILTER: f32 = 64.0;
 
+/// Makes a filter of a width.
+pub type MakeFilter = fn(f32) -> FilterChoice;
+
 /// Filters with their natural widths.
-pub const FILTERS: [(&str, fn(f32) -> FilterChoice, f32); 6] = [
+const FILTERS: [(&str, MakeFilter, f32); 6] = [
     ("none", |_| FilterChoice::None, 1.0),
     ("box", FilterChoice::Box, 0.5),
     ("tent", FilterChoice::Tent, 1.0),

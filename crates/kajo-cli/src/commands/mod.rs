@@ -73,7 +73,9 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     let mut first_failure = None;
     for scene in &args.scenes {
         if let Err(failure) = check_one(scene, args) {
-            console::error(failure.message());
+            if !failure.message().is_empty() {
+                console::error(failure.message());
+            }
             first_failure.get_or_insert(Failure::Input(String::new()));
         }
     }

@@ -1,0 +1,115 @@
+//! Files are written whole or not at all, and code 5 says that one could not be written.
+
+mod common;
+
+use common::Folder;
+
+#[test]
+fn places_that_cannot_be_written_are_found_before_rendering() {
+    let folder = Folder::new();
+    folder.write("part.txt", "");
+    folder.write("scene.txt", format!("{} include \"part.txt\"", common::BALL));
+    std::fs::create_dir(folder.path("folder.png")).unwrap();
+    // A render of this size would take far longer than the test.
+    let huge = "--size 20000 20000 --samples 1000 --memory 1000000";
+    folder.fail(&format!("scene.txt -o nowhere/a.png {huge}"), 5, &["no folder `nowhere`"]);
+    folder.fail(&format!("scene.txt -o folder.png {huge}"), 5, &["folder.png", "is a folder"]);
+    folder.fail("-input scene.txt -output a.png -normals a.png", 5, &["twice"]);
+    assert_eq!(folder.names(), ["ball.txt", "folder.png", "part.txt", "scene.txt"]);
+}
+
+#[test]
+fn the_scene_and_its_files_are_not_overwritten() {
+    let folder = Folder::new();
+    folder.write("mesh.png", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let mesh = "TriangleMesh { obj_file mesh.png }";
+    folder.write("scene.png", common::BALL.replace("Sphere ball { center 0 0 0  radius 1 }", mesh));
+    let before = (folder.read("scene.png"), folder.read("mesh.png"));
+    folder.fail("render scene.png -o scene.png", 5, &["scene was read from it"]);
+    folder.fail("render scene.png -o ./mesh.png", 5, &["scene was read from it"]);
+    folder.fail("scene.png", 2, &["-o FILE"]);
+    assert_eq!((folder.read("scene.png"), folder.read("mesh.png")), before);
+}
+
+#[test]
+fn a_failed_render_leaves_the_old_file() {
+    let folder = Folder::new();
+    folder.write("out.png", "old");
+    folder.write("wrong.txt", "Grup {}");
+    folder.fail("wrong.txt -o out.png", 2, &[]);
+    folder.fail("ball.txt -o out.png --size 1000000 1000000", 6, &[]);
+    assert_eq!(folder.read("out.png"), b"old");
+    folder.succeed("ball.txt -o out.png --size 4 4");
+    assert!(folder.read("out.png").starts_with(b"\x89PNG"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_reported_with_the_bytes_needed() {
+    let folder = Folder::new();
+    folder.fail("ball.txt --size 16 16 -o /dev/full", 5, &["/dev/full", "bytes", "No space left"]);
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let output =
+        folder.command().args("ball.txt --size 16 16 -o -".split(' ')).stdout(full).output().unwrap();
+    let ran = common::Ran::from(output);
+    assert_eq!(ran.code, Some(5), "{}", ran.stderr);
+    assert!(ran.stderr.contains("standard output") && ran.stderr.contains("No space left"), "{}", ran.stderr);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_on_the_size_of_files_leaves_the_old_file_and_no_other() {
+    let folder = Folder::new();
+    folder.write("out.exr", "old");
+    // Blocks of 512 or 1024 bytes, by the shell; the picture has many more.
+    let script = format!(
+        "ulimit -f 4; exec {} ball.txt --size 200 200 --samples 1 -o out.exr",
+        env!("CARGO_BIN_EXE_kajo")
+    );
+    let mut shell = std::process::Command::new("sh");
+    let ran = common::Ran::from(shell.arg("-c").arg(script).current_dir(folder.path("")).output().unwrap());
+    assert_eq!(ran.code, Some(5), "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stderr.contains("cannot write `out.exr`, which needs "), "{}", ran.stderr);
+    assert_eq!(folder.read("out.exr"), b"old");
+    assert_eq!(folder.names(), ["ball.txt", "out.exr"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_is_found_before_rendering() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("locked")).unwrap();
+    std::fs::set_permissions(folder.path("locked"), std::fs::Permissions::from_mode(0o555)).unwrap();
+    if std::fs::write(folder.path("locked/probe"), "").is_ok() {
+        println!("skipped: this user may write anywhere");
+        return;
+    }
+    folder.fail("ball.txt -o locked/out.png", 5, &["locked/out.png"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_write_protected_file_is_kept() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new();
+    folder.write("out.png", "old");
+    std::fs::set_permissions(folder.path("out.png"), std::fs::Permissions::from_mode(0o444)).unwrap();
+    folder.fail("ball.txt --size 4 4 -o out.png", 5, &["write-protected"]);
+    assert_eq!(folder.read("out.png"), b"old");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_no_panic() {
+    let folder = Folder::new();
+    let kajo = env!("CARGO_BIN_EXE_kajo");
+    for line in ["info ball.txt", "--help", "completions bash", "check ball.txt"] {
+        let script = format!("{{ {kajo} {line}; echo \"code $?\" >&2; }} | true");
+        let mut shell = std::process::Command::new("sh");
+        let ran =
+            common::Ran::from(shell.arg("-c").arg(script).current_dir(folder.path("")).output().unwrap());
+        assert!(ran.stderr.contains("code 0"), "{line}: {}", ran.stderr);
+        assert!(!ran.stderr.contains("panic") && !ran.stderr.contains("bug"), "{line}: {}", ran.stderr);
+    }
+}

@@ -1,0 +1,119 @@
+//! Every piece of scene language in the manual is accepted.
+//!
+//! A fence says what stands in it: ```` ```kajo ```` a scene or its top-level blocks, ```` ```kajo,group ````,
+//! `kajo,materials`, `kajo,lights` or `kajo,settings` what stands inside that block.
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use kajo::{EncodeOptions, Format, Image, MemoryAssets, encode};
+use kajo::{LoadOptions, load_from};
+
+const CAMERA: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }\n";
+
+struct Snippet {
+    file: PathBuf,
+    line: usize,
+    kind: String,
+    text: String,
+}
+
+fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            pages(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "md") {
+            found.push(path);
+        }
+    }
+}
+
+fn snippets(file: &Path) -> Vec<Snippet> {
+    let mut found = Vec::new();
+    let mut open: Option<Snippet> = None;
+    for (i, line) in fs::read_to_string(file).unwrap().lines().enumerate() {
+        match (&mut open, line.trim_start().strip_prefix("```")) {
+            (None, Some(kind)) if kind == "kajo" || kind.starts_with("kajo,") => {
+                let kind = kind.strip_prefix("kajo,").unwrap_or("").to_owned();
+                open = Some(Snippet { file: file.into(), line: i + 1, kind, text: String::new() });
+            }
+            (None, _) => {}
+            (Some(_), Some(_)) => found.extend(open.take()),
+            (Some(snippet), None) => {
+                snippet.text.push_str(line);
+                snippet.text.push('\n');
+            }
+        }
+    }
+    found
+}
+
+/// A scene around the snippet, with all materials that it names.
+fn scene(Snippet { kind, text, .. }: &Snippet) -> String {
+    let words: Vec<&str> = text.split(|c: char| c.is_whitespace() || c == '{' || c == '}').collect();
+    let used =
+        words.windows(2).filter(|pair| pair[0].eq_ignore_ascii_case("MaterialIndex")).map(|pair| pair[1]);
+    let mut named: Vec<&str> = used.filter(|name| name.starts_with(char::is_alphabetic)).collect();
+    named.sort_unstable();
+    named.dedup();
+    // What the snippet makes itself is not made twice.
+    named.retain(|name| {
+        !words
+            .windows(2)
+            .any(|pair| pair[0].contains("aterial") && !pair[0].ends_with("ndex") && pair[1] == *name)
+    });
+    let named: String = named.iter().map(|name| format!("Material {name} {{}} ")).collect();
+    let some = format!("{} {named}", "Material {} ".repeat(8));
+    let camera = if words.iter().any(|word| word.ends_with("Camera")) { "" } else { CAMERA };
+    match kind.as_str() {
+        "group" => format!("{camera} Materials {{ {some} }} Group {{ MaterialIndex 0\n{text} }}"),
+        "materials" => format!("{camera} Materials {{ {some}\n{text} }}"),
+        "lights" => format!("{camera} Lights {{\n{text} }}"),
+        "settings" => format!("{camera} Settings {{\n{text} }}"),
+        _ if words.contains(&"Materials") => format!("{camera} {text}"),
+        _ => format!("{camera} Materials {{ {some} }}\n{text}"),
+    }
+}
+
+/// The files that snippets name, each with the least that can be in it.
+fn assets(scene: &str) -> MemoryAssets {
+    let sky =
+        encode(&Image::filled(2, 2, &[0.5; 3]).unwrap(), Format::Png, &EncodeOptions::default()).unwrap();
+    let mut assets = MemoryAssets::new().with("scene.txt", scene);
+    for word in scene.split(|c: char| c.is_whitespace() || "{}\"".contains(c)) {
+        if word.ends_with(".obj") {
+            assets = assets.with(word, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        } else if word.ends_with(".txt") {
+            assets = assets.with(word, "");
+        }
+    }
+    let folders =
+        scene.split_whitespace().zip(scene.split_whitespace().skip(1)).filter(|(key, _)| *key == "cubeMap");
+    for (_, folder) in folders {
+        for face in ["left", "right", "up", "down", "front", "back"] {
+            assets = assets.with(format!("{}/{face}.png", folder.trim_matches('"')), &sky);
+        }
+    }
+    assets
+}
+
+#[test]
+fn the_manual_tells_the_truth() {
+    let mut files = vec![common::workspace().join("README.md")];
+    pages(&common::workspace().join("docs/src"), &mut files);
+    files.sort();
+    let all: Vec<Snippet> = files.iter().flat_map(|file| snippets(file)).collect();
+    assert!(all.len() >= 20, "only {} snippets were found", all.len());
+    let mut wrong = Vec::new();
+    for snippet in &all {
+        let text = scene(snippet);
+        let loaded = load_from("scene.txt", &assets(&text), &LoadOptions::default());
+        if !loaded.diagnostics.is_empty() {
+            wrong.push(format!("{}:{}\n{}", snippet.file.display(), snippet.line, loaded.report(false)));
+        }
+    }
+    assert!(wrong.is_empty(), "{} of {} snippets are wrong:\n{}", wrong.len(), all.len(), wrong.join("\n"));
+}
