@@ -2,16 +2,33 @@
 //!
 //! While a picture is rendered the first signal stops it in an orderly way; while a file is written it waits
 //! for the end of the file, so that nothing half written stays. At any other time, and the second time
-//! always, the program ends at once.
+//! always, the program ends at once. So it does when a render has not come to its end two seconds after the
+//! signal: a single camera ray can branch without end.
 
+use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::thread;
+use std::time::Duration;
 
 use crate::failure::Failure;
 
+/// What must not simply be broken off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Work {
+    /// Asks [`Interrupt::is_stopping`] now and then.
+    Render = 1,
+    /// Is over soon.
+    Write = 2,
+}
+
+/// No work is in progress. Otherwise the state is the [`Work`], and [`STOPPING`] more once the signal came.
 const FREE: u8 = 0;
-const BUSY: u8 = 1;
-const STOPPING: u8 = 2;
+const STOPPING: u8 = 4;
+
+/// How long a render may take to stop.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Knows whether the program was told to stop.
 #[derive(Clone, Debug, Default)]
@@ -25,33 +42,46 @@ impl Interrupt {
         let interrupt = Interrupt::default();
         let heard = interrupt.clone();
         // Where signals cannot be had the system's own way of ending a program is left.
-        let _ = ctrlc::set_handler(move || {
-            if !heard.stop() {
-                std::process::exit(Failure::Interrupted.code().into());
+        let _ = ctrlc::set_handler(move || match heard.stop() {
+            None => end(),
+            Some(Work::Write) => {}
+            Some(Work::Render) => {
+                let heard = heard.clone();
+                thread::spawn(move || {
+                    thread::sleep(PATIENCE);
+                    if heard.state.load(Ordering::SeqCst) == STOPPING + Work::Render as u8 {
+                        end();
+                    }
+                });
             }
         });
         ignore_file_size_signal();
         interrupt
     }
 
-    /// Runs `work`, which asks [`Interrupt::is_stopping`] now and then or is short.
-    ///
-    /// Returns what came of it, and whether the signal came meanwhile.
-    pub fn during<T>(&self, work: impl FnOnce() -> T) -> (T, bool) {
-        self.state.store(BUSY, Ordering::SeqCst);
+    /// Does some work. Returns what came of it, and whether the signal came meanwhile.
+    pub fn during<T>(&self, kind: Work, work: impl FnOnce() -> T) -> (T, bool) {
+        self.state.store(kind as u8, Ordering::SeqCst);
         let result = work();
-        (result, self.state.swap(FREE, Ordering::SeqCst) == STOPPING)
+        (result, self.state.swap(FREE, Ordering::SeqCst) >= STOPPING)
     }
 
     /// Whether the work in progress should come to an end.
     pub fn is_stopping(&self) -> bool {
-        self.state.load(Ordering::Relaxed) == STOPPING
+        self.state.load(Ordering::Relaxed) >= STOPPING
     }
 
-    /// Asks the work in progress to end; `false` when there is none, or it was asked before.
-    fn stop(&self) -> bool {
-        self.state.compare_exchange(BUSY, STOPPING, Ordering::SeqCst, Ordering::SeqCst).is_ok()
+    /// Asks the work in progress to end and returns its kind; `None` when there is none, or it was asked before.
+    fn stop(&self) -> Option<Work> {
+        [Work::Render, Work::Write].into_iter().find(|&kind| {
+            let (working, stopping) = (kind as u8, STOPPING + kind as u8);
+            self.state.compare_exchange(working, stopping, Ordering::SeqCst, Ordering::SeqCst).is_ok()
+        })
     }
+}
+
+fn end() -> ! {
+    process::exit(Failure::Interrupted.code().into())
 }
 
 /// Makes writing beyond the limit on file sizes an error of the write, instead of the end of the program.
@@ -70,15 +100,16 @@ mod tests {
     #[test]
     fn only_the_first_signal_during_work_is_orderly() {
         let interrupt = Interrupt::default();
-        assert!(!interrupt.stop(), "nothing to stop");
-        assert_eq!(interrupt.during(|| 7), (7, false));
-        let ((), stopped) = interrupt.during(|| {
-            assert!(!interrupt.is_stopping());
-            assert!(interrupt.stop());
-            assert!(interrupt.is_stopping());
-            assert!(!interrupt.stop(), "the second one ends the program");
-        });
-        assert!(stopped);
-        assert!(!interrupt.is_stopping());
+        for kind in [Work::Render, Work::Write] {
+            assert_eq!(interrupt.stop(), None, "nothing to stop");
+            assert_eq!(interrupt.during(kind, || 7), (7, false));
+            let ((), stopped) = interrupt.during(kind, || {
+                assert!(!interrupt.is_stopping());
+                assert_eq!(interrupt.stop(), Some(kind));
+                assert!(interrupt.is_stopping());
+                assert_eq!(interrupt.stop(), None, "the second one ends the program");
+            });
+            assert!(stopped && !interrupt.is_stopping());
+        }
     }
 }

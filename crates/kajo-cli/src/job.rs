@@ -9,9 +9,8 @@ use kajo::{
     RenderSettings, RenderStats, Resources, SamplerKind, Scene, Settings, Severity, View,
 };
 
-use crate::console;
 use crate::failure::Failure;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, Work};
 use crate::progress::Meter;
 
 /// What to render, how, and where to put it.
@@ -56,6 +55,14 @@ pub enum Destination {
     StandardOutput,
 }
 
+/// Who is told what there is to say about a scene, before its render starts.
+pub struct Voice<'a> {
+    /// Whether the text may hold the colour codes of terminals.
+    pub color: bool,
+    /// Takes lines of text.
+    pub say: &'a mut dyn FnMut(&str),
+}
+
 /// What a job did.
 #[derive(Debug)]
 pub struct Done {
@@ -84,29 +91,23 @@ impl Destination {
 impl Job {
     /// Does it all.
     ///
-    /// * `say`: told what there is to say about the scene, before the render starts
     ///
     /// # Errors
     /// [`Failure`]; then no file is written that was not finished before.
-    pub fn run(
-        &self,
-        meter: &Meter,
-        interrupt: &Interrupt,
-        say: &mut dyn FnMut(&str),
-    ) -> Result<Done, Failure> {
+    pub fn run(&self, meter: &Meter, interrupt: &Interrupt, voice: &mut Voice<'_>) -> Result<Done, Failure> {
         let mut loaded = kajo::load(&self.scene, &self.load);
         if !loaded.diagnostics.is_empty() {
-            say(&loaded.report(console::in_color()));
+            (voice.say)(&loaded.report(voice.color));
         }
         let scene = loaded.scene.take().ok_or_else(|| has_errors(&self.scene, &loaded))?;
-        let settings = self.settings(&scene, say)?;
+        let settings = self.settings(&scene, voice)?;
         let targets = self.targets(&loaded.files)?;
         let outputs: Vec<(View, Format)> = self
             .outputs
             .iter()
             .flat_map(|output| output.views.iter().map(|&view| (view, output.format)))
             .collect();
-        let (result, interrupted) = interrupt.during(|| {
+        let (result, interrupted) = interrupt.during(Work::Render, || {
             let result =
                 kajo::render(&scene, &settings, &outputs, &self.resources, &meter.watched(interrupt));
             meter.finish();
@@ -120,7 +121,7 @@ impl Job {
         if interrupted && !self.keep_partial {
             return Err(Failure::Interrupted);
         }
-        warn_of_numbers(&picture.stats, say);
+        warn_of_numbers(&picture.stats, voice);
         self.write(&picture, &targets, interrupt)?;
         if interrupted {
             return Err(Failure::Interrupted);
@@ -128,7 +129,7 @@ impl Job {
         Ok(Done { size: picture.size(), samples: settings.samples.1, stats: picture.stats })
     }
 
-    fn settings(&self, scene: &Scene, say: &mut dyn FnMut(&str)) -> Result<RenderSettings, Failure> {
+    fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
         let Some(words) = self.classic else {
             return Ok(RenderSettings::resolve(scene, &self.asked, self.defaults, false)?);
         };
@@ -139,7 +140,7 @@ impl Job {
         }
         match (words.specular_fix, is_2004) {
             (true, true) => settings.classic.highlight = Highlight::HalfTimesCosine,
-            (true, false) => say("warning: `-specular_fix` works in dialect mit-2004 only\n"),
+            (true, false) => (voice.say)("warning: `-specular_fix` works in dialect mit-2004 only\n"),
             (false, _) => {}
         }
         Ok(settings)
@@ -158,7 +159,7 @@ impl Job {
         let mut targets = targets.iter();
         for output in &self.outputs {
             let bytes = picture.encode(&output.views, output.format, self.depth)?;
-            let (result, interrupted) = interrupt.during(|| match &output.destination {
+            let (result, interrupted) = interrupt.during(Work::Write, || match &output.destination {
                 Destination::StandardOutput => write_to_standard_output(&bytes),
                 Destination::File(_) => match targets.next() {
                     Some(target) => target.write(&bytes).map_err(Failure::from),
@@ -182,9 +183,12 @@ pub fn has_errors(scene: &Path, loaded: &Loaded) -> Failure {
     }
 }
 
-fn warn_of_numbers(stats: &RenderStats, say: &mut dyn FnMut(&str)) {
+fn warn_of_numbers(stats: &RenderStats, voice: &mut Voice<'_>) {
     if stats.non_finite > 0 {
-        say(&format!("warning: {} samples were not finite numbers and count as black\n", stats.non_finite));
+        (voice.say)(&format!(
+            "warning: {} samples were not finite numbers and count as black\n",
+            stats.non_finite
+        ));
     }
 }
 

@@ -36,6 +36,7 @@ fn run() -> Result<(), Failure> {
         Command::Info(args) => commands::info(&args),
         Command::Diff(args) => commands::diff(&args),
         Command::Gallery(args) => gallery::run(&args, &interrupt),
+        Command::Bench(args) => commands::bench(&args),
         Command::Completions(args) => commands::completions(args.shell),
     }
 }

@@ -4,6 +4,7 @@
 //! not know into ones it does: a bare scene file, the single dashes of the classic program, and values
 //! of two words.
 
+mod bench;
 mod classic;
 mod common;
 mod normalise;
@@ -16,6 +17,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
+pub use bench::{BenchArgs, BenchCommand, MemoryArgs, ParseArgs, RaysArgs, WhittedArgs};
 pub use classic::ClassicArgs;
 pub use common::{RunArgs, SceneArgs};
 pub use normalise::normalise;
@@ -69,6 +71,8 @@ pub enum Command {
     Diff(DiffArgs),
     /// Render every scene of a list to a folder with a page that shows them
     Gallery(GalleryArgs),
+    /// Measure how fast it is
+    Bench(BenchArgs),
     /// Print completions for a shell
     Completions(CompletionsArgs),
 }

@@ -53,7 +53,7 @@ fn is_input(word: &OsString) -> bool {
     matches!(name, Some("-input" | "--input"))
 }
 
-/// The long options of a command.
+/// The long options of a command and of those within it.
 #[derive(Default)]
 struct Options {
     names: Vec<String>,
@@ -61,7 +61,12 @@ struct Options {
 
 impl Options {
     fn of(command: &Command) -> Options {
-        let longs = command.get_arguments().filter_map(|arg| arg.get_long_and_visible_aliases()).flatten();
+        let nested = command.get_subcommands().flat_map(Command::get_arguments);
+        let longs = command
+            .get_arguments()
+            .chain(nested)
+            .filter_map(|arg| arg.get_long_and_visible_aliases())
+            .flatten();
         Options { names: longs.map(str::to_owned).collect() }
     }
 
@@ -217,6 +222,12 @@ mod tests {
         assert_eq!(normal("-h"), "-h");
         assert_eq!(normal("help render"), "help render");
         assert_eq!(normal("render --help"), "render --help");
+    }
+
+    #[test]
+    fn commands_within_commands_keep_their_options() {
+        assert_eq!(normal("bench rays sphere -threads 2 --json"), "bench rays sphere --threads 2 --json");
+        assert!(complaint("bench rays sphere --thread 2").contains("did you mean `--threads`?"));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The commands but `gallery`, each from its arguments to its end.
 
+mod bench;
 mod diff;
 mod info;
 
@@ -8,6 +9,7 @@ use std::path::Path;
 use clap_complete::Shell;
 use kajo::{Severity, load};
 
+pub use bench::bench;
 pub use diff::diff;
 pub use info::info;
 
@@ -15,13 +17,14 @@ use crate::args::{CheckArgs, Cli, RunArgs};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::job::{Destination, Done, Job, has_errors};
+use crate::job::{Destination, Done, Job, Voice, has_errors};
 use crate::progress::{Meter, in_short};
 
 /// `kajo render` and `kajo classic`
 pub fn render(job: &Job, run: &RunArgs, interrupt: &Interrupt) -> Result<(), Failure> {
     let meter = Meter::new(run.quiet, run.show_progress);
-    let done = job.run(&meter, interrupt, &mut |text| console::line(text.trim_end()))?;
+    let mut say = |text: &str| console::line(text.trim_end());
+    let done = job.run(&meter, interrupt, &mut Voice { color: console::in_color(), say: &mut say })?;
     if !run.quiet {
         console::line(summary(job, &done));
     }

@@ -16,7 +16,7 @@ use crate::args::{Cli, Command, GalleryArgs};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::job::{Destination, Done, Job};
+use crate::job::{Destination, Done, Job, Voice};
 use crate::progress::Meter;
 use manifest::Entry;
 use page::{Card, Rendered};
@@ -82,7 +82,8 @@ fn render(entry: &Entry, args: &GalleryArgs, interrupt: &Interrupt) -> Result<Re
     let mut said = String::new();
     let result = job(entry, args).and_then(|job| {
         let meter = Meter::new(args.run.quiet, args.run.show_progress);
-        let done = job.run(&meter, interrupt, &mut |text| said.push_str(text))?;
+        let mut say = |text: &str| said.push_str(text);
+        let done = job.run(&meter, interrupt, &mut Voice { color: false, say: &mut say })?;
         Ok(rendered(&job, &done, &args.out))
     });
     result.map_err(|failure| {
@@ -115,7 +116,11 @@ fn job(entry: &Entry, args: &GalleryArgs) -> Result<Job, Failure> {
 fn rendered(job: &Job, done: &Done, out: &Path) -> Rendered {
     // A picture that the list sends elsewhere cannot be linked to from the page.
     let beside_page = |destination: &Destination| match destination {
-        Destination::File(path) => Some(path.strip_prefix(out).ok()?.to_str()?.to_owned()),
+        Destination::File(path) => {
+            let parts: Option<Vec<&str>> =
+                path.strip_prefix(out).ok()?.iter().map(|part| part.to_str()).collect();
+            Some(parts?.join("/"))
+        }
         Destination::StandardOutput => None,
     };
     Rendered {

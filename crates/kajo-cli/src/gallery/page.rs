@@ -16,7 +16,7 @@ pub struct Card {
 /// A picture that came into being.
 #[derive(Clone, Debug)]
 pub struct Rendered {
-    /// Files beside the page, the main picture first.
+    /// Files beside the page, with `/` between folders; the main picture first.
     pub files: Vec<String>,
     pub size: [u32; 2],
     pub samples: u32,
@@ -125,7 +125,9 @@ fn percent_encoded(name: &str) -> String {
     let mut link = String::with_capacity(name.len());
     for byte in name.bytes() {
         match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => link.push(byte.into()),
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                link.push(byte.into())
+            }
             byte => {
                 let _ = write!(link, "%{byte:02X}");
             }

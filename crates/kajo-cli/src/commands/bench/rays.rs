@@ -1,0 +1,94 @@
+//! `kajo bench rays`
+
+use kajo::bench::rays::{BuildSettings, Figures, Gate, Report, Settings, check, mesh, run as cast};
+
+use super::header;
+use crate::args::RaysArgs;
+use crate::failure::Failure;
+use crate::{console, json};
+
+pub fn run(args: &RaysArgs) -> Result<(), Failure> {
+    let settings = Settings {
+        threads: args.threads.into(),
+        passes: args.passes.into(),
+        builds: args.builds.into(),
+        build: BuildSettings { quality: args.quality.into() },
+    };
+    if !args.json {
+        console::answer(&(header() + &titles(&settings)));
+    }
+    for name in &args.meshes {
+        let mesh = mesh(name).map_err(Failure::Input)?;
+        let report = cast(&mesh, &settings).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+        let gate = check(&report.mesh, report.triangles, &report.hits, report.sum_t)
+            .map_err(|wrong| Failure::Different(format!("{name}: {wrong}")))?;
+        console::answer(&if args.json { as_json(&report) } else { as_row(&report, gate) });
+    }
+    Ok(())
+}
+
+fn titles(settings: &Settings) -> String {
+    format!(
+        "{} threads, {:?} tree, medians of {} passes; 10^6 rays a second of processor time and thread / of wall clock\n\
+         {:<12}{:>10}{:>16}{:>16}{:>16}{:>10}{:>10}{:>9}  answers\n",
+        settings.threads,
+        settings.build.quality,
+        settings.passes,
+        "mesh",
+        "triangles",
+        "primary",
+        "bounce",
+        "shadow",
+        "build s",
+        "cpu s",
+        "MB"
+    )
+}
+
+fn as_row(report: &Report, gate: Gate) -> String {
+    let rate = |of: fn(&Figures<f64>) -> f64| {
+        format!("{:.2} / {:.2}", of(&report.mrays_cpu), of(&report.mrays_wall))
+    };
+    let answers = match gate {
+        Gate::Passed => "as known",
+        Gate::Unknown => "not known",
+    };
+    format!(
+        "{:<12}{:>10}{:>16}{:>16}{:>16}{:>10.4}{:>10.4}{:>9.1}  {answers}\n",
+        report.mesh,
+        report.triangles,
+        rate(|f| f.primary),
+        rate(|f| f.bounce),
+        rate(|f| f.shadow),
+        report.build_wall_s,
+        report.build_cpu_s,
+        report.bytes as f64 / 1e6
+    )
+}
+
+/// One object a line; packets of rays are `null` since there are none.
+fn as_json(report: &Report) -> String {
+    let rates = |f: &Figures<f64>| {
+        json::object([
+            ("primary", json::number(f.primary)),
+            ("bounce", json::number(f.bounce)),
+            ("shadow", json::number(f.shadow)),
+            ("primary_packet", "null".to_owned()),
+        ])
+    };
+    let hits =
+        [("primary", report.hits.primary), ("bounce", report.hits.bounce), ("shadow", report.hits.shadow)];
+    let [primary, bounce] = report.sum_t.map(json::number);
+    json::object([
+        ("mesh", json::string(&report.mesh)),
+        ("triangles", report.triangles.to_string()),
+        ("threads", report.threads.to_string()),
+        ("build_wall_s", json::number(report.build_wall_s)),
+        ("build_cpu_s", json::number(report.build_cpu_s)),
+        ("bytes", report.bytes.to_string()),
+        ("mrays_wall", rates(&report.mrays_wall)),
+        ("mrays_cpu", rates(&report.mrays_cpu)),
+        ("hits", json::object(hits.map(|(name, count)| (name, count.to_string())))),
+        ("sum_t", json::object([("primary", primary), ("bounce", bounce)])),
+    ]) + "\n"
+}
