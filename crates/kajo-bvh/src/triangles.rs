@@ -48,15 +48,15 @@ impl TriangleBvh {
     ) -> Result<TriangleBvh, BuildError> {
         check(positions, triangles)?;
         let corners = |triangle: u32| triangles[triangle as usize].map(|i| positions[i as usize]);
+        let prim = |id: u32| {
+            let corners = corners(id);
+            if can_be_hit(corners) { Prim::new(Aabb::around(corners), id) } else { Prim::NONE }
+        };
         let ids = 0..triangles.len() as u32;
-        let prims: Vec<Prim> = ids
-            .into_par_iter()
-            .with_min_len(1 << 12)
-            .filter_map(|id| {
-                let corners = corners(id);
-                can_be_hit(corners).then(|| Prim::new(Aabb::around(corners), id))
-            })
-            .collect();
+        let mut prims: Vec<Prim> = ids.into_par_iter().with_min_len(1 << 12).map(prim).collect();
+        if prims.par_iter().with_min_len(1 << 14).any(Prim::is_none) {
+            prims.retain(|prim| !prim.is_none());
+        }
         let dropped = triangles.len() - prims.len();
         let built = build::build(prims, SHAPE);
         let (groups, payloads) = fill(&built, corners);

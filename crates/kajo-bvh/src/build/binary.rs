@@ -7,7 +7,7 @@
 //! threads.
 
 use super::prim::{Box4, Prim};
-use super::split::{self, PARALLEL, Split};
+use super::split::{self, PIECE, Split};
 
 /// Sets up to this size are built by one thread.
 const TASK: usize = 1 << 13;
@@ -125,7 +125,7 @@ impl<'a> Set<'a> {
             let whole = |prims: &'a mut [Prim]| Set { bounds: split::bounds(prims), prims, spare: &mut [] };
             return (whole(left), whole(right));
         };
-        if spare.len() == prims.len() && prims.len() >= 2 * PARALLEL {
+        if spare.len() == prims.len() && prims.len() >= 2 * PIECE {
             split.part_into(prims, spare);
             std::mem::swap(&mut prims, &mut spare);
         } else {

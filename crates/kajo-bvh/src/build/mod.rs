@@ -13,7 +13,7 @@ pub(crate) use self::binary::MAX_LEVELS;
 use self::binary::Set;
 use self::collapse::Collapse;
 pub(crate) use self::prim::Prim;
-use self::split::PARALLEL;
+use self::split::PIECE;
 use crate::node::{Child, Node, WIDTH};
 use crate::walk::Tree;
 
@@ -65,7 +65,8 @@ pub(crate) fn build(mut prims: Vec<Prim>, shape: LeafShape) -> Built {
         built.bounds = Aabb::EMPTY;
         return built;
     }
-    let mut spare = if prims.len() >= 2 * PARALLEL { prims.clone() } else { Vec::new() };
+    let spare = if prims.len() >= 2 * PIECE { prims.len() } else { 0 };
+    let mut spare: Vec<Prim> = (0..spare).into_par_iter().map(|_| Prim::NONE).collect();
     let groves = binary::build(Set { prims: &mut prims, spare: &mut spare, bounds }, shape.block);
     drop((prims, spare));
     (built.top, built.parts) = Collapse::new(&groves, shape).wide();

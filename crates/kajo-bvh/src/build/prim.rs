@@ -1,6 +1,6 @@
 //! What the builder moves around: boxes with the numbers of their primitives.
 
-use kajo_math::{Aabb, Vec4};
+use kajo_math::{Aabb, Vec3, Vec4};
 
 /// A box, four floats a corner so that one instruction handles it.
 #[derive(Clone, Copy, Debug)]
@@ -34,22 +34,42 @@ impl Box4 {
     }
 }
 
-/// A primitive's box. The fourth float of `lo` holds the bits of its number.
+/// A primitive's box, its number in the low bits of the fourth floats.
+///
+/// Those floats lie between 1 and 2: a number's bits alone would be a denormal float, which
+/// many processors handle slowly, and the fourth lane takes part in all arithmetic.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Prim {
     lo: Vec4,
     hi: Vec4,
 }
 
+/// Bits of the number in each of the two floats.
+const ID_BITS: u32 = 23;
+const ID_MASK: u32 = (1 << ID_BITS) - 1;
+
 impl Prim {
+    /// No primitive, with a number that none has.
+    pub(crate) const NONE: Prim = Prim::with(Vec3::ZERO, Vec3::ZERO, u32::MAX);
+
     #[inline(always)]
-    pub(crate) fn new(bounds: Aabb, id: u32) -> Prim {
-        Prim { lo: bounds.min.extend(f32::from_bits(id)), hi: bounds.max.extend(0.0) }
+    pub(crate) const fn new(bounds: Aabb, id: u32) -> Prim {
+        Prim::with(bounds.min, bounds.max, id)
+    }
+
+    const fn with(lo: Vec3, hi: Vec3, id: u32) -> Prim {
+        let low = f32::from_bits(1f32.to_bits() | id & ID_MASK);
+        let high = f32::from_bits(1f32.to_bits() | id >> ID_BITS);
+        Prim { lo: Vec4::new(lo.x, lo.y, lo.z, low), hi: Vec4::new(hi.x, hi.y, hi.z, high) }
     }
 
     #[inline(always)]
     pub(crate) fn id(&self) -> u32 {
-        self.lo.w.to_bits()
+        self.lo.w.to_bits() & ID_MASK | (self.hi.w.to_bits() & ID_MASK) << ID_BITS
+    }
+
+    pub(crate) fn is_none(&self) -> bool {
+        self.id() == u32::MAX
     }
 
     /// The box; its fourth lane means nothing.
@@ -62,5 +82,21 @@ impl Prim {
     #[inline(always)]
     pub(crate) fn center2(&self) -> Vec4 {
         self.lo + self.hi
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_boxes_come_back() {
+        let bounds = Aabb { min: Vec3::new(1.0, 2.0, 3.0), max: Vec3::new(4.0, 6.0, 8.0) };
+        for id in [0, 1, 0x7f_ffff, 0x80_0000, 0x1234_5678, i32::MAX as u32] {
+            let prim = Prim::new(bounds, id);
+            assert!(prim.id() == id && !prim.is_none());
+            assert_eq!((prim.bounds().aabb(), prim.bounds().half_area()), (bounds, 12.0 + 20.0 + 15.0));
+        }
+        assert!(Prim::NONE.is_none());
     }
 }

@@ -4,7 +4,7 @@
 //! Splitting a set into `L` and `R` costs
 //!
 //! ```text
-//! C = 1 + (A(L) n(L) + A(R) n(R)) / A
+//! C = A(L) n(L) + A(R) n(R)
 //! ```
 //!
 //! where `n` counts leaf blocks rather than primitives. Centres are sorted into bins on each
@@ -15,10 +15,11 @@ use rayon::prelude::*;
 
 use super::prim::{Box4, Prim};
 
-/// Most bins on an axis.
-const BINS: usize = 32;
-/// Sets larger than this are binned and parted by several threads, in pieces of this size.
-pub(super) const PARALLEL: usize = 1 << 15;
+/// Bins on an axis for large and for small sets.
+const MANY: usize = 16;
+const FEW: usize = 8;
+/// Sets larger than two of these are binned and parted by several threads, in such pieces.
+pub(super) const PIECE: usize = 1 << 15;
 /// A float whose neighbours are one apart: adding it rounds to an integer in the low bits.
 const ROUND: f32 = 8_388_608.0;
 
@@ -27,121 +28,142 @@ const ROUND: f32 = 8_388_608.0;
 struct Bins {
     base: Vec4,
     scale: Vec4,
-    last: Vec4,
-    count: usize,
+    last: f32,
 }
 
 impl Bins {
-    fn new(centers: Box4, n: usize) -> Bins {
-        let count = BINS.min(4 + n / 20);
+    /// `count` bins over twice the centres.
+    fn new(centers: Box4, count: usize) -> Bins {
         let extent = centers.hi - centers.lo;
+        let scale = Vec4::splat(count as f32 * 0.9999) / extent;
         // An axis without extent has no border worth trying: everything lands in bin 0.
-        let scale =
-            Vec4::select(extent.cmpgt(Vec4::ZERO), Vec4::splat(count as f32 * 0.9999) / extent, Vec4::ZERO);
-        let finite = Vec4::select(scale.cmplt(Vec4::INFINITY), scale, Vec4::ZERO);
-        Bins { base: centers.lo, scale: finite, last: Vec4::splat(ROUND + (count - 1) as f32), count }
+        let scale = Vec4::select(scale.cmplt(Vec4::INFINITY), scale, Vec4::ZERO);
+        Bins { base: centers.lo, scale, last: ROUND + (count - 1) as f32 }
     }
 
-    /// Bin numbers on three axes, each below [`BINS`].
+    /// Bin numbers on three axes, as what is added to [`ROUND`].
     #[inline(always)]
-    fn of(&self, prim: &Prim) -> [usize; 3] {
-        let place = (prim.center2() - self.base) * self.scale - Vec4::splat(0.5);
-        let bits = (place + Vec4::splat(ROUND)).max(Vec4::splat(ROUND)).min(self.last).to_array();
-        [0, 1, 2].map(|axis| bits[axis].to_bits() as usize & (BINS - 1))
+    fn place(&self, center2: Vec4) -> Vec4 {
+        let place = (center2 - self.base) * self.scale - Vec4::splat(0.5) + Vec4::splat(ROUND);
+        place.max(Vec4::splat(ROUND)).min(Vec4::splat(self.last))
     }
 }
 
-/// How many primitives each bin holds, and the box around them.
-struct Histogram {
-    boxes: [[Box4; 3]; BINS],
-    counts: [[u32; 3]; BINS],
+/// How many primitives each of `N` bins holds, and the box around them.
+struct Histogram<const N: usize> {
+    boxes: [[Box4; 3]; N],
+    counts: [[u32; 3]; N],
 }
 
-impl Histogram {
-    fn of(prims: &[Prim], bins: &Bins) -> Histogram {
-        let mut h = Histogram { boxes: [[Box4::EMPTY; 3]; BINS], counts: [[0; 3]; BINS] };
+impl<const N: usize> Histogram<N> {
+    const EMPTY: Self = Histogram { boxes: [[Box4::EMPTY; 3]; N], counts: [[0; 3]; N] };
+
+    #[inline(always)]
+    fn add(&mut self, prims: &[Prim], bins: &Bins) {
         for prim in prims {
             let bounds = prim.bounds();
-            for (axis, bin) in bins.of(prim).into_iter().enumerate() {
-                h.boxes[bin][axis] = h.boxes[bin][axis].union(bounds);
-                h.counts[bin][axis] += 1;
+            let place = bins.place(prim.center2()).to_array();
+            for axis in 0..3 {
+                let bin = place[axis].to_bits() as usize % N;
+                self.boxes[bin][axis] = self.boxes[bin][axis].union(bounds);
+                self.counts[bin][axis] += 1;
             }
         }
-        h
     }
 
-    fn merged(mut self, other: &Histogram) -> Histogram {
-        for bin in 0..BINS {
+    fn merge(&mut self, other: &Histogram<N>) {
+        for bin in 0..N {
             for axis in 0..3 {
                 self.boxes[bin][axis] = self.boxes[bin][axis].union(other.boxes[bin][axis]);
                 self.counts[bin][axis] += other.counts[bin][axis];
             }
         }
-        self
+    }
+
+    /// The cheapest border: its axis, the first bin after it, both sides, and what the left
+    /// side holds. `None` when all centres share their bins.
+    fn best(&self, block: u32) -> Option<(usize, usize, [Box4; 2], usize)> {
+        let mut best = None;
+        let mut least = f32::INFINITY;
+        for axis in 0..3 {
+            // From the right: what is at or past each bin.
+            let mut right = [(Box4::EMPTY, 0); N];
+            let mut sum = (Box4::EMPTY, 0);
+            for bin in (1..N).rev() {
+                sum = (sum.0.union(self.boxes[bin][axis]), sum.1 + self.counts[bin][axis]);
+                right[bin] = sum;
+            }
+            let mut left = (Box4::EMPTY, 0);
+            for border in 1..N {
+                left = (left.0.union(self.boxes[border - 1][axis]), left.1 + self.counts[border - 1][axis]);
+                let right = right[border];
+                let cost = left.0.half_area() * left.1.div_ceil(block) as f32
+                    + right.0.half_area() * right.1.div_ceil(block) as f32;
+                // With an empty side the cost is infinity times zero, which is not less.
+                if cost < least {
+                    least = cost;
+                    best = Some((axis, border, [left.0, right.0], left.1 as usize));
+                }
+            }
+        }
+        best
     }
 }
 
 /// A border between two bins.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Split {
     bins: Bins,
     axis: usize,
-    /// The first bin on the right.
-    border: usize,
-    /// `A(L) n(L) + A(R) n(R)`.
-    pub(super) cost: f32,
+    /// Places below this one are left.
+    border: f32,
     pub(super) sides: [Box4; 2],
+    /// Primitives on the left.
     pub(super) left: usize,
+    /// The same for each piece of a large set.
+    lefts: Vec<usize>,
 }
 
 impl Split {
     /// The cheapest split of `prims` with `block` primitives to a leaf block; `None` when
     /// all centres share their bins.
     pub(super) fn best(prims: &[Prim], block: u32) -> Option<Split> {
-        let bins = Bins::new(centers(prims), prims.len());
-        let histogram = if prims.len() >= 2 * PARALLEL {
-            prims
-                .par_chunks(PARALLEL)
-                .map(|piece| Histogram::of(piece, &bins))
-                .reduce_with(|a, b| a.merged(&b))
-                .unwrap_or_else(|| Histogram::of(&[], &bins))
+        let bins = |count: usize| Bins::new(centers(prims), count);
+        if prims.len() < 5 * FEW {
+            Split::within::<FEW>(&[prims], bins(FEW), block)
+        } else if prims.len() < 2 * PIECE {
+            Split::within::<MANY>(&[prims], bins(MANY), block)
         } else {
-            Histogram::of(prims, &bins)
-        };
-        (0..3)
-            .filter_map(|axis| Split::on_axis(&histogram, &bins, axis, block))
-            .min_by(|a, b| a.cost.total_cmp(&b.cost))
+            let pieces: Vec<_> = prims.chunks(PIECE).collect();
+            Split::within::<MANY>(&pieces, bins(MANY), block)
+        }
     }
 
-    fn on_axis(h: &Histogram, bins: &Bins, axis: usize, block: u32) -> Option<Split> {
-        let blocks = |n: u32| n.div_ceil(block) as f32;
-        // From the right: boxes and counts of everything at or past each bin.
-        let mut right = [(Box4::EMPTY, 0u32); BINS];
-        let mut sum = (Box4::EMPTY, 0);
-        for bin in (1..bins.count).rev() {
-            sum = (sum.0.union(h.boxes[bin][axis]), sum.1 + h.counts[bin][axis]);
-            right[bin] = sum;
+    fn within<const N: usize>(pieces: &[&[Prim]], bins: Bins, block: u32) -> Option<Split> {
+        let of = |prims: &[Prim]| {
+            let mut histogram = Histogram::<N>::EMPTY;
+            histogram.add(prims, &bins);
+            histogram
+        };
+        let found = |best, lefts| {
+            let (axis, border, sides, left) = best;
+            Split { bins, axis, border: ROUND + border as f32, sides, left, lefts }
+        };
+        if let [prims] = pieces {
+            return of(prims).best(block).map(|best| found(best, Vec::new()));
         }
-        let mut best: Option<Split> = None;
-        let mut left = (Box4::EMPTY, 0);
-        for border in 1..bins.count {
-            left = (left.0.union(h.boxes[border - 1][axis]), left.1 + h.counts[border - 1][axis]);
-            let (right, n_right) = right[border];
-            if left.1 == 0 || n_right == 0 {
-                continue;
-            }
-            let cost = left.0.half_area() * blocks(left.1) + right.half_area() * blocks(n_right);
-            if best.is_none_or(|b| cost < b.cost) {
-                let sides = [left.0, right];
-                best = Some(Split { bins: *bins, axis, border, cost, sides, left: left.1 as usize });
-            }
-        }
-        best
+        let histograms: Vec<_> = pieces.par_iter().map(|prims| of(prims)).collect();
+        let mut sum = Histogram::<N>::EMPTY;
+        histograms.iter().for_each(|histogram| sum.merge(histogram));
+        let best = sum.best(block)?;
+        let left = |h: &Histogram<N>| h.counts[..best.1].iter().map(|n| n[best.0] as usize).sum();
+        let lefts = histograms.iter().map(left).collect();
+        Some(found(best, lefts))
     }
 
     #[inline(always)]
     fn is_left(&self, prim: &Prim) -> bool {
-        self.bins.of(prim)[self.axis] < self.border
+        self.bins.place(prim.center2()).to_array()[self.axis] < self.border
     }
 
     /// Moves the left side of `prims` to the front.
@@ -155,25 +177,22 @@ impl Split {
         }
     }
 
-    /// Like [`Split::part`], but from `prims` into `out` and by several threads.
+    /// Like [`Split::part`], but of a large set, into `out` and by several threads.
     pub(super) fn part_into(&self, prims: &[Prim], out: &mut [Prim]) {
-        let pieces: Vec<_> =
-            prims.par_chunks(PARALLEL).map(|p| (p, p.iter().filter(|p| self.is_left(p)).count())).collect();
         let (mut lefts, mut rights) = out.split_at_mut(self.left);
-        let mut work = Vec::with_capacity(pieces.len());
-        for (piece, n_left) in pieces {
+        let mut work = Vec::with_capacity(self.lefts.len());
+        for (piece, &n_left) in prims.chunks(PIECE).zip(&self.lefts) {
             let (left, more_left) = lefts.split_at_mut(n_left);
             let (right, more_right) = rights.split_at_mut(piece.len() - n_left);
             (lefts, rights) = (more_left, more_right);
-            work.push((piece, left, right));
+            work.push((piece, [right, left]));
         }
-        work.into_par_iter().for_each(|(piece, left, right)| {
-            let (mut left, mut right) = (left.iter_mut(), right.iter_mut());
+        work.into_par_iter().for_each(|(piece, mut sides)| {
+            let mut filled = [0; 2];
             for prim in piece {
-                let place = if self.is_left(prim) { left.next() } else { right.next() };
-                if let Some(place) = place {
-                    *place = *prim;
-                }
+                let side = usize::from(self.is_left(prim));
+                sides[side][filled[side]] = *prim;
+                filled[side] += 1;
             }
         });
     }
@@ -181,18 +200,18 @@ impl Split {
 
 /// The box around twice the centres.
 fn centers(prims: &[Prim]) -> Box4 {
-    let around = |prims: &[Prim]| prims.iter().fold(Box4::EMPTY, |b, p| b.grown(p.center2()));
-    if prims.len() < 2 * PARALLEL {
-        return around(prims);
-    }
-    prims.par_chunks(PARALLEL).map(around).reduce(|| Box4::EMPTY, Box4::union)
+    around(prims, |b, p| b.grown(p.center2()))
 }
 
 /// The box around everything in `prims`.
 pub(super) fn bounds(prims: &[Prim]) -> Box4 {
-    let around = |prims: &[Prim]| prims.iter().fold(Box4::EMPTY, |b, p| b.union(p.bounds()));
-    if prims.len() < 2 * PARALLEL {
-        return around(prims);
+    around(prims, |b, p| b.union(p.bounds()))
+}
+
+fn around(prims: &[Prim], grow: impl Fn(Box4, &Prim) -> Box4 + Sync) -> Box4 {
+    if prims.len() < 2 * PIECE {
+        return prims.iter().fold(Box4::EMPTY, grow);
     }
-    prims.par_chunks(PARALLEL).map(around).reduce(|| Box4::EMPTY, Box4::union)
+    let piece = |prims: &[Prim]| prims.iter().fold(Box4::EMPTY, &grow);
+    prims.par_chunks(PIECE).map(piece).reduce(|| Box4::EMPTY, Box4::union)
 }
