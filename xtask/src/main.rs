@@ -84,7 +84,7 @@ fn check(root: &Path, report: &mut Report) {
     floors(root, report);
     no_banned_words(root, report);
     report.run("format", Cargo::new(root, "fmt --all --check"));
-    report.run("lints", Cargo::new(root, "clippy --workspace --all-targets -- -D warnings"));
+    report.run("lints", Cargo::new(root, "clippy --workspace --all-targets --keep-going -- -D warnings"));
 }
 
 fn floors(root: &Path, report: &mut Report) {

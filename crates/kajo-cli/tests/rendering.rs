@@ -184,6 +184,23 @@ fn a_picture_can_go_to_standard_output() {
 }
 
 #[test]
+fn the_deepest_mirrors_do_not_exhaust_the_stack() {
+    let folder = Folder::new();
+    folder.write(
+        "mirrors.txt",
+        "PerspectiveCamera { center 0 0 0  direction 0.01 0 -1  up 0 1 0  angle 60 }\n\
+         Background { ambientLight 1 1 1 }\n\
+         Materials { Material { diffuseColor 0.0005 0.0005 0.0005  reflectiveColor 1 1 1 } }\n\
+         Group { MaterialIndex 0  Plane { normal 0 0 1  offset -1 }  Plane { normal 0 0 1  offset 1 } }",
+    );
+    let ran = folder.succeed("-input mirrors.txt -size 9 9 -bounces 1000 -output a.png -stats");
+    assert!(ran.stderr.contains("mirror rays"), "{}", ran.stderr);
+    // 1001 surfaces in a row, each with a light of 0.0005.
+    assert_eq!(pixel(&folder, "a.png", 4, 4), [128, 128, 128, 255]);
+    folder.fail("-input mirrors.txt -bounces 1001", 2, &["1001"]);
+}
+
+#[test]
 fn stereo_cameras_have_sizes_of_their_own() {
     let folder = Folder::new();
     let scene = BALL.replace("PerspectiveCamera", "StereoCubemapCamera").replace("angle 30", "");

@@ -54,7 +54,7 @@ pub struct RunArgs {
     #[arg(long)]
     pub stats: bool,
     /// Show progress even where there is no terminal
-    #[arg(long = "show_progress")]
+    #[arg(long)]
     pub show_progress: bool,
     /// When interrupted, write what there is of the picture
     #[arg(long)]

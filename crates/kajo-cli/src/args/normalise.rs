@@ -201,7 +201,7 @@ mod tests {
         );
         assert_eq!(normal("a.txt -shade-back on"), "render a.txt --shade-back on");
         assert_eq!(normal("a.txt --shade_back=on"), "render a.txt --shade-back=on");
-        assert_eq!(normal("-input a.txt -show-progress"), "classic --input a.txt --show_progress");
+        assert_eq!(normal("-input a.txt -show_progress"), "classic --input a.txt --show-progress");
     }
 
     #[test]
