@@ -34,12 +34,12 @@ impl Bvh {
     ///
     /// Threads of the current rayon pool share the work; their number does not change the
     /// tree.
-    pub fn build(boxes: &[Aabb], _settings: &BuildSettings) -> Bvh {
+    pub fn build(boxes: &[Aabb], settings: &BuildSettings) -> Bvh {
         let usable = |(_, b): &(u32, &Aabb)| b.is_finite() && !b.is_empty();
         let numbered = (0..crate::node::Child::LIMIT as u32).zip(boxes);
         let prims: Vec<_> = numbered.filter(usable).map(|(id, b)| Prim::new(*b, id)).collect();
         let leaves = prims.len();
-        let built = build::build(prims, SHAPE);
+        let built = build::build(prims, SHAPE, settings.quality);
         let payloads: Vec<Vec<u32>> =
             built.parts.iter().map(|part| part.leaves().map(|ids| ids[0]).collect()).collect();
         Bvh { tree: built.finish(&payloads), leaves, dropped: boxes.len() - leaves }

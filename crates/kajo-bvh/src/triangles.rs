@@ -44,7 +44,7 @@ impl TriangleBvh {
     pub fn build(
         positions: &[Vec3],
         triangles: &[[u32; 3]],
-        _settings: &BuildSettings,
+        settings: &BuildSettings,
     ) -> Result<TriangleBvh, BuildError> {
         check(positions, triangles)?;
         let corners = |triangle: u32| triangles[triangle as usize].map(|i| positions[i as usize]);
@@ -58,7 +58,7 @@ impl TriangleBvh {
             prims.retain(|prim| !prim.is_none());
         }
         let dropped = triangles.len() - prims.len();
-        let built = build::build(prims, SHAPE);
+        let built = build::build(prims, SHAPE, settings.quality);
         let (groups, payloads) = fill(&built, corners);
         if groups.len() > MOST_GROUPS {
             return Err(BuildError::TooMany(triangles.len()));

@@ -10,7 +10,7 @@ use super::prim::{Box4, Prim};
 use super::split::{self, PIECE, Split};
 
 /// Sets up to this size are built by one thread.
-const TASK: usize = 1 << 13;
+pub(super) const TASK: usize = 1 << 13;
 /// Most levels above the sets of one thread.
 const TOP_LEVELS: usize = 32;
 /// Most levels within such a set.

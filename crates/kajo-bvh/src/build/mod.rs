@@ -1,9 +1,11 @@
 //! From boxes to wide nodes: a binary tree by the surface area heuristic ([`binary`],
-//! [`split`]), then the best wide tree within it ([`collapse`]).
+//! [`split`]), for the best quality improved by moving subtrees ([`reinsert`]), then the best
+//! wide tree within it ([`collapse`]).
 
 mod binary;
 mod collapse;
 mod prim;
+mod reinsert;
 mod split;
 
 use kajo_math::Aabb;
@@ -14,6 +16,7 @@ use self::binary::Set;
 use self::collapse::Collapse;
 pub(crate) use self::prim::Prim;
 use self::split::PIECE;
+use crate::Quality;
 use crate::node::{Child, Node, WIDTH};
 use crate::walk::Tree;
 
@@ -58,7 +61,7 @@ impl Part {
 }
 
 /// Builds a tree over `prims`, each with a box that is not empty and finite.
-pub(crate) fn build(mut prims: Vec<Prim>, shape: LeafShape) -> Built {
+pub(crate) fn build(mut prims: Vec<Prim>, shape: LeafShape, quality: Quality) -> Built {
     let bounds = split::bounds(&prims);
     let mut built = Built { top: Vec::new(), parts: Vec::new(), bounds: bounds.aabb(), depth: 0 };
     if prims.is_empty() {
@@ -67,8 +70,11 @@ pub(crate) fn build(mut prims: Vec<Prim>, shape: LeafShape) -> Built {
     }
     let spare = if prims.len() >= 2 * PIECE { prims.len() } else { 0 };
     let mut spare: Vec<Prim> = (0..spare).into_par_iter().map(|_| Prim::NONE).collect();
-    let groves = binary::build(Set { prims: &mut prims, spare: &mut spare, bounds }, shape.block);
+    let mut groves = binary::build(Set { prims: &mut prims, spare: &mut spare, bounds }, shape.block);
     drop((prims, spare));
+    if quality == Quality::High {
+        groves = reinsert::improve(groves, MAX_LEVELS);
+    }
     (built.top, built.parts) = Collapse::new(&groves, shape).wide();
     built.depth = built.parts.iter().map(|part| part.depth).max().unwrap_or_default();
     built

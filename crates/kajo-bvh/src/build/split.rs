@@ -63,8 +63,8 @@ impl<const N: usize> Histogram<N> {
         for prim in prims {
             let bounds = prim.bounds();
             let place = bins.place(prim.center2()).to_array();
-            for axis in 0..3 {
-                let bin = place[axis].to_bits() as usize % N;
+            for (axis, place) in place.into_iter().take(3).enumerate() {
+                let bin = place.to_bits() as usize % N;
                 self.boxes[bin][axis] = self.boxes[bin][axis].union(bounds);
                 self.counts[bin][axis] += 1;
             }
@@ -187,7 +187,7 @@ impl Split {
             (lefts, rights) = (more_left, more_right);
             work.push((piece, [right, left]));
         }
-        work.into_par_iter().for_each(|(piece, mut sides)| {
+        work.into_par_iter().for_each(|(piece, sides)| {
             let mut filled = [0; 2];
             for prim in piece {
                 let side = usize::from(self.is_left(prim));

@@ -1,0 +1,231 @@
+//! A better binary tree by moving subtrees to where they cost less.
+//!
+//! The cost of a tree is the sum of its nodes' surfaces. A subtree that is taken out lets
+//! its ancestors shrink, and put beside another node makes that node's ancestors grow; the
+//! best new place is found by branch and bound, walking up from the old one
+//! [Bittner, Hapala and Havran 2013], [Meister and Bittner 2018, alg. 2].
+
+use super::binary::{Grove, Next, TASK, Twig};
+use super::prim::Box4;
+
+/// Times that the larger subtrees are tried.
+const PASSES: usize = 2;
+/// One in so many subtrees is tried, the largest first, but at least [`FEW`].
+const SHARE: usize = 4;
+const FEW: usize = 1 << 16;
+
+/// Where nodes stand in the tree; leaves have no children.
+struct Links {
+    bounds: Vec<Box4>,
+    parents: Vec<u32>,
+    children: Vec<Option<[u32; 2]>>,
+}
+
+/// The root's number.
+const ROOT: u32 = 0;
+
+/// Moves subtrees of a tree given by its groves. Returns the new tree, or the old one where
+/// that would be deeper than `most_levels`.
+pub(super) fn improve(groves: Vec<Grove>, most_levels: usize) -> Vec<Grove> {
+    let mut leaves = Vec::new();
+    let mut links = Links { bounds: Vec::new(), parents: Vec::new(), children: Vec::new() };
+    links.add(&groves, (0, 0), ROOT, &mut leaves);
+    for _ in 0..PASSES {
+        let mut largest: Vec<u32> = (1..links.bounds.len() as u32).collect();
+        largest.sort_by(|&a, &b| links.area(b).total_cmp(&links.area(a)).then(a.cmp(&b)));
+        largest.truncate((largest.len() / SHARE).max(FEW));
+        let mut waiting = Vec::new();
+        for node in largest {
+            if let Some(place) = links.better_place(node, &mut waiting) {
+                links.reinsert(node, place);
+            }
+        }
+    }
+    if links.depth() > most_levels {
+        return groves;
+    }
+    let sizes = links.sizes(|node| leaf(&groves, leaves[node as usize]).len());
+    let mut out = vec![Grove::default()];
+    links.emit(ROOT, 0, &sizes, &mut out, &mut |node| leaf(&groves, leaves[node as usize]));
+    out
+}
+
+/// The primitives of a leaf.
+fn leaf(groves: &[Grove], (grove, place): (usize, usize)) -> &[u32] {
+    let twig = &groves[grove].twigs[place];
+    &groves[grove].ids[twig.first as usize..(twig.first + twig.len) as usize]
+}
+
+impl Links {
+    /// Adds the subtree at a twig, parents first. `leaves` gets the twigs of leaves.
+    fn add(
+        &mut self,
+        groves: &[Grove],
+        at: (usize, usize),
+        parent: u32,
+        leaves: &mut Vec<(usize, usize)>,
+    ) -> u32 {
+        let (grove, place) = at;
+        let twig = &groves[grove].twigs[place];
+        if let Next::Grove(other) = twig.next {
+            return self.add(groves, (other as usize, 0), parent, leaves);
+        }
+        let node = self.bounds.len();
+        self.bounds.push(twig.bounds);
+        self.parents.push(parent);
+        self.children.push(None);
+        leaves.push(at);
+        if let Next::Right(right) = twig.next {
+            let left = self.add(groves, (grove, place + 1), node as u32, leaves);
+            let right = self.add(groves, (grove, right as usize), node as u32, leaves);
+            self.children[node] = Some([left, right]);
+        }
+        node as u32
+    }
+
+    fn area(&self, node: u32) -> f32 {
+        self.bounds[node as usize].half_area()
+    }
+
+    fn parent(&self, node: u32) -> u32 {
+        self.parents[node as usize]
+    }
+
+    fn sibling(&self, node: u32) -> Option<u32> {
+        let [left, right] = self.children[self.parent(node) as usize]?;
+        Some(if left == node { right } else { left })
+    }
+
+    /// The node beside which `node` would make the tree cheapest, if that is not where it is.
+    /// `waiting` is empty before and after.
+    fn better_place(&self, node: u32, waiting: &mut Vec<(f32, u32)>) -> Option<u32> {
+        let (bounds, area) = (self.bounds[node as usize], self.area(node));
+        let parent = self.parent(node);
+        let old_sibling = self.sibling(node).filter(|_| parent != ROOT)?;
+        // What is won so far by the removal: the parent, then what ancestors shrink.
+        let mut won = self.area(parent);
+        let (mut best, mut most) = (None, 0.0);
+        let (mut sibling, mut pivot) = (old_sibling, parent);
+        let mut rest = self.bounds[old_sibling as usize];
+        loop {
+            waiting.push((won, sibling));
+            while let Some((won, place)) = waiting.pop() {
+                if won - area <= most {
+                    continue;
+                }
+                let left = won - self.bounds[place as usize].union(bounds).half_area();
+                if left > most {
+                    (best, most) = (Some(place), left);
+                }
+                if let Some([a, b]) = self.children[place as usize] {
+                    let won = left + self.area(place);
+                    waiting.extend([(won, a), (won, b)]);
+                }
+            }
+            if pivot != parent {
+                rest = rest.union(self.bounds[sibling as usize]);
+                won += self.area(pivot) - rest.half_area();
+            }
+            if pivot == ROOT {
+                break;
+            }
+            sibling = self.sibling(pivot)?;
+            pivot = self.parent(pivot);
+        }
+        best.filter(|&place| place != old_sibling)
+    }
+
+    /// Takes `node` out and puts it beside `place`, which is neither its parent nor below it.
+    fn reinsert(&mut self, node: u32, place: u32) {
+        let parent = self.parent(node);
+        let Some(sibling) = self.sibling(node) else { return };
+        let grandparent = self.parent(parent);
+        self.replace(grandparent, parent, sibling);
+        self.refit(grandparent);
+        let above = self.parent(place);
+        self.replace(above, place, parent);
+        self.children[parent as usize] = Some([place, node]);
+        self.parents[place as usize] = parent;
+        self.refit(parent);
+    }
+
+    /// Makes `new` the child of `parent` that `old` was.
+    fn replace(&mut self, parent: u32, old: u32, new: u32) {
+        if let Some(children) = &mut self.children[parent as usize] {
+            children.iter_mut().filter(|child| **child == old).for_each(|child| *child = new);
+        }
+        self.parents[new as usize] = parent;
+    }
+
+    /// Fits boxes from `node` up to the root.
+    fn refit(&mut self, mut node: u32) {
+        loop {
+            if let Some([a, b]) = self.children[node as usize] {
+                self.bounds[node as usize] = self.bounds[a as usize].union(self.bounds[b as usize]);
+            }
+            if node == ROOT {
+                return;
+            }
+            node = self.parent(node);
+        }
+    }
+
+    fn depth(&self) -> usize {
+        let mut deepest = 0;
+        let mut waiting = vec![(ROOT, 0)];
+        while let Some((node, depth)) = waiting.pop() {
+            deepest = deepest.max(depth);
+            waiting.extend(self.children[node as usize].iter().flatten().map(|&child| (child, depth + 1)));
+        }
+        deepest
+    }
+
+    /// Primitives below each node, given those of leaves.
+    fn sizes(&self, leaf: impl Fn(u32) -> usize) -> Vec<usize> {
+        let mut order = vec![ROOT];
+        let mut next = 0;
+        while let Some(&node) = order.get(next) {
+            order.extend(self.children[node as usize].iter().flatten());
+            next += 1;
+        }
+        let mut sizes = vec![0; order.len()];
+        for node in order.into_iter().rev() {
+            sizes[node as usize] = match self.children[node as usize] {
+                Some([a, b]) => sizes[a as usize] + sizes[b as usize],
+                None => leaf(node),
+            };
+        }
+        sizes
+    }
+
+    /// Adds the subtree at `node` to a grove; what is small enough gets one of its own.
+    fn emit<'a>(
+        &self,
+        node: u32,
+        grove: usize,
+        sizes: &[usize],
+        out: &mut Vec<Grove>,
+        leaf: &mut impl FnMut(u32) -> &'a [u32],
+    ) {
+        let (bounds, size) = (self.bounds[node as usize], sizes[node as usize]);
+        if grove == 0 && size <= TASK {
+            let own = out.len();
+            out.push(Grove::default());
+            self.emit(node, own, sizes, out, leaf);
+            let twig = Twig { next: Next::Grove(own as u32), ..out[own].twigs[0] };
+            out[0].twigs.push(twig);
+            return;
+        }
+        let (place, first) = (out[grove].twigs.len(), out[grove].ids.len() as u32);
+        let len = if grove == 0 { u32::MAX } else { size as u32 };
+        out[grove].twigs.push(Twig { bounds, first, len, next: Next::Nothing });
+        match self.children[node as usize] {
+            None => out[grove].ids.extend(leaf(node)),
+            Some([a, b]) => {
+                self.emit(a, grove, sizes, out, leaf);
+                out[grove].twigs[place].next = Next::Right(out[grove].twigs.len() as u32);
+                self.emit(b, grove, sizes, out, leaf);
+            }
+        }
+    }
+}
