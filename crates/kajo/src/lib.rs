@@ -27,6 +27,7 @@
 //! ```
 
 mod assets;
+pub mod bench;
 pub mod compare;
 mod info;
 mod load;

@@ -53,6 +53,9 @@ pub struct WhittedArgs {
     /// Write the pictures to SCENE.png in this folder
     #[arg(long, value_name = "DIR")]
     pub pictures: Option<std::path::PathBuf>,
+    /// Render nothing; write the scenes for POV-Ray (.pov) and Tachyon (.dat) to this folder
+    #[arg(long, value_name = "DIR", conflicts_with = "pictures")]
+    pub peers: Option<std::path::PathBuf>,
     /// Print one JSON object a scene
     #[arg(long)]
     pub json: bool,

@@ -1,6 +1,6 @@
 //! `kajo bench rays`
 
-use kajo::bench::rays::{BuildSettings, Figures, Gate, Report, Settings, check, mesh, run as cast};
+use kajo::bench::rays::{BuildSettings, Figures, Gate, Quality, Report, Settings, check, mesh, run as cast};
 
 use super::header;
 use crate::args::RaysArgs;
@@ -28,11 +28,12 @@ pub fn run(args: &RaysArgs) -> Result<(), Failure> {
 }
 
 fn titles(settings: &Settings) -> String {
+    let quality = if settings.build.quality == Quality::High { "high" } else { "medium" };
     format!(
-        "{} threads, {:?} tree, medians of {} passes; 10^6 rays a second of processor time and thread / of wall clock\n\
+        "threads: {}, tree: {}, medians of {} passes; 10^6 rays a second of processor time and thread / of wall clock\n\
          {:<12}{:>10}{:>16}{:>16}{:>16}{:>10}{:>10}{:>9}  answers\n",
         settings.threads,
-        settings.build.quality,
+        quality,
         settings.passes,
         "mesh",
         "triangles",

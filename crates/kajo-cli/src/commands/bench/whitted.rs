@@ -17,6 +17,9 @@ use crate::failure::Failure;
 use crate::{console, json};
 
 pub fn run(args: &WhittedArgs) -> Result<(), Failure> {
+    if let Some(folder) = &args.peers {
+        return args.scene.scenes().into_iter().try_for_each(|scene| write_for_peers(folder, scene));
+    }
     if !args.json {
         console::answer(&header());
     }
@@ -48,11 +51,19 @@ impl From<WhittedError> for Failure {
 }
 
 fn write(report: &Report, folder: &Path, scene: WhittedScene) -> Result<(), Failure> {
+    write_file(folder, scene, "png", &encode(&report.image, Format::Png, &EncodeOptions::default())?)
+}
+
+fn write_for_peers(folder: &Path, scene: WhittedScene) -> Result<(), Failure> {
+    write_file(folder, scene, "pov", scene.povray().as_bytes())?;
+    write_file(folder, scene, "dat", scene.tachyon().as_bytes())
+}
+
+fn write_file(folder: &Path, scene: WhittedScene, ending: &str, bytes: &[u8]) -> Result<(), Failure> {
     let failed = |error| Failure::Output(format!("cannot make the folder `{}`: {error}", folder.display()));
     fs::create_dir_all(folder).map_err(failed)?;
-    let target = Target::check(&folder.join(scene.name()).with_extension("png"), &[])?;
-    target.write(&encode(&report.image, Format::Png, &EncodeOptions::default())?)?;
-    Ok(())
+    let target = Target::check(&folder.join(scene.name()).with_extension(ending), &[])?;
+    Ok(target.write(bytes)?)
 }
 
 fn as_text(settings: &Settings, report: &Report) -> String {

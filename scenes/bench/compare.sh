@@ -1,0 +1,116 @@
+#!/usr/bin/env bash
+# kajo beside other ray tracers: seconds of processor time on the same scenes, in alternating rounds.
+#
+#   scenes/bench/compare.sh [--kajo FILE] [--rounds N] [--work DIR] [--embree DIR --meshes DIR]
+#
+# Whitted scenes: POV-Ray 3.7 and Tachyon (Debian: apt-get install povray tachyon time). Their scene files are
+# made here from the spheres that kajo renders. Tachyon bends no rays, so it renders the sphereflake only.
+# What is not installed is left out, with a word.
+#
+# Ray casting: Embree 4 (PyPI: embreex, whose library exports Embree's C interface). It needs a harness for
+# it, a directory that holds `run.sh MESH_DIR WORK_DIR MESH...`, which prints one JSON object a line with the
+# fields of `kajo bench rays --json`, and `meshes`, a directory with files of the KMSH format.
+set -euo pipefail
+
+kajo=kajo rounds=5 work=$(mktemp -d) embree='' meshes=''
+while [ $# -gt 0 ]; do
+  case $1 in
+    --kajo) kajo=$2 ;;
+    --rounds) rounds=$2 ;;
+    --work) work=$2 ;;
+    --embree) embree=$2 ;;
+    --meshes) meshes=$2 ;;
+    *) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  esac
+  shift 2
+done
+kajo=$(command -v "$kajo") || { echo "no kajo; name it with --kajo FILE" >&2; exit 2; }
+kajo=$(realpath "$kajo")
+mkdir -p "$work"
+rows=$work/rows.csv
+: > "$rows"
+
+has() { command -v "$1" > /dev/null || { echo "left out: $1 is not installed" >&2; return 1; }; }
+
+# Appends "scene,program,anti-aliasing,threads,processor seconds of rendering,wall seconds".
+row() { echo "$1,$2,$3,$4,$5,$6" >> "$rows"; }
+
+# The time that POV-Ray's own log gives for tracing: "Trace Time: 0 hours ... (1.234 seconds)" and
+# "using 2 thread(s) with 2.345 CPU-seconds total".
+povray_row() { # scene, label, threads, options
+  local scene=$1 aa=$2 threads=$3; shift 3
+  povray "+I$work/$scene.pov" "+O$work/$scene-povray.png" +W1024 +H768 -D "+WT$threads" "$@" > "$work/log" 2>&1 ||
+    { tail -n 3 "$work/log" >&2; return 1; }
+  local wall cpu
+  wall=$(sed -n '/^ *Trace Time/{s/.*(\([0-9.]*\) sec.*/\1/p;q}' "$work/log")
+  cpu=$(sed -n '/^ *Trace Time/,$s/.*with \([0-9.]*\) CPU-seconds.*/\1/p' "$work/log" | head -n 1)
+  row "$scene" povray "$aa" "$threads" "$cpu" "$wall"
+}
+
+# Tachyon's log gives wall time only; its processor time is that of the process, reading the scene included.
+tachyon_row() { # threads
+  /usr/bin/time -f 'PROCESS %U %S' tachyon "$work/flake.dat" -o "$work/flake-tachyon.tga" -format TARGA \
+    -numthreads "$1" -fullshade > "$work/log" 2>&1 || { tail -n 3 "$work/log" >&2; return 1; }
+  local wall cpu
+  wall=$(sed -n 's/.*Ray Tracing Time: *\([0-9.]*\).*/\1/p' "$work/log")
+  cpu=$(awk '/^PROCESS/ {print $2 + $3}' "$work/log")
+  row flake tachyon none "$1" "$cpu" "$wall"
+}
+
+kajo_row() { # scene, anti-aliasing, threads
+  "$kajo" bench whitted --scene "$1" --aa "$2" --threads "$3" --passes 1 --json > "$work/log"
+  local line
+  line=$(sed 's/.*"renders"://' "$work/log")
+  row "$1" kajo "$2" "$3" "$(sed 's/.*"cpu_s":{"median":\([0-9.e-]*\).*/\1/' <<< "$line")" \
+    "$(sed 's/.*"wall_s":{"median":\([0-9.e-]*\).*/\1/' <<< "$line")"
+}
+
+"$kajo" bench whitted --peers "$work" > /dev/null
+pov=$(has povray && echo yes || true)
+tachyon=$(has tachyon && [ -x /usr/bin/time ] && echo yes || true)
+# POV-Ray refuses to start without its configuration.
+export HOME=$work
+mkdir -p "$work/.povray/3.7" && touch "$work/.povray/3.7/povray.conf"
+
+for _ in $(seq "$rounds"); do # everything once a round, so that what else the machine does hits all alike
+  for threads in 1 2; do
+    for scene in flake marbles; do
+      kajo_row "$scene" none "$threads"
+      kajo_row "$scene" 2x2 "$threads"
+      if [ "$pov" ]; then
+        povray_row "$scene" none "$threads" -A
+        povray_row "$scene" 2x2 "$threads" +A0.0 +AM1 +R2
+      fi
+    done
+    if [ "$tachyon" ]; then tachyon_row "$threads"; fi
+  done
+done
+
+# Medians, and how many times as long as kajo the others took by processor time.
+sort "$rows" | awk -F, '
+  function median(list,   a, n, i, j, x) {
+    n = split(list, a, " ")
+    for (i = 2; i <= n; i++) for (j = i; j > 1 && a[j] + 0 < a[j - 1] + 0; j--) { x = a[j]; a[j] = a[j - 1]; a[j - 1] = x }
+    return a[int((n + 2) / 2)]
+  }
+  { key = $1 "," $2 "," $3 "," $4; cpu[key] = cpu[key] " " $5; wall[key] = wall[key] " " $6; if (!(key in seen)) { seen[key] = 1; order[++n] = key } }
+  END {
+    printf "%-9s%-9s%-6s%8s%12s%10s%12s\n", "scene", "program", "aa", "threads", "processor s", "wall s", "times kajo"
+    for (i = 1; i <= n; i++) {
+      split(order[i], k, ",")
+      own = median(cpu[k[1] ",kajo," k[3] "," k[4]])
+      printf "%-9s%-9s%-6s%8d%12.3f%10.3f%12.2f\n", k[1], k[2], k[3], k[4], median(cpu[order[i]]), median(wall[order[i]]), median(cpu[order[i]]) / own
+    }
+  }'
+
+if [ -n "$embree" ] && [ -n "$meshes" ]; then
+  echo
+  echo "Embree, then kajo, one thread, one JSON object a mesh:"
+  for mesh in "$meshes"/*.kmsh; do
+    name=$(basename "$mesh" .kmsh)
+    "$embree/run.sh" "$meshes" "$work/embree" "$name"
+    "$kajo" bench rays "$mesh" --threads 1 --json
+  done
+else
+  echo "Embree left out: give --embree DIR and --meshes DIR" >&2
+fi
