@@ -96,7 +96,7 @@ impl Target {
         }
         let real = match &existing {
             Some(_) => fs::canonicalize(path).map_err(refused)?,
-            None => path.to_path_buf(),
+            None => in_real_folder(path),
         };
         if inputs.contains(&real) {
             return Err(OutputError::IsInput { path: path.to_path_buf() });
@@ -204,6 +204,15 @@ impl Target {
     }
 }
 
+/// The path of a file to be made, by the real path of its folder where that exists: equal for equal files.
+fn in_real_folder(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (fs::canonicalize(folder), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_path_buf(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -251,8 +260,12 @@ mod tests {
             Err(OutputError::NoFolder { .. } | OutputError::Refused { .. })
         ));
         assert!(matches!(Target::check(folder.path(), &[]), Err(OutputError::IsFolder { .. })));
-        let twice = Target::check_all(&[path("a.png"), path("a.png")], &[]);
-        assert!(matches!(twice, Err(OutputError::Twice { .. })));
+        fs::create_dir(path("b")).unwrap();
+        for other in ["a.png", "./a.png", "b/../a.png"] {
+            let twice = Target::check_all(&[path("a.png"), path(other)], &[]);
+            assert!(matches!(twice, Err(OutputError::Twice { .. })), "{other}");
+        }
+        assert!(Target::check_all(&[path("a.png"), path("b/a.png")], &[]).is_ok());
     }
 
     #[cfg(unix)]

@@ -134,14 +134,21 @@ fn mapped<const N: usize>(image: &Image, map: impl Fn(&[f32]) -> [f32; N]) -> Re
     Ok(result)
 }
 
-/// Distances as grey: what is nearest in the picture is white, what is farthest a dark grey, misses are black.
+/// Distances as grey: what is nearest in the picture is white, what is far a dark grey, misses are black.
 fn nearness(depth: &Image) -> Result<Image, ImageError> {
     /// Tells the farthest surface from a miss.
     const FARTHEST: f32 = 0.1;
-    let hits = || depth.data().iter().copied().filter(|t| t.is_finite());
-    let (near, far) = (hits().fold(f32::INFINITY, f32::min), hits().fold(f32::NEG_INFINITY, f32::max));
+    let mut hits: Vec<f32> = depth.data().iter().copied().filter(|t| t.is_finite()).collect();
+    if hits.is_empty() {
+        return mapped(depth, |_| [0.0]);
+    }
+    // A floor that runs to the horizon would leave no grey for anything else: its farthest tenth is one.
+    let tenth = hits.len() / 10;
+    let last = hits.len() - 1 - tenth;
+    let (nearer, &mut far, _) = hits.select_nth_unstable_by(last, f32::total_cmp);
+    let near = nearer.iter().copied().fold(far, f32::min);
     mapped(depth, |t| {
-        let share = if far > near { (t[0] - near) / (far - near) } else { 0.0 };
+        let share = if far > near { ((t[0] - near) / (far - near)).min(1.0) } else { 0.0 };
         [if t[0].is_finite() { 1.0 - (1.0 - FARTHEST) * share } else { 0.0 }]
     })
 }
@@ -218,6 +225,10 @@ mod tests {
         for (found, expected) in grey.data().iter().zip([1.0, 0.1, 0.0, 0.55]) {
             assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
         }
+        let horizon = Image::from_fn(20, 1, |x, _| [if x < 18 { 1.0 + x as f32 } else { 1e6 }]).unwrap();
+        let grey = nearness(&horizon).unwrap();
+        assert_eq!((grey.pixel(0, 0)[0], grey.pixel(19, 0)[0]), (1.0, grey.pixel(17, 0)[0]));
+        assert!(grey.pixel(8, 0)[0] < 0.7, "the near part has most of the greys");
         let nothing = Image::filled(1, 1, &[f32::INFINITY]).unwrap();
         assert_eq!(nearness(&nothing).unwrap().data(), [0.0]);
         let flat = Image::filled(1, 1, &[3.0]).unwrap();
