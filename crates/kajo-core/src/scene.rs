@@ -69,6 +69,8 @@ pub struct Scene {
     pub transforms: Vec<Transform>,
     /// Shapes at their places, in the order of the file. Object `i + 1` of the id layers is primitive `i`.
     pub primitives: Vec<Primitive>,
+    /// Whether light may pass through any of them.
+    pub transmits: bool,
     /// The user's words for each primitive.
     pub objects: Vec<Object>,
     /// Materials.
@@ -145,7 +147,9 @@ impl Scene {
     pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit)) {
         let mut each = |i: u32| {
             let primitive = &self.primitives[i as usize];
-            self.in_object(primitive, ray, |ray| self.shapes.crossings(primitive.shape, ray, |hit| visit(i, hit)));
+            self.in_object(primitive, ray, |ray| {
+                self.shapes.crossings(primitive.shape, ray, |hit| visit(i, hit))
+            });
         };
         self.unbounded.iter().for_each(|&i| each(i));
         self.bvh.each(ray, each);
@@ -211,7 +215,8 @@ impl Scene {
             let primitive = &self.primitives[i as usize];
             // One step further, so that an equally near object that stands earlier can still win.
             range.t_max = if best.is_some() { t_max.next_up() } else { t_max };
-            let Some(hit) = self.in_object(primitive, &range, |ray| self.shapes.hit(primitive.shape, ray)) else {
+            let Some(hit) = self.in_object(primitive, &range, |ray| self.shapes.hit(primitive.shape, ray))
+            else {
                 return t_max;
             };
             if best.is_some_and(|(first, nearest)| hit.t == nearest.t && first < i) {

@@ -62,7 +62,10 @@ pub fn ln(x: f32) -> f32 {
 /// Whole exponents up to 1024, which is what shininess usually is, go by squaring.
 #[inline]
 pub fn pow(x: f32, y: f32) -> f32 {
-    if y >= 0.0 && y <= 1024.0 && y == y.trunc() {
+    if x == 0.0 && y > 0.0 {
+        return 0.0;
+    }
+    if (0.0..=1024.0).contains(&y) && y == (y as u32) as f32 {
         return powi(x, y as u32);
     }
     libm::powf(x, y)

@@ -204,6 +204,7 @@ impl<'a> Compiler<'a> {
         let mut scene = Scene {
             shapes: self.shapes,
             transforms: self.transforms,
+            transmits: self.primitives.iter().any(|p| p.transmits),
             primitives: self.primitives,
             objects: self.objects,
             materials: self.materials,

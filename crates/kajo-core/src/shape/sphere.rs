@@ -32,9 +32,9 @@ impl Sphere {
         Sphere { center, radius: radius.abs() }
     }
 
-    /// Both roots, smaller first.
+    /// Where the line of a ray meets the sphere, if it does.
     #[inline]
-    fn roots(&self, ray: &Ray) -> Option<(f64, f64)> {
+    fn chord(&self, ray: &Ray) -> Option<Chord> {
         let Ray64 { o, d } = Ray64::new(ray);
         let (m, r) = (o - self.center.as_dvec3(), f64::from(self.radius));
         let (a, h) = (d.dot(d), m.dot(d));
@@ -43,12 +43,33 @@ impl Sphere {
         if r == 0.0 || discriminant.is_nan() || discriminant < 0.0 {
             return None;
         }
-        let q = -(h + discriminant.sqrt().copysign(h));
-        if q == 0.0 {
-            return Some((0.0, 0.0));
-        }
-        let (t0, t1) = (q / a, (m.dot(m) - r * r) / q);
-        Some(if t0 <= t1 { (t0, t1) } else { (t1, t0) })
+        Some(Chord { a, h, c: m.dot(m) - r * r, root: discriminant.sqrt() })
+    }
+}
+
+/// A quadratic `a t^2 + 2 h t + c` with the root of its discriminant; both solutions without cancellation.
+struct Chord {
+    a: f64,
+    h: f64,
+    c: f64,
+    root: f64,
+}
+
+impl Chord {
+    #[inline]
+    fn entry(&self) -> f64 {
+        if self.h > 0.0 { -(self.h + self.root) / self.a } else { self.product_over(self.root - self.h) }
+    }
+
+    #[inline]
+    fn exit(&self) -> f64 {
+        if self.h > 0.0 { self.product_over(-(self.h + self.root)) } else { (self.root - self.h) / self.a }
+    }
+
+    /// The other solution of `q / a`: their product is `c / a`.
+    #[inline]
+    fn product_over(&self, q: f64) -> f64 {
+        if q == 0.0 { 0.0 } else { self.c / q }
     }
 }
 
@@ -60,14 +81,14 @@ impl Surface for Sphere {
 
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let (t0, t1) = self.roots(ray)?;
-        let t = in_range(ray, t0).or_else(|| in_range(ray, t1))?;
+        let chord = self.chord(ray)?;
+        let t = in_range(ray, chord.entry()).or_else(|| in_range(ray, chord.exit()))?;
         Some(Hit { t, ..Hit::default() })
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
-        if let Some((t0, t1)) = self.roots(ray) {
-            for t in [t0, t1].into_iter().filter_map(|t| in_range(ray, t)) {
+        if let Some(chord) = self.chord(ray) {
+            for t in [chord.entry(), chord.exit()].into_iter().filter_map(|t| in_range(ray, t)) {
                 visit(Hit { t, ..Hit::default() });
             }
         }

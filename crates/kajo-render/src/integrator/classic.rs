@@ -168,13 +168,13 @@ impl<'a> Classic<'a> {
         let shadow_ray = || at.point.ray_towards(wi, distance, time, self.settings.ray_offset);
         match self.settings.shadows {
             Shadows::Off => Spectrum::WHITE,
-            Shadows::Opaque => {
-                rays.shadow += 1;
-                if self.scene.occluded(&shadow_ray()) { Spectrum::BLACK } else { Spectrum::WHITE }
-            }
-            Shadows::Transparent => {
+            Shadows::Transparent if self.scene.transmits => {
                 rays.shadow += 1;
                 shadow::transmittance(self.scene, &shadow_ray(), self.settings.shadow_attenuation)
+            }
+            Shadows::Opaque | Shadows::Transparent => {
+                rays.shadow += 1;
+                if self.scene.occluded(&shadow_ray()) { Spectrum::BLACK } else { Spectrum::WHITE }
             }
         }
     }

@@ -32,13 +32,31 @@ struct Body {
 
 /// The share of light that comes through along `ray`, whose end is the light.
 pub(super) fn transmittance(scene: &Scene, ray: &Ray, by: ShadowAttenuation) -> Spectrum {
+    match by {
+        ShadowAttenuation::Length => by_length(scene, ray),
+        ShadowAttenuation::Surface => by_surface(scene, ray),
+    }
+}
+
+fn by_surface(scene: &Scene, ray: &Ray) -> Spectrum {
+    let mut through = Spectrum::WHITE;
+    let blocked = scene.occluded_or(ray, |primitive, hit| {
+        let at = scene.interaction(ray, primitive, hit);
+        through *=
+            scene.materials.phong(at.material, &scene.materials, &scene.textures, at.point.p).transparent;
+        through.is_black()
+    });
+    if blocked { Spectrum::BLACK } else { through }
+}
+
+fn by_length(scene: &Scene, ray: &Ray) -> Spectrum {
     let mut through = Spectrum::WHITE;
     let mut bodies: [Option<Body>; MAX_BODIES] = [None; MAX_BODIES];
     let blocked = scene.occluded_or(ray, |primitive, hit| {
         let at = scene.interaction(ray, primitive, hit);
         let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, at.point.p);
         let closed = scene.shapes.is_closed(scene.primitives[primitive as usize].shape);
-        if phong.transparent.is_black() || by == ShadowAttenuation::Surface || !closed {
+        if phong.transparent.is_black() || !closed {
             through *= phong.transparent;
             return through.is_black();
         }
