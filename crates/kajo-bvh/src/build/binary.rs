@@ -12,7 +12,7 @@ use super::split::{self, PIECE, Split};
 /// Sets up to this size are built by one thread.
 pub(super) const TASK: usize = 1 << 13;
 /// Most levels above the sets of one thread.
-const TOP_LEVELS: usize = 32;
+pub(super) const TOP_LEVELS: usize = 32;
 /// Most levels within such a set.
 const TASK_LEVELS: usize = 32;
 /// Most nodes on the way from the root to a leaf.
@@ -22,7 +22,8 @@ pub(crate) const MAX_LEVELS: usize = TOP_LEVELS + TASK_LEVELS;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twig {
     pub(super) bounds: Box4,
-    /// Its primitives, as part of the grove's.
+    /// Its primitives, as part of the grove's; [`u32::MAX`] of them where they are not all
+    /// in the same grove.
     pub(super) first: u32,
     pub(super) len: u32,
     pub(super) next: Next,
@@ -35,8 +36,8 @@ pub(super) enum Next {
     Nothing,
     /// The next node and this one.
     Right(u32),
-    /// The first node of another grove.
-    Grove(u32),
+    /// A node of another grove, by the numbers of both.
+    Elsewhere(u32, u32),
 }
 
 /// A part of the binary tree, parents before children.
@@ -85,7 +86,7 @@ fn flatten(upper: Upper, groves: &mut Vec<Grove>) {
     let place = groves[0].twigs.len();
     match upper {
         Upper::Grove(grove) => {
-            let twig = Twig { next: Next::Grove(groves.len() as u32), ..grove.twigs[0] };
+            let twig = Twig { next: Next::Elsewhere(groves.len() as u32, 0), ..grove.twigs[0] };
             groves[0].twigs.push(twig);
             groves.push(grove);
         }

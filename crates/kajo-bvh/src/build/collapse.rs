@@ -23,6 +23,9 @@ use crate::node::{Child, Node, WIDTH};
 /// Costs relative to a visit of a wide node.
 const BLOCK_COST: f32 = 0.9;
 
+/// Subtrees that one thread turns into a part.
+pub(super) const ROOTS: usize = 16;
+
 /// `C(n, 1)` to `C(n, 7)`.
 type Costs = [f32; WIDTH - 1];
 
@@ -48,8 +51,8 @@ fn share(left: &Costs, right: &Costs, slots: usize) -> (f32, usize) {
     best
 }
 
-/// Costs of all nodes of a grove; `roots` are those of the first nodes of the other groves.
-fn costs(grove: &Grove, shape: LeafShape, roots: &[Costs]) -> Vec<Costs> {
+/// Costs of all nodes of a grove; `others` are those of the groves it leads to.
+fn costs(grove: &Grove, shape: LeafShape, others: &[Vec<Costs>]) -> Vec<Costs> {
     let mut costs = vec![[0.0; WIDTH - 1]; grove.twigs.len()];
     for (place, twig) in grove.twigs.iter().enumerate().rev() {
         let area = twig.bounds.half_area();
@@ -60,7 +63,7 @@ fn costs(grove: &Grove, shape: LeafShape, roots: &[Costs]) -> Vec<Costs> {
         };
         costs[place] = match twig.next {
             Next::Nothing => [as_leaf; WIDTH - 1],
-            Next::Grove(grove) => roots[grove as usize - 1],
+            Next::Elsewhere(grove, place) => others[grove as usize][place as usize],
             Next::Right(right) => {
                 let (left, right) = (&costs[place + 1], &costs[right as usize]);
                 let mut c = [as_leaf.min(area + share(left, right, WIDTH).0); WIDTH - 1];
@@ -78,14 +81,13 @@ impl<'a> Collapse<'a> {
     pub(super) fn new(groves: &'a [Grove], shape: LeafShape) -> Collapse<'a> {
         let mut all = vec![Vec::new()];
         all.par_extend(groves[1..].par_iter().map(|grove| costs(grove, shape, &[])));
-        let roots: Vec<Costs> = all[1..].iter().map(|costs| costs[0]).collect();
-        all[0] = costs(&groves[0], shape, &roots);
+        all[0] = costs(&groves[0], shape, &all);
         Collapse { groves, costs: all, shape }
     }
 
     fn follow(&self, place: Place) -> Place {
         match self.groves[place.0].twigs[place.1].next {
-            Next::Grove(grove) => (grove as usize, 0),
+            Next::Elsewhere(grove, place) => (grove as usize, place as usize),
             _ => place,
         }
     }
@@ -142,16 +144,20 @@ impl<'a> Collapse<'a> {
     pub(super) fn wide(&self) -> (Vec<Node>, Vec<Part>) {
         let (mut top, mut roots) = (Vec::new(), Vec::new());
         self.top(self.follow((0, 0)), 0, &mut top, &mut roots);
-        let part = |&(place, depth): &(Place, usize)| {
+        let part = |roots: &[(Place, usize)]| {
             let mut part = Part::default();
-            part.root = Some(self.part(place, depth, &mut part));
+            for &(place, depth) in roots {
+                let root = self.part(place, depth, &mut part);
+                part.roots.push(root);
+            }
             part
         };
-        (top, roots.par_iter().map(part).collect())
+        (top, roots.par_chunks(ROOTS).map(part).collect())
     }
 
     /// Adds nodes for all of the first grove that becomes nodes. What lies in other groves
-    /// is added to `roots` with its depth, and stands in `top` as a leaf of that number.
+    /// is added to `roots` with its depth, and stands in `top` as a leaf of that number; each
+    /// [`ROOTS`] of them make a part.
     fn top(&self, place: Place, depth: usize, top: &mut Vec<Node>, roots: &mut Vec<(Place, usize)>) -> Child {
         if place.0 > 0 {
             roots.push((place, depth));

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 pub(crate) use self::binary::MAX_LEVELS;
 use self::binary::Set;
-use self::collapse::Collapse;
+use self::collapse::{Collapse, ROOTS};
 pub(crate) use self::prim::Prim;
 use self::split::PIECE;
 use crate::Quality;
@@ -32,7 +32,7 @@ pub(crate) struct LeafShape {
 /// A tree whose leaves are still sets of primitives.
 pub(crate) struct Built {
     /// Nodes above the parts, root first. A child leads to a node of these or, as a leaf, to
-    /// the root of a part.
+    /// a subtree of a part.
     top: Vec<Node>,
     pub(crate) parts: Vec<Part>,
     bounds: Aabb,
@@ -43,7 +43,8 @@ pub(crate) struct Built {
 #[derive(Default)]
 pub(crate) struct Part {
     nodes: Vec<Node>,
-    root: Option<Child>,
+    /// Its subtrees, none below another.
+    roots: Vec<Child>,
     /// Primitives of all leaves, leaf after leaf.
     ids: Vec<u32>,
     /// Where each leaf ends in `ids`.
@@ -70,10 +71,12 @@ pub(crate) fn build(mut prims: Vec<Prim>, shape: LeafShape, quality: Quality) ->
     }
     let spare = if prims.len() >= 2 * PIECE { prims.len() } else { 0 };
     let mut spare: Vec<Prim> = (0..spare).into_par_iter().map(|_| Prim::NONE).collect();
+    let n = prims.len();
     let mut groves = binary::build(Set { prims: &mut prims, spare: &mut spare, bounds }, shape.block);
     drop((prims, spare));
-    if quality == Quality::High {
-        groves = reinsert::improve(groves, MAX_LEVELS);
+    match quality {
+        Quality::Fast => reinsert::improve_top(&mut groves, n, shape.most),
+        Quality::High => groves = reinsert::improve(groves),
     }
     (built.top, built.parts) = Collapse::new(&groves, shape).wide();
     built.depth = built.parts.iter().map(|part| part.depth).max().unwrap_or_default();
@@ -93,7 +96,10 @@ impl Built {
             let index = child.index() as usize;
             if child.is_leaf() { Child::leaf(payloads[p][index]) } else { Child::node(bases[p] + index) }
         };
-        let root_of = |p: usize| self.parts[p].root.map(|root| in_part(p, root));
+        let root_of = |number: usize| {
+            let p = number / ROOTS;
+            in_part(p, self.parts[p].roots[number % ROOTS])
+        };
         let node = |i: usize| {
             let (mut node, home) = match i.checked_sub(self.top.len()) {
                 None => (self.top[i], None),
@@ -107,7 +113,7 @@ impl Built {
                 if node.is_used(slot) {
                     *node.child_mut(slot) = match home {
                         Some(p) => in_part(p, child),
-                        None if child.is_leaf() => root_of(child.index() as usize).unwrap_or(child),
+                        None if child.is_leaf() => root_of(child.index() as usize),
                         None => child,
                     };
                 }
@@ -116,7 +122,7 @@ impl Built {
         };
         let nodes: Vec<Node> = (0..total).into_par_iter().map(node).collect();
         let root = if self.top.is_empty() {
-            (!self.parts.is_empty()).then(|| root_of(0)).flatten()
+            (!self.parts.is_empty()).then(|| root_of(0))
         } else {
             Some(Child::node(0))
         };

@@ -5,49 +5,60 @@
 //! best new place is found by branch and bound, walking up from the old one
 //! [Bittner, Hapala and Havran 2013], [Meister and Bittner 2018, alg. 2].
 
-use super::binary::{Grove, Next, TASK, Twig};
+use super::binary::{Grove, MAX_LEVELS, Next, TASK, TOP_LEVELS, Twig};
 use super::prim::Box4;
 
-/// Times that the larger subtrees are tried.
+/// Times that subtrees are tried.
 const PASSES: usize = 2;
-/// One in so many subtrees is tried, the largest first, but at least [`FEW`].
+/// One in so many subtrees of a whole tree is tried, the largest first, but at least [`FEW`].
 const SHARE: usize = 4;
 const FEW: usize = 1 << 16;
+/// About how many subtrees of the top of a tree are moved around.
+const TOP: usize = 1 << 10;
 
 /// Where nodes stand in the tree; leaves have no children.
 struct Links {
     bounds: Vec<Box4>,
     parents: Vec<u32>,
     children: Vec<Option<[u32; 2]>>,
+    /// The twigs they were made from.
+    twigs: Vec<(usize, usize)>,
 }
 
 /// The root's number.
 const ROOT: u32 = 0;
 
-/// Moves subtrees of a tree given by its groves. Returns the new tree, or the old one where
-/// that would be deeper than `most_levels`.
-pub(super) fn improve(groves: Vec<Grove>, most_levels: usize) -> Vec<Grove> {
-    let mut leaves = Vec::new();
-    let mut links = Links { bounds: Vec::new(), parents: Vec::new(), children: Vec::new() };
-    links.add(&groves, (0, 0), ROOT, &mut leaves);
+/// Moves the largest subtrees of the whole tree, down to its leaves. Returns the new tree, or
+/// the old one where that would be too deep.
+pub(super) fn improve(groves: Vec<Grove>) -> Vec<Grove> {
+    let mut links = Links::new(&groves, 0);
     for _ in 0..PASSES {
-        let mut largest: Vec<u32> = (1..links.bounds.len() as u32).collect();
-        largest.sort_by(|&a, &b| links.area(b).total_cmp(&links.area(a)).then(a.cmp(&b)));
-        largest.truncate((largest.len() / SHARE).max(FEW));
-        let mut waiting = Vec::new();
-        for node in largest {
-            if let Some(place) = links.better_place(node, &mut waiting) {
-                links.reinsert(node, place);
-            }
-        }
+        let largest = links.largest();
+        links.improve(&largest[..(largest.len() / SHARE).max(FEW).min(largest.len())]);
     }
-    if links.depth() > most_levels {
+    if links.depth() > MAX_LEVELS {
         return groves;
     }
-    let sizes = links.sizes(|node| leaf(&groves, leaves[node as usize]).len());
+    let leaf = |node: u32| leaf(&groves, links.twigs[node as usize]);
+    let sizes = links.sizes(|node| leaf(node).len());
     let mut out = vec![Grove::default()];
-    links.emit(ROOT, 0, &sizes, &mut out, &mut |node| leaf(&groves, leaves[node as usize]));
+    links.emit(ROOT, 0, &sizes, &mut out, &leaf);
     out
+}
+
+/// Moves the subtrees at the top of the tree: what is below them stays as it is.
+///
+/// * `n`: primitives in the tree
+/// * `least`: subtrees of so many are not taken apart
+pub(super) fn improve_top(groves: &mut [Grove], n: usize, least: usize) {
+    let mut links = Links::new(groves, (n / TOP).clamp(least, TASK));
+    for _ in 0..PASSES {
+        links.improve(&links.largest());
+    }
+    if links.depth() <= TOP_LEVELS {
+        groves[0].twigs.clear();
+        links.emit_top(ROOT, &mut groves[0]);
+    }
 }
 
 /// The primitives of a leaf.
@@ -57,30 +68,51 @@ fn leaf(groves: &[Grove], (grove, place): (usize, usize)) -> &[u32] {
 }
 
 impl Links {
-    /// Adds the subtree at a twig, parents first. `leaves` gets the twigs of leaves.
-    fn add(
-        &mut self,
-        groves: &[Grove],
-        at: (usize, usize),
-        parent: u32,
-        leaves: &mut Vec<(usize, usize)>,
-    ) -> u32 {
+    /// Takes twigs with up to `whole` primitives for leaves.
+    fn new(groves: &[Grove], whole: usize) -> Links {
+        let mut links =
+            Links { bounds: Vec::new(), parents: Vec::new(), children: Vec::new(), twigs: Vec::new() };
+        links.add(groves, (0, 0), ROOT, whole);
+        links
+    }
+
+    /// Adds the subtree at a twig, parents first.
+    fn add(&mut self, groves: &[Grove], at: (usize, usize), parent: u32, whole: usize) -> u32 {
         let (grove, place) = at;
         let twig = &groves[grove].twigs[place];
-        if let Next::Grove(other) = twig.next {
-            return self.add(groves, (other as usize, 0), parent, leaves);
+        if let Next::Elsewhere(grove, place) = twig.next {
+            return self.add(groves, (grove as usize, place as usize), parent, whole);
         }
         let node = self.bounds.len();
         self.bounds.push(twig.bounds);
         self.parents.push(parent);
         self.children.push(None);
-        leaves.push(at);
-        if let Next::Right(right) = twig.next {
-            let left = self.add(groves, (grove, place + 1), node as u32, leaves);
-            let right = self.add(groves, (grove, right as usize), node as u32, leaves);
+        self.twigs.push(at);
+        if let Next::Right(right) = twig.next
+            && twig.len as usize > whole
+        {
+            let left = self.add(groves, (grove, place + 1), node as u32, whole);
+            let right = self.add(groves, (grove, right as usize), node as u32, whole);
             self.children[node] = Some([left, right]);
         }
         node as u32
+    }
+
+    /// All nodes but the root, by falling surface.
+    fn largest(&self) -> Vec<u32> {
+        let mut nodes: Vec<u32> = (1..self.bounds.len() as u32).collect();
+        nodes.sort_by(|&a, &b| self.area(b).total_cmp(&self.area(a)).then(a.cmp(&b)));
+        nodes
+    }
+
+    /// Moves each of `nodes` to a better place if there is one.
+    fn improve(&mut self, nodes: &[u32]) {
+        let mut waiting = Vec::new();
+        for &node in nodes {
+            if let Some(place) = self.better_place(node, &mut waiting) {
+                self.reinsert(node, place);
+            }
+        }
     }
 
     fn area(&self, node: u32) -> f32 {
@@ -205,14 +237,14 @@ impl Links {
         grove: usize,
         sizes: &[usize],
         out: &mut Vec<Grove>,
-        leaf: &mut impl FnMut(u32) -> &'a [u32],
+        leaf: &impl Fn(u32) -> &'a [u32],
     ) {
         let (bounds, size) = (self.bounds[node as usize], sizes[node as usize]);
         if grove == 0 && size <= TASK {
             let own = out.len();
             out.push(Grove::default());
             self.emit(node, own, sizes, out, leaf);
-            let twig = Twig { next: Next::Grove(own as u32), ..out[own].twigs[0] };
+            let twig = Twig { next: Next::Elsewhere(own as u32, 0), ..out[own].twigs[0] };
             out[0].twigs.push(twig);
             return;
         }
@@ -226,6 +258,19 @@ impl Links {
                 out[grove].twigs[place].next = Next::Right(out[grove].twigs.len() as u32);
                 self.emit(b, grove, sizes, out, leaf);
             }
+        }
+    }
+
+    /// Adds the subtree at `node` to the first grove; its leaves stay elsewhere.
+    fn emit_top(&self, node: u32, out: &mut Grove) {
+        let place = out.twigs.len();
+        let (grove, twig) = self.twigs[node as usize];
+        let next = Next::Elsewhere(grove as u32, twig as u32);
+        out.twigs.push(Twig { bounds: self.bounds[node as usize], first: 0, len: u32::MAX, next });
+        if let Some([a, b]) = self.children[node as usize] {
+            self.emit_top(a, out);
+            out.twigs[place].next = Next::Right(out.twigs.len() as u32);
+            self.emit_top(b, out);
         }
     }
 }
