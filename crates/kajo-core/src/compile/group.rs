@@ -27,15 +27,20 @@ const LATER: [&str; 8] =
     ["Blob", "Difference", "HeightField", "Intersection", "Isosurface", "Quartic", "Torus", "Union"];
 
 /// The running state of a walk through groups.
+#[derive(Default)]
 struct Walk {
     /// Set by `MaterialIndex`; stays in force after the group it stands in, as in the classic format.
     material: Option<MaterialId>,
+    /// A `MaterialIndex` was wrong, which has been reported: objects without a material are no news.
+    material_failed: bool,
+    /// The objects stand in a `Transform` without an inverse: they are read, but never hit.
+    flattened: bool,
 }
 
 impl Compiler<'_> {
     /// Everything in the scene's group.
     pub(super) fn objects(&mut self, group: Item<'_>) {
-        let mut walk = Walk { material: None };
+        let mut walk = Walk::default();
         self.group(group, &DAffine3::IDENTITY, 0, &mut walk);
     }
 
@@ -47,7 +52,8 @@ impl Compiler<'_> {
             match item.keyword() {
                 "numObjects" => count = Some(item),
                 word => {
-                    objects += usize::from(OBJECTS.contains(&word));
+                    // A misspelt object was meant to be one.
+                    objects += usize::from(OBJECTS.contains(&word) || item.has_block());
                     self.object(item, group.keyword(), world, place, walk);
                 }
             }
@@ -59,9 +65,10 @@ impl Compiler<'_> {
         match item.keyword() {
             "Group" => self.group(item, world, place, walk),
             "MaterialIndex" => {
-                if let Some(reference) = Args::read(item, self.diagnostics, Reference::read) {
-                    walk.material = self.material(&reference).or(walk.material);
-                }
+                let reference = Args::read(item, self.diagnostics, Reference::read);
+                let material = reference.and_then(|reference| self.material(&reference));
+                walk.material_failed |= material.is_none();
+                walk.material = material.or(walk.material);
             }
             "Transform" => self.transform(item, world, walk),
             word if OBJECTS.contains(&word) => self.primitive(item, place, walk),
@@ -75,12 +82,15 @@ impl Compiler<'_> {
 
     fn transform(&mut self, item: Item<'_>, world: &DAffine3, walk: &mut Walk) {
         let mut local = DAffine3::IDENTITY;
+        let mut flattens = false;
         let mut objects = Vec::new();
         for child in self.children(item) {
             if !transform::OPERATIONS.contains(&child.keyword()) {
                 objects.push(child);
             } else if objects.is_empty() {
                 local = transform::apply(local, child, self.rules.matrix_by_rows, self.diagnostics);
+                // Rounding in a later product could hide that there is no inverse.
+                flattens |= local.matrix3.determinant() == 0.0;
             } else {
                 let message = format!("`{}` comes after the object it should move", child.keyword());
                 let error = Diagnostic::error(message).label(child.head_span(), "too late");
@@ -92,19 +102,22 @@ impl Compiler<'_> {
             self.diagnostics.push(warning.label(item.keyword_span(), "moves nothing"));
         }
         let world = *world * local;
-        let Some(transform) = Transform::new(&world) else {
+        let transform = Transform::new(&world).filter(|_| !flattens && !walk.flattened);
+        if transform.is_none() && !walk.flattened {
             let warning =
                 Diagnostic::warning("this `Transform` has no inverse, so what it holds cannot be seen");
             self.diagnostics.push(warning.label(item.keyword_span(), "flattens its object"));
-            return;
-        };
-        let place = if transform.is_identity() { 0 } else { self.transforms.len() as u32 };
-        if place != 0 {
+        }
+        let flattened_around = std::mem::replace(&mut walk.flattened, transform.is_none());
+        let mut place = 0;
+        if let Some(transform) = transform.filter(|transform| !transform.is_identity()) {
+            place = self.transforms.len() as u32;
             self.transforms.push(transform);
         }
         for object in objects {
             self.object(object, item.keyword(), &world, place, walk);
         }
+        walk.flattened = flattened_around;
     }
 
     fn primitive(&mut self, item: Item<'_>, place: u32, walk: &Walk) {
@@ -123,8 +136,9 @@ impl Compiler<'_> {
             _ => ("TriangleMesh", self.mesh(item)),
         };
         let Some(material) = walk.material else {
-            if self.diagnostics.has_errors() && self.material_list.is_empty() {
-                return; // The materials themselves are at fault.
+            let materials_failed = self.diagnostics.has_errors() && self.material_list.is_empty();
+            if walk.material_failed || materials_failed {
+                return;
             }
             let error = Diagnostic::error(format!("`{keyword}` has no material"));
             let help = "write `MaterialIndex 0`, or the name of a material, before it";
@@ -132,7 +146,7 @@ impl Compiler<'_> {
                 .push(error.label(item.keyword_span(), "no `MaterialIndex` before this").help(help));
             return;
         };
-        let Some(shape) = shape else { return };
+        let Some(shape) = shape.filter(|_| !walk.flattened) else { return };
         let brings_own = keyword == "TriangleMesh" && self.slots_transmit();
         let transmits = brings_own || self.materials.may_transmit(material, &self.materials);
         self.primitives.push(Primitive { shape, transform: place, material, transmits });

@@ -16,7 +16,9 @@ impl Compiler<'_> {
         let count = params.block("numLights");
         let lights = params.take(&KEYWORDS);
         params.finish();
-        self.check_count("numLights", count, lights.len(), "lights");
+        // A misspelt light was meant to be one.
+        let n_blocks = item.children().filter(Item::has_block).count();
+        self.check_count("numLights", count, n_blocks, "lights");
         for light in lights {
             let id = match light.keyword() {
                 "DirectionalLight" => {

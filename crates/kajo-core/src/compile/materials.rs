@@ -67,7 +67,9 @@ impl Compiler<'_> {
         let count = params.block("numMaterials");
         let items = params.take(&KEYWORDS);
         params.finish();
-        self.check_count("numMaterials", count, items.len(), "materials");
+        // A misspelt material was meant to be one.
+        let n_blocks = item.children().filter(Item::has_block).count();
+        self.check_count("numMaterials", count, n_blocks, "materials");
 
         let mut names = HashMap::new();
         let mut drafts = Vec::with_capacity(items.len());
@@ -266,7 +268,7 @@ fn read_phong(params: &mut Params<'_, '_>, reflects_specular: bool) -> Phong {
 }
 
 /// The absorption per unit length that leaves the share `t` after one unit.
-fn absorption_of(t: f32) -> f32 {
+pub(super) fn absorption_of(t: f32) -> f32 {
     if t <= 0.0 { OPAQUE } else { (-kajo_math::fmath::ln(t)).max(0.0) }
 }
 

@@ -267,3 +267,43 @@ fn the_tree_and_the_planes_agree_with_brute_force() {
     }
     assert!(hits > 5000);
 }
+
+#[test]
+fn what_a_flattened_transform_holds_is_read_but_never_seen() {
+    // Only the product of all three matrices would hide the missing inverse behind rounding.
+    let ops = "YRotate 31 Scale 0 1 1 Group { Transform { XRotate 17 ZRotate 23";
+    let text =
+        |inner: &str| format!("{CAMERA}{RED}Group {{ MaterialIndex 0 Transform {{ {ops} {inner} }} }} }} }}");
+    let (scene, said) = compiled(&text("Sphere { center 0 0 0 radius 1 }"));
+    assert!(scene.unwrap().primitives.is_empty());
+    assert_eq!(said.len(), 1, "one warning, for the outer block: {said:?}");
+    assert!(said[0].1.contains("no inverse"));
+
+    let (scene, said) = compiled(&text("Sphere { center 0 0 0 radios 1 }"));
+    assert!(scene.is_none(), "mistakes in it are still mistakes: {said:?}");
+
+    let s = self::scene(&format!(
+        "{CAMERA}{RED}Group {{ MaterialIndex 0 Transform {{ Scale 0 1 1 Group {{ MaterialIndex 1 }} }}
+         Sphere {{ center 0 0 0 radius 1 }} }}"
+    ));
+    assert_eq!(look(&s, 0.0, 0.0).unwrap().2, [0.0, 1.0, 0.0], "a material set in it stays in force");
+}
+
+#[test]
+fn one_mistake_is_reported_once() {
+    let errors = |text: &str| -> Vec<String> {
+        let (_, said) = compiled(&format!("{CAMERA}{text}"));
+        said.into_iter().filter(|(severity, _)| *severity == Severity::Error).map(|(_, m)| m).collect()
+    };
+    let misspelt = errors(&format!("{RED}Group {{ numObjects 1 MaterialIndex 0 Spere {{ radius 1 }} }}"));
+    assert_eq!(misspelt, ["unknown word `Spere` in `Group`"]);
+    let later = errors(&format!("{RED}Lights {{ numLights 1 SpotLight {{ }} }}"));
+    assert_eq!(later, ["`SpotLight` is not supported yet"]);
+    let misspelt = errors("Materials { numMaterials 1 Matarial { } }");
+    assert_eq!(misspelt, ["unknown word `Matarial` in `Materials`"]);
+    for index in ["7", "nobody", "-1"] {
+        let wrong =
+            errors(&format!("{RED}Group {{ MaterialIndex {index} Sphere {{ center 0 0 0 radius 1 }} }}"));
+        assert_eq!(wrong.len(), 1, "{wrong:?}");
+    }
+}
