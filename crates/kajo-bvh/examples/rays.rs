@@ -1,6 +1,6 @@
 //! Rays a second on mesh files: `rays FILE.kmsh... [--threads N] [--passes P] [--builds B] [--quality high]`.
 //!
-//! Prints one JSON object a mesh.
+//! Prints one JSON object a mesh, and fails where the hits are not those of the protocol.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -27,7 +27,13 @@ fn main() -> ExitCode {
             .map_err(|e| e.to_string())
             .and_then(|mesh| run(&mesh, &settings).map_err(|e| e.to_string()));
         match report {
-            Ok(report) => println!("{}", report.to_json()),
+            Ok(report) => {
+                println!("{}", report.to_json());
+                if report.is_right() == Some(false) {
+                    eprintln!("{file}: hits are not those of the protocol");
+                    return ExitCode::FAILURE;
+                }
+            }
             Err(error) => {
                 eprintln!("{error}");
                 return ExitCode::FAILURE;

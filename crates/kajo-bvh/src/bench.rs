@@ -11,6 +11,7 @@
 //! as three `f32` each and triangles as three `u32` each.
 
 mod clock;
+mod gate;
 mod mesh;
 mod rays;
 mod report;

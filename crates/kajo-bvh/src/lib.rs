@@ -2,6 +2,23 @@
 //!
 //! [`Bvh`] stands over boxes of anything; [`TriangleBvh`] over triangles, which it also
 //! intersects. Neither knows shapes, materials or scenes.
+//!
+//! A tree is built as a binary one by the surface area heuristic, improved by moving
+//! subtrees, and collapsed into nodes of eight children, whose boxes one vector instruction
+//! tests at a time. Triangles are tested four at a time, watertight. Instructions are chosen
+//! at run time; what a ray hits is the same, bit for bit, on every machine, for any number of
+//! threads that built the tree, and without a tree.
+//!
+//! ```
+//! use kajo_bvh::{BuildSettings, TriangleBvh};
+//! use kajo_math::{Ray, Vec3};
+//!
+//! let positions = [Vec3::ZERO, Vec3::X, Vec3::Y];
+//! let tree = TriangleBvh::build(&positions, &[[0, 1, 2]], &BuildSettings::default())?;
+//! let hit = tree.closest(&Ray::new(Vec3::new(0.25, 0.5, -3.0), Vec3::Z)).unwrap();
+//! assert_eq!((hit.t, hit.u, hit.v, hit.triangle), (3.0, 0.25, 0.5, 0));
+//! # Ok::<(), kajo_bvh::BuildError>(())
+//! ```
 
 #[cfg(feature = "bench")]
 pub mod bench;
@@ -23,10 +40,11 @@ pub use triangles::TriangleBvh;
 /// How much time to spend on a tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
-    /// Binned surface area heuristic.
+    /// Binned surface area heuristic, with the top of the tree improved.
     #[default]
     Fast,
-    /// Slower to build, faster to trace.
+    /// All of the tree improved: two to three times as long to build, mostly faster to trace
+    /// where triangles differ much in size.
     High,
 }
 

@@ -274,3 +274,66 @@ impl Links {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use kajo_math::{Aabb, Vec3};
+
+    use super::*;
+    use crate::build::binary::{Set, build};
+    use crate::build::prim::Prim;
+    use crate::build::split;
+
+    /// Slabs of all lengths that overlap, hard to split well.
+    fn groves(n: u32) -> Vec<Grove> {
+        let at = |i: u32, k: u32| (i.wrapping_mul(2_654_435_761).wrapping_add(k * 40_503) % 1009) as f32;
+        let slab = |i: u32| {
+            let p = Vec3::new(at(i, 1), at(i, 2), at(i, 3));
+            let mut extent = Vec3::ONE;
+            extent[i as usize % 3] = at(i, 4);
+            Aabb::around([p, p + extent])
+        };
+        let mut prims: Vec<Prim> = (0..n).map(|i| Prim::new(slab(i), i)).collect();
+        let bounds = split::bounds(&prims);
+        build(Set { prims: &mut prims, spare: &mut [], bounds }, 4)
+    }
+
+    fn cost(groves: &[Grove]) -> f32 {
+        let links = Links::new(groves, 0);
+        (0..links.bounds.len() as u32).map(|node| links.area(node)).sum()
+    }
+
+    fn check(links: &Links) {
+        for (node, children) in links.children.iter().enumerate() {
+            let Some(children) = children else { continue };
+            let [a, b] = children.map(|child| {
+                assert_eq!(links.parents[child as usize], node as u32);
+                links.bounds[child as usize]
+            });
+            assert_eq!(links.bounds[node].aabb(), a.union(b).aabb());
+        }
+    }
+
+    #[test]
+    fn moving_subtrees_lowers_the_cost_and_keeps_every_primitive() {
+        let groves = groves(20_000);
+        let before = cost(&groves);
+        let mut links = Links::new(&groves, 0);
+        links.improve(&links.largest());
+        check(&links);
+        let after = improve(groves);
+        assert!(cost(&after) < 0.95 * before, "{} after {before}", cost(&after));
+        let mut ids: Vec<u32> = after.iter().flat_map(|grove| grove.ids.iter().copied()).collect();
+        ids.sort_unstable();
+        assert!(ids.into_iter().eq(0..20_000));
+    }
+
+    #[test]
+    fn the_top_alone_gains_too() {
+        let mut groves = groves(20_000);
+        let before = cost(&groves);
+        improve_top(&mut groves, 20_000, 32);
+        assert!(cost(&groves) < 0.99 * before, "{} after {before}", cost(&groves));
+        check(&Links::new(&groves, 0));
+    }
+}
