@@ -18,7 +18,7 @@ pub enum Background {
     /// The same in all directions.
     Constant(Spectrum),
     /// A picture in every direction.
-    CubeMap(CubeMap),
+    CubeMap(Box<CubeMap>),
 }
 
 impl Background {

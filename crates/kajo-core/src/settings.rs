@@ -43,11 +43,17 @@ impl Dialect {
             smooth_meshes: false,
             matrix_by_rows: false,
             reflects_specular: false,
+            shadow_attenuation: ShadowAttenuation::Length,
             maps: MapRules::Inverted,
         };
         match self {
             Dialect::Handout => handout,
-            Dialect::Mit2004 => Rules { highlight: Highlight::Half, matrix_by_rows: true, ..handout },
+            Dialect::Mit2004 => Rules {
+                highlight: Highlight::Half,
+                matrix_by_rows: true,
+                shadow_attenuation: ShadowAttenuation::Surface,
+                ..handout
+            },
             Dialect::MitA2 => Rules {
                 corner_samples: true,
                 raw_up: true,
@@ -77,6 +83,8 @@ pub struct Rules {
     pub matrix_by_rows: bool,
     /// Mirror rays are weighted by the specular colour.
     pub reflects_specular: bool,
+    /// How transparent things weaken light unless the scene or the user says otherwise.
+    pub shadow_attenuation: ShadowAttenuation,
     /// How depth and normals become pictures.
     pub maps: MapRules,
 }

@@ -4,7 +4,7 @@ use kajo_core::RayOffset;
 use kajo_core::camera::Camera;
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_core::settings::{FilterChoice, MapRules, Settings, ShadowAttenuation, Shadows};
+use kajo_core::settings::{FilterChoice, MapRules, Settings, Shadows};
 use kajo_render::integrator::ClassicSettings;
 use kajo_render::{DepthMap, Filter, NormalMap};
 
@@ -83,7 +83,7 @@ impl RenderSettings {
                 bounces: asked.bounces.or(own.bounces).unwrap_or(if classic { 0 } else { 4 }),
                 weight: asked.weight.or(own.weight).unwrap_or(0.0),
                 shadows: asked.shadows.or(own.shadows).unwrap_or(default_shadows),
-                shadow_attenuation: attenuation.unwrap_or(ShadowAttenuation::Length),
+                shadow_attenuation: attenuation.unwrap_or(scene.rules.shadow_attenuation),
                 shade_back: asked.shade_back.or(own.shade_back).unwrap_or(false),
                 uv: uv || (classic && !scene.has_group),
                 fresnel: asked.fresnel.or(own.fresnel).unwrap_or(false),

@@ -25,11 +25,11 @@ impl Compiler<'_> {
         (faces.map_or(Background::Constant(color), Background::CubeMap), ambient)
     }
 
-    fn cube_map(&mut self, item: Item<'_>, folder: &str) -> Option<CubeMap> {
+    fn cube_map(&mut self, item: Item<'_>, folder: &str) -> Option<Box<CubeMap>> {
         let faces = FACE_NAMES
             .map(|face| self.picture(item, &format!("{}/{face}.png", folder.trim_end_matches('/'))));
         let [a, b, c, d, e, f] = faces;
-        Some(CubeMap::new([a?, b?, c?, d?, e?, f?]))
+        Some(Box::new(CubeMap::new([a?, b?, c?, d?, e?, f?])))
     }
 
     /// Reads a picture that the scene names.

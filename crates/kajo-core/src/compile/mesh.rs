@@ -9,6 +9,7 @@ use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Args, AssetFile, Diagnostic, Item, MtlMaterial, ObjMesh, Span, read_mtl, read_obj};
 
 use super::Compiler;
+use super::materials::absorption_of;
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, ShapeId, vertex_normals};
@@ -161,14 +162,16 @@ fn phong(mtl: &MtlMaterial) -> Phong {
     let specular = color(mtl.specular, Spectrum::BLACK);
     let mirrors = matches!(mtl.illumination, Some(3 | 5..=7));
     let through = 1.0 - mtl.opacity.unwrap_or(1.0).clamp(0.0, 1.0);
+    let transparent = color(mtl.transmission, Spectrum::WHITE) * through;
     Phong {
-        ambient: color(mtl.ambient, diffuse),
+        // `Ka` is left aside: many programs write black or white there whatever the material is.
+        ambient: diffuse,
         diffuse,
         specular,
         exponent: mtl.exponent.unwrap_or(1.0).max(0.0),
         reflective: if mirrors { specular } else { Spectrum::BLACK },
-        transparent: color(mtl.transmission, Spectrum::WHITE) * through,
-        absorption: Spectrum::BLACK,
+        transparent,
+        absorption: transparent.map(absorption_of),
         eta: mtl.index_of_refraction.filter(|&eta| eta > 0.0).unwrap_or(1.0),
     }
 }

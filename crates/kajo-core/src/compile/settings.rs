@@ -46,7 +46,7 @@ pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
 }
 
 fn size(args: &mut Args<'_>) -> Result<[u32; 2], Diagnostic> {
-    let side = |n: f32| (n >= 1.0 && n <= 16_777_216.0 && n == n.trunc()).then_some(n as u32);
+    let side = |n: f32| ((1.0..=16_777_216.0).contains(&n) && n == n.trunc()).then_some(n as u32);
     match args.numbers::<2>()?.map(side) {
         [Some(w), Some(h)] => Ok([w, h]),
         _ => Err(args.error("`size` must be two whole numbers above zero")),

@@ -141,7 +141,7 @@ mod tests {
     fn lines_are_as_the_programs_read_them() {
         let pov = WhittedScene::Flake.povray();
         assert!(pov.contains("sphere { <0.0000000,0.5000000,0.0000000>, 0.5000000 material { M0 } }"));
-        assert!(pov.contains("direction z*1.585797411 sky y"), "0.5 / tan(17.5 degrees)");
+        assert!(pov.contains("direction z*1.585797401 sky y"), "0.5 / tan(17.5 degrees)");
         let tachyon = WhittedScene::Flake.tachyon();
         assert!(tachyon.contains("\nCENTER 1.9000000 1.6000000 -1.9000000\n"));
         assert!(tachyon.contains(
