@@ -17,7 +17,7 @@ use kajo_render::{
 struct Flat;
 
 impl PixelIntegrator for Flat {
-    fn sample(&self, raster: Vec2, _: &Stream, counters: &mut RayCounters) -> PixelSample {
+    fn sample(&self, _pixel: [u32; 2], raster: Vec2, _: &Stream, counters: &mut RayCounters) -> PixelSample {
         counters.camera += 1;
         let first = FirstHit { t: raster.x, n: Vec3::Z, uv: raster, object: 1, material: 1 };
         PixelSample { radiance: Spectrum::rgb(0.25, 0.5, 0.75), first: Some(first) }

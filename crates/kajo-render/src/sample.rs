@@ -33,10 +33,18 @@ pub struct FirstHit {
 pub trait PixelIntegrator: Sync {
     /// Casts one camera ray.
     ///
-    /// * `raster`: position on the film in pixels; (0, 0) is the top left corner of the picture
+    /// * `pixel`: the pixel that asks, counted from the top left one
+    /// * `raster`: position on the film in pixels; (0, 0) is the top left corner of the picture. It may lie
+    ///   beside `pixel`: a regular grid of a number that is no square hangs over.
     /// * `stream`: the random numbers of this sample; the sampler owns dimensions 0 and 1
     /// * `counters`: every ray cast, the camera's included, is added here
-    fn sample(&self, raster: Vec2, stream: &Stream, counters: &mut RayCounters) -> PixelSample;
+    fn sample(
+        &self,
+        pixel: [u32; 2],
+        raster: Vec2,
+        stream: &Stream,
+        counters: &mut RayCounters,
+    ) -> PixelSample;
 }
 
 /// Rays cast, by what they were for.

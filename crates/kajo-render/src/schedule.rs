@@ -213,7 +213,7 @@ pub fn render_unit<I: PixelIntegrator + ?Sized>(
             for k in unit.samples.clone() {
                 let stream = Stream::new(settings.seed, [x, y], k);
                 let offset = settings.sampler.position(k, &stream);
-                let sample = integrator.sample(corner + offset, &stream, counters);
+                let sample = integrator.sample([x, y], corner + offset, &stream, counters);
                 part.add(x, y, k, offset, &sample);
                 untold += 1;
                 if untold == SAMPLES_PER_CHECK {

@@ -248,9 +248,9 @@ impl<'a> Classic<'a> {
     }
 
     /// The test picture: red grows to the right, green downward; the values of pixel centres.
-    fn uv_picture(&self, raster: Vec2) -> Spectrum {
-        let center = |x: f32, n: u32| (x.floor().clamp(0.0, (n - 1) as f32) + 0.5) / n as f32;
-        Spectrum::rgb(center(raster.x, self.size[0]), center(raster.y, self.size[1]), 1.0)
+    fn uv_picture(&self, pixel: [u32; 2]) -> Spectrum {
+        let center = |axis: usize| (pixel[axis] as f32 + 0.5) / self.size[axis] as f32;
+        Spectrum::rgb(center(0), center(1), 1.0)
     }
 }
 
@@ -280,7 +280,7 @@ impl Crossing {
 }
 
 impl PixelIntegrator for Classic<'_> {
-    fn sample(&self, raster: Vec2, _stream: &Stream, rays: &mut RayCounters) -> PixelSample {
+    fn sample(&self, pixel: [u32; 2], raster: Vec2, _stream: &Stream, rays: &mut RayCounters) -> PixelSample {
         rays.camera += 1;
         let ray = self.camera_ray(raster);
         let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
@@ -296,7 +296,7 @@ impl PixelIntegrator for Classic<'_> {
                 0
             },
         });
-        let radiance = if self.settings.uv { self.uv_picture(raster) } else { light };
+        let radiance = if self.settings.uv { self.uv_picture(pixel) } else { light };
         PixelSample { radiance, first }
     }
 }

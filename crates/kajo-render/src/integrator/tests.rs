@@ -43,7 +43,7 @@ fn look(scene: &Scene, settings: ClassicSettings, x: f32, y: f32) -> ([f32; 3], 
     let classic = Classic::new(scene, settings, [200, 200], LayerSet::of(&[]));
     let raster = Vec2::new(100.0 * (x + 1.0), 100.0 * (1.0 - y));
     let mut rays = RayCounters::default();
-    let sample = classic.sample(raster, &Stream::new(0, [0, 0], 0), &mut rays);
+    let sample = classic.sample([0, 0], raster, &Stream::new(0, [0, 0], 0), &mut rays);
     (sample.radiance.to_rgb(), rays)
 }
 
@@ -309,9 +309,11 @@ fn the_test_picture_shows_pixel_centres() {
     let s = scene(VIEW);
     let classic = Classic::new(&s, ClassicSettings { uv: true, ..plain(&s) }, [8, 4], LayerSet::of(&[]));
     for (i, j) in [(0u32, 0u32), (7, 0), (3, 2), (7, 3)] {
-        for offset in [0.01, 0.5, 0.99] {
+        // A regular grid of two or three samples hangs over into the rows below.
+        for offset in [0.01, 0.5, 0.99, 2.5] {
             let raster = Vec2::new(i as f32 + offset, j as f32 + offset);
-            let sample = classic.sample(raster, &Stream::new(0, [0, 0], 0), &mut RayCounters::default());
+            let stream = Stream::new(0, [i, j], 0);
+            let sample = classic.sample([i, j], raster, &stream, &mut RayCounters::default());
             let expected = [(i as f32 + 0.5) / 8.0, (j as f32 + 0.5) / 4.0, 1.0];
             assert_eq!(sample.radiance.to_rgb(), expected);
         }
@@ -329,7 +331,7 @@ fn depth_of_a_tilted_plane_is_exact() {
         ));
         let classic = Classic::new(&s, plain(&s), [64, 64], LayerSet::of(&[]));
         let raster = Vec2::new(64.0 * u(3), 64.0 * u(4));
-        let sample = classic.sample(raster, &Stream::new(0, [0, 0], 0), &mut RayCounters::default());
+        let sample = classic.sample([0, 0], raster, &Stream::new(0, [0, 0], 0), &mut RayCounters::default());
         let d = f64::to_radians(20.0).tan();
         let (x, y) = (f64::from(raster.x) / 32.0 - 1.0, 1.0 - f64::from(raster.y) / 32.0);
         let length = (x * x * d * d + y * y * d * d + 1.0).sqrt();

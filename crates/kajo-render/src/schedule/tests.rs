@@ -11,7 +11,13 @@ use crate::{FilmSpec, Filter, FirstHit, Layer, LayerSet, PixelSample};
 struct Field<F>(F);
 
 impl<F: Fn(Vec2, f32) -> f32 + Sync> PixelIntegrator for Field<F> {
-    fn sample(&self, raster: Vec2, stream: &Stream, counters: &mut RayCounters) -> PixelSample {
+    fn sample(
+        &self,
+        _pixel: [u32; 2],
+        raster: Vec2,
+        stream: &Stream,
+        counters: &mut RayCounters,
+    ) -> PixelSample {
         counters.camera += 1;
         counters.shadow += 2;
         let hit =
