@@ -1,5 +1,6 @@
 //! Words to the user. A closed pipe or terminal is no reason to stop: such errors are dropped.
 
+use crate::failure::Failure;
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
 
@@ -19,9 +20,16 @@ pub fn warning(text: &str) {
 }
 
 /// Writes an answer to standard output.
-pub fn answer(text: &str) {
+///
+/// A reader that has gone away, such as `head`, has all it wants: that is no failure.
+pub fn answer(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
-    let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::Output(format!("cannot write to standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether messages may be in colour: on a terminal, unless the user objects (no-color.org).

@@ -19,7 +19,7 @@ pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
     let target = target.transpose()?;
     let difference = Difference::between(&args.reference, &args.picture)?;
     let percent_off = 100.0 * difference.share_above(args.max_off)?;
-    console::answer(&figures(&difference, args.max_off, percent_off));
+    console::answer(&figures(&difference, args.max_off, percent_off))?;
     if let Some((target, format)) = target {
         target.write(&encode(&difference.picture()?, format, &EncodeOptions::default())?)?;
     }

@@ -18,8 +18,7 @@ pub fn info(args: &InfoArgs) -> Result<(), Failure> {
         console::line(loaded.report(console::in_color()).trim_end());
     }
     let info = SceneInfo::of(&loaded).ok_or_else(|| has_errors(&args.scene, &loaded))?;
-    console::answer(&if args.json { as_json(&info) + "\n" } else { as_text(&info) });
-    Ok(())
+    console::answer(&if args.json { as_json(&info) + "\n" } else { as_text(&info) })
 }
 
 fn as_text(info: &SceneInfo) -> String {

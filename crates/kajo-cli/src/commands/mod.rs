@@ -100,7 +100,7 @@ fn check_one(scene: &Path, args: &CheckArgs) -> Result<(), Failure> {
         1 => ", with 1 warning".to_owned(),
         n => format!(", with {n} warnings"),
     };
-    console::answer(&format!("{}: fine{warnings}\n", scene.display()));
+    console::answer(&format!("{}: fine{warnings}\n", scene.display()))?;
     Ok(())
 }
 
@@ -108,6 +108,6 @@ fn check_one(scene: &Path, args: &CheckArgs) -> Result<(), Failure> {
 pub fn completions(shell: Shell) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::tree(), "kajo", &mut script);
-    console::answer(&String::from_utf8_lossy(&script));
+    console::answer(&String::from_utf8_lossy(&script))?;
     Ok(())
 }

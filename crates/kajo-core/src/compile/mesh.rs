@@ -12,30 +12,42 @@ use super::Compiler;
 use super::materials::absorption_of;
 use crate::bsdf::Phong;
 use crate::family::Pooled;
-use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, ShapeId, vertex_normals};
+use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, ShapeId, vertex_normals};
 
 /// Meshes read so far.
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
+
+/// Where the normals of a mesh come from.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Shading {
+    /// The winding of each face.
+    Flat,
+    /// The file, or the faces around a point where the file has none: `smooth on`.
+    Smooth,
+    /// The faces around a vertex, whatever the file says: the rule of mit-a2.
+    Averaged,
+}
 
 /// What makes two meshes the same.
 #[derive(PartialEq, Eq, Hash)]
 pub(super) struct MeshKey {
     path: String,
-    smooth: bool,
+    shading: Shading,
     own_materials: bool,
 }
 
 impl Compiler<'_> {
     pub(super) fn mesh(&mut self, item: Item<'_>) -> Option<ShapeId> {
-        let smooth_by_default = self.rules.smooth_meshes;
-        let (name, place, smooth, own_materials) = self.read(item, |params| {
+        let unasked = if self.rules.smooth_meshes { Shading::Averaged } else { Shading::Flat };
+        let (name, place, shading, own_materials) = self.read(item, |params| {
             params.name();
             let file =
                 params.required("obj_file", |args| Ok((args.text()?.into_owned(), args.item().head_span())));
-            let smooth = params.or("smooth", smooth_by_default, Args::flag);
+            let smooth = params.optional("smooth", Args::flag);
+            let shading = smooth.map_or(unasked, |on| if on { Shading::Smooth } else { Shading::Flat });
             let own_materials = params.or("materials", false, Args::flag);
             let (name, place) = file?;
-            Some((name, place, smooth, own_materials))
+            Some((name, place, shading, own_materials))
         })?;
         let file = match self.assets.open(&name, item.path()) {
             Ok(file) => file,
@@ -44,11 +56,11 @@ impl Compiler<'_> {
                 return None;
             }
         };
-        let key = MeshKey { path: file.path.clone(), smooth, own_materials };
+        let key = MeshKey { path: file.path.clone(), shading, own_materials };
         if let Some(&known) = self.meshes.get(&key) {
             return known;
         }
-        let shape = self.read_mesh(file, smooth, own_materials, item, place);
+        let shape = self.read_mesh(file, shading, own_materials, item, place);
         self.meshes.insert(key, shape);
         shape
     }
@@ -56,7 +68,7 @@ impl Compiler<'_> {
     fn read_mesh(
         &mut self,
         file: AssetFile,
-        smooth: bool,
+        shading: Shading,
         own_materials: bool,
         item: Item<'_>,
         place: Span,
@@ -74,7 +86,7 @@ impl Compiler<'_> {
                 .push(Diagnostic::warning(format!("`{path}`: {warning}")).label(place, "read here"));
         }
         let slots = if own_materials { self.material_slots(&obj, &path, place) } else { None };
-        let mesh = match Mesh::new(mesh_data(obj, smooth, slots), &self.options.build) {
+        let mesh = match Mesh::new(mesh_data(obj, shading, slots), &self.options.build) {
             Ok(mesh) => mesh,
             Err(error) => {
                 self.cannot_read(&path, &error.to_string(), place);
@@ -139,15 +151,17 @@ impl Compiler<'_> {
     }
 }
 
-fn mesh_data(obj: ObjMesh, smooth: bool, material_slots: Option<Vec<u32>>) -> MeshData {
+fn mesh_data(obj: ObjMesh, shading: Shading, material_slots: Option<Vec<u32>>) -> MeshData {
     let positions: Vec<Vec3> = obj.positions.into_iter().map(Vec3::from).collect();
-    let normals = smooth.then(|| match obj.face_normals {
-        Some(faces) => {
+    let normals = match (shading, obj.face_normals) {
+        (Shading::Flat, _) => None,
+        (Shading::Averaged, _) => Some(vertex_normals(&positions, &obj.faces, Neighbours::ByIndex)),
+        (Shading::Smooth, None) => Some(vertex_normals(&positions, &obj.faces, Neighbours::ByPosition)),
+        (Shading::Smooth, Some(faces)) => {
             let values = obj.normals.into_iter().map(|n| Vec3::from(n).normalize_or_zero()).collect();
-            CornerValues { values, faces }
+            Some(CornerValues { values, faces })
         }
-        None => vertex_normals(&positions, &obj.faces),
-    });
+    };
     let uvs = obj.face_uvs.map(|faces| {
         let values = obj.uvs.into_iter().map(Vec2::from).collect();
         CornerValues { values, faces }

@@ -307,3 +307,29 @@ fn one_mistake_is_reported_once() {
         assert_eq!(wrong.len(), 1, "{wrong:?}");
     }
 }
+
+/// Normals at the middle of two triangles that share an edge by index but not all their corners.
+#[test]
+fn smooth_meshes_take_normals_as_the_dialect_says() {
+    // A roof: the ridge is shared, each side also has normals of its own in the file.
+    let roof =
+        "v 0 1 0\nv 0 -1 0\nv 1 0 -1\nv -1 0 -1\nvn 1 0 0\nvn 0 1 0\nf 1//1 2//1 3//1\nf 2//2 1//2 4//2\n";
+    let split = "v 0 1 0\nv 0 -1 0\nv 1 0 -1\nv -1 0 -1\nv 0 1 0\nv 0 -1 0\nf 1 2 3\nf 6 5 4\n";
+    let normal = |keys: &str, obj: &str, dialect: Dialect| {
+        let text =
+            format!("{CAMERA}{RED}Group {{ MaterialIndex 0 TriangleMesh {{ obj_file a.obj {keys} }} }}");
+        let mut parsed = SceneDesc::parse_str(&text);
+        let assets = MemoryAssets::new().with("a.obj", obj);
+        let options = CompileOptions { dialect: Some(dialect), ..CompileOptions::default() };
+        let s = compile(&mut parsed.desc, &assets, &options, &mut parsed.diagnostics).expect("a scene");
+        look(&s, 1e-4, 0.0).expect("the roof").1
+    };
+    let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-3, "{a} {b}");
+    let slope = Vec3::new(1.0, 0.0, 1.0).normalize();
+    near(normal("", roof, Dialect::Handout), slope);
+    near(normal("smooth on", roof, Dialect::Handout), Vec3::X);
+    near(normal("smooth on", split, Dialect::Handout), Vec3::Z);
+    near(normal("", roof, Dialect::MitA2), Vec3::Z);
+    near(normal("", split, Dialect::MitA2), slope);
+    near(normal("smooth off", roof, Dialect::MitA2), slope);
+}

@@ -154,12 +154,22 @@ impl Surface for Mesh {
     }
 }
 
+/// Which faces meet at a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Neighbours {
+    /// Those that name the same vertex: seams where a file repeats a point stay sharp.
+    ByIndex,
+    /// Those with a corner at the same position.
+    ByPosition,
+}
+
 /// Normals at the vertices: the plain sum of the unit normals of the faces around, as the
 /// `mit-a2` programs have it.
-///
-/// Vertices count as one where their positions are equal.
-pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]]) -> CornerValues<Vec3> {
-    let welded = welded(positions);
+pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]], neighbours: Neighbours) -> CornerValues<Vec3> {
+    let welded = match neighbours {
+        Neighbours::ByIndex => (0..positions.len() as u32).collect(),
+        Neighbours::ByPosition => welded(positions),
+    };
     let mut sums = vec![Vec3::ZERO; positions.len()];
     for face in faces {
         let [a, b, c] = face.map(|i| positions[i as usize].as_dvec3());

@@ -17,7 +17,7 @@ mod triangle;
 pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use disk::Disk;
-pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, vertex_normals};
+pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
 pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;

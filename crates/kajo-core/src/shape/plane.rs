@@ -41,8 +41,12 @@ impl Surface for Plane {
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let Ray64 { o, d } = Ray64::new(ray);
+        let (height, speed) = (self.offset - self.normal.dot(o), self.normal.dot(d));
+        if height * speed < 0.0 && ray.t_min >= 0.0 {
+            return None; // Going away.
+        }
         // Parallel rays divide by zero and fall out of the range as infinite or NaN.
-        let t = (self.offset - self.normal.dot(o)) / self.normal.dot(d);
+        let t = height / speed;
         let t = in_range(ray, t).filter(|t| t.is_finite())?;
         Some(Hit { t, ..Hit::default() })
     }

@@ -37,13 +37,16 @@ impl Sphere {
     fn chord(&self, ray: &Ray) -> Option<Chord> {
         let Ray64 { o, d } = Ray64::new(ray);
         let (m, r) = (o - self.center.as_dvec3(), f64::from(self.radius));
-        let (a, h) = (d.dot(d), m.dot(d));
-        let across = m.cross(d);
+        let (h, c) = (m.dot(d), m.dot(m) - r * r);
+        if h > 0.0 && c > 0.0 && ray.t_min >= 0.0 {
+            return None; // Outside and going away, as most rays that have just left this sphere.
+        }
+        let (a, across) = (d.dot(d), m.cross(d));
         let discriminant = a * (r * r) - across.dot(across);
         if r == 0.0 || discriminant.is_nan() || discriminant < 0.0 {
             return None;
         }
-        Some(Chord { a, h, c: m.dot(m) - r * r, root: discriminant.sqrt() })
+        Some(Chord { a, h, c, root: discriminant.sqrt() })
     }
 }
 

@@ -15,14 +15,14 @@ pub fn run(args: &RaysArgs) -> Result<(), Failure> {
         build: BuildSettings { quality: args.quality.into() },
     };
     if !args.json {
-        console::answer(&(header() + &titles(&settings)));
+        console::answer(&(header() + &titles(&settings)))?;
     }
     for name in &args.meshes {
         let mesh = mesh(name).map_err(Failure::Input)?;
         let report = cast(&mesh, &settings).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
         let gate = check(&report.mesh, report.triangles, &report.hits, report.sum_t)
             .map_err(|wrong| Failure::Different(format!("{name}: {wrong}")))?;
-        console::answer(&if args.json { as_json(&report) } else { as_row(&report, gate) });
+        console::answer(&if args.json { as_json(&report) } else { as_row(&report, gate) })?;
     }
     Ok(())
 }

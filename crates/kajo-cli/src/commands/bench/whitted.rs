@@ -21,7 +21,7 @@ pub fn run(args: &WhittedArgs) -> Result<(), Failure> {
         return args.scene.scenes().into_iter().try_for_each(|scene| write_for_peers(folder, scene));
     }
     if !args.json {
-        console::answer(&header());
+        console::answer(&header())?;
     }
     for scene in args.scene.scenes() {
         let settings = Settings {
@@ -34,7 +34,7 @@ pub fn run(args: &WhittedArgs) -> Result<(), Failure> {
         if let Some(folder) = &args.pictures {
             write(&report, folder, scene)?;
         }
-        console::answer(&if args.json { as_json(&settings, &report) } else { as_text(&settings, &report) });
+        console::answer(&if args.json { as_json(&settings, &report) } else { as_text(&settings, &report) })?;
     }
     Ok(())
 }
