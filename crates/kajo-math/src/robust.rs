@@ -22,21 +22,10 @@ pub const fn gamma(n: u32) -> f32 {
 /// of `p`, so a ray that starts there cannot meet the surface it leaves.
 #[inline]
 pub fn offset_origin(p: Vec3, p_error: Vec3, n: Vec3, d: Vec3) -> Vec3 {
-    let distance = n.abs().dot(p_error);
-    let side = if d.dot(n) < 0.0 { -n } else { n };
-    let offset = side * distance;
-    let q = p + offset;
-    // Round each coordinate away from the surface.
-    let away = |q: f32, o: f32| {
-        if o > 0.0 {
-            q.next_up()
-        } else if o < 0.0 {
-            q.next_down()
-        } else {
-            q
-        }
-    };
-    Vec3::new(away(q.x, offset.x), away(q.y, offset.y), away(q.z, offset.z))
+    // The rounding of the sum itself is at most half a unit in the last place of each coordinate;
+    // a whole one, taken along with the error, keeps the result outside.
+    let distance = n.abs().dot(p_error + f32::EPSILON * p.abs());
+    p + n * distance.copysign(d.dot(n))
 }
 
 #[cfg(test)]
