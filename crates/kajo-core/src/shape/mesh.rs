@@ -6,8 +6,10 @@
 //!
 //! Scene: `TriangleMesh { obj_file bunny.obj  smooth on }`
 
+use std::cmp::Ordering;
+
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
-use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, robust::gamma};
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
 
 use super::Surface;
 use crate::interaction::{Hit, NO_UV, SurfacePoint};
@@ -198,20 +200,28 @@ fn welded(positions: &[Vec3]) -> Vec<u32> {
 }
 
 /// Whether every edge is used equally often in both directions, so that the surface has no border.
+///
+/// Points count as one where their positions are equal. Instead of a table of edges, which would take more
+/// memory than the mesh, a hash of each edge is added for one direction and subtracted for the other; the sum
+/// of a surface with a border is zero with a probability of 2^-128.
 fn is_closed(positions: &[Vec3], faces: &[[u32; 3]]) -> bool {
-    let welded = welded(positions);
-    let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(3 * faces.len());
-    for &[a, b, c] in faces {
-        for (i, j) in [(a, b), (b, c), (c, a)] {
-            let (i, j) = (welded[i as usize], welded[j as usize]);
-            if i != j {
-                edges.push((i.min(j), i.max(j), i < j));
-            }
+    let point = |i: u32| {
+        // Adding zero makes one of the two zeros.
+        let bits = (positions[i as usize] + Vec3::ZERO).to_array().map(|x| u64::from(x.to_bits()));
+        mix(mix(bits[0] | bits[1] << 32) ^ bits[2])
+    };
+    let mut sum = 0u128;
+    for face in faces {
+        let [a, b, c] = face.map(point);
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let (low, high) = (from.min(to), from.max(to));
+            let edge = u128::from(mix(low ^ mix(high))) << 64 | u128::from(mix(high ^ mix(!low)));
+            sum = match from.cmp(&to) {
+                Ordering::Less => sum.wrapping_add(edge),
+                Ordering::Equal => sum,
+                Ordering::Greater => sum.wrapping_sub(edge),
+            };
         }
     }
-    edges.sort_unstable();
-    edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|group| {
-        let forward = group.iter().filter(|edge| edge.2).count();
-        2 * forward == group.len()
-    })
+    sum == 0
 }

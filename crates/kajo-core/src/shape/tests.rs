@@ -236,3 +236,21 @@ fn neighbouring_triangles_leave_no_gap() {
         assert!(fan.iter().any(|t| t.hit(&ray).is_some()), "ray {i} slips through");
     }
 }
+
+#[test]
+fn meshes_know_whether_they_are_closed() {
+    assert!(octahedron().is_closed());
+    let [x, y, z, o] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ZERO];
+    let mesh = |positions: Vec<Vec3>, faces: Vec<[u32; 3]>| {
+        let data = MeshData { positions, faces, ..MeshData::default() };
+        Mesh::new(data, &BuildSettings::default()).unwrap().is_closed()
+    };
+    let tetrahedron = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    assert!(mesh(vec![o, x, y, z], tetrahedron.clone()));
+    assert!(!mesh(vec![o, x, y, z], tetrahedron[..3].to_vec()), "a face is missing");
+    let turned = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 3, 0]];
+    assert!(!mesh(vec![o, x, y, z], turned), "a face is turned round");
+    // Every face with points of its own: closed all the same.
+    let apart: Vec<Vec3> = tetrahedron.iter().flatten().map(|&i| [o, x, y, z][i as usize]).collect();
+    assert!(mesh(apart, (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()));
+}
