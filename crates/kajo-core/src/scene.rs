@@ -158,16 +158,32 @@ impl Scene {
     /// Position, normals and material at a crossing.
     #[inline]
     pub fn interaction(&self, ray: &Ray, primitive: u32, hit: Hit) -> Interaction {
-        let Primitive { shape, transform, material, .. } = self.primitives[primitive as usize];
+        let placed = &self.primitives[primitive as usize];
+        let Primitive { shape, transform, .. } = *placed;
         let point = if transform == 0 {
             self.shapes.surface_at(shape, ray, &hit)
         } else {
             let transform = &self.transforms[transform as usize];
             self.shapes.surface_at(shape, &transform.ray_in_object(ray), &hit).transformed(transform)
         };
-        let slot = self.shapes.material_slot(shape, hit.part);
-        let material = slot.map_or(material, |slot| self.slot_materials[slot as usize]);
-        Interaction { point, hit, primitive, material }
+        Interaction { point, hit, primitive, material: self.material_at(placed, &hit) }
+    }
+
+    /// The colour that light is multiplied by when it passes a crossing straight through.
+    #[inline]
+    pub fn transparency(&self, ray: &Ray, primitive: u32, hit: Hit) -> Spectrum {
+        let material = self.material_at(&self.primitives[primitive as usize], &hit);
+        if let Some(phong) = self.materials.constant(material) {
+            return phong.transparent;
+        }
+        let p = self.interaction(ray, primitive, hit).point.p;
+        self.materials.phong(material, &self.materials, &self.textures, p).transparent
+    }
+
+    #[inline]
+    fn material_at(&self, primitive: &Primitive, hit: &Hit) -> MaterialId {
+        let slot = self.shapes.material_slot(primitive.shape, hit.part);
+        slot.map_or(primitive.material, |slot| self.slot_materials[slot as usize])
     }
 
     /// Surface coordinates at an interaction.

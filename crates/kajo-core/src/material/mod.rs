@@ -15,6 +15,11 @@ pub trait Appearance {
     /// The reflection model at the world-space point `p`.
     fn phong(&self, materials: &Materials, textures: &Textures, p: Vec3) -> Phong;
 
+    /// The reflection model, where it is the same at every point.
+    fn constant(&self) -> Option<&Phong> {
+        None
+    }
+
     /// Whether light can pass through anywhere.
     fn may_transmit(&self, materials: &Materials) -> bool;
 }
@@ -32,6 +37,8 @@ family! {
     methods {
         /// See [`Appearance::phong`].
         fn phong(materials: &Materials, textures: &Textures, p: Vec3) -> Phong;
+        /// See [`Appearance::constant`].
+        fn constant() -> Option<&Phong>;
         /// See [`Appearance::may_transmit`].
         fn may_transmit(materials: &Materials) -> bool;
     }
@@ -42,6 +49,11 @@ impl Appearance for Phong {
     #[inline]
     fn phong(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> Phong {
         *self
+    }
+
+    #[inline]
+    fn constant(&self) -> Option<&Phong> {
+        Some(self)
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {

@@ -41,9 +41,7 @@ pub(super) fn transmittance(scene: &Scene, ray: &Ray, by: ShadowAttenuation) -> 
 fn by_surface(scene: &Scene, ray: &Ray) -> Spectrum {
     let mut through = Spectrum::WHITE;
     let blocked = scene.occluded_or(ray, |primitive, hit| {
-        let at = scene.interaction(ray, primitive, hit);
-        through *=
-            scene.materials.phong(at.material, &scene.materials, &scene.textures, at.point.p).transparent;
+        through *= scene.transparency(ray, primitive, hit);
         through.is_black()
     });
     if blocked { Spectrum::BLACK } else { through }
