@@ -49,8 +49,9 @@ fn summary(job: &Job, done: &Done) -> String {
     let rays = done.stats.rays.total() as f64;
     let seconds = done.stats.seconds;
     format!(
-        "{names}: {width} x {height}, {} samples a pixel, {} rays in {seconds:.2} s ({} rays/s)",
+        "{names}: {width} x {height}, {} sample{} a pixel, {} rays in {seconds:.2} s ({} rays/s)",
         done.samples,
+        if done.samples == 1 { "" } else { "s" },
         in_short(rays),
         in_short(rays / seconds.max(1e-6))
     )

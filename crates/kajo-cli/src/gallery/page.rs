@@ -96,8 +96,9 @@ fn pictures(name: &str, picture: &Rendered) -> String {
     let [width, height] = picture.size;
     let _ = writeln!(
         html,
-        "<p>{width} × {height}, {} samples a pixel, {} rays in {:.2} s</p>",
+        "<p>{width} × {height}, {} sample{} a pixel, {} rays in {:.2} s</p>",
         picture.samples,
+        if picture.samples == 1 { "" } else { "s" },
         in_short(picture.rays as f64),
         picture.seconds
     );

@@ -58,7 +58,7 @@ impl Compiler<'_> {
                 }
             }
         }
-        self.check_count("numObjects", count, objects, "objects");
+        self.check_count("numObjects", count, objects, "object");
     }
 
     fn object(&mut self, item: Item<'_>, parent: &str, world: &DAffine3, place: u32, walk: &mut Walk) {

@@ -18,7 +18,7 @@ impl Compiler<'_> {
         params.finish();
         // A misspelt light was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();
-        self.check_count("numLights", count, n_blocks, "lights");
+        self.check_count("numLights", count, n_blocks, "light");
         for light in lights {
             let id = match light.keyword() {
                 "DirectionalLight" => {

@@ -69,7 +69,7 @@ impl Compiler<'_> {
         params.finish();
         // A misspelt material was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();
-        self.check_count("numMaterials", count, n_blocks, "materials");
+        self.check_count("numMaterials", count, n_blocks, "material");
 
         let mut names = HashMap::new();
         let mut drafts = Vec::with_capacity(items.len());

@@ -176,13 +176,14 @@ impl<'a> Compiler<'a> {
         value
     }
 
-    /// Checks an optional count such as `numLights`.
+    /// Checks an optional count such as `numLights`; `what` is counted, in the singular.
     fn check_count(&mut self, key: &str, counter: Option<Item<'_>>, found: usize, what: &str) {
         let Some(counter) = counter else { return };
         let said =
             kajo_scene::Args::read(counter, self.diagnostics, |args| args.int_in(0..=i64::from(u32::MAX)));
         if let Some(said) = said.filter(|&said| usize::try_from(said) != Ok(found)) {
-            let message = format!("`{key}` says {said}, but there are {found} {what} in this block");
+            let there = if found == 1 { format!("is 1 {what}") } else { format!("are {found} {what}s") };
+            let message = format!("`{key}` says {said}, but there {there} in this block");
             let error = Diagnostic::error(message).label(counter.head_span(), format!("expected {found}"));
             self.diagnostics.push(error.help(format!("write `{key} {found}`, or leave the count out")));
         }

@@ -136,7 +136,7 @@ fn mistakes_are_told_with_what_was_expected() {
     assert!(error_in_group("MaterialIndex rde").contains("no material named `rde`"));
     assert!(
         error_in_group("numObjects 3 MaterialIndex 0 Sphere { center 0 0 0 radius 1 }")
-            .contains("there are 1 objects")
+            .contains("there is 1 object")
     );
     assert!(
         error_in_group("MaterialIndex 0 Spehre { center 0 0 0 radius 1 }").contains("unknown word `Spehre`")
