@@ -54,7 +54,9 @@ impl Phong {
     pub fn shade(&self, n: Vec3, wo: Vec3, wi: Vec3, intensity: Spectrum, highlight: Highlight) -> Spectrum {
         let cos_i = n.dot(wi);
         if cos_i.is_nan() || cos_i <= 0.0 {
-            return Spectrum::BLACK;
+            // Nothing, but of an infinite light, as a falloff of zero makes, that is no number: such
+            // points are black in the reference's pictures too.
+            return intensity * 0.0;
         }
         let mut reflected = self.diffuse * cos_i;
         if !self.specular.is_black() {
@@ -132,6 +134,8 @@ mod tests {
         for highlight in [Highlight::Mirror, Highlight::Half, Highlight::HalfTimesCosine] {
             let below = phong.shade(Vec3::Z, wo, Vec3::new(0.0, 0.6, -0.8), Spectrum::WHITE, highlight);
             assert!(below.is_black());
+            let endless = Spectrum::grey(f32::INFINITY);
+            assert!(!phong.shade(Vec3::Z, wo, Vec3::NEG_Z, endless, highlight).is_finite());
         }
         let wi = Vec3::new(0.0, 0.6, 0.8);
         let full = phong.shade(Vec3::Z, wo, wi, Spectrum::WHITE, Highlight::Mirror);
