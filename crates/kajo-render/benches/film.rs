@@ -5,22 +5,21 @@
 
 use std::time::Instant;
 
-use kajo_color::Spectrum;
 use kajo_core::sampler::{Sampler, SamplerKind};
-use kajo_math::{Vec2, Vec3, rng::Stream};
+use kajo_math::{Vec2, Vec3};
 use kajo_render::{
-    Film, FilmSpec, Filter, FirstHit, Layer, LayerSet, PixelIntegrator, PixelSample, RayCounters,
-    RenderSettings, Silent, render,
+    Film, FilmSpec, Filter, FirstHit, Layer, LayerSet, PixelIntegrator, PixelSample, RenderSettings,
+    SampleContext, Silent, render,
 };
 
 /// A surface of one colour before the whole film.
 struct Flat;
 
 impl PixelIntegrator for Flat {
-    fn sample(&self, _pixel: [u32; 2], raster: Vec2, _: &Stream, counters: &mut RayCounters) -> PixelSample {
-        counters.camera += 1;
+    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        ctx.rays.camera += 1;
         let first = FirstHit { t: raster.x, n: Vec3::Z, uv: raster, object: 1, material: 1 };
-        PixelSample { radiance: Spectrum::rgb(0.25, 0.5, 0.75), first: Some(first) }
+        PixelSample { radiance: [0.25, 0.5, 0.75], first: Some(first) }
     }
 }
 

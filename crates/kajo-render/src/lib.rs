@@ -4,6 +4,7 @@
 //! every sample of every tile on all cores; a [`Film`] sums the samples exactly and develops them into
 //! pictures.
 
+pub mod context;
 pub mod film;
 pub mod integrator;
 pub mod order;
@@ -11,6 +12,7 @@ pub mod rect;
 pub mod sample;
 pub mod schedule;
 
+pub use context::{Auxiliary, MAX_LIGHT_GROUPS, SampleContext, Splats};
 pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap};
 pub use rect::Rect;
 pub use sample::{FirstHit, PixelIntegrator, PixelSample, RayCounters};

@@ -2,14 +2,15 @@
 
 use std::ops::AddAssign;
 
-use kajo_color::Spectrum;
-use kajo_math::{Vec2, Vec3, rng::Stream};
+use kajo_math::{Vec2, Vec3};
 
-/// What one camera ray brings to the film.
+use crate::SampleContext;
+
+/// What one camera ray brings to the film. Values of rarer layers are in [`SampleContext::aux`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PixelSample {
-    /// Radiance arriving along the ray.
-    pub radiance: Spectrum,
+    /// Radiance arriving along the ray as the sensor sees it: linear RGB.
+    pub radiance: [f32; 3],
     /// The nearest surface, or `None` when the ray left the scene.
     pub first: Option<FirstHit>,
 }
@@ -33,18 +34,12 @@ pub struct FirstHit {
 pub trait PixelIntegrator: Sync {
     /// Casts one camera ray.
     ///
+    /// * `ctx`: the random numbers of this sample; every ray cast, the camera's included, is counted there,
+    ///   and light for other places of the picture is added to its splats
     /// * `pixel`: the pixel that asks, counted from the top left one
     /// * `raster`: position on the film in pixels; (0, 0) is the top left corner of the picture. It may lie
     ///   beside `pixel`: a regular grid of a number that is no square hangs over.
-    /// * `stream`: the random numbers of this sample; the sampler owns dimensions 0 and 1
-    /// * `counters`: every ray cast, the camera's included, is added here
-    fn sample(
-        &self,
-        pixel: [u32; 2],
-        raster: Vec2,
-        stream: &Stream,
-        counters: &mut RayCounters,
-    ) -> PixelSample;
+    fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample;
 }
 
 /// Rays cast, by what they were for.

@@ -22,11 +22,13 @@ use std::{
 };
 
 use kajo_core::sampler::Sampler;
-use kajo_math::{Vec2, rng::Stream};
+use kajo_math::Vec2;
 use thiserror::Error;
 
 use crate::{
-    Film, FilmPart, PixelIntegrator, RayCounters, order,
+    Auxiliary, Film, FilmPart, PixelIntegrator, RayCounters, SampleContext,
+    context::Scratch,
+    order,
     rect::{Grid, Rect},
 };
 
@@ -191,33 +193,49 @@ pub fn render<I: PixelIntegrator + ?Sized>(
 
 /// Renders one unit into a part, which is emptied first.
 ///
-/// * `counters`: the rays cast are added
+/// * `ctx`: the rays cast are added to its counters
 /// * `go_on`: told every 256 camera rays, and at the end, how many were cast since it was last told, and
-///   `counters`; says whether to go on
+///   the counters; says whether to go on
 ///
 /// Returns whether the unit was finished. If not, the part holds the samples taken so far.
 pub fn render_unit<I: PixelIntegrator + ?Sized>(
     integrator: &I,
-    settings: &RenderSettings,
+    ctx: &mut SampleContext<'_>,
     unit: &Unit,
     part: &mut FilmPart,
-    counters: &mut RayCounters,
     mut go_on: impl FnMut(u64, &RayCounters) -> bool,
+) -> bool {
+    ctx.splats.clear();
+    let finished = take_samples(integrator, ctx, unit, part, &mut go_on);
+    part.take_splats(&mut ctx.splats);
+    finished
+}
+
+fn take_samples<I: PixelIntegrator + ?Sized>(
+    integrator: &I,
+    ctx: &mut SampleContext<'_>,
+    unit: &Unit,
+    part: &mut FilmPart,
+    go_on: &mut impl FnMut(u64, &RayCounters) -> bool,
 ) -> bool {
     let tile = unit.tile;
     part.reset(&tile);
+    let wants_auxiliary = part.spec().layers.wants_auxiliary();
     let mut untold = 0;
     for y in tile.y0..tile.y1 {
         for x in tile.x0..tile.x1 {
             let corner = Vec2::new(x as f32, y as f32);
             for k in unit.samples.clone() {
-                let stream = Stream::new(settings.seed, [x, y], k);
-                let offset = settings.sampler.position(k, &stream);
-                let sample = integrator.sample([x, y], corner + offset, &stream, counters);
-                part.add(x, y, k, offset, &sample);
+                ctx.begin([x, y], k);
+                if wants_auxiliary {
+                    ctx.aux = Auxiliary::default();
+                }
+                let offset = ctx.sampler.position(k, &ctx.stream);
+                let sample = integrator.sample(ctx, [x, y], corner + offset);
+                part.add(x, y, k, offset, &sample, &ctx.aux);
                 untold += 1;
                 if untold == SAMPLES_PER_CHECK {
-                    if !go_on(untold, counters) {
+                    if !go_on(untold, &ctx.rays) {
                         return false;
                     }
                     untold = 0;
@@ -225,7 +243,7 @@ pub fn render_unit<I: PixelIntegrator + ?Sized>(
             }
         }
     }
-    go_on(untold, counters);
+    go_on(untold, &ctx.rays);
     true
 }
 
@@ -254,25 +272,26 @@ impl<I: PixelIntegrator + ?Sized> Pass<'_, I> {
     /// Renders units until none is left.
     fn work(&self) {
         let mut part = FilmPart::new(self.film.spec(), &self.settings.sampler);
-        let mut counters = RayCounters::default();
+        let mut ctx = SampleContext::new(&self.settings.sampler, self.settings.seed);
         let mut failed = Vec::new();
         while !self.stopped()
             && let Some(unit) = self.plan.unit(self.next.fetch_add(1, Ordering::Relaxed))
         {
-            let attempt = catch_unwind(AssertUnwindSafe(|| self.render(&unit, &mut part, &mut counters)));
+            let attempt = catch_unwind(AssertUnwindSafe(|| self.render(&unit, &mut part, &mut ctx)));
             if let Err(panic) = attempt {
+                ctx.scratch = Scratch::default();
                 failed.push(FailedUnit { unit, message: message_of(&*panic) });
             }
         }
         let mut outcome = self.outcome.lock().unwrap_or_else(PoisonError::into_inner);
-        outcome.rays += counters;
+        outcome.rays += ctx.rays;
         outcome.failed.append(&mut failed);
     }
 
     /// Renders a unit and adds it to the film, finished or not.
-    fn render(&self, unit: &Unit, part: &mut FilmPart, counters: &mut RayCounters) {
-        let mut told = counters.total();
-        render_unit(self.integrator, self.settings, unit, part, counters, |samples, counters| {
+    fn render(&self, unit: &Unit, part: &mut FilmPart, ctx: &mut SampleContext<'_>) {
+        let mut told = ctx.rays.total();
+        render_unit(self.integrator, ctx, unit, part, |samples, counters| {
             let rays = counters.total() - told;
             told += rays;
             self.report(samples, rays);

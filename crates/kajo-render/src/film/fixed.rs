@@ -17,6 +17,12 @@ const SUM_BITS: i32 = 56;
 /// Bits after the point in a weight.
 const WEIGHT_BITS: i32 = 30;
 
+/// Largest square, 2^40, in units of a sum; 2^30 of them fit.
+const LARGEST_SQUARE: i128 = 1 << (40 + SUM_BITS);
+
+/// Shifts beyond this give more than [`LARGEST_SQUARE`], since mantissas have 24 bits.
+const LARGEST_SQUARE_SHIFT: i32 = 40 + SUM_BITS - 46;
+
 /// Largest magnitude of a value; what is beyond counts as this.
 pub const LARGEST: f32 = (1u64 << 40) as f32;
 
@@ -43,7 +49,7 @@ impl Weight {
 }
 
 /// A sample value, ready to be multiplied by weights.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
     /// The value is `mantissa` times a power of two.
     mantissa: i64,
@@ -71,6 +77,18 @@ impl Term {
         Some(Term { mantissa, shift })
     }
 
+    /// The square of the value in units of 2^-56, rounded to the nearest; values beyond ±2^20 count as these.
+    #[inline]
+    pub fn squared(self) -> i128 {
+        // The value is m 2^(shift + 30 - 56), so its square in units of 2^-56 is m² 2^(2 shift + 4).
+        let square = i128::from(self.mantissa) * i128::from(self.mantissa);
+        match 2 * self.shift + 2 * WEIGHT_BITS - SUM_BITS {
+            shift if shift > LARGEST_SQUARE_SHIFT => LARGEST_SQUARE,
+            shift @ 0.. => (square << shift).min(LARGEST_SQUARE),
+            shift => ((square >> (-shift - 1).min(126)) + 1) >> 1,
+        }
+    }
+
     /// The product with a weight, in units of 2^-56, rounded to the nearest.
     #[inline]
     pub fn times(self, weight: Weight) -> i128 {
@@ -84,19 +102,34 @@ impl Term {
     }
 }
 
+/// What a single value of weight 1 is after it went through a sum: itself, unless it lies beyond the range or the
+/// resolution. `None` when it is not a finite number.
+#[inline]
+pub fn alone(v: f32) -> Option<f32> {
+    /// From here up to [`LARGEST`] every value is a multiple of 2^-56.
+    const EXACT: f32 = 1.0 / (1u64 << 33) as f32;
+    if (EXACT..=LARGEST).contains(&v.abs()) {
+        return Some(v);
+    }
+    Term::new(v).map(|term| average(term.times(Weight::ONE), 1.0))
+}
+
 /// The average that a sum and the sum of its weights stand for; 0 where the weights cancel.
 ///
 /// * `sum`: of [`Term::times`]
 /// * `weight`: of [`Weight::bits`] through [`weight_sum`], or a count of samples of weight 1
 #[inline]
 pub fn average(sum: i128, weight: f64) -> f32 {
+    if weight == 0.0 { 0.0 } else { mean(sum, weight) as f32 }
+}
+
+/// As [`average`] with all digits; `weight` is not 0.
+#[inline]
+pub fn mean(sum: i128, weight: f64) -> f64 {
     const UNIT: f64 = 1.0 / (1u64 << SUM_BITS) as f64;
-    if weight == 0.0 {
-        return 0.0;
-    }
     // Both conversions round to the nearest; the first one is an instruction, the second a function.
     let sum = i64::try_from(sum).map_or_else(|_| sum as f64, |small| small as f64);
-    (sum * UNIT / weight) as f32
+    sum * UNIT / weight
 }
 
 /// The sum of weights that an integer stands for.
@@ -136,12 +169,34 @@ mod tests {
     }
 
     #[test]
+    fn squares_by_hand() {
+        let square = |v: f32| value(Term::new(v).expect("finite").squared());
+        for v in [0.0, 1.0, -1.5, 0.1, 0.04, 127.9, 128.1, 1234.567, 1_048_576.0, -1_048_575.9] {
+            assert_eq!(square(v), f64::from(v) * f64::from(v), "{v}");
+        }
+        for v in [1e7, -3e12, f32::MAX] {
+            assert_eq!(square(v), f64::from(1 << 20).powi(2), "{v}");
+        }
+        for v in [1e-3, 3e-5, 1e-6, 1e-8, -1e-9, 1e-30, f32::MIN_POSITIVE] {
+            assert!((square(v) - f64::from(v) * f64::from(v)).abs() <= 2f64.powi(-57), "{v}");
+        }
+        assert_eq!(Term::ZERO.squared(), 0);
+    }
+
+    #[test]
     fn the_largest_sum_fits() {
         let largest = Term::new(f32::MAX).expect("finite").times(Weight::ONE);
         assert!(largest.checked_mul(1 << 30).is_some());
     }
 
     proptest! {
+        #[test]
+        fn a_value_alone_is_what_its_sum_gives(bits in any::<u32>()) {
+            let v = f32::from_bits(bits);
+            let sum = Term::new(v).map(|term| average(term.times(Weight::ONE), 1.0).to_bits());
+            prop_assert_eq!(alone(v).map(f32::to_bits), sum);
+        }
+
         #[test]
         fn products_are_right_to_half_a_unit(v in -1e6f32..1e6, w in -1f32..=1.0) {
             let found = value(Term::new(v).expect("finite").times(Weight::new(w)));

@@ -8,7 +8,7 @@
 use kajo_math::Vec3;
 
 use super::spec::FilmSpec;
-use crate::PixelSample;
+use crate::{Auxiliary, PixelSample, context::MAX_LIGHT_GROUPS};
 
 /// One output of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,27 +31,68 @@ pub enum Layer {
     MaterialId,
     /// Samples taken for the pixel. Own.
     SampleCount,
+    /// Share of white light that the first surface throws back; see [`Auxiliary::albedo`]. Filtered.
+    Albedo,
+    /// Motion in the picture in pixels; see [`Auxiliary::motion`]. Filtered.
+    Motion,
+    /// Estimated variance of the mean of the pixel's own samples, `(Σv²/n - (Σv/n)²)/(n - 1)`, for each of
+    /// red, green and blue; 0 where fewer than two samples were taken. Own.
+    Variance,
+    /// Radiance from one group of lights, counted from 0 and below [`MAX_LIGHT_GROUPS`]. Filtered.
+    Light(u8),
 }
 
 impl Layer {
     /// Every layer, in the order in which films store them.
-    pub const ALL: [Layer; 9] = [
-        Layer::Color,
-        Layer::DepthMap,
-        Layer::NormalMap,
-        Layer::Normal,
-        Layer::Uv,
-        Layer::Depth,
-        Layer::ObjectId,
-        Layer::MaterialId,
-        Layer::SampleCount,
-    ];
+    pub const ALL: [Layer; 12 + MAX_LIGHT_GROUPS] = {
+        let mut all = [Layer::Light(0); 12 + MAX_LIGHT_GROUPS];
+        let named = [
+            Layer::Color,
+            Layer::DepthMap,
+            Layer::NormalMap,
+            Layer::Normal,
+            Layer::Uv,
+            Layer::Albedo,
+            Layer::Motion,
+            Layer::Depth,
+            Layer::ObjectId,
+            Layer::MaterialId,
+            Layer::SampleCount,
+            Layer::Variance,
+        ];
+        let mut i = 0;
+        while i < all.len() {
+            all[i] = if i < named.len() { named[i] } else { Layer::Light((i - named.len()) as u8) };
+            i += 1;
+        }
+        all
+    };
+
+    /// Position in [`Layer::ALL`].
+    const fn index(self) -> u32 {
+        match self {
+            Layer::Color => 0,
+            Layer::DepthMap => 1,
+            Layer::NormalMap => 2,
+            Layer::Normal => 3,
+            Layer::Uv => 4,
+            Layer::Albedo => 5,
+            Layer::Motion => 6,
+            Layer::Depth => 7,
+            Layer::ObjectId => 8,
+            Layer::MaterialId => 9,
+            Layer::SampleCount => 10,
+            Layer::Variance => 11,
+            Layer::Light(group) => 12 + group as u32,
+        }
+    }
 
     /// Numbers per pixel.
     pub fn channels(self) -> usize {
         match self {
             Layer::Color | Layer::NormalMap | Layer::Normal => 3,
-            Layer::Uv => 2,
+            Layer::Albedo | Layer::Light(_) | Layer::Variance => 3,
+            Layer::Uv | Layer::Motion => 2,
             Layer::DepthMap | Layer::Depth => 1,
             Layer::ObjectId | Layer::MaterialId | Layer::SampleCount => 1,
         }
@@ -65,7 +106,7 @@ impl Layer {
 
 /// A set of layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LayerSet(u16);
+pub struct LayerSet(u32);
 
 impl LayerSet {
     /// The set with these layers.
@@ -73,7 +114,7 @@ impl LayerSet {
         let mut bits = 0;
         let mut i = 0;
         while i < layers.len() {
-            bits |= 1 << layers[i] as u16;
+            bits |= 1 << layers[i].index();
             i += 1;
         }
         LayerSet(bits)
@@ -81,18 +122,24 @@ impl LayerSet {
 
     /// This set and one layer more.
     pub const fn with(self, layer: Layer) -> LayerSet {
-        LayerSet(self.0 | 1 << layer as u16)
+        LayerSet(self.0 | 1 << layer.index())
     }
 
     /// Whether a layer is in the set.
     #[inline]
     pub const fn has(self, layer: Layer) -> bool {
-        self.0 & 1 << layer as u16 != 0
+        self.0 & 1 << layer.index() != 0
     }
 
     /// The layers of the set, in the order of [`Layer::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Layer> {
         Layer::ALL.into_iter().filter(move |&layer| self.has(layer))
+    }
+
+    /// Whether a layer of the set takes its values from [`Auxiliary`].
+    #[inline]
+    pub const fn wants_auxiliary(self) -> bool {
+        self.0 & AUXILIARY.0 != 0
     }
 
     /// The filtered layers of the set.
@@ -155,23 +202,40 @@ impl NormalMap {
 }
 
 /// The filtered layers.
-const FILTERED: LayerSet =
-    LayerSet::of(&[Layer::Color, Layer::DepthMap, Layer::NormalMap, Layer::Normal, Layer::Uv]);
+const FILTERED: LayerSet = AUXILIARY
+    .with(Layer::Color)
+    .with(Layer::DepthMap)
+    .with(Layer::NormalMap)
+    .with(Layer::Normal)
+    .with(Layer::Uv);
+
+/// The layers whose values are in [`Auxiliary`].
+const AUXILIARY: LayerSet = {
+    let mut set = LayerSet::of(&[Layer::Albedo, Layer::Motion]);
+    let mut group = 0;
+    while group < MAX_LIGHT_GROUPS {
+        set = set.with(Layer::Light(group as u8));
+        group += 1;
+    }
+    set
+};
 
 /// Most channels that the filtered layers can have together.
-pub(crate) const MAX_CHANNELS: usize = 12;
+pub(crate) const MAX_CHANNELS: usize = 17 + 3 * MAX_LIGHT_GROUPS;
 
 /// The values of a sample for the filtered layers of a film, in their order, written into `values`.
+///
+/// Returns how many there are.
 #[inline]
-pub(crate) fn filtered_values<'a>(
+pub(crate) fn filtered_values(
     spec: &FilmSpec,
     sample: &PixelSample,
-    values: &'a mut [f32; MAX_CHANNELS],
-) -> &'a [f32] {
-    let [r, g, b] = sample.radiance.to_rgb();
+    aux: &Auxiliary,
+    values: &mut [f32; MAX_CHANNELS],
+) -> usize {
     if spec.layers.0 & FILTERED.0 == LayerSet::of(&[Layer::Color]).0 {
-        [values[0], values[1], values[2]] = [r, g, b];
-        return &values[..3];
+        [values[0], values[1], values[2]] = sample.radiance;
+        return 3;
     }
     let mut n = 0;
     let mut put = |channels: &[f32]| {
@@ -182,21 +246,24 @@ pub(crate) fn filtered_values<'a>(
     let normal = hit.map_or(Vec3::ZERO, |hit| hit.n);
     for layer in spec.layers.filtered() {
         match layer {
-            Layer::Color => put(&[r, g, b]),
+            Layer::Color => put(&sample.radiance),
             Layer::DepthMap => put(&[hit.map_or(0.0, |hit| spec.depth_map.value(hit.t))]),
             Layer::NormalMap => put(&spec.normal_map.value(normal).to_array()),
             Layer::Normal => put(&normal.to_array()),
             Layer::Uv => put(&hit.map_or([0.0; 2], |hit| hit.uv.to_array())),
-            Layer::Depth | Layer::ObjectId | Layer::MaterialId | Layer::SampleCount => {}
+            Layer::Albedo => put(&aux.albedo),
+            Layer::Motion => put(&aux.motion),
+            Layer::Light(group) => put(&aux.lights[usize::from(group)]),
+            Layer::Depth | Layer::ObjectId | Layer::MaterialId => {}
+            Layer::SampleCount | Layer::Variance => {}
         }
     }
-    &values[..n]
+    n
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kajo_color::Spectrum;
     use kajo_math::Vec2;
 
     use crate::FirstHit;
@@ -207,7 +274,11 @@ mod tests {
         assert_eq!(set.iter().collect::<Vec<_>>(), [Layer::Color, Layer::Uv]);
         assert!(!set.has(Layer::Depth) && set.with(Layer::Depth).has(Layer::Depth));
         let all = LayerSet::of(&Layer::ALL);
-        assert_eq!(all.iter().count(), 9);
+        assert_eq!(all.iter().count(), Layer::ALL.len());
+        assert!(all.wants_auxiliary() && !set.with(Layer::Variance).wants_auxiliary());
+        for (i, layer) in (0..).zip(Layer::ALL) {
+            assert_eq!(layer.index(), i);
+        }
         assert_eq!(all.filtered().map(Layer::channels).sum::<usize>(), MAX_CHANNELS);
     }
 
@@ -236,14 +307,21 @@ mod tests {
     #[test]
     fn values_come_in_the_order_of_the_layers() {
         let hit = FirstHit { t: 2.0, n: Vec3::NEG_Z, uv: Vec2::new(0.1, 0.2), object: 1, material: 2 };
-        let sample = PixelSample { radiance: Spectrum::rgb(1.0, 2.0, 3.0), first: Some(hit) };
+        let sample = PixelSample { radiance: [1.0, 2.0, 3.0], first: Some(hit) };
+        let mut aux = Auxiliary { albedo: [0.6, 0.7, 0.8], motion: [-4.0, 5.0], ..Auxiliary::default() };
+        aux.lights[2] = [0.5, 1.0, 1.5];
         let depth_map = DepthMap { min: 0.0, max: 4.0, far_is_white: false };
         let mut values = [0.0; MAX_CHANNELS];
         let mut values_of = |layers: &[Layer]| {
             let spec = FilmSpec { layers: LayerSet::of(layers), depth_map, ..FilmSpec::new(1, 1) };
-            filtered_values(&spec, &sample, &mut values).to_vec()
+            let n = filtered_values(&spec, &sample, &aux, &mut values);
+            values[..n].to_vec()
         };
-        assert_eq!(values_of(&Layer::ALL), [1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.1, 0.2]);
+        let all = values_of(&Layer::ALL);
+        assert_eq!(all[..12], [1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.1, 0.2]);
+        assert_eq!(all[12..17], [0.6, 0.7, 0.8, -4.0, 5.0]);
+        assert_eq!(all[17..23], [0.0; 6]);
+        assert_eq!(values_of(&[Layer::Light(2)]), [0.5, 1.0, 1.5]);
         assert_eq!(values_of(&[Layer::ObjectId, Layer::Color]), [1.0, 2.0, 3.0]);
         assert_eq!(values_of(&[Layer::Normal]), [0.0, 0.0, -1.0]);
         assert_eq!(values_of(&[Layer::Depth]), []);

@@ -8,6 +8,8 @@
 //! integers (see [`fixed`]), so a picture has the same bits for any number of threads, any tiles and
 //! any split of its samples into parts.
 //!
+//! Light may also come as splats, for any pixel from anywhere; see [`context`](crate::context).
+//!
 //! A film is a grid of blocks, each behind a lock of its own and made when the first part reaches it.
 //! Threads work far apart, so they hardly ever meet at one.
 
@@ -17,6 +19,7 @@ pub mod layer;
 mod part;
 mod pixels;
 pub mod spec;
+mod splats;
 mod sums;
 
 use std::sync::{
@@ -28,11 +31,18 @@ pub use filter::Filter;
 use kajo_image::Image;
 pub use layer::{DepthMap, Layer, LayerSet, NormalMap};
 pub use part::FilmPart;
+use part::{Store, Taps};
 use pixels::Pixels;
 pub use spec::{FilmError, FilmSpec, LARGEST_PICTURE};
+use splats::{Areas, SplatSums};
 use sums::Sums;
 
-use crate::rect::{Grid, Rect};
+use fixed::Term;
+
+use crate::{
+    context::Splat,
+    rect::{Grid, Rect},
+};
 
 /// Side of a block in pixels.
 const BLOCK: u32 = 32;
@@ -43,13 +53,23 @@ pub struct Film {
     spec: FilmSpec,
     grid: Grid,
     blocks: Vec<Mutex<Block>>,
+    samples: AtomicU64,
     non_finite: AtomicU64,
 }
 
 /// What a film knows about one cell of its grid.
-#[derive(Debug)]
-enum Block {
+#[derive(Debug, Default)]
+struct Block {
+    camera: Camera,
+    /// Splats, if there were any.
+    splats: Option<Box<SplatSums>>,
+}
+
+/// What camera rays brought to a block.
+#[derive(Debug, Default)]
+enum Camera {
     /// No sample reached it yet.
+    #[default]
     Empty,
     /// More may come.
     Open(Box<Sums>),
@@ -73,8 +93,8 @@ impl Film {
         blocks
             .try_reserve_exact(count)
             .map_err(|_| FilmError::OutOfMemory { needed: spec.bytes() as f64 / 1e6 })?;
-        blocks.resize_with(count, || Mutex::new(Block::Empty));
-        Ok(Film { spec, grid, blocks, non_finite: AtomicU64::new(0) })
+        blocks.resize_with(count, Mutex::default);
+        Ok(Film { spec, grid, blocks, samples: AtomicU64::new(0), non_finite: AtomicU64::new(0) })
     }
 
     /// What the film holds.
@@ -82,7 +102,12 @@ impl Film {
         &self.spec
     }
 
-    /// Samples so far that had a value that was no finite number; it counted as zero.
+    /// Samples so far, over all pixels.
+    pub fn samples(&self) -> u64 {
+        self.samples.load(Ordering::Relaxed)
+    }
+
+    /// Samples and splats so far that had a value that was no finite number; it counts as zero.
     pub fn non_finite(&self) -> u64 {
         self.non_finite.load(Ordering::Relaxed)
     }
@@ -105,30 +130,48 @@ impl Film {
 
     /// Adds a part of this film. In a film made for one pass it must be all that its pixels ever get.
     pub(crate) fn add(&self, part: &FilmPart) {
+        self.samples.fetch_add(part.samples, Ordering::Relaxed);
         self.non_finite.fetch_add(part.non_finite, Ordering::Relaxed);
         let cells = self.grid.cells_over(&part.rect());
         for row in cells.y0..cells.y1 {
             for column in cells.x0..cells.x1 {
                 let mut block = self.block(column, row);
-                if let Block::Empty = *block {
-                    *block = self.new_block(self.grid.cell(column, row));
+                if let Camera::Empty = block.camera {
+                    block.camera = self.new_camera(self.grid.cell(column, row));
                 }
-                match &mut *block {
-                    Block::Empty => {}
-                    Block::Open(sums) => sums.absorb(&part.sums),
-                    Block::Finished(pixels) => pixels.take(&self.spec, &part.sums),
+                match (&mut block.camera, &part.store) {
+                    (Camera::Open(sums), Store::Sums(part)) => sums.absorb(part),
+                    (Camera::Finished(pixels), Store::Sums(part)) => pixels.take(&self.spec, part),
+                    (Camera::Finished(pixels), Store::Pixels(part)) => pixels.copy(&self.spec, part),
+                    // Pixels come only from films that keep no sums.
+                    (Camera::Empty, _) | (Camera::Open(_), Store::Pixels(_)) => {}
                 }
             }
         }
+        let mut taps = Taps::default();
+        part.splats.as_slice().iter().for_each(|splat| self.add_splat(splat, &mut taps));
     }
 
-    fn new_block(&self, rect: Rect) -> Block {
+    fn add_splat(&self, splat: &Splat, taps: &mut Taps) {
+        let terms = splat.value.map(Term::new);
+        if terms.contains(&None) || !splat.raster.is_finite() {
+            self.non_finite.fetch_add(1, Ordering::Relaxed);
+        }
+        let terms = terms.map(|term| term.unwrap_or(Term::ZERO));
+        part::splat(&self.spec, splat.raster, taps, |x, y, weight| {
+            let mut block = self.block(x / BLOCK, y / BLOCK);
+            let new = || Box::new(SplatSums::new(self.grid.cell(x / BLOCK, y / BLOCK)));
+            block.splats.get_or_insert_with(new).add(x, y, weight, &terms);
+        });
+    }
+
+    fn new_camera(&self, rect: Rect) -> Camera {
         if self.spec.keeps_sums() {
             let mut sums = Sums::empty(&self.spec);
             sums.reset(rect);
-            Block::Open(Box::new(sums))
+            Camera::Open(Box::new(sums))
         } else {
-            Block::Finished(Box::new(Pixels::new(&self.spec, rect)))
+            Camera::Finished(Box::new(Pixels::new(&self.spec, rect)))
         }
     }
 
@@ -149,14 +192,21 @@ impl Film {
         let background = if layer == Layer::Depth { f32::INFINITY } else { 0.0 };
         let mut data = self.plane(layer, n, background)?;
         let width = self.spec.width as usize;
+        let samples_per_pixel = self.samples() as f64 / self.spec.rect().area() as f64;
+        let mut areas = None;
         self.for_each_block(|rect, block| {
+            let splats = block.splats.as_ref().filter(|_| layer == Layer::Color);
             for y in rect.y0..rect.y1 {
                 let start = (y as usize * width + rect.x0 as usize) * n;
                 let row = &mut data[start..start + rect.width() as usize * n];
-                match block {
-                    Block::Empty => {}
-                    Block::Open(sums) => sums.row(&self.spec, layer, rect.index(rect.x0, y), row),
-                    Block::Finished(pixels) => pixels.row(&self.spec, layer, rect.index(rect.x0, y), row),
+                match &block.camera {
+                    Camera::Empty => {}
+                    Camera::Open(sums) => sums.row(&self.spec, layer, rect.index(rect.x0, y), row),
+                    Camera::Finished(pixels) => pixels.row(&self.spec, layer, rect.index(rect.x0, y), row),
+                }
+                if let Some(splats) = splats {
+                    let areas = areas.get_or_insert_with(|| Areas::new(&self.spec));
+                    splats.add_to_row(areas, samples_per_pixel, y, row);
                 }
             }
         });
@@ -175,10 +225,10 @@ impl Film {
             for y in rect.y0..rect.y1 {
                 for x in rect.x0..rect.x1 {
                     let pixel = rect.index(x, y);
-                    ids[y as usize * width + x as usize] = match block {
-                        Block::Empty => 0,
-                        Block::Open(sums) => sums.id(layer, pixel),
-                        Block::Finished(pixels) => pixels.id(&self.spec, layer, pixel),
+                    ids[y as usize * width + x as usize] = match &block.camera {
+                        Camera::Empty => 0,
+                        Camera::Open(sums) => sums.id(layer, pixel),
+                        Camera::Finished(pixels) => pixels.id(&self.spec, layer, pixel),
                     };
                 }
             }

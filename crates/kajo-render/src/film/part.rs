@@ -10,23 +10,38 @@ use kajo_math::Vec2;
 use super::{
     fixed::{Term, Weight},
     layer::{self, MAX_CHANNELS},
+    pixels::Pixels,
     spec::FilmSpec,
     sums::Sums,
 };
-use crate::{PixelSample, rect::Rect};
+use crate::{Auxiliary, PixelSample, context::Splats, rect::Rect};
 
-/// What some samples bring to a rectangle of a film. Parts add up exactly, in any order.
+/// What some samples bring to a rectangle of a film, and their splats to all of it. Parts add up exactly, in any
+/// order.
 #[derive(Clone, Debug)]
 pub struct FilmPart {
     spec: FilmSpec,
     reach: Option<Reach>,
-    pub(crate) sums: Sums,
+    pub(crate) store: Store,
+    /// Light for other places.
+    pub(crate) splats: Splats,
+    /// Samples taken.
+    pub(crate) samples: u64,
     /// Samples with values that were not finite numbers.
     pub(crate) non_finite: u64,
-    /// The splat at hand: values, and weights of its columns and rows.
+    /// The sample at hand: its values for filtered layers, and the weights of the pixels it reaches.
+    values: [f32; MAX_CHANNELS],
     terms: Vec<Term>,
-    columns: Vec<f32>,
-    rows: Vec<f32>,
+    taps: Taps,
+}
+
+/// What a part consists of.
+#[derive(Clone, Debug)]
+pub(crate) enum Store {
+    /// Sums, since more is to come.
+    Sums(Sums),
+    /// Finished pixels: their only sample is all that they ever get.
+    Pixels(Pixels),
 }
 
 /// How far samples reach beyond their own pixel, in pixels.
@@ -40,23 +55,35 @@ struct Reach {
 
 impl Reach {
     fn new(radius: f32, sampler: &Sampler) -> Reach {
-        // Offsets lie in [0, 1), or [0, height) downwards, and the support is half-open.
-        let beyond = |extent: f32| (extent - 0.5 + radius).ceil() as i32 - 1;
-        Reach { side: beyond(1.0), below: beyond(sampler.height()) }
+        Reach { below: Reach::beyond(sampler.height(), radius), ..Reach::within_pixel(radius) }
+    }
+
+    /// The reach of what lies within its own pixel.
+    fn within_pixel(radius: f32) -> Reach {
+        let side = Reach::beyond(1.0, radius);
+        Reach { side, below: side }
+    }
+
+    /// How many pixels further on places with offsets in [0, extent) reach; supports are half-open.
+    fn beyond(extent: f32, radius: f32) -> i32 {
+        (extent - 0.5 + radius).ceil() as i32 - 1
     }
 }
 
 impl FilmPart {
     /// A part for no pixels yet; see [`FilmPart::reset`].
     pub fn new(spec: &FilmSpec, sampler: &Sampler) -> FilmPart {
+        let single = !spec.keeps_sums() && sampler.samples() == 1;
         FilmPart {
             spec: *spec,
             reach: spec.filter.radius().map(|radius| Reach::new(radius, sampler)),
-            sums: Sums::empty(spec),
+            store: if single { Store::Pixels(Pixels::empty()) } else { Store::Sums(Sums::empty(spec)) },
+            splats: Splats::default(),
+            samples: 0,
             non_finite: 0,
+            values: [0.0; MAX_CHANNELS],
             terms: Vec::with_capacity(MAX_CHANNELS),
-            columns: Vec::new(),
-            rows: Vec::new(),
+            taps: Taps::default(),
         }
     }
 
@@ -70,13 +97,22 @@ impl FilmPart {
             x1: tile.x1.saturating_add(side),
             y1: tile.y1.saturating_add(below),
         };
-        self.sums.reset(bordered.intersection(&self.spec.rect()));
+        let rect = bordered.intersection(&self.spec.rect());
+        match &mut self.store {
+            Store::Sums(sums) => sums.reset(rect),
+            Store::Pixels(pixels) => pixels.reset(&self.spec, rect),
+        }
+        self.splats.clear();
+        self.samples = 0;
         self.non_finite = 0;
     }
 
-    /// The pixels that have sums: those of the tile and the border that its samples reach.
+    /// The pixels that the part knows about: those of the tile and the border that its samples reach.
     pub fn rect(&self) -> Rect {
-        self.sums.rect
+        match &self.store {
+            Store::Sums(sums) => sums.rect,
+            Store::Pixels(pixels) => pixels.rect,
+        }
     }
 
     /// What film the part is for.
@@ -88,39 +124,96 @@ impl FilmPart {
     ///
     /// * `offset`: place of the sample relative to the pixel's top left corner, as its sampler gave it
     ///
+    /// * `aux`: values for layers that have them from there
+    ///
     /// A value that is no finite number counts as zero, and the sample is counted as such.
     #[inline]
-    pub fn add(&mut self, x: u32, y: u32, k: u32, offset: Vec2, sample: &PixelSample) {
-        let own = self.sums.rect.index(x, y);
-        let mut values = [0.0; MAX_CHANNELS];
-        let values = layer::filtered_values(&self.spec, sample, &mut values);
-        let finite = match self.reach {
-            None => self.sums.add_plain(own, values),
-            Some(reach) => self.splat(x, y, offset, reach, values),
+    pub fn add(&mut self, x: u32, y: u32, k: u32, offset: Vec2, sample: &PixelSample, aux: &Auxiliary) {
+        let n = layer::filtered_values(&self.spec, sample, aux, &mut self.values);
+        let values = &self.values[..n];
+        let finite = match (&mut self.store, self.reach) {
+            (Store::Pixels(pixels), _) => pixels.put(&self.spec, pixels.rect.index(x, y), values, sample),
+            (Store::Sums(sums), None) => {
+                let own = sums.rect.index(x, y);
+                sums.add_plain(own, values) & sums.add_own(own, k, sample)
+            }
+            (Store::Sums(sums), Some(reach)) => {
+                let own = sums.rect.index(x, y);
+                let finite = sums.add_own(own, k, sample);
+                self.terms.clear();
+                self.terms.extend(values.iter().map(|&v| Term::new(v).unwrap_or(Term::ZERO)));
+                self.taps.surround(&self.spec, [x, y], offset, reach);
+                let [x0, y0] = self.taps.first;
+                for (y, &wy) in (y0..).zip(&self.taps.rows) {
+                    let row = sums.rect.index(x0, y);
+                    for (pixel, &wx) in (row..).zip(&self.taps.columns) {
+                        sums.add_filtered(pixel, Weight::new(wx * wy), &self.terms);
+                    }
+                }
+                finite & values.iter().all(|v| v.is_finite())
+            }
         };
-        let own_finite = self.sums.add_own(own, k, sample.first.as_ref());
-        self.non_finite += u64::from(!finite | !own_finite);
+        self.samples += 1;
+        self.non_finite += u64::from(!finite);
     }
 
-    /// Adds values to every pixel in the support of their sample's filter.
+    /// Takes over the splats of the part's samples, and leaves none behind.
+    pub fn take_splats(&mut self, splats: &mut Splats) {
+        std::mem::swap(&mut self.splats, splats);
+        splats.clear();
+    }
+}
+
+/// The pixels in the support of a filter around a place, and their weights.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Taps {
+    /// Column and row of the first pixel.
+    first: [u32; 2],
+    columns: Vec<f32>,
+    /// None when there are no columns: then the first pixel need not even be in the film.
+    rows: Vec<f32>,
+}
+
+impl Taps {
+    /// Finds the pixels around a place.
     ///
-    /// Returns whether all of them were finite.
-    fn splat(&mut self, x: u32, y: u32, offset: Vec2, reach: Reach, values: &[f32]) -> bool {
-        self.terms.clear();
-        self.terms.extend(values.iter().map(|&v| Term::new(v).unwrap_or(Term::ZERO)));
-        let cell = self.spec.cell_around(x, y);
-        let filter = &self.spec.filter;
-        let x0 = taps(filter, offset.x, x, (cell.x0, cell.x1), (reach.side, reach.side), &mut self.columns);
-        let y0 = taps(filter, offset.y, y, (cell.y0, cell.y1), (reach.side, reach.below), &mut self.rows);
-        // Without columns, `x0` need not even be in the rectangle.
-        let rows = if self.columns.is_empty() { &[] } else { &*self.rows };
-        for (y, &wy) in (y0..).zip(rows) {
-            let row = self.sums.rect.index(x0, y);
-            for (pixel, &wx) in (row..).zip(&self.columns) {
-                self.sums.add_filtered(pixel, Weight::new(wx * wy), &self.terms);
-            }
+    /// * `own`: the pixel whose cell they are confined to
+    /// * `offset`: the place relative to the top left corner of that pixel
+    fn surround(&mut self, spec: &FilmSpec, own: [u32; 2], offset: Vec2, reach: Reach) {
+        let cell = spec.cell_around(own[0], own[1]);
+        let filter = &spec.filter;
+        let (across, down) = ((reach.side, reach.side), (reach.side, reach.below));
+        let x0 = taps(filter, offset.x, own[0], (cell.x0, cell.x1), across, &mut self.columns);
+        let y0 = taps(filter, offset.y, own[1], (cell.y0, cell.y1), down, &mut self.rows);
+        self.first = [x0, y0];
+        if self.columns.is_empty() {
+            self.rows.clear();
         }
-        values.iter().all(|v| v.is_finite())
+    }
+}
+
+/// Calls `add` with every pixel that light at a place of the film reaches, and its weight there; not at all
+/// beside the picture.
+///
+/// * `raster`: in pixels from the top left corner
+/// * `taps`: memory to work with
+pub(crate) fn splat(spec: &FilmSpec, raster: Vec2, taps: &mut Taps, mut add: impl FnMut(u32, u32, Weight)) {
+    let inside = |at: f32, n: u32| at >= 0.0 && at < n as f32;
+    if !inside(raster.x, spec.width) || !inside(raster.y, spec.height) {
+        return;
+    }
+    // Where the picture's width is no `f32`, the comparison above lets one place too many through.
+    let own = [(raster.x as u32).min(spec.width - 1), (raster.y as u32).min(spec.height - 1)];
+    let Some(radius) = spec.filter.radius() else {
+        add(own[0], own[1], Weight::ONE);
+        return;
+    };
+    let offset = raster - Vec2::new(own[0] as f32, own[1] as f32);
+    taps.surround(spec, own, offset, Reach::within_pixel(radius));
+    for (y, &wy) in (taps.first[1]..).zip(&taps.rows) {
+        for (x, &wx) in (taps.first[0]..).zip(&taps.columns) {
+            add(x, y, Weight::new(wx * wy));
+        }
     }
 }
 

@@ -78,9 +78,10 @@ impl FilmSpec {
         Parts {
             channels: self.layers.filtered().map(Layer::channels).sum(),
             weights,
-            counts: !weights || self.layers.has(Layer::SampleCount),
+            counts: !weights || self.layers.has(Layer::SampleCount) || self.layers.has(Layer::Variance),
             distances: self.layers.has(Layer::Depth),
             firsts: self.layers.has(Layer::ObjectId) || self.layers.has(Layer::MaterialId),
+            moments: self.layers.has(Layer::Variance),
         }
     }
 
@@ -139,6 +140,8 @@ pub(crate) struct Parts {
     pub distances: bool,
     /// The first sample's object and material are kept.
     pub firsts: bool,
+    /// Colours of the pixel's own samples and their squares are summed.
+    pub moments: bool,
 }
 
 impl Parts {
@@ -148,6 +151,7 @@ impl Parts {
             + if self.counts { 4 } else { 0 }
             + if self.distances { 20 } else { 0 }
             + if self.firsts { 12 } else { 0 }
+            + if self.moments { 96 } else { 0 }
     }
 }
 

@@ -9,7 +9,7 @@ use super::{
     layer::Layer,
     spec::{FilmSpec, Parts},
 };
-use crate::{FirstHit, rect::Rect};
+use crate::{PixelSample, rect::Rect};
 
 /// Object and material seen by the sample of smallest index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +31,42 @@ impl First {
     }
 }
 
+/// Sums of the colours of a pixel's own samples and of their squares.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Moments {
+    values: [i128; 3],
+    squares: [i128; 3],
+}
+
+impl Moments {
+    #[inline]
+    fn add(&mut self, radiance: [f32; 3]) {
+        for (c, value) in radiance.into_iter().enumerate() {
+            let term = Term::new(value).unwrap_or(Term::ZERO);
+            self.values[c] += term.times(Weight::ONE);
+            self.squares[c] += term.squared();
+        }
+    }
+
+    fn absorb(&mut self, other: Moments) {
+        for c in 0..3 {
+            self.values[c] += other.values[c];
+            self.squares[c] += other.squares[c];
+        }
+    }
+
+    /// Estimated variance of the mean of `n` samples in channel `c`; 0 when `n` is less than 2.
+    fn variance_of_mean(&self, c: usize, n: u32) -> f32 {
+        if n < 2 {
+            return 0.0;
+        }
+        let n = f64::from(n);
+        let (mean, mean_square) = (fixed::mean(self.values[c], n), fixed::mean(self.squares[c], n));
+        // Rounding can make a difference of equals negative.
+        ((mean_square - mean * mean) / (n - 1.0)).max(0.0) as f32
+    }
+}
+
 /// The sums of a rectangle of pixels; arrays that the film does not need are empty.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sums {
@@ -44,6 +80,7 @@ pub(crate) struct Sums {
     distances: Vec<i128>,
     hits: Vec<u32>,
     firsts: Vec<First>,
+    moments: Vec<Moments>,
 }
 
 impl Sums {
@@ -58,6 +95,7 @@ impl Sums {
             distances: Vec::new(),
             hits: Vec::new(),
             firsts: Vec::new(),
+            moments: Vec::new(),
         }
     }
 
@@ -77,6 +115,7 @@ impl Sums {
         refill(&mut self.distances, len(parts.distances), 0);
         refill(&mut self.hits, len(parts.distances), 0);
         refill(&mut self.firsts, len(parts.firsts), First::NONE);
+        refill(&mut self.moments, len(parts.moments), Moments::default());
     }
 
     /// Adds the filtered channels of a sample to a pixel.
@@ -109,9 +148,13 @@ impl Sums {
     ///
     /// Returns whether all of it was finite.
     #[inline]
-    pub fn add_own(&mut self, pixel: usize, k: u32, hit: Option<&FirstHit>) -> bool {
+    pub fn add_own(&mut self, pixel: usize, k: u32, sample: &PixelSample) -> bool {
+        let hit = sample.first.as_ref();
         if self.parts.counts {
             self.counts[pixel] += 1;
+        }
+        if self.parts.moments {
+            self.moments[pixel].add(sample.radiance);
         }
         if self.parts.firsts {
             let (object, material) = hit.map_or((0, 0), |hit| (hit.object, hit.material));
@@ -146,6 +189,7 @@ impl Sums {
             combine(&mut self.distances, to, &other.distances, from, width, |a, b| *a += b);
             combine(&mut self.hits, to, &other.hits, from, width, |a, b| *a += b);
             combine(&mut self.firsts, to, &other.firsts, from, width, First::keep_earlier);
+            combine(&mut self.moments, to, &other.moments, from, width, Moments::absorb);
         }
     }
 
@@ -159,6 +203,11 @@ impl Sums {
                 Layer::Depth => out[0] = fixed::average(self.distances[pixel], f64::from(self.hits[pixel])),
                 Layer::ObjectId | Layer::MaterialId => out[0] = self.id(layer, pixel) as f32,
                 Layer::SampleCount => out[0] = self.counts[pixel] as f32,
+                Layer::Variance => {
+                    for (c, out) in out.iter_mut().enumerate() {
+                        *out = self.moments[pixel].variance_of_mean(c, self.counts[pixel]);
+                    }
+                }
                 _ => {
                     let weight = self.weight(pixel);
                     let sums = &self.values[pixel * self.parts.channels + offset..][..n];

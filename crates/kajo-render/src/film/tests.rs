@@ -1,10 +1,9 @@
-use kajo_color::Spectrum;
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_math::{Vec2, Vec3, rng::Stream};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{FirstHit, PixelSample};
+use crate::{Auxiliary, FirstHit, PixelSample, Splats};
 
 const FILTERS: [Filter; 8] = [
     Filter::None,
@@ -33,7 +32,7 @@ fn film(spec: FilmSpec) -> Film {
 fn random_sample(x: u32, y: u32, k: u32) -> PixelSample {
     let stream = Stream::new(99, [x, y], k);
     let u = |d| stream.uniform(d);
-    let radiance = Spectrum::rgb(u(10) - 0.3, u(11) * 1e6, u(12) * 1e-6);
+    let radiance = [u(10) - 0.3, u(11) * 1e6, u(12) * 1e-6];
     let hit = FirstHit {
         t: u(13) * 20.0 - 1.0,
         n: Vec3::new(u(14) - 0.5, u(15) - 0.5, u(16) - 0.5).normalize_or_zero(),
@@ -44,18 +43,44 @@ fn random_sample(x: u32, y: u32, k: u32) -> PixelSample {
     PixelSample { radiance, first: (u(21) < 0.8).then_some(hit) }
 }
 
+/// The same for the rare layers.
+fn random_auxiliary(x: u32, y: u32, k: u32) -> Auxiliary {
+    let stream = Stream::new(98, [x, y], k);
+    let u = |d| stream.uniform(d);
+    let mut aux = Auxiliary { albedo: [u(1), u(2), u(3)], motion: [u(4) - 0.5, u(5)], ..Default::default() };
+    aux.lights[7] = [u(6), u(7) * 1e-3, u(8)];
+    aux
+}
+
+/// A few splats of a sample, some of them beside the picture.
+fn random_splats(spec: &FilmSpec, x: u32, y: u32, k: u32) -> Splats {
+    let mut splats = Splats::default();
+    for i in 0..k % 3 {
+        let stream = Stream::new(97, [x, y], 8 * k + i);
+        let u = |d| stream.uniform(d);
+        let across = |u: f32, n: u32| u * (n + 4) as f32 - 2.0;
+        splats.add(Vec2::new(across(u(0), spec.width), across(u(1), spec.height)), [u(2), u(3) * 1e3, u(4)]);
+    }
+    splats
+}
+
 /// The part of a tile's random samples with indices in a range.
 fn random_part(spec: &FilmSpec, sampler: &Sampler, tile: Rect, samples: std::ops::Range<u32>) -> FilmPart {
     let mut part = FilmPart::new(spec, sampler);
     part.reset(&tile);
+    let mut splats = Splats::default();
     for y in tile.y0..tile.y1 {
         for x in tile.x0..tile.x1 {
             for k in samples.clone() {
                 let offset = sampler.position(k, &Stream::new(1, [x, y], k));
-                part.add(x, y, k, offset, &random_sample(x, y, k));
+                part.add(x, y, k, offset, &random_sample(x, y, k), &random_auxiliary(x, y, k));
+                for splat in random_splats(spec, x, y, k).as_slice() {
+                    splats.add(splat.raster, splat.value);
+                }
             }
         }
     }
+    part.take_splats(&mut splats);
     part
 }
 
@@ -79,8 +104,8 @@ fn splat(spec: FilmSpec, sampler: &Sampler, value: impl Fn(u32, u32, u32) -> f32
         for x in 0..spec.width {
             for k in 0..sampler.samples() {
                 let offset = sampler.position(k, &Stream::new(5, [x, y], k));
-                let radiance = Spectrum::grey(value(x, y, k));
-                part.add(x, y, k, offset, &PixelSample { radiance, first: None });
+                let radiance = [value(x, y, k); 3];
+                part.add(x, y, k, offset, &PixelSample { radiance, first: None }, &Auxiliary::default());
             }
         }
     }
@@ -177,16 +202,17 @@ fn own_layers_look_at_the_pixels_own_samples() {
     let mut part = FilmPart::new(&spec, &sampler);
     part.reset(&spec.rect());
     let hit = |t, object| PixelSample {
-        radiance: Spectrum::BLACK,
+        radiance: [0.0; 3],
         first: Some(FirstHit { t, n: Vec3::Z, uv: Vec2::ZERO, object, material: object + 10 }),
     };
     let at = |k| sampler.position(k, &Stream::new(0, [0, 0], 0));
+    let none = Auxiliary::default();
     // Indices out of order: the smallest decides the numbers.
-    part.add(0, 0, 2, at(2), &hit(5.0, 2));
-    part.add(0, 0, 1, at(1), &hit(2.0, u32::MAX - 10));
-    part.add(0, 0, 3, at(3), &PixelSample::default());
-    part.add(1, 0, 0, at(0), &PixelSample::default());
-    part.add(1, 0, 1, at(1), &PixelSample::default());
+    part.add(0, 0, 2, at(2), &hit(5.0, 2), &none);
+    part.add(0, 0, 1, at(1), &hit(2.0, u32::MAX - 10), &none);
+    part.add(0, 0, 3, at(3), &PixelSample::default(), &none);
+    part.add(1, 0, 0, at(0), &PixelSample::default(), &none);
+    part.add(1, 0, 1, at(1), &PixelSample::default(), &none);
     film.merge(&part).expect("a part of this film");
     let data = |layer| film.develop(layer).expect("the film has it").into_data();
     assert_eq!(data(Layer::Depth), [3.5, f32::INFINITY]);
@@ -210,7 +236,8 @@ fn maps_are_averages_of_maps() {
     let depths = [Some((-4.0, Vec3::X)), Some((5.0, Vec3::NEG_X)), Some((20.0, Vec3::Y)), None];
     for (k, depth) in (0..).zip(depths) {
         let first = depth.map(|(t, n)| FirstHit { t, n, uv: Vec2::ONE, object: 1, material: 1 });
-        part.add(0, 0, k, Vec2::splat(0.5), &PixelSample { radiance: Spectrum::BLACK, first });
+        let sample = PixelSample { radiance: [0.0; 3], first };
+        part.add(0, 0, k, Vec2::splat(0.5), &sample, &Auxiliary::default());
     }
     film.merge(&part).expect("a part of this film");
     let data = |layer| film.develop(layer).expect("the film has it").into_data();
@@ -270,6 +297,112 @@ fn finished_pixels_are_what_the_sums_would_give() {
     assert!(!one_pass.spec().keeps_sums());
     // Below row 200 and right of column 270 no sample was taken.
     assert_eq!(bits(&open), bits(&one_pass));
+}
+
+#[test]
+fn a_single_sample_needs_no_sums() {
+    let sampler = sampler(SamplerKind::Uniform, 1);
+    for layers in [&Layer::ALL[..], &[Layer::Color], &[Layer::Depth, Layer::ObjectId]] {
+        let spec = FilmSpec { layers: LayerSet::of(layers), ..FilmSpec::new(300, 230) };
+        let (open, one_pass) = (film(spec), film(FilmSpec { one_pass: true, ..spec }));
+        for tile in [Rect { x0: 0, y0: 0, x1: 130, y1: 200 }, Rect { x0: 130, y0: 0, x1: 300, y1: 230 }] {
+            open.add(&random_part(&spec, &sampler, tile, 0..1));
+            one_pass.add(&random_part(one_pass.spec(), &sampler, tile, 0..1));
+        }
+        assert_eq!(bits(&open), bits(&one_pass));
+        assert_eq!((open.samples(), one_pass.samples()), (130 * 200 + 170 * 230, 130 * 200 + 170 * 230));
+    }
+}
+
+#[test]
+fn a_single_bad_value_is_black_and_counted() {
+    let spec = FilmSpec { one_pass: true, ..all_layers(300, 300, Filter::None) };
+    let film = film(spec);
+    let mut part = FilmPart::new(&spec, &sampler(SamplerKind::Regular, 1));
+    part.reset(&Rect::of_size(2, 1));
+    let first = FirstHit { t: f32::NAN, n: Vec3::Z, uv: Vec2::ZERO, object: 1, material: 1 };
+    let sample = PixelSample { radiance: [1.0, f32::NAN, 2.0], first: None };
+    part.add(0, 0, 0, Vec2::splat(0.5), &sample, &Auxiliary::default());
+    let sample = PixelSample { radiance: [0.5; 3], first: Some(first) };
+    part.add(1, 0, 0, Vec2::splat(0.5), &sample, &Auxiliary::default());
+    film.add(&part);
+    assert_eq!(film.non_finite(), 2);
+    assert_eq!(film.develop(Layer::Color).expect("colour").data()[..6], [1.0, 0.0, 2.0, 0.5, 0.5, 0.5]);
+    assert_eq!(film.develop(Layer::Depth).expect("depth").data()[1], f32::INFINITY);
+}
+
+#[test]
+fn variance_is_that_of_the_mean() {
+    let spec = FilmSpec { layers: LayerSet::of(&[Layer::Variance]), ..FilmSpec::new(3, 1) };
+    for filter in [Filter::None, Filter::MITCHELL] {
+        let spec = FilmSpec { filter, ..spec };
+        let film = film(spec);
+        let mut part = FilmPart::new(&spec, &sampler(SamplerKind::Uniform, 4));
+        part.reset(&spec.rect());
+        let mut add = |x, k, radiance| {
+            let sample = PixelSample { radiance, first: None };
+            part.add(x, 0, k, Vec2::splat(0.3), &sample, &Auxiliary::default());
+        };
+        // 1, 2, 3, 6 has the variance 14/3, its mean a quarter of that.
+        for (k, v) in (0..).zip([1.0, 2.0, 3.0, 6.0]) {
+            add(0, k, [v, 0.1, 1e4 * v]);
+        }
+        add(1, 0, [5.0; 3]);
+        film.merge(&part).expect("a part of this film");
+        let variance = film.develop(Layer::Variance).expect("variance").into_data();
+        assert_eq!(variance[..2], [14.0 / 12.0, 0.0]);
+        assert!((variance[2] / (1e8 * 14.0 / 12.0) - 1.0).abs() < 1e-6, "{variance:?}");
+        assert_eq!(variance[3..], [0.0; 6], "one sample and none say nothing");
+    }
+}
+
+#[test]
+fn an_even_rain_of_splats_is_an_even_picture() {
+    for filter in FILTERS {
+        for cell in [None, Some([3, 4])] {
+            let spec = FilmSpec { filter, cell, ..FilmSpec::new(9, 8) };
+            // As if each of four samples of each pixel had brought 100 splats, all over the picture; the
+            // edges of all boxes lie between them.
+            let mut splats = Splats::default();
+            for i in 0..9 * 20 {
+                for j in 0..8 * 20 {
+                    let raster = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / 20.0;
+                    splats.add(raster, [4.0 / 400.0, 8.0 / 400.0, 0.0]);
+                }
+            }
+            let film = splat(spec, &sampler(SamplerKind::Regular, 4), |_, _, _| 1.0);
+            let mut part = FilmPart::new(&spec, &sampler(SamplerKind::Regular, 4));
+            part.reset(&spec.rect());
+            part.take_splats(&mut splats);
+            film.merge(&part).expect("a part of this film");
+            let image = film.develop(Layer::Color).expect("colour");
+            for rgb in image.pixels() {
+                let found = [rgb[0], rgb[1], rgb[2]];
+                for (v, expected) in found.into_iter().zip([2.0, 3.0, 1.0]) {
+                    assert!((v - expected).abs() < 3e-3, "{filter:?}, cells {cell:?}: {found:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn splats_beside_the_picture_are_lost_and_bad_ones_counted() {
+    let spec = FilmSpec { filter: Filter::LANCZOS, ..FilmSpec::new(4, 4) };
+    let film = splat(spec, &sampler(SamplerKind::Regular, 1), |_, _, _| 0.0);
+    let mut part = FilmPart::new(&spec, &sampler(SamplerKind::Regular, 1));
+    part.reset(&spec.rect());
+    let mut splats = Splats::default();
+    for raster in [(-0.01, 2.0), (2.0, -1e9), (4.0, 2.0), (2.0, f32::MAX)] {
+        splats.add(raster.into(), [1.0; 3]);
+    }
+    splats.add(Vec2::NAN, [1.0; 3]);
+    splats.add(Vec2::ONE, [f32::NAN; 3]);
+    part.take_splats(&mut splats);
+    assert!(splats.as_slice().is_empty());
+    film.merge(&part).expect("a part of this film");
+    assert_eq!(film.non_finite(), 2);
+    assert!(film.develop(Layer::Color).expect("colour").data().iter().all(|&v| v == 0.0));
 }
 
 /// The tiles of a cut of a picture in two directions, each with its samples cut in two.

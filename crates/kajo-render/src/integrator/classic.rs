@@ -20,10 +20,10 @@ use kajo_core::bsdf::{Highlight, Phong, fresnel};
 use kajo_core::scene::{Event, Interaction, Scene};
 use kajo_core::settings::{ShadowAttenuation, Shadows};
 use kajo_core::{RayOffset, light::Illumination};
-use kajo_math::{Ray, Vec2, Vec3, rng::Stream};
+use kajo_math::{Ray, Vec2, Vec3};
 
 use super::shadow;
-use crate::{FirstHit, Layer, LayerSet, PixelIntegrator, PixelSample, RayCounters};
+use crate::{FirstHit, Layer, LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext};
 
 /// The most mirror and refracted rays in a row that may be asked for.
 pub const MAX_BOUNCES: u32 = 1000;
@@ -280,7 +280,8 @@ impl Crossing {
 }
 
 impl PixelIntegrator for Classic<'_> {
-    fn sample(&self, pixel: [u32; 2], raster: Vec2, _stream: &Stream, rays: &mut RayCounters) -> PixelSample {
+    fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let rays = &mut ctx.rays;
         rays.camera += 1;
         let ray = self.camera_ray(raster);
         let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
@@ -297,6 +298,6 @@ impl PixelIntegrator for Classic<'_> {
             },
         });
         let radiance = if self.settings.uv { self.uv_picture(pixel) } else { light };
-        PixelSample { radiance, first }
+        PixelSample { radiance: radiance.to_rgb(), first }
     }
 }

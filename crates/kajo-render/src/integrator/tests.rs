@@ -3,13 +3,14 @@
 use kajo_core::RayOffset;
 use kajo_core::bsdf::fresnel;
 use kajo_core::compile::{CompileOptions, compile};
+use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_core::settings::{ShadowAttenuation, Shadows};
 use kajo_math::{Vec2, rng::Stream};
 use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::classic::{Classic, ClassicSettings};
-use crate::{LayerSet, PixelIntegrator, RayCounters};
+use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext};
 
 /// An orthographic camera two units high that looks down the z axis, and a world without light.
 const VIEW: &str = "OrthographicCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 size 2 }
@@ -42,9 +43,15 @@ fn plain(scene: &Scene) -> ClassicSettings {
 fn look(scene: &Scene, settings: ClassicSettings, x: f32, y: f32) -> ([f32; 3], RayCounters) {
     let classic = Classic::new(scene, settings, [200, 200], LayerSet::of(&[]));
     let raster = Vec2::new(100.0 * (x + 1.0), 100.0 * (1.0 - y));
-    let mut rays = RayCounters::default();
-    let sample = classic.sample([0, 0], raster, &Stream::new(0, [0, 0], 0), &mut rays);
-    (sample.radiance.to_rgb(), rays)
+    let (sample, rays) = take(&classic, [0, 0], raster);
+    (sample.radiance, rays)
+}
+
+/// The sample of a pixel at a place, and the rays it took.
+fn take(classic: &Classic<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, RayCounters) {
+    let sampler = Sampler::new(SamplerKind::Regular, 1);
+    let mut ctx = SampleContext::new(&sampler, 0);
+    (classic.sample(&mut ctx, pixel, raster), ctx.rays)
 }
 
 fn near(got: f32, expected: f64, tolerance: f64) {
@@ -312,10 +319,9 @@ fn the_test_picture_shows_pixel_centres() {
         // A regular grid of two or three samples hangs over into the rows below.
         for offset in [0.01, 0.5, 0.99, 2.5] {
             let raster = Vec2::new(i as f32 + offset, j as f32 + offset);
-            let stream = Stream::new(0, [i, j], 0);
-            let sample = classic.sample([i, j], raster, &stream, &mut RayCounters::default());
+            let sample = take(&classic, [i, j], raster).0;
             let expected = [(i as f32 + 0.5) / 8.0, (j as f32 + 0.5) / 4.0, 1.0];
-            assert_eq!(sample.radiance.to_rgb(), expected);
+            assert_eq!(sample.radiance, expected);
         }
     }
 }
@@ -331,7 +337,7 @@ fn depth_of_a_tilted_plane_is_exact() {
         ));
         let classic = Classic::new(&s, plain(&s), [64, 64], LayerSet::of(&[]));
         let raster = Vec2::new(64.0 * u(3), 64.0 * u(4));
-        let sample = classic.sample([0, 0], raster, &Stream::new(0, [0, 0], 0), &mut RayCounters::default());
+        let sample = take(&classic, [0, 0], raster).0;
         let d = f64::to_radians(20.0).tan();
         let (x, y) = (f64::from(raster.x) / 32.0 - 1.0, 1.0 - f64::from(raster.y) / 32.0);
         let length = (x * x * d * d + y * y * d * d + 1.0).sqrt();

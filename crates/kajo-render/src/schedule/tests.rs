@@ -1,6 +1,5 @@
 use std::sync::atomic::AtomicUsize;
 
-use kajo_color::Spectrum;
 use kajo_core::sampler::SamplerKind;
 use kajo_math::Vec3;
 
@@ -11,18 +10,15 @@ use crate::{FilmSpec, Filter, FirstHit, Layer, LayerSet, PixelSample};
 struct Field<F>(F);
 
 impl<F: Fn(Vec2, f32) -> f32 + Sync> PixelIntegrator for Field<F> {
-    fn sample(
-        &self,
-        _pixel: [u32; 2],
-        raster: Vec2,
-        stream: &Stream,
-        counters: &mut RayCounters,
-    ) -> PixelSample {
-        counters.camera += 1;
-        counters.shadow += 2;
+    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        ctx.rays.camera += 1;
+        ctx.rays.shadow += 2;
+        let value = (self.0)(raster, ctx.stream.uniform(2));
+        ctx.aux.albedo = [value; 3];
+        ctx.aux.lights[3] = [0.0, value, 0.0];
         let hit =
             FirstHit { t: raster.x, n: Vec3::Y, uv: raster.fract(), object: raster.y as u32, material: 7 };
-        PixelSample { radiance: Spectrum::grey((self.0)(raster, stream.uniform(2))), first: Some(hit) }
+        PixelSample { radiance: [value; 3], first: Some(hit) }
     }
 }
 

@@ -1,0 +1,160 @@
+//! What an integrator works with while it takes a sample: one [`SampleContext`] for each thread.
+//!
+//! The context hands in the random numbers of the sample and takes what is more than the sample's own
+//! value: the count of rays, values of rare layers, and splats. A *splat* is light for any place of the
+//! picture, as light tracing and bidirectional methods find it. With `S` samples in all over a picture of
+//! `P` pixels, the splats add to pixel `j`
+//!
+//! ```text
+//! I_j = P/S Σ w(splat - centre of j) value / ∫ w
+//! ```
+//!
+//! They are divided by the number of samples and not by the weights that happened to fall near, which would
+//! be biased [Pharr, Jakob and Humphreys 2023, 5.4.2]; the integral of the filter `w` runs over the part of its
+//! support that lies in the picture. So the mean of the picture is the mean over all samples of the sum of their
+//! splats.
+
+use std::any::Any;
+
+use kajo_core::sampler::Sampler;
+use kajo_math::{Vec2, rng::Stream};
+
+use crate::RayCounters;
+
+/// Most groups of lights whose shares a film can keep apart.
+pub const MAX_LIGHT_GROUPS: usize = 8;
+
+/// The surroundings of a sample.
+#[derive(Debug)]
+pub struct SampleContext<'a> {
+    /// The rule by which samples are spread.
+    pub sampler: &'a Sampler,
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Index of the sample within its pixel.
+    pub index: u32,
+    /// The random numbers of the sample; the sampler owns dimensions 0 and 1.
+    pub stream: Stream,
+    /// Rays cast by the thread so far.
+    pub rays: RayCounters,
+    /// Values of rare layers; zero before each sample.
+    pub aux: Auxiliary,
+    /// Light for anywhere in the picture.
+    pub splats: Splats,
+    /// Memory of the integrator's own, kept from sample to sample.
+    pub scratch: Scratch,
+}
+
+impl<'a> SampleContext<'a> {
+    /// The context of a thread, made ready for sample 0 of pixel (0, 0).
+    pub fn new(sampler: &'a Sampler, seed: u64) -> SampleContext<'a> {
+        SampleContext {
+            sampler,
+            seed,
+            index: 0,
+            stream: Stream::new(seed, [0, 0], 0),
+            rays: RayCounters::default(),
+            aux: Auxiliary::default(),
+            splats: Splats::default(),
+            scratch: Scratch::default(),
+        }
+    }
+
+    /// Makes ready for sample `index` of `pixel`.
+    #[inline]
+    pub fn begin(&mut self, pixel: [u32; 2], index: u32) {
+        self.index = index;
+        self.stream = Stream::new(self.seed, pixel, index);
+    }
+}
+
+/// Values of a sample for layers that few films keep. An integrator fills in those that are asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Auxiliary {
+    /// Share of white light that the surface throws back, linear RGB; of the first surface, or of the first
+    /// one that is no mirror.
+    pub albedo: [f32; 3],
+    /// Motion of the surface in the picture while the shutter is open, in pixels to the right and downwards.
+    pub motion: [f32; 2],
+    /// The share of each group of lights in the sample's radiance, linear RGB.
+    pub lights: [[f32; 3]; MAX_LIGHT_GROUPS],
+}
+
+/// Light for one place of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Splat {
+    /// Position in pixels from the picture's top left corner.
+    pub raster: Vec2,
+    /// Linear RGB.
+    pub value: [f32; 3],
+}
+
+/// Light for any places of the picture, collected until a unit of work is done.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Splats(Vec<Splat>);
+
+impl Splats {
+    /// Adds light at a place of the film; outside of the picture it is lost.
+    ///
+    /// * `raster`: in pixels from the top left corner
+    /// * `value`: linear RGB, such that the mean over all samples of the sum of their splats is the mean
+    ///   of the picture
+    #[inline]
+    pub fn add(&mut self, raster: Vec2, value: [f32; 3]) {
+        self.0.push(Splat { raster, value });
+    }
+
+    /// What was added.
+    pub fn as_slice(&self) -> &[Splat] {
+        &self.0
+    }
+
+    /// Forgets everything, keeping the memory.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
+/// Room for one value of any type, which an integrator keeps from sample to sample: arrays of vertices, caches.
+///
+/// Nothing in it may change the result of a sample, since which samples share a thread is left to chance.
+#[derive(Debug, Default)]
+pub struct Scratch(Option<Box<dyn Any>>);
+
+impl Scratch {
+    /// The value, made by `Default` when it is asked for the first time, or after one of another type.
+    #[inline]
+    pub fn get<T: Default + 'static>(&mut self) -> &mut T {
+        if !self.0.as_ref().is_some_and(|value| value.is::<T>()) {
+            self.0 = Some(Box::<T>::default());
+        }
+        match self.0.as_mut().and_then(|value| value.downcast_mut()) {
+            Some(value) => value,
+            None => unreachable!("a value of this type was put there just now"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kajo_core::sampler::SamplerKind;
+
+    #[test]
+    fn scratch_keeps_one_value() {
+        let mut scratch = Scratch::default();
+        scratch.get::<Vec<u32>>().push(7);
+        assert_eq!(scratch.get::<Vec<u32>>(), &[7]);
+        assert_eq!(*scratch.get::<u8>(), 0);
+        assert!(scratch.get::<Vec<u32>>().is_empty(), "another type took the place");
+    }
+
+    #[test]
+    fn a_context_moves_from_sample_to_sample() {
+        let sampler = Sampler::new(SamplerKind::Uniform, 4);
+        let mut ctx = SampleContext::new(&sampler, 3);
+        ctx.begin([5, 6], 2);
+        assert_eq!(ctx.index, 2);
+        assert_eq!(ctx.stream.bits(9), Stream::new(3, [5, 6], 2).bits(9));
+    }
+}

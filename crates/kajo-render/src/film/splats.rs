@@ -1,0 +1,125 @@
+//! Sums of splats: light that comes to a pixel from samples of any other.
+//!
+//! ```text
+//! I_j = P/S Σ w(splat - centre of j) value / ∫ w
+//! ```
+//!
+//! with `S` samples in all and `P` pixels; the integral runs over the part of the filter's support around pixel
+//! `j` that lies in the pixel's cell. It is the product of two integrals along the axes. Where samples count for
+//! their own pixel only, the filter is the pixel itself and the integral 1.
+
+use super::{
+    filter::Filter,
+    fixed::{self, Term, Weight},
+    spec::FilmSpec,
+};
+use crate::rect::Rect;
+
+/// Panels of the midpoint rule for one integral of a filter.
+const PANELS: u32 = 4096;
+
+/// Exact sums of the splats of a rectangle of pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SplatSums {
+    pub rect: Rect,
+    values: Vec<[i128; 3]>,
+}
+
+impl SplatSums {
+    /// Nothing, over the pixels of `rect`.
+    pub fn new(rect: Rect) -> SplatSums {
+        SplatSums { rect, values: vec![[0; 3]; rect.area() as usize] }
+    }
+
+    /// Adds a value to a pixel of the rectangle.
+    pub fn add(&mut self, x: u32, y: u32, weight: Weight, value: &[Term; 3]) {
+        let sums = &mut self.values[self.rect.index(x, y)];
+        for (sum, term) in sums.iter_mut().zip(value) {
+            *sum += term.times(weight);
+        }
+    }
+
+    /// Adds what the splats bring to a row of colours: of pixels from `first` on, as many as `out` has room for.
+    ///
+    /// * `samples_per_pixel`: `S/P`
+    pub fn add_to_row(&self, areas: &Areas, samples_per_pixel: f64, y: u32, out: &mut [f32]) {
+        let row = self.rect.index(self.rect.x0, y);
+        for ((x, sums), out) in (self.rect.x0..).zip(&self.values[row..]).zip(out.chunks_exact_mut(3)) {
+            let divisor = samples_per_pixel * areas.of(x, y);
+            for (out, &sum) in out.iter_mut().zip(sums) {
+                *out += fixed::average(sum, divisor);
+            }
+        }
+    }
+}
+
+/// Integrals of the filter around every column and row.
+#[derive(Clone, Debug)]
+pub(crate) struct Areas {
+    columns: Vec<f64>,
+    rows: Vec<f64>,
+}
+
+impl Areas {
+    /// The integrals of a film's filter.
+    pub fn new(spec: &FilmSpec) -> Areas {
+        let [width, height] = spec.cell.unwrap_or([spec.width, spec.height]);
+        Areas {
+            columns: integrals(&spec.filter, spec.width, width),
+            rows: integrals(&spec.filter, spec.height, height),
+        }
+    }
+
+    /// The integral around a pixel, in pixels; 0 where lobes cancel.
+    fn of(&self, x: u32, y: u32) -> f64 {
+        self.columns[x as usize] * self.rows[y as usize]
+    }
+}
+
+/// The integral of a filter's profile around each of `n` pixels, within cells of `cell` pixels.
+fn integrals(filter: &Filter, n: u32, cell: u32) -> Vec<f64> {
+    let Some(r) = filter.radius() else { return vec![1.0; n as usize] };
+    let r = f64::from(r);
+    let mut last = ((0.0, 0.0), 0.0);
+    let mut integral_around = |i: u32| {
+        let start = i - i % cell;
+        let end = start.saturating_add(cell).min(n);
+        let centre = f64::from(i) + 0.5;
+        let limits = ((f64::from(start) - centre).max(-r), (f64::from(end) - centre).min(r));
+        // Far from borders one integral is as good as the next.
+        if limits != last.0 {
+            last = (limits, integral(filter, limits));
+        }
+        last.1
+    };
+    (0..n).map(&mut integral_around).collect()
+}
+
+fn integral(filter: &Filter, (from, to): (f64, f64)) -> f64 {
+    let step = (to - from) / f64::from(PANELS);
+    let value = |i: u32| f64::from(filter.profile((from + (f64::from(i) + 0.5) * step) as f32));
+    (0..PANELS).map(value).sum::<f64>() * step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integrals_by_hand() {
+        // A box of one pixel to each side, and a tent: all of it inside, three quarters and ⅞ at the border.
+        let close = |found: &[f64], expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            for (a, b) in found.iter().zip(expected) {
+                assert!((a - b).abs() < 1e-6, "{found:?} is not {expected:?}");
+            }
+        };
+        close(&integrals(&Filter::None, 3, 3), &[1.0; 3]);
+        close(&integrals(&Filter::BOX, 2, 2), &[1.0; 2]);
+        close(&integrals(&Filter::Box { radius: 1.0 }, 4, 4), &[1.5, 2.0, 2.0, 1.5]);
+        close(&integrals(&Filter::Tent { radius: 1.0 }, 3, 3), &[0.875, 1.0, 0.875]);
+        close(&integrals(&Filter::Tent { radius: 1.0 }, 4, 2), &[0.875; 4]);
+        // The cubic integrates to 1 at its natural scale.
+        close(&integrals(&Filter::MITCHELL, 7, 7)[3..4], &[1.0]);
+    }
+}
