@@ -85,6 +85,18 @@ pub fn powi(x: f32, mut n: u32) -> f32 {
     product as f32
 }
 
+/// The error function, `2/sqrt(pi)` times the integral of `exp(-t^2)` from 0 to `x`.
+#[inline]
+pub fn erf(x: f32) -> f32 {
+    libm::erff(x)
+}
+
+/// The error function in double precision.
+#[inline]
+pub fn erf64(x: f64) -> f64 {
+    libm::erf(x)
+}
+
 /// Sine in double precision.
 #[inline]
 pub fn sin64(x: f64) -> f64 {

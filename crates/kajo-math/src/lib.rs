@@ -7,6 +7,7 @@
 
 pub mod aabb;
 pub mod fmath;
+pub mod frame;
 pub mod noise;
 pub mod ray;
 pub mod rng;
@@ -16,6 +17,7 @@ pub mod transform;
 pub mod warp;
 
 pub use aabb::Aabb;
+pub use frame::Frame;
 pub use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec2, DVec3, Mat3, Mat4, UVec2, Vec2, Vec3, Vec3A, Vec4};
 pub use ray::Ray;
 pub use transform::Transform;

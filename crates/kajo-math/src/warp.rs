@@ -21,9 +21,70 @@ pub fn uniform_sphere(u: Vec2) -> Vec3 {
     Vec3::new(r * c, r * s, z)
 }
 
+/// A direction uniform over the hemisphere around z, from `u` in [0, 1)^2; its pdf is `1 / (2 pi)`.
+#[inline]
+pub fn uniform_hemisphere(u: Vec2) -> Vec3 {
+    let z = u.x;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (s, c) = fmath::sin_cos(std::f32::consts::TAU * u.y);
+    Vec3::new(r * c, r * s, z)
+}
+
+/// A point uniform over the unit disk, from `u` in [0, 1)^2: squares around the middle become circles, so that
+/// neighbours stay neighbours [Shirley and Chiu 1997].
+#[inline]
+pub fn concentric_disk(u: Vec2) -> Vec2 {
+    let v = 2.0 * u - Vec2::ONE;
+    if v == Vec2::ZERO {
+        return v;
+    }
+    let quarter = std::f32::consts::FRAC_PI_4;
+    let (r, angle) = if v.x.abs() > v.y.abs() {
+        (v.x, quarter * (v.y / v.x))
+    } else {
+        (v.y, 2.0 * quarter - quarter * (v.x / v.y))
+    };
+    let (s, c) = fmath::sin_cos(angle);
+    Vec2::new(r * c, r * s)
+}
+
+/// A direction of the hemisphere around z with density proportional to the cosine, from `u` in [0, 1)^2: a
+/// uniform point of the disk, lifted [Malley 1988]. Its pdf is `z / pi`.
+#[inline]
+pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
+    let d = concentric_disk(u);
+    d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Moments of the points of a fine grid, against the integrals over disk and hemisphere.
+    #[test]
+    fn disk_and_hemispheres_have_the_moments_of_their_densities() {
+        let n = 256;
+        let mut square = 0.0;
+        let (mut uniform, mut cosine) = ([0.0f64; 3], [0.0f64; 3]);
+        for i in 0..n * n {
+            let u = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
+            square += f64::from(concentric_disk(u).length_squared());
+            for (sums, w) in [(&mut uniform, uniform_hemisphere(u)), (&mut cosine, cosine_hemisphere(u))] {
+                assert!((w.length() - 1.0).abs() < 1e-5 && w.z >= 0.0);
+                for (sum, value) in sums.iter_mut().zip([w.z, w.z * w.z, w.x * w.x]) {
+                    *sum += f64::from(value);
+                }
+            }
+        }
+        let mean = |sum: f64| sum / f64::from(n * n);
+        assert!((mean(square) - 0.5).abs() < 1e-4);
+        for (sums, expected) in [(uniform, [0.5, 1.0 / 3.0, 1.0 / 3.0]), (cosine, [2.0 / 3.0, 0.5, 0.25])] {
+            for (sum, expected) in sums.into_iter().zip(expected) {
+                // The cosine ends in a square root at the rim, where a grid is less exact.
+                assert!((mean(sum) - expected).abs() < 3e-4, "{} {expected}", mean(sum));
+            }
+        }
+    }
 
     #[test]
     fn bases_are_orthonormal_and_right_handed() {

@@ -7,6 +7,7 @@ pub mod chi_square;
 pub mod image;
 pub mod mean;
 mod special;
+pub mod sphere;
 
 pub use chi_square::ChiSquare;
 pub use image::share_off_by;

@@ -1,6 +1,213 @@
 //! What a surface does with light at one point, as a small value.
+//!
+//! Directions are unit vectors in the local frame whose z axis is the shading normal; `wo` points to where the
+//! path came from and `wi` to where it goes, both away from the surface. [`Bsdf::eval`] includes the cosine:
+//!
+//! ```text
+//! eval(wo, wi)    f(wo, wi) |cos θi|
+//! pdf(wo, wi)     density of the directions of sample(), per solid angle
+//! sample(wo, u)   wi, with weight = eval / pdf
+//! ```
+//!
+//! Lobes that scatter into single directions have neither value nor density there: they are met by
+//! sampling only, and then `pdf` is the probability of that direction. Radiance and its adjoint differ at boundaries of
+//! media, where rays are squeezed: see [`Transport`].
+//!
+//! [`Phong`] is apart from these: the classic shading model, which is no density of anything.
 
+pub mod conductor;
+mod dielectric;
 pub mod fresnel;
+mod lambert;
+pub mod microfacet;
+mod oren_nayar;
 mod phong;
+mod phong_lobes;
+mod thin;
 
+pub use conductor::{Conductor, MetalFresnel};
+pub use dielectric::Dielectric;
+pub use lambert::Lambert;
+pub use microfacet::Microfacets;
+pub use oren_nayar::OrenNayar;
 pub use phong::{Highlight, Phong};
+pub use phong_lobes::PhongLobes;
+pub use thin::ThinDielectric;
+
+use kajo_color::Spectrum;
+use kajo_math::{Vec2, Vec3};
+
+/// Scattering at one point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub enum Bsdf {
+    /// Ideal diffusion.
+    Lambert(Lambert),
+    /// Rough diffusion.
+    OrenNayar(OrenNayar),
+    /// Metal.
+    Conductor(Conductor),
+    /// The boundary of two clear media.
+    Dielectric(Dielectric),
+    /// A clear pane without thickness.
+    ThinDielectric(ThinDielectric),
+    /// Phong's model, normalised.
+    Phong(PhongLobes),
+    /// Nothing is there: light goes straight on.
+    Null,
+}
+
+/// What a path carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transport {
+    /// Paths from the camera, which gather radiance. Across a boundary it is scaled by the square of the index.
+    Radiance,
+    /// Paths from the lamps, which carry power.
+    Importance,
+}
+
+impl Transport {
+    /// Factor for light refracted where the index beyond, on the side of `wi`, is `eta` times that on the side of `wo`.
+    #[inline]
+    fn scale(self, eta: f32) -> f32 {
+        match self {
+            Transport::Radiance => 1.0 / (eta * eta),
+            Transport::Importance => 1.0,
+        }
+    }
+}
+
+/// How a sampled direction was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScatterKind {
+    /// Whether it goes to the other side of the surface.
+    pub transmission: bool,
+    /// Whether it is a single direction, which other strategies cannot find.
+    pub delta: bool,
+    /// Whether it goes on as it came, `wi = -wo`.
+    pub straight: bool,
+}
+
+impl ScatterKind {
+    const REFLECTION: ScatterKind = ScatterKind { transmission: false, delta: false, straight: false };
+    const TRANSMISSION: ScatterKind = ScatterKind { transmission: true, delta: false, straight: false };
+    const MIRROR: ScatterKind = ScatterKind { transmission: false, delta: true, straight: false };
+    const STRAIGHT: ScatterKind = ScatterKind { transmission: true, delta: true, straight: true };
+}
+
+/// A direction chosen by [`Bsdf::sample`].
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// Unit direction, local.
+    pub wi: Vec3,
+    /// Value over density, the cosine included.
+    pub weight: Spectrum,
+    /// Density per solid angle, or the probability of a single direction.
+    pub pdf: f32,
+    /// How it was found.
+    pub kind: ScatterKind,
+    /// Index of refraction on the side of `wi` over that on the side of `wo`: 1 unless refracted.
+    pub eta: f32,
+}
+
+impl BsdfSample {
+    /// A sample that is not refracted; `None` when density or weight are not usable numbers.
+    #[inline]
+    fn new(wi: Vec3, weight: Spectrum, pdf: f32, kind: ScatterKind) -> Option<BsdfSample> {
+        let usable = pdf > 0.0 && pdf.is_finite() && weight.is_finite();
+        usable.then_some(BsdfSample { wi, weight, pdf, kind, eta: 1.0 })
+    }
+}
+
+impl Bsdf {
+    /// Scattered share of the light from `wi` that leaves to `wo`, per solid angle, times `|cos θi|`.
+    ///
+    /// Zero for lobes that scatter into single directions.
+    #[inline]
+    pub fn eval(&self, wo: Vec3, wi: Vec3, mode: Transport) -> Spectrum {
+        match self {
+            Bsdf::Lambert(lobe) => lobe.eval(wo, wi),
+            Bsdf::OrenNayar(lobe) => lobe.eval(wo, wi),
+            Bsdf::Conductor(lobe) => lobe.eval(wo, wi),
+            Bsdf::Dielectric(lobe) => lobe.eval(wo, wi, mode),
+            Bsdf::Phong(lobe) => lobe.eval(wo, wi),
+            Bsdf::ThinDielectric(_) | Bsdf::Null => Spectrum::BLACK,
+        }
+    }
+
+    /// Density of `wi`, per solid angle, among the directions that [`sample`](Self::sample) chooses for `wo`.
+    ///
+    /// Zero for lobes that scatter into single directions. The integral over the sphere is the probability of
+    /// a sample that is of another kind.
+    #[inline]
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        match self {
+            Bsdf::Lambert(lobe) => lobe.pdf(wo, wi),
+            Bsdf::OrenNayar(lobe) => lobe.pdf(wo, wi),
+            Bsdf::Conductor(lobe) => lobe.pdf(wo, wi),
+            Bsdf::Dielectric(lobe) => lobe.pdf(wo, wi),
+            Bsdf::Phong(lobe) => lobe.pdf(wo, wi),
+            Bsdf::ThinDielectric(_) | Bsdf::Null => 0.0,
+        }
+    }
+
+    /// Chooses a direction for `wo`, or none: then the path ends, its light lost.
+    ///
+    /// * `u`: uniform in [0, 1)²
+    /// * `uc`: uniform in [0, 1), chooses among lobes
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u: Vec2, uc: f32, mode: Transport) -> Option<BsdfSample> {
+        match self {
+            Bsdf::Lambert(lobe) => lobe.sample(wo, u, uc),
+            Bsdf::OrenNayar(lobe) => lobe.sample(wo, u, uc),
+            Bsdf::Conductor(lobe) => lobe.sample(wo, u),
+            Bsdf::Dielectric(lobe) => lobe.sample(wo, u, uc, mode),
+            Bsdf::ThinDielectric(lobe) => lobe.sample(wo, uc),
+            Bsdf::Phong(lobe) => lobe.sample(wo, u, uc, mode),
+            Bsdf::Null => BsdfSample::new(-wo, Spectrum::WHITE, 1.0, ScatterKind::STRAIGHT),
+        }
+    }
+
+    /// Whether light is scattered into single directions only, so that there is nothing to be had by choosing a
+    /// direction in another way.
+    #[inline]
+    pub fn is_delta(&self) -> bool {
+        match self {
+            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) => false,
+            Bsdf::Conductor(lobe) => lobe.is_smooth(),
+            Bsdf::Dielectric(lobe) => lobe.is_smooth(),
+            Bsdf::Phong(lobe) => lobe.is_delta(),
+            Bsdf::ThinDielectric(_) | Bsdf::Null => true,
+        }
+    }
+
+    /// Share of the light arriving from everywhere alike that leaves to `wo`, an estimate where there is no closed
+    /// form: for layers that guide a denoiser, and to decide how long a path is worth following.
+    #[inline]
+    pub fn albedo(&self, wo: Vec3) -> Spectrum {
+        match self {
+            Bsdf::Lambert(lobe) => lobe.albedo(),
+            Bsdf::OrenNayar(lobe) => lobe.albedo(wo),
+            Bsdf::Conductor(lobe) => lobe.albedo(wo),
+            Bsdf::Dielectric(lobe) => lobe.albedo(wo),
+            Bsdf::ThinDielectric(lobe) => lobe.albedo(wo),
+            Bsdf::Phong(lobe) => lobe.albedo(),
+            Bsdf::Null => Spectrum::WHITE,
+        }
+    }
+}
+
+/// Whether both directions are on the same side of the surface, neither along it.
+#[inline]
+fn same_side(wo: Vec3, wi: Vec3) -> bool {
+    wo.z * wi.z > 0.0
+}
+
+/// Both directions mirrored, if need be, so that `wo` is above the surface.
+#[inline]
+fn upright(wo: Vec3, wi: Vec3) -> (Vec3, Vec3) {
+    let side = wo.z.signum();
+    (Vec3::new(wo.x, wo.y, side * wo.z), Vec3::new(wi.x, wi.y, side * wi.z))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,132 @@
+//! Reflection from a metal, smooth or rough.
+//!
+//! ```text
+//! f(wo, wi) = F(wi·m) D(m) G2(wo, wi) / (4 |cos θo| |cos θi|),   m the half vector
+//! ```
+//!
+//! [Cook and Torrance 1982], [Walter et al. 2007, eq. 20]. Facets are drawn from those that `wo` sees, so the weight
+//! of a sample is `F G2/G1`, never more than one [Heitz 2018].
+//!
+//! Fresnel's equations with the complex index `eta + i k`, relative to the medium outside, for
+//! unpolarised light [Born and Wolf 1999, sec. 14.2]:
+//!
+//! ```text
+//! a² + b² = √((eta² - k² - sin²)² + 4 eta² k²)      a² = (a² + b² + eta² - k² - sin²) / 2
+//!
+//!        a² + b² - 2 a cos + cos²               cos² (a² + b²) - 2 a cos sin² + sin⁴
+//! Rs  =  ————————————————————————      Rp = Rs  ————————————————————————————————————      F = (Rs + Rp) / 2
+//!        a² + b² + 2 a cos + cos²               cos² (a² + b²) + 2 a cos sin² + sin⁴
+//! ```
+
+use kajo_color::Spectrum;
+use kajo_math::{Vec2, Vec3};
+
+use super::{BsdfSample, Microfacets, ScatterKind, same_side, upright};
+
+/// How much the facets of a metal reflect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MetalFresnel {
+    /// By the complex index of refraction relative to the medium outside.
+    Complex {
+        /// Real part.
+        eta: Spectrum,
+        /// Extinction, the imaginary part.
+        k: Spectrum,
+    },
+    /// The same at every angle.
+    Constant(Spectrum),
+}
+
+impl MetalFresnel {
+    /// Reflectance at the cosine `cos` in [0, 1].
+    #[inline]
+    pub fn at(&self, cos: f32) -> Spectrum {
+        match *self {
+            MetalFresnel::Complex { eta, k } => complex(cos, eta, k),
+            MetalFresnel::Constant(f) => f,
+        }
+    }
+}
+
+/// Fresnel reflectance of a conductor for unpolarised light, lane by lane.
+#[inline]
+pub fn complex(cos: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+    let (rs, rp) = complex_polarised(cos, eta, k);
+    (rs + rp) * 0.5
+}
+
+/// Reflectances of a conductor for light polarised across and along the plane of incidence.
+#[inline]
+pub fn complex_polarised(cos: f32, eta: Spectrum, k: Spectrum) -> (Spectrum, Spectrum) {
+    let cos = cos.clamp(0.0, 1.0);
+    let cos2 = cos * cos;
+    let sin2 = 1.0 - cos2;
+    let ratio = |a: Spectrum, b: Spectrum| a * b.map(|b| 1.0 / b.max(f32::MIN_POSITIVE));
+    let one = |v: f32| Spectrum::grey(v);
+    let (eta2, k2) = (eta * eta, k * k);
+    let t0 = eta2 - k2 - one(sin2);
+    let a2_plus_b2 = (t0 * t0 + eta2 * k2 * 4.0).map(f32::sqrt);
+    let a = ((a2_plus_b2 + t0) * 0.5).map(|a2| a2.max(0.0).sqrt());
+    let t1 = a2_plus_b2 + one(cos2);
+    let t2 = a * (2.0 * cos);
+    let rs = ratio(t1 - t2, t1 + t2);
+    let t3 = a2_plus_b2 * cos2 + one(sin2 * sin2);
+    let t4 = t2 * sin2;
+    (rs, rs * ratio(t3 - t4, t3 + t4))
+}
+
+/// A metal surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conductor {
+    /// Reflectance of its facets.
+    pub fresnel: MetalFresnel,
+    /// Its facets.
+    pub microfacets: Microfacets,
+}
+
+impl Conductor {
+    pub(super) fn is_smooth(&self) -> bool {
+        self.microfacets.is_smooth()
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        if self.is_smooth() || !same_side(wo, wi) {
+            return Spectrum::BLACK;
+        }
+        let (wo, wi) = upright(wo, wi);
+        let facets = self.microfacets.held();
+        let m = (wo + wi).normalize_or_zero();
+        self.fresnel.at(wo.dot(m)) * (facets.d(m) * facets.g2(wo, wi) / (4.0 * wo.z))
+    }
+
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if self.is_smooth() || !same_side(wo, wi) {
+            return 0.0;
+        }
+        let (wo, wi) = upright(wo, wi);
+        let m = (wo + wi).normalize_or_zero();
+        0.25 * self.microfacets.held().visible_over_cos(wo, m)
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
+        if self.is_smooth() {
+            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+            return BsdfSample::new(wi, self.fresnel.at(wo.z.abs()), 1.0, ScatterKind::MIRROR);
+        }
+        let side = wo.z.signum();
+        let wo = Vec3::new(wo.x, wo.y, wo.z.abs());
+        let facets = self.microfacets.held();
+        let m = facets.sample(wo, u);
+        let wi = 2.0 * wo.dot(m) * m - wo;
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let weight = self.fresnel.at(wo.dot(m)) * facets.g2_over_g1(wo, wi);
+        let pdf = 0.25 * facets.visible_over_cos(wo, m);
+        BsdfSample::new(Vec3::new(wi.x, wi.y, side * wi.z), weight, pdf, ScatterKind::REFLECTION)
+    }
+
+    pub(super) fn albedo(&self, wo: Vec3) -> Spectrum {
+        self.fresnel.at(wo.z.abs())
+    }
+}

@@ -1,0 +1,207 @@
+//! A surface made of tiny mirrors: how their normals are distributed, and which of them are seen.
+//!
+//! With `m` a facet normal in local coordinates and `t² = (mx/αx)² + (my/αy)²`:
+//!
+//! ```text
+//! GGX        D(m) = 1 / (π αx αy (t² + mz²)²)                 Λ(w) = (√(1 + a²) - 1) / 2
+//! Beckmann   D(m) = exp(-t²/mz²) / (π αx αy mz⁴)              Λ(w) = (erf(1/a) - 1) / 2 + a exp(-1/a²) / (2√π)
+//!
+//!            a² = ((αx wx)² + (αy wy)²) / wz²
+//! ```
+//!
+//! The facets that `w` sees have the density `D_w(m) = G1(w) max(0, w·m) D(m) / |wz|` with
+//! `G1 = 1/(1 + Λ(w))`; seen from both `wo` and `wi` is the share `G2 = 1/(1 + Λ(wo) + Λ(wi))`.
+//! [Walter et al. 2007], [Heitz 2014]; anisotropy by stretching.
+//!
+//! Facets are drawn from `D_w`: for GGX through the spherical cap that a hemisphere of mirrors reflects into
+//! [Dupuy and Benyoub 2023], for Beckmann by inverting the distribution of slopes.
+
+use std::f32::consts::PI;
+
+use kajo_math::{Vec2, Vec3, fmath};
+
+/// Below this roughness a surface is a mirror: single precision cannot hold the lobe.
+pub const SMOOTH: f32 = 1e-3;
+
+/// The shape of a distribution.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// Long tails; also known as Trowbridge-Reitz.
+    #[default]
+    Ggx,
+    /// Gaussian slopes.
+    Beckmann,
+}
+
+/// Distribution of facet normals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Microfacets {
+    /// Shape of the distribution.
+    pub shape: Shape,
+    /// Roughness along the local x axis.
+    pub alpha_x: f32,
+    /// Roughness along the local y axis.
+    pub alpha_y: f32,
+}
+
+impl Microfacets {
+    /// The same roughness in every direction, in [0, 1].
+    pub fn new(shape: Shape, alpha: f32) -> Microfacets {
+        Microfacets { shape, alpha_x: alpha, alpha_y: alpha }
+    }
+
+    /// Whether the surface is to be treated as a perfect mirror.
+    #[inline]
+    pub fn is_smooth(&self) -> bool {
+        self.alpha_x.max(self.alpha_y) < SMOOTH
+    }
+
+    /// The distribution with neither roughness so small that single precision cannot hold the lobe.
+    #[inline]
+    pub(super) fn held(&self) -> Microfacets {
+        let hold = |alpha: f32| alpha.clamp(SMOOTH, 1.0);
+        Microfacets { shape: self.shape, alpha_x: hold(self.alpha_x), alpha_y: hold(self.alpha_y) }
+    }
+
+    /// Density `D(m)` of facets with unit normal `m`: projected on the surface they cover it once, `∫ D(m) mz dm = 1`.
+    #[inline]
+    pub fn d(&self, m: Vec3) -> f32 {
+        // Nearer to the surface nothing is left of a lobe but trouble with small numbers.
+        if m.z < 1e-8 {
+            return 0.0;
+        }
+        let t2 = sqr(m.x / self.alpha_x) + sqr(m.y / self.alpha_y);
+        let area = PI * self.alpha_x * self.alpha_y;
+        let z2 = m.z * m.z;
+        match self.shape {
+            Shape::Ggx => 1.0 / (area * sqr(t2 + z2)),
+            Shape::Beckmann => fmath::exp(-t2 / z2) / (area * z2 * z2),
+        }
+    }
+
+    /// Smith's `Λ(w)`: how much more area is hidden from the unit direction `w` than it sees.
+    #[inline]
+    pub fn lambda(&self, w: Vec3) -> f32 {
+        let a2 = (sqr(self.alpha_x * w.x) + sqr(self.alpha_y * w.y)) / (w.z * w.z);
+        // Along the surface as good as infinite, but a number.
+        let a2 = a2.min(1e30);
+        match self.shape {
+            // The same as (√(1 + a²) - 1)/2 and exact for small a.
+            Shape::Ggx => 0.5 * a2 / (1.0 + (1.0 + a2).sqrt()),
+            Shape::Beckmann => {
+                let a = a2.sqrt();
+                if a < 0.2 {
+                    // Less than 1e-12.
+                    return 0.0;
+                }
+                let gauss = fmath::exp(-1.0 / a2) * a * (0.5 / PI.sqrt());
+                (0.5 * (fmath::erf(1.0 / a) - 1.0) + gauss).max(0.0)
+            }
+        }
+    }
+
+    /// Share of the facets turned to `w` that `w` sees.
+    #[inline]
+    pub fn g1(&self, w: Vec3) -> f32 {
+        1.0 / (1.0 + self.lambda(w))
+    }
+
+    /// Share of facets that both directions see; heights of the surface are correlated [Heitz 2014, eq. 99].
+    #[inline]
+    pub fn g2(&self, wo: Vec3, wi: Vec3) -> f32 {
+        1.0 / (1.0 + self.lambda(wo) + self.lambda(wi))
+    }
+
+    /// `G2/G1(wo)`: the share of the facets seen from `wo` that `wi` sees too.
+    #[inline]
+    pub fn g2_over_g1(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let seen = 1.0 + self.lambda(wo);
+        seen / (seen + self.lambda(wi))
+    }
+
+    /// Density, per solid angle, of the normals seen from `w`, `w.z > 0`.
+    #[inline]
+    pub fn visible(&self, w: Vec3, m: Vec3) -> f32 {
+        self.visible_over_cos(w, m) * w.dot(m).max(0.0)
+    }
+
+    /// The density of visible normals without its factor `w·m`: four times the pdf of mirror directions.
+    #[inline]
+    pub(super) fn visible_over_cos(&self, w: Vec3, m: Vec3) -> f32 {
+        self.d(m) / (w.z * (1.0 + self.lambda(w)))
+    }
+
+    /// A normal as seen from `w`, `w.z > 0`, for `u` uniform in [0, 1)²; its density is [`visible`](Self::visible).
+    #[inline]
+    pub fn sample(&self, w: Vec3, u: Vec2) -> Vec3 {
+        let stretched = Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z).normalize();
+        let m = match self.shape {
+            Shape::Ggx => sample_ggx(stretched, u),
+            Shape::Beckmann => sample_beckmann(stretched, u),
+        };
+        Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(0.0)).normalize_or(Vec3::Z)
+    }
+}
+
+/// A visible normal of GGX with `α = 1`, not normalised: the facets are a hemisphere, whose mirror images of `w`
+/// are uniform over the cap `z > -wz` [Dupuy and Benyoub 2023, listing 3].
+#[inline]
+fn sample_ggx(w: Vec3, u: Vec2) -> Vec3 {
+    let z = (1.0 - u.y) * (1.0 + w.z) - w.z;
+    let r = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+    let (s, c) = fmath::sin_cos(2.0 * PI * u.x);
+    Vec3::new(r * c, r * s, z) + w
+}
+
+/// A visible normal of Beckmann's distribution with `α = 1`, not normalised.
+///
+/// Across the plane of `w` slopes are Gaussian. Along it a slope `s` is seen in proportion to
+/// `(cos + s sin)⁺ exp(-s²)`.
+fn sample_beckmann(w: Vec3, u: Vec2) -> Vec3 {
+    let sin = w.truncate().length();
+    let along = slope(f64::from(sin), f64::from(w.z), f64::from(u.x));
+    let across = slope(0.0, 1.0, f64::from(u.y));
+    let (c, s) = if sin > 0.0 { (w.x / sin, w.y / sin) } else { (1.0, 0.0) };
+    Vec3::new(c * along - s * across, s * along + c * across, 1.0)
+}
+
+/// The slope below which lies the share `u` of what a direction with this sine and cosine sees:
+///
+/// ```text
+/// ∫ (cos + t sin) exp(-t²)/√π dt = cos (erf s + erf b)/2 + sin (exp(-b²) - exp(-s²)) / (2√π),  t from -b to s
+/// ```
+///
+/// with `b = cos/sin`, where facets turn away. Newton's method, kept within its bracket by bisection.
+fn slope(sin: f64, cos: f64, u: f64) -> f32 {
+    /// Beyond this slope there is less than 1e-15 of a Gaussian.
+    const FAR: f64 = 5.7;
+    let root_pi = std::f64::consts::PI.sqrt();
+    let b = if cos < FAR * sin { cos / sin } else { FAR };
+    let gauss = |s: f64| fmath::exp64(-s * s);
+    let primitive = |s: f64| 0.5 * (cos * fmath::erf64(s) - sin * gauss(s) / root_pi);
+    let (bottom, top) = (primitive(-b), primitive(FAR));
+    let target = bottom + u * (top - bottom);
+    let (mut low, mut high) = (-b, FAR);
+    let mut s = (2.0 * u - 1.0).clamp(low, high);
+    for _ in 0..64 {
+        let error = primitive(s) - target;
+        if error > 0.0 {
+            high = s
+        } else {
+            low = s
+        }
+        let next = s - error * root_pi / ((cos + s * sin) * gauss(s));
+        let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+        let step = (next - s).abs();
+        s = next;
+        if step < 1e-9 {
+            break;
+        }
+    }
+    s as f32
+}
+
+#[inline]
+fn sqr(x: f32) -> f32 {
+    x * x
+}

@@ -1,0 +1,119 @@
+//! Phong's model with its lobes normalised, so that no light is made.
+//!
+//! ```text
+//! f(wo, wi) = kd/π + ks (q + 2)/(2π) max(0, r·wi)^q  +  kr in the mirror direction  +  kt refracted
+//! ```
+//!
+//! with `r` the mirror direction of `wo` [Lafortune and Willems 1994]: the factor is the one with which a lobe seen
+//! straight on reflects `ks` of the light. Where the four colours add up to more than one they are scaled down together.
+//! Light that is refracted where it cannot pass is reflected instead. The classic `PhongMaterial` comes to physical
+//! integrators in this form.
+
+use std::f32::consts::{FRAC_1_PI, TAU};
+
+use kajo_color::Spectrum;
+use kajo_math::{Frame, Vec2, Vec3, fmath, warp};
+
+use super::{BsdfSample, Phong, ScatterKind, Transport, fresnel, same_side, upright};
+
+/// Diffuse and glossy reflection, a mirror, and clear transmission.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhongLobes {
+    diffuse: Spectrum,
+    specular: Spectrum,
+    reflective: Spectrum,
+    transparent: Spectrum,
+    exponent: f32,
+    eta: f32,
+    /// Probabilities of diffuse and specular lobe and the mirror; the rest is transmission.
+    share: [f32; 3],
+}
+
+impl From<&Phong> for PhongLobes {
+    fn from(phong: &Phong) -> PhongLobes {
+        let bounded = |s: Spectrum| s.map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 });
+        let colors = [phong.diffuse, phong.specular, phong.reflective, phong.transparent].map(bounded);
+        let total = colors.into_iter().fold(Spectrum::BLACK, |sum, color| sum + color).max_lane();
+        let scale = if total > 1.0 { 1.0 / total } else { 1.0 };
+        let [diffuse, specular, reflective, transparent] = colors.map(|color| color * scale);
+        let weights = [diffuse, specular, reflective, transparent].map(Spectrum::max_lane);
+        let sum: f32 = weights.iter().sum();
+        let share = [0, 1, 2].map(|i| if sum > 0.0 { weights[i] / sum } else { 0.0 });
+        let exponent = phong.exponent.clamp(0.0, 1e6);
+        PhongLobes { diffuse, specular, reflective, transparent, exponent, eta: phong.eta, share }
+    }
+}
+
+impl PhongLobes {
+    pub(super) fn is_delta(&self) -> bool {
+        self.diffuse.is_black() && self.specular.is_black()
+    }
+
+    /// `max(0, r·wi)^q`.
+    fn lobe(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
+        fmath::pow(mirror.dot(wi).clamp(0.0, 1.0), self.exponent)
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        if !same_side(wo, wi) {
+            return Spectrum::BLACK;
+        }
+        let (wo, wi) = upright(wo, wi);
+        let glossy = (self.exponent + 2.0) / TAU * self.lobe(wo, wi);
+        (self.diffuse * FRAC_1_PI + self.specular * glossy) * wi.z
+    }
+
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if !same_side(wo, wi) {
+            return 0.0;
+        }
+        let (wo, wi) = upright(wo, wi);
+        let glossy = (self.exponent + 1.0) / TAU * self.lobe(wo, wi);
+        self.share[0] * wi.z * FRAC_1_PI + self.share[1] * glossy
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: Vec2, uc: f32, mode: Transport) -> Option<BsdfSample> {
+        let [diffuse, specular, reflective] = self.share;
+        let side = wo.z.signum();
+        let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
+        let wi = if uc < diffuse {
+            side * warp::cosine_hemisphere(u)
+        } else if uc < diffuse + specular {
+            let cos = fmath::pow(1.0 - u.x, 1.0 / (self.exponent + 1.0));
+            let sin = (1.0 - cos * cos).max(0.0).sqrt();
+            let (s, c) = fmath::sin_cos(TAU * u.y);
+            Frame::from_normal(mirror).to_world(Vec3::new(sin * c, sin * s, cos))
+        } else if uc < diffuse + specular + reflective {
+            return BsdfSample::new(
+                mirror,
+                self.reflective * (1.0 / reflective),
+                reflective,
+                ScatterKind::MIRROR,
+            );
+        } else {
+            return self.refract(wo, 1.0 - (diffuse + specular + reflective), mode);
+        };
+        let pdf = self.pdf(wo, wi);
+        BsdfSample::new(wi, self.eval(wo, wi) * (1.0 / pdf), pdf, ScatterKind::REFLECTION)
+    }
+
+    /// The refracted direction, chosen with probability `p`.
+    fn refract(&self, wo: Vec3, p: f32, mode: Transport) -> Option<BsdfSample> {
+        if self.transparent.is_black() {
+            return None;
+        }
+        let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
+        let normal = Vec3::new(0.0, 0.0, wo.z.signum());
+        let color = self.transparent * (1.0 / p);
+        let Some(wi) = fresnel::refract(-wo, normal, eta) else {
+            return BsdfSample::new(Vec3::new(-wo.x, -wo.y, wo.z), color, p, ScatterKind::MIRROR);
+        };
+        let kind = ScatterKind { transmission: true, delta: true, straight: eta == 1.0 };
+        BsdfSample::new(wi, color * mode.scale(eta), p, kind).map(|sample| BsdfSample { eta, ..sample })
+    }
+
+    pub(super) fn albedo(&self) -> Spectrum {
+        self.diffuse + self.specular + self.reflective + self.transparent
+    }
+}

@@ -1,0 +1,4 @@
+//! What every lobe must hold, from one list.
+
+mod laws;
+mod list;
