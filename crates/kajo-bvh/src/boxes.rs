@@ -2,13 +2,14 @@
 
 use kajo_math::{Aabb, Ray};
 
-use crate::build::{self, LeafShape, Prim};
+use crate::build::{self, LeafShape, Prims};
+use crate::node::Child;
 use crate::simd::dispatch;
 use crate::walk::Tree;
 use crate::{BuildSettings, Stats};
 
 /// One primitive to a leaf: what the caller does with it is dear.
-const SHAPE: LeafShape = LeafShape { block: 1, most: 1 };
+const SHAPE: LeafShape = LeafShape { block: 1, most: 1, limit: Child::LIMIT };
 
 /// A tree over the boxes of primitives that the caller intersects.
 ///
@@ -35,14 +36,11 @@ impl Bvh {
     /// Threads of the current rayon pool share the work; their number does not change the
     /// tree.
     pub fn build(boxes: &[Aabb], settings: &BuildSettings) -> Bvh {
-        let usable = |(_, b): &(u32, &Aabb)| b.is_finite() && !b.is_empty();
-        let numbered = (0..crate::node::Child::LIMIT as u32).zip(boxes);
-        let prims: Vec<_> = numbered.filter(usable).map(|(id, b)| Prim::new(*b, id)).collect();
-        let leaves = prims.len();
-        let built = build::build(prims, SHAPE, settings.quality);
-        let payloads: Vec<Vec<u32>> =
-            built.parts.iter().map(|part| part.leaves().map(|ids| ids[0]).collect()).collect();
-        Bvh { tree: built.finish(&payloads), leaves, dropped: boxes.len() - leaves }
+        let usable = |id: u32| Some(boxes[id as usize]).filter(|b| b.is_finite() && !b.is_empty());
+        let prims = Prims::new(boxes.len().min(Child::LIMIT), usable);
+        let leaf = |ids: &[u32], _: &mut [()], _: usize| ids[0];
+        let Some(built) = build::build(prims, SHAPE, settings.quality, leaf) else { return Bvh::default() };
+        Bvh { tree: built.tree, leaves: built.leaves, dropped: boxes.len() - built.leaves }
     }
 
     /// Calls `hit(primitive, t_max)` for primitives whose boxes the ray meets up to `t_max`,
@@ -83,7 +81,7 @@ impl Bvh {
             leaves: self.leaves,
             depth: self.tree.depth,
             dropped: self.dropped,
-            bytes: size_of_val(self.tree.nodes.as_slice()),
+            bytes: size_of_val(&*self.tree.nodes),
         }
     }
 }

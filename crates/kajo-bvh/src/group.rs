@@ -10,6 +10,7 @@
 //!
 //! Nothing here is fused or reordered: all machines find the same bits.
 
+use bytemuck::{Pod, Zeroable};
 use kajo_math::{Ray, Vec3, Vec4};
 
 use crate::simd::Simd;
@@ -18,7 +19,7 @@ use crate::simd::Simd;
 pub(crate) const LANES: usize = 4;
 
 /// Up to four triangles in ascending order of their numbers, the last one repeated to fill up.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Group {
     /// By axis and corner.

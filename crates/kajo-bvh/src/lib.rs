@@ -20,6 +20,7 @@
 //! # Ok::<(), kajo_bvh::BuildError>(())
 //! ```
 
+mod array;
 #[cfg(feature = "bench")]
 pub mod bench;
 mod boxes;

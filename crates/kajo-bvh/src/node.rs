@@ -1,12 +1,14 @@
 //! Wide nodes: the boxes of up to eight children, laid out for one vector instruction each.
 
+use bytemuck::{Pod, Zeroable};
 use kajo_math::Aabb;
 
 /// Children of a node.
 pub(crate) const WIDTH: usize = 8;
 
 /// What a slot of a node leads to: the number of a node, or a leaf.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
 pub(crate) struct Child(pub(crate) u32);
 
 impl Child {
@@ -41,18 +43,20 @@ impl Child {
 ///
 /// 256 bytes, so that a node is found by a shift, and both planes of an axis share a cache
 /// line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     /// Smallest and largest x, y and z of the children's boxes.
     planes: [[f32; WIDTH]; 6],
     children: [Child; WIDTH],
+    /// Fills up the cache line.
+    spare: [u32; WIDTH],
 }
 
 impl Node {
     pub(crate) const EMPTY: Node = {
         let (none, all) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
-        Node { planes: [none, all, none, all, none, all], children: [Child(0); WIDTH] }
+        Node { planes: [none, all, none, all, none, all], children: [Child(0); WIDTH], spare: [0; WIDTH] }
     };
 
     /// Fills a slot.
@@ -65,7 +69,7 @@ impl Node {
     }
 
     /// Whether a slot leads anywhere.
-    pub(crate) fn is_used(&self, slot: usize) -> bool {
+    fn is_used(&self, slot: usize) -> bool {
         self.planes[0][slot] <= self.planes[1][slot]
     }
 
@@ -81,7 +85,12 @@ impl Node {
         self.children[slot % WIDTH]
     }
 
-    pub(crate) fn child_mut(&mut self, slot: usize) -> &mut Child {
-        &mut self.children[slot]
+    /// Changes where used slots lead.
+    pub(crate) fn map_children(&mut self, f: impl Fn(Child) -> Child) {
+        for slot in 0..WIDTH {
+            if self.is_used(slot) {
+                self.children[slot] = f(self.children[slot]);
+            }
+        }
     }
 }

@@ -3,7 +3,8 @@
 use kajo_math::{Aabb, DVec3, Ray, Vec3};
 use rayon::prelude::*;
 
-use crate::build::{self, Built, LeafShape, Prim};
+use crate::array::Array;
+use crate::build::{self, Built, LeafShape, Prims};
 use crate::group::{Group, LANES, Shear, TriangleHit};
 use crate::simd::{Simd, dispatch};
 use crate::walk::Tree;
@@ -14,7 +15,7 @@ const MORE_BITS: u32 = 3;
 /// Groups that the rest of a leaf's 31 bits can tell apart.
 const MOST_GROUPS: usize = 1 << (31 - MORE_BITS);
 
-const SHAPE: LeafShape = LeafShape { block: LANES as u32, most: LANES << MORE_BITS };
+const SHAPE: LeafShape = LeafShape { block: LANES as u32, most: LANES << MORE_BITS, limit: MOST_GROUPS };
 
 /// A tree over triangles, and the triangles.
 ///
@@ -23,14 +24,14 @@ const SHAPE: LeafShape = LeafShape { block: LANES as u32, most: LANES << MORE_BI
 #[derive(Clone, Debug)]
 pub struct TriangleBvh {
     pub(crate) tree: Tree,
-    pub(crate) groups: Vec<Group>,
+    pub(crate) groups: Array<Group>,
     leaves: usize,
     dropped: usize,
 }
 
 impl Default for TriangleBvh {
     fn default() -> TriangleBvh {
-        TriangleBvh { tree: Tree::EMPTY, groups: Vec::new(), leaves: 0, dropped: 0 }
+        TriangleBvh { tree: Tree::EMPTY, groups: Array::EMPTY, leaves: 0, dropped: 0 }
     }
 }
 
@@ -48,23 +49,20 @@ impl TriangleBvh {
     ) -> Result<TriangleBvh, BuildError> {
         check(positions, triangles)?;
         let corners = |triangle: u32| triangles[triangle as usize].map(|i| positions[i as usize]);
-        let prim = |id: u32| {
-            let corners = corners(id);
-            if can_be_hit(corners) { Prim::new(Aabb::around(corners), id) } else { Prim::NONE }
-        };
-        let ids = 0..triangles.len() as u32;
-        let mut prims: Vec<Prim> = ids.into_par_iter().with_min_len(1 << 12).map(prim).collect();
-        if prims.par_iter().with_min_len(1 << 14).any(Prim::is_none) {
-            prims.retain(|prim| !prim.is_none());
-        }
+        let bounds = |id: u32| Some(corners(id)).filter(can_be_hit).map(Aabb::around);
+        let prims = Prims::new(triangles.len(), bounds);
         let dropped = triangles.len() - prims.len();
-        let built = build::build(prims, SHAPE, settings.quality);
-        let (groups, payloads) = fill(&built, corners);
-        if groups.len() > MOST_GROUPS {
+        let leaf = |ids: &[u32], groups: &mut [Group], first: usize| {
+            for (ids, group) in ids.chunks(LANES).zip(&mut *groups) {
+                *group = Group::new(ids, corners);
+            }
+            (first << MORE_BITS) as u32 | (groups.len() - 1) as u32
+        };
+        let built = build::build(prims, SHAPE, settings.quality, leaf);
+        let Some(Built { tree, blocks, leaves }) = built else {
             return Err(BuildError::TooMany(triangles.len()));
-        }
-        let leaves = payloads.iter().map(Vec::len).sum();
-        Ok(TriangleBvh { tree: built.finish(&payloads), groups, leaves, dropped })
+        };
+        Ok(TriangleBvh { tree, groups: blocks, leaves, dropped })
     }
 
     /// The nearest hit in the ray's range; of equally near ones that of the lowest number.
@@ -100,22 +98,16 @@ impl TriangleBvh {
             leaves: self.leaves,
             depth: self.tree.depth,
             dropped: self.dropped,
-            bytes: size_of_val(self.tree.nodes.as_slice()) + size_of_val(self.groups.as_slice()),
+            bytes: size_of_val(&*self.tree.nodes) + size_of_val(&*self.groups),
         }
     }
 
     #[inline(always)]
-    fn leaf(&self, payload: u32) -> &[Group] {
-        let (first, more) = (payload >> MORE_BITS, payload & ((1 << MORE_BITS) - 1));
-        &self.groups[first as usize..=(first + more) as usize]
-    }
-
-    #[inline(always)]
     pub(crate) fn closest_on<S: Simd>(&self, simd: S, ray: &Ray) -> Option<TriangleHit> {
-        let shear = Shear::new(ray);
+        let (shear, groups) = (Shear::new(ray), &*self.groups);
         let mut best: Option<TriangleHit> = None;
         self.tree.nearest(simd, ray, |payload, mut t_max| {
-            for group in self.leaf(payload) {
+            for group in leaf(groups, payload) {
                 let tie = best.map_or(0, |b| b.triangle);
                 if let Some(hit) = group.closest(simd, &shear, t_max, tie) {
                     t_max = hit.t;
@@ -129,20 +121,29 @@ impl TriangleBvh {
 
     #[inline(always)]
     pub(crate) fn any_on<S: Simd>(&self, simd: S, ray: &Ray) -> bool {
-        let shear = Shear::new(ray);
-        self.tree.any(simd, ray, |payload| self.leaf(payload).iter().any(|g| g.any(simd, &shear, ray.t_max)))
+        let (shear, groups) = (Shear::new(ray), &*self.groups);
+        self.tree.any(simd, ray, |payload| {
+            leaf(groups, payload).iter().any(|group| group.any(simd, &shear, ray.t_max))
+        })
     }
 
     #[inline(always)]
     pub(crate) fn all_on<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(TriangleHit)) {
-        let shear = Shear::new(ray);
+        let (shear, groups) = (Shear::new(ray), &*self.groups);
         self.tree.any(simd, ray, |payload| {
-            for group in self.leaf(payload) {
+            for group in leaf(groups, payload) {
                 group.all(simd, &shear, ray.t_max, &mut visit);
             }
             false
         });
     }
+}
+
+/// The groups of a leaf.
+#[inline(always)]
+fn leaf(groups: &[Group], payload: u32) -> &[Group] {
+    let (first, more) = (payload >> MORE_BITS, payload & ((1 << MORE_BITS) - 1));
+    &groups[first as usize..=(first + more) as usize]
 }
 
 fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), BuildError> {
@@ -161,7 +162,7 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), BuildError> {
 
 /// Whether the corners are finite and not on one line.
 #[inline]
-pub(crate) fn can_be_hit([a, b, c]: [Vec3; 3]) -> bool {
+pub(crate) fn can_be_hit(&[a, b, c]: &[Vec3; 3]) -> bool {
     if (b - a).cross(c - a) != Vec3::ZERO {
         return a.is_finite() && b.is_finite() && c.is_finite();
     }
@@ -169,35 +170,4 @@ pub(crate) fn can_be_hit([a, b, c]: [Vec3; 3]) -> bool {
     let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a);
     normal.is_finite() && normal != DVec3::ZERO
-}
-
-/// Groups for all leaves, and for each part of the tree what its leaves are to hold.
-fn fill(built: &Built, corners: impl Fn(u32) -> [Vec3; 3] + Sync) -> (Vec<Group>, Vec<Vec<u32>>) {
-    let sizes =
-        built.parts.iter().map(|part| part.leaves().map(|ids| ids.len().div_ceil(LANES)).sum::<usize>());
-    let sizes: Vec<usize> = sizes.collect();
-    let mut groups = vec![Group::EMPTY; sizes.iter().sum()];
-    let mut work = Vec::with_capacity(built.parts.len());
-    let (mut first, mut rest) = (0, groups.as_mut_slice());
-    for (part, size) in built.parts.iter().zip(sizes) {
-        let (mine, others) = rest.split_at_mut(size);
-        work.push((part, first, mine));
-        (first, rest) = (first + size, others);
-    }
-    let fill = |(part, mut first, groups): (&build::Part, usize, &mut [Group])| {
-        let mut places = groups.iter_mut();
-        let leaf = |ids: &[u32]| {
-            let mut ids = ids.to_vec();
-            ids.sort_unstable();
-            let payload = (first << MORE_BITS) as u32 | (ids.len().div_ceil(LANES) - 1) as u32;
-            for (ids, place) in ids.chunks(LANES).zip(&mut places) {
-                *place = Group::new(ids, &corners);
-                first += 1;
-            }
-            payload
-        };
-        part.leaves().map(leaf).collect()
-    };
-    let payloads = work.into_par_iter().map(fill).collect();
-    (groups, payloads)
 }

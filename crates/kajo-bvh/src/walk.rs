@@ -2,6 +2,7 @@
 
 use kajo_math::{Aabb, Ray, Vec3};
 
+use crate::array::Array;
 use crate::build::MAX_LEVELS;
 use crate::node::{Child, Node, WIDTH};
 use crate::simd::{Simd, Stack};
@@ -14,7 +15,7 @@ const WAITING: usize = MAX_LEVELS * (WIDTH - 1) + 1;
 /// The inner nodes of a finished tree. What its leaves hold is known to the owner.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Array<Node>,
     /// `None` when there is nothing to hit.
     pub(crate) root: Option<Child>,
     pub(crate) bounds: Aabb,
@@ -58,7 +59,7 @@ fn take_lowest(bits: &mut u32) -> usize {
 }
 
 impl Tree {
-    pub(crate) const EMPTY: Tree = Tree { nodes: Vec::new(), root: None, bounds: Aabb::EMPTY, depth: 0 };
+    pub(crate) const EMPTY: Tree = Tree { nodes: Array::EMPTY, root: None, bounds: Aabb::EMPTY, depth: 0 };
 
     /// Largest absolute coordinate on each axis.
     #[inline(always)]
@@ -72,11 +73,12 @@ impl Tree {
     pub(crate) fn nearest<S: Simd>(&self, simd: S, ray: &Ray, mut leaf: impl FnMut(u32, f32) -> f32) {
         let (Some(root), Some(slabs)) = (self.root, Slabs::new(simd, ray, self.reach())) else { return };
         let mut stack = Stack::<Waiting, WAITING>::new();
+        let nodes = &*self.nodes;
         let mut t_max = ray.t_max;
         let mut current = root;
         loop {
             if !current.is_leaf() {
-                let node = &self.nodes[current.index() as usize];
+                let node = &nodes[current.index() as usize];
                 let (mask, near) = slabs.meet(node, t_max);
                 if mask != 0 {
                     current = if mask & (mask - 1) == 0 {
@@ -107,10 +109,11 @@ impl Tree {
             return false;
         };
         let mut stack = Stack::<Child, WAITING>::new();
+        let nodes = &*self.nodes;
         let mut current = root;
         loop {
             if !current.is_leaf() {
-                let node = &self.nodes[current.index() as usize];
+                let node = &nodes[current.index() as usize];
                 let (mut mask, _) = slabs.meet(node, ray.t_max);
                 if mask != 0 {
                     current = node.child(take_lowest(&mut mask));

@@ -5,9 +5,14 @@
 //! side; a set below [`TASK`] is built by one thread into a [`Grove`] of its own. Every
 //! decision depends on sizes and boxes alone, so the tree does not depend on the number of
 //! threads.
+//!
+//! Most nodes are [`Twig`]s, in groves, of 32 bytes each; the few above are [`Stem`]s.
 
+use kajo_math::Vec3;
+
+use super::plan::Plan;
 use super::prim::{Box4, Prim};
-use super::split::{self, PIECE, Split};
+use super::split::{self, Split};
 
 /// Sets up to this size are built by one thread.
 pub(super) const TASK: usize = 1 << 13;
@@ -18,26 +23,32 @@ const TASK_LEVELS: usize = 32;
 /// Most nodes on the way from the root to a leaf.
 pub(crate) const MAX_LEVELS: usize = TOP_LEVELS + TASK_LEVELS;
 
-/// A node of the binary tree. Its left child is the next node.
+/// A node of a grove. Its left child is the next one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twig {
-    pub(super) bounds: Box4,
-    /// Its primitives, as part of the grove's; [`u32::MAX`] of them where they are not all
-    /// in the same grove.
-    pub(super) first: u32,
-    pub(super) len: u32,
-    pub(super) next: Next,
+    lo: Vec3,
+    hi: Vec3,
+    /// Primitives below.
+    len: u16,
+    /// The right child; zero for a leaf.
+    pub(super) right: u16,
+    pub(super) plan: Plan,
 }
 
-/// What follows a node of the binary tree.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Next {
-    /// Nothing: a leaf.
-    Nothing,
-    /// The next node and this one.
-    Right(u32),
-    /// A node of another grove, by the numbers of both.
-    Elsewhere(u32, u32),
+impl Twig {
+    /// A leaf of up to [`TASK`] primitives, until it gets a right child.
+    pub(super) fn new(bounds: Box4, len: usize) -> Twig {
+        let bounds = bounds.aabb();
+        Twig { lo: bounds.min, hi: bounds.max, len: len as u16, right: 0, plan: Plan::LEAF }
+    }
+
+    pub(super) fn bounds(&self) -> Box4 {
+        Box4 { lo: self.lo.extend(0.0), hi: self.hi.extend(0.0) }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        usize::from(self.len)
+    }
 }
 
 /// A part of the binary tree, parents before children.
@@ -48,11 +59,78 @@ pub(super) struct Grove {
     pub(super) ids: Vec<u32>,
 }
 
+/// A node above the groves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stem {
+    pub(super) bounds: Box4,
+    pub(super) next: Next,
+    pub(super) plan: Plan,
+}
+
+/// What follows a stem.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Next {
+    /// The next stem and this one.
+    Right(u32),
+    /// It stands for this twig.
+    Twig(Spot),
+}
+
+/// A twig's place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    pub(super) grove: u32,
+    pub(super) twig: u32,
+    /// Where its primitives begin among those of the grove.
+    pub(super) first: u32,
+}
+
+impl Stem {
+    pub(super) fn new(bounds: Box4, next: Next) -> Stem {
+        Stem { bounds, next, plan: Plan::LEAF }
+    }
+}
+
+/// The binary tree. It is empty or begins with the first stem.
+#[derive(Default)]
+pub(super) struct Forest {
+    /// Parents before children.
+    pub(super) stems: Vec<Stem>,
+    pub(super) groves: Vec<Grove>,
+}
+
+impl Forest {
+    pub(super) fn twig(&self, spot: Spot) -> &Twig {
+        &self.groves[spot.grove as usize].twigs[spot.twig as usize]
+    }
+
+    /// The children of a twig, unless it is a leaf.
+    pub(super) fn children(&self, spot: Spot) -> Option<[Spot; 2]> {
+        let twig = self.twig(spot);
+        if twig.right == 0 {
+            return None;
+        }
+        let left = Spot { twig: spot.twig + 1, ..spot };
+        let first = spot.first + self.twig(left).len() as u32;
+        Some([left, Spot { twig: u32::from(twig.right), first, ..spot }])
+    }
+
+    /// The primitives below a twig.
+    pub(super) fn ids(&self, spot: Spot) -> &[u32] {
+        &self.groves[spot.grove as usize].ids[spot.first as usize..][..self.twig(spot).len()]
+    }
+
+    /// Adds a grove, and a stem that stands for its root.
+    pub(super) fn push(&mut self, grove: Grove) {
+        let spot = Spot { grove: self.groves.len() as u32, twig: 0, first: 0 };
+        self.stems.push(Stem::new(grove.twigs[0].bounds(), Next::Twig(spot)));
+        self.groves.push(grove);
+    }
+}
+
 /// A set of primitives on its way into the tree.
 pub(super) struct Set<'a> {
     pub(super) prims: &'a mut [Prim],
-    /// As long as `prims`, for parting large sets; else empty.
-    pub(super) spare: &'a mut [Prim],
     pub(super) bounds: Box4,
 }
 
@@ -62,18 +140,19 @@ enum Upper {
     Node(Box4, Box<[Upper; 2]>),
 }
 
-/// The binary tree over a set: the first grove is its top and leads to the others.
-pub(super) fn build(set: Set<'_>, block: u32) -> Vec<Grove> {
-    let mut groves = vec![Grove::default()];
-    flatten(upper(set, block, 0), &mut groves);
-    groves
+/// The binary tree over a set that is not empty.
+pub(super) fn build(set: Set<'_>, block: u32) -> Forest {
+    let mut forest = Forest::default();
+    flatten(upper(set, block, 0), &mut forest);
+    forest
 }
 
 fn upper(set: Set<'_>, block: u32, depth: usize) -> Upper {
     if set.prims.len() <= TASK {
-        let mut grove = Grove::default();
-        grove.ids.reserve(set.prims.len());
+        let n = set.prims.len();
+        let mut grove = Grove { twigs: Vec::with_capacity(n), ids: Vec::with_capacity(n) };
         grove.grow(set, block, 0);
+        grove.twigs.shrink_to_fit();
         return Upper::Grove(grove);
     }
     let bounds = set.bounds;
@@ -82,35 +161,31 @@ fn upper(set: Set<'_>, block: u32, depth: usize) -> Upper {
     Upper::Node(bounds, Box::new([left, right]))
 }
 
-fn flatten(upper: Upper, groves: &mut Vec<Grove>) {
-    let place = groves[0].twigs.len();
+fn flatten(upper: Upper, forest: &mut Forest) {
     match upper {
-        Upper::Grove(grove) => {
-            let twig = Twig { next: Next::Elsewhere(groves.len() as u32, 0), ..grove.twigs[0] };
-            groves[0].twigs.push(twig);
-            groves.push(grove);
-        }
+        Upper::Grove(grove) => forest.push(grove),
         Upper::Node(bounds, children) => {
-            groves[0].twigs.push(Twig { bounds, first: 0, len: u32::MAX, next: Next::Nothing });
+            let place = forest.stems.len();
+            forest.stems.push(Stem::new(bounds, Next::Right(0)));
             let [left, right] = *children;
-            flatten(left, groves);
-            groves[0].twigs[place].next = Next::Right(groves[0].twigs.len() as u32);
-            flatten(right, groves);
+            flatten(left, forest);
+            forest.stems[place].next = Next::Right(forest.stems.len() as u32);
+            flatten(right, forest);
         }
     }
 }
 
 impl Grove {
     fn grow(&mut self, set: Set<'_>, block: u32, depth: usize) {
-        let (place, first, len) = (self.twigs.len(), self.ids.len() as u32, set.prims.len());
-        self.twigs.push(Twig { bounds: set.bounds, first, len: len as u32, next: Next::Nothing });
+        let (place, len) = (self.twigs.len(), set.prims.len());
+        self.twigs.push(Twig::new(set.bounds, len));
         if len <= block as usize {
             self.ids.extend(set.prims.iter().map(Prim::id));
             return;
         }
         let (left, right) = set.split(block, (block as usize) << (TASK_LEVELS - depth - 1));
         self.grow(left, block, depth + 1);
-        self.twigs[place].next = Next::Right(self.twigs.len() as u32);
+        self.twigs[place].right = self.twigs.len() as u16;
         self.grow(right, block, depth + 1);
     }
 }
@@ -119,25 +194,19 @@ impl<'a> Set<'a> {
     /// Two sets, not empty, by the cheapest split; two halves where there is none, or where a
     /// side could hold more than `most`, the primitives that fit below.
     fn split(self, block: u32, most: usize) -> (Set<'a>, Set<'a>) {
-        let (mut prims, mut spare) = (self.prims, self.spare);
+        let prims = self.prims;
         let best = if prims.len() > most { None } else { Split::best(prims, block) };
         let Some(split) = best else {
             let (left, right) = prims.split_at_mut(prims.len() / 2);
-            let whole = |prims: &'a mut [Prim]| Set { bounds: split::bounds(prims), prims, spare: &mut [] };
-            return (whole(left), whole(right));
+            return (Set::around(left), Set::around(right));
         };
-        if spare.len() == prims.len() && prims.len() >= 2 * PIECE {
-            split.part_into(prims, spare);
-            std::mem::swap(&mut prims, &mut spare);
-        } else {
-            split.part(prims);
-        }
+        split.part(prims);
         let (left, right) = prims.split_at_mut(split.left);
-        let (spare_left, spare_right) = spare.split_at_mut(split.left.min(spare.len()));
         let [bounds_left, bounds_right] = split.sides;
-        (
-            Set { prims: left, spare: spare_left, bounds: bounds_left },
-            Set { prims: right, spare: spare_right, bounds: bounds_right },
-        )
+        (Set { prims: left, bounds: bounds_left }, Set { prims: right, bounds: bounds_right })
+    }
+
+    pub(super) fn around(prims: &'a mut [Prim]) -> Set<'a> {
+        Set { bounds: split::bounds(prims), prims }
     }
 }

@@ -5,7 +5,7 @@
 //! best new place is found by branch and bound, walking up from the old one
 //! [Bittner, Hapala and Havran 2013], [Meister and Bittner 2018, alg. 2].
 
-use super::binary::{Grove, MAX_LEVELS, Next, TASK, TOP_LEVELS, Twig};
+use super::binary::{Forest, Grove, MAX_LEVELS, Next, Spot, Stem, TASK, TOP_LEVELS, Twig};
 use super::prim::Box4;
 
 /// Times that subtrees are tried.
@@ -21,8 +21,8 @@ struct Links {
     bounds: Vec<Box4>,
     parents: Vec<u32>,
     children: Vec<Option<[u32; 2]>>,
-    /// The twigs they were made from.
-    twigs: Vec<(usize, usize)>,
+    /// The twigs they were made from; of no meaning for nodes above the groves.
+    spots: Vec<Spot>,
 }
 
 /// The root's number.
@@ -30,19 +30,19 @@ const ROOT: u32 = 0;
 
 /// Moves the largest subtrees of the whole tree, down to its leaves. Returns the new tree, or
 /// the old one where that would be too deep.
-pub(super) fn improve(groves: Vec<Grove>) -> Vec<Grove> {
-    let mut links = Links::new(&groves, 0);
+pub(super) fn improve(forest: Forest) -> Forest {
+    let mut links = Links::new(&forest, 0);
     for _ in 0..PASSES {
         let largest = links.largest();
         links.improve(&largest[..(largest.len() / SHARE).max(FEW).min(largest.len())]);
     }
     if links.depth() > MAX_LEVELS {
-        return groves;
+        return forest;
     }
-    let leaf = |node: u32| leaf(&groves, links.twigs[node as usize]);
+    let leaf = |node: u32| forest.ids(links.spots[node as usize]);
     let sizes = links.sizes(|node| leaf(node).len());
-    let mut out = vec![Grove::default()];
-    links.emit(ROOT, 0, &sizes, &mut out, &leaf);
+    let mut out = Forest::default();
+    links.emit_stem(ROOT, &sizes, &mut out, &leaf);
     out
 }
 
@@ -50,52 +50,57 @@ pub(super) fn improve(groves: Vec<Grove>) -> Vec<Grove> {
 ///
 /// * `n`: primitives in the tree
 /// * `least`: subtrees of so many are not taken apart
-pub(super) fn improve_top(groves: &mut [Grove], n: usize, least: usize) {
-    let mut links = Links::new(groves, (n / TOP).clamp(least, TASK));
+pub(super) fn improve_top(forest: &mut Forest, n: usize, least: usize) {
+    let mut links = Links::new(forest, (n / TOP).clamp(least, TASK));
     for _ in 0..PASSES {
         links.improve(&links.largest());
     }
     if links.depth() <= TOP_LEVELS {
-        groves[0].twigs.clear();
-        links.emit_top(ROOT, &mut groves[0]);
+        forest.stems.clear();
+        links.emit_top(ROOT, &mut forest.stems);
     }
-}
-
-/// The primitives of a leaf.
-fn leaf(groves: &[Grove], (grove, place): (usize, usize)) -> &[u32] {
-    let twig = &groves[grove].twigs[place];
-    &groves[grove].ids[twig.first as usize..(twig.first + twig.len) as usize]
 }
 
 impl Links {
     /// Takes twigs with up to `whole` primitives for leaves.
-    fn new(groves: &[Grove], whole: usize) -> Links {
+    fn new(forest: &Forest, whole: usize) -> Links {
         let mut links =
-            Links { bounds: Vec::new(), parents: Vec::new(), children: Vec::new(), twigs: Vec::new() };
-        links.add(groves, (0, 0), ROOT, whole);
+            Links { bounds: Vec::new(), parents: Vec::new(), children: Vec::new(), spots: Vec::new() };
+        links.add_stem(forest, 0, ROOT, whole);
         links
     }
 
-    /// Adds the subtree at a twig, parents first.
-    fn add(&mut self, groves: &[Grove], at: (usize, usize), parent: u32, whole: usize) -> u32 {
-        let (grove, place) = at;
-        let twig = &groves[grove].twigs[place];
-        if let Next::Elsewhere(grove, place) = twig.next {
-            return self.add(groves, (grove as usize, place as usize), parent, whole);
-        }
-        let node = self.bounds.len();
-        self.bounds.push(twig.bounds);
+    fn push(&mut self, bounds: Box4, parent: u32, spot: Spot) -> u32 {
+        self.bounds.push(bounds);
         self.parents.push(parent);
         self.children.push(None);
-        self.twigs.push(at);
-        if let Next::Right(right) = twig.next
-            && twig.len as usize > whole
-        {
-            let left = self.add(groves, (grove, place + 1), node as u32, whole);
-            let right = self.add(groves, (grove, right as usize), node as u32, whole);
-            self.children[node] = Some([left, right]);
+        self.spots.push(spot);
+        self.bounds.len() as u32 - 1
+    }
+
+    /// Adds the subtree at a stem, parents first.
+    fn add_stem(&mut self, forest: &Forest, place: usize, parent: u32, whole: usize) -> u32 {
+        let stem = &forest.stems[place];
+        match stem.next {
+            Next::Twig(spot) => self.add(forest, spot, parent, whole),
+            Next::Right(right) => {
+                let node = self.push(stem.bounds, parent, Spot { grove: 0, twig: 0, first: 0 });
+                let left = self.add_stem(forest, place + 1, node, whole);
+                let right = self.add_stem(forest, right as usize, node, whole);
+                self.children[node as usize] = Some([left, right]);
+                node
+            }
         }
-        node as u32
+    }
+
+    /// Adds the subtree at a twig, parents first.
+    fn add(&mut self, forest: &Forest, spot: Spot, parent: u32, whole: usize) -> u32 {
+        let twig = forest.twig(spot);
+        let node = self.push(twig.bounds(), parent, spot);
+        if let Some(children) = forest.children(spot).filter(|_| twig.len() > whole) {
+            self.children[node as usize] = Some(children.map(|child| self.add(forest, child, node, whole)));
+        }
+        node
     }
 
     /// All nodes but the root, by falling surface.
@@ -230,46 +235,45 @@ impl Links {
         sizes
     }
 
-    /// Adds the subtree at `node` to a grove; what is small enough gets one of its own.
-    fn emit<'a>(
-        &self,
-        node: u32,
-        grove: usize,
-        sizes: &[usize],
-        out: &mut Vec<Grove>,
-        leaf: &impl Fn(u32) -> &'a [u32],
-    ) {
-        let (bounds, size) = (self.bounds[node as usize], sizes[node as usize]);
-        if grove == 0 && size <= TASK {
-            let own = out.len();
-            out.push(Grove::default());
-            self.emit(node, own, sizes, out, leaf);
-            let twig = Twig { next: Next::Elsewhere(own as u32, 0), ..out[own].twigs[0] };
-            out[0].twigs.push(twig);
-            return;
-        }
-        let (place, first) = (out[grove].twigs.len(), out[grove].ids.len() as u32);
-        let len = if grove == 0 { u32::MAX } else { size as u32 };
-        out[grove].twigs.push(Twig { bounds, first, len, next: Next::Nothing });
-        match self.children[node as usize] {
-            None => out[grove].ids.extend(leaf(node)),
+    /// Adds the subtree at `node` to the stems; what is small enough gets a grove of its own.
+    fn emit_stem<'a>(&self, node: u32, sizes: &[usize], out: &mut Forest, leaf: &impl Fn(u32) -> &'a [u32]) {
+        let (place, children) = (out.stems.len(), self.children[node as usize]);
+        match children.filter(|_| sizes[node as usize] > TASK) {
+            None => {
+                let mut grove = Grove::default();
+                self.emit(node, sizes, &mut grove, leaf);
+                out.push(grove);
+            }
             Some([a, b]) => {
-                self.emit(a, grove, sizes, out, leaf);
-                out[grove].twigs[place].next = Next::Right(out[grove].twigs.len() as u32);
-                self.emit(b, grove, sizes, out, leaf);
+                out.stems.push(Stem::new(self.bounds[node as usize], Next::Right(0)));
+                self.emit_stem(a, sizes, out, leaf);
+                out.stems[place].next = Next::Right(out.stems.len() as u32);
+                self.emit_stem(b, sizes, out, leaf);
             }
         }
     }
 
-    /// Adds the subtree at `node` to the first grove; its leaves stay elsewhere.
-    fn emit_top(&self, node: u32, out: &mut Grove) {
+    /// Adds the subtree at `node` to a grove.
+    fn emit<'a>(&self, node: u32, sizes: &[usize], out: &mut Grove, leaf: &impl Fn(u32) -> &'a [u32]) {
         let place = out.twigs.len();
-        let (grove, twig) = self.twigs[node as usize];
-        let next = Next::Elsewhere(grove as u32, twig as u32);
-        out.twigs.push(Twig { bounds: self.bounds[node as usize], first: 0, len: u32::MAX, next });
+        out.twigs.push(Twig::new(self.bounds[node as usize], sizes[node as usize]));
+        match self.children[node as usize] {
+            None => out.ids.extend(leaf(node)),
+            Some([a, b]) => {
+                self.emit(a, sizes, out, leaf);
+                out.twigs[place].right = out.twigs.len() as u16;
+                self.emit(b, sizes, out, leaf);
+            }
+        }
+    }
+
+    /// Adds stems for the subtree at `node`; its leaves stay where they are.
+    fn emit_top(&self, node: u32, out: &mut Vec<Stem>) {
+        let (place, bounds) = (out.len(), self.bounds[node as usize]);
+        out.push(Stem::new(bounds, Next::Twig(self.spots[node as usize])));
         if let Some([a, b]) = self.children[node as usize] {
             self.emit_top(a, out);
-            out.twigs[place].next = Next::Right(out.twigs.len() as u32);
+            out[place].next = Next::Right(out.len() as u32);
             self.emit_top(b, out);
         }
     }
@@ -281,25 +285,22 @@ mod tests {
 
     use super::*;
     use crate::build::binary::{Set, build};
-    use crate::build::prim::Prim;
-    use crate::build::split;
+    use crate::build::prim::Prims;
 
     /// Slabs of all lengths that overlap, hard to split well.
-    fn groves(n: u32) -> Vec<Grove> {
+    fn forest(n: usize) -> Forest {
         let at = |i: u32, k: u32| (i.wrapping_mul(2_654_435_761).wrapping_add(k * 40_503) % 1009) as f32;
         let slab = |i: u32| {
             let p = Vec3::new(at(i, 1), at(i, 2), at(i, 3));
             let mut extent = Vec3::ONE;
             extent[i as usize % 3] = at(i, 4);
-            Aabb::around([p, p + extent])
+            Some(Aabb::around([p, p + extent]))
         };
-        let mut prims: Vec<Prim> = (0..n).map(|i| Prim::new(slab(i), i)).collect();
-        let bounds = split::bounds(&prims);
-        build(Set { prims: &mut prims, spare: &mut [], bounds }, 4)
+        build(Set::around(Prims::new(n, slab).as_mut_slice()), 4)
     }
 
-    fn cost(groves: &[Grove]) -> f32 {
-        let links = Links::new(groves, 0);
+    fn cost(forest: &Forest) -> f32 {
+        let links = Links::new(forest, 0);
         (0..links.bounds.len() as u32).map(|node| links.area(node)).sum()
     }
 
@@ -314,26 +315,36 @@ mod tests {
         }
     }
 
+    /// All primitives from left to right, by way of the leaves.
+    fn ids(forest: &Forest) -> Vec<u32> {
+        let links = Links::new(forest, 0);
+        let leaves = (0..links.bounds.len()).filter(|&node| links.children[node].is_none());
+        leaves.flat_map(|node| forest.ids(links.spots[node])).copied().collect()
+    }
+
     #[test]
     fn moving_subtrees_lowers_the_cost_and_keeps_every_primitive() {
-        let groves = groves(20_000);
-        let before = cost(&groves);
-        let mut links = Links::new(&groves, 0);
+        let forest = forest(20_000);
+        let before = cost(&forest);
+        let mut links = Links::new(&forest, 0);
         links.improve(&links.largest());
         check(&links);
-        let after = improve(groves);
+        let after = improve(forest);
         assert!(cost(&after) < 0.95 * before, "{} after {before}", cost(&after));
-        let mut ids: Vec<u32> = after.iter().flat_map(|grove| grove.ids.iter().copied()).collect();
+        let mut ids = ids(&after);
         ids.sort_unstable();
         assert!(ids.into_iter().eq(0..20_000));
     }
 
     #[test]
     fn the_top_alone_gains_too() {
-        let mut groves = groves(20_000);
-        let before = cost(&groves);
-        improve_top(&mut groves, 20_000, 32);
-        assert!(cost(&groves) < 0.99 * before, "{} after {before}", cost(&groves));
-        check(&Links::new(&groves, 0));
+        let mut forest = forest(20_000);
+        let before = cost(&forest);
+        improve_top(&mut forest, 20_000, 32);
+        assert!(cost(&forest) < 0.99 * before, "{} after {before}", cost(&forest));
+        check(&Links::new(&forest, 0));
+        let mut ids = ids(&forest);
+        ids.sort_unstable();
+        assert!(ids.into_iter().eq(0..20_000));
     }
 }

@@ -13,13 +13,11 @@
 use kajo_math::Vec4;
 use rayon::prelude::*;
 
-use super::prim::{Box4, Prim};
+use super::prim::{Box4, PIECE, Prim};
 
 /// Bins on an axis for large and for small sets.
 const MANY: usize = 16;
 const FEW: usize = 8;
-/// Sets larger than two of these are binned and parted by several threads, in such pieces.
-pub(super) const PIECE: usize = 1 << 15;
 /// A float whose neighbours are one apart: adding it rounds to an integer in the low bits.
 const ROUND: f32 = 8_388_608.0;
 
@@ -168,6 +166,27 @@ impl Split {
 
     /// Moves the left side of `prims` to the front.
     pub(super) fn part(&self, prims: &mut [Prim]) {
+        if self.lefts.is_empty() {
+            return self.part_piece(prims);
+        }
+        prims.par_chunks_mut(PIECE).for_each(|piece| self.part_piece(piece));
+        // What is right but stands before the border changes places with what is left behind it.
+        let (mut front, mut back) = prims.split_at_mut(self.left);
+        let (mut rights, mut lefts) = (Vec::new(), Vec::new());
+        for &n_left in &self.lefts {
+            let piece = PIECE.min(front.len() + back.len());
+            let n_front = piece.min(front.len());
+            let (here, rest) = front.split_at_mut(n_front);
+            front = rest;
+            rights.push(here.split_at_mut(n_left.min(n_front)).1);
+            let (here, rest) = back.split_at_mut(piece - n_front);
+            back = rest;
+            lefts.push(here.split_at_mut(n_left.saturating_sub(n_front)).0);
+        }
+        pairs(rights, lefts).into_par_iter().for_each(|(right, left)| right.swap_with_slice(left));
+    }
+
+    fn part_piece(&self, prims: &mut [Prim]) {
         let mut left = 0;
         for i in 0..prims.len() {
             // Without a branch: which side comes next cannot be predicted.
@@ -176,26 +195,27 @@ impl Split {
             left += usize::from(is_left);
         }
     }
+}
 
-    /// Like [`Split::part`], but of a large set, into `out` and by several threads.
-    pub(super) fn part_into(&self, prims: &[Prim], out: &mut [Prim]) {
-        let (mut lefts, mut rights) = out.split_at_mut(self.left);
-        let mut work = Vec::with_capacity(self.lefts.len());
-        for (piece, &n_left) in prims.chunks(PIECE).zip(&self.lefts) {
-            let (left, more_left) = lefts.split_at_mut(n_left);
-            let (right, more_right) = rights.split_at_mut(piece.len() - n_left);
-            (lefts, rights) = (more_left, more_right);
-            work.push((piece, [right, left]));
-        }
-        work.into_par_iter().for_each(|(piece, sides)| {
-            let mut filled = [0; 2];
-            for prim in piece {
-                let side = usize::from(self.is_left(prim));
-                sides[side][filled[side]] = *prim;
-                filled[side] += 1;
+/// Two lists of slices with the same number of items in all, cut into pairs of the same length.
+fn pairs<'a, T>(a: Vec<&'a mut [T]>, b: Vec<&'a mut [T]>) -> Vec<(&'a mut [T], &'a mut [T])> {
+    let mut pairs = Vec::with_capacity(a.len() + b.len());
+    let mut others = b.into_iter();
+    let mut other: &mut [T] = &mut [];
+    for mut one in a {
+        while !one.is_empty() {
+            if other.is_empty() {
+                let Some(next) = others.next() else { return pairs };
+                other = next;
+                continue;
             }
-        });
+            let n = one.len().min(other.len());
+            let (x, y) = (one.split_at_mut(n), other.split_at_mut(n));
+            pairs.push((x.0, y.0));
+            (one, other) = (x.1, y.1);
+        }
     }
+    pairs
 }
 
 /// The box around twice the centres.
@@ -214,4 +234,40 @@ fn around(prims: &[Prim], grow: impl Fn(Box4, &Prim) -> Box4 + Sync) -> Box4 {
     }
     let piece = |prims: &[Prim]| prims.iter().fold(Box4::EMPTY, &grow);
     prims.par_chunks(PIECE).map(piece).reduce(|| Box4::EMPTY, Box4::union)
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_math::rng::mix;
+    use kajo_math::{Aabb, Vec3};
+
+    use super::*;
+    use crate::build::prim::Prims;
+
+    /// Boxes of all sizes here and there.
+    fn prims(n: usize) -> Prims {
+        let at = |i: u32, k: u64| (mix(u64::from(i) << 8 | k) >> 40) as f32;
+        Prims::new(n, |i| {
+            let p = Vec3::new(at(i, 0), at(i, 1), at(i, 2));
+            Some(Aabb::around([p, p + at(i, 3) * at(i, 4) * 1e-9]))
+        })
+    }
+
+    #[test]
+    fn parting_keeps_everything_and_agrees_with_the_border() {
+        for n in [2, 3, 9, 100, 1000, 2 * PIECE, 2 * PIECE + 1, 5 * PIECE - 3] {
+            let mut prims = prims(n);
+            let prims = prims.as_mut_slice();
+            let split = Split::best(prims, 4).unwrap();
+            assert!(split.left > 0 && split.left < n);
+            split.part(prims);
+            let (left, right) = prims.split_at(split.left);
+            assert!(left.iter().all(|prim| split.is_left(prim)), "{n}");
+            assert!(!right.iter().any(|prim| split.is_left(prim)), "{n}");
+            assert_eq!([bounds(left), bounds(right)].map(Box4::aabb), split.sides.map(Box4::aabb));
+            let mut ids: Vec<u32> = prims.iter().map(Prim::id).collect();
+            ids.sort_unstable();
+            assert!(ids.into_iter().eq(0..n as u32), "{n}");
+        }
+    }
 }

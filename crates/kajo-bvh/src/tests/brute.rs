@@ -15,7 +15,7 @@ struct Loop {
 
 impl Loop {
     fn over(mesh: &Mesh) -> Loop {
-        let kept = (0..mesh.triangles.len()).filter(|&t| can_be_hit(mesh.corners(t)));
+        let kept = (0..mesh.triangles.len()).filter(|&t| can_be_hit(&mesh.corners(t)));
         Loop { groups: kept.map(|t| Group::new(&[t as u32], |t| mesh.corners(t as usize))).collect() }
     }
 

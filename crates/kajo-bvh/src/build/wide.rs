@@ -1,0 +1,243 @@
+//! Wide nodes and leaves, as the binary tree's [`Plan`](super::plan::Plan)s say.
+//!
+//! Subtrees below the stems are measured first, so that each thread writes its nodes and leaf
+//! blocks where they are to stay.
+
+use bytemuck::Pod;
+use kajo_math::Aabb;
+use rayon::prelude::*;
+
+use super::binary::{Forest, Next, Spot};
+use super::plan::Plan;
+use super::{Built, LeafShape};
+use crate::array::Array;
+use crate::node::{Child, Node, WIDTH};
+use crate::walk::Tree;
+
+/// Subtrees that a thread takes at a time.
+const ROOTS: usize = 16;
+/// Most primitives in a leaf.
+pub(super) const MOST: usize = 32;
+
+/// A node of the binary tree.
+#[derive(Clone, Copy)]
+enum At {
+    Stem(usize),
+    Twig(Spot),
+}
+
+/// The binary nodes that fill the slots of a wide one.
+struct Slots {
+    at: [At; WIDTH],
+    len: usize,
+}
+
+/// What a subtree takes.
+#[derive(Clone, Copy, Default)]
+struct Size {
+    nodes: usize,
+    leaves: usize,
+    blocks: usize,
+    /// Nodes from the root of the tree to the deepest leaf.
+    depth: usize,
+}
+
+impl Size {
+    fn and(self, other: Size) -> Size {
+        Size {
+            nodes: self.nodes + other.nodes,
+            leaves: self.leaves + other.leaves,
+            blocks: self.blocks + other.blocks,
+            depth: self.depth.max(other.depth),
+        }
+    }
+}
+
+/// Where a thread writes, and which numbers its first node and block have.
+struct Room<'a, B> {
+    nodes: &'a mut [Node],
+    first_node: usize,
+    blocks: &'a mut [B],
+    first_block: usize,
+}
+
+impl<'a, B> Room<'a, B> {
+    /// Takes off the room for a subtree.
+    fn take(&mut self, size: Size) -> Room<'a, B> {
+        let (nodes, more_nodes) = std::mem::take(&mut self.nodes).split_at_mut(size.nodes);
+        let (blocks, more_blocks) = std::mem::take(&mut self.blocks).split_at_mut(size.blocks);
+        let (first_node, first_block) = (self.first_node, self.first_block);
+        *self = Room {
+            nodes: more_nodes,
+            first_node: first_node + size.nodes,
+            blocks: more_blocks,
+            first_block: first_block + size.blocks,
+        };
+        Room { nodes, first_node, blocks, first_block }
+    }
+}
+
+impl Forest {
+    /// The wide tree. `leaf` gets the primitives of a leaf in ascending order, the blocks to
+    /// fill with them and the number of the first, and answers what the leaf is to hold.
+    ///
+    /// Returns `None` if there would be more than `shape.limit` blocks.
+    pub(super) fn wide<B: Pod + Send>(
+        &self,
+        shape: LeafShape,
+        leaf: impl Fn(&[u32], &mut [B], usize) -> u32 + Sync,
+    ) -> Option<Built<B>> {
+        let (mut top, mut roots) = (Vec::new(), Vec::new());
+        let root = self.top(At::Stem(0), 0, &mut top, &mut roots);
+        let measure = |roots: &[(Spot, usize)]| {
+            roots
+                .iter()
+                .fold(Size::default(), |sum, &(spot, depth)| sum.and(self.measure(spot, depth, shape)))
+        };
+        let sizes: Vec<Size> = roots.par_chunks(ROOTS).map(measure).collect();
+        let size =
+            sizes.iter().fold(Size { nodes: top.len(), ..Size::default() }, |sum, &size| sum.and(size));
+        if size.blocks > shape.limit || size.nodes > Child::LIMIT {
+            return None;
+        }
+        let (mut nodes, mut blocks) = (Array::<Node>::zeroed(size.nodes), Array::<B>::zeroed(size.blocks));
+        let (above, below) = nodes.split_at_mut(top.len());
+        let mut room = Room { nodes: below, first_node: top.len(), blocks: &mut blocks, first_block: 0 };
+        let rooms: Vec<_> = sizes.iter().map(|&size| room.take(size)).collect();
+        let fill = |(roots, mut room): (&[(Spot, usize)], Room<'_, B>)| {
+            roots.iter().map(|&(spot, _)| self.fill(spot, &mut room, shape, &leaf)).collect::<Vec<_>>()
+        };
+        let children: Vec<_> = roots.par_chunks(ROOTS).zip(rooms).flat_map_iter(fill).collect();
+        let place = |child: Child| if child.is_leaf() { children[child.index() as usize] } else { child };
+        above.copy_from_slice(&top);
+        above.iter_mut().for_each(|node| node.map_children(place));
+        let bounds = self.bounds(At::Stem(0));
+        let tree = Tree { nodes, root: Some(place(root)), bounds, depth: size.depth };
+        Some(Built { tree, blocks, leaves: size.leaves })
+    }
+
+    fn bounds(&self, at: At) -> Aabb {
+        match at {
+            At::Stem(place) => self.stems[place].bounds.aabb(),
+            At::Twig(spot) => self.twig(spot).bounds().aabb(),
+        }
+    }
+
+    fn plan_at(&self, at: At) -> Plan {
+        match at {
+            At::Stem(place) => self.stems[place].plan,
+            At::Twig(spot) => self.twig(spot).plan,
+        }
+    }
+
+    /// The same place; for the end of a stem the twig that it stands for.
+    fn follow(&self, at: At) -> At {
+        match at {
+            At::Stem(place) => match self.stems[place].next {
+                Next::Twig(spot) => At::Twig(spot),
+                Next::Right(_) => at,
+            },
+            At::Twig(_) => at,
+        }
+    }
+
+    fn children_at(&self, at: At) -> Option<[At; 2]> {
+        match at {
+            At::Stem(place) => match self.stems[place].next {
+                Next::Right(right) => {
+                    Some([At::Stem(place + 1), At::Stem(right as usize)].map(|at| self.follow(at)))
+                }
+                Next::Twig(_) => None,
+            },
+            At::Twig(spot) => self.children(spot).map(|spots| spots.map(At::Twig)),
+        }
+    }
+
+    /// The slots of the wide node that replaces a binary one; none if it is to be a leaf.
+    fn slots(&self, at: At) -> Option<Slots> {
+        let plan = self.plan_at(at);
+        let [left, right] = self.children_at(at).filter(|_| !plan.is_leaf())?;
+        let mut slots = Slots { at: [at; WIDTH], len: 0 };
+        self.gather(left, plan.left(WIDTH), &mut slots);
+        self.gather(right, WIDTH - plan.left(WIDTH), &mut slots);
+        Some(slots)
+    }
+
+    /// Adds up to `n` slots that cover the subtree at the least cost.
+    fn gather(&self, at: At, mut n: usize, slots: &mut Slots) {
+        let plan = self.plan_at(at);
+        while n > 1 && plan.left(n) == 0 {
+            n -= 1;
+        }
+        match self.children_at(at).filter(|_| n > 1) {
+            Some([left, right]) => {
+                self.gather(left, plan.left(n), slots);
+                self.gather(right, n - plan.left(n), slots);
+            }
+            None => {
+                slots.at[slots.len] = at;
+                slots.len += 1;
+            }
+        }
+    }
+
+    /// Adds nodes for all stems that become nodes. What lies below is added to `roots` with
+    /// its depth, and stands in `top` as a leaf of that number.
+    fn top(&self, at: At, depth: usize, top: &mut Vec<Node>, roots: &mut Vec<(Spot, usize)>) -> Child {
+        if let At::Twig(spot) = self.follow(at) {
+            roots.push((spot, depth));
+            return Child::leaf(roots.len() as u32 - 1);
+        }
+        let node = top.len();
+        top.push(Node::EMPTY);
+        for (slot, at) in self.slots(at).iter().flat_map(|slots| &slots.at[..slots.len]).enumerate() {
+            let child = self.top(*at, depth + 1, top, roots);
+            top[node].set(slot, &self.bounds(*at), child);
+        }
+        Child::node(node)
+    }
+
+    /// What a subtree takes whose root lies below `depth` nodes.
+    fn measure(&self, spot: Spot, depth: usize, shape: LeafShape) -> Size {
+        let Some(slots) = self.slots(At::Twig(spot)) else {
+            let blocks = self.twig(spot).len().div_ceil(shape.block as usize);
+            return Size { nodes: 0, leaves: 1, blocks, depth };
+        };
+        let mut size = Size { nodes: 1, ..Size::default() };
+        for at in &slots.at[..slots.len] {
+            if let At::Twig(spot) = *at {
+                size = size.and(self.measure(spot, depth + 1, shape));
+            }
+        }
+        size
+    }
+
+    /// Writes a subtree to the front of `room`.
+    fn fill<B>(
+        &self,
+        spot: Spot,
+        room: &mut Room<'_, B>,
+        shape: LeafShape,
+        leaf: &impl Fn(&[u32], &mut [B], usize) -> u32,
+    ) -> Child {
+        let Some(slots) = self.slots(At::Twig(spot)) else {
+            let (ids, mut sorted) = (self.ids(spot), [0; MOST]);
+            let sorted = &mut sorted[..ids.len()];
+            sorted.copy_from_slice(ids);
+            sorted.sort_unstable();
+            let blocks = ids.len().div_ceil(shape.block as usize);
+            let own = room.take(Size { blocks, ..Size::default() });
+            return Child::leaf(leaf(sorted, own.blocks, own.first_block));
+        };
+        let own = room.take(Size { nodes: 1, ..Size::default() });
+        let mut node = Node::EMPTY;
+        for (slot, at) in slots.at[..slots.len].iter().enumerate() {
+            if let At::Twig(spot) = *at {
+                let child = self.fill(spot, room, shape, leaf);
+                node.set(slot, &self.bounds(*at), child);
+            }
+        }
+        own.nodes[0] = node;
+        Child::node(own.first_node)
+    }
+}
