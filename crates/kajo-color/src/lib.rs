@@ -1,10 +1,29 @@
 //! Light along a ray, and what becomes of it in a picture.
 //!
-//! [`Spectrum`] carries four lanes. Today the first three are linear RGB with the primaries
-//! of sRGB and the fourth is zero; a spectral mode will put four wavelengths there. Code
-//! that integrates light treats lanes alike and never asks which mode it is in.
+//! [`Spectrum`] carries four lanes: linear RGB with the primaries of sRGB, or radiance at the four
+//! wavelengths of a [`Wavelengths`], which travels with the path and decides which of the two it is. Code
+//! that moves light treats lanes alike. Three places look at the mode: colour data as it is read by
+//! [`Reflectance::at`], [`Unbounded::at`] and [`Emission::at`]; dispersion, which calls
+//! [`Wavelengths::terminate_secondary`]; and the [`sensor`].
+//!
+//! Radiance and colours are linear everywhere. What is not says so in its name.
 
+mod data;
+pub mod emission;
+pub mod gamut;
+pub mod illuminant;
+pub mod matrix;
+pub mod observer;
+pub mod reflectance;
+pub mod sensor;
 pub mod spectrum;
 pub mod srgb;
+pub mod tabulated;
+mod uplift;
+pub mod wavelengths;
 
+pub use emission::Emission;
+pub use reflectance::{Reflectance, Unbounded};
 pub use spectrum::Spectrum;
+pub use tabulated::{Outside, Tabulated};
+pub use wavelengths::Wavelengths;

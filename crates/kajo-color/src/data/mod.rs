@@ -1,0 +1,4 @@
+//! Published numbers, each file with its source. They are facts; nothing here is computed.
+
+pub(crate) mod daylight;
+pub(crate) mod observer;
