@@ -202,7 +202,7 @@ fn dialects_change_what_they_should() {
     let s = compiled_as(a2, Some(Dialect::MitA2)).0.unwrap();
     let Camera::Perspective(camera) = s.camera else { panic!("a perspective camera") };
     assert_eq!(camera.frame().up.as_vec3(), Vec3::new(0.0, 2.0, 1.0));
-    assert_eq!(s.materials.phongs[0].reflective, Spectrum::grey(0.5));
+    assert_eq!(s.materials.phongs[0].reflective, Spectrum::rgb(0.5, 0.5, 0.5));
     assert_eq!(s.materials.phongs[0].exponent, 0.0);
     assert_eq!(s.lights.point[0].attenuation, [0.0, 0.0, 2.0]);
     // The scene's own choice gives way to the command line's.
