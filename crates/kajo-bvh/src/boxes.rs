@@ -9,7 +9,7 @@ use crate::walk::Tree;
 use crate::{BuildSettings, Stats};
 
 /// One primitive to a leaf: what the caller does with it is dear.
-const SHAPE: LeafShape = LeafShape { block: 1, most: 1, limit: Child::LIMIT };
+pub(crate) const SHAPE: LeafShape = LeafShape { block: 1, most: 1, limit: Child::LIMIT };
 
 /// A tree over the boxes of primitives that the caller intersects.
 ///
@@ -36,11 +36,19 @@ impl Bvh {
     /// Threads of the current rayon pool share the work; their number does not change the
     /// tree.
     pub fn build(boxes: &[Aabb], settings: &BuildSettings) -> Bvh {
-        let usable = |id: u32| Some(boxes[id as usize]).filter(|b| b.is_finite() && !b.is_empty());
-        let prims = Prims::new(boxes.len().min(Child::LIMIT), usable);
+        let prims = Prims::new(boxes.len().min(Child::LIMIT), |id| usable(boxes, id));
         let leaf = |ids: &[u32], _: &mut [()], _: usize| ids[0];
         let Some(built) = build::build(prims, SHAPE, settings.quality, leaf) else { return Bvh::default() };
         Bvh { tree: built.tree, leaves: built.leaves, dropped: boxes.len() - built.leaves }
+    }
+
+    /// Takes new boxes for the same primitives and keeps the shape of the tree: fast, and fine
+    /// for small changes; after large ones a new tree is faster to trace.
+    ///
+    /// A primitive whose box is missing, empty or not finite is not visited until it gets
+    /// another. What was left out by [`Bvh::build`] stays out.
+    pub fn refit(&mut self, boxes: &[Aabb]) {
+        self.tree.refit(|id| usable(boxes, id).unwrap_or(Aabb::EMPTY));
     }
 
     /// Calls `hit(primitive, t_max)` for primitives whose boxes the ray meets up to `t_max`,
@@ -84,4 +92,9 @@ impl Bvh {
             bytes: size_of_val(&*self.tree.nodes),
         }
     }
+}
+
+/// The box of a primitive if a tree can hold it.
+fn usable(boxes: &[Aabb], id: u32) -> Option<Aabb> {
+    boxes.get(id as usize).copied().filter(|b| b.is_finite() && !b.is_empty())
 }

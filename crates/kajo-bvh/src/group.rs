@@ -11,7 +11,7 @@
 //! Nothing here is fused or reordered: all machines find the same bits.
 
 use bytemuck::{Pod, Zeroable};
-use kajo_math::{Ray, Vec3, Vec4};
+use kajo_math::{Aabb, Ray, Vec3, Vec4};
 
 use crate::simd::Simd;
 
@@ -107,6 +107,18 @@ impl Group {
             }
         }
         group
+    }
+
+    /// Takes new corners for the same triangles, `None` for one that cannot be hit, and
+    /// answers the box around them.
+    pub(crate) fn refit(&mut self, corners: impl Fn(u32) -> Option<[Vec3; 3]>) -> Aabb {
+        let mut bounds = Aabb::EMPTY;
+        let place = |triangle: u32| corners(triangle).unwrap_or([Vec3::NAN; 3]);
+        for corners in self.triangles.iter().filter_map(|&triangle| corners(triangle)) {
+            bounds = corners.into_iter().fold(bounds, Aabb::grown);
+        }
+        *self = Group::new(&self.triangles, place);
+        bounds
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Bounding volume hierarchies: which primitives can a ray meet?
 //!
-//! [`Bvh`] stands over boxes of anything; [`TriangleBvh`] over triangles, which it also
-//! intersects. Neither knows shapes, materials or scenes.
+//! [`Bvh`] stands over boxes of anything, [`MovingBvh`] over boxes that move; [`TriangleBvh`]
+//! over triangles, which it also intersects. None knows shapes, materials or scenes.
 //!
 //! A tree is built as a binary one by the surface area heuristic, improved by moving
 //! subtrees, and collapsed into nodes of eight children, whose boxes one vector instruction
@@ -26,7 +26,9 @@ pub mod bench;
 mod boxes;
 mod build;
 mod group;
+mod moving;
 mod node;
+mod refit;
 mod simd;
 mod slabs;
 #[cfg(test)]
@@ -36,11 +38,15 @@ mod walk;
 
 pub use boxes::Bvh;
 pub use group::TriangleHit;
+pub use moving::MovingBvh;
 pub use triangles::TriangleBvh;
 
 /// How much time to spend on a tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
+    /// Along a space-filling curve: two to three times as fast to build as `Fast`, and slower
+    /// to trace. For what changes with every picture.
+    Linear,
     /// Binned surface area heuristic, with the top of the tree improved.
     #[default]
     Fast,

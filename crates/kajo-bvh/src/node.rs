@@ -3,6 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use kajo_math::Aabb;
 
+use crate::simd::Simd;
+
 /// Children of a node.
 pub(crate) const WIDTH: usize = 8;
 
@@ -39,6 +41,26 @@ impl Child {
     }
 }
 
+/// What a ray needs of a node.
+pub(crate) trait Wide: Pod + Send + Sync {
+    /// By how much a plane may be off, in units of `2^-24` times the largest coordinate.
+    const ERROR: f32;
+
+    /// Planes of all children at a moment: twice the axis, plus one for the larger side.
+    fn planes<S: Simd>(&self, simd: S, row: usize, time: S::F32x8) -> S::F32x8;
+
+    /// Where a slot leads.
+    fn child(&self, slot: usize) -> Child;
+}
+
+/// Smallest and largest x, y and z of the children's boxes.
+type Planes = [[f32; WIDTH]; 6];
+
+const NO_PLANES: Planes = {
+    let (none, all) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
+    [none, all, none, all, none, all]
+};
+
 /// Up to eight children. Empty slots have boxes that no ray meets.
 ///
 /// 256 bytes, so that a node is found by a shift, and both planes of an axis share a cache
@@ -46,51 +68,100 @@ impl Child {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
-    /// Smallest and largest x, y and z of the children's boxes.
-    planes: [[f32; WIDTH]; 6],
+    planes: Planes,
+    children: [Child; WIDTH],
+    /// Slots in use, the first ones.
+    used: u32,
+    /// Fills up the cache line.
+    spare: [u32; WIDTH - 1],
+}
+
+impl Node {
+    pub(crate) const EMPTY: Node =
+        Node { planes: NO_PLANES, children: [Child(0); WIDTH], used: 0, spare: [0; WIDTH - 1] };
+
+    /// Fills the next slot.
+    pub(crate) fn push(&mut self, bounds: &Aabb, child: Child) {
+        self.children[self.used as usize] = child;
+        self.used += 1;
+        self.set_bounds(self.used as usize - 1, bounds);
+    }
+
+    /// Changes the box of a slot.
+    pub(crate) fn set_bounds(&mut self, slot: usize, bounds: &Aabb) {
+        for axis in 0..3 {
+            self.planes[2 * axis][slot] = bounds.min[axis];
+            self.planes[2 * axis + 1][slot] = bounds.max[axis];
+        }
+    }
+
+    /// Where the used slots lead.
+    pub(crate) fn children(&self) -> &[Child] {
+        &self.children[..self.used as usize]
+    }
+
+    pub(crate) fn children_mut(&mut self) -> &mut [Child] {
+        &mut self.children[..self.used as usize]
+    }
+}
+
+impl Wide for Node {
+    const ERROR: f32 = 0.0;
+
+    #[inline(always)]
+    fn planes<S: Simd>(&self, simd: S, row: usize, _time: S::F32x8) -> S::F32x8 {
+        simd.load(&self.planes[row])
+    }
+
+    #[inline(always)]
+    fn child(&self, slot: usize) -> Child {
+        self.children[slot % WIDTH]
+    }
+}
+
+/// Up to eight children whose boxes move steadily while the shutter is open.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct MovingNode {
+    /// When the shutter opens.
+    planes: Planes,
+    /// How far they go until it closes.
+    motion: Planes,
     children: [Child; WIDTH],
     /// Fills up the cache line.
     spare: [u32; WIDTH],
 }
 
-impl Node {
-    pub(crate) const EMPTY: Node = {
-        let (none, all) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
-        Node { planes: [none, all, none, all, none, all], children: [Child(0); WIDTH], spare: [0; WIDTH] }
-    };
-
-    /// Fills a slot.
-    pub(crate) fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {
-        for axis in 0..3 {
-            self.planes[2 * axis][slot] = bounds.min[axis];
-            self.planes[2 * axis + 1][slot] = bounds.max[axis];
-        }
-        self.children[slot] = child;
-    }
-
-    /// Whether a slot leads anywhere.
-    fn is_used(&self, slot: usize) -> bool {
-        self.planes[0][slot] <= self.planes[1][slot]
-    }
-
-    /// Planes of all children: twice the axis, plus one for the larger side.
-    #[inline(always)]
-    pub(crate) fn planes(&self, row: usize) -> &[f32; WIDTH] {
-        &self.planes[row]
-    }
-
-    /// Where a slot leads.
-    #[inline(always)]
-    pub(crate) fn child(&self, slot: usize) -> Child {
-        self.children[slot % WIDTH]
-    }
-
-    /// Changes where used slots lead.
-    pub(crate) fn map_children(&mut self, f: impl Fn(Child) -> Child) {
-        for slot in 0..WIDTH {
-            if self.is_used(slot) {
-                self.children[slot] = f(self.children[slot]);
+impl MovingNode {
+    /// The children of `node`, with boxes of their own.
+    pub(crate) fn new(node: &Node, bounds: impl Fn(Child) -> [Aabb; 2]) -> MovingNode {
+        let motion = [[0.0; WIDTH]; 6];
+        let mut moving = MovingNode { planes: NO_PLANES, motion, children: node.children, spare: [0; WIDTH] };
+        for (slot, child) in node.children().iter().enumerate() {
+            let [open, close] = bounds(*child);
+            for axis in 0..3 {
+                moving.planes[2 * axis][slot] = open.min[axis];
+                moving.planes[2 * axis + 1][slot] = open.max[axis];
+                moving.motion[2 * axis][slot] = close.min[axis] - open.min[axis];
+                moving.motion[2 * axis + 1][slot] = close.max[axis] - open.max[axis];
             }
         }
+        moving
+    }
+}
+
+impl Wide for MovingNode {
+    // With `R` the largest coordinate: 2 R for the rounded motion, 2 R for its product with
+    // the time, R for the sum.
+    const ERROR: f32 = 5.0;
+
+    #[inline(always)]
+    fn planes<S: Simd>(&self, simd: S, row: usize, time: S::F32x8) -> S::F32x8 {
+        simd.mul_add(simd.load(&self.motion[row]), time, simd.load(&self.planes[row]))
+    }
+
+    #[inline(always)]
+    fn child(&self, slot: usize) -> Child {
+        self.children[slot % WIDTH]
     }
 }

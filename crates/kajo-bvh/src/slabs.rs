@@ -14,11 +14,12 @@
 //! - the slab's own products and sums by `5u S_k`,
 //! - replacing a tiny `d_k` by `2^-30 d_z` by `2^-30 S_z`.
 //!
-//! In all less than `7u S_k + 9u S_z`; the largest `S` stands for `S_z` below.
+//! In all less than `7u S_k + 9u S_z`; the largest `S` stands for `S_z` below. Planes that
+//! move add [`Wide::ERROR`].
 
 use kajo_math::{Ray, Vec3, Vec3A};
 
-use crate::node::Node;
+use crate::node::Wide;
 use crate::simd::Simd;
 
 /// `2^-24`, half the distance from 1 to the next larger number.
@@ -33,6 +34,8 @@ pub(crate) struct Slabs<S: Simd> {
     near: [S::F32x8; 3],
     far: [S::F32x8; 3],
     t_min: S::F32x8,
+    /// Moment within the shutter interval.
+    time: S::F32x8,
 }
 
 impl<S: Simd> Slabs<S> {
@@ -41,19 +44,20 @@ impl<S: Simd> Slabs<S> {
     /// Returns `None` for rays that hit nothing: an empty range, no direction, or a number in
     /// origin or direction that is not finite or out of all proportion.
     #[inline(always)]
-    pub(crate) fn new(simd: S, ray: &Ray, reach: Vec3) -> Option<Slabs<S>> {
+    pub(crate) fn new<N: Wide>(simd: S, ray: &Ray, reach: Vec3) -> Option<Slabs<S>> {
         let (o, d) = (Vec3A::from(ray.o), Vec3A::from(ray.d));
         // A direction along a slab would divide by zero; the tilt is within the error bound.
         let least = Vec3A::splat(d.abs().max_element() * (1.0 / (1u32 << 30) as f32));
         let rd = d.abs().max(least).copysign(d).recip();
         let s = o.abs() + Vec3A::from(reach);
-        let error = (7.0 * U) * s + Vec3A::splat((9.0 * U) * s.max_element());
+        let error = ((7.0 + N::ERROR) * U) * s + Vec3A::splat((9.0 * U) * s.max_element());
         let (base, slack) = (-o * rd, error * rd.abs());
         let (near, far) = (base - slack, base + slack);
         // Whatever was not finite has spread to here.
         if !((far - near + d).is_finite() && ray.t_min < ray.t_max) {
             return None;
         }
+        let time = if ray.time > 0.0 { ray.time.min(1.0) } else { 0.0 };
         let splat = |v: Vec3A| v.to_array().map(|x| simd.splat(x));
         let backward = rd.cmplt(Vec3A::ZERO).bitmask() as usize;
         Some(Slabs {
@@ -63,15 +67,16 @@ impl<S: Simd> Slabs<S> {
             near: splat(near),
             far: splat(far),
             t_min: simd.splat(ray.t_min),
+            time: simd.splat(time),
         })
     }
 
     /// Which children's boxes the ray meets before `t_max`, and where it enters each.
     #[inline(always)]
-    pub(crate) fn meet(&self, node: &Node, t_max: f32) -> (u32, S::F32x8) {
+    pub(crate) fn meet(&self, node: &impl Wide, t_max: f32) -> (u32, S::F32x8) {
         let simd = self.simd;
         let at = |axis: usize, side: usize, c: &[S::F32x8; 3]| {
-            simd.mul_add(simd.load(node.planes(2 * axis + (side & 1))), self.rd[axis], c[axis])
+            simd.mul_add(node.planes(simd, 2 * axis + (side & 1), self.time), self.rd[axis], c[axis])
         };
         let enter = |axis: usize| at(axis, self.first[axis], &self.near);
         let leave = |axis: usize| at(axis, self.first[axis] ^ 1, &self.far);

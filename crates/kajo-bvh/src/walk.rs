@@ -4,7 +4,7 @@ use kajo_math::{Aabb, Ray, Vec3};
 
 use crate::array::Array;
 use crate::build::MAX_LEVELS;
-use crate::node::{Child, Node, WIDTH};
+use crate::node::{Child, Node, WIDTH, Wide};
 use crate::simd::{Simd, Stack};
 use crate::slabs::Slabs;
 
@@ -14,8 +14,9 @@ const WAITING: usize = MAX_LEVELS * (WIDTH - 1) + 1;
 
 /// The inner nodes of a finished tree. What its leaves hold is known to the owner.
 #[derive(Clone, Debug)]
-pub(crate) struct Tree {
-    pub(crate) nodes: Array<Node>,
+pub(crate) struct Tree<N: Wide = Node> {
+    /// Parents before children.
+    pub(crate) nodes: Array<N>,
     /// `None` when there is nothing to hit.
     pub(crate) root: Option<Child>,
     pub(crate) bounds: Aabb,
@@ -58,8 +59,8 @@ fn take_lowest(bits: &mut u32) -> usize {
     lowest & (WIDTH - 1)
 }
 
-impl Tree {
-    pub(crate) const EMPTY: Tree = Tree { nodes: Array::EMPTY, root: None, bounds: Aabb::EMPTY, depth: 0 };
+impl<N: Wide> Tree<N> {
+    pub(crate) const EMPTY: Tree<N> = Tree { nodes: Array::EMPTY, root: None, bounds: Aabb::EMPTY, depth: 0 };
 
     /// Largest absolute coordinate on each axis.
     #[inline(always)]
@@ -71,7 +72,7 @@ impl Tree {
     /// answers the new `t_max`.
     #[inline(always)]
     pub(crate) fn nearest<S: Simd>(&self, simd: S, ray: &Ray, mut leaf: impl FnMut(u32, f32) -> f32) {
-        let (Some(root), Some(slabs)) = (self.root, Slabs::new(simd, ray, self.reach())) else { return };
+        let (Some(root), Some(slabs)) = (self.root, Slabs::new::<N>(simd, ray, self.reach())) else { return };
         let mut stack = Stack::<Waiting, WAITING>::new();
         let nodes = &*self.nodes;
         let mut t_max = ray.t_max;
@@ -105,7 +106,7 @@ impl Tree {
     /// that happened.
     #[inline(always)]
     pub(crate) fn any<S: Simd>(&self, simd: S, ray: &Ray, mut leaf: impl FnMut(u32) -> bool) -> bool {
-        let (Some(root), Some(slabs)) = (self.root, Slabs::new(simd, ray, self.reach())) else {
+        let (Some(root), Some(slabs)) = (self.root, Slabs::new::<N>(simd, ray, self.reach())) else {
             return false;
         };
         let mut stack = Stack::<Child, WAITING>::new();
@@ -136,7 +137,12 @@ impl Tree {
 /// The nearest of the children in `mask`, which holds at least two; the others wait on the
 /// stack, nearest on top.
 #[inline(always)]
-fn descend(node: &Node, mut mask: u32, near: &[f32; WIDTH], stack: &mut Stack<Waiting, WAITING>) -> Child {
+fn descend(
+    node: &impl Wide,
+    mut mask: u32,
+    near: &[f32; WIDTH],
+    stack: &mut Stack<Waiting, WAITING>,
+) -> Child {
     let mut next = || {
         let slot = take_lowest(&mut mask);
         (Waiting::new(near[slot], node.child(slot)), mask == 0)

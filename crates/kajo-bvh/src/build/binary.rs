@@ -19,7 +19,7 @@ pub(super) const TASK: usize = 1 << 13;
 /// Most levels above the sets of one thread.
 pub(super) const TOP_LEVELS: usize = 32;
 /// Most levels within such a set.
-const TASK_LEVELS: usize = 32;
+pub(super) const TASK_LEVELS: usize = 32;
 /// Most nodes on the way from the root to a leaf.
 pub(crate) const MAX_LEVELS: usize = TOP_LEVELS + TASK_LEVELS;
 
@@ -38,8 +38,13 @@ pub(super) struct Twig {
 impl Twig {
     /// A leaf of up to [`TASK`] primitives, until it gets a right child.
     pub(super) fn new(bounds: Box4, len: usize) -> Twig {
-        let bounds = bounds.aabb();
-        Twig { lo: bounds.min, hi: bounds.max, len: len as u16, right: 0, plan: Plan::LEAF }
+        let mut twig = Twig { lo: Vec3::ZERO, hi: Vec3::ZERO, len: len as u16, right: 0, plan: Plan::LEAF };
+        twig.set_bounds(bounds);
+        twig
+    }
+
+    pub(super) fn set_bounds(&mut self, bounds: Box4) {
+        (self.lo, self.hi) = (bounds.lo.truncate(), bounds.hi.truncate());
     }
 
     pub(super) fn bounds(&self) -> Box4 {

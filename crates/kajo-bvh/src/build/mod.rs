@@ -1,8 +1,9 @@
 //! From boxes to wide nodes: a binary tree by the surface area heuristic ([`binary`],
-//! [`split`]), improved by moving subtrees ([`reinsert`]), then the best wide tree within it
+//! [`split`]) or along a curve ([`linear`]), improved by moving subtrees ([`reinsert`]), then the best wide tree within it
 //! ([`plan`], [`wide`]).
 
 mod binary;
+mod linear;
 mod plan;
 mod prim;
 mod reinsert;
@@ -52,10 +53,14 @@ pub(crate) fn build<B: Pod + Send>(
     if n == 0 {
         return Some(Built { tree: Tree::EMPTY, blocks: Array::EMPTY, leaves: 0 });
     }
-    let mut forest = binary::build(Set::around(prims.as_mut_slice()), shape.block);
+    let set = Set::around(prims.as_mut_slice());
+    let mut forest = match quality {
+        Quality::Linear => linear::build(set.prims, shape.block),
+        Quality::Fast | Quality::High => binary::build(set, shape.block),
+    };
     drop(prims);
     match quality {
-        Quality::Fast => reinsert::improve_top(&mut forest, n, shape.most),
+        Quality::Linear | Quality::Fast => reinsert::improve_top(&mut forest, n, shape.most),
         Quality::High => forest = reinsert::improve(forest),
     }
     forest.plan(shape);

@@ -219,7 +219,7 @@ fn pairs<'a, T>(a: Vec<&'a mut [T]>, b: Vec<&'a mut [T]>) -> Vec<(&'a mut [T], &
 }
 
 /// The box around twice the centres.
-fn centers(prims: &[Prim]) -> Box4 {
+pub(super) fn centers(prims: &[Prim]) -> Box4 {
     around(prims, |b, p| b.grown(p.center2()))
 }
 

@@ -110,7 +110,7 @@ impl Forest {
         let children: Vec<_> = roots.par_chunks(ROOTS).zip(rooms).flat_map_iter(fill).collect();
         let place = |child: Child| if child.is_leaf() { children[child.index() as usize] } else { child };
         above.copy_from_slice(&top);
-        above.iter_mut().for_each(|node| node.map_children(place));
+        above.iter_mut().flat_map(Node::children_mut).for_each(|child| *child = place(*child));
         let bounds = self.bounds(At::Stem(0));
         let tree = Tree { nodes, root: Some(place(root)), bounds, depth: size.depth };
         Some(Built { tree, blocks, leaves: size.leaves })
@@ -190,9 +190,9 @@ impl Forest {
         }
         let node = top.len();
         top.push(Node::EMPTY);
-        for (slot, at) in self.slots(at).iter().flat_map(|slots| &slots.at[..slots.len]).enumerate() {
+        for at in self.slots(at).iter().flat_map(|slots| &slots.at[..slots.len]) {
             let child = self.top(*at, depth + 1, top, roots);
-            top[node].set(slot, &self.bounds(*at), child);
+            top[node].push(&self.bounds(*at), child);
         }
         Child::node(node)
     }
@@ -231,10 +231,10 @@ impl Forest {
         };
         let own = room.take(Size { nodes: 1, ..Size::default() });
         let mut node = Node::EMPTY;
-        for (slot, at) in slots.at[..slots.len].iter().enumerate() {
+        for at in &slots.at[..slots.len] {
             if let At::Twig(spot) = *at {
                 let child = self.fill(spot, room, shape, leaf);
-                node.set(slot, &self.bounds(*at), child);
+                node.push(&self.bounds(*at), child);
             }
         }
         own.nodes[0] = node;

@@ -9,12 +9,12 @@ use crate::triangles::can_be_hit;
 use crate::{BuildSettings, Quality, TriangleBvh, TriangleHit};
 
 /// All triangles, each in a group of its own.
-struct Loop {
+pub(super) struct Loop {
     groups: Vec<Group>,
 }
 
 impl Loop {
-    fn over(mesh: &Mesh) -> Loop {
+    pub(super) fn over(mesh: &Mesh) -> Loop {
         let kept = (0..mesh.triangles.len()).filter(|&t| can_be_hit(&mesh.corners(t)));
         Loop { groups: kept.map(|t| Group::new(&[t as u32], |t| mesh.corners(t as usize))).collect() }
     }
@@ -43,7 +43,13 @@ fn bits(hit: &TriangleHit) -> [u32; 4] {
     [hit.triangle, (hit.t + 0.0).to_bits(), (hit.u + 0.0).to_bits(), (hit.v + 0.0).to_bits()]
 }
 
-fn check_on<S: Simd>(simd: S, tree: &TriangleBvh, truth: &Loop, rays: &[Ray], name: &str) -> usize {
+pub(super) fn check_on<S: Simd>(
+    simd: S,
+    tree: &TriangleBvh,
+    truth: &Loop,
+    rays: &[Ray],
+    name: &str,
+) -> usize {
     let mut found = 0;
     for ray in rays {
         let (hit, expected) = (tree.closest_on(simd, ray), truth.closest(ray));
@@ -67,7 +73,7 @@ fn check_on<S: Simd>(simd: S, tree: &TriangleBvh, truth: &Loop, rays: &[Ray], na
 fn check(mesh: &Mesh, n_rays: usize, name: &str) -> usize {
     let (truth, rays) = (Loop::over(mesh), mesh.rays(n_rays, 7));
     let mut found = 0;
-    for quality in [Quality::Fast, Quality::High] {
+    for quality in [Quality::Linear, Quality::Fast, Quality::High] {
         let settings = BuildSettings { quality };
         let tree = TriangleBvh::build(&mesh.positions, &mesh.triangles, &settings).unwrap();
         found = check_on(Portable, &tree, &truth, &rays, name);

@@ -4,6 +4,8 @@ mod boxes;
 mod brute;
 mod hostile;
 mod meshes;
+mod moving;
+mod refit;
 mod steps;
 mod threads;
 mod watertight;

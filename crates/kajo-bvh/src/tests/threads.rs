@@ -10,7 +10,7 @@ fn any_number_of_threads_builds_the_same_tree() {
     // Large enough for sets that all threads share.
     let mesh = Mesh::grid(220, 0.3, 1);
     let boxes: Vec<Aabb> = (0..mesh.triangles.len()).map(|t| Aabb::around(mesh.corners(t))).collect();
-    for quality in [Quality::Fast, Quality::High] {
+    for quality in [Quality::Linear, Quality::Fast, Quality::High] {
         let settings = BuildSettings { quality };
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
