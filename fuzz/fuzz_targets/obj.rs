@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use kajo_scene::{Limits, NO_INDEX, Sources, read_mtl, read_obj, render_one};
+use kajo_scene::{Corners, Limits, NO_INDEX, Sources, read_mtl, read_obj, render_one};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
@@ -12,8 +12,10 @@ fuzz_target!(|data: &[u8]| {
             for &v in mesh.faces.iter().flatten() {
                 assert!(mesh.positions[v as usize].iter().all(|x| x.is_finite()));
             }
-            let in_range = |list: &Option<Vec<[u32; 3]>>, len: usize| {
-                list.iter().flatten().flatten().all(|&i| i == NO_INDEX || (i as usize) < len)
+            let in_range = |corners: &Corners, len: usize| match corners {
+                Corners::Absent => true,
+                Corners::Vertices => len == mesh.positions.len(),
+                Corners::Own(list) => list.iter().flatten().all(|&i| i == NO_INDEX || (i as usize) < len),
             };
             assert!(in_range(&mesh.face_normals, mesh.normals.len()));
             assert!(in_range(&mesh.face_uvs, mesh.uvs.len()));

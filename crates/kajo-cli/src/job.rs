@@ -95,7 +95,9 @@ impl Job {
     /// # Errors
     /// [`Failure`]; then no file is written that was not finished before.
     pub fn run(&self, meter: &Meter, interrupt: &Interrupt, voice: &mut Voice<'_>) -> Result<Done, Failure> {
-        let mut loaded = kajo::load(&self.scene, &self.load);
+        let load = LoadOptions { progress: meter.loading(), ..self.load.clone() };
+        let mut loaded = kajo::load(&self.scene, &load);
+        drop(load);
         if !loaded.diagnostics.is_empty() {
             (voice.say)(&loaded.report(voice.color));
         }

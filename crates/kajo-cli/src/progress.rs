@@ -1,4 +1,4 @@
-//! How far a render is, shown to whoever is there to see it.
+//! How far the loading of a scene and its render are, shown to whoever is there to see it.
 
 use std::fmt::Write;
 use std::io::{self, IsTerminal};
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
-use kajo::Progress;
+use kajo::{LoadProgress, LoadStep, Progress};
 
 use crate::console;
 use crate::interrupt::Interrupt;
@@ -52,6 +52,14 @@ impl Meter {
         Meter::Bar { bar: ProgressBar::no_length().with_style(style), rays }
     }
 
+    /// Who hears how far the loading is: a bar for long files, on a terminal. It goes when it is dropped.
+    pub fn loading(&self) -> Option<Arc<dyn LoadProgress>> {
+        match self {
+            Meter::Bar { .. } => Some(Arc::new(LoadBar::new())),
+            Meter::Silent | Meter::Lines { .. } => None,
+        }
+    }
+
     /// The same, stoppable.
     pub fn watched<'a>(&'a self, interrupt: &'a Interrupt) -> Watched<'a> {
         Watched { meter: self, interrupt }
@@ -90,6 +98,50 @@ impl Progress for Watched<'_> {
     }
 }
 
+/// A bar that shows the reading of long files and the building of large trees.
+#[derive(Debug)]
+struct LoadBar {
+    bar: ProgressBar,
+}
+
+impl LoadBar {
+    /// Shorter files are read before anybody could read the bar.
+    const LONG_FILE: u64 = 32 << 20;
+    const LARGE_MESH: usize = 1_000_000;
+
+    fn new() -> LoadBar {
+        let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}");
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+        LoadBar { bar: ProgressBar::no_length().with_style(style) }
+    }
+}
+
+impl LoadProgress for LoadBar {
+    fn step(&self, step: LoadStep<'_>) {
+        match step {
+            LoadStep::Reading { path, done, total } if total >= Self::LONG_FILE => {
+                if self.bar.length() != Some(total) {
+                    self.bar.set_length(total);
+                    self.bar.set_message(format!("reading {path}"));
+                }
+                self.bar.set_position(done);
+            }
+            LoadStep::Building { path, triangles } if triangles >= Self::LARGE_MESH => {
+                let triangles = in_short(triangles as f64);
+                self.bar.set_message(format!("{triangles} triangles of {path} are being sorted"));
+                self.bar.tick();
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Drop for LoadBar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
 /// 7,900,000 as "7.9 M".
 pub fn in_short(count: f64) -> String {
     match count {
@@ -103,6 +155,16 @@ pub fn in_short(count: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_long_files_move_the_bar() {
+        let load = LoadBar::new();
+        load.step(LoadStep::Reading { path: "a", done: 5, total: 10 });
+        assert_eq!(load.bar.length(), None);
+        load.step(LoadStep::Reading { path: "a", done: 5, total: LoadBar::LONG_FILE });
+        assert_eq!((load.bar.length(), load.bar.position()), (Some(LoadBar::LONG_FILE), 5));
+        assert_eq!(load.bar.message(), "reading a");
+    }
 
     #[test]
     fn counts_are_short() {

@@ -86,6 +86,11 @@ fn assets(scene: &str) -> MemoryAssets {
     for word in scene.split(|c: char| c.is_whitespace() || "{}\"".contains(c)) {
         if word.ends_with(".obj") {
             assets = assets.with(word, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        } else if word.ends_with(".ply") {
+            let header = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 1\nproperty list uchar int vertex_indices\n";
+            let values = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+            assets = assets.with(word, format!("ply\nformat ascii 1.0\n{header}end_header\n{values}"));
         } else if word.ends_with(".txt") {
             assets = assets.with(word, "");
         }

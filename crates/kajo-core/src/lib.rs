@@ -12,6 +12,7 @@ pub mod interaction;
 pub mod light;
 pub mod material;
 pub mod medium;
+mod objects;
 pub mod sampler;
 pub mod scene;
 pub mod settings;
@@ -20,4 +21,5 @@ pub mod texture;
 
 pub use family::Pooled;
 pub use interaction::RayOffset;
+pub use objects::{Object, Objects};
 pub use scene::{Event, Interaction, Scene};

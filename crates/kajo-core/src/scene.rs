@@ -12,6 +12,7 @@ use crate::interaction::{Hit, SurfacePoint};
 use crate::light::{LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::medium::Fog;
+use crate::objects::Objects;
 use crate::settings::{Rules, Settings};
 use crate::shape::{ShapeId, Shapes, Surface};
 use crate::texture::Textures;
@@ -27,15 +28,6 @@ pub struct Primitive {
     pub material: MaterialId,
     /// Whether light may pass through any part.
     pub transmits: bool,
-}
-
-/// What a user wrote as one object of the scene.
-#[derive(Clone, Debug)]
-pub struct Object {
-    /// The name given in the scene, if any.
-    pub name: Option<String>,
-    /// The word that made it, such as `Sphere`.
-    pub keyword: &'static str,
 }
 
 /// What becomes of a ray.
@@ -72,7 +64,7 @@ pub struct Scene {
     /// Whether light may pass through any of them.
     pub transmits: bool,
     /// The user's words for each primitive.
-    pub objects: Vec<Object>,
+    pub objects: Objects,
     /// Materials.
     pub materials: Materials,
     /// Every material of the file, in its order, with its name. Number `i + 1` of the id layers is entry `i`.

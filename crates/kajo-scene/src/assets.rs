@@ -18,6 +18,30 @@ pub trait Assets: Sync {
     /// # Errors
     /// When the name is refused or the file cannot be read.
     fn open(&self, name: &str, from: &str) -> Result<AssetFile, AssetError>;
+
+    /// Hears what becomes of the files, to tell whoever waits.
+    fn progress(&self, _step: LoadStep<'_>) {}
+}
+
+/// What takes its time while a scene is loaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadStep<'a> {
+    /// A file is being read.
+    Reading {
+        /// [`AssetFile::path`].
+        path: &'a str,
+        /// Bytes read so far.
+        done: u64,
+        /// Bytes in the file.
+        total: u64,
+    },
+    /// A tree is built over a mesh.
+    Building {
+        /// [`AssetFile::path`] of the mesh's file.
+        path: &'a str,
+        /// Triangles of the mesh.
+        triangles: usize,
+    },
 }
 
 /// An open file.

@@ -22,6 +22,8 @@ pub struct Limits {
     pub includes: usize,
     /// Items of the tree, after includes were followed.
     pub items: usize,
+    /// Objects of a scene, each as often as it is placed.
+    pub objects: usize,
     /// Errors of one parse before it gives up.
     pub errors: usize,
     /// Bytes of one mesh or material file.
@@ -46,6 +48,7 @@ impl Default for Limits {
             include_depth: 32,
             includes: 10_000,
             items: 10_000_000,
+            objects: 20_000_000,
             errors: 1000,
             mesh_bytes: 64 << 30,
             line_bytes: 1 << 20,

@@ -1,10 +1,11 @@
-//! Lines of OBJ and MTL files, and mistakes in them.
+//! Lines of mesh and material files, and mistakes in them.
 //!
 //! A line ends in `\n`, `\r\n` or `\r`; one that ends in `\` goes on in the
 //! next. Lines are borrowed from the read buffer, which grows to the longest
 //! line seen and never beyond [`Limits::line_bytes`].
 
 use crate::assets::AssetError;
+use crate::byte_reader::ByteReader;
 use crate::diagnostic::{Diagnostic, quoted};
 use crate::limits::Limits;
 use crate::source::{Sources, Span, floor_char_boundary};
@@ -24,6 +25,16 @@ pub enum MeshFileError {
     /// The file could be read but holds a mistake.
     #[error(transparent)]
     Mistake(Box<FileMistake>),
+    /// The same, where there are no lines.
+    #[error("{path}: byte {byte}: {message}")]
+    Bytes {
+        /// The file.
+        path: String,
+        /// Bytes before the mistake.
+        byte: u64,
+        /// What was found and what was expected.
+        message: String,
+    },
 }
 
 /// A mistake at a place of a file that is not kept in memory.
@@ -49,7 +60,7 @@ impl MeshFileError {
     /// `sources`; `named_at` is where the scene names the file.
     pub fn to_diagnostic(&self, sources: &mut Sources, named_at: Option<Span>) -> Diagnostic {
         let diagnostic = match self {
-            MeshFileError::Read { .. } => Diagnostic::error(self.to_string()),
+            MeshFileError::Read { .. } | MeshFileError::Bytes { .. } => Diagnostic::error(self.to_string()),
             MeshFileError::Mistake(mistake) => {
                 let source = sources.add_excerpt(&mistake.path, &mistake.text, mistake.line);
                 let (start, end) = mistake.place;
@@ -175,34 +186,47 @@ impl Field<'_> {
 
 /// Reads lines from a stream of bytes.
 pub(crate) struct LineReader<'l, R> {
-    reader: R,
-    path: &'l str,
-    limits: &'l Limits,
-    buffer: Vec<u8>,
-    /// The unread part of the buffer.
-    start: usize,
-    end: usize,
-    at_end: bool,
-    bytes_read: u64,
+    bytes: ByteReader<'l, R>,
+    /// Whether a line that ends in `\\` goes on in the next.
+    continues: bool,
     /// Line ends passed so far.
     lines: usize,
+    /// The number of the last line, its bytes, and how many of the file it took.
+    last: (usize, usize, usize),
 }
 
 impl<'l, R: Read> LineReader<'l, R> {
-    const CHUNK: usize = 256 << 10;
-
     pub fn new(reader: R, path: &'l str, limits: &'l Limits) -> Self {
-        Self {
-            reader,
-            path,
-            limits,
-            buffer: Vec::new(),
-            start: 0,
-            end: 0,
-            at_end: false,
-            bytes_read: 0,
-            lines: 0,
-        }
+        Self { bytes: ByteReader::new(reader, path, limits), continues: true, lines: 0, last: (0, 0, 0) }
+    }
+
+    /// The same for formats in which `\\` means nothing.
+    pub fn without_continuations(self) -> Self {
+        Self { continues: false, ..self }
+    }
+
+    /// What comes after the lines read so far.
+    pub fn into_bytes(self) -> ByteReader<'l, R> {
+        self.bytes
+    }
+
+    /// The bytes that come next, without stepping over them: `n` of them, or all there are.
+    pub fn at_least(&mut self, n: usize) -> Result<&[u8], MeshFileError> {
+        self.bytes.at_least(n)
+    }
+
+    /// A mistake that is about no line in particular, such as the end of the file.
+    pub fn mistake(&self, message: impl Into<String>) -> MeshFileError {
+        self.bytes.mistake(message)
+    }
+
+    /// A mistake somewhere in the line that [`LineReader::next_line`] gave last.
+    pub fn mistake_in_last(&self, message: impl Into<String>) -> MeshFileError {
+        let (number, len, consumed) = self.last;
+        let line = Line { bytes: &self.bytes.before(consumed)[..len], number };
+        let whole = line.bytes.trim_ascii();
+        let start = line.bytes.len() - line.bytes.trim_ascii_start().len();
+        line.mistake(self.bytes.path, Field { bytes: whole, start }, message)
     }
 
     /// The next line, or `None` at the end of the file.
@@ -211,71 +235,48 @@ impl<'l, R: Read> LineReader<'l, R> {
         // Bytes of the line known to hold no end of it.
         let mut seen = 0;
         loop {
-            let unread = &self.buffer[self.start..self.end];
+            let unread = self.bytes.unread();
             let Some(len) = unread[seen..].iter().position(|&b| b == b'\n' || b == b'\r').map(|at| at + seen)
             else {
                 seen = unread.len();
-                if self.at_end {
-                    return Ok(self.last_line(number));
+                if self.bytes.at_end() {
+                    self.last = (number, seen, seen);
+                    let unread = self.bytes.take(seen, seen);
+                    return Ok(
+                        (!unread.is_empty()).then(|| Line { bytes: without_bom(unread, number), number })
+                    );
                 }
                 self.fill()?;
                 continue;
             };
             // Whether `\n` follows a `\r` must be known to step over both.
-            if unread[len] == b'\r' && len + 1 == unread.len() && !self.at_end {
+            if unread[len] == b'\r' && len + 1 == unread.len() && !self.bytes.at_end() {
                 seen = len;
                 self.fill()?;
                 continue;
             }
             let end_len = if unread[len..].starts_with(b"\r\n") { 2 } else { 1 };
             self.lines += 1;
-            if len > 0 && unread[len - 1] == b'\\' {
-                self.buffer[self.start + len - 1] = b' ';
+            if self.continues && len > 0 && unread[len - 1] == b'\\' {
+                self.bytes.unread_mut()[len - 1] = b' ';
                 seen = len + end_len;
                 continue;
             }
-            let start = self.start;
-            self.start += len + end_len;
-            return Ok(Some(Line { bytes: without_bom(&self.buffer[start..start + len], number), number }));
+            self.last = (number, len, len + end_len);
+            let line = self.bytes.take(len, len + end_len);
+            return Ok(Some(Line { bytes: without_bom(line, number), number }));
         }
     }
 
-    fn last_line(&mut self, number: usize) -> Option<Line<'_>> {
-        let bytes = &self.buffer[self.start..self.end];
-        self.start = self.end;
-        (!bytes.is_empty()).then(|| Line { bytes: without_bom(bytes, number), number })
-    }
-
-    /// Reads more bytes behind the unread ones.
+    /// Reads more of a line that is not too long already.
     fn fill(&mut self) -> Result<(), MeshFileError> {
-        self.buffer.copy_within(self.start..self.end, 0);
-        self.end -= self.start;
-        self.start = 0;
-        if self.end > self.limits.line_bytes {
-            let line = Line { bytes: &self.buffer[..self.end], number: self.lines + 1 };
-            let message = format!("the line has more than {} bytes", self.limits.line_bytes);
-            return Err(line.mistake(self.path, Field { bytes: &[], start: 0 }, message));
+        let (unread, limits) = (self.bytes.unread(), self.bytes.limits);
+        if unread.len() > limits.line_bytes {
+            let line = Line { bytes: unread, number: self.lines + 1 };
+            let message = format!("the line has more than {} bytes", limits.line_bytes);
+            return Err(line.mistake(self.bytes.path, Field { bytes: &[], start: 0 }, message));
         }
-        if self.buffer.len() < self.end + Self::CHUNK {
-            self.buffer.resize(self.end + Self::CHUNK, 0);
-        }
-        let read = loop {
-            match self.reader.read(&mut self.buffer[self.end..]) {
-                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-                result => break result.map_err(|error| self.unreadable(error.into()))?,
-            }
-        };
-        self.at_end = read == 0;
-        self.end += read;
-        self.bytes_read += read as u64;
-        if self.bytes_read > self.limits.mesh_bytes {
-            return Err(self.unreadable(AssetError::TooLarge { limit: self.limits.mesh_bytes }));
-        }
-        Ok(())
-    }
-
-    fn unreadable(&self, source: AssetError) -> MeshFileError {
-        MeshFileError::Read { path: self.path.to_owned(), source }
+        self.bytes.fill()
     }
 }
 

@@ -11,87 +11,15 @@
 //!
 //! A file may be used in spite of small faults: triangles with a vertex that is
 //! not finite are left out, statements that describe no triangles are skipped,
-//! and [`ObjReport`] counts both.
+//! and [`MeshReport`] counts both.
 
 use crate::limits::Limits;
 use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
+use crate::tri_mesh::{Corners, MeshReport, NO_INDEX, TriMesh};
 use crate::triangulate::triangulate;
 use std::collections::HashMap;
 use std::io::Read;
 use std::ops::Range;
-
-/// Stands for "none" among the indices of an [`ObjMesh`].
-pub const NO_INDEX: u32 = u32::MAX;
-
-/// A triangle mesh. Every index is in range or, where said so, [`NO_INDEX`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ObjMesh {
-    /// Vertices. Those that no face uses may be not finite.
-    pub positions: Vec<[f32; 3]>,
-    /// Normals as written, not normalised; zero where the file's is not finite.
-    pub normals: Vec<[f32; 3]>,
-    /// Texture coordinates; zero where the file's are not finite.
-    pub uvs: Vec<[f32; 2]>,
-    /// The vertices of each triangle.
-    pub faces: Vec<[u32; 3]>,
-    /// The normals of each triangle's corners, or [`NO_INDEX`]; absent when no face has any.
-    pub face_normals: Option<Vec<[u32; 3]>>,
-    /// The texture coordinates of each triangle's corners, or [`NO_INDEX`]; absent when no face has any.
-    pub face_uvs: Option<Vec<[u32; 3]>>,
-    /// The material of each triangle, an index into `material_names`, or
-    /// [`NO_INDEX`] before the first `usemtl`; absent when there is no `usemtl`.
-    pub face_materials: Option<Vec<u32>>,
-    /// Names in the order of their first `usemtl`.
-    pub material_names: Vec<String>,
-    /// Files named by `mtllib`, as written, without repeats.
-    pub libraries: Vec<String>,
-}
-
-/// What a reader left out or changed.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ObjReport {
-    /// Faces of more than three corners.
-    pub polygons: usize,
-    /// Triangles left out for a vertex that is not finite.
-    pub dropped: usize,
-    /// Normals and texture coordinates replaced by zero because they are not finite.
-    pub zeroed: usize,
-    /// `l` and `p` statements.
-    pub lines_and_points: usize,
-    /// Statements that are not known, or describe curves.
-    pub unknown: usize,
-    /// The first of those, with its line.
-    pub first_unknown: Option<(String, usize)>,
-}
-
-impl ObjReport {
-    /// What the user should hear about, one sentence each.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut list = Vec::new();
-        if self.dropped > 0 {
-            list.push(format!(
-                "{} triangles have a vertex that is not finite; they were left out",
-                self.dropped
-            ));
-        }
-        if self.zeroed > 0 {
-            list.push(format!(
-                "{} normals or texture coordinates are not finite; they were ignored",
-                self.zeroed
-            ));
-        }
-        if self.lines_and_points > 0 {
-            list.push(format!("{} lines or points were skipped: only faces are read", self.lines_and_points));
-        }
-        if let Some((word, line)) = &self.first_unknown {
-            list.push(format!(
-                "{} unknown statements were skipped, the first `{word}` in line {line}",
-                self.unknown
-            ));
-        }
-        list
-    }
-}
 
 /// Reads an OBJ file; `path` is its name in messages.
 ///
@@ -109,7 +37,7 @@ pub fn read_obj(
     reader: impl Read,
     path: &str,
     limits: &Limits,
-) -> Result<(ObjMesh, ObjReport), MeshFileError> {
+) -> Result<(TriMesh, MeshReport), MeshFileError> {
     let mut lines = LineReader::new(reader, path, limits);
     let mut builder = Builder::new(path, limits);
     while let Some(line) = lines.next_line()? {
@@ -161,8 +89,8 @@ impl Forward {
 struct Builder<'l> {
     path: &'l str,
     limits: &'l Limits,
-    mesh: ObjMesh,
-    report: ObjReport,
+    mesh: TriMesh,
+    report: MeshReport,
     material_ids: HashMap<String, u32>,
     material: u32,
     forward: [Option<Forward>; 3],
@@ -180,8 +108,8 @@ impl<'l> Builder<'l> {
         Self {
             path,
             limits,
-            mesh: ObjMesh::default(),
-            report: ObjReport::default(),
+            mesh: TriMesh::default(),
+            report: MeshReport::default(),
             material_ids: HashMap::new(),
             material: NO_INDEX,
             forward: [None, None, None],
@@ -243,7 +171,7 @@ impl<'l> Builder<'l> {
     ) -> Result<(), MeshFileError> {
         let normal = self.floats::<3>(line, keyword, fields, 3)?;
         self.check_room(line, keyword, List::Normal, self.mesh.normals.len())?;
-        let normal = self.finite_or_zero(normal);
+        let normal = self.report.finite_or_zero(normal);
         self.mesh.normals.push(normal);
         Ok(())
     }
@@ -251,7 +179,7 @@ impl<'l> Builder<'l> {
     fn uv(&mut self, line: Line<'_>, keyword: Field<'_>, fields: Fields<'_>) -> Result<(), MeshFileError> {
         let uv = self.floats::<2>(line, keyword, fields, 1)?;
         self.check_room(line, keyword, List::Uv, self.mesh.uvs.len())?;
-        let uv = self.finite_or_zero(uv);
+        let uv = self.report.finite_or_zero(uv);
         self.mesh.uvs.push(uv);
         Ok(())
     }
@@ -281,14 +209,6 @@ impl<'l> Builder<'l> {
             })?;
         }
         Ok(out)
-    }
-
-    fn finite_or_zero<const N: usize>(&mut self, numbers: [f32; N]) -> [f32; N] {
-        if numbers.iter().all(|x| x.is_finite()) {
-            return numbers;
-        }
-        self.report.zeroed += 1;
-        [0.0; N]
     }
 
     fn check_room(
@@ -476,7 +396,7 @@ impl<'l> Builder<'l> {
         }
     }
 
-    fn finish(mut self) -> Result<(ObjMesh, ObjReport), MeshFileError> {
+    fn finish(mut self) -> Result<(TriMesh, MeshReport), MeshFileError> {
         let lens = [self.mesh.positions.len(), self.mesh.uvs.len(), self.mesh.normals.len()];
         for ((forward, len), list) in self.forward.iter().zip(lens).zip(List::ALL) {
             if let Some(forward) = forward.as_ref().filter(|forward| forward.index as usize >= len) {
@@ -487,7 +407,7 @@ impl<'l> Builder<'l> {
             self.split_late(first, &corners);
         }
         if self.not_finite {
-            drop_not_finite(&mut self.mesh, &mut self.report);
+            self.report.dropped = self.mesh.drop_not_finite();
         }
         Ok((self.mesh, self.report))
     }
@@ -499,10 +419,10 @@ impl<'l> Builder<'l> {
         for (face, triangle) in (first..).zip(&triangles) {
             let of = |list: List| triangle.map(|i| corners[i][list as usize]);
             self.mesh.faces[face] = of(List::Vertex);
-            if let Some(uvs) = &mut self.mesh.face_uvs {
+            if let Corners::Own(uvs) = &mut self.mesh.face_uvs {
                 uvs[face] = of(List::Uv);
             }
-            if let Some(normals) = &mut self.mesh.face_normals {
+            if let Corners::Own(normals) = &mut self.mesh.face_normals {
                 normals[face] = of(List::Normal);
             }
         }
@@ -511,11 +431,11 @@ impl<'l> Builder<'l> {
 }
 
 /// Adds the indices of a face; the list begins to exist with the first that has any.
-fn push_attribute(list: &mut Option<Vec<[u32; 3]>>, faces_before: usize, indices: [u32; 3]) {
-    if list.is_none() && indices != [NO_INDEX; 3] {
-        *list = Some(vec![[NO_INDEX; 3]; faces_before]);
+fn push_attribute(corners: &mut Corners, faces_before: usize, indices: [u32; 3]) {
+    if *corners == Corners::Absent && indices != [NO_INDEX; 3] {
+        *corners = Corners::Own(vec![[NO_INDEX; 3]; faces_before]);
     }
-    if let Some(list) = list {
+    if let Corners::Own(list) = corners {
         list.push(indices);
     }
 }
@@ -539,25 +459,6 @@ fn integer(bytes: &[u8]) -> Option<i64> {
         value = value * 10 + i64::from(digit - b'0');
     }
     Some(if negative { -value } else { value })
-}
-
-/// Leaves out triangles with a vertex that is not finite, and counts them.
-fn drop_not_finite(mesh: &mut ObjMesh, report: &mut ObjReport) {
-    let finite = |v: u32| mesh.positions[v as usize].iter().all(|x| x.is_finite());
-    let keep: Vec<bool> = mesh.faces.iter().map(|face| face.iter().all(|&v| finite(v))).collect();
-    report.dropped = keep.iter().filter(|&&keep| !keep).count();
-    retain(&mut mesh.faces, &keep);
-    for list in [&mut mesh.face_uvs, &mut mesh.face_normals].into_iter().flatten() {
-        retain(list, &keep);
-    }
-    if let Some(materials) = &mut mesh.face_materials {
-        retain(materials, &keep);
-    }
-}
-
-fn retain<T>(list: &mut Vec<T>, keep: &[bool]) {
-    let mut keep = keep.iter();
-    list.retain(|_| keep.next().is_none_or(|&keep| keep));
 }
 
 #[cfg(test)]

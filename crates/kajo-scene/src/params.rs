@@ -133,6 +133,11 @@ impl<'a, 'd> Params<'a, 'd> {
         self.item?.word().map(|word| word.text())
     }
 
+    /// Whether an item called `key` is there that nobody has asked for yet.
+    pub fn has(&self, key: &str) -> bool {
+        self.children.iter().any(|child| !child.used && child.item.keyword() == key)
+    }
+
     /// The one block called `key`, or `None`; when repeated the last wins, with a warning.
     pub fn block(&mut self, key: &'static str) -> Option<Item<'a>> {
         self.take_last(key)

@@ -1,7 +1,8 @@
 //! The seeds of `fuzz/corpus`, replayed and mutated with a fixed seed.
 
 use kajo_scene::{
-    Limits, MemoryAssets, NO_INDEX, SceneDesc, Sources, print, read_mtl, read_obj, render, render_one, tokens,
+    Corners, Limits, MemoryAssets, MeshFileError, MeshReport, NO_INDEX, SceneDesc, Sources, TriMesh, print,
+    read_mtl, read_obj, read_ply, read_stl, render, render_one, tokens,
 };
 use std::path::Path;
 
@@ -13,7 +14,7 @@ fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
         .map(|path| (path.display().to_string(), std::fs::read(&path).expect("a readable seed")))
         .collect();
     seeds.sort();
-    assert!(seeds.len() >= 20, "the corpus is missing");
+    assert!(seeds.len() >= 8, "the corpus is missing");
     seeds
 }
 
@@ -54,16 +55,21 @@ fn check_scene(data: &[u8]) {
     }
 }
 
-fn check_obj(data: &[u8]) {
-    let limits = Limits::default();
-    match read_obj(data, "m.obj", &limits) {
+fn check_mesh(result: Result<(TriMesh, MeshReport), MeshFileError>) {
+    match result {
         Ok((mesh, _)) => {
             let finite = |v: u32| mesh.positions[v as usize].iter().all(|x| x.is_finite());
             assert!(mesh.faces.iter().flatten().all(|&v| finite(v)));
-            for (list, len) in [(&mesh.face_normals, mesh.normals.len()), (&mesh.face_uvs, mesh.uvs.len())] {
-                let Some(list) = list else { continue };
-                assert_eq!(list.len(), mesh.faces.len());
-                assert!(list.iter().flatten().all(|&i| i == NO_INDEX || (i as usize) < len));
+            for (corners, len) in [(&mesh.face_normals, mesh.normals.len()), (&mesh.face_uvs, mesh.uvs.len())]
+            {
+                match corners {
+                    Corners::Absent => {}
+                    Corners::Vertices => assert_eq!(len, mesh.positions.len()),
+                    Corners::Own(list) => {
+                        assert_eq!(list.len(), mesh.faces.len());
+                        assert!(list.iter().flatten().all(|&i| i == NO_INDEX || (i as usize) < len));
+                    }
+                }
             }
             if let Some(materials) = &mesh.face_materials {
                 assert_eq!(materials.len(), mesh.faces.len());
@@ -77,6 +83,11 @@ fn check_obj(data: &[u8]) {
             assert!(render_one(&diagnostic, &sources, false).contains("error: "));
         }
     }
+}
+
+fn check_obj(data: &[u8]) {
+    let limits = Limits::default();
+    check_mesh(read_obj(data, "m.obj", &limits));
     let _ = read_mtl(data, "m.mtl", &limits);
 }
 
@@ -166,4 +177,14 @@ fn scenes_never_panic_and_keep_their_promises() {
 #[test]
 fn meshes_never_panic_and_keep_their_promises() {
     run("obj", 10_000, check_obj);
+}
+
+#[test]
+fn ply_files_never_panic_and_keep_their_promises() {
+    run("ply", 10_000, |data| check_mesh(read_ply(data, "m.ply", &Limits::default())));
+}
+
+#[test]
+fn stl_files_never_panic_and_keep_their_promises() {
+    run("stl", 10_000, |data| check_mesh(read_stl(data, "m.stl", &Limits::default())));
 }

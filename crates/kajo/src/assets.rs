@@ -9,11 +9,17 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use kajo_scene::{AssetError, AssetFile, Assets, Limits, nearest, relative_asset};
+use kajo_scene::{AssetError, AssetFile, Assets, Limits, LoadStep, nearest, relative_asset};
+
+/// Hears how far the loading of a scene is.
+pub trait LoadProgress: std::fmt::Debug + Send + Sync {
+    /// Another piece of a file has been read, or a tree is about to be built.
+    fn step(&self, step: LoadStep<'_>);
+}
 
 /// Files beside a scene.
 #[derive(Debug)]
@@ -23,6 +29,7 @@ pub struct FsAssets {
     roots: Vec<Root>,
     allow_outside: bool,
     max_bytes: u64,
+    progress: Option<Arc<dyn LoadProgress>>,
     /// Real paths of the files handed out, by the names shown for them.
     opened: Mutex<BTreeMap<String, PathBuf>>,
 }
@@ -49,6 +56,7 @@ impl FsAssets {
             roots: vec![Root::new(parent)?],
             allow_outside: false,
             max_bytes: Limits::default().mesh_bytes,
+            progress: None,
             opened: Mutex::default(),
         })
     }
@@ -65,6 +73,12 @@ impl FsAssets {
     /// Lets names lead anywhere, if `yes`.
     pub fn allow_outside(mut self, yes: bool) -> FsAssets {
         self.allow_outside = yes;
+        self
+    }
+
+    /// Tells `progress`, if there is one, how far the reading of each file is.
+    pub fn watched_by(mut self, progress: Option<Arc<dyn LoadProgress>>) -> FsAssets {
+        self.progress = progress;
         self
     }
 
@@ -140,7 +154,41 @@ impl Assets for FsAssets {
             (path, shown)
         };
         let (file, len) = open_regular(&path, self.max_bytes)?;
-        Ok(AssetFile { path: shown, len: Some(len), reader: Box::new(file) })
+        let reader: Box<dyn Read + Send> = match &self.progress {
+            None => Box::new(file),
+            Some(progress) => Box::new(WatchedFile {
+                file,
+                path: shown.clone(),
+                done: 0,
+                total: len,
+                progress: Arc::clone(progress),
+            }),
+        };
+        Ok(AssetFile { path: shown, len: Some(len), reader })
+    }
+
+    fn progress(&self, step: LoadStep<'_>) {
+        if let Some(progress) = &self.progress {
+            progress.step(step);
+        }
+    }
+}
+
+/// A file that tells how much of it has been read.
+struct WatchedFile {
+    file: File,
+    path: String,
+    done: u64,
+    total: u64,
+    progress: Arc<dyn LoadProgress>,
+}
+
+impl Read for WatchedFile {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.file.read(buffer)?;
+        self.done += n as u64;
+        self.progress.step(LoadStep::Reading { path: &self.path, done: self.done, total: self.total });
+        Ok(n)
     }
 }
 
@@ -288,6 +336,27 @@ mod tests {
         for name in ["../outside/x.obj", &absolute] {
             assert_eq!(content(&assets, name, assets.scene_name()).unwrap(), "outside/x.obj");
         }
+    }
+
+    #[test]
+    fn progress_is_told_piece_by_piece() {
+        #[derive(Debug, Default)]
+        struct Heard(Mutex<Vec<String>>);
+        impl LoadProgress for Heard {
+            fn step(&self, step: LoadStep<'_>) {
+                self.0.lock().unwrap().push(format!("{step:?}"));
+            }
+        }
+        let (folders, heard) = (Folders::new(), Arc::new(Heard::default()));
+        let assets = folders.assets().watched_by(Some(heard.clone()));
+        let text = content(&assets, "bunny_200.obj", assets.scene_name()).unwrap();
+        assets.progress(LoadStep::Building { path: "b", triangles: 3 });
+        let heard = heard.0.lock().unwrap();
+        assert!(
+            heard.iter().any(|step| step.contains(&format!("done: {0}, total: {0}", text.len()))),
+            "{heard:?}"
+        );
+        assert_eq!(heard.last().unwrap(), "Building { path: \"b\", triangles: 3 }");
     }
 
     #[test]

@@ -61,7 +61,7 @@ impl SceneInfo {
         let objects = scene
             .objects
             .iter()
-            .map(|o| ObjectInfo { keyword: o.keyword.to_string(), name: o.name.clone() })
+            .map(|o| ObjectInfo { keyword: o.keyword.to_string(), name: o.name.map(str::to_owned) })
             .collect();
         Some(SceneInfo {
             files: loaded.files.clone(),

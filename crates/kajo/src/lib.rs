@@ -37,7 +37,7 @@ mod render;
 mod settings;
 mod view;
 
-pub use assets::FsAssets;
+pub use assets::{FsAssets, LoadProgress};
 pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{LoadOptions, Loaded, load, load_from};
 pub use render::{Picture, RenderError, Resources, render};
@@ -52,4 +52,4 @@ pub use kajo_core::settings::{Dialect, FilterChoice, Settings, ShadowAttenuation
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode};
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::{Progress, RayCounters, RenderStats, Silent};
-pub use kajo_scene::{Diagnostic, Diagnostics, Limits, MemoryAssets, Severity, Sources, nearest};
+pub use kajo_scene::{Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, nearest};

@@ -2,13 +2,14 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::scene::Scene;
 use kajo_core::settings::Dialect;
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Limits, Parsed, SceneDesc, Sources, one_line, render};
 
-use crate::FsAssets;
+use crate::{FsAssets, LoadProgress};
 
 /// What is known about a scene before it is read.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +22,8 @@ pub struct LoadOptions {
     pub allow_outside: bool,
     /// Bounds on what it may demand.
     pub limits: Limits,
+    /// Who hears how far it is.
+    pub progress: Option<Arc<dyn LoadProgress>>,
 }
 
 /// What came of reading a scene.
@@ -105,7 +108,7 @@ fn assets(path: &Path, options: &LoadOptions) -> Result<FsAssets, String> {
     for folder in &options.folders {
         assets = assets.with_folder(folder).map_err(|error| open(folder, error))?;
     }
-    Ok(assets.allow_outside(options.allow_outside))
+    Ok(assets.allow_outside(options.allow_outside).watched_by(options.progress.clone()))
 }
 
 #[cfg(test)]

@@ -1,21 +1,23 @@
 //! `Group` and `Transform` blocks and the objects in them.
 
 use kajo_math::{DAffine3, Transform, Vec2};
-use kajo_scene::{Args, Diagnostic, Item, Params, not_supported_yet, unknown_word};
+use kajo_scene::{Args, Diagnostic, Item, Params, Span, not_supported_yet, unknown_word};
 
+use super::definition::Part;
 use super::materials::Reference;
 use super::{Compiler, transform};
 use crate::material::MaterialId;
-use crate::scene::{Object, Primitive};
+use crate::scene::Primitive;
 use crate::shape::{Cone, Cuboid, Disk, Plane, Quad, ShapeId, Sphere, Triangle};
 
 /// Words for objects, groups and transforms included.
-const OBJECTS: [&str; 11] = [
+const OBJECTS: [&str; 12] = [
     "Box",
     "Cone",
     "Cylinder",
     "Disk",
     "Group",
+    "Instance",
     "Plane",
     "Quad",
     "Sphere",
@@ -28,69 +30,112 @@ const LATER: [&str; 8] =
 
 /// The running state of a walk through groups.
 #[derive(Default)]
-struct Walk {
+pub(super) struct Walk {
     /// Set by `MaterialIndex`; stays in force after the group it stands in, as in the classic format.
-    material: Option<MaterialId>,
+    pub material: Option<MaterialId>,
     /// A `MaterialIndex` was wrong, which has been reported: objects without a material are no news.
-    material_failed: bool,
-    /// The objects stand in a `Transform` without an inverse: they are read, but never hit.
-    flattened: bool,
+    pub material_failed: bool,
+    /// What has been found of a definition, while one is read: nothing in it is an object of the scene yet.
+    pub parts: Option<Vec<Part>>,
+}
+
+/// Where objects stand.
+pub(super) struct Place {
+    pub world: DAffine3,
+    /// The same with its inverse; `None` when there is none, and what stands here is never hit.
+    transform: Option<Transform>,
+    /// Its number among the scene's, once an object needs it.
+    index: Option<u32>,
+}
+
+impl Place {
+    pub fn new(world: DAffine3) -> Place {
+        let transform = Transform::new(&world);
+        let index = transform.filter(Transform::is_identity).map(|_| 0);
+        Place { world, transform, index }
+    }
+
+    /// The same place for something that has no inverse whatever rounding makes of it.
+    fn flattened(self) -> Place {
+        Place { transform: None, ..self }
+    }
+
+    /// The place of something that stands within what stands here.
+    pub fn around(&self, map: &DAffine3) -> Place {
+        let there = Place::new(self.world * *map);
+        if self.is_flat() { there.flattened() } else { there }
+    }
+
+    /// The place of something that has been taken here already.
+    fn baked(&self) -> Place {
+        let origin = Place::new(DAffine3::IDENTITY);
+        if self.is_flat() { origin.flattened() } else { origin }
+    }
+
+    pub fn is_flat(&self) -> bool {
+        self.transform.is_none()
+    }
 }
 
 impl Compiler<'_> {
     /// Everything in the scene's group.
     pub(super) fn objects(&mut self, group: Item<'_>) {
-        let mut walk = Walk::default();
-        self.group(group, &DAffine3::IDENTITY, 0, &mut walk);
+        self.group(group, &mut Place::new(DAffine3::IDENTITY), &mut Walk::default());
+        if let Some((count, first)) = self.flat_triangles {
+            let message = match count {
+                1 => "this triangle has no area and is left out".to_owned(),
+                n => format!("{n} triangles have no area and are left out"),
+            };
+            let label = if count == 1 { "its corners lie on a line" } else { "the first one" };
+            self.diagnostics.push(Diagnostic::warning(message).label(first, label));
+        }
     }
 
-    /// * `world`: the matrix around the group; `place`: the same as an index of the pool
-    fn group(&mut self, group: Item<'_>, world: &DAffine3, place: u32, walk: &mut Walk) {
+    pub(super) fn group(&mut self, group: Item<'_>, place: &mut Place, walk: &mut Walk) {
         let mut objects = 0;
         let mut count = None;
         for item in self.children(group) {
             match item.keyword() {
                 "numObjects" => count = Some(item),
+                "Define" => self.define(item, walk),
                 word => {
                     // A misspelt object was meant to be one.
                     objects += usize::from(OBJECTS.contains(&word) || item.has_block());
-                    self.object(item, group.keyword(), world, place, walk);
+                    self.object(item, group.keyword(), place, walk);
                 }
             }
         }
         self.check_count("numObjects", count, objects, "object");
     }
 
-    fn object(&mut self, item: Item<'_>, parent: &str, world: &DAffine3, place: u32, walk: &mut Walk) {
+    fn object(&mut self, item: Item<'_>, parent: &str, place: &mut Place, walk: &mut Walk) {
         match item.keyword() {
-            "Group" => self.group(item, world, place, walk),
+            "Group" => self.group(item, place, walk),
             "MaterialIndex" => {
                 let reference = Args::read(item, self.diagnostics, Reference::read);
                 let material = reference.and_then(|reference| self.material(&reference));
                 walk.material_failed |= material.is_none();
                 walk.material = material.or(walk.material);
             }
-            "Transform" => self.transform(item, world, walk),
+            "Instance" => self.instance(item, place, walk),
+            "Transform" => self.transform(item, place, walk),
             word if OBJECTS.contains(&word) => self.primitive(item, place, walk),
             word if LATER.contains(&word) => self.diagnostics.push(not_supported_yet(item)),
             _ => {
-                let allowed = OBJECTS.into_iter().chain(["MaterialIndex", "numObjects"]);
+                let allowed = OBJECTS.into_iter().chain(["Define", "MaterialIndex", "numObjects"]);
                 self.diagnostics.push(unknown_word(item, Some(parent), allowed));
             }
         }
     }
 
-    fn transform(&mut self, item: Item<'_>, world: &DAffine3, walk: &mut Walk) {
-        let mut local = DAffine3::IDENTITY;
-        let mut flattens = false;
+    fn transform(&mut self, item: Item<'_>, place: &Place, walk: &mut Walk) {
+        let mut operations = Vec::new();
         let mut objects = Vec::new();
         for child in self.children(item) {
             if !transform::OPERATIONS.contains(&child.keyword()) {
                 objects.push(child);
             } else if objects.is_empty() {
-                local = transform::apply(local, child, self.rules.matrix_by_rows, self.diagnostics);
-                // Rounding in a later product could hide that there is no inverse.
-                flattens |= local.matrix3.determinant() == 0.0;
+                operations.push(child);
             } else {
                 let message = format!("`{}` comes after the object it should move", child.keyword());
                 let error = Diagnostic::error(message).label(child.head_span(), "too late");
@@ -101,27 +146,37 @@ impl Compiler<'_> {
             let warning = Diagnostic::warning("this `Transform` holds no object");
             self.diagnostics.push(warning.label(item.keyword_span(), "moves nothing"));
         }
-        let world = *world * local;
-        let transform = Transform::new(&world).filter(|_| !flattens && !walk.flattened);
-        if transform.is_none() && !walk.flattened {
-            let warning =
-                Diagnostic::warning("this `Transform` has no inverse, so what it holds cannot be seen");
-            self.diagnostics.push(warning.label(item.keyword_span(), "flattens its object"));
-        }
-        let flattened_around = std::mem::replace(&mut walk.flattened, transform.is_none());
-        let mut place = 0;
-        if let Some(transform) = transform.filter(|transform| !transform.is_identity()) {
-            place = self.transforms.len() as u32;
-            self.transforms.push(transform);
-        }
+        let mut there = self.moved(item, &operations, place);
         for object in objects {
-            self.object(object, item.keyword(), &world, place, walk);
+            self.object(object, item.keyword(), &mut there, walk);
         }
-        walk.flattened = flattened_around;
     }
 
-    fn primitive(&mut self, item: Item<'_>, place: u32, walk: &Walk) {
-        let mut place = place;
+    /// The place that `operations` of `item` lead to from `place`; one that cannot be is reported.
+    pub(super) fn moved(&mut self, item: Item<'_>, operations: &[Item<'_>], place: &Place) -> Place {
+        let mut local = DAffine3::IDENTITY;
+        let mut flattens = false;
+        for &operation in operations {
+            local = transform::apply(local, operation, self.rules.matrix_by_rows, self.diagnostics);
+            // Rounding in a later product could hide that there is no inverse.
+            flattens |= local.matrix3.determinant() == 0.0;
+        }
+        let there = Place::new(place.world * local);
+        if place.is_flat() {
+            return there.flattened();
+        }
+        if flattens || there.is_flat() {
+            let message =
+                format!("this `{}` has no inverse, so what it holds cannot be seen", item.keyword());
+            let warning = Diagnostic::warning(message);
+            self.diagnostics.push(warning.label(item.keyword_span(), "flattens its object"));
+            return there.flattened();
+        }
+        there
+    }
+
+    fn primitive(&mut self, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+        let mut baked = None;
         let (keyword, shape) = match item.keyword() {
             "Box" => ("Box", self.read(item, read_box).and_then(|s| self.shape(item, s))),
             "Cone" => ("Cone", self.read(item, |p| read_cone(p, true)).and_then(|s| self.shape(item, s))),
@@ -132,37 +187,77 @@ impl Compiler<'_> {
             "Plane" => ("Plane", self.read(item, read_plane).and_then(|s| self.shape(item, s))),
             "Quad" => ("Quad", self.read(item, read_quad).and_then(|s| self.shape(item, s))),
             "Sphere" => ("Sphere", self.read(item, read_sphere).and_then(|s| self.shape(item, s))),
-            "Triangle" => ("Triangle", self.triangle(item, &mut place)),
+            "Triangle" => {
+                let shape = self.triangle(item, place);
+                baked = Some(place.baked());
+                ("Triangle", shape)
+            }
             _ => ("TriangleMesh", self.mesh(item)),
         };
-        let Some(material) = walk.material else {
-            let materials_failed = self.diagnostics.has_errors() && self.material_list.is_empty();
-            if walk.material_failed || materials_failed {
-                return;
-            }
-            let error = Diagnostic::error(format!("`{keyword}` has no material"));
-            let help = "write `MaterialIndex 0`, or the name of a material, before it";
-            self.diagnostics
-                .push(error.label(item.keyword_span(), "no `MaterialIndex` before this").help(help));
+        let name = item.word().map(|word| word.text().into_owned());
+        let brings_materials = keyword == "TriangleMesh" && self.slots_transmit;
+        let Some(shape) = shape else {
+            self.material_for(item.keyword(), item.keyword_span(), walk);
             return;
         };
-        let Some(shape) = shape.filter(|_| !walk.flattened) else { return };
-        let brings_own = keyword == "TriangleMesh" && self.slots_transmit();
-        let transmits = brings_own || self.materials.may_transmit(material, &self.materials);
-        self.primitives.push(Primitive { shape, transform: place, material, transmits });
-        self.objects.push(Object { name: item.word().map(|word| word.text().into_owned()), keyword });
+        let part = Part {
+            shape,
+            map: DAffine3::IDENTITY,
+            material: None,
+            label: self.objects.label(name, keyword),
+            brings_materials,
+        };
+        self.put(&part, item.keyword(), item.keyword_span(), baked.as_mut().unwrap_or(place), walk);
     }
 
-    /// A single triangle, taken to world space at once: no ray is ever transformed for it.
-    fn triangle(&mut self, item: Item<'_>, place: &mut u32) -> Option<ShapeId> {
+    /// Makes `part` an object at `place`: of the definition that is being read, else of the scene.
+    ///
+    /// * `keyword`, `at`: what puts it there
+    pub(super) fn put(&mut self, part: &Part, keyword: &str, at: Span, place: &mut Place, walk: &mut Walk) {
+        if let Some(parts) = &mut walk.parts {
+            if !place.is_flat() {
+                let material = part.material.or(walk.material);
+                parts.push(Part { map: place.world, material, ..*part });
+            }
+            return;
+        }
+        let material = part.material.or_else(|| self.material_for(keyword, at, walk));
+        let (Some(material), Some(transform)) = (material, self.transform_number(place)) else { return };
+        let transmits = part.brings_materials || self.materials.may_transmit(material, &self.materials);
+        self.primitives.push(Primitive { shape: part.shape, transform, material, transmits });
+        self.objects.push(part.label);
+    }
+
+    /// The material in force; its absence is reported.
+    fn material_for(&mut self, keyword: &str, at: Span, walk: &Walk) -> Option<MaterialId> {
+        let materials_failed = self.diagnostics.has_errors() && self.material_list.is_empty();
+        if walk.material.is_none() && walk.parts.is_none() && !walk.material_failed && !materials_failed {
+            let error = Diagnostic::error(format!("`{keyword}` has no material"));
+            let help = "write `MaterialIndex 0`, or the name of a material, before it";
+            self.diagnostics.push(error.label(at, "no `MaterialIndex` before this").help(help));
+        }
+        walk.material
+    }
+
+    /// The number of a place's transform; `None` when it has none and nothing there can be hit.
+    fn transform_number(&mut self, place: &mut Place) -> Option<u32> {
+        let transform = place.transform?;
+        let transforms = &mut self.transforms;
+        Some(*place.index.get_or_insert_with(|| {
+            transforms.push(transform);
+            transforms.len() as u32 - 1
+        }))
+    }
+
+    /// A single triangle, taken to its place at once: no ray is ever transformed for it.
+    fn triangle(&mut self, item: Item<'_>, place: &Place) -> Option<ShapeId> {
         let mut triangle = self.read(item, read_triangle)?;
         if triangle.is_degenerate() {
-            let warning = Diagnostic::warning("this triangle has no area and is left out");
-            self.diagnostics.push(warning.label(item.keyword_span(), "its corners lie on a line"));
+            let (count, _) = self.flat_triangles.get_or_insert((0, item.keyword_span()));
+            *count += 1;
             return None;
         }
-        let transform = self.transforms[std::mem::take(place) as usize];
-        if !transform.is_identity() {
+        if let Some(transform) = place.transform.filter(|transform| !transform.is_identity()) {
             triangle.vertices = triangle.vertices.map(|v| transform.point(v));
             if transform.mirrors() {
                 // The normal keeps its side of the surface: the order of the corners turns round.
@@ -173,13 +268,8 @@ impl Compiler<'_> {
         self.shape(item, triangle)
     }
 
-    /// Whether light may pass through any material that came with a mesh.
-    fn slots_transmit(&self) -> bool {
-        self.slot_materials.iter().any(|&id| self.materials.may_transmit(id, &self.materials))
-    }
-
     /// The items in a block; an item without a block is reported.
-    fn children<'t>(&mut self, item: Item<'t>) -> Vec<Item<'t>> {
+    pub(super) fn children<'t>(&mut self, item: Item<'t>) -> Vec<Item<'t>> {
         let mut params = Params::new(item, self.diagnostics);
         params.name();
         let children = params.rest();

@@ -6,7 +6,10 @@ use std::collections::HashMap;
 
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
-use kajo_scene::{Args, AssetFile, Diagnostic, Item, MtlMaterial, ObjMesh, Span, read_mtl, read_obj};
+use kajo_scene::{
+    Args, AssetFile, Corners, Diagnostic, Item, LoadStep, MtlMaterial, Params, Span, TriMesh, read_mesh,
+    read_mtl,
+};
 
 use super::Compiler;
 use super::materials::absorption_of;
@@ -41,8 +44,7 @@ impl Compiler<'_> {
         let unasked = if self.rules.smooth_meshes { Shading::Averaged } else { Shading::Flat };
         let (name, place, shading, own_materials) = self.read(item, |params| {
             params.name();
-            let file =
-                params.required("obj_file", |args| Ok((args.text()?.into_owned(), args.item().head_span())));
+            let file = file_name(params, "obj_file");
             let smooth = params.optional("smooth", Args::flag);
             let shading = smooth.map_or(unasked, |on| if on { Shading::Smooth } else { Shading::Flat });
             let own_materials = params.or("materials", false, Args::flag);
@@ -73,8 +75,8 @@ impl Compiler<'_> {
         item: Item<'_>,
         place: Span,
     ) -> Option<ShapeId> {
-        let path = file.path;
-        let (obj, report) = match read_obj(file.reader, &path, &self.options.limits) {
+        let path = file.path.clone();
+        let (mesh, report) = match read_mesh(file, &self.options.limits) {
             Ok(read) => read,
             Err(error) => {
                 self.file_errors.push((error, place));
@@ -82,35 +84,44 @@ impl Compiler<'_> {
             }
         };
         for warning in report.warnings() {
-            self.diagnostics
-                .push(Diagnostic::warning(format!("`{path}`: {warning}")).label(place, "read here"));
+            self.warn_of_file(&path, &warning, place);
         }
-        let slots = if own_materials { self.material_slots(&obj, &path, place) } else { None };
-        let mesh = match Mesh::new(mesh_data(obj, shading, slots), &self.options.build) {
+        let slots = if own_materials { self.material_slots(&mesh, &path, place) } else { None };
+        self.build_mesh(mesh_data(mesh, shading, slots), &path, item, place)
+    }
+
+    /// Builds the tree of a mesh and stores it, and says what is wrong with it.
+    pub(super) fn build_mesh(
+        &mut self,
+        data: MeshData,
+        path: &str,
+        item: Item<'_>,
+        place: Span,
+    ) -> Option<ShapeId> {
+        self.assets.progress(LoadStep::Building { path, triangles: data.faces.len() });
+        let mesh = match Mesh::new(data, &self.options.build) {
             Ok(mesh) => mesh,
             Err(error) => {
-                self.cannot_read(&path, &error.to_string(), place);
+                self.cannot_read(path, &error.to_string(), place);
                 return None;
             }
         };
-        let warning = match (mesh.triangle_count(), mesh.dropped()) {
-            (0, _) => Some(format!("`{path}` holds no triangles")),
-            (_, 0) => None,
+        match (mesh.triangle_count(), mesh.dropped()) {
+            (0, _) => self.warn_of_file(path, "there are no triangles in it", place),
+            (_, 0) => {}
             (n, flat) => {
-                Some(format!("{flat} of the {n} triangles of `{path}` have no area and are left out"))
+                let message = format!("{flat} of its {n} triangles have no area and are left out");
+                self.warn_of_file(path, &message, place);
             }
-        };
-        if let Some(warning) = warning {
-            self.diagnostics.push(Diagnostic::warning(warning).label(place, "read here"));
         }
         self.shape(item, mesh)
     }
 
     /// For each face the index of its material among the scene's slots.
-    fn material_slots(&mut self, obj: &ObjMesh, path: &str, place: Span) -> Option<Vec<u32>> {
-        let face_materials = obj.face_materials.as_ref()?;
+    fn material_slots(&mut self, mesh: &TriMesh, path: &str, place: Span) -> Option<Vec<u32>> {
+        let face_materials = mesh.face_materials.as_ref()?;
         let mut known: HashMap<String, MtlMaterial> = HashMap::new();
-        for library in &obj.libraries {
+        for library in &mesh.libraries {
             match self.assets.open(library, path) {
                 Ok(file) => {
                     let (mtl_path, reader) = (file.path, file.reader);
@@ -122,7 +133,7 @@ impl Compiler<'_> {
                 Err(error) => self.cannot_read(library, &error.to_string(), place),
             }
         }
-        let slots: Vec<u32> = obj
+        let slots: Vec<u32> = mesh
             .material_names
             .iter()
             .map(|name| self.material_slot(known.get(name), name, path, place))
@@ -132,41 +143,65 @@ impl Compiler<'_> {
 
     fn material_slot(&mut self, found: Option<&MtlMaterial>, name: &str, path: &str, place: Span) -> u32 {
         let Some(mtl) = found else {
-            let message = format!("`{path}` uses the material `{name}`, which none of its libraries has");
-            self.diagnostics.push(Diagnostic::warning(message).label(place, "read here"));
+            let message = format!("it uses the material `{name}`, which none of its libraries has");
+            self.warn_of_file(path, &message, place);
             return ABSENT;
         };
         if let Some((map, _)) = mtl.maps.first() {
             let message = format!("`{map}` of the material `{name}` is not supported yet and left out");
-            self.diagnostics.push(Diagnostic::warning(message).label(place, "read here"));
+            self.warn_of_file(path, &message, place);
         }
         let Some(id) = phong(mtl).store(&mut self.materials) else { return ABSENT };
+        self.slots_transmit |= self.materials.may_transmit(id, &self.materials);
         self.slot_materials.push(id);
         self.slot_materials.len() as u32 - 1
     }
 
-    fn cannot_read(&mut self, name: &str, reason: &str, place: Span) {
+    pub(super) fn cannot_read(&mut self, name: &str, reason: &str, place: Span) {
         let error = Diagnostic::error(format!("cannot read `{name}`: {reason}"));
         self.diagnostics.push(error.label(place, "named here"));
     }
+
+    pub(super) fn warn_of_file(&mut self, path: &str, message: &str, place: Span) {
+        let warning = Diagnostic::warning(format!("`{path}`: {message}"));
+        self.diagnostics.push(warning.label(place, "read here"));
+    }
 }
 
-fn mesh_data(obj: ObjMesh, shading: Shading, material_slots: Option<Vec<u32>>) -> MeshData {
-    let positions: Vec<Vec3> = obj.positions.into_iter().map(Vec3::from).collect();
-    let normals = match (shading, obj.face_normals) {
-        (Shading::Flat, _) => None,
-        (Shading::Averaged, _) => Some(vertex_normals(&positions, &obj.faces, Neighbours::ByIndex)),
-        (Shading::Smooth, None) => Some(vertex_normals(&positions, &obj.faces, Neighbours::ByPosition)),
-        (Shading::Smooth, Some(faces)) => {
-            let values = obj.normals.into_iter().map(|n| Vec3::from(n).normalize_or_zero()).collect();
-            Some(CornerValues { values, faces })
+/// The value of `file`, or of its older name `old`, and where it stands.
+pub(super) fn file_name(params: &mut Params<'_, '_>, old: &'static str) -> Option<(String, Span)> {
+    fn read(args: &mut Args<'_>) -> Result<(String, Span), Diagnostic> {
+        Ok((args.text()?.into_owned(), args.item().head_span()))
+    }
+    if params.has(old) { params.required(old, read) } else { params.required("file", read) }
+}
+
+fn mesh_data(mesh: TriMesh, shading: Shading, material_slots: Option<Vec<u32>>) -> MeshData {
+    let positions: Vec<Vec3> = mesh.positions.into_iter().map(Vec3::from).collect();
+    let from_file = |normals, corners| corner_values(normals, corners, |n| Vec3::from(n).normalize_or_zero());
+    let around = |neighbours| Some(vertex_normals(&positions, &mesh.faces, neighbours));
+    let normals = match shading {
+        Shading::Flat => None,
+        Shading::Averaged => around(Neighbours::ByIndex),
+        Shading::Smooth => {
+            from_file(mesh.normals, mesh.face_normals).or_else(|| around(Neighbours::ByPosition))
         }
     };
-    let uvs = obj.face_uvs.map(|faces| {
-        let values = obj.uvs.into_iter().map(Vec2::from).collect();
-        CornerValues { values, faces }
-    });
-    MeshData { positions, faces: obj.faces, normals, uvs, material_slots }
+    let uvs = corner_values(mesh.uvs, mesh.face_uvs, Vec2::from);
+    MeshData { positions, faces: mesh.faces, normals, uvs, material_slots }
+}
+
+pub(super) fn corner_values<T, U>(
+    values: Vec<T>,
+    corners: Corners,
+    convert: impl FnMut(T) -> U,
+) -> Option<CornerValues<U>> {
+    let faces = match corners {
+        Corners::Absent => return None,
+        Corners::Vertices => None,
+        Corners::Own(faces) => Some(faces),
+    };
+    Some(CornerValues { values: values.into_iter().map(convert).collect(), faces })
 }
 
 /// The Phong material that an MTL material describes.

@@ -6,6 +6,7 @@
 
 mod background;
 mod camera;
+mod definition;
 mod group;
 mod lights;
 mod materials;
@@ -20,11 +21,13 @@ use kajo_color::Spectrum;
 use kajo_math::{Aabb, Transform};
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
 
+use self::definition::Definition;
 use crate::background::Background;
 use crate::family::Pooled;
 use crate::light::{LightId, Lights};
 use crate::material::{MaterialId, Materials};
-use crate::scene::{Object, Primitive, Scene};
+use crate::objects::Objects;
+use crate::scene::{Primitive, Scene};
 use crate::settings::{Dialect, Rules, Settings};
 use crate::shape::{ShapeId, Shapes};
 use crate::texture::Textures;
@@ -124,11 +127,20 @@ struct Compiler<'a> {
     shapes: Shapes,
     transforms: Vec<Transform>,
     primitives: Vec<Primitive>,
-    objects: Vec<Object>,
+    objects: Objects,
+    definitions: HashMap<String, Definition>,
+    /// Parts of all definitions.
+    parts_defined: usize,
+    /// There are more objects than there may be, which has been reported.
+    too_many: bool,
+    /// Triangles without area, and where the first one stands.
+    flat_triangles: Option<(usize, Span)>,
     materials: Materials,
     material_list: Vec<(MaterialId, Option<String>)>,
     material_names: HashMap<String, MaterialId>,
     slot_materials: Vec<MaterialId>,
+    /// Whether light may pass through any of those.
+    slots_transmit: bool,
     textures: Textures,
     lights: Lights,
     light_list: Vec<LightId>,
@@ -152,11 +164,16 @@ impl<'a> Compiler<'a> {
             shapes: Shapes::default(),
             transforms: vec![Transform::IDENTITY],
             primitives: Vec::new(),
-            objects: Vec::new(),
+            objects: Objects::default(),
+            definitions: HashMap::new(),
+            parts_defined: 0,
+            too_many: false,
+            flat_triangles: None,
             materials: Materials::default(),
             material_list: Vec::new(),
             material_names: HashMap::new(),
             slot_materials: Vec::new(),
+            slots_transmit: false,
             textures: Textures::default(),
             lights: Lights::default(),
             light_list: Vec::new(),

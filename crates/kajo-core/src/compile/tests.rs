@@ -1,4 +1,4 @@
-use kajo_math::{Ray, Vec3};
+use kajo_math::{Ray, Vec2, Vec3};
 use kajo_scene::{MemoryAssets, Severity};
 
 use super::*;
@@ -332,4 +332,151 @@ fn smooth_meshes_take_normals_as_the_dialect_says() {
     near(normal("", roof, Dialect::MitA2), Vec3::Z);
     near(normal("", split, Dialect::MitA2), slope);
     near(normal("smooth off", roof, Dialect::MitA2), slope);
+}
+
+fn with_files(text: &str, assets: &MemoryAssets) -> (Option<Scene>, Vec<String>) {
+    let mut parsed = SceneDesc::parse_str(&format!("{CAMERA}{RED}{text}"));
+    let mut diagnostics = parsed.diagnostics;
+    let scene = compile(&mut parsed.desc, assets, &CompileOptions::default(), &mut diagnostics);
+    (scene, diagnostics.iter().map(|d| d.message.clone()).collect())
+}
+
+/// A roof of two triangles over the z axis, in three formats; PLY with wrong normals, so that they show.
+fn roof() -> MemoryAssets {
+    let obj = "v -1 0 0\nv 1 0 0\nv 0 1 1\nv 0 -1 1\nf 1 2 3\nf 1 4 2\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+        property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n\
+        element face 2\nproperty list uchar int vertex_indices\nend_header\n\
+        -1 0 0 2 0 0 0 0\n1 0 0 2 0 0 1 0\n0 1 1 2 0 0 0 1\n0 -1 1 2 0 0 0 1\n3 0 1 2\n3 0 3 1\n";
+    let facet = |a: &str, b: &str, c: &str| {
+        format!("facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n")
+    };
+    let (left, right) = ("-1 0 0", "1 0 0");
+    let stl = format!("solid\n{}{}endsolid\n", facet(left, right, "0 1 1"), facet(left, "0 -1 1", right));
+    MemoryAssets::new().with("roof.obj", obj).with("roof.ply", ply).with("roof.stl", stl)
+}
+
+#[test]
+fn meshes_of_all_formats_are_the_same_mesh() {
+    for file in ["obj_file roof.obj", "file roof.obj", "file roof.ply", "file roof.stl"] {
+        let (flat, said) =
+            with_files(&format!("Group {{ MaterialIndex 0 TriangleMesh {{ {file} }} }}"), &roof());
+        let flat = flat.unwrap_or_else(|| panic!("{said:?}"));
+        let (p, n, _) = look(&flat, 0.0, 0.25).unwrap();
+        assert!(
+            (p.z - 0.25).abs() < 1e-5 && n.distance(Vec3::new(0.0, -1.0, 1.0).normalize()) < 1e-5,
+            "{file}: {p} {n}"
+        );
+        let (smooth, _) =
+            with_files(&format!("Group {{ MaterialIndex 0 TriangleMesh {{ {file} smooth on }} }}"), &roof());
+        let (_, n, _) = look(&smooth.unwrap(), 0.0, 1e-4).unwrap();
+        let expected = if file.ends_with("ply") { Vec3::X } else { Vec3::Z };
+        assert!(n.distance(expected) < 1e-3, "{file}: {n}");
+    }
+}
+
+#[test]
+fn texture_coordinates_of_vertices_reach_the_hit() {
+    let (scene, _) = with_files("Group { MaterialIndex 0 TriangleMesh { file roof.ply } }", &roof());
+    let scene = scene.unwrap();
+    let ray = Ray::new(Vec3::new(0.0, 0.25, 10.0), Vec3::NEG_Z);
+    let Event::Surface(at) = scene.trace(&ray) else { panic!("missed") };
+    assert!(scene.uv(&at).distance(Vec2::new(0.375, 0.25)) < 1e-5, "{}", scene.uv(&at));
+}
+
+const BALL: &str = "Sphere { center 0 0 0 radius 1 }";
+
+#[test]
+fn instances_stand_where_their_operations_say() {
+    let s = scene(&format!(
+        "{CAMERA}{RED}Group {{ Define pair {{ {BALL} Transform {{ Translate 0 3 0 Group {{ MaterialIndex 1 {BALL} }} }} }}
+         MaterialIndex red Instance pair
+         Instance pair {{ Translate 5 0 0 UniformScale 0.5 }}
+         Transform {{ Translate -5 0 0 Instance pair {{ ZRotate 180 }} }} }}"
+    ));
+    let (red, green) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    for (x, y, z, color) in [
+        (0.0, 0.0, 1.0, red),
+        (0.0, 3.0, 1.0, green),
+        (5.0, 0.0, 0.5, red),
+        (5.0, 1.5, 0.5, green),
+        (-5.0, 0.0, 1.0, red),
+        (-5.0, -3.0, 1.0, green),
+    ] {
+        let (p, _, found) = look(&s, x, y).unwrap_or_else(|| panic!("nothing at {x} {y}"));
+        assert!((p.z - z).abs() < 1e-4 && found == color, "{x} {y}: {p} {found:?}");
+    }
+    assert_eq!(s.shapes.spheres.len(), 2, "stored once");
+    assert_eq!(s.primitives.len(), 6);
+}
+
+#[test]
+fn definitions_nest_and_take_the_material_in_force() {
+    let s = scene(&format!(
+        "{CAMERA}{RED}Group {{ Define ball {{ Sphere pearl {{ center 0 0 0 radius 0.1 }} }}
+         Define row {{ MaterialIndex 1 Instance ball MaterialIndex red Instance ball {{ Translate 1 0 0 }} }}
+         Define block {{ Instance row  Instance row {{ Translate 0 1 0 }} Instance ball {{ Translate 0 2 0 }} }}
+         MaterialIndex 1 Instance block  MaterialIndex red  Instance block {{ Translate 0 0 -3 }} }}"
+    ));
+    assert_eq!((s.primitives.len(), s.shapes.spheres.len()), (10, 1));
+    let numbers: Vec<u32> = s.primitives.iter().map(|p| s.material_number(p.material)).collect();
+    assert_eq!(numbers, [2, 1, 2, 1, 2, 2, 1, 2, 1, 1], "a definition's own first, then the instance's");
+    assert!(s.objects.iter().all(|o| o == crate::Object { name: Some("pearl"), keyword: "Sphere" }));
+    assert_eq!(look(&s, 1.0, 1.0).unwrap().2, [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn triangles_of_a_definition_keep_their_side_when_mirrored() {
+    let s = scene(&format!(
+        "{CAMERA}{RED}Group {{ Define t {{ Transform {{ Translate 1 0 0
+         Triangle {{ vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }} }} }}
+         MaterialIndex 0 Instance t {{ Scale -1 1 1 }} }}"
+    ));
+    let (_, n, _) = look(&s, -1.2, 0.2).unwrap();
+    assert!(n.distance(Vec3::Z) < 1e-6, "{n}");
+}
+
+#[test]
+fn wrong_definitions_are_told() {
+    for (group, said) in [
+        ("Define { }", "`Define` needs a name"),
+        ("Instance { }", "`Instance` needs the name of a definition"),
+        ("Instance tree", "there is no definition named `tree` before this"),
+        ("Define a { Instance a }", "there is no definition named `a` before this"),
+        ("Define a { } Define a { }", "there are two definitions named `a`"),
+        ("Define a { Sphere { center 0 0 0 radius 1 } } Instance a", "`Instance` has no material"),
+        ("Define a { } Instance a { Sphere { center 0 0 0 radius 1 } }", "unknown"),
+    ] {
+        let found = error_in_group(group);
+        assert!(found.contains(said), "{group}: {found}");
+    }
+}
+
+#[test]
+fn exponential_nesting_is_refused_before_it_costs() {
+    let mut text = format!("Define d0 {{ {BALL} }} ");
+    for i in 1..64 {
+        let ten = format!("Instance d{} ", i - 1).repeat(10);
+        text += &format!("Define d{i} {{ {ten} }} ");
+    }
+    let mut parsed =
+        SceneDesc::parse_str(&format!("{CAMERA}{RED}Group {{ {text} MaterialIndex 0 Instance d63 }}"));
+    let limits = Limits { objects: 100_000, ..Limits::default() };
+    let options = CompileOptions { limits, ..CompileOptions::default() };
+    let mut diagnostics = parsed.diagnostics;
+    assert!(compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut diagnostics).is_none());
+    let said: Vec<_> = diagnostics.iter().map(|d| &d.message).collect();
+    assert_eq!(said, ["with this there would be more than 100000 objects, the most that a scene may have"]);
+}
+
+#[test]
+fn triangles_without_area_are_counted_in_one_warning() {
+    let flat = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 2 0 0 } ";
+    for (n, expected) in
+        [(1, "this triangle has no area and is left out"), (7, "7 triangles have no area and are left out")]
+    {
+        let (scene, said) = compiled(&format!("{CAMERA}{RED}Group {{ MaterialIndex 0 {} }}", flat.repeat(n)));
+        assert!(scene.unwrap().primitives.is_empty());
+        assert_eq!(said, [(Severity::Warning, expected.to_owned())]);
+    }
 }

@@ -22,19 +22,23 @@ pub const ABSENT: u32 = u32::MAX;
 pub struct CornerValues<T> {
     /// The values.
     pub values: Vec<T>,
-    /// Indices of the corners' values, or [`ABSENT`].
-    pub faces: Vec<[u32; 3]>,
+    /// Indices of the corners' values, or [`ABSENT`]; `None` when they are those of the vertices.
+    pub faces: Option<Vec<[u32; 3]>>,
 }
 
 impl<T: Copy> CornerValues<T> {
-    fn of(&self, face: u32) -> Option<[T; 3]> {
-        let [a, b, c] = *self.faces.get(face as usize)?;
+    /// The values at the corners of a face with these vertices.
+    fn of(&self, face: u32, vertices: [u32; 3]) -> Option<[T; 3]> {
+        let [a, b, c] = match &self.faces {
+            Some(faces) => *faces.get(face as usize)?,
+            None => vertices,
+        };
         let value = |i: u32| self.values.get(i as usize).copied();
         Some([value(a)?, value(b)?, value(c)?])
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(&*self.values) + size_of_val(&*self.faces)
+        size_of_val(&*self.values) + self.faces.as_ref().map_or(0, |faces| size_of_val(&**faces))
     }
 }
 
@@ -98,7 +102,7 @@ impl Mesh {
 
     /// Interpolated unit normal, if the mesh has normals there.
     fn smooth_normal(&self, hit: &Hit) -> Option<Vec3> {
-        let [a, b, c] = self.normals.as_ref()?.of(hit.part)?;
+        let [a, b, c] = self.normals.as_ref()?.of(hit.part, self.faces[hit.part as usize])?;
         ((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).try_normalize()
     }
 }
@@ -134,7 +138,7 @@ impl Surface for Mesh {
     }
 
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
-        let corners = self.uvs.as_ref().and_then(|uvs| uvs.of(hit.part));
+        let corners = self.uvs.as_ref().and_then(|uvs| uvs.of(hit.part, self.faces[hit.part as usize]));
         corners.map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
     }
 
@@ -168,21 +172,24 @@ pub enum Neighbours {
 /// Normals at the vertices: the plain sum of the unit normals of the faces around, as the
 /// `mit-a2` programs have it.
 pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]], neighbours: Neighbours) -> CornerValues<Vec3> {
-    let welded = match neighbours {
-        Neighbours::ByIndex => (0..positions.len() as u32).collect(),
-        Neighbours::ByPosition => welded(positions),
-    };
+    let first = (neighbours == Neighbours::ByPosition).then(|| welded(positions));
+    let place = |corner: u32| first.as_ref().map_or(corner, |first| first[corner as usize]);
     let mut sums = vec![Vec3::ZERO; positions.len()];
     for face in faces {
         let [a, b, c] = face.map(|i| positions[i as usize].as_dvec3());
         let n = (b - a).cross(c - a).normalize_or_zero().as_vec3();
         for &corner in face {
-            sums[welded[corner as usize] as usize] += n;
+            sums[place(corner) as usize] += n;
         }
     }
-    let values = sums.iter().map(|n| n.normalize_or_zero()).collect();
-    let faces = faces.iter().map(|face| face.map(|i| welded[i as usize])).collect();
-    CornerValues { values, faces }
+    for corner in 0..sums.len() {
+        // The first of several comes before the others, so that it is of unit length already.
+        sums[corner] = match place(corner as u32) as usize {
+            first if first == corner => sums[corner].normalize_or_zero(),
+            first => sums[first],
+        };
+    }
+    CornerValues { values: sums, faces: None }
 }
 
 /// For each vertex the first one at the same position.

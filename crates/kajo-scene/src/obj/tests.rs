@@ -2,23 +2,24 @@
 
 use super::*;
 
-fn read(text: &str) -> Result<(ObjMesh, ObjReport), String> {
+fn read(text: &str) -> Result<(TriMesh, MeshReport), String> {
     read_obj(text.as_bytes(), "m.obj", &Limits::default()).map_err(|error| error.to_string())
 }
 
-fn mesh(text: &str) -> ObjMesh {
+fn mesh(text: &str) -> TriMesh {
     read(text).unwrap().0
 }
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvn 0 0 1\n";
 
-fn face(f: &str) -> ObjMesh {
+fn face(f: &str) -> TriMesh {
     mesh(&format!("{TRIANGLE}f {f}\n"))
 }
 
 #[test]
 fn all_forms_of_a_corner() {
     const NONE: [u32; 3] = [NO_INDEX; 3];
+    let own = |corners: Option<[u32; 3]>| corners.map_or(Corners::Absent, |c| Corners::Own(vec![c]));
     for (f, uvs, normals) in [
         ("1 2 3", None, None),
         ("1/1 2/2 3/1", Some([0, 1, 0]), None),
@@ -30,11 +31,11 @@ fn all_forms_of_a_corner() {
     ] {
         let mesh = face(f);
         assert_eq!(mesh.faces, [[0, 1, 2]], "{f}");
-        assert_eq!(mesh.face_uvs, uvs.map(|uvs| vec![uvs]), "{f}");
-        assert_eq!(mesh.face_normals, normals.map(|normals| vec![normals]), "{f}");
+        assert_eq!(mesh.face_uvs, own(uvs), "{f}");
+        assert_eq!(mesh.face_normals, own(normals), "{f}");
     }
     let late = mesh(&format!("{TRIANGLE}f 1 2 3\nf 1//1 2//1 3//1\nf 1 2 3\n"));
-    assert_eq!(late.face_normals, Some(vec![NONE, [0; 3], NONE]));
+    assert_eq!(late.face_normals, Corners::Own(vec![NONE, [0; 3], NONE]));
 }
 
 #[test]
@@ -48,7 +49,7 @@ fn lines_end_in_any_way_and_go_on_after_a_backslash() {
     ] {
         assert_eq!(mesh(text), expected, "{text:?}");
     }
-    assert_eq!(mesh(""), ObjMesh::default());
+    assert_eq!(mesh(""), TriMesh::default());
 }
 
 #[test]
@@ -65,7 +66,7 @@ fn polygons_are_split_also_before_their_vertices_come() {
     let after = mesh(&format!("{vertices}{f}"));
     assert_eq!(report.polygons, 1);
     assert_eq!(before, after);
-    assert_eq!(after.face_uvs.as_ref(), Some(&after.faces), "attributes follow their corners");
+    assert_eq!(after.face_uvs, Corners::Own(after.faces.clone()), "attributes follow their corners");
     for [a, b, c] in after.faces {
         let p = |i: u32| after.positions[i as usize];
         let (a, b, c) = (p(a), p(b), p(c));
@@ -92,7 +93,7 @@ fn triangles_that_are_not_finite_are_dropped_with_all_they_have() {
                 f 1//1 2//1 3//1\nf 1 2 5\nusemtl b\nf 1 2 4\nf 2 1 5\n";
     let (mesh, report) = read(text).unwrap();
     assert_eq!(mesh.faces, [[0, 1, 4], [1, 0, 4]]);
-    assert_eq!(mesh.face_normals, Some(vec![[NO_INDEX; 3]; 2]));
+    assert_eq!(mesh.face_normals, Corners::Own(vec![[NO_INDEX; 3]; 2]));
     assert_eq!(mesh.face_materials, Some(vec![0, 1]));
     assert_eq!(mesh.normals, [[0.0; 3]]);
     assert_eq!((report.dropped, report.zeroed, report.warnings().len()), (2, 1, 2));
@@ -104,7 +105,7 @@ fn what_is_no_triangle_is_counted() {
     assert!(mesh.faces.is_empty());
     assert_eq!((report.lines_and_points, report.unknown), (2, 2));
     assert_eq!(report.first_unknown, Some(("curv".to_owned(), 6)));
-    assert_eq!(ObjReport::default().warnings(), [""; 0]);
+    assert_eq!(MeshReport::default().warnings(), [""; 0]);
 }
 
 #[test]

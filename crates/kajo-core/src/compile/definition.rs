@@ -1,0 +1,121 @@
+//! `Define` and `Instance`: things described once and placed many times.
+//!
+//! A definition is a list of parts, each a shape with its place within the definition. An instance
+//! makes an object of each part, so a definition may hold instances of others to any depth, and what comes
+//! out is one flat list that one tree covers. A mesh is stored once, and an object of it takes
+//! little over a hundred bytes. A definition can only use those that stand before it, so none leads back to itself.
+
+use kajo_math::DAffine3;
+use kajo_scene::{Diagnostic, Item, Params, Span, nearest};
+
+use super::group::{Place, Walk};
+use super::{Compiler, transform};
+use crate::material::MaterialId;
+use crate::objects::Label;
+use crate::shape::ShapeId;
+
+/// An object of a definition.
+#[derive(Clone, Copy)]
+pub(super) struct Part {
+    pub shape: ShapeId,
+    /// From the shape's space to the definition's.
+    pub map: DAffine3,
+    /// Its own material; without one it takes what is in force where the definition is placed.
+    pub material: Option<MaterialId>,
+    pub label: Label,
+    /// Whether the shape has materials of its own that may let light through.
+    pub brings_materials: bool,
+}
+
+/// What a `Define` block holds.
+pub(super) type Definition = std::rc::Rc<[Part]>;
+
+impl Compiler<'_> {
+    pub(super) fn define(&mut self, item: Item<'_>, walk: &mut Walk) {
+        let Some(name) = item.word().map(|word| word.text().into_owned()) else {
+            let error =
+                Diagnostic::error("`Define` needs a name").label(item.head_span(), "nothing can use this");
+            self.diagnostics.push(error.help("write `Define NAME { ... }` and place it by `Instance NAME`"));
+            return;
+        };
+        let mut inner =
+            Walk { parts: Some(Vec::new()), material_failed: walk.material_failed, ..Walk::default() };
+        self.group(item, &mut Place::new(DAffine3::IDENTITY), &mut inner);
+        let parts: Definition = inner.parts.unwrap_or_default().into();
+        self.parts_defined += parts.len();
+        if self.definitions.insert(name.clone(), parts).is_some() {
+            let error = Diagnostic::error(format!("there are two definitions named `{name}`"));
+            self.diagnostics.push(error.label(item.head_span(), "the second one"));
+        }
+    }
+
+    pub(super) fn instance(&mut self, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+        let operations = if item.has_block() { self.operations(item) } else { Vec::new() };
+        let Some(name) = item.word().map(|word| word.text()) else {
+            let error = Diagnostic::error("`Instance` needs the name of a definition");
+            self.diagnostics.push(error.label(item.head_span(), "an instance of what?"));
+            return;
+        };
+        let Some(definition) = self.definitions.get(&*name).cloned() else {
+            let near = nearest(&name, self.definitions.keys().map(String::as_str));
+            let help = match near {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("write `Define {name} {{ ... }}` before it"),
+            };
+            let error = Diagnostic::error(format!("there is no definition named `{name}` before this"));
+            self.diagnostics.push(error.label(item.head_span(), "asked for here").help(help));
+            return;
+        };
+        if operations.is_empty() {
+            self.place_parts(&definition, item, place, walk);
+        } else {
+            let mut there = self.moved(item, &operations, place);
+            self.place_parts(&definition, item, &mut there, walk);
+        }
+    }
+
+    /// The operations in the block of an instance, where nothing else may stand.
+    pub(super) fn operations<'t>(&mut self, item: Item<'t>) -> Vec<Item<'t>> {
+        let mut params = Params::new(item, self.diagnostics);
+        params.name();
+        let operations = params.take(&transform::OPERATIONS);
+        params.finish();
+        operations
+    }
+
+    /// Makes objects of all parts of a definition that stands at `place`.
+    pub(super) fn place_parts(&mut self, parts: &[Part], item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+        if !self.has_room(parts.len(), item.head_span(), walk) {
+            return;
+        }
+        // Neighbours often stand at the same place, which they then share.
+        let mut latest: Option<(DAffine3, Place)> = None;
+        for part in parts {
+            if part.map == DAffine3::IDENTITY {
+                self.put(part, item.keyword(), item.keyword_span(), place, walk);
+                continue;
+            }
+            if latest.as_ref().is_none_or(|(map, _)| *map != part.map) {
+                latest = Some((part.map, place.around(&part.map)));
+            }
+            if let Some((_, there)) = &mut latest {
+                self.put(part, item.keyword(), item.keyword_span(), there, walk);
+            }
+        }
+    }
+
+    /// Whether there may be `more` objects; if not, that is reported once.
+    fn has_room(&mut self, more: usize, at: Span, walk: &mut Walk) -> bool {
+        let most = self.options.limits.objects;
+        let so_far = self.primitives.len() + self.parts_defined + walk.parts.as_ref().map_or(0, Vec::len);
+        if so_far + more <= most {
+            return true;
+        }
+        if !std::mem::replace(&mut self.too_many, true) {
+            let message =
+                format!("with this there would be more than {most} objects, the most that a scene may have");
+            self.diagnostics.push(Diagnostic::error(message).label(at, format!("adds {more} to {so_far}")));
+        }
+        false
+    }
+}

@@ -1,0 +1,66 @@
+//! What the user wrote to make each object: eight bytes an object, for there may be millions.
+
+/// An object's words, kept by number in [`Objects`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Label {
+    name: u32,
+    keyword: u8,
+}
+
+/// Stands for "no name" in a [`Label`].
+const NO_NAME: u32 = u32::MAX;
+
+/// What a user wrote as one object of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Object<'a> {
+    /// The name given in the scene, if any.
+    pub name: Option<&'a str>,
+    /// The word that made it, such as `Sphere`.
+    pub keyword: &'static str,
+}
+
+/// The user's words for each primitive.
+#[derive(Debug, Default)]
+pub struct Objects {
+    labels: Vec<Label>,
+    names: Vec<String>,
+    keywords: Vec<&'static str>,
+}
+
+impl Objects {
+    /// Keeps an object's words. Objects of the same definition share them.
+    pub(crate) fn label(&mut self, name: Option<String>, keyword: &'static str) -> Label {
+        let known = self.keywords.iter().position(|&k| k == keyword);
+        let number = known.unwrap_or_else(|| {
+            self.keywords.push(keyword);
+            self.keywords.len() - 1
+        });
+        let name = name.map_or(NO_NAME, |name| {
+            self.names.push(name);
+            self.names.len() as u32 - 1
+        });
+        Label { name, keyword: number as u8 }
+    }
+
+    pub(crate) fn push(&mut self, label: Label) {
+        self.labels.push(label);
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.labels.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.labels.is_empty()
+    }
+
+    /// The words of all primitives, in their order.
+    pub fn iter(&self) -> impl Iterator<Item = Object<'_>> {
+        self.labels.iter().map(|label| Object {
+            name: self.names.get(label.name as usize).map(String::as_str),
+            keyword: self.keywords[usize::from(label.keyword)],
+        })
+    }
+}

@@ -1,0 +1,100 @@
+//! Which reader a mesh file needs, told from its first bytes and its name.
+
+use crate::assets::AssetFile;
+use crate::limits::Limits;
+use crate::line_reader::MeshFileError;
+use crate::obj::read_obj;
+use crate::ply::read_ply;
+use crate::stl::read_stl;
+use crate::tri_mesh::{MeshReport, TriMesh};
+use std::io::{Cursor, Read};
+
+/// Formats of meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// Stanford PLY.
+    Ply,
+    /// Stereolithography.
+    Stl,
+    /// glTF, which holds a whole model rather than a mesh.
+    Gltf,
+}
+
+/// Bytes that tell one format from the other.
+const HEAD: u64 = 512;
+
+impl MeshFormat {
+    /// The format of a file that begins so. What is found in it weighs more than the ending of its name.
+    ///
+    /// ```
+    /// use kajo_scene::MeshFormat;
+    /// assert_eq!(MeshFormat::of(b"ply\nformat", "bunny"), MeshFormat::Ply);
+    /// assert_eq!(MeshFormat::of(b"# made by hand", "bunny.obj"), MeshFormat::Obj);
+    /// ```
+    pub fn of(head: &[u8], path: &str) -> MeshFormat {
+        let named = |ending: &str| {
+            let from = path.len().saturating_sub(ending.len());
+            path.get(from..).is_some_and(|end| end.eq_ignore_ascii_case(ending))
+        };
+        let text = head.strip_prefix("\u{feff}".as_bytes()).unwrap_or(head).trim_ascii_start();
+        match head {
+            [b'p', b'l', b'y', b'\n' | b'\r' | b' ', ..] => MeshFormat::Ply,
+            [b'g', b'l', b'T', b'F', ..] => MeshFormat::Gltf,
+            _ if text.starts_with(b"{") => MeshFormat::Gltf,
+            _ if named(".ply") => MeshFormat::Ply,
+            _ if named(".stl") => MeshFormat::Stl,
+            _ if named(".obj") => MeshFormat::Obj,
+            _ if text.starts_with(b"solid") || head.contains(&0) => MeshFormat::Stl,
+            _ => MeshFormat::Obj,
+        }
+    }
+}
+
+/// Reads a mesh of any format that holds one.
+///
+/// # Errors
+/// Those of the format's reader; and for glTF, which is no single mesh.
+pub fn read_mesh(file: AssetFile, limits: &Limits) -> Result<(TriMesh, MeshReport), MeshFileError> {
+    let AssetFile { path, mut reader, .. } = file;
+    let mut head = Vec::new();
+    let read = reader.by_ref().take(HEAD).read_to_end(&mut head);
+    read.map_err(|error| MeshFileError::Read { path: path.clone(), source: error.into() })?;
+    let format = MeshFormat::of(&head, &path);
+    let whole = Cursor::new(head).chain(reader);
+    match format {
+        MeshFormat::Obj => read_obj(whole, &path, limits),
+        MeshFormat::Ply => read_ply(whole, &path, limits),
+        MeshFormat::Stl => read_stl(whole, &path, limits),
+        MeshFormat::Gltf => {
+            let message =
+                "this is a glTF file, a model of many meshes: show it with `Model { file ... }`".to_owned();
+            Err(MeshFileError::Bytes { path, byte: 0, message })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_comes_before_the_name() {
+        for (head, path, format) in [
+            (&b"ply\r\nformat ascii 1.0"[..], "a.obj", MeshFormat::Ply),
+            (b"solid thing", "a.STL", MeshFormat::Stl),
+            (b"solid thing", "a", MeshFormat::Stl),
+            (b"v 0 0 0", "a.ply", MeshFormat::Ply),
+            (b"v 0 0 0", "a", MeshFormat::Obj),
+            (b"solid 0 0 0", "a.obj", MeshFormat::Obj),
+            (b"made by x\0\0\0", "a", MeshFormat::Stl),
+            (b"glTF\x02\0\0\0", "a.obj", MeshFormat::Gltf),
+            ("\u{feff} {}".as_bytes(), "a.gltf", MeshFormat::Gltf),
+            (b"", "", MeshFormat::Obj),
+            (b"", "\u{e9}ply", MeshFormat::Obj),
+        ] {
+            assert_eq!(MeshFormat::of(head, path), format, "{path}");
+        }
+    }
+}

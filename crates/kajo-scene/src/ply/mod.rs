@@ -1,0 +1,258 @@
+//! PLY meshes, the format of scanned models: in text, or binary of either byte order.
+//!
+//! ```text
+//! ply
+//! format binary_little_endian 1.0
+//! element vertex 8
+//! property float x
+//! property float y
+//! property float z
+//! element face 6
+//! property list uchar int vertex_indices
+//! end_header
+//! ...
+//! ```
+//!
+//! The header says which elements come, how many of each and what their
+//! properties are [Turk 1994]. Read are the positions, normals and texture
+//! coordinates of vertices, and faces and triangle strips, whatever the types
+//! and the order of their properties; everything else is stepped over.
+//!
+//! Counts of the header are never believed: memory grows with what is read.
+//! The layouts that programs write most, float vertices without lists and
+//! faces with nothing but their list, take a short way ([`fast`]) that is
+//! quicker than a disk.
+
+mod fast;
+mod header;
+mod record;
+
+use self::header::{Column, Element, Format, Header};
+use self::record::{Record, Records, Wanted};
+use crate::limits::Limits;
+use crate::line_reader::{LineReader, MeshFileError};
+use crate::tri_mesh::{Corners, MeshReport, NO_INDEX, TriMesh};
+use crate::triangulate::triangulate;
+use std::io::Read;
+
+/// Reads a PLY file; `path` is its name in messages.
+///
+/// ```
+/// let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+///     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+/// let (mesh, _) = kajo_scene::read_ply(text.as_bytes(), "a.ply", &Default::default()).unwrap();
+/// assert_eq!(mesh.faces, [[0, 1, 2]]);
+/// ```
+///
+/// # Errors
+/// At the first thing that is malformed, cut off, names a vertex that does
+/// not exist, or exceeds a limit; or when reading fails.
+pub fn read_ply(
+    reader: impl Read,
+    path: &str,
+    limits: &Limits,
+) -> Result<(TriMesh, MeshReport), MeshFileError> {
+    let mut lines = LineReader::new(reader, path, limits).without_continuations();
+    let header = Header::read(&mut lines, path, limits)?;
+    let mut records = match header.format {
+        Format::Ascii => Records::Lines(lines, path),
+        Format::LittleEndian => Records::Little(lines.into_bytes()),
+        Format::BigEndian => Records::Big(lines.into_bytes()),
+    };
+    let mut builder = Builder::new(limits);
+    for element in &header.elements {
+        builder.element(element, &mut records)?;
+    }
+    builder.finish(&header)
+}
+
+struct Builder<'l> {
+    limits: &'l Limits,
+    mesh: TriMesh,
+    report: MeshReport,
+    not_finite: bool,
+    // Kept between faces to save allocations.
+    corners: Vec<u32>,
+    points: Vec<[f32; 3]>,
+    triangles: Vec<[usize; 3]>,
+}
+
+impl<'l> Builder<'l> {
+    fn new(limits: &'l Limits) -> Self {
+        Self {
+            limits,
+            mesh: TriMesh::default(),
+            report: MeshReport::default(),
+            not_finite: false,
+            corners: Vec::new(),
+            points: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
+
+    fn element(
+        &mut self,
+        element: &Element,
+        records: &mut Records<'_, impl Read>,
+    ) -> Result<(), MeshFileError> {
+        match element.name.as_str() {
+            "vertex" => self.vertices(element, records)?,
+            "face" => self.faces(element, records)?,
+            "tristrips" => self.strips(element, records)?,
+            _ => {
+                for number in 0..element.count {
+                    records.skip(element, number)?;
+                }
+            }
+        }
+        // What was reserved beyond need while the lists grew.
+        self.mesh.positions.shrink_to_fit();
+        self.mesh.normals.shrink_to_fit();
+        self.mesh.uvs.shrink_to_fit();
+        self.mesh.faces.shrink_to_fit();
+        Ok(())
+    }
+
+    fn vertices(
+        &mut self,
+        element: &Element,
+        records: &mut Records<'_, impl Read>,
+    ) -> Result<(), MeshFileError> {
+        let columns = VertexColumns::of(element);
+        if !fast::vertices(element, &columns, records, &mut self.mesh)? {
+            let mut record = Record::default();
+            for number in 0..element.count {
+                records.read(element, number, Wanted::Scalars, &mut record)?;
+                let float = |column: Column| record.scalars[column.property] as f32;
+                self.mesh.positions.push(columns.position.map(float));
+                self.mesh.normals.extend(columns.normal.map(|c| c.map(float)));
+                self.mesh.uvs.extend(columns.uv.map(|c| c.map(float)));
+            }
+        }
+        if columns.normal.is_some() {
+            self.mesh.face_normals = Corners::Vertices;
+        }
+        if columns.uv.is_some() {
+            self.mesh.face_uvs = Corners::Vertices;
+        }
+        self.not_finite = self.mesh.positions.iter().any(|p| !p.iter().all(|x| x.is_finite()));
+        let Self { mesh, report, .. } = self;
+        mesh.normals.iter_mut().for_each(|n| *n = report.finite_or_zero(*n));
+        mesh.uvs.iter_mut().for_each(|uv| *uv = report.finite_or_zero(*uv));
+        Ok(())
+    }
+
+    fn faces(
+        &mut self,
+        element: &Element,
+        records: &mut Records<'_, impl Read>,
+    ) -> Result<(), MeshFileError> {
+        let list = element.corner_list;
+        let mut record = Record::default();
+        let most = self.limits.polygon_corners;
+        let mut number = 0;
+        while number < element.count {
+            // Runs of triangles go the short way; what it does not know comes back here.
+            number += fast::triangles(element, element.count - number, records, &mut self.mesh, self.limits)?;
+            if number == element.count {
+                break;
+            }
+            records.read(element, number, Wanted::List { property: list, most }, &mut record)?;
+            let mut corners = std::mem::take(&mut self.corners);
+            corners.clear();
+            for &index in &record.list {
+                corners
+                    .push(self.vertex_index(index).map_err(|said| records.mistake(element, number, &said))?);
+            }
+            let added = self.polygon(&corners);
+            self.corners = corners;
+            added.map_err(|said| records.mistake(element, number, &said))?;
+            number += 1;
+        }
+        Ok(())
+    }
+
+    /// Strips: each vertex after the first two makes a triangle with the two before it, turned round
+    /// every other time; -1 begins another strip.
+    fn strips(
+        &mut self,
+        element: &Element,
+        records: &mut Records<'_, impl Read>,
+    ) -> Result<(), MeshFileError> {
+        let wanted = Wanted::List { property: element.corner_list, most: self.limits.faces };
+        let mut record = Record::default();
+        for number in 0..element.count {
+            records.read(element, number, wanted, &mut record)?;
+            let mut strip: Vec<u32> = Vec::new();
+            for &index in &record.list {
+                if index == -1.0 {
+                    strip.clear();
+                    continue;
+                }
+                strip.push(self.vertex_index(index).map_err(|said| records.mistake(element, number, &said))?);
+                if let [.., a, b, c] = *strip {
+                    let triangle = if strip.len() % 2 == 1 { [a, b, c] } else { [b, a, c] };
+                    self.polygon(&triangle).map_err(|said| records.mistake(element, number, &said))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn vertex_index(&self, index: f64) -> Result<u32, String> {
+        let count = self.mesh.positions.len();
+        if index >= 0.0 && index < count as f64 && index.fract() == 0.0 {
+            return Ok(index as u32);
+        }
+        Err(format!("there is no vertex {index}: the file has {count}, numbered from 0"))
+    }
+
+    fn polygon(&mut self, corners: &[u32]) -> Result<(), String> {
+        let Some(more) = corners.len().checked_sub(2).filter(|&more| more > 0) else {
+            return Err(format!("a face needs at least 3 corners, found {}", corners.len()));
+        };
+        if self.mesh.faces.len() + more > self.limits.faces {
+            return Err(format!("the mesh has more than {} triangles", self.limits.faces));
+        }
+        if let [a, b, c] = *corners {
+            self.mesh.faces.push([a, b, c]);
+            return Ok(());
+        }
+        self.report.polygons += 1;
+        self.points.clear();
+        self.points.extend(corners.iter().map(|&v| self.mesh.positions[v as usize]));
+        triangulate(&self.points, &mut self.triangles);
+        self.mesh.faces.extend(self.triangles.iter().map(|t| t.map(|i| corners[i])));
+        Ok(())
+    }
+
+    fn finish(mut self, header: &Header) -> Result<(TriMesh, MeshReport), MeshFileError> {
+        if self.not_finite {
+            self.report.dropped = self.mesh.drop_not_finite();
+        }
+        self.report.left_out = header.left_out();
+        debug_assert!(self.mesh.positions.len() < NO_INDEX as usize);
+        Ok((self.mesh, self.report))
+    }
+}
+
+/// Where a vertex has what is read of it.
+struct VertexColumns {
+    position: [Column; 3],
+    normal: Option<[Column; 3]>,
+    uv: Option<[Column; 2]>,
+}
+
+impl VertexColumns {
+    fn of(element: &Element) -> VertexColumns {
+        let uv_names = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
+        VertexColumns {
+            position: element.position,
+            normal: element.columns(["nx", "ny", "nz"]),
+            uv: uv_names.into_iter().find_map(|names| element.columns(names)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,14 @@
+//! Any bytes as a PLY mesh.
+
+#![no_main]
+
+use kajo_scene::{Limits, read_ply};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| {
+    if let Ok((mesh, _)) = read_ply(data, "m.ply", &Limits::default()) {
+        for &v in mesh.faces.iter().flatten() {
+            assert!(mesh.positions[v as usize].iter().all(|x| x.is_finite()));
+        }
+    }
+});
