@@ -9,10 +9,14 @@ pub mod aabb;
 pub mod fmath;
 pub mod frame;
 pub mod noise;
+pub mod permute;
+pub mod pmj;
+pub mod poisson;
 pub mod ray;
 pub mod rng;
 pub mod robust;
 pub mod roots;
+pub mod sobol;
 pub mod transform;
 pub mod warp;
 

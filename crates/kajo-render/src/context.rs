@@ -16,8 +16,8 @@
 
 use std::any::Any;
 
-use kajo_core::sampler::Sampler;
-use kajo_math::{Vec2, rng::Stream};
+use kajo_core::sampler::{Draws, Sampler};
+use kajo_math::Vec2;
 
 use crate::RayCounters;
 
@@ -33,8 +33,8 @@ pub struct SampleContext<'a> {
     pub seed: u64,
     /// Index of the sample within its pixel.
     pub index: u32,
-    /// The random numbers of the sample; the sampler owns dimensions 0 and 1.
-    pub stream: Stream,
+    /// The random numbers of the sample behind its place in the pixel.
+    pub draws: Draws<'a>,
     /// Rays cast by the thread so far.
     pub rays: RayCounters,
     /// Values of rare layers; zero before each sample.
@@ -52,7 +52,7 @@ impl<'a> SampleContext<'a> {
             sampler,
             seed,
             index: 0,
-            stream: Stream::new(seed, [0, 0], 0),
+            draws: Draws::new(sampler, seed, [0, 0], 0),
             rays: RayCounters::default(),
             aux: Auxiliary::default(),
             splats: Splats::default(),
@@ -60,11 +60,12 @@ impl<'a> SampleContext<'a> {
         }
     }
 
-    /// Makes ready for sample `index` of `pixel`.
+    /// Makes ready for sample `index` of `pixel`, and says where it lies relative to the pixel's top left corner.
     #[inline]
-    pub fn begin(&mut self, pixel: [u32; 2], index: u32) {
+    pub fn begin(&mut self, pixel: [u32; 2], index: u32) -> Vec2 {
         self.index = index;
-        self.stream = Stream::new(self.seed, pixel, index);
+        self.draws = Draws::new(self.sampler, self.seed, pixel, index);
+        self.draws.film_position()
     }
 }
 
@@ -153,8 +154,9 @@ mod tests {
     fn a_context_moves_from_sample_to_sample() {
         let sampler = Sampler::new(SamplerKind::Uniform, 4);
         let mut ctx = SampleContext::new(&sampler, 3);
-        ctx.begin([5, 6], 2);
-        assert_eq!(ctx.index, 2);
-        assert_eq!(ctx.stream.bits(9), Stream::new(3, [5, 6], 2).bits(9));
+        let position = ctx.begin([5, 6], 2);
+        let mut expected = Draws::new(&sampler, 3, [5, 6], 2);
+        assert_eq!((ctx.index, position), (2, expected.film_position()));
+        assert_eq!(ctx.draws.next_2d(), expected.next_2d());
     }
 }

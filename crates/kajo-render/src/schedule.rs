@@ -51,7 +51,7 @@ const STACK: usize = 8 << 20;
 const SAMPLES_PER_CHECK: u64 = 256;
 
 /// How to render; nothing here but the sampler and the seed can change the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RenderSettings {
     /// Samples of each pixel.
     pub sampler: Sampler,
@@ -226,11 +226,10 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
         for x in tile.x0..tile.x1 {
             let corner = Vec2::new(x as f32, y as f32);
             for k in unit.samples.clone() {
-                ctx.begin([x, y], k);
+                let offset = ctx.begin([x, y], k);
                 if wants_auxiliary {
                     ctx.aux = Auxiliary::default();
                 }
-                let offset = ctx.sampler.position(k, &ctx.stream);
                 let sample = integrator.sample(ctx, [x, y], corner + offset);
                 part.add(x, y, k, offset, &sample, &ctx.aux);
                 untold += 1;

@@ -7,6 +7,7 @@ pub mod chi_square;
 pub mod image;
 pub mod mean;
 mod special;
+pub mod spectrum;
 pub mod sphere;
 
 pub use chi_square::ChiSquare;

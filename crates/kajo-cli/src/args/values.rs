@@ -30,25 +30,19 @@ pub struct Samples(pub SamplerKind, pub u32);
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: i64 = 1 << 20;
 
-/// Words for the patterns of samples.
-const PATTERNS: [(&str, SamplerKind); 3] = [
-    ("jittered", SamplerKind::Jittered),
-    ("regular", SamplerKind::Regular),
-    ("uniform", SamplerKind::Uniform),
-];
-
 impl FromStr for Samples {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Samples, String> {
         let (pattern, number) = text.split_once(':').unwrap_or(("jittered", text));
-        let pattern = PATTERNS.iter().find(|(name, _)| *name == pattern).map(|&(_, kind)| kind);
+        let pattern = SamplerKind::from_name(pattern);
         let number = number.parse().ok().filter(|&n: &u32| i64::from(n) <= MAX_SAMPLES);
         match (pattern, number) {
             (Some(pattern), Some(number)) => Ok(Samples(pattern, number)),
-            _ => Err(format!(
-                "expected a number up to {MAX_SAMPLES}, or `jittered`, `regular` or `uniform` and a number"
-            )),
+            _ => {
+                let names = SamplerKind::NAMES.map(|(name, _)| name).join(", ");
+                Err(format!("expected a number up to {MAX_SAMPLES}, or a number behind one of {names}"))
+            }
         }
     }
 }

@@ -11,11 +11,6 @@ const SHADOWS: [(&str, Shadows); 3] =
 const ATTENUATIONS: [(&str, ShadowAttenuation); 2] =
     [("length", ShadowAttenuation::Length), ("surface", ShadowAttenuation::Surface)];
 const OFFSETS: [(&str, RayOffset); 2] = [("auto", RayOffset::Auto), ("reference", RayOffset::Reference)];
-const SAMPLERS: [(&str, SamplerKind); 3] = [
-    ("jittered", SamplerKind::Jittered),
-    ("regular", SamplerKind::Regular),
-    ("uniform", SamplerKind::Uniform),
-];
 
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: i64 = 1 << 20;
@@ -32,7 +27,7 @@ pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
         shadow_attenuation: params.optional("transparentShadows", |a| a.choice(&ATTENUATIONS)),
         shade_back: params.optional("shadeBack", Args::flag),
         samples: params
-            .optional("samples", |a| Ok((a.choice(&SAMPLERS)?, a.int_in(0..=MAX_SAMPLES)? as u32))),
+            .optional("samples", |a| Ok((a.choice(&SamplerKind::NAMES)?, a.int_in(0..=MAX_SAMPLES)? as u32))),
         filter: params.optional("filter", filter),
         seed: params.optional("seed", |a| a.int_in(0..=1 << 53).map(|n| n as u64)),
         fresnel: params.optional("fresnel", Args::flag),

@@ -1,49 +1,114 @@
-//! Where in a pixel its samples lie.
+//! Where the samples of a pixel lie, in the pixel and in every further dimension of a path.
 //!
-//! With `n` samples and `d = floor(sqrt n)` the pixel is cut into `d × d` sub-pixels, row by row from
-//! the top; sample `k` belongs to sub-pixel `(k mod d, k / d)`.
+//! A sample of a pixel is a point in a cube of many dimensions: a place in the pixel, a place on the lens, a time, a
+//! wavelength, and then whatever its path needs. [`Draws`] hands the coordinates out one after the other. Each
+//! is uniform in [0, 1) and a function of (seed, pixel, sample, dimension), and what the kinds of samplers
+//! differ in is how the samples of a pixel, or of neighbouring pixels, lie to each other:
 //!
-//! * uniform: anywhere in the pixel, whatever `k` is
-//! * regular: in the middle of its sub-pixel, `((k mod d + ½)/d, (k / d + ½)/d)`
-//! * jittered: anywhere in its sub-pixel
+//! | kind | two coordinates at a time | good for |
+//! |---|---|---|
+//! | uniform | independent | comparison |
+//! | regular | the middles of a grid in the pixel, else as jittered | the classic program's pictures |
+//! | jittered | one in each cell of a grid; multi-jitter [Chiu et al. 1994] behind the film | any number |
+//! | pmj | progressive multi-jittered (0, 2) points [Christensen et al. 2018] | |
+//! | poisson | maximal Poisson-disk sets [Ebeida et al. 2012] | looking at edges |
+//! | sobol | Owen-scrambled (0, 2)-sequence, shuffled for each pair [Burley 2020] | powers of two |
+//! | zsobol | the same along a shuffled Z-curve through the picture [Ahmed and Wonka 2020] | few samples |
 //!
-//! When `n` is not a square all `n` samples are taken nevertheless, as the classic program does: the
-//! rows from `d` on lie below the pixel. [`Sampler::overhangs`] says so.
-//!
-//! Dimensions 0 and 1 of a sample's [`Stream`] are the sampler's, used or not; everything else draws
-//! from [`FIRST_FREE_DIMENSION`] on.
-//!
-//! Scene: `Settings { samples jittered 16 }`
+//! Scene: `Settings { samples sobol 64 }`
 
-use kajo_math::{Vec2, rng::Stream};
+mod draws;
+mod zorder;
 
-/// The first dimension of a sample's stream that the sampler leaves to others.
-pub const FIRST_FREE_DIMENSION: u32 = 2;
+use std::sync::Arc;
 
-/// The rule by which samples are spread over a pixel.
+use kajo_math::{Vec2, pmj, poisson};
+
+pub use draws::Draws;
+
+/// The rule by which samples are spread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplerKind {
-    /// Independent uniform positions.
+    /// Independent uniform numbers.
     Uniform,
-    /// The middles of sub-pixels; no randomness.
+    /// The middles of sub-pixels, without randomness; stratified in the dimensions behind the film.
     Regular,
-    /// One uniform position in each sub-pixel.
+    /// One uniform position in each sub-pixel; stratified in the dimensions behind the film.
     Jittered,
+    /// Owen-scrambled Sobol points.
+    Sobol,
+    /// Owen-scrambled Sobol points that make the error of neighbouring pixels differ: blue noise on the screen.
+    ZSobol,
+    /// Progressive multi-jittered (0, 2) points.
+    Pmj,
+    /// Maximal Poisson-disk sets.
+    Poisson,
 }
 
+impl SamplerKind {
+    /// Names on the command line and in `Settings`, in alphabetical order. One kind has two.
+    pub const NAMES: [(&'static str, SamplerKind); 8] = [
+        ("bluenoise", SamplerKind::ZSobol),
+        ("jittered", SamplerKind::Jittered),
+        ("pmj", SamplerKind::Pmj),
+        ("poisson", SamplerKind::Poisson),
+        ("regular", SamplerKind::Regular),
+        ("sobol", SamplerKind::Sobol),
+        ("uniform", SamplerKind::Uniform),
+        ("zsobol", SamplerKind::ZSobol),
+    ];
+
+    /// The kind of that name.
+    pub fn from_name(name: &str) -> Option<SamplerKind> {
+        SamplerKind::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, kind)| kind)
+    }
+
+    /// Whether positions in the pixel are those of the classic program.
+    fn is_classic(self) -> bool {
+        matches!(self, SamplerKind::Uniform | SamplerKind::Regular | SamplerKind::Jittered)
+    }
+}
+
+/// The most progressive multi-jittered points that are laid out; more samples go through them again.
+const PMJ_POINTS: u32 = 4096;
+
+/// The most points of one Poisson-disk set; more samples are spread over several.
+const POISSON_POINTS: u32 = 1024;
+
+/// Seed of the point sets that all pixels share.
+const SET_SEED: u64 = 0x6B61_6A6F;
+
 /// A rule and a number of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Sampler {
     kind: SamplerKind,
     samples: u32,
     /// Sub-pixels on a side, at least 1.
     side: u32,
+    /// The point set of the kinds that have one, as fractions of 2^32.
+    points: Arc<[[u32; 2]]>,
 }
+
+impl PartialEq for Sampler {
+    fn eq(&self, other: &Sampler) -> bool {
+        // The point set follows from these.
+        (self.kind, self.samples) == (other.kind, other.samples)
+    }
+}
+
+impl Eq for Sampler {}
 
 impl Sampler {
     /// `samples` may be 0: a picture without samples is black.
+    ///
+    /// Some kinds lay out their point set here, which takes up to a quarter of a second.
     pub fn new(kind: SamplerKind, samples: u32) -> Sampler {
-        Sampler { kind, samples, side: samples.isqrt().max(1) }
+        let points = match kind {
+            SamplerKind::Pmj => pmj::sequence(samples.clamp(1, PMJ_POINTS) as usize, SET_SEED),
+            SamplerKind::Poisson => poisson_points(samples),
+            _ => Vec::new(),
+        };
+        Sampler { kind, samples, side: samples.isqrt().max(1), points: points.into() }
     }
 
     /// The rule.
@@ -56,21 +121,10 @@ impl Sampler {
         self.samples
     }
 
-    /// Position of sample `k` relative to the top left corner of its pixel, in pixels.
-    ///
-    /// In [0, 1)², but for samples that overhang, whose `y` is below [`Sampler::height`].
-    #[inline]
-    pub fn position(&self, k: u32, stream: &Stream) -> Vec2 {
-        match self.kind {
-            SamplerKind::Uniform => Vec2::new(stream.uniform(0), stream.uniform(1)),
-            SamplerKind::Regular => self.in_sub_pixel(k, Vec2::splat(0.5)),
-            SamplerKind::Jittered => self.in_sub_pixel(k, Vec2::new(stream.uniform(0), stream.uniform(1))),
-        }
-    }
-
     /// Whether some samples lie below the pixel they count for, because their number is no square.
     pub fn overhangs(&self) -> bool {
-        self.kind != SamplerKind::Uniform && self.samples > self.side * self.side
+        let in_rows = matches!(self.kind, SamplerKind::Regular | SamplerKind::Jittered);
+        in_rows && self.samples > self.side * self.side
     }
 
     /// Height of the region the samples are spread over, in pixels: 1, or more when they overhang.
@@ -89,6 +143,14 @@ impl Sampler {
         };
         Vec2::new(place(k % self.side, u.x), place(k / self.side, u.y))
     }
+}
+
+/// A Poisson-disk set for `samples` samples, or for an equal share of them.
+fn poisson_points(samples: u32) -> Vec<[u32; 2]> {
+    let samples = samples.max(1);
+    let sets = samples.div_ceil(POISSON_POINTS);
+    let set = poisson::exactly(samples.div_ceil(sets) as usize, SET_SEED);
+    set.iter().map(|p| (*p * 4_294_967_296.0).to_array().map(|c| c as u32)).collect()
 }
 
 #[cfg(test)]

@@ -1,24 +1,31 @@
-use super::*;
+mod convergence;
+mod spectra;
+mod strata;
 
-fn stream(k: u32) -> Stream {
-    Stream::new(11, [3, 5], k)
+use super::*;
+use SamplerKind::*;
+
+const KINDS: [SamplerKind; 7] = [Uniform, Regular, Jittered, Sobol, ZSobol, Pmj, Poisson];
+
+fn draws(sampler: &Sampler, k: u32) -> Draws<'_> {
+    Draws::new(sampler, 11, [3, 5], k)
 }
 
 fn positions(kind: SamplerKind, n: u32) -> Vec<Vec2> {
     let sampler = Sampler::new(kind, n);
-    (0..n).map(|k| sampler.position(k, &stream(k))).collect()
+    (0..n).map(|k| draws(&sampler, k).film_position()).collect()
 }
 
 #[test]
 fn regular_positions_are_those_of_the_handout() {
-    assert_eq!(positions(SamplerKind::Regular, 1), [Vec2::new(0.5, 0.5)]);
+    assert_eq!(positions(Regular, 1), [Vec2::new(0.5, 0.5)]);
     let four = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)].map(|(x, y)| Vec2::new(x, y));
-    assert_eq!(positions(SamplerKind::Regular, 4), four);
+    assert_eq!(positions(Regular, 4), four);
 }
 
 #[test]
 fn a_number_that_is_no_square_overhangs_as_in_the_reference() {
-    assert_eq!(positions(SamplerKind::Regular, 2), [Vec2::new(0.5, 0.5), Vec2::new(0.5, 1.5)]);
+    assert_eq!(positions(Regular, 2), [Vec2::new(0.5, 0.5), Vec2::new(0.5, 1.5)]);
     for (n, overhangs, height) in [
         (0, false, 1.0),
         (1, false, 1.0),
@@ -27,23 +34,23 @@ fn a_number_that_is_no_square_overhangs_as_in_the_reference() {
         (9, false, 1.0),
         (15, true, 5.0 / 3.0),
     ] {
-        for kind in [SamplerKind::Regular, SamplerKind::Jittered] {
+        for kind in [Regular, Jittered] {
             let sampler = Sampler::new(kind, n);
             assert_eq!((sampler.overhangs(), sampler.height()), (overhangs, height), "{kind:?} {n}");
             for p in positions(kind, n) {
                 assert!(p.x >= 0.0 && p.x < 1.0 && p.y >= 0.0 && p.y < height, "{kind:?} {n}: {p}");
             }
         }
-        assert!(!Sampler::new(SamplerKind::Uniform, n).overhangs());
+        assert!(!Sampler::new(Uniform, n).overhangs());
     }
 }
 
 #[test]
 fn jittered_samples_keep_to_their_sub_pixel() {
     for side in [1, 2, 3, 7, 100, 1000] {
-        let sampler = Sampler::new(SamplerKind::Jittered, side * side);
+        let sampler = Sampler::new(Jittered, side * side);
         for k in (0..side * side).step_by(side as usize / 3 + 1) {
-            let p = sampler.position(k, &stream(k)) * side as f32;
+            let p = draws(&sampler, k).film_position() * side as f32;
             let cell = Vec2::new((k % side) as f32, (k / side) as f32);
             let inside = (p - cell).clamp(Vec2::splat(-1e-4), Vec2::splat(1.0001));
             assert_eq!(inside, p - cell, "sample {k} of {}", side * side);
@@ -54,7 +61,7 @@ fn jittered_samples_keep_to_their_sub_pixel() {
 #[test]
 fn the_largest_random_number_does_not_round_out_of_the_pixel() {
     for side in [1, 3, 4096, 65_535] {
-        let sampler = Sampler::new(SamplerKind::Jittered, side * side);
+        let sampler = Sampler::new(Jittered, side * side);
         let p = sampler.in_sub_pixel(side * side - 1, Vec2::splat(1f32.next_down()));
         assert!(p.x < 1.0 && p.y < 1.0, "{side}: {p}");
     }
@@ -66,7 +73,7 @@ fn moments(kind: SamplerKind) -> [f64; 5] {
     let n = 100_000u32;
     let mut sums = [0.0; 5];
     for i in 0..n {
-        let p = sampler.position(0, &Stream::new(2, [i % 331, i / 331], 0)).as_dvec2() - 0.5;
+        let p = Draws::new(&sampler, 2, [i % 331, i / 331], 0).film_position().as_dvec2() - 0.5;
         for (sum, v) in sums.iter_mut().zip([p.x, p.y, p.x * p.x, p.y * p.y, p.x * p.y]) {
             *sum += v / f64::from(n);
         }
@@ -76,7 +83,7 @@ fn moments(kind: SamplerKind) -> [f64; 5] {
 
 #[test]
 fn random_positions_are_uniform_over_the_pixel() {
-    for kind in [SamplerKind::Uniform, SamplerKind::Jittered] {
+    for kind in [Uniform, Jittered] {
         // Five standard errors of each moment of the uniform distribution on (-½, ½)².
         let found = moments(kind);
         let expected = [0.0, 0.0, 1.0 / 12.0, 1.0 / 12.0, 0.0];
@@ -89,9 +96,10 @@ fn random_positions_are_uniform_over_the_pixel() {
 }
 
 #[test]
-fn positions_depend_on_the_stream_only_where_they_are_random() {
-    let at = |kind, k| Sampler::new(kind, 4).position(1, &stream(k));
-    assert_eq!(at(SamplerKind::Regular, 0), at(SamplerKind::Regular, 1));
-    assert_ne!(at(SamplerKind::Jittered, 0), at(SamplerKind::Jittered, 1));
-    assert_ne!(at(SamplerKind::Uniform, 0), at(SamplerKind::Uniform, 1));
+fn positions_depend_on_the_seed_only_where_they_are_random() {
+    for kind in KINDS {
+        let sampler = Sampler::new(kind, 4);
+        let at = |seed| Draws::new(&sampler, seed, [3, 5], 1).film_position();
+        assert_eq!(at(0) == at(1), kind == Regular, "{kind:?}");
+    }
 }

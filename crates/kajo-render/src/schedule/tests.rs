@@ -13,7 +13,7 @@ impl<F: Fn(Vec2, f32) -> f32 + Sync> PixelIntegrator for Field<F> {
     fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
         ctx.rays.camera += 1;
         ctx.rays.shadow += 2;
-        let value = (self.0)(raster, ctx.stream.uniform(2));
+        let value = (self.0)(raster, ctx.draws.next_1d());
         ctx.aux.albedo = [value; 3];
         ctx.aux.lights[3] = [0.0, value, 0.0];
         let hit =
@@ -77,7 +77,7 @@ fn large_pictures_in_one_pass_are_the_same_too() {
     let (open, one_pass) = (film(spec), film(FilmSpec { one_pass: true, ..spec }));
     let settings = settings(SamplerKind::Uniform, 2);
     for film in [&open, &one_pass] {
-        render(&noisy, film, &RenderSettings { tile: 24, ..settings }, &Silent).expect("rendered");
+        render(&noisy, film, &RenderSettings { tile: 24, ..settings.clone() }, &Silent).expect("rendered");
     }
     assert_eq!(colours(&open), colours(&one_pass));
     assert!(colours(&open).iter().all(|&v| v > 0.0));

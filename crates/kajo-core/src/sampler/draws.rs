@@ -1,0 +1,205 @@
+//! The numbers of one sample of one pixel, one dimension after the other.
+//!
+//! Positions in the pixel of the classic kinds: with `n` samples and `d = floor(sqrt n)` the pixel is cut into
+//! `d x d` sub-pixels, row by row from the top; sample `k` belongs to sub-pixel `(k mod d, k / d)`.
+//!
+//! * uniform: anywhere in the pixel, whatever `k` is
+//! * regular: in the middle of its sub-pixel, `((k mod d + ½)/d, (k / d + ½)/d)`
+//! * jittered: anywhere in its sub-pixel
+//!
+//! When `n` is not a square all `n` samples are taken nevertheless, as the classic program does: the
+//! rows from `d` on lie below the pixel. [`Sampler::overhangs`] says so.
+//!
+//! Behind the film the samples of a pixel are stratified in each dimension, or in each pair of them, by a random
+//! permutation of their own: which place of one pair goes with which place of another is left to chance
+//! [Cook, Porter and Carpenter 1984].
+
+use kajo_math::permute::permute;
+use kajo_math::rng::{Stream, mix, unit};
+use kajo_math::{Vec2, sobol};
+
+use super::{Sampler, SamplerKind, zorder};
+
+/// Sets the random numbers of a pixel apart from those of its samples.
+const PATTERN_SALT: u64 = 0xA076_1D64_78BD_642F;
+
+/// The largest number below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// The numbers of one sample of one pixel. Copies hand out the same numbers again.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws<'a> {
+    sampler: &'a Sampler,
+    seed: u64,
+    pixel: [u32; 2],
+    sample: u32,
+    /// Samples that share the pixel, at least 1.
+    count: u32,
+    dimension: u32,
+    stream: Stream,
+}
+
+impl<'a> Draws<'a> {
+    /// The numbers of sample `sample` of `pixel`, from the first dimension on.
+    ///
+    /// Samples beyond the number of the sampler are good ones too: another pattern begins.
+    #[inline]
+    pub fn new(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32) -> Draws<'a> {
+        Draws::with_count(sampler, seed, pixel, sample, sampler.samples)
+    }
+
+    #[inline]
+    fn with_count(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32, count: u32) -> Draws<'a> {
+        let stream = Stream::new(seed, pixel, sample);
+        Draws { sampler, seed, pixel, sample, count: count.max(1), dimension: 0, stream }
+    }
+
+    /// The place of the sample relative to the top left corner of its pixel, in pixels; to be asked for first.
+    ///
+    /// In [0, 1)², but for samples that overhang, whose `y` is below [`Sampler::height`].
+    #[inline]
+    pub fn film_position(&mut self) -> Vec2 {
+        debug_assert_eq!(self.dimension, 0, "the first two dimensions are the film's");
+        if !self.sampler.kind.is_classic() {
+            return self.next_2d();
+        }
+        let d = self.take(2);
+        let u = Vec2::new(self.stream.uniform(d), self.stream.uniform(d + 1));
+        match self.sampler.kind {
+            SamplerKind::Regular => self.sampler.in_sub_pixel(self.sample, Vec2::splat(0.5)),
+            SamplerKind::Jittered => self.sampler.in_sub_pixel(self.sample, u),
+            _ => u,
+        }
+    }
+
+    /// The next number, in [0, 1).
+    #[inline]
+    pub fn next_1d(&mut self) -> f32 {
+        let d = self.take(1);
+        match self.sampler.kind {
+            SamplerKind::Uniform => self.stream.uniform(d),
+            SamplerKind::Sobol | SamplerKind::ZSobol => unit(self.sobol(d)[0]),
+            _ => self.stratum(d),
+        }
+    }
+
+    /// The next two numbers, in [0, 1)².
+    #[inline]
+    pub fn next_2d(&mut self) -> Vec2 {
+        let d = self.take(2);
+        match self.sampler.kind {
+            SamplerKind::Uniform => Vec2::new(self.stream.uniform(d), self.stream.uniform(d + 1)),
+            SamplerKind::Regular | SamplerKind::Jittered => self.multi_jittered(d),
+            SamplerKind::Sobol | SamplerKind::ZSobol => point(self.sobol(d)),
+            SamplerKind::Pmj => point(self.progressive(d)),
+            SamplerKind::Poisson => point(self.disk(d)),
+        }
+    }
+
+    /// The numbers of ray `i` of `n` into which a path splits, from a first dimension of their own on.
+    ///
+    /// The rays of all samples of the pixel are spread together.
+    ///
+    /// * `branch`: tells splits at the same dimension apart
+    pub fn split(&self, branch: u32, i: u32, n: u32) -> Draws<'a> {
+        let place = u64::from(branch) << 32 | u64::from(self.dimension);
+        let seed = mix(self.seed ^ mix(place ^ PATTERN_SALT));
+        let sample = self.sample.wrapping_mul(n).wrapping_add(i);
+        Draws::with_count(self.sampler, seed, self.pixel, sample, self.count.saturating_mul(n))
+    }
+
+    /// Independent numbers by dimension, for those who know their dimensions.
+    pub fn stream(&self) -> &Stream {
+        &self.stream
+    }
+
+    #[inline]
+    fn take(&mut self, n: u32) -> u32 {
+        let first = self.dimension;
+        self.dimension = first.wrapping_add(n);
+        first
+    }
+
+    /// 64 random bits of a dimension that all samples of a pattern have in common.
+    #[inline]
+    fn pattern(&self, dimension: u32, pattern: u32) -> u64 {
+        let place = u64::from(self.pixel[0]) | u64::from(self.pixel[1]) << 32;
+        let which = u64::from(pattern) << 32 | u64::from(dimension);
+        mix(mix(mix(self.seed ^ PATTERN_SALT) ^ place) ^ which)
+    }
+
+    /// One number in each of `n` strata, in random order.
+    #[inline]
+    fn stratum(&self, d: u32) -> f32 {
+        let n = self.count;
+        let hash = self.pattern(d, self.sample / n);
+        let stratum = permute(self.sample % n, n, hash as u32);
+        ((stratum as f32 + self.stream.uniform(d)) / n as f32).min(BELOW_ONE)
+    }
+
+    /// Multi-jitter of any number of samples [Chiu, Shirley and Wang 1994], [Kensler 2013].
+    ///
+    /// The square is a grid with one sample in each cell; besides, the samples lie in different columns of a
+    /// finer grid, and in different rows. When the grid's last row is not full, chance says in which columns.
+    #[inline]
+    fn multi_jittered(&self, d: u32) -> Vec2 {
+        let n = self.count;
+        let columns = ((n as f32).sqrt() + 0.5) as u32;
+        let rows = n.div_ceil(columns);
+        let hash = self.pattern(d, self.sample / n);
+        let s = permute(self.sample % n, n, hash as u32);
+        let (row, place) = (s / columns, s % columns);
+        let column = permute(place, columns, (hash >> 32) as u32);
+        let in_column = permute(row, rows, mix(hash ^ u64::from(column)) as u32);
+        let in_row = permute(place, columns.min(n - row * columns), mix(hash ^ u64::from(!row)) as u32);
+        let x = (in_column as f32 + self.stream.uniform(d)) / rows as f32;
+        let y = ((row * columns + in_row) as f32 + self.stream.uniform(d + 1)) / n as f32;
+        Vec2::new((column as f32 + x) / columns as f32, y).min(Vec2::splat(BELOW_ONE))
+    }
+
+    /// A scrambled point of the (0, 2)-sequence.
+    #[inline]
+    fn sobol(&self, d: u32) -> [u32; 2] {
+        let (index, hash) = if self.sampler.kind == SamplerKind::ZSobol {
+            zorder::index(self.seed, self.pixel, self.sample, self.count, d)
+        } else {
+            let hash = self.pattern(d, 0);
+            (sobol::shuffle(self.sample, mix(hash) as u32), hash)
+        };
+        let [x, y] = sobol::point(index);
+        [sobol::owen_scramble(x, hash as u32), sobol::owen_scramble(y, (hash >> 32) as u32)]
+    }
+
+    /// A point of the progressive set, with random digits flipped, which leaves each stratum its one point.
+    ///
+    /// In the pixel the points come in their own order, so that the first few samples are well spread already.
+    #[inline]
+    fn progressive(&self, d: u32) -> [u32; 2] {
+        let (place, hash) = self.place_in_set(d);
+        let [x, y] = self.sampler.points[place];
+        [x ^ hash as u32, y ^ (hash >> 32) as u32]
+    }
+
+    /// A point of the Poisson-disk set, moved around the torus.
+    #[inline]
+    fn disk(&self, d: u32) -> [u32; 2] {
+        let (place, hash) = self.place_in_set(d);
+        let [x, y] = self.sampler.points[place];
+        [x.wrapping_add(hash as u32), y.wrapping_add((hash >> 32) as u32)]
+    }
+
+    /// Which point of the shared set is this sample's, and random bits for moving the set.
+    #[inline]
+    fn place_in_set(&self, d: u32) -> (usize, u64) {
+        let n = self.sampler.points.len().max(1) as u32;
+        let hash = self.pattern(d, self.sample / n);
+        let own = self.sample % n;
+        let place = if d == 0 { own } else { permute(own, n, mix(hash) as u32) };
+        (place as usize, hash)
+    }
+}
+
+#[inline]
+fn point(bits: [u32; 2]) -> Vec2 {
+    Vec2::from_array(bits.map(unit))
+}

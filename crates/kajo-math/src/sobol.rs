@@ -1,0 +1,149 @@
+//! The Sobol (0, 2)-sequence in base 2 and Owen's random scrambling.
+//!
+//! With the bits of the index `i = i0 + 2 i1 + 4 i2 + ...`, the first two coordinates of point `i` are
+//!
+//! ```text
+//! x = i0/2 + i1/4 + i2/8 + ...                       van der Corput
+//! y = j0/2 + j1/4 + j2/8 + ...    ja = sum over b of binomial(b, a) ib mod 2
+//! ```
+//!
+//! [Sobol 1967]. Every aligned block of `2^m` points has exactly one in each of the elementary intervals
+//! `[a 2^-p, (a+1) 2^-p) x [b 2^(p-m), (b+1) 2^(p-m))`: it is a (0, m, 2)-net.
+//!
+//! Owen's scrambling swaps the two halves of the unit interval or not, then the halves of each half, and so on, each
+//! by a coin of its own [Owen 1995]. Nets stay nets, each point becomes uniform over the square, and the error
+//! on smooth integrands falls to n^-1.5. A hash in which every bit depends on the higher ones only does that in a
+//! few instructions [Laine and Karras 2011], [Burley 2020]. The same function applied to the index shuffles
+//! the order of points such that aligned blocks stay blocks, which makes further pairs of dimensions out of two.
+//!
+//! Coordinates are fractions of 2^32; [`crate::rng::unit`] makes them numbers in [0, 1).
+
+/// Point `index` of the sequence.
+#[inline]
+pub fn point(index: u32) -> [u32; 2] {
+    [index.reverse_bits(), pascal(index).reverse_bits()]
+}
+
+/// The product of Pascal's matrix modulo 2 with the bits of `i`.
+///
+/// By Lucas, `binomial(b, a)` is odd where the bits of `a` are among those of `b`; so the product is a sum over
+/// supersets, which goes bit by bit of the place.
+#[inline]
+fn pascal(mut i: u32) -> u32 {
+    i ^= (i >> 1) & 0x5555_5555;
+    i ^= (i >> 2) & 0x3333_3333;
+    i ^= (i >> 4) & 0x0F0F_0F0F;
+    i ^= (i >> 8) & 0x00FF_00FF;
+    i ^ (i >> 16)
+}
+
+/// Owen's scrambling number `seed` of the fraction `x / 2^32`.
+///
+/// A bijection; the leading `m` bits of the result depend on the leading `m` bits of `x` and on the seed. The
+/// constants are those of [Vegdahl 2021].
+#[inline]
+pub fn owen_scramble(x: u32, seed: u32) -> u32 {
+    let mut x = x.reverse_bits();
+    x ^= x.wrapping_mul(0x3D20_ADEA);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6C56);
+    x ^= x.wrapping_mul(0x53A2_2864);
+    x.reverse_bits()
+}
+
+/// A permutation of indices that keeps aligned blocks of `2^m` together.
+#[inline]
+pub fn shuffle(index: u32, seed: u32) -> u32 {
+    owen_scramble(index, seed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::{mix, unit};
+
+    fn hash(i: u32) -> u32 {
+        (mix(u64::from(i)) >> 32) as u32
+    }
+
+    /// Whether the points have one in every elementary interval; their number is a power of two.
+    fn is_net(points: &[[u32; 2]]) -> bool {
+        let m = points.len().ilog2();
+        (0..=m).all(|p| {
+            let mut hit = vec![false; points.len()];
+            points.iter().for_each(|&[x, y]| {
+                let (x, y) = (u64::from(x) >> (32 - p), u64::from(y) >> (32 - (m - p)));
+                hit[(x << (m - p) | y) as usize] = true;
+            });
+            hit.iter().all(|&h| h)
+        })
+    }
+
+    #[test]
+    fn first_points_are_those_of_the_tables() {
+        let eighths = |i| point(i).map(|c| unit(c) * 8.0);
+        let expected =
+            [[0., 0.], [4., 4.], [2., 6.], [6., 2.], [1., 5.], [5., 1.], [3., 3.], [7., 7.]].map(|p| p);
+        for (i, p) in (0..).zip(expected) {
+            assert_eq!(eighths(i), p, "point {i}");
+        }
+    }
+
+    /// Direction numbers by their recurrence for the primitive polynomial x + 1.
+    #[test]
+    fn the_second_coordinate_follows_its_recurrence() {
+        for i in (0..10_000u32).chain((0..1000).map(hash)) {
+            let (mut v, mut y) = (1u32 << 31, 0);
+            for bit in 0..32 {
+                y ^= v * (i >> bit & 1);
+                v ^= v >> 1;
+            }
+            assert_eq!(point(i)[1], y, "{i}");
+        }
+    }
+
+    #[test]
+    fn scrambled_and_shuffled_prefixes_are_nets() {
+        for seed in 0..20 {
+            let points: Vec<_> = (0..1024)
+                .map(|i| point(shuffle(i, hash(3 * seed))))
+                .map(|[x, y]| [owen_scramble(x, hash(3 * seed + 1)), owen_scramble(y, hash(3 * seed + 2))])
+                .collect();
+            for m in 0..=10 {
+                assert!(is_net(&points[..1 << m]), "seed {seed}, 2^{m} points");
+            }
+        }
+        let mut spoiled: Vec<_> = (0..16).map(point).collect();
+        spoiled[3][0] ^= 1 << 31;
+        assert!(!is_net(&spoiled), "the test would not see a fault");
+    }
+
+    /// Two numbers that part at bit `k` part there after scrambling, in half of the seeds the other way round.
+    #[test]
+    fn scrambling_swaps_halves_of_halves_by_coins() {
+        for k in 0..24 {
+            let mut swapped = 0;
+            for s in 0..2000 {
+                let a = hash(s ^ 0x5555);
+                let b = a ^ (1 << (31 - k));
+                let (c, d) = (owen_scramble(a, hash(s)), owen_scramble(b, hash(s)));
+                assert_eq!((c ^ d).leading_zeros(), k);
+                swapped += u32::from((c ^ a) >> (31 - k) & 1 == 1);
+            }
+            // Six standard deviations of 2000 coins.
+            assert!(swapped.abs_diff(1000) < 135, "bit {k}: {swapped}");
+        }
+    }
+
+    #[test]
+    fn a_scrambled_number_is_uniform() {
+        for x in [0, 1, u32::MAX, 0x8000_0000] {
+            let mut bins = [0f64; 32];
+            (0..32_000).for_each(|s| bins[(owen_scramble(x, hash(s)) >> 27) as usize] += 1.0);
+            // 31 degrees of freedom: below 85 with probability 1 - 1e-6.
+            let chi2: f64 = bins.iter().map(|c| (c - 1000.0).powi(2) / 1000.0).sum();
+            assert!(chi2 < 85.0, "{x}: {chi2}");
+        }
+    }
+}
