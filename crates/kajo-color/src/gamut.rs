@@ -13,7 +13,7 @@
 //! XYZ' = B⁻¹ diag(B W' / B W) B XYZ
 //! ```
 //!
-//! [SMPTE RP 177-1993], [Lam 1985]. All values are linear.
+//! [SMPTE RP 177-1993], [Lam 1985]. All values are linear; curves for displays are in [`crate::tone`].
 
 use crate::matrix::{Matrix3, apply, diagonal, inverse, product};
 
@@ -38,6 +38,13 @@ pub const WHITE_ACES: [f64; 2] = [0.32168, 0.33767];
 pub const SRGB: Gamut =
     Gamut { name: "srgb", primaries: [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]], white: WHITE_D65 };
 
+/// ACES2065-1, the primaries AP0, for exchange [SMPTE ST 2065-1].
+pub const ACES2065: Gamut = Gamut {
+    name: "aces2065-1",
+    primaries: [[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.0770]],
+    white: WHITE_ACES,
+};
+
 /// ACEScg, the primaries AP1 [Academy S-2014-004].
 pub const ACESCG: Gamut =
     Gamut { name: "acescg", primaries: [[0.713, 0.293], [0.165, 0.830], [0.128, 0.044]], white: WHITE_ACES };
@@ -47,7 +54,7 @@ pub const REC2020: Gamut =
     Gamut { name: "rec2020", primaries: [[0.708, 0.292], [0.170, 0.797], [0.131, 0.046]], white: WHITE_D65 };
 
 /// Every gamut with a name.
-pub const ALL: [Gamut; 3] = [SRGB, ACESCG, REC2020];
+pub const ALL: [Gamut; 4] = [SRGB, ACES2065, ACESCG, REC2020];
 
 impl Gamut {
     /// The gamut called `name`.

@@ -8,22 +8,31 @@
 //!
 //! Radiance and colours are linear everywhere. What is not says so in its name.
 
+mod aces;
 mod data;
+pub mod dispersion;
 pub mod emission;
 pub mod gamut;
 pub mod illuminant;
 pub mod matrix;
+pub mod metal;
+pub mod named;
 pub mod observer;
 pub mod reflectance;
 pub mod sensor;
 pub mod spectrum;
 pub mod srgb;
 pub mod tabulated;
+pub mod tone;
 mod uplift;
 pub mod wavelengths;
+pub mod white;
 
+pub use dispersion::Dispersion;
 pub use emission::Emission;
+pub use metal::Metal;
 pub use reflectance::{Reflectance, Unbounded};
 pub use spectrum::Spectrum;
 pub use tabulated::{Outside, Tabulated};
+pub use tone::Tone;
 pub use wavelengths::Wavelengths;

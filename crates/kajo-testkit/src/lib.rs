@@ -4,6 +4,7 @@
 //! change that makes a result wrong, and a number that is right by chance only.
 
 pub mod chi_square;
+pub mod delta_e;
 pub mod image;
 pub mod mean;
 mod special;
@@ -11,5 +12,6 @@ pub mod spectrum;
 pub mod sphere;
 
 pub use chi_square::ChiSquare;
+pub use delta_e::{delta_e_2000, lab};
 pub use image::share_off_by;
 pub use mean::Estimate;

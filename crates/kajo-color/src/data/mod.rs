@@ -1,4 +1,6 @@
 //! Published numbers, each file with its source. They are facts; nothing here is computed.
 
 pub(crate) mod daylight;
+pub(crate) mod lamps;
+pub(crate) mod metals;
 pub(crate) mod observer;
