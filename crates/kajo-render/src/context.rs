@@ -63,8 +63,14 @@ impl<'a> SampleContext<'a> {
     /// Makes ready for sample `index` of `pixel`, and says where it lies relative to the pixel's top left corner.
     #[inline]
     pub fn begin(&mut self, pixel: [u32; 2], index: u32) -> Vec2 {
+        self.begin_with(self.seed, pixel, index)
+    }
+
+    /// As [`SampleContext::begin`] with another seed.
+    #[inline]
+    pub(crate) fn begin_with(&mut self, seed: u64, pixel: [u32; 2], index: u32) -> Vec2 {
         self.index = index;
-        self.draws = Draws::new(self.sampler, self.seed, pixel, index);
+        self.draws = Draws::new(self.sampler, seed, pixel, index);
         self.draws.film_position()
     }
 }

@@ -17,5 +17,6 @@ pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, Lay
 pub use rect::Rect;
 pub use sample::{FirstHit, PixelIntegrator, PixelSample, RayCounters};
 pub use schedule::{
-    FailedUnit, Progress, RenderError, RenderSettings, RenderStats, Silent, Unit, render, render_unit,
+    FailedUnit, Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Silent, Unit, render,
+    render_passes, render_unit,
 };

@@ -89,6 +89,16 @@ impl Grid {
         Rect { x0, y0, x1, y1 }.intersection(&self.picture)
     }
 
+    /// Side of the cells in pixels.
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
+    /// The same picture in cells of another side; 0 counts as 1.
+    pub fn with_side(&self, side: u32) -> Grid {
+        Grid { side: side.max(1), ..*self }
+    }
+
     /// Columns and rows of the cells that share pixels with a rectangle of the picture.
     pub fn cells_over(&self, rect: &Rect) -> Rect {
         Rect {

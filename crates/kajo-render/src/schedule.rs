@@ -6,31 +6,25 @@
 //! picture.
 //!
 //! Threads take the next unit from a counter until none is left, which keeps all of them busy to the
-//! end; tiles are numbered along a Hilbert curve (see [`mod@order`]). When a picture has few
+//! end; tiles are numbered along a Hilbert curve (see [`order`](crate::order)). When a picture has few
 //! tiles for the threads at hand, its samples are split as well.
+//!
+//! [`render`] takes all samples in one pass over the picture. [`render_passes`] takes them in several, with the whole
+//! picture to be seen after each; the bits at the end are the same.
 
-use std::{
-    any::Any,
-    ops::Range,
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::{
-        Mutex, PoisonError,
-        atomic::{AtomicBool, AtomicU64, Ordering},
-    },
-    thread,
-    time::Instant,
-};
+pub mod adaptive;
+mod pass;
+mod passes;
 
-use kajo_core::sampler::Sampler;
-use kajo_math::Vec2;
+use std::{ops::Range, thread, time::Instant};
+
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_math::{Vec2, rng::mix};
 use thiserror::Error;
 
-use crate::{
-    Auxiliary, Film, FilmPart, PixelIntegrator, RayCounters, SampleContext,
-    context::Scratch,
-    order,
-    rect::{Grid, Rect},
-};
+use crate::{Auxiliary, Film, FilmPart, PixelIntegrator, RayCounters, Rect, SampleContext};
+use pass::{Pass, Plan, Share};
+pub use passes::{Goal, Position, render_passes};
 
 /// Side of a tile in pixels unless the settings say otherwise.
 const TILE: u32 = 32;
@@ -105,8 +99,71 @@ impl Progress for Silent {
 pub struct Unit {
     /// Pixels.
     pub tile: Rect,
-    /// Indices of samples of each of them.
+    /// Positions of samples of each of them in the order in which the sampler's are taken.
     pub samples: Range<u32>,
+    /// How many samples of even and of odd index the pixels get in all; what the range has beyond is left out.
+    pub limits: [u32; 2],
+}
+
+impl Unit {
+    /// Samples of even and odd index without a limit.
+    pub const UNLIMITED: [u32; 2] = [u32::MAX; 2];
+
+    /// The samples of each pixel.
+    fn indices(&self, sampler: &Sampler) -> impl Iterator<Item = u32> + use<> {
+        let limits = self.limits;
+        let within = move |k: &u32| k / 2 < limits[*k as usize % 2];
+        Sequence::new(sampler).indices(self.samples.clone()).filter(within)
+    }
+
+    /// How many these are, of a sampler whose samples come in order.
+    fn count(&self) -> u32 {
+        let [even, odd] = self.limits.map(|limit| limit.saturating_mul(2));
+        let below = |k: u32| k.min(even).div_ceil(2) + k.min(odd) / 2;
+        below(self.samples.end) - below(self.samples.start)
+    }
+}
+
+/// The order in which samples are taken. Any beginning of it should be spread over the pixel.
+#[derive(Clone, Copy, Debug)]
+struct Sequence {
+    /// From one index to the next.
+    stride: u64,
+    /// The index is taken modulo this.
+    modulus: u64,
+}
+
+impl Sequence {
+    fn new(sampler: &Sampler) -> Sequence {
+        match sampler.kind() {
+            // Sub-pixels row by row: jump by the golden section of their number.
+            SamplerKind::Regular | SamplerKind::Jittered => {
+                let n = u64::from(sampler.samples().max(1));
+                let golden = (n as f64 * 0.618_034) as u64;
+                let stride = (golden.max(1)..).find(|&stride| gcd(stride, n) == 1).unwrap_or(1);
+                Sequence { stride, modulus: n }
+            }
+            _ => Sequence { stride: 1, modulus: u64::MAX },
+        }
+    }
+
+    /// The indices of samples at some positions of the sequence.
+    fn indices(self, positions: Range<u32>) -> impl Iterator<Item = u32> {
+        let Sequence { stride, modulus } = self;
+        let first = u64::from(positions.start) * stride % modulus;
+        positions.scan(first, move |next, _| {
+            let index = *next as u32;
+            *next += stride;
+            if *next >= modulus {
+                *next -= modulus;
+            }
+            Some(index)
+        })
+    }
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// What a render took.
@@ -163,32 +220,18 @@ pub fn render<I: PixelIntegrator + ?Sized>(
     progress: &dyn Progress,
 ) -> Result<RenderStats, RenderError> {
     let start = Instant::now();
-    let plan = Plan::new(film, settings);
-    let pass = Pass {
-        integrator,
-        film,
-        settings,
-        progress,
-        plan,
-        next: AtomicU64::new(0),
-        stop: AtomicBool::new(false),
-        samples: AtomicU64::new(0),
-        rays: AtomicU64::new(0),
-        outcome: Mutex::default(),
-    };
-    let wanted = (settings.thread_count() as u64).min(plan.len()).max(1);
-    let threads = thread::scope(|scope| {
-        let spawn = |i: &u64| {
-            let builder = thread::Builder::new().name(format!("render-{i}")).stack_size(STACK);
-            builder.spawn_scoped(scope, || pass.work()).is_ok()
-        };
-        (0..wanted).take_while(spawn).count()
-    });
-    if threads == 0 {
-        // The system gives no threads. Fewer than asked for make the same picture.
-        pass.work();
+    let plan = Plan::new(film, settings, 0..settings.sampler.samples(), &[]);
+    let share = Share { samples_in_all: plan.samples(), ..Share::default() };
+    let pass = Pass::new(integrator, film, settings, progress, &plan, share);
+    pass.run();
+    let complete = pass.is_complete();
+    let (mut stats, failed) = pass.finish();
+    stats.seconds = start.elapsed().as_secs_f64();
+    match (failed.is_empty(), complete) {
+        (false, _) => Err(RenderError::Panicked { failed, stats }),
+        (true, false) => Err(RenderError::Cancelled(stats)),
+        (true, true) => Ok(stats),
     }
-    pass.finish(start.elapsed().as_secs_f64(), threads.max(1))
 }
 
 /// Renders one unit into a part, which is emptied first.
@@ -221,12 +264,17 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
     let tile = unit.tile;
     part.reset(&tile);
     let wants_auxiliary = part.spec().layers.wants_auxiliary();
+    // The halves of a film are two renders with seeds of their own.
+    let halves = part.spec().halves.then(|| [ctx.seed, mix(ctx.seed)]);
     let mut untold = 0;
     for y in tile.y0..tile.y1 {
         for x in tile.x0..tile.x1 {
             let corner = Vec2::new(x as f32, y as f32);
-            for k in unit.samples.clone() {
-                let offset = ctx.begin([x, y], k);
+            for k in unit.indices(ctx.sampler) {
+                let offset = match halves {
+                    Some(seeds) => ctx.begin_with(seeds[k as usize % 2], [x, y], k / 2),
+                    None => ctx.begin([x, y], k),
+                };
                 if wants_auxiliary {
                     ctx.aux = Auxiliary::default();
                 }
@@ -244,138 +292,6 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
     }
     go_on(untold, &ctx.rays);
     true
-}
-
-/// One call of [`render`], as its threads share it.
-struct Pass<'a, I: ?Sized> {
-    integrator: &'a I,
-    film: &'a Film,
-    settings: &'a RenderSettings,
-    progress: &'a dyn Progress,
-    plan: Plan,
-    next: AtomicU64,
-    stop: AtomicBool,
-    samples: AtomicU64,
-    rays: AtomicU64,
-    outcome: Mutex<Outcome>,
-}
-
-/// What the threads of a pass leave behind.
-#[derive(Default)]
-struct Outcome {
-    rays: RayCounters,
-    failed: Vec<FailedUnit>,
-}
-
-impl<I: PixelIntegrator + ?Sized> Pass<'_, I> {
-    /// Renders units until none is left.
-    fn work(&self) {
-        let mut part = FilmPart::new(self.film.spec(), &self.settings.sampler);
-        let mut ctx = SampleContext::new(&self.settings.sampler, self.settings.seed);
-        let mut failed = Vec::new();
-        while !self.stopped()
-            && let Some(unit) = self.plan.unit(self.next.fetch_add(1, Ordering::Relaxed))
-        {
-            let attempt = catch_unwind(AssertUnwindSafe(|| self.render(&unit, &mut part, &mut ctx)));
-            if let Err(panic) = attempt {
-                ctx.scratch = Scratch::default();
-                failed.push(FailedUnit { unit, message: message_of(&*panic) });
-            }
-        }
-        let mut outcome = self.outcome.lock().unwrap_or_else(PoisonError::into_inner);
-        outcome.rays += ctx.rays;
-        outcome.failed.append(&mut failed);
-    }
-
-    /// Renders a unit and adds it to the film, finished or not.
-    fn render(&self, unit: &Unit, part: &mut FilmPart, ctx: &mut SampleContext<'_>) {
-        let mut told = ctx.rays.total();
-        render_unit(self.integrator, ctx, unit, part, |samples, counters| {
-            let rays = counters.total() - told;
-            told += rays;
-            self.report(samples, rays);
-            !self.stopped()
-        });
-        self.film.add(part);
-    }
-
-    fn report(&self, samples: u64, rays: u64) {
-        let samples = self.samples.fetch_add(samples, Ordering::Relaxed) + samples;
-        let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
-        let per_pixel = u64::from(self.settings.sampler.samples());
-        self.progress.done(samples / per_pixel, self.film.spec().rect().area(), rays);
-    }
-
-    fn stopped(&self) -> bool {
-        let stop = self.stop.load(Ordering::Relaxed) || self.progress.cancelled();
-        if stop {
-            self.stop.store(true, Ordering::Relaxed);
-        }
-        stop
-    }
-
-    fn finish(self, seconds: f64, threads: usize) -> Result<RenderStats, RenderError> {
-        let samples = self.samples.into_inner();
-        let Outcome { rays, mut failed } = self.outcome.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let stats = RenderStats { rays, samples, non_finite: self.film.non_finite(), seconds, threads };
-        if !failed.is_empty() {
-            failed.sort_by_key(|f| (f.unit.tile.y0, f.unit.tile.x0, f.unit.samples.start));
-            return Err(RenderError::Panicked { failed, stats });
-        }
-        if self.stop.into_inner() && samples < self.plan.samples_in_all() {
-            return Err(RenderError::Cancelled(stats));
-        }
-        Ok(stats)
-    }
-}
-
-/// The units of a picture, numbered.
-#[derive(Clone, Copy, Debug)]
-struct Plan {
-    grid: Grid,
-    pixels: u64,
-    samples: u32,
-    /// Parts that the samples are split into.
-    ranges: u32,
-}
-
-impl Plan {
-    fn new(film: &Film, settings: &RenderSettings) -> Plan {
-        let spec = film.spec();
-        let samples = settings.sampler.samples();
-        let tile = if settings.tile == 0 { TILE } else { settings.tile.min(LARGEST_TILE) };
-        let grid = Grid::new(spec.width, spec.height, tile);
-        let wanted = (UNITS_PER_THREAD * settings.thread_count() as u64).div_ceil(grid.len());
-        let ranges = if spec.keeps_sums() { wanted.min(u64::from(samples)).max(1) as u32 } else { 1 };
-        Plan { grid, pixels: spec.rect().area(), samples, ranges }
-    }
-
-    /// Units; none when there are no samples.
-    fn len(&self) -> u64 {
-        if self.samples == 0 { 0 } else { self.grid.len() * u64::from(self.ranges) }
-    }
-
-    fn samples_in_all(&self) -> u64 {
-        self.pixels * u64::from(self.samples)
-    }
-
-    /// Unit `index`: all tiles with the first range of samples, then all with the second, and so on.
-    fn unit(&self, index: u64) -> Option<Unit> {
-        if index >= self.len() {
-            return None;
-        }
-        let (column, row) = order::place(index % self.grid.len(), self.grid.columns(), self.grid.rows());
-        let range = index / self.grid.len();
-        let start = |r: u64| (u64::from(self.samples) * r / u64::from(self.ranges)) as u32;
-        Some(Unit { tile: self.grid.cell(column, row), samples: start(range)..start(range + 1) })
-    }
-}
-
-/// The text of a panic.
-fn message_of(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied();
-    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("a panic without a message").to_string()
 }
 
 #[cfg(test)]

@@ -16,10 +16,12 @@
 pub mod filter;
 pub mod fixed;
 pub mod layer;
+pub mod noise;
 mod part;
 mod pixels;
 pub mod spec;
 mod splats;
+pub mod state;
 mod sums;
 
 use std::sync::{
@@ -35,6 +37,7 @@ use part::{Store, Taps};
 use pixels::Pixels;
 pub use spec::{FilmError, FilmSpec, LARGEST_PICTURE};
 use splats::{Areas, SplatSums};
+pub(crate) use sums::Spread;
 use sums::Sums;
 
 use fixed::Term;
@@ -100,6 +103,11 @@ impl Film {
     /// What the film holds.
     pub fn spec(&self) -> &FilmSpec {
         &self.spec
+    }
+
+    /// The blocks.
+    pub(crate) fn grid(&self) -> Grid {
+        self.grid
     }
 
     /// Samples so far, over all pixels.

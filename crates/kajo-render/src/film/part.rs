@@ -134,20 +134,20 @@ impl FilmPart {
         let finite = match (&mut self.store, self.reach) {
             (Store::Pixels(pixels), _) => pixels.put(&self.spec, pixels.rect.index(x, y), values, sample),
             (Store::Sums(sums), None) => {
-                let own = sums.rect.index(x, y);
+                let own = sums.slot(x, y, k);
                 sums.add_plain(own, values) & sums.add_own(own, k, sample)
             }
             (Store::Sums(sums), Some(reach)) => {
-                let own = sums.rect.index(x, y);
+                let own = sums.slot(x, y, k);
                 let finite = sums.add_own(own, k, sample);
                 self.terms.clear();
                 self.terms.extend(values.iter().map(|&v| Term::new(v).unwrap_or(Term::ZERO)));
                 self.taps.surround(&self.spec, [x, y], offset, reach);
                 let [x0, y0] = self.taps.first;
                 for (y, &wy) in (y0..).zip(&self.taps.rows) {
-                    let row = sums.rect.index(x0, y);
-                    for (pixel, &wx) in (row..).zip(&self.taps.columns) {
-                        sums.add_filtered(pixel, Weight::new(wx * wy), &self.terms);
+                    let row = sums.slot(x0, y, k);
+                    for (slot, &wx) in (row..).step_by(sums.stride()).zip(&self.taps.columns) {
+                        sums.add_filtered(slot, Weight::new(wx * wy), &self.terms);
                     }
                 }
                 finite & values.iter().all(|v| v.is_finite())

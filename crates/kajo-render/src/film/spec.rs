@@ -37,6 +37,10 @@ pub struct FilmSpec {
     /// Where samples count for their own pixel only, the finished tiles of all but small pictures are then
     /// kept as floats, in about a quarter of the memory; the pictures are the same.
     pub one_pass: bool,
+    /// Samples of even and of odd index are summed apart, and a pixel is the mean of the two means. This keeps
+    /// pictures unbiased whose samples are spread by what earlier ones showed; see
+    /// [`adaptive`](crate::schedule::adaptive).
+    pub halves: bool,
 }
 
 impl FilmSpec {
@@ -51,6 +55,7 @@ impl FilmSpec {
             depth_map: DepthMap::default(),
             normal_map: NormalMap::default(),
             one_pass: false,
+            halves: false,
         }
     }
 
@@ -69,13 +74,14 @@ impl FilmSpec {
     /// Whether the sums stay until the picture is developed.
     pub(crate) fn keeps_sums(&self) -> bool {
         let small = self.rect().area() <= SMALL_PICTURE;
-        !self.one_pass || small || self.filter.radius().is_some()
+        !self.one_pass || self.halves || small || self.filter.radius().is_some()
     }
 
     /// The arrays that sums consist of.
     pub(crate) fn parts(&self) -> Parts {
         let weights = self.filter.radius().is_some();
         Parts {
+            halves: if self.halves { 2 } else { 1 },
             channels: self.layers.filtered().map(Layer::channels).sum(),
             weights,
             counts: !weights || self.layers.has(Layer::SampleCount) || self.layers.has(Layer::Variance),
@@ -130,6 +136,8 @@ impl FilmSpec {
 /// Which arrays the sums of a film consist of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Parts {
+    /// Sets of sums that samples are dealt to by their index: 1 or 2.
+    pub halves: usize,
     /// Filtered channels per pixel.
     pub channels: usize,
     /// Weights differ from sample to sample, so they are summed; otherwise the count is their sum.
@@ -146,12 +154,13 @@ pub(crate) struct Parts {
 
 impl Parts {
     fn bytes_per_pixel(self) -> usize {
-        16 * self.channels
+        let half = 16 * self.channels
             + if self.weights { 8 } else { 0 }
             + if self.counts { 4 } else { 0 }
             + if self.distances { 20 } else { 0 }
             + if self.firsts { 12 } else { 0 }
-            + if self.moments { 96 } else { 0 }
+            + if self.moments { 96 } else { 0 };
+        half * self.halves
     }
 }
 
@@ -250,6 +259,7 @@ mod tests {
         assert_eq!(filtered.bytes(), 3840 * 2160 * 56);
         assert_eq!(FilmSpec { one_pass: true, ..spec }.bytes(), 3840 * 2160 * 12);
         assert_eq!(FilmSpec { one_pass: true, ..filtered }.bytes(), filtered.bytes());
+        assert_eq!(FilmSpec { one_pass: true, halves: true, ..spec }.bytes(), 2 * spec.bytes());
     }
 
     #[test]

@@ -8,10 +8,13 @@
 //! `j` that lies in the pixel's cell. It is the product of two integrals along the axes. Where samples count for
 //! their own pixel only, the filter is the pixel itself and the integral 1.
 
+use std::io::{self, Read, Write};
+
 use super::{
     filter::Filter,
     fixed::{self, Term, Weight},
     spec::FilmSpec,
+    state::{restore_array, save_numbers},
 };
 use crate::rect::Rect;
 
@@ -50,6 +53,18 @@ impl SplatSums {
                 *out += fixed::average(sum, divisor);
             }
         }
+    }
+}
+
+impl SplatSums {
+    /// Writes the sums.
+    pub fn save(&self, out: &mut dyn Write) -> io::Result<()> {
+        save_numbers(self.values.as_flattened().iter().copied(), out)
+    }
+
+    /// Reads what [`SplatSums::save`] wrote of a rectangle of this size.
+    pub fn restore(&mut self, input: &mut dyn Read) -> io::Result<()> {
+        restore_array(self.values.as_flattened_mut(), input)
     }
 }
 

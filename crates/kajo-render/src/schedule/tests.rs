@@ -1,4 +1,4 @@
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use kajo_core::sampler::SamplerKind;
 use kajo_math::Vec3;
@@ -232,7 +232,10 @@ fn a_panic_costs_one_unit() {
         panic!("nothing failed");
     };
     assert_eq!(failed.len(), 1);
-    assert_eq!(failed[0].unit, Unit { tile: Rect { x0: 32, y0: 0, x1: 64, y1: 32 }, samples: 0..1 });
+    assert_eq!(
+        failed[0].unit,
+        Unit { tile: Rect { x0: 32, y0: 0, x1: 64, y1: 32 }, samples: 0..1, limits: Unit::UNLIMITED }
+    );
     assert!(failed[0].message.starts_with("boo at"));
     assert_eq!(stats.threads, 2);
     let colours = colours(&film);
@@ -245,7 +248,7 @@ fn a_panic_costs_one_unit() {
 fn few_tiles_share_their_samples_among_threads() {
     let plan = |width, height, samples, threads| {
         let settings = RenderSettings { threads, ..settings(SamplerKind::Uniform, samples) };
-        Plan::new(&film(FilmSpec::new(width, height)), &settings)
+        Plan::new(&film(FilmSpec::new(width, height)), &settings, 0..samples, &[])
     };
     // One tile, eight threads: 64 units, whose sample ranges follow each other.
     let one = plan(1, 1, 1000, 8);
@@ -263,6 +266,6 @@ fn few_tiles_share_their_samples_among_threads() {
     // Absurd wishes are cut down.
     let absurd =
         RenderSettings { threads: usize::MAX, tile: u32::MAX, ..settings(SamplerKind::Uniform, u32::MAX) };
-    let plan = Plan::new(&film(FilmSpec::new(1000, 1000)), &absurd);
+    let plan = Plan::new(&film(FilmSpec::new(1000, 1000)), &absurd, 0..u32::MAX, &[]);
     assert_eq!((plan.grid.len(), plan.len()), (4, 8 * 1024));
 }
