@@ -99,12 +99,14 @@ impl Emission {
     #[inline]
     pub fn at(&self, lambda: &Wavelengths) -> Spectrum {
         let Some(nm) = lambda.nm() else { return Spectrum::rgb(self.rgb[0], self.rgb[1], self.rgb[2]) };
-        let lanes = match &self.shape {
-            Shape::Filtered(filter) => nm.map(|nm| filter.at(nm) * illuminant::d65(nm)),
-            Shape::Table(table) => nm.map(|nm| table.at(nm)),
-            Shape::BlackBody(kelvin) => nm.map(|nm| black_body_shape(nm, *kelvin)),
+        let shape: Spectrum = match &self.shape {
+            Shape::Filtered(filter) => {
+                Spectrum::from(filter.at(nm)) * Spectrum::from(nm.map(illuminant::d65))
+            }
+            Shape::Table(table) => nm.map(|nm| table.at(nm)).into(),
+            Shape::BlackBody(kelvin) => nm.map(|nm| black_body_shape(nm, *kelvin)).into(),
         };
-        Spectrum::from(lanes) * self.scale
+        shape * self.scale
     }
 
     /// Linear sRGB, without negative components.

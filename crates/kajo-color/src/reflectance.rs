@@ -29,7 +29,7 @@ impl Shape {
     #[inline]
     fn at(&self, nm: [f32; 4]) -> Spectrum {
         Spectrum::from(match self {
-            Shape::Colour(uplift) => nm.map(|nm| uplift.at(nm)),
+            Shape::Colour(uplift) => uplift.at(nm),
             Shape::Table(table) => nm.map(|nm| table.at(nm)),
         })
     }

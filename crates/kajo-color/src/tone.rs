@@ -103,15 +103,12 @@ fn agx(rgb: [f32; 3]) -> [f32; 3] {
 fn agx_curve(t: f32) -> f32 {
     const PIVOT: f32 = 10.0 / 16.5;
     const SLOPE: f32 = 2.0;
-    // The side of the pivot gives the power and the distance of the end that the curve has to meet.
-    let (power, side, run) = if t < PIVOT { (3.0, -1.0, PIVOT) } else { (3.25, 1.0, 1.0 - PIVOT) };
-    let rise = 0.5;
-    let scale = fmath::pow(
-        fmath::pow(SLOPE * run, -power) * (fmath::pow(SLOPE * run / rise, power) - 1.0),
-        -1.0 / power,
-    );
-    let x = SLOPE * side * (t - PIVOT) / scale;
-    0.5 + side * scale * x / fmath::pow(1.0 + fmath::pow(x, power), 1.0 / power)
+    // What makes the curve meet 0 and 1: ((2 a)^-p ((4 a)^p - 1))^(-1/p), `a` the distance of the end.
+    const TOE: f32 = 0.512_277_4;
+    const SHOULDER: f32 = 0.541_464_15;
+    let (power, scale) = if t < PIVOT { (3.0, -TOE) } else { (3.25, SHOULDER) };
+    let x = SLOPE * (t - PIVOT) / scale;
+    0.5 + scale * x / fmath::pow(1.0 + fmath::pow(x, power), 1.0 / power)
 }
 
 #[cfg(test)]

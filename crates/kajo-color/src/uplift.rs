@@ -40,16 +40,16 @@ impl Uplift {
         Uplift::Sigmoid(fit(rgb.map(f64::from)).map(|c| c as f32))
     }
 
-    /// The value at a wavelength in nm.
+    /// The values at four wavelengths in nm.
     #[inline]
-    pub(crate) fn at(&self, nm: f32) -> f32 {
+    pub(crate) fn at(&self, nm: [f32; 4]) -> [f32; 4] {
         match *self {
-            Uplift::Constant(v) => v,
-            Uplift::Sigmoid([c0, c1, c2]) => {
+            Uplift::Constant(v) => [v; 4],
+            Uplift::Sigmoid([c0, c1, c2]) => nm.map(|nm| {
                 let x = (nm - MIDDLE_NM as f32) * (1.0 / HALF_NM) as f32;
                 let p = (c0 * x + c1) * x + c2;
                 0.5 + 0.5 * p / (1.0 + p * p).sqrt()
-            }
+            }),
         }
     }
 }
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn greys_are_flat() {
         assert_eq!(Uplift::of([0.3; 3]), Uplift::Constant(0.3));
-        assert_eq!(Uplift::of([1.0; 3]).at(700.0), 1.0);
+        assert_eq!(Uplift::of([1.0; 3]).at([700.0; 4]), [1.0; 4]);
         let white = RESPONSE.iter().fold([0.0; 3], |sum, (_, w)| [0, 1, 2].map(|i| sum[i] + w[i]));
         for x in white {
             assert!((x - 1.0).abs() < 1e-5, "{white:?}");
