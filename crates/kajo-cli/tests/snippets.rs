@@ -91,6 +91,8 @@ fn assets(scene: &str) -> MemoryAssets {
                 element face 1\nproperty list uchar int vertex_indices\n";
             let values = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
             assets = assets.with(word, format!("ply\nformat ascii 1.0\n{header}end_header\n{values}"));
+        } else if word.ends_with(".png") {
+            assets = assets.with(word, &sky);
         } else if word.ends_with(".txt") {
             assets = assets.with(word, "");
         }

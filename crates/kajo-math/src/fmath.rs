@@ -121,6 +121,12 @@ pub fn asin64(x: f64) -> f64 {
     libm::asin(x)
 }
 
+/// Arc tangent in double precision.
+#[inline]
+pub fn atan64(x: f64) -> f64 {
+    libm::atan(x)
+}
+
 /// `e` to the power `x` in double precision.
 #[inline]
 pub fn exp64(x: f64) -> f64 {

@@ -10,6 +10,7 @@ pub mod fmath;
 pub mod frame;
 pub mod noise;
 pub mod permute;
+pub mod piecewise;
 pub mod pmj;
 pub mod poisson;
 pub mod ray;

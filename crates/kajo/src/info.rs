@@ -84,6 +84,7 @@ fn camera_keyword(camera: &Camera) -> &'static str {
         Camera::Orthographic(_) => "OrthographicCamera",
         Camera::Perspective(_) => "PerspectiveCamera",
         Camera::Panorama(_) => "PanoramaCamera",
+        Camera::Fisheye(_) => "FisheyeCamera",
         Camera::StereoCubemap(_) => "StereoCubemapCamera",
     }
 }

@@ -1,6 +1,6 @@
 //! The position and axes of a camera.
 
-use kajo_math::DVec3;
+use kajo_math::{DVec2, DVec3};
 
 /// Where a camera stands and what it calls right, up and forward.
 #[derive(Clone, Copy, Debug)]
@@ -29,5 +29,17 @@ impl Frame {
     /// The same frame with `up` taken as it stands, which the `mit-a2` programs do.
     pub fn with_raw_up(self, up: DVec3) -> Frame {
         Frame { up, ..self }
+    }
+
+    /// The part of a vector across the camera's direction: right and up.
+    pub(super) fn across(&self, v: DVec3) -> DVec2 {
+        DVec2::new(v.dot(self.right), v.dot(self.up))
+    }
+
+    /// Whether the axes are perpendicular unit vectors.
+    pub(super) fn is_orthonormal(&self) -> bool {
+        let axes = [self.right, self.up, self.forward];
+        let unit = axes.iter().all(|axis| (axis.length_squared() - 1.0).abs() < 1e-6);
+        unit && self.right.cross(self.up).dot(self.forward).abs() > 1.0 - 1e-6
     }
 }

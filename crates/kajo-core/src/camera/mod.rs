@@ -2,13 +2,21 @@
 //!
 //! A picture's own coordinates run from (-1, -1) at the lower left to (1, 1) at the upper right.
 
+mod aperture;
+mod fisheye;
 mod frame;
+mod importance;
+mod lens;
 mod orthographic;
 mod panorama;
 mod perspective;
 mod stereo_cubemap;
 
+pub use aperture::Aperture;
+pub use fisheye::{FisheyeCamera, FisheyeProjection};
 pub use frame::Frame;
+pub use importance::{Connection, Importance};
+pub use lens::ThinLens;
 pub use orthographic::OrthographicCamera;
 pub use panorama::{EyePair, PanoramaCamera};
 pub use perspective::PerspectiveCamera;
@@ -17,30 +25,52 @@ pub use stereo_cubemap::{Stereo, StereoCubemapCamera};
 use kajo_math::{Ray, Vec2};
 
 /// Any camera.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Camera {
     /// Parallel rays.
     Orthographic(OrthographicCamera),
-    /// Rays through a point.
+    /// Rays through a point or a lens.
     Perspective(PerspectiveCamera),
     /// All directions, as a rectangle of longitude and latitude.
     Panorama(PanoramaCamera),
+    /// Half of all directions or more, in a disk.
+    Fisheye(FisheyeCamera),
     /// Twelve faces of two cubes in a row.
     StereoCubemap(StereoCubemapCamera),
 }
 
 impl Camera {
-    /// The ray through a place of the picture.
+    /// The ray through a place of the picture; `None` where no light gets.
     ///
     /// * `at`: picture coordinates; samples may lie somewhat outside [-1, 1]
     /// * `aspect`: width of the picture over its height
+    /// * `lens`: uniform in [0, 1)²; of no effect unless [`Camera::has_lens`]
     #[inline]
-    pub fn ray(&self, at: Vec2, aspect: f32) -> Ray {
+    pub fn ray(&self, at: Vec2, aspect: f32, lens: Vec2) -> Option<Ray> {
         match self {
-            Camera::Orthographic(camera) => camera.ray(at, aspect),
-            Camera::Perspective(camera) => camera.ray(at, aspect),
-            Camera::Panorama(camera) => camera.ray(at),
-            Camera::StereoCubemap(camera) => camera.ray(at),
+            Camera::Orthographic(camera) => Some(camera.ray(at, aspect, lens)),
+            Camera::Perspective(camera) => Some(camera.ray(at, aspect, lens)),
+            Camera::Panorama(camera) => Some(camera.ray(at)),
+            Camera::Fisheye(camera) => camera.ray(at, aspect),
+            Camera::StereoCubemap(camera) => Some(camera.ray(at)),
+        }
+    }
+
+    /// The same camera with a lens in place of the pinhole; those that see all around have none.
+    pub fn with_lens(self, lens: Option<ThinLens>) -> Camera {
+        match self {
+            Camera::Orthographic(camera) => Camera::Orthographic(OrthographicCamera { lens, ..camera }),
+            Camera::Perspective(camera) => Camera::Perspective(camera.with_lens(lens)),
+            other => other,
+        }
+    }
+
+    /// Whether the place on the lens matters, or there is a pinhole.
+    pub fn has_lens(&self) -> bool {
+        match self {
+            Camera::Orthographic(camera) => camera.lens.is_some(),
+            Camera::Perspective(camera) => camera.lens().is_some(),
+            _ => false,
         }
     }
 
@@ -60,6 +90,7 @@ impl Camera {
         match self {
             Camera::StereoCubemap(_) => Some(12.0),
             Camera::Panorama(camera) => Some(if camera.is_stereo() { 1.0 } else { 2.0 }),
+            Camera::Fisheye(camera) if !camera.to_corners => Some(1.0),
             _ => None,
         }
     }

@@ -1,23 +1,29 @@
-//! Rays through a point: direction `x aspect right + y up + forward / tan(angle/2)`, normalised.
+//! Rays through a point, or through a lens: direction `x aspect right + y up + forward / tan(angle/2)`, normalised.
 //!
 //! Scene: `PerspectiveCamera { center 0 0 10  direction 0 0 -1  up 0 1 0  angle 30 }`
 
-use kajo_math::{Ray, Vec2, fmath};
+use kajo_math::{DVec2, Ray, Vec2, fmath};
 
-use super::Frame;
+use super::{Frame, ThinLens};
 
-/// A pinhole camera.
-#[derive(Clone, Copy, Debug)]
+/// A pinhole camera, or one with a lens.
+#[derive(Clone, Debug)]
 pub struct PerspectiveCamera {
     frame: Frame,
     /// Distance of the picture plane at which the picture is two units high.
     distance: f64,
+    lens: Option<ThinLens>,
 }
 
 impl PerspectiveCamera {
-    /// A camera with the full vertical field of view `angle`, in radians.
+    /// A pinhole camera with the full vertical field of view `angle`, in radians.
     pub fn new(frame: Frame, angle: f64) -> PerspectiveCamera {
-        PerspectiveCamera { frame, distance: 1.0 / fmath::tan64(0.5 * angle) }
+        PerspectiveCamera { frame, distance: 1.0 / fmath::tan64(0.5 * angle), lens: None }
+    }
+
+    /// The same camera with a lens in place of the pinhole.
+    pub fn with_lens(self, lens: Option<ThinLens>) -> PerspectiveCamera {
+        PerspectiveCamera { lens, ..self }
     }
 
     /// Position and axes.
@@ -25,11 +31,25 @@ impl PerspectiveCamera {
         &self.frame
     }
 
+    /// The lens, if there is one.
+    pub fn lens(&self) -> Option<&ThinLens> {
+        self.lens.as_ref()
+    }
+
+    /// Half the picture's width and height at unit distance.
+    pub(super) fn half_size(&self, aspect: f32) -> DVec2 {
+        DVec2::new(f64::from(aspect), 1.0) / self.distance
+    }
+
     /// The ray through a place of the picture; see [`super::Camera::ray`].
-    pub fn ray(&self, at: Vec2, aspect: f32) -> Ray {
+    pub fn ray(&self, at: Vec2, aspect: f32, lens: Vec2) -> Ray {
         let Frame { center, right, up, forward } = self.frame;
         let (x, y) = (f64::from(at.x) * f64::from(aspect), f64::from(at.y));
         let d = x * right + y * up + self.distance * forward;
-        Ray::new(center.as_vec3(), d.normalize_or_zero().as_vec3())
+        let (o, d) = match &self.lens {
+            None => (center, d),
+            Some(thin) => thin.refract(&self.frame, center, d * (thin.focus / self.distance), lens),
+        };
+        Ray::new(o.as_vec3(), d.normalize_or_zero().as_vec3())
     }
 }

@@ -1,3 +1,7 @@
+mod fisheye;
+mod importance;
+mod lens;
+
 use kajo_math::{DVec3, Vec2, Vec3, rng::Stream};
 
 use super::*;
@@ -14,9 +18,9 @@ fn random_frame(i: u32) -> Frame {
 fn orthographic_corners_are_where_the_handout_puts_them() {
     for i in 0..100 {
         let frame = random_frame(i);
-        let camera = OrthographicCamera { frame, size: 3.0 };
+        let camera = OrthographicCamera { frame, size: 3.0, lens: None };
         for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
-            let ray = camera.ray(Vec2::new(x, y), 1.5);
+            let ray = camera.ray(Vec2::new(x, y), 1.5, Vec2::ZERO);
             let (x, y) = (f64::from(x), f64::from(y));
             let expected = frame.center + 3.0 / 2.0 * y * frame.up + 3.0 * 1.5 / 2.0 * x * frame.right;
             assert!(ray.o.as_dvec3().distance(expected) < 1e-5);
@@ -29,9 +33,9 @@ fn orthographic_corners_are_where_the_handout_puts_them() {
 fn perspective_angle_is_vertical() {
     let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     let camera = PerspectiveCamera::new(frame, 90f64.to_radians());
-    let top = camera.ray(Vec2::new(0.0, 1.0), 2.0).d;
+    let top = camera.ray(Vec2::new(0.0, 1.0), 2.0, Vec2::ZERO).d;
     assert!((top - Vec3::new(0.0, 1.0, -1.0).normalize()).length() < 1e-6);
-    let right = camera.ray(Vec2::new(1.0, 0.0), 2.0).d;
+    let right = camera.ray(Vec2::new(1.0, 0.0), 2.0, Vec2::ZERO).d;
     assert!((right - Vec3::new(2.0, 0.0, -1.0).normalize()).length() < 1e-6);
 }
 
@@ -39,7 +43,7 @@ fn perspective_angle_is_vertical() {
 fn degenerate_up_sends_the_centre_ray_everywhere() {
     let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Z);
     let camera = PerspectiveCamera::new(frame, 1.0);
-    assert_eq!(camera.ray(Vec2::new(0.7, -0.3), 1.0).d, Vec3::NEG_Z);
+    assert_eq!(camera.ray(Vec2::new(0.7, -0.3), 1.0, Vec2::ZERO).d, Vec3::NEG_Z);
 }
 
 /// The angle between the eyes' views of a point at distance d: asin(r/d) tangent, atan(r/d) twin.

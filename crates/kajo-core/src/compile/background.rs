@@ -33,7 +33,7 @@ impl Compiler<'_> {
     }
 
     /// Reads a picture that the scene names.
-    fn picture(&mut self, item: Item<'_>, name: &str) -> Option<Image> {
+    pub(super) fn picture(&mut self, item: Item<'_>, name: &str) -> Option<Image> {
         let limit = self.options.limits.mesh_bytes;
         let read = self.assets.open(name, item.path()).and_then(|file| read_limited(file, limit));
         let picture = read.map_err(|e| e.to_string()).and_then(|bytes| {

@@ -4,14 +4,23 @@ use kajo_math::DVec3;
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::Compiler;
+use super::lens::LensKeys;
 use crate::camera::{
-    Camera, EyePair, Frame, OrthographicCamera, PanoramaCamera, PerspectiveCamera, Stereo,
-    StereoCubemapCamera,
+    Camera, EyePair, FisheyeCamera, FisheyeProjection, Frame, OrthographicCamera, PanoramaCamera,
+    PerspectiveCamera, Stereo, StereoCubemapCamera,
 };
 
 /// Words that make a camera.
-pub(super) const KEYWORDS: [&str; 4] =
-    ["OrthographicCamera", "PanoramaCamera", "PerspectiveCamera", "StereoCubemapCamera"];
+pub(super) const KEYWORDS: [&str; 5] =
+    ["FisheyeCamera", "OrthographicCamera", "PanoramaCamera", "PerspectiveCamera", "StereoCubemapCamera"];
+
+/// Names of fisheye projections.
+const PROJECTIONS: [(&str, FisheyeProjection); 4] = [
+    ("equidistant", FisheyeProjection::Equidistant),
+    ("equisolid", FisheyeProjection::Equisolid),
+    ("orthographic", FisheyeProjection::Orthographic),
+    ("stereographic", FisheyeProjection::Stereographic),
+];
 
 /// Distance between a grown person's eyes in metres.
 const EYE_SEPARATION: f32 = 0.065;
@@ -31,11 +40,12 @@ impl Compiler<'_> {
                 self.diagnostics.push(Diagnostic::error("the scene has no camera").help(help));
             }
             let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
-            return Some(Camera::Orthographic(OrthographicCamera { frame, size: 2.0 }));
+            return Some(Camera::Orthographic(OrthographicCamera { frame, size: 2.0, lens: None }));
         };
         let raw_up = self.rules.raw_up;
-        self.read(item, |params| {
-            params.later(&["aperture", "focus", "shutter"]);
+        let mut lens_keys = None;
+        let camera = self.read(item, |params| {
+            params.later(&["shutter"]);
             let frame = frame(params, raw_up);
             let eyes = |params: &mut Params<'_, '_>| {
                 let separation = params.or("eyeSeparation", EYE_SEPARATION, |a| a.number_in(0.0..));
@@ -44,12 +54,15 @@ impl Compiler<'_> {
             Some(match item.keyword() {
                 "OrthographicCamera" => {
                     let size = params.required("size", Args::number);
-                    Camera::Orthographic(OrthographicCamera { frame: frame?, size: size?.into() })
+                    lens_keys = LensKeys::read(params);
+                    Camera::Orthographic(OrthographicCamera { frame: frame?, size: size?.into(), lens: None })
                 }
                 "PerspectiveCamera" => {
                     let angle = params.required("angle", Args::number);
+                    lens_keys = LensKeys::read(params);
                     Camera::Perspective(PerspectiveCamera::new(frame?, f64::from(angle?).to_radians()))
                 }
+                "FisheyeCamera" => Camera::Fisheye(fisheye(params, frame?)),
                 "PanoramaCamera" => {
                     let eyes = eyes(params);
                     let stereo = params
@@ -63,8 +76,19 @@ impl Compiler<'_> {
                     Camera::StereoCubemap(StereoCubemapCamera { frame: frame?, eyes, stereo })
                 }
             })
-        })
+        });
+        let lens = lens_keys.and_then(|keys| self.lens(keys));
+        Some(camera?.with_lens(lens))
     }
+}
+
+fn fisheye(params: &mut Params<'_, '_>, frame: Frame) -> FisheyeCamera {
+    let projection = params.or("projection", FisheyeProjection::Equidistant, |a| a.choice(&PROJECTIONS));
+    let widest = projection.widest_angle().to_degrees();
+    let angle = params.or("angle", 180.0, |a| a.number_in(1e-3..=widest));
+    let fits = [("corners", true), ("height", false)];
+    let to_corners = params.or("fit", false, |a| a.choice(&fits));
+    FisheyeCamera { frame, angle: f64::from(angle).to_radians(), projection, to_corners }
 }
 
 fn frame(params: &mut Params<'_, '_>, raw_up: bool) -> Option<Frame> {

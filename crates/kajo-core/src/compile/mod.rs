@@ -8,6 +8,7 @@ mod background;
 mod camera;
 mod definition;
 mod group;
+mod lens;
 mod lights;
 mod materials;
 mod mesh;

@@ -81,7 +81,9 @@ impl<'a> Classic<'a> {
     }
 
     /// The camera ray through a place of the picture, in pixels from its top left corner.
-    pub fn camera_ray(&self, raster: Vec2) -> Ray {
+    ///
+    /// * `lens`: uniform in [0, 1)²
+    pub fn camera_ray(&self, raster: Vec2, lens: Vec2) -> Option<Ray> {
         let [w, h] = self.size.map(|n| n as f32);
         let at = if self.scene.rules.corner_samples {
             let across = |x: f32, n: f32| if n > 1.0 { 2.0 * (x - 0.5) / (n - 1.0) - 1.0 } else { 0.0 };
@@ -89,7 +91,7 @@ impl<'a> Classic<'a> {
         } else {
             Vec2::new(2.0 * raster.x / w - 1.0, 1.0 - 2.0 * raster.y / h)
         };
-        self.scene.camera.ray(at, w / h)
+        self.scene.camera.ray(at, w / h, lens)
     }
 
     /// Light along `ray`, and the surface it meets first.
@@ -281,9 +283,10 @@ impl Crossing {
 
 impl PixelIntegrator for Classic<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let lens = if self.scene.camera.has_lens() { ctx.draws.next_2d() } else { Vec2::ZERO };
+        let Some(ray) = self.camera_ray(raster, lens) else { return PixelSample::default() };
         let rays = &mut ctx.rays;
         rays.camera += 1;
-        let ray = self.camera_ray(raster);
         let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
         let (light, first) = self.li(ray, path, rays);
         let first = first.map(|at| FirstHit {

@@ -1,0 +1,80 @@
+//! Fisheye pictures: half of all directions, or more, in a disk.
+//!
+//! A place at distance `r` from the middle of the picture, where 1 is the edge of the disk, sees at the
+//! angle `theta` from forward. With `T` half the field of view
+//!
+//! ```text
+//! equidistant      r = theta / T                      angles are lengths
+//! equisolid        r = sin(theta/2) / sin(T/2)        solid angles are areas
+//! stereographic    r = tan(theta/2) / tan(T/2)        small circles stay circles
+//! orthographic     r = sin(theta) / sin(T)            areas are irradiances; T up to 90 degrees
+//! ```
+//!
+//! [Kannala and Brandt 2006]. Outside of the disk the picture is black.
+//!
+//! Scene: `FisheyeCamera { center 0 1 0  direction 0 0 -1  up 0 1 0  angle 180  projection equisolid }`
+
+use kajo_math::{Ray, Vec2, fmath};
+
+use super::Frame;
+
+/// How angles become distances from the middle of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FisheyeProjection {
+    /// In proportion.
+    Equidistant,
+    /// Such that areas are solid angles.
+    Equisolid,
+    /// Such that small shapes keep their shape.
+    Stereographic,
+    /// As a hemisphere seen from far away.
+    Orthographic,
+}
+
+impl FisheyeProjection {
+    /// The largest field of view in radians, which for the stereographic one is never reached.
+    pub fn widest_angle(self) -> f64 {
+        if self == FisheyeProjection::Orthographic { std::f64::consts::PI } else { std::f64::consts::TAU }
+    }
+
+    /// The angle from forward at a distance `r` in [0, 1] from the middle, for half a field of view `half`.
+    fn theta(self, r: f64, half: f64) -> f64 {
+        match self {
+            FisheyeProjection::Equidistant => r * half,
+            FisheyeProjection::Equisolid => 2.0 * fmath::asin64(r * fmath::sin64(0.5 * half)),
+            FisheyeProjection::Stereographic => 2.0 * fmath::atan64(r * fmath::tan64(0.5 * half)),
+            FisheyeProjection::Orthographic => fmath::asin64((r * fmath::sin64(half)).min(1.0)),
+        }
+    }
+}
+
+/// A fisheye camera.
+#[derive(Clone, Copy, Debug)]
+pub struct FisheyeCamera {
+    /// Position and axes.
+    pub frame: Frame,
+    /// Field of view across the disk in radians, up to [`FisheyeProjection::widest_angle`].
+    pub angle: f64,
+    /// The projection.
+    pub projection: FisheyeProjection,
+    /// Whether the disk reaches the corners of the picture, and not only its upper and lower edge.
+    pub to_corners: bool,
+}
+
+impl FisheyeCamera {
+    /// The ray through a place of the picture, `None` outside of the disk; see [`super::Camera::ray`].
+    pub fn ray(&self, at: Vec2, aspect: f32) -> Option<Ray> {
+        let aspect = f64::from(aspect);
+        let radius = if self.to_corners { (aspect * aspect + 1.0).sqrt() } else { 1.0 };
+        let (x, y) = (f64::from(at.x) * aspect / radius, f64::from(at.y) / radius);
+        let r = (x * x + y * y).sqrt();
+        if r > 1.0 {
+            return None;
+        }
+        let Frame { center, right, up, forward } = self.frame;
+        let theta = self.projection.theta(r, 0.5 * self.angle);
+        let outward = if r > 0.0 { (x * right + y * up) / r } else { right };
+        let w = fmath::sin64(theta) * outward + fmath::cos64(theta) * forward;
+        Some(Ray::new(center.as_vec3(), w.as_vec3()))
+    }
+}

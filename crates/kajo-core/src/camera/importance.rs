@@ -1,0 +1,149 @@
+//! Cameras as seen by light: where a point appears in the picture, and how strongly.
+//!
+//! The mean of a picture is `integral of We L cos(theta) dw dA` over all rays that reach its lens, where `L` is the
+//! radiance of the ray. For points of the film uniform over the picture and points of the lens with density `p(l)`,
+//!
+//! ```text
+//! perspective   We = p(l) / (S cos^4 theta)           S: area of the picture at unit distance
+//! telecentric   We = p(l) s^2 / (F cos^4 theta)       F: area of the picture, s: distance of the plane of focus
+//! ```
+//!
+//! [Veach 1997, section 8.3], [Pharr, Jakob and Humphreys 2016, section 16.1], so that `We` integrates to one. A
+//! pinhole is a lens of one point, for which `p(l)` stands as 1 here and in the density alike. Parallel rays without
+//! a lens are met by light with probability zero and so have no importance here, nor have the cameras that see all
+//! around.
+
+use kajo_math::{DVec2, DVec3, Vec2, Vec3};
+
+use super::{Camera, Frame, OrthographicCamera, PerspectiveCamera};
+
+/// What a camera makes of a ray that leaves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Importance {
+    /// The place in the picture, both coordinates in [-1, 1].
+    pub at: Vec2,
+    /// Importance of radiance along the ray, per area and solid angle.
+    pub we: f32,
+    /// Density with which [`Camera::ray`] draws the origin, per area; 1 for a pinhole.
+    pub pdf_area: f32,
+    /// Density with which it draws the direction from there, per solid angle.
+    pub pdf_direction: f32,
+}
+
+/// A way from a point to the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Connection {
+    /// World-space unit vector from the point to the lens.
+    pub wi: Vec3,
+    /// Distance to the lens.
+    pub distance: f32,
+    /// The place in the picture, both coordinates in [-1, 1].
+    pub at: Vec2,
+    /// Importance at the lens of radiance from the point.
+    pub we: f32,
+    /// Density of `wi` per solid angle; that of a pinhole is the square of the distance over the cosine.
+    pub pdf: f32,
+}
+
+impl Camera {
+    /// The importance of a ray that leaves the lens at `o` in direction `d`; `None` when it is not in the picture.
+    ///
+    /// * `o`: world space; a point of the lens, whose place within it is not checked when it is a pinhole
+    /// * `d`: unit vector into the scene
+    /// * `aspect`: width of the picture over its height
+    pub fn importance(&self, o: Vec3, d: Vec3, aspect: f32) -> Option<Importance> {
+        match self {
+            Camera::Perspective(camera) => camera.importance(o.as_dvec3(), d.as_dvec3(), aspect),
+            Camera::Orthographic(camera) => camera.importance(o.as_dvec3(), d.as_dvec3(), aspect),
+            _ => None,
+        }
+    }
+
+    /// A way from the world-space point `p` to the camera; `None` when that does not see it.
+    ///
+    /// * `lens`: uniform in [0, 1)²
+    /// * `aspect`: width of the picture over its height
+    pub fn connect(&self, p: Vec3, lens: Vec2, aspect: f32) -> Option<Connection> {
+        match self {
+            Camera::Perspective(camera) => camera.connect(p.as_dvec3(), lens, aspect),
+            Camera::Orthographic(camera) => camera.connect(p.as_dvec3(), lens, aspect),
+            _ => None,
+        }
+    }
+}
+
+impl PerspectiveCamera {
+    fn importance(&self, o: DVec3, d: DVec3, aspect: f32) -> Option<Importance> {
+        let (across, cosine) = split(self.frame(), d)?;
+        let offset = self.frame().across(o - self.frame().center);
+        // Where the ray crosses the plane of focus, seen from the middle of the lens at unit distance.
+        let (seen, pdf_area) = match self.lens() {
+            None => (across / cosine, 1.0),
+            Some(thin) => (across / cosine + offset / thin.focus, thin.pdf(offset)),
+        };
+        let half = self.half_size(aspect);
+        let pdf_direction = 1.0 / (4.0 * half.x * half.y * cosine.powi(3)).abs();
+        importance(seen / half, cosine, pdf_area, pdf_direction)
+    }
+
+    fn connect(&self, p: DVec3, lens: Vec2, aspect: f32) -> Option<Connection> {
+        let frame = self.frame();
+        let offset = self.lens().map_or(DVec2::ZERO, |thin| thin.sample(lens));
+        let o = frame.center + offset.x * frame.right + offset.y * frame.up;
+        let to_lens = o - p;
+        let distance = to_lens.length();
+        let wi = to_lens / distance;
+        let seen = self.importance(o, -wi, aspect)?;
+        let cosine = -wi.dot(frame.forward);
+        Some(connection(wi, distance, seen, f64::from(seen.pdf_area) * distance * distance / cosine))
+    }
+}
+
+impl OrthographicCamera {
+    fn importance(&self, o: DVec3, d: DVec3, aspect: f32) -> Option<Importance> {
+        let thin = self.lens.as_ref()?;
+        let (across, cosine) = split(&self.frame, d)?;
+        // The point of the lens follows from the direction, since all rays of a film point meet in focus.
+        let offset = -across / cosine * thin.focus;
+        let middle = self.frame.across(o - self.frame.center) - offset;
+        let half = self.half_size(aspect);
+        let pdf_direction = thin.pdf(offset) * thin.focus * thin.focus / cosine.powi(3);
+        importance(middle / half, cosine, 1.0 / (4.0 * half.x * half.y).abs(), pdf_direction)
+    }
+
+    fn connect(&self, p: DVec3, lens: Vec2, aspect: f32) -> Option<Connection> {
+        let thin = self.lens.as_ref()?;
+        let frame = &self.frame;
+        let offset = thin.sample(lens);
+        let d =
+            (thin.focus * frame.forward - offset.x * frame.right - offset.y * frame.up).normalize_or_zero();
+        let distance = (p - frame.center).dot(frame.forward) / d.dot(frame.forward);
+        if distance.is_nan() || distance <= 0.0 {
+            return None;
+        }
+        let seen = self.importance(p - distance * d, d, aspect)?;
+        Some(connection(-d, distance, seen, f64::from(seen.pdf_direction)))
+    }
+}
+
+/// The part of a direction across the camera's, and along it; `None` when it points backwards, or when the axes are
+/// no orthonormal basis and so make no picture that light could find.
+fn split(frame: &Frame, d: DVec3) -> Option<(DVec2, f64)> {
+    let cosine = d.dot(frame.forward);
+    let sees = cosine > 0.0 && frame.is_orthonormal();
+    sees.then(|| (frame.across(d), cosine))
+}
+
+fn importance(at: DVec2, cosine: f64, pdf_area: f64, pdf_direction: f64) -> Option<Importance> {
+    let inside = at.abs().max_element() <= 1.0 && pdf_area > 0.0 && pdf_direction > 0.0;
+    inside.then(|| Importance {
+        at: at.as_vec2(),
+        we: (pdf_area * pdf_direction / cosine) as f32,
+        pdf_area: pdf_area as f32,
+        pdf_direction: pdf_direction as f32,
+    })
+}
+
+fn connection(wi: DVec3, distance: f64, seen: Importance, pdf: f64) -> Connection {
+    Connection { wi: wi.as_vec3(), distance: distance as f32, at: seen.at, we: seen.we, pdf: pdf as f32 }
+}

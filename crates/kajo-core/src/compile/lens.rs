@@ -1,0 +1,84 @@
+//! The keys of cameras that make a lens of the pinhole.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use kajo_math::piecewise::Piecewise2D;
+use kajo_scene::{Args, Diagnostic, Item, Params};
+
+use super::Compiler;
+use crate::camera::{Aperture, ThinLens};
+
+/// A lens as the scene asks for it, its picture not read yet.
+pub(super) struct LensKeys<'a> {
+    diameter: f64,
+    focus: f64,
+    opening: Opening<'a>,
+}
+
+enum Opening<'a> {
+    Round,
+    Polygon { blades: u32, rotation: f64 },
+    Picture(Item<'a>, Cow<'a, str>),
+}
+
+impl<'a> LensKeys<'a> {
+    /// Reads the keys; `None` for a pinhole, or when an error was reported.
+    pub(super) fn read(params: &mut Params<'a, '_>) -> Option<LensKeys<'a>> {
+        let diameter = diameter(params);
+        let focus = match diameter {
+            Some(_) => params.required("focus", Args::positive),
+            None => params.optional("focus", Args::positive),
+        };
+        let blades = params.optional("blades", |a| a.int_in(3..=64));
+        let rotation = params.or("bladeRotation", 0.0, Args::number);
+        let picture = params.optional("bokeh", |args| Ok((args.item(), args.text()?)));
+        let opening = match (picture, blades) {
+            (Some((item, name)), _) => Opening::Picture(item, name),
+            (None, Some(blades)) => {
+                Opening::Polygon { blades: blades as u32, rotation: f64::from(rotation).to_radians() }
+            }
+            (None, None) => Opening::Round,
+        };
+        let diameter = diameter.filter(|&d| d > 0.0)?;
+        Some(LensKeys { diameter, focus: focus?.into(), opening })
+    }
+}
+
+/// The diameter of the opening, said directly or as in photography.
+fn diameter(params: &mut Params<'_, '_>) -> Option<f64> {
+    let aperture = params.optional("aperture", |a| a.number_in(0.0..)).map(f64::from);
+    let by_number = params.has("fNumber") || params.has("focalLength");
+    if !by_number {
+        return aperture;
+    }
+    let f_number = params.required("fNumber", Args::positive);
+    let focal_length = params.required("focalLength", Args::positive);
+    if aperture.is_some() {
+        let problem = "a camera has either `aperture` or `fNumber` and `focalLength`";
+        params.diagnostics().push(Diagnostic::error(problem));
+    }
+    Some(f64::from(focal_length?) / f64::from(f_number?))
+}
+
+impl Compiler<'_> {
+    /// The lens that was asked for, with its picture.
+    pub(super) fn lens(&mut self, keys: LensKeys<'_>) -> Option<ThinLens> {
+        let aperture = match keys.opening {
+            Opening::Round => Aperture::Round,
+            Opening::Polygon { blades, rotation } => Aperture::Polygon { blades, rotation },
+            Opening::Picture(item, name) => {
+                let picture = self.picture(item, &name)?;
+                let brightness: Vec<f32> =
+                    picture.rgb_pixels().map(|[r, g, b]| 0.2126 * r + 0.7152 * g + 0.0722 * b).collect();
+                let Some(density) = Piecewise2D::new(&brightness, picture.width() as usize) else {
+                    let error = Diagnostic::error("a lens whose opening is all black lets no light through");
+                    self.diagnostics.push(error.label(item.head_span(), "opening"));
+                    return None;
+                };
+                Aperture::Picture(Arc::new(density))
+            }
+        };
+        Some(ThinLens { aperture, radius: 0.5 * keys.diameter, focus: keys.focus })
+    }
+}
