@@ -3,12 +3,13 @@
 //! [`Spectrum`] carries four lanes: linear RGB with the primaries of sRGB, or radiance at the four
 //! wavelengths of a [`Wavelengths`], which travels with the path and decides which of the two it is. Code
 //! that moves light treats lanes alike. Three places look at the mode: colour data as it is read by
-//! [`Reflectance::at`], [`Unbounded::at`] and [`Emission::at`]; dispersion, which calls
+//! [`Reflectance::at`], [`Unbounded::at`], [`Emission::at`] and, for textures, [`RgbBasis`]; dispersion, which calls
 //! [`Wavelengths::terminate_secondary`]; and the [`sensor`].
 //!
 //! Radiance and colours are linear everywhere. What is not says so in its name.
 
 mod aces;
+pub mod basis;
 mod data;
 pub mod dispersion;
 pub mod emission;
@@ -28,6 +29,7 @@ mod uplift;
 pub mod wavelengths;
 pub mod white;
 
+pub use basis::RgbBasis;
 pub use dispersion::Dispersion;
 pub use emission::Emission;
 pub use metal::Metal;

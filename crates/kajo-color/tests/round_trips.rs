@@ -1,7 +1,7 @@
 //! Colours through the spectrum and back, and spectra through random wavelengths.
 
 use kajo_color::gamut::{self, xyz_of};
-use kajo_color::{Emission, Outside, Reflectance, Spectrum, Tabulated, Wavelengths};
+use kajo_color::{Emission, Outside, Reflectance, RgbBasis, Spectrum, Tabulated, Wavelengths};
 use kajo_color::{named, observer, sensor};
 use kajo_math::rng::Stream;
 use kajo_testkit::{Estimate, delta_e_2000, lab};
@@ -44,8 +44,9 @@ fn a_thousand_colours_come_back_from_their_spectra() {
         let on_paint = lab(seen(2000, |lambda| paint.at(lambda) * light.at(lambda)), white());
         let coloured = Emission::from_rgb(rgb);
         let of_lamp = lab(seen(2000, |lambda| coloured.at(lambda)), white());
+        let of_picture = lab(seen(2000, |lambda| RgbBasis::new(lambda).emission(rgb)), white());
         let expected = lab_of_rgb(rgb.map(f64::from));
-        for found in [on_paint, of_lamp] {
+        for found in [on_paint, of_lamp, of_picture] {
             let off = delta_e_2000(found, expected);
             assert!(off < 0.1, "{rgb:?} differs by {off}: {found:?} for {expected:?}");
         }

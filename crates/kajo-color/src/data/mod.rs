@@ -4,3 +4,4 @@ pub(crate) mod daylight;
 pub(crate) mod lamps;
 pub(crate) mod metals;
 pub(crate) mod observer;
+pub(crate) mod primaries;
