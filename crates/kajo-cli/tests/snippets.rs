@@ -93,6 +93,14 @@ fn assets(scene: &str) -> MemoryAssets {
             assets = assets.with(word, format!("ply\nformat ascii 1.0\n{header}end_header\n{values}"));
         } else if word.ends_with(".png") {
             assets = assets.with(word, &sky);
+        } else if word.ends_with(".gltf") {
+            let bytes = (0..9u8).flat_map(|i| f32::from(i * i).to_le_bytes()).collect::<Vec<_>>();
+            let json = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"buffer.bin","byteLength":36}],
+                "bufferViews":[{"buffer":0,"byteLength":36}],
+                "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+                "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}]}"#;
+            let folder = word.rsplit_once('/').map_or("", |(folder, _)| folder);
+            assets = assets.with(word, json).with(format!("{folder}/buffer.bin"), bytes);
         } else if word.ends_with(".txt") {
             assets = assets.with(word, "");
         }

@@ -35,6 +35,14 @@ pub enum MeshFileError {
         /// What was found and what was expected.
         message: String,
     },
+    /// The same, where the message says the place in the file's own terms.
+    #[error("{path}: {message}")]
+    Content {
+        /// The file.
+        path: String,
+        /// What was found and what was expected.
+        message: String,
+    },
 }
 
 /// A mistake at a place of a file that is not kept in memory.
@@ -60,7 +68,9 @@ impl MeshFileError {
     /// `sources`; `named_at` is where the scene names the file.
     pub fn to_diagnostic(&self, sources: &mut Sources, named_at: Option<Span>) -> Diagnostic {
         let diagnostic = match self {
-            MeshFileError::Read { .. } | MeshFileError::Bytes { .. } => Diagnostic::error(self.to_string()),
+            MeshFileError::Read { .. } | MeshFileError::Bytes { .. } | MeshFileError::Content { .. } => {
+                Diagnostic::error(self.to_string())
+            }
             MeshFileError::Mistake(mistake) => {
                 let source = sources.add_excerpt(&mistake.path, &mistake.text, mistake.line);
                 let (start, end) = mistake.place;

@@ -1,8 +1,8 @@
 //! The seeds of `fuzz/corpus`, replayed and mutated with a fixed seed.
 
 use kajo_scene::{
-    Corners, Limits, MemoryAssets, MeshFileError, MeshReport, NO_INDEX, SceneDesc, Sources, TriMesh, print,
-    read_mtl, read_obj, read_ply, read_stl, render, render_one, tokens,
+    Assets, Corners, Limits, MemoryAssets, MeshFileError, MeshReport, NO_INDEX, SceneDesc, Sources, TriMesh,
+    print, read_gltf, read_mtl, read_obj, read_ply, read_stl, render, render_one, tokens,
 };
 use std::path::Path;
 
@@ -177,6 +177,29 @@ fn scenes_never_panic_and_keep_their_promises() {
 #[test]
 fn meshes_never_panic_and_keep_their_promises() {
     run("obj", 10_000, check_obj);
+}
+
+fn check_gltf(data: &[u8]) {
+    let assets = MemoryAssets::new().with("m.gltf", data);
+    let file = assets.open("m.gltf", "").expect("the file is there");
+    match read_gltf(file, &assets, &Limits::default()) {
+        Ok(model) => {
+            for part in model.instances.iter().flat_map(|instance| &model.meshes[instance.mesh]) {
+                let finite = |v: u32| part.mesh.positions[v as usize].iter().all(|x| x.is_finite());
+                assert!(part.mesh.faces.iter().flatten().all(|&v| finite(v)));
+                assert!(part.material.is_none_or(|material| material < model.materials.len()));
+            }
+        }
+        Err(error) => {
+            let diagnostic = error.to_diagnostic(&mut Sources::default(), None);
+            assert!(!diagnostic.message.is_empty());
+        }
+    }
+}
+
+#[test]
+fn gltf_files_never_panic_and_keep_their_promises() {
+    run("gltf", 10_000, check_gltf);
 }
 
 #[test]

@@ -11,13 +11,14 @@ use crate::scene::Primitive;
 use crate::shape::{Cone, Cuboid, Disk, Plane, Quad, ShapeId, Sphere, Triangle};
 
 /// Words for objects, groups and transforms included.
-const OBJECTS: [&str; 12] = [
+const OBJECTS: [&str; 13] = [
     "Box",
     "Cone",
     "Cylinder",
     "Disk",
     "Group",
     "Instance",
+    "Model",
     "Plane",
     "Quad",
     "Sphere",
@@ -118,6 +119,7 @@ impl Compiler<'_> {
                 walk.material = material.or(walk.material);
             }
             "Instance" => self.instance(item, place, walk),
+            "Model" => self.model(item, place, walk),
             "Transform" => self.transform(item, place, walk),
             word if OBJECTS.contains(&word) => self.primitive(item, place, walk),
             word if LATER.contains(&word) => self.diagnostics.push(not_supported_yet(item)),

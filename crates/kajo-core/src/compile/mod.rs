@@ -12,6 +12,7 @@ mod lens;
 mod lights;
 mod materials;
 mod mesh;
+mod model;
 mod settings;
 mod transform;
 
@@ -146,6 +147,7 @@ struct Compiler<'a> {
     lights: Lights,
     light_list: Vec<LightId>,
     meshes: mesh::MeshCache,
+    models: model::ModelCache,
 }
 
 impl<'a> Compiler<'a> {
@@ -179,6 +181,7 @@ impl<'a> Compiler<'a> {
             lights: Lights::default(),
             light_list: Vec::new(),
             meshes: mesh::MeshCache::default(),
+            models: model::ModelCache::default(),
         }
     }
 

@@ -480,3 +480,53 @@ fn triangles_without_area_are_counted_in_one_warning() {
         assert_eq!(said, [(Severity::Warning, expected.to_owned())]);
     }
 }
+
+/// A model of one triangle that two nodes show, the second behind the first and to the right.
+fn flag() -> MemoryAssets {
+    let floats = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let json = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"flag.bin","byteLength":36}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+        "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,1,1]}}],"cameras":[{"type":"perspective"}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+        "nodes":[{"mesh":0,"name":"near"},{"mesh":0,"translation":[2,0,-1]}]}"#;
+    MemoryAssets::new().with("models/flag.gltf", json).with("models/flag.bin", bytes)
+}
+
+#[test]
+fn models_are_placed_with_their_materials_or_without() {
+    let (scene, said) = with_files(
+        "Group { Model { file models/flag.gltf } MaterialIndex red
+         Transform { Translate 0 3 0 Model { file models/flag.gltf materials off } }
+         Define flags { Model { file models/flag.gltf } } Instance flags { Translate 0 -3 0 } }",
+        &flag(),
+    );
+    let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
+    assert_eq!((scene.shapes.meshes.len(), scene.primitives.len()), (2, 6), "with and without materials");
+    let (own, red) = ([0.25, 0.5, 1.0], [1.0, 0.0, 0.0]);
+    for (x, y, z, color) in [
+        (0.2, 0.2, 0.0, own),
+        (2.2, 0.2, -1.0, own),
+        (0.2, 3.2, 0.0, red),
+        (2.2, 3.2, -1.0, red),
+        (2.2, -2.8, -1.0, own),
+    ] {
+        let (p, n, found) = look(&scene, x, y).unwrap_or_else(|| panic!("nothing at {x} {y}"));
+        assert!((p.z - z).abs() < 1e-5 && found == color && n == Vec3::Z, "{x} {y}: {p} {found:?}");
+    }
+    let names: Vec<_> = scene.objects.iter().map(|o| (o.keyword, o.name)).collect();
+    assert_eq!(names[..2], [("Model", Some("near")), ("Model", None)]);
+    assert_eq!(said, ["`models/flag.gltf`: left out: 1 cameras"; 2]);
+}
+
+#[test]
+fn wrong_models_are_told() {
+    let broken =
+        MemoryAssets::new().with("a.gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}]}");
+    let (scene, said) = with_files("Group { MaterialIndex 0 Model { file a.gltf } }", &broken);
+    assert!(scene.is_none());
+    assert_eq!(said, ["a.gltf: nodes[0]: there is no meshes[0]"]);
+    let (scene, said) = with_files("Group { MaterialIndex 0 TriangleMesh { file a.gltf } }", &broken);
+    assert!(scene.is_none() && said[0].contains("show it with `Model { file ... }`"), "{said:?}");
+}

@@ -1,0 +1,146 @@
+//! `Model` blocks: whole models from glTF files.
+//!
+//! A model is a definition that a file holds: its parts are placed like those of a `Define` block, and
+//! read once however often the model is placed.
+
+use std::collections::HashMap;
+
+use kajo_color::Spectrum;
+use kajo_math::{Vec2, Vec3};
+use kajo_scene::{Args, AssetFile, Item, ModelInstance, ModelMaterial, ModelPart, Span, read_gltf};
+
+use super::Compiler;
+use super::definition::{Definition, Part};
+use super::group::{Place, Walk};
+use super::materials::absorption_of;
+use super::mesh::{corner_values, file_name};
+use crate::bsdf::Phong;
+use crate::family::Pooled;
+use crate::material::MaterialId;
+use crate::shape::{MeshData, ShapeId};
+
+/// Models read so far.
+pub(super) type ModelCache = HashMap<ModelKey, Option<Definition>>;
+
+/// What makes two models the same.
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(super) struct ModelKey {
+    path: String,
+    smooth: bool,
+    own_materials: bool,
+}
+
+/// A part of a mesh: the triangles and their material.
+type Stored = (ShapeId, Option<MaterialId>);
+
+impl Compiler<'_> {
+    pub(super) fn model(&mut self, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+        let read = self.read(item, |params| {
+            params.name();
+            let file = file_name(params, "file");
+            let smooth = params.or("smooth", true, Args::flag);
+            let own_materials = params.or("materials", true, Args::flag);
+            Some((file?, smooth, own_materials))
+        });
+        let Some(((name, at), smooth, own_materials)) = read else { return };
+        let file = match self.assets.open(&name, item.path()) {
+            Ok(file) => file,
+            Err(error) => return self.cannot_read(&name, &error.to_string(), at),
+        };
+        let key = ModelKey { path: file.path.clone(), smooth, own_materials };
+        let known = self.models.get(&key).cloned();
+        let definition = known.unwrap_or_else(|| {
+            let definition = self.read_model(file, &key, item, at);
+            self.models.insert(key, definition.clone());
+            definition
+        });
+        if let Some(definition) = definition {
+            self.place_parts(&definition, item, place, walk);
+        }
+    }
+
+    fn read_model(
+        &mut self,
+        file: AssetFile,
+        key: &ModelKey,
+        item: Item<'_>,
+        at: Span,
+    ) -> Option<Definition> {
+        let model = match read_gltf(file, self.assets, &self.options.limits) {
+            Ok(model) => model,
+            Err(error) => {
+                self.file_errors.push((error, at));
+                return None;
+            }
+        };
+        for sentence in &model.left_out {
+            self.warn_of_file(&key.path, sentence, at);
+        }
+        if model.instances.is_empty() {
+            self.warn_of_file(&key.path, "it shows no meshes", at);
+        }
+        let materials: Vec<Option<MaterialId>> = match key.own_materials {
+            true => model.materials.iter().map(|m| phong(m).store(&mut self.materials)).collect(),
+            false => Vec::new(),
+        };
+        let mut meshes: Vec<Vec<Stored>> = Vec::with_capacity(model.meshes.len());
+        for parts in model.meshes {
+            let mut stored = Vec::with_capacity(parts.len());
+            for part in parts {
+                let material = part.material.and_then(|m| materials.get(m).copied().flatten());
+                let shape = self.build_mesh(mesh_data(part, key.smooth), &key.path, item, at)?;
+                stored.push((shape, material));
+            }
+            meshes.push(stored);
+        }
+        let parts: Definition = self.model_parts(&model.instances, &meshes).into();
+        self.parts_defined += parts.len();
+        Some(parts)
+    }
+
+    fn model_parts(&mut self, instances: &[ModelInstance], meshes: &[Vec<Stored>]) -> Vec<Part> {
+        let mut parts = Vec::new();
+        for instance in instances {
+            let label = self.objects.label(instance.name.clone(), "Model");
+            let map = instance.model_from_mesh;
+            parts.extend(meshes[instance.mesh].iter().map(|&(shape, material)| Part {
+                shape,
+                map,
+                material,
+                label,
+                brings_materials: false,
+            }));
+        }
+        parts
+    }
+}
+
+fn mesh_data(part: ModelPart, smooth: bool) -> MeshData {
+    let mesh = part.mesh;
+    let normal = |n: [f32; 3]| Vec3::from(n).normalize_or_zero();
+    let normals = if smooth { corner_values(mesh.normals, mesh.face_normals, normal) } else { None };
+    MeshData {
+        positions: mesh.positions.into_iter().map(Vec3::from).collect(),
+        faces: mesh.faces,
+        normals,
+        uvs: corner_values(mesh.uvs, mesh.face_uvs, Vec2::from),
+        material_slots: None,
+    }
+}
+
+/// The Phong material with the same colour and opacity.
+fn phong(material: &ModelMaterial) -> Phong {
+    let [r, g, b] = material.base_color;
+    let diffuse = Spectrum::rgb(r, g, b) * material.opacity;
+    let transparent = Spectrum::WHITE * (1.0 - material.opacity);
+    Phong {
+        ambient: diffuse,
+        diffuse,
+        specular: Spectrum::BLACK,
+        exponent: 1.0,
+        reflective: Spectrum::BLACK,
+        transparent,
+        absorption: transparent.map(absorption_of),
+        eta: 1.0,
+    }
+}

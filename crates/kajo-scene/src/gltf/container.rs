@@ -1,0 +1,227 @@
+//! The bytes of a glTF file: JSON and buffers, in one file or in several.
+//!
+//! ```text
+//! glb:  "glTF" version length  { length "JSON" bytes }  { length "BIN\0" bytes }     u32, lowest byte first
+//! ```
+
+use super::json::Document;
+use crate::assets::{AssetError, AssetFile, Assets, read_limited};
+use crate::limits::Limits;
+use crate::line_reader::MeshFileError;
+use std::ops::Range;
+
+/// A file in memory, and where its parts are.
+pub(super) struct Container {
+    bytes: Vec<u8>,
+    json: Range<usize>,
+    /// The buffer that comes in the same file.
+    binary: Option<Range<usize>>,
+}
+
+/// Reads a whole file; nothing in it is looked at but where the parts of a GLB begin and end.
+pub(super) fn read(file: AssetFile, limits: &Limits) -> Result<Container, MeshFileError> {
+    let path = file.path.clone();
+    let bytes = read_limited(file, limits.mesh_bytes)
+        .map_err(|source| MeshFileError::Read { path: path.clone(), source })?;
+    if !bytes.starts_with(b"glTF") {
+        return Ok(Container { json: 0..bytes.len(), bytes, binary: None });
+    }
+    let wrong = |byte: usize, message: &str| MeshFileError::Bytes {
+        path: path.clone(),
+        byte: byte as u64,
+        message: message.to_owned(),
+    };
+    if word(&bytes, 4) != Some(2) {
+        return Err(wrong(4, "this is no GLB file of version 2"));
+    }
+    let (kind, json) = chunk(&bytes, 12).ok_or_else(|| wrong(12, "the file ends in its first chunk"))?;
+    if kind != u32::from_le_bytes(*b"JSON") {
+        return Err(wrong(12, "the first chunk is not JSON"));
+    }
+    let next = json.end;
+    let binary = match chunk(&bytes, next) {
+        Some((kind, range)) if kind == u32::from_le_bytes(*b"BIN\0") => Some(range),
+        Some(_) => None,
+        None if next == bytes.len() => None,
+        None => return Err(wrong(next, "the file ends in a chunk")),
+    };
+    Ok(Container { bytes, json, binary })
+}
+
+/// The kind of the chunk at `at`, and where its content is, if all of it is there.
+fn chunk(bytes: &[u8], at: usize) -> Option<(u32, Range<usize>)> {
+    let start = at.checked_add(8)?;
+    let end = start.checked_add(word(bytes, at)? as usize)?;
+    bytes.get(start..end)?;
+    // Chunks are padded to four bytes.
+    Some((word(bytes, at + 4)?, start..end))
+}
+
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    bytes.get(at..).and_then(|rest| rest.first_chunk()).map(|&four| u32::from_le_bytes(four))
+}
+
+impl Container {
+    /// The JSON, understood.
+    pub fn document(&self, path: &str) -> Result<Document, MeshFileError> {
+        let json = &self.bytes[self.json.clone()];
+        let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
+        serde_json::from_slice(json).map_err(|error| {
+            let message = format!("in the JSON: {error}");
+            MeshFileError::Content { path: path.to_owned(), message }
+        })
+    }
+}
+
+/// The content of all buffers.
+pub(super) struct Buffers<'c> {
+    container: &'c Container,
+    list: Vec<Source>,
+    bytes_read: u64,
+}
+
+enum Source {
+    SameFile(Range<usize>),
+    Own(Vec<u8>),
+}
+
+impl<'c> Buffers<'c> {
+    pub fn load(
+        document: &Document,
+        container: &'c Container,
+        path: &str,
+        assets: &dyn Assets,
+        limits: &Limits,
+    ) -> Result<Buffers<'c>, MeshFileError> {
+        let mut buffers = Buffers { container, list: Vec::new(), bytes_read: container.bytes.len() as u64 };
+        for (i, buffer) in document.buffers.iter().enumerate() {
+            let wrong = |message: &str| MeshFileError::Content {
+                path: path.to_owned(),
+                message: format!("buffers[{i}]: {message}"),
+            };
+            let source = match (&buffer.uri, &container.binary) {
+                (None, Some(range)) if i == 0 => Source::SameFile(range.clone()),
+                (None, _) => return Err(wrong("it has no `uri`, and the file holds no buffer")),
+                (Some(uri), _) => match uri.strip_prefix("data:") {
+                    Some(data) => Source::Own(
+                        decode_data(data).ok_or_else(|| wrong("its `data:` uri is not in base64"))?,
+                    ),
+                    None => {
+                        let left = limits.mesh_bytes.saturating_sub(buffers.bytes_read);
+                        Source::Own(read_beside(uri, path, assets, left)?)
+                    }
+                },
+            };
+            if let Source::Own(bytes) = &source {
+                buffers.bytes_read = buffers.bytes_read.saturating_add(bytes.len() as u64);
+            }
+            buffers.list.push(source);
+            let found = buffers.get(i).map_or(0, <[u8]>::len);
+            if found < buffer.byte_length {
+                return Err(wrong(&format!("it should have {} bytes and has {found}", buffer.byte_length)));
+            }
+        }
+        Ok(buffers)
+    }
+
+    /// Bytes of a buffer.
+    pub fn get(&self, buffer: usize) -> Option<&[u8]> {
+        match self.list.get(buffer)? {
+            Source::SameFile(range) => self.container.bytes.get(range.clone()),
+            Source::Own(bytes) => Some(bytes),
+        }
+    }
+
+    /// Bytes of all files.
+    pub fn bytes_read(&self) -> u64 {
+        self.bytes_read
+    }
+}
+
+fn read_beside(uri: &str, path: &str, assets: &dyn Assets, limit: u64) -> Result<Vec<u8>, MeshFileError> {
+    let failed = |source: AssetError| MeshFileError::Read { path: uri.to_owned(), source };
+    let name = percent_decoded(uri).ok_or_else(|| failed(AssetError::BadName("its name is not UTF-8")))?;
+    read_limited(assets.open(&name, path).map_err(failed)?, limit).map_err(failed)
+}
+
+/// `my%20buffer.bin` as "my buffer.bin".
+fn percent_decoded(uri: &str) -> Option<String> {
+    let hex = |digit: u8| (digit as char).to_digit(16);
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let [first, tail @ ..] = rest {
+        (bytes, rest) = match (first, tail) {
+            (b'%', [a, b, tail @ ..]) if hex(*a).is_some() && hex(*b).is_some() => {
+                let value = hex(*a)? * 16 + hex(*b)?;
+                bytes.push(value as u8);
+                (bytes, tail)
+            }
+            _ => {
+                bytes.push(*first);
+                (bytes, tail)
+            }
+        };
+    }
+    String::from_utf8(bytes).ok()
+}
+
+/// The bytes of a uri `data:MEDIA;base64,DIGITS`, without its `data:`.
+fn decode_data(data: &str) -> Option<Vec<u8>> {
+    let (media, digits) = data.split_once(',')?;
+    if !media.ends_with(";base64") {
+        return None;
+    }
+    let digits = digits.trim_end_matches('=').as_bytes();
+    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
+    for four in digits.chunks(4) {
+        let mut bits = 0u32;
+        for &digit in four {
+            bits = bits << 6 | digit_value(digit)?;
+        }
+        // Two, three and four digits hold one, two and three bytes.
+        let [_, a, b, c] = (bits << (6 * (4 - four.len()))).to_be_bytes();
+        match four.len() {
+            2 => bytes.push(a),
+            3 => bytes.extend([a, b]),
+            4 => bytes.extend([a, b, c]),
+            _ => return None,
+        }
+    }
+    Some(bytes)
+}
+
+fn digit_value(digit: u8) -> Option<u32> {
+    Some(u32::from(match digit {
+        b'A'..=b'Z' => digit - b'A',
+        b'a'..=b'z' => digit - b'a' + 26,
+        b'0'..=b'9' => digit - b'0' + 52,
+        b'+' => 62,
+        b'/' => 63,
+        _ => return None,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_and_percents_are_decoded() {
+        let data = |digits: &str| decode_data(&format!("application/octet-stream;base64,{digits}"));
+        for (digits, bytes) in [
+            ("", &b""[..]),
+            ("Zg==", b"f"),
+            ("Zm8=", b"fo"),
+            ("Zm9v", b"foo"),
+            ("Zm9vYmFy", b"foobar"),
+            ("+/8", b"\xfb\xff"),
+        ] {
+            assert_eq!(data(digits).as_deref(), Some(bytes), "{digits}");
+        }
+        assert_eq!(data("Z"), None);
+        assert_eq!(data("Z g="), None);
+        assert_eq!(decode_data("text/plain,hello"), None);
+        assert_eq!(percent_decoded("a%20b%2Fc%4").as_deref(), Some("a b/c%4"));
+        assert_eq!(percent_decoded("%ff"), None);
+    }
+}

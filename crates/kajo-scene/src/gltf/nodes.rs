@@ -1,0 +1,154 @@
+//! The tree of nodes: which mesh stands where.
+
+use super::accessor::View;
+use super::container::Buffers;
+use super::json::{Document, Instancing, Node};
+use super::{Model, ModelInstance};
+use crate::limits::Limits;
+use kajo_math::{DAffine3, DMat3, DVec3};
+use std::collections::HashMap;
+
+/// Walks the scene's nodes; meshes keep the numbers of the file.
+pub(super) fn read(document: &Document, buffers: &Buffers<'_>, limits: &Limits) -> Result<Model, String> {
+    let mut model = Model::default();
+    let mut seen = vec![false; document.nodes.len()];
+    let mut open: Vec<(usize, DAffine3)> =
+        roots(document)?.into_iter().rev().map(|root| (root, DAffine3::IDENTITY)).collect();
+    while let Some((number, parent)) = open.pop() {
+        let node = document.nodes.get(number).ok_or_else(|| format!("there is no nodes[{number}]"))?;
+        if std::mem::replace(&mut seen[number], true) {
+            return Err(format!("nodes[{number}] hangs on two places of the tree"));
+        }
+        let place = parent * local(node);
+        if let Some(mesh) = node.mesh {
+            let Some(shown) = document.meshes.get(mesh) else {
+                return Err(format!("nodes[{number}]: there is no meshes[{mesh}]"));
+            };
+            let name = node.name.as_ref().or(shown.name.as_ref()).filter(|name| !name.is_empty()).cloned();
+            let instancing = node.extensions.as_ref().and_then(|extensions| extensions.instancing.as_ref());
+            let places = match instancing {
+                None => vec![place],
+                Some(instancing) => {
+                    let many = Many::new(document, buffers, instancing)
+                        .map_err(|said| format!("nodes[{number}]: {said}"))?;
+                    if many.count > limits.objects - model.instances.len() {
+                        return Err(format!("there are more than {} instances", limits.objects));
+                    }
+                    (0..many.count).map(|i| place * many.get(i)).collect()
+                }
+            };
+            model.instances.extend(places.into_iter().map(|model_from_mesh| ModelInstance {
+                name: name.clone(),
+                mesh,
+                model_from_mesh,
+            }));
+        }
+        open.extend(node.children.iter().rev().map(|&child| (child, place)));
+    }
+    Ok(model)
+}
+
+/// Numbers the meshes that are shown from 0 in the order of their first instance; answers their numbers in the
+/// file.
+pub(super) fn renumber(instances: &mut [ModelInstance]) -> Vec<usize> {
+    let mut shown = Vec::new();
+    let mut numbers = HashMap::new();
+    for instance in instances {
+        let number = *numbers.entry(instance.mesh).or_insert_with(|| {
+            shown.push(instance.mesh);
+            shown.len() - 1
+        });
+        instance.mesh = number;
+    }
+    shown
+}
+
+/// The nodes of the file's scene; in a file without scenes, those that hang on no other.
+fn roots(document: &Document) -> Result<Vec<usize>, String> {
+    let number = document.scene.unwrap_or(0);
+    if let Some(scene) = document.scenes.get(number) {
+        return Ok(scene.nodes.clone());
+    }
+    if document.scene.is_some() {
+        return Err(format!("there is no scenes[{number}]"));
+    }
+    let mut is_root = vec![true; document.nodes.len()];
+    for &child in document.nodes.iter().flat_map(|node| &node.children) {
+        if let Some(root) = is_root.get_mut(child) {
+            *root = false;
+        }
+    }
+    Ok((0..is_root.len()).filter(|&i| is_root[i]).collect())
+}
+
+fn local(node: &Node) -> DAffine3 {
+    if let Some(m) = &node.matrix {
+        let column = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
+        return DAffine3::from_cols(column(0), column(1), column(2), column(3));
+    }
+    placed(
+        node.translation.unwrap_or([0.0; 3]),
+        node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+        node.scale.unwrap_or([1.0; 3]),
+    )
+}
+
+/// `T R S`, with the rotation as a quaternion x, y, z, w, brought to unit length.
+fn placed(translation: [f64; 3], [x, y, z, w]: [f64; 4], scale: [f64; 3]) -> DAffine3 {
+    let norm = x * x + y * y + z * z + w * w;
+    let s = if norm > 0.0 { 2.0 / norm } else { 0.0 };
+    let rotation = DMat3::from_cols(
+        DVec3::new(1.0 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)),
+        DVec3::new(s * (x * y - w * z), 1.0 - s * (x * x + z * z), s * (y * z + w * x)),
+        DVec3::new(s * (x * z + w * y), s * (y * z - w * x), 1.0 - s * (x * x + y * y)),
+    );
+    DAffine3 {
+        matrix3: rotation * DMat3::from_diagonal(DVec3::from(scale)),
+        translation: DVec3::from(translation),
+    }
+}
+
+/// The places of `EXT_mesh_gpu_instancing`.
+struct Many<'b> {
+    count: usize,
+    translation: Option<View<'b, 3>>,
+    rotation: Option<View<'b, 4>>,
+    scale: Option<View<'b, 3>>,
+}
+
+impl<'b> Many<'b> {
+    fn new(
+        document: &Document,
+        buffers: &'b Buffers<'_>,
+        instancing: &Instancing,
+    ) -> Result<Many<'b>, String> {
+        let number = |name: &str| instancing.attributes.get(name).copied();
+        let (translation, rotation, scale) = (number("TRANSLATION"), number("ROTATION"), number("SCALE"));
+        let many = Many {
+            count: 0,
+            translation: translation.map(|number| View::new(document, buffers, number)).transpose()?,
+            rotation: rotation.map(|number| View::new(document, buffers, number)).transpose()?,
+            scale: scale.map(|number| View::new(document, buffers, number)).transpose()?,
+        };
+        let counts = [
+            many.translation.as_ref().map(|v| (v.count, v.is_backed())),
+            many.rotation.as_ref().map(|v| (v.count, v.is_backed())),
+            many.scale.as_ref().map(|v| (v.count, v.is_backed())),
+        ];
+        let mut counts = counts.into_iter().flatten();
+        // Without attributes there is one, at the node itself.
+        let first = counts.next().unwrap_or((1, true));
+        if !first.1 || counts.any(|other| other != first) {
+            return Err("the attributes of its instances differ in number or have no data".to_owned());
+        }
+        Ok(Many { count: first.0, ..many })
+    }
+
+    fn get(&self, i: usize) -> DAffine3 {
+        placed(
+            self.translation.as_ref().map_or([0.0; 3], |view| view.get(i)),
+            self.rotation.as_ref().map_or([0.0, 0.0, 0.0, 1.0], |view| view.get(i)),
+            self.scale.as_ref().map_or([1.0; 3], |view| view.get(i)),
+        )
+    }
+}

@@ -1,0 +1,335 @@
+//! What the glTF reader makes of files good and bad.
+
+use super::*;
+use crate::assets::MemoryAssets;
+use crate::tri_mesh::Corners;
+use kajo_math::DVec3;
+use proptest::prelude::*;
+
+/// Numbers one after the other, each list beginning at a multiple of four bytes.
+#[derive(Default)]
+struct Bin {
+    bytes: Vec<u8>,
+    views: Vec<String>,
+}
+
+impl Bin {
+    /// Adds a view; answers its number.
+    fn add(&mut self, content: impl IntoIterator<Item = u8>) -> usize {
+        let start = self.bytes.len();
+        self.bytes.extend(content);
+        let len = self.bytes.len() - start;
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.views.push(format!("{{\"buffer\":0,\"byteOffset\":{start},\"byteLength\":{len}}}"));
+        self.views.len() - 1
+    }
+
+    fn floats(&mut self, floats: &[f32]) -> usize {
+        self.add(floats.iter().flat_map(|x| x.to_le_bytes()))
+    }
+}
+
+/// The buffer and the accessors of a square of two triangles: positions, normals, texture coordinates, indices.
+fn square() -> (Bin, Vec<String>) {
+    let mut bin = Bin::default();
+    bin.floats(&[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.]);
+    bin.floats(&[0., 0., 1.].repeat(4));
+    bin.floats(&[0., 0., 1., 0., 1., 1., 0., 1.]);
+    bin.add([0u16, 1, 2, 0, 2, 3].iter().flat_map(|i| i.to_le_bytes()));
+    let accessor = |view: usize, kind: u32, count: usize, of: &str| {
+        format!("{{\"bufferView\":{view},\"componentType\":{kind},\"count\":{count},\"type\":\"{of}\"}}")
+    };
+    let accessors = vec![
+        accessor(0, 5126, 4, "VEC3"),
+        accessor(1, 5126, 4, "VEC3"),
+        accessor(2, 5126, 4, "VEC2"),
+        accessor(3, 5123, 6, "SCALAR"),
+    ];
+    (bin, accessors)
+}
+
+const MESH: &str = r#""meshes":[{"name":"square","primitives":[{"attributes":{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2},
+    "indices":3,"material":0}]}],"materials":[{"name":"red","pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0,0.25],
+    "metallicFactor":0},"alphaMode":"BLEND"}]"#;
+
+fn json(bin: &Bin, accessors: &[String], buffer: &str, rest: &str) -> String {
+    format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{{{buffer}\"byteLength\":{}}}],\"bufferViews\":[{}],\
+         \"accessors\":[{}],{rest}}}",
+        bin.bytes.len(),
+        bin.views.join(","),
+        accessors.join(",")
+    )
+}
+
+fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
+    let mut chunk = json.as_bytes().to_vec();
+    chunk.resize(chunk.len().next_multiple_of(4), b' ');
+    let mut file = b"glTF\x02\0\0\0".to_vec();
+    file.extend((12 + 8 + chunk.len() as u32 + 8 + bin.len() as u32).to_le_bytes());
+    for (kind, content) in [(b"JSON", &chunk[..]), (b"BIN\0", bin)] {
+        file.extend((content.len() as u32).to_le_bytes());
+        file.extend(kind);
+        file.extend(content);
+    }
+    file
+}
+
+fn read(bytes: &[u8], assets: &MemoryAssets) -> Result<Model, String> {
+    let assets = assets.clone().with("folder/m.gltf", bytes);
+    let file = assets.open("folder/m.gltf", "").unwrap();
+    read_gltf(file, &assets, &Limits::default()).map_err(|error| error.to_string())
+}
+
+/// The square as a GLB with this after its accessors.
+fn read_square(rest: &str) -> Result<Model, String> {
+    let (bin, accessors) = square();
+    read(&glb(&json(&bin, &accessors, "", rest), &bin.bytes), &MemoryAssets::new())
+}
+
+#[test]
+fn one_mesh_of_many_nodes_is_read_once() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let nodes = format!(
+        r#""scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"translation":[1,2,3],"children":[1,2,3]}},
+        {{"mesh":0,"name":"turned","rotation":[0,0,{half},{half}]}},{{"mesh":0,"scale":[2,2,2]}},
+        {{"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,0,0,1],"mesh":0}},{{"mesh":0,"name":"in no scene"}}]"#
+    );
+    let model = read_square(&format!("{MESH},{nodes}")).unwrap();
+    assert_eq!((model.meshes.len(), model.instances.len()), (1, 3));
+    let part = &model.meshes[0][0];
+    assert_eq!(part.mesh.faces, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(part.mesh.positions[2], [1.0, 1.0, 0.0]);
+    assert_eq!(part.mesh.face_normals, Corners::Vertices);
+    assert_eq!(part.mesh.uvs, [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]], "turned upright");
+    let material = &model.materials[part.material.unwrap()];
+    assert_eq!((material.base_color, material.opacity, material.metallic), ([1.0, 0.5, 0.0], 0.25, 0.0));
+    let corner = |i: usize| model.instances[i].model_from_mesh.transform_point3(DVec3::X);
+    for (i, expected) in [[1.0, 3.0, 3.0], [3.0, 2.0, 3.0], [7.0, 2.0, 3.0]].into_iter().enumerate() {
+        assert!(corner(i).distance(DVec3::from(expected)) < 1e-12, "{i}: {}", corner(i));
+    }
+    let names: Vec<_> = model.instances.iter().map(|i| i.name.as_deref()).collect();
+    assert_eq!(names, [Some("turned"), Some("square"), Some("square")]);
+    assert!(model.left_out.is_empty());
+}
+
+#[test]
+fn buffers_lie_within_or_beside() {
+    let (bin, accessors) = square();
+    let rest = format!("{MESH},\"nodes\":[{{\"mesh\":0}}]");
+    let within = read_square(&rest).unwrap();
+    let beside = json(&bin, &accessors, "\"uri\":\"my%20data.bin\",", &rest);
+    let assets = MemoryAssets::new().with("folder/my data.bin", &bin.bytes);
+    let beside = read(beside.as_bytes(), &assets).unwrap();
+    let digits = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for three in bin.bytes.chunks(3) {
+        let bits = three.iter().enumerate().fold(0u32, |bits, (i, &b)| bits | u32::from(b) << (16 - 8 * i));
+        text.extend((0..=three.len()).map(|i| char::from(digits[(bits >> (18 - 6 * i)) as usize & 63])));
+    }
+    let data =
+        json(&bin, &accessors, &format!("\"uri\":\"data:application/octet-stream;base64,{text}\","), &rest);
+    let embedded = read(data.as_bytes(), &MemoryAssets::new()).unwrap();
+    for other in [beside, embedded] {
+        assert_eq!(other.meshes[0][0].mesh, within.meshes[0][0].mesh);
+    }
+}
+
+#[test]
+fn strips_fans_and_bare_vertices() {
+    let part = |mode: u32, indices: &str| {
+        let mesh = format!(
+            r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}{indices},"mode":{mode}}}]}}]"#
+        );
+        read_square(&format!("{mesh},\"nodes\":[{{\"mesh\":0}}]")).unwrap()
+    };
+    let faces = |mode, indices| part(mode, indices).meshes[0][0].mesh.faces.clone();
+    assert_eq!(faces(5, ""), [[0, 1, 2], [2, 1, 3]]);
+    assert_eq!(faces(6, ""), [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(faces(4, ""), [[0, 1, 2]]);
+    assert_eq!(faces(5, ",\"indices\":3"), [[0, 1, 2], [2, 1, 0], [2, 0, 2], [2, 0, 3]]);
+    let points = part(0, "");
+    assert!(points.meshes[0].is_empty());
+    assert_eq!(points.left_out, ["left out: 1 parts made of lines or points"]);
+}
+
+#[test]
+fn parts_keep_only_the_vertices_they_use() {
+    let (mut bin, mut accessors) = square();
+    let view = bin.add([3u8, 1, 0]);
+    accessors
+        .push(format!("{{\"bufferView\":{view},\"componentType\":5121,\"count\":3,\"type\":\"SCALAR\"}}"));
+    let rest =
+        r#""meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":4}]}],"nodes":[{"mesh":0}]"#;
+    let model = read(&glb(&json(&bin, &accessors, "", rest), &bin.bytes), &MemoryAssets::new()).unwrap();
+    let mesh = &model.meshes[0][0].mesh;
+    assert_eq!((mesh.positions.len(), &mesh.faces[..]), (3, &[[2, 1, 0]][..]));
+    assert_eq!(mesh.positions[2], [0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn quantised_and_sparse_numbers_are_read() {
+    let mut bin = Bin::default();
+    let shorts =
+        bin.add([0i16, 0, 0, 0, 32767, 0, 0, 0, 0, -32768, 0, 0].iter().flat_map(|x| x.to_le_bytes()));
+    let places = bin.add([1u8]);
+    let values = bin.floats(&[7.0, 8.0, 9.0]);
+    bin.views[shorts] = bin.views[shorts].replace('}', ",\"byteStride\":8}");
+    let accessors = vec![
+        format!(
+            r#"{{"bufferView":{shorts},"componentType":5122,"normalized":true,"count":3,"type":"VEC3"}}"#
+        ),
+        format!(
+            r#"{{"componentType":5126,"count":3,"type":"VEC3","sparse":{{"count":1,
+            "indices":{{"bufferView":{places},"componentType":5121}},"values":{{"bufferView":{values}}}}}}}"#
+        ),
+    ];
+    let rest = r#""extensionsRequired":["KHR_mesh_quantization"],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0,"NORMAL":1}}]}]"#;
+    let model = read(&glb(&json(&bin, &accessors, "", rest), &bin.bytes), &MemoryAssets::new()).unwrap();
+    let mesh = &model.meshes[0][0].mesh;
+    assert_eq!(mesh.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]);
+    assert_eq!(mesh.normals, [[0.0; 3], [7.0, 8.0, 9.0], [0.0; 3]]);
+}
+
+#[test]
+fn instances_of_the_extension_are_placed() {
+    let (mut bin, mut accessors) = square();
+    let view = bin.floats(&[1., 0., 0., 2., 0., 0., 3., 0., 0.]);
+    accessors.push(format!("{{\"bufferView\":{view},\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}}"));
+    let instancing = |attributes: &str| {
+        let node = format!(
+            r#"{{"mesh":0,"translation":[0,5,0],"extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{attributes}}}}}}}"#
+        );
+        let text = json(&bin, &accessors, "", &format!("{MESH},\"nodes\":[{node}]"));
+        read(&glb(&text, &bin.bytes), &MemoryAssets::new())
+    };
+    let model = instancing("{\"TRANSLATION\":4}").unwrap();
+    let places: Vec<DVec3> = model.instances.iter().map(|i| i.model_from_mesh.translation).collect();
+    assert_eq!(places, [1.0, 2.0, 3.0].map(|x| DVec3::new(x, 5.0, 0.0)));
+    assert_eq!(instancing("{}").unwrap().instances.len(), 1);
+    assert!(instancing("{\"TRANSLATION\":4,\"SCALE\":0}").unwrap_err().contains("differ in number"));
+}
+
+#[test]
+fn what_is_left_out_is_said() {
+    let model = read_square(&format!(
+        r#"{MESH},"nodes":[{{"mesh":0}}],"cameras":[{{}},{{}}],"animations":[{{}}],"skins":[{{"joints":[]}}],
+        "extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"point"}}]}}}}"#
+    ));
+    let said = model.unwrap().left_out;
+    for expected in ["2 cameras", "1 lights", "1 animations", "1 skins"] {
+        assert!(said.iter().any(|s| s == &format!("left out: {expected}")), "{expected}: {said:?}");
+    }
+    let textured =
+        MESH.replace("\"metallicFactor\"", "\"baseColorTexture\":{\"index\":0},\"metallicFactor\"");
+    let said = read_square(&format!("{textured},\"nodes\":[{{\"mesh\":0}}]")).unwrap().left_out;
+    assert!(said[0].contains("1 materials with textures"), "{said:?}");
+}
+
+#[test]
+fn mistakes_are_told_with_their_place() {
+    let mesh = |attributes: &str| {
+        format!(
+            r#""meshes":[{{"primitives":[{{"attributes":{attributes},"indices":3}}]}}],"nodes":[{{"mesh":0}}]"#
+        )
+    };
+    for (rest, said) in [
+        ("\"nodes\":[{\"mesh\":7}]".to_owned(), "nodes[0]: there is no meshes[7]"),
+        (
+            "\"nodes\":[{\"children\":[0]}],\"scenes\":[{\"nodes\":[0]}]".to_owned(),
+            "nodes[0] hangs on two places",
+        ),
+        ("\"nodes\":[{},{\"children\":[0]},{\"children\":[0]}]".to_owned(), "nodes[0] hangs on two places"),
+        ("\"nodes\":[{\"children\":[9]}]".to_owned(), "there is no nodes[9]"),
+        ("\"scene\":3".to_owned(), "there is no scenes[3]"),
+        ("\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]".to_owned(), "KHR_draco_mesh_compression"),
+        (mesh("{\"POSITION\":9}"), "meshes[0]: primitives[0]: there is no accessors[9]"),
+        (mesh("{\"POSITION\":2}"), "accessors[2]: expected 3 numbers an element, found `VEC2`"),
+        (mesh("{\"POSITION\":0,\"NORMAL\":3}"), "accessors[3]: expected 3 numbers"),
+        ("\"nodes\":3".to_owned(), "in the JSON: invalid type: integer `3`"),
+        ("\"nodes\":[".to_owned(), "in the JSON: "),
+    ] {
+        let error = read_square(&rest).unwrap_err();
+        assert!(error.starts_with("folder/m.gltf: ") && error.contains(said), "{rest}\n{error}");
+    }
+    let with = |change: &dyn Fn(String) -> String| {
+        let (bin, accessors) = square();
+        let rest = format!("{MESH},\"nodes\":[{{\"mesh\":0}}]");
+        read(&glb(&change(json(&bin, &accessors, "", &rest)), &bin.bytes), &MemoryAssets::new()).unwrap_err()
+    };
+    for (from, to, said) in [
+        (
+            "\"count\":4",
+            "\"count\":4000000000",
+            "accessors[0]: 4000000000 elements do not fit into bufferViews[0]",
+        ),
+        ("\"count\":6", "\"count\":18446744073709551615", "do not fit into bufferViews[3]"),
+        (
+            "\"byteOffset\":0",
+            "\"byteOffset\":18446744073709551615",
+            "bufferViews[0] reaches beyond its buffer",
+        ),
+        ("\"bufferView\":3", "\"bufferView\":9", "there is no bufferViews[9]"),
+        ("5123", "5124", "there is no type of number 5124"),
+        ("\"byteLength\":140", "\"byteLength\":141", "buffers[0]: it should have 141 bytes and has 140"),
+        ("\"material\":0", "\"material\":1", "there is no materials[1]"),
+        ("\"2.0\"", "\"1.0\"", "this is glTF 1.0; version 2 is read"),
+        (
+            "\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"",
+            "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"",
+            "primitives[0]",
+        ),
+    ] {
+        let error = with(&|text| text.replacen(from, to, 1));
+        assert!(error.contains(said), "{from} -> {to}\n{error}");
+    }
+    let (bin, accessors) = square();
+    let outside = json(&bin, &accessors, "\"uri\":\"../../../secret\",", MESH);
+    assert!(read(outside.as_bytes(), &MemoryAssets::new()).unwrap_err().contains("outside"));
+    for (bytes, said) in [
+        (&b"glTF\x01\0\0\0"[..], "byte 4: this is no GLB file of version 2"),
+        (b"glTF\x02\0\0\0\0\0\0\0\xff\xff\xff\xffJSON", "byte 12: the file ends in its first chunk"),
+        (b"glTF\x02\0\0\0\0\0\0\0\0\0\0\0BIN\0", "byte 12: the first chunk is not JSON"),
+        (b"", "in the JSON: EOF"),
+    ] {
+        let error = read(bytes, &MemoryAssets::new()).unwrap_err();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
+fn saying_the_same_thing_over_and_over_takes_no_memory() {
+    let (mut bin, mut accessors) = square();
+    let view = bin.add(vec![0u8; 300_000]);
+    accessors.push(format!(
+        "{{\"bufferView\":{view},\"componentType\":5121,\"count\":300000,\"type\":\"SCALAR\"}}"
+    ));
+    let primitive = r#"{"attributes":{"POSITION":0},"indices":4}"#;
+    let rest =
+        format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{}]}}]"#, [primitive; 1000].join(","));
+    let error = read(&glb(&json(&bin, &accessors, "", &rest), &bin.bytes), &MemoryAssets::new()).unwrap_err();
+    assert!(error.contains("out of all proportion"), "{error}");
+}
+
+proptest! {
+    /// Whatever is cut off or changed, there is an error or a model whose indices are in range.
+    #[test]
+    fn broken_files_end_in_errors(cut in 0usize..2000, flips in prop::collection::vec((0usize..2000, any::<u8>()), 0..4)) {
+        let (bin, accessors) = square();
+        let mut bytes = glb(&json(&bin, &accessors, "", &format!("{MESH},\"nodes\":[{{\"mesh\":0}}]")), &bin.bytes);
+        for (at, byte) in flips {
+            let at = at % bytes.len();
+            bytes[at] ^= byte;
+        }
+        bytes.truncate(bytes.len() - cut.min(bytes.len()) * usize::from(cut % 4 == 0));
+        if let Ok(model) = read(&bytes, &MemoryAssets::new()) {
+            for instance in &model.instances {
+                for part in &model.meshes[instance.mesh] {
+                    prop_assert!(part.mesh.faces.iter().flatten().all(|&v| (v as usize) < part.mesh.positions.len()));
+                    prop_assert!(part.material.is_none_or(|m| m < model.materials.len()));
+                }
+            }
+        }
+    }
+}
