@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the small OBJ meshes that the scenes of this folder use.
+"""Writes the small meshes that the scenes of this folder use.
 
     python3 scenes/tools/meshes.py
 
@@ -13,10 +13,14 @@ out the same. Nothing beyond the Python standard library is needed.
   gallery/meshes/knot_low.obj  the same knot of few facets
   gallery/meshes/vase.obj      a turned vase whose bands name MTL materials
   gallery/meshes/gem.obj       a brilliant-cut stone, closed, flat facets
+  gallery/meshes/shell.ply     a snail's shell of quads, binary
+  gallery/meshes/lantern.glb   a lantern on a post, of five nodes and three materials
 """
 
-from math import cos, pi, sin, sqrt
+import json
+from math import cos, exp, pi, sin, sqrt
 from pathlib import Path
+from struct import pack
 
 SCENES = Path(__file__).resolve().parent.parent
 
@@ -70,6 +74,23 @@ class Mesh:
             form = f"%d//{number}" if with_normals else "%d"
             lines.append("f " + " ".join(form % (i + 1) for i in corners))
         path.write_text("\n".join(lines) + "\n")
+        print(f"{path.relative_to(SCENES)}: {len(self.faces)} faces")
+
+    def write_ply(self, path, title):
+        """Writes the mesh as binary PLY."""
+        header = [
+            "ply",
+            "format binary_little_endian 1.0",
+            f"comment {title}",
+            f"element vertex {len(self.vertices)}",
+            *(f"property float {axis}" for axis in "xyz"),
+            f"element face {len(self.faces)}",
+            "property list uchar ushort vertex_indices",
+            "end_header\n",
+        ]
+        vertices = b"".join(pack("<3f", *v) for v in self.vertices)
+        faces = b"".join(pack(f"<B{len(f)}H", len(f), *f) for _, f in self.faces)
+        path.write_bytes("\n".join(header).encode() + vertices + faces)
         print(f"{path.relative_to(SCENES)}: {len(self.faces)} faces")
 
 
@@ -239,6 +260,65 @@ def gem(sides=8):
     return mesh
 
 
+def shell(turns=3.2, around=150, across=16):
+    """A logarithmic spiral that a growing tube follows, axis y."""
+    mesh = Mesh()
+    for i in range(around + 1):
+        t = 2 * pi * turns * (i / around - 1)
+        grow = exp(0.16 * t)
+        for k in range(across):
+            a = 2 * pi * k / across
+            out = grow * (0.62 + 0.55 * cos(a))
+            mesh.vertex((out * cos(t), grow * (0.60 * sin(a) - 1.25) + 1.9, out * sin(t)))
+    for i in range(around):
+        for k in range(across):
+            m = (k + 1) % across
+            low, high = i * across, (i + 1) * across
+            mesh.face(low + k, low + m, high + m, high + k)
+    return mesh
+
+
+def write_lantern(path):
+    """A lantern as a model: boxes and a roof, each a mesh that nodes place."""
+    box = [(x, y, z) for x in (-1, 1) for y in (0, 1) for z in (-1, 1)]
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    cube = [box[i] for a, b, c, d in sides for i in (a, b, c, a, c, d)]
+    base = [(-1, 0, -1), (-1, 0, 1), (1, 0, 1), (1, 0, -1)]
+    roof = [p for k in range(4) for p in (base[k], base[(k + 1) % 4], (0, 1, 0))]
+    roof += [base[i] for i in (0, 3, 2, 0, 2, 1)]
+    data = b"".join(pack("<3f", *p) for p in cube + roof)
+    view = [{"buffer": 0, "byteOffset": at * 12, "byteLength": n * 12} for at, n in ((0, 36), (36, 18))]
+    limits = {"min": [-1, 0, -1], "max": [1, 1, 1]}
+    accessor = [{"bufferView": i, "componentType": 5126, "count": n, "type": "VEC3", **limits} for i, n in ((0, 36), (1, 18))]
+    colour = lambda *rgba: {"pbrMetallicRoughness": {"baseColorFactor": rgba, "metallicFactor": 0}}
+    mesh = lambda accessor, material: {"primitives": [{"attributes": {"POSITION": accessor}, "material": material}]}
+    document = {
+        "asset": {"version": "2.0", "generator": "scenes/tools/meshes.py"},
+        "buffers": [{"byteLength": len(data)}],
+        "bufferViews": view,
+        "accessors": accessor,
+        "materials": [
+            {"name": "iron", **colour(0.10, 0.11, 0.13, 1)},
+            {"name": "glass", "alphaMode": "BLEND", **colour(1.0, 0.8, 0.4, 0.55)},
+        ],
+        "meshes": [mesh(0, 0), mesh(0, 1), mesh(1, 0)],
+        "nodes": [
+            {"name": "lantern", "children": [1, 2, 3, 4]},
+            {"name": "foot", "mesh": 0, "scale": [0.30, 0.12, 0.30]},
+            {"name": "post", "mesh": 0, "scale": [0.06, 1.80, 0.06]},
+            {"name": "pane", "mesh": 1, "translation": [0, 1.80, 0], "scale": [0.22, 0.50, 0.22]},
+            {"name": "roof", "mesh": 2, "translation": [0, 2.30, 0], "scale": [0.34, 0.30, 0.34]},
+        ],
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    }
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = pack("<I4s", len(text), b"JSON") + text + pack("<I4s", len(data), b"BIN\0") + data
+    path.write_bytes(pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+    print(f"{path.relative_to(SCENES)}: {len(document['nodes'])} nodes")
+
+
 def main():
     classic, gallery = SCENES / "classic", SCENES / "gallery" / "meshes"
     gallery.mkdir(parents=True, exist_ok=True)
@@ -252,6 +332,8 @@ def main():
     knot(around=54, across=8).write(gallery / "knot_low.obj", "a (2, 3) torus knot of few facets")
     vase().write(gallery / "vase.obj", "a vase with three materials", library="vase.mtl")
     gem().write(gallery / "gem.obj", "a brilliant-cut stone")
+    shell().write_ply(gallery / "shell.ply", "a snail's shell")
+    write_lantern(gallery / "lantern.glb")
 
 
 if __name__ == "__main__":

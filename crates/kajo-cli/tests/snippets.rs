@@ -93,7 +93,7 @@ fn assets(scene: &str) -> MemoryAssets {
             assets = assets.with(word, format!("ply\nformat ascii 1.0\n{header}end_header\n{values}"));
         } else if word.ends_with(".png") {
             assets = assets.with(word, &sky);
-        } else if word.ends_with(".gltf") {
+        } else if word.ends_with(".glb") {
             let bytes = (0..9u8).flat_map(|i| f32::from(i * i).to_le_bytes()).collect::<Vec<_>>();
             let json = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"buffer.bin","byteLength":36}],
                 "bufferViews":[{"buffer":0,"byteLength":36}],

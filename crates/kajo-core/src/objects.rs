@@ -1,5 +1,7 @@
 //! What the user wrote to make each object: eight bytes an object, for there may be millions.
 
+use std::sync::Arc;
+
 /// An object's words, kept by number in [`Objects`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Label {
@@ -23,13 +25,13 @@ pub struct Object<'a> {
 #[derive(Debug, Default)]
 pub struct Objects {
     labels: Vec<Label>,
-    names: Vec<String>,
+    names: Vec<Arc<str>>,
     keywords: Vec<&'static str>,
 }
 
 impl Objects {
     /// Keeps an object's words. Objects of the same definition share them.
-    pub(crate) fn label(&mut self, name: Option<String>, keyword: &'static str) -> Label {
+    pub(crate) fn label(&mut self, name: Option<Arc<str>>, keyword: &'static str) -> Label {
         let known = self.keywords.iter().position(|&k| k == keyword);
         let number = known.unwrap_or_else(|| {
             self.keywords.push(keyword);
@@ -59,7 +61,7 @@ impl Objects {
     /// The words of all primitives, in their order.
     pub fn iter(&self) -> impl Iterator<Item = Object<'_>> {
         self.labels.iter().map(|label| Object {
-            name: self.names.get(label.name as usize).map(String::as_str),
+            name: self.names.get(label.name as usize).map(|name| &**name),
             keyword: self.keywords[usize::from(label.keyword)],
         })
     }

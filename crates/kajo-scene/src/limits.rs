@@ -48,7 +48,7 @@ impl Default for Limits {
             include_depth: 32,
             includes: 10_000,
             items: 10_000_000,
-            objects: 20_000_000,
+            objects: 10_000_000,
             errors: 1000,
             mesh_bytes: 64 << 30,
             line_bytes: 1 << 20,

@@ -270,11 +270,13 @@ impl<'l> Parser<'l> {
             .into_iter()
             .find(|start| word.contains(start))
             .map(|start| format!("write a blank before the comment's `{start}`"));
-        self.error(
-            Diagnostic::error(format!("{} is not a number", quoted(word)))
-                .label(span, "expected a number such as 1, -0.5 or 2e3, or a keyword")
-                .maybe_help(help),
-        );
+        // A number after all, but none that a float can hold.
+        let (what, label) = match word.parse::<f64>() {
+            Ok(_) => ("is too large", "numbers reach up to 1.8e308"),
+            Err(_) => ("is not a number", "expected a number such as 1, -0.5 or 2e3, or a keyword"),
+        };
+        let error = Diagnostic::error(format!("{} {what}", quoted(word)));
+        self.error(error.label(span, label).maybe_help(help));
         if let Some(taker) = self.number_taker() {
             self.add_number(taker, span, 0.0);
         }

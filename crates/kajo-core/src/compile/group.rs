@@ -196,7 +196,7 @@ impl Compiler<'_> {
             }
             _ => ("TriangleMesh", self.mesh(item)),
         };
-        let name = item.word().map(|word| word.text().into_owned());
+        let name = item.word().map(|word| word.text().into());
         let brings_materials = keyword == "TriangleMesh" && self.slots_transmit;
         let Some(shape) = shape else {
             self.material_for(item.keyword(), item.keyword_span(), walk);

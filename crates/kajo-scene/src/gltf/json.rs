@@ -4,6 +4,7 @@ use super::ModelMaterial;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
@@ -52,7 +53,7 @@ pub(super) struct Scene {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Node {
-    pub name: Option<String>,
+    pub name: Option<Arc<str>>,
     pub children: Vec<usize>,
     pub mesh: Option<usize>,
     /// Column by column.
@@ -79,7 +80,7 @@ pub(super) struct Instancing {
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Mesh {
-    pub name: Option<String>,
+    pub name: Option<Arc<str>>,
     pub primitives: Vec<Primitive>,
 }
 

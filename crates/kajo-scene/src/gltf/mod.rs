@@ -23,6 +23,7 @@ use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
 use crate::tri_mesh::TriMesh;
 use kajo_math::DAffine3;
+use std::sync::Arc;
 
 /// What a glTF file describes, as far as it is read.
 #[derive(Debug, Default)]
@@ -67,7 +68,7 @@ pub struct ModelMaterial {
 #[derive(Clone, Debug)]
 pub struct ModelInstance {
     /// The name of the node, or else of its mesh.
-    pub name: Option<String>,
+    pub name: Option<Arc<str>>,
     /// An index into [`Model::meshes`].
     pub mesh: usize,
     /// From the mesh's space to the model's.
@@ -88,7 +89,7 @@ pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Resul
     check_extensions(&document).map_err(wrong)?;
     let buffers = Buffers::load(&document, &container, &path, assets, limits)?;
     let mut budget = Budget::new(buffers.bytes_read());
-    let mut model = nodes::read(&document, &buffers, limits).map_err(wrong)?;
+    let mut model = nodes::read(&document, &buffers, limits, &mut budget).map_err(wrong)?;
     let shown = nodes::renumber(&mut model.instances);
     let mut counts = primitive::Skipped::default();
     for mesh in shown {

@@ -3,13 +3,18 @@
 use super::accessor::View;
 use super::container::Buffers;
 use super::json::{Document, Instancing, Node};
-use super::{Model, ModelInstance};
+use super::{Budget, Model, ModelInstance};
 use crate::limits::Limits;
 use kajo_math::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 
 /// Walks the scene's nodes; meshes keep the numbers of the file.
-pub(super) fn read(document: &Document, buffers: &Buffers<'_>, limits: &Limits) -> Result<Model, String> {
+pub(super) fn read(
+    document: &Document,
+    buffers: &Buffers<'_>,
+    limits: &Limits,
+    budget: &mut Budget,
+) -> Result<Model, String> {
     let mut model = Model::default();
     let mut seen = vec![false; document.nodes.len()];
     let mut open: Vec<(usize, DAffine3)> =
@@ -26,21 +31,23 @@ pub(super) fn read(document: &Document, buffers: &Buffers<'_>, limits: &Limits) 
             };
             let name = node.name.as_ref().or(shown.name.as_ref()).filter(|name| !name.is_empty()).cloned();
             let instancing = node.extensions.as_ref().and_then(|extensions| extensions.instancing.as_ref());
-            let places = match instancing {
-                None => vec![place],
-                Some(instancing) => {
-                    let many = Many::new(document, buffers, instancing)
-                        .map_err(|said| format!("nodes[{number}]: {said}"))?;
-                    if many.count > limits.objects - model.instances.len() {
-                        return Err(format!("there are more than {} instances", limits.objects));
-                    }
-                    (0..many.count).map(|i| place * many.get(i)).collect()
-                }
+            let many = match instancing {
+                None => None,
+                Some(instancing) => Some(
+                    Many::new(document, buffers, instancing)
+                        .map_err(|said| format!("nodes[{number}]: {said}"))?,
+                ),
             };
-            model.instances.extend(places.into_iter().map(|model_from_mesh| ModelInstance {
+            let count = many.as_ref().map_or(1, |many| many.count);
+            if count > limits.objects - model.instances.len() {
+                return Err(format!("there are more than {} instances", limits.objects));
+            }
+            budget.take::<ModelInstance>(count)?;
+            let place_of = |i| many.as_ref().map_or(place, |many| place * many.get(i));
+            model.instances.extend((0..count).map(|i| ModelInstance {
                 name: name.clone(),
                 mesh,
-                model_from_mesh,
+                model_from_mesh: place_of(i),
             }));
         }
         open.extend(node.children.iter().rev().map(|&child| (child, place)));

@@ -94,7 +94,7 @@ fn mistakes_are_all_reported_and_reading_goes_on() {
         &["1:3: error: `nan` is not a finite number", "1:9: error: `-inf` is not a finite number"],
         "a 0 1 0",
     );
-    check_errors("a 1 1e999", &["1:5: error: `1e999` is not a number"], "a 1 0");
+    check_errors("a 1 1e999", &["1:5: error: `1e999` is too large"], "a 1 0");
     check_errors("a 1 \"s\"", &["1:5: error: the string `\"s\"` belongs to no keyword"], "a 1");
     check_errors("f \"s\nb 1", &["1:3: error: the string is not closed"], "f \"s\"; b 1");
     check_errors("a 1 /* b", &["1:5: error: the comment is not closed"], "a 1");

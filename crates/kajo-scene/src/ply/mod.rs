@@ -99,6 +99,7 @@ impl<'l> Builder<'l> {
             "vertex" => self.vertices(element, records)?,
             "face" => self.faces(element, records)?,
             "tristrips" => self.strips(element, records)?,
+            _ if element.properties.is_empty() => {}
             _ => {
                 for number in 0..element.count {
                     records.skip(element, number)?;

@@ -259,7 +259,7 @@ fn counts_are_not_believed() {
 
 #[test]
 fn elements_without_properties_cost_nothing() {
-    let header = square("element nothing 1000000\n");
+    let header = square("element nothing 18446744073709551615\n");
     let bytes = file(FORMATS[1], &header, &corners());
     assert_eq!(read(&bytes).unwrap().0.positions.len(), 4);
 }
