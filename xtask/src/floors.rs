@@ -30,18 +30,19 @@ const CRATES: [(&str, &[&str]); 11] = [
 const TESTKIT: &str = "kajo-testkit";
 
 /// Third-party crates that one crate of ours hides from the others.
-const KEPT: [(&str, &str); 6] = [
+const KEPT: [(&str, &str); 7] = [
     ("annotate-snippets", "kajo-scene"),
     ("clap", "kajo-cli"),
     ("exr", "kajo-image"),
     ("glam", "kajo-math"),
     ("image", "kajo-image"),
     ("png", "kajo-image"),
+    ("serde_json", "kajo-scene"),
 ];
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 14] = [
+const CORE_MODULES: [(&str, &[&str]); 15] = [
     ("family", &[]),
     ("interaction", &[]),
     ("bsdf", &["interaction"]),
@@ -50,6 +51,7 @@ const CORE_MODULES: [(&str, &[&str]); 14] = [
     ("shape", &["family", "interaction"]),
     ("light", &["family", "interaction", "shape"]),
     ("medium", &["family", "interaction"]),
+    ("objects", &[]),
     ("camera", &["interaction"]),
     ("sampler", &["interaction"]),
     ("settings", &["bsdf", "interaction", "sampler"]),
@@ -66,6 +68,7 @@ const CORE_MODULES: [(&str, &[&str]); 14] = [
             "shape",
             "light",
             "medium",
+            "objects",
             "camera",
             "sampler",
             "background",
@@ -83,6 +86,7 @@ const CORE_MODULES: [(&str, &[&str]); 14] = [
             "shape",
             "light",
             "medium",
+            "objects",
             "camera",
             "sampler",
             "background",
