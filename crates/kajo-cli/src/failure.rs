@@ -21,8 +21,11 @@ pub enum Failure {
     Output(String),
     /// There is not enough memory.
     Memory(String),
-    /// The user said stop.
-    Interrupted,
+    /// The user said stop, by a signal of this number.
+    Interrupted {
+        /// 2 for Ctrl-C.
+        signal: u8,
+    },
 }
 
 impl Failure {
@@ -34,7 +37,7 @@ impl Failure {
             Failure::Bug(_) => 4,
             Failure::Output(_) => 5,
             Failure::Memory(_) => 6,
-            Failure::Interrupted => 130,
+            Failure::Interrupted { signal } => 128_u8.saturating_add(*signal),
         }
     }
 
@@ -46,7 +49,7 @@ impl Failure {
             | Failure::Bug(text)
             | Failure::Output(text)
             | Failure::Memory(text) => text,
-            Failure::Interrupted => "interrupted",
+            Failure::Interrupted { .. } => "interrupted",
         }
     }
 }
@@ -81,7 +84,8 @@ impl From<RenderError> for Failure {
         match error {
             RenderError::Film(_) => Failure::Input(error.to_string()),
             RenderError::Memory { .. } => Failure::Memory(error.to_string()),
-            RenderError::Cancelled(_) => Failure::Interrupted,
+            RenderError::Cancelled(_) => Failure::Interrupted { signal: 2 },
+            RenderError::Checkpoint(_) | RenderError::NotAdaptive(_) => Failure::Input(error.to_string()),
             RenderError::Panicked(_) => Failure::Bug(error.to_string()),
         }
     }
@@ -121,6 +125,6 @@ mod tests {
         assert_eq!(guarded(|| panic!("on purpose")), 4);
         assert_eq!(guarded(|| Err(Failure::Output("x".into()))), 5);
         assert_eq!(guarded(|| Err(Failure::Memory("x".into()))), 6);
-        assert_eq!(guarded(|| Err(Failure::Interrupted)), 130);
+        assert_eq!(guarded(|| Err(Failure::Interrupted { signal: 2 })), 130);
     }
 }

@@ -30,10 +30,15 @@ const STOPPING: u8 = 4;
 /// How long a render may take to stop.
 const PATIENCE: Duration = Duration::from_secs(2);
 
+/// The signal of Ctrl-C, the only one where there are no others.
+const CTRL_C: u8 = 2;
+
 /// Knows whether the program was told to stop.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
     state: Arc<AtomicU8>,
+    /// Number of the last signal.
+    signal: Arc<AtomicU8>,
 }
 
 impl Interrupt {
@@ -41,22 +46,27 @@ impl Interrupt {
     pub fn listen() -> Interrupt {
         let interrupt = Interrupt::default();
         let heard = interrupt.clone();
-        // Where signals cannot be had the system's own way of ending a program is left.
-        let _ = ctrlc::set_handler(move || match heard.stop() {
-            None => end(),
+        on_signal(move |signal| heard.hear(signal));
+        ignore_file_size_signal();
+        interrupt
+    }
+
+    /// What a signal leads to.
+    fn hear(&self, signal: u8) {
+        self.signal.store(signal, Ordering::SeqCst);
+        match self.stop() {
+            None => self.end(),
             Some(Work::Write) => {}
             Some(Work::Render) => {
-                let heard = heard.clone();
+                let heard = self.clone();
                 thread::spawn(move || {
                     thread::sleep(PATIENCE);
                     if heard.state.load(Ordering::SeqCst) == STOPPING + Work::Render as u8 {
-                        end();
+                        heard.end();
                     }
                 });
             }
-        });
-        ignore_file_size_signal();
-        interrupt
+        }
     }
 
     /// Does some work. Returns what came of it, and whether the signal came meanwhile.
@@ -66,9 +76,29 @@ impl Interrupt {
         (result, self.state.swap(FREE, Ordering::SeqCst) >= STOPPING)
     }
 
+    /// Writes something in the course of a render; nobody breaks it off, even when the render is to stop.
+    pub fn undisturbed<T>(&self, write: impl FnOnce() -> T) -> T {
+        self.turn(Work::Render, Work::Write);
+        let result = write();
+        self.turn(Work::Write, Work::Render);
+        result
+    }
+
+    /// Makes one kind of work another, told to stop or not.
+    fn turn(&self, from: Work, to: Work) {
+        let turned = |state: u8| (state & !STOPPING == from as u8).then_some(state & STOPPING | to as u8);
+        // Nothing is to be turned where there is no work.
+        let _ = self.state.fetch_update(Ordering::SeqCst, Ordering::SeqCst, turned);
+    }
+
     /// Whether the work in progress should come to an end.
     pub fn is_stopping(&self) -> bool {
         self.state.load(Ordering::Relaxed) >= STOPPING
+    }
+
+    /// How a program ends that was told to stop: with the signal's own exit code.
+    pub fn failure(&self) -> Failure {
+        Failure::Interrupted { signal: self.signal.load(Ordering::SeqCst) }
     }
 
     /// Asks the work in progress to end and returns its kind; `None` when there is none, or it was asked before.
@@ -78,10 +108,28 @@ impl Interrupt {
             self.state.compare_exchange(working, stopping, Ordering::SeqCst, Ordering::SeqCst).is_ok()
         })
     }
+
+    fn end(&self) -> ! {
+        process::exit(self.failure().code().into())
+    }
 }
 
-fn end() -> ! {
-    process::exit(Failure::Interrupted.code().into())
+/// Calls `act` with the number of each signal that asks the program to end. Where signals cannot be had the system's
+/// own way of ending a program is left.
+#[cfg(unix)]
+fn on_signal(act: impl Fn(u8) + Send + 'static) {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM]) else { return };
+    thread::spawn(move || {
+        for signal in signals.forever() {
+            act(u8::try_from(signal).unwrap_or(CTRL_C));
+        }
+    });
+}
+
+#[cfg(not(unix))]
+fn on_signal(act: impl Fn(u8) + Send + 'static) {
+    let _ = ctrlc::set_handler(move || act(CTRL_C));
 }
 
 /// Makes writing beyond the limit on file sizes an error of the write, instead of the end of the program.
@@ -111,5 +159,35 @@ mod tests {
             });
             assert!(stopped && !interrupt.is_stopping());
         }
+    }
+
+    #[test]
+    fn a_file_written_in_a_render_is_not_broken_off() {
+        let interrupt = Interrupt::default();
+        let ((), stopped) = interrupt.during(Work::Render, || {
+            interrupt.undisturbed(|| assert_eq!(interrupt.stop(), Some(Work::Write)));
+            assert!(interrupt.is_stopping(), "the render hears of it afterwards");
+            interrupt.undisturbed(|| {
+                let writing = STOPPING + Work::Write as u8;
+                assert_eq!(
+                    interrupt.state.load(Ordering::SeqCst),
+                    writing,
+                    "the render's patience does not end it"
+                );
+            });
+        });
+        assert!(stopped);
+        interrupt.undisturbed(|| ());
+        assert_eq!(interrupt.stop(), None, "there is no work to turn into another");
+    }
+
+    #[test]
+    fn the_exit_code_tells_the_signal() {
+        let interrupt = Interrupt::default();
+        let codes = [1, 2, 15].map(|signal| {
+            interrupt.during(Work::Write, || interrupt.hear(signal));
+            interrupt.failure().code()
+        });
+        assert_eq!(codes, [129, 130, 143]);
     }
 }

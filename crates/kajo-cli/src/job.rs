@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 
 use kajo::output::{OutputError, Target};
 use kajo::{
-    BitDepth, Defaults, Dialect, Format, Highlight, LoadOptions, Loaded, Picture, RenderError,
-    RenderSettings, RenderStats, Resources, SamplerKind, Scene, Settings, Severity, View,
+    BitDepth, Defaults, Dialect, Format, Highlight, LoadOptions, Loaded, Passes, Picture, Progress,
+    RenderError, RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Severity,
+    View,
 };
 
+use crate::args::PassArgs;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, Work};
+use crate::passes::Watcher;
 use crate::progress::Meter;
 
 /// What to render, how, and where to put it.
@@ -29,6 +32,8 @@ pub struct Job {
     pub resources: Resources,
     /// Write what there is when interrupted.
     pub keep_partial: bool,
+    /// What a render in several passes is wanted for, if it is.
+    pub passes: PassArgs,
 }
 
 /// Classic options whose meaning depends on the scene's dialect, or that no `Settings` block has.
@@ -67,8 +72,24 @@ pub struct Voice<'a> {
 #[derive(Debug)]
 pub struct Done {
     pub size: [u32; 2],
-    pub samples: u32,
+    /// Of a pixel, on average.
+    pub samples: f64,
+    /// Estimated relative error, where it is known.
+    pub noise: Option<f64>,
     pub stats: RenderStats,
+}
+
+/// Files to be written, found to be writable.
+struct Targets {
+    /// For each output that is no standard output.
+    outputs: Vec<Target>,
+    checkpoint: Option<Target>,
+}
+
+/// Why there is no complete picture.
+enum Stop {
+    Render(RenderError),
+    Other(Failure),
 }
 
 impl Destination {
@@ -110,25 +131,71 @@ impl Job {
             .flat_map(|output| output.views.iter().map(|&view| (view, output.format)))
             .collect();
         let (result, interrupted) = interrupt.during(Work::Render, || {
-            let result =
-                kajo::render(&scene, &settings, &outputs, &self.resources, &meter.watched(interrupt));
+            let progress = meter.watched(interrupt);
+            let result = if self.passes.are_wanted() {
+                self.render_passes(&scene, &settings, &outputs, &loaded.files, &targets, &progress, interrupt)
+            } else {
+                kajo::render(&scene, &settings, &outputs, &self.resources, &progress).map_err(Stop::Render)
+            };
             meter.finish();
             result
         });
         let picture = match result {
             Ok(picture) => picture,
-            Err(RenderError::Cancelled(partial)) => *partial,
-            Err(error) => return Err(error.into()),
+            Err(Stop::Render(RenderError::Cancelled(partial))) => *partial,
+            Err(Stop::Render(error)) => return Err(error.into()),
+            Err(Stop::Other(failure)) => return Err(failure),
         };
-        if interrupted && !self.keep_partial {
-            return Err(Failure::Interrupted);
+        let stopped = || interrupt.failure();
+        if interrupted && let (Some(target), Some(state)) = (&targets.checkpoint, picture.snapshot()) {
+            interrupt.during(Work::Write, || state.save(target)).0?;
+        }
+        if interrupted && !self.keep_partial && targets.checkpoint.is_none() {
+            return Err(stopped());
         }
         warn_of_numbers(&picture.stats, voice);
-        self.write(&picture, &targets, interrupt)?;
+        self.write(&picture, &targets.outputs, interrupt)?;
         if interrupted {
-            return Err(Failure::Interrupted);
+            return Err(stopped());
         }
-        Ok(Done { size: picture.size(), samples: settings.samples.1, stats: picture.stats })
+        Ok(Done {
+            size: picture.size(),
+            samples: picture.mean_samples(),
+            noise: picture.noise(),
+            stats: picture.stats,
+        })
+    }
+
+    /// A render with somebody to look at it after each pass.
+    #[expect(clippy::too_many_arguments, reason = "they are what `run` has found out so far")]
+    fn render_passes(
+        &self,
+        scene: &Scene,
+        settings: &RenderSettings,
+        outputs: &[(View, Format)],
+        files: &[PathBuf],
+        targets: &Targets,
+        progress: &dyn Progress,
+        interrupt: &Interrupt,
+    ) -> Result<Picture, Stop> {
+        let digest = SceneDigest::of_files(files);
+        let digest = digest
+            .map_err(|error| Stop::Other(Failure::Input(format!("cannot read the scene again: {error}"))))?;
+        let passes = Passes { goal: self.passes.goal(), resume: self.passes.resume.clone(), scene: digest };
+        let mut watcher = Watcher::new(&self.passes, &self.scene, targets.checkpoint.as_ref(), interrupt);
+        let result = kajo::render_passes(
+            scene,
+            settings,
+            outputs,
+            &self.resources,
+            &passes,
+            progress,
+            &mut |snapshot| watcher.look(snapshot),
+        );
+        match watcher.failure {
+            Some(failure) => Err(Stop::Other(failure.into())),
+            None => result.map_err(Stop::Render),
+        }
     }
 
     fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
@@ -149,12 +216,15 @@ impl Job {
     }
 
     /// Makes sure that every file can be written.
-    fn targets(&self, inputs: &[PathBuf]) -> Result<Vec<Target>, OutputError> {
+    fn targets(&self, inputs: &[PathBuf]) -> Result<Targets, OutputError> {
         let files = self.outputs.iter().filter_map(|output| match &output.destination {
             Destination::File(path) => Some(path.clone()),
             Destination::StandardOutput => None,
         });
-        Target::check_all(&files.collect::<Vec<_>>(), inputs)
+        let files: Vec<PathBuf> = files.chain(self.passes.checkpoint.clone()).collect();
+        let mut outputs = Target::check_all(&files, inputs)?;
+        let checkpoint = self.passes.checkpoint.as_ref().and_then(|_| outputs.pop());
+        Ok(Targets { outputs, checkpoint })
     }
 
     fn write(&self, picture: &Picture, targets: &[Target], interrupt: &Interrupt) -> Result<(), Failure> {
@@ -170,7 +240,7 @@ impl Job {
             });
             result?;
             if interrupted {
-                return Err(Failure::Interrupted);
+                return Err(interrupt.failure());
             }
         }
         Ok(())

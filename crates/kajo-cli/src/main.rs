@@ -8,6 +8,7 @@ mod gallery;
 mod interrupt;
 mod job;
 mod json;
+mod passes;
 mod progress;
 
 use std::process::ExitCode;

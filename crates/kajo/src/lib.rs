@@ -28,6 +28,7 @@
 
 mod assets;
 pub mod bench;
+mod checkpoint;
 pub mod compare;
 mod info;
 mod load;
@@ -35,13 +36,16 @@ pub mod memory;
 pub mod output;
 mod render;
 mod settings;
+mod tev;
 mod view;
 
 pub use assets::{FsAssets, LoadProgress};
+pub use checkpoint::{CheckpointError, SceneDigest};
 pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{LoadOptions, Loaded, load, load_from};
-pub use render::{Picture, RenderError, Resources, render};
+pub use render::{Passes, Picture, RenderError, Resources, Snapshot, render, render_passes};
 pub use settings::{Defaults, RenderSettings, SettingsError};
+pub use tev::Tev;
 pub use view::View;
 
 pub use kajo_core::RayOffset;
@@ -51,5 +55,5 @@ pub use kajo_core::scene::Scene;
 pub use kajo_core::settings::{Dialect, FilterChoice, Settings, ShadowAttenuation, Shadows};
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode};
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
-pub use kajo_render::{Progress, RayCounters, RenderStats, Silent};
+pub use kajo_render::{Goal, Progress, RayCounters, RenderStats, Silent};
 pub use kajo_scene::{Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, nearest};

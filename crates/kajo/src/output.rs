@@ -5,7 +5,7 @@
 //! untouched until then, and after any failure.
 
 use std::fs::{self, File, Metadata};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile};
@@ -137,22 +137,35 @@ impl Target {
     /// # Errors
     /// [`OutputError::Write`]; what stood there before still does.
     pub fn write(&self, bytes: &[u8]) -> Result<(), OutputError> {
-        let result = match self.kind {
-            Kind::File => self.replace(bytes),
-            Kind::Stream => File::options().write(true).open(&self.real).and_then(|mut file| {
-                file.write_all(bytes)?;
-                file.flush()
-            }),
-        };
-        result.map_err(|source| OutputError::Write { path: self.path.clone(), bytes: bytes.len(), source })
+        self.fill(bytes.len(), |out| out.write_all(bytes))
     }
 
-    fn replace(&self, bytes: &[u8]) -> io::Result<()> {
-        let mut file = self.temporary()?;
+    /// As [`Target::write`] with what `write` puts into the file.
+    ///
+    /// * `bytes`: about how many that will be, for the message when there is no room
+    ///
+    /// # Errors
+    /// As there.
+    pub fn fill(
+        &self,
+        bytes: usize,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
+        let result = match self.kind {
+            Kind::File => self.replace(write),
+            Kind::Stream => {
+                File::options().write(true).open(&self.real).and_then(|file| buffered(&file, write))
+            }
+        };
+        result.map_err(|source| OutputError::Write { path: self.path.clone(), bytes, source })
+    }
+
+    fn replace(&self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        let file = self.temporary()?;
         if let Ok(existing) = fs::metadata(&self.real) {
             file.as_file().set_permissions(existing.permissions())?;
         }
-        file.write_all(bytes)?;
+        buffered(file.as_file(), write)?;
         file.as_file().sync_all()?;
         file.persist(&self.real).map_err(|error| error.error)?;
         self.sync_folder();
@@ -202,6 +215,12 @@ impl Target {
             _ => Path::new("."),
         }
     }
+}
+
+fn buffered(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(1 << 16, file);
+    write(&mut out)?;
+    out.flush()
 }
 
 /// The path of a file to be made, by the real path of its folder where that exists: equal for equal files.

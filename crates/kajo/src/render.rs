@@ -1,13 +1,20 @@
 //! From a scene to a picture.
 
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use kajo_core::sampler::SamplerKind;
 use kajo_core::scene::Scene;
 use kajo_core::settings::Shadows;
-use kajo_image::{BitDepth, Format, ImageError};
+use kajo_image::{BitDepth, Format, Image, ImageError};
 use kajo_render::integrator::{Classic, ClassicSettings};
 use kajo_render::{
-    Film, FilmError, FilmSpec, Layer, LayerSet, Progress, RenderError as PassError, RenderStats,
+    Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
+    RenderError as PassError, RenderStats,
 };
 
+use crate::checkpoint::{self, CheckpointError, Identity, SceneDigest};
+use crate::output::{OutputError, Target};
 use crate::view::{self, View};
 use crate::{RenderSettings, memory};
 
@@ -22,12 +29,35 @@ pub struct Resources {
     pub memory: Option<u64>,
 }
 
+/// A render in passes: when it ends, and where it begins.
+#[derive(Clone, Debug, Default)]
+pub struct Passes {
+    /// When the picture is good enough.
+    pub goal: Goal,
+    /// The checkpoint of an earlier render that is to be continued.
+    pub resume: Option<PathBuf>,
+    /// What the scene was read from, so that a checkpoint of another one is refused.
+    pub scene: SceneDigest,
+}
+
 /// A rendered picture, with all that was asked for.
 #[derive(Debug)]
 pub struct Picture {
     film: Film,
     settings: RenderSettings,
-    /// Rays, samples and time.
+    position: Option<(Position, Identity)>,
+    /// Rays, samples and time of this run.
+    pub stats: RenderStats,
+}
+
+/// A picture in the making, between two passes.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot<'a> {
+    film: &'a Film,
+    settings: &'a RenderSettings,
+    position: &'a Position,
+    identity: &'a Identity,
+    /// Rays, samples and time of this run so far.
     pub stats: RenderStats,
 }
 
@@ -52,6 +82,14 @@ pub enum RenderError {
         /// Bytes allowed.
         budget: u64,
     },
+    /// The checkpoint to go on from is none of this render.
+    #[error(transparent)]
+    Checkpoint(CheckpointError),
+    /// Adaptive sampling takes more samples here and fewer there, and these patterns have a fixed number.
+    #[error(
+        "adaptive sampling cannot use {0} samples, whose number is fixed; take sobol, zsobol, pmj or uniform ones"
+    )]
+    NotAdaptive(&'static str),
     /// [`Progress::cancelled`] said so. The picture holds what was rendered.
     #[error("the render was interrupted")]
     Cancelled(Box<Picture>),
@@ -74,22 +112,128 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Result<Picture, RenderError> {
     let layers = layers(outputs, settings);
-    let spec = film_spec(scene, settings, layers);
+    let spec = FilmSpec { one_pass: true, ..film_spec(scene, settings, layers) };
     check_memory(&spec, resources)?;
     let film = Film::new(spec, u64::MAX).map_err(RenderError::Film)?;
-    let integrator = Classic::new(scene, light_settings(settings, layers), settings.size, layers);
-    let schedule = kajo_render::RenderSettings {
-        sampler: settings.sampler(),
-        seed: settings.seed,
-        threads: resources.threads,
-        tile: resources.tile,
+    let integrator = integrator(scene, settings, layers);
+    let schedule = schedule(settings, resources);
+    let result = kajo_render::render(&*integrator, &film, &schedule, progress);
+    ended(result, |stats| Picture { film, settings: *settings, position: None, stats })
+}
+
+/// As [`render`], in passes over the whole picture: it can be seen and saved after each, ends when a goal is reached, and
+/// goes on from a checkpoint.
+///
+/// * `look`: called after each pass; may end the render
+///
+/// Without goals for time or noise, the picture has the same bits as that of [`render`].
+///
+/// # Errors
+/// As [`render`]; a checkpoint that cannot be used; a sampler with a fixed number of samples for adaptive sampling.
+pub fn render_passes(
+    scene: &Scene,
+    settings: &RenderSettings,
+    outputs: &[(View, Format)],
+    resources: &Resources,
+    passes: &Passes,
+    progress: &dyn Progress,
+    look: &mut dyn FnMut(Snapshot<'_>) -> ControlFlow<()>,
+) -> Result<Picture, RenderError> {
+    let goal = &passes.goal;
+    if let (true, Some(name)) = (goal.adaptive, fixed_pattern(settings)) {
+        return Err(RenderError::NotAdaptive(name));
+    }
+    let mut layers = layers(outputs, settings);
+    if goal.adaptive || goal.noise.is_some() {
+        layers = layers.with(Layer::Variance);
+    }
+    let spec = FilmSpec { halves: goal.adaptive, ..film_spec(scene, settings, layers) };
+    check_memory(&spec, resources)?;
+    let identity = Identity::new(passes.scene, scene, settings, &spec, goal);
+    let schedule = schedule(settings, resources);
+    let (film, mut position) = match &passes.resume {
+        Some(path) => {
+            checkpoint::restore(path, &identity, spec, &schedule).map_err(RenderError::Checkpoint)?
+        }
+        None => (Film::new(spec, u64::MAX).map_err(RenderError::Film)?, Position::default()),
     };
-    let result = kajo_render::render(&integrator, &film, &schedule, progress);
-    let picture = |stats| Picture { film, settings: *settings, stats };
+    let integrator = integrator(scene, settings, layers);
+    let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
+        look(Snapshot { film, settings, position, identity: &identity, stats })
+    };
+    let result =
+        kajo_render::render_passes(&*integrator, &film, &schedule, goal, &mut position, progress, look);
+    ended(result, |stats| Picture { film, settings: *settings, position: Some((position, identity)), stats })
+}
+
+/// What came of a render, with its picture.
+fn ended(
+    result: Result<RenderStats, PassError>,
+    picture: impl FnOnce(RenderStats) -> Picture,
+) -> Result<Picture, RenderError> {
     match result {
         Ok(stats) => Ok(picture(stats)),
         Err(PassError::Cancelled(stats)) => Err(RenderError::Cancelled(Box::new(picture(stats)))),
         Err(error @ PassError::Panicked { .. }) => Err(RenderError::Panicked(error.to_string())),
+    }
+}
+
+fn schedule(settings: &RenderSettings, resources: &Resources) -> kajo_render::RenderSettings {
+    kajo_render::RenderSettings {
+        sampler: settings.sampler(),
+        seed: settings.seed,
+        threads: resources.threads,
+        tile: resources.tile,
+    }
+}
+
+fn integrator<'a>(
+    scene: &'a Scene,
+    settings: &RenderSettings,
+    layers: LayerSet,
+) -> Box<dyn PixelIntegrator + 'a> {
+    Box::new(Classic::new(scene, light_settings(settings, layers), settings.size, layers))
+}
+
+/// The name of the pattern of samples, if it needs a fixed number of them.
+fn fixed_pattern(settings: &RenderSettings) -> Option<&'static str> {
+    match settings.samples.0 {
+        SamplerKind::Regular => Some("regular"),
+        SamplerKind::Jittered => Some("jittered"),
+        SamplerKind::Poisson => Some("poisson"),
+        SamplerKind::Uniform | SamplerKind::Sobol | SamplerKind::ZSobol | SamplerKind::Pmj => None,
+    }
+}
+
+impl Snapshot<'_> {
+    /// The picture so far; see [`Picture::encode`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn encode(&self, views: &[View], format: Format, depth: BitDepth) -> Result<Vec<u8>, ImageError> {
+        view::encode(self.film, views, format, depth, self.settings)
+    }
+
+    /// The light so far, linear RGB.
+    ///
+    /// # Errors
+    /// When there is no memory for it.
+    pub fn light(&self) -> Result<Image, ImageError> {
+        view::develop(self.film, Layer::Color)
+    }
+
+    /// Samples of each pixel so far.
+    pub fn samples(&self) -> u32 {
+        self.position.samples()
+    }
+
+    /// Writes a checkpoint, whole or not at all.
+    ///
+    /// # Errors
+    /// When the file cannot be written; the one that stood there before still does.
+    pub fn save(&self, target: &Target) -> Result<(), OutputError> {
+        let bytes = usize::try_from(self.film.spec().bytes()).unwrap_or(usize::MAX);
+        target.fill(bytes, |out| checkpoint::save(self.identity, self.film, self.position, out))
     }
 }
 
@@ -105,6 +249,24 @@ impl Picture {
     /// Columns and rows.
     pub fn size(&self) -> [u32; 2] {
         self.settings.size
+    }
+
+    /// Samples of a pixel on average, those of earlier runs included.
+    pub fn mean_samples(&self) -> f64 {
+        let [width, height] = self.settings.size.map(f64::from);
+        self.film.samples() as f64 / (width * height)
+    }
+
+    /// Estimated relative error of the light, where it is known; see [`Goal::noise`].
+    pub fn noise(&self) -> Option<f64> {
+        self.film.noise()
+    }
+
+    /// What can be saved as a checkpoint: pictures rendered in passes.
+    pub fn snapshot(&self) -> Option<Snapshot<'_>> {
+        let Picture { film, settings, position, stats } = self;
+        let (position, identity) = position.as_ref()?;
+        Some(Snapshot { film, settings, position, identity, stats: *stats })
     }
 }
 
@@ -129,7 +291,6 @@ fn film_spec(scene: &Scene, settings: &RenderSettings, layers: LayerSet) -> Film
         layers,
         depth_map: settings.depth_map(),
         normal_map: settings.normal_map(),
-        one_pass: true,
         ..FilmSpec::new(width, height)
     }
 }
@@ -204,7 +365,9 @@ mod tests {
                 let background =
                     if view == View::Depth && format == Format::Exr { f32::INFINITY } else { 0.0 };
                 let differs = image.pixel(0, 0) != image.pixel(4, 3);
-                assert!(differs || view == View::Samples, "{view:?} as {format} shows the ball");
+                // Nothing moves, and the ball's middle and the background have no noise.
+                let is_even = matches!(view, View::Samples | View::Motion | View::Variance);
+                assert!(differs || is_even, "{view:?} as {format} shows the ball");
                 if matches!(view, View::Depth | View::Object | View::Material) && format != Format::Pfm {
                     assert_eq!(image.pixel(0, 0)[0], background, "{view:?} as {format}");
                 }
@@ -224,9 +387,16 @@ mod tests {
         for channel in ["R", "G", "B", "Z"] {
             assert!(main.channel(channel).is_some(), "{channel}");
         }
-        for (layer, channel) in
-            [("N", "X"), ("uv", "U"), ("object", "id"), ("material", "id"), ("samples", "count")]
-        {
+        for (layer, channel) in [
+            ("N", "X"),
+            ("uv", "U"),
+            ("object", "id"),
+            ("material", "id"),
+            ("samples", "count"),
+            ("albedo", "R"),
+            ("motion", "Y"),
+            ("variance", "B"),
+        ] {
             assert!(file.layer(Some(layer)).unwrap().channel(channel).is_some(), "{layer}.{channel}");
         }
     }

@@ -27,15 +27,32 @@ pub enum View {
     Material,
     /// How many samples were taken.
     Samples,
+    /// How much white light the first surface throws back.
+    Albedo,
+    /// Where the first surface moves in the picture while the shutter is open, in pixels.
+    Motion,
+    /// Estimated variance of the light.
+    Variance,
 }
 
 impl View {
     /// All views.
-    pub const ALL: [View; 7] =
-        [View::Color, View::Depth, View::Normals, View::Uv, View::Object, View::Material, View::Samples];
+    pub const ALL: [View; 10] = [
+        View::Color,
+        View::Depth,
+        View::Normals,
+        View::Uv,
+        View::Object,
+        View::Material,
+        View::Samples,
+        View::Albedo,
+        View::Motion,
+        View::Variance,
+    ];
 
     /// Their names, in the same order.
-    pub const NAMES: [&'static str; 7] = ["color", "depth", "normals", "uv", "object", "material", "samples"];
+    pub const NAMES: [&'static str; 10] =
+        ["color", "depth", "normals", "uv", "object", "material", "samples", "albedo", "motion", "variance"];
 
     /// The view of that name.
     pub fn from_name(name: &str) -> Option<View> {
@@ -60,6 +77,9 @@ impl View {
             View::Object => Layer::ObjectId,
             View::Material => Layer::MaterialId,
             View::Samples => Layer::SampleCount,
+            View::Albedo => Layer::Albedo,
+            View::Motion => Layer::Motion,
+            View::Variance => Layer::Variance,
         }
     }
 }
@@ -104,6 +124,9 @@ fn picture(film: &Film, view: View, format: Format, settings: &RenderSettings) -
     let image = develop(film, layer)?;
     match view {
         View::Uv => mapped(&image, |uv| [uv[0], uv[1], 0.0]),
+        View::Motion if holds_numbers(format) => mapped(&image, |motion| [motion[0], motion[1], 0.0]),
+        // A pixel to either side takes it from grey to an end of the scale.
+        View::Motion => mapped(&image, |motion| [0.5 + 0.5 * motion[0], 0.5 + 0.5 * motion[1], 0.5]),
         View::Depth if layer == Layer::Depth && !holds_numbers(format) => nearness(&image),
         View::Samples if !holds_numbers(format) => {
             let most = image.data().iter().copied().fold(1.0, f32::max);
@@ -114,7 +137,7 @@ fn picture(film: &Film, view: View, format: Format, settings: &RenderSettings) -
     }
 }
 
-fn develop(film: &Film, layer: Layer) -> Result<Image, ImageError> {
+pub(crate) fn develop(film: &Film, layer: Layer) -> Result<Image, ImageError> {
     film.develop(layer).ok_or_else(|| missing(layer))
 }
 
@@ -188,6 +211,13 @@ fn exr_layers(film: &Film, views: &[View]) -> Result<Vec<ExrLayer>, ImageError> 
             }
             View::Samples => {
                 others.push(named("samples", planes(&develop(film, Layer::SampleCount)?, &["count"])));
+            }
+            View::Albedo => {
+                others.push(named("albedo", planes(&develop(film, Layer::Albedo)?, &["R", "G", "B"])));
+            }
+            View::Motion => others.push(named("motion", planes(&develop(film, Layer::Motion)?, &["X", "Y"]))),
+            View::Variance => {
+                others.push(named("variance", planes(&develop(film, Layer::Variance)?, &["R", "G", "B"])));
             }
         }
     }

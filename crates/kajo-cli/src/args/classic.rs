@@ -6,7 +6,7 @@ use clap::{Arg, ArgMatches, Args, FromArgMatches, parser::ValueSource};
 use kajo::{BitDepth, Defaults, FilterChoice, SamplerKind, Settings, Shadows, View};
 
 use super::values::{self, MakeFilter, Size};
-use super::{RunArgs, SceneArgs};
+use super::{PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::job::{ClassicWords, Destination, Job, Output};
 
@@ -199,6 +199,7 @@ impl ClassicArgs {
             depth: BitDepth::Eight,
             resources: known.run.resources(),
             keep_partial: known.run.keep_partial,
+            passes: PassArgs::default(),
         })
     }
 }

@@ -8,6 +8,7 @@ mod bench;
 mod classic;
 mod common;
 mod normalise;
+mod passes;
 mod render;
 mod values;
 
@@ -21,6 +22,7 @@ pub use bench::{BenchArgs, BenchCommand, MemoryArgs, ParseArgs, RaysArgs, Whitte
 pub use classic::ClassicArgs;
 pub use common::{RunArgs, SceneArgs};
 pub use normalise::normalise;
+pub use passes::PassArgs;
 pub use render::RenderArgs;
 
 const EXAMPLES: &str = "\

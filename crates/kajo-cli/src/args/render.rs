@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 use kajo::{BitDepth, Defaults, Format, RayOffset, Settings, ShadowAttenuation, Shadows, View};
 
 use super::values::{self, Aov, FilterArg, Samples, Size};
-use super::{RunArgs, SceneArgs};
+use super::{PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::job::{Destination, Job, Output};
 
@@ -24,7 +24,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "W H")]
     pub size: Option<Size>,
     /// A further picture, or without FILE a further layer of the OpenEXR file: depth, normals, uv, object,
-    /// material, samples [may be repeated]
+    /// material, samples, albedo, motion, variance [may be repeated]
     #[arg(long, value_name = "NAME[=FILE]", value_parser = values::aov(), action = clap::ArgAction::Append)]
     pub aov: Vec<Aov>,
     /// Layers of the OpenEXR file, separated by commas, or all
@@ -80,6 +80,8 @@ pub struct RenderArgs {
     pub ray_offset: Option<RayOffset>,
 
     #[command(flatten)]
+    pub passes: PassArgs,
+    #[command(flatten)]
     pub scene_args: SceneArgs,
     #[command(flatten)]
     pub run: RunArgs,
@@ -101,6 +103,7 @@ impl RenderArgs {
             depth: if self.bits == "16" { BitDepth::Sixteen } else { BitDepth::Eight },
             resources: self.run.resources(),
             keep_partial: self.run.keep_partial,
+            passes: self.passes.clone(),
         })
     }
 

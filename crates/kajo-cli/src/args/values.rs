@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use kajo::{Dialect, FilterChoice, SamplerKind, View};
@@ -162,6 +163,19 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number that is not negative".to_owned())
 }
 
+/// A finite number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|n: &f64| n.is_finite() && *n > 0.0);
+    number.ok_or_else(|| "expected a number above 0".to_owned())
+}
+
+/// A time in seconds.
+pub fn seconds(text: &str) -> Result<Duration, String> {
+    not_negative(text).and_then(|seconds| {
+        Duration::try_from_secs_f64(seconds).map_err(|_| "expected a number of seconds".to_owned())
+    })
+}
+
 /// The least weight of a branch.
 pub fn weight(text: &str) -> Result<f32, String> {
     not_negative(text).map(|weight| weight as f32)
@@ -206,5 +220,8 @@ mod tests {
         assert_eq!(finite("-2.5e3"), Ok(-2500.0));
         assert!(["inf", "nan", "1e99", "x"].iter().all(|text| finite(text).is_err()));
         assert!(["-1", "inf", "nan"].iter().all(|text| not_negative(text).is_err()));
+        assert!(["0", "-1", "inf", "nan", "1%"].iter().all(|text| positive(text).is_err()));
+        assert_eq!(seconds("0.5"), Ok(Duration::from_millis(500)));
+        assert!(["-1", "1e300", "inf", "1s"].iter().all(|text| seconds(text).is_err()));
     }
 }

@@ -48,10 +48,12 @@ fn summary(job: &Job, done: &Done) -> String {
     let [width, height] = done.size;
     let rays = done.stats.rays.total() as f64;
     let seconds = done.stats.seconds;
+    let samples =
+        if done.samples.fract() == 0.0 { done.samples.to_string() } else { format!("{:.1}", done.samples) };
+    let noise = done.noise.map_or(String::new(), |noise| format!(", noise {noise:.4}"));
     format!(
-        "{names}: {width} x {height}, {} sample{} a pixel, {} rays in {seconds:.2} s ({} rays/s)",
-        done.samples,
-        if done.samples == 1 { "" } else { "s" },
+        "{names}: {width} x {height}, {samples} sample{} a pixel{noise}, {} rays in {seconds:.2} s ({} rays/s)",
+        if samples == "1" { "" } else { "s" },
         in_short(rays),
         in_short(rays / seconds.max(1e-6))
     )

@@ -35,7 +35,7 @@ pub fn run(args: &GalleryArgs, interrupt: &Interrupt) -> Result<(), Failure> {
             console::line(progress_line(i + 1, entries.len(), entry, &result));
         }
         let result = match result {
-            Err((Failure::Interrupted, _)) => return Err(Failure::Interrupted),
+            Err((stop @ Failure::Interrupted { .. }, _)) => return Err(stop),
             Err((failure, message)) => {
                 failures.push(failure);
                 Err(message)
@@ -126,7 +126,7 @@ fn rendered(job: &Job, done: &Done, out: &Path) -> Rendered {
     Rendered {
         files: job.outputs.iter().filter_map(|output| beside_page(&output.destination)).collect(),
         size: done.size,
-        samples: done.samples,
+        samples: done.samples.round() as u32,
         rays: done.stats.rays.total(),
         seconds: done.stats.seconds,
     }

@@ -249,6 +249,13 @@ impl<'a> Classic<'a> {
         }
     }
 
+    /// What a surface does with white light in all: scatter, mirror and let through.
+    fn albedo(&self, at: &Interaction) -> [f32; 3] {
+        let Scene { materials, textures, .. } = self.scene;
+        let phong = materials.phong(at.material, materials, textures, at.point.p);
+        (phong.diffuse + phong.reflective + phong.transparent).to_rgb().map(|v| v.min(1.0))
+    }
+
     /// The test picture: red grows to the right, green downward; the values of pixel centres.
     fn uv_picture(&self, pixel: [u32; 2]) -> Spectrum {
         let center = |axis: usize| (pixel[axis] as f32 + 0.5) / self.size[axis] as f32;
@@ -289,6 +296,9 @@ impl PixelIntegrator for Classic<'_> {
         rays.camera += 1;
         let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
         let (light, first) = self.li(ray, path, rays);
+        if let Some(at) = first.filter(|_| self.layers.has(Layer::Albedo)) {
+            ctx.aux.albedo = self.albedo(&at);
+        }
         let first = first.map(|at| FirstHit {
             t: at.hit.t,
             n: at.point.n,

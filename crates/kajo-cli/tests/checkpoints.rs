@@ -1,0 +1,114 @@
+//! Checkpoints: a render that is stopped or killed goes on to the same bytes.
+#![cfg(unix)]
+
+mod common;
+
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use common::Folder;
+
+const RENDER: &str =
+    "ball.txt --size 150 100 --samples sobol 128 --layers color,samples -o out.exr --threads 2";
+
+/// The bytes of the picture that nobody disturbed.
+fn expected() -> Vec<u8> {
+    let folder = Folder::new();
+    folder.succeed(RENDER);
+    folder.read("out.exr")
+}
+
+/// Starts the render, sends a signal after a while, and returns the exit code, if there is one, and what was said.
+fn disturbed(folder: &Folder, more: &str, signal: &str, after: Duration) -> (Option<i32>, String) {
+    let line = format!("{RENDER} --checkpoint state --checkpoint-every 0 {more}");
+    let child = folder.command().args(line.split_whitespace()).stderr(Stdio::piped()).spawn().unwrap();
+    thread::sleep(after);
+    // The render may be over by now, and then nobody hears it.
+    let _ = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Kills a render at random times, with fewer and fewer passes left to do, and then lets it end.
+fn kill_often(kills: u32) {
+    let folder = Folder::new();
+    let mut resumed = 0;
+    for i in 0..kills {
+        // Any times will do: what is tested holds for all of them.
+        let millis = u64::from(i.wrapping_mul(2_654_435_761) >> 24);
+        let more = if folder.path("state").exists() { "--resume state" } else { "" };
+        resumed += u32::from(!more.is_empty());
+        let (code, said) = disturbed(&folder, more, "KILL", Duration::from_millis(20 + millis));
+        assert!(code.is_none() || code == Some(0), "{said}");
+    }
+    assert!(resumed > 0, "no checkpoint was ever written");
+    folder.succeed(&format!("{RENDER} --resume state"));
+    assert!(folder.read("out.exr") == expected(), "the picture differs after {kills} kills");
+}
+
+#[test]
+fn a_render_that_is_killed_goes_on_to_the_same_bytes() {
+    kill_often(6);
+}
+
+#[test]
+fn a_render_that_is_killed_twenty_times_does_too() {
+    if std::env::var_os("KAJO_DEEP").is_some() {
+        (0..5).for_each(|_| kill_often(20));
+    }
+}
+
+#[test]
+fn a_signal_leaves_a_checkpoint_and_the_picture_so_far() {
+    let folder = Folder::new();
+    let (code, said) = disturbed(&folder, "", "TERM", Duration::from_millis(300));
+    if code != Some(0) {
+        assert_eq!(code, Some(143), "{said}");
+        let picture = common::picture(&folder.path("out.exr"));
+        assert_eq!((picture.width(), picture.height()), (150, 100));
+    }
+    folder.succeed(&format!("{RENDER} --resume state --threads 1 --tile 20"));
+    assert!(folder.read("out.exr") == expected());
+}
+
+#[test]
+fn what_cannot_be_continued_is_refused() {
+    let folder = Folder::new();
+    folder.succeed("ball.txt --size 20 20 --samples 4 -o out.png --checkpoint state --checkpoint-every 0");
+    let resume = "ball.txt --size 20 20 --samples 4 -o out.png --resume";
+    folder.fail(&format!("{resume} nothing"), 2, &["cannot read the checkpoint `nothing`"]);
+    folder.fail(&format!("{resume} ball.txt"), 2, &["`ball.txt` is no checkpoint of kajo"]);
+    folder.fail(
+        &format!("{resume} state --bounces 7"),
+        2,
+        &["`state` belongs to another render", "bounces: 4"],
+    );
+    let changed = common::BALL.replace("0.8 0.6 0.2", "0.8 0.6 0.3");
+    folder.write("ball.txt", changed);
+    folder.fail(&format!("{resume} state"), 2, &["belongs to another render: it has `scene "]);
+    folder.fail("ball.txt --samples jittered 4 --adaptive -o a.png", 2, &["jittered", "sobol"]);
+    folder.fail("ball.txt -o a.png --checkpoint a.png", 5, &["cannot write `a.png` twice"]);
+    folder.fail("ball.txt -o a.png --noise 0", 2, &["--noise", "above 0"]);
+}
+
+#[test]
+fn goals_end_renders() {
+    let folder = Folder::new();
+    let ran = folder.succeed("ball.txt --size 40 30 --samples uniform 100000 --time 0 -o a.png");
+    assert!(ran.stderr.contains(", 1 sample a pixel"), "{}", ran.stderr);
+    let ran = folder.succeed("ball.txt --size 40 30 --samples uniform 100000 --noise 0.05 -o a.png");
+    assert!(ran.stderr.contains(" samples a pixel, noise 0.0"), "{}", ran.stderr);
+    let ran = folder.succeed("ball.txt --size 64 64 --samples sobol 64 --adaptive --layers all -o a.exr");
+    assert!(ran.stderr.contains("noise 0."), "{}", ran.stderr);
+}
+
+#[test]
+fn a_viewer_that_is_not_there_is_a_warning() {
+    let folder = Folder::new();
+    let listener = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let address = listener.local_addr().unwrap();
+    drop(listener);
+    let ran = folder.succeed(&format!("ball.txt --size 20 20 --samples 4 -o a.png --tev {address}"));
+    assert!(ran.stderr.contains("is not shown"), "{}", ran.stderr);
+}

@@ -1,0 +1,259 @@
+//! Checkpoints: the state of a render in a file, from which it goes on to the same bits.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | `kajofilm` |
+//! | 4 | version of the format |
+//! | 4, n | length of a text and the text: what the render is of |
+//! | | the film's sums, see [`Film::save`] |
+//! | | how far it is, see [`Position::save`] |
+//! | 32 | BLAKE3 of everything before |
+//!
+//! Numbers are little-endian. The text names the scene by a digest of its files and holds every setting that decides
+//! a bit of the picture; a checkpoint whose text differs is refused with the first line that does.
+
+use std::fs::File;
+use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use kajo_core::scene::Scene;
+use kajo_render::{Film, FilmSpec, Goal, Position};
+
+use crate::RenderSettings;
+
+const MAGIC: &[u8; 8] = b"kajofilm";
+const VERSION: u32 = 1;
+const HASH_BYTES: u64 = 32;
+const LONGEST_TEXT: u32 = 1 << 20;
+
+/// Why a render cannot go on from a checkpoint.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// The file cannot be read.
+    #[error("cannot read the checkpoint `{}`: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// It is something else.
+    #[error("`{}` is no checkpoint of kajo", path.display())]
+    NoCheckpoint {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Another version of kajo wrote it.
+    #[error("the checkpoint `{}` has version {found} of the format, and this kajo knows version {VERSION}", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u32,
+    },
+    /// Bytes are missing or wrong.
+    #[error("the checkpoint `{}` is damaged; start afresh", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is of another scene, or was made with other settings.
+    #[error("the checkpoint `{}` belongs to another render: it has `{then}` where this one has `{now}`", path.display())]
+    OtherRender {
+        /// The file.
+        path: PathBuf,
+        /// A line of its description.
+        then: String,
+        /// The line of this render's.
+        now: String,
+    },
+}
+
+/// What a scene was read from, as one number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneDigest([u8; 32]);
+
+impl SceneDigest {
+    /// The digest of the contents of files, in this order.
+    ///
+    /// # Errors
+    /// When one cannot be read.
+    pub fn of_files(paths: &[PathBuf]) -> io::Result<SceneDigest> {
+        let mut all = blake3::Hasher::new();
+        for path in paths {
+            let mut one = blake3::Hasher::new();
+            one.update_reader(File::open(path)?)?;
+            all.update(one.finalize().as_bytes());
+        }
+        Ok(SceneDigest(*all.finalize().as_bytes()))
+    }
+}
+
+/// What a render is of: everything that decides a bit of its picture, in lines.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Identity(String);
+
+impl Identity {
+    pub fn new(
+        digest: SceneDigest,
+        scene: &Scene,
+        settings: &RenderSettings,
+        spec: &FilmSpec,
+        goal: &Goal,
+    ) -> Identity {
+        let version = env!("CARGO_PKG_VERSION");
+        let digest = blake3::Hash::from_bytes(digest.0).to_hex();
+        let adaptive = goal.adaptive.then_some(goal.noise);
+        // The derived texts of numbers say all their digits.
+        Identity(format!(
+            "kajo {version}\nscene {digest}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n",
+            scene.rules
+        ))
+    }
+
+    /// The first line in which another identity differs: its line, and that of this one.
+    fn difference(&self, other: &str) -> Option<(String, String)> {
+        let short = |line: Option<&str>| line.unwrap_or("nothing").trim().to_owned();
+        let (mut mine, mut others) = (self.0.lines(), other.lines());
+        loop {
+            match (others.next(), mine.next()) {
+                (None, None) => return None,
+                (then, now) if then != now => return Some((short(then), short(now))),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Writes the state of a render.
+pub(crate) fn save(
+    identity: &Identity,
+    film: &Film,
+    position: &Position,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let mut out = Hashing { inner: out, hasher: blake3::Hasher::new() };
+    out.write_all(MAGIC)?;
+    out.write_all(&VERSION.to_le_bytes())?;
+    out.write_all(&(identity.0.len() as u32).to_le_bytes())?;
+    out.write_all(identity.0.as_bytes())?;
+    film.save(&mut out)?;
+    position.save(&mut out)?;
+    let hash = out.hasher.finalize();
+    out.inner.write_all(hash.as_bytes())
+}
+
+/// Reads the state of a render that [`save`] wrote.
+///
+/// # Errors
+/// [`CheckpointError`] when the file is not a whole checkpoint of this very render.
+pub(crate) fn restore(
+    path: &Path,
+    identity: &Identity,
+    spec: FilmSpec,
+    schedule: &kajo_render::RenderSettings,
+) -> Result<(Film, Position), CheckpointError> {
+    let failed = |source: io::Error| match source.kind() {
+        ErrorKind::UnexpectedEof | ErrorKind::InvalidData => CheckpointError::Damaged { path: path.into() },
+        _ => CheckpointError::Read { path: path.into(), source },
+    };
+    let file = File::open(path).map_err(failed)?;
+    let length = file.metadata().map_err(failed)?.len();
+    let mut input = BufReader::with_capacity(1 << 16, &file);
+    if bytes(&mut input).ok().as_ref() != Some(MAGIC) {
+        return Err(CheckpointError::NoCheckpoint { path: path.into() });
+    }
+    let found = u32::from_le_bytes(bytes(&mut input).map_err(failed)?);
+    if found != VERSION {
+        return Err(CheckpointError::Version { path: path.into(), found });
+    }
+    // Nothing is believed before all of it is found whole.
+    if !is_whole(&file, length).map_err(failed)? {
+        return Err(CheckpointError::Damaged { path: path.into() });
+    }
+    (&file).seek(SeekFrom::Start(12)).map_err(failed)?;
+    let mut input = BufReader::with_capacity(1 << 16, (&file).take(length.saturating_sub(12 + HASH_BYTES)));
+    let text = text(&mut input).map_err(failed)?;
+    if let Some((then, now)) = identity.difference(&text) {
+        return Err(CheckpointError::OtherRender { path: path.into(), then, now });
+    }
+    let film = Film::restore(spec, u64::MAX, &mut input).map_err(failed)?;
+    let position = Position::restore(&film, schedule, &mut input).map_err(failed)?;
+    Ok((film, position))
+}
+
+/// Whether the last 32 bytes are the hash of all before them.
+fn is_whole(mut file: &File, length: u64) -> io::Result<bool> {
+    let Some(body) = length.checked_sub(HASH_BYTES) else { return Ok(false) };
+    file.seek(SeekFrom::Start(0))?;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(file.take(body))?;
+    let hash: [u8; 32] = bytes(&mut file)?;
+    Ok(hasher.finalize() == hash)
+}
+
+fn text(input: &mut dyn Read) -> io::Result<String> {
+    let length = u32::from_le_bytes(bytes(input)?);
+    if length > LONGEST_TEXT {
+        return Err(ErrorKind::InvalidData.into());
+    }
+    let mut text = String::new();
+    input.take(length.into()).read_to_string(&mut text)?;
+    Ok(text)
+}
+
+fn bytes<const N: usize>(input: &mut dyn Read) -> io::Result<[u8; N]> {
+    let mut bytes = [0; N];
+    input.read_exact(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// A writer that hashes what goes through.
+struct Hashing<'a> {
+    inner: &'a mut dyn Write,
+    hasher: blake3::Hasher,
+}
+
+impl Write for Hashing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.inner.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_difference_is_told() {
+        let identity = Identity("kajo 1\nsize 4\nseed 7".to_owned());
+        assert_eq!(identity.difference("kajo 1\nsize 4\nseed 7"), None);
+        let pair = |a: &str, b: &str| Some((a.to_owned(), b.to_owned()));
+        assert_eq!(identity.difference("kajo 1\n  size 5\nseed 8"), pair("size 5", "size 4"));
+        assert_eq!(identity.difference("kajo 1\nsize 4"), pair("nothing", "seed 7"));
+    }
+
+    #[test]
+    fn digests_follow_contents_and_order() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str, content: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, content).unwrap();
+            path
+        };
+        let (a, b, c) = (path("a", "one"), path("b", "two"), path("c", "one"));
+        let of = |paths: &[&PathBuf]| {
+            SceneDigest::of_files(&paths.iter().map(|&path| path.clone()).collect::<Vec<_>>()).unwrap()
+        };
+        assert_eq!(of(&[&a, &b]), of(&[&c, &b]));
+        assert_ne!(of(&[&a, &b]), of(&[&b, &a]));
+        assert_ne!(of(&[&a]), of(&[&a, &c]));
+        assert!(SceneDigest::of_files(&[folder.path().join("nothing")]).is_err());
+    }
+}

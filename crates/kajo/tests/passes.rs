@@ -1,0 +1,178 @@
+//! Renders in passes: checkpoints that continue to the same bytes, and those that are refused.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use kajo::output::Target;
+use kajo::{
+    BitDepth, CheckpointError, Defaults, Format, Goal, LoadOptions, MemoryAssets, Passes, Picture,
+    RenderError, RenderSettings, Resources, SamplerKind, Scene, SceneDigest, Settings, Silent, Snapshot,
+    View,
+};
+
+const BALL: &str = "
+    PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }
+    Background { color 0.1 0.2 0.3 }
+    Lights { DirectionalLight { direction -1 -1 -1  color 1 1 1 } }
+    Materials { Material gold { diffuseColor 1 0.8 0.2 } }
+    Group { MaterialIndex gold  Sphere { center 0 0 0  radius 1 } }";
+
+const OUTPUTS: [(View, Format); 2] = [(View::Color, Format::Exr), (View::Samples, Format::Exr)];
+
+fn scene() -> Scene {
+    let assets = MemoryAssets::new().with("ball.txt", BALL);
+    kajo::load_from("ball.txt", &assets, &LoadOptions::default()).scene.unwrap()
+}
+
+fn settings(samples: (SamplerKind, u32)) -> RenderSettings {
+    let asked = Settings { size: Some([60, 40]), samples: Some(samples), ..Settings::default() };
+    RenderSettings::resolve(&scene(), &asked, Defaults::Modern, false).unwrap()
+}
+
+fn exr(picture: &Picture) -> Vec<u8> {
+    picture.encode(&[View::Color, View::Samples], Format::Exr, BitDepth::Eight).unwrap()
+}
+
+/// Renders in passes until `look` has enough.
+fn run(
+    settings: &RenderSettings,
+    passes: &Passes,
+    look: &mut dyn FnMut(Snapshot<'_>) -> ControlFlow<()>,
+) -> Result<Picture, RenderError> {
+    kajo::render_passes(&scene(), settings, &OUTPUTS, &Resources::default(), passes, &Silent, look)
+}
+
+/// A checkpoint of a render after four samples of each pixel.
+fn checkpoint(settings: &RenderSettings, passes: &Passes, path: &Path) {
+    let target = Target::check(path, &[]).unwrap();
+    let ended = run(settings, passes, &mut |snapshot| {
+        if snapshot.samples() < 4 {
+            return ControlFlow::Continue(());
+        }
+        snapshot.save(&target).unwrap();
+        ControlFlow::Break(())
+    });
+    assert!(matches!(ended, Err(RenderError::Cancelled(_))));
+}
+
+fn resumed(settings: &RenderSettings, path: &Path, passes: Passes) -> Result<Picture, RenderError> {
+    let passes = Passes { resume: Some(path.to_path_buf()), ..passes };
+    run(settings, &passes, &mut |_| ControlFlow::Continue(()))
+}
+
+fn refusal(settings: &RenderSettings, path: &Path, passes: Passes) -> CheckpointError {
+    match resumed(settings, path, passes) {
+        Err(RenderError::Checkpoint(error)) => error,
+        other => panic!("not refused: {:?}", other.map(|picture| picture.stats)),
+    }
+}
+
+#[test]
+fn a_checkpoint_continues_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.checkpoint");
+    for (samples, adaptive) in [
+        ((SamplerKind::Jittered, 9), false),
+        ((SamplerKind::Sobol, 16), false),
+        ((SamplerKind::Pmj, 40), true),
+    ] {
+        let settings = settings(samples);
+        let passes = Passes { goal: Goal { adaptive, ..Goal::default() }, ..Passes::default() };
+        let whole = run(&settings, &passes, &mut |_| ControlFlow::Continue(())).unwrap();
+        if !adaptive {
+            let once = kajo::render(&scene(), &settings, &OUTPUTS, &Resources::default(), &Silent).unwrap();
+            assert_eq!(exr(&whole), exr(&once), "passes or not");
+        }
+        checkpoint(&settings, &passes, &path);
+        let resumed = resumed(&settings, &path, passes).unwrap();
+        assert_eq!(exr(&resumed), exr(&whole), "{samples:?}");
+        assert!(resumed.stats.samples < whole.stats.samples);
+        assert_eq!(resumed.mean_samples(), whole.mean_samples());
+        assert!(adaptive || whole.mean_samples() == f64::from(samples.1));
+    }
+}
+
+#[test]
+fn checkpoints_of_other_renders_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.checkpoint");
+    let settings = settings((SamplerKind::Sobol, 16));
+    checkpoint(&settings, &Passes::default(), &path);
+    let others = [
+        (RenderSettings { seed: 7, ..settings }, "seed: 0"),
+        (RenderSettings { size: [61, 40], ..settings }, "60"),
+        (RenderSettings { samples: (SamplerKind::Sobol, 17), ..settings }, "16"),
+    ];
+    for (other, told) in others {
+        let error = refusal(&other, &path, Passes::default());
+        assert!(matches!(error, CheckpointError::OtherRender { .. }), "{error}");
+        assert!(error.to_string().contains(told), "{error}");
+    }
+    let file = folder.path().join("scene.txt");
+    fs::write(&file, BALL).unwrap();
+    let digest = SceneDigest::of_files(&[file]).unwrap();
+    let error = refusal(&settings, &path, Passes { scene: digest, ..Passes::default() });
+    assert!(error.to_string().contains("`scene 0000"), "{error}");
+    let adaptive = Goal { adaptive: true, ..Goal::default() };
+    let error = refusal(&settings, &path, Passes { goal: adaptive, ..Passes::default() });
+    assert!(error.to_string().contains("adaptive None"), "{error}");
+}
+
+#[test]
+fn damaged_checkpoints_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| -> PathBuf { folder.path().join(name) };
+    let settings = settings((SamplerKind::Sobol, 16));
+    checkpoint(&settings, &Passes::default(), &path("good"));
+    let good = fs::read(path("good")).unwrap();
+    let refused = |bytes: &[u8]| {
+        fs::write(path("bad"), bytes).unwrap();
+        refusal(&settings, &path("bad"), Passes::default())
+    };
+    for cut in [0, 7, 8, 11, 12, 20, 43, 44, good.len() / 2, good.len() - 1] {
+        let error = refused(&good[..cut]);
+        let expected =
+            matches!(error, CheckpointError::Damaged { .. } | CheckpointError::NoCheckpoint { .. });
+        assert!(expected, "{error}");
+    }
+    for i in (12..good.len()).step_by(997).chain(good.len() - 32..good.len()) {
+        let mut bytes = good.clone();
+        bytes[i] ^= 0x10;
+        let error = refused(&bytes);
+        assert!(matches!(error, CheckpointError::Damaged { .. }), "byte {i}: {error}");
+    }
+    assert!(matches!(refused(BALL.as_bytes()), CheckpointError::NoCheckpoint { .. }));
+    let mut newer = good.clone();
+    newer[8] = 9;
+    assert!(matches!(refused(&newer), CheckpointError::Version { found: 9, .. }));
+    let error = refusal(&settings, &path("nothing"), Passes::default());
+    assert!(matches!(error, CheckpointError::Read { .. }), "{error}");
+}
+
+#[test]
+fn patterns_of_a_fixed_number_are_not_adaptive() {
+    let goal = Goal { adaptive: true, ..Goal::default() };
+    for kind in [SamplerKind::Jittered, SamplerKind::Regular, SamplerKind::Poisson] {
+        let passes = Passes { goal, ..Passes::default() };
+        let refused = run(&settings((kind, 16)), &passes, &mut |_| ControlFlow::Continue(()));
+        assert!(matches!(refused, Err(RenderError::NotAdaptive(_))));
+    }
+}
+
+#[test]
+fn a_snapshot_is_the_picture_so_far() {
+    let settings = settings((SamplerKind::Uniform, 8));
+    let mut seen = Vec::new();
+    let picture = run(&settings, &Passes::default(), &mut |snapshot| {
+        let light = snapshot.light().unwrap();
+        assert!((light.pixel(0, 0)[2] - 0.3).abs() < 1e-6, "the background is there from the beginning");
+        let views = [View::Color, View::Samples];
+        seen.push((snapshot.samples(), snapshot.encode(&views, Format::Exr, BitDepth::Eight).unwrap()));
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(seen.iter().map(|(samples, _)| *samples).collect::<Vec<_>>(), [1, 2, 4, 8]);
+    assert_eq!(seen[3].1, exr(&picture));
+    assert!(picture.noise().is_none() && picture.snapshot().is_some());
+}
