@@ -123,8 +123,10 @@ impl Tabulated {
             Some(per_step) => (((nm - self.nm[0]) * per_step) as usize).min(last - 1),
             None => self.nm.partition_point(|node| *node <= nm).clamp(1, last) - 1,
         };
-        let t = (nm - self.nm[i]) / (self.nm[i + 1] - self.nm[i]);
-        self.value[i] + t * (self.value[i + 1] - self.value[i])
+        let t = ((nm - self.nm[i]) / (self.nm[i + 1] - self.nm[i])).clamp(0.0, 1.0);
+        // In double precision the difference of two large values does not overflow.
+        let (a, b) = (f64::from(self.value[i]), f64::from(self.value[i + 1]));
+        (a + f64::from(t) * (b - a)) as f32
     }
 
     /// The wavelengths of the nodes in nm.
@@ -148,7 +150,7 @@ impl Tabulated {
 fn regular(nm: &[f32]) -> Option<f32> {
     let last = nm.len() - 1;
     let step = (nm[last] - nm[0]) / last as f32;
-    let even = |i: usize| (nm[0] + step * i as f32 - nm[i]).abs() <= 1e-6 * nm[last];
+    let even = |i: usize| (nm[0] + step * i as f32 - nm[i]).abs() <= 1e-3 * step;
     (last > 0 && (0..=last).all(even)).then_some(1.0 / step)
 }
 
@@ -163,6 +165,47 @@ fn pair(content: &str) -> Option<(f32, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    /// Pairs of increasing wavelength, evenly spaced or not.
+    fn pairs() -> impl Strategy<Value = Vec<(f32, f32)>> {
+        let uneven = prop::collection::btree_set(1u32..100_000, 1..40)
+            .prop_map(|nm| nm.into_iter().map(|nm| nm as f32 * 0.01).collect::<Vec<_>>());
+        let even = (1u32..900, 1u32..200, 1usize..40).prop_map(|(first, step, n)| {
+            (0..n).map(|i| first as f32 + 0.1 * step as f32 * i as f32).collect()
+        });
+        let values = prop::collection::vec(-3e38f32..3e38, 40);
+        (prop_oneof![uneven, even], values).prop_map(|(nm, values)| nm.into_iter().zip(values).collect())
+    }
+
+    proptest! {
+        #[test]
+        fn values_lie_between_those_of_the_neighbours(pairs in pairs(), at in 0.0f32..1.0) {
+            let table = Tabulated::new(pairs.iter().copied(), Outside::Clamp).unwrap();
+            for (nm, value) in &pairs {
+                prop_assert!((table.at(*nm) - value).abs() <= 1e-2 * value.abs().max(3e36), "{nm}");
+            }
+            for pair in pairs.windows(2) {
+                let ((nm, a), (next, b)) = (pair[0], pair[1]);
+                let between = table.at((nm + at * (next - nm)).min(next));
+                prop_assert!(between >= a.min(b) && between <= a.max(b), "{nm}: {a} {b} {between}");
+            }
+        }
+
+        #[test]
+        fn text_gives_back_what_was_written(pairs in pairs()) {
+            let text: String = pairs.iter().map(|(nm, value)| format!("{nm}, {value} # note\n")).collect();
+            let expected = Tabulated::new(pairs, Outside::Zero);
+            prop_assert_eq!(Tabulated::parse(&text, Outside::Zero), expected);
+        }
+
+        #[test]
+        fn any_text_is_a_spectrum_or_a_mistake(text in "([0-9 .,eE#:;+-]|nan|inf|\\PC|\n){0,60}") {
+            if let Ok(table) = Tabulated::parse(&text, Outside::Zero) {
+                prop_assert!(table.at(555.0).is_finite());
+            }
+        }
+    }
 
     #[test]
     fn nodes_are_met_and_joined_by_lines() {

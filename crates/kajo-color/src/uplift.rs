@@ -150,6 +150,24 @@ mod tests {
     }
 
     #[test]
+    fn slopes_are_the_changes_of_what_is_seen() {
+        let c = [0.7, -1.3, 0.4];
+        let slope = see(c).slope;
+        for k in 0..3 {
+            let moved = |by: f64| {
+                let mut c = c;
+                c[k] += by;
+                see(c).rgb
+            };
+            let (up, down) = (moved(1e-5), moved(-1e-5));
+            for i in 0..3 {
+                let difference = (up[i] - down[i]) / 2e-5;
+                assert!((slope[i][k] - difference).abs() < 1e-8, "{i} {k}: {} {difference}", slope[i][k]);
+            }
+        }
+    }
+
+    #[test]
     fn greys_are_flat() {
         assert_eq!(Uplift::of([0.3; 3]), Uplift::Constant(0.3));
         assert_eq!(Uplift::of([1.0; 3]).at([700.0; 4]), [1.0; 4]);
