@@ -5,7 +5,7 @@
 //!
 //! Scene: `Background { color 0.2 0.3 0.5  ambientLight 0.1 0.1 0.1  cubeMap sky }`
 
-use kajo_color::Spectrum;
+use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_image::Image;
 use kajo_math::Vec3;
 
@@ -16,19 +16,36 @@ pub const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back
 #[derive(Debug)]
 pub enum Background {
     /// The same in all directions.
-    Constant(Spectrum),
+    Constant(Emission),
     /// A picture in every direction.
     CubeMap(Box<CubeMap>),
 }
 
 impl Background {
+    /// Linear RGB from the direction `d`, not necessarily of unit length.
+    #[inline]
+    pub fn color(&self, d: Vec3) -> Spectrum {
+        match self {
+            Background::Constant(emission) => Spectrum::from(Vec3::from(emission.rgb())),
+            Background::CubeMap(map) => map.color(d),
+        }
+    }
+
     /// Radiance from the direction `d`, not necessarily of unit length.
     #[inline]
-    pub fn radiance(&self, d: Vec3) -> Spectrum {
+    pub fn radiance(&self, d: Vec3, wavelengths: &Wavelengths) -> Spectrum {
         match self {
-            Background::Constant(color) => *color,
-            Background::CubeMap(map) => map.radiance(d),
+            Background::Constant(emission) => emission.at(wavelengths),
+            Background::CubeMap(map) if wavelengths.is_spectral() => {
+                Emission::from_rgb(map.color(d).to_rgb()).at(wavelengths)
+            }
+            Background::CubeMap(map) => map.color(d),
         }
+    }
+
+    /// Whether no light comes from anywhere.
+    pub fn is_black(&self) -> bool {
+        matches!(self, Background::Constant(emission) if emission.rgb() == [0.0; 3])
     }
 }
 
@@ -60,7 +77,7 @@ impl CubeMap {
         }
     }
 
-    fn radiance(&self, d: Vec3) -> Spectrum {
+    fn color(&self, d: Vec3) -> Spectrum {
         let (face, u, v) = CubeMap::place(d);
         bilinear(&self.faces[face], u, v)
     }
@@ -93,7 +110,7 @@ mod tests {
         let map = numbered();
         let axes = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
         for (i, d) in axes.into_iter().enumerate() {
-            assert_eq!(map.radiance(3.0 * d)[0], i as f32);
+            assert_eq!(map.color(3.0 * d)[0], i as f32);
         }
     }
 

@@ -10,6 +10,7 @@ pub mod compile;
 mod family;
 pub mod interaction;
 pub mod light;
+pub mod lighting;
 pub mod material;
 pub mod medium;
 mod objects;

@@ -1,6 +1,7 @@
 //! The compiled scene: everything rays meet, immutable and shared by all threads.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use kajo_bvh::Bvh;
 use kajo_color::Spectrum;
@@ -9,7 +10,7 @@ use kajo_math::{Aabb, Ray, Transform, Vec2};
 use crate::background::Background;
 use crate::camera::Camera;
 use crate::interaction::{Hit, SurfacePoint};
-use crate::light::{LightId, Lights};
+use crate::light::{Emitters, LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::medium::Fog;
 use crate::objects::Objects;
@@ -28,6 +29,8 @@ pub struct Primitive {
     pub material: MaterialId,
     /// Whether light may pass through any part.
     pub transmits: bool,
+    /// Whether any part gives light.
+    pub glows: bool,
 }
 
 /// What becomes of a ray.
@@ -75,12 +78,14 @@ pub struct Scene {
     pub textures: Textures,
     /// Lights.
     pub lights: Lights,
-    /// The lights in the order of the file.
+    /// The lights in the order of the file, and then the pieces of glowing objects.
     pub light_list: Vec<LightId>,
+    /// Everything that gives light, ready to be drawn from.
+    pub emitters: Emitters,
     /// Light that comes from everywhere.
     pub ambient: Spectrum,
     /// What escaping rays see.
-    pub background: Background,
+    pub background: Arc<Background>,
     /// Fog everywhere, if any.
     pub fog: Option<Fog>,
     /// The camera.

@@ -2,6 +2,7 @@
 
 use crate::bsdf::Highlight;
 use crate::interaction::RayOffset;
+use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
 
 /// Which of the three lineages of the classic format a file belongs to.
@@ -120,6 +121,75 @@ pub enum ShadowAttenuation {
     Surface,
 }
 
+/// How light is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum IntegratorKind {
+    /// Recursive ray tracing with the classic shading formula.
+    #[default]
+    Classic,
+    /// Path tracing.
+    Path,
+    /// Light that comes straight from lamps, and through mirrors and glass.
+    Direct,
+    /// Distribution ray tracing: many rays from the first surface that is no mirror.
+    Distribution,
+    /// How open the surroundings are.
+    Occlusion,
+}
+
+impl IntegratorKind {
+    /// Names on the command line and in `Settings`, with the integrators.
+    pub const NAMES: [(&'static str, IntegratorKind); 5] = [
+        ("classic", IntegratorKind::Classic),
+        ("direct", IntegratorKind::Direct),
+        ("distribution", IntegratorKind::Distribution),
+        ("occlusion", IntegratorKind::Occlusion),
+        ("path", IntegratorKind::Path),
+    ];
+}
+
+/// Which estimates of direct light are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Technique {
+    /// Both of the following, weighed against each other.
+    #[default]
+    Combined,
+    /// Lamps are met by chance only.
+    Scattering,
+    /// Lamps are drawn; those met by chance count only where they cannot be drawn.
+    Lamps,
+}
+
+impl Technique {
+    /// Names on the command line and in `Settings`, with the techniques.
+    pub const NAMES: [(&'static str, Technique); 3] = [
+        ("combined", Technique::Combined),
+        ("lamps", Technique::Lamps),
+        ("scattering", Technique::Scattering),
+    ];
+}
+
+/// How the directions of indirect light are drawn at surfaces that are no mirrors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Directions {
+    /// By the surface's own scattering.
+    #[default]
+    Scattering,
+    /// By the cosine with the normal, on both sides if light passes.
+    Cosine,
+    /// All alike.
+    Uniform,
+}
+
+impl Directions {
+    /// Names on the command line and in `Settings`, with the rules.
+    pub const NAMES: [(&'static str, Directions); 3] = [
+        ("cosine", Directions::Cosine),
+        ("scattering", Directions::Scattering),
+        ("uniform", Directions::Uniform),
+    ];
+}
+
 /// How samples become pixels; lengths in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FilterChoice {
@@ -155,4 +225,20 @@ pub struct Settings {
     pub ray_offset: Option<RayOffset>,
     pub dialect: Option<Dialect>,
     pub depth_range: Option<[f32; 2]>,
+    /// How light is followed.
+    pub integrator: Option<IntegratorKind>,
+    /// Whether light is followed by wavelength.
+    pub spectral: Option<bool>,
+    /// Rays from the first surface that is no mirror, for distribution ray tracing.
+    pub branches: Option<u32>,
+    /// How directions of indirect light are drawn.
+    pub directions: Option<Directions>,
+    /// How direct light is estimated.
+    pub technique: Option<Technique>,
+    /// How lamps are chosen.
+    pub light_choice: Option<LightChoice>,
+    /// Whether paths of little weight end at random.
+    pub roulette: Option<bool>,
+    /// Distance beyond which nothing occludes.
+    pub reach: Option<f32>,
 }

@@ -127,6 +127,12 @@ pub fn atan64(x: f64) -> f64 {
     libm::atan(x)
 }
 
+/// Angle of the vector (x, y) to the x axis, in (-pi, pi].
+#[inline]
+pub fn atan2_64(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
 /// `e` to the power `x` in double precision.
 #[inline]
 pub fn exp64(x: f64) -> f64 {

@@ -18,11 +18,14 @@ pub mod rng;
 pub mod robust;
 pub mod roots;
 pub mod sobol;
+pub mod solid_angle;
 pub mod transform;
 pub mod warp;
 
 pub use aabb::Aabb;
 pub use frame::Frame;
-pub use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec2, DVec3, Mat3, Mat4, UVec2, Vec2, Vec3, Vec3A, Vec4};
+pub use glam::{
+    Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, Mat3, Mat4, UVec2, Vec2, Vec3, Vec3A, Vec4,
+};
 pub use ray::Ray;
 pub use transform::Transform;

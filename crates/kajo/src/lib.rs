@@ -50,9 +50,12 @@ pub use view::View;
 
 pub use kajo_core::RayOffset;
 pub use kajo_core::bsdf::Highlight;
+pub use kajo_core::light::LightChoice;
 pub use kajo_core::sampler::SamplerKind;
 pub use kajo_core::scene::Scene;
-pub use kajo_core::settings::{Dialect, FilterChoice, Settings, ShadowAttenuation, Shadows};
+pub use kajo_core::settings::{
+    Dialect, Directions, FilterChoice, IntegratorKind, Settings, ShadowAttenuation, Shadows, Technique,
+};
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode};
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::{Goal, Progress, RayCounters, RenderStats, Silent};

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use kajo_core::sampler::SamplerKind;
 use kajo_core::scene::Scene;
-use kajo_core::settings::Shadows;
+use kajo_core::settings::{IntegratorKind, Shadows};
 use kajo_image::{BitDepth, Format, Image, ImageError};
-use kajo_render::integrator::{Classic, ClassicSettings};
+use kajo_render::integrator::{AmbientOcclusion, Classic, ClassicSettings, Path};
 use kajo_render::{
     Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
     RenderError as PassError, RenderStats,
@@ -192,7 +192,16 @@ fn integrator<'a>(
     settings: &RenderSettings,
     layers: LayerSet,
 ) -> Box<dyn PixelIntegrator + 'a> {
-    Box::new(Classic::new(scene, light_settings(settings, layers), settings.size, layers))
+    let size = settings.size;
+    match settings.integrator {
+        IntegratorKind::Classic => {
+            Box::new(Classic::new(scene, light_settings(settings, layers), size, layers))
+        }
+        IntegratorKind::Path | IntegratorKind::Direct | IntegratorKind::Distribution => {
+            Box::new(Path::new(scene, settings.path, size, layers))
+        }
+        IntegratorKind::Occlusion => Box::new(AmbientOcclusion::new(scene, settings.reach, size, layers)),
+    }
 }
 
 /// The name of the pattern of samples, if it needs a fixed number of them.

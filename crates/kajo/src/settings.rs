@@ -4,8 +4,8 @@ use kajo_core::RayOffset;
 use kajo_core::camera::Camera;
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_core::settings::{FilterChoice, MapRules, Settings, Shadows};
-use kajo_render::integrator::ClassicSettings;
+use kajo_core::settings::{FilterChoice, IntegratorKind, MapRules, Settings, Shadows};
+use kajo_render::integrator::{ClassicSettings, PathSettings};
 use kajo_render::{DepthMap, Filter, NormalMap};
 
 /// Where a render starts from when neither the scene nor the user says anything.
@@ -31,7 +31,13 @@ pub struct RenderSettings {
     /// Seed of every random number.
     pub seed: u64,
     /// How light is followed.
+    pub integrator: IntegratorKind,
+    /// Options of the classic integrator.
     pub classic: ClassicSettings,
+    /// Options of the integrators that follow paths.
+    pub path: PathSettings,
+    /// Distance beyond which nothing occludes, for ambient occlusion.
+    pub reach: f32,
     /// Distances that are white and black in a depth picture; what the picture spans, where absent.
     pub depth_range: Option<[f32; 2]>,
     /// How depth, normals and numbers become pictures.
@@ -70,7 +76,12 @@ impl RenderSettings {
         let size = asked.size.or(own.size).unwrap_or_else(|| default_size(&scene.camera, defaults));
         check_size(&scene.camera, size)?;
         let filter = asked.filter.or(own.filter).unwrap_or(FilterChoice::None);
-        let default_samples = if classic { (SamplerKind::Regular, 1) } else { (SamplerKind::Jittered, 16) };
+        let integrator = asked.integrator.or(own.integrator).unwrap_or_default();
+        let default_samples = match (classic, integrator) {
+            (true, _) => (SamplerKind::Regular, 1),
+            (false, IntegratorKind::Classic | IntegratorKind::Distribution) => (SamplerKind::Jittered, 16),
+            (false, _) => (SamplerKind::Jittered, 64),
+        };
         let default_shadows = if classic { Shadows::Off } else { Shadows::Opaque };
         let default_offset = if classic { RayOffset::Reference } else { RayOffset::Auto };
         let attenuation = asked.shadow_attenuation.or(own.shadow_attenuation);
@@ -79,6 +90,9 @@ impl RenderSettings {
             samples: asked.samples.or(own.samples).unwrap_or(default_samples),
             filter: film_filter(filter),
             seed: asked.seed.or(own.seed).unwrap_or(0),
+            integrator,
+            path: path_settings(integrator, asked, own),
+            reach: asked.reach.or(own.reach).unwrap_or(f32::INFINITY),
             classic: ClassicSettings {
                 bounces: asked.bounces.or(own.bounces).unwrap_or(if classic { 0 } else { 4 }),
                 weight: asked.weight.or(own.weight).unwrap_or(0.0),
@@ -114,6 +128,24 @@ impl RenderSettings {
             MapRules::Inverted => NormalMap::Absolute,
             MapRules::Direct => NormalMap::Biased,
         }
+    }
+}
+
+/// Options of the integrators that follow paths.
+fn path_settings(integrator: IntegratorKind, asked: &Settings, own: &Settings) -> PathSettings {
+    let default = PathSettings::default();
+    let bounces = asked.bounces.or(own.bounces);
+    let branches = asked.branches.or(own.branches);
+    let is_distribution = integrator == IntegratorKind::Distribution;
+    PathSettings {
+        bounces: bounces.unwrap_or(if is_distribution { 1 } else { default.bounces }),
+        only_mirrors: integrator == IntegratorKind::Direct,
+        technique: asked.technique.or(own.technique).unwrap_or(default.technique),
+        light_choice: asked.light_choice.or(own.light_choice).unwrap_or(default.light_choice),
+        directions: asked.directions.or(own.directions).unwrap_or(default.directions),
+        branches: if is_distribution { branches.unwrap_or(16) } else { 1 },
+        roulette: asked.roulette.or(own.roulette).unwrap_or(!is_distribution),
+        spectral: asked.spectral.or(own.spectral).unwrap_or(default.spectral),
     }
 }
 

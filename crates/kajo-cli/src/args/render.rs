@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use kajo::{BitDepth, Defaults, Format, RayOffset, Settings, ShadowAttenuation, Shadows, View};
+use kajo::{
+    BitDepth, Defaults, Directions, Format, IntegratorKind, LightChoice, RayOffset, Settings,
+    ShadowAttenuation, Shadows, Technique, View,
+};
 
 use super::values::{self, Aov, FilterArg, Samples, Size};
 use super::{PassArgs, RunArgs, SceneArgs};
@@ -50,7 +53,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", help_heading = "Quality")]
     pub seed: Option<u64>,
 
-    /// How many times in a row a ray may be mirrored or refracted
+    /// How light is followed: classic, path, direct, distribution or occlusion
+    #[arg(long, value_name = "NAME", help_heading = "Light",
+        value_parser = values::choice(IntegratorKind::NAMES))]
+    pub integrator: Option<IntegratorKind>,
+    /// Follow light by wavelength
+    #[arg(long, value_name = "ON|OFF", help_heading = "Light", value_parser = values::on_off())]
+    pub spectral: Option<bool>,
+    /// How many times in a row a ray may be mirrored or refracted; scattered, where paths are followed
     #[arg(long, value_name = "N", help_heading = "Light",
         value_parser = clap::value_parser!(u32).range(0..=i64::from(kajo::MAX_BOUNCES)))]
     pub bounces: Option<u32>,
@@ -78,6 +88,25 @@ pub struct RenderArgs {
     #[arg(long, help_heading = "Light", value_parser = values::choice([
         ("auto", RayOffset::Auto), ("reference", RayOffset::Reference)]))]
     pub ray_offset: Option<RayOffset>,
+
+    /// Distribution: rays from the first surface that is no mirror
+    #[arg(long, value_name = "N", help_heading = "Paths", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub branches: Option<u32>,
+    /// How directions of indirect light are drawn: scattering, cosine or uniform
+    #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Directions::NAMES))]
+    pub directions: Option<Directions>,
+    /// How direct light is estimated: combined, lamps or scattering
+    #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Technique::NAMES))]
+    pub technique: Option<Technique>,
+    /// How lamps are chosen: tree or uniform
+    #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(LightChoice::NAMES))]
+    pub light_choice: Option<LightChoice>,
+    /// Whether paths of little weight end at random
+    #[arg(long, value_name = "ON|OFF", help_heading = "Paths", value_parser = values::on_off())]
+    pub roulette: Option<bool>,
+    /// Occlusion: the distance beyond which nothing hides the light
+    #[arg(long, value_name = "DISTANCE", help_heading = "Paths", value_parser = values::positive)]
+    pub reach: Option<f32>,
 
     #[command(flatten)]
     pub passes: PassArgs,
@@ -123,6 +152,14 @@ impl RenderArgs {
             ray_offset: self.ray_offset,
             dialect: self.scene_args.dialect,
             depth_range: self.depth_range.as_ref().and_then(|range| range.as_slice().try_into().ok()),
+            integrator: self.integrator,
+            spectral: self.spectral,
+            branches: self.branches,
+            directions: self.directions,
+            technique: self.technique,
+            light_choice: self.light_choice,
+            roulette: self.roulette,
+            reach: self.reach,
         }
     }
 

@@ -180,6 +180,12 @@ impl Bsdf {
         }
     }
 
+    /// Whether light is scattered to the other side into more than single directions.
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        matches!(self, Bsdf::Dielectric(lobe) if !lobe.is_smooth())
+    }
+
     /// Share of the light arriving from everywhere alike that leaves to `wo`, an estimate where there is no closed
     /// form: for layers that guide a denoiser, and to decide how long a path is worth following.
     #[inline]

@@ -1,6 +1,6 @@
 //! `Background` and `Fog` blocks.
 
-use kajo_color::Spectrum;
+use kajo_color::{Emission, Spectrum};
 use kajo_image::{DecodeLimits, Format, Image};
 use kajo_scene::{Args, Diagnostic, Item, read_limited};
 
@@ -11,18 +11,19 @@ use crate::medium::Fog;
 impl Compiler<'_> {
     /// Background and ambient light.
     pub(super) fn background(&mut self, item: Option<Item<'_>>) -> (Background, Spectrum) {
-        let default = (Spectrum::grey(0.5), Spectrum::BLACK);
-        let Some(item) = item else { return (Background::Constant(default.0), default.1) };
+        let default = ([0.5; 3], Spectrum::BLACK);
+        let constant = |color: [f32; 3]| Background::Constant(Emission::from_rgb(color));
+        let Some(item) = item else { return (constant(default.0), default.1) };
         let mut cube_map = None;
         let colors = self.read(item, |params| {
-            let color = params.optional("color", Args::vec3).map_or(default.0, Spectrum::from);
+            let color = params.optional("color", Args::vec3).map_or(default.0, |color| color.to_array());
             let ambient = params.optional("ambientLight", Args::vec3).map_or(default.1, Spectrum::from);
             cube_map = params.optional("cubeMap", |args| Ok((args.item(), args.text()?)));
             Some((color, ambient))
         });
         let (color, ambient) = colors.unwrap_or(default);
         let faces = cube_map.and_then(|(item, folder)| self.cube_map(item, &folder));
-        (faces.map_or(Background::Constant(color), Background::CubeMap), ambient)
+        (faces.map_or_else(|| constant(color), Background::CubeMap), ambient)
     }
 
     fn cube_map(&mut self, item: Item<'_>, folder: &str) -> Option<Box<CubeMap>> {

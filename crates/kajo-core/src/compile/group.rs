@@ -226,7 +226,7 @@ impl Compiler<'_> {
         let material = part.material.or_else(|| self.material_for(keyword, at, walk));
         let (Some(material), Some(transform)) = (material, self.transform_number(place)) else { return };
         let transmits = part.brings_materials || self.materials.may_transmit(material, &self.materials);
-        self.primitives.push(Primitive { shape: part.shape, transform, material, transmits });
+        self.primitives.push(Primitive { shape: part.shape, transform, material, transmits, glows: false });
         self.objects.push(part.label);
     }
 

@@ -1,13 +1,17 @@
 //! The `Lights` block.
 
+use std::f32::consts::PI;
+
+use kajo_color::{Emission, Spectrum};
+use kajo_math::{Vec3, fmath};
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::Compiler;
 use crate::family::Pooled;
-use crate::light::{DirectionalLight, PointLight};
+use crate::light::{DirectionalLight, PointLight, SpotLight};
 
-const KEYWORDS: [&str; 2] = ["DirectionalLight", "PointLight"];
-const LATER: [&str; 4] = ["AreaLight", "EnvironmentLight", "SpotLight", "SunSky"];
+const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
+const LATER: [&str; 3] = ["AreaLight", "EnvironmentLight", "SunSky"];
 
 impl Compiler<'_> {
     pub(super) fn lights(&mut self, item: Item<'_>) {
@@ -24,6 +28,7 @@ impl Compiler<'_> {
                 "DirectionalLight" => {
                     self.read(light, read_directional).and_then(|light| light.store(&mut self.lights))
                 }
+                "SpotLight" => self.read(light, read_spot).and_then(|light| light.store(&mut self.lights)),
                 _ => self.read(light, read_point).and_then(|light| light.store(&mut self.lights)),
             };
             self.light_list.extend(id);
@@ -33,24 +38,74 @@ impl Compiler<'_> {
 
 fn read_directional(params: &mut Params<'_, '_>) -> Option<DirectionalLight> {
     params.name();
-    let direction = params.required("direction", |args| {
-        let direction = args.vec3()?;
-        direction.try_normalize().ok_or_else(|| args.error("`direction` must not be zero"))
-    });
-    let color = params.required("color", Args::vec3);
-    Some(DirectionalLight { to_light: -direction?, intensity: color?.into() })
+    let direction = params.required("direction", unit_vector);
+    let (intensity, emission) = match params.optional("irradiance", Args::vec3) {
+        Some(irradiance) => physical(irradiance),
+        None => classic(params.required("color", Args::vec3)?),
+    };
+    Some(DirectionalLight { to_light: -direction?, intensity, emission })
 }
 
 fn read_point(params: &mut Params<'_, '_>) -> Option<PointLight> {
     params.name();
+    read_position_and_brightness(params, 1.0)
+}
+
+fn read_spot(params: &mut Params<'_, '_>) -> Option<SpotLight> {
+    params.name();
+    let direction = params.required("direction", unit_vector);
+    let outer = params.required("angle", |args| args.number_in(0.0..=360.0));
+    let inner = params.or("innerAngle", 0.75 * outer.unwrap_or(0.0), |args| args.number_in(0.0..=360.0));
+    let cos_of_half = |degrees: f32| fmath::cos(0.5 * degrees.to_radians());
+    let (cos_outer, cos_inner) = (cos_of_half(outer?), cos_of_half(inner.min(outer?)));
+    let share = 0.5 * (1.0 - 0.5 * (cos_inner + cos_outer));
+    let point = read_position_and_brightness(params, share);
+    Some(SpotLight { point: point?, axis: direction?, cos_inner, cos_outer })
+}
+
+/// What point and spot lights have in common.
+///
+/// * `share`: the part of all directions that the light fills, for a light given by its power
+fn read_position_and_brightness(params: &mut Params<'_, '_>, share: f32) -> Option<PointLight> {
     let position = params.required("position", Args::vec3);
-    let color = params.required("color", Args::vec3);
-    let attenuation = params.optional("attenuation", Args::numbers::<3>);
+    let attenuation = params.optional("attenuation", |args| Ok((args.numbers::<3>()?, args.item())));
     let falloff = params.optional("falloff", |args| Ok((args.number()?, args.item())));
     if let (Some(_), Some((_, item))) = (attenuation, falloff) {
         let error = Diagnostic::error("a light has either `attenuation` or `falloff`, not both");
         params.diagnostics().push(error.label(item.head_span(), "the other one is above or below"));
     }
-    let attenuation = attenuation.or(falloff.map(|(f, _)| [0.0, 0.0, f])).unwrap_or([1.0, 0.0, 0.0]);
-    Some(PointLight { position: position?, intensity: color?.into(), attenuation })
+    let power = params.optional("power", |args| args.number_in(0.0..));
+    let watts_per_steradian = match power {
+        Some(watts) => Some(Vec3::splat(watts / (4.0 * PI * share.max(f32::MIN_POSITIVE)))),
+        None => params.optional("intensity", Args::vec3),
+    };
+    if let Some(intensity) = watts_per_steradian {
+        let place = attenuation.map(|(_, item)| item).or(falloff.map(|(_, item)| item));
+        if let Some(place) = place {
+            let message = "a light with `intensity` or `power` falls off with the square of the distance";
+            let error = Diagnostic::error(message).label(place.head_span(), "leave this out");
+            params.diagnostics().push(error.help("a light with a `color` has the falloff that is written"));
+        }
+        let (intensity, emission) = physical(intensity);
+        return Some(PointLight { position: position?, intensity, emission, attenuation: [0.0, 0.0, 1.0] });
+    }
+    let (intensity, emission) = classic(params.required("color", Args::vec3)?);
+    let coefficients = attenuation.map(|(c, _)| c).or(falloff.map(|(f, _)| [0.0, 0.0, f]));
+    let attenuation = coefficients.unwrap_or([1.0, 0.0, 0.0]);
+    Some(PointLight { position: position?, intensity, emission, attenuation })
+}
+
+/// The factor of the classic formula, and the irradiance that makes a white surface just as bright.
+fn classic(color: Vec3) -> (Spectrum, Emission) {
+    (color.into(), Emission::from_rgb((PI * color).to_array()))
+}
+
+/// The same from the physical quantity: a white surface under the irradiance `pi` has the radiance 1.
+fn physical(quantity: Vec3) -> (Spectrum, Emission) {
+    (Spectrum::from(quantity / PI), Emission::from_rgb(quantity.to_array()))
+}
+
+fn unit_vector(args: &mut Args<'_>) -> Result<Vec3, Diagnostic> {
+    let direction = args.vec3()?;
+    direction.try_normalize().ok_or_else(|| args.error("`direction` must not be zero"))
 }

@@ -11,10 +11,11 @@ use kajo_color::Spectrum;
 use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Item, Params, Span, nearest};
 
+use super::emitters::{Glow, read_glow};
 use super::{Compiler, transform};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
-use crate::material::{Blend, MaterialId};
+use crate::material::{Blend, MaterialId, PhongMaterial};
 use crate::texture::{Checker, Marble, Noise, TextureId, Wood};
 
 const KEYWORDS: [&str; 6] = ["Checkerboard", "Marble", "Material", "Noise", "PhongMaterial", "Wood"];
@@ -27,7 +28,7 @@ const OPAQUE: f32 = 1e30;
 
 /// A material as it is written, before its references are followed.
 enum Draft<'t> {
-    Phong(Phong),
+    Phong(Phong, Option<Glow>),
     Blend { pattern: TextureId, pattern_from_world: Affine3A, parts: [Reference<'t>; 2], place: Span },
 }
 
@@ -112,7 +113,10 @@ impl Compiler<'_> {
         let keyword = item.keyword();
         if let "Material" | "PhongMaterial" = keyword {
             let reflects_specular = self.rules.reflects_specular;
-            return self.read(item, |params| Some(Draft::Phong(read_phong(params, reflects_specular))));
+            return self.read(item, |params| {
+                let phong = read_phong(params, reflects_specular);
+                Some(Draft::Phong(phong, read_glow(params)))
+            });
         }
         let by_rows = self.rules.matrix_by_rows;
         let mut params = Params::new(item, self.diagnostics);
@@ -160,8 +164,10 @@ impl Compiler<'_> {
         }
         let state = match &drafts[i].0 {
             None => State::Failed,
-            Some(Draft::Phong(phong)) => {
-                phong.store(&mut self.materials).map_or(State::Failed, |id| State::Done(id, 1))
+            Some(Draft::Phong(phong, glow)) => {
+                let id = PhongMaterial::from(*phong).store(&mut self.materials);
+                self.glows.extend(id.zip(glow.clone()));
+                id.map_or(State::Failed, |id| State::Done(id, 1))
             }
             Some(Draft::Blend { pattern, pattern_from_world, parts, place }) => {
                 if matches!(states[i], State::Open) {

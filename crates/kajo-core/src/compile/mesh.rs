@@ -15,6 +15,7 @@ use super::Compiler;
 use super::materials::absorption_of;
 use crate::bsdf::Phong;
 use crate::family::Pooled;
+use crate::material::PhongMaterial;
 use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, ShapeId, vertex_normals};
 
 /// Meshes read so far.
@@ -151,7 +152,7 @@ impl Compiler<'_> {
             let message = format!("`{map}` of the material `{name}` is not supported yet and left out");
             self.warn_of_file(path, &message, place);
         }
-        let Some(id) = phong(mtl).store(&mut self.materials) else { return ABSENT };
+        let Some(id) = PhongMaterial::from(phong(mtl)).store(&mut self.materials) else { return ABSENT };
         self.slots_transmit |= self.materials.may_transmit(id, &self.materials);
         self.slot_materials.push(id);
         self.slot_materials.len() as u32 - 1

@@ -7,6 +7,7 @@
 mod background;
 mod camera;
 mod definition;
+mod emitters;
 mod group;
 mod lens;
 mod lights;
@@ -17,6 +18,7 @@ mod settings;
 mod transform;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_color::Spectrum;
@@ -99,6 +101,7 @@ fn compile_tree(
     if let Some(item) = group {
         compiler.objects(item);
     }
+    compiler.glowing_objects();
     if compiler.diagnostics.has_errors() || !compiler.file_errors.is_empty() {
         return None;
     }
@@ -143,6 +146,7 @@ struct Compiler<'a> {
     slot_materials: Vec<MaterialId>,
     /// Whether light may pass through any of those.
     slots_transmit: bool,
+    glows: HashMap<MaterialId, emitters::Glow>,
     textures: Textures,
     lights: Lights,
     light_list: Vec<LightId>,
@@ -177,6 +181,7 @@ impl<'a> Compiler<'a> {
             material_names: HashMap::new(),
             slot_materials: Vec::new(),
             slots_transmit: false,
+            glows: HashMap::new(),
             textures: Textures::default(),
             lights: Lights::default(),
             light_list: Vec::new(),
@@ -220,7 +225,9 @@ impl<'a> Compiler<'a> {
         id
     }
 
-    fn finish(self, rest: Surroundings) -> Scene {
+    fn finish(mut self, rest: Surroundings) -> Scene {
+        let background = Arc::new(rest.background);
+        let emitters = self.emitters(&background);
         let numbers = self.material_list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
         let material_numbers = numbers.rev().collect();
         let mut scene = Scene {
@@ -235,8 +242,9 @@ impl<'a> Compiler<'a> {
             textures: self.textures,
             lights: self.lights,
             light_list: self.light_list,
+            emitters,
             ambient: rest.ambient,
-            background: rest.background,
+            background,
             fog: rest.fog,
             camera: rest.camera,
             settings: rest.settings,

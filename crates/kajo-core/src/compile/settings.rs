@@ -3,8 +3,11 @@
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
 use crate::interaction::RayOffset;
+use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
-use crate::settings::{Dialect, FilterChoice, Settings, ShadowAttenuation, Shadows};
+use crate::settings::{
+    Dialect, Directions, FilterChoice, IntegratorKind, Settings, ShadowAttenuation, Shadows, Technique,
+};
 
 const SHADOWS: [(&str, Shadows); 3] =
     [("off", Shadows::Off), ("on", Shadows::Opaque), ("transparent", Shadows::Transparent)];
@@ -15,9 +18,12 @@ const OFFSETS: [(&str, RayOffset); 2] = [("auto", RayOffset::Auto), ("reference"
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: i64 = 1 << 20;
 
+/// The most rays from one surface.
+pub const MAX_BRANCHES: i64 = 1 << 16;
+
 pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
     let mut params = Params::new(item, diagnostics);
-    params.later(&["integrator", "exposure"]);
+    params.later(&["exposure"]);
     let dialects: Vec<_> = Dialect::NAMES.into_iter().zip(Dialect::ALL).collect();
     let settings = Settings {
         size: params.optional("size", size),
@@ -35,6 +41,14 @@ pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
         ray_offset: params.optional("rayOffset", |a| a.choice(&OFFSETS)),
         dialect: params.optional("dialect", |a| a.choice(&dialects)),
         depth_range: params.optional("depthRange", Args::numbers::<2>),
+        integrator: params.optional("integrator", |a| a.choice(&IntegratorKind::NAMES)),
+        spectral: params.optional("spectral", Args::flag),
+        branches: params.optional("branches", |a| a.int_in(1..=MAX_BRANCHES).map(|n| n as u32)),
+        directions: params.optional("directions", |a| a.choice(&Directions::NAMES)),
+        technique: params.optional("technique", |a| a.choice(&Technique::NAMES)),
+        light_choice: params.optional("lightChoice", |a| a.choice(&LightChoice::NAMES)),
+        roulette: params.optional("roulette", Args::flag),
+        reach: params.optional("reach", Args::positive),
     };
     params.finish();
     settings

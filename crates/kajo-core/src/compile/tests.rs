@@ -202,8 +202,8 @@ fn dialects_change_what_they_should() {
     let s = compiled_as(a2, Some(Dialect::MitA2)).0.unwrap();
     let Camera::Perspective(camera) = s.camera else { panic!("a perspective camera") };
     assert_eq!(camera.frame().up.as_vec3(), Vec3::new(0.0, 2.0, 1.0));
-    assert_eq!(s.materials.phongs[0].reflective, Spectrum::rgb(0.5, 0.5, 0.5));
-    assert_eq!(s.materials.phongs[0].exponent, 0.0);
+    assert_eq!(s.materials.phongs[0].phong.reflective, Spectrum::rgb(0.5, 0.5, 0.5));
+    assert_eq!(s.materials.phongs[0].phong.exponent, 0.0);
     assert_eq!(s.lights.point[0].attenuation, [0.0, 0.0, 2.0]);
     // The scene's own choice gives way to the command line's.
     let chosen = format!("Settings {{ dialect mit-2004 }} {CAMERA}");
@@ -297,8 +297,8 @@ fn one_mistake_is_reported_once() {
     };
     let misspelt = errors(&format!("{RED}Group {{ numObjects 1 MaterialIndex 0 Spere {{ radius 1 }} }}"));
     assert_eq!(misspelt, ["unknown word `Spere` in `Group`"]);
-    let later = errors(&format!("{RED}Lights {{ numLights 1 SpotLight {{ }} }}"));
-    assert_eq!(later, ["`SpotLight` is not supported yet"]);
+    let later = errors(&format!("{RED}Lights {{ numLights 1 SunSky {{ }} }}"));
+    assert_eq!(later, ["`SunSky` is not supported yet"]);
     let misspelt = errors("Materials { numMaterials 1 Matarial { } }");
     assert_eq!(misspelt, ["unknown word `Matarial` in `Materials`"]);
     for index in ["7", "nobody", "-1"] {

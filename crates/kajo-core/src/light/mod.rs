@@ -1,13 +1,27 @@
-//! Lights that are not surfaces.
+//! Lights: what illuminates surfaces.
+//!
+//! Two questions are asked of a light. The classic integrator asks how much light arrives at a point
+//! ([`Emitter::illuminate`]). Integrators that estimate integrals draw a direction towards the light with a
+//! known density ([`Emitter::sample`]); which light they ask is for [`LightTree`] to say.
 
+mod area;
 mod directional;
+mod emitters;
 mod point;
+mod sky;
+mod spot;
+mod tree;
 
+pub use area::{AreaLight, Sides};
 pub use directional::DirectionalLight;
+pub use emitters::Emitters;
 pub use point::PointLight;
+pub use sky::SkyLight;
+pub use spot::SpotLight;
+pub use tree::{LightBounds, LightChoice, LightTree};
 
-use kajo_color::Spectrum;
-use kajo_math::Vec3;
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_math::{Vec2, Vec3};
 
 use crate::family::family;
 
@@ -22,10 +36,50 @@ pub struct Illumination {
     pub intensity: Spectrum,
 }
 
+/// Light that arrives at a point from a direction drawn at random.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit direction towards the light.
+    pub wi: Vec3,
+    /// Radiance from there; for a light without extent its irradiance across `wi`.
+    pub radiance: Spectrum,
+    /// Density of the direction per solid angle; 1 for a light without extent.
+    pub pdf: f32,
+    /// Whether the light has no extent, so that no ray finds it by chance.
+    pub is_delta: bool,
+    /// How far the way must be clear.
+    pub target: Target,
+}
+
+/// The far end of the way to a light.
+#[derive(Clone, Copy, Debug)]
+pub enum Target {
+    /// A place on a surface, which is not to hide itself.
+    Surface {
+        /// The place.
+        p: Vec3,
+        /// Bound on the error of its coordinates.
+        p_error: Vec3,
+        /// Unit geometric normal.
+        n: Vec3,
+    },
+    /// A point in space.
+    Point(Vec3),
+    /// Beyond everything, along the sample's `wi`.
+    Infinity,
+}
+
 /// What every light can do.
 pub trait Emitter {
-    /// The light that arrives at the world-space point `p`.
+    /// The light that arrives at the world-space point `p`, in the classic integrator's units.
     fn illuminate(&self, p: Vec3) -> Illumination;
+
+    /// Light that arrives at the world-space point `p` from a direction drawn with `u` in [0, 1)^2; `None` when
+    /// none does.
+    fn sample(&self, p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
+
+    /// Where the light is and how strong, for the choice among many; `None` when it is infinitely far.
+    fn bounds(&self) -> Option<LightBounds>;
 }
 
 family! {
@@ -35,11 +89,21 @@ family! {
     pools Lights;
     contract Emitter;
     members {
+        areas: AreaLight,
         directional: DirectionalLight,
         point: PointLight,
+        skies: SkyLight,
+        spots: SpotLight,
     }
     methods {
         /// See [`Emitter::illuminate`].
         fn illuminate(p: Vec3) -> Illumination;
+        /// See [`Emitter::sample`].
+        fn sample(p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
+        /// See [`Emitter::bounds`].
+        fn bounds() -> Option<LightBounds>;
     }
 }
+
+#[cfg(test)]
+mod tests;

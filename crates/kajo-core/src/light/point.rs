@@ -1,30 +1,70 @@
 //! Light from a point, with falloff `1 / (c0 + c1 d + c2 d^2)` at distance `d`.
 //!
+//! A classic light is given by its `color`, the factor of the shading formula where the falloff is one. Its
+//! physical meaning is the irradiance `pi color falloff`, which makes a white Lambertian surface as bright as
+//! the formula does. A light given by its `intensity` in W/sr has the irradiance `intensity / d^2`.
+//!
 //! Scene: `PointLight { position 0 5 0  color 1 1 1  attenuation 0 0 1 }`
+//! Scene: `PointLight { position 0 5 0  intensity 40 40 40 }`
 
-use kajo_color::Spectrum;
-use kajo_math::Vec3;
+use kajo_color::{Emission, Spectrum, Wavelengths};
+use kajo_math::{Aabb, Vec2, Vec3};
 
-use super::{Emitter, Illumination};
+use super::{Emitter, Illumination, LightBounds, LightSample, Target};
 
 /// A point light.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PointLight {
     /// World-space position.
     pub position: Vec3,
-    /// Intensity where the falloff is one.
+    /// Factor of the classic shading formula where the falloff is one.
     pub intensity: Spectrum,
+    /// Irradiance where the falloff is one.
+    pub emission: Emission,
     /// Coefficients `[c0, c1, c2]` of the falloff.
     pub attenuation: [f32; 3],
+}
+
+impl PointLight {
+    /// Unit direction to the light, its distance, and the falloff there.
+    #[inline]
+    pub(super) fn seen_from(&self, p: Vec3) -> (Vec3, f32, f32) {
+        let to_light = self.position - p;
+        let d = to_light.length();
+        let [c0, c1, c2] = self.attenuation;
+        (to_light / d, d, 1.0 / (c0 + d * (c1 + d * c2)))
+    }
+
+    /// Extent and power, for light into all directions.
+    pub(super) fn point_bounds(&self) -> LightBounds {
+        let power = 4.0 * std::f32::consts::PI * self.emission.luminance();
+        LightBounds {
+            bounds: Aabb { min: self.position, max: self.position },
+            axis: Vec3::Z,
+            cos_spread: -1.0,
+            cos_reach: 0.0,
+            two_sided: false,
+            power,
+        }
+    }
 }
 
 impl Emitter for PointLight {
     #[inline]
     fn illuminate(&self, p: Vec3) -> Illumination {
-        let to_light = self.position - p;
-        let d = to_light.length();
-        let [c0, c1, c2] = self.attenuation;
-        let falloff = 1.0 / (c0 + d * (c1 + d * c2));
-        Illumination { wi: to_light / d, distance: d, intensity: self.intensity * falloff }
+        let (wi, distance, falloff) = self.seen_from(p);
+        Illumination { wi, distance, intensity: self.intensity * falloff }
+    }
+
+    #[inline]
+    fn sample(&self, p: Vec3, _u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+        let (wi, _, falloff) = self.seen_from(p);
+        let radiance = self.emission.at(wavelengths) * falloff;
+        Some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target: Target::Point(self.position) })
+    }
+
+    /// Falloffs other than the inverse square are weighed as if they were that.
+    fn bounds(&self) -> Option<LightBounds> {
+        Some(self.point_bounds())
     }
 }

@@ -7,8 +7,8 @@
 
 use kajo_math::{Affine3A, Vec3};
 
-use super::{Appearance, MaterialId, Materials};
-use crate::bsdf::Phong;
+use super::{Appearance, MaterialId, Materials, ShadingPoint};
+use crate::bsdf::{Bsdf, Phong};
 use crate::texture::{TextureId, Textures};
 
 /// A mixture of two materials.
@@ -34,6 +34,15 @@ impl Appearance for Blend {
         }
         let first = materials.phong(first, materials, textures, p);
         first.lerp(&materials.phong(second, materials, textures, p), t)
+    }
+
+    fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p)).clamp(0.0, 1.0);
+        let [first, second] = self.materials;
+        // What is left of the number after the choice is uniform again.
+        let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
+        let at = ShadingPoint { u: u.min(1.0f32.next_down()), ..*at };
+        materials.bsdf(part, materials, textures, &at)
     }
 
     fn may_transmit(&self, materials: &Materials) -> bool {

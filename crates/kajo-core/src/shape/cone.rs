@@ -13,9 +13,10 @@
 //! Scene: `Cylinder { base 0 0 0  top 0 2 0  radius 1 }`
 //! Scene: `Cone { base 0 0 0  top 0 2 0  radius 1  topRadius 0  capped on }`
 
-use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, fmath, roots, warp};
+use kajo_math::solid_angle::basis64;
+use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Ray, Vec2, Vec3, fmath, roots, warp};
 
-use super::{Ray64, Surface, in_range, nearest_crossing, stored};
+use super::{Canonical, DiskPatch, Patch, Ray64, Surface, in_range, nearest_crossing, stored};
 use crate::interaction::{Hit, SurfacePoint};
 
 const SIDE: u32 = 0;
@@ -132,6 +133,24 @@ impl Surface for Cone {
             _ => s / self.height as f32,
         };
         Vec2::new(u, v)
+    }
+
+    fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
+        let (x, y) = basis64(self.axis);
+        let columns = DMat3::from_cols(x, y, self.height * self.axis);
+        let map = DAffine3 { matrix3: columns, translation: self.base };
+        let side = Patch::curved(Canonical::Frustum([self.base_radius, self.top_radius]), map);
+        side.into_iter().for_each(|side| visit(SIDE, side));
+        if self.capped {
+            let cap = |center: DVec3, x: DVec3, y: DVec3| DiskPatch { center, axes: [x, y], inner: 0.0 };
+            let (r, s) = (self.base_radius, self.top_radius);
+            if r > 0.0 {
+                visit(BASE, Patch::Disk(cap(self.base, r * y, r * x)));
+            }
+            if s > 0.0 {
+                visit(TOP, Patch::Disk(cap(self.base + self.height * self.axis, s * x, s * y)));
+            }
+        }
     }
 
     fn is_closed(&self) -> bool {

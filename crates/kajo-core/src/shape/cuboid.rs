@@ -7,7 +7,7 @@
 
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
-use super::{Ray64, Surface, in_range, stored};
+use super::{Patch, QuadPatch, Ray64, Surface, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint};
 
 /// A box with faces parallel to the axes.
@@ -87,6 +87,20 @@ impl Surface for Cuboid {
         let (s, t) = ((axis + 1) % 3, (axis + 2) % 3);
         let part = |k: usize| ((f64::from(p[k]) - self.min[k]) / (self.max[k] - self.min[k])) as f32;
         Vec2::new(part(s), part(t))
+    }
+
+    fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
+        let size = self.max - self.min;
+        for part in 0..6 {
+            let axis = part as usize / 2;
+            let along = |i: usize| DVec3::AXES[i % 3] * size[i % 3];
+            // Turned so that the normal points outward.
+            let (corner, edges) = match part % 2 {
+                0 => (self.min, [along(axis + 2), along(axis + 1)]),
+                _ => (self.min + along(axis), [along(axis + 1), along(axis + 2)]),
+            };
+            visit(part, Patch::Quad(QuadPatch { corner, edges }));
+        }
     }
 
     fn is_closed(&self) -> bool {

@@ -2,9 +2,10 @@
 //!
 //! Scene: `Disk { center 0 0 0  normal 0 1 0  radius 1  innerRadius 0.5 }`
 
+use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, fmath, warp};
 
-use super::{Ray64, Surface, in_range, stored};
+use super::{DiskPatch, Patch, Ray64, Surface, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint};
 
 /// A two-sided disk, or a ring when the inner radius is not zero.
@@ -61,6 +62,15 @@ impl Surface for Disk {
         let (x, y) = warp::basis(self.normal.as_vec3());
         let turn = fmath::atan2(w.dot(y), w.dot(x)) / std::f32::consts::TAU;
         Vec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, w.length() / self.radius as f32)
+    }
+
+    fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
+        let (x, y) = basis64(self.normal);
+        let inner = self.inner_radius / self.radius;
+        visit(
+            0,
+            Patch::Disk(DiskPatch { center: self.center, axes: [self.radius * x, self.radius * y], inner }),
+        );
     }
 
     fn is_closed(&self) -> bool {

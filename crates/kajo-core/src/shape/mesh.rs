@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
 
-use super::Surface;
+use super::{Patch, Surface};
 use crate::interaction::{Hit, NO_UV, SurfacePoint};
 
 /// A corner of a face that has no normal or no texture coordinates of its own.
@@ -140,6 +140,12 @@ impl Surface for Mesh {
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
         let corners = self.uvs.as_ref().and_then(|uvs| uvs.of(hit.part, self.faces[hit.part as usize]));
         corners.map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
+    }
+
+    fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
+        for face in 0..self.faces.len() as u32 {
+            visit(face, Patch::Triangle(self.triangle(face).map(|v| v.as_dvec3())));
+        }
     }
 
     fn is_closed(&self) -> bool {

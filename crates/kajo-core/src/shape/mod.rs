@@ -9,6 +9,7 @@ mod cone;
 mod cuboid;
 mod disk;
 mod mesh;
+mod patch;
 mod plane;
 mod quad;
 mod sphere;
@@ -18,6 +19,7 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
+pub use patch::{Canonical, CurvedPatch, DiskPatch, Patch, PatchSample, QuadPatch};
 pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;
@@ -53,6 +55,10 @@ pub trait Surface: Sized {
 
     /// Whether the surface encloses a volume, so that crossings come in pairs.
     fn is_closed(&self) -> bool;
+
+    /// The pieces that the surface consists of with their parts, for surfaces that give light; none for
+    /// unbounded ones.
+    fn patches<F: FnMut(u32, Patch)>(&self, _visit: F) {}
 
     /// Which of the shape's own materials a part has, if it brings any.
     fn material_slot(&self, _part: u32) -> Option<u32> {
@@ -96,6 +102,8 @@ family! {
         fn uv_at(hit: &Hit, p: Vec3) -> Vec2;
         /// See [`Surface::is_closed`].
         fn is_closed() -> bool;
+        /// See [`Surface::patches`].
+        fn patches<F: FnMut(u32, Patch)>(visit: F);
         /// See [`Surface::material_slot`].
         fn material_slot(part: u32) -> Option<u32>;
     }

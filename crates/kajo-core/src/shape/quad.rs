@@ -8,7 +8,7 @@
 
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
-use super::{Ray64, Surface, in_range, stored};
+use super::{Patch, QuadPatch, Ray64, Surface, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint};
 
 /// A two-sided parallelogram; its normal is `edge1 x edge2`.
@@ -62,6 +62,10 @@ impl Surface for Quad {
 
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
         Vec2::new(hit.u, hit.v)
+    }
+
+    fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
+        visit(0, Patch::Quad(QuadPatch { corner: self.corner, edges: self.edges }));
     }
 
     fn is_closed(&self) -> bool {

@@ -14,7 +14,7 @@
 
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, fmath};
 
-use super::{Ray64, Surface, in_range, stored};
+use super::{Patch, Ray64, Surface, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint};
 
 /// A sphere; a radius of zero is never hit.
@@ -111,6 +111,10 @@ impl Surface for Sphere {
         let turn = fmath::atan2(n.x, n.z) / std::f32::consts::TAU;
         let u = if turn < 0.0 { turn + 1.0 } else { turn };
         Vec2::new(u, 0.5 + fmath::asin(n.y) / std::f32::consts::PI)
+    }
+
+    fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
+        visit(0, Patch::Sphere { center: self.center.as_dvec3(), radius: self.radius.into() });
     }
 
     fn is_closed(&self) -> bool {

@@ -15,7 +15,7 @@
 //! mirror direction where it cannot pass. `fresnel` divides it everywhere: the share `F` of
 //! [`fresnel::dielectric`] is mirrored and `1 - F` passes.
 
-use kajo_color::Spectrum;
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::{Highlight, Phong, fresnel};
 use kajo_core::scene::{Event, Interaction, Scene};
 use kajo_core::settings::{ShadowAttenuation, Shadows};
@@ -103,7 +103,7 @@ impl<'a> Classic<'a> {
         loop {
             let Event::Surface(at) = self.scene.trace(&ray) else {
                 light += throughput
-                    * self.through_fog(&ray, f32::INFINITY, &path, self.scene.background.radiance(ray.d));
+                    * self.through_fog(&ray, f32::INFINITY, &path, self.scene.background.color(ray.d));
                 return (light, first);
             };
             first = first.or(Some(at));
@@ -113,7 +113,10 @@ impl<'a> Classic<'a> {
                 &self.scene.textures,
                 at.point.p,
             );
-            let local = self.shade(&ray, &at, &phong, rays);
+            let mut local = self.shade(&ray, &at, &phong, rays);
+            if let Some(glow) = self.scene.glow(&at, ray.d, &Wavelengths::RGB) {
+                local += glow.radiance;
+            }
             // Fog weakens everything that comes from the surface, also what arrives there later.
             light += throughput * self.through_fog(&ray, at.hit.t, &path, local);
             throughput = throughput * self.fog_factor(&ray, at.hit.t, &path);

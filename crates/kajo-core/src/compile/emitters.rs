@@ -1,0 +1,87 @@
+//! Objects that give light: each piece of their surfaces becomes a light of its own.
+
+use std::sync::Arc;
+
+use kajo_color::Emission;
+use kajo_math::{DAffine3, DMat3};
+use kajo_scene::{Args, Diagnostic, Params};
+
+use super::Compiler;
+use crate::background::Background;
+use crate::family::Pooled;
+use crate::light::{AreaLight, Emitters, LightId, Sides, SkyLight};
+
+/// What a material says about giving light.
+#[derive(Clone, Debug)]
+pub(super) struct Glow {
+    emission: Emission,
+    sides: Sides,
+}
+
+/// Reads `emission` and `emits` of a material.
+pub(super) fn read_glow(params: &mut Params<'_, '_>) -> Option<Glow> {
+    let emission = params.optional("emission", Args::vec3);
+    let names = [("back", Sides::Back), ("both", Sides::Both), ("front", Sides::Front)];
+    let sides = params.optional("emits", |args| Ok((args.choice(&names)?, args.item())));
+    if let (None, Some((_, place))) = (emission, sides) {
+        let warning = Diagnostic::warning("`emits` says nothing without an `emission`");
+        params.diagnostics().push(warning.label(place.head_span(), "has no effect"));
+    }
+    let emission = emission.filter(|e| e.max_element() > 0.0)?;
+    let emission = Emission::from_rgb(emission.to_array());
+    Some(Glow { emission, sides: sides.map_or(Sides::Both, |(sides, _)| sides) })
+}
+
+impl Compiler<'_> {
+    /// Makes the lights of all glowing objects, and marks these.
+    pub(super) fn glowing_objects(&mut self) {
+        if self.glows.is_empty() {
+            return;
+        }
+        for i in 0..self.primitives.len() {
+            let primitive = self.primitives[i];
+            let mut lights = Vec::new();
+            let map = double(&self.transforms[primitive.transform as usize].world_from_object);
+            self.shapes.patches(primitive.shape, |part, patch| {
+                let slot = self.shapes.material_slot(primitive.shape, part);
+                let material = slot.map_or(primitive.material, |slot| self.slot_materials[slot as usize]);
+                let Some(Glow { emission, sides }) = self.glows.get(&material) else { return };
+                let patch = if primitive.transform == 0 { Some(patch) } else { patch.transformed(&map) };
+                let light = |patch| AreaLight {
+                    patch,
+                    emission: emission.clone(),
+                    sides: *sides,
+                    primitive: i as u32,
+                    part,
+                };
+                lights.extend(patch.filter(|patch| patch.area() > 0.0).map(light));
+            });
+            self.primitives[i].glows = !lights.is_empty();
+            for light in lights {
+                let id = light.store(&mut self.lights);
+                self.light_list.extend(id);
+            }
+        }
+    }
+
+    /// The lights that integrators draw from: those of the file, glowing pieces, and the background.
+    pub(super) fn emitters(&mut self, background: &Arc<Background>) -> Emitters {
+        let mut list: Vec<LightId> = self.light_list.clone();
+        let n_areas = self.lights.areas.len();
+        let first_area = (list.len() - n_areas) as u32;
+        let sky = (!background.is_black()).then(|| {
+            let id = SkyLight { background: Arc::clone(background) }.store(&mut self.lights);
+            list.extend(id);
+            list.len() as u32 - 1
+        });
+        Emitters::new(list, first_area, sky, &self.lights)
+    }
+}
+
+/// The same map in double precision.
+fn double(m: &kajo_math::Affine3A) -> DAffine3 {
+    let column = |v: kajo_math::Vec3A| kajo_math::Vec3::from(v).as_dvec3();
+    let matrix3 =
+        DMat3::from_cols(column(m.matrix3.x_axis), column(m.matrix3.y_axis), column(m.matrix3.z_axis));
+    DAffine3 { matrix3, translation: column(m.translation) }
+}

@@ -1,0 +1,105 @@
+//! All lights of a scene, to draw from.
+
+use kajo_color::Wavelengths;
+use kajo_math::{Vec2, Vec3};
+
+use super::{AreaLight, LightChoice, LightId, LightSample, LightTree, Lights};
+
+/// The lights of a scene, in one list: those of the file, then the pieces of glowing objects, then the sky.
+#[derive(Debug, Default)]
+pub struct Emitters {
+    list: Vec<LightId>,
+    /// Where the pieces begin; they are sorted by object and part.
+    first_area: u32,
+    /// Where the background is, if it gives light.
+    sky: Option<u32>,
+    tree: LightTree,
+}
+
+impl Emitters {
+    /// * `first_area`: the number of the first piece of a glowing object; from there on `list` names the pool of
+    ///   pieces in its order
+    /// * `sky`: the number of the background
+    pub(crate) fn new(list: Vec<LightId>, first_area: u32, sky: Option<u32>, lights: &Lights) -> Emitters {
+        let bounds: Vec<_> = list.iter().map(|&id| lights.bounds(id)).collect();
+        Emitters { list, first_area, sky, tree: LightTree::build(&bounds) }
+    }
+
+    /// Number of lights that can be drawn.
+    pub fn len(&self) -> usize {
+        self.tree.len()
+    }
+
+    /// Whether nothing gives light.
+    pub fn is_empty(&self) -> bool {
+        self.tree.is_empty()
+    }
+
+    /// Bytes of the tree and the list.
+    pub fn bytes(&self) -> usize {
+        self.tree.bytes() + size_of_val(&*self.list)
+    }
+
+    /// Light drawn for a receiver; its density includes the choice of the lamp.
+    ///
+    /// * `n`: unit normal of the receiver, or zero where it has none
+    /// * `u`: uniform in [0, 1), chooses the lamp
+    #[inline]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a receiver, numbers and a mode; a struct would hold nothing together"
+    )]
+    pub fn sample(
+        &self,
+        lights: &Lights,
+        p: Vec3,
+        n: Vec3,
+        u: f32,
+        place: Vec2,
+        wavelengths: &Wavelengths,
+        choice: LightChoice,
+    ) -> Option<LightSample> {
+        let (light, probability) = self.tree.choose(p, n, u, choice)?;
+        let sample = lights.sample(self.list[light as usize], p, place, wavelengths)?;
+        // The density of a lamp without extent is that of its choice.
+        Some(LightSample { pdf: sample.pdf * probability, ..sample })
+    }
+
+    /// The glowing piece that is this part of an object, and its number.
+    #[inline]
+    pub fn area<'a>(&self, lights: &'a Lights, primitive: u32, part: u32) -> Option<(u32, &'a AreaLight)> {
+        let place = |light: &AreaLight| (light.primitive, light.part);
+        let i = lights.areas.binary_search_by_key(&(primitive, part), place).ok()?;
+        Some((self.first_area + i as u32, &lights.areas[i]))
+    }
+
+    /// Density per solid angle with which [`Emitters::sample`] draws this place of a glowing piece.
+    ///
+    /// * `from`, `receiver`: point and unit normal of the receiver
+    /// * `p`, `n`: the place and its unit geometric normal
+    #[inline]
+    pub fn area_pdf(
+        &self,
+        (number, light): (u32, &AreaLight),
+        [from, receiver]: [Vec3; 2],
+        [p, n]: [Vec3; 2],
+        choice: LightChoice,
+    ) -> f32 {
+        let probability = self.tree.probability(number, from, receiver, choice);
+        if probability > 0.0 { probability * light.pdf(from, p, n) } else { 0.0 }
+    }
+
+    /// Density per solid angle with which [`Emitters::sample`] draws this direction to the background.
+    #[inline]
+    pub fn sky_pdf(
+        &self,
+        lights: &Lights,
+        [from, receiver]: [Vec3; 2],
+        wi: Vec3,
+        choice: LightChoice,
+    ) -> f32 {
+        let Some(number) = self.sky else { return 0.0 };
+        let density: f32 = lights.skies.iter().map(|sky| sky.pdf(wi)).sum();
+        density * self.tree.probability(number, from, receiver, choice)
+    }
+}

@@ -1,0 +1,175 @@
+use std::f64::consts::PI;
+
+use kajo_color::{Emission, Wavelengths};
+use kajo_math::solid_angle::polygon_irradiance;
+use kajo_math::{DAffine3, DQuat, DVec3, Vec2, Vec3, rng::Stream};
+
+use super::*;
+use crate::shape::{Canonical, DiskPatch, Patch, QuadPatch};
+
+fn draw(i: u32) -> Vec2 {
+    let stream = Stream::new(21, [i, 0], 0);
+    Vec2::new(stream.uniform(0), stream.uniform(1))
+}
+
+/// Irradiance of unit radiance from both sides of a piece, and the standard error of its estimate.
+fn irradiance(patch: &Patch, from: Vec3, n: Vec3, samples: u32) -> (f64, f64) {
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for i in 0..samples {
+        let Some(drawn) = patch.sample(from, draw(i)) else { continue };
+        let again = patch.pdf(from, drawn.p, drawn.n);
+        assert!((again / drawn.pdf - 1.0).abs() < 1e-3, "{patch:?}: {again} for {}", drawn.pdf);
+        let e = f64::from(((drawn.p - from).normalize().dot(n)).max(0.0) / drawn.pdf);
+        sum += e;
+        squares += e * e;
+    }
+    let n = f64::from(samples);
+    let mean = sum / n;
+    (mean, ((squares / n - mean * mean).max(0.0) / n).sqrt())
+}
+
+fn square(height: f64) -> QuadPatch {
+    QuadPatch { corner: DVec3::new(-0.5, height, -0.5), edges: [DVec3::X, DVec3::Z] }
+}
+
+#[track_caller]
+fn assert_near((found, sigma): (f64, f64), expected: f64) {
+    let allowed = 4.5 * sigma + 2e-6 * expected;
+    assert!((found - expected).abs() < allowed, "{found} ± {sigma} for {expected}");
+}
+
+#[test]
+fn squares_give_what_lambert_says() {
+    let up = Vec3::Y;
+    for (height, expected) in [(0.5, 1.740_840), (1.0, 0.752_275), (2.0, 0.230_837)] {
+        assert_near(irradiance(&Patch::Quad(square(height)), Vec3::ZERO, up, 20_000), expected);
+    }
+    let aside = Patch::Quad(square(1.0));
+    assert_near(irradiance(&aside, Vec3::new(1.0, 0.0, 0.0), up, 20_000), 0.265_005);
+    assert_near(irradiance(&aside, Vec3::new(0.5, 0.0, 0.5), up, 20_000), 0.435_210);
+}
+
+#[test]
+fn triangles_and_parallelograms_give_what_lambert_says() {
+    let corners = [DVec3::new(0.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 1.0)];
+    assert_near(irradiance(&Patch::Triangle(corners), Vec3::ZERO, Vec3::Y, 20_000), 0.302_300);
+    let (corner, a, b) = (DVec3::new(-0.3, 0.8, 0.1), DVec3::new(1.0, 0.2, 0.0), DVec3::new(0.4, 0.1, 0.7));
+    let skewed = Patch::Quad(QuadPatch { corner, edges: [a, b] });
+    let outline = [corner, corner + a, corner + a + b, corner + b];
+    let expected = polygon_irradiance(DVec3::ZERO, DVec3::Y, &outline).abs();
+    assert_near(irradiance(&skewed, Vec3::ZERO, Vec3::Y, 40_000), expected);
+    // Far away it is drawn by area.
+    let far = Vec3::new(0.0, -400.0, 3.0);
+    let expected = polygon_irradiance(far.as_dvec3(), DVec3::Y, &outline).abs();
+    assert_near(irradiance(&skewed, far, Vec3::Y, 1000), expected);
+}
+
+#[test]
+fn disks_and_spheres_have_closed_forms() {
+    let disk = |inner: f64| Patch::Disk(DiskPatch { center: DVec3::Y, axes: [DVec3::X, DVec3::Z], inner });
+    assert_near(irradiance(&disk(0.0), Vec3::ZERO, Vec3::Y, 40_000), PI / 2.0);
+    // A ring is the difference of two disks.
+    assert_near(irradiance(&disk(0.5), Vec3::ZERO, Vec3::Y, 40_000), PI / 2.0 - PI * 0.25 / 1.25);
+    let sphere = Patch::Sphere { center: DVec3::new(0.0, 3.0, 0.0), radius: 1.0 };
+    assert_near(irradiance(&sphere, Vec3::ZERO, Vec3::Y, 20_000), PI / 9.0);
+}
+
+#[test]
+fn a_sphere_around_the_receiver_fills_half_the_sky() {
+    for center in [Vec3::ZERO, Vec3::new(0.5, 0.0, 0.1), Vec3::new(0.0, 0.999, 0.0)] {
+        let sphere = Patch::Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let (found, sigma) = irradiance(&sphere, center, Vec3::Y, 200_000);
+        assert!((found - PI).abs() < 5.0 * sigma + 1e-3, "{center}: {found} ± {sigma}");
+    }
+}
+
+#[test]
+fn maps_keep_shapes_what_they_are() {
+    let map = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(2.0),
+        DQuat::from_rotation_x(0.7),
+        DVec3::new(0.2, 4.0, -0.3),
+    );
+    let ball = Patch::Sphere { center: DVec3::ZERO, radius: 0.5 }.transformed(&map).unwrap();
+    assert!(matches!(ball, Patch::Sphere { radius, .. } if (radius - 1.0).abs() < 1e-12));
+    // An ellipsoid, and the same as a ball where nothing is stretched.
+    let curved =
+        Patch::curved(Canonical::Sphere, DAffine3::from_translation(DVec3::new(0.0, 3.0, 0.0))).unwrap();
+    assert_near(irradiance(&curved, Vec3::ZERO, Vec3::Y, 400_000), 2.0 * PI / 9.0);
+    let flat = map * DAffine3::from_scale(DVec3::new(1.0, 0.25, 1.0));
+    let Some(Patch::Curved(ellipsoid)) =
+        Patch::Sphere { center: DVec3::ZERO, radius: 1.0 }.transformed(&flat)
+    else {
+        panic!("an ellipsoid is expected");
+    };
+    // Half axes 2, 2 and 0.5: 2 pi a^2 (1 + (1 - e^2)/e atanh e).
+    let e = (1.0f64 - 0.0625).sqrt();
+    let expected = 2.0 * PI * 4.0 * (1.0 + (1.0 - e * e) / e * e.atanh());
+    let area = Patch::Curved(ellipsoid).area();
+    assert!((area / expected - 1.0).abs() < 1e-3, "{area} for {expected}");
+}
+
+#[test]
+fn the_side_of_a_cone_has_its_area_and_its_normals() {
+    let map = DAffine3::from_scale(DVec3::new(1.0, 1.0, 2.0));
+    let cone = Patch::curved(Canonical::Frustum([1.0, 0.5]), map).unwrap();
+    let expected = PI * 1.5 * (4.0f64 + 0.25).sqrt();
+    assert!((cone.area() / expected - 1.0).abs() < 1e-6);
+    for i in 0..100 {
+        let s = cone.sample_area(draw(i)).unwrap();
+        assert!(s.n.dot(Vec3::new(s.p.x, s.p.y, 0.0)) > 0.0 && s.n.z > 0.0);
+        assert!((s.p.truncate().length() - (1.0 - 0.25 * s.p.z)).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn mirrored_pieces_keep_their_outer_side() {
+    let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+    let pieces = [
+        Patch::Quad(square(1.0)),
+        Patch::Triangle([DVec3::ZERO, DVec3::Z, DVec3::X]),
+        Patch::Disk(DiskPatch { center: DVec3::ZERO, axes: [DVec3::Z, DVec3::X], inner: 0.0 }),
+    ];
+    for piece in pieces {
+        let (before, after) =
+            (piece.normal().unwrap(), piece.transformed(&mirror).unwrap().normal().unwrap());
+        assert!((before - after).length() < 1e-12, "{before} became {after}");
+    }
+}
+
+#[test]
+fn lamps_without_extent_follow_their_laws() {
+    let one = Emission::from_rgb([1.0; 3]);
+    let lamp = |attenuation| PointLight {
+        position: Vec3::new(0.0, 2.0, 0.0),
+        intensity: Spectrum::WHITE,
+        emission: one.clone(),
+        attenuation,
+    };
+    let at = |lamp: &PointLight| lamp.sample(Vec3::ZERO, Vec2::ZERO, &Wavelengths::RGB).unwrap();
+    let sample = at(&lamp([0.0, 0.0, 1.0]));
+    assert!(sample.is_delta && sample.wi == Vec3::Y && sample.pdf == 1.0);
+    assert!((sample.radiance[0] - 0.25).abs() < 1e-6);
+    assert!((at(&lamp([1.0, 0.0, 0.0])).radiance[0] - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_lamp_shines_from_its_sides_only() {
+    let lamp = |sides| AreaLight {
+        patch: Patch::Quad(square(1.0)),
+        emission: Emission::from_rgb([1.0; 3]),
+        sides,
+        primitive: 0,
+        part: 0,
+    };
+    // The normal of the square is X x Z = -Y: its front looks down.
+    let lit = |sides, from| lamp(sides).sample(from, Vec2::splat(0.5), &Wavelengths::RGB).is_some();
+    let (below, above) = (Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0));
+    assert!(lit(Sides::Front, below) && !lit(Sides::Front, above));
+    assert!(!lit(Sides::Back, below) && lit(Sides::Back, above));
+    assert!(lit(Sides::Both, below) && lit(Sides::Both, above));
+    assert!(lamp(Sides::Front).illuminate(above).intensity.is_black());
+    let classic = lamp(Sides::Front).illuminate(Vec3::new(0.0, -9.0, 0.0));
+    // Far away a lamp is a point: L A / d^2 / pi.
+    assert!((classic.intensity[0] * 100.0 * std::f32::consts::PI - 1.0).abs() < 1e-3);
+}

@@ -1,0 +1,461 @@
+//! The choice of one light among many.
+//!
+//! A binary tree over the lights that have a place; a walk from the root goes to each child with a
+//! probability proportional to a bound on what it can send to the receiver,
+//!
+//! ```text
+//! I = power cos(max(0, a - spread - b)) cos(max(0, i - b)) / d^2
+//! ```
+//!
+//! with `d` the distance to the centre of the child's box, `b` the angle its box fills, `a` the angle
+//! between the cone of its axes and the way to the receiver, `i` the receiver's own angle. What cannot send
+//! anything is never chosen [Conty Estévez and Kulla 2018]; the layout and the cost of a split follow
+//! [Pharr et al. 2023, 12.6]. Lights infinitely far away stand beside the tree, each chosen as often as the tree.
+
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+use kajo_math::{Aabb, Vec3, fmath};
+
+/// Where a light or a group of them is, where it shines and how strong it is.
+#[derive(Clone, Copy, Debug)]
+pub struct LightBounds {
+    /// A box around the places that light comes from.
+    pub bounds: Aabb,
+    /// The middle of the axes around which light leaves.
+    pub axis: Vec3,
+    /// Cosine of the largest angle between `axis` and the axes.
+    pub cos_spread: f32,
+    /// Cosine of the largest angle between a place's own axis and the light that leaves it.
+    pub cos_reach: f32,
+    /// Whether light leaves against the axes as well.
+    pub two_sided: bool,
+    /// Power, in any unit that all lights share.
+    pub power: f32,
+}
+
+/// How a light is chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightChoice {
+    /// By what it may contribute.
+    #[default]
+    Tree,
+    /// Each as often as any other.
+    Uniform,
+}
+
+impl LightChoice {
+    /// Names on the command line and in `Settings`, with the rules.
+    pub const NAMES: [(&'static str, LightChoice); 2] =
+        [("tree", LightChoice::Tree), ("uniform", LightChoice::Uniform)];
+}
+
+/// The lights of a scene, ready to be chosen from.
+#[derive(Debug, Default)]
+pub struct LightTree {
+    /// The children of inner node `i` are `i + 1` and `Node::other`.
+    nodes: Vec<Node>,
+    /// For each light the turns from the root to its leaf, first turn in bit 0; unused for infinite ones.
+    trails: Vec<u64>,
+    /// Lights of the tree, in the order of their numbers.
+    placed: Vec<u32>,
+    infinite: Vec<u32>,
+    is_infinite: Vec<bool>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: LightBounds,
+    /// The second child, or the light of a leaf.
+    other: u32,
+    is_leaf: bool,
+}
+
+/// More turns than a tree of 2^32 balanced lights has; deeper branches are split in halves from here on.
+const DEEPEST_BY_COST: u32 = 30;
+
+const BUCKETS: usize = 12;
+
+impl LightTree {
+    /// The tree over lights given by their bounds; `None` for those infinitely far away.
+    ///
+    /// Lights without power are never chosen.
+    pub fn build(lights: &[Option<LightBounds>]) -> LightTree {
+        let mut tree = LightTree {
+            trails: vec![0; lights.len()],
+            is_infinite: lights.iter().map(Option::is_none).collect(),
+            ..LightTree::default()
+        };
+        let mut placed = Vec::new();
+        for (i, light) in (0..).zip(lights) {
+            match light {
+                None => tree.infinite.push(i),
+                Some(bounds) if bounds.power > 0.0 && bounds.bounds.is_finite() => placed.push((i, *bounds)),
+                Some(_) => tree.trails[i as usize] = u64::MAX,
+            }
+        }
+        tree.placed = placed.iter().map(|light| light.0).collect();
+        if !placed.is_empty() {
+            tree.add(&mut placed, 0, 0);
+        }
+        tree
+    }
+
+    /// Number of lights that can be chosen.
+    pub fn len(&self) -> usize {
+        self.placed.len() + self.infinite.len()
+    }
+
+    /// Whether there is no light.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes of the tree.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.trails) + size_of_val(&*self.is_infinite)
+    }
+
+    /// Chooses a light for a receiver: its number and the probability of the choice; `None` when none can reach it.
+    ///
+    /// * `n`: unit normal of the receiver, or zero where it has none
+    #[inline]
+    pub fn choose(&self, p: Vec3, n: Vec3, u: f32, choice: LightChoice) -> Option<(u32, f32)> {
+        let beside = self.infinite.len();
+        if choice == LightChoice::Uniform {
+            let n = self.len();
+            let i = ((u * n as f32) as usize).min(n.checked_sub(1)?);
+            let light = self.infinite.get(i).or_else(|| self.placed.get(i - beside))?;
+            return Some((*light, 1.0 / n as f32));
+        }
+        let choices = beside + usize::from(!self.nodes.is_empty());
+        let place = u * choices as f32;
+        let i = (place as usize).min(choices.checked_sub(1)?);
+        let share = 1.0 / choices as f32;
+        if let Some(&light) = self.infinite.get(i) {
+            return Some((light, share));
+        }
+        self.descend(p, n, (place - i as f32).clamp(0.0, 1.0f32.next_down()), share)
+    }
+
+    fn descend(&self, p: Vec3, n: Vec3, mut u: f32, mut probability: f32) -> Option<(u32, f32)> {
+        let mut at = 0;
+        loop {
+            let node = &self.nodes[at];
+            if node.is_leaf {
+                let reaches = at > 0 || node.bounds.importance(p, n) > 0.0;
+                return reaches.then_some((node.other, probability));
+            }
+            let first = self.share_of_first(at, p, n)?;
+            if u < first {
+                u = (u / first).min(1.0f32.next_down());
+                probability *= first;
+                at += 1;
+            } else {
+                u = ((u - first) / (1.0 - first)).clamp(0.0, 1.0f32.next_down());
+                probability *= 1.0 - first;
+                at = node.other as usize;
+            }
+        }
+    }
+
+    /// The probability with which [`LightTree::choose`] chooses a light for a receiver.
+    #[inline]
+    pub fn probability(&self, light: u32, p: Vec3, n: Vec3, choice: LightChoice) -> f32 {
+        let light = light as usize;
+        if choice == LightChoice::Uniform {
+            return if self.trails[light] == u64::MAX { 0.0 } else { 1.0 / self.len() as f32 };
+        }
+        let share = 1.0 / (self.infinite.len() + usize::from(!self.nodes.is_empty())) as f32;
+        if self.is_infinite[light] {
+            return share;
+        }
+        let mut trail = self.trails[light];
+        if trail == u64::MAX {
+            return 0.0;
+        }
+        let (mut at, mut probability) = (0, share);
+        loop {
+            let node = &self.nodes[at];
+            if node.is_leaf {
+                return if at > 0 || node.bounds.importance(p, n) > 0.0 { probability } else { 0.0 };
+            }
+            let Some(first) = self.share_of_first(at, p, n) else { return 0.0 };
+            if trail & 1 == 0 {
+                probability *= first;
+                at += 1;
+            } else {
+                probability *= 1.0 - first;
+                at = node.other as usize;
+            }
+            trail >>= 1;
+        }
+    }
+
+    /// The probability of the first child of an inner node; `None` when neither reaches the receiver.
+    #[inline]
+    fn share_of_first(&self, at: usize, p: Vec3, n: Vec3) -> Option<f32> {
+        let first = self.nodes[at + 1].bounds.importance(p, n);
+        let second = self.nodes[self.nodes[at].other as usize].bounds.importance(p, n);
+        let sum = first + second;
+        (sum > 0.0).then(|| first / sum)
+    }
+
+    /// Adds the subtree over some lights.
+    fn add(&mut self, lights: &mut [(u32, LightBounds)], trail: u64, depth: u32) {
+        let bounds = lights.iter().map(|light| light.1).reduce(LightBounds::union);
+        let Some(bounds) = bounds else { return };
+        let at = self.nodes.len();
+        if let [(light, _)] = *lights {
+            self.trails[light as usize] = trail;
+            self.nodes.push(Node { bounds, other: light, is_leaf: true });
+            return;
+        }
+        self.nodes.push(Node { bounds, other: 0, is_leaf: false });
+        let middle = part(lights, &bounds, depth);
+        let (first, second) = lights.split_at_mut(middle);
+        self.add(first, trail, depth + 1);
+        self.nodes[at].other = self.nodes.len() as u32;
+        self.add(second, trail | 1 << depth, depth + 1);
+    }
+}
+
+/// Sorts the lights of a node into two parts; returns the length of the first, at least 1.
+fn part(lights: &mut [(u32, LightBounds)], all: &LightBounds, depth: u32) -> usize {
+    let centers = Aabb::around(lights.iter().map(|light| light.1.bounds.center()));
+    let best = (0..3)
+        .filter(|&axis| centers.extent()[axis] > 0.0 && depth < DEEPEST_BY_COST)
+        .filter_map(|axis| cheapest_split(lights, all, &centers, axis).map(|(cost, at)| (cost, axis, at)))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((_, axis, split)) = best {
+        lights.sort_by_key(|light| (bucket(&light.1, &centers, axis), light.0));
+        let middle = lights.partition_point(|light| bucket(&light.1, &centers, axis) <= split);
+        if middle > 0 && middle < lights.len() {
+            return middle;
+        }
+    }
+    lights.len() / 2
+}
+
+fn bucket(light: &LightBounds, centers: &Aabb, axis: usize) -> usize {
+    let share = (light.bounds.center()[axis] - centers.min[axis]) / centers.extent()[axis];
+    ((share * BUCKETS as f32) as usize).min(BUCKETS - 1)
+}
+
+/// The cheapest of the splits between buckets along an axis, by its last bucket on the near side.
+fn cheapest_split(
+    lights: &[(u32, LightBounds)],
+    all: &LightBounds,
+    centers: &Aabb,
+    axis: usize,
+) -> Option<(f32, usize)> {
+    let mut buckets = [None::<LightBounds>; BUCKETS];
+    for (_, light) in lights {
+        let bucket = &mut buckets[bucket(light, centers, axis)];
+        *bucket = Some(bucket.map_or(*light, |sum| sum.union(*light)));
+    }
+    let extent = all.bounds.extent();
+    // Thin slabs cost more than their areas say.
+    let shape = extent.max_element() / extent[axis].max(f32::MIN_POSITIVE);
+    let cost = |part: &[Option<LightBounds>]| {
+        part.iter().flatten().copied().reduce(LightBounds::union).map(|sum| sum.cost())
+    };
+    (0..BUCKETS - 1)
+        .filter_map(|split| {
+            let (near, far) = buckets.split_at(split + 1);
+            Some((shape * (cost(near)? + cost(far)?), split))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+impl LightBounds {
+    /// Bounds around both.
+    fn union(self, other: LightBounds) -> LightBounds {
+        let (axis, cos_spread) = cone_around((self.axis, self.cos_spread), (other.axis, other.cos_spread));
+        LightBounds {
+            bounds: self.bounds.union(other.bounds),
+            axis,
+            cos_spread,
+            cos_reach: self.cos_reach.min(other.cos_reach),
+            two_sided: self.two_sided || other.two_sided,
+            power: self.power + other.power,
+        }
+    }
+
+    /// The solid angle that light fills, weighted by the cosine at its edges, times power and area.
+    fn cost(&self) -> f32 {
+        let spread = fmath::acos(self.cos_spread.clamp(-1.0, 1.0));
+        let reach = fmath::acos(self.cos_reach.clamp(-1.0, 1.0));
+        let (sin, cos) = fmath::sin_cos(spread);
+        let w = (spread + reach).min(PI);
+        let solid_angle = TAU * (1.0 - cos)
+            + FRAC_PI_2 * (2.0 * w * sin - fmath::cos(spread - 2.0 * w) - 2.0 * spread * sin + cos);
+        self.power * solid_angle * self.bounds.half_area().max(f32::MIN_POSITIVE)
+    }
+
+    /// A bound on what arrives at a receiver, up to a common factor.
+    #[inline]
+    fn importance(&self, p: Vec3, n: Vec3) -> f32 {
+        let to_receiver = p - self.bounds.center();
+        let radius2 = 0.25 * self.bounds.extent().length_squared();
+        let distance2 = to_receiver.length_squared();
+        let inside = distance2 <= radius2;
+        let w = to_receiver * (1.0 / distance2.sqrt().max(f32::MIN_POSITIVE));
+        // The angle that the box fills.
+        let (sin_b, cos_b) = if inside {
+            (0.0, -1.0)
+        } else {
+            let sin2 = radius2 / distance2;
+            (sin2.sqrt(), (1.0 - sin2).max(0.0).sqrt())
+        };
+        let cos_w = if self.two_sided { self.axis.dot(w).abs() } else { self.axis.dot(w) };
+        let sin_w = sine(cos_w);
+        let sin_spread = sine(self.cos_spread);
+        let cos_x = cos_of_rest(sin_w, cos_w, sin_spread, self.cos_spread);
+        let sin_x = sin_of_rest(sin_w, cos_w, sin_spread, self.cos_spread);
+        let cos_leaving = cos_of_rest(sin_x, cos_x, sin_b, cos_b);
+        // A hair of tolerance: a light must not be ruled out by rounding.
+        if cos_leaving < self.cos_reach - 1e-4 {
+            return 0.0;
+        }
+        let mut importance =
+            self.power * cos_leaving.max(1e-4) / distance2.max(radius2).max(f32::MIN_POSITIVE);
+        if n != Vec3::ZERO {
+            let cos_i = w.dot(n).abs().min(1.0);
+            importance *= cos_of_rest(sine(cos_i), cos_i, sin_b, cos_b).max(1e-4);
+        }
+        importance
+    }
+}
+
+#[inline]
+fn sine(cos: f32) -> f32 {
+    (1.0 - cos * cos).max(0.0).sqrt()
+}
+
+/// `cos(max(0, a - b))`.
+#[inline]
+fn cos_of_rest(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
+    if cos_a > cos_b { 1.0 } else { cos_a * cos_b + sin_a * sin_b }
+}
+
+/// `sin(max(0, a - b))`.
+#[inline]
+fn sin_of_rest(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
+    if cos_a > cos_b { 0.0 } else { sin_a * cos_b - cos_a * sin_b }
+}
+
+/// A cone around two cones, each by its axis and the cosine of its angle.
+fn cone_around(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
+    let angle = |cos: f32| fmath::acos(cos.clamp(-1.0, 1.0));
+    let (spread_a, spread_b) = (angle(a.1), angle(b.1));
+    let between = angle(a.0.dot(b.0));
+    if (between + spread_b).min(PI) <= spread_a {
+        return a;
+    }
+    if (between + spread_a).min(PI) <= spread_b {
+        return b;
+    }
+    let spread = 0.5 * (spread_a + between + spread_b);
+    let turn_around = a.0.cross(b.0).normalize_or_zero();
+    if spread >= PI || turn_around == Vec3::ZERO {
+        return (a.0, -1.0);
+    }
+    // Turn the first axis towards the second until both cones fit.
+    let (sin, cos) = fmath::sin_cos(spread - spread_a);
+    ((cos * a.0 + sin * turn_around.cross(a.0)).normalize_or(a.0), fmath::cos(spread))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kajo_math::{Vec2, rng::Stream, warp};
+
+    /// Lamps of different strength and direction in a box.
+    fn lamps(n: u32) -> Vec<Option<LightBounds>> {
+        let lamp = |i: u32| {
+            let s = Stream::new(3, [i, 0], 0);
+            let at = 10.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
+            let size = Vec3::splat(0.1 * s.uniform(3));
+            LightBounds {
+                bounds: Aabb { min: at - size, max: at + size },
+                axis: warp::uniform_sphere(Vec2::new(s.uniform(4), s.uniform(5))),
+                cos_spread: if i % 3 == 0 { -1.0 } else { 1.0 },
+                cos_reach: 0.0,
+                two_sided: i % 5 == 0,
+                power: 0.1 + s.uniform(6),
+            }
+        };
+        (0..n).map(|i| (i % 97 != 96).then(|| lamp(i))).collect()
+    }
+
+    #[test]
+    fn probabilities_agree_with_the_walk_and_sum_to_one() {
+        let lights = lamps(200);
+        let tree = LightTree::build(&lights);
+        assert_eq!((tree.len(), tree.infinite.len()), (200, 2));
+        for k in 0..30 {
+            let s = Stream::new(5, [k, 0], 0);
+            let p = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
+            let n = if k % 4 == 0 {
+                Vec3::ZERO
+            } else {
+                warp::uniform_sphere(Vec2::new(s.uniform(3), s.uniform(4)))
+            };
+            for choice in [LightChoice::Tree, LightChoice::Uniform] {
+                let sum: f32 = (0..200).map(|light| tree.probability(light, p, n, choice)).sum();
+                // A walk may end among lights that turn out not to reach the receiver.
+                assert!(sum > 0.9 && sum < 1.0 + 1e-4, "{sum}");
+                for j in 0..50 {
+                    let Some((light, pmf)) = tree.choose(p, n, s.uniform(10 + j), choice) else { continue };
+                    let again = tree.probability(light, p, n, choice);
+                    assert!((again / pmf - 1.0).abs() < 1e-4, "{light}: {again} {pmf}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_can_send_light_is_never_ruled_out() {
+        let lights = lamps(150);
+        let tree = LightTree::build(&lights);
+        for k in 0..40 {
+            let s = Stream::new(6, [k, 0], 0);
+            let p = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
+            for (i, light) in (0..).zip(&lights) {
+                let Some(light) = light else { continue };
+                // From the middle of the lamp, straight along its axis or sideways within its reach.
+                let w = (p - light.bounds.center()).normalize();
+                let sends = light.cos_spread < 0.0 || light.axis.dot(w) > 0.0 || light.two_sided;
+                let found = tree.probability(i, p, Vec3::ZERO, LightChoice::Tree) > 0.0;
+                assert!(found || !sends, "receiver {k}, light {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn near_and_strong_lights_are_chosen_more_often() {
+        let at = |x: f32, power: f32| {
+            let bounds = Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x, 0.0, 0.0) };
+            Some(LightBounds {
+                bounds,
+                axis: Vec3::Z,
+                cos_spread: -1.0,
+                cos_reach: 0.0,
+                two_sided: false,
+                power,
+            })
+        };
+        let tree = LightTree::build(&[at(0.0, 1.0), at(10.0, 1.0), at(20.0, 4.0), at(30.0, 0.0)]);
+        let chance = |light| tree.probability(light, Vec3::new(1.0, 0.0, 0.0), Vec3::ZERO, LightChoice::Tree);
+        assert!(chance(0) > 10.0 * chance(1) && chance(2) > 0.5 * chance(1));
+        assert_eq!(chance(3), 0.0);
+        assert_eq!(tree.len(), 3);
+    }
+
+    #[test]
+    fn no_light_is_no_choice() {
+        let tree = LightTree::build(&[]);
+        assert!(tree.is_empty() && tree.choose(Vec3::ZERO, Vec3::ZERO, 0.5, LightChoice::Tree).is_none());
+        assert!(tree.choose(Vec3::ZERO, Vec3::ZERO, 0.5, LightChoice::Uniform).is_none());
+    }
+}

@@ -1,0 +1,64 @@
+//! The material of the classic format.
+//!
+//! The classic integrator takes its numbers as they stand; integrators that estimate integrals see
+//! [`PhongLobes`], the same model with its lobes normalised. Its colour `transparentColor` then tints each
+//! passage through the surface, and the inside absorbs nothing.
+//!
+//! Scene: `Material { diffuseColor 0.8 0.3 0.2  specularColor 1 1 1  exponent 32 }`
+
+use kajo_color::{Reflectance, Wavelengths};
+use kajo_math::Vec3;
+
+use super::{Appearance, Interior, Materials, ShadingPoint};
+use crate::bsdf::{Bsdf, Phong, PhongLobes};
+use crate::texture::Textures;
+
+/// A Phong material.
+#[derive(Clone, Debug)]
+pub struct PhongMaterial {
+    /// Its numbers in linear RGB.
+    pub phong: Phong,
+    /// The diffuse, specular, reflective and transparent colours as reflectances.
+    colors: [Reflectance; 4],
+}
+
+impl From<Phong> for PhongMaterial {
+    fn from(phong: Phong) -> PhongMaterial {
+        let colors = [phong.diffuse, phong.specular, phong.reflective, phong.transparent];
+        PhongMaterial { phong, colors: colors.map(|color| Reflectance::from_rgb(color.to_rgb())) }
+    }
+}
+
+impl Appearance for PhongMaterial {
+    #[inline]
+    fn phong(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> Phong {
+        self.phong
+    }
+
+    #[inline]
+    fn constant(&self) -> Option<&Phong> {
+        Some(&self.phong)
+    }
+
+    fn may_transmit(&self, _materials: &Materials) -> bool {
+        !self.phong.transparent.is_black()
+    }
+
+    #[inline]
+    fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+        let mut phong = self.phong;
+        phong.eta /= at.eta_outside;
+        if at.wavelengths.is_spectral() {
+            let [diffuse, specular, reflective, transparent] =
+                self.colors.each_ref().map(|color| color.at(at.wavelengths));
+            phong = Phong { diffuse, specular, reflective, transparent, ..phong };
+        }
+        Bsdf::Phong(PhongLobes::from(&phong))
+    }
+
+    fn interior(&self, _wavelengths: &Wavelengths) -> Option<Interior> {
+        let absorption = kajo_color::Spectrum::BLACK;
+        let interior = Interior { eta: self.phong.eta, is_dispersive: false, absorption, priority: 0 };
+        (!self.phong.transparent.is_black()).then_some(interior)
+    }
+}

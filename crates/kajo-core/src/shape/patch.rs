@@ -1,0 +1,486 @@
+//! Pieces of surface that give light, in world space, and how a point draws a place on them.
+//!
+//! Flat pieces and spheres are drawn uniformly over the solid angle they fill, so that the estimate of
+//! unobstructed light has no variance but the cosine's; ellipses, cones and what is seen too small or from too
+//! near are drawn uniformly over the area. Every density given out is per solid angle at the receiver,
+//!
+//! ```text
+//! p = p_area d^2 / |n . w|,
+//! ```
+//!
+//! and [`Patch::pdf`] goes by the very rules of [`Patch::sample`]: two estimators combined by weights need
+//! one truth about the density, on the lamp itself and inside it too.
+
+use std::f64::consts::{PI, TAU};
+
+use kajo_math::solid_angle::{SPHERE, SphericalCap, SphericalRectangle, SphericalTriangle};
+use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Vec2, Vec3, fmath, robust::gamma};
+
+/// Below this solid angle area and direction differ by nothing that shows, and the area has more digits.
+const SMALLEST_SOLID_ANGLE: f64 = 1e-5;
+
+/// Nearly a hemisphere: the receiver lies in the plane of the piece.
+const LARGEST_SOLID_ANGLE: f64 = 6.28;
+
+/// A receiver whose squared distance from the centre of a sphere differs by less than this factor from the squared
+/// radius is on the sphere, where area is what to draw by: rounding must not decide what it sees.
+const ON_SPHERE: f64 = 1.001;
+
+/// A piece of surface.
+#[derive(Clone, Debug)]
+pub enum Patch {
+    /// A triangle.
+    Triangle([DVec3; 3]),
+    /// A parallelogram.
+    Quad(QuadPatch),
+    /// An ellipse or elliptic ring.
+    Disk(DiskPatch),
+    /// A sphere.
+    Sphere {
+        /// Centre.
+        center: DVec3,
+        /// Radius.
+        radius: f64,
+    },
+    /// The image of a curved surface under an affine map.
+    Curved(Box<CurvedPatch>),
+}
+
+/// A parallelogram.
+#[derive(Clone, Copy, Debug)]
+pub struct QuadPatch {
+    /// One corner.
+    pub corner: DVec3,
+    /// The edges from there.
+    pub edges: [DVec3; 2],
+}
+
+/// `center + r (cos phi a + sin phi b)` with `r` in `[inner, 1]`.
+#[derive(Clone, Copy, Debug)]
+pub struct DiskPatch {
+    /// Centre.
+    pub center: DVec3,
+    /// The two half axes.
+    pub axes: [DVec3; 2],
+    /// Inner radius over outer radius.
+    pub inner: f64,
+}
+
+/// Which surface is mapped.
+#[derive(Clone, Copy, Debug)]
+pub enum Canonical {
+    /// The unit sphere.
+    Sphere,
+    /// The side of a cone around z, of these radii at z = 0 and z = 1.
+    Frustum([f64; 2]),
+}
+
+/// A curved surface and its map to world space.
+#[derive(Clone, Debug)]
+pub struct CurvedPatch {
+    surface: Canonical,
+    map: DAffine3,
+    inverse: DAffine3,
+    area: f64,
+}
+
+/// A place on a piece, drawn for a receiver.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchSample {
+    /// The place.
+    pub p: Vec3,
+    /// Bound on the error of each of its coordinates.
+    pub p_error: Vec3,
+    /// Unit normal, on the outer side.
+    pub n: Vec3,
+    /// Density: per solid angle at the receiver, or per area where no receiver is given.
+    pub pdf: f32,
+}
+
+impl Patch {
+    /// The image of this piece under an affine map; `None` where it would have no area.
+    pub fn transformed(&self, m: &DAffine3) -> Option<Patch> {
+        let flips = m.matrix3.determinant() < 0.0;
+        Some(match self {
+            Patch::Triangle(corners) => {
+                let mut corners = corners.map(|p| m.transform_point3(p));
+                if flips {
+                    corners.swap(1, 2);
+                }
+                Patch::Triangle(corners)
+            }
+            Patch::Quad(QuadPatch { corner, edges }) => {
+                let mut edges = edges.map(|e| m.transform_vector3(e));
+                if flips {
+                    edges.swap(0, 1);
+                }
+                Patch::Quad(QuadPatch { corner: m.transform_point3(*corner), edges })
+            }
+            Patch::Disk(DiskPatch { center, axes, inner }) => {
+                let mut axes = axes.map(|a| m.transform_vector3(a));
+                if flips {
+                    axes.swap(0, 1);
+                }
+                Patch::Disk(DiskPatch { center: m.transform_point3(*center), axes, inner: *inner })
+            }
+            Patch::Sphere { center, radius } => match scale_of_similarity(&m.matrix3) {
+                Some(scale) => Patch::Sphere { center: m.transform_point3(*center), radius: radius * scale },
+                None => {
+                    let placed =
+                        DAffine3::from_translation(*center) * DAffine3::from_scale(DVec3::splat(*radius));
+                    Patch::curved(Canonical::Sphere, *m * placed)?
+                }
+            },
+            Patch::Curved(curved) => Patch::curved(curved.surface, *m * curved.map)?,
+        })
+    }
+
+    /// The image of a canonical surface; `None` when the map has no inverse.
+    pub fn curved(surface: Canonical, map: DAffine3) -> Option<Patch> {
+        let inverse = map.inverse();
+        let mut patch = CurvedPatch { surface, map, inverse, area: 0.0 };
+        patch.area = patch.measured_area();
+        let usable = inverse.is_finite() && patch.area.is_finite() && patch.area > 0.0;
+        usable.then(|| Patch::Curved(Box::new(patch)))
+    }
+
+    /// Area of one side.
+    pub fn area(&self) -> f64 {
+        match self {
+            Patch::Triangle([a, b, c]) => 0.5 * (b - a).cross(c - a).length(),
+            Patch::Quad(quad) => quad.edges[0].cross(quad.edges[1]).length(),
+            Patch::Disk(disk) => disk.area(),
+            Patch::Sphere { radius, .. } => 4.0 * PI * radius * radius,
+            Patch::Curved(curved) => curved.area,
+        }
+    }
+
+    /// A box around the piece.
+    pub fn bounds(&self) -> Aabb {
+        let single = |p: DVec3| p.as_vec3();
+        let around =
+            |center: DVec3, reach: DVec3| Aabb { min: single(center - reach), max: single(center + reach) };
+        match self {
+            Patch::Triangle(corners) => Aabb::around(corners.map(single)),
+            Patch::Quad(QuadPatch { corner, edges: [a, b] }) => {
+                Aabb::around([*corner, corner + a, corner + b, corner + a + b].map(single))
+            }
+            Patch::Disk(disk) => around(disk.center, ellipse_reach(disk.axes)),
+            Patch::Sphere { center, radius } => around(*center, DVec3::splat(*radius)),
+            Patch::Curved(curved) => curved.bounds(),
+        }
+    }
+
+    /// The unit normal where it is the same everywhere.
+    pub fn normal(&self) -> Option<DVec3> {
+        match self {
+            Patch::Triangle([a, b, c]) => (b - a).cross(c - a).try_normalize(),
+            Patch::Quad(QuadPatch { edges: [a, b], .. }) | Patch::Disk(DiskPatch { axes: [a, b], .. }) => {
+                a.cross(*b).try_normalize()
+            }
+            Patch::Sphere { .. } | Patch::Curved(_) => None,
+        }
+    }
+
+    /// A place drawn for the receiver `from`, its density per solid angle there.
+    #[inline]
+    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchSample> {
+        let o = from.as_dvec3();
+        if let Some(view) = self.view(o) {
+            let p = view.sample(o, u, self)?;
+            let pdf = (1.0 / view.solid_angle()) as f32;
+            return Some(self.place(p, pdf));
+        }
+        let drawn = self.sample_area(u)?;
+        let pdf = per_solid_angle(drawn.pdf, from, drawn.p, drawn.n)?;
+        Some(PatchSample { pdf, ..drawn })
+    }
+
+    /// Density per solid angle at `from` with which [`Patch::sample`] draws the place `p` of this piece.
+    ///
+    /// * `n`: unit geometric normal at `p`
+    #[inline]
+    pub fn pdf(&self, from: Vec3, p: Vec3, n: Vec3) -> f32 {
+        match self.view(from.as_dvec3()) {
+            Some(view) => (1.0 / view.solid_angle()) as f32,
+            None => per_solid_angle(self.pdf_area(p), from, p, n).unwrap_or(0.0),
+        }
+    }
+
+    /// A place drawn for nobody, its density per area.
+    pub fn sample_area(&self, u: Vec2) -> Option<PatchSample> {
+        let (x, y) = (f64::from(u.x), f64::from(u.y));
+        let p = match self {
+            Patch::Triangle([a, b, c]) => {
+                let root = x.sqrt();
+                a + root * (1.0 - y) * (b - a) + root * y * (c - a)
+            }
+            Patch::Quad(QuadPatch { corner, edges: [a, b] }) => corner + x * a + y * b,
+            Patch::Disk(disk) => disk.point(x, y),
+            Patch::Sphere { center, radius } => center + *radius * on_unit_sphere(x, y),
+            Patch::Curved(curved) => curved.point(x, y),
+        };
+        let placed = self.place(p, 0.0);
+        let pdf = self.pdf_area(placed.p);
+        (pdf.is_finite() && pdf > 0.0).then_some(PatchSample { pdf, ..placed })
+    }
+
+    /// Density per area with which [`Patch::sample_area`] draws the place `p`.
+    pub fn pdf_area(&self, p: Vec3) -> f32 {
+        match self {
+            Patch::Curved(curved) => curved.pdf_area(p.as_dvec3()) as f32,
+            _ => (1.0 / self.area()) as f32,
+        }
+    }
+
+    /// How the piece is seen from `o`, where it is drawn by solid angle.
+    fn view(&self, o: DVec3) -> Option<View> {
+        let view = match self {
+            Patch::Triangle(corners) => View::Triangle(SphericalTriangle::new(o, *corners)?),
+            Patch::Quad(quad) if quad.is_rectangle() => {
+                View::Rectangle(SphericalRectangle::new(o, quad.corner, quad.edges)?)
+            }
+            Patch::Quad(quad) => {
+                let [first, second] = quad.halves().map(|half| SphericalTriangle::new(o, half));
+                View::Halves([first?, second?])
+            }
+            Patch::Sphere { center, radius } => {
+                let reach = o.distance_squared(*center) / (radius * radius);
+                if reach < 1.0 / ON_SPHERE {
+                    View::Around
+                } else if reach > ON_SPHERE {
+                    View::Cap(SphericalCap::new(o, *center, *radius)?)
+                } else {
+                    return None;
+                }
+            }
+            Patch::Disk(_) | Patch::Curved(_) => return None,
+        };
+        let flat = !matches!(view, View::Cap(_) | View::Around);
+        let usable = !flat || (SMALLEST_SOLID_ANGLE..LARGEST_SOLID_ANGLE).contains(&view.solid_angle());
+        usable.then_some(view)
+    }
+
+    /// Where the ray from `o` along the unit vector `d` meets a sphere: at the nearer or the farther crossing by `side`.
+    fn along(&self, o: DVec3, d: DVec3, side: f64) -> Option<DVec3> {
+        let Patch::Sphere { center, radius } = *self else { return None };
+        let to_center = center - o;
+        let along = to_center.dot(d);
+        // A direction on the very rim touches at the middle of its chord.
+        let half_chord2 = radius * radius - (to_center - along * d).length_squared();
+        let p = o + (along + side * half_chord2.max(0.0).sqrt()) * d;
+        Some(center + radius * (p - center).normalize_or(DVec3::Z))
+    }
+
+    /// A place with its normal and the bound on its error.
+    fn place(&self, p: DVec3, pdf: f32) -> PatchSample {
+        let n = match self {
+            Patch::Sphere { center, .. } => (p - center).normalize_or(DVec3::Z),
+            Patch::Curved(curved) => curved.normal(p),
+            _ => self.normal().unwrap_or(DVec3::Z),
+        };
+        let single = p.as_vec3();
+        let p_error = gamma(4) * (single.abs() + self.reach());
+        PatchSample { p: single, p_error, n: n.as_vec3(), pdf }
+    }
+
+    /// The size of the coordinates that a place is put together from.
+    fn reach(&self) -> Vec3 {
+        match self {
+            Patch::Triangle([a, b, c]) => a.abs().max(b.abs()).max(c.abs()).as_vec3(),
+            Patch::Quad(QuadPatch { corner, edges: [a, b] }) => (corner.abs() + a.abs() + b.abs()).as_vec3(),
+            Patch::Disk(DiskPatch { center, axes: [a, b], .. }) => {
+                (center.abs() + a.abs() + b.abs()).as_vec3()
+            }
+            Patch::Sphere { center, radius } => (center.abs() + *radius).as_vec3(),
+            Patch::Curved(curved) => curved.bounds().max.abs().max(curved.bounds().min.abs()),
+        }
+    }
+}
+
+/// Density per solid angle at `from` of a density per area at `p`; `None` where the place is seen edge on.
+#[inline]
+pub(crate) fn per_solid_angle(pdf_area: f32, from: Vec3, p: Vec3, n: Vec3) -> Option<f32> {
+    let to = p - from;
+    let distance2 = to.length_squared();
+    let cos = (to.dot(n) / distance2.sqrt()).abs();
+    let pdf = pdf_area * distance2 / cos;
+    (pdf.is_finite() && pdf > 0.0).then_some(pdf)
+}
+
+/// A piece as a point sees it.
+enum View {
+    Triangle(SphericalTriangle),
+    Rectangle(SphericalRectangle),
+    /// The two triangles of a parallelogram.
+    Halves([SphericalTriangle; 2]),
+    Cap(SphericalCap),
+    /// A sphere from inside.
+    Around,
+}
+
+impl View {
+    fn solid_angle(&self) -> f64 {
+        match self {
+            View::Triangle(view) => view.solid_angle(),
+            View::Rectangle(view) => view.solid_angle(),
+            View::Halves([a, b]) => a.solid_angle() + b.solid_angle(),
+            View::Cap(view) => view.solid_angle(),
+            View::Around => SPHERE,
+        }
+    }
+
+    /// A place of `patch` whose direction from `o` is uniform over the view.
+    fn sample(&self, o: DVec3, u: Vec2, patch: &Patch) -> Option<DVec3> {
+        match self {
+            View::Triangle(view) => onto_plane(o, view.sample(u), patch),
+            View::Rectangle(view) => Some(o + view.sample(u)),
+            View::Halves([a, b]) => {
+                let share = (a.solid_angle() / self.solid_angle()) as f32;
+                let (half, x) =
+                    if u.x < share { (a, u.x / share) } else { (b, (u.x - share) / (1.0 - share)) };
+                onto_plane(o, half.sample(Vec2::new(x.min(1.0f32.next_down()), u.y)), patch)
+            }
+            View::Cap(view) => patch.along(o, view.sample(u), -1.0),
+            View::Around => patch.along(o, on_unit_sphere(u.x.into(), u.y.into()), 1.0),
+        }
+    }
+}
+
+/// Where the ray from `o` along `d` meets the plane of a flat piece.
+fn onto_plane(o: DVec3, d: DVec3, patch: &Patch) -> Option<DVec3> {
+    let corner = match patch {
+        Patch::Triangle([a, ..]) => *a,
+        Patch::Quad(quad) => quad.corner,
+        _ => return None,
+    };
+    let n = patch.normal()?;
+    let t = n.dot(corner - o) / n.dot(d);
+    (t.is_finite() && t > 0.0).then(|| o + t * d)
+}
+
+impl QuadPatch {
+    /// Whether the edges are perpendicular up to rounding.
+    fn is_rectangle(&self) -> bool {
+        let [a, b] = self.edges;
+        a.dot(b).abs() <= 1e-6 * a.length() * b.length()
+    }
+
+    fn halves(&self) -> [[DVec3; 3]; 2] {
+        let QuadPatch { corner: p, edges: [a, b] } = *self;
+        [[p, p + a, p + a + b], [p, p + a + b, p + b]]
+    }
+}
+
+impl DiskPatch {
+    fn area(&self) -> f64 {
+        PI * (1.0 - self.inner * self.inner) * self.axes[0].cross(self.axes[1]).length()
+    }
+
+    fn point(&self, x: f64, y: f64) -> DVec3 {
+        let inner2 = self.inner * self.inner;
+        let (r, phi) = ((inner2 + x * (1.0 - inner2)).sqrt(), TAU * y);
+        self.center + r * (fmath::cos64(phi) * self.axes[0] + fmath::sin64(phi) * self.axes[1])
+    }
+}
+
+impl CurvedPatch {
+    /// Area by the midpoint rule over the surface's own coordinates.
+    fn measured_area(&self) -> f64 {
+        const STEPS: u32 = 128;
+        let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(STEPS);
+        let places = (0..STEPS * STEPS).map(|i| self.canonical(middle(i / STEPS), middle(i % STEPS)));
+        let mean: f64 = places.map(|q| self.stretch(q)).sum::<f64>() / f64::from(STEPS * STEPS);
+        mean * self.canonical_area()
+    }
+
+    fn canonical_area(&self) -> f64 {
+        match self.surface {
+            Canonical::Sphere => 4.0 * PI,
+            Canonical::Frustum([r0, r1]) => PI * (r0 + r1) * (1.0 + (r1 - r0) * (r1 - r0)).sqrt(),
+        }
+    }
+
+    /// A place of the canonical surface, uniform over its area.
+    fn canonical(&self, x: f64, y: f64) -> DVec3 {
+        match self.surface {
+            Canonical::Sphere => on_unit_sphere(x, y),
+            Canonical::Frustum([r0, r1]) => {
+                let r = (r0 * r0 + x * (r1 * r1 - r0 * r0)).max(0.0).sqrt();
+                let z = if r1 == r0 { x } else { (r - r0) / (r1 - r0) };
+                DVec3::new(r * fmath::cos64(TAU * y), r * fmath::sin64(TAU * y), z)
+            }
+        }
+    }
+
+    fn point(&self, x: f64, y: f64) -> DVec3 {
+        self.map.transform_point3(self.canonical(x, y))
+    }
+
+    fn canonical_normal(&self, q: DVec3) -> DVec3 {
+        match self.surface {
+            Canonical::Sphere => q.normalize_or(DVec3::Z),
+            Canonical::Frustum([r0, r1]) => {
+                let out = DVec3::new(q.x, q.y, 0.0).normalize_or(DVec3::X);
+                (out + (r0 - r1) * DVec3::Z).normalize()
+            }
+        }
+    }
+
+    /// How much area the map makes of area at a place of the canonical surface.
+    fn stretch(&self, q: DVec3) -> f64 {
+        let normal = self.inverse.matrix3.transpose() * self.canonical_normal(q);
+        self.map.matrix3.determinant().abs() * normal.length()
+    }
+
+    fn normal(&self, p: DVec3) -> DVec3 {
+        let q = self.inverse.transform_point3(p);
+        (self.inverse.matrix3.transpose() * self.canonical_normal(q)).normalize_or(DVec3::Z)
+    }
+
+    fn pdf_area(&self, p: DVec3) -> f64 {
+        1.0 / (self.canonical_area() * self.stretch(self.inverse.transform_point3(p)))
+    }
+
+    fn bounds(&self) -> Aabb {
+        let m = &self.map.matrix3;
+        let around = |center: DVec3, reach: DVec3| Aabb {
+            min: (center - reach).as_vec3(),
+            max: (center + reach).as_vec3(),
+        };
+        match self.surface {
+            Canonical::Sphere => {
+                let rows = m.transpose();
+                let reach = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+                around(self.map.translation, reach)
+            }
+            Canonical::Frustum([r0, r1]) => {
+                let reach = ellipse_reach([m.x_axis, m.y_axis]);
+                around(self.map.translation, r0 * reach)
+                    .union(around(self.map.translation + m.z_axis, r1 * reach))
+            }
+        }
+    }
+}
+
+/// A place on the unit sphere, uniform over it.
+fn on_unit_sphere(x: f64, y: f64) -> DVec3 {
+    let z = 1.0 - 2.0 * x;
+    let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * y);
+    DVec3::new(r * fmath::cos64(phi), r * fmath::sin64(phi), z)
+}
+
+/// How far an ellipse with these half axes reaches along each coordinate.
+fn ellipse_reach([a, b]: [DVec3; 2]) -> DVec3 {
+    (a * a + b * b).map(f64::sqrt)
+}
+
+/// The factor of a map that keeps all angles, if it does.
+fn scale_of_similarity(m: &DMat3) -> Option<f64> {
+    let columns = [m.x_axis, m.y_axis, m.z_axis];
+    let scale2 = columns[0].length_squared();
+    let same = |v: f64, expected: f64| (v - expected).abs() <= 1e-9 * scale2;
+    let keeps =
+        (0..3).all(|i| (0..3).all(|j| same(columns[i].dot(columns[j]), if i == j { scale2 } else { 0.0 })));
+    keeps.then(|| scale2.sqrt())
+}

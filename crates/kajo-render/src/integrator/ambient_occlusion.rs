@@ -1,0 +1,48 @@
+//! Ambient occlusion: how open the surroundings of a surface are.
+//!
+//! ```text
+//! L = 1/pi  integral over the hemisphere of  V(w) cos  dw
+//! ```
+//!
+//! with `V` 1 where nothing is nearer than a given distance along `w`. One direction a sample, drawn by the
+//! cosine, so that the estimate is the mean of `V` [Zhukov et al. 1998].
+
+use kajo_core::RayOffset;
+use kajo_core::scene::{Event, Scene};
+use kajo_math::{Frame, Vec2, warp};
+
+use super::view::View;
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
+
+/// The ambient occlusion integrator over one scene and one picture size.
+pub struct AmbientOcclusion<'a> {
+    view: View<'a>,
+    reach: f32,
+}
+
+impl<'a> AmbientOcclusion<'a> {
+    /// * `reach`: distance beyond which nothing hides the light; may be infinite
+    pub fn new(scene: &'a Scene, reach: f32, size: [u32; 2], layers: LayerSet) -> AmbientOcclusion<'a> {
+        AmbientOcclusion { view: View::new(scene, size, layers), reach }
+    }
+}
+
+impl PixelIntegrator for AmbientOcclusion<'_> {
+    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let mut draws = ctx.draws;
+        let Some(ray) = self.view.ray(raster, &mut draws).0 else { return PixelSample::default() };
+        ctx.rays.camera += 1;
+        let Event::Surface(at) = self.view.scene.trace(&ray) else {
+            return PixelSample { radiance: [1.0; 3], first: None };
+        };
+        let towards_viewer = if ray.d.dot(at.point.n) > 0.0 { -at.point.n } else { at.point.n };
+        let wi = Frame::from_normal(towards_viewer).to_world(warp::cosine_hemisphere(draws.next_2d()));
+        ctx.rays.shadow += 1;
+        // Below the true surface of a shading normal there is only that surface.
+        let below = wi.dot(at.point.ng) * ray.d.dot(at.point.ng) > 0.0;
+        let shadow = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
+        let hidden = below || self.view.scene.occluded(&shadow);
+        let open = if hidden { 0.0 } else { 1.0 };
+        PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at)) }
+    }
+}

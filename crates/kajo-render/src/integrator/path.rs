@@ -1,0 +1,97 @@
+//! Path tracing [Kajiya 1986].
+//!
+//! The radiance along a camera ray is the integral over all paths `x0 x1 ... xn` from the camera to a lamp,
+//!
+//! ```text
+//! L = sum over n of  Le(xn) prod over k of  f(xk) |cos| / p
+//! ```
+//!
+//! estimated by one path that is prolonged by the surfaces' own scattering. At every surface the light of one lamp is
+//! added as well, drawn by what it may contribute. A lamp that is met by chance and one that was drawn are two
+//! estimates of the same light; each counts with the weight `p^2 / (p^2 + q^2)` of its density against the other's
+//! [Veach and Guibas 1995]. Paths that carry little end at random, and the survivors count more [Arvo and
+//! Kirk 1990].
+//!
+//! In spectral mode the path carries four wavelengths; where its direction comes to depend on the first of them
+//! the others end.
+
+use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_core::light::LightChoice;
+use kajo_core::scene::Scene;
+use kajo_core::settings::{Directions, Technique};
+use kajo_math::Vec2;
+
+use super::view::View;
+use super::walk::Walk;
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
+
+/// Options of [`Path`].
+#[derive(Clone, Copy, Debug)]
+pub struct PathSettings {
+    /// How often light is scattered on its way from one surface to another; 0 shows what lamps light themselves.
+    pub bounces: u32,
+    /// Whether paths go on from mirrors and glass only, so that nothing but direct light is seen.
+    pub only_mirrors: bool,
+    /// How direct light is estimated.
+    pub technique: Technique,
+    /// How lamps are chosen.
+    pub light_choice: LightChoice,
+    /// How directions are drawn.
+    pub directions: Directions,
+    /// Paths that go on from the first surface that is no mirror: more than one is distribution ray tracing
+    /// [Cook et al. 1984].
+    pub branches: u32,
+    /// Whether paths of little weight end at random.
+    pub roulette: bool,
+    /// Whether light is followed by wavelength.
+    pub spectral: bool,
+}
+
+impl Default for PathSettings {
+    fn default() -> PathSettings {
+        PathSettings {
+            bounces: 16,
+            only_mirrors: false,
+            technique: Technique::Combined,
+            light_choice: LightChoice::Tree,
+            directions: Directions::Scattering,
+            branches: 1,
+            roulette: true,
+            spectral: false,
+        }
+    }
+}
+
+/// The path tracer over one scene and one picture size.
+pub struct Path<'a> {
+    view: View<'a>,
+    settings: PathSettings,
+}
+
+impl<'a> Path<'a> {
+    /// The integrator for a picture of `size` pixels with these `layers`.
+    pub fn new(scene: &'a Scene, settings: PathSettings, size: [u32; 2], layers: LayerSet) -> Path<'a> {
+        Path { view: View::new(scene, size, layers), settings }
+    }
+}
+
+impl PixelIntegrator for Path<'_> {
+    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let mut draws = ctx.draws;
+        let (ray, u) = self.view.ray(raster, &mut draws);
+        let Some(ray) = ray else { return PixelSample::default() };
+        let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
+        ctx.rays.camera += 1;
+        let mut walk = Walk::new(&self.view, &self.settings, ray, wavelengths, draws);
+        walk.run();
+        ctx.rays += walk.rays;
+        let (radiance, first, albedo) = (walk.finished(), walk.first, walk.albedo);
+        if self.view.wants_albedo() {
+            ctx.aux.albedo = sensor::to_rgb(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
+        }
+        PixelSample { radiance, first: first.map(|at| self.view.first_hit(&at)) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

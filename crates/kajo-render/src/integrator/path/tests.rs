@@ -1,0 +1,167 @@
+//! Path tracing against closed forms.
+
+use kajo_core::compile::{CompileOptions, compile};
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_core::settings::Directions;
+use kajo_scene::{MemoryAssets, SceneDesc};
+use kajo_testkit::Estimate;
+
+use super::*;
+
+fn scene(text: &str) -> Scene {
+    let mut parsed = SceneDesc::parse_str(text);
+    let scene =
+        compile(&mut parsed.desc, &MemoryAssets::new(), &CompileOptions::default(), &mut parsed.diagnostics);
+    scene.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
+}
+
+/// A camera that looks through a pixel at about a point, in a black world.
+fn camera(from: [f32; 3], to: [f32; 3]) -> String {
+    let [a, b, c] = from;
+    let [x, y, z] = [to[0] - a, to[1] - b, to[2] - c];
+    format!(
+        "PerspectiveCamera {{ center {a} {b} {c}  direction {x} {y} {z}  up 0.1 0.9 0.2  angle 0.01 }}
+         Background {{ color 0 0 0 }}"
+    )
+}
+
+/// The mean of a lane of the picture's single pixel over batches of paths.
+fn mean(scene: &Scene, settings: PathSettings, paths: u32, lane: usize) -> Estimate {
+    let path = Path::new(scene, settings, [1, 1], LayerSet::of(&[]));
+    let sampler = Sampler::new(SamplerKind::Uniform, paths);
+    Estimate::of_batches(|batch| {
+        let mut ctx = SampleContext::new(&sampler, 0);
+        let sum: f64 = (0..paths)
+            .map(|k| {
+                let place = ctx.begin([0, batch], k);
+                f64::from(path.sample(&mut ctx, [0, 0], place).radiance[lane])
+            })
+            .sum();
+        sum / f64::from(paths)
+    })
+}
+
+#[track_caller]
+fn check(scene: &Scene, settings: PathSettings, paths: u32, expected: f64) {
+    let found = mean(scene, settings, paths, 0);
+    // Estimates without variance differ by rounding in single precision.
+    if (found.mean / expected - 1.0).abs() < 1e-5 {
+        return;
+    }
+    if let Err(complaint) = found.check(expected, 0.01) {
+        panic!("{settings:?}: {complaint}");
+    }
+}
+
+const TECHNIQUES: [Technique; 3] = [Technique::Combined, Technique::Lamps, Technique::Scattering];
+
+#[test]
+fn a_glowing_room_is_as_bright_as_its_series() {
+    let shells = [
+        "Sphere { center 0 0 0 radius 1 }",
+        "Box { min -1 -1.2 -1 max 1.1 1 1 }",
+        "Cylinder { base 0 -1 0 top 0 1 0 radius 1 }",
+        "Transform { Scale 1 2 1.5 YRotate 30 Sphere { center 0 0 0 radius 0.7 } }",
+    ];
+    for shell in shells {
+        let view = camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5]);
+        let material = "Materials { Material m { diffuseColor 0.5 0.5 0.5  emission 1 1 1 } }";
+        let scene = scene(&format!("{view} {material} Group {{ MaterialIndex m {shell} }}"));
+        for technique in TECHNIQUES {
+            let settings = PathSettings { bounces: 100, technique, ..PathSettings::default() };
+            check(&scene, settings, 400, 2.0);
+            // Direct light and one bounce more: 1 + 1/2 + 1/4.
+            check(&scene, PathSettings { bounces: 1, ..settings }, 400, 1.75);
+        }
+        let settings = PathSettings { bounces: 1, ..PathSettings::default() };
+        for directions in [Directions::Cosine, Directions::Uniform] {
+            check(&scene, PathSettings { directions, ..settings }, 400, 1.75);
+            check(&scene, PathSettings { directions, branches: 4, ..settings }, 200, 1.75);
+        }
+    }
+}
+
+#[test]
+fn a_square_lamp_lights_a_floor_as_lambert_says() {
+    let view = camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0]);
+    let text = format!(
+        "{view} Materials {{ Material floor {{ diffuseColor 0.7 0.7 0.7 }}
+                             Material lamp {{ diffuseColor 0 0 0  emission 3 3 3 emits front }} }}
+         Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
+                  MaterialIndex lamp Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}"
+    );
+    let expected = 0.7 / std::f64::consts::PI * 3.0 * 0.752_275;
+    for technique in TECHNIQUES {
+        let settings = PathSettings { bounces: 1, technique, ..PathSettings::default() };
+        check(&scene(&text), settings, 2000, expected);
+    }
+    // Its back gives no light.
+    let dark = text.replace("emits front", "emits back");
+    assert_eq!(mean(&scene(&dark), PathSettings::default(), 50, 0).mean, 0.0);
+    // With direct light alone the lamp and the light it casts are there.
+    let settings = PathSettings { only_mirrors: true, ..PathSettings::default() };
+    check(&scene(&text), settings, 2000, expected);
+}
+
+#[test]
+fn a_point_lamp_in_a_white_ball_lights_it_evenly() {
+    // Direct light and what all bounces add: I (cos/d^2 + rho/(1-rho)/R^2) rho/pi.
+    let view = camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0]);
+    let text = format!(
+        "{view} Lights {{ PointLight {{ position 0.5 0 0  intensity 1 1 1 }} }}
+         Materials {{ Material m {{ diffuseColor 0.8 0.8 0.8 }} }}
+         Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}"
+    );
+    let settings = PathSettings { bounces: 200, ..PathSettings::default() };
+    check(&scene(&text), settings, 1000, 1.131_768);
+}
+
+#[test]
+fn glass_in_an_even_world_is_not_to_be_seen() {
+    let text = format!(
+        "{} Materials {{ Material glass {{ diffuseColor 0 0 0 transparentColor 1 1 1 indexOfRefraction 1.5 }} }}
+         Group {{ MaterialIndex glass Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.0, 0.0, 4.0], [0.3, 0.5, 0.0]).replace("color 0 0 0", "color 1 1 1")
+    );
+    let settings = PathSettings { bounces: 100, ..PathSettings::default() };
+    let found = mean(&scene(&text), settings, 200, 0);
+    assert!((found.mean - 1.0).abs() < 1e-3, "{found:?}");
+}
+
+#[test]
+fn colour_and_wavelengths_agree() {
+    let view = camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5]);
+    let text = format!(
+        "{view} Materials {{ Material m {{ diffuseColor 0.6 0.4 0.2  emission 1 1 1 }} }}
+         Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}"
+    );
+    let scene = scene(&text);
+    let settings = PathSettings { bounces: 1, spectral: true, ..PathSettings::default() };
+    // Products of spectra are not those of colours: compare the one bounce that has none, and roughly the rest.
+    let direct = PathSettings { bounces: 0, ..settings };
+    for (lane, albedo) in [(0, 0.6), (1, 0.4), (2, 0.2)] {
+        if let Err(complaint) = mean(&scene, direct, 6000, lane).check(1.0 + albedo, 0.01) {
+            panic!("lane {lane}: {complaint}");
+        }
+        let found = mean(&scene, settings, 4000, lane).mean;
+        let expected = 1.0 + albedo + albedo * albedo;
+        assert!((found / expected - 1.0).abs() < 0.1, "lane {lane}: {found} for {expected}");
+    }
+}
+
+#[test]
+fn nested_bodies_of_one_index_are_one_body() {
+    // Water inside glass that overlaps it: with equal indices nothing is bent or mirrored where they meet, and
+    // the world behind is seen as through one ball.
+    let ball = |inner: &str| {
+        format!(
+            "{} Materials {{ Material glass {{ diffuseColor 0 0 0 transparentColor 1 1 1 indexOfRefraction 1.3 }} }}
+             Group {{ MaterialIndex glass Sphere {{ center 0 0 0 radius 1 }} {inner} }}",
+            camera([0.0, 0.0, 4.0], [0.3, 0.5, 0.0]).replace("color 0 0 0", "color 0.5 0.5 0.5")
+        )
+    };
+    let settings = PathSettings { bounces: 100, ..PathSettings::default() };
+    let inner = "Sphere { center 0.1 0 0 radius 0.6 }";
+    let found = mean(&scene(&ball(inner)), settings, 200, 0).mean;
+    assert!((found - 0.5).abs() < 1e-3, "{found}");
+}

@@ -1,0 +1,48 @@
+//! The camera's part of an integrator: rays through places of the picture, and what layers record of the first
+//! surface.
+
+use kajo_core::sampler::Draws;
+use kajo_core::scene::{Interaction, Scene};
+use kajo_math::{Ray, Vec2};
+
+use crate::{FirstHit, Layer, LayerSet};
+
+/// A scene as its camera sees it in a picture of some size.
+pub(super) struct View<'a> {
+    pub scene: &'a Scene,
+    size: [u32; 2],
+    layers: LayerSet,
+}
+
+impl<'a> View<'a> {
+    pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> View<'a> {
+        View { scene, size, layers }
+    }
+
+    /// The camera ray through a place of the picture, in pixels from its top left corner, and the uniform number
+    /// that chooses its wavelengths; no ray where the camera shows nothing.
+    pub fn ray(&self, raster: Vec2, draws: &mut Draws<'_>) -> (Option<Ray>, f32) {
+        let (lens, _time, wavelength) = (draws.next_2d(), draws.next_1d(), draws.next_1d());
+        let [w, h] = self.size.map(|n| n as f32);
+        let at = if self.scene.rules.corner_samples {
+            let across = |x: f32, n: f32| if n > 1.0 { 2.0 * (x - 0.5) / (n - 1.0) - 1.0 } else { 0.0 };
+            Vec2::new(across(raster.x, w), -across(raster.y, h))
+        } else {
+            Vec2::new(2.0 * raster.x / w - 1.0, 1.0 - 2.0 * raster.y / h)
+        };
+        (self.scene.camera.ray(at, w / h, lens), wavelength)
+    }
+
+    /// Whether the layers record albedos.
+    pub fn wants_albedo(&self) -> bool {
+        self.layers.has(Layer::Albedo)
+    }
+
+    /// What the layers record of a surface.
+    pub fn first_hit(&self, at: &Interaction) -> FirstHit {
+        let uv = if self.layers.has(Layer::Uv) { self.scene.uv(at) } else { Vec2::ZERO };
+        let numbered = self.layers.has(Layer::MaterialId);
+        let material = if numbered { self.scene.material_number(at.material) } else { 0 };
+        FirstHit { t: at.hit.t, n: at.point.n, uv, object: at.primitive + 1, material }
+    }
+}

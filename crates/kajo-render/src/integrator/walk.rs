@@ -1,0 +1,382 @@
+//! One path while it is being made, for the integrators that follow paths from the camera.
+
+use std::f32::consts::FRAC_1_PI;
+
+use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_core::RayOffset;
+use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
+use kajo_core::lighting::Receiver;
+use kajo_core::sampler::Draws;
+use kajo_core::scene::{Event, Interaction, Scene};
+use kajo_core::settings::{Directions, Technique};
+use kajo_math::{Frame, Ray, Vec2, Vec3, warp};
+
+use super::bodies::{Bodies, Boundary};
+use super::path::PathSettings;
+use super::view::View;
+use crate::RayCounters;
+
+/// Bounces after which paths may end at random.
+const SAFE_BOUNCES: u32 = 3;
+
+/// The largest chance to go on at random ends: a path between perfect mirrors must end some day.
+const LARGEST_SURVIVAL: f32 = 0.98;
+
+/// A path while it is being made.
+pub(super) struct Walk<'a, 'b> {
+    view: &'a View<'a>,
+    settings: &'a PathSettings,
+    draws: Draws<'b>,
+    /// Rays cast so far.
+    pub rays: RayCounters,
+    ray: Ray,
+    wavelengths: Wavelengths,
+    /// What later light is multiplied by.
+    throughput: Spectrum,
+    /// The same without the squeezing of rays at boundaries, which a later one undoes.
+    squeeze: f32,
+    /// Light found under the present wavelengths.
+    light: Spectrum,
+    /// What the sensor has of light found under earlier ones.
+    seen: [f32; 3],
+    bodies: Bodies,
+    bounces: u32,
+    /// How the present ray was found.
+    origin: Origin,
+    /// Whether the present ray is followed for lamps that it may meet, and no further.
+    ends_at_lamps: bool,
+    /// Whether the path has split up.
+    is_branch: bool,
+    /// The first surface.
+    pub first: Option<Interaction>,
+    /// The albedo of the first surface that is no mirror.
+    pub albedo: Option<Spectrum>,
+}
+
+/// How a ray was found, to weigh what it meets.
+#[derive(Clone, Copy)]
+struct Origin {
+    /// Where it started.
+    receiver: Receiver,
+    /// The density of its direction; `None` where lamps could not have been drawn.
+    pdf: Option<f32>,
+}
+
+impl<'a, 'b> Walk<'a, 'b> {
+    /// A path that starts with a camera ray.
+    pub fn new(
+        view: &'a View<'a>,
+        settings: &'a PathSettings,
+        ray: Ray,
+        wavelengths: Wavelengths,
+        draws: Draws<'b>,
+    ) -> Walk<'a, 'b> {
+        Walk {
+            view,
+            settings,
+            draws,
+            rays: RayCounters::default(),
+            ray,
+            wavelengths,
+            throughput: Spectrum::WHITE,
+            squeeze: 1.0,
+            light: Spectrum::BLACK,
+            seen: [0.0; 3],
+            bodies: Bodies::default(),
+            bounces: 0,
+            origin: Origin { receiver: Receiver::default(), pdf: None },
+            ends_at_lamps: false,
+            is_branch: false,
+            first: None,
+            albedo: None,
+        }
+    }
+
+    fn scene(&self) -> &'a Scene {
+        self.view.scene
+    }
+
+    /// Follows the path to its end.
+    pub fn run(&mut self) {
+        loop {
+            let Event::Surface(at) = self.scene().trace(&self.ray) else {
+                self.escape();
+                return;
+            };
+            if let Some(absorption) = self.bodies.absorption() {
+                let distance = at.hit.t * self.ray.d.length();
+                self.throughput *= (absorption * -distance).exp();
+            }
+            if self.first.is_none() {
+                self.first = Some(at);
+            }
+            let boundary = self.boundary(&at);
+            if let Some(boundary) = boundary.filter(|boundary| !boundary.is_real) {
+                self.bodies = self.bodies.beyond(&boundary);
+                self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
+                continue;
+            }
+            self.meet_lamp(&at);
+            if self.ends_at_lamps || !self.scatter(&at, boundary.as_ref()) {
+                return;
+            }
+        }
+    }
+
+    /// The light of the whole path as the sensor sees it.
+    pub fn finished(&self) -> [f32; 3] {
+        let rest = sensor::to_rgb(self.light, &self.wavelengths);
+        [0, 1, 2].map(|i| self.seen[i] + rest[i])
+    }
+
+    /// How the path meets the surface of a body that light passes.
+    fn boundary(&mut self, at: &Interaction) -> Option<Boundary> {
+        let interior = self.scene().interior(at, &self.wavelengths)?;
+        Some(self.bodies.meet(at.primitive, interior, self.ray.d.dot(at.point.ng) < 0.0))
+    }
+
+    /// Follows one wavelength from here on.
+    fn end_secondary_wavelengths(&mut self) {
+        if self.wavelengths.is_spectral() && !self.wavelengths.secondary_terminated() {
+            self.seen = self.finished();
+            self.light = Spectrum::BLACK;
+            self.wavelengths.terminate_secondary();
+        }
+    }
+
+    /// The weight of light that was met by chance; `drawn` is the density with which it would have been drawn.
+    fn weight_of_chance(&self, drawn: impl FnOnce(&Receiver) -> f32) -> f32 {
+        match (self.origin.pdf, self.settings.technique) {
+            (None, _) | (_, Technique::Scattering) => 1.0,
+            (Some(_), Technique::Lamps) => 0.0,
+            (Some(pdf), Technique::Combined) => power_heuristic(pdf, drawn(&self.origin.receiver)),
+        }
+    }
+
+    fn escape(&mut self) {
+        let radiance = self.scene().background.radiance(self.ray.d, &self.wavelengths);
+        if !radiance.is_black() {
+            let choice = self.settings.light_choice;
+            let weight = self.weight_of_chance(|from| self.scene().sky_pdf(from, self.ray.d, choice));
+            self.light += self.throughput * radiance * weight;
+        }
+    }
+
+    fn meet_lamp(&mut self, at: &Interaction) {
+        let scene = self.scene();
+        if let Some(glow) = scene.glow(at, self.ray.d, &self.wavelengths) {
+            let choice = self.settings.light_choice;
+            let weight = self.weight_of_chance(|from| scene.glow_pdf(&glow, at, from, choice));
+            self.light += self.throughput * glow.radiance * weight;
+        }
+    }
+
+    /// Adds the light of a lamp and goes on from the surface; `false` when the path ends here.
+    fn scatter(&mut self, at: &Interaction, boundary: Option<&Boundary>) -> bool {
+        if boundary.is_some_and(|boundary| boundary.is_dispersive()) {
+            self.end_secondary_wavelengths();
+        }
+        let eta_outside = boundary.map_or(1.0, |boundary| boundary.eta_outside);
+        let bsdf = self.scene().bsdf(at, &self.wavelengths, eta_outside, self.draws.next_1d());
+        let local = Local::new(at, self.ray.d);
+        if self.albedo.is_none() && self.view.wants_albedo() && !bsdf.is_delta() {
+            self.albedo = Some(bsdf.albedo(local.wo));
+        }
+        if !bsdf.is_delta() && self.settings.technique != Technique::Scattering {
+            self.add_lamp(at, &bsdf, &local);
+        }
+        let splits = !self.is_branch && self.settings.branches > 1 && !bsdf.is_delta();
+        if !splits && self.settings.directions == Directions::Scattering {
+            return self.go_on(at, &bsdf, &local, boundary, Part::All);
+        }
+        let branches = if self.is_branch { 1 } else { self.settings.branches.max(1) };
+        for i in 0..if bsdf.is_delta() { 0 } else { branches } {
+            let mut branch = self.branch(i, branches);
+            if branch.go_on(at, &bsdf, &local, boundary, Part::Diffuse) {
+                branch.run();
+            }
+            let Walk { light, seen, wavelengths, draws, rays, .. } = branch;
+            (self.light, self.seen, self.wavelengths, self.rays) = (light, seen, wavelengths, rays);
+            if branches == 1 {
+                self.draws = draws;
+            }
+        }
+        self.go_on(at, &bsdf, &local, boundary, Part::Mirror)
+    }
+
+    /// Path `i` of `n` like this one from here on.
+    fn branch(&mut self, i: u32, n: u32) -> Walk<'a, 'b> {
+        Walk {
+            throughput: self.throughput * (1.0 / n as f32),
+            is_branch: true,
+            draws: if n > 1 { self.draws.split(0, i, n) } else { self.draws },
+            ..*self
+        }
+    }
+
+    /// Takes the path along a scattered ray; `false` when it ends.
+    fn go_on(
+        &mut self,
+        at: &Interaction,
+        bsdf: &Bsdf,
+        local: &Local,
+        boundary: Option<&Boundary>,
+        part: Part,
+    ) -> bool {
+        let (u, choice) = (self.draws.next_2d(), self.draws.next_1d());
+        let drawn = match (part, self.settings.directions) {
+            (Part::Diffuse, Directions::Cosine | Directions::Uniform) => {
+                self.hemisphere(bsdf, local.wo, u, choice)
+            }
+            _ => bsdf.sample(local.wo, u, choice, Transport::Radiance),
+        };
+        let wanted = |sample: &BsdfSample| match part {
+            Part::All => true,
+            Part::Diffuse => !sample.kind.delta,
+            Part::Mirror => sample.kind.delta,
+        };
+        let Some(sample) = drawn.filter(wanted) else { return false };
+        let Some(wi) = local.outgoing(&sample) else { return false };
+        let settings = self.settings;
+        self.ends_at_lamps =
+            self.bounces == settings.bounces || (settings.only_mirrors && !sample.kind.delta);
+        if self.ends_at_lamps && settings.technique == Technique::Lamps && !sample.kind.delta {
+            return false;
+        }
+        if sample.kind.transmission {
+            self.rays.refracted += 1;
+            self.bodies = boundary.map_or(self.bodies, |boundary| self.bodies.beyond(boundary));
+        } else {
+            self.rays.reflected += 1;
+        }
+        self.throughput *= sample.weight;
+        self.squeeze *= sample.eta * sample.eta;
+        self.origin = Origin {
+            receiver: Receiver { p: at.point.p, n: local.frame.n },
+            pdf: (!sample.kind.delta).then_some(sample.pdf),
+        };
+        self.ray = at.point.ray_towards(wi, f32::INFINITY, self.ray.time, RayOffset::Auto);
+        self.bounces += 1;
+        self.survives()
+    }
+
+    /// A direction drawn without regard to the surface's scattering, on either side if light passes.
+    fn hemisphere(&self, bsdf: &Bsdf, wo: Vec3, u: Vec2, choice: f32) -> Option<BsdfSample> {
+        let local = match self.settings.directions {
+            Directions::Uniform => warp::uniform_hemisphere(u),
+            _ => warp::cosine_hemisphere(u),
+        };
+        let other_side = bsdf.transmits() && choice < 0.5;
+        let side = if (wo.z > 0.0) == other_side { -1.0 } else { 1.0 };
+        let wi = Vec3::new(local.x, local.y, side * local.z);
+        let pdf = self.direction_pdf(bsdf, wo, wi);
+        let weight = bsdf.eval(wo, wi, Transport::Radiance) * (1.0 / pdf);
+        let kind = ScatterKind { transmission: other_side, delta: false, straight: false };
+        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight, pdf, kind, eta: 1.0 })
+    }
+
+    /// Density of a direction among those that [`Walk::go_on`] draws for surfaces that are no mirrors.
+    fn direction_pdf(&self, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> f32 {
+        let sides = if bsdf.transmits() { 0.5 } else { 1.0 };
+        let reachable = bsdf.transmits() || wo.z * wi.z > 0.0;
+        match self.settings.directions {
+            Directions::Scattering => bsdf.pdf(wo, wi),
+            _ if !reachable => 0.0,
+            Directions::Cosine => sides * wi.z.abs() * FRAC_1_PI,
+            Directions::Uniform => sides * 0.5 * FRAC_1_PI,
+        }
+    }
+
+    /// Adds the light of one lamp, drawn for this surface.
+    fn add_lamp(&mut self, at: &Interaction, bsdf: &Bsdf, local: &Local) {
+        let (u, place) = (self.draws.next_1d(), self.draws.next_2d());
+        let settings = &self.settings;
+        let receiver = Receiver { p: at.point.p, n: local.frame.n };
+        let drawn = self.scene().light_towards(&receiver, u, place, &self.wavelengths, settings.light_choice);
+        let Some(lamp) = drawn.filter(|lamp| !lamp.radiance.is_black()) else { return };
+        let wi = local.frame.to_local(lamp.wi);
+        if !local.agrees(lamp.wi, wi) {
+            return;
+        }
+        let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
+        if scattered.is_black() {
+            return;
+        }
+        self.rays.shadow += 1;
+        if self.scene().occluded(&at.point.ray_to_light(&lamp, self.ray.time)) {
+            return;
+        }
+        let weight = match settings.technique {
+            Technique::Combined if !lamp.is_delta => {
+                power_heuristic(lamp.pdf, self.direction_pdf(bsdf, local.wo, wi))
+            }
+            _ => 1.0,
+        };
+        self.light += self.throughput * scattered * lamp.radiance * (weight / lamp.pdf);
+    }
+
+    /// Whether the path goes on, decided at random where it carries little.
+    fn survives(&mut self) -> bool {
+        let carried = self.wavelengths.max_lane(self.throughput);
+        if carried.is_nan() || carried <= 0.0 {
+            return false;
+        }
+        if !self.settings.roulette || self.bounces <= SAFE_BOUNCES {
+            return true;
+        }
+        let chance = (carried * self.squeeze).min(LARGEST_SURVIVAL);
+        if self.draws.next_1d() >= chance {
+            return false;
+        }
+        self.throughput *= 1.0 / chance;
+        true
+    }
+}
+
+/// Which of a surface's scattering a path follows.
+#[derive(Clone, Copy)]
+enum Part {
+    All,
+    /// Without the single directions of mirrors and clear boundaries.
+    Diffuse,
+    /// Only those.
+    Mirror,
+}
+
+/// The shading frame at a surface and the direction back along the path.
+struct Local {
+    frame: Frame,
+    /// Unit direction to where the path came from, in the frame.
+    wo: Vec3,
+    /// Unit geometric normal on the side of the shading normal.
+    ng: Vec3,
+}
+
+impl Local {
+    fn new(at: &Interaction, d: Vec3) -> Local {
+        let back = -d.normalize_or_zero();
+        let ng = at.point.ng;
+        // A shading normal that turns a visible side away is none.
+        let n = if back.dot(at.point.n) * back.dot(ng) > 0.0 { at.point.n } else { ng };
+        let frame = Frame::from_normal(n);
+        Local { wo: frame.to_local(back), frame, ng }
+    }
+
+    /// Whether a direction is on the same side by the true surface as it is by the shading normal.
+    fn agrees(&self, world: Vec3, local: Vec3) -> bool {
+        world.dot(self.ng) * local.z > 0.0
+    }
+
+    /// A sampled direction in world space; `None` for one that the true surface hides.
+    fn outgoing(&self, sample: &BsdfSample) -> Option<Vec3> {
+        let wi = self.frame.to_world(sample.wi);
+        self.agrees(wi, sample.wi).then_some(wi)
+    }
+}
+
+/// Weight of an estimate of density `p` against another of density `q`.
+#[inline]
+fn power_heuristic(p: f32, q: f32) -> f32 {
+    // By their ratio, since the squares may overflow.
+    if p > q { 1.0 / (1.0 + (q / p) * (q / p)) } else { (p / q) * (p / q) / (1.0 + (p / q) * (p / q)) }
+}
