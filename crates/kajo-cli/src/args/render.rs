@@ -106,7 +106,7 @@ pub struct RenderArgs {
     pub roulette: Option<bool>,
     /// Occlusion: the distance beyond which nothing hides the light
     #[arg(long, value_name = "DISTANCE", help_heading = "Paths", value_parser = values::positive)]
-    pub reach: Option<f32>,
+    pub reach: Option<f64>,
 
     #[command(flatten)]
     pub passes: PassArgs,
@@ -159,7 +159,7 @@ impl RenderArgs {
             technique: self.technique,
             light_choice: self.light_choice,
             roulette: self.roulette,
-            reach: self.reach,
+            reach: self.reach.map(|reach| reach as f32),
         }
     }
 

@@ -181,12 +181,6 @@ pub fn weight(text: &str) -> Result<f32, String> {
     not_negative(text).map(|weight| weight as f32)
 }
 
-/// A number above zero.
-pub fn positive(text: &str) -> Result<f32, String> {
-    let value = not_negative(text)? as f32;
-    if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

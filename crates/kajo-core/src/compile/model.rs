@@ -16,7 +16,7 @@ use super::materials::absorption_of;
 use super::mesh::{corner_values, file_name};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
-use crate::material::MaterialId;
+use crate::material::{MaterialId, PhongMaterial};
 use crate::shape::{MeshData, ShapeId};
 
 /// Models read so far.
@@ -80,7 +80,11 @@ impl Compiler<'_> {
             self.warn_of_file(&key.path, "it shows no meshes", at);
         }
         let materials: Vec<Option<MaterialId>> = match key.own_materials {
-            true => model.materials.iter().map(|m| phong(m).store(&mut self.materials)).collect(),
+            true => model
+                .materials
+                .iter()
+                .map(|m| PhongMaterial::from(phong(m)).store(&mut self.materials))
+                .collect(),
             false => Vec::new(),
         };
         let mut meshes: Vec<Vec<Stored>> = Vec::with_capacity(model.meshes.len());
