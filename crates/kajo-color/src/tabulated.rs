@@ -236,6 +236,12 @@ mod tests {
     }
 
     #[test]
+    fn nearly_even_is_not_even() {
+        let table = Tabulated::new([(100.0, 0.0), (109.8, 1.0), (120.0, 0.0)], Outside::Zero).unwrap();
+        assert!((table.at(109.9) - (1.0 - 0.1 / 10.2)).abs() < 1e-5, "{}", table.at(109.9));
+    }
+
+    #[test]
     fn text_is_read() {
         let t =
             Tabulated::parse("# a paint\n400 0.5\n\n 450,0.6 # here\n500\t0.7\n600; 0.9\r\n", Outside::Clamp)
