@@ -53,6 +53,12 @@ impl Objects {
         self.labels.len()
     }
 
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let names: usize = self.names.iter().map(|name| name.len() + size_of_val(name)).sum();
+        size_of_val(&*self.labels) + names
+    }
+
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.labels.is_empty()

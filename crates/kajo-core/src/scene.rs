@@ -208,7 +208,8 @@ impl Scene {
     /// Bytes of geometry and its trees.
     pub fn bytes(&self) -> usize {
         let meshes: usize = self.shapes.meshes.iter().map(Surface::heap_bytes).sum();
-        meshes + self.bvh.stats().bytes + size_of_val(&*self.primitives) + size_of_val(&*self.transforms)
+        let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
+        meshes + self.bvh.stats().bytes + placed + self.objects.bytes()
     }
 
     pub(crate) fn world_bounds(&self, primitive: &Primitive) -> Aabb {

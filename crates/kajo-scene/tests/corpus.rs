@@ -154,17 +154,33 @@ fn mutate(seed: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     data
 }
 
+/// Shows what was tried when it makes a test fail.
+struct Tried<'a> {
+    name: String,
+    data: &'a [u8],
+}
+
+impl Drop for Tried<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            println!("{}: b\"{}\"", self.name, self.data.escape_ascii());
+        }
+    }
+}
+
+/// Checks all seeds, and mutations of them: fifty times as many with `KAJO_DEEP` set.
 fn run(name: &str, mutations: usize, check: impl Fn(&[u8])) {
+    let mutations = if std::env::var_os("KAJO_DEEP").is_some() { 50 * mutations } else { mutations };
     let seeds = corpus(name);
     for (path, data) in &seeds {
-        println!("{path}");
+        let _tried = Tried { name: path.clone(), data };
         check(data);
     }
     let mut random = Random(2);
     for i in 0..mutations {
         let other = random.below(seeds.len());
         let data = mutate(&seeds[i % seeds.len()].1, &seeds[other].1, &mut random);
-        println!("{i}: {:?}", String::from_utf8_lossy(&data));
+        let _tried = Tried { name: format!("mutation {i}"), data: &data };
         check(&data);
     }
 }

@@ -98,10 +98,10 @@ impl Compiler<'_> {
         for item in self.children(group) {
             match item.keyword() {
                 "numObjects" => count = Some(item),
-                "Define" => self.define(item, walk),
                 word => {
                     // A misspelt object was meant to be one.
-                    objects += usize::from(OBJECTS.contains(&word) || item.has_block());
+                    let is_object = OBJECTS.contains(&word) || (item.has_block() && word != "Define");
+                    objects += usize::from(is_object);
                     self.object(item, group.keyword(), place, walk);
                 }
             }
@@ -111,6 +111,7 @@ impl Compiler<'_> {
 
     fn object(&mut self, item: Item<'_>, parent: &str, place: &mut Place, walk: &mut Walk) {
         match item.keyword() {
+            "Define" => self.define(item, walk),
             "Group" => self.group(item, place, walk),
             "MaterialIndex" => {
                 let reference = Args::read(item, self.diagnostics, Reference::read);

@@ -469,6 +469,37 @@ fn exponential_nesting_is_refused_before_it_costs() {
     assert_eq!(said, ["with this there would be more than 100000 objects, the most that a scene may have"]);
 }
 
+/// Ten thousand objects; with `KAJO_DEEP` set, a million.
+#[test]
+fn many_instances_take_little_memory_and_are_all_hit() {
+    let side = if std::env::var_os("KAJO_DEEP").is_some() { 1000 } else { 100 };
+    let row: String = (0..side).map(|i| format!("Instance ball {{ Translate {i} 0 0 }} ")).collect();
+    let block: String = (0..side).map(|i| format!("Instance row {{ Translate 0 {i} 0 }} ")).collect();
+    let s = scene(&format!(
+        "{CAMERA}{RED}Group {{ Define ball {{ Sphere {{ center 0 0 0 radius 0.25 }} }} Define row {{ {row} }}
+         MaterialIndex 0 {block} }}"
+    ));
+    assert_eq!((s.primitives.len(), s.shapes.spheres.len()), (side * side, 1));
+    let each = s.bytes() / s.primitives.len();
+    assert!(each < 250, "{each} bytes an object");
+    for i in 0..side {
+        let (x, y) = (i as f32, (i * 7 % side) as f32);
+        let (p, _, _) = look(&s, x, y).unwrap_or_else(|| panic!("nothing at {x} {y}"));
+        assert!((p.z - 0.25).abs() < 1e-4 && look(&s, x + 0.5, y).is_none(), "{p}");
+    }
+}
+
+#[test]
+fn a_definition_in_a_transform_is_not_moved_and_not_counted() {
+    let s = scene(&format!(
+        "{CAMERA}{RED}Group {{ numObjects 2 MaterialIndex 0
+         Define other {{ {BALL} }}
+         Transform {{ Translate 9 0 0 Define ball {{ numObjects 1 {BALL} }} Instance ball }} Instance ball }}"
+    ));
+    assert!(look(&s, 0.0, 0.0).is_some() && look(&s, 9.0, 0.0).is_some());
+    assert_eq!(s.primitives.len(), 2);
+}
+
 #[test]
 fn triangles_without_area_are_counted_in_one_warning() {
     let flat = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 2 0 0 } ";

@@ -4,7 +4,7 @@
 //! (see `kajo-bvh`). Flat shading takes the normal of the winding, `(b-a) x (c-a)`; smooth
 //! shading interpolates normals at the vertices.
 //!
-//! Scene: `TriangleMesh { obj_file bunny.obj  smooth on }`
+//! Scene: `TriangleMesh { file bunny.ply  smooth on }`
 
 use std::cmp::Ordering;
 
