@@ -20,7 +20,8 @@ Usage: cargo xtask <CHORE>
   words            only the words that no file may hold
   deep             all tests in release, the slow ones included
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
-  gallery [OUT]    renders both galleries to OUT (out/)";
+  gallery [OUT]    renders both galleries to OUT (out/)
+  samplers         draws the pictures of the manual's page on sample patterns";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
             Ok(seconds) => fuzz(&root, &mut report, seconds),
             Err(_) => return usage(&format!("`{seconds}` is not a number of seconds")),
         },
+        ["samplers"] => samplers(&root, &mut report),
         ["gallery"] => gallery(&root, &mut report, Path::new("out")),
         ["gallery", out] => gallery(&root, &mut report, Path::new(out)),
         [] | ["help" | "--help" | "-h"] => {
@@ -116,6 +118,11 @@ fn fuzz(root: &Path, report: &mut Report, seconds: u64) {
         }
         Err(problem) => report.add("fuzzing", Err(vec![problem])),
     }
+}
+
+fn samplers(root: &Path, report: &mut Report) {
+    let example = "run --release --quiet --package kajo --example sample_patterns -- docs/src/images";
+    report.run("pictures of sample patterns", Cargo::new(root, example));
 }
 
 fn gallery(root: &Path, report: &mut Report, out: &Path) {

@@ -14,8 +14,13 @@ impl Stream {
     /// The stream of one sample of one pixel.
     #[inline]
     pub fn new(seed: u64, pixel: [u32; 2], sample: u32) -> Stream {
-        let place = u64::from(pixel[0]) | u64::from(pixel[1]) << 32;
-        Stream { state: mix(mix(mix(seed) ^ place) ^ u64::from(sample)) }
+        Stream::of_pixel(pixel_hash(seed, pixel), sample)
+    }
+
+    /// The same from a pixel's [`pixel_hash`].
+    #[inline]
+    pub fn of_pixel(hash: u64, sample: u32) -> Stream {
+        Stream { state: mix(hash ^ u64::from(sample)) }
     }
 
     /// 32 random bits of a dimension.
@@ -29,6 +34,13 @@ impl Stream {
     pub fn uniform(&self, dimension: u32) -> f32 {
         unit(self.bits(dimension))
     }
+}
+
+/// 64 random bits of a pixel under a seed.
+#[inline]
+pub fn pixel_hash(seed: u64, pixel: [u32; 2]) -> u64 {
+    let place = u64::from(pixel[0]) | u64::from(pixel[1]) << 32;
+    mix(mix(seed) ^ place)
 }
 
 /// The top 24 of 32 random bits as a number in [0, 1).

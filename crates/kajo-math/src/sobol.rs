@@ -24,6 +24,12 @@ pub fn point(index: u32) -> [u32; 2] {
     [index.reverse_bits(), pascal(index).reverse_bits()]
 }
 
+/// Point `index`, each coordinate scrambled with a seed of its own.
+#[inline]
+pub fn scrambled_point(index: u32, seeds: [u32; 2]) -> [u32; 2] {
+    [scramble_reversed(index, seeds[0]), scramble_reversed(pascal(index), seeds[1])]
+}
+
 /// The product of Pascal's matrix modulo 2 with the bits of `i`.
 ///
 /// By Lucas, `binomial(b, a)` is odd where the bits of `a` are among those of `b`; so the product is a sum over
@@ -43,7 +49,12 @@ fn pascal(mut i: u32) -> u32 {
 /// constants are those of [Vegdahl 2021].
 #[inline]
 pub fn owen_scramble(x: u32, seed: u32) -> u32 {
-    let mut x = x.reverse_bits();
+    scramble_reversed(x.reverse_bits(), seed)
+}
+
+/// The same of a fraction whose bits stand in reverse order.
+#[inline]
+fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3D20_ADEA);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
@@ -106,10 +117,11 @@ mod tests {
     #[test]
     fn scrambled_and_shuffled_prefixes_are_nets() {
         for seed in 0..20 {
-            let points: Vec<_> = (0..1024)
-                .map(|i| point(shuffle(i, hash(3 * seed))))
-                .map(|[x, y]| [owen_scramble(x, hash(3 * seed + 1)), owen_scramble(y, hash(3 * seed + 2))])
-                .collect();
+            let seeds = [hash(3 * seed + 1), hash(3 * seed + 2)];
+            let points: Vec<_> =
+                (0..1024).map(|i| scrambled_point(shuffle(i, hash(3 * seed)), seeds)).collect();
+            let [x, y] = point(shuffle(9, hash(3 * seed)));
+            assert_eq!(points[9], [owen_scramble(x, seeds[0]), owen_scramble(y, seeds[1])]);
             for m in 0..=10 {
                 assert!(is_net(&points[..1 << m]), "seed {seed}, 2^{m} points");
             }

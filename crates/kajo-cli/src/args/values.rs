@@ -200,6 +200,7 @@ mod tests {
     fn samples_have_a_pattern_or_are_jittered() {
         assert_eq!("16".parse(), Ok(Samples(SamplerKind::Jittered, 16)));
         assert_eq!("regular:4".parse(), Ok(Samples(SamplerKind::Regular, 4)));
+        assert_eq!("bluenoise:4".parse(), Ok(Samples(SamplerKind::ZSobol, 4)));
         for wrong in ["regular", "random:4", "-1", "1048577", "4:regular", "1.5", ""] {
             assert!(wrong.parse::<Samples>().is_err(), "{wrong}");
         }

@@ -47,16 +47,16 @@ impl<'a> LensKeys<'a> {
 
 /// The diameter of the opening, said directly or as in photography.
 fn diameter(params: &mut Params<'_, '_>) -> Option<f64> {
-    let aperture = params.optional("aperture", |a| a.number_in(0.0..)).map(f64::from);
+    let aperture = params.optional("aperture", |a| Ok((a.item(), a.number_in(0.0..)?)));
     let by_number = params.has("fNumber") || params.has("focalLength");
     if !by_number {
-        return aperture;
+        return aperture.map(|(_, diameter)| diameter.into());
     }
     let f_number = params.required("fNumber", Args::positive);
     let focal_length = params.required("focalLength", Args::positive);
-    if aperture.is_some() {
-        let problem = "a camera has either `aperture` or `fNumber` and `focalLength`";
-        params.diagnostics().push(Diagnostic::error(problem));
+    if let Some((item, _)) = aperture {
+        let error = Diagnostic::error("a camera has either `aperture` or `fNumber` and `focalLength`");
+        params.diagnostics().push(error.label(item.head_span(), "one too many"));
     }
     Some(f64::from(focal_length?) / f64::from(f_number?))
 }

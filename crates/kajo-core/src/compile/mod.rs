@@ -265,4 +265,6 @@ impl<'a> Compiler<'a> {
 }
 
 #[cfg(test)]
+mod camera_tests;
+#[cfg(test)]
 mod tests;

@@ -15,7 +15,7 @@
 //! [Cook, Porter and Carpenter 1984].
 
 use kajo_math::permute::permute;
-use kajo_math::rng::{Stream, mix, unit};
+use kajo_math::rng::{Stream, mix, pixel_hash, unit};
 use kajo_math::{Vec2, sobol};
 
 use super::{Sampler, SamplerKind, zorder};
@@ -32,6 +32,8 @@ pub struct Draws<'a> {
     sampler: &'a Sampler,
     seed: u64,
     pixel: [u32; 2],
+    /// Random bits of the pixel.
+    hash: u64,
     sample: u32,
     /// Samples that share the pixel, at least 1.
     count: u32,
@@ -50,8 +52,9 @@ impl<'a> Draws<'a> {
 
     #[inline]
     fn with_count(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32, count: u32) -> Draws<'a> {
-        let stream = Stream::new(seed, pixel, sample);
-        Draws { sampler, seed, pixel, sample, count: count.max(1), dimension: 0, stream }
+        let hash = pixel_hash(seed, pixel);
+        let stream = Stream::of_pixel(hash, sample);
+        Draws { sampler, seed, pixel, hash, sample, count: count.max(1), dimension: 0, stream }
     }
 
     /// The place of the sample relative to the top left corner of its pixel, in pixels; to be asked for first.
@@ -123,9 +126,8 @@ impl<'a> Draws<'a> {
     /// 64 random bits of a dimension that all samples of a pattern have in common.
     #[inline]
     fn pattern(&self, dimension: u32, pattern: u32) -> u64 {
-        let place = u64::from(self.pixel[0]) | u64::from(self.pixel[1]) << 32;
         let which = u64::from(pattern) << 32 | u64::from(dimension);
-        mix(mix(mix(self.seed ^ PATTERN_SALT) ^ place) ^ which)
+        mix(self.hash ^ PATTERN_SALT ^ which)
     }
 
     /// One number in each of `n` strata, in random order.
@@ -166,8 +168,7 @@ impl<'a> Draws<'a> {
             let hash = self.pattern(d, 0);
             (sobol::shuffle(self.sample, mix(hash) as u32), hash)
         };
-        let [x, y] = sobol::point(index);
-        [sobol::owen_scramble(x, hash as u32), sobol::owen_scramble(y, (hash >> 32) as u32)]
+        sobol::scrambled_point(index, [hash as u32, (hash >> 32) as u32])
     }
 
     /// A point of the progressive set, with random digits flipped, which leaves each stratum its one point.
