@@ -131,6 +131,11 @@ impl LightTree {
         let place = u * choices as f32;
         let i = (place as usize).min(choices.checked_sub(1)?);
         let share = 1.0 / choices as f32;
+        if let [only] = *self.placed
+            && i == beside
+        {
+            return Some((only, share));
+        }
         if let Some(&light) = self.infinite.get(i) {
             return Some((light, share));
         }
@@ -142,8 +147,7 @@ impl LightTree {
         loop {
             let node = &self.nodes[at];
             if node.is_leaf {
-                let reaches = at > 0 || node.bounds.importance(p, n) > 0.0;
-                return reaches.then_some((node.other, probability));
+                return Some((node.other, probability));
             }
             let first = self.share_of_first(at, p, n)?;
             if u < first {
@@ -177,7 +181,7 @@ impl LightTree {
         loop {
             let node = &self.nodes[at];
             if node.is_leaf {
-                return if at > 0 || node.bounds.importance(p, n) > 0.0 { probability } else { 0.0 };
+                return probability;
             }
             let Some(first) = self.share_of_first(at, p, n) else { return 0.0 };
             if trail & 1 == 0 {

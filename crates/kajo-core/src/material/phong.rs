@@ -10,7 +10,7 @@ use kajo_color::{Reflectance, Wavelengths};
 use kajo_math::Vec3;
 
 use super::{Appearance, Interior, Materials, ShadingPoint};
-use crate::bsdf::{Bsdf, Phong, PhongLobes};
+use crate::bsdf::{Bsdf, Lambert, Phong, PhongLobes};
 use crate::texture::Textures;
 
 /// A Phong material.
@@ -20,12 +20,15 @@ pub struct PhongMaterial {
     pub phong: Phong,
     /// The diffuse, specular, reflective and transparent colours as reflectances.
     colors: [Reflectance; 4],
+    /// Whether there is nothing but matt reflection.
+    is_matt: bool,
 }
 
 impl From<Phong> for PhongMaterial {
     fn from(phong: Phong) -> PhongMaterial {
         let colors = [phong.diffuse, phong.specular, phong.reflective, phong.transparent];
-        PhongMaterial { phong, colors: colors.map(|color| Reflectance::from_rgb(color.to_rgb())) }
+        let is_matt = colors[1..].iter().all(|color| color.is_black());
+        PhongMaterial { phong, colors: colors.map(|color| Reflectance::from_rgb(color.to_rgb())), is_matt }
     }
 }
 
@@ -46,6 +49,9 @@ impl Appearance for PhongMaterial {
 
     #[inline]
     fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+        if self.is_matt {
+            return Bsdf::Lambert(Lambert::new(self.colors[0].at(at.wavelengths)));
+        }
         let mut phong = self.phong;
         phong.eta /= at.eta_outside;
         if at.wavelengths.is_spectral() {

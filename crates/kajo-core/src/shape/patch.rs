@@ -19,6 +19,10 @@ use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Vec2, Vec3, fmath, robust::gamma};
 /// Below this solid angle area and direction differ by nothing that shows, and the area has more digits.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-5;
 
+/// Where the squared extent of a flat piece is below this share of the squared distance, its solid angle and its area
+/// are all but proportional, and the area costs less.
+const FAR: f64 = 0.1;
+
 /// Nearly a hemisphere: the receiver lies in the plane of the piece.
 const LARGEST_SOLID_ANGLE: f64 = 6.28;
 
@@ -235,6 +239,9 @@ impl Patch {
 
     /// How the piece is seen from `o`, where it is drawn by solid angle.
     fn view(&self, o: DVec3) -> Option<View> {
+        if self.is_far_from(o) {
+            return None;
+        }
         let view = match self {
             Patch::Triangle(corners) => View::Triangle(SphericalTriangle::new(o, *corners)?),
             Patch::Quad(quad) if quad.is_rectangle() => {
@@ -259,6 +266,21 @@ impl Patch {
         let flat = !matches!(view, View::Cap(_) | View::Around);
         let usable = !flat || (SMALLEST_SOLID_ANGLE..LARGEST_SOLID_ANGLE).contains(&view.solid_angle());
         usable.then_some(view)
+    }
+
+    /// Whether a flat piece is seen as if from infinitely far.
+    #[inline]
+    fn is_far_from(&self, o: DVec3) -> bool {
+        let (middle, extent2) = match self {
+            Patch::Triangle([a, b, c]) => {
+                ((a + b + c) / 3.0, (b - a).length_squared().max((c - a).length_squared()))
+            }
+            Patch::Quad(QuadPatch { corner, edges: [a, b] }) => {
+                (corner + 0.5 * (a + b), a.length_squared() + b.length_squared())
+            }
+            _ => return false,
+        };
+        extent2 < FAR * middle.distance_squared(o)
     }
 
     /// Where the ray from `o` along the unit vector `d` meets a sphere: at the nearer or the farther crossing by `side`.
