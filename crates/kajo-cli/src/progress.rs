@@ -121,8 +121,8 @@ impl LoadProgress for LoadBar {
         match step {
             LoadStep::Reading { path, done, total } if total >= Self::LONG_FILE => {
                 if self.bar.length() != Some(total) {
-                    self.bar.set_length(total);
                     self.bar.set_message(format!("reading {path}"));
+                    self.bar.set_length(total);
                 }
                 self.bar.set_position(done);
             }
