@@ -226,12 +226,27 @@ fn mistakes_are_told_with_their_place() {
         (face("2 0 1"), "a face needs at least 3 corners, found 2"),
         (face("0"), "a face needs at least 3 corners, found 0"),
         (face("-3 0 1 2"), "a list cannot have -3 items"),
+        (face("3.5 0 1 2"), "a list cannot have 3.5 items"),
         (face("5000 0 1 2"), "has more than 4096 corners"),
         (face("three"), "m.ply:15:1: expected a number, found `three`"),
         (face(""), "the file ends in face 0 of 1"),
     ] {
         let error = read(text.as_bytes()).unwrap_err();
         assert!(error.contains(said), "{text}\n{error}");
+    }
+}
+
+#[test]
+fn indices_of_binary_files_are_checked() {
+    for (index, said) in [(4, "face 1: there is no vertex 4"), (-1, "face 1: there is no vertex")] {
+        let mut elements = corners();
+        elements.push(vec![Byte(3), Int(0), Int(1), Int(3)]);
+        elements.push(vec![Byte(3), Int(0), Int(1), Int(index)]);
+        for format in FORMATS {
+            let error =
+                read(&file(format, &square(&format!("element face 2\n{FACES}")), &elements)).unwrap_err();
+            assert!(error.contains(said), "{format}: {error}");
+        }
     }
 }
 
