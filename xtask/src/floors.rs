@@ -42,19 +42,19 @@ const KEPT: [(&str, &str); 7] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 15] = [
+const CORE_MODULES: [(&str, &[&str]); 16] = [
     ("family", &[]),
     ("interaction", &[]),
     ("bsdf", &["interaction"]),
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "bsdf"]),
     ("shape", &["family", "interaction"]),
-    ("light", &["family", "interaction", "shape"]),
+    ("light", &["family", "interaction", "background", "shape"]),
     ("medium", &["family", "interaction"]),
     ("objects", &[]),
     ("camera", &["interaction"]),
     ("sampler", &["interaction"]),
-    ("settings", &["bsdf", "interaction", "sampler"]),
+    ("settings", &["bsdf", "interaction", "light", "sampler"]),
     ("background", &["interaction"]),
     (
         "scene",
@@ -74,6 +74,7 @@ const CORE_MODULES: [(&str, &[&str]); 15] = [
             "background",
         ],
     ),
+    ("lighting", &["interaction", "bsdf", "light", "material", "scene"]),
     (
         "compile",
         &[
