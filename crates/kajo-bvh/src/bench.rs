@@ -18,4 +18,4 @@ mod report;
 
 pub use mesh::Mesh;
 pub use rays::{Rays, primary, secondary};
-pub use report::{Figures, Report, Settings, run};
+pub use report::{Figures, Rates, Report, Settings, run};

@@ -23,8 +23,8 @@ pub(crate) const LANES: usize = 4;
 #[repr(C)]
 pub(crate) struct Group {
     /// By axis and corner.
-    corners: [[Vec4; 3]; 3],
-    triangles: [u32; LANES],
+    pub(crate) corners: [[Vec4; 3]; 3],
+    pub(crate) triangles: [u32; LANES],
 }
 
 /// Where a ray meets a triangle `a b c`.
@@ -61,10 +61,13 @@ pub(crate) struct Shear {
 }
 
 impl Shear {
+    /// What the axes are called when a ray runs fastest along each.
+    pub(crate) const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Shear {
         let z = main_axis(ray.d);
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
+        let axes = Shear::AXES[z];
         let (o, d) = (ray.o.to_array(), ray.d.to_array());
         let inv_dz = d[z].recip();
         Shear {
@@ -76,6 +79,11 @@ impl Shear {
         }
     }
 
+    #[inline(always)]
+    fn inv_dz<S: Simd>(&self, simd: S) -> S::F64x4 {
+        simd.splat_f64(f64::from(self.inv_dz))
+    }
+
     /// The lanes whose parameters lie after the ray's start.
     #[inline(always)]
     fn after_start(&self, t: Vec4) -> u32 {
@@ -84,10 +92,10 @@ impl Shear {
 }
 
 /// Corners of four triangles in the plane across the ray, and how far along it they are.
-struct Sheared {
-    x: [Vec4; 3],
-    y: [Vec4; 3],
-    z: [Vec4; 3],
+pub(crate) struct Sheared {
+    pub(crate) x: [Vec4; 3],
+    pub(crate) y: [Vec4; 3],
+    pub(crate) z: [Vec4; 3],
 }
 
 impl Group {
@@ -142,14 +150,13 @@ impl Group {
             return None;
         }
         let edges = sheared.edges(simd);
-        let (t, scale) = edges.distances(simd, &sheared, ray);
+        let (t, scale) = edges.distances(simd, &sheared, ray.inv_dz(simd));
         let mut hits =
             candidates & edges.inside(simd) & ray.after_start(t) & t.cmple(Vec4::splat(t_max)).bitmask();
         if hits == 0 {
             return None;
         }
-        let u = simd.narrow(simd.mul_f64(edges.v, scale)).to_array();
-        let v = simd.narrow(simd.mul_f64(edges.w, scale)).to_array();
+        let (u, v) = edges.weights(simd, scale);
         let t = t.to_array();
         let mut best = TriangleHit { t: t_max, u: 0.0, v: 0.0, triangle: tie };
         while hits != 0 {
@@ -171,7 +178,7 @@ impl Group {
             return false;
         }
         let edges = sheared.edges(simd);
-        let (t, _) = edges.distances(simd, &sheared, ray);
+        let (t, _) = edges.distances(simd, &sheared, ray.inv_dz(simd));
         candidates & edges.inside(simd) & ray.after_start(t) & t.cmplt(Vec4::splat(t_max)).bitmask() != 0
     }
 
@@ -184,10 +191,9 @@ impl Group {
             return;
         }
         let edges = sheared.edges(simd);
-        let (t, scale) = edges.distances(simd, &sheared, ray);
+        let (t, scale) = edges.distances(simd, &sheared, ray.inv_dz(simd));
         let mut hits = candidates & ray.after_start(t) & t.cmplt(Vec4::splat(t_max)).bitmask();
-        let u = simd.narrow(simd.mul_f64(edges.v, scale)).to_array();
-        let v = simd.narrow(simd.mul_f64(edges.w, scale)).to_array();
+        let (u, v) = edges.weights(simd, scale);
         while hits != 0 {
             let lane = take_lowest(&mut hits);
             let triangle = self.triangles[lane];
@@ -201,7 +207,7 @@ impl Group {
 
 /// Clears the lowest of the set bits and answers its number.
 #[inline(always)]
-fn take_lowest(bits: &mut u32) -> usize {
+pub(crate) fn take_lowest(bits: &mut u32) -> usize {
     let lowest = bits.trailing_zeros() as usize % LANES;
     *bits &= *bits - 1;
     lowest
@@ -220,7 +226,7 @@ impl Sheared {
 
     /// The edge functions, their signs exact.
     #[inline(always)]
-    fn edges<S: Simd>(&self, simd: S) -> Edges<S> {
+    pub(crate) fn edges<S: Simd>(&self, simd: S) -> Edges<S> {
         let (x, y) = (self.x.map(|x| simd.widen(x)), self.y.map(|y| simd.widen(y)));
         let edge = |p: usize, q: usize| simd.sub_f64(simd.mul_f64(x[p], y[q]), simd.mul_f64(y[p], x[q]));
         Edges { u: edge(2, 1), v: edge(0, 2), w: edge(1, 0) }
@@ -254,7 +260,7 @@ fn is_left((px, py): (f32, f32), (qx, qy): (f32, f32)) -> bool {
 }
 
 /// Edge functions of four triangles: the unscaled weights of their corners.
-struct Edges<S: Simd> {
+pub(crate) struct Edges<S: Simd> {
     u: S::F64x4,
     v: S::F64x4,
     w: S::F64x4,
@@ -263,7 +269,7 @@ struct Edges<S: Simd> {
 impl<S: Simd> Edges<S> {
     /// The lanes whose triangles the ray meets, edges included.
     #[inline(always)]
-    fn inside(&self, simd: S) -> u32 {
+    pub(crate) fn inside(&self, simd: S) -> u32 {
         let zero = simd.splat_f64(0.0);
         let [u, v, w] = [self.u, self.v, self.w];
         let positive = simd.le_f64(zero, u) & simd.le_f64(zero, v) & simd.le_f64(zero, w);
@@ -271,16 +277,23 @@ impl<S: Simd> Edges<S> {
         positive | negative
     }
 
-    /// The ray parameters, and the scale that turns edge functions into weights; not numbers
-    /// where the ray lies in the triangle's plane.
+    /// The ray parameters, given the inverse of the direction along the main axis, and the
+    /// scale that turns edge functions into weights; not numbers where the ray lies in the
+    /// triangle's plane.
     #[inline(always)]
-    fn distances(&self, simd: S, sheared: &Sheared, ray: &Shear) -> (Vec4, S::F64x4) {
+    pub(crate) fn distances(&self, simd: S, sheared: &Sheared, inv_dz: S::F64x4) -> (Vec4, S::F64x4) {
         let [a, b, c] = sheared.z.map(|z| simd.widen(z));
         let det = simd.add_f64(simd.add_f64(self.u, self.v), self.w);
         let scale = simd.div_f64(simd.splat_f64(1.0), det);
         let sum = simd.add_f64(simd.mul_f64(self.u, a), simd.mul_f64(self.v, b));
         let sum = simd.add_f64(sum, simd.mul_f64(self.w, c));
-        let inv_dz = simd.splat_f64(f64::from(ray.inv_dz));
         (simd.narrow(simd.mul_f64(simd.mul_f64(sum, scale), inv_dz)), scale)
+    }
+
+    /// The weights of the second and the third corner.
+    #[inline(always)]
+    pub(crate) fn weights(&self, simd: S, scale: S::F64x4) -> ([f32; 4], [f32; 4]) {
+        let (u, v) = (simd.mul_f64(self.v, scale), simd.mul_f64(self.w, scale));
+        (simd.narrow(u).to_array(), simd.narrow(v).to_array())
     }
 }

@@ -28,18 +28,23 @@ mod build;
 mod group;
 mod moving;
 mod node;
+mod packet;
 mod refit;
 mod simd;
 mod slabs;
 #[cfg(test)]
 mod tests;
 mod triangles;
+#[cfg(any(test, feature = "bench"))]
+mod visits;
 mod walk;
 
 pub use boxes::Bvh;
 pub use group::TriangleHit;
 pub use moving::MovingBvh;
 pub use triangles::TriangleBvh;
+#[cfg(any(test, feature = "bench"))]
+pub use visits::Visits;
 
 /// How much time to spend on a tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

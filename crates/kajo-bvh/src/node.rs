@@ -95,9 +95,16 @@ impl Node {
         }
     }
 
+    /// A plane of one child: twice the axis, plus one for the larger side.
+    #[inline(always)]
+    pub(crate) fn plane(&self, row: usize, slot: usize) -> f32 {
+        self.planes[row][slot % WIDTH]
+    }
+
     /// Where the used slots lead.
+    #[inline(always)]
     pub(crate) fn children(&self) -> &[Child] {
-        &self.children[..self.used as usize]
+        &self.children[..(self.used as usize).min(WIDTH)]
     }
 
     pub(crate) fn children_mut(&mut self) -> &mut [Child] {

@@ -21,12 +21,22 @@ pub(crate) trait Simd: Copy {
     fn splat(self, x: f32) -> Self::F32x8;
     fn load(self, x: &[f32; 8]) -> Self::F32x8;
     fn store(self, x: Self::F32x8) -> [f32; 8];
+    fn add(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn sub(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn mul(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn div(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// `a b + c`, rounded once or twice.
     fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
     fn min(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// Bit `i` tells whether `a <= b` in lane `i`.
     fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+    /// Bit `i` tells whether `a < b` in lane `i`.
+    fn lt(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+    /// Bit `i` is the sign of lane `i`, set for negative zero.
+    fn signs(self, x: Self::F32x8) -> u32;
+    /// The first and the last four.
+    fn halves(self, x: Self::F32x8) -> [Vec4; 2];
 
     /// Four doubles; every operation rounds once, the same on all machines.
     type F64x4: Copy;
@@ -69,6 +79,22 @@ impl Simd for Portable {
         out
     }
     #[inline(always)]
+    fn add(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
+        [a[0] + b[0], a[1] + b[1]]
+    }
+    #[inline(always)]
+    fn sub(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
+        [a[0] - b[0], a[1] - b[1]]
+    }
+    #[inline(always)]
+    fn mul(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
+        [a[0] * b[0], a[1] * b[1]]
+    }
+    #[inline(always)]
+    fn div(self, a: [Vec4; 2], b: [Vec4; 2]) -> [Vec4; 2] {
+        [a[0] / b[0], a[1] / b[1]]
+    }
+    #[inline(always)]
     fn mul_add(self, a: [Vec4; 2], b: [Vec4; 2], c: [Vec4; 2]) -> [Vec4; 2] {
         [a[0] * b[0] + c[0], a[1] * b[1] + c[1]]
     }
@@ -83,6 +109,18 @@ impl Simd for Portable {
     #[inline(always)]
     fn le(self, a: [Vec4; 2], b: [Vec4; 2]) -> u32 {
         a[0].cmple(b[0]).bitmask() | a[1].cmple(b[1]).bitmask() << 4
+    }
+    #[inline(always)]
+    fn lt(self, a: [Vec4; 2], b: [Vec4; 2]) -> u32 {
+        a[0].cmplt(b[0]).bitmask() | a[1].cmplt(b[1]).bitmask() << 4
+    }
+    #[inline(always)]
+    fn signs(self, x: [Vec4; 2]) -> u32 {
+        x[0].is_negative_bitmask() | x[1].is_negative_bitmask() << 4
+    }
+    #[inline(always)]
+    fn halves(self, x: [Vec4; 2]) -> [Vec4; 2] {
+        x
     }
 
     type F64x4 = [f64; 4];
@@ -195,6 +233,26 @@ mod avx2 {
             out
         }
         #[inline(always)]
+        fn add(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_add_ps(a, b) }
+        }
+        #[inline(always)]
+        fn sub(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_sub_ps(a, b) }
+        }
+        #[inline(always)]
+        fn mul(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_mul_ps(a, b) }
+        }
+        #[inline(always)]
+        fn div(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_div_ps(a, b) }
+        }
+        #[inline(always)]
         fn mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
             // SAFETY: as above.
             unsafe { _mm256_fmadd_ps(a, b, c) }
@@ -213,6 +271,21 @@ mod avx2 {
         fn le(self, a: __m256, b: __m256) -> u32 {
             // SAFETY: as above.
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32 }
+        }
+        #[inline(always)]
+        fn lt(self, a: __m256, b: __m256) -> u32 {
+            // SAFETY: as above.
+            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32 }
+        }
+        #[inline(always)]
+        fn signs(self, x: __m256) -> u32 {
+            // SAFETY: as above.
+            unsafe { _mm256_movemask_ps(x) as u32 }
+        }
+        #[inline(always)]
+        fn halves(self, x: __m256) -> [Vec4; 2] {
+            // SAFETY: as above.
+            unsafe { [_mm256_castps256_ps128(x).into(), _mm256_extractf128_ps::<1>(x).into()] }
         }
 
         type F64x4 = __m256d;

@@ -23,7 +23,12 @@ use crate::node::Wide;
 use crate::simd::Simd;
 
 /// `2^-24`, half the distance from 1 to the next larger number.
-const U: f32 = 0.5 * f32::EPSILON;
+pub(crate) const U: f32 = 0.5 * f32::EPSILON;
+/// By how many `u S_k` and `u S` boxes are widened.
+pub(crate) const OWN_ERROR: f32 = 7.0;
+pub(crate) const LARGEST_ERROR: f32 = 9.0;
+/// A direction on an axis counts as at least so much of the largest one.
+pub(crate) const LEAST_SLOPE: f32 = 1.0 / (1u32 << 30) as f32;
 
 /// The ray's side of eight slab tests at a time.
 pub(crate) struct Slabs<S: Simd> {
@@ -47,10 +52,10 @@ impl<S: Simd> Slabs<S> {
     pub(crate) fn new<N: Wide>(simd: S, ray: &Ray, reach: Vec3) -> Option<Slabs<S>> {
         let (o, d) = (Vec3A::from(ray.o), Vec3A::from(ray.d));
         // A direction along a slab would divide by zero; the tilt is within the error bound.
-        let least = Vec3A::splat(d.abs().max_element() * (1.0 / (1u32 << 30) as f32));
+        let least = Vec3A::splat(d.abs().max_element() * LEAST_SLOPE);
         let rd = d.abs().max(least).copysign(d).recip();
         let s = o.abs() + Vec3A::from(reach);
-        let error = ((7.0 + N::ERROR) * U) * s + Vec3A::splat((9.0 * U) * s.max_element());
+        let error = ((OWN_ERROR + N::ERROR) * U) * s + Vec3A::splat((LARGEST_ERROR * U) * s.max_element());
         let (base, slack) = (-o * rd, error * rd.abs());
         let (near, far) = (base - slack, base + slack);
         // Whatever was not finite has spread to here.

@@ -124,27 +124,62 @@ impl TriangleBvh {
 
     #[inline(always)]
     pub(crate) fn closest_on<S: Simd>(&self, simd: S, ray: &Ray) -> Option<TriangleHit> {
+        self.closest_by(simd, ray, |_| {})
+    }
+
+    /// Calls `test` before the triangles of a leaf are tested.
+    #[inline(always)]
+    pub(crate) fn closest_by<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        mut test: impl FnMut(&[Group]),
+    ) -> Option<TriangleHit> {
         let (shear, groups) = (Shear::new(ray), &*self.groups);
         let mut best: Option<TriangleHit> = None;
-        self.tree.nearest(simd, ray, |payload, mut t_max| {
-            for group in leaf(groups, payload) {
-                let tie = best.map_or(0, |b| b.triangle);
-                if let Some(hit) = group.closest(simd, &shear, t_max, tie) {
-                    t_max = hit.t;
-                    best = Some(hit);
+        self.tree.nearest(
+            simd,
+            ray,
+            #[inline(always)]
+            |payload, mut t_max| {
+                let groups = leaf(groups, payload);
+                test(groups);
+                for group in groups {
+                    let tie = best.map_or(0, |b| b.triangle);
+                    if let Some(hit) = group.closest(simd, &shear, t_max, tie) {
+                        t_max = hit.t;
+                        best = Some(hit);
+                    }
                 }
-            }
-            t_max
-        });
+                t_max
+            },
+        );
         best
     }
 
     #[inline(always)]
     pub(crate) fn any_on<S: Simd>(&self, simd: S, ray: &Ray) -> bool {
+        self.any_by(simd, ray, || {})
+    }
+
+    /// Calls `test` before a group of triangles is tested.
+    #[inline(always)]
+    pub(crate) fn any_by<S: Simd>(&self, simd: S, ray: &Ray, mut test: impl FnMut()) -> bool {
         let (shear, groups) = (Shear::new(ray), &*self.groups);
-        self.tree.any(simd, ray, |payload| {
-            leaf(groups, payload).iter().any(|group| group.any(simd, &shear, ray.t_max))
-        })
+        self.tree.any(
+            simd,
+            ray,
+            #[inline(always)]
+            |payload| {
+                for group in leaf(groups, payload) {
+                    test();
+                    if group.any(simd, &shear, ray.t_max) {
+                        return true;
+                    }
+                }
+                false
+            },
+        )
     }
 
     #[inline(always)]
@@ -161,7 +196,7 @@ impl TriangleBvh {
 
 /// Of the groups, or what there is for each, those of a leaf.
 #[inline(always)]
-fn leaf<T>(groups: &[T], payload: u32) -> &[T] {
+pub(crate) fn leaf<T>(groups: &[T], payload: u32) -> &[T] {
     let (first, more) = (payload >> MORE_BITS, payload & ((1 << MORE_BITS) - 1));
     &groups[first as usize..=(first + more) as usize]
 }

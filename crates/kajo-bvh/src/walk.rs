@@ -10,7 +10,7 @@ use crate::slabs::Slabs;
 
 /// Children that can wait at the same time: all but one of each node on the way to a leaf,
 /// and the wide tree is no deeper than the binary one.
-const WAITING: usize = MAX_LEVELS * (WIDTH - 1) + 1;
+pub(crate) const WAITING: usize = MAX_LEVELS * (WIDTH - 1) + 1;
 
 /// The inner nodes of a finished tree. What its leaves hold is known to the owner.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ impl Waiting {
 
 /// The numbers of the bits that are set, lowest first.
 #[inline(always)]
-fn take_lowest(bits: &mut u32) -> usize {
+pub(crate) fn take_lowest(bits: &mut u32) -> usize {
     let lowest = bits.trailing_zeros() as usize;
     *bits &= *bits - 1;
     lowest & (WIDTH - 1)
@@ -64,7 +64,7 @@ impl<N: Wide> Tree<N> {
 
     /// Largest absolute coordinate on each axis.
     #[inline(always)]
-    fn reach(&self) -> Vec3 {
+    pub(crate) fn reach(&self) -> Vec3 {
         self.bounds.min.abs().max(self.bounds.max.abs())
     }
 

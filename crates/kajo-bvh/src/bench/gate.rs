@@ -43,7 +43,7 @@ mod tests {
 
     #[test]
     fn a_wrong_count_does_not_pass() {
-        let rates = Figures::default();
+        let rates = crate::bench::Rates::default();
         let mut report = Report {
             mesh: "bunny".into(),
             triangles: 56_172,

@@ -4,8 +4,6 @@ use std::fmt::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use kajo_math::Ray;
-
 use super::clock::{Seconds, thread_seconds, timed};
 use super::{Mesh, primary, secondary};
 use crate::{BuildError, BuildSettings, TriangleBvh, TriangleHit};
@@ -37,6 +35,19 @@ pub struct Figures<T> {
     pub shadow: T,
 }
 
+/// 10^6 rays a second of each set.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rates {
+    /// Primary rays, one by one.
+    pub primary: f64,
+    /// Bounce rays.
+    pub bounce: f64,
+    /// Shadow rays.
+    pub shadow: f64,
+    /// Primary rays, eight at a time.
+    pub primary_packet: f64,
+}
+
 /// What running the protocol on one mesh showed.
 #[derive(Clone, Debug)]
 pub struct Report {
@@ -53,9 +64,9 @@ pub struct Report {
     /// Memory of the finished tree with its triangles.
     pub bytes: usize,
     /// 10^6 rays a second by wall clock, all threads together.
-    pub mrays_wall: Figures<f64>,
+    pub mrays_wall: Rates,
     /// 10^6 rays per second of processor time of one thread.
-    pub mrays_cpu: Figures<f64>,
+    pub mrays_cpu: Rates,
     /// Rays that hit something.
     pub hits: Figures<usize>,
     /// Sum of the hits' distances: primary and bounce.
@@ -66,8 +77,11 @@ impl Report {
     /// The report as a JSON object on one line.
     pub fn to_json(&self) -> String {
         let mut out = String::new();
-        let rates = |f: &Figures<f64>| {
-            format!("{{\"primary\":{:.4},\"bounce\":{:.4},\"shadow\":{:.4}}}", f.primary, f.bounce, f.shadow)
+        let rates = |r: &Rates| {
+            format!(
+                "{{\"primary\":{:.4},\"bounce\":{:.4},\"shadow\":{:.4},\"primary_packet\":{:.4}}}",
+                r.primary, r.bounce, r.shadow, r.primary_packet
+            )
         };
         // Writing to a string cannot fail.
         let _ = write!(
@@ -95,11 +109,17 @@ impl Report {
     }
 }
 
-/// Traces `rays` by `trace`, which gets chunks of rays and where to put the answers.
-fn trace<T: Send>(rays: &[Ray], out: &mut [T], threads: usize, trace: impl Fn(&Ray) -> T + Sync) -> Seconds {
+/// Traces `rays`, or packets of them, `chunk` at a time, by `trace`.
+fn trace<R: Sync, T: Send>(
+    rays: &[R],
+    out: &mut [T],
+    chunk: usize,
+    threads: usize,
+    trace: impl Fn(&R) -> T + Sync,
+) -> Seconds {
     let chunks: Vec<_> = rays
-        .chunks(CHUNK)
-        .zip(out.chunks_mut(CHUNK))
+        .chunks(chunk)
+        .zip(out.chunks_mut(chunk))
         .map(|chunk| std::sync::Mutex::new(Some(chunk)))
         .collect();
     let next = AtomicUsize::new(0);
@@ -144,22 +164,27 @@ pub fn run(mesh: &Mesh, settings: &Settings) -> Result<Report, BuildError> {
 
     let rays = primary(mesh);
     let mut hits: Vec<Option<TriangleHit>> = vec![None; rays.len()];
-    trace(&rays, &mut hits, threads, |ray| tree.closest(ray));
+    trace(&rays, &mut hits, CHUNK, threads, |ray| tree.closest(ray));
     let second = secondary(mesh, &rays, &hits);
     let mut bounces = vec![None; second.bounce.len()];
     let mut shadows = vec![false; second.shadow.len()];
-    let mut times = [const { Vec::new() }; 3];
+    let (packets, _) = rays.as_chunks::<8>();
+    let mut packet_hits = vec![[None; 8]; packets.len()];
+    let mut times = [const { Vec::new() }; 4];
     for _ in 0..settings.passes.max(1) {
-        times[0].push(trace(&rays, &mut hits, threads, |ray| tree.closest(ray)));
-        times[1].push(trace(&second.bounce, &mut bounces, threads, |ray| tree.closest(ray)));
-        times[2].push(trace(&second.shadow, &mut shadows, threads, |ray| tree.any(ray)));
+        times[0].push(trace(&rays, &mut hits, CHUNK, threads, |ray| tree.closest(ray)));
+        times[1].push(trace(&second.bounce, &mut bounces, CHUNK, threads, |ray| tree.closest(ray)));
+        times[3].push(trace(packets, &mut packet_hits, CHUNK / 8, threads, |rays| tree.closest8(rays)));
+        times[2].push(trace(&second.shadow, &mut shadows, CHUNK, threads, |ray| tree.any(ray)));
     }
 
-    let sizes = [rays.len(), second.bounce.len(), second.shadow.len()];
+    assert!(packet_hits.iter().flatten().eq(&hits), "packets hit what their rays hit");
+
+    let sizes = [rays.len(), second.bounce.len(), second.shadow.len(), rays.len()];
     let rate = |seconds: fn(&Seconds) -> f64| {
-        let [primary, bounce, shadow] =
-            [0, 1, 2].map(|i| sizes[i] as f64 * 1e-6 / median(times[i].iter().map(seconds).collect()));
-        Figures { primary, bounce, shadow }
+        let [primary, bounce, shadow, primary_packet] =
+            [0, 1, 2, 3].map(|i| sizes[i] as f64 * 1e-6 / median(times[i].iter().map(seconds).collect()));
+        Rates { primary, bounce, shadow, primary_packet }
     };
     let count = |hits: &[Option<TriangleHit>]| hits.iter().flatten().count();
     let sum_t = |hits: &[Option<TriangleHit>]| hits.iter().flatten().map(|h| f64::from(h.t)).sum();

@@ -104,13 +104,51 @@ pub(super) struct Forest {
     pub(super) groves: Vec<Grove>,
 }
 
+/// A node of the binary tree.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum At {
+    /// A stem that does not stand for a twig.
+    Stem(usize),
+    Twig(Spot),
+}
+
 impl Forest {
+    /// The root of a tree that is not empty.
+    pub(super) fn root(&self) -> At {
+        self.follow(0)
+    }
+
+    /// The node at a stem: the twig that it stands for, or itself.
+    fn follow(&self, stem: usize) -> At {
+        match self.stems[stem].next {
+            Next::Twig(spot) => At::Twig(spot),
+            Next::Right(_) => At::Stem(stem),
+        }
+    }
+
+    pub(super) fn bounds(&self, at: At) -> Box4 {
+        match at {
+            At::Stem(place) => self.stems[place].bounds,
+            At::Twig(spot) => self.twig(spot).bounds(),
+        }
+    }
+
+    /// The children of a node, unless it is a leaf.
+    pub(super) fn children(&self, at: At) -> Option<[At; 2]> {
+        match at {
+            At::Stem(place) => match self.stems[place].next {
+                Next::Right(right) => Some([self.follow(place + 1), self.follow(right as usize)]),
+                Next::Twig(_) => None,
+            },
+            At::Twig(spot) => self.children_of_twig(spot).map(|spots| spots.map(At::Twig)),
+        }
+    }
+
     pub(super) fn twig(&self, spot: Spot) -> &Twig {
         &self.groves[spot.grove as usize].twigs[spot.twig as usize]
     }
 
-    /// The children of a twig, unless it is a leaf.
-    pub(super) fn children(&self, spot: Spot) -> Option<[Spot; 2]> {
+    fn children_of_twig(&self, spot: Spot) -> Option<[Spot; 2]> {
         let twig = self.twig(spot);
         if twig.right == 0 {
             return None;

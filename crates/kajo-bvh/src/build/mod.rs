@@ -49,8 +49,7 @@ pub(crate) fn build<B: Pod + Send>(
     leaf: impl Fn(&[u32], &mut [B], usize) -> u32 + Sync,
 ) -> Option<Built<B>> {
     debug_assert!(shape.most <= wide::MOST);
-    let n = prims.len();
-    if n == 0 {
+    if prims.len() == 0 {
         return Some(Built { tree: Tree::EMPTY, blocks: Array::EMPTY, leaves: 0 });
     }
     let set = Set::around(prims.as_mut_slice());
@@ -60,7 +59,7 @@ pub(crate) fn build<B: Pod + Send>(
     };
     drop(prims);
     match quality {
-        Quality::Linear | Quality::Fast => reinsert::improve_top(&mut forest, n, shape.most),
+        Quality::Linear | Quality::Fast => reinsert::improve_top(&mut forest),
         Quality::High => forest = reinsert::improve(forest),
     }
     forest.plan(shape);

@@ -5,7 +5,10 @@
 //! best new place is found by branch and bound, walking up from the old one
 //! [Bittner, Hapala and Havran 2013], [Meister and Bittner 2018, alg. 2].
 
-use super::binary::{Forest, Grove, MAX_LEVELS, Next, Spot, Stem, TASK, TOP_LEVELS, Twig};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::binary::{At, Forest, Grove, MAX_LEVELS, Next, Spot, Stem, TASK, TOP_LEVELS, Twig};
 use super::prim::Box4;
 
 /// Times that subtrees are tried.
@@ -13,8 +16,8 @@ const PASSES: usize = 2;
 /// One in so many subtrees of a whole tree is tried, the largest first, but at least [`FEW`].
 const SHARE: usize = 4;
 const FEW: usize = 1 << 16;
-/// About how many subtrees of the top of a tree are moved around.
-const TOP: usize = 1 << 10;
+/// How many subtrees of the top of a tree are moved around, if there are no more stems.
+const TOP: usize = 1 << 9;
 
 /// Where nodes stand in the tree; leaves have no children.
 struct Links {
@@ -25,13 +28,43 @@ struct Links {
     spots: Vec<Spot>,
 }
 
+/// A node whose children have not been looked at.
+struct Waiting {
+    /// Before all that are not.
+    first: bool,
+    area: f32,
+    node: u32,
+    at: At,
+}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Waiting) -> Ordering {
+        let by_area = self.area.total_cmp(&other.area);
+        self.first.cmp(&other.first).then(by_area).then(other.node.cmp(&self.node))
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Waiting) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Waiting) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Waiting {}
+
 /// The root's number.
 const ROOT: u32 = 0;
 
 /// Moves the largest subtrees of the whole tree, down to its leaves. Returns the new tree, or
 /// the old one where that would be too deep.
 pub(super) fn improve(forest: Forest) -> Forest {
-    let mut links = Links::new(&forest, 0);
+    let mut links = Links::new(&forest, usize::MAX);
     for _ in 0..PASSES {
         let largest = links.largest();
         links.improve(&largest[..(largest.len() / SHARE).max(FEW).min(largest.len())]);
@@ -46,12 +79,9 @@ pub(super) fn improve(forest: Forest) -> Forest {
     out
 }
 
-/// Moves the subtrees at the top of the tree: what is below them stays as it is.
-///
-/// * `n`: primitives in the tree
-/// * `least`: subtrees of so many are not taken apart
-pub(super) fn improve_top(forest: &mut Forest, n: usize, least: usize) {
-    let mut links = Links::new(forest, (n / TOP).clamp(least, TASK));
+/// Moves the largest subtrees at the top of the tree: what is below them stays as it is.
+pub(super) fn improve_top(forest: &mut Forest) {
+    let mut links = Links::new(forest, TOP);
     for _ in 0..PASSES {
         links.improve(&links.largest());
     }
@@ -62,44 +92,38 @@ pub(super) fn improve_top(forest: &mut Forest, n: usize, least: usize) {
 }
 
 impl Links {
-    /// Takes twigs with up to `whole` primitives for leaves.
-    fn new(forest: &Forest, whole: usize) -> Links {
+    /// The top of a tree with about `leaves` leaves: all stems, and below them what has the
+    /// largest surfaces.
+    fn new(forest: &Forest, leaves: usize) -> Links {
         let mut links =
             Links { bounds: Vec::new(), parents: Vec::new(), children: Vec::new(), spots: Vec::new() };
-        links.add_stem(forest, 0, ROOT, whole);
+        let mut waiting = BinaryHeap::new();
+        links.push(forest, forest.root(), ROOT, &mut waiting);
+        let mut n = 1;
+        while let Some(Waiting { node, at, .. }) = waiting.pop() {
+            if n >= leaves && matches!(at, At::Twig(_)) {
+                break;
+            }
+            if let Some(children) = forest.children(at) {
+                links.children[node as usize] =
+                    Some(children.map(|child| links.push(forest, child, node, &mut waiting)));
+                n += 1;
+            }
+        }
         links
     }
 
-    fn push(&mut self, bounds: Box4, parent: u32, spot: Spot) -> u32 {
+    fn push(&mut self, forest: &Forest, at: At, parent: u32, waiting: &mut BinaryHeap<Waiting>) -> u32 {
+        let (node, bounds) = (self.bounds.len() as u32, forest.bounds(at));
+        let (spot, first) = match at {
+            At::Stem(_) => (Spot { grove: 0, twig: 0, first: 0 }, true),
+            At::Twig(spot) => (spot, false),
+        };
         self.bounds.push(bounds);
         self.parents.push(parent);
         self.children.push(None);
         self.spots.push(spot);
-        self.bounds.len() as u32 - 1
-    }
-
-    /// Adds the subtree at a stem, parents first.
-    fn add_stem(&mut self, forest: &Forest, place: usize, parent: u32, whole: usize) -> u32 {
-        let stem = &forest.stems[place];
-        match stem.next {
-            Next::Twig(spot) => self.add(forest, spot, parent, whole),
-            Next::Right(right) => {
-                let node = self.push(stem.bounds, parent, Spot { grove: 0, twig: 0, first: 0 });
-                let left = self.add_stem(forest, place + 1, node, whole);
-                let right = self.add_stem(forest, right as usize, node, whole);
-                self.children[node as usize] = Some([left, right]);
-                node
-            }
-        }
-    }
-
-    /// Adds the subtree at a twig, parents first.
-    fn add(&mut self, forest: &Forest, spot: Spot, parent: u32, whole: usize) -> u32 {
-        let twig = forest.twig(spot);
-        let node = self.push(twig.bounds(), parent, spot);
-        if let Some(children) = forest.children(spot).filter(|_| twig.len() > whole) {
-            self.children[node as usize] = Some(children.map(|child| self.add(forest, child, node, whole)));
-        }
+        waiting.push(Waiting { first, area: bounds.half_area(), node, at });
         node
     }
 
@@ -300,7 +324,7 @@ mod tests {
     }
 
     fn cost(forest: &Forest) -> f32 {
-        let links = Links::new(forest, 0);
+        let links = Links::new(forest, usize::MAX);
         (0..links.bounds.len() as u32).map(|node| links.area(node)).sum()
     }
 
@@ -317,7 +341,7 @@ mod tests {
 
     /// All primitives from left to right, by way of the leaves.
     fn ids(forest: &Forest) -> Vec<u32> {
-        let links = Links::new(forest, 0);
+        let links = Links::new(forest, usize::MAX);
         let leaves = (0..links.bounds.len()).filter(|&node| links.children[node].is_none());
         leaves.flat_map(|node| forest.ids(links.spots[node])).copied().collect()
     }
@@ -326,7 +350,7 @@ mod tests {
     fn moving_subtrees_lowers_the_cost_and_keeps_every_primitive() {
         let forest = forest(20_000);
         let before = cost(&forest);
-        let mut links = Links::new(&forest, 0);
+        let mut links = Links::new(&forest, usize::MAX);
         links.improve(&links.largest());
         check(&links);
         let after = improve(forest);
@@ -340,9 +364,9 @@ mod tests {
     fn the_top_alone_gains_too() {
         let mut forest = forest(20_000);
         let before = cost(&forest);
-        improve_top(&mut forest, 20_000, 32);
+        improve_top(&mut forest);
         assert!(cost(&forest) < 0.99 * before, "{} after {before}", cost(&forest));
-        check(&Links::new(&forest, 0));
+        check(&Links::new(&forest, usize::MAX));
         let mut ids = ids(&forest);
         ids.sort_unstable();
         assert!(ids.into_iter().eq(0..20_000));

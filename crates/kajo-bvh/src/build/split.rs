@@ -14,10 +14,12 @@ use kajo_math::Vec4;
 use rayon::prelude::*;
 
 use super::prim::{Box4, PIECE, Prim};
+use crate::simd::dispatch;
 
-/// Bins on an axis for large and for small sets.
+/// Bins on an axis for large, for small and for tiny sets.
 const MANY: usize = 16;
 const FEW: usize = 8;
+const LEAST: usize = 4;
 /// A float whose neighbours are one apart: adding it rounds to an integer in the low bits.
 const ROUND: f32 = 8_388_608.0;
 
@@ -80,6 +82,7 @@ impl<const N: usize> Histogram<N> {
 
     /// The cheapest border: its axis, the first bin after it, both sides, and what the left
     /// side holds. `None` when all centres share their bins.
+    #[inline(always)]
     fn best(&self, block: u32) -> Option<(usize, usize, [Box4; 2], usize)> {
         let mut best = None;
         let mut least = f32::INFINITY;
@@ -126,37 +129,48 @@ impl Split {
     /// The cheapest split of `prims` with `block` primitives to a leaf block; `None` when
     /// all centres share their bins.
     pub(super) fn best(prims: &[Prim], block: u32) -> Option<Split> {
-        let bins = |count: usize| Bins::new(centers(prims), count);
-        if prims.len() < 5 * FEW {
-            Split::within::<FEW>(&[prims], bins(FEW), block)
+        if prims.len() < 3 * LEAST {
+            dispatch!(_simd => Split::small::<LEAST>(prims, block))
+        } else if prims.len() < 10 * FEW {
+            dispatch!(_simd => Split::small::<FEW>(prims, block))
         } else if prims.len() < 2 * PIECE {
-            Split::within::<MANY>(&[prims], bins(MANY), block)
+            dispatch!(_simd => Split::small::<MANY>(prims, block))
         } else {
-            let pieces: Vec<_> = prims.chunks(PIECE).collect();
-            Split::within::<MANY>(&pieces, bins(MANY), block)
+            Split::large(prims, block)
         }
     }
 
-    fn within<const N: usize>(pieces: &[&[Prim]], bins: Bins, block: u32) -> Option<Split> {
+    #[inline(always)]
+    fn small<const N: usize>(prims: &[Prim], block: u32) -> Option<Split> {
+        let mut centers = Box4::EMPTY;
+        for prim in prims {
+            centers = centers.grown(prim.center2());
+        }
+        let (bins, mut histogram) = (Bins::new(centers, N), Histogram::<N>::EMPTY);
+        histogram.add(prims, &bins);
+        histogram.best(block).map(|best| Split::new(bins, best, Vec::new()))
+    }
+
+    fn new(bins: Bins, best: (usize, usize, [Box4; 2], usize), lefts: Vec<usize>) -> Split {
+        let (axis, border, sides, left) = best;
+        Split { bins, axis, border: ROUND + border as f32, sides, left, lefts }
+    }
+
+    /// By all threads.
+    fn large(prims: &[Prim], block: u32) -> Option<Split> {
+        let bins = Bins::new(centers(prims), MANY);
         let of = |prims: &[Prim]| {
-            let mut histogram = Histogram::<N>::EMPTY;
+            let mut histogram = Histogram::<MANY>::EMPTY;
             histogram.add(prims, &bins);
             histogram
         };
-        let found = |best, lefts| {
-            let (axis, border, sides, left) = best;
-            Split { bins, axis, border: ROUND + border as f32, sides, left, lefts }
-        };
-        if let [prims] = pieces {
-            return of(prims).best(block).map(|best| found(best, Vec::new()));
-        }
-        let histograms: Vec<_> = pieces.par_iter().map(|prims| of(prims)).collect();
-        let mut sum = Histogram::<N>::EMPTY;
+        let histograms: Vec<_> = prims.par_chunks(PIECE).map(of).collect();
+        let mut sum = Histogram::<MANY>::EMPTY;
         histograms.iter().for_each(|histogram| sum.merge(histogram));
         let best = sum.best(block)?;
-        let left = |h: &Histogram<N>| h.counts[..best.1].iter().map(|n| n[best.0] as usize).sum();
+        let left = |h: &Histogram<MANY>| h.counts[..best.1].iter().map(|n| n[best.0] as usize).sum();
         let lefts = histograms.iter().map(left).collect();
-        Some(found(best, lefts))
+        Some(Split::new(bins, best, lefts))
     }
 
     #[inline(always)]
@@ -187,6 +201,11 @@ impl Split {
     }
 
     fn part_piece(&self, prims: &mut [Prim]) {
+        dispatch!(_simd => self.part_piece_on(prims))
+    }
+
+    #[inline(always)]
+    fn part_piece_on(&self, prims: &mut [Prim]) {
         let mut left = 0;
         for i in 0..prims.len() {
             // Without a branch: which side comes next cannot be predicted.

@@ -4,10 +4,9 @@
 //! blocks where they are to stay.
 
 use bytemuck::Pod;
-use kajo_math::Aabb;
 use rayon::prelude::*;
 
-use super::binary::{Forest, Next, Spot};
+use super::binary::{At, Forest, Spot};
 use super::plan::Plan;
 use super::{Built, LeafShape};
 use crate::array::Array;
@@ -18,13 +17,6 @@ use crate::walk::Tree;
 const ROOTS: usize = 16;
 /// Most primitives in a leaf.
 pub(super) const MOST: usize = 32;
-
-/// A node of the binary tree.
-#[derive(Clone, Copy)]
-enum At {
-    Stem(usize),
-    Twig(Spot),
-}
 
 /// The binary nodes that fill the slots of a wide one.
 struct Slots {
@@ -88,7 +80,7 @@ impl Forest {
         leaf: impl Fn(&[u32], &mut [B], usize) -> u32 + Sync,
     ) -> Option<Built<B>> {
         let (mut top, mut roots) = (Vec::new(), Vec::new());
-        let root = self.top(At::Stem(0), 0, &mut top, &mut roots);
+        let root = self.top(self.root(), 0, &mut top, &mut roots);
         let measure = |roots: &[(Spot, usize)]| {
             roots
                 .iter()
@@ -111,16 +103,9 @@ impl Forest {
         let place = |child: Child| if child.is_leaf() { children[child.index() as usize] } else { child };
         above.copy_from_slice(&top);
         above.iter_mut().flat_map(Node::children_mut).for_each(|child| *child = place(*child));
-        let bounds = self.bounds(At::Stem(0));
+        let bounds = self.bounds(self.root()).aabb();
         let tree = Tree { nodes, root: Some(place(root)), bounds, depth: size.depth };
         Some(Built { tree, blocks, leaves: size.leaves })
-    }
-
-    fn bounds(&self, at: At) -> Aabb {
-        match at {
-            At::Stem(place) => self.stems[place].bounds.aabb(),
-            At::Twig(spot) => self.twig(spot).bounds().aabb(),
-        }
     }
 
     fn plan_at(&self, at: At) -> Plan {
@@ -130,33 +115,10 @@ impl Forest {
         }
     }
 
-    /// The same place; for the end of a stem the twig that it stands for.
-    fn follow(&self, at: At) -> At {
-        match at {
-            At::Stem(place) => match self.stems[place].next {
-                Next::Twig(spot) => At::Twig(spot),
-                Next::Right(_) => at,
-            },
-            At::Twig(_) => at,
-        }
-    }
-
-    fn children_at(&self, at: At) -> Option<[At; 2]> {
-        match at {
-            At::Stem(place) => match self.stems[place].next {
-                Next::Right(right) => {
-                    Some([At::Stem(place + 1), At::Stem(right as usize)].map(|at| self.follow(at)))
-                }
-                Next::Twig(_) => None,
-            },
-            At::Twig(spot) => self.children(spot).map(|spots| spots.map(At::Twig)),
-        }
-    }
-
     /// The slots of the wide node that replaces a binary one; none if it is to be a leaf.
     fn slots(&self, at: At) -> Option<Slots> {
         let plan = self.plan_at(at);
-        let [left, right] = self.children_at(at).filter(|_| !plan.is_leaf())?;
+        let [left, right] = self.children(at).filter(|_| !plan.is_leaf())?;
         let mut slots = Slots { at: [at; WIDTH], len: 0 };
         self.gather(left, plan.left(WIDTH), &mut slots);
         self.gather(right, WIDTH - plan.left(WIDTH), &mut slots);
@@ -169,7 +131,7 @@ impl Forest {
         while n > 1 && plan.left(n) == 0 {
             n -= 1;
         }
-        match self.children_at(at).filter(|_| n > 1) {
+        match self.children(at).filter(|_| n > 1) {
             Some([left, right]) => {
                 self.gather(left, plan.left(n), slots);
                 self.gather(right, n - plan.left(n), slots);
@@ -184,7 +146,7 @@ impl Forest {
     /// Adds nodes for all stems that become nodes. What lies below is added to `roots` with
     /// its depth, and stands in `top` as a leaf of that number.
     fn top(&self, at: At, depth: usize, top: &mut Vec<Node>, roots: &mut Vec<(Spot, usize)>) -> Child {
-        if let At::Twig(spot) = self.follow(at) {
+        if let At::Twig(spot) = at {
             roots.push((spot, depth));
             return Child::leaf(roots.len() as u32 - 1);
         }
@@ -192,7 +154,7 @@ impl Forest {
         top.push(Node::EMPTY);
         for at in self.slots(at).iter().flat_map(|slots| &slots.at[..slots.len]) {
             let child = self.top(*at, depth + 1, top, roots);
-            top[node].push(&self.bounds(*at), child);
+            top[node].push(&self.bounds(*at).aabb(), child);
         }
         Child::node(node)
     }
@@ -234,7 +196,7 @@ impl Forest {
         for at in &slots.at[..slots.len] {
             if let At::Twig(spot) = *at {
                 let child = self.fill(spot, room, shape, leaf);
-                node.push(&self.bounds(*at), child);
+                node.push(&self.bounds(*at).aabb(), child);
             }
         }
         own.nodes[0] = node;

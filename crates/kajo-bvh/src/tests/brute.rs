@@ -38,6 +38,32 @@ impl Loop {
     }
 }
 
+/// Checks that rays traced by eights hit what they hit alone.
+fn check_packets<S: Simd>(simd: S, tree: &TriangleBvh, rays: &[Ray], name: &str) {
+    for packet in rays.as_chunks::<8>().0 {
+        let together = tree.closest8_on(simd, packet);
+        for (ray, hit) in packet.iter().zip(together) {
+            let alone = tree.closest_on(simd, ray);
+            assert_eq!(
+                hit.map(|h| bits(&h)),
+                alone.map(|h| bits(&h)),
+                "{name}: {ray:?}: {hit:?} or {alone:?}"
+            );
+        }
+    }
+}
+
+/// Eight rays at a time that run together, about as far apart as `spread`: each starts where
+/// one of `rays` does and has its range.
+fn bundles(rays: &[Ray], spread: f32) -> Vec<Ray> {
+    let mut random = Random::new(21);
+    let mut beside = |ray: &Ray| {
+        let size = ray.d.length() * spread;
+        Ray { o: ray.o + random.cube() * size * 0.1, d: ray.d + random.cube() * size, ..*ray }
+    };
+    rays.iter().flat_map(|ray| [(); 8].map(|()| beside(ray))).collect()
+}
+
 fn bits(hit: &TriangleHit) -> [u32; 4] {
     // Zero has two signs but one value.
     [hit.triangle, (hit.t + 0.0).to_bits(), (hit.u + 0.0).to_bits(), (hit.v + 0.0).to_bits()]
@@ -77,9 +103,13 @@ fn check(mesh: &Mesh, n_rays: usize, name: &str) -> usize {
         let settings = BuildSettings { quality };
         let tree = TriangleBvh::build(&mesh.positions, &mesh.triangles, &settings).unwrap();
         found = check_on(Portable, &tree, &truth, &rays, name);
+        let bundles = [0.0, 0.001, 0.1].map(|spread| bundles(&rays[..rays.len() / 8], spread)).concat();
+        check_packets(Portable, &tree, &bundles, name);
+        check_packets(Portable, &tree, &rays, name);
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = crate::simd::Avx2::detect() {
             avx2.vectorize(|| check_on(avx2, &tree, &truth, &rays, name));
+            avx2.vectorize(|| check_packets(avx2, &tree, &bundles, name));
         }
     }
     found

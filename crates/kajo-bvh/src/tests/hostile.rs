@@ -56,6 +56,9 @@ fn sizes_at_the_end_of_the_number_range() {
             assert!(hit.is_none_or(|h| !h.t.is_nan()));
             assert_eq!(hit.is_some(), any);
             tree.all(&ray, |_| {});
+            assert!(
+                tree.closest8(&[ray; 8]).iter().all(|h| h.map(|h| h.triangle) == hit.map(|h| h.triangle))
+            );
         }
     }
 }
@@ -81,6 +84,10 @@ fn rays_that_are_no_rays_hit_nothing() {
         let mut all = 0;
         tree.all(&ray, |_| all += 1);
         assert!(tree.closest(&ray).is_none() && !tree.any(&ray) && all == 0, "{ray:?}");
+        let mut packet = [Ray::new(Vec3::ZERO, Vec3::X); 8];
+        packet[3] = ray;
+        let hits = tree.closest8(&packet);
+        assert!((0..8).all(|i| hits[i].is_some() == (i != 3)), "{ray:?}");
     }
     assert!(tree.any(&Ray::new(Vec3::ZERO, Vec3::X)));
 }

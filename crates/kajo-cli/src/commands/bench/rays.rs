@@ -1,6 +1,6 @@
 //! `kajo bench rays`
 
-use kajo::bench::rays::{BuildSettings, Figures, Gate, Quality, Report, Settings, check, mesh, run as cast};
+use kajo::bench::rays::{BuildSettings, Gate, Quality, Rates, Report, Settings, check, mesh, run as cast};
 
 use super::header;
 use crate::args::RaysArgs;
@@ -31,13 +31,14 @@ fn titles(settings: &Settings) -> String {
     let quality = if settings.build.quality == Quality::High { "high" } else { "medium" };
     format!(
         "threads: {}, tree: {}, medians of {} passes; 10^6 rays a second of processor time and thread / of wall clock\n\
-         {:<12}{:>10}{:>16}{:>16}{:>16}{:>10}{:>10}{:>9}  answers\n",
+         {:<12}{:>10}{:>16}{:>16}{:>16}{:>16}{:>10}{:>10}{:>9}  answers\n",
         settings.threads,
         quality,
         settings.passes,
         "mesh",
         "triangles",
         "primary",
+        "eight at once",
         "bounce",
         "shadow",
         "build s",
@@ -47,34 +48,34 @@ fn titles(settings: &Settings) -> String {
 }
 
 fn as_row(report: &Report, gate: Gate) -> String {
-    let rate = |of: fn(&Figures<f64>) -> f64| {
-        format!("{:.2} / {:.2}", of(&report.mrays_cpu), of(&report.mrays_wall))
-    };
+    let rate =
+        |of: fn(&Rates) -> f64| format!("{:.2} / {:.2}", of(&report.mrays_cpu), of(&report.mrays_wall));
     let answers = match gate {
         Gate::Passed => "as known",
         Gate::Unknown => "not known",
     };
     format!(
-        "{:<12}{:>10}{:>16}{:>16}{:>16}{:>10.4}{:>10.4}{:>9.1}  {answers}\n",
+        "{:<12}{:>10}{:>16}{:>16}{:>16}{:>16}{:>10.4}{:>10.4}{:>9.1}  {answers}\n",
         report.mesh,
         report.triangles,
-        rate(|f| f.primary),
-        rate(|f| f.bounce),
-        rate(|f| f.shadow),
+        rate(|r| r.primary),
+        rate(|r| r.primary_packet),
+        rate(|r| r.bounce),
+        rate(|r| r.shadow),
         report.build_wall_s,
         report.build_cpu_s,
         report.bytes as f64 / 1e6
     )
 }
 
-/// One object a line; packets of rays are `null` since there are none.
+/// One object a line.
 fn as_json(report: &Report) -> String {
-    let rates = |f: &Figures<f64>| {
+    let rates = |r: &Rates| {
         json::object([
-            ("primary", json::number(f.primary)),
-            ("bounce", json::number(f.bounce)),
-            ("shadow", json::number(f.shadow)),
-            ("primary_packet", "null".to_owned()),
+            ("primary", json::number(r.primary)),
+            ("bounce", json::number(r.bounce)),
+            ("shadow", json::number(r.shadow)),
+            ("primary_packet", json::number(r.primary_packet)),
         ])
     };
     let hits =

@@ -12,7 +12,7 @@ use std::path::Path;
 
 pub use gate::{Gate, check};
 pub use generate::{NAMES, generate};
-pub use kajo_bvh::bench::{Figures, Mesh, Report, Settings, run};
+pub use kajo_bvh::bench::{Figures, Mesh, Rates, Report, Settings, run};
 pub use kajo_bvh::{BuildSettings, Quality};
 
 /// A mesh that is made here, by its name, or one from a file.
