@@ -99,6 +99,9 @@ const CORE_MODULES: [(&str, &[&str]); 16] = [
 /// The one crate whose kernels may be `unsafe`.
 const MAY_BE_UNSAFE: &str = "crates/kajo-bvh";
 
+/// The one file elsewhere that may: it calls a C library.
+const MAY_CALL_C: &str = "crates/kajo-image/src/denoise/oidn.rs";
+
 /// Reads every manifest and every source.
 ///
 /// # Errors
@@ -191,6 +194,9 @@ fn check_unsafe(root: &Path, problems: &mut Vec<String>) -> Result<(), String> {
         for path in rust_files(&folder.join("src"))? {
             let text = read(&path)?;
             let place = relative(root, &path);
+            if place == MAY_CALL_C {
+                continue;
+            }
             problems.extend(lifted_lints(&text).map(|line| format!("{place}:{line}: unsafe code is let in")));
         }
     }

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use kajo::output::{OutputError, Target};
 use kajo::{
-    BitDepth, Defaults, Dialect, Format, Highlight, LoadOptions, Loaded, Passes, Picture, Progress,
-    RenderError, RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Severity,
-    View,
+    BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, Format, Highlight, LoadOptions, Loaded, Passes, Picture,
+    Progress, RenderError, RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings,
+    Severity, View,
 };
 
-use crate::args::PassArgs;
+use crate::args::{DevelopArgs, PassArgs};
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, Work};
 use crate::passes::Watcher;
@@ -34,6 +34,8 @@ pub struct Job {
     pub keep_partial: bool,
     /// What a render in several passes is wanted for, if it is.
     pub passes: PassArgs,
+    /// What happens to the picture afterwards.
+    pub develop: DevelopArgs,
 }
 
 /// Classic options whose meaning depends on the scene's dialect, or that no `Settings` block has.
@@ -129,6 +131,7 @@ impl Job {
             .outputs
             .iter()
             .flat_map(|output| output.views.iter().map(|&view| (view, output.format)))
+            .chain(self.develop.denoise.iter().flat_map(|_| DENOISE_OUTPUTS))
             .collect();
         let (result, interrupted) = interrupt.during(Work::Render, || {
             let progress = meter.watched(interrupt);
@@ -140,7 +143,7 @@ impl Job {
             meter.finish();
             result
         });
-        let picture = match result {
+        let mut picture = match result {
             Ok(picture) => picture,
             Err(Stop::Render(RenderError::Cancelled(partial))) => *partial,
             Err(Stop::Render(error)) => return Err(error.into()),
@@ -154,6 +157,14 @@ impl Job {
             return Err(stopped());
         }
         warn_of_numbers(&picture.stats, voice);
+        picture.development = self.develop.development();
+        if let Some(denoiser) = &self.develop.denoise {
+            match picture.denoise(denoiser) {
+                Ok(how) => (voice.say)(&format!("denoised {how}\n")),
+                // The noisy picture took long enough to be kept.
+                Err(error) => (voice.say)(&format!("warning: the picture is not denoised: {error}\n")),
+            }
+        }
         self.write(&picture, &targets.outputs, interrupt)?;
         if interrupted {
             return Err(stopped());

@@ -149,6 +149,7 @@ pub fn encode(image: &Image, format: Format, options: &EncodeOptions) -> Result<
             width: image.width(),
             height: image.height(),
             layers: vec![ExrLayer::from_image(None, image)],
+            chromaticities: None,
             attributes: options.text.clone(),
         }),
         Format::Tga => encode_tga(&*opaque(image, options)?, options),

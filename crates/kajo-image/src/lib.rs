@@ -16,6 +16,7 @@ mod limits;
 mod quantise;
 
 pub mod colormap;
+pub mod denoise;
 pub mod difference;
 pub mod exr;
 pub mod metrics;

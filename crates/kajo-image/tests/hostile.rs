@@ -102,6 +102,7 @@ fn layered_exr() -> Vec<u8> {
         width: 30,
         height: 20,
         layers,
+        chromaticities: None,
         attributes: vec![("software".into(), "kajo".into())],
     })
     .unwrap()

@@ -30,6 +30,8 @@ mod assets;
 pub mod bench;
 mod checkpoint;
 pub mod compare;
+mod denoise;
+mod development;
 mod info;
 mod load;
 pub mod memory;
@@ -41,6 +43,8 @@ mod view;
 
 pub use assets::{FsAssets, LoadProgress};
 pub use checkpoint::{CheckpointError, SceneDigest};
+pub use denoise::{DENOISE_OUTPUTS, DenoiseError, Denoiser};
+pub use development::Development;
 pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{LoadOptions, Loaded, load, load_from};
 pub use render::{Passes, Picture, RenderError, Resources, Snapshot, render, render_passes};
@@ -48,6 +52,8 @@ pub use settings::{Defaults, RenderSettings, SettingsError};
 pub use tev::Tev;
 pub use view::View;
 
+pub use kajo_color::Tone;
+pub use kajo_color::gamut::{self, Gamut};
 pub use kajo_core::RayOffset;
 pub use kajo_core::bsdf::Highlight;
 pub use kajo_core::light::LightChoice;

@@ -14,8 +14,10 @@ use kajo_render::{
 };
 
 use crate::checkpoint::{self, CheckpointError, Identity, SceneDigest};
+use crate::denoise::{DenoiseError, Denoiser};
+use crate::development::Development;
 use crate::output::{OutputError, Target};
-use crate::view::{self, View};
+use crate::view::{self, Look, View};
 use crate::{RenderSettings, memory};
 
 /// What may be used up, and in which pieces; none of it changes a bit of the picture.
@@ -46,6 +48,10 @@ pub struct Picture {
     film: Film,
     settings: RenderSettings,
     position: Option<(Position, Identity)>,
+    /// The light, where it was denoised.
+    light: Option<Image>,
+    /// How the light becomes values.
+    pub development: Development,
     /// Rays, samples and time of this run.
     pub stats: RenderStats,
 }
@@ -118,7 +124,7 @@ pub fn render(
     let integrator = integrator(scene, settings, layers);
     let schedule = schedule(settings, resources);
     let result = kajo_render::render(&*integrator, &film, &schedule, progress);
-    ended(result, |stats| Picture { film, settings: *settings, position: None, stats })
+    ended(result, |stats| Picture::new(film, settings, None, stats))
 }
 
 /// As [`render`], in passes over the whole picture: it can be seen and saved after each, ends when a goal is reached, and
@@ -163,7 +169,7 @@ pub fn render_passes(
     };
     let result =
         kajo_render::render_passes(&*integrator, &film, &schedule, goal, &mut position, progress, look);
-    ended(result, |stats| Picture { film, settings: *settings, position: Some((position, identity)), stats })
+    ended(result, |stats| Picture::new(film, settings, Some((position, identity)), stats))
 }
 
 /// What came of a render, with its picture.
@@ -220,7 +226,8 @@ impl Snapshot<'_> {
     /// # Errors
     /// As there.
     pub fn encode(&self, views: &[View], format: Format, depth: BitDepth) -> Result<Vec<u8>, ImageError> {
-        view::encode(self.film, views, format, depth, self.settings)
+        let look = Look { development: &Development::default(), light: None };
+        view::encode(self.film, views, format, depth, self.settings, &look)
     }
 
     /// The light so far, linear RGB.
@@ -247,12 +254,35 @@ impl Snapshot<'_> {
 }
 
 impl Picture {
+    fn new(
+        film: Film,
+        settings: &RenderSettings,
+        position: Option<(Position, Identity)>,
+        stats: RenderStats,
+    ) -> Picture {
+        let development = Development::default();
+        Picture { film, settings: *settings, position, light: None, development, stats }
+    }
+
+    /// Takes the noise out of the light. The outputs that were asked for must have included [`DENOISE_OUTPUTS`](crate::DENOISE_OUTPUTS).
+    ///
+    /// Returns how it was done, in words.
+    ///
+    /// # Errors
+    /// [`DenoiseError`]; the picture then stays as it was.
+    pub fn denoise(&mut self, denoiser: &Denoiser) -> Result<String, DenoiseError> {
+        let (light, how) = crate::denoise::denoise(&self.film, denoiser)?;
+        self.light = Some(light);
+        Ok(how)
+    }
+
     /// The bytes of a file that shows `views`; only OpenEXR can show more than one.
     ///
     /// # Errors
     /// When a view was not asked for in [`render`], or the format cannot hold the picture.
     pub fn encode(&self, views: &[View], format: Format, depth: BitDepth) -> Result<Vec<u8>, ImageError> {
-        view::encode(&self.film, views, format, depth, &self.settings)
+        let look = Look { development: &self.development, light: self.light.as_ref() };
+        view::encode(&self.film, views, format, depth, &self.settings, &look)
     }
 
     /// Columns and rows.
@@ -273,7 +303,7 @@ impl Picture {
 
     /// What can be saved as a checkpoint: pictures rendered in passes.
     pub fn snapshot(&self) -> Option<Snapshot<'_>> {
-        let Picture { film, settings, position, stats } = self;
+        let Picture { film, settings, position, stats, .. } = self;
         let (position, identity) = position.as_ref()?;
         Some(Snapshot { film, settings, position, identity, stats: *stats })
     }

@@ -9,6 +9,7 @@ use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, Quantiser, 
 use kajo_render::{Film, Layer};
 
 use crate::RenderSettings;
+use crate::development::Development;
 
 /// One thing a render can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +90,25 @@ fn holds_numbers(format: Format) -> bool {
     matches!(format, Format::Exr | Format::Pfm)
 }
 
+/// How a film's light is shown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look<'a> {
+    pub development: &'a Development,
+    /// The light, where it is not what the film says.
+    pub light: Option<&'a Image>,
+}
+
+impl Look<'_> {
+    fn color(&self, film: &Film, format: Format) -> Result<Image, ImageError> {
+        let mut light = match self.light {
+            Some(light) => light.clone(),
+            None => develop(film, Layer::Color)?,
+        };
+        self.development.apply(&mut light, format);
+        Ok(light)
+    }
+}
+
 /// The bytes of a file that shows `views`; only OpenEXR can show more than one.
 ///
 /// # Errors
@@ -99,12 +119,14 @@ pub(crate) fn encode(
     format: Format,
     depth: BitDepth,
     settings: &RenderSettings,
+    look: &Look<'_>,
 ) -> Result<Vec<u8>, ImageError> {
     let text = vec![("Software".to_owned(), concat!("kajo ", env!("CARGO_PKG_VERSION")).to_owned())];
     if format == Format::Exr {
-        let layers = exr_layers(film, views)?;
+        let layers = exr_layers(film, views, look)?;
+        let chromaticities = look.development.chromaticities();
         let (width, height) = (film.spec().width, film.spec().height);
-        return exr::encode(ExrPicture { width, height, layers, attributes: text });
+        return exr::encode(ExrPicture { width, height, layers, chromaticities, attributes: text });
     }
     let [view] = views else {
         return Err(ImageError::Parameter(format!("a {format} file shows one thing, not {}", views.len())));
@@ -115,7 +137,11 @@ pub(crate) fn encode(
     };
     let quantiser = Quantiser { rounding, ..Quantiser::default() };
     let options = EncodeOptions { depth, quantiser, opaque_alpha: settings.opaque_alpha, text };
-    kajo_image::encode(&picture(film, *view, format, settings)?, format, &options)
+    let image = match view {
+        View::Color => look.color(film, format)?,
+        _ => picture(film, *view, format, settings)?,
+    };
+    kajo_image::encode(&image, format, &options)
 }
 
 /// The view as a picture of one or three channels.
@@ -191,13 +217,13 @@ fn false_colour(id: f32) -> [f32; 3] {
     })
 }
 
-fn exr_layers(film: &Film, views: &[View]) -> Result<Vec<ExrLayer>, ImageError> {
+fn exr_layers(film: &Film, views: &[View], look: &Look<'_>) -> Result<Vec<ExrLayer>, ImageError> {
     // Colour and distance share the main layer, where compositors look for `Z`.
     let mut main = ExrLayer::default();
     let mut others = Vec::new();
     for view in views {
         match view {
-            View::Color => main.channels.extend(planes(&develop(film, Layer::Color)?, &["R", "G", "B"])),
+            View::Color => main.channels.extend(planes(&look.color(film, Format::Exr)?, &["R", "G", "B"])),
             View::Depth => main.channels.extend(planes(&develop(film, Layer::Depth)?, &["Z"])),
             View::Normals => {
                 others.push(named("N", planes(&develop(film, Layer::Normal)?, &["X", "Y", "Z"])))

@@ -6,7 +6,7 @@ use clap::{Arg, ArgMatches, Args, FromArgMatches, parser::ValueSource};
 use kajo::{BitDepth, Defaults, FilterChoice, SamplerKind, Settings, Shadows, View};
 
 use super::values::{self, MakeFilter, Size};
-use super::{PassArgs, RunArgs, SceneArgs};
+use super::{DevelopArgs, PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::job::{ClassicWords, Destination, Job, Output};
 
@@ -200,6 +200,7 @@ impl ClassicArgs {
             resources: known.run.resources(),
             keep_partial: known.run.keep_partial,
             passes: PassArgs::default(),
+            develop: DevelopArgs::default(),
         })
     }
 }

@@ -7,6 +7,7 @@
 mod bench;
 mod classic;
 mod common;
+mod develop;
 mod normalise;
 mod passes;
 mod render;
@@ -21,6 +22,7 @@ use clap_complete::Shell;
 pub use bench::{BenchArgs, BenchCommand, MemoryArgs, ParseArgs, RaysArgs, WhittedArgs};
 pub use classic::ClassicArgs;
 pub use common::{RunArgs, SceneArgs};
+pub use develop::DevelopArgs;
 pub use normalise::normalise;
 pub use passes::PassArgs;
 pub use render::RenderArgs;
@@ -60,7 +62,7 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene with the modern command line; `kajo SCENE` is short for it
     #[command(allow_negative_numbers = true)]
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Render a scene with the classic command line; `kajo -input SCENE` is short for it
     #[command(allow_negative_numbers = true)]
     Classic(ClassicArgs),

@@ -10,7 +10,7 @@ use kajo::{
 };
 
 use super::values::{self, Aov, FilterArg, Samples, Size};
-use super::{PassArgs, RunArgs, SceneArgs};
+use super::{DevelopArgs, PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::job::{Destination, Job, Output};
 
@@ -109,6 +109,8 @@ pub struct RenderArgs {
     pub reach: Option<f64>,
 
     #[command(flatten)]
+    pub develop: DevelopArgs,
+    #[command(flatten)]
     pub passes: PassArgs,
     #[command(flatten)]
     pub scene_args: SceneArgs,
@@ -133,6 +135,7 @@ impl RenderArgs {
             resources: self.run.resources(),
             keep_partial: self.run.keep_partial,
             passes: self.passes.clone(),
+            develop: self.develop.clone(),
         })
     }
 

@@ -30,6 +30,8 @@ pub struct ExrPicture {
     pub height: u32,
     /// Layers; the one without a name is the picture that viewers show.
     pub layers: Vec<ExrLayer>,
+    /// Chromaticities of red, green, blue and white, where they are not those of Rec. 709.
+    pub chromaticities: Option<[[f32; 2]; 4]>,
     /// Text attributes such as `software`, `comments` or `owner`. A reader returns them
     /// sorted by name, and only those that are text.
     pub attributes: Vec<(String, String)>,

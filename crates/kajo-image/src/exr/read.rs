@@ -89,6 +89,9 @@ fn check(headers: &[Header], limits: &DecodeLimits) -> Result<(), ImageError> {
 
 fn into_picture(file: FlatImage) -> Result<ExrPicture, ImageError> {
     let Vec2(width, height) = file.layer_data.first().ok_or_else(|| malformed("no layer"))?.size;
+    let pair = |Vec2(x, y): Vec2<f32>| [x, y];
+    let chromaticities = file.attributes.chromaticities;
+    let chromaticities = chromaticities.map(|c| [pair(c.red), pair(c.green), pair(c.blue), pair(c.white)]);
     let mut attributes = Vec::new();
     let mut layers: Vec<ExrLayer> = Vec::new();
     for (part_index, part) in file.layer_data.into_iter().enumerate() {
@@ -110,7 +113,7 @@ fn into_picture(file: FlatImage) -> Result<ExrPicture, ImageError> {
     layers.sort_by_key(|layer| layer.name.is_some());
     attributes.sort();
     attributes.dedup();
-    Ok(ExrPicture { width: width as u32, height: height as u32, layers, attributes })
+    Ok(ExrPicture { width: width as u32, height: height as u32, layers, chromaticities, attributes })
 }
 
 fn channel_data(samples: FlatSamples) -> ChannelData {

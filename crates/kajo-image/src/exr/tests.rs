@@ -18,6 +18,7 @@ fn render() -> ExrPicture {
     ExrPicture {
         width,
         height,
+        chromaticities: Some([[0.7, 0.29], [0.165, 0.83], [0.128, 0.044], [0.32, 0.34]]),
         layers: vec![
             ExrLayer {
                 name: None,

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Cursor;
 
 use ::exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Layer};
-use ::exr::meta::attribute::{AttributeValue, LineOrder, Text};
+use ::exr::meta::attribute::{AttributeValue, Chromaticities, LineOrder, Text};
 use ::exr::meta::header::LayerAttributes;
 use ::exr::prelude::{Compression, SmallVec, Vec2, WritableImage, f16};
 
@@ -31,11 +31,12 @@ pub fn encode(picture: ExrPicture) -> Result<Vec<u8>, ImageError> {
     };
     let layer = Layer::new(size, attributes(&picture.attributes), encoding, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
-    ::exr::image::Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut bytes)
-        .map_err(ImageError::parameter)?;
+    let mut image = ::exr::image::Image::from_layer(layer);
+    image.attributes.chromaticities = picture.chromaticities.map(|[red, green, blue, white]| {
+        let place = |[x, y]: [f32; 2]| Vec2(x, y);
+        Chromaticities { red: place(red), green: place(green), blue: place(blue), white: place(white) }
+    });
+    image.write().non_parallel().to_buffered(&mut bytes).map_err(ImageError::parameter)?;
     let mut bytes = bytes.into_inner();
     sort_attributes(&mut bytes);
     Ok(bytes)
