@@ -149,7 +149,9 @@ mod tests {
         let right = |w: Vec3| 0.75 * w.z.max(0.0) / std::f32::consts::PI;
         assert!(cosine(100_000, right).passes(0.01, 1));
         assert!(!cosine(100_000, |w| right(w) / 0.75).passes(0.01, 1), "directions that are missing");
-        assert!(!cosine(100_000, |w| if w.z > 0.0 { 0.75 / 6.283_185 } else { 0.0 }).passes(0.01, 1));
+        assert!(
+            !cosine(100_000, |w| if w.z > 0.0 { 0.75 / std::f32::consts::TAU } else { 0.0 }).passes(0.01, 1)
+        );
         assert!(
             !cosine(100_000, |w| right(w) * (1.0 + 0.1 * w.x)).passes(0.01, 1),
             "a tenth more on one side"

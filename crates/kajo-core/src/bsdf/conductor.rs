@@ -4,8 +4,9 @@
 //! f(wo, wi) = F(wi·m) D(m) G2(wo, wi) / (4 |cos θo| |cos θi|),   m the half vector
 //! ```
 //!
-//! [Cook and Torrance 1982], [Walter et al. 2007, eq. 20]. Facets are drawn from those that `wo` sees, so the weight
-//! of a sample is `F G2/G1`, never more than one [Heitz 2018].
+//! [Cook and Torrance 1982], [Walter et al. 2007, eq. 20], times a factor for light that facets reflect more than once,
+//! see `energy.rs`. Facets are drawn from those that `wo` sees, so the weight of a sample is that factor times `F G2/G1`
+//! [Heitz 2018].
 //!
 //! Fresnel's equations with the complex index `eta + i k`, relative to the medium outside, for
 //! unpolarised light [Born and Wolf 1999, sec. 14.2]:
@@ -19,9 +20,9 @@
 //! ```
 
 use kajo_color::Spectrum;
-use kajo_math::{Vec2, Vec3};
+use kajo_math::{Vec2, Vec3, fmath};
 
-use super::{BsdfSample, Microfacets, ScatterKind, same_side, upright};
+use super::{BsdfSample, Microfacets, ScatterKind, energy, same_side, upright};
 
 /// How much the facets of a metal reflect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +34,14 @@ pub enum MetalFresnel {
         /// Extinction, the imaginary part.
         k: Spectrum,
     },
+    /// By two colours: straight on, and what is left of Schlick's reflectance at 82 degrees
+    /// [Kutz, Hašan and Edmondson 2021].
+    Tinted {
+        /// Reflectance straight on.
+        f0: Spectrum,
+        /// Factor at 82 degrees; white is [Schlick 1994].
+        f82: Spectrum,
+    },
     /// The same at every angle.
     Constant(Spectrum),
 }
@@ -43,9 +52,24 @@ impl MetalFresnel {
     pub fn at(&self, cos: f32) -> Spectrum {
         match *self {
             MetalFresnel::Complex { eta, k } => complex(cos, eta, k),
+            MetalFresnel::Tinted { f0, f82 } => tinted(cos, f0, f82),
             MetalFresnel::Constant(f) => f,
         }
     }
+}
+
+/// Schlick's reflectance less a term that is largest where the cosine is 1/7 and scales it there by `f82`.
+#[inline]
+fn tinted(cos: f32, f0: Spectrum, f82: Spectrum) -> Spectrum {
+    const COS_82: f32 = 1.0 / 7.0;
+    let schlick = |cos: f32| {
+        let t = fmath::powi(1.0 - cos, 5);
+        f0 * (1.0 - t) + Spectrum::grey(t)
+    };
+    let cos = cos.clamp(0.0, 1.0);
+    let depth = 1.0 / (COS_82 * fmath::powi(1.0 - COS_82, 6));
+    let dip = schlick(COS_82) * (Spectrum::WHITE - f82) * (depth * cos * fmath::powi(1.0 - cos, 6));
+    (schlick(cos) - dip).clamp(0.0, 1.0)
 }
 
 /// Fresnel reflectance of a conductor for unpolarised light, lane by lane.
@@ -96,7 +120,14 @@ impl Conductor {
         let (wo, wi) = upright(wo, wi);
         let facets = self.microfacets.held();
         let m = (wo + wi).normalize_or_zero();
-        self.fresnel.at(wo.dot(m)) * (facets.d(m) * facets.g2(wo, wi) / (4.0 * wo.z))
+        self.reflected(&facets, wo, wi, m) * (facets.d(m) * facets.g2(wo, wi) / (4.0 * wo.z))
+    }
+
+    /// What the facet `m` reflects, times the factor for further bounces.
+    #[inline]
+    fn reflected(&self, facets: &Microfacets, wo: Vec3, wi: Vec3, m: Vec3) -> Spectrum {
+        let x = energy::metal(facets, wo.z) * energy::metal(facets, wi.z);
+        self.fresnel.at(wo.dot(m)).map(|f| f * energy::saturate(f, x))
     }
 
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
@@ -121,7 +152,7 @@ impl Conductor {
         if wi.z <= 0.0 {
             return None;
         }
-        let weight = self.fresnel.at(wo.dot(m)) * facets.g2_over_g1(wo, wi);
+        let weight = self.reflected(&facets, wo, wi, m) * facets.g2_over_g1(wo, wi);
         let pdf = 0.25 * facets.visible_over_cos(wo, m);
         BsdfSample::new(Vec3::new(wi.x, wi.y, side * wi.z), weight, pdf, ScatterKind::REFLECTION)
     }

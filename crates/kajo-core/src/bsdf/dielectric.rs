@@ -11,15 +11,16 @@
 //! ```
 //!
 //! [Walter et al. 2007, eq. 20 and 21]. The factor `1/η²` stands for radiance, which is squeezed into a narrower cone in
-//! a denser medium; light that is carried as importance's partner, in paths from the lamps, goes without it
-//! [Veach 1997, sec. 5.2].
+//! a denser medium; paths from the lamps, which carry power, go without it [Veach 1997, sec. 5.2]. Refracted, `G2`
+//! is the lesser of both `G1`. What is hidden all the same comes out in all directions, see `energy.rs`.
 //!
-//! A facet is drawn from those that `wo` sees, then reflection with probability F: the weight of a sample is
-//! `G2/G1` (and `1/η²`).
+//! A facet is drawn from those that `wo` sees, then reflection with probability F. Light that meets more than
+//! one facet has its own part of the samples, as many as its share.
 
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
+use super::energy::Loss;
 use super::{BsdfSample, Microfacets, ScatterKind, Transport, fresnel, same_side};
 
 /// Indices nearer to each other than this part without bending light that single precision could tell.
@@ -36,17 +37,6 @@ pub struct Dielectric {
     pub reflection_tint: Spectrum,
     /// Factor of transmitted light; white for real glass.
     pub transmission_tint: Spectrum,
-}
-
-/// A facet that joins two directions.
-struct Facet {
-    facets: Microfacets,
-    /// Its normal, upward.
-    m: Vec3,
-    /// Its reflectance.
-    fresnel: f32,
-    /// `|up·m| |down·m| / (up·m + η down·m)²` where light is refracted, with η of the boundary as it is defined.
-    bend: Option<f32>,
 }
 
 /// The boundary as it is met from the side of `wo`, which is turned to be above.
@@ -74,87 +64,109 @@ impl Dielectric {
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: Transport) -> Spectrum {
-        let Some(facet) = self.facet(wo, wi) else { return Spectrum::BLACK };
-        let Facet { facets, m, fresnel, bend } = facet;
-        let common = facets.d(m) * facets.g2(wo, wi) / wo.z.abs();
-        let Some(bend) = bend else {
-            return self.reflection_tint * (0.25 * fresnel * common);
-        };
-        // Radiance that comes up is divided by eta²; what goes down would be multiplied by it.
-        let scale = if (mode == Transport::Radiance) == (wo.z > 0.0) { 1.0 } else { self.eta * self.eta };
-        self.transmission_tint * ((1.0 - fresnel) * common * bend * scale)
+        self.scatter(wo, wi, mode).0
     }
 
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let Some(facet) = self.facet(wo, wi) else { return 0.0 };
-        let Facet { facets, m, fresnel, bend } = facet;
-        let side = wo.z.signum();
-        let visible = facets.visible_over_cos(side * wo, m);
-        match bend {
-            None => 0.25 * fresnel * visible,
-            Some(bend) => {
-                (1.0 - fresnel) * visible * bend * if wo.z > 0.0 { self.eta * self.eta } else { 1.0 }
-            }
-        }
+        self.scatter(wo, wi, Transport::Radiance).1
     }
 
-    /// The facet that joins two directions, if there is one; the same, to the last bit, for both orders.
-    #[inline]
-    fn facet(&self, wo: Vec3, wi: Vec3) -> Option<Facet> {
+    /// Value, with the cosine, and density.
+    fn scatter(&self, wo: Vec3, wi: Vec3, mode: Transport) -> (Spectrum, f32) {
         if self.is_smooth() || wo.z == 0.0 || wi.z == 0.0 {
-            return None;
+            return (Spectrum::BLACK, 0.0);
         }
         let facets = self.microfacets.held();
+        let reflects = same_side(wo, wi);
+        let (once, once_pdf) = self.once(&facets, wo, wi, mode);
+        let loss = self.loss();
+        let lost = loss.lost(self.is_dense(wo), wo.z.abs());
+        let again_pdf = loss.pdf(self.is_dense(wi), wi.z.abs());
+        // Where light meets more than one facet, the samples follow its value.
+        let scale = if reflects { 1.0 } else { mode.scale(self.met(wo).eta) };
+        let again = lost * again_pdf * scale;
+        let tint = if reflects { self.reflection_tint } else { self.transmission_tint };
+        (tint * (once + again), (1.0 - lost) * once_pdf + lost * again_pdf)
+    }
+
+    /// Light that meets one facet: value and density. The facet is the same, to the last bit, for both ways.
+    fn once(&self, facets: &Microfacets, wo: Vec3, wi: Vec3, mode: Transport) -> (f32, f32) {
         let side = wo.z.signum();
+        let seen = |m: Vec3| facets.visible_over_cos(side * wo, m);
         if same_side(wo, wi) {
-            let m = (wo + wi).normalize_or_zero();
-            let cos = wo.dot(m);
-            let eta = if side > 0.0 { self.eta } else { 1.0 / self.eta };
-            let fresnel = fresnel::dielectric(cos, eta);
-            return (cos > 0.0).then_some(Facet { facets, m: side * m, fresnel, bend: None });
+            let m = side * (wo + wi).normalize_or_zero();
+            let f = fresnel::dielectric(side * wo.dot(m), self.met(wo).eta);
+            let value = 0.25 * f * facets.d(m) * facets.g2(wo, wi) / wo.z.abs();
+            return (value, 0.25 * f * seen(m));
         }
         let (up, down) = if side > 0.0 { (wo, wi) } else { (wi, wo) };
         let m = (up + self.eta * down).normalize_or_zero();
         let m = if m.z < 0.0 { -m } else { m };
         let (cos_up, cos_down) = (up.dot(m), down.dot(m));
         if cos_up <= 0.0 || cos_down >= 0.0 {
-            return None;
+            return (0.0, 0.0);
         }
         let spread = cos_up + self.eta * cos_down;
-        let bend = Some(-cos_up * cos_down / (spread * spread));
-        Some(Facet { facets, m, fresnel: fresnel::dielectric(cos_up, self.eta), bend })
+        let bent = (1.0 - fresnel::dielectric(cos_up, self.eta)) * -cos_up * cos_down / (spread * spread);
+        let eta2 = self.eta * self.eta;
+        // Radiance that comes up is divided by eta², and what goes down would be multiplied by it.
+        let scale = if (mode == Transport::Radiance) == (wo.z > 0.0) { 1.0 } else { eta2 };
+        let value = bent * scale * facets.d(m) * facets.through(wo, wi) / wo.z.abs();
+        (value, bent * seen(m) * if wo.z > 0.0 { eta2 } else { 1.0 })
+    }
+
+    /// Whether `w` is on the side of the higher index.
+    fn is_dense(&self, w: Vec3) -> bool {
+        (self.eta > 1.0) != (w.z > 0.0)
+    }
+
+    fn loss(&self) -> Loss {
+        Loss::new(&self.microfacets.held(), self.eta.max(1.0 / self.eta))
     }
 
     pub(super) fn sample(&self, wo: Vec3, u: Vec2, uc: f32, mode: Transport) -> Option<BsdfSample> {
-        let side = wo.z.signum();
-        let Met { eta, wo } = self.met(wo);
-        let smooth = self.is_smooth();
-        let facets = self.microfacets.held();
-        let m = if smooth { Vec3::Z } else { facets.sample(wo, u) };
-        let cos_o = wo.dot(m);
-        if cos_o <= 0.0 {
-            return None;
+        if self.is_smooth() {
+            return self.sample_smooth(wo, uc, mode);
         }
-        let f = fresnel::dielectric(cos_o, eta);
-        let visible = if smooth { 1.0 } else { facets.visible_over_cos(wo, m) };
-        let reflects = uc < f;
-        let (wi, weight, pdf) = if reflects {
-            let wi = fresnel::reflect(-wo, m);
-            (wi, self.reflection_tint, f * if smooth { 1.0 } else { 0.25 * visible })
+        let loss = self.loss();
+        let lost = loss.lost(self.is_dense(wo), wo.z.abs());
+        let wi = if uc < lost {
+            loss.sample(self.eta < 1.0, u, uc / lost)
         } else {
-            let wi = fresnel::refract(-wo, m, eta)?;
-            let cos_i = wi.dot(m);
-            let spread = cos_i + cos_o / eta;
-            let stretch = if smooth { 1.0 } else { visible * cos_o * cos_i.abs() / (spread * spread) };
-            (wi, self.transmission_tint * mode.scale(eta), (1.0 - f) * stretch)
+            self.sample_facet(wo, u, (uc - lost) / (1.0 - lost))?
         };
-        if same_side(wo, wi) != reflects || wi.z == 0.0 {
-            return None;
+        let (value, pdf) = self.scatter(wo, wi, mode);
+        self.sampled(wo, wi, value * (1.0 / pdf), pdf, false)
+    }
+
+    fn sample_smooth(&self, wo: Vec3, uc: f32, mode: Transport) -> Option<BsdfSample> {
+        let Met { eta, wo: above } = self.met(wo);
+        let side = wo.z.signum();
+        let f = fresnel::dielectric(above.z, eta);
+        if uc < f {
+            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+            return self.sampled(wo, wi, self.reflection_tint, f, true);
         }
-        let weight = if smooth { weight } else { weight * facets.g2_over_g1(wo, wi) };
-        let kind = ScatterKind { transmission: !reflects, delta: smooth, straight: false };
-        let sample = BsdfSample::new(Vec3::new(wi.x, wi.y, side * wi.z), weight, pdf, kind)?;
-        Some(BsdfSample { eta: if reflects { 1.0 } else { eta }, ..sample })
+        let wi = fresnel::refract(-wo, side * Vec3::Z, eta)?;
+        self.sampled(wo, wi, self.transmission_tint * mode.scale(eta), 1.0 - f, true)
+    }
+
+    /// A direction by way of one facet.
+    fn sample_facet(&self, wo: Vec3, u: Vec2, uc: f32) -> Option<Vec3> {
+        let Met { eta, wo: above } = self.met(wo);
+        let m = self.microfacets.held().sample(above, u);
+        let cos = above.dot(m);
+        let reflects = uc < fresnel::dielectric(cos, eta);
+        let wi = if reflects { fresnel::reflect(-above, m) } else { fresnel::refract(-above, m, eta)? };
+        let wi = Vec3::new(wi.x, wi.y, wo.z.signum() * wi.z);
+        (cos > 0.0 && wi.z != 0.0 && same_side(wo, wi) == reflects).then_some(wi)
+    }
+
+    fn sampled(&self, wo: Vec3, wi: Vec3, weight: Spectrum, pdf: f32, delta: bool) -> Option<BsdfSample> {
+        let transmission = !same_side(wo, wi);
+        let kind = ScatterKind { transmission, delta, straight: false };
+        let sample = BsdfSample::new(wi, weight, pdf, kind)?;
+        Some(BsdfSample { eta: if transmission { self.met(wo).eta } else { 1.0 }, ..sample })
     }
 
     pub(super) fn albedo(&self, wo: Vec3) -> Spectrum {

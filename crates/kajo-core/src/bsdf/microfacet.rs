@@ -119,6 +119,13 @@ impl Microfacets {
         seen / (seen + self.lambda(wi))
     }
 
+    /// Share of facets seen from one side of a clear boundary through which light reaches `wi` on the other. What hides
+    /// one direction hides the other, so that an index next to 1 lets everything pass.
+    #[inline]
+    pub(super) fn through(&self, wo: Vec3, wi: Vec3) -> f32 {
+        1.0 / (1.0 + self.lambda(wo).max(self.lambda(wi)))
+    }
+
     /// Density, per solid angle, of the normals seen from `w`, `w.z > 0`.
     #[inline]
     pub fn visible(&self, w: Vec3, m: Vec3) -> f32 {

@@ -17,12 +17,16 @@
 
 pub mod conductor;
 mod dielectric;
+mod energy;
 pub mod fresnel;
+mod fuzz;
+mod gloss;
 mod lambert;
 pub mod microfacet;
 mod oren_nayar;
 mod phong;
 mod phong_lobes;
+mod principled;
 mod thin;
 
 pub use conductor::{Conductor, MetalFresnel};
@@ -32,6 +36,7 @@ pub use microfacet::Microfacets;
 pub use oren_nayar::OrenNayar;
 pub use phong::{Highlight, Phong};
 pub use phong_lobes::PhongLobes;
+pub use principled::{Base, Principled};
 pub use thin::ThinDielectric;
 
 use kajo_color::Spectrum;
@@ -52,6 +57,8 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// Phong's model, normalised.
     Phong(PhongLobes),
+    /// Layers of varnish and fibres on a metal, a pigment or a glass.
+    Principled(Principled),
     /// Nothing is there: light goes straight on.
     Null,
 }
@@ -130,6 +137,7 @@ impl Bsdf {
             Bsdf::Conductor(lobe) => lobe.eval(wo, wi),
             Bsdf::Dielectric(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Phong(lobe) => lobe.eval(wo, wi),
+            Bsdf::Principled(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::ThinDielectric(_) | Bsdf::Null => Spectrum::BLACK,
         }
     }
@@ -146,6 +154,7 @@ impl Bsdf {
             Bsdf::Conductor(lobe) => lobe.pdf(wo, wi),
             Bsdf::Dielectric(lobe) => lobe.pdf(wo, wi),
             Bsdf::Phong(lobe) => lobe.pdf(wo, wi),
+            Bsdf::Principled(lobe) => lobe.pdf(wo, wi),
             Bsdf::ThinDielectric(_) | Bsdf::Null => 0.0,
         }
     }
@@ -163,6 +172,7 @@ impl Bsdf {
             Bsdf::Dielectric(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::ThinDielectric(lobe) => lobe.sample(wo, uc),
             Bsdf::Phong(lobe) => lobe.sample(wo, u, uc, mode),
+            Bsdf::Principled(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Null => BsdfSample::new(-wo, Spectrum::WHITE, 1.0, ScatterKind::STRAIGHT),
         }
     }
@@ -172,7 +182,7 @@ impl Bsdf {
     #[inline]
     pub fn is_delta(&self) -> bool {
         match self {
-            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) => false,
+            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::Principled(_) => false,
             Bsdf::Conductor(lobe) => lobe.is_smooth(),
             Bsdf::Dielectric(lobe) => lobe.is_smooth(),
             Bsdf::Phong(lobe) => lobe.is_delta(),
@@ -183,7 +193,12 @@ impl Bsdf {
     /// Whether light is scattered to the other side into more than single directions.
     #[inline]
     pub fn transmits(&self) -> bool {
-        matches!(self, Bsdf::Dielectric(lobe) if !lobe.is_smooth())
+        match self {
+            Bsdf::Lambert(lobe) => !lobe.transmittance.is_black(),
+            Bsdf::Dielectric(lobe) => !lobe.is_smooth(),
+            Bsdf::Principled(lobe) => lobe.base == Base::Glass,
+            _ => false,
+        }
     }
 
     /// Share of the light arriving from everywhere alike that leaves to `wo`, an estimate where there is no closed
@@ -197,6 +212,7 @@ impl Bsdf {
             Bsdf::Dielectric(lobe) => lobe.albedo(wo),
             Bsdf::ThinDielectric(lobe) => lobe.albedo(wo),
             Bsdf::Phong(lobe) => lobe.albedo(),
+            Bsdf::Principled(lobe) => lobe.albedo(wo),
             Bsdf::Null => Spectrum::WHITE,
         }
     }

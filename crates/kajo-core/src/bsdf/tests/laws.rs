@@ -39,7 +39,7 @@ fn a_bsdf_is_small_and_copied() {
 /// Samples follow their density, for 20 directions and 10 roughnesses of every family.
 #[test]
 fn samples_follow_their_density() {
-    let (n_directions, step, n) = if deep() { (20, 1, 200_000) } else { (5, 4, 20_000) };
+    let (n_directions, step, n) = if deep() { (20, 1, 100_000) } else { (3, 4, 20_000) };
     let families = families();
     let roughnesses: Vec<f32> = ROUGHNESSES.into_iter().step_by(step).collect();
     let tests = families.len() as u32 * n_directions * roughnesses.len() as u32;
@@ -63,7 +63,7 @@ fn weights_are_values_over_densities() {
     for family in families() {
         for roughness in ROUGHNESSES {
             let lobe = (family.lobe)(roughness);
-            for i in 0..500 {
+            for i in 0..200 {
                 let (wo, _, u, uc) = random(&Stream::new(3, [i, 0], 0), 0);
                 for mode in [Transport::Radiance, Transport::Importance] {
                     let Some(sample) = lobe.sample(wo, u, uc, mode) else { continue };
@@ -91,10 +91,10 @@ fn weights_are_values_over_densities() {
 /// The light that goes from `wi` to `wo` is the same, whichever end a path begins at.
 #[test]
 fn both_ways_are_one() {
-    for family in families().iter().filter(|family| family.reciprocal) {
+    for family in families() {
         for roughness in ROUGHNESSES {
             let lobe = (family.lobe)(roughness);
-            for i in 0..500 {
+            for i in 0..200 {
                 let (wo, wi, ..) = random(&Stream::new(4, [i, 0], 0), 0);
                 if wo.z.abs() < 0.01 || wi.z.abs() < 0.01 {
                     continue;
@@ -113,18 +113,20 @@ fn both_ways_are_one() {
 /// nothing cannot be seen. Power is counted, so that the squeezing of radiance is left out.
 #[test]
 fn the_white_furnace() {
-    let side = if deep() { 256 } else { 64 };
+    let (side, step, n_directions) = if deep() { (256, 1, 10) } else { (64, 3, 4) };
     for family in families() {
-        for roughness in ROUGHNESSES {
+        for roughness in ROUGHNESSES.into_iter().step_by(step) {
             let lobe = (family.lobe)(roughness);
-            for wo in directions(6) {
+            for wo in directions(n_directions) {
                 let energy = sphere::stratified_mean(side, 9, |u, uc| {
-                    let sample = lobe.sample(wo, u, uc, Transport::Importance);
-                    sample.map_or(0.0, |sample| f64::from(sample.weight.max_lane()))
+                    let sample = lobe.sample(wo, u, uc, Transport::Radiance);
+                    sample.map_or(0.0, |sample| f64::from(sample.weight.max_lane() * sample.eta * sample.eta))
                 });
                 let place = format!("{} {roughness} from {wo}: {energy}", family.name);
-                assert!(energy < 1.001, "{place}");
-                assert!(!family.lossless || energy > 0.999, "{place}");
+                // Fewer samples are noisier.
+                let tolerance = if deep() { family.tolerance } else { family.tolerance + 0.004 };
+                assert!(energy < 1.0 + tolerance, "{place}");
+                assert!(!family.lossless || energy > 1.0 - tolerance, "{place}");
             }
         }
     }

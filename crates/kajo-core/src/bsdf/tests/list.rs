@@ -14,12 +14,15 @@ pub struct Family {
     pub lobe: fn(f32) -> Bsdf,
     /// Whether all light comes out again.
     pub lossless: bool,
-    /// Whether `f(wo, wi)` of radiance is `f(wi, wo)` of importance by itself.
-    pub reciprocal: bool,
+    /// How far off the energy may be.
+    pub tolerance: f64,
 }
 
 pub fn gold() -> MetalFresnel {
-    MetalFresnel::Complex { eta: Spectrum::rgb(0.143, 0.375, 1.442), k: Spectrum::rgb(3.983, 2.386, 1.603) }
+    MetalFresnel::Complex {
+        eta: Spectrum::from([0.143, 0.375, 1.442, 0.2]),
+        k: Spectrum::from([3.983, 2.386, 1.603, 3.0]),
+    }
 }
 
 fn anisotropic(shape: Shape, alpha: f32) -> Microfacets {
@@ -49,8 +52,14 @@ fn phong(diffuse: f32, specular: f32, reflective: f32, transparent: f32, alpha: 
     Bsdf::Phong(PhongLobes::from(&classic))
 }
 
+/// White layers.
+fn layered(base: Base, alpha: f32, coat: f32, fuzz: f32) -> Bsdf {
+    let (color, alpha, coat_alpha) = (Spectrum::WHITE, Vec2::splat(alpha), (0.3 * alpha).max(0.05));
+    Bsdf::Principled(Principled { base, color, alpha, coat, coat_alpha, fuzz, ..Principled::default() })
+}
+
 /// A family without promises.
-const PLAIN: Family = Family { name: "", lobe: |_| Bsdf::Null, lossless: false, reciprocal: true };
+const PLAIN: Family = Family { name: "", lobe: |_| Bsdf::Null, lossless: false, tolerance: 0.003 };
 
 pub fn families() -> Vec<Family> {
     const WHITE: MetalFresnel = MetalFresnel::Constant(Spectrum::WHITE);
@@ -85,24 +94,87 @@ pub fn families() -> Vec<Family> {
         Family {
             name: "white metal, Beckmann",
             lobe: |a| conductor(WHITE, Microfacets::new(Shape::Beckmann, a)),
+            lossless: true,
             ..PLAIN
         },
         Family { name: "gold", lobe: |a| conductor(gold(), Microfacets::new(Shape::Ggx, a)), ..PLAIN },
+        Family {
+            name: "brushed white metal",
+            lobe: |a| conductor(WHITE, anisotropic(Shape::Ggx, a)),
+            tolerance: 0.012,
+            ..PLAIN
+        },
         Family { name: "brushed gold", lobe: |a| conductor(gold(), anisotropic(Shape::Ggx, a)), ..PLAIN },
         Family {
             name: "brushed gold, Beckmann",
             lobe: |a| conductor(gold(), anisotropic(Shape::Beckmann, a)),
+            tolerance: 0.012,
             ..PLAIN
         },
-        Family { name: "glass", lobe: |a| glass(1.5, Microfacets::new(Shape::Ggx, a)), ..PLAIN },
-        Family { name: "diamond", lobe: |a| glass(2.417, Microfacets::new(Shape::Ggx, a)), ..PLAIN },
-        Family { name: "bubble", lobe: |a| glass(1.0 / 1.33, Microfacets::new(Shape::Ggx, a)), ..PLAIN },
+        Family {
+            name: "glass",
+            lobe: |a| glass(1.5, Microfacets::new(Shape::Ggx, a)),
+            lossless: true,
+            ..PLAIN
+        },
+        Family {
+            name: "diamond",
+            lobe: |a| glass(2.417, Microfacets::new(Shape::Ggx, a)),
+            lossless: true,
+            ..PLAIN
+        },
+        Family {
+            name: "bubble",
+            lobe: |a| glass(1.0 / 1.33, Microfacets::new(Shape::Ggx, a)),
+            lossless: true,
+            ..PLAIN
+        },
         Family {
             name: "glass, Beckmann",
             lobe: |a| glass(1.5, Microfacets::new(Shape::Beckmann, a)),
+            lossless: true,
             ..PLAIN
         },
-        Family { name: "scratched glass", lobe: |a| glass(1.5, anisotropic(Shape::Ggx, a)), ..PLAIN },
+        Family {
+            name: "scratched glass",
+            lobe: |a| glass(1.5, anisotropic(Shape::Ggx, a)),
+            tolerance: 0.03,
+            ..PLAIN
+        },
+        Family { name: "plastic", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.0), lossless: true, ..PLAIN },
+        Family { name: "car paint", lobe: |a| layered(Base::Metal, a, 0.8, 0.0), lossless: true, ..PLAIN },
+        Family { name: "peach", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.9), lossless: true, ..PLAIN },
+        Family {
+            name: "dusty varnish",
+            lobe: |a| layered(Base::Diffuse, a, 1.0, 0.5),
+            lossless: true,
+            ..PLAIN
+        },
+        Family {
+            name: "varnished glass",
+            lobe: |a| layered(Base::Glass, a, 0.5, 0.3),
+            lossless: true,
+            ..PLAIN
+        },
+        Family {
+            name: "tinted layers",
+            lobe: |a| {
+                Bsdf::Principled(Principled {
+                    color: Spectrum::rgb(0.2, 0.5, 0.9),
+                    specular_color: Spectrum::rgb(1.0, 0.8, 0.6),
+                    diffuse_roughness: a,
+                    alpha: Vec2::new(a, 0.5 * a),
+                    coat: 0.7,
+                    coat_color: Spectrum::rgb(0.9, 0.5, 0.3),
+                    coat_alpha: 0.1,
+                    fuzz: 0.4,
+                    fuzz_color: Spectrum::rgb(0.9, 0.3, 0.3),
+                    fuzz_roughness: a,
+                    ..Principled::default()
+                })
+            },
+            ..PLAIN
+        },
         Family { name: "Phong", lobe: |a| phong(0.3, 0.5, 0.0, 0.0, a), ..PLAIN },
         Family { name: "Phong with a mirror and a window", lobe: |a| phong(0.2, 0.3, 0.2, 0.3, a), ..PLAIN },
     ]
@@ -122,7 +194,7 @@ pub fn mirrors() -> Vec<(&'static str, Bsdf)> {
     ]
 }
 
-/// Seeds of tests that take long are a quarter as many, unless `KAJO_DEEP` is set.
+/// Whether tests that take long are to be run in full: `KAJO_DEEP` is set.
 pub fn deep() -> bool {
     std::env::var_os("KAJO_DEEP").is_some()
 }

@@ -2,3 +2,6 @@
 
 mod laws;
 mod list;
+mod microfacets;
+mod random;
+mod tables;

@@ -1,0 +1,70 @@
+//! The reflecting half of a rough dielectric boundary met from above: a varnish, whatever lies below it.
+//!
+//! ```text
+//! f(wo, wi) = F D(m) G2 / (4 cos θo cos θi)  +  l(o) l(i) / (π (L₁ + n² L₂))
+//! ```
+//!
+//! as in [`Dielectric`](super::Dielectric), whose transmission is left to the layers below: they get the share that
+//! [`Gloss::albedo`] does not reflect.
+
+use kajo_math::{Vec2, Vec3};
+
+use super::energy::Loss;
+use super::{Microfacets, fresnel};
+
+/// Indices nearer to 1 than this do not reflect.
+const MATCHED: f32 = 1e-3;
+
+/// A glossy layer above others.
+#[derive(Clone, Copy)]
+pub(super) struct Gloss {
+    n: f32,
+    facets: Microfacets,
+    loss: Loss,
+}
+
+impl Gloss {
+    /// * `n`: index of the layer over that of the medium above, at least 1
+    pub fn new(n: f32, facets: Microfacets) -> Gloss {
+        let facets = facets.held();
+        Gloss { n, facets, loss: Loss::new(&facets, n) }
+    }
+
+    /// Share of light reflected to `wo`.
+    pub fn albedo(&self, wo: Vec3) -> f32 {
+        if self.n < 1.0 + MATCHED { 0.0 } else { self.loss.reflected(wo.z) }
+    }
+
+    /// Share of what is reflected to `wo` that meets more than one facet.
+    fn again(&self, wo: Vec3) -> f32 {
+        let again = self.loss.thin_share * self.loss.lost(false, wo.z);
+        (again / self.albedo(wo).max(again).max(f32::MIN_POSITIVE)).min(1.0)
+    }
+
+    /// Value, with the cosine of `wi`, and density of [`sample`](Self::sample); both directions above.
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        if self.n < 1.0 + MATCHED {
+            return (0.0, 0.0);
+        }
+        let m = (wo + wi).normalize_or_zero();
+        let once =
+            self.facets.d(m) * self.facets.g2(wo, wi) / (4.0 * wo.z) * fresnel::dielectric(wo.dot(m), self.n);
+        let again = self.loss.pdf(false, wi.z);
+        let share = self.again(wo);
+        // The density of directions on either side, given that they are on this one.
+        let again_pdf = if share > 0.0 { again / self.loss.thin_share } else { 0.0 };
+        let pdf = (1.0 - share) * 0.25 * self.facets.visible_over_cos(wo, m) + share * again_pdf;
+        (once + self.loss.lost(false, wo.z) * again, pdf)
+    }
+
+    /// A direction, `None` when it is below the surface.
+    pub fn sample(&self, wo: Vec3, u: Vec2, uc: f32) -> Option<Vec3> {
+        let wi = if uc < self.again(wo) {
+            self.loss.sample_side(false, u)
+        } else {
+            let m = self.facets.sample(wo, u);
+            fresnel::reflect(-wo, m)
+        };
+        (wi.z > 0.0).then_some(wi)
+    }
+}

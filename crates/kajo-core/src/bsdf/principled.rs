@@ -1,0 +1,294 @@
+//! A layered surface in the terms of OpenPBR: fibres over a varnish over a metal, a pigment or a glass.
+//!
+//! Each layer reflects its own light and lets the rest through to the one below. Seen from `v`:
+//!
+//! ```text
+//! f  =  wf cf ffuzz  +  (1 - wf Rfuzz(v)) [ wc fcoat  +  T(v) fbase ]
+//!
+//! T  =  1 - wc  +  wc (1 - Ecoat(v)) t            t = tint ^ ((1/cos θo' + 1/cos θi') / 2),  θ' inside the coat
+//!
+//! fbase  =  metal,   or clear glass,   or   fgloss + (1 - Egloss(v)) fdiffuse
+//! ```
+//!
+//! `R` and `E` are the shares that fibres and varnish reflect [OpenPBR 1.1, sec. 3 and 4]. What passes a layer depends
+//! on the direction to the viewer only: so no light is lost, and white layers on a white base reflect all of it.
+//! The price is that the formula is not symmetric. Paths from the lamps use it with both directions
+//! exchanged, so that they find the same picture.
+//!
+//! Left out: the darkening of a base by light that the coat throws back to it, thin films, subsurface scattering.
+//! From inside a glass base there are neither fibres nor varnish.
+
+use kajo_color::Spectrum;
+use kajo_math::{Vec2, Vec3, fmath};
+
+use super::fuzz::Fuzz;
+use super::gloss::Gloss;
+use super::microfacet::Shape;
+use super::{
+    BsdfSample, Conductor, Dielectric, MetalFresnel, Microfacets, OrenNayar, ScatterKind, Transport,
+    same_side, upright,
+};
+
+/// What lies below varnish and fibres.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    /// A pigment under a glossy surface.
+    Diffuse,
+    /// A metal.
+    Metal,
+    /// Clear glass.
+    Glass,
+}
+
+/// A layered surface at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principled {
+    /// What lies below.
+    pub base: Base,
+    /// Albedo of the pigment, reflectance of the metal straight on, or factor of light through the glass.
+    pub color: Spectrum,
+    /// Factor of glossy reflection, of the metal at 82 degrees.
+    pub specular_color: Spectrum,
+    /// Roughness of the pigment, in [0, 1].
+    pub diffuse_roughness: f32,
+    /// Roughness `α` along x and y.
+    pub alpha: Vec2,
+    /// Index of refraction of pigment or glass over that of the medium above, at least 1.
+    pub eta: f32,
+    /// Share of the surface that is varnished.
+    pub coat: f32,
+    /// Light that the varnish lets through, in and out again, straight on.
+    pub coat_color: Spectrum,
+    /// Roughness `α` of the varnish.
+    pub coat_alpha: f32,
+    /// Index of refraction of the varnish over that of the medium above, at least 1.
+    pub coat_eta: f32,
+    /// Share of the surface that is covered by fibres.
+    pub fuzz: f32,
+    /// Colour of the fibres.
+    pub fuzz_color: Spectrum,
+    /// Roughness of the fibres, in [0, 1].
+    pub fuzz_roughness: f32,
+}
+
+impl Default for Principled {
+    fn default() -> Principled {
+        let white = Spectrum::WHITE;
+        Principled {
+            base: Base::Diffuse,
+            color: Spectrum::grey(0.8),
+            specular_color: white,
+            diffuse_roughness: 0.0,
+            alpha: Vec2::splat(0.09),
+            eta: 1.5,
+            coat: 0.0,
+            coat_color: white,
+            coat_alpha: 0.0,
+            coat_eta: 1.6,
+            fuzz: 0.0,
+            fuzz_color: white,
+            fuzz_roughness: 0.5,
+        }
+    }
+}
+
+/// Probabilities of choosing each part of the layers, for one `wo`.
+struct Shares {
+    fuzz: f32,
+    coat: f32,
+    gloss: f32,
+    /// The pigment, the metal or the glass.
+    base: f32,
+}
+
+/// What passes through the layers above the base, and how much each layer reflects.
+struct Seen {
+    fuzz: f32,
+    coat: f32,
+    /// Share of light that passes fibres and varnish, their tint left out.
+    through: f32,
+}
+
+impl Principled {
+    fn facets(&self) -> Microfacets {
+        Microfacets { shape: Shape::Ggx, alpha_x: self.alpha.x, alpha_y: self.alpha.y }.held()
+    }
+
+    fn gloss(&self) -> Gloss {
+        Gloss::new(self.eta, self.facets())
+    }
+
+    fn varnish(&self) -> Gloss {
+        Gloss::new(self.coat_eta, Microfacets::new(Shape::Ggx, self.coat_alpha))
+    }
+
+    fn pigment(&self) -> OrenNayar {
+        OrenNayar { reflectance: self.color, roughness: self.diffuse_roughness }
+    }
+
+    fn metal(&self) -> Conductor {
+        let fresnel = MetalFresnel::Tinted { f0: self.color, f82: self.specular_color };
+        Conductor { fresnel, microfacets: self.facets() }
+    }
+
+    fn glass(&self) -> Dielectric {
+        let microfacets = self.facets();
+        let (reflection_tint, transmission_tint) = (self.specular_color, self.color);
+        Dielectric { eta: self.eta, microfacets, reflection_tint, transmission_tint }
+    }
+
+    /// Both directions with `wo` above, where it does not matter on which side it is.
+    fn turned(&self, wo: Vec3, wi: Vec3) -> (Vec3, Vec3) {
+        if self.base == Base::Glass { (wo, wi) } else { upright(wo, wi) }
+    }
+
+    /// What the layers above the base do to light that is seen from `v`.
+    fn seen(&self, v: Vec3) -> Seen {
+        if v.z <= 0.0 {
+            return Seen { fuzz: 0.0, coat: 0.0, through: 1.0 };
+        }
+        let fuzz = if self.fuzz > 0.0 { self.fuzz * Fuzz::new(v, self.fuzz_roughness).albedo } else { 0.0 };
+        let coat = if self.coat > 0.0 { self.coat * self.varnish().albedo(v) } else { 0.0 };
+        Seen { fuzz, coat: (1.0 - fuzz) * coat, through: (1.0 - fuzz) * (1.0 - coat) }
+    }
+
+    /// Factor of light that passes the tinted varnish from `wi` and back to `wo`, relative to clear varnish
+    /// that lets the share `1 - coat E` through.
+    fn coat_tint(&self, wo: Vec3, wi: Vec3, v: Vec3) -> Spectrum {
+        if self.coat <= 0.0 || v.z <= 0.0 || self.coat_color == Spectrum::WHITE {
+            return Spectrum::WHITE;
+        }
+        let inverse_cos = |w: Vec3| {
+            let sin2 = (1.0 - w.z * w.z).max(0.0) / (self.coat_eta * self.coat_eta);
+            1.0 / (1.0 - sin2).max(1e-4).sqrt()
+        };
+        let length = 0.5 * (inverse_cos(wo) + inverse_cos(wi));
+        let passed = self.coat * (1.0 - self.varnish().albedo(v));
+        let bare = 1.0 - self.coat;
+        if passed + bare <= 0.0 {
+            return Spectrum::WHITE;
+        }
+        self.coat_color.map(|c| (passed * fmath::pow(c.max(0.0), length) + bare) / (passed + bare))
+    }
+
+    fn shares(&self, wo: Vec3) -> Shares {
+        let seen = self.seen(wo);
+        let fuzz = seen.fuzz * self.fuzz_color.max_lane();
+        let (gloss, base) = match self.base {
+            Base::Metal | Base::Glass => (0.0, 1.0),
+            Base::Diffuse => {
+                let e = self.gloss().albedo(wo);
+                (e * self.specular_color.max_lane(), (1.0 - e) * self.color.max_lane())
+            }
+        };
+        let (gloss, base) = (seen.through * gloss, seen.through * base);
+        let sum = fuzz + seen.coat + gloss + base;
+        if sum <= 0.0 || !sum.is_finite() {
+            return Shares { fuzz: 0.0, coat: 0.0, gloss: 0.0, base: 1.0 };
+        }
+        Shares { fuzz: fuzz / sum, coat: seen.coat / sum, gloss: gloss / sum, base: base / sum }
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: Transport) -> Spectrum {
+        let (wo, wi) = self.turned(wo, wi);
+        let v = if mode == Transport::Radiance { wo } else { wi };
+        let reflected_above = wo.z > 0.0 && wi.z > 0.0;
+        let seen = self.seen(v);
+        let mut value = self.base_value(wo, wi, v, mode) * self.coat_tint(wo, wi, v) * seen.through;
+        if reflected_above && self.coat > 0.0 {
+            value += Spectrum::grey(self.varnish().eval(wo, wi).0 * self.coat * (1.0 - seen.fuzz));
+        }
+        if reflected_above && self.fuzz > 0.0 {
+            let fuzz = Fuzz::new(v, self.fuzz_roughness);
+            // The fit's lobe belongs to the viewer's direction; the other one is the light's.
+            let light = if mode == Transport::Radiance { wi } else { wo };
+            value += self.fuzz_color * (self.fuzz * fuzz.albedo * fuzz.shape(light) * wi.z);
+        }
+        value
+    }
+
+    fn base_value(&self, wo: Vec3, wi: Vec3, v: Vec3, mode: Transport) -> Spectrum {
+        match self.base {
+            Base::Metal => self.metal().eval(wo, wi),
+            Base::Glass => self.glass().eval(wo, wi, mode),
+            Base::Diffuse if !same_side(wo, wi) => Spectrum::BLACK,
+            Base::Diffuse => {
+                let gloss = self.gloss();
+                let below = self.pigment().eval(wo, wi) * (1.0 - gloss.albedo(v));
+                self.specular_color * gloss.eval(wo, wi).0 + below
+            }
+        }
+    }
+
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let (wo, wi) = self.turned(wo, wi);
+        let shares = self.shares(wo);
+        let mut pdf = shares.base
+            * match self.base {
+                Base::Metal => self.metal().pdf(wo, wi),
+                Base::Glass => self.glass().pdf(wo, wi),
+                Base::Diffuse => self.pigment().pdf(wo, wi),
+            };
+        if wo.z > 0.0 && wi.z > 0.0 {
+            if shares.gloss > 0.0 {
+                pdf += shares.gloss * self.gloss().eval(wo, wi).1;
+            }
+            if shares.coat > 0.0 {
+                pdf += shares.coat * self.varnish().eval(wo, wi).1;
+            }
+            if shares.fuzz > 0.0 {
+                pdf += shares.fuzz * Fuzz::new(wo, self.fuzz_roughness).shape(wi) * wi.z;
+            }
+        }
+        pdf
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: Vec2, uc: f32, mode: Transport) -> Option<BsdfSample> {
+        let side = if self.base == Base::Glass { 1.0 } else { wo.z.signum() };
+        let wo = Vec3::new(wo.x, wo.y, side * wo.z);
+        let Shares { fuzz, coat, gloss, base } = self.shares(wo);
+        let (glossy, matte) = (fuzz + coat, fuzz + coat + gloss);
+        let (mut kind, mut eta) = (ScatterKind::REFLECTION, 1.0);
+        let wi = if uc < fuzz {
+            Fuzz::new(wo, self.fuzz_roughness).sample(u)
+        } else if uc < glossy {
+            self.varnish().sample(wo, u, (uc - fuzz) / coat)?
+        } else if uc < matte {
+            self.gloss().sample(wo, u, (uc - glossy) / gloss)?
+        } else {
+            let uc = ((uc - matte) / base).min(1.0 - f32::EPSILON);
+            let sample = match self.base {
+                Base::Diffuse => self.pigment().sample(wo, u, uc),
+                Base::Metal => self.metal().sample(wo, u),
+                Base::Glass => self.glass().sample(wo, u, uc, mode),
+            }?;
+            if sample.kind.delta {
+                // Glass of the index around it: straight on, and nothing but sampling finds it.
+                let v = if mode == Transport::Radiance { wo } else { sample.wi };
+                let factor = self.coat_tint(wo, sample.wi, v) * (self.seen(v).through / base);
+                return Some(BsdfSample { weight: sample.weight * factor, pdf: sample.pdf * base, ..sample });
+            }
+            (kind, eta) = (sample.kind, sample.eta);
+            sample.wi
+        };
+        let pdf = self.pdf(wo, wi);
+        let weight = self.eval(wo, wi, mode) * (1.0 / pdf);
+        let sample = BsdfSample::new(Vec3::new(wi.x, wi.y, side * wi.z), weight, pdf, kind)?;
+        Some(BsdfSample { eta, ..sample })
+    }
+
+    pub(super) fn albedo(&self, wo: Vec3) -> Spectrum {
+        let (wo, _) = self.turned(wo, wo);
+        let seen = self.seen(wo);
+        let base = match self.base {
+            Base::Metal => self.metal().albedo(wo),
+            Base::Glass => self.glass().albedo(wo),
+            Base::Diffuse => {
+                let e = self.gloss().albedo(wo);
+                self.specular_color * e + self.pigment().albedo(wo) * (1.0 - e)
+            }
+        };
+        let passed = base * self.coat_tint(wo, wo, wo) * seen.through;
+        self.fuzz_color * seen.fuzz + Spectrum::grey(seen.coat) + passed
+    }
+}

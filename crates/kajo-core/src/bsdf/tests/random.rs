@@ -1,0 +1,82 @@
+//! Laws of the layered lobe for any parameters.
+
+use kajo_color::Spectrum;
+use kajo_math::{Vec2, Vec3, warp};
+use proptest::prelude::*;
+
+use super::super::*;
+
+fn color() -> impl Strategy<Value = Spectrum> {
+    prop_oneof![
+        Just(Spectrum::WHITE),
+        Just(Spectrum::BLACK),
+        (0f32..=1.0, 0f32..=1.0, 0f32..=1.0).prop_map(|(r, g, b)| Spectrum::rgb(r, g, b)),
+    ]
+}
+
+fn share() -> impl Strategy<Value = f32> {
+    prop_oneof![Just(0.0f32), Just(1.0), 0f32..=1.0]
+}
+
+fn layers() -> impl Strategy<Value = Principled> {
+    let base = prop_oneof![Just(Base::Diffuse), Just(Base::Metal), Just(Base::Glass)];
+    let surface = (base, color(), color(), share(), share(), share(), 1f32..3.0);
+    let above = (share(), color(), share(), 1f32..3.0, share(), color(), share());
+    (surface, above).prop_map(|(surface, above)| {
+        let (base, color, specular_color, diffuse_roughness, alpha_x, alpha_y, eta) = surface;
+        let (coat, coat_color, coat_alpha, coat_eta, fuzz, fuzz_color, fuzz_roughness) = above;
+        Principled {
+            base,
+            color,
+            specular_color,
+            diffuse_roughness,
+            alpha: Vec2::new(alpha_x, alpha_y),
+            eta,
+            coat,
+            coat_color,
+            coat_alpha,
+            coat_eta,
+            fuzz,
+            fuzz_color,
+            fuzz_roughness,
+        }
+    })
+}
+
+fn direction() -> impl Strategy<Value = Vec3> {
+    (0f32..1.0, 0f32..1.0).prop_map(|(x, y)| warp::uniform_sphere(Vec2::new(x, y)))
+}
+
+proptest! {
+    #[test]
+    fn layers_of_any_kind_give_numbers_and_fair_weights(
+        layers in layers(),
+        (wo, wi) in (direction(), direction()),
+        (u, v, uc) in (0f32..1.0, 0f32..1.0, 0f32..1.0),
+    ) {
+        let lobe = Bsdf::Principled(layers);
+        for mode in [Transport::Radiance, Transport::Importance] {
+            let f = lobe.eval(wo, wi, mode);
+            prop_assert!(f.is_finite() && f.to_rgb().iter().all(|&v| v >= 0.0), "{f:?}");
+            let Some(sample) = lobe.sample(wo, Vec2::new(u, v), uc, mode) else { continue };
+            prop_assert!((sample.wi.length() - 1.0).abs() < 1e-4);
+            prop_assert!(sample.weight.is_finite() && sample.pdf > 0.0);
+            if sample.kind.delta {
+                continue;
+            }
+            let pdf = lobe.pdf(wo, sample.wi);
+            prop_assert!((pdf / sample.pdf - 1.0).abs() < 1e-2, "{pdf} {}", sample.pdf);
+            let weight = lobe.eval(wo, sample.wi, mode) * (1.0 / pdf);
+            prop_assert!((weight - sample.weight).map(f32::abs).max_lane() < 1e-2 * weight.max_lane().max(1.0));
+        }
+        let albedo = lobe.albedo(wo);
+        prop_assert!(albedo.to_rgb().iter().all(|v| (0.0..=1.001).contains(v)), "{albedo:?}");
+        let pdf = lobe.pdf(wo, wi);
+        prop_assert!(pdf.is_finite() && pdf >= 0.0);
+        // What leaves to the camera from a lamp is what leaves to the lamp from the camera.
+        let (there, back) = (lobe.eval(wo, wi, Transport::Radiance), lobe.eval(wi, wo, Transport::Importance));
+        let (there, back) = (there * wo.z.abs(), back * wi.z.abs());
+        let off = (there - back).map(f32::abs).max_lane();
+        prop_assert!(off <= 1e-5 * there.max_lane().max(1e-3), "{there:?} {back:?}");
+    }
+}
