@@ -210,10 +210,12 @@ impl Job {
     }
 
     fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
-        let Some(words) = self.classic else {
-            return Ok(RenderSettings::resolve(scene, &self.asked, self.defaults, false)?);
-        };
-        let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, words.uv)?;
+        let uv = self.classic.is_some_and(|words| words.uv);
+        let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, uv)?;
+        for note in settings.left_out(scene) {
+            (voice.say)(&format!("warning: {note}\n"));
+        }
+        let Some(words) = self.classic else { return Ok(settings) };
         let is_2004 = scene.rules.dialect == Dialect::Mit2004;
         if words.uniform_samples && is_2004 {
             settings.samples.0 = SamplerKind::Regular;

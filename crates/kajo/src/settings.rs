@@ -111,6 +111,35 @@ impl RenderSettings {
         })
     }
 
+    /// What of the scene and of the settings the integrator leaves out, a sentence each.
+    pub fn left_out(&self, scene: &Scene) -> Vec<&'static str> {
+        let traced = self.integrator != IntegratorKind::Classic;
+        let shaded = traced && self.integrator != IntegratorKind::Occlusion;
+        let lamps = &scene.lights;
+        let unfading = lamps.point.iter().any(|lamp| lamp.attenuation[2] == 0.0)
+            || lamps.spots.iter().any(|lamp| lamp.point.attenuation[2] == 0.0);
+        let notes = [
+            (traced && scene.fog.is_some(), "`Fog` is left out: only the classic integrator knows it"),
+            (
+                shaded && !scene.ambient.is_black() && !scene.light_list.is_empty(),
+                "`ambientLight` is left out: indirect light takes its place",
+            ),
+            (
+                shaded && scene.emitters.is_empty(),
+                "nothing in this scene gives light, so the picture is black",
+            ),
+            (
+                shaded && unfading,
+                "a lamp here does not fade with the square of the distance, as real ones do; give it an `intensity`",
+            ),
+            (
+                !traced && self.path.spectral,
+                "`spectral` is left out: the classic integrator knows colours only",
+            ),
+        ];
+        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
+    }
+
     /// Where samples lie within a pixel.
     pub fn sampler(&self) -> Sampler {
         Sampler::new(self.samples.0, self.samples.1)
@@ -216,6 +245,24 @@ mod tests {
         assert_eq!((settings.filter, settings.classic.ray_offset), (Filter::None, RayOffset::Reference));
         assert!(settings.classic.uv, "there is no group");
         assert!(!resolve(&scene(CAMERA), &Settings::default(), Defaults::Modern).classic.uv);
+    }
+
+    #[test]
+    fn what_an_integrator_leaves_out_is_said() {
+        let world = "Fog { color 1 1 1 density 0.1 } Background { color 0 0 0 ambientLight 1 1 1 }
+            Lights { PointLight { position 0 1 0 color 1 1 1 } } Group {}";
+        let scene = scene(&format!("{CAMERA} {world}"));
+        let left_out = |integrator, spectral| {
+            let asked =
+                Settings { integrator: Some(integrator), spectral: Some(spectral), ..Settings::default() };
+            resolve(&scene, &asked, Defaults::Modern).left_out(&scene).join("; ")
+        };
+        assert_eq!(left_out(IntegratorKind::Classic, false), "");
+        assert!(left_out(IntegratorKind::Classic, true).contains("`spectral`"));
+        let path = left_out(IntegratorKind::Path, true);
+        let expected = ["`Fog`", "`ambientLight`", "does not fade"];
+        assert!(expected.iter().all(|word| path.contains(word)) && !path.contains("black"), "{path}");
+        assert_eq!(left_out(IntegratorKind::Occlusion, false).matches("left out").count(), 1);
     }
 
     #[test]
