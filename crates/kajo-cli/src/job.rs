@@ -157,7 +157,7 @@ impl Job {
             return Err(stopped());
         }
         warn_of_numbers(&picture.stats, voice);
-        picture.development = self.develop.development();
+        picture.development = self.develop.development(picture.development);
         if let Some(denoiser) = &self.develop.denoise {
             match picture.denoise(denoiser) {
                 Ok(how) => (voice.say)(&format!("denoised {how}\n")),

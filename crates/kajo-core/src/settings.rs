@@ -1,5 +1,7 @@
 //! What a scene file may say about how it is to be rendered, and the rules of its dialect.
 
+use kajo_color::Tone;
+
 use crate::bsdf::Highlight;
 use crate::interaction::RayOffset;
 use crate::light::LightChoice;
@@ -241,4 +243,10 @@ pub struct Settings {
     pub roulette: Option<bool>,
     /// Distance beyond which nothing occludes.
     pub reach: Option<f32>,
+    /// Factors of two by which the picture is made brighter.
+    pub exposure: Option<f32>,
+    /// The curve of pictures for a display.
+    pub tone: Option<Tone>,
+    /// Temperature in kelvin and tint of the light that is to look white.
+    pub white_balance: Option<[f64; 2]>,
 }

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use kajo_core::scene::Scene;
 use kajo_render::{Film, FilmSpec, Goal, Position};
 
-use crate::RenderSettings;
+use crate::{Development, RenderSettings};
 
 const MAGIC: &[u8; 8] = b"kajofilm";
 const VERSION: u32 = 1;
@@ -101,6 +101,8 @@ impl Identity {
         spec: &FilmSpec,
         goal: &Goal,
     ) -> Identity {
+        // A picture may be developed otherwise when its render goes on.
+        let settings = RenderSettings { development: Development::default(), ..*settings };
         let version = env!("CARGO_PKG_VERSION");
         let digest = blake3::Hash::from_bytes(digest.0).to_hex();
         let adaptive = goal.adaptive.then_some(goal.noise);

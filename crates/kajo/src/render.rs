@@ -226,7 +226,7 @@ impl Snapshot<'_> {
     /// # Errors
     /// As there.
     pub fn encode(&self, views: &[View], format: Format, depth: BitDepth) -> Result<Vec<u8>, ImageError> {
-        let look = Look { development: &Development::default(), light: None };
+        let look = Look { development: &self.settings.development, light: None };
         view::encode(self.film, views, format, depth, self.settings, &look)
     }
 
@@ -260,8 +260,7 @@ impl Picture {
         position: Option<(Position, Identity)>,
         stats: RenderStats,
     ) -> Picture {
-        let development = Development::default();
-        Picture { film, settings: *settings, position, light: None, development, stats }
+        Picture { film, settings: *settings, position, light: None, development: settings.development, stats }
     }
 
     /// Takes the noise out of the light. The outputs that were asked for must have included [`DENOISE_OUTPUTS`](crate::DENOISE_OUTPUTS).

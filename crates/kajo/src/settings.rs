@@ -1,5 +1,6 @@
 //! What a render is asked to do: the command line wins over the scene, the scene over the defaults.
 
+use kajo_color::Tone;
 use kajo_core::RayOffset;
 use kajo_core::camera::Camera;
 use kajo_core::sampler::{Sampler, SamplerKind};
@@ -7,6 +8,8 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{FilterChoice, IntegratorKind, MapRules, Settings, Shadows};
 use kajo_render::integrator::{ClassicSettings, PathSettings};
 use kajo_render::{DepthMap, Filter, NormalMap};
+
+use crate::Development;
 
 /// Where a render starts from when neither the scene nor the user says anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +45,8 @@ pub struct RenderSettings {
     pub depth_range: Option<[f32; 2]>,
     /// How depth, normals and numbers become pictures.
     pub maps: MapRules,
+    /// How light becomes values; has no say in what is rendered.
+    pub development: Development,
     /// Whether PNG and TGA files get an alpha channel of ones, as the course program writes them.
     pub opaque_alpha: bool,
 }
@@ -107,6 +112,7 @@ impl RenderSettings {
             },
             depth_range: asked.depth_range.or(own.depth_range),
             maps: scene.rules.maps,
+            development: development(integrator, asked, own),
             opaque_alpha: classic,
         })
     }
@@ -157,6 +163,17 @@ impl RenderSettings {
             MapRules::Inverted => NormalMap::Absolute,
             MapRules::Direct => NormalMap::Biased,
         }
+    }
+}
+
+/// The classic integrator's numbers are the picture's, as in the course; light is encoded for a display.
+fn development(integrator: IntegratorKind, asked: &Settings, own: &Settings) -> Development {
+    let tone = if integrator == IntegratorKind::Classic { Tone::Linear } else { Tone::Srgb };
+    Development {
+        exposure: asked.exposure.or(own.exposure).unwrap_or(0.0),
+        white: asked.white_balance.or(own.white_balance),
+        tone: asked.tone.or(own.tone).unwrap_or(tone),
+        ..Development::default()
     }
 }
 
@@ -263,6 +280,19 @@ mod tests {
         let expected = ["`Fog`", "`ambientLight`", "does not fade"];
         assert!(expected.iter().all(|word| path.contains(word)) && !path.contains("black"), "{path}");
         assert_eq!(left_out(IntegratorKind::Occlusion, false).matches("left out").count(), 1);
+    }
+
+    #[test]
+    fn light_is_encoded_for_a_display_and_classic_numbers_are_not() {
+        let scene = scene(&format!("{CAMERA} Group {{}} Settings {{ exposure 1.5 }}"));
+        let tone = |integrator, tone| {
+            let asked = Settings { integrator: Some(integrator), tone, ..Settings::default() };
+            resolve(&scene, &asked, Defaults::Modern).development.tone
+        };
+        assert_eq!(tone(IntegratorKind::Classic, None), Tone::Linear);
+        assert_eq!(tone(IntegratorKind::Path, None), Tone::Srgb);
+        assert_eq!(tone(IntegratorKind::Path, Some(Tone::Agx)), Tone::Agx);
+        assert_eq!(resolve(&scene, &Settings::default(), Defaults::Modern).development.exposure, 1.5);
     }
 
     #[test]

@@ -19,7 +19,8 @@ pub struct DevelopArgs {
     /// The light that is to look white: its temperature in kelvin, and a tint if you like
     #[arg(long, value_name = "KELVIN[:TINT]", value_parser = white_balance)]
     pub white_balance: Option<[f64; 2]>,
-    /// The curve of PNG and other pictures for a display: linear, srgb, aces, agx
+    /// The curve of PNG and other pictures for a display: linear, srgb, aces, agx; by default linear in the classic
+    /// integrator and srgb in the others
     #[arg(long, value_name = "CURVE", value_parser = values::choice(Tone::ALL.map(|tone| (tone.name(), tone))))]
     pub tone: Option<Tone>,
     /// The primaries of files of light such as OpenEXR: srgb, acescg, rec2020, aces2065-1
@@ -28,12 +29,11 @@ pub struct DevelopArgs {
 }
 
 impl DevelopArgs {
-    /// The same for a picture.
-    pub fn development(&self) -> Development {
-        let plain = Development::default();
+    /// The same for a picture, over what its scene says.
+    pub fn development(&self, plain: Development) -> Development {
         Development {
             exposure: self.exposure.unwrap_or(plain.exposure),
-            white: self.white_balance,
+            white: self.white_balance.or(plain.white),
             tone: self.tone.unwrap_or(plain.tone),
             gamut: self.gamut.unwrap_or(plain.gamut),
         }

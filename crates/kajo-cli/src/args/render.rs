@@ -163,6 +163,10 @@ impl RenderArgs {
             light_choice: self.light_choice,
             roulette: self.roulette,
             reach: self.reach.map(|reach| reach as f32),
+            // Development is put over what the scene says once there is a picture.
+            exposure: None,
+            tone: None,
+            white_balance: None,
         }
     }
 

@@ -1,5 +1,6 @@
 //! The `Settings` block.
 
+use kajo_color::Tone;
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
 use crate::interaction::RayOffset;
@@ -23,7 +24,7 @@ pub const MAX_BRANCHES: i64 = 1 << 16;
 
 pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
     let mut params = Params::new(item, diagnostics);
-    params.later(&["exposure"]);
+    let tones = Tone::ALL.map(|tone| (tone.name(), tone));
     let dialects: Vec<_> = Dialect::NAMES.into_iter().zip(Dialect::ALL).collect();
     let settings = Settings {
         size: params.optional("size", size),
@@ -49,9 +50,19 @@ pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
         light_choice: params.optional("lightChoice", |a| a.choice(&LightChoice::NAMES)),
         roulette: params.optional("roulette", Args::flag),
         reach: params.optional("reach", Args::positive),
+        exposure: params.optional("exposure", |a| a.number_in(-100.0..=100.0)),
+        tone: params.optional("tone", |a| a.choice(&tones)),
+        white_balance: params.optional("whiteBalance", white_balance),
     };
     params.finish();
     settings
+}
+
+/// A temperature in kelvin, and a tint if there is one.
+fn white_balance(args: &mut Args<'_>) -> Result<[f64; 2], Diagnostic> {
+    let kelvin = args.number_in(1000.0..=25_000.0)?;
+    let tint = if args.numbers_left() == 0 { 0.0 } else { args.number_in(-150.0..=150.0)? };
+    Ok([kelvin.into(), tint.into()])
 }
 
 fn size(args: &mut Args<'_>) -> Result<[u32; 2], Diagnostic> {
