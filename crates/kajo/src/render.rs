@@ -127,15 +127,16 @@ pub fn render(
     ended(result, |stats| Picture::new(film, settings, None, stats))
 }
 
-/// As [`render`], in passes over the whole picture: it can be seen and saved after each, ends when a goal is reached, and
-/// goes on from a checkpoint.
+/// As [`render`], in passes over the whole picture: it can be seen and saved after each, ends when a goal is
+/// reached, and goes on from a checkpoint.
 ///
 /// * `look`: called after each pass; may end the render
 ///
 /// Without goals for time or noise, the picture has the same bits as that of [`render`].
 ///
 /// # Errors
-/// As [`render`]; a checkpoint that cannot be used; a sampler with a fixed number of samples for adaptive sampling.
+/// As [`render`]; a checkpoint that cannot be used; a sampler with a fixed number of samples for adaptive
+/// sampling.
 pub fn render_passes(
     scene: &Scene,
     settings: &RenderSettings,
@@ -263,7 +264,8 @@ impl Picture {
         Picture { film, settings: *settings, position, light: None, development: settings.development, stats }
     }
 
-    /// Takes the noise out of the light. The outputs that were asked for must have included [`DENOISE_OUTPUTS`](crate::DENOISE_OUTPUTS).
+    /// Takes the noise out of the light. The outputs that were asked for must have included
+    /// [`DENOISE_OUTPUTS`](crate::DENOISE_OUTPUTS).
     ///
     /// Returns how it was done, in words.
     ///

@@ -1,8 +1,8 @@
 //! Joint non-local means, guided by albedo, normals and the variance of the picture.
 //!
-//! A pixel `p` becomes the weighted mean of the pixels `q` of a window around it, `Σ w(p, q) c_q / Σ w(p, q)`. Two pixels are
-//! alike when the patches around them differ by no more than their noise explains: with `V` the variance, averaged
-//! over 3 × 3 pixels,
+//! A pixel `p` becomes the weighted mean of the pixels `q` of a window around it, `Σ w(p, q) c_q / Σ w(p,
+//! q)`. Two pixels are alike when the patches around them differ by no more than their noise explains: with
+//! `V` the variance, averaged over 3 × 3 pixels,
 //!
 //! ```text
 //! d²(p, q) = mean over patch and channels of ((c_p - c_q)² - (V_p + min(V_p, V_q))) / (ε + k² (V_p + V_q))
@@ -15,9 +15,9 @@
 //! w_f = exp(-(|a_p - a_q|² / k_a² + |n_p - n_q|² / k_n²)),    w = min(w_c, w_f)
 //! ```
 //!
-//! [Rousselle, Manzi and Zwicker 2013]. The picture is divided by the albedo before and multiplied by it afterwards, so that patterns of
-//! surfaces do not count as differences of light. Where a picture has converged its variance is next to nothing, and it
-//! stays as it is.
+//! [Rousselle, Manzi and Zwicker 2013]. The picture is divided by the albedo before and multiplied by it
+//! afterwards, so that patterns of surfaces do not count as differences of light. Where a picture has
+//! converged its variance is next to nothing, and it stays as it is.
 //!
 //! Rows are worked on in bands of a fixed height, so the result does not depend on the number of threads.
 

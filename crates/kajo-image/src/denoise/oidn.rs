@@ -1,8 +1,8 @@
 //! Intel Open Image Denoise, found at run time.
 //!
-//! The library is no part of kajo: where it is installed its functions are looked up by name and called through its C
-//! interface, versions 1.4 and 2 of it. Where it is not, [`Oidn::load`] says what was looked for. The pictures it makes are
-//! its own affair: other versions make others.
+//! The library is no part of kajo: where it is installed its functions are looked up by name and called
+//! through its C interface, versions 1.4 and 2 of it. Where it is not, [`Oidn::load`] says what was looked
+//! for. The pictures it makes are its own affair: other versions make others.
 #![expect(unsafe_code, reason = "calls of a C library, whose functions are looked up at run time")]
 
 use std::ffi::{CStr, OsStr, OsString, c_char, c_int, c_void};
@@ -45,7 +45,7 @@ pub enum OidnError {
     /// The library is not there.
     #[error("Intel Open Image Denoise is not installed: {reason}")]
     NotFound {
-        /// What the system said of the last name that was tried.
+        /// What the system said of the first name that was tried.
         reason: String,
     },
     /// A library of that name lacks a function.
@@ -102,21 +102,21 @@ impl Oidn {
             Some(path) => vec![path.to_owned()],
             None => NAMES.iter().map(OsString::from).collect(),
         };
-        let mut reason = String::new();
+        let mut reason = None;
         for name in &names {
             // SAFETY: the initialisers of this library may be run at any time from any thread; a file of this name
             // that is something else is the user's own doing, as with any library that a program loads.
             match unsafe { Library::new(name) } {
                 Ok(library) => return Oidn::from_library(library),
-                Err(error) => reason = error.to_string(),
+                Err(error) => reason = reason.or_else(|| Some(error.to_string())),
             }
         }
-        Err(OidnError::NotFound { reason })
+        Err(OidnError::NotFound { reason: reason.unwrap_or_default() })
     }
 
     fn from_library(library: Library) -> Result<Oidn, OidnError> {
-        // SAFETY: the types are those of `OpenImageDenoise/oidn.h`, the same in all versions that have these names, and
-        // the functions live as long as the library, which is kept beside them.
+        // SAFETY: the types are those of `OpenImageDenoise/oidn.h`, the same in all versions that have these
+        // names, and the functions live as long as the library, which is kept beside them.
         unsafe {
             Ok(Oidn {
                 new_device: function(&library, "oidnNewDevice")?,
@@ -142,8 +142,9 @@ impl Oidn {
     pub fn denoise(&self, picture: &Guided<'_>) -> Result<Image, OidnError> {
         picture.check()?;
         let mut result = picture.color.clone();
-        // SAFETY: handles are used while they live and released once. The images are as large as is said, stay where they are until
-        // the filter is released, and only `output` is written, which nobody else holds.
+        // SAFETY: handles are used while they live and released once. The images are as large as is said,
+        // stay where they are until the filter is released, and only `output` is written, which nobody else
+        // holds.
         unsafe {
             let device = (self.new_device)(CPU);
             if device.is_null() {

@@ -1,16 +1,16 @@
 //! How far a picture still is from its limit, by the spread of its samples.
 //!
-//! The picture is cut into blocks of 32 × 32 pixels. With `V` the mean over the pixels of a block, and over red, green
-//! and blue, of the estimated variance of the pixel's value, and `M` the mean of the values, the noise of the block
-//! and of the picture are
+//! The picture is cut into blocks of 32 × 32 pixels. With `V` the mean over the pixels of a block, and over
+//! red, green and blue, of the estimated variance of the pixel's value, and `M` the mean of the values, the
+//! noise of the block and of the picture are
 //!
 //! ```text
 //! e_b² = V / (M² + ε²)        e = sqrt(mean of e_b² over blocks, weighted by pixels)
 //! ```
 //!
-//! where `ε` is a tenth of the mean of the picture, so that dark blocks need not be better than anybody can see. It is a
-//! relative error, free of the picture's scale. The variance of independent samples is assumed; stratified ones do
-//! better than it says. Splats are not part of it.
+//! where `ε` is a tenth of the mean of the picture, so that dark blocks need not be better than anybody can
+//! see. It is a relative error, free of the picture's scale. The variance of independent samples is assumed;
+//! stratified ones do better than it says. Splats are not part of it.
 
 use super::{Camera, Film, Layer, sums::Spread};
 

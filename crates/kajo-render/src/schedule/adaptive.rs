@@ -1,22 +1,23 @@
 //! More samples where a picture is noisy, without bias.
 //!
-//! Samples of even and of odd index are two independent renders of the picture, `A` and `B`, with seeds of their own. All pixels first get `p`
-//! samples of each. What these samples of `A` show decides how many samples `B` gets in each block of 32 × 32 pixels,
-//! and the other way round; a pixel is `(mean of A + mean of B)/2` with these fixed weights. The number of samples of `A` is
-//! then independent of their values, and so is that of `B`: both means are unbiased, and so is the picture. Deciding by
-//! the very samples that are averaged is not: a block that had the luck to miss a rare bright path would stop there for
-//! good, and one that met it would go on until it is averaged out.
+//! Samples of even and of odd index are two independent renders of the picture, `A` and `B`, with seeds of
+//! their own. All pixels first get `p` samples of each. What these samples of `A` show decides how many
+//! samples `B` gets in each block of 32 × 32 pixels, and the other way round; a pixel is `(mean of A + mean
+//! of B)/2` with these fixed weights. The number of samples of `A` is then independent of their values, and
+//! so is that of `B`: both means are unbiased, and so is the picture. Deciding by the very samples that are
+//! averaged is not: a block that had the luck to miss a rare bright path would stop there for good, and one
+//! that met it would go on until it is averaged out.
 //!
-//! With `σ_b²` the mean variance of a sample of a block and `M_b` the mean of the samples, the squared error of a picture
-//! with `n_b` samples of each half in block `b` is the mean of `σ_b²/(2 n_b (M_b² + ε²))`; see [`noise`](crate::film::noise).
-//! For a given number of samples it is least when
+//! With `σ_b²` the mean variance of a sample of a block and `M_b` the mean of the samples, the squared error
+//! of a picture with `n_b` samples of each half in block `b` is the mean of `σ_b²/(2 n_b (M_b² + ε²))`; see
+//! [`noise`](crate::film::noise). For a given number of samples it is least when
 //!
 //! ```text
 //! n_b ∝ s_b,    s_b = σ_b / sqrt(M_b² + ε²)
 //! ```
 //!
-//! [Neyman 1934]. No block gets less than `p`, and `s_b` counts as at least a quarter of its mean over the picture, since a
-//! block in which few samples saw nothing may still hide something.
+//! [Neyman 1934]. No block gets less than `p`, and `s_b` counts as at least a quarter of its mean over the
+//! picture, since a block in which few samples saw nothing may still hide something.
 
 use crate::film::noise::{epsilon, scale_squared};
 use crate::{Film, film::Spread};
@@ -98,8 +99,8 @@ mod tests {
     fn a_goal_that_is_reached_ends_the_spending() {
         let blocks = [block(1.0, 1.0), block(1.0, 2.0)];
         let few = counts(&blocks, 2, 100_000, Some(0.05));
-        // ε² = 0.1² comes in: s is 1 and 2 over sqrt 1.01. The squared error of two halves is the mean of s²/(2n), which
-        // with n = c s is (1.5 / 1.005) / 2c = 0.0025.
+        // ε² = 0.1² comes in: s is 1 and 2 over sqrt 1.01. The squared error of two halves is the mean of
+        // s²/(2n), which with n = c s is (1.5 / 1.005) / 2c = 0.0025.
         assert!(few[0].abs_diff(297) < 3 && few[1].abs_diff(594) < 5, "{few:?}");
         assert_eq!(counts(&blocks, 2, 1000, Some(10.0)), [2, 2], "the pilot was enough");
     }

@@ -1,11 +1,12 @@
 //! A picture in passes: after each, all of it can be seen, saved, and found good enough.
 //!
-//! The passes end after 1, 2, 4, ... 64 samples of each pixel and then after every further 64; in between where a pass would
-//! take longer than is wanted. Where passes end does not change the picture, since its sums are exact. Noise is
-//! looked at only at the ends that are always there, so that a render with a goal for noise is the same for any number of threads too.
+//! The passes end after 1, 2, 4, ... 64 samples of each pixel and then after every further 64; in between
+//! where a pass would take longer than is wanted. Where passes end does not change the picture, since its
+//! sums are exact. Noise is looked at only at the ends that are always there, so that a render with a goal
+//! for noise is the same for any number of threads too.
 //!
-//! Samplers such as the jittered one spread a fixed number of samples over a pixel row by row, so that the first few of them
-//! all lie on top. Their samples are taken in an order that jumps about.
+//! Samplers such as the jittered one spread a fixed number of samples over a pixel row by row, so that the
+//! first few of them all lie on top. Their samples are taken in an order that jumps about.
 
 use std::{
     io::{self, Read, Write},
