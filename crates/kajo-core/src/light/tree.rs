@@ -383,9 +383,9 @@ mod tests {
             LightBounds {
                 bounds: Aabb { min: at - size, max: at + size },
                 axis: warp::uniform_sphere(Vec2::new(s.uniform(4), s.uniform(5))),
-                cos_spread: if i % 3 == 0 { -1.0 } else { 1.0 },
+                cos_spread: if i.is_multiple_of(3) { -1.0 } else { 1.0 },
                 cos_reach: 0.0,
-                two_sided: i % 5 == 0,
+                two_sided: i.is_multiple_of(5),
                 power: 0.1 + s.uniform(6),
             }
         };

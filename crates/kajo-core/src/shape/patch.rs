@@ -24,7 +24,7 @@ const SMALLEST_SOLID_ANGLE: f64 = 1e-5;
 const FAR: f64 = 0.1;
 
 /// Nearly a hemisphere: the receiver lies in the plane of the piece.
-const LARGEST_SOLID_ANGLE: f64 = 6.28;
+const LARGEST_SOLID_ANGLE: f64 = 0.9995 * TAU;
 
 /// A receiver whose squared distance from the centre of a sphere differs by less than this factor from the squared
 /// radius is on the sphere, where area is what to draw by: rounding must not decide what it sees.

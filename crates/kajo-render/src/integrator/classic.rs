@@ -119,7 +119,7 @@ impl<'a> Classic<'a> {
             }
             // Fog weakens everything that comes from the surface, also what arrives there later.
             light += throughput * self.through_fog(&ray, at.hit.t, &path, local);
-            throughput = throughput * self.fog_factor(&ray, at.hit.t, &path);
+            throughput *= self.fog_factor(&ray, at.hit.t, &path);
 
             let mirrored = self.mirrored(&ray, &at, &phong, &path);
             let refracted = self.refracted(&ray, &at, &phong, &path);
