@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
 # kajo beside other ray tracers: seconds of processor time on the same scenes, in alternating rounds.
 #
-#   scenes/bench/compare.sh [--kajo FILE] [--rounds N] [--work DIR] [--embree DIR --meshes DIR]
+#   scenes/bench/compare.sh [--kajo FILE] [--rounds N] [--work DIR] [--embree DIR --meshes DIR [--only MESH,...]]
 #
 # Whitted scenes: POV-Ray 3.7 and Tachyon (Debian: apt-get install povray tachyon time). Their scene files are
 # made here from the spheres that kajo renders. Tachyon bends no rays, so it renders the sphereflake only.
 # What is not installed is left out, with a word.
 #
 # Ray casting: Embree 4 (PyPI: embreex, whose library exports Embree's C interface). It needs a harness for
-# it, a directory that holds `run.sh MESH_DIR WORK_DIR MESH...`, which prints one JSON object a line with the
-# fields of `kajo bench rays --json`, and `meshes`, a directory with files of the KMSH format.
+# it, a directory that holds `run.sh MESH_DIR WORK_DIR MESH...`, and `meshes`, a directory with files of the
+# KMSH format. The harness prints comma-separated rows: mesh, library (embree4...), quality (medium, high,
+# or with +robust), figure (primary, primary8, bounce, shadow, build), threads, figure by wall clock, by processor time
+# and thread, unit, rays (for build: MB of the tree), and more. `--only` names meshes, separated by commas.
 set -euo pipefail
 
-kajo=kajo rounds=5 work=$(mktemp -d) embree='' meshes=''
+kajo=kajo rounds=5 work=$(mktemp -d) embree='' meshes='' only=''
 while [ $# -gt 0 ]; do
   case $1 in
     --kajo) kajo=$2 ;;
@@ -20,7 +22,8 @@ while [ $# -gt 0 ]; do
     --work) work=$2 ;;
     --embree) embree=$2 ;;
     --meshes) meshes=$2 ;;
-    *) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 2 ;;
+    --only) only=$2 ;;
+    *) sed -n '2,17s/^# \{0,1\}//p' "$0"; exit 2 ;;
   esac
   shift 2
 done
@@ -103,14 +106,63 @@ sort "$rows" | awk -F, '
     }
   }'
 
+# One value of a JSON line.
+value() { # name, line
+  sed "s/.*\"$1\":\([0-9.e+-]*\).*/\1/" <<< "$2"
+}
+
+# Rows as the harness prints them, of one thread.
+kajo_rates() { # mesh file, quality
+  local line cpu name
+  line=$("$kajo" bench rays "$1" --threads 1 --quality "$2" --json)
+  cpu=${line##*\"mrays_cpu\":} cpu=${cpu%%\}*}
+  name=$(basename "$1" .kmsh)
+  for figure in primary bounce shadow primary_packet; do
+    echo "$name,kajo,$2,${figure/primary_packet/primary8},1,,$(value "$figure" "$cpu"),Mray/s,"
+  done
+  echo "$name,kajo,$2,build,1,,$(value build_cpu_s "$line"),s,$(awk "BEGIN { print $(value bytes "$line") / 1e6 }")"
+}
+
 if [ -n "$embree" ] && [ -n "$meshes" ]; then
-  echo
-  echo "Embree, then kajo, one thread, one JSON object a mesh:"
+  rates=$work/rates.csv
+  : > "$rates"
   for mesh in "$meshes"/*.kmsh; do
     name=$(basename "$mesh" .kmsh)
-    "$embree/run.sh" "$meshes" "$work/embree" "$name"
-    "$kajo" bench rays "$mesh" --threads 1 --json
+    if [ -z "$only" ] || [[ ",$only," == *",$name,"* ]]; then
+      "$embree/run.sh" "$meshes" "$work/embree" "$name" >> "$rates"
+      kajo_rates "$mesh" medium >> "$rates"
+      kajo_rates "$mesh" high >> "$rates"
+    fi
   done
+  echo
+  echo "kajo's rays a second over Embree's (kajo is always watertight; so is medium+robust), and its build time and bytes"
+  echo "over Embree's, one thread, by processor time:"
+  awk -F, '
+    $5 != 1 || ($2 != "kajo" && $2 !~ /^embree4/) { next }
+    $2 == "kajo" { own[$1, $3, $4] = $7; if ($4 == "build") own[$1, $3, "MB"] = $9 }
+    $2 != "kajo" { other[$1, $3, $4] = $7; if ($4 == "build") other[$1, $3, "MB"] = $9; if (!($1 in seen)) { seen[$1]; names[++n] = $1 } }
+    END {
+      columns = split("primary bounce shadow primary8 build MB", figures, " ")
+      kinds = split("medium medium+robust high", qualities, " ")
+      for (q = 1; q <= kinds; q++) {
+        quality = qualities[q]; base = quality; sub(/[+]robust/, "", base)
+        printf "%-14s", quality
+        for (f = 1; f <= columns; f++) printf "%10s", figures[f]
+        print ""
+        split("", sum); split("", count)
+        for (i = 1; i <= n; i++) {
+          printf "%-14s", names[i]
+          for (f = 1; f <= columns; f++) {
+            a = own[names[i], base, figures[f]]; b = other[names[i], quality, figures[f]]
+            if (a > 0 && b > 0) { printf "%10.2f", a / b; sum[f] += log(a / b); count[f]++ } else printf "%10s", "-"
+          }
+          print ""
+        }
+        printf "%-14s", "geometric mean"
+        for (f = 1; f <= columns; f++) if (count[f]) printf "%10.2f", exp(sum[f] / count[f]); else printf "%10s", "-"
+        print "\n"
+      }
+    }' "$rates"
 else
   echo "Embree left out: give --embree DIR and --meshes DIR" >&2
 fi

@@ -1,4 +1,4 @@
-//! Rays a second on mesh files: `rays FILE.kmsh... [--threads N] [--passes P] [--builds B] [--quality high]`.
+//! Rays a second on mesh files: `rays FILE.kmsh... [--threads N] [--passes P] [--builds B] [--quality linear|high]`.
 //!
 //! Prints one JSON object a mesh, and fails where the hits are not those of the protocol.
 
@@ -18,7 +18,13 @@ fn main() -> ExitCode {
             "--threads" => settings.threads = number(),
             "--passes" => settings.passes = number(),
             "--builds" => settings.builds = number(),
-            "--quality" if args.next().as_deref() == Some("high") => settings.build.quality = Quality::High,
+            "--quality" => {
+                settings.build.quality = match args.next().as_deref() {
+                    Some("linear") => Quality::Linear,
+                    Some("high") => Quality::High,
+                    _ => Quality::Fast,
+                }
+            }
             _ => files.push(arg),
         }
     }
