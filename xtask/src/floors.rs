@@ -42,7 +42,7 @@ const KEPT: [(&str, &str); 7] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 16] = [
+const CORE_MODULES: [(&str, &[&str]); 17] = [
     ("family", &[]),
     ("interaction", &[]),
     ("bsdf", &["interaction"]),
@@ -50,6 +50,7 @@ const CORE_MODULES: [(&str, &[&str]); 16] = [
     ("material", &["family", "interaction", "texture", "bsdf"]),
     ("shape", &["family", "interaction"]),
     ("light", &["family", "interaction", "background", "shape"]),
+    ("item_buffer", &["shape"]),
     ("medium", &["family", "interaction"]),
     ("objects", &[]),
     ("camera", &["interaction"]),
@@ -67,6 +68,7 @@ const CORE_MODULES: [(&str, &[&str]); 16] = [
             "material",
             "shape",
             "light",
+            "item_buffer",
             "medium",
             "objects",
             "camera",

@@ -22,6 +22,9 @@ pub trait Pooled<Pools> {
 
     /// Stores the value and returns its name; `None` when the pool is full.
     fn store(self, pools: &mut Pools) -> Option<Self::Handle>;
+
+    /// The value that a handle names, if it is one of this type.
+    fn find(pools: &Pools, handle: Self::Handle) -> Option<&Self>;
 }
 
 macro_rules! family {
@@ -84,6 +87,12 @@ macro_rules! family {
                     }
                     pools.$field.push(self);
                     Some($Handle((Kind::$field as u32) << crate::family::INDEX_BITS | index))
+                }
+
+                #[inline]
+                fn find(pools: &$Pools, handle: $Handle) -> Option<&$Member> {
+                    let (kind, index) = crate::family::split(handle.0);
+                    if kind == Kind::$field as u32 { pools.$field.get(index) } else { None }
                 }
             }
         )+

@@ -9,6 +9,7 @@ pub mod camera;
 pub mod compile;
 mod family;
 pub mod interaction;
+mod item_buffer;
 pub mod light;
 pub mod lighting;
 pub mod material;
@@ -22,5 +23,6 @@ pub mod texture;
 
 pub use family::Pooled;
 pub use interaction::RayOffset;
+pub use item_buffer::ItemBuffer;
 pub use objects::{Object, Objects};
 pub use scene::{Event, Interaction, Scene};

@@ -5,17 +5,19 @@ use std::sync::Arc;
 
 use kajo_bvh::Bvh;
 use kajo_color::Spectrum;
-use kajo_math::{Aabb, Ray, Transform, Vec2};
+use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3};
 
 use crate::background::Background;
 use crate::camera::Camera;
+use crate::family::Pooled;
 use crate::interaction::{Hit, SurfacePoint};
+use crate::item_buffer::{Body, ItemBuffer};
 use crate::light::{Emitters, LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::medium::Fog;
 use crate::objects::Objects;
 use crate::settings::{Rules, Settings};
-use crate::shape::{ShapeId, Shapes, Surface};
+use crate::shape::{ShapeId, Shapes, Sphere, Surface};
 use crate::texture::Textures;
 
 /// A shape at its place in the world, with its material.
@@ -54,6 +56,9 @@ pub struct Interaction {
     /// The material there.
     pub material: MaterialId,
 }
+
+/// Primitives beyond which [`Scene::item_buffer`] would take longer than it saves.
+const MOST_ITEMS: usize = 1 << 16;
 
 /// A scene ready to be rendered.
 #[derive(Debug)]
@@ -108,7 +113,13 @@ impl Scene {
     /// Of surfaces at the same distance the one that stands first in the file is met.
     #[inline]
     pub fn trace(&self, ray: &Ray) -> Event {
-        match self.closest(ray) {
+        self.trace_from(None, ray)
+    }
+
+    /// [`Scene::trace`] for a ray that starts at the apex of a buffer, which makes it faster.
+    #[inline]
+    pub fn trace_from(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> Event {
+        match self.closest(apex, ray) {
             Some((primitive, hit)) => Event::Surface(self.interaction(ray, primitive, hit)),
             None => Event::Escaped,
         }
@@ -116,38 +127,53 @@ impl Scene {
 
     /// Whether anything lies within the ray's range.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let blocks = |i: u32| {
-            let primitive = &self.primitives[i as usize];
-            self.in_object(primitive, ray, |ray| self.shapes.blocks(primitive.shape, ray))
-        };
-        self.unbounded.iter().any(|&i| blocks(i)) || self.bvh.any(ray, blocks)
+        self.occluded_towards(None, ray)
+    }
+
+    /// [`Scene::occluded`] for a ray that ends at the apex of a buffer, which makes it faster.
+    pub fn occluded_towards(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> bool {
+        self.any(apex, ray, |i| self.blocks(i, ray))
     }
 
     /// Visits every crossing with things that light may pass through within the ray's range, in no
     /// particular order; `true` as soon as anything else is in the way or `visit` says so.
-    pub fn occluded_or(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit) -> bool) -> bool {
-        let mut blocks = |i: u32| {
-            let primitive = &self.primitives[i as usize];
-            self.in_object(primitive, ray, |ray| {
-                if !primitive.transmits {
-                    return self.shapes.blocks(primitive.shape, ray);
-                }
-                let mut blocked = false;
-                self.shapes.crossings(primitive.shape, ray, |hit| blocked = blocked || visit(i, hit));
-                blocked
-            })
+    ///
+    /// A ray that ends at the apex of a buffer is faster with it.
+    pub fn occluded_or(
+        &self,
+        apex: Option<&ItemBuffer>,
+        ray: &Ray,
+        mut visit: impl FnMut(u32, Hit) -> bool,
+    ) -> bool {
+        self.any(apex, ray, |i| {
+            if !self.primitives[i as usize].transmits {
+                return self.blocks(i, ray);
+            }
+            let mut blocked = false;
+            self.each_crossing(i, ray, |hit| blocked = blocked || visit(i, hit));
+            blocked
+        })
+    }
+
+    /// What lies in which direction from a point; `None` where the trees do better, as for very large scenes.
+    pub fn item_buffer(&self, apex: Vec3) -> Option<ItemBuffer> {
+        if self.primitives.len() > MOST_ITEMS {
+            return None;
+        }
+        let body = |(primitive, p): (u32, &Primitive)| {
+            let bounds = self.world_bounds(p);
+            let untransformed = p.transform == 0;
+            let sphere = Sphere::find(&self.shapes, p.shape).filter(|_| untransformed).copied();
+            let bounded = bounds.is_finite() && !bounds.is_empty();
+            bounded.then_some(Body { primitive, bounds, sphere, opaque: !p.transmits })
         };
-        self.unbounded.iter().any(|&i| blocks(i)) || self.bvh.any(ray, blocks)
+        let bodies: Vec<Body> = (0..).zip(&self.primitives).filter_map(body).collect();
+        ItemBuffer::new(apex, &bodies)
     }
 
     /// Visits every crossing within the ray's range, in no particular order.
     pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit)) {
-        let mut each = |i: u32| {
-            let primitive = &self.primitives[i as usize];
-            self.in_object(primitive, ray, |ray| {
-                self.shapes.crossings(primitive.shape, ray, |hit| visit(i, hit))
-            });
-        };
+        let mut each = |i: u32| self.each_crossing(i, ray, |hit| visit(i, hit));
         self.unbounded.iter().for_each(|&i| each(i));
         self.bvh.each(ray, each);
     }
@@ -221,27 +247,66 @@ impl Scene {
         }
     }
 
+    /// Whether `blocks` is true of any primitive that the ray may meet.
     #[inline]
-    fn closest(&self, ray: &Ray) -> Option<(u32, Hit)> {
+    fn any(&self, apex: Option<&ItemBuffer>, ray: &Ray, mut blocks: impl FnMut(u32) -> bool) -> bool {
+        if self.unbounded.iter().any(|&i| blocks(i)) {
+            return true;
+        }
+        match apex.and_then(|apex| apex.met_towards(ray)) {
+            Some(mut items) => items.any(blocks),
+            None => self.bvh.any(ray, blocks),
+        }
+    }
+
+    #[inline]
+    fn closest(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> Option<(u32, Hit)> {
         let mut best: Option<(u32, Hit)> = None;
         let mut range = *ray;
         let mut consider = |i: u32, t_max: f32| {
-            let primitive = &self.primitives[i as usize];
             // One step further, so that an equally near object that stands earlier can still win.
             range.t_max = if best.is_some() { t_max.next_up() } else { t_max };
-            let Some(hit) = self.in_object(primitive, &range, |ray| self.shapes.hit(primitive.shape, ray))
-            else {
-                return t_max;
-            };
+            let Some(hit) = self.hit(i, &range) else { return t_max };
             if best.is_some_and(|(first, nearest)| hit.t == nearest.t && first < i) {
                 return t_max;
             }
             best = Some((i, hit));
             hit.t
         };
-        let t_max = self.unbounded.iter().fold(ray.t_max, |t_max, &i| consider(i, t_max));
-        self.bvh.closest(&ray.over(ray.t_min, t_max), consider);
+        let mut t_max = self.unbounded.iter().fold(ray.t_max, |t_max, &i| consider(i, t_max));
+        match apex.and_then(|apex| apex.seen_along(ray)) {
+            Some(items) => {
+                for item in items {
+                    if item.near > t_max {
+                        break;
+                    }
+                    t_max = consider(item.primitive, t_max);
+                }
+            }
+            None => self.bvh.closest(&ray.over(ray.t_min, t_max), consider),
+        }
         best
+    }
+
+    /// The nearest hit of a primitive.
+    #[inline]
+    fn hit(&self, primitive: u32, ray: &Ray) -> Option<Hit> {
+        let primitive = &self.primitives[primitive as usize];
+        self.in_object(primitive, ray, |ray| self.shapes.hit(primitive.shape, ray))
+    }
+
+    /// Whether a primitive is in the way.
+    #[inline]
+    fn blocks(&self, primitive: u32, ray: &Ray) -> bool {
+        let primitive = &self.primitives[primitive as usize];
+        self.in_object(primitive, ray, |ray| self.shapes.blocks(primitive.shape, ray))
+    }
+
+    /// Visits every crossing with a primitive.
+    #[inline]
+    fn each_crossing(&self, primitive: u32, ray: &Ray, visit: impl FnMut(Hit)) {
+        let primitive = &self.primitives[primitive as usize];
+        self.in_object(primitive, ray, |ray| self.shapes.crossings(primitive.shape, ray, visit));
     }
 
     /// `f` of the ray in the space of a primitive.

@@ -22,7 +22,7 @@ pub use panorama::{EyePair, PanoramaCamera};
 pub use perspective::PerspectiveCamera;
 pub use stereo_cubemap::{Stereo, StereoCubemapCamera};
 
-use kajo_math::{Ray, Vec2};
+use kajo_math::{Ray, Vec2, Vec3};
 
 /// Any camera.
 #[derive(Clone, Debug)]
@@ -71,6 +71,14 @@ impl Camera {
             Camera::Orthographic(camera) => camera.lens.is_some(),
             Camera::Perspective(camera) => camera.lens().is_some(),
             _ => false,
+        }
+    }
+
+    /// The world-space point where all rays start, if there is one.
+    pub fn apex(&self) -> Option<Vec3> {
+        match self {
+            Camera::Perspective(camera) if camera.lens().is_none() => Some(camera.frame().center.as_vec3()),
+            _ => None,
         }
     }
 

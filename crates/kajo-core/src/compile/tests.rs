@@ -211,8 +211,8 @@ fn dialects_change_what_they_should() {
     assert_eq!(compiled_as(&chosen, Some(Dialect::MitA2)).0.unwrap().rules.dialect, Dialect::MitA2);
 }
 
-#[test]
-fn the_tree_and_the_planes_agree_with_brute_force() {
+/// A plane, and two hundred shapes of four kinds.
+fn jumble() -> Scene {
     let mut text = format!("{CAMERA}{RED}Group {{ MaterialIndex 0 Plane {{ normal 0.2 1 0.1 offset -3 }}");
     for i in 0..200u32 {
         let s = kajo_math::rng::Stream::new(41, [i, 0], 0);
@@ -238,7 +238,12 @@ fn the_tree_and_the_planes_agree_with_brute_force() {
             ),
         };
     }
-    let s = scene(&(text + "}"));
+    scene(&(text + "}"))
+}
+
+#[test]
+fn the_tree_and_the_planes_agree_with_brute_force() {
+    let s = jumble();
     let mut hits = 0;
     for i in 0..20_000u32 {
         let r = kajo_math::rng::Stream::new(43, [i, 0], 0);
@@ -266,6 +271,30 @@ fn the_tree_and_the_planes_agree_with_brute_force() {
         hits += u32::from(brute.is_some());
     }
     assert!(hits > 5000);
+}
+
+#[test]
+fn rays_from_and_to_a_point_need_no_tree() {
+    let s = jumble();
+    let (mut hits, mut hidden) = (0, 0);
+    for apex in [Vec3::new(0.0, 0.0, 20.0), Vec3::new(7.0, 5.0, -3.0), Vec3::new(0.5, 1.0, -0.7)] {
+        let buffer = s.item_buffer(apex).unwrap();
+        for i in 0..5000u32 {
+            let r = kajo_math::rng::Stream::new(45, [i, 0], 0);
+            let p = Vec3::new(r.uniform(0), r.uniform(1), r.uniform(2)) * 12.0 - 6.0;
+            let from = Ray::new(apex, (p - apex).normalize());
+            let [with, without] = [Some(&buffer), None].map(|buffer| match s.trace_from(buffer, &from) {
+                Event::Surface(at) => Some((at.hit, at.primitive)),
+                Event::Escaped => None,
+            });
+            assert_eq!(with, without, "{apex} {p}");
+            let to = Ray::new(p, -from.d).over(1e-3, p.distance(apex));
+            assert_eq!(s.occluded_towards(Some(&buffer), &to), s.occluded(&to), "{apex} {p}");
+            hits += u32::from(with.is_some());
+            hidden += u32::from(s.occluded(&to));
+        }
+    }
+    assert!(hits > 5000 && (5000..14_000).contains(&hidden), "{hits} {hidden}");
 }
 
 #[test]

@@ -80,6 +80,11 @@ pub trait Emitter {
 
     /// Where the light is and how strong, for the choice among many; `None` when it is infinitely far.
     fn bounds(&self) -> Option<LightBounds>;
+
+    /// The world-space point where all its light comes from, if there is one.
+    fn apex(&self) -> Option<Vec3> {
+        None
+    }
 }
 
 family! {
@@ -102,6 +107,8 @@ family! {
         fn sample(p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
         /// See [`Emitter::bounds`].
         fn bounds() -> Option<LightBounds>;
+        /// See [`Emitter::apex`].
+        fn apex() -> Option<Vec3>;
     }
 }
 

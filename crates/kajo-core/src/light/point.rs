@@ -67,4 +67,8 @@ impl Emitter for PointLight {
     fn bounds(&self) -> Option<LightBounds> {
         Some(self.point_bounds())
     }
+
+    fn apex(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
 }

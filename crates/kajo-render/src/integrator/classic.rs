@@ -19,7 +19,7 @@ use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::{Highlight, Phong, fresnel};
 use kajo_core::scene::{Event, Interaction, Scene};
 use kajo_core::settings::{ShadowAttenuation, Shadows};
-use kajo_core::{RayOffset, light::Illumination};
+use kajo_core::{ItemBuffer, RayOffset, light::Illumination};
 use kajo_math::{Ray, Vec2, Vec3};
 
 use super::shadow;
@@ -60,7 +60,17 @@ pub struct Classic<'a> {
     size: [u32; 2],
     /// What of the first hit is wanted.
     layers: LayerSet,
+    /// What camera rays may meet.
+    camera_items: Option<ItemBuffer>,
+    /// What may be in front of each light of the scene's list; for lights beyond its end it is not known.
+    light_items: Vec<Option<ItemBuffer>>,
 }
+
+/// Item buffers pay where a picture has more pixels than this for each primitive.
+const PIXELS_PER_PRIMITIVE: u64 = 16;
+
+/// Lights that get an item buffer; each takes up to some megabytes.
+const LIGHTS_WITH_ITEMS: usize = 16;
 
 /// Where a ray is on its way: what later light is multiplied by, and through what it travels.
 #[derive(Clone, Copy)]
@@ -77,7 +87,17 @@ struct Path {
 impl<'a> Classic<'a> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub fn new(scene: &'a Scene, settings: ClassicSettings, size: [u32; 2], layers: LayerSet) -> Classic<'a> {
-        Classic { scene, settings, size, layers }
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let pays = pixels >= PIXELS_PER_PRIMITIVE * scene.primitives.len() as u64;
+        let items = |apex: Option<Vec3>| apex.filter(|_| pays).and_then(|apex| scene.item_buffer(apex));
+        let camera_items = items(scene.camera.apex());
+        let lights = match settings.shadows {
+            Shadows::Off => &[],
+            Shadows::Opaque | Shadows::Transparent => scene.light_list.as_slice(),
+        };
+        let light_items =
+            lights.iter().take(LIGHTS_WITH_ITEMS).map(|&id| items(scene.lights.apex(id))).collect();
+        Classic { scene, settings, size, layers, camera_items, light_items }
     }
 
     /// The camera ray through a place of the picture, in pixels from its top left corner.
@@ -94,37 +114,42 @@ impl<'a> Classic<'a> {
         self.scene.camera.ray(at, w / h, lens)
     }
 
-    /// Light along `ray`, and the surface it meets first.
-    fn li(&self, mut ray: Ray, mut path: Path, rays: &mut RayCounters) -> (Spectrum, Option<Interaction>) {
+    /// Light along a ray.
+    fn li(&self, ray: Ray, path: Path, rays: &mut RayCounters) -> Spectrum {
+        self.li_from(ray, self.scene.trace(&ray), path, rays)
+    }
+
+    /// Light along `ray` from where it ends.
+    fn li_from(&self, mut ray: Ray, mut end: Event, mut path: Path, rays: &mut RayCounters) -> Spectrum {
         let mut light = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
-        let mut first = None;
         // Where only one branch goes on, it goes on in this loop; the other branch of a fork is a call.
         loop {
-            let Event::Surface(at) = self.scene.trace(&ray) else {
-                light += throughput
-                    * self.through_fog(&ray, f32::INFINITY, &path, self.scene.background.color(ray.d));
-                return (light, first);
+            let Event::Surface(at) = &end else {
+                let behind = self.scene.background.color(ray.d);
+                return light + throughput * self.through_fog(&ray, f32::INFINITY, &path, behind);
             };
-            first = first.or(Some(at));
-            let phong = self.scene.materials.phong(
-                at.material,
-                &self.scene.materials,
-                &self.scene.textures,
-                at.point.p,
-            );
-            let mut local = self.shade(&ray, &at, &phong, rays);
-            if let Some(glow) = self.scene.glow(&at, ray.d, &Wavelengths::RGB) {
+            let Scene { materials, textures, .. } = self.scene;
+            let mixed;
+            let phong = match materials.constant(at.material) {
+                Some(phong) => phong,
+                None => {
+                    mixed = materials.phong(at.material, materials, textures, at.point.p);
+                    &mixed
+                }
+            };
+            let mut local = self.shade(&ray, at, phong, rays);
+            if let Some(glow) = self.scene.glow(at, ray.d, &Wavelengths::RGB) {
                 local += glow.radiance;
             }
             // Fog weakens everything that comes from the surface, also what arrives there later.
             light += throughput * self.through_fog(&ray, at.hit.t, &path, local);
             throughput *= self.fog_factor(&ray, at.hit.t, &path);
 
-            let mirrored = self.mirrored(&ray, &at, &phong, &path);
-            let refracted = self.refracted(&ray, &at, &phong, &path);
+            let mirrored = self.mirrored(&ray, at, phong, &path);
+            let refracted = self.refracted(&ray, at, phong, &path);
             match (mirrored, refracted) {
-                (None, None) => return (light, first),
+                (None, None) => return light,
                 (Some(branch), None) => {
                     rays.reflected += 1;
                     (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
@@ -132,13 +157,14 @@ impl<'a> Classic<'a> {
                 (mirrored, Some(branch)) => {
                     if let Some(mirrored) = mirrored {
                         rays.reflected += 1;
-                        let (seen, _) = self.li(mirrored.ray, mirrored.path, rays);
+                        let seen = self.li(mirrored.ray, mirrored.path, rays);
                         light += throughput * mirrored.factor * seen;
                     }
                     rays.refracted += 1;
                     (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
                 }
             }
+            end = self.scene.trace(&ray);
         }
     }
 
@@ -151,35 +177,30 @@ impl<'a> Classic<'a> {
         }
         let n = if from_behind { -at.point.n } else { at.point.n };
         let wo = -ray.d;
-        for &id in &self.scene.light_list {
+        for (number, &id) in self.scene.light_list.iter().enumerate() {
             let Illumination { wi, distance, intensity } = self.scene.lights.illuminate(id, at.point.p);
             let shaded = phong.shade(n, wo, wi, intensity, self.settings.highlight);
             if !shaded.is_black() {
-                light += shaded * self.visibility(at, wi, distance, ray.time, rays);
+                let shadow_ray = at.point.ray_towards(wi, distance, ray.time, self.settings.ray_offset);
+                light += shaded * self.visibility(number, &shadow_ray, rays);
             }
         }
         light
     }
 
-    /// The share of a light at `distance` along `wi` that arrives.
-    fn visibility(
-        &self,
-        at: &Interaction,
-        wi: Vec3,
-        distance: f32,
-        time: f32,
-        rays: &mut RayCounters,
-    ) -> Spectrum {
-        let shadow_ray = || at.point.ray_towards(wi, distance, time, self.settings.ray_offset);
+    /// The share of light number `number` that arrives at the start of a ray towards it.
+    fn visibility(&self, number: usize, shadow_ray: &Ray, rays: &mut RayCounters) -> Spectrum {
+        let apex = self.light_items.get(number).and_then(Option::as_ref);
         match self.settings.shadows {
             Shadows::Off => Spectrum::WHITE,
             Shadows::Transparent if self.scene.transmits => {
                 rays.shadow += 1;
-                shadow::transmittance(self.scene, &shadow_ray(), self.settings.shadow_attenuation)
+                shadow::transmittance(self.scene, apex, shadow_ray, self.settings.shadow_attenuation)
             }
             Shadows::Opaque | Shadows::Transparent => {
                 rays.shadow += 1;
-                if self.scene.occluded(&shadow_ray()) { Spectrum::BLACK } else { Spectrum::WHITE }
+                let occluded = self.scene.occluded_towards(apex, shadow_ray);
+                if occluded { Spectrum::BLACK } else { Spectrum::WHITE }
             }
         }
     }
@@ -259,6 +280,15 @@ impl<'a> Classic<'a> {
         (phong.diffuse + phong.reflective + phong.transparent).to_rgb().map(|v| v.min(1.0))
     }
 
+    /// What the layers of the picture want to know of where a camera ray ends.
+    fn first_hit(&self, end: &Event) -> Option<FirstHit> {
+        let Event::Surface(at) = end else { return None };
+        let material =
+            if self.layers.has(Layer::MaterialId) { self.scene.material_number(at.material) } else { 0 };
+        let uv = if self.layers.has(Layer::Uv) { self.scene.uv(at) } else { Vec2::ZERO };
+        Some(FirstHit { t: at.hit.t, n: at.point.n, uv, object: at.primitive + 1, material })
+    }
+
     /// The test picture: red grows to the right, green downward; the values of pixel centres.
     fn uv_picture(&self, pixel: [u32; 2]) -> Spectrum {
         let center = |axis: usize| (pixel[axis] as f32 + 0.5) / self.size[axis] as f32;
@@ -295,24 +325,16 @@ impl PixelIntegrator for Classic<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
         let lens = if self.scene.camera.has_lens() { ctx.draws.next_2d() } else { Vec2::ZERO };
         let Some(ray) = self.camera_ray(raster, lens) else { return PixelSample::default() };
-        let rays = &mut ctx.rays;
-        rays.camera += 1;
+        ctx.rays.camera += 1;
         let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
-        let (light, first) = self.li(ray, path, rays);
-        if let Some(at) = first.filter(|_| self.layers.has(Layer::Albedo)) {
-            ctx.aux.albedo = self.albedo(&at);
+        let end = self.scene.trace_from(self.camera_items.as_ref(), &ray);
+        let first = self.first_hit(&end);
+        if self.layers.has(Layer::Albedo)
+            && let Event::Surface(at) = &end
+        {
+            ctx.aux.albedo = self.albedo(at);
         }
-        let first = first.map(|at| FirstHit {
-            t: at.hit.t,
-            n: at.point.n,
-            uv: if self.layers.has(Layer::Uv) { self.scene.uv(&at) } else { Vec2::ZERO },
-            object: at.primitive + 1,
-            material: if self.layers.has(Layer::MaterialId) {
-                self.scene.material_number(at.material)
-            } else {
-                0
-            },
-        });
+        let light = self.li_from(ray, end, path, &mut ctx.rays);
         let radiance = if self.settings.uv { self.uv_picture(pixel) } else { light };
         PixelSample { radiance: radiance.to_rgb(), first }
     }

@@ -11,6 +11,7 @@
 //! programs do.
 
 use kajo_color::Spectrum;
+use kajo_core::ItemBuffer;
 use kajo_core::scene::Scene;
 use kajo_core::settings::ShadowAttenuation;
 use kajo_math::{Ray, fmath};
@@ -30,27 +31,32 @@ struct Body {
     absorption: Spectrum,
 }
 
-/// The share of light that comes through along `ray`, whose end is the light.
-pub(super) fn transmittance(scene: &Scene, ray: &Ray, by: ShadowAttenuation) -> Spectrum {
+/// The share of light that comes through along `ray`, whose end is the light, and the apex of a buffer if there is one.
+pub(super) fn transmittance(
+    scene: &Scene,
+    apex: Option<&ItemBuffer>,
+    ray: &Ray,
+    by: ShadowAttenuation,
+) -> Spectrum {
     match by {
-        ShadowAttenuation::Length => by_length(scene, ray),
-        ShadowAttenuation::Surface => by_surface(scene, ray),
+        ShadowAttenuation::Length => by_length(scene, apex, ray),
+        ShadowAttenuation::Surface => by_surface(scene, apex, ray),
     }
 }
 
-fn by_surface(scene: &Scene, ray: &Ray) -> Spectrum {
+fn by_surface(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
     let mut through = Spectrum::WHITE;
-    let blocked = scene.occluded_or(ray, |primitive, hit| {
+    let blocked = scene.occluded_or(apex, ray, |primitive, hit| {
         through *= scene.transparency(ray, primitive, hit);
         through.is_black()
     });
     if blocked { Spectrum::BLACK } else { through }
 }
 
-fn by_length(scene: &Scene, ray: &Ray) -> Spectrum {
+fn by_length(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
     let mut through = Spectrum::WHITE;
     let mut bodies: [Option<Body>; MAX_BODIES] = [None; MAX_BODIES];
-    let blocked = scene.occluded_or(ray, |primitive, hit| {
+    let blocked = scene.occluded_or(apex, ray, |primitive, hit| {
         let at = scene.interaction(ray, primitive, hit);
         let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, at.point.p);
         let closed = scene.shapes.is_closed(scene.primitives[primitive as usize].shape);
