@@ -1,13 +1,16 @@
 //! What rays see that hit nothing.
 //!
-//! Either one colour or a cube map: six square pictures around the scene, right and left
+//! One colour, an [`Environment`], a clear [`Sky`], or a cube map: six square pictures around the scene, right and left
 //! (+x, -x), up and down (+y, -y), front and back (+z, -z), looked up bilinearly.
 //!
 //! Scene: `Background { color 0.2 0.3 0.5  ambientLight 0.1 0.1 0.1  cubeMap sky }`
 
-use kajo_color::{Emission, Spectrum, Wavelengths};
+use kajo_color::{Emission, RgbBasis, Spectrum, Wavelengths};
 use kajo_image::Image;
-use kajo_math::Vec3;
+use kajo_math::{Vec2, Vec3};
+
+use crate::daylight::{Sky, Sun};
+use crate::environment::{Environment, SphereDensity, direction_of};
 
 /// File names of the six pictures of a cube map, in the order of [`CubeMap::new`].
 pub const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
@@ -19,6 +22,10 @@ pub enum Background {
     Constant(Emission),
     /// A picture in every direction.
     CubeMap(Box<CubeMap>),
+    /// A picture of all directions.
+    Environment(Box<Environment>),
+    /// A clear sky.
+    Sky(Box<Sky>),
 }
 
 impl Background {
@@ -28,6 +35,8 @@ impl Background {
         match self {
             Background::Constant(emission) => Spectrum::from(Vec3::from(emission.rgb())),
             Background::CubeMap(map) => map.color(d),
+            Background::Environment(environment) => environment.color(d),
+            Background::Sky(sky) => sky.color(d),
         }
     }
 
@@ -36,16 +45,38 @@ impl Background {
     pub fn radiance(&self, d: Vec3, wavelengths: &Wavelengths) -> Spectrum {
         match self {
             Background::Constant(emission) => emission.at(wavelengths),
-            Background::CubeMap(map) if wavelengths.is_spectral() => {
-                Emission::from_rgb(map.color(d).to_rgb()).at(wavelengths)
-            }
-            Background::CubeMap(map) => map.color(d),
+            Background::Sky(sky) => sky.radiance(d, wavelengths),
+            _ if wavelengths.is_spectral() => RgbBasis::new(wavelengths).emission(self.color(d).to_rgb()),
+            _ => self.color(d),
+        }
+    }
+
+    /// Where light comes from, to draw directions by; `None` where it comes from everywhere alike, or from nowhere.
+    pub fn density(&self) -> Option<SphereDensity> {
+        match self {
+            Background::Constant(_) => None,
+            Background::CubeMap(map) => map.density(),
+            Background::Environment(environment) => environment.density(),
+            Background::Sky(sky) => sky.density(),
+        }
+    }
+
+    /// The sun, which directions are drawn to of their own, and the share of directions that go there.
+    pub fn sun(&self) -> Option<(&Sun, f32)> {
+        match self {
+            Background::Sky(sky) => sky.sun.as_ref().map(|sun| (sun, sky.sun_share())),
+            _ => None,
         }
     }
 
     /// Whether no light comes from anywhere.
     pub fn is_black(&self) -> bool {
-        matches!(self, Background::Constant(emission) if emission.rgb() == [0.0; 3])
+        match self {
+            Background::Constant(emission) => emission.is_black(),
+            Background::CubeMap(_) => false,
+            Background::Environment(environment) => environment.is_black(),
+            Background::Sky(sky) => sky.is_black(),
+        }
     }
 }
 
@@ -59,6 +90,17 @@ impl CubeMap {
     /// A cube map of the faces right, left, up, down, front, back, each with at least one channel.
     pub fn new(faces: [Image; 6]) -> CubeMap {
         CubeMap { faces }
+    }
+
+    /// The brightness of the pictures over a grid as fine as they are.
+    fn density(&self) -> Option<SphereDensity> {
+        let side = self.faces.iter().map(Image::width).max().unwrap_or(1).min(2048) as usize;
+        let (width, height) = (4 * side, 2 * side);
+        let luminance = |x: usize, y: usize| {
+            let uv = Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
+            self.color(direction_of(uv)).luminance()
+        };
+        SphereDensity::new(width, height, 0.0, luminance)
     }
 
     /// Which picture shows the direction, and where: `u` to the right and `v` upward, in [0, 1].

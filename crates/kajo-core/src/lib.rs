@@ -7,6 +7,8 @@ pub mod background;
 pub mod bsdf;
 pub mod camera;
 pub mod compile;
+pub mod daylight;
+pub mod environment;
 mod family;
 pub mod interaction;
 mod item_buffer;

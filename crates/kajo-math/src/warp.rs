@@ -30,6 +30,18 @@ pub fn uniform_hemisphere(u: Vec2) -> Vec3 {
     Vec3::new(r * c, r * s, z)
 }
 
+/// A direction uniform over the cone of half angle `r` around z, from `u` in [0, 1)^2; its pdf is
+/// `1 / (2 pi (1 - cos r))`.
+///
+/// * `one_minus_cos`: `1 - cos r`, which keeps its digits where `cos r` has lost them
+#[inline]
+pub fn uniform_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
+    let x = u.x * one_minus_cos;
+    let r = (x * (2.0 - x)).max(0.0).sqrt();
+    let (s, c) = fmath::sin_cos(std::f32::consts::TAU * u.y);
+    Vec3::new(r * c, r * s, 1.0 - x)
+}
+
 /// A point uniform over the unit disk, from `u` in [0, 1)^2: squares around the middle become circles, so that
 /// neighbours stay neighbours [Shirley and Chiu 1997].
 #[inline]

@@ -1,29 +1,77 @@
 //! `Background` and `Fog` blocks.
 
-use kajo_color::{Emission, Spectrum};
-use kajo_image::{DecodeLimits, Format, Image};
-use kajo_scene::{Args, Diagnostic, Item, read_limited};
+use std::borrow::Cow;
+
+use kajo_color::{Emission, Spectrum, srgb};
+use kajo_image::{DecodeLimits, Decoded, Format, Image};
+use kajo_scene::{Args, Diagnostic, Item, Params, read_limited};
 
 use super::Compiler;
 use crate::background::{Background, CubeMap, FACE_NAMES};
+use crate::daylight::{Sky, SkySettings};
+use crate::environment::Environment;
 use crate::medium::Fog;
 
 impl Compiler<'_> {
     /// Background and ambient light.
     pub(super) fn background(&mut self, item: Option<Item<'_>>) -> (Background, Spectrum) {
-        let default = ([0.5; 3], Spectrum::BLACK);
-        let constant = |color: [f32; 3]| Background::Constant(Emission::from_rgb(color));
-        let Some(item) = item else { return (constant(default.0), default.1) };
-        let mut cube_map = None;
-        let colors = self.read(item, |params| {
-            let color = params.optional("color", Args::vec3).map_or(default.0, |color| color.to_array());
-            let ambient = params.optional("ambientLight", Args::vec3).map_or(default.1, Spectrum::from);
-            cube_map = params.optional("cubeMap", |args| Ok((args.item(), args.text()?)));
-            Some((color, ambient))
+        let grey = Background::Constant(Emission::from_rgb([0.5; 3]));
+        let Some(item) = item else { return (grey, Spectrum::BLACK) };
+        let spectra = self.spectra();
+        let (mut ambient, mut sky) = (Spectrum::BLACK, None);
+        let written = self.read(item, |params| {
+            ambient = params.optional("ambientLight", Args::vec3).map_or(Spectrum::BLACK, Spectrum::from);
+            let color = params.optional("color", |args| spectra.classic_light(args));
+            let cube_map = params.optional("cubeMap", |args| Ok((args.item(), args.text()?)));
+            let environment = EnvironmentKeys::read(params);
+            sky = params.block("sky");
+            let pictures = [cube_map.as_ref().map(|map| map.0), environment.as_ref().map(|e| e.item), sky];
+            if let [Some(_), Some(second), ..] =
+                pictures.into_iter().flatten().map(Some).collect::<Vec<_>>()[..]
+            {
+                let error = Diagnostic::error("a background is one of `cubeMap`, `environment` and `sky`");
+                params.diagnostics().push(error.label(second.head_span(), "one too many"));
+            }
+            Some((color, cube_map, environment))
         });
-        let (color, ambient) = colors.unwrap_or(default);
-        let faces = cube_map.and_then(|(item, folder)| self.cube_map(item, &folder));
-        (faces.map_or_else(|| constant(color), Background::CubeMap), ambient)
+        let Some((color, cube_map, environment)) = written else { return (grey, ambient) };
+        let picture = match (sky, environment, cube_map) {
+            (Some(item), ..) => self.sky(item).map(Background::Sky),
+            (None, Some(keys), _) => self.environment(keys).map(Background::Environment),
+            (None, None, Some((item, folder))) => self.cube_map(item, &folder).map(Background::CubeMap),
+            (None, None, None) => None,
+        };
+        (picture.unwrap_or_else(|| color.map_or(grey, |color| Background::Constant(color.value))), ambient)
+    }
+
+    fn sky(&mut self, item: Item<'_>) -> Option<Box<Sky>> {
+        let settings = self.read(item, |params| {
+            Some(SkySettings {
+                turbidity: params.or("turbidity", 3.0, |args| args.number_in(2.0..=10.0)),
+                elevation_deg: params.or("elevation", 45.0, |args| args.number_in(0.0..=90.0)),
+                azimuth_deg: params.or("azimuth", 135.0, Args::number),
+                ground: params.or("ground", 0.2, |args| args.number_in(0.0..=1.0)),
+                scale: params.or("scale", 1.0, |args| args.number_in(0.0..)),
+                sun: params.or("sun", true, Args::flag),
+            })
+        });
+        settings.map(|settings| Box::new(Sky::new(&settings)))
+    }
+
+    fn environment(&mut self, keys: EnvironmentKeys<'_>) -> Option<Box<Environment>> {
+        let EnvironmentKeys { item, name, rotate, scale } = keys;
+        let mut picture = self.decoded(item, &name, None)?;
+        // Whole numbers are for screens, and floats are light.
+        if picture.depth.is_some() {
+            picture.image.data_mut().iter_mut().for_each(|v| *v = srgb::decode(*v));
+        }
+        let (environment, unusable) = Environment::new(&picture.image, scale, rotate);
+        if unusable > 0 {
+            let message = format!("{unusable} pixels of `{name}` are negative or no numbers");
+            let warning = Diagnostic::warning(message).label(item.head_span(), "they are black now");
+            self.diagnostics.push(warning);
+        }
+        Some(Box::new(environment))
     }
 
     fn cube_map(&mut self, item: Item<'_>, folder: &str) -> Option<Box<CubeMap>> {
@@ -35,11 +83,14 @@ impl Compiler<'_> {
 
     /// Reads a picture that the scene names.
     pub(super) fn picture(&mut self, item: Item<'_>, name: &str) -> Option<Image> {
+        self.decoded(item, name, Some(Format::Png)).map(|decoded| decoded.image)
+    }
+
+    fn decoded(&mut self, item: Item<'_>, name: &str, hint: Option<Format>) -> Option<Decoded> {
         let limit = self.options.limits.mesh_bytes;
         let read = self.assets.open(name, item.path()).and_then(|file| read_limited(file, limit));
         let picture = read.map_err(|e| e.to_string()).and_then(|bytes| {
-            let decoded = kajo_image::decode(&bytes, Some(Format::Png), &DecodeLimits::default());
-            decoded.map(|d| d.image).map_err(|e| e.to_string())
+            kajo_image::decode(&bytes, hint, &DecodeLimits::default()).map_err(|e| e.to_string())
         });
         match picture {
             Ok(picture) => Some(picture),
@@ -60,5 +111,105 @@ impl Compiler<'_> {
             let height = params.or("height", 0.0, Args::number);
             Some(Fog { color: color?.into(), density: density?, falloff, height })
         })
+    }
+}
+
+/// The keys of a picture of all directions.
+struct EnvironmentKeys<'t> {
+    item: Item<'t>,
+    name: Cow<'t, str>,
+    /// In degrees.
+    rotate: f32,
+    scale: f32,
+}
+
+impl<'t> EnvironmentKeys<'t> {
+    fn read(params: &mut Params<'t, '_>) -> Option<EnvironmentKeys<'t>> {
+        if !params.has("environment") {
+            return None;
+        }
+        let picture = params.required("environment", |args| Ok((args.item(), args.text()?)));
+        let rotate = params.or("rotate", 0.0, Args::number);
+        let scale = params.or("scale", 1.0, |args| args.number_in(0.0..));
+        let (item, name) = picture?;
+        Some(EnvironmentKeys { item, name, rotate, scale })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_color::{Emission, Wavelengths};
+    use kajo_image::{EncodeOptions, Format, Image, encode};
+    use kajo_math::Vec3;
+    use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+
+    use crate::compile::{CompileOptions, compile};
+    use crate::scene::Scene;
+
+    /// The scene with this background, and everything said about it.
+    fn compiled(background: &str) -> (Option<Scene>, Vec<String>) {
+        let file = |value: f32, format| {
+            let picture = Image::filled(4, 2, &[value, 0.5, 0.25]).unwrap();
+            encode(&picture, format, &EncodeOptions::default()).unwrap()
+        };
+        let assets = MemoryAssets::new()
+            .with("sky.exr", file(2.0, Format::Exr))
+            .with("sky.png", file(1.0, Format::Png))
+            .with("dark.pfm", file(-1.0, Format::Pfm))
+            .with("text.exr", "no picture");
+        let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+        let mut parsed = SceneDesc::parse_str(&format!("{camera} Background {{ {background} }}"));
+        let mut diagnostics = Diagnostics::default();
+        let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+        (scene, diagnostics.iter().map(|d| d.message.clone()).collect())
+    }
+
+    fn color(background: &str) -> [f32; 3] {
+        let (scene, said) = compiled(background);
+        let scene = scene.unwrap_or_else(|| panic!("{background}: {said:?}"));
+        scene.background.color(Vec3::new(0.3, 0.2, -1.0)).to_rgb()
+    }
+
+    #[test]
+    fn backgrounds_are_colours_lamps_or_pictures() {
+        let near = |a: [f32; 3], b: [f32; 3]| assert!(Vec3::from(a).distance(b.into()) < 1e-3, "{a:?} {b:?}");
+        near(color(""), [0.5; 3]);
+        near(color("color 0.1 0.2 0.3"), [0.1, 0.2, 0.3]);
+        near(color("color blackbody 2500 0.3"), Emission::blackbody(2500.0).scaled(0.3).rgb());
+        near(color("environment sky.exr"), [2.0, 0.5, 0.25]);
+        near(color("environment sky.exr rotate 400 scale 2"), [4.0, 1.0, 0.5]);
+        // Whole numbers are values of a screen.
+        near(color("environment sky.png"), [1.0, 0.2159, 0.0513]);
+    }
+
+    #[test]
+    fn pictures_have_the_same_colour_as_spectra() {
+        let scene = compiled("environment sky.exr").0.unwrap();
+        let (n, mut sum) = (20_000, Vec3::ZERO);
+        for i in 0..n {
+            let lambda = Wavelengths::sample((i as f32 + 0.5) / n as f32);
+            let seen = scene.background.radiance(Vec3::X, &lambda);
+            sum += Vec3::from(kajo_color::sensor::to_rgb(seen, &lambda)) / n as f32;
+        }
+        assert!(sum.distance(Vec3::new(2.0, 0.5, 0.25)) < 5e-3, "{sum}");
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        let (scene, said) = compiled("environment dark.pfm");
+        assert!(scene.is_some() && said == ["8 pixels of `dark.pfm` are negative or no numbers"], "{said:?}");
+        let error = |background: &str| {
+            let (scene, said) = compiled(background);
+            assert!(scene.is_none(), "accepted: {background}");
+            said.join("; ")
+        };
+        assert_eq!(error("environment none.exr"), "cannot read `none.exr`: there is no such file");
+        assert!(error("environment text.exr").starts_with("cannot read `text.exr`: "));
+        for two in ["environment sky.exr cubeMap sky", "sky { } environment sky.exr", "cubeMap sky sky { }"] {
+            assert!(error(two).contains("one of `cubeMap`, `environment` and `sky`"), "{two}");
+        }
+        assert!(error("sky { turbidity 1 }").contains("at least 2 and at most 10"));
+        assert!(error("rotate 30").contains("rotate"));
+        assert!(error("environment sky.exr scale -1").contains("at least 0"));
     }
 }

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use kajo_color::Emission;
 use kajo_math::{DAffine3, DMat3};
-use kajo_scene::{Args, Diagnostic, Params};
+use kajo_scene::{Diagnostic, Params};
 
 use super::Compiler;
+use super::spectra::SpectrumReader;
 use crate::background::Background;
 use crate::family::Pooled;
 use crate::light::{AreaLight, Emitters, LightId, Sides, SkyLight};
@@ -19,16 +20,15 @@ pub(super) struct Glow {
 }
 
 /// Reads `emission` and `emits` of a material.
-pub(super) fn read_glow(params: &mut Params<'_, '_>) -> Option<Glow> {
-    let emission = params.optional("emission", Args::vec3);
+pub(super) fn read_glow(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<Glow> {
+    let emission = params.optional("emission", |args| spectra.emission(args));
     let names = [("back", Sides::Back), ("both", Sides::Both), ("front", Sides::Front)];
     let sides = params.optional("emits", |args| Ok((args.choice(&names)?, args.item())));
-    if let (None, Some((_, place))) = (emission, sides) {
+    if let (None, Some((_, place))) = (&emission, sides) {
         let warning = Diagnostic::warning("`emits` says nothing without an `emission`");
         params.diagnostics().push(warning.label(place.head_span(), "has no effect"));
     }
-    let emission = emission.filter(|e| e.max_element() > 0.0)?;
-    let emission = Emission::from_rgb(emission.to_array());
+    let emission = emission.filter(|emission| !emission.is_black())?;
     Some(Glow { emission, sides: sides.map_or(Sides::Both, |(sides, _)| sides) })
 }
 
@@ -70,7 +70,7 @@ impl Compiler<'_> {
         let n_areas = self.lights.areas.len();
         let first_area = (list.len() - n_areas) as u32;
         let sky = (!background.is_black()).then(|| {
-            let id = SkyLight { background: Arc::clone(background) }.store(&mut self.lights);
+            let id = SkyLight::new(Arc::clone(background)).store(&mut self.lights);
             list.extend(id);
             list.len() as u32 - 1
         });

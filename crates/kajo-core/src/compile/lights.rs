@@ -7,6 +7,7 @@ use kajo_math::{Vec3, fmath};
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::Compiler;
+use super::spectra::{SpectrumReader, Written};
 use crate::family::Pooled;
 use crate::light::{DirectionalLight, PointLight, SpotLight};
 
@@ -23,35 +24,43 @@ impl Compiler<'_> {
         // A misspelt light was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();
         self.check_count("numLights", count, n_blocks, "light");
+        let spectra = self.spectra();
         for light in lights {
             let id = match light.keyword() {
-                "DirectionalLight" => {
-                    self.read(light, read_directional).and_then(|light| light.store(&mut self.lights))
-                }
-                "SpotLight" => self.read(light, read_spot).and_then(|light| light.store(&mut self.lights)),
-                _ => self.read(light, read_point).and_then(|light| light.store(&mut self.lights)),
+                "DirectionalLight" => self
+                    .read(light, |params| read_directional(params, spectra))
+                    .and_then(|light| light.store(&mut self.lights)),
+                "SpotLight" => self
+                    .read(light, |params| read_spot(params, spectra))
+                    .and_then(|light| light.store(&mut self.lights)),
+                _ => self
+                    .read(light, |params| read_point(params, spectra))
+                    .and_then(|light| light.store(&mut self.lights)),
             };
             self.light_list.extend(id);
         }
     }
 }
 
-fn read_directional(params: &mut Params<'_, '_>) -> Option<DirectionalLight> {
+fn read_directional(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<DirectionalLight> {
     params.name();
     let direction = params.required("direction", unit_vector);
-    let (intensity, emission) = match params.optional("irradiance", Args::vec3) {
+    let (intensity, emission) = match params.optional("irradiance", |args| spectra.emission(args)) {
         Some(irradiance) => physical(irradiance),
-        None => classic(params.required("color", Args::vec3)?),
+        None => classic(params.required("color", |args| spectra.classic_light(args))?),
     };
-    Some(DirectionalLight { to_light: -direction?, intensity, emission })
+    // The sun is half a degree wide.
+    let width = params.or("angle", 0.0, |args| args.number_in(0.0..=180.0));
+    let sin = fmath::sin(0.25 * width.to_radians());
+    Some(DirectionalLight { to_light: -direction?, disc: 2.0 * sin * sin, intensity, emission })
 }
 
-fn read_point(params: &mut Params<'_, '_>) -> Option<PointLight> {
+fn read_point(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<PointLight> {
     params.name();
-    read_position_and_brightness(params, 1.0)
+    read_position_and_brightness(params, spectra, 1.0)
 }
 
-fn read_spot(params: &mut Params<'_, '_>) -> Option<SpotLight> {
+fn read_spot(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<SpotLight> {
     params.name();
     let direction = params.required("direction", unit_vector);
     let outer = params.required("angle", |args| args.number_in(0.0..=360.0));
@@ -59,14 +68,18 @@ fn read_spot(params: &mut Params<'_, '_>) -> Option<SpotLight> {
     let cos_of_half = |degrees: f32| fmath::cos(0.5 * degrees.to_radians());
     let (cos_outer, cos_inner) = (cos_of_half(outer?), cos_of_half(inner.min(outer?)));
     let share = 0.5 * (1.0 - 0.5 * (cos_inner + cos_outer));
-    let point = read_position_and_brightness(params, share);
+    let point = read_position_and_brightness(params, spectra, share);
     Some(SpotLight { point: point?, axis: direction?, cos_inner, cos_outer })
 }
 
 /// What point and spot lights have in common.
 ///
 /// * `share`: the part of all directions that the light fills, for a light given by its power
-fn read_position_and_brightness(params: &mut Params<'_, '_>, share: f32) -> Option<PointLight> {
+fn read_position_and_brightness(
+    params: &mut Params<'_, '_>,
+    spectra: SpectrumReader<'_>,
+    share: f32,
+) -> Option<PointLight> {
     let position = params.required("position", Args::vec3);
     let attenuation = params.optional("attenuation", |args| Ok((args.numbers::<3>()?, args.item())));
     let falloff = params.optional("falloff", |args| Ok((args.number()?, args.item())));
@@ -74,12 +87,12 @@ fn read_position_and_brightness(params: &mut Params<'_, '_>, share: f32) -> Opti
         let error = Diagnostic::error("a light has either `attenuation` or `falloff`, not both");
         params.diagnostics().push(error.label(item.head_span(), "the other one is above or below"));
     }
-    let power = params.optional("power", |args| args.number_in(0.0..));
-    let watts_per_steradian = match power {
-        Some(watts) => Some(Vec3::splat(watts / (4.0 * PI * share.max(f32::MIN_POSITIVE)))),
-        None => params.optional("intensity", Args::vec3),
+    let power = params.optional("power", |args| spectra.emission(args));
+    let intensity = match power {
+        Some(power) => Some(power.scaled(1.0 / (4.0 * PI * share.max(f32::MIN_POSITIVE)))),
+        None => params.optional("intensity", |args| spectra.emission(args)),
     };
-    if let Some(intensity) = watts_per_steradian {
+    if let Some(intensity) = intensity {
         let place = attenuation.map(|(_, item)| item).or(falloff.map(|(_, item)| item));
         if let Some(place) = place {
             let message = "a light with `intensity` or `power` falls off with the square of the distance";
@@ -89,20 +102,20 @@ fn read_position_and_brightness(params: &mut Params<'_, '_>, share: f32) -> Opti
         let (intensity, emission) = physical(intensity);
         return Some(PointLight { position: position?, intensity, emission, attenuation: [0.0, 0.0, 1.0] });
     }
-    let (intensity, emission) = classic(params.required("color", Args::vec3)?);
+    let (intensity, emission) = classic(params.required("color", |args| spectra.classic_light(args))?);
     let coefficients = attenuation.map(|(c, _)| c).or(falloff.map(|(f, _)| [0.0, 0.0, f]));
     let attenuation = coefficients.unwrap_or([1.0, 0.0, 0.0]);
     Some(PointLight { position: position?, intensity, emission, attenuation })
 }
 
 /// The factor of the classic formula, and the irradiance that makes a white surface just as bright.
-fn classic(color: Vec3) -> (Spectrum, Emission) {
-    (color.into(), Emission::from_rgb((PI * color).to_array()))
+fn classic(color: Written<Emission>) -> (Spectrum, Emission) {
+    (color.rgb, color.value.scaled(PI))
 }
 
 /// The same from the physical quantity: a white surface under the irradiance `pi` has the radiance 1.
-fn physical(quantity: Vec3) -> (Spectrum, Emission) {
-    (Spectrum::from(quantity / PI), Emission::from_rgb(quantity.to_array()))
+fn physical(quantity: Emission) -> (Spectrum, Emission) {
+    (Spectrum::from(Vec3::from(quantity.rgb()) / PI), quantity)
 }
 
 fn unit_vector(args: &mut Args<'_>) -> Result<Vec3, Diagnostic> {

@@ -7,11 +7,12 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use kajo_color::Spectrum;
+use kajo_color::{Reflectance, Spectrum};
 use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Item, Params, Span, nearest};
 
 use super::emitters::{Glow, read_glow};
+use super::spectra::{SpectrumReader, Written};
 use super::{Compiler, transform};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
@@ -28,7 +29,7 @@ const OPAQUE: f32 = 1e30;
 
 /// A material as it is written, before its references are followed.
 enum Draft<'t> {
-    Phong(Phong, Option<Glow>),
+    Phong(PhongMaterial, Option<Glow>),
     Blend { pattern: TextureId, pattern_from_world: Affine3A, parts: [Reference<'t>; 2], place: Span },
 }
 
@@ -113,9 +114,10 @@ impl Compiler<'_> {
         let keyword = item.keyword();
         if let "Material" | "PhongMaterial" = keyword {
             let reflects_specular = self.rules.reflects_specular;
+            let spectra = self.spectra();
             return self.read(item, |params| {
-                let phong = read_phong(params, reflects_specular);
-                Some(Draft::Phong(phong, read_glow(params)))
+                let phong = read_phong(params, spectra, reflects_specular);
+                Some(Draft::Phong(phong, read_glow(params, spectra)))
             });
         }
         let by_rows = self.rules.matrix_by_rows;
@@ -165,7 +167,7 @@ impl Compiler<'_> {
         let state = match &drafts[i].0 {
             None => State::Failed,
             Some(Draft::Phong(phong, glow)) => {
-                let id = PhongMaterial::from(*phong).store(&mut self.materials);
+                let id = phong.clone().store(&mut self.materials);
                 self.glows.extend(id.zip(glow.clone()));
                 id.map_or(State::Failed, |id| State::Done(id, 1))
             }
@@ -256,21 +258,34 @@ impl Compiler<'_> {
     }
 }
 
-fn read_phong(params: &mut Params<'_, '_>, reflects_specular: bool) -> Phong {
+fn read_phong(
+    params: &mut Params<'_, '_>,
+    spectra: SpectrumReader<'_>,
+    reflects_specular: bool,
+) -> PhongMaterial {
     params.name();
     params.later(&["bump", "normalMap", "texture"]);
-    let mut color = |key, default| params.optional(key, Args::vec3).map_or(default, Spectrum::from);
-    let diffuse = color("diffuseColor", Spectrum::WHITE);
-    let specular = color("specularColor", Spectrum::BLACK);
-    let reflective = color("reflectiveColor", if reflects_specular { specular } else { Spectrum::BLACK });
-    let transparent = color("transparentColor", Spectrum::BLACK);
-    let ambient = color("ambientColor", diffuse);
-    let absorption = color("absorption", transparent.map(absorption_of));
+    let plain = |rgb: Spectrum| Written { rgb, value: Reflectance::from_rgb(rgb.to_rgb()) };
+    let mut color = |key, default: Written<Reflectance>| {
+        params.optional(key, |args| spectra.reflectance(args)).unwrap_or(default)
+    };
+    let diffuse = color("diffuseColor", plain(Spectrum::WHITE));
+    let specular = color("specularColor", plain(Spectrum::BLACK));
+    let black = plain(Spectrum::BLACK);
+    let reflective =
+        color("reflectiveColor", if reflects_specular { specular.clone() } else { black.clone() });
+    let transparent = color("transparentColor", black);
+    let mut number_color = |key, default| params.optional(key, Args::vec3).map_or(default, Spectrum::from);
+    let ambient = number_color("ambientColor", diffuse.rgb);
+    let absorption = number_color("absorption", transparent.rgb.map(absorption_of));
     let default_exponent = if reflects_specular { 0.0 } else { 1.0 };
     let exponent = params.or("exponent", default_exponent, |a| a.number_in(0.0..));
     let exponent = params.or("shininess", exponent, |a| a.number_in(0.0..));
     let eta = params.or("indexOfRefraction", 1.0, Args::positive);
-    Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta }
+    let colors = [diffuse, specular, reflective, transparent];
+    let [diffuse, specular, reflective, transparent] = colors.each_ref().map(|color| color.rgb);
+    let phong = Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta };
+    PhongMaterial::new(phong, colors.map(|color| color.value))
 }
 
 /// The absorption per unit length that leaves the share `t` after one unit.

@@ -15,6 +15,7 @@ mod materials;
 mod mesh;
 mod model;
 mod settings;
+mod spectra;
 mod transform;
 
 use std::collections::HashMap;
@@ -200,6 +201,11 @@ impl<'a> Compiler<'a> {
         let value = read(&mut params);
         params.finish();
         value
+    }
+
+    /// What reads light and reflectances.
+    fn spectra(&self) -> spectra::SpectrumReader<'a> {
+        spectra::SpectrumReader { assets: self.assets }
     }
 
     /// Checks an optional count such as `numLights`; `what` is counted, in the singular.

@@ -3,10 +3,13 @@
 //! Given by its classic `color`, the factor of the shading formula, it has the irradiance `pi color` across its
 //! direction; given by its `irradiance`, just that.
 //!
+//! With an `angle` it is a disc of this diameter in the sky, as the sun is of 0.53 degrees: shadows have soft
+//! edges. Only drawn directions find it, so that it is not seen itself, in mirrors neither.
+//!
 //! Scene: `DirectionalLight { direction -1 -1 -1  color 0.9 0.9 0.9 }`; the light travels along `direction`.
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
-use kajo_math::{Vec2, Vec3};
+use kajo_math::{Frame, Vec2, Vec3, warp};
 
 use super::{Emitter, Illumination, LightBounds, LightSample, Target};
 
@@ -15,6 +18,8 @@ use super::{Emitter, Illumination, LightBounds, LightSample, Target};
 pub struct DirectionalLight {
     /// Unit direction from the scene towards the light.
     pub to_light: Vec3,
+    /// `1 - cos r` of the angle `r` from the middle of the light's disc to its edge: 0 for a light without extent.
+    pub disc: f32,
     /// Factor of the classic shading formula.
     pub intensity: Spectrum,
     /// Irradiance on a surface across the direction.
@@ -28,9 +33,15 @@ impl Emitter for DirectionalLight {
     }
 
     #[inline]
-    fn sample(&self, _p: Vec3, _u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let radiance = self.emission.at(wavelengths);
-        Some(LightSample { wi: self.to_light, radiance, pdf: 1.0, is_delta: true, target: Target::Infinity })
+    fn sample(&self, _p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+        let mut radiance = self.emission.at(wavelengths);
+        let mut wi = self.to_light;
+        if self.disc > 0.0 {
+            wi = Frame::from_normal(wi).to_world(warp::uniform_cone(u, self.disc)).normalize();
+            // The disc's radiance E / (pi sin^2 r) times its solid angle 2 pi (1 - cos r).
+            radiance *= 2.0 / (2.0 - self.disc);
+        }
+        Some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target: Target::Infinity })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

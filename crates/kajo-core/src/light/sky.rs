@@ -1,6 +1,11 @@
 //! The background as a light.
 //!
-//! Directions are drawn uniformly over the sphere.
+//! Directions are drawn in proportion to a picture's brightness, and uniformly where the background is one colour.
+//! With a share `s` they are drawn uniformly over the sun's disc, if there is one; the density is that of the mixture,
+//!
+//! ```text
+//! p = s p_sun + (1 - s) p_sky
+//! ```
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -10,19 +15,53 @@ use kajo_math::{Vec2, Vec3, warp};
 
 use super::{Emitter, Illumination, LightBounds, LightSample, Target};
 use crate::background::Background;
+use crate::daylight::Sun;
+use crate::environment::SphereDensity;
 
 /// Light from everywhere around the scene.
 #[derive(Clone, Debug)]
 pub struct SkyLight {
-    /// What it looks like.
-    pub background: Arc<Background>,
+    background: Arc<Background>,
+    /// `None` for the uniform density.
+    density: Option<SphereDensity>,
+    /// The share of directions that go to the sun.
+    sun_share: f32,
 }
 
 impl SkyLight {
-    /// Density per solid angle with which [`Emitter::sample`] draws a direction.
+    /// The light of a background.
+    pub fn new(background: Arc<Background>) -> SkyLight {
+        let sun_share = background.sun().map_or(0.0, |(_, share)| share);
+        SkyLight { density: background.density(), sun_share, background }
+    }
+
+    /// Density per solid angle with which [`Emitter::sample`] draws the unit direction `wi`.
     #[inline]
-    pub fn pdf(&self, _wi: Vec3) -> f32 {
-        1.0 / (4.0 * PI)
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        let sky = self.density.as_ref().map_or(1.0 / (4.0 * PI), |density| density.pdf(wi));
+        match self.background.sun() {
+            Some((sun, _)) if sun.covers(wi) => {
+                (1.0 - self.sun_share) * sky + self.sun_share / Sun::SOLID_ANGLE
+            }
+            _ => (1.0 - self.sun_share) * sky,
+        }
+    }
+
+    /// A unit direction and its density per solid angle.
+    #[inline]
+    fn draw(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        if let Some((sun, share)) = self.background.sun()
+            && u.x < share
+        {
+            let wi = sun.draw(Vec2::new(u.x / share, u.y));
+            return Some((wi, self.pdf(wi)));
+        }
+        let u = Vec2::new((u.x - self.sun_share) / (1.0 - self.sun_share), u.y);
+        let (wi, pdf) = match &self.density {
+            Some(density) => density.sample(u)?,
+            None => (warp::uniform_sphere(u), 1.0 / (4.0 * PI)),
+        };
+        Some((wi, if self.sun_share > 0.0 { self.pdf(wi) } else { pdf }))
     }
 }
 
@@ -34,9 +73,9 @@ impl Emitter for SkyLight {
 
     #[inline]
     fn sample(&self, _p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let wi = warp::uniform_sphere(u);
+        let (wi, pdf) = self.draw(u)?;
         let radiance = self.background.radiance(wi, wavelengths);
-        Some(LightSample { wi, radiance, pdf: self.pdf(wi), is_delta: false, target: Target::Infinity })
+        Some(LightSample { wi, radiance, pdf, is_delta: false, target: Target::Infinity })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

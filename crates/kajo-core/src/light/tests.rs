@@ -7,6 +7,9 @@ use kajo_math::{DAffine3, DQuat, DVec3, Vec2, Vec3, rng::Stream};
 use super::*;
 use crate::shape::{Canonical, DiskPatch, Patch, QuadPatch};
 
+mod densities;
+mod many;
+
 fn draw(i: u32) -> Vec2 {
     let stream = Stream::new(21, [i, 0], 0);
     Vec2::new(stream.uniform(0), stream.uniform(1))
@@ -172,4 +175,83 @@ fn a_lamp_shines_from_its_sides_only() {
     let classic = lamp(Sides::Front).illuminate(Vec3::new(0.0, -9.0, 0.0));
     // Far away a lamp is a point: L A / d^2 / pi.
     assert!((classic.intensity[0] * 100.0 * std::f32::consts::PI - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_tilted_receiver_and_any_polygon_get_what_lambert_says() {
+    let tilted = Vec3::new(0.5, 0.75f32.sqrt(), 0.0);
+    assert_near(irradiance(&Patch::Quad(square(1.0)), Vec3::ZERO, tilted, 40_000), 0.651_489);
+    // Regular and irregular polygons as fans of triangles, partly below the horizon of some receivers.
+    for k in 0..8 {
+        let s = Stream::new(41, [k, 0], 0);
+        let corners = 3 + k as usize % 5;
+        let ring: Vec<DVec3> = (0..corners)
+            .map(|i| {
+                let angle = std::f64::consts::TAU * (i as f64 + 0.7 * f64::from(s.uniform(i as u32)))
+                    / corners as f64;
+                DVec3::new(angle.cos(), 0.9, angle.sin())
+            })
+            .collect();
+        let n = Vec3::new(s.uniform(20) - 0.5, 0.6, s.uniform(21) - 0.5).normalize();
+        let (mut sum, mut variance) = (0.0, 0.0);
+        for i in 1..corners - 1 {
+            let fan = Patch::Triangle([ring[0], ring[i], ring[i + 1]]);
+            let (mean, sigma) = irradiance(&fan, Vec3::ZERO, n, 20_000);
+            sum += mean;
+            variance += sigma * sigma;
+        }
+        let expected = polygon_irradiance(DVec3::ZERO, n.as_dvec3(), &ring).abs();
+        assert_near((sum, variance.sqrt()), expected);
+    }
+}
+
+#[test]
+fn disks_at_two_heights() {
+    for (height, expected) in [(1.0, PI / 2.0), (2.0, PI / 5.0)] {
+        let axes = [DVec3::X, DVec3::Z];
+        let disk = Patch::Disk(DiskPatch { center: DVec3::new(0.0, height, 0.0), axes, inner: 0.0 });
+        assert_near(irradiance(&disk, Vec3::ZERO, Vec3::Y, 40_000), expected);
+    }
+}
+
+#[test]
+fn spots_send_their_profile_at_every_angle() {
+    let cos = |degrees: f64| degrees.to_radians().cos();
+    let point = PointLight {
+        position: Vec3::ZERO,
+        intensity: Spectrum::WHITE,
+        emission: Emission::from_rgb([3.0; 3]),
+        attenuation: [0.0, 0.0, 1.0],
+    };
+    let (cos_inner, cos_outer) = (cos(15.0) as f32, cos(35.0) as f32);
+    let spot = SpotLight { point, axis: Vec3::NEG_Y, cos_inner, cos_outer };
+    for i in 0..20 {
+        let angle = 2.0 * f64::from(i) + 0.5;
+        let (sin, c) = angle.to_radians().sin_cos();
+        let p = 2.0 * Vec3::new(sin as f32, -c as f32, 0.0);
+        let x = ((c - cos(35.0)) / (cos(15.0) - cos(35.0))).clamp(0.0, 1.0);
+        let expected = 3.0 * x * x * (3.0 - 2.0 * x) / 4.0;
+        let found = spot.sample(p, Vec2::ZERO, &Wavelengths::RGB).map_or(0.0, |s| f64::from(s.radiance[0]));
+        assert!((found - expected).abs() < 1e-4, "{angle}: {found} {expected}");
+    }
+}
+
+#[test]
+fn a_wide_directional_light_keeps_its_irradiance_and_stays_on_its_disc() {
+    for degrees in [0.0f32, 0.53, 20.0, 120.0] {
+        let sin = (0.25 * degrees).to_radians().sin();
+        let to_light = Vec3::new(0.48, 0.6, 0.64);
+        let emission = Emission::from_rgb([5.0; 3]);
+        let light =
+            DirectionalLight { to_light, disc: 2.0 * sin * sin, intensity: Spectrum::WHITE, emission };
+        let (mut sum, n) = (0.0, 40_000);
+        for i in 0..n {
+            let sample = light.sample(Vec3::ZERO, draw(i), &Wavelengths::RGB).unwrap();
+            let cos = f64::from(sample.wi.dot(to_light));
+            let limit = f64::from(0.5 * degrees).to_radians().cos();
+            assert!(cos > limit - 1e-6 && sample.is_delta && sample.pdf == 1.0);
+            sum += f64::from(sample.radiance[0]) * cos / f64::from(n);
+        }
+        assert!((sum / 5.0 - 1.0).abs() < 3e-3, "{degrees}: {sum}");
+    }
 }

@@ -24,11 +24,19 @@ pub struct PhongMaterial {
     is_matt: bool,
 }
 
+impl PhongMaterial {
+    /// A material whose diffuse, specular, reflective and transparent colours are these reflectances.
+    pub fn new(phong: Phong, colors: [Reflectance; 4]) -> PhongMaterial {
+        let is_matt =
+            [phong.specular, phong.reflective, phong.transparent].iter().all(|color| color.is_black());
+        PhongMaterial { phong, colors, is_matt }
+    }
+}
+
 impl From<Phong> for PhongMaterial {
     fn from(phong: Phong) -> PhongMaterial {
         let colors = [phong.diffuse, phong.specular, phong.reflective, phong.transparent];
-        let is_matt = colors[1..].iter().all(|color| color.is_black());
-        PhongMaterial { phong, colors: colors.map(|color| Reflectance::from_rgb(color.to_rgb())), is_matt }
+        PhongMaterial::new(phong, colors.map(|color| Reflectance::from_rgb(color.to_rgb())))
     }
 }
 

@@ -1,0 +1,317 @@
+//! Pictures of all directions, and drawing directions by their brightness.
+//!
+//! A picture's x runs over the longitude, its y over the angle from straight up:
+//!
+//! ```text
+//! u = 1/2 + atan2(dx, -dz) / 2 pi,      v = acos(dy) / pi
+//! ```
+//!
+//! so that its middle looks along -z, as the pictures of a `PanoramaCamera` do. Between pixels colours are
+//! blended. A direction is drawn by drawing a place of the picture, with a density in proportion to luminance times
+//! `sin theta`, where `theta = pi v`; per solid angle that density is
+//!
+//! ```text
+//! p(w) = p(u, v) / (2 pi^2 sin theta)
+//! ```
+//!
+//! [Pharr et al. 2023, 12.5.2]
+//!
+//! Scene: `Background { environment sky.exr  rotate 30  scale 2 }`
+
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+
+use kajo_color::Spectrum;
+use kajo_image::Image;
+use kajo_math::piecewise::Piecewise2D;
+use kajo_math::{Vec2, Vec3, fmath};
+
+/// Part of the mean brightness that every place counts with at least, so that no light is left undrawn.
+const LEAST_SHARE: f32 = 1e-3;
+
+/// The direction that a place of a picture shows, of unit length.
+///
+/// * `uv`: in [0, 1]², with (0, 0) at the top left
+#[inline]
+pub fn direction_of(uv: Vec2) -> Vec3 {
+    let (sin_theta, cos_theta) = fmath::sin_cos(PI * uv.y);
+    let (sin_phi, cos_phi) = fmath::sin_cos(TAU * (uv.x - 0.5));
+    Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
+}
+
+/// The place of a picture that shows the direction `d`, not necessarily of unit length; in [0, 1]².
+#[inline]
+pub fn place_of(d: Vec3) -> Vec2 {
+    let horizontal = (d.x * d.x + d.z * d.z).sqrt();
+    let u = 0.5 + fmath::atan2(d.x, -d.z) / TAU;
+    Vec2::new(u, FRAC_1_PI * fmath::atan2(horizontal, d.y))
+}
+
+/// A place turned around by a share of the full circle; its x stays in [0, 1).
+#[inline]
+fn turned(place: Vec2, by: f32) -> Vec2 {
+    let x = place.x + by;
+    Vec2::new((x - x.floor()).min(1.0f32.next_down()), place.y)
+}
+
+/// A picture of all directions.
+#[derive(Debug)]
+pub struct Environment {
+    /// Linear sRGB without negative parts, row by row.
+    pixels: Vec<Vec3>,
+    width: usize,
+    height: usize,
+    /// By what share of the circle the picture is turned.
+    turn: f32,
+    is_black: bool,
+}
+
+impl Environment {
+    /// An environment of `scale` times the picture's linear sRGB, turned around the y axis.
+    ///
+    /// * `rotate_deg`: counterclockwise as seen from above
+    ///
+    /// Also returns how many pixels were negative or not finite; they are black.
+    pub fn new(picture: &Image, scale: f32, rotate_deg: f32) -> (Environment, usize) {
+        let mut unusable = 0;
+        let mut is_black = true;
+        let usable = |rgb: [f32; 3]| {
+            let rgb = scale * Vec3::from(rgb);
+            if rgb.is_finite() && rgb.min_element() >= 0.0 {
+                is_black &= rgb == Vec3::ZERO;
+                return rgb;
+            }
+            unusable += 1;
+            Vec3::ZERO
+        };
+        let pixels = picture.rgb_pixels().map(usable).collect();
+        let (width, height) = (picture.width() as usize, picture.height() as usize);
+        // From above, with x to the right and -z upward, longitudes run clockwise.
+        let turn = -rotate_deg.rem_euclid(360.0) / 360.0;
+        (Environment { pixels, width, height, turn, is_black }, unusable)
+    }
+
+    /// An environment of these colours, linear sRGB without negative parts, by column and row.
+    pub(crate) fn from_fn(width: usize, height: usize, color: impl Fn(usize, usize) -> Vec3) -> Environment {
+        let pixels: Vec<Vec3> = (0..width * height).map(|i| color(i % width, i / width)).collect();
+        let is_black = pixels.iter().all(|&rgb| rgb == Vec3::ZERO);
+        Environment { pixels, width, height, turn: 0.0, is_black }
+    }
+
+    /// Linear RGB from the direction `d`, not necessarily of unit length.
+    #[inline]
+    pub fn color(&self, d: Vec3) -> Spectrum {
+        let place = turned(place_of(d), -self.turn);
+        let (x, y) = (place.x * self.width as f32 - 0.5, place.y * self.height as f32 - 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        // Around the circle the picture goes on, at the poles it ends.
+        let column = |i: isize| i.rem_euclid(self.width as isize) as usize;
+        let row = |j: isize| j.clamp(0, self.height as isize - 1) as usize;
+        let pixel = |i, j| Spectrum::from(self.pixels[row(j) * self.width + column(i)]);
+        let (i, j, s, t) = (left as isize, top as isize, x - left, y - top);
+        let upper = pixel(i, j).lerp(pixel(i + 1, j), s);
+        upper.lerp(pixel(i, j + 1).lerp(pixel(i + 1, j + 1), s), t)
+    }
+
+    /// Whether the picture is black.
+    pub fn is_black(&self) -> bool {
+        self.is_black
+    }
+
+    /// The density in proportion to brightness; `None` for a black picture.
+    pub fn density(&self) -> Option<SphereDensity> {
+        let luminance = |x: usize, y: usize| Spectrum::from(self.pixels[y * self.width + x]).luminance();
+        SphereDensity::new(self.width, self.height, self.turn, luminance)
+    }
+}
+
+/// A density over directions that is constant over the cells of a grid of longitudes and latitudes.
+#[derive(Clone, Debug)]
+pub struct SphereDensity {
+    cells: Piecewise2D,
+    /// By what share of the circle the grid is turned.
+    turn: f32,
+}
+
+impl SphereDensity {
+    /// The density in proportion to the brightness in the middles of `width` times `height` cells, blended between
+    /// them; `None` where there is none.
+    pub fn new(
+        width: usize,
+        height: usize,
+        turn: f32,
+        brightness: impl Fn(usize, usize) -> f32,
+    ) -> Option<SphereDensity> {
+        let rows: Vec<Vec<f32>> =
+            (0..height).map(|y| blurred_around((0..width).map(|x| brightness(x, y)).collect())).collect();
+        let sin = |y: usize| fmath::sin(PI * (y as f32 + 0.5) / height as f32);
+        let mut cells = Vec::with_capacity(width * height);
+        for y in 0..height {
+            let [above, below] = [y.saturating_sub(1), (y + 1).min(height - 1)];
+            cells.extend((0..width).map(|x| mean_of_blend(rows[above][x], rows[y][x], rows[below][x])));
+        }
+        let sum: f64 = cells.iter().map(|&v| f64::from(v)).sum();
+        if sum <= 0.0 {
+            return None;
+        }
+        let least = LEAST_SHARE * (sum / cells.len() as f64) as f32;
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = cell.max(least) * sin(i / width);
+        }
+        Some(SphereDensity { cells: Piecewise2D::new(&cells, width)?, turn })
+    }
+
+    /// A unit direction drawn with this density, and its density per solid angle.
+    ///
+    /// * `u`: uniform in [0, 1)²
+    #[inline]
+    pub fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
+        let (place, pdf) = self.cells.sample(u);
+        let pdf = pdf / area_of_places(place);
+        (pdf > 0.0 && pdf.is_finite()).then(|| (direction_of(turned(place, self.turn)), pdf))
+    }
+
+    /// Density per solid angle of the unit direction `wi`.
+    #[inline]
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        let place = turned(place_of(wi), -self.turn);
+        let pdf = self.cells.pdf(place) / area_of_places(place);
+        if pdf.is_finite() { pdf } else { 0.0 }
+    }
+}
+
+/// Solid angle per area of the unit square of places.
+#[inline]
+fn area_of_places(place: Vec2) -> f32 {
+    2.0 * PI * PI * fmath::sin(PI * place.y)
+}
+
+/// The mean over a cell of what is blended linearly between the middles of three.
+#[inline]
+fn mean_of_blend(before: f32, here: f32, after: f32) -> f32 {
+    0.125 * before + 0.75 * here + 0.125 * after
+}
+
+/// A row of cells around the circle, each with the mean of what is blended between the middles.
+fn blurred_around(row: Vec<f32>) -> Vec<f32> {
+    let n = row.len();
+    (0..n).map(|x| mean_of_blend(row[(x + n - 1) % n], row[x], row[(x + 1) % n])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kajo_math::{rng::Stream, warp};
+    use kajo_testkit::sphere;
+
+    /// A dim sky with a bright spot and a black part.
+    fn sky(rotate: f32) -> Environment {
+        let picture = Image::from_fn(32, 16, |x, y| match (x, y) {
+            (20, 5) => [300.0, 200.0, 100.0],
+            (_, 10..) => [0.0; 3],
+            _ => [0.2, 0.3, 0.1 * (1.0 + y as f32)],
+        })
+        .unwrap();
+        Environment::new(&picture, 0.5, rotate).0
+    }
+
+    fn uniform(i: u32) -> Vec3 {
+        let s = Stream::new(8, [i, 0], 0);
+        warp::uniform_sphere(Vec2::new(s.uniform(0), s.uniform(1)))
+    }
+
+    #[test]
+    fn places_and_directions_agree() {
+        for i in 0..1000 {
+            let d = uniform(i);
+            assert!((direction_of(place_of(3.0 * d)) - d).length() < 1e-5, "{d}");
+        }
+        assert_eq!(place_of(Vec3::NEG_Z), Vec2::splat(0.5));
+        // From the middle the right is to the right, and the top is up.
+        assert!(place_of(Vec3::X).abs_diff_eq(Vec2::new(0.75, 0.5), 1e-6));
+        assert!(place_of(Vec3::Y).y == 0.0 && place_of(Vec3::NEG_Y).y == 1.0);
+    }
+
+    #[test]
+    fn rotation_is_that_of_things() {
+        let map = kajo_math::Mat3::from_rotation_y(70f32.to_radians());
+        let (straight, turned) = (sky(0.0), sky(70.0));
+        for i in 0..500 {
+            let d = uniform(i);
+            let (a, b) = (straight.color(d), turned.color(map * d));
+            assert!((a - b).magnitude() < 2e-2 * (1.0 + a.magnitude()), "{d}: {a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn pixels_are_seen_in_their_middles_and_blended_between() {
+        let picture = Image::from_fn(4, 2, |x, y| [(x + 4 * y) as f32, 0.0, 0.0]).unwrap();
+        let (map, unusable) = Environment::new(&picture, 2.0, 0.0);
+        let at = |u: f32, v: f32| map.color(direction_of(Vec2::new(u, v)))[0];
+        assert_eq!(unusable, 0);
+        assert!((at(0.125, 0.25) - 0.0).abs() < 1e-4 && (at(0.875, 0.75) - 14.0).abs() < 1e-4);
+        assert!((at(0.25, 0.25) - 1.0).abs() < 1e-4 && (at(0.375, 0.5) - 6.0).abs() < 1e-4);
+        // Across the seam, and beyond the last row.
+        assert!((at(0.0, 0.25) - 3.0).abs() < 1e-3 && (at(0.375, 0.99) - 10.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_is_no_light_is_black() {
+        let pixel = |x, _| [[f32::NAN, 1.0, 0.0], [1.0, -1.0, 0.0]][x as usize];
+        let picture = Image::from_fn(2, 1, pixel).unwrap();
+        let (map, unusable) = Environment::new(&picture, 1.0, 0.0);
+        assert!(unusable == 2 && map.is_black() && map.density().is_none());
+        assert!(map.color(Vec3::X).is_black());
+    }
+
+    #[test]
+    fn directions_follow_their_density() {
+        for (i, map) in [sky(0.0), sky(200.0)].iter().enumerate() {
+            let density = map.density().unwrap();
+            let drawn = |u: Vec2, _| density.sample(u).map(|(wi, _)| wi);
+            let result = sphere::test(100_000, 30 + i as u64, drawn, |wi| density.pdf(wi));
+            assert!(result.passes(0.01, 2), "{result:?}");
+            for k in 0..1000 {
+                let s = Stream::new(9, [k, 0], 0);
+                let (wi, pdf) = density.sample(Vec2::new(s.uniform(0), s.uniform(1))).unwrap();
+                assert!((density.pdf(wi) / pdf - 1.0).abs() < 1e-2, "{wi}");
+            }
+        }
+    }
+
+    #[test]
+    fn drawing_by_brightness_finds_the_same_light_with_less_noise() {
+        let map = sky(40.0);
+        let density = map.density().unwrap();
+        let n = 200_000;
+        let value = |d: Vec3| f64::from(map.color(d).luminance());
+        let spread = |f: &dyn Fn(u32) -> f64| {
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for i in 0..n {
+                let v = f(i);
+                sum += v;
+                squares += v * v;
+            }
+            let mean = sum / f64::from(n);
+            (mean, (squares / f64::from(n) - mean * mean) / f64::from(n))
+        };
+        let by_brightness = spread(&|i| {
+            let s = Stream::new(10, [i, 0], 0);
+            let (wi, pdf) = density.sample(Vec2::new(s.uniform(0), s.uniform(1))).unwrap();
+            value(wi) / f64::from(pdf)
+        });
+        let everywhere = spread(&|i| value(uniform(i)) * 4.0 * std::f64::consts::PI);
+        let sigma = (by_brightness.1 + everywhere.1).sqrt();
+        assert!((by_brightness.0 - everywhere.0).abs() < 4.0 * sigma, "{by_brightness:?} {everywhere:?}");
+        assert!(by_brightness.1 < everywhere.1 / 50.0, "{by_brightness:?} {everywhere:?}");
+    }
+
+    #[test]
+    fn nothing_that_shines_is_left_out() {
+        let map = sky(0.0);
+        let density = map.density().unwrap();
+        for i in 0..20_000 {
+            let d = uniform(i);
+            assert!(map.color(d).is_black() || density.pdf(d) > 0.0, "{d}");
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Every piece of surface draws directions by the density it names, from outside, from inside and from its surface.
+
+use kajo_testkit::sphere;
+
+use super::*;
+
+const TESTS: u32 = 17;
+
+/// A surface before its map: unit triangle, unit square, ring, unit sphere, side of a cone.
+#[derive(Clone, Copy, Debug)]
+enum Simple {
+    Triangle,
+    Square,
+    Ring(f64),
+    Sphere,
+    Frustum([f64; 2]),
+}
+
+impl Simple {
+    fn patch(self, map: &DAffine3) -> Patch {
+        let (x, y, o) = (DVec3::X, DVec3::Y, DVec3::ZERO);
+        let simple = match self {
+            Simple::Triangle => Patch::Triangle([o, x, y]),
+            Simple::Square => Patch::Quad(QuadPatch { corner: o, edges: [x, y] }),
+            Simple::Ring(inner) => Patch::Disk(DiskPatch { center: o, axes: [x, y], inner }),
+            Simple::Sphere => Patch::Sphere { center: o, radius: 1.0 },
+            Simple::Frustum(radii) => return Patch::curved(Canonical::Frustum(radii), *map).unwrap(),
+        };
+        simple.transformed(map).unwrap()
+    }
+
+    /// Parameters and normals where the ray `o + t d` crosses the surface.
+    fn crossings(self, o: DVec3, d: DVec3) -> Vec<(f64, DVec3)> {
+        let roots = |a: f64, b: f64, c: f64| {
+            let root = (b * b - a * c).sqrt();
+            [(-b - root) / a, (-b + root) / a].into_iter().filter(|t| t.is_finite())
+        };
+        let at = |t: f64| o + t * d;
+        match self {
+            Simple::Sphere => roots(d.dot(d), o.dot(d), o.dot(o) - 1.0).map(|t| (t, at(t))).collect(),
+            Simple::Frustum([r0, r1]) => {
+                let k = r1 - r0;
+                let (r, dr) = (r0 + k * o.z, k * d.z);
+                let a = d.x * d.x + d.y * d.y - dr * dr;
+                let b = o.x * d.x + o.y * d.y - r * dr;
+                let c = o.x * o.x + o.y * o.y - r * r;
+                let on = |t: &f64| (0.0..=1.0).contains(&at(*t).z);
+                let normal = |p: DVec3| DVec3::new(p.x, p.y, 0.0).normalize() - k * DVec3::Z;
+                roots(a, b, c).filter(on).map(|t| (t, normal(at(t)))).collect()
+            }
+            flat => {
+                let t = -o.z / d.z;
+                let (p, r) = (at(t), at(t).truncate().length());
+                let inside = match flat {
+                    Simple::Triangle => p.x >= 0.0 && p.y >= 0.0 && p.x + p.y <= 1.0,
+                    Simple::Square => p.x.min(p.y) >= 0.0 && p.x.max(p.y) <= 1.0,
+                    Simple::Ring(inner) => (inner..=1.0).contains(&r),
+                    Simple::Sphere | Simple::Frustum(_) => false,
+                };
+                if inside { vec![(t, DVec3::Z)] } else { Vec::new() }
+            }
+        }
+    }
+}
+
+/// Compares directions drawn from `from` with their density, which counts all places in a direction unless only
+/// the nearest can be drawn.
+#[track_caller]
+fn check(simple: Simple, map: DAffine3, from: Vec3, nearest_only: bool) {
+    let patch = simple.patch(&map);
+    let (inverse, normals) = (map.inverse(), map.inverse().matrix3.transpose());
+    let o = inverse.transform_point3(from.as_dvec3());
+    let pdf = |w: Vec3| {
+        let d = inverse.transform_vector3(w.as_dvec3());
+        let mut crossings = simple.crossings(o, d);
+        crossings.retain(|crossing| crossing.0 > 1e-6);
+        crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        crossings.truncate(if nearest_only { 1 } else { 2 });
+        let density = |(t, n): &(f64, DVec3)| {
+            let p = map.transform_point3(o + *t * d).as_vec3();
+            patch.pdf(from, p, (normals * *n).normalize().as_vec3())
+        };
+        crossings.iter().map(density).sum()
+    };
+    let draw = |u: Vec2, _| patch.sample(from, u).map(|drawn| (drawn.p - from).normalize());
+    let result = sphere::test(60_000, 77, draw, pdf);
+    assert!(result.passes(0.01, TESTS), "{simple:?} from {from}: {result:?}");
+}
+
+/// A map that turns, stretches unevenly and moves.
+fn skewed() -> DAffine3 {
+    let turn = DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 0.9);
+    DAffine3::from_scale_rotation_translation(DVec3::new(0.7, 1.3, 0.9), turn, DVec3::new(0.3, 0.2, -0.1))
+        * DAffine3::from_cols(DVec3::X, DVec3::new(0.4, 1.0, 0.0), DVec3::Z, DVec3::ZERO)
+}
+
+const ABOVE: Vec3 = Vec3::new(0.4, 0.1, 0.8);
+const FAR: Vec3 = Vec3::new(-2.0, 3.0, 5.0);
+
+#[test]
+fn flat_pieces() {
+    for from in [ABOVE, FAR] {
+        check(Simple::Triangle, DAffine3::IDENTITY, from, true);
+        check(Simple::Square, DAffine3::IDENTITY, from, true);
+        check(Simple::Ring(0.0), DAffine3::IDENTITY, from, true);
+    }
+    check(Simple::Ring(0.6), DAffine3::IDENTITY, ABOVE, true);
+}
+
+#[test]
+fn flat_pieces_under_a_map() {
+    check(Simple::Triangle, skewed(), FAR, true);
+    // A parallelogram, which is drawn by halves, and an elliptic ring.
+    check(Simple::Square, skewed(), FAR, true);
+    check(Simple::Ring(0.3), skewed(), FAR, true);
+}
+
+#[test]
+fn spheres() {
+    check(Simple::Sphere, DAffine3::IDENTITY, Vec3::new(0.0, 3.0, 1.0), true);
+    check(Simple::Sphere, DAffine3::IDENTITY, Vec3::new(0.0, 0.6, 0.8) * 1.01, true);
+    check(Simple::Sphere, DAffine3::IDENTITY, Vec3::new(0.5, 0.2, -0.3), true);
+    check(Simple::Sphere, DAffine3::IDENTITY, Vec3::NEG_Z, true);
+}
+
+#[test]
+fn ellipsoids_and_cones() {
+    // From inside: towards an outline the density grows without bound, which no quadrature follows.
+    check(Simple::Sphere, skewed(), Vec3::new(0.4, 0.1, 0.0), false);
+    check(
+        Simple::Frustum([1.0, 0.4]),
+        skewed(),
+        skewed().transform_point3(DVec3::new(0.1, 0.1, 0.4)).as_vec3(),
+        false,
+    );
+    check(Simple::Frustum([0.5, 0.5]), DAffine3::IDENTITY, Vec3::new(0.0, 0.2, 0.7), false);
+}
+
+#[test]
+fn skies_with_their_sun() {
+    use crate::background::Background;
+    use crate::daylight::{Sky, SkySettings, Sun};
+
+    let settings = SkySettings {
+        turbidity: 3.0,
+        elevation_deg: 35.0,
+        azimuth_deg: 200.0,
+        ground: 0.2,
+        scale: 0.1,
+        sun: true,
+    };
+    let with = Sky::new(&settings);
+    let without = Sky::new(&SkySettings { sun: false, ..settings });
+    let (to_sun, sun_share) = (with.sun.as_ref().unwrap().direction, with.sun_share());
+    let from_sun = with.sun.as_ref().unwrap().radiance.luminance() * Sun::SOLID_ANGLE * to_sun.y;
+    let sky = SkyLight::new(std::sync::Arc::new(Background::Sky(Box::new(with))));
+    // Irradiance of a level place: the dome's by a fine sum, and the sun's by its solid angle.
+    let (mut sun_hits, mut sum, mut squares, n) = (0, 0.0, 0.0, 200_000);
+    for i in 0..n {
+        let s = sky.sample(Vec3::ZERO, draw(i), &Wavelengths::RGB).unwrap();
+        assert!((sky.pdf(s.wi) / s.pdf - 1.0).abs() < 1e-2, "{}", s.wi);
+        sun_hits += u32::from(s.pdf > 1000.0);
+        let e = f64::from(s.radiance.luminance() * s.wi.y.max(0.0) / s.pdf);
+        sum += e;
+        squares += e * e;
+    }
+    let mean = sum / f64::from(n);
+    let sigma = ((squares / f64::from(n) - mean * mean) / f64::from(n)).sqrt();
+    let (rows, columns) = (300, 600);
+    let mut dome = 0.0;
+    for i in 0..rows * columns {
+        let y = (f64::from(i / columns) + 0.5) / f64::from(rows);
+        let (r, phi) =
+            ((1.0 - y * y).sqrt(), std::f64::consts::TAU * f64::from(i % columns) / f64::from(columns));
+        let d = DVec3::new(r * phi.cos(), y, r * phi.sin()).as_vec3();
+        dome +=
+            f64::from(without.color(d).luminance()) * y * std::f64::consts::TAU / f64::from(rows * columns);
+    }
+    let expected = dome + f64::from(from_sun);
+    // The dome's sum has an error of its own near the horizon and the sun.
+    assert!((mean - expected).abs() < 4.5 * sigma + 2e-3 * expected, "{mean} ± {sigma} for {expected}");
+    let share = f64::from(sun_hits) / f64::from(n);
+    assert!((share - f64::from(sun_share)).abs() < 5e-3, "{share}");
+}

@@ -1,0 +1,63 @@
+//! Ten thousand lamps: the tree finds the same light as a uniform choice, with far less noise.
+
+use super::*;
+use crate::family::Pooled;
+
+/// A grid of 100 by 100 lamps at height 1, one apart; every third is a small square, the others are points.
+fn grid() -> (Lights, Emitters) {
+    let mut lights = Lights::default();
+    let (mut points, mut areas) = (Vec::new(), Vec::new());
+    for i in 0..10_000u32 {
+        let at = DVec3::new(f64::from(i % 100) - 49.5, 1.0, f64::from(i / 100) - 49.5);
+        let strength = 0.2 + Stream::new(31, [i, 0], 0).uniform(0);
+        if i.is_multiple_of(3) {
+            let patch = Patch::Quad(QuadPatch { corner: at, edges: [0.1 * DVec3::X, 0.1 * DVec3::Z] });
+            let emission = Emission::from_rgb([100.0 * strength; 3]);
+            let area = AreaLight { patch, emission, sides: Sides::Both, primitive: i, part: 0 };
+            areas.extend(area.store(&mut lights));
+        } else {
+            let point = PointLight {
+                position: at.as_vec3(),
+                intensity: Spectrum::WHITE,
+                emission: Emission::from_rgb([strength; 3]),
+                attenuation: [0.0, 0.0, 1.0],
+            };
+            points.extend(point.store(&mut lights));
+        }
+    }
+    let first_area = points.len() as u32;
+    points.extend(areas);
+    let emitters = Emitters::new(points, first_area, None, &lights);
+    (lights, emitters)
+}
+
+/// Mean and variance of one sample of the irradiance at `p` with the normal `n`.
+fn estimate(lights: &Lights, emitters: &Emitters, p: Vec3, n: Vec3, choice: LightChoice) -> [f64; 2] {
+    let (mut sum, mut squares) = (0.0, 0.0);
+    let count = 300_000;
+    for i in 0..count {
+        let s = Stream::new(32, [i, 0], 0);
+        let (u, place) = (s.uniform(0), Vec2::new(s.uniform(1), s.uniform(2)));
+        let sample = emitters.sample(lights, p, n, u, place, &Wavelengths::RGB, choice);
+        let value = sample
+            .map_or(0.0, |sample| f64::from(sample.radiance[0] * sample.wi.dot(n).max(0.0) / sample.pdf));
+        sum += value;
+        squares += value * value;
+    }
+    let mean = sum / f64::from(count);
+    [mean, squares / f64::from(count) - mean * mean]
+}
+
+#[test]
+fn the_tree_gives_the_mean_of_a_uniform_choice_with_a_twentieth_of_the_variance() {
+    let (lights, emitters) = grid();
+    assert_eq!(emitters.len(), 10_000);
+    let tilted = Vec3::new(0.6, 0.8, 0.0);
+    for (p, n) in [(Vec3::ZERO, Vec3::Y), (Vec3::new(20.3, 0.2, -31.0), tilted)] {
+        let [tree, tree_variance] = estimate(&lights, &emitters, p, n, LightChoice::Tree);
+        let [uniform, uniform_variance] = estimate(&lights, &emitters, p, n, LightChoice::Uniform);
+        let sigma = ((tree_variance + uniform_variance) / 300_000.0).sqrt();
+        assert!((tree - uniform).abs() < 4.5 * sigma, "{p}: {tree} {uniform} ± {sigma}");
+        assert!(20.0 * tree_variance < uniform_variance, "{p}: {tree_variance} {uniform_variance}");
+    }
+}
