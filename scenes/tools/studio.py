@@ -25,7 +25,7 @@ def color(longitude, latitude):
         aside = (longitude - middle + 180) % 360 - 180
         if abs(aside) < half_width and abs(latitude - height) < half_height:
             return light
-    wall = 0.35 + 0.25 * math.sin(math.radians(latitude))
+    wall = 0.12 + 0.08 * math.sin(math.radians(latitude))
     return (wall, wall * 1.02, wall * 1.08)
 
 
