@@ -42,21 +42,23 @@ const KEPT: [(&str, &str); 7] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 17] = [
+const CORE_MODULES: [(&str, &[&str]); 19] = [
     ("family", &[]),
     ("interaction", &[]),
     ("bsdf", &["interaction"]),
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "bsdf"]),
     ("shape", &["family", "interaction"]),
-    ("light", &["family", "interaction", "background", "shape"]),
+    ("light", &["family", "interaction", "background", "environment", "daylight", "shape"]),
     ("item_buffer", &["shape"]),
     ("medium", &["family", "interaction"]),
     ("objects", &[]),
     ("camera", &["interaction"]),
     ("sampler", &["interaction"]),
     ("settings", &["bsdf", "interaction", "light", "sampler"]),
-    ("background", &["interaction"]),
+    ("environment", &[]),
+    ("daylight", &["environment"]),
+    ("background", &["interaction", "environment", "daylight"]),
     (
         "scene",
         &[
@@ -93,6 +95,8 @@ const CORE_MODULES: [(&str, &[&str]); 17] = [
             "camera",
             "sampler",
             "background",
+            "environment",
+            "daylight",
             "scene",
         ],
     ),
