@@ -50,6 +50,11 @@ impl Microfacets {
         Microfacets { shape, alpha_x: alpha, alpha_y: alpha }
     }
 
+    /// The exponent of the Phong highlight that is about as wide.
+    pub fn exponent(&self) -> f32 {
+        (2.0 / (self.alpha_x * self.alpha_y).max(1e-4) - 2.0).max(1.0)
+    }
+
     /// Whether the surface is to be treated as a perfect mirror.
     #[inline]
     pub fn is_smooth(&self) -> bool {

@@ -45,6 +45,18 @@ pub struct Phong {
 }
 
 impl Phong {
+    /// A surface that reflects nothing.
+    pub const BLACK: Phong = Phong {
+        ambient: Spectrum::BLACK,
+        diffuse: Spectrum::BLACK,
+        specular: Spectrum::BLACK,
+        exponent: 1.0,
+        reflective: Spectrum::BLACK,
+        transparent: Spectrum::BLACK,
+        absorption: Spectrum::BLACK,
+        eta: 1.0,
+    };
+
     /// Light reflected towards the viewer from one light.
     ///
     /// * `n`: unit normal on the side where the light is to count

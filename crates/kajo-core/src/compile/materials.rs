@@ -12,6 +12,7 @@ use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Item, Params, Span, nearest};
 
 use super::emitters::{Glow, read_glow};
+use super::physical::{PHYSICAL, Physical};
 use super::spectra::{SpectrumReader, Written};
 use super::{Compiler, transform};
 use crate::bsdf::Phong;
@@ -19,7 +20,18 @@ use crate::family::Pooled;
 use crate::material::{Blend, MaterialId, PhongMaterial};
 use crate::texture::{Checker, Marble, Noise, TextureId, Wood};
 
-const KEYWORDS: [&str; 6] = ["Checkerboard", "Marble", "Material", "Noise", "PhongMaterial", "Wood"];
+const KEYWORDS: [&str; 10] = [
+    "Checkerboard",
+    "Glass",
+    "Marble",
+    "Material",
+    "Matte",
+    "Metal",
+    "Noise",
+    "PhongMaterial",
+    "Principled",
+    "Wood",
+];
 
 /// The most materials that one hit may have to evaluate.
 const MAX_PARTS: u32 = 1024;
@@ -30,6 +42,7 @@ const OPAQUE: f32 = 1e30;
 /// A material as it is written, before its references are followed.
 enum Draft<'t> {
     Phong(PhongMaterial, Option<Glow>),
+    Physical(Physical, Option<Glow>),
     Blend { pattern: TextureId, pattern_from_world: Affine3A, parts: [Reference<'t>; 2], place: Span },
 }
 
@@ -120,6 +133,14 @@ impl Compiler<'_> {
                 Some(Draft::Phong(phong, read_glow(params, spectra)))
             });
         }
+        if PHYSICAL.contains(&keyword) {
+            let spectra = self.spectra();
+            return self.read(item, |params| {
+                let physical = Physical::read(keyword, params);
+                let glow = read_glow(params, spectra);
+                Some(Draft::Physical(physical?, glow))
+            });
+        }
         let by_rows = self.rules.matrix_by_rows;
         let mut params = Params::new(item, self.diagnostics);
         params.name();
@@ -168,6 +189,11 @@ impl Compiler<'_> {
             None => State::Failed,
             Some(Draft::Phong(phong, glow)) => {
                 let id = phong.clone().store(&mut self.materials);
+                self.glows.extend(id.zip(glow.clone()));
+                id.map_or(State::Failed, |id| State::Done(id, 1))
+            }
+            Some(Draft::Physical(physical, glow)) => {
+                let id = physical.store(&mut self.materials);
                 self.glows.extend(id.zip(glow.clone()));
                 id.map_or(State::Failed, |id| State::Done(id, 1))
             }

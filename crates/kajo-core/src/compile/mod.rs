@@ -14,6 +14,7 @@ mod lights;
 mod materials;
 mod mesh;
 mod model;
+mod physical;
 mod settings;
 mod spectra;
 mod transform;

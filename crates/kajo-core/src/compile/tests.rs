@@ -2,6 +2,7 @@ use kajo_math::{Ray, Vec2, Vec3};
 use kajo_scene::{MemoryAssets, Severity};
 
 use super::*;
+use crate::bsdf::{Base, Bsdf, Dielectric};
 use crate::camera::Camera;
 use crate::scene::Event;
 
@@ -589,4 +590,62 @@ fn wrong_models_are_told() {
     assert_eq!(said, ["a.gltf: nodes[0]: there is no meshes[0]"]);
     let (scene, said) = with_files("Group { MaterialIndex 0 TriangleMesh { file a.gltf } }", &broken);
     assert!(scene.is_none() && said[0].contains("show it with `Model { file ... }`"), "{said:?}");
+}
+
+/// How the first object's material scatters at a point above it.
+fn scatters(materials: &str) -> Bsdf {
+    let sphere = "Group { MaterialIndex 0  Sphere { center 0 0 0  radius 1 } }";
+    let text = format!("{CAMERA}Materials {{ {materials} }}{sphere}");
+    let scene = scene(&text);
+    let Event::Surface(at) = scene.trace(&Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z)) else {
+        panic!("the sphere is met");
+    };
+    scene.bsdf(&at, &kajo_color::Wavelengths::RGB, 1.0, 0.5)
+}
+
+#[test]
+fn physical_materials_scatter_as_they_are_written() {
+    let matte = scatters("Matte { color 0.2 0.3 0.4 }");
+    assert!(matches!(matte, Bsdf::Lambert(l) if l.reflectance == Spectrum::rgb(0.2, 0.3, 0.4)), "{matte:?}");
+    let clay = scatters("Matte { roughness 0.7 }");
+    assert!(matches!(clay, Bsdf::OrenNayar(l) if l.roughness == 0.7), "{clay:?}");
+
+    let gold = scatters("Metal { metal gold }");
+    let [r, g, b] = gold.albedo(Vec3::Z).to_rgb();
+    assert!(gold.is_delta() && r > 0.9 && r > g && g > b, "gold is yellow: {r} {g} {b}");
+    let paint = scatters("Metal { color 0.1 0.2 0.9  roughness 0.5 }");
+    let [r, _, b] = paint.albedo(Vec3::Z).to_rgb();
+    assert!(!paint.is_delta() && (r - 0.1).abs() < 1e-5 && (b - 0.9).abs() < 1e-5);
+
+    let frost = scatters("Glass { indexOfRefraction 1.4  roughness 0.5 }");
+    let alpha = |l: &Dielectric| l.microfacets.alpha_x;
+    assert!(matches!(frost, Bsdf::Dielectric(l) if l.eta == 1.4 && alpha(&l) == 0.25), "{frost:?}");
+    let prism = scatters("Glass { glass N-BK7 }");
+    assert!(matches!(prism, Bsdf::Dielectric(l) if (l.eta - 1.5168).abs() < 1e-4), "{prism:?}");
+    let pane = scatters("Glass { thickness 0.5  absorption 2 0 0 }");
+    assert!(
+        matches!(pane, Bsdf::ThinDielectric(l) if l.optical_depth == Spectrum::rgb(1.0, 0.0, 0.0)),
+        "{pane:?}"
+    );
+
+    let base = |text| match scatters(text) {
+        Bsdf::Principled(layers) => layers.base,
+        other => panic!("{other:?}"),
+    };
+    // The number that chooses is a half.
+    assert_eq!(base("Principled { metalness 0.4 }"), Base::Diffuse);
+    assert_eq!(base("Principled { metalness 0.6 }"), Base::Metal);
+    assert_eq!(base("Principled { metalness 0.4  transmission 0.5 }"), Base::Glass);
+}
+
+#[test]
+fn mistakes_in_physical_materials_are_told() {
+    let told = |material: &str| {
+        let (_, messages) = compiled(&format!("Materials {{ {material} }}"));
+        messages.into_iter().map(|(_, message)| message).collect::<Vec<_>>().join("; ")
+    };
+    assert!(told("Metal { metal godl }").contains("gold"));
+    assert!(told("Glass { glass mud }").contains("N-BK7"));
+    assert!(told("Matte { color 2 0 0 }").contains("between 0 and 1"));
+    assert!(told("Glass { absorption -1 0 0 }").contains("not negative"));
 }

@@ -1,10 +1,18 @@
 //! Materials: which reflection model a surface has at each of its points.
 
 mod blend;
+mod glass;
+mod matte;
+mod metal;
 mod phong;
+mod principled;
 
 pub use blend::Blend;
+pub use glass::{Glass, GlassSettings};
+pub use matte::Matte;
+pub use metal::{Metal, Substance};
 pub use phong::PhongMaterial;
+pub use principled::{LayeredMaterial, Layers};
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::Vec3;
@@ -71,6 +79,10 @@ family! {
     contract Appearance;
     members {
         blends: Blend,
+        glasses: Glass,
+        layered: LayeredMaterial,
+        mattes: Matte,
+        metals: Metal,
         phongs: PhongMaterial,
     }
     methods {

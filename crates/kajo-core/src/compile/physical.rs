@@ -1,0 +1,147 @@
+//! The materials `Glass`, `Matte`, `Metal` and `Principled`.
+
+use kajo_color::{Reflectance, dispersion::Dispersion, named};
+use kajo_math::Vec3;
+use kajo_scene::{Args, Diagnostic, Params, nearest};
+
+use crate::bsdf::microfacet::Shape;
+use crate::family::Pooled;
+use crate::material::{
+    Glass, GlassSettings, LayeredMaterial, Layers, MaterialId, Materials, Matte, Metal, Substance,
+};
+
+/// The words of these materials.
+pub(super) const PHYSICAL: [&str; 4] = ["Glass", "Matte", "Metal", "Principled"];
+
+/// A material that scatters as physics has it.
+pub(super) enum Physical {
+    Glass(Glass),
+    Matte(Matte),
+    Metal(Metal),
+    Layered(Box<LayeredMaterial>),
+}
+
+impl Physical {
+    /// Reads the block that the keyword began, all but what every material has.
+    pub(super) fn read(keyword: &str, params: &mut Params<'_, '_>) -> Option<Physical> {
+        params.name();
+        match keyword {
+            "Glass" => glass(params).map(|settings| Physical::Glass(settings.into())),
+            "Matte" => {
+                let color = color(params, "color", 0.8);
+                Some(Physical::Matte(Matte::new(color.to_array(), share(params, "roughness", 0.0))))
+            }
+            "Metal" => metal(params).map(Physical::Metal),
+            _ => Some(Physical::Layered(Box::new(layers(params).into()))),
+        }
+    }
+
+    pub(super) fn store(&self, materials: &mut Materials) -> Option<MaterialId> {
+        match self {
+            Physical::Glass(glass) => glass.clone().store(materials),
+            Physical::Matte(matte) => matte.clone().store(materials),
+            Physical::Metal(metal) => metal.clone().store(materials),
+            Physical::Layered(layered) => LayeredMaterial::clone(layered).store(materials),
+        }
+    }
+}
+
+fn share(params: &mut Params<'_, '_>, key: &'static str, default: f32) -> f32 {
+    params.or(key, default, |args| args.number_in(0.0..=1.0))
+}
+
+/// A colour whose components are shares of light.
+fn color(params: &mut Params<'_, '_>, key: &'static str, default: f32) -> Vec3 {
+    let read = |args: &mut Args<'_>| {
+        let color = args.vec3()?;
+        if color.min_element() < 0.0 || color.max_element() > 1.0 {
+            return Err(args.error("a share of light is between 0 and 1"));
+        }
+        Ok(color)
+    };
+    params.or(key, Vec3::splat(default), read)
+}
+
+fn reflectance(params: &mut Params<'_, '_>, key: &'static str, default: f32) -> Reflectance {
+    Reflectance::from_rgb(color(params, key, default).to_array())
+}
+
+fn shape(params: &mut Params<'_, '_>) -> Shape {
+    params.or("distribution", Shape::Ggx, |args| {
+        args.choice(&[("beckmann", Shape::Beckmann), ("ggx", Shape::Ggx)])
+    })
+}
+
+/// What a list of names has under the word of `args`, or an error with the nearest name.
+fn by_name<T>(
+    args: &mut Args<'_>,
+    find: fn(&str) -> Option<T>,
+    names: impl Iterator<Item = &'static str> + Clone,
+) -> Result<T, Diagnostic> {
+    let name = args.text()?;
+    find(&name).ok_or_else(|| {
+        let known = names.clone().collect::<Vec<_>>().join(", ");
+        let near = nearest(&name, names).map(|near| format!("did you mean `{near}`?"));
+        args.error(format!("there is no `{name}` here; known are {known}")).maybe_help(near)
+    })
+}
+
+fn metal(params: &mut Params<'_, '_>) -> Option<Metal> {
+    let measured = params.optional("metal", |args| by_name(args, named::metal, named::METALS.into_iter()));
+    let color = reflectance(params, "color", 0.9);
+    let substance = measured.map_or(Substance::Color(color), Substance::Measured);
+    let (shape, roughness) = (shape(params), share(params, "roughness", 0.0));
+    Some(Metal::new(substance, shape, roughness))
+}
+
+fn glass(params: &mut Params<'_, '_>) -> Option<GlassSettings> {
+    let named = params.optional("glass", |args| {
+        by_name(args, named::glass, named::glasses().collect::<Vec<_>>().into_iter())
+    });
+    let index = params.or("indexOfRefraction", 1.5, |args| args.number_in(1.0..=4.0));
+    let abbe = params.optional("abbeNumber", Args::positive);
+    let plain = match abbe {
+        Some(abbe) => Dispersion::from_abbe(f64::from(index), f64::from(abbe)),
+        None => Dispersion::Constant(f64::from(index)),
+    };
+    let absorption = params.or("absorption", Vec3::ZERO, |args| {
+        let absorption = args.vec3()?;
+        if absorption.min_element() < 0.0 {
+            Err(args.error("absorption is not negative"))
+        } else {
+            Ok(absorption)
+        }
+    });
+    let thickness = params.optional("thickness", |args| args.number_in(0.0..));
+    let thin = params.or("thin", thickness.is_some(), Args::flag);
+    Some(GlassSettings {
+        index: named.unwrap_or(plain),
+        shape: shape(params),
+        roughness: share(params, "roughness", 0.0),
+        absorption: absorption.to_array(),
+        pane: thin.then(|| thickness.unwrap_or(0.0)),
+        priority: params.or("priority", 0, |args| args.int_in(-1000..=1000)) as i32,
+    })
+}
+
+fn layers(params: &mut Params<'_, '_>) -> Layers {
+    let index =
+        |params: &mut Params<'_, '_>, key, default| params.or(key, default, |args| args.number_in(1.0..=4.0));
+    Layers {
+        color: reflectance(params, "color", 0.8),
+        specular_color: reflectance(params, "specularColor", 1.0),
+        metalness: share(params, "metalness", 0.0),
+        transmission: share(params, "transmission", 0.0),
+        roughness: share(params, "roughness", 0.3),
+        diffuse_roughness: share(params, "diffuseRoughness", 0.0),
+        eta: index(params, "indexOfRefraction", 1.5),
+        coat: share(params, "coat", 0.0),
+        coat_color: reflectance(params, "coatColor", 1.0),
+        coat_roughness: share(params, "coatRoughness", 0.0),
+        coat_eta: index(params, "coatIndexOfRefraction", 1.6),
+        fuzz: share(params, "fuzz", 0.0),
+        fuzz_color: reflectance(params, "fuzzColor", 1.0),
+        fuzz_roughness: share(params, "fuzzRoughness", 0.5),
+        priority: params.or("priority", 0, |args| args.int_in(-1000..=1000)) as i32,
+    }
+}

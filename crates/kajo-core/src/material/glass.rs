@@ -1,0 +1,94 @@
+//! Glass, water and other clear matter: a body with a polished or rough surface, or a thin pane.
+//!
+//! A body bends light at its surface and absorbs inside. Where bodies overlap, the one of the higher priority is
+//! there. A pane has no inside: light goes straight through, weakened by `exp(-absorption thickness)` and
+//! by reflection to and fro. The classic integrator sees a clear transparent colour and the index of yellow light.
+//!
+//! Scene: `Glass { glass N-SF10  absorption 0.1 0.02 0.05 }`
+
+use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
+use kajo_math::Vec3;
+
+use super::{Appearance, Interior, Materials, ShadingPoint};
+use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
+use crate::texture::Textures;
+
+/// What glass is like.
+#[derive(Clone, Debug)]
+pub struct GlassSettings {
+    /// Index of refraction.
+    pub index: Dispersion,
+    /// Distribution of facets.
+    pub shape: Shape,
+    /// In [0, 1]; facets have its square.
+    pub roughness: f32,
+    /// Absorption per unit length in linear RGB.
+    pub absorption: [f32; 3],
+    /// Thickness of a pane; `None` for a body.
+    pub pane: Option<f32>,
+    /// The body of the higher priority is there where several overlap.
+    pub priority: i32,
+}
+
+/// A clear material.
+#[derive(Clone, Debug)]
+pub struct Glass {
+    settings: GlassSettings,
+    absorption: Unbounded,
+    classic: Phong,
+}
+
+impl From<GlassSettings> for Glass {
+    fn from(settings: GlassSettings) -> Glass {
+        let facets = Microfacets::new(settings.shape, settings.roughness * settings.roughness);
+        let classic = Phong {
+            transparent: Spectrum::rgb(1.0, 1.0, 1.0),
+            specular: Spectrum::rgb(0.04, 0.04, 0.04),
+            exponent: facets.exponent(),
+            absorption: Vec3::from(settings.absorption).into(),
+            eta: if settings.pane.is_some() { 1.0 } else { settings.index.index_d() as f32 },
+            ..Phong::BLACK
+        };
+        Glass { absorption: Unbounded::from_rgb(settings.absorption), settings, classic }
+    }
+}
+
+impl Glass {
+    /// The index at the first wavelength.
+    fn eta(&self, wavelengths: &Wavelengths) -> f32 {
+        self.settings.index.at(wavelengths)[0]
+    }
+}
+
+impl Appearance for Glass {
+    fn phong(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> Phong {
+        self.classic
+    }
+
+    fn constant(&self) -> Option<&Phong> {
+        Some(&self.classic)
+    }
+
+    fn may_transmit(&self, _materials: &Materials) -> bool {
+        true
+    }
+
+    fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+        let eta = self.eta(at.wavelengths) / at.eta_outside;
+        if let Some(thickness) = self.settings.pane {
+            let optical_depth = self.absorption.at(at.wavelengths) * thickness;
+            return Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth });
+        }
+        let alpha = self.settings.roughness * self.settings.roughness;
+        Bsdf::Dielectric(Dielectric::new(eta, Microfacets::new(self.settings.shape, alpha)))
+    }
+
+    fn interior(&self, wavelengths: &Wavelengths) -> Option<Interior> {
+        self.settings.pane.is_none().then(|| Interior {
+            eta: self.eta(wavelengths),
+            is_dispersive: self.settings.index.is_dispersive(),
+            absorption: self.absorption.at(wavelengths),
+            priority: self.settings.priority,
+        })
+    }
+}
