@@ -38,6 +38,7 @@ fn run() -> Result<(), Failure> {
         Command::Diff(args) => commands::diff(&args),
         Command::Gallery(args) => gallery::run(&args, &interrupt),
         Command::Bench(args) => commands::bench(&args),
+        Command::Selftest(args) => commands::selftest(&args),
         Command::Completions(args) => commands::completions(args.shell),
     }
 }

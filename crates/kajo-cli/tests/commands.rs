@@ -107,3 +107,17 @@ fn a_gallery_shows_pictures_and_failures() {
     folder.fail("gallery missing.txt out", 2, &["missing.txt"]);
     folder.fail("gallery scenes/list.txt ball.txt", 5, &["ball.txt"]);
 }
+
+#[test]
+fn the_selftest_measures_what_is_asked_for() {
+    let folder = Folder::new();
+    let text = folder.succeed("selftest --seed 7 --quick --only S7").stdout;
+    for part in ["seed 7;", " pass   S7 clear ball of index 1.5 in even light [path]", "rows pass"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let json = folder.succeed("selftest --seed 7 --quick --only S7 --json").stdout;
+    assert!(json.starts_with(r#"{"seed":7,"batches":32,"noise":0.005,"pass":true,"rows":[{"#), "{json}");
+    let list = folder.succeed("selftest --list --seed 7").stdout;
+    assert!(list.lines().count() > 100 && list.contains("[distribution, uniform]"), "{list}");
+    folder.fail("selftest --only nothing", 2, &["--list"]);
+}

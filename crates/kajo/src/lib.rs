@@ -37,6 +37,7 @@ mod load;
 pub mod memory;
 pub mod output;
 mod render;
+pub mod selftest;
 mod settings;
 mod tev;
 mod view;

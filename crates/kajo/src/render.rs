@@ -297,6 +297,19 @@ impl Picture {
         self.film.samples() as f64 / (width * height)
     }
 
+    /// The light, linear RGB.
+    ///
+    /// # Errors
+    /// When the picture shows something else, or there is no memory for it.
+    pub fn light(&self) -> Result<Image, ImageError> {
+        view::develop(&self.film, Layer::Color)
+    }
+
+    /// Samples that were left out because they were no finite numbers: each is a bug.
+    pub fn non_finite(&self) -> u64 {
+        self.film.non_finite()
+    }
+
     /// Estimated relative error of the light, where it is known; see [`Goal::noise`].
     pub fn noise(&self) -> Option<f64> {
         self.film.noise()

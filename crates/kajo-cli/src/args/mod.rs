@@ -11,6 +11,7 @@ mod develop;
 mod normalise;
 mod passes;
 mod render;
+mod selftest;
 mod values;
 
 use std::ffi::OsString;
@@ -26,6 +27,7 @@ pub use develop::DevelopArgs;
 pub use normalise::normalise;
 pub use passes::PassArgs;
 pub use render::RenderArgs;
+pub use selftest::SelftestArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -38,7 +40,7 @@ Examples:
 
 Exit codes:
   0  success                                       5  a file could not be written
-  1  two pictures differ by more than allowed      6  not enough memory
+  1  pictures, or rows of a test, differ           6  not enough memory
   2  a wrong scene, picture or command line      130  interrupted
   4  a bug in kajo";
 
@@ -77,6 +79,8 @@ pub enum Command {
     Gallery(GalleryArgs),
     /// Measure how fast it is
     Bench(BenchArgs),
+    /// Render scenes whose light is known by a formula, and compare
+    Selftest(SelftestArgs),
     /// Print completions for a shell
     Completions(CompletionsArgs),
 }

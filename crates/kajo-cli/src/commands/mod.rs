@@ -3,6 +3,7 @@
 mod bench;
 mod diff;
 mod info;
+mod selftest;
 
 use std::path::Path;
 
@@ -12,6 +13,7 @@ use kajo::{Severity, load};
 pub use bench::bench;
 pub use diff::diff;
 pub use info::info;
+pub use selftest::selftest;
 
 use crate::args::{CheckArgs, Cli, RunArgs};
 use crate::console;

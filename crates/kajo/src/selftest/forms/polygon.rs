@@ -1,0 +1,197 @@
+//! Polygons of even light over a floor, and their shadows.
+//!
+//! A polygon with corners in the unit directions `v_i` and of radiance 1 gives a surface of normal `n` the irradiance
+//! [Lambert 1760]
+//!
+//! ```text
+//! E = 1/2 |sum over edges of  Theta_i  n . (v_i x v_(i+1)) / |v_i x v_(i+1)| |
+//! ```
+//!
+//! with `Theta_i` the angle between the two corners, once the part below the horizon has been cut off. What an
+//! opaque half-plane hides is cut off in the same way, by the plane through its edge and the point. A floor of albedo
+//! `rho` has the radiance `rho E / pi`. Ambient occlusion is `1 - E / pi` for the polygon as what hides the sky.
+
+use std::f64::consts::{PI, TAU};
+
+use kajo_math::DVec3;
+
+use super::{Form, Parameters, floor, floor_and_lamp, spot_meter, text, triangle};
+use crate::selftest::method::{LAMPS, OCCLUSION, PATH};
+
+pub fn forms(draw: &mut Parameters) -> Vec<Form> {
+    let mut forms = vec![above(draw), setting(draw), half_hidden(draw), hides_the_sky(draw)];
+    forms.extend(["sobol", "zsobol", "pmj", "uniform", "jittered", "poisson"].map(|s| sampled(draw, s)));
+    forms.extend(["power", "tree", "uniform"].map(|choice| many(draw, choice)));
+    forms
+}
+
+/// Irradiance at the origin from a flat polygon of radiance 1.
+fn irradiance(corners: &[DVec3], n: DVec3) -> f64 {
+    let visible: Vec<DVec3> = cut(corners, n).into_iter().map(DVec3::normalize).collect();
+    let edges = visible.iter().zip(visible.iter().cycle().skip(1));
+    let sum: f64 = edges
+        .map(|(a, b)| {
+            let cross = a.cross(*b);
+            // Nothing is to be seen of an edge that points at the origin.
+            if cross.length() < 1e-14 { 0.0 } else { cross.length().atan2(a.dot(*b)) * n.dot(cross.normalize()) }
+        })
+        .sum();
+    0.5 * sum.abs()
+}
+
+/// The part of a convex polygon on the side of the plane through the origin to which `n` points
+/// [Sutherland and Hodgman 1974].
+fn cut(corners: &[DVec3], n: DVec3) -> Vec<DVec3> {
+    let mut kept = Vec::new();
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        let (da, db) = (a.dot(n), b.dot(n));
+        if da >= 0.0 {
+            kept.push(a);
+        }
+        if (da < 0.0) != (db < 0.0) {
+            kept.push(a + (b - a) * (da / (da - db)));
+        }
+    }
+    kept
+}
+
+/// A convex polygon around a place: corners on an ellipse, in a plane of any tilt.
+struct Polygon {
+    centre: DVec3,
+    corners: Vec<DVec3>,
+}
+
+impl Polygon {
+    fn draw(draw: &mut Parameters, centre: DVec3, size: f64) -> Polygon {
+        let normal = (centre.normalize() + 0.6 * draw.direction(-1.0)).normalize();
+        let u = normal.any_orthonormal_vector();
+        let v = normal.cross(u);
+        let n = 3 + draw.index(6);
+        let (a, b) = (size * draw.between(0.6, 1.0), size * draw.between(0.6, 1.0));
+        let angle = |i: usize, draw: &mut Parameters| (i as f64 + draw.between(0.0, 0.8)) / n as f64 * TAU;
+        let corners = (0..n).map(|i| angle(i, draw)).map(|t| centre + a * t.cos() * u + b * t.sin() * v);
+        Polygon { centre, corners: corners.collect() }
+    }
+
+    /// As a fan of triangles.
+    fn scene(&self) -> String {
+        let fan = self.corners[1..].windows(2).map(|pair| triangle([self.corners[0], pair[0], pair[1]]));
+        fan.collect::<Vec<_>>().join("\n  ")
+    }
+}
+
+/// A polygon as the lamp over a floor with normal `n`, and perhaps more objects.
+fn lit(draw: &mut Parameters, polygons: &[Polygon], n: DVec3, more: &str) -> (String, f64) {
+    let (rho, le) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0));
+    // From so near that nothing stands between.
+    let from = 0.05 * (n + 0.5 * n.any_orthonormal_vector());
+    let lamps: Vec<String> = polygons.iter().map(Polygon::scene).collect();
+    let scene = format!(
+        "{}{}Group {{\n  {}\n  {more}\n  MaterialIndex lamp\n  {}\n}}",
+        spot_meter(from, DVec3::ZERO),
+        floor_and_lamp(rho, le),
+        floor(n),
+        lamps.join("\n  ")
+    );
+    (scene, rho / PI * le)
+}
+
+fn above(draw: &mut Parameters) -> Form {
+    let polygon = Polygon::draw(draw, draw_centre(draw, 0.6), 0.4);
+    let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), DVec3::Y, "");
+    let name = format!("S3 polygon of {} corners over a floor", polygon.corners.len());
+    Form::new(name, scene, factor * irradiance(&polygon.corners, DVec3::Y), LAMPS).bounces(0)
+}
+
+/// A place at a distance of one or two.
+fn draw_centre(draw: &mut Parameters, least_cos: f64) -> DVec3 {
+    draw.between(1.0, 2.0) * draw.direction(least_cos)
+}
+
+fn setting(draw: &mut Parameters) -> Form {
+    let centre = draw_centre(draw, 0.9);
+    let polygon = Polygon::draw(draw, centre, 0.6);
+    // The horizon passes near the polygon's middle.
+    let along = centre.any_orthonormal_vector();
+    let n = (along + draw.between(-0.1, 0.2) * centre.normalize()).normalize();
+    let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), n, "");
+    let expected = factor * irradiance(&polygon.corners, n);
+    Form::new("S3 polygon half below the horizon", scene, expected, LAMPS).bounces(0)
+}
+
+fn half_hidden(draw: &mut Parameters) -> Form {
+    let polygon = Polygon::draw(draw, draw_centre(draw, 0.6), 0.4);
+    let towards = polygon.centre.normalize();
+    let edge = towards.any_orthonormal_vector();
+    let across = towards.cross(edge);
+    let middle = 0.4 * polygon.centre + draw.between(-0.08, 0.08) * across;
+    let blocker = format!(
+        "MaterialIndex black Quad {{ corner {}  edge1 {}  edge2 {} }}",
+        text(middle - 50.0 * edge),
+        text(100.0 * edge),
+        text(50.0 * across)
+    );
+    let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), DVec3::Y, &blocker);
+    // Seen from the floor, `across` is the hidden side.
+    let side = edge.cross(middle);
+    let side = if side.dot(across) > 0.0 { -side } else { side };
+    let expected = factor * irradiance(&cut(&polygon.corners, side), DVec3::Y);
+    Form::new("S3 polygon behind a half-plane", scene, expected, LAMPS).bounces(0)
+}
+
+fn sampled(draw: &mut Parameters, pattern: &'static str) -> Form {
+    let polygon = Polygon::draw(draw, draw_centre(draw, 0.6), 0.4);
+    let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), DVec3::Y, "");
+    let expected = factor * irradiance(&polygon.corners, DVec3::Y);
+    Form::new(format!("S3 polygon, {pattern} samples"), scene, expected, &[PATH]).bounces(0).pattern(pattern)
+}
+
+fn many(draw: &mut Parameters, choice: &str) -> Form {
+    const LAMPS: usize = 24;
+    let polygons: Vec<Polygon> = (0..LAMPS)
+        .map(|i| {
+            // One to a place of a grid, so that none hides another.
+            let (x, z) = ((i % 6) as f64 - 2.5, (i / 6) as f64 - 1.5);
+            let centre = DVec3::new(x, draw.between(2.0, 2.2), z);
+            let size = draw.between(0.02, 0.15);
+            Polygon::draw(draw, centre, size)
+        })
+        .collect();
+    let (scene, factor) = lit(draw, &polygons, DVec3::Y, "");
+    let expected: f64 = polygons.iter().map(|p| irradiance(&p.corners, DVec3::Y)).sum();
+    let name = format!("S3 {LAMPS} polygons, lamps chosen by {choice}");
+    Form::new(name, scene, factor * expected, &[PATH]).bounces(0).settings(&format!("lightChoice {choice}"))
+}
+
+fn hides_the_sky(draw: &mut Parameters) -> Form {
+    let polygon = Polygon::draw(draw, draw_centre(draw, 0.6), 0.8);
+    let (scene, _) = lit(draw, std::slice::from_ref(&polygon), DVec3::Y, "");
+    let expected = 1.0 - irradiance(&polygon.corners, DVec3::Y) / PI;
+    Form::new("sky with a polygon before it, by occlusion", scene, expected, &[OCCLUSION])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of side 1 at height `h`, moved by `x`.
+    fn square(h: f64, x: f64) -> [DVec3; 4] {
+        [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(a, b)| DVec3::new(a + x, h, b))
+    }
+
+    #[test]
+    fn lamberts_formula_gives_the_published_values() {
+        for (h, x, expected) in
+            [(0.5, 0.0, 1.740_840), (1.0, 0.0, 0.752_275), (2.0, 0.0, 0.230_837), (1.0, 1.0, 0.265_005)]
+        {
+            assert!((irradiance(&square(h, x), DVec3::Y) - expected).abs() < 1e-6, "{h} {x}");
+        }
+        let triangle = [DVec3::new(0.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 1.0)];
+        assert!((irradiance(&triangle, DVec3::Y) - 0.302_300).abs() < 1e-6);
+        let tilted = DVec3::new(0.5, 0.75f64.sqrt(), 0.0);
+        assert!((irradiance(&square(1.0, 0.0), tilted) - 0.651_489).abs() < 1e-6);
+        let half = cut(&square(1.0, 0.0), DVec3::X);
+        assert!((irradiance(&half, DVec3::Y) - 0.376_137).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,72 @@
+//! The integrators, each with the settings that make a method of its own.
+
+/// An integrator and how it is set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// What the user reads.
+    pub name: &'static str,
+    /// Lines of a `Settings` block.
+    pub settings: &'static str,
+}
+
+const fn method(name: &'static str, settings: &'static str) -> Method {
+    Method { name, settings }
+}
+
+/// Path tracing with lamps drawn and met, weighed against each other.
+pub const PATH: Method = method("path", "integrator path");
+
+/// Path tracing in which lamps are only met.
+pub const PATH_SCATTERING: Method = method("path, scattering", "integrator path  technique scattering");
+
+/// Path tracing in which lamps are only drawn.
+pub const PATH_LAMPS: Method = method("path, lamps", "integrator path  technique lamps");
+
+/// Path tracing by wavelength.
+pub const PATH_SPECTRAL: Method = method("path, spectral", "integrator path  spectral on");
+
+/// Path tracing whose paths end after the last bounce only.
+pub const PATH_NO_ROULETTE: Method = method("path, no roulette", "integrator path  roulette off");
+
+/// What lamps light themselves.
+pub const DIRECT: Method = method("direct", "integrator direct");
+
+/// Distribution ray tracing with directions by the cosine.
+pub const DISTRIBUTION_COSINE: Method =
+    method("distribution, cosine", "integrator distribution  directions cosine  branches 4");
+
+/// Distribution ray tracing with directions all alike.
+pub const DISTRIBUTION_UNIFORM: Method =
+    method("distribution, uniform", "integrator distribution  directions uniform  branches 4");
+
+/// Ambient occlusion.
+pub const OCCLUSION: Method = method("occlusion", "integrator occlusion");
+
+/// Recursive ray tracing with the classic formula.
+pub const CLASSIC: Method = method("classic", "integrator classic");
+
+/// Everything that follows light through any number of bounces.
+pub const GLOBAL: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL];
+
+/// Everything that takes a number of bounces.
+pub const BOUNCES: &[Method] = &[
+    PATH,
+    PATH_SCATTERING,
+    PATH_LAMPS,
+    PATH_SPECTRAL,
+    PATH_NO_ROULETTE,
+    DISTRIBUTION_COSINE,
+    DISTRIBUTION_UNIFORM,
+];
+
+/// Everything that estimates the light of lamps of some size.
+pub const LAMPS: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, DIRECT];
+
+/// The same for lamps so small that they are hardly ever met.
+pub const SMALL_LAMPS: &[Method] = &[PATH, PATH_LAMPS, DIRECT];
+
+/// Everything that follows mirrors and glass.
+pub const MIRRORS: &[Method] = &[PATH, DIRECT, CLASSIC];
+
+/// The same without the classic integrator, which does not divide radiance by the squared index.
+pub const GLASS: &[Method] = &[PATH, PATH_SPECTRAL, DIRECT];
