@@ -2,6 +2,7 @@
 
 mod floors;
 mod manifest;
+mod mutants;
 mod packages;
 mod steps;
 mod words;
@@ -20,6 +21,7 @@ Usage: cargo xtask <CHORE>
   words            only the words that no file may hold
   deep             all tests in release, the slow ones included
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
+  mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
   gallery [OUT]    renders both galleries to OUT (out/)
   samplers         draws the pictures of the manual's page on sample patterns";
 
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
             Ok(seconds) => fuzz(&root, &mut report, seconds),
             Err(_) => return usage(&format!("`{seconds}` is not a number of seconds")),
         },
+        ["mutants"] => mutants::check(&root, &mut report),
         ["samplers"] => samplers(&root, &mut report),
         ["gallery"] => gallery(&root, &mut report, Path::new("out")),
         ["gallery", out] => gallery(&root, &mut report, Path::new(out)),

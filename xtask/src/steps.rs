@@ -70,6 +70,17 @@ impl Report {
         self.push(name, outcome, start.elapsed());
     }
 
+    /// Runs cargo as a step that passes when cargo fails.
+    pub fn run_to_fail(&mut self, name: &str, cargo: Cargo) {
+        println!("\n== {name}");
+        let start = Instant::now();
+        let outcome = match cargo.run() {
+            Ok(()) => Err(vec!["cargo should have failed, and did not".to_owned()]),
+            Err(_) => Ok(()),
+        };
+        self.push(name, outcome, start.elapsed());
+    }
+
     /// Records a step that needed no other program.
     pub fn add(&mut self, name: &str, outcome: Result<(), Vec<String>>) {
         self.push(name, outcome, Duration::ZERO);

@@ -143,7 +143,8 @@ mod tests {
     #[test]
     fn json_has_every_row() {
         let text = as_json(7, Effort::Quick, &[row(Verdict::Wrong)]);
-        let expected = r#"{"seed":7,"batches":32,"noise":0.005,"pass":false,"rows":[{"name":"ball","method":"path","#;
+        let expected =
+            r#"{"seed":7,"batches":32,"noise":0.005,"pass":false,"rows":[{"name":"ball","method":"path","#;
         assert!(text.starts_with(expected), "{text}");
     }
 }

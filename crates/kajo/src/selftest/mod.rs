@@ -116,8 +116,7 @@ pub fn trials(seed: u64) -> Vec<Trial> {
 /// The rows of one scene: one for each method that solves it.
 fn of_form(form: Form) -> Vec<Trial> {
     let trial = |method: &method::Method| {
-        let Form { name, scene, files, settings, pattern, size, expected, rounding, .. } =
-            form.clone();
+        let Form { name, scene, files, settings, pattern, size, expected, rounding, .. } = form.clone();
         let settings = format!("Settings {{ samples {pattern} 1 {settings} {} }}", method.settings);
         let exposure = Exposure { text: format!("{scene}\n{settings}\n"), files, size };
         let kind = Kind::Picture { exposure: Box::new(exposure), expected, rounding };
@@ -141,9 +140,9 @@ impl Trial {
     /// * `threads`: 0 for one on each core
     pub fn run(&self, seed: u64, effort: Effort, threads: usize) -> Row {
         match &self.kind {
-            Kind::Number(number) => self.row(number.expected, Ok(number.estimate()), |estimate| {
-                number.agrees(estimate.mean)
-            }),
+            Kind::Number(number) => {
+                self.row(number.expected, Ok(number.estimate()), |estimate| number.agrees(estimate.mean))
+            }
             Kind::Picture { exposure, expected, rounding } => {
                 let measure = |seed: u64, noise: f64| {
                     exposure.measure(seed, noise * expected.abs(), effort.most_samples(), threads)
@@ -157,12 +156,7 @@ impl Trial {
         }
     }
 
-    fn row(
-        &self,
-        expected: f64,
-        found: Result<Estimate, String>,
-        agrees: impl Fn(&Estimate) -> bool,
-    ) -> Row {
+    fn row(&self, expected: f64, found: Result<Estimate, String>, agrees: impl Fn(&Estimate) -> bool) -> Row {
         let verdict = match &found {
             Err(reason) => Verdict::Broken(reason.clone()),
             Ok(estimate) if !agrees(estimate) => Verdict::Wrong,

@@ -86,13 +86,13 @@ fn mirror(draw: &mut Parameters) -> Form {
         p.z - p.x * back.z / back.x
     };
     let edge = place(draw.between(-0.5, 0.5), 0.0);
+    // The lamp is within the mirror.
     let scene = format!(
         "PerspectiveCamera {{ center {h} 0 0  direction 0 0 1  up 0 1 0  angle {} }}\n{}\
-         Group {{ MaterialIndex body Sphere {{ center 0 0 0  radius 1 }} {} }}",
+         Group {{ MaterialIndex body Sphere {{ center 0 0 0  radius 1 }}\n\
+         MaterialIndex lamp Quad {{ corner 0 -0.1 {edge}  edge1 0 0.2 0  edge2 0 0 0.2 }} }}",
         2.0 * HALF_ANGLE,
-        materials("reflectiveColor 1 1 1"),
-        // Within the mirror, and short enough not to be met again.
-        format!("MaterialIndex lamp Quad {{ corner 0 -0.1 {edge}  edge1 0 0.2 0  edge2 0 0 0.2 }}")
+        materials("reflectiveColor 1 1 1")
     );
     let expected = share(edge, place);
     Form::new(format!("focus of a mirror, rays at height {h}"), scene, expected, MIRRORS)
@@ -128,12 +128,10 @@ fn ball(draw: &mut Parameters) -> Form {
 fn filters(draw: &mut Parameters) -> Form {
     let shares = [0; 3].map(|_| draw.between(0.4, 0.9));
     let pane = |(i, share): (usize, &f64)| {
-        let materials = format!(
-            "Material pane{i} {{ diffuseColor 0 0 0  transparentColor {share} {share} {share} }}"
-        );
-        let quad = format!(
-            "MaterialIndex pane{i} Quad {{ corner -9 -9 {i}  edge1 18 0 0.5  edge2 0 18 0.3 }}"
-        );
+        let materials =
+            format!("Material pane{i} {{ diffuseColor 0 0 0  transparentColor {share} {share} {share} }}");
+        let quad =
+            format!("MaterialIndex pane{i} Quad {{ corner -9 -9 {i}  edge1 18 0 0.5  edge2 0 18 0.3 }}");
         (materials, quad)
     };
     let (panes, quads): (Vec<String>, Vec<String>) = shares.iter().enumerate().map(pane).unzip();

@@ -42,7 +42,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = vec![disk(draw), sphere(draw), sphere_touched(draw)];
     forms.extend([-0.8, -0.3, 0.2, 0.7].map(|t| penumbra(draw, t, 0.02)));
     forms.push(penumbra(draw, 0.1, 0.8));
-    forms.extend([point(draw), directional(draw), classic_point(draw), spot(draw, 0.0), spot(draw, 0.8)]);
+    forms.extend([point(draw), directional(draw), classic_point(draw), spot(draw, 0.0), spot(draw, 0.85)]);
     forms.extend([wall(draw, SKIES, "sky"), wall(draw, &[OCCLUSION], "sky by occlusion")]);
     forms.extend([facing(draw), adjacent(draw)]);
     forms
@@ -119,12 +119,7 @@ fn penumbra(draw: &mut Parameters, t: f64, size: f64) -> Form {
 
 /// A floor under the lights of a `Lights` block.
 fn under(rho: f64, n: DVec3, lights: &str) -> String {
-    format!(
-        "{}Lights {{ {lights} }}\n{}Group {{ {} }}",
-        near(n),
-        floor_and_lamp(rho, 1.0),
-        floor(n)
-    )
+    format!("{}Lights {{ {lights} }}\n{}Group {{ {} }}", near(n), floor_and_lamp(rho, 1.0), floor(n))
 }
 
 fn point(draw: &mut Parameters) -> Form {
@@ -146,10 +141,8 @@ fn directional(draw: &mut Parameters) -> Form {
 fn classic_point(draw: &mut Parameters) -> Form {
     let (rho, c, d) = (draw.between(0.3, 0.9), draw.between(1.0, 9.0), draw.between(1.0, 3.0));
     let towards = draw.direction(0.2);
-    let light = format!(
-        "PointLight {{ position {}  color {c} {c} {c}  attenuation 0.5 0.25 2 }}",
-        text(d * towards)
-    );
+    let light =
+        format!("PointLight {{ position {}  color {c} {c} {c}  attenuation 0.5 0.25 2 }}", text(d * towards));
     const METHODS: &[Method] = &[CLASSIC, PATH, DIRECT];
     let expected = rho * c * towards.y / (0.5 + 0.25 * d + 2.0 * d * d);
     Form::new("point light with the classic falloff", under(rho, DVec3::Y, &light), expected, METHODS)
@@ -168,7 +161,7 @@ fn spot(draw: &mut Parameters, aside: f64) -> Form {
     };
     // The profile is made of polynomials in the cosine, which Simpson's rule integrates exactly.
     let filled = 1.0 - cos_inner + simpson(cos_outer, cos_inner, 2, profile);
-    let angle = (0.5 * inner + aside * 0.5 * (outer - inner)).to_radians() * if aside > 0.0 { 1.0 } else { 0.0 };
+    let angle = (aside * 0.5 * outer).to_radians();
     let axis = DVec3::new(angle.sin(), -angle.cos(), 0.0);
     let light = format!(
         "SpotLight {{ position 0 {d} 0  direction {}  angle {outer}  innerAngle {inner}  power {watts} }}",

@@ -33,7 +33,11 @@ fn irradiance(corners: &[DVec3], n: DVec3) -> f64 {
         .map(|(a, b)| {
             let cross = a.cross(*b);
             // Nothing is to be seen of an edge that points at the origin.
-            if cross.length() < 1e-14 { 0.0 } else { cross.length().atan2(a.dot(*b)) * n.dot(cross.normalize()) }
+            if cross.length() < 1e-14 {
+                0.0
+            } else {
+                cross.length().atan2(a.dot(*b)) * n.dot(cross.normalize())
+            }
         })
         .sum();
     0.5 * sum.abs()
@@ -98,7 +102,8 @@ fn lit(draw: &mut Parameters, polygons: &[Polygon], n: DVec3, more: &str) -> (St
 }
 
 fn above(draw: &mut Parameters) -> Form {
-    let polygon = Polygon::draw(draw, draw_centre(draw, 0.6), 0.4);
+    let centre = draw_centre(draw, 0.6);
+    let polygon = Polygon::draw(draw, centre, 0.4);
     let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), DVec3::Y, "");
     let name = format!("S3 polygon of {} corners over a floor", polygon.corners.len());
     Form::new(name, scene, factor * irradiance(&polygon.corners, DVec3::Y), LAMPS).bounces(0)
@@ -121,7 +126,8 @@ fn setting(draw: &mut Parameters) -> Form {
 }
 
 fn half_hidden(draw: &mut Parameters) -> Form {
-    let polygon = Polygon::draw(draw, draw_centre(draw, 0.6), 0.4);
+    let centre = draw_centre(draw, 0.6);
+    let polygon = Polygon::draw(draw, centre, 0.4);
     let towards = polygon.centre.normalize();
     let edge = towards.any_orthonormal_vector();
     let across = towards.cross(edge);
@@ -141,7 +147,8 @@ fn half_hidden(draw: &mut Parameters) -> Form {
 }
 
 fn sampled(draw: &mut Parameters, pattern: &'static str) -> Form {
-    let polygon = Polygon::draw(draw, draw_centre(draw, 0.6), 0.4);
+    let centre = draw_centre(draw, 0.6);
+    let polygon = Polygon::draw(draw, centre, 0.4);
     let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), DVec3::Y, "");
     let expected = factor * irradiance(&polygon.corners, DVec3::Y);
     Form::new(format!("S3 polygon, {pattern} samples"), scene, expected, &[PATH]).bounces(0).pattern(pattern)
@@ -165,7 +172,8 @@ fn many(draw: &mut Parameters, choice: &str) -> Form {
 }
 
 fn hides_the_sky(draw: &mut Parameters) -> Form {
-    let polygon = Polygon::draw(draw, draw_centre(draw, 0.6), 0.8);
+    let centre = draw_centre(draw, 0.6);
+    let polygon = Polygon::draw(draw, centre, 0.8);
     let (scene, _) = lit(draw, std::slice::from_ref(&polygon), DVec3::Y, "");
     let expected = 1.0 - irradiance(&polygon.corners, DVec3::Y) / PI;
     Form::new("sky with a polygon before it, by occlusion", scene, expected, &[OCCLUSION])

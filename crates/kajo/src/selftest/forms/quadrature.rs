@@ -3,8 +3,7 @@
 /// The integral of `f` from `a` to `b` by Simpson's rule on `2 n` intervals.
 pub fn simpson(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
     let h = (b - a) / f64::from(2 * n);
-    let inner: f64 =
-        (1..2 * n).map(|i| f(a + f64::from(i) * h) * if i % 2 == 1 { 4.0 } else { 2.0 }).sum();
+    let inner: f64 = (1..2 * n).map(|i| f(a + f64::from(i) * h) * if i % 2 == 1 { 4.0 } else { 2.0 }).sum();
     (f(a) + inner + f(b)) * h / 3.0
 }
 

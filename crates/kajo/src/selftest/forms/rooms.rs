@@ -85,8 +85,7 @@ fn glowing(draw: &mut Parameters, room: &Room, bounces: Option<u32>) -> Form {
 }
 
 fn lamp_in_ball(draw: &mut Parameters, methods: &'static [Method], all_bounces: bool) -> Form {
-    let (rho, intensity, radius) =
-        (draw.between(0.2, 0.85), draw.between(0.5, 4.0), draw.between(0.8, 2.0));
+    let (rho, intensity, radius) = (draw.between(0.2, 0.85), draw.between(0.5, 4.0), draw.between(0.8, 2.0));
     let lamp = radius * draw.between(0.1, 0.7) * draw.direction(-1.0);
     let seen = radius * draw.direction(-1.0);
     let to_lamp = lamp - seen;

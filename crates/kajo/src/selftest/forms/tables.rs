@@ -83,8 +83,7 @@ fn fresnel_terms() -> Vec<Number> {
         (85.0, 0.612800),
         (89.0, 0.904185),
     ];
-    const FROM_WITHIN: [(f64, f64); 4] =
-        [(30.0, 0.055190), (40.0, 0.245291), (41.0, 0.379751), (41.9, 1.0)];
+    const FROM_WITHIN: [(f64, f64); 4] = [(30.0, 0.055190), (40.0, 0.245291), (41.0, 0.379751), (41.9, 1.0)];
     let row = |place: &'static str, eta: f32| {
         move |(degrees, expected): (f64, f64)| {
             let found = fresnel::dielectric(degrees.to_radians().cos() as f32, eta);

@@ -1,0 +1,130 @@
+//! Whether the self-test sees mistakes: each of a list of bugs is put into a copy of the sources, and the self-test
+//! must fail there.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use crate::steps::{Cargo, Report};
+
+/// A mistake that somebody could make.
+struct Mutant {
+    name: &'static str,
+    file: &'static str,
+    /// Occurs once in the file.
+    right: &'static str,
+    wrong: &'static str,
+}
+
+const fn mutant(name: &'static str, file: &'static str, right: &'static str, wrong: &'static str) -> Mutant {
+    Mutant { name, file, right, wrong }
+}
+
+const PHONG: &str = "crates/kajo-core/src/bsdf/phong_lobes.rs";
+const EMITTERS: &str = "crates/kajo-core/src/light/emitters.rs";
+const WALK: &str = "crates/kajo-render/src/integrator/walk.rs";
+
+const MUTANTS: [Mutant; 9] = [
+    mutant("no squared index at refraction", PHONG, "color * mode.scale(eta), p", "color, p"),
+    mutant("no pi in diffuse reflection", PHONG, "self.diffuse * FRAC_1_PI + ", "self.diffuse + "),
+    mutant("no cosine in scattering", PHONG, "* glossy) * wi.z", "* glossy)"),
+    mutant(
+        "the density of a lamp without that of its choice",
+        EMITTERS,
+        "LightSample { pdf: sample.pdf * probability, ..sample }",
+        "LightSample { pdf: sample.pdf + 0.0 * probability, ..sample }",
+    ),
+    mutant(
+        "half the density of a lamp that was met",
+        EMITTERS,
+        "{ probability * light.pdf(from, p, n) }",
+        "{ 0.5 * probability * light.pdf(from, p, n) }",
+    ),
+    mutant(
+        "half the density of a direction to a lamp that was drawn",
+        WALK,
+        "power_heuristic(lamp.pdf, self.direction_pdf(bsdf, local.wo, wi))",
+        "power_heuristic(lamp.pdf, 0.5 * self.direction_pdf(bsdf, local.wo, wi))",
+    ),
+    mutant("branches are added, not averaged", WALK, "self.throughput * (1.0 / n as f32)", "self.throughput"),
+    mutant("survivors do not count more", WALK, "self.throughput *= 1.0 / chance;", ""),
+    mutant(
+        "shadows are forgotten",
+        WALK,
+        "if self.scene().occluded(&at.point.ray_to_light(&lamp, self.ray.time)) {",
+        "if false {",
+    ),
+];
+
+/// Puts each mistake into a copy of the sources below `target/mutants` and runs the self-test there.
+pub fn check(root: &Path, report: &mut Report) {
+    let copy = root.join("target/mutants");
+    if let Err(error) = copy_sources(root, &copy) {
+        return report.add("copy of the sources", Err(vec![error.to_string()]));
+    }
+    let test = "test --package kajo --lib selftest::tests::every_row_passes";
+    report.run("the self-test as it is", Cargo::new(&copy, test));
+    for mutant in &MUTANTS {
+        let path = copy.join(mutant.file);
+        let Ok(text) = fs::read_to_string(&path) else {
+            report.add(mutant.name, Err(vec![format!("cannot read {}", path.display())]));
+            continue;
+        };
+        let put = |text: &str| fs::write(&path, text).map_err(|error| vec![error.to_string()]);
+        if let Err(problem) = put(&text.replacen(mutant.right, mutant.wrong, 1)) {
+            report.add(mutant.name, Err(problem));
+            continue;
+        }
+        // A mistake that does not compile would be seen by anybody.
+        report.run(&format!("{}: compiles", mutant.name), Cargo::new(&copy, &format!("{test} --no-run")));
+        report.run_to_fail(&format!("{}: is seen", mutant.name), Cargo::new(&copy, test));
+        if let Err(problem) = put(&text) {
+            report.add("the sources put back", Err(problem));
+        }
+    }
+}
+
+/// Copies what cargo needs to build the workspace. The copy's own build stays, so that it need not start anew.
+fn copy_sources(root: &Path, copy: &Path) -> io::Result<()> {
+    const NEEDED: [&str; 5] = ["Cargo.toml", "Cargo.lock", "rust-toolchain.toml", "crates", "xtask"];
+    fs::create_dir_all(copy)?;
+    NEEDED.iter().try_for_each(|name| copy_tree(&root.join(name), &copy.join(name)))
+}
+
+/// Copies a file, or a folder with all in it. Files that are the same already keep their time.
+fn copy_tree(from: &Path, to: &Path) -> io::Result<()> {
+    if !from.is_dir() {
+        let content = fs::read(from)?;
+        return if fs::read(to).is_ok_and(|old| old == content) { Ok(()) } else { fs::write(to, content) };
+    }
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let name = entry?.file_name();
+        copy_tree(&from.join(&name), &to.join(&name))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_mistake_has_its_place_in_the_sources() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+        for mutant in &MUTANTS {
+            let text = fs::read_to_string(root.join(mutant.file)).expect("a source");
+            assert_eq!(text.matches(mutant.right).count(), 1, "{}", mutant.name);
+        }
+    }
+
+    #[test]
+    fn trees_are_copied_whole() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let copy = std::env::temp_dir().join(format!("kajo-xtask-copy-{}", std::process::id()));
+        copy_tree(&root.join("src"), &copy).expect("a copy");
+        let same = fs::read(copy.join("mutants.rs")).expect("a copy of this file");
+        assert_eq!(same, fs::read(root.join("src/mutants.rs")).expect("this file"));
+        fs::remove_dir_all(&copy).expect("the copy");
+    }
+}
