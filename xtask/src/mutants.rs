@@ -20,14 +20,20 @@ const fn mutant(name: &'static str, file: &'static str, right: &'static str, wro
     Mutant { name, file, right, wrong }
 }
 
+const LAMBERT: &str = "crates/kajo-core/src/bsdf/lambert.rs";
 const PHONG: &str = "crates/kajo-core/src/bsdf/phong_lobes.rs";
 const EMITTERS: &str = "crates/kajo-core/src/light/emitters.rs";
 const WALK: &str = "crates/kajo-render/src/integrator/walk.rs";
 
 const MUTANTS: [Mutant; 9] = [
     mutant("no squared index at refraction", PHONG, "color * mode.scale(eta), p", "color, p"),
-    mutant("no pi in diffuse reflection", PHONG, "self.diffuse * FRAC_1_PI + ", "self.diffuse + "),
-    mutant("no cosine in scattering", PHONG, "* glossy) * wi.z", "* glossy)"),
+    mutant("no pi in diffuse reflection", LAMBERT, "share * (wi.z.abs() * FRAC_1_PI)", "share * wi.z.abs()"),
+    mutant(
+        "no cosine in diffuse reflection",
+        LAMBERT,
+        "share * (wi.z.abs() * FRAC_1_PI)",
+        "share * FRAC_1_PI",
+    ),
     mutant(
         "the density of a lamp without that of its choice",
         EMITTERS,

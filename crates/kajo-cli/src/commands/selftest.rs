@@ -19,7 +19,7 @@ pub fn selftest(args: &SelftestArgs) -> Result<(), Failure> {
     if args.list {
         return wanted.iter().try_for_each(|trial| console::answer(&named(&trial.name, trial.method)));
     }
-    let effort = if args.quick { Effort::Quick } else { Effort::Full };
+    let effort = if args.quick { Effort::QUICK } else { Effort::FULL };
     if !args.json {
         console::answer(&heading(seed, effort))?;
     }
@@ -55,7 +55,7 @@ fn heading(seed: u64, effort: Effort) -> String {
     format!(
         "seed {seed}; {BATCHES} batches a row; a row passes within 4 sigma, sigma below {} % of the value\n\
          {:>12} {:>12} {:>9} {:>7}\n",
-        100.0 * effort.noise(),
+        100.0 * effort.noise,
         "expected",
         "measured",
         "sigma",
@@ -109,7 +109,7 @@ fn as_json(seed: u64, effort: Effort, rows: &[Row]) -> String {
     json::object([
         ("seed", seed.to_string()),
         ("batches", BATCHES.to_string()),
-        ("noise", json::number(effort.noise())),
+        ("noise", json::number(effort.noise)),
         ("pass", rows.iter().all(|row| row.verdict == Verdict::Pass).to_string()),
         ("rows", json::list(rows.iter().map(row))),
     ])
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn json_has_every_row() {
-        let text = as_json(7, Effort::Quick, &[row(Verdict::Wrong)]);
+        let text = as_json(7, Effort::QUICK, &[row(Verdict::Wrong)]);
         let expected =
             r#"{"seed":7,"batches":32,"noise":0.005,"pass":false,"rows":[{"name":"ball","method":"path","#;
         assert!(text.starts_with(expected), "{text}");

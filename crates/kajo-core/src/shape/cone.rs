@@ -115,7 +115,7 @@ impl Surface for Cone {
                 (radius * radial + s * self.axis, (radial - self.slope() * self.axis).normalize())
             }
         };
-        let (p, p_error) = stored(self.base + onto);
+        let (p, p_error) = stored(self.base + onto, self.base.abs().max_element());
         SurfacePoint::flat(p, p_error, n.as_vec3())
     }
 

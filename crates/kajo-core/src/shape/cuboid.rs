@@ -77,7 +77,7 @@ impl Surface for Cuboid {
         p[axis] = if high { self.max[axis] } else { self.min[axis] };
         let mut n = Vec3::ZERO;
         n[axis] = if high { 1.0 } else { -1.0 };
-        let (p, p_error) = stored(p);
+        let (p, p_error) = stored(p, 0.0);
         SurfacePoint::flat(p, p_error, n)
     }
 

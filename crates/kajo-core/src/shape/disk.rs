@@ -52,7 +52,8 @@ impl Surface for Disk {
 
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let p = Ray64::new(ray).at(hit.t.into());
-        let (p, p_error) = stored(p - self.normal.dot(p - self.center) * self.normal);
+        let (p, p_error) =
+            stored(p - self.normal.dot(p - self.center) * self.normal, self.center.abs().max_element());
         SurfacePoint::flat(p, p_error, self.normal.as_vec3())
     }
 

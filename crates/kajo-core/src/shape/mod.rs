@@ -147,12 +147,17 @@ pub(crate) fn nearest_crossing(shape: &impl Surface, ray: &Ray) -> Option<Hit> {
     nearest
 }
 
-/// Bound on the rounding of a point that was computed in double precision near coordinates
-/// of size `scale` and stored in single.
+/// A point that was computed in double precision, in single, and a bound on the error of each coordinate.
+///
+/// * `scale`: size of the numbers it was computed from. A coordinate near zero that is the difference of larger
+///   ones carries their error, many times its own last place.
 #[inline]
-pub(crate) fn stored(p: DVec3) -> (Vec3, Vec3) {
+pub(crate) fn stored(p: DVec3, scale: f64) -> (Vec3, Vec3) {
+    /// Some ten roundings in double precision, `2^-49`.
+    const COMPUTED: f64 = 8.0 * f64::EPSILON;
     let single = p.as_vec3();
-    (single, single.abs() * kajo_math::robust::gamma(2) + Vec3::splat(f32::MIN_POSITIVE))
+    let computed = (COMPUTED * (scale + p.abs().max_element())) as f32 + f32::MIN_POSITIVE;
+    (single, single.abs() * kajo_math::robust::gamma(2) + Vec3::splat(computed))
 }
 
 #[cfg(test)]

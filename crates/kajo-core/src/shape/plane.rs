@@ -59,7 +59,7 @@ impl Surface for Plane {
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let p = Ray64::new(ray).at(hit.t.into());
         let onto = p - (self.normal.dot(p) - self.offset) * self.normal;
-        let (p, p_error) = stored(onto);
+        let (p, p_error) = stored(onto, self.offset.abs());
         SurfacePoint::flat(p, p_error, self.normal.as_vec3())
     }
 

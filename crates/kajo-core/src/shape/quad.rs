@@ -56,7 +56,8 @@ impl Surface for Quad {
 
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let p = Ray64::new(ray).at(hit.t.into());
-        let (p, p_error) = stored(p - self.normal.dot(p - self.corner) * self.normal);
+        let (p, p_error) =
+            stored(p - self.normal.dot(p - self.corner) * self.normal, self.corner.abs().max_element());
         SurfacePoint::flat(p, p_error, self.normal.as_vec3())
     }
 

@@ -101,7 +101,7 @@ impl Surface for Sphere {
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let center = self.center.as_dvec3();
         let n = (Ray64::new(ray).at(hit.t.into()) - center).normalize_or(DVec3::Z);
-        let (p, p_error) = stored(center + f64::from(self.radius) * n);
+        let (p, p_error) = stored(center + f64::from(self.radius) * n, center.abs().max_element());
         SurfacePoint::flat(p, p_error, n.as_vec3())
     }
 

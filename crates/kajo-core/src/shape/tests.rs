@@ -189,6 +189,28 @@ fn leaves_alone(shape: &impl Surface, ray: &Ray) {
 }
 
 #[test]
+fn no_ray_meets_the_surface_it_leaves_where_a_coordinate_is_all_but_zero() {
+    // The normals' lengths are one only to the last place, which leaves hits a little off the plane y = 0, by
+    // more than a hit's own last place there.
+    for i in 0..200 {
+        let random = Stream::new(31, [i, 0], 0);
+        let number = |k: u32| 0.1 + 3.0 * random.uniform(k);
+        let (a, b) = (Vec3::new(0.0, 0.0, number(0)), Vec3::new(number(1), 0.0, 0.0));
+        let quad = Quad::new(Vec3::ZERO, a, b).unwrap();
+        let triangle = Triangle { vertices: [Vec3::ZERO, a, b], uvs: [Vec2::ZERO; 3] };
+        let disk = Disk::new(Vec3::ZERO, Vec3::new(0.0, number(2), 0.0), number(3), 0.0).unwrap();
+        for k in 0..20 {
+            let target = (a + b) * (0.4 * random.uniform(4 + k));
+            let from = target + Vec3::new(number(30 + k), 5.0, -number(60 + k));
+            let ray = Ray::new(from, target - from);
+            leaves_alone(&quad, &ray);
+            leaves_alone(&triangle, &ray);
+            leaves_alone(&disk, &ray);
+        }
+    }
+}
+
+#[test]
 fn odd_numbers_do_no_harm() {
     fn poke(_name: &str, shape: &impl Surface) {
         for bad in [f32::NAN, f32::INFINITY, f32::MAX, 0.0, -0.0, f32::MIN_POSITIVE] {

@@ -70,8 +70,8 @@ impl Surface for Triangle {
     #[inline]
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let n = self.normal().unwrap_or(DVec3::Z);
-        let onto = Ray64::new(ray).at(hit.t.into());
-        let (p, p_error) = stored(onto - (onto - self.vertices[0].as_dvec3()).dot(n) * n);
+        let (onto, first) = (Ray64::new(ray).at(hit.t.into()), self.vertices[0].as_dvec3());
+        let (p, p_error) = stored(onto - (onto - first).dot(n) * n, first.abs().max_element());
         SurfacePoint::flat(p, p_error, n.as_vec3())
     }
 

@@ -28,30 +28,20 @@ use forms::{Form, Number};
 pub use estimate::BATCHES;
 
 /// How precisely the rows are measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effort {
-    /// To half a per cent: seconds.
-    Quick,
-    /// To a twentieth of a per cent: minutes.
-    Full,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Largest standard error as a share of the expected value.
+    pub noise: f64,
+    /// Samples after which a row is given up as too noisy.
+    pub most_samples: u64,
 }
 
 impl Effort {
-    /// Largest standard error as a share of the expected value.
-    pub fn noise(self) -> f64 {
-        match self {
-            Effort::Quick => 5e-3,
-            Effort::Full => 5e-4,
-        }
-    }
+    /// To half a per cent: a minute or so.
+    pub const QUICK: Effort = Effort { noise: 5e-3, most_samples: 1 << 24 };
 
-    /// Samples after which a row is given up as too noisy.
-    pub fn most_samples(self) -> u64 {
-        match self {
-            Effort::Quick => 1 << 22,
-            Effort::Full => 1 << 28,
-        }
-    }
+    /// To a twentieth of a per cent: half an hour.
+    pub const FULL: Effort = Effort { noise: 5e-4, most_samples: 1 << 29 };
 }
 
 /// A row that is still to be measured.
@@ -145,12 +135,12 @@ impl Trial {
             }
             Kind::Picture { exposure, expected, rounding } => {
                 let measure = |seed: u64, noise: f64| {
-                    exposure.measure(seed, noise * expected.abs(), effort.most_samples(), threads)
+                    exposure.measure(seed, noise * expected.abs(), effort.most_samples, threads)
                 };
-                let first = measure(seed, effort.noise());
+                let first = measure(seed, effort.noise);
                 let agrees = |estimate: &Estimate| estimate.agrees(*expected, *rounding);
                 let doubtful = first.as_ref().is_ok_and(|first| !agrees(first));
-                let last = if doubtful { measure(!seed, 0.5 * effort.noise()) } else { first };
+                let last = if doubtful { measure(!seed, 0.5 * effort.noise) } else { first };
                 self.row(*expected, last, agrees)
             }
         }

@@ -2,21 +2,24 @@
 
 use super::*;
 
-/// All rows but those that take long, with a seed.
+/// Sharp enough to see a factor that was forgotten.
+const COARSE: Effort = Effort { noise: 1e-2, most_samples: 1 << 22 };
+
+/// All rows with a seed.
 fn run_all(seed: u64, effort: Effort) {
     let mut failed = Vec::new();
     for trial in trials(seed) {
         let row = trial.run(seed, effort, 0);
         if row.verdict != Verdict::Pass {
-            failed.push(format!("{row:?}\n{}", trial.scene().unwrap_or_default()));
+            failed.push(format!("{row:?}"));
         }
     }
-    assert!(failed.is_empty(), "seed {seed}:\n{}", failed.join("\n\n"));
+    assert!(failed.is_empty(), "seed {seed}:\n{}", failed.join("\n"));
 }
 
 #[test]
 fn every_row_passes() {
-    run_all(1, Effort::Quick);
+    run_all(1, COARSE);
 }
 
 #[test]
@@ -27,16 +30,21 @@ fn every_row_passes_with_numbers_that_nobody_chose() {
     let clock = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let seed = clock.map_or(2, |time| time.as_secs());
     println!("seed {seed}");
-    run_all(seed, Effort::Full);
+    run_all(seed, Effort::FULL);
 }
 
 #[test]
 fn every_scene_is_sound_for_any_seed() {
-    for seed in 0..20 {
+    for seed in 0..4 {
         for trial in trials(seed) {
             if let Kind::Picture { exposure, expected, .. } = &trial.kind {
                 assert!(*expected > 0.0 && expected.is_finite(), "{}: {expected}", trial.name);
-                assert_eq!(exposure.complaints(), None, "{}\n{}", trial.name, exposure.text);
+                assert_eq!(
+                    exposure.complaints().map(|said| said.chars().take(300).collect::<String>()),
+                    None,
+                    "{}",
+                    trial.name
+                );
             }
         }
     }
@@ -52,11 +60,11 @@ fn the_seed_decides_the_numbers() {
 #[test]
 fn a_wrong_value_a_noisy_one_and_a_broken_scene_are_told_apart() {
     let form = Form::new("", WALL.to_owned(), 2.0, &[method::PATH]).bounces(0);
-    let verdict = |form: Form| of_form(form).remove(0).run(1, Effort::Quick, 0).verdict;
+    let verdict = |form: Form| of_form(form).remove(0).run(1, Effort::QUICK, 0).verdict;
     assert_eq!(verdict(form.clone()), Verdict::Pass);
     assert_eq!(verdict(Form { expected: 2.01, ..form.clone() }), Verdict::Wrong);
     let broken = Form { scene: form.scene.replace("Sphere", "Sphre"), ..form.clone() };
-    assert!(matches!(verdict(broken), Verdict::Broken(why) if why.contains("Sphere")));
+    assert!(matches!(verdict(broken), Verdict::Broken(why) if why.contains("Sphre")));
     // A lamp that is hardly ever met.
     let speck = form.scene.replace("radius 1", "radius 0.0001");
     let noisy = Form { scene: speck, expected: 1e-8, methods: &[method::PATH_SCATTERING], ..form };
@@ -72,6 +80,6 @@ const WALL: &str = "PerspectiveCamera { center 0 0 5  direction 0 0 -1  up 0 1 0
 #[test]
 fn threads_change_nothing() {
     let trial = trials(1).remove(0);
-    let [one, three] = [1, 3].map(|threads| trial.run(5, Effort::Quick, threads));
+    let [one, three] = [1, 3].map(|threads| trial.run(5, Effort::QUICK, threads));
     assert_eq!((one.measured, one.sigma, one.samples), (three.measured, three.sigma, three.samples));
 }

@@ -170,7 +170,7 @@ const PRISMS: [Prism; 8] = [
 /// A prism with its edge along y and its base parallel to z.
 const PRISM: &str = "v 1 -5 0\nv -0.5 -5 -0.8660254\nv -0.5 -5 0.8660254\n\
     v 1 5 0\nv -0.5 5 -0.8660254\nv -0.5 5 0.8660254\n\
-    f 1 2 3\nf 4 6 5\nf 1 4 5\nf 1 5 2\nf 1 3 6\nf 1 6 4\nf 2 5 6\nf 2 6 3\n";
+    f 1 3 2\nf 4 5 6\nf 1 5 4\nf 1 2 5\nf 1 6 3\nf 1 4 6\nf 2 6 5\nf 2 3 6\n";
 
 fn least_turn(draw: &mut Parameters, prism: &Prism) -> Form {
     /// The lamp is so far away that 0.002 degrees are a thirtieth of the beam.

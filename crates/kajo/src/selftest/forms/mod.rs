@@ -6,6 +6,7 @@ mod glass;
 mod lamps;
 mod polygon;
 mod quadrature;
+mod rainbow;
 mod rooms;
 mod surfaces;
 mod tables;
@@ -114,12 +115,13 @@ impl Number {
 
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
-    let makers: [(&str, fn(&mut Parameters) -> Vec<Form>); 7] = [
+    let makers: [(&str, fn(&mut Parameters) -> Vec<Form>); 8] = [
         ("rooms", rooms::forms),
         ("lamps", lamps::forms),
         ("bodies", bodies::forms),
         ("polygons", polygon::forms),
         ("glass", glass::forms),
+        ("rainbow", rainbow::forms),
         ("surfaces", surfaces::forms),
         ("camera", camera::forms),
     ];

@@ -21,7 +21,7 @@ use crate::selftest::method::{LAMPS, OCCLUSION, PATH};
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = vec![above(draw), setting(draw), half_hidden(draw), hides_the_sky(draw)];
     forms.extend(["sobol", "zsobol", "pmj", "uniform", "jittered", "poisson"].map(|s| sampled(draw, s)));
-    forms.extend(["power", "tree", "uniform"].map(|choice| many(draw, choice)));
+    forms.extend(["tree", "uniform"].map(|choice| many(draw, choice)));
     forms
 }
 
@@ -119,7 +119,7 @@ fn setting(draw: &mut Parameters) -> Form {
     let polygon = Polygon::draw(draw, centre, 0.6);
     // The horizon passes near the polygon's middle.
     let along = centre.any_orthonormal_vector();
-    let n = (along + draw.between(-0.1, 0.2) * centre.normalize()).normalize();
+    let n = (along + draw.between(0.0, 0.2) * centre.normalize()).normalize();
     let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), n, "");
     let expected = factor * irradiance(&polygon.corners, n);
     Form::new("S3 polygon half below the horizon", scene, expected, LAMPS).bounces(0)
