@@ -30,7 +30,7 @@ impl Parameters {
     pub fn index(&mut self, n: usize) -> usize {
         let bits = self.stream.bits(self.next);
         self.next += 1;
-        (u64::from(bits) * n as u64 >> 32) as usize
+        ((u64::from(bits) * n as u64) >> 32) as usize
     }
 
     /// A unit vector whose angle with the y axis has a cosine of at least `least`.

@@ -115,7 +115,8 @@ impl Number {
 
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
-    let makers: [(&str, fn(&mut Parameters) -> Vec<Form>); 8] = [
+    type Maker = fn(&mut Parameters) -> Vec<Form>;
+    let makers: [(&str, Maker); 8] = [
         ("rooms", rooms::forms),
         ("lamps", lamps::forms),
         ("bodies", bodies::forms),
