@@ -118,8 +118,8 @@ fn setting(draw: &mut Parameters) -> Form {
     let centre = draw_centre(draw, 0.9);
     let polygon = Polygon::draw(draw, centre, 0.6);
     // The horizon passes through the polygon or just below.
-    let along = centre.any_orthonormal_vector();
-    let n = (along + draw.between(0.2, 0.4) * centre.normalize()).normalize();
+    let along = centre.normalize().any_orthonormal_vector();
+    let n = (along + draw.between(0.1, 0.3) * centre.normalize()).normalize();
     let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), n, "");
     let expected = factor * irradiance(&polygon.corners, n);
     Form::new("S3 polygon near the horizon", scene, expected, LAMPS).bounces(0)
