@@ -19,7 +19,12 @@ pub const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back
 #[derive(Debug)]
 pub enum Background {
     /// The same in all directions.
-    Constant(Emission),
+    Constant {
+        /// Linear RGB as it was written: the classic format knows negative colours.
+        color: Spectrum,
+        /// The same as light.
+        emission: Emission,
+    },
     /// A picture in every direction.
     CubeMap(Box<CubeMap>),
     /// A picture of all directions.
@@ -29,11 +34,16 @@ pub enum Background {
 }
 
 impl Background {
+    /// The same linear RGB from everywhere.
+    pub fn constant(rgb: [f32; 3]) -> Background {
+        Background::Constant { color: Vec3::from(rgb).into(), emission: Emission::from_rgb(rgb) }
+    }
+
     /// Linear RGB from the direction `d`, not necessarily of unit length.
     #[inline]
     pub fn color(&self, d: Vec3) -> Spectrum {
         match self {
-            Background::Constant(emission) => Spectrum::from(Vec3::from(emission.rgb())),
+            Background::Constant { color, .. } => *color,
             Background::CubeMap(map) => map.color(d),
             Background::Environment(environment) => environment.color(d),
             Background::Sky(sky) => sky.color(d),
@@ -44,7 +54,7 @@ impl Background {
     #[inline]
     pub fn radiance(&self, d: Vec3, wavelengths: &Wavelengths) -> Spectrum {
         match self {
-            Background::Constant(emission) => emission.at(wavelengths),
+            Background::Constant { emission, .. } => emission.at(wavelengths),
             Background::Sky(sky) => sky.radiance(d, wavelengths),
             _ if wavelengths.is_spectral() => RgbBasis::new(wavelengths).emission(self.color(d).to_rgb()),
             _ => self.color(d),
@@ -54,7 +64,7 @@ impl Background {
     /// Where light comes from, to draw directions by; `None` where it comes from everywhere alike, or from nowhere.
     pub fn density(&self) -> Option<SphereDensity> {
         match self {
-            Background::Constant(_) => None,
+            Background::Constant { .. } => None,
             Background::CubeMap(map) => map.density(),
             Background::Environment(environment) => environment.density(),
             Background::Sky(sky) => sky.density(),
@@ -72,7 +82,7 @@ impl Background {
     /// Whether no light comes from anywhere.
     pub fn is_black(&self) -> bool {
         match self {
-            Background::Constant(emission) => emission.is_black(),
+            Background::Constant { emission, .. } => emission.is_black(),
             Background::CubeMap(_) => false,
             Background::Environment(environment) => environment.is_black(),
             Background::Sky(sky) => sky.is_black(),

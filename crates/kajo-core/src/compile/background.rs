@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use kajo_color::{Emission, Spectrum, srgb};
+use kajo_color::{Spectrum, srgb};
 use kajo_image::{DecodeLimits, Decoded, Format, Image};
 use kajo_scene::{Args, Diagnostic, Item, Params, read_limited};
 
@@ -15,7 +15,7 @@ use crate::medium::Fog;
 impl Compiler<'_> {
     /// Background and ambient light.
     pub(super) fn background(&mut self, item: Option<Item<'_>>) -> (Background, Spectrum) {
-        let grey = Background::Constant(Emission::from_rgb([0.5; 3]));
+        let grey = Background::constant([0.5; 3]);
         let Some(item) = item else { return (grey, Spectrum::BLACK) };
         let spectra = self.spectra();
         let (mut ambient, mut sky) = (Spectrum::BLACK, None);
@@ -41,7 +41,15 @@ impl Compiler<'_> {
             (None, None, Some((item, folder))) => self.cube_map(item, &folder).map(Background::CubeMap),
             (None, None, None) => None,
         };
-        (picture.unwrap_or_else(|| color.map_or(grey, |color| Background::Constant(color.value))), ambient)
+        (
+            picture.unwrap_or_else(|| {
+                color.map_or(grey, |color| Background::Constant {
+                    color: color.rgb.into(),
+                    emission: color.value,
+                })
+            }),
+            ambient,
+        )
     }
 
     fn sky(&mut self, item: Item<'_>) -> Option<Box<Sky>> {

@@ -121,6 +121,15 @@ fn a_flattened_object_is_invisible_and_said_to_be() {
 }
 
 #[test]
+fn a_background_keeps_the_numbers_of_the_text() {
+    // The classic format knows negative colours; as light they are none.
+    let s = scene(&format!("{CAMERA} Background {{ color 0.7 -0.3 1.5 }} Group {{}}"));
+    assert_eq!(s.background.color(kajo_math::Vec3::Y), Spectrum::rgb(0.7, -0.3, 1.5));
+    let light = s.background.radiance(kajo_math::Vec3::Y, &kajo_color::Wavelengths::RGB);
+    assert_eq!(light, Spectrum::rgb(0.7, 0.0, 1.5));
+}
+
+#[test]
 fn without_lights_the_ambient_light_is_white() {
     let dark = scene(&format!("{CAMERA} Background {{ ambientLight 0.1 0.2 0.3 }} Lights {{ numLights 0 }}"));
     assert_eq!(dark.ambient, Spectrum::WHITE);
