@@ -124,8 +124,8 @@ fn a_flattened_object_is_invisible_and_said_to_be() {
 fn a_background_keeps_the_numbers_of_the_text() {
     // The classic format knows negative colours; as light they are none.
     let s = scene(&format!("{CAMERA} Background {{ color 0.7 -0.3 1.5 }} Group {{}}"));
-    assert_eq!(s.background.color(kajo_math::Vec3::Y), Spectrum::rgb(0.7, -0.3, 1.5));
-    let light = s.background.radiance(kajo_math::Vec3::Y, &kajo_color::Wavelengths::RGB);
+    assert_eq!(s.background.color(Vec3::Y), Spectrum::rgb(0.7, -0.3, 1.5));
+    let light = s.background.radiance(Vec3::Y, &kajo_color::Wavelengths::RGB);
     assert_eq!(light, Spectrum::rgb(0.7, 0.0, 1.5));
 }
 
