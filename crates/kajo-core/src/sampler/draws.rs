@@ -67,11 +67,11 @@ impl<'a> Draws<'a> {
             return self.next_2d();
         }
         let d = self.take(2);
-        let u = Vec2::new(self.stream.uniform(d), self.stream.uniform(d + 1));
+        let uniform = || Vec2::new(self.stream.uniform(d), self.stream.uniform(d + 1));
         match self.sampler.kind {
             SamplerKind::Regular => self.sampler.in_sub_pixel(self.sample, Vec2::splat(0.5)),
-            SamplerKind::Jittered => self.sampler.in_sub_pixel(self.sample, u),
-            _ => u,
+            SamplerKind::Jittered => self.sampler.in_sub_pixel(self.sample, uniform()),
+            _ => uniform(),
         }
     }
 

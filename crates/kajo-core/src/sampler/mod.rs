@@ -135,6 +135,9 @@ impl Sampler {
     /// The point `u` of [0, 1)² carried into the sub-pixel of sample `k`.
     #[inline]
     fn in_sub_pixel(&self, k: u32, u: Vec2) -> Vec2 {
+        if k == 0 && self.side == 1 {
+            return u; // The whole pixel.
+        }
         let place = |cell: u32, u: f32| {
             let p = (cell as f32 + u) / self.side as f32;
             let end = (cell + 1) as f32 / self.side as f32;
