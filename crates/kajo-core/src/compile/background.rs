@@ -43,10 +43,7 @@ impl Compiler<'_> {
         };
         (
             picture.unwrap_or_else(|| {
-                color.map_or(grey, |color| Background::Constant {
-                    color: color.rgb.into(),
-                    emission: color.value,
-                })
+                color.map_or(grey, |color| Background::Constant { color: color.rgb, emission: color.value })
             }),
             ambient,
         )

@@ -38,8 +38,11 @@ impl Compiler<'_> {
         if self.glows.is_empty() {
             return;
         }
+        let mut unbounded = false;
         for i in 0..self.primitives.len() {
             let primitive = self.primitives[i];
+            let is_lamp = self.glows.contains_key(&primitive.material);
+            unbounded |= is_lamp && !self.shapes.bounds(primitive.shape).is_finite();
             let mut lights = Vec::new();
             let map = double(&self.transforms[primitive.transform as usize].world_from_object);
             self.shapes.patches(primitive.shape, |part, patch| {
@@ -61,6 +64,11 @@ impl Compiler<'_> {
                 let id = light.store(&mut self.lights);
                 self.light_list.extend(id);
             }
+        }
+        if unbounded {
+            let warning =
+                Diagnostic::warning("a plane without bounds gives no light, whatever its material says");
+            self.diagnostics.push(warning.help("a `Quad` or a `Disk` can be a lamp"));
         }
     }
 

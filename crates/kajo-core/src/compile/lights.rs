@@ -64,11 +64,13 @@ fn read_spot(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option
     params.name();
     let direction = params.required("direction", unit_vector);
     let outer = params.required("angle", |args| args.number_in(0.0..=360.0));
-    let inner = params.or("innerAngle", 0.75 * outer.unwrap_or(0.0), |args| args.number_in(0.0..=360.0));
+    let widest = outer.unwrap_or(0.0);
+    let inner = params.or("innerAngle", 0.75 * widest, |args| args.number_in(0.0..=360.0));
     let cos_of_half = |degrees: f32| fmath::cos(0.5 * degrees.to_radians());
-    let (cos_outer, cos_inner) = (cos_of_half(outer?), cos_of_half(inner.min(outer?)));
+    let (cos_outer, cos_inner) = (cos_of_half(widest), cos_of_half(inner.min(widest)));
     let share = 0.5 * (1.0 - 0.5 * (cos_inner + cos_outer));
     let point = read_position_and_brightness(params, spectra, share);
+    outer?;
     Some(SpotLight { point: point?, axis: direction?, cos_inner, cos_outer })
 }
 

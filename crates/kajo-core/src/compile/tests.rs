@@ -121,6 +121,19 @@ fn a_flattened_object_is_invisible_and_said_to_be() {
 }
 
 #[test]
+fn a_plane_is_no_lamp_and_a_spot_without_its_angle_is_one_mistake() {
+    let lamp = "Materials { Material m { emission 1 1 1 } } Group { MaterialIndex m";
+    let (scene, said) = compiled(&format!(
+        "{CAMERA} {lamp} Plane {{ normal 0 1 0 offset 0 }} Sphere {{ center 0 0 0 radius 1 }} }}"
+    ));
+    assert_eq!(scene.unwrap().emitters.len(), 2, "the ball and the background");
+    assert!(said.len() == 1 && said[0].1.contains("without bounds"), "{said:?}");
+    let spot = "SpotLight { position 0 1 0 direction 0 -1 0 color 1 1 1 angle 400 }";
+    let (_, said) = compiled(&format!("{CAMERA}{RED}Lights {{ {spot} }}"));
+    assert_eq!(said.iter().filter(|s| s.0 == Severity::Error).count(), 1, "{said:?}");
+}
+
+#[test]
 fn a_background_keeps_the_numbers_of_the_text() {
     // The classic format knows negative colours; as light they are none.
     let s = scene(&format!("{CAMERA} Background {{ color 0.7 -0.3 1.5 }} Group {{}}"));
