@@ -84,13 +84,7 @@ impl Bvh {
 
     /// Size, depth and memory of the tree.
     pub fn stats(&self) -> Stats {
-        Stats {
-            nodes: self.tree.nodes.len(),
-            leaves: self.leaves,
-            depth: self.tree.depth,
-            dropped: self.dropped,
-            bytes: size_of_val(&*self.tree.nodes),
-        }
+        self.tree.stats(self.leaves, self.dropped)
     }
 }
 

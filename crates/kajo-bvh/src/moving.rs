@@ -80,13 +80,7 @@ impl MovingBvh {
 
     /// Size, depth and memory of the tree.
     pub fn stats(&self) -> Stats {
-        Stats {
-            nodes: self.tree.nodes.len(),
-            leaves: self.leaves,
-            depth: self.tree.depth,
-            dropped: self.dropped,
-            bytes: size_of_val(&*self.tree.nodes),
-        }
+        self.tree.stats(self.leaves, self.dropped)
     }
 }
 

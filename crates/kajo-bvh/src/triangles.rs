@@ -113,13 +113,8 @@ impl TriangleBvh {
 
     /// Size, depth and memory of the tree.
     pub fn stats(&self) -> Stats {
-        Stats {
-            nodes: self.tree.nodes.len(),
-            leaves: self.leaves,
-            depth: self.tree.depth,
-            dropped: self.dropped,
-            bytes: size_of_val(&*self.tree.nodes) + size_of_val(&*self.groups),
-        }
+        let tree = self.tree.stats(self.leaves, self.dropped);
+        Stats { bytes: tree.bytes + size_of_val(&*self.groups), ..tree }
     }
 
     #[inline(always)]

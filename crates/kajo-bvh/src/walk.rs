@@ -2,6 +2,7 @@
 
 use kajo_math::{Aabb, Ray, Vec3};
 
+use crate::Stats;
 use crate::array::Array;
 use crate::build::MAX_LEVELS;
 use crate::node::{Child, Node, WIDTH, Wide};
@@ -66,6 +67,12 @@ impl<N: Wide> Tree<N> {
     #[inline(always)]
     pub(crate) fn reach(&self) -> Vec3 {
         self.bounds.min.abs().max(self.bounds.max.abs())
+    }
+
+    /// Size, depth and memory of a tree over so many leaves that left out so many primitives.
+    pub(crate) fn stats(&self, leaves: usize, dropped: usize) -> Stats {
+        let bytes = size_of_val(&*self.nodes);
+        Stats { nodes: self.nodes.len(), leaves, depth: self.depth, dropped, bytes }
     }
 
     /// Visits leaves whose boxes the ray meets before `t_max`, nearest box first. `leaf`

@@ -23,11 +23,17 @@ impl Scene {
     /// How light is scattered at an interaction.
     ///
     /// * `eta_outside`: index of refraction on the side of the normal
-    /// * `u`: uniform in [0, 1), chooses among the parts of a mixture
+    /// * `u`: uniform in [0, 1), chooses among the parts of a mixture; any number where it is none
     #[inline]
     pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf {
         let point = ShadingPoint { p: at.point.p, wavelengths, eta_outside, u };
         self.materials.bsdf(at.material, &self.materials, &self.textures, &point)
+    }
+
+    /// Whether [`Scene::bsdf`] chooses among parts there, so that it needs a number.
+    #[inline]
+    pub fn is_mixture(&self, at: &Interaction) -> bool {
+        self.materials.is_mixture(at.material)
     }
 
     /// What is behind a surface that lets light through.

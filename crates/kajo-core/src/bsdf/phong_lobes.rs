@@ -45,6 +45,13 @@ impl From<&Phong> for PhongLobes {
 }
 
 impl PhongLobes {
+    /// The same surface with `eta_outside` instead of a vacuum on the side of its normal.
+    #[inline]
+    pub fn within(mut self, eta_outside: f32) -> PhongLobes {
+        self.eta /= eta_outside;
+        self
+    }
+
     pub(super) fn is_delta(&self) -> bool {
         self.diffuse.is_black() && self.specular.is_black()
     }

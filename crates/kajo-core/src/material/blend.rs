@@ -45,6 +45,10 @@ impl Appearance for Blend {
         materials.bsdf(part, materials, textures, &at)
     }
 
+    fn is_mixture(&self) -> bool {
+        true
+    }
+
     fn may_transmit(&self, materials: &Materials) -> bool {
         self.materials.iter().any(|&m| materials.may_transmit(m, materials))
     }

@@ -65,6 +65,11 @@ pub trait Appearance {
     /// A mixture answers with one of its parts, drawn with its share; the mean of the answers is the mixture.
     fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf;
 
+    /// Whether [`Appearance::bsdf`] chooses among parts.
+    fn is_mixture(&self) -> bool {
+        false
+    }
+
     /// What is behind the surface, for materials that refract.
     fn interior(&self, _wavelengths: &Wavelengths) -> Option<Interior> {
         None
@@ -94,6 +99,8 @@ family! {
         fn may_transmit(materials: &Materials) -> bool;
         /// See [`Appearance::bsdf`].
         fn bsdf(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf;
+        /// See [`Appearance::is_mixture`].
+        fn is_mixture() -> bool;
         /// See [`Appearance::interior`].
         fn interior(wavelengths: &Wavelengths) -> Option<Interior>;
     }

@@ -20,6 +20,8 @@ pub struct PhongMaterial {
     pub phong: Phong,
     /// The diffuse, specular, reflective and transparent colours as reflectances.
     colors: [Reflectance; 4],
+    /// The lobes of the linear RGB colours, in a vacuum.
+    lobes: PhongLobes,
     /// Whether there is nothing but matt reflection.
     is_matt: bool,
 }
@@ -29,7 +31,7 @@ impl PhongMaterial {
     pub fn new(phong: Phong, colors: [Reflectance; 4]) -> PhongMaterial {
         let is_matt =
             [phong.specular, phong.reflective, phong.transparent].iter().all(|color| color.is_black());
-        PhongMaterial { phong, colors, is_matt }
+        PhongMaterial { phong, colors, lobes: PhongLobes::from(&phong), is_matt }
     }
 }
 
@@ -60,14 +62,13 @@ impl Appearance for PhongMaterial {
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(self.colors[0].at(at.wavelengths)));
         }
-        let mut phong = self.phong;
-        phong.eta /= at.eta_outside;
+        let mut lobes = self.lobes;
         if at.wavelengths.is_spectral() {
             let [diffuse, specular, reflective, transparent] =
                 self.colors.each_ref().map(|color| color.at(at.wavelengths));
-            phong = Phong { diffuse, specular, reflective, transparent, ..phong };
+            lobes = PhongLobes::from(&Phong { diffuse, specular, reflective, transparent, ..self.phong });
         }
-        Bsdf::Phong(PhongLobes::from(&phong))
+        Bsdf::Phong(lobes.within(at.eta_outside))
     }
 
     fn interior(&self, _wavelengths: &Wavelengths) -> Option<Interior> {

@@ -84,6 +84,10 @@ impl Appearance for LayeredMaterial {
         Some(&self.classic)
     }
 
+    fn is_mixture(&self) -> bool {
+        true
+    }
+
     fn may_transmit(&self, _materials: &Materials) -> bool {
         self.layers.metalness < 1.0 && self.layers.transmission > 0.0
     }

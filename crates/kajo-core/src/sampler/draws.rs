@@ -99,6 +99,32 @@ impl<'a> Draws<'a> {
         }
     }
 
+    /// Leaves out dimensions that nobody needs here; those after them stay what they are.
+    #[inline]
+    pub fn skip(&mut self, n: u32) {
+        self.take(n);
+    }
+
+    /// The next number where it is needed, else 0; the dimension is taken either way.
+    #[inline]
+    pub fn number_if(&mut self, needed: bool) -> f32 {
+        if needed {
+            return self.next_1d();
+        }
+        self.skip(1);
+        0.0
+    }
+
+    /// The next two numbers where they are needed, else zeros; the dimensions are taken either way.
+    #[inline]
+    pub fn pair_if(&mut self, needed: bool) -> Vec2 {
+        if needed {
+            return self.next_2d();
+        }
+        self.skip(2);
+        Vec2::ZERO
+    }
+
     /// The numbers of ray `i` of `n` into which a path splits, from a first dimension of their own on.
     ///
     /// The rays of all samples of the pixel are spread together.

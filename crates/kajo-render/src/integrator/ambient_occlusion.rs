@@ -30,7 +30,8 @@ impl<'a> AmbientOcclusion<'a> {
 impl PixelIntegrator for AmbientOcclusion<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
         let mut draws = ctx.draws;
-        let Some(ray) = self.view.ray(raster, &mut draws).0 else { return PixelSample::default() };
+        let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
+        draws.skip(1); // There are no wavelengths.
         ctx.rays.camera += 1;
         let Event::Surface(at) = self.view.scene.trace(&ray) else {
             return PixelSample { radiance: [1.0; 3], first: None };

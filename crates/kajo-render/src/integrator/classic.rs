@@ -23,7 +23,8 @@ use kajo_core::{ItemBuffer, RayOffset, light::Illumination};
 use kajo_math::{Ray, Vec2, Vec3};
 
 use super::shadow;
-use crate::{FirstHit, Layer, LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext};
+use super::view::View;
+use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext};
 
 /// The most mirror and refracted rays in a row that may be asked for.
 pub const MAX_BOUNCES: u32 = 1000;
@@ -57,9 +58,7 @@ pub struct ClassicSettings {
 pub struct Classic<'a> {
     scene: &'a Scene,
     settings: ClassicSettings,
-    size: [u32; 2],
-    /// What of the first hit is wanted.
-    layers: LayerSet,
+    view: View<'a>,
     /// What camera rays may meet.
     camera_items: Option<ItemBuffer>,
     /// What may be in front of each light of the scene's list; for lights beyond its end it is not known.
@@ -97,21 +96,8 @@ impl<'a> Classic<'a> {
         };
         let light_items =
             lights.iter().take(LIGHTS_WITH_ITEMS).map(|&id| items(scene.lights.apex(id))).collect();
-        Classic { scene, settings, size, layers, camera_items, light_items }
-    }
-
-    /// The camera ray through a place of the picture, in pixels from its top left corner.
-    ///
-    /// * `lens`: uniform in [0, 1)²
-    pub fn camera_ray(&self, raster: Vec2, lens: Vec2) -> Option<Ray> {
-        let [w, h] = self.size.map(|n| n as f32);
-        let at = if self.scene.rules.corner_samples {
-            let across = |x: f32, n: f32| if n > 1.0 { 2.0 * (x - 0.5) / (n - 1.0) - 1.0 } else { 0.0 };
-            Vec2::new(across(raster.x, w), -across(raster.y, h))
-        } else {
-            Vec2::new(2.0 * raster.x / w - 1.0, 1.0 - 2.0 * raster.y / h)
-        };
-        self.scene.camera.ray(at, w / h, lens)
+        let view = View::new(scene, size, layers);
+        Classic { scene, settings, view, camera_items, light_items }
     }
 
     /// Light along a ray.
@@ -280,18 +266,9 @@ impl<'a> Classic<'a> {
         (phong.diffuse + phong.reflective + phong.transparent).to_rgb().map(|v| v.min(1.0))
     }
 
-    /// What the layers of the picture want to know of where a camera ray ends.
-    fn first_hit(&self, end: &Event) -> Option<FirstHit> {
-        let Event::Surface(at) = end else { return None };
-        let material =
-            if self.layers.has(Layer::MaterialId) { self.scene.material_number(at.material) } else { 0 };
-        let uv = if self.layers.has(Layer::Uv) { self.scene.uv(at) } else { Vec2::ZERO };
-        Some(FirstHit { t: at.hit.t, n: at.point.n, uv, object: at.primitive + 1, material })
-    }
-
     /// The test picture: red grows to the right, green downward; the values of pixel centres.
     fn uv_picture(&self, pixel: [u32; 2]) -> Spectrum {
-        let center = |axis: usize| (pixel[axis] as f32 + 0.5) / self.size[axis] as f32;
+        let center = |axis: usize| (pixel[axis] as f32 + 0.5) / self.view.size[axis] as f32;
         Spectrum::rgb(center(0), center(1), 1.0)
     }
 }
@@ -323,15 +300,16 @@ impl Crossing {
 
 impl PixelIntegrator for Classic<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let lens = if self.scene.camera.has_lens() { ctx.draws.next_2d() } else { Vec2::ZERO };
-        let Some(ray) = self.camera_ray(raster, lens) else { return PixelSample::default() };
+        let Some(ray) = self.view.ray(raster, &mut ctx.draws) else { return PixelSample::default() };
         ctx.rays.camera += 1;
         let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
         let end = self.scene.trace_from(self.camera_items.as_ref(), &ray);
-        let first = self.first_hit(&end);
-        if self.layers.has(Layer::Albedo)
-            && let Event::Surface(at) = &end
-        {
+        let met = match &end {
+            Event::Surface(at) => Some(at),
+            Event::Escaped => None,
+        };
+        let first = met.map(|at| self.view.first_hit(at));
+        if let Some(at) = met.filter(|_| self.view.wants_albedo()) {
             ctx.aux.albedo = self.albedo(at);
         }
         let light = self.li_from(ray, end, path, &mut ctx.rays);

@@ -78,8 +78,8 @@ impl<'a> Path<'a> {
 impl PixelIntegrator for Path<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
         let mut draws = ctx.draws;
-        let (ray, u) = self.view.ray(raster, &mut draws);
-        let Some(ray) = ray else { return PixelSample::default() };
+        let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
+        let u = draws.number_if(self.settings.spectral);
         let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
         ctx.rays.camera += 1;
         let mut walk = Walk::new(&self.view, &self.settings, ray, wavelengths, draws);

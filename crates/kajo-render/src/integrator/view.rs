@@ -10,7 +10,8 @@ use crate::{FirstHit, Layer, LayerSet};
 /// A scene as its camera sees it in a picture of some size.
 pub(super) struct View<'a> {
     pub scene: &'a Scene,
-    size: [u32; 2],
+    /// Columns and rows of the picture.
+    pub size: [u32; 2],
     layers: LayerSet,
 }
 
@@ -19,10 +20,13 @@ impl<'a> View<'a> {
         View { scene, size, layers }
     }
 
-    /// The camera ray through a place of the picture, in pixels from its top left corner, and the uniform number
-    /// that chooses its wavelengths; no ray where the camera shows nothing.
-    pub fn ray(&self, raster: Vec2, draws: &mut Draws<'_>) -> (Option<Ray>, f32) {
-        let (lens, _time, wavelength) = (draws.next_2d(), draws.next_1d(), draws.next_1d());
+    /// The camera ray through a place of the picture, in pixels from its top left corner; none where the camera
+    /// shows nothing.
+    ///
+    /// Takes the dimensions of the lens and the time.
+    pub fn ray(&self, raster: Vec2, draws: &mut Draws<'_>) -> Option<Ray> {
+        let lens = draws.pair_if(self.scene.camera.has_lens());
+        draws.skip(1);
         let [w, h] = self.size.map(|n| n as f32);
         let at = if self.scene.rules.corner_samples {
             let across = |x: f32, n: f32| if n > 1.0 { 2.0 * (x - 0.5) / (n - 1.0) - 1.0 } else { 0.0 };
@@ -30,7 +34,7 @@ impl<'a> View<'a> {
         } else {
             Vec2::new(2.0 * raster.x / w - 1.0, 1.0 - 2.0 * raster.y / h)
         };
-        (self.scene.camera.ray(at, w / h, lens), wavelength)
+        self.scene.camera.ray(at, w / h, lens)
     }
 
     /// Whether the layers record albedos.

@@ -177,7 +177,8 @@ impl<'a, 'b> Walk<'a, 'b> {
             self.end_secondary_wavelengths();
         }
         let eta_outside = boundary.map_or(1.0, |boundary| boundary.eta_outside);
-        let bsdf = self.scene().bsdf(at, &self.wavelengths, eta_outside, self.draws.next_1d());
+        let u = self.draws.number_if(self.scene().is_mixture(at));
+        let bsdf = self.scene().bsdf(at, &self.wavelengths, eta_outside, u);
         let local = Local::new(at, self.ray.d);
         if self.albedo.is_none() && self.view.wants_albedo() && !bsdf.is_delta() {
             self.albedo = Some(bsdf.albedo(local.wo));
@@ -289,7 +290,8 @@ impl<'a, 'b> Walk<'a, 'b> {
 
     /// Adds the light of one lamp, drawn for this surface.
     fn add_lamp(&mut self, at: &Interaction, bsdf: &Bsdf, local: &Local) {
-        let (u, place) = (self.draws.next_1d(), self.draws.next_2d());
+        let u = self.draws.number_if(self.scene().emitters.len() > 1);
+        let place = self.draws.next_2d();
         let settings = &self.settings;
         let receiver = Receiver { p: at.point.p, n: local.frame.n };
         let drawn = self.scene().light_towards(&receiver, u, place, &self.wavelengths, settings.light_choice);
