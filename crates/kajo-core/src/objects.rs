@@ -1,4 +1,4 @@
-//! What the user wrote to make each object: eight bytes an object, for there may be millions.
+//! What the user wrote to make each object, and where: sixteen bytes an object, for there may be millions.
 
 use std::sync::Arc;
 
@@ -6,6 +6,8 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Label {
     name: u32,
+    /// The item that describes it, see [`Object::described_by`].
+    item: u32,
     keyword: u8,
 }
 
@@ -19,19 +21,26 @@ pub struct Object<'a> {
     pub name: Option<&'a str>,
     /// The word that made it, such as `Sphere`.
     pub keyword: &'static str,
+    /// Number of the item that describes it among [`kajo_scene::SceneDesc::items`]: a shape, or a model.
+    pub described_by: u32,
+    /// Number of the item that puts it into the scene: the shape itself, or the outermost instance.
+    pub placed_by: u32,
 }
 
 /// The user's words for each primitive.
 #[derive(Debug, Default)]
 pub struct Objects {
     labels: Vec<Label>,
+    placed_by: Vec<u32>,
     names: Vec<Arc<str>>,
     keywords: Vec<&'static str>,
 }
 
 impl Objects {
     /// Keeps an object's words. Objects of the same definition share them.
-    pub(crate) fn label(&mut self, name: Option<Arc<str>>, keyword: &'static str) -> Label {
+    ///
+    /// * `item`: number of the item that describes it
+    pub(crate) fn label(&mut self, name: Option<Arc<str>>, keyword: &'static str, item: u32) -> Label {
         let known = self.keywords.iter().position(|&k| k == keyword);
         let number = known.unwrap_or_else(|| {
             self.keywords.push(keyword);
@@ -41,11 +50,13 @@ impl Objects {
             self.names.push(name);
             self.names.len() as u32 - 1
         });
-        Label { name, keyword: number as u8 }
+        Label { name, item, keyword: number as u8 }
     }
 
-    pub(crate) fn push(&mut self, label: Label) {
+    /// Adds an object that the item with the number `placed_by` puts into the scene.
+    pub(crate) fn push(&mut self, label: Label, placed_by: u32) {
         self.labels.push(label);
+        self.placed_by.push(placed_by);
     }
 
     /// How many there are.
@@ -56,7 +67,7 @@ impl Objects {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let names: usize = self.names.iter().map(|name| name.len() + size_of_val(name)).sum();
-        size_of_val(&*self.labels) + names
+        size_of_val(&*self.labels) + size_of_val(&*self.placed_by) + names
     }
 
     /// Whether there is none.
@@ -66,9 +77,11 @@ impl Objects {
 
     /// The words of all primitives, in their order.
     pub fn iter(&self) -> impl Iterator<Item = Object<'_>> {
-        self.labels.iter().map(|label| Object {
+        self.labels.iter().zip(&self.placed_by).map(|(label, &placed_by)| Object {
             name: self.names.get(label.name as usize).map(|name| &**name),
             keyword: self.keywords[usize::from(label.keyword)],
+            described_by: label.item,
+            placed_by,
         })
     }
 }

@@ -50,6 +50,11 @@ impl SceneDesc {
         (0..self.nodes.len() as u32).map(|index| Item { desc: self, index })
     }
 
+    /// The item with this number in the order of [`SceneDesc::items`].
+    pub fn item(&self, index: u32) -> Option<Item<'_>> {
+        (index < self.nodes.len() as u32).then_some(Item { desc: self, index })
+    }
+
     /// The number of items, at all depths.
     pub fn len(&self) -> usize {
         self.nodes.len()
@@ -126,6 +131,11 @@ impl<'a> Item<'a> {
     pub fn is_bare(&self) -> bool {
         let node = self.node();
         !node.has_block && node.word.1 == 0 && node.numbers.0 == node.numbers.1
+    }
+
+    /// Its number in the order of [`SceneDesc::items`]; items of its block have the next ones.
+    pub fn index(&self) -> u32 {
+        self.index
     }
 
     /// Whether braces follow the values.

@@ -92,14 +92,14 @@ impl Compiler<'_> {
         let mut latest: Option<(DAffine3, Place)> = None;
         for part in parts {
             if part.map == DAffine3::IDENTITY {
-                self.put(part, item.keyword(), item.keyword_span(), place, walk);
+                self.put(part, item, place, walk);
                 continue;
             }
             if latest.as_ref().is_none_or(|(map, _)| *map != part.map) {
                 latest = Some((part.map, place.around(&part.map)));
             }
             if let Some((_, there)) = &mut latest {
-                self.put(part, item.keyword(), item.keyword_span(), there, walk);
+                self.put(part, item, there, walk);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! `Group` and `Transform` blocks and the objects in them.
 
 use kajo_math::{DAffine3, Transform, Vec2};
-use kajo_scene::{Args, Diagnostic, Item, Params, Span, not_supported_yet, unknown_word};
+use kajo_scene::{Args, Diagnostic, Item, Params, not_supported_yet, unknown_word};
 
 use super::definition::Part;
 use super::materials::Reference;
@@ -200,23 +200,23 @@ impl Compiler<'_> {
         let name = item.word().map(|word| word.text().into());
         let brings_materials = keyword == "TriangleMesh" && self.slots_transmit;
         let Some(shape) = shape else {
-            self.material_for(item.keyword(), item.keyword_span(), walk);
+            self.material_for(item, walk);
             return;
         };
         let part = Part {
             shape,
             map: DAffine3::IDENTITY,
             material: None,
-            label: self.objects.label(name, keyword),
+            label: self.objects.label(name, keyword, item.index()),
             brings_materials,
         };
-        self.put(&part, item.keyword(), item.keyword_span(), baked.as_mut().unwrap_or(place), walk);
+        self.put(&part, item, baked.as_mut().unwrap_or(place), walk);
     }
 
     /// Makes `part` an object at `place`: of the definition that is being read, else of the scene.
     ///
-    /// * `keyword`, `at`: what puts it there
-    pub(super) fn put(&mut self, part: &Part, keyword: &str, at: Span, place: &mut Place, walk: &mut Walk) {
+    /// * `by`: what puts it there
+    pub(super) fn put(&mut self, part: &Part, by: Item<'_>, place: &mut Place, walk: &mut Walk) {
         if let Some(parts) = &mut walk.parts {
             if !place.is_flat() {
                 let material = part.material.or(walk.material);
@@ -224,20 +224,21 @@ impl Compiler<'_> {
             }
             return;
         }
-        let material = part.material.or_else(|| self.material_for(keyword, at, walk));
+        let material = part.material.or_else(|| self.material_for(by, walk));
         let (Some(material), Some(transform)) = (material, self.transform_number(place)) else { return };
         let transmits = part.brings_materials || self.materials.may_transmit(material, &self.materials);
         self.primitives.push(Primitive { shape: part.shape, transform, material, transmits, glows: false });
-        self.objects.push(part.label);
+        self.objects.push(part.label, by.index());
     }
 
     /// The material in force; its absence is reported.
-    fn material_for(&mut self, keyword: &str, at: Span, walk: &Walk) -> Option<MaterialId> {
+    fn material_for(&mut self, item: Item<'_>, walk: &Walk) -> Option<MaterialId> {
         let materials_failed = self.diagnostics.has_errors() && self.material_list.is_empty();
         if walk.material.is_none() && walk.parts.is_none() && !walk.material_failed && !materials_failed {
-            let error = Diagnostic::error(format!("`{keyword}` has no material"));
+            let error = Diagnostic::error(format!("`{}` has no material", item.keyword()));
             let help = "write `MaterialIndex 0`, or the name of a material, before it";
-            self.diagnostics.push(error.label(at, "no `MaterialIndex` before this").help(help));
+            let error = error.label(item.keyword_span(), "no `MaterialIndex` before this");
+            self.diagnostics.push(error.help(help));
         }
         walk.material
     }

@@ -19,6 +19,8 @@ mod settings;
 mod spectra;
 mod transform;
 
+pub use self::transform::{OPERATIONS, operations_matrix};
+
 use std::collections::HashMap;
 use std::sync::Arc;
 

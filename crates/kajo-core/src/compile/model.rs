@@ -97,15 +97,20 @@ impl Compiler<'_> {
             }
             meshes.push(stored);
         }
-        let parts: Definition = self.model_parts(&model.instances, &meshes).into();
+        let parts: Definition = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();
         Some(parts)
     }
 
-    fn model_parts(&mut self, instances: &[ModelInstance], meshes: &[Vec<Stored>]) -> Vec<Part> {
+    fn model_parts(
+        &mut self,
+        instances: &[ModelInstance],
+        meshes: &[Vec<Stored>],
+        item: Item<'_>,
+    ) -> Vec<Part> {
         let mut parts = Vec::new();
         for instance in instances {
-            let label = self.objects.label(instance.name.clone(), "Model");
+            let label = self.objects.label(instance.name.clone(), "Model", item.index());
             let map = instance.model_from_mesh;
             parts.extend(meshes[instance.mesh].iter().map(|&(shape, material)| Part {
                 shape,

@@ -473,7 +473,12 @@ fn definitions_nest_and_take_the_material_in_force() {
     assert_eq!((s.primitives.len(), s.shapes.spheres.len()), (10, 1));
     let numbers: Vec<u32> = s.primitives.iter().map(|p| s.material_number(p.material)).collect();
     assert_eq!(numbers, [2, 1, 2, 1, 2, 2, 1, 2, 1, 1], "a definition's own first, then the instance's");
-    assert!(s.objects.iter().all(|o| o == crate::Object { name: Some("pearl"), keyword: "Sphere" }));
+    assert!(s.objects.iter().all(|o| o.name == Some("pearl") && o.keyword == "Sphere"));
+    let all: Vec<_> = s.objects.iter().collect();
+    assert!(all.iter().all(|o| o.described_by == all[0].described_by), "one text for all of them");
+    let first = all[0].placed_by;
+    assert!(all[..5].iter().all(|o| o.placed_by == first), "the outermost instance");
+    assert!(all[5..].iter().all(|o| o.placed_by == first + 2), "the other, past `MaterialIndex red`");
     assert_eq!(look(&s, 1.0, 1.0).unwrap().2, [1.0, 0.0, 0.0]);
 }
 

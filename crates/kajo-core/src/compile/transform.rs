@@ -6,8 +6,8 @@
 use kajo_math::{Affine3A, DAffine3, DMat3, DVec3, fmath};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
-/// Words for operations.
-pub(super) const OPERATIONS: [&str; 9] =
+/// Words for operations of a `Transform`.
+pub const OPERATIONS: [&str; 9] =
     ["Matrix", "Matrix4f", "Rotate", "Scale", "Translate", "UniformScale", "XRotate", "YRotate", "ZRotate"];
 
 /// `m` after one operation; a faulty one is reported and changes nothing.
@@ -31,6 +31,16 @@ pub(super) fn apply(m: DAffine3, item: Item<'_>, by_rows: bool, diagnostics: &mu
         "ZRotate" => m * read(|args| args.number().map(|deg| rotation([0.0, 0.0, 1.0, deg]))),
         _ => m,
     }
+}
+
+/// The product of those items of a block that are operations; faulty ones are left out.
+///
+/// * `by_rows`: see [`crate::settings::Rules::matrix_by_rows`]
+pub fn operations_matrix<'a>(items: impl Iterator<Item = Item<'a>>, by_rows: bool) -> DAffine3 {
+    let mut unheard = Diagnostics::new();
+    items
+        .filter(|item| OPERATIONS.contains(&item.keyword()))
+        .fold(DAffine3::IDENTITY, |m, item| apply(m, item, by_rows, &mut unheard))
 }
 
 /// The matrix of a `Transform` that holds operations only.
