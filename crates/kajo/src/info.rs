@@ -79,7 +79,7 @@ impl SceneInfo {
     }
 }
 
-fn camera_keyword(camera: &Camera) -> &'static str {
+pub(crate) fn camera_keyword(camera: &Camera) -> &'static str {
     match camera {
         Camera::Orthographic(_) => "OrthographicCamera",
         Camera::Perspective(_) => "PerspectiveCamera",

@@ -28,6 +28,7 @@
 
 mod assets;
 pub mod bench;
+mod camera_pose;
 mod checkpoint;
 pub mod compare;
 mod denoise;
@@ -38,11 +39,13 @@ pub mod memory;
 pub mod output;
 mod render;
 pub mod selftest;
+pub mod session;
 mod settings;
 mod tev;
 mod view;
 
 pub use assets::{FsAssets, LoadProgress};
+pub use camera_pose::CameraPose;
 pub use checkpoint::{CheckpointError, SceneDigest};
 pub use denoise::{DENOISE_OUTPUTS, DenoiseError, Denoiser};
 pub use development::Development;
@@ -64,6 +67,7 @@ pub use kajo_core::settings::{
     Dialect, Directions, FilterChoice, IntegratorKind, Settings, ShadowAttenuation, Shadows, Technique,
 };
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode};
+pub use kajo_math;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::{Goal, Progress, RayCounters, RenderStats, Silent};
 pub use kajo_scene::{Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, nearest};

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use kajo_core::camera::Camera;
 use kajo_core::sampler::SamplerKind;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorKind, Shadows};
@@ -118,10 +119,10 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Result<Picture, RenderError> {
     let layers = layers(outputs, settings);
-    let spec = FilmSpec { one_pass: true, ..film_spec(scene, settings, layers) };
+    let spec = FilmSpec { one_pass: true, ..film_spec(&scene.camera, settings, layers) };
     check_memory(&spec, resources)?;
     let film = Film::new(spec, u64::MAX).map_err(RenderError::Film)?;
-    let integrator = integrator(scene, settings, layers);
+    let integrator = integrator(scene, &scene.camera, settings, layers);
     let schedule = schedule(settings, resources);
     let result = kajo_render::render(&*integrator, &film, &schedule, progress);
     ended(result, |stats| Picture::new(film, settings, None, stats))
@@ -147,14 +148,14 @@ pub fn render_passes(
     look: &mut dyn FnMut(Snapshot<'_>) -> ControlFlow<()>,
 ) -> Result<Picture, RenderError> {
     let goal = &passes.goal;
-    if let (true, Some(name)) = (goal.adaptive, fixed_pattern(settings)) {
+    if let (true, Some(name)) = (goal.adaptive, fixed_pattern(settings.samples.0)) {
         return Err(RenderError::NotAdaptive(name));
     }
     let mut layers = layers(outputs, settings);
     if goal.adaptive || goal.noise.is_some() {
         layers = layers.with(Layer::Variance);
     }
-    let spec = FilmSpec { halves: goal.adaptive, ..film_spec(scene, settings, layers) };
+    let spec = FilmSpec { halves: goal.adaptive, ..film_spec(&scene.camera, settings, layers) };
     check_memory(&spec, resources)?;
     let identity = Identity::new(passes.scene, scene, settings, &spec, goal);
     let schedule = schedule(settings, resources);
@@ -164,7 +165,7 @@ pub fn render_passes(
         }
         None => (Film::new(spec, u64::MAX).map_err(RenderError::Film)?, Position::default()),
     };
-    let integrator = integrator(scene, settings, layers);
+    let integrator = integrator(scene, &scene.camera, settings, layers);
     let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
         look(Snapshot { film, settings, position, identity: &identity, stats })
     };
@@ -185,7 +186,7 @@ fn ended(
     }
 }
 
-fn schedule(settings: &RenderSettings, resources: &Resources) -> kajo_render::RenderSettings {
+pub(crate) fn schedule(settings: &RenderSettings, resources: &Resources) -> kajo_render::RenderSettings {
     kajo_render::RenderSettings {
         sampler: settings.sampler(),
         seed: settings.seed,
@@ -194,26 +195,30 @@ fn schedule(settings: &RenderSettings, resources: &Resources) -> kajo_render::Re
     }
 }
 
-fn integrator<'a>(
+/// The integrator that the settings ask for, through the scene's own camera or another.
+pub(crate) fn integrator<'a>(
     scene: &'a Scene,
+    camera: &'a Camera,
     settings: &RenderSettings,
     layers: LayerSet,
 ) -> Box<dyn PixelIntegrator + 'a> {
     let size = settings.size;
     match settings.integrator {
         IntegratorKind::Classic => {
-            Box::new(Classic::new(scene, light_settings(settings, layers), size, layers))
+            Box::new(Classic::through(camera, scene, light_settings(settings, layers), size, layers))
         }
         IntegratorKind::Path | IntegratorKind::Direct | IntegratorKind::Distribution => {
-            Box::new(Path::new(scene, settings.path, size, layers))
+            Box::new(Path::new(scene, settings.path, size, layers).through(camera))
         }
-        IntegratorKind::Occlusion => Box::new(AmbientOcclusion::new(scene, settings.reach, size, layers)),
+        IntegratorKind::Occlusion => {
+            Box::new(AmbientOcclusion::new(scene, settings.reach, size, layers).through(camera))
+        }
     }
 }
 
 /// The name of the pattern of samples, if it needs a fixed number of them.
-fn fixed_pattern(settings: &RenderSettings) -> Option<&'static str> {
-    match settings.samples.0 {
+pub(crate) fn fixed_pattern(kind: SamplerKind) -> Option<&'static str> {
+    match kind {
         SamplerKind::Regular => Some("regular"),
         SamplerKind::Jittered => Some("jittered"),
         SamplerKind::Poisson => Some("poisson"),
@@ -332,9 +337,9 @@ fn layers(outputs: &[(View, Format)], settings: &RenderSettings) -> LayerSet {
     LayerSet::of(&layers)
 }
 
-fn film_spec(scene: &Scene, settings: &RenderSettings, layers: LayerSet) -> FilmSpec {
+pub(crate) fn film_spec(camera: &Camera, settings: &RenderSettings, layers: LayerSet) -> FilmSpec {
     let [width, height] = settings.size;
-    let cell = match scene.camera.cells() {
+    let cell = match camera.cells() {
         [1, 1] => None,
         [columns, rows] => Some([width.div_ceil(columns), height.div_ceil(rows)]),
     };
@@ -357,7 +362,7 @@ fn light_settings(settings: &RenderSettings, layers: LayerSet) -> ClassicSetting
 }
 
 /// Makes sure that the film and the largest of its pictures, while it is encoded, fit.
-fn check_memory(spec: &FilmSpec, resources: &Resources) -> Result<(), RenderError> {
+pub(crate) fn check_memory(spec: &FilmSpec, resources: &Resources) -> Result<(), RenderError> {
     /// Three floats, and up to four channels of two bytes each before and after compression.
     const BYTES_TO_ENCODE_A_PIXEL: u128 = 3 * 4 + 2 * 8;
     let FilmSpec { width, height, .. } = *spec;

@@ -131,12 +131,8 @@ pub(crate) fn encode(
     let [view] = views else {
         return Err(ImageError::Parameter(format!("a {format} file shows one thing, not {}", views.len())));
     };
-    let rounding = match settings.maps {
-        MapRules::Inverted => Rounding::Nearest,
-        MapRules::Direct => Rounding::Truncate,
-    };
-    let quantiser = Quantiser { rounding, ..Quantiser::default() };
-    let options = EncodeOptions { depth, quantiser, opaque_alpha: settings.opaque_alpha, text };
+    let options =
+        EncodeOptions { depth, quantiser: quantiser(settings), opaque_alpha: settings.opaque_alpha, text };
     let image = match view {
         View::Color => look.color(film, format)?,
         _ => picture(film, *view, format, settings)?,
@@ -144,8 +140,22 @@ pub(crate) fn encode(
     kajo_image::encode(&image, format, &options)
 }
 
+/// How values become whole numbers.
+pub(crate) fn quantiser(settings: &RenderSettings) -> Quantiser {
+    let rounding = match settings.maps {
+        MapRules::Inverted => Rounding::Nearest,
+        MapRules::Direct => Rounding::Truncate,
+    };
+    Quantiser { rounding, ..Quantiser::default() }
+}
+
 /// The view as a picture of one or three channels.
-fn picture(film: &Film, view: View, format: Format, settings: &RenderSettings) -> Result<Image, ImageError> {
+pub(crate) fn picture(
+    film: &Film,
+    view: View,
+    format: Format,
+    settings: &RenderSettings,
+) -> Result<Image, ImageError> {
     let layer = view.layer(format, settings);
     let image = develop(film, layer)?;
     match view {

@@ -10,6 +10,8 @@ mod lens;
 mod orthographic;
 mod panorama;
 mod perspective;
+mod project;
+mod raster;
 mod stereo_cubemap;
 
 pub use aperture::Aperture;
@@ -20,6 +22,7 @@ pub use lens::ThinLens;
 pub use orthographic::OrthographicCamera;
 pub use panorama::{EyePair, PanoramaCamera};
 pub use perspective::PerspectiveCamera;
+pub use raster::Raster;
 pub use stereo_cubemap::{Stereo, StereoCubemapCamera};
 
 use kajo_math::{Ray, Vec2, Vec3};

@@ -31,6 +31,16 @@ impl PerspectiveCamera {
         &self.frame
     }
 
+    /// The same camera with another position and other axes.
+    pub fn with_frame(self, frame: Frame) -> PerspectiveCamera {
+        PerspectiveCamera { frame, ..self }
+    }
+
+    /// Distance of the picture plane at which the picture is two units high: `1 / tan(angle / 2)`.
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
     /// The lens, if there is one.
     pub fn lens(&self) -> Option<&ThinLens> {
         self.lens.as_ref()

@@ -14,6 +14,37 @@ fn random_frame(i: u32) -> Frame {
     Frame::new(5.0 * v(0), v(3), v(6))
 }
 
+/// A camera of each kind and of each projection, without lenses and with.
+pub(super) fn every_camera() -> Vec<Camera> {
+    let frame = random_frame(7);
+    let lens = ThinLens { aperture: Aperture::Round, radius: 0.2, focus: 4.0 };
+    let mut cameras = vec![
+        Camera::Perspective(PerspectiveCamera::new(frame, 0.9)),
+        Camera::Orthographic(OrthographicCamera { frame, size: 3.0, lens: None }),
+        Camera::Perspective(PerspectiveCamera::new(frame, 0.4)).with_lens(Some(lens.clone())),
+        Camera::Orthographic(OrthographicCamera { frame, size: 7.0, lens: Some(lens) }),
+        Camera::Perspective(PerspectiveCamera::new(frame.with_raw_up(frame.up + 0.3 * frame.right), 0.9)),
+        Camera::Panorama(PanoramaCamera { frame, eyes: None }),
+        Camera::Panorama(PanoramaCamera { frame, eyes: Some(EyePair { separation: 0.1 }) }),
+        Camera::StereoCubemap(StereoCubemapCamera {
+            frame,
+            eyes: EyePair { separation: 0.1 },
+            stereo: Stereo::Twin,
+        }),
+    ];
+    for (projection, angle) in [
+        (FisheyeProjection::Equidistant, 5.0),
+        (FisheyeProjection::Equisolid, 4.0),
+        (FisheyeProjection::Stereographic, 3.5),
+        (FisheyeProjection::Orthographic, 3.0),
+    ] {
+        for to_corners in [false, true] {
+            cameras.push(Camera::Fisheye(FisheyeCamera { frame, angle, projection, to_corners }));
+        }
+    }
+    cameras
+}
+
 #[test]
 fn orthographic_corners_are_where_the_handout_puts_them() {
     for i in 0..100 {

@@ -200,25 +200,31 @@ impl Film {
         let background = if layer == Layer::Depth { f32::INFINITY } else { 0.0 };
         let mut data = self.plane(layer, n, background)?;
         let width = self.spec.width as usize;
-        let samples_per_pixel = self.samples() as f64 / self.spec.rect().area() as f64;
         let mut areas = None;
         self.for_each_block(|rect, block| {
-            let splats = block.splats.as_ref().filter(|_| layer == Layer::Color);
             for y in rect.y0..rect.y1 {
                 let start = (y as usize * width + rect.x0 as usize) * n;
                 let row = &mut data[start..start + rect.width() as usize * n];
-                match &block.camera {
-                    Camera::Empty => {}
-                    Camera::Open(sums) => sums.row(&self.spec, layer, rect.index(rect.x0, y), row),
-                    Camera::Finished(pixels) => pixels.row(&self.spec, layer, rect.index(rect.x0, y), row),
-                }
-                if let Some(splats) = splats {
-                    let areas = areas.get_or_insert_with(|| Areas::new(&self.spec));
-                    splats.add_to_row(areas, samples_per_pixel, y, row);
-                }
+                self.block_row(block, rect, layer, y, &mut areas, row);
             }
         });
         Image::from_data(self.spec.width, self.spec.height, n, data).ok()
+    }
+
+    /// The value of a layer at one pixel, with zeros for channels that it does not have; `None` outside of the
+    /// picture or when the film does not have the layer.
+    pub fn value(&self, layer: Layer, x: u32, y: u32) -> Option<[f32; 3]> {
+        if !self.spec.layers.has(layer) || x >= self.spec.width || y >= self.spec.height {
+            return None;
+        }
+        let n = layer.channels();
+        let (column, row) = (x / BLOCK, y / BLOCK);
+        let rect = self.grid.cell(column, row);
+        let mut values = [if layer == Layer::Depth { f32::INFINITY } else { 0.0 }; BLOCK as usize * 3];
+        let values = &mut values[..rect.width() as usize * n];
+        self.block_row(&self.block(column, row), rect, layer, y, &mut None, values);
+        let first = (x - rect.x0) as usize * n;
+        Some([0, 1, 2].map(|c| if c < n { values[first + c] } else { 0.0 }))
     }
 
     /// The numbers of [`Layer::ObjectId`] or [`Layer::MaterialId`], row by row from the top; 0 where there is
@@ -242,6 +248,28 @@ impl Film {
             }
         });
         Some(ids)
+    }
+
+    /// Develops the row `y` of a block that covers `rect`. What no sample reached stays as it is.
+    fn block_row(
+        &self,
+        block: &Block,
+        rect: Rect,
+        layer: Layer,
+        y: u32,
+        areas: &mut Option<Areas>,
+        row: &mut [f32],
+    ) {
+        match &block.camera {
+            Camera::Empty => {}
+            Camera::Open(sums) => sums.row(&self.spec, layer, rect.index(rect.x0, y), row),
+            Camera::Finished(pixels) => pixels.row(&self.spec, layer, rect.index(rect.x0, y), row),
+        }
+        if let Some(splats) = block.splats.as_ref().filter(|_| layer == Layer::Color) {
+            let samples_per_pixel = self.samples() as f64 / self.spec.rect().area() as f64;
+            let areas = areas.get_or_insert_with(|| Areas::new(&self.spec));
+            splats.add_to_row(areas, samples_per_pixel, y, row);
+        }
     }
 
     /// A plane of `n` numbers per pixel, if the film has the layer and the system the memory.

@@ -8,6 +8,7 @@
 //! cosine, so that the estimate is the mean of `V` [Zhukov et al. 1998].
 
 use kajo_core::RayOffset;
+use kajo_core::camera::Camera;
 use kajo_core::scene::{Event, Scene};
 use kajo_math::{Frame, Vec2, warp};
 
@@ -24,6 +25,11 @@ impl<'a> AmbientOcclusion<'a> {
     /// * `reach`: distance beyond which nothing hides the light; may be infinite
     pub fn new(scene: &'a Scene, reach: f32, size: [u32; 2], layers: LayerSet) -> AmbientOcclusion<'a> {
         AmbientOcclusion { view: View::new(scene, size, layers), reach }
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(self, camera: &'a Camera) -> AmbientOcclusion<'a> {
+        AmbientOcclusion { view: self.view.through(camera), ..self }
     }
 }
 

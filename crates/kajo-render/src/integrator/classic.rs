@@ -17,6 +17,7 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::{Highlight, Phong, fresnel};
+use kajo_core::camera::Camera;
 use kajo_core::scene::{Event, Interaction, Scene};
 use kajo_core::settings::{ShadowAttenuation, Shadows};
 use kajo_core::{ItemBuffer, RayOffset, light::Illumination};
@@ -86,17 +87,28 @@ struct Path {
 impl<'a> Classic<'a> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub fn new(scene: &'a Scene, settings: ClassicSettings, size: [u32; 2], layers: LayerSet) -> Classic<'a> {
+        Classic::through(&scene.camera, scene, settings, size, layers)
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: ClassicSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Classic<'a> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let pays = pixels >= PIXELS_PER_PRIMITIVE * scene.primitives.len() as u64;
         let items = |apex: Option<Vec3>| apex.filter(|_| pays).and_then(|apex| scene.item_buffer(apex));
-        let camera_items = items(scene.camera.apex());
+        let camera_items = items(camera.apex());
         let lights = match settings.shadows {
             Shadows::Off => &[],
             Shadows::Opaque | Shadows::Transparent => scene.light_list.as_slice(),
         };
         let light_items =
             lights.iter().take(LIGHTS_WITH_ITEMS).map(|&id| items(scene.lights.apex(id))).collect();
-        let view = View::new(scene, size, layers);
+        let view = View::new(scene, size, layers).through(camera);
         Classic { scene, settings, view, camera_items, light_items }
     }
 

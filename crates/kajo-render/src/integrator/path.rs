@@ -16,6 +16,7 @@
 //! the others end.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{Directions, Technique};
@@ -72,6 +73,11 @@ impl<'a> Path<'a> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub fn new(scene: &'a Scene, settings: PathSettings, size: [u32; 2], layers: LayerSet) -> Path<'a> {
         Path { view: View::new(scene, size, layers), settings }
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(self, camera: &'a Camera) -> Path<'a> {
+        Path { view: self.view.through(camera), ..self }
     }
 }
 

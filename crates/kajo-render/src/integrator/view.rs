@@ -1,15 +1,17 @@
 //! The camera's part of an integrator: rays through places of the picture, and what layers record of the first
 //! surface.
 
+use kajo_core::camera::{Camera, Raster};
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
 
 use crate::{FirstHit, Layer, LayerSet};
 
-/// A scene as its camera sees it in a picture of some size.
+/// A scene as a camera sees it in a picture of some size.
 pub(super) struct View<'a> {
     pub scene: &'a Scene,
+    pub camera: &'a Camera,
     /// Columns and rows of the picture.
     pub size: [u32; 2],
     layers: LayerSet,
@@ -17,7 +19,12 @@ pub(super) struct View<'a> {
 
 impl<'a> View<'a> {
     pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> View<'a> {
-        View { scene, size, layers }
+        View { scene, camera: &scene.camera, size, layers }
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(self, camera: &'a Camera) -> View<'a> {
+        View { camera, ..self }
     }
 
     /// The camera ray through a place of the picture, in pixels from its top left corner; none where the camera
@@ -25,16 +32,10 @@ impl<'a> View<'a> {
     ///
     /// Takes the dimensions of the lens and the time.
     pub fn ray(&self, raster: Vec2, draws: &mut Draws<'_>) -> Option<Ray> {
-        let lens = draws.pair_if(self.scene.camera.has_lens());
+        let lens = draws.pair_if(self.camera.has_lens());
         draws.skip(1);
-        let [w, h] = self.size.map(|n| n as f32);
-        let at = if self.scene.rules.corner_samples {
-            let across = |x: f32, n: f32| if n > 1.0 { 2.0 * (x - 0.5) / (n - 1.0) - 1.0 } else { 0.0 };
-            Vec2::new(across(raster.x, w), -across(raster.y, h))
-        } else {
-            Vec2::new(2.0 * raster.x / w - 1.0, 1.0 - 2.0 * raster.y / h)
-        };
-        self.scene.camera.ray(at, w / h, lens)
+        let film = Raster::new(self.size, &self.scene.rules);
+        self.camera.ray(film.picture(raster), film.aspect(), lens)
     }
 
     /// Whether the layers record albedos.

@@ -1,0 +1,80 @@
+//! From places on the film, in pixels, to places in the picture, and back.
+
+use kajo_math::{DVec2, Vec2};
+
+use crate::settings::Rules;
+
+/// The pixels of a picture: raster coordinates run from (0, 0) at the top left corner to its size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Raster {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Whether the middles of the outermost pixels lie on the picture's edge; see [`Rules::corner_samples`].
+    pub corner_samples: bool,
+}
+
+impl Raster {
+    /// The pixels of a picture of this size under the rules of a dialect.
+    pub fn new(size: [u32; 2], rules: &Rules) -> Raster {
+        Raster { size, corner_samples: rules.corner_samples }
+    }
+
+    /// Width over height.
+    #[inline]
+    pub fn aspect(&self) -> f32 {
+        let [w, h] = self.size.map(|n| n as f32);
+        w / h
+    }
+
+    /// The picture coordinates of a place on the film; see [`super::Camera::ray`].
+    #[inline]
+    pub fn picture(&self, raster: Vec2) -> Vec2 {
+        let [w, h] = self.size.map(|n| n as f32);
+        if self.corner_samples {
+            let across = |x: f32, n: f32| if n > 1.0 { 2.0 * (x - 0.5) / (n - 1.0) - 1.0 } else { 0.0 };
+            Vec2::new(across(raster.x, w), -across(raster.y, h))
+        } else {
+            Vec2::new(2.0 * raster.x / w - 1.0, 1.0 - 2.0 * raster.y / h)
+        }
+    }
+
+    /// The place on the film of picture coordinates.
+    pub fn place(&self, at: DVec2) -> DVec2 {
+        let [w, h] = self.size.map(f64::from);
+        let [across, down] = [0.5 * (at.x + 1.0), 0.5 * (1.0 - at.y)];
+        if self.corner_samples {
+            DVec2::new(across * (w - 1.0) + 0.5, down * (h - 1.0) + 0.5)
+        } else {
+            DVec2::new(across * w, down * h)
+        }
+    }
+
+    /// What picture coordinates are multiplied by to run from -1 to 1 over the whole film.
+    pub fn reach(&self) -> DVec2 {
+        let share =
+            |n: u32| if self.corner_samples { f64::from(n - n.min(1)) / f64::from(n.max(1)) } else { 1.0 };
+        DVec2::new(share(self.size[0]), share(self.size[1]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_go_both_ways() {
+        for corner_samples in [false, true] {
+            let raster = Raster { size: [40, 30], corner_samples };
+            for place in [Vec2::new(0.5, 0.5), Vec2::new(13.25, 29.0), Vec2::new(39.5, 2.0)] {
+                let at = raster.picture(place).as_dvec2();
+                assert!(raster.place(at).distance(place.as_dvec2()) < 1e-5);
+                let [w, h] = [40.0, 30.0];
+                let over_film =
+                    DVec2::new(2.0 * f64::from(place.x) / w - 1.0, 1.0 - 2.0 * f64::from(place.y) / h);
+                assert!((at * raster.reach()).distance(over_film) < 1e-6);
+            }
+        }
+        let corners = Raster { size: [40, 30], corner_samples: true };
+        assert_eq!(corners.picture(Vec2::new(0.5, 0.5)), Vec2::new(-1.0, 1.0));
+    }
+}

@@ -1,0 +1,293 @@
+//! A camera that can be moved: to fly, to orbit, to show a box, and to say where things appear.
+//!
+//! The projection matrix takes world space to clip space, with depth in [0, 1] and y up, and agrees with the rays
+//! that the tracer casts. With the camera's axes as the columns of `B` and `d = 1 / tan(angle / 2)`,
+//!
+//! ```text
+//! perspective    (d/aspect a, d b, far/(far-near) (s - near), s)         (a, b, s) = B^-1 (p - eye)
+//! orthographic   (2/(size aspect) a, 2/size b, (s - near)/(far - near), 1)
+//! ```
+
+use kajo_core::camera::{Camera, Frame, OrthographicCamera, PerspectiveCamera, Raster, ThinLens};
+use kajo_core::scene::Scene;
+use kajo_math::{Aabb, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4, Ray, Vec2, fmath};
+
+/// How near to straight up or down a turned camera may look, as a cosine.
+const STEEPEST: f64 = 0.9999;
+
+/// Where a camera stands, where it looks, and how it makes a picture of that.
+///
+/// A pose that was never moved has the very camera of its scene, bit for bit.
+#[derive(Clone, Debug)]
+pub struct CameraPose {
+    camera: Camera,
+    /// Whether samples lie on the corners of the picture, as one dialect has it.
+    corner_samples: bool,
+    /// The direction that stays up when the camera turns.
+    level: DVec3,
+}
+
+impl CameraPose {
+    /// The scene's own camera.
+    pub fn of(scene: &Scene) -> CameraPose {
+        let level = nearest_axis(scene.camera.frame().up);
+        CameraPose { camera: scene.camera.clone(), corner_samples: scene.rules.corner_samples, level }
+    }
+
+    /// A pinhole camera at `eye` that looks at `target`.
+    ///
+    /// * `angle`: vertical field of view in radians
+    pub fn perspective(eye: DVec3, target: DVec3, up: DVec3, angle: f64) -> CameraPose {
+        let frame = Frame::new(eye, target - eye, up);
+        let camera = Camera::Perspective(PerspectiveCamera::new(frame, angle));
+        CameraPose { camera, corner_samples: false, level: nearest_axis(up) }
+    }
+
+    /// Parallel rays; `size` is the height of the picture in world units.
+    pub fn orthographic(eye: DVec3, target: DVec3, up: DVec3, size: f64) -> CameraPose {
+        let frame = Frame::new(eye, target - eye, up);
+        let camera = Camera::Orthographic(OrthographicCamera { frame, size, lens: None });
+        CameraPose { camera, corner_samples: false, level: nearest_axis(up) }
+    }
+
+    /// The camera as the tracer uses it.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// World-space position.
+    pub fn eye(&self) -> DVec3 {
+        self.camera.frame().center
+    }
+
+    /// Unit vector forward.
+    pub fn forward(&self) -> DVec3 {
+        self.camera.frame().forward
+    }
+
+    /// Unit vector up, perpendicular to the direction in all dialects but one.
+    pub fn up(&self) -> DVec3 {
+        self.camera.frame().up
+    }
+
+    /// Unit vector to the right.
+    pub fn right(&self) -> DVec3 {
+        self.camera.frame().right
+    }
+
+    /// The word that makes this kind of camera in a scene.
+    pub fn keyword(&self) -> &'static str {
+        crate::info::camera_keyword(&self.camera)
+    }
+
+    /// Vertical field of view in radians, of a perspective camera.
+    pub fn angle(&self) -> Option<f64> {
+        match &self.camera {
+            Camera::Perspective(camera) => Some(2.0 * fmath::atan64(1.0 / camera.distance())),
+            _ => None,
+        }
+    }
+
+    /// Height of the picture in world units, of an orthographic camera.
+    pub fn size(&self) -> Option<f64> {
+        match &self.camera {
+            Camera::Orthographic(camera) => Some(camera.size),
+            _ => None,
+        }
+    }
+
+    /// The lens, where there is one.
+    pub fn lens(&self) -> Option<&ThinLens> {
+        match &self.camera {
+            Camera::Perspective(camera) => camera.lens(),
+            Camera::Orthographic(camera) => camera.lens.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// Another field of view; no other camera than a perspective one has any.
+    pub fn set_angle(&mut self, angle: f64) {
+        if let Camera::Perspective(camera) = &self.camera {
+            let lens = camera.lens().cloned();
+            self.camera = Camera::Perspective(PerspectiveCamera::new(*camera.frame(), angle).with_lens(lens));
+        }
+    }
+
+    /// Another height of the picture; no other camera than an orthographic one has any.
+    pub fn set_size(&mut self, size: f64) {
+        if let Camera::Orthographic(camera) = &mut self.camera {
+            camera.size = size;
+        }
+    }
+
+    /// Another lens, or a pinhole; cameras that see all around stay as they are.
+    pub fn set_lens(&mut self, lens: Option<ThinLens>) {
+        self.camera = self.camera.clone().with_lens(lens);
+    }
+
+    /// Moves the camera to `eye`, its axes unchanged.
+    pub fn set_eye(&mut self, eye: DVec3) {
+        self.set_frame(Frame { center: eye, ..*self.camera.frame() });
+    }
+
+    /// Moves the camera along its own axes.
+    ///
+    /// * `by`: to the right, up and forward, in world units
+    pub fn fly(&mut self, by: DVec3) {
+        let Frame { center, right, up, forward } = *self.camera.frame();
+        self.set_eye(center + by.x * right + by.y * up + by.z * forward);
+    }
+
+    /// Turns the camera where it stands, level all the time: it never looks quite straight up or down.
+    ///
+    /// * `right`, `up`: angles in radians
+    pub fn turn(&mut self, right: f64, up: f64) {
+        let forward = self.turned(self.forward(), right, up);
+        self.set_frame(Frame::new(self.eye(), forward, self.level));
+    }
+
+    /// Carries the camera around `center`, looking at the same place of it as before.
+    ///
+    /// * `right`, `up`: angles in radians by which the camera moves around the centre
+    pub fn orbit(&mut self, center: DVec3, right: f64, up: f64) {
+        let forward = self.turned(self.forward(), -right, -up);
+        let turned = Frame::new(self.eye(), forward, self.level);
+        let arm = self.camera.frame().local(center).unwrap_or(DVec3::ZERO);
+        let eye = center - (arm.x * turned.right + arm.y * turned.up + arm.z * turned.forward);
+        self.set_frame(Frame { center: eye, ..turned });
+    }
+
+    /// Looks at `target` from where it stands.
+    pub fn look_at(&mut self, target: DVec3) {
+        self.set_frame(Frame::new(self.eye(), target - self.eye(), self.level));
+    }
+
+    /// Moves the camera back or forth, its direction unchanged, until a box fills the picture; the picture of
+    /// parallel rays becomes as high as needs be.
+    ///
+    /// * `aspect`: width of the picture over its height
+    pub fn frame(&mut self, bounds: &Aabb, aspect: f64) {
+        if bounds.is_empty() || !bounds.is_finite() {
+            return;
+        }
+        /// Some air around the box.
+        const MARGIN: f64 = 1.1;
+        let center = bounds.center().as_dvec3();
+        let radius = MARGIN * (0.5 * bounds.extent().as_dvec3().length()).max(1e-6);
+        let narrow = aspect.min(1.0);
+        let half_angle = match &self.camera {
+            Camera::Perspective(camera) => fmath::atan64(narrow / camera.distance().abs()),
+            _ => 0.25 * std::f64::consts::PI,
+        };
+        let distance = radius / fmath::sin64(half_angle);
+        if let Camera::Orthographic(camera) = &mut self.camera {
+            camera.size = 2.0 * radius / narrow;
+        }
+        self.set_eye(center - distance * self.forward());
+    }
+
+    /// World space to clip space for a picture of `size` pixels, for cameras whose picture is flat.
+    ///
+    /// * `near`, `far`: distances along the direction that get depths 0 and 1; parallel rays may have a negative
+    ///   `near`, since what is behind the camera is seen too
+    pub fn projection(&self, size: [u32; 2], near: f64, far: f64) -> Option<DMat4> {
+        let raster = self.raster(size);
+        let aspect = f64::from(raster.aspect());
+        let Frame { center, right, up, forward } = *self.camera.frame();
+        let axes = DMat3::from_cols(right, up, forward);
+        if axes.determinant() == 0.0 {
+            return None;
+        }
+        let view = DMat4::from_mat3(axes.inverse()) * DMat4::from_translation(-center);
+        let depth = 1.0 / (far - near);
+        let reach = raster.reach() / DVec2::new(aspect, 1.0);
+        let clip = match &self.camera {
+            Camera::Perspective(camera) => {
+                let across = camera.distance() * reach;
+                DMat4::from_cols(
+                    across.x * DVec4::X,
+                    across.y * DVec4::Y,
+                    DVec4::new(0.0, 0.0, far * depth, 1.0),
+                    -far * near * depth * DVec4::Z,
+                )
+            }
+            Camera::Orthographic(camera) => {
+                let across = 2.0 / camera.size * reach;
+                DMat4::from_cols(
+                    across.x * DVec4::X,
+                    across.y * DVec4::Y,
+                    depth * DVec4::Z,
+                    DVec4::new(0.0, 0.0, -near * depth, 1.0),
+                )
+            }
+            _ => return None,
+        };
+        Some(clip * view)
+    }
+
+    /// A camera with a flat picture that stands and looks the same: itself, or a wide one in place of those that
+    /// see all around.
+    pub fn flat(&self) -> CameraPose {
+        match self.camera {
+            Camera::Perspective(_) | Camera::Orthographic(_) => self.clone(),
+            _ => {
+                let frame = *self.camera.frame();
+                let camera = Camera::Perspective(PerspectiveCamera::new(frame, 90f64.to_radians()));
+                CameraPose { camera, ..self.clone() }
+            }
+        }
+    }
+
+    /// Where the world-space point `p` appears in a picture of `size` pixels, counted from its top left corner;
+    /// beyond its edges too. `None` where the camera does not see that way, or sees everything twice.
+    pub fn project(&self, p: DVec3, size: [u32; 2]) -> Option<DVec2> {
+        let raster = self.raster(size);
+        Some(raster.place(self.camera.project(p, raster.aspect().into())?))
+    }
+
+    /// The ray through a place of a picture of `size` pixels, from the middle of the lens.
+    pub fn ray(&self, place: DVec2, size: [u32; 2]) -> Option<Ray> {
+        let raster = self.raster(size);
+        self.camera.ray(raster.picture(place.as_vec2()), raster.aspect(), Vec2::splat(0.5))
+    }
+
+    fn raster(&self, size: [u32; 2]) -> Raster {
+        Raster { size, corner_samples: self.corner_samples }
+    }
+
+    fn set_frame(&mut self, frame: Frame) {
+        self.camera = self.camera.clone().with_frame(frame);
+    }
+
+    /// A unit direction, turned around the level axis and then up.
+    fn turned(&self, forward: DVec3, right: f64, up: f64) -> DVec3 {
+        let around = rotation(self.level, -right) * forward;
+        let across = around.cross(self.level);
+        let Some(across) = across.try_normalize() else { return around };
+        let tilted = rotation(across, up) * around;
+        // Past the zenith the picture would turn over.
+        let steep = tilted.dot(self.level).abs() > STEEPEST || tilted.cross(self.level).dot(across) < 0.0;
+        if steep { around } else { tilted.normalize_or(forward) }
+    }
+}
+
+/// The turn by `angle` around a unit axis.
+fn rotation(axis: DVec3, angle: f64) -> DQuat {
+    let v = fmath::sin64(0.5 * angle) * axis;
+    DQuat::from_xyzw(v.x, v.y, v.z, fmath::cos64(0.5 * angle))
+}
+
+/// The coordinate axis that a vector is nearest to, with its sign; y for none.
+fn nearest_axis(v: DVec3) -> DVec3 {
+    let size = v.abs();
+    if size.y >= size.x && size.y >= size.z {
+        if v.y < 0.0 { DVec3::NEG_Y } else { DVec3::Y }
+    } else if size.z >= size.x {
+        DVec3::Z * v.z.signum()
+    } else {
+        DVec3::X * v.x.signum()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,163 @@
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use kajo_core::settings::Settings;
+
+use super::*;
+use crate::{BitDepth, Defaults, Format, LoadOptions, MemoryAssets, Resources, Silent, load_from, render};
+
+fn scene(radius: f32) -> Arc<Scene> {
+    let text = format!(
+        "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
+         Lights {{ DirectionalLight {{ direction -1 -1 -1 color 1 1 1 }} }}
+         Materials {{ Material {{ diffuseColor 1 0.5 0 reflectiveColor 0.5 0.5 0.5 }} }}
+         Group {{ MaterialIndex 0  Sphere {{ center 0 0 0  radius {radius} }}  Plane {{ normal 0 1 0 offset -1 }} }}"
+    );
+    let assets = MemoryAssets::new().with("a.txt", text);
+    let loaded = load_from("a.txt", &assets, &LoadOptions::default());
+    assert!(loaded.scene.is_some(), "{}", loaded.report(false));
+    Arc::new(loaded.scene.unwrap())
+}
+
+fn settings(scene: &Scene, size: [u32; 2], samples: (SamplerKind, u32)) -> RenderSettings {
+    let asked = Settings { size: Some(size), samples: Some(samples), ..Settings::default() };
+    RenderSettings::resolve(scene, &asked, Defaults::Modern, false).unwrap()
+}
+
+const ALL: [(View, Format); 5] = [
+    (View::Color, Format::Png),
+    (View::Depth, Format::Png),
+    (View::Normals, Format::Png),
+    (View::Object, Format::Png),
+    (View::Color, Format::Exr),
+];
+
+#[test]
+fn a_finished_frame_writes_the_files_of_a_render() {
+    let scene = scene(1.0);
+    for samples in [(SamplerKind::Jittered, 9), (SamplerKind::Sobol, 16)] {
+        let settings = settings(&scene, [70, 50], samples);
+        let picture = render(&scene, &settings, &ALL, &Resources::default(), &Silent).unwrap();
+        let session = Session::new(2, || {});
+        session.start(Job::new(Arc::clone(&scene), settings));
+        assert!(matches!(session.wait(), Status::Finished));
+        let frame = session.frame().unwrap();
+        assert_eq!((frame.size(), frame.full_size(), frame.samples()), ([70, 50], [70, 50], samples.1));
+        for (view, format) in ALL {
+            let expected = picture.encode(&[view], format, BitDepth::Eight).unwrap();
+            let found = frame.encode(&[view], format, BitDepth::Eight, &settings.development).unwrap();
+            assert!(found == expected, "{view:?} as {format}");
+        }
+        assert_eq!(frame.light().data(), picture.light().unwrap().data());
+    }
+}
+
+#[test]
+fn what_a_window_shows_is_what_a_png_holds() {
+    let scene = scene(1.0);
+    let settings = settings(&scene, [33, 21], (SamplerKind::Sobol, 4));
+    let session = Session::new(1, || {});
+    session.start(Job::new(scene, settings));
+    session.wait();
+    let frame = session.frame().unwrap();
+    for view in [View::Color, View::Depth, View::Normals, View::Uv, View::Object, View::Samples] {
+        let file = frame.encode(&[view], Format::Png, BitDepth::Eight, &settings.development).unwrap();
+        let image = kajo_image::decode(&file, Some(Format::Png), &kajo_image::DecodeLimits::default());
+        let image = image.unwrap().image;
+        let shown = frame.rgba(view, &settings.development).unwrap();
+        for (shown, pixel) in shown.chunks_exact(4).zip(image.pixels()) {
+            let stored = |c: usize| (pixel[c.min(pixel.len() - 1)] * 255.0).round() as u8;
+            assert_eq!(shown, [stored(0), stored(1), stored(2), 255], "{view:?}");
+        }
+    }
+    for view in [View::Color, View::Depth, View::Normals, View::Uv, View::Object, View::Variance] {
+        let numbers = frame.numbers(view).unwrap();
+        for (x, y) in [(0, 0), (16, 10), (32, 20), (20, 14)] {
+            let value = frame.value(view, x, y).unwrap();
+            for (c, expected) in numbers.pixel(x, y).iter().enumerate() {
+                assert_eq!(value[c].to_bits(), expected.to_bits(), "{view:?} at {x}, {y}");
+            }
+        }
+        assert_eq!(frame.value(view, 33, 0), None);
+    }
+}
+
+#[test]
+fn the_last_of_many_jobs_is_shown() {
+    let frames = Arc::new(AtomicUsize::new(0));
+    let counter = Arc::clone(&frames);
+    let session = Session::new(2, move || {
+        counter.fetch_add(1, Ordering::Relaxed);
+    });
+    let scenes: Vec<_> = (1..=4).map(|i| scene(0.3 * i as f32)).collect();
+    let mut last = 0;
+    for i in 0..100 {
+        let scene = &scenes[i % 4];
+        last = session.start(Job::new(Arc::clone(scene), settings(scene, [64, 64], (SamplerKind::Sobol, 4))));
+        if i % 10 == 0 {
+            thread::sleep(std::time::Duration::from_millis(3));
+        }
+    }
+    assert!(matches!(session.wait(), Status::Finished));
+    let frame = session.frame().unwrap();
+    assert_eq!(frame.job(), last);
+    let settings = settings(&scenes[3], [64, 64], (SamplerKind::Sobol, 4));
+    let expected = render(&scenes[3], &settings, &ALL, &Resources::default(), &Silent).unwrap();
+    assert_eq!(frame.light().data(), expected.light().unwrap().data());
+    assert!(frames.load(Ordering::Relaxed) > 0);
+}
+
+#[test]
+fn a_job_without_end_is_coarse_first_and_ends_when_cancelled() {
+    let scene = scene(1.0);
+    let (sender, wakes) = std::sync::mpsc::channel();
+    let session = Session::new(1, move || {
+        let _ = sender.send(());
+    });
+    assert!(matches!(session.status(), Status::Idle) && session.frame().is_none());
+    let job = Job::new(Arc::clone(&scene), settings(&scene, [800, 600], (SamplerKind::Jittered, 4)));
+    session.start(job.without_end());
+    wakes.recv().unwrap();
+    let first = session.frame().unwrap();
+    assert_eq!((first.samples(), first.full_size()), (0, [800, 600]));
+    assert!(first.size()[0] <= 400, "{:?}", first.size());
+    loop {
+        wakes.recv().unwrap();
+        if session.frame().unwrap().samples() >= 2 {
+            break;
+        }
+    }
+    assert!(session.is_running());
+    session.cancel();
+    assert!(matches!(session.wait(), Status::Cancelled));
+    assert_eq!(session.frame().unwrap().size(), [800, 600]);
+}
+
+#[test]
+fn another_camera_sees_what_it_would_as_the_scenes_own() {
+    let here = scene(1.0);
+    let mut pose = CameraPose::of(&here);
+    pose.fly(kajo_math::DVec3::new(0.25, 0.5, 1.0));
+    let settings = settings(&here, [40, 30], (SamplerKind::Sobol, 4));
+    let session = Session::new(1, || {});
+    session.start(Job::new(here, settings).through(pose));
+    session.wait();
+    let text = "PerspectiveCamera { center 0.25 0.5 8 direction 0 0 -1 up 0 1 0 angle 30 }
+         Lights { DirectionalLight { direction -1 -1 -1 color 1 1 1 } }
+         Materials { Material { diffuseColor 1 0.5 0 reflectiveColor 0.5 0.5 0.5 } }
+         Group { MaterialIndex 0  Sphere { center 0 0 0  radius 1 }  Plane { normal 0 1 0 offset -1 } }";
+    let assets = MemoryAssets::new().with("a.txt", text);
+    let there = load_from("a.txt", &assets, &LoadOptions::default()).scene.unwrap();
+    let expected = render(&there, &settings, &ALL, &Resources::default(), &Silent).unwrap();
+    assert_eq!(session.frame().unwrap().light().data(), expected.light().unwrap().data());
+}
+
+#[test]
+fn what_cannot_be_rendered_is_said() {
+    let scene = scene(1.0);
+    let session = Session::new(1, || {});
+    session.start(Job::new(Arc::clone(&scene), settings(&scene, [u32::MAX; 2], (SamplerKind::Sobol, 4))));
+    let Status::Failed(error) = session.wait() else { panic!("rendered anyway") };
+    assert!(matches!(*error, RenderError::Memory { .. }), "{error}");
+    session.start(Job::new(Arc::clone(&scene), settings(&scene, [8, 8], (SamplerKind::Sobol, 4))));
+    assert!(matches!(session.wait(), Status::Finished));
+}
