@@ -1,4 +1,4 @@
-//! Vectors, rays, boxes, transforms, random numbers and noise.
+//! Vectors, rays, boxes, transforms, motions, random numbers and noise.
 //!
 //! Everything here is a pure function of its arguments. Coordinates are
 //! right-handed; angles are radians unless a name says degrees. Elementary
@@ -8,6 +8,7 @@
 pub mod aabb;
 pub mod fmath;
 pub mod frame;
+pub mod motion;
 pub mod noise;
 pub mod permute;
 pub mod piecewise;
@@ -27,5 +28,6 @@ pub use frame::Frame;
 pub use glam::{
     Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4, Mat3, Mat4, UVec2, Vec2, Vec3, Vec3A, Vec4,
 };
+pub use motion::{KeyError, Keyframes, Motion};
 pub use ray::Ray;
 pub use transform::Transform;
