@@ -42,18 +42,19 @@ const KEPT: [(&str, &str); 7] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 19] = [
+const CORE_MODULES: [(&str, &[&str]); 20] = [
     ("family", &[]),
     ("interaction", &[]),
+    ("motion", &[]),
     ("bsdf", &["interaction"]),
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "bsdf"]),
     ("shape", &["family", "interaction"]),
-    ("light", &["family", "interaction", "background", "environment", "daylight", "shape"]),
+    ("light", &["family", "interaction", "background", "environment", "daylight", "motion", "shape"]),
     ("item_buffer", &["shape"]),
     ("medium", &["family", "interaction"]),
     ("objects", &[]),
-    ("camera", &["interaction"]),
+    ("camera", &["interaction", "motion"]),
     ("sampler", &["interaction"]),
     ("settings", &["bsdf", "interaction", "light", "sampler"]),
     ("environment", &[]),
@@ -72,6 +73,7 @@ const CORE_MODULES: [(&str, &[&str]); 19] = [
             "light",
             "item_buffer",
             "medium",
+            "motion",
             "objects",
             "camera",
             "sampler",
@@ -91,6 +93,7 @@ const CORE_MODULES: [(&str, &[&str]); 19] = [
             "shape",
             "light",
             "medium",
+            "motion",
             "objects",
             "camera",
             "sampler",

@@ -26,7 +26,7 @@ impl Scene {
     /// * `u`: uniform in [0, 1), chooses among the parts of a mixture; any number where it is none
     #[inline]
     pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf {
-        let point = ShadingPoint { p: at.point.p, wavelengths, eta_outside, u };
+        let point = ShadingPoint { p: self.pattern_point(at), wavelengths, eta_outside, u };
         self.materials.bsdf(at.material, &self.materials, &self.textures, &point)
     }
 
@@ -63,7 +63,7 @@ impl Scene {
     #[inline]
     pub fn glow_pdf(&self, glow: &Glow<'_>, at: &Interaction, from: &Receiver, choice: LightChoice) -> f32 {
         let place = [at.point.p, at.point.ng];
-        self.emitters.area_pdf((glow.number, glow.light), [from.p, from.n], place, choice)
+        self.emitters.area_pdf((glow.number, glow.light), [from.p, from.n], place, from.time, choice)
     }
 
     /// Density per solid angle with which [`Scene::light_towards`] draws a direction to the background.
@@ -84,7 +84,7 @@ impl Scene {
         wavelengths: &Wavelengths,
         choice: LightChoice,
     ) -> Option<LightSample> {
-        self.emitters.sample(&self.lights, to.p, to.n, u, place, wavelengths, choice)
+        self.emitters.sample(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice)
     }
 }
 
@@ -95,6 +95,8 @@ pub struct Receiver {
     pub p: Vec3,
     /// Its unit normal, or zero where there is none.
     pub n: Vec3,
+    /// Moment within the shutter interval, 0 to 1.
+    pub time: f32,
 }
 
 impl SurfacePoint {

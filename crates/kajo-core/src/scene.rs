@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use kajo_bvh::Bvh;
+use kajo_bvh::{Bvh, MovingBvh};
 use kajo_color::Spectrum;
 use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3};
 
@@ -15,6 +15,7 @@ use crate::item_buffer::{Body, ItemBuffer};
 use crate::light::{Emitters, LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::medium::Fog;
+use crate::motion::MovingTransform;
 use crate::objects::Objects;
 use crate::settings::{Rules, Settings};
 use crate::shape::{ShapeId, Shapes, Sphere, Surface};
@@ -25,7 +26,8 @@ use crate::texture::Textures;
 pub struct Primitive {
     /// The geometry.
     pub shape: ShapeId,
-    /// Index into [`Scene::transforms`]; 0 is the identity.
+    /// Index into [`Scene::transforms`], where 0 is the identity; numbers from the largest one downwards are those
+    /// of [`Scene::motions`].
     pub transform: u32,
     /// The material of parts that bring none of their own.
     pub material: MaterialId,
@@ -55,6 +57,8 @@ pub struct Interaction {
     pub primitive: u32,
     /// The material there.
     pub material: MaterialId,
+    /// Moment within the shutter interval.
+    pub time: f32,
 }
 
 /// Primitives beyond which [`Scene::item_buffer`] would take longer than it saves.
@@ -67,6 +71,8 @@ pub struct Scene {
     pub shapes: Shapes,
     /// Maps from object to world space; the first is the identity.
     pub transforms: Vec<Transform>,
+    /// Maps that may change while the shutter is open.
+    pub motions: Vec<MovingTransform>,
     /// Shapes at their places, in the order of the file. Object `i + 1` of the id layers is primitive `i`.
     pub primitives: Vec<Primitive>,
     /// Whether light may pass through any of them.
@@ -103,6 +109,8 @@ pub struct Scene {
     pub has_group: bool,
     pub(crate) material_numbers: HashMap<MaterialId, u32>,
     pub(crate) bvh: Bvh,
+    /// A tree over what moves; what is in it is in no other.
+    pub(crate) moving: Option<MovingBvh>,
     /// Primitives without bounds, tested one by one.
     pub(crate) unbounded: Vec<u32>,
 }
@@ -155,7 +163,23 @@ impl Scene {
         })
     }
 
-    /// What lies in which direction from a point; `None` where the trees do better, as for very large scenes.
+    /// Whether what a ray finds depends on its time.
+    pub fn moves(&self) -> bool {
+        self.camera.moves() || self.motions.iter().any(MovingTransform::moves)
+    }
+
+    /// Whether a primitive moves while the shutter is open.
+    pub(crate) fn is_moving(&self, primitive: &Primitive) -> bool {
+        self.motion(primitive.transform).is_some_and(MovingTransform::moves)
+    }
+
+    /// The motion with the number that a primitive gives in place of a transform.
+    #[inline]
+    fn motion(&self, transform: u32) -> Option<&MovingTransform> {
+        self.motions.get((u32::MAX - transform) as usize)
+    }
+
+    /// What lies in which direction from a point, of what does not move; `None` where the trees do better, as for very large scenes.
     pub fn item_buffer(&self, apex: Vec3) -> Option<ItemBuffer> {
         if self.primitives.len() > MOST_ITEMS {
             return None;
@@ -164,7 +188,7 @@ impl Scene {
             let bounds = self.world_bounds(p);
             let untransformed = p.transform == 0;
             let sphere = Sphere::find(&self.shapes, p.shape).filter(|_| untransformed).copied();
-            let bounded = bounds.is_finite() && !bounds.is_empty();
+            let bounded = bounds.is_finite() && !bounds.is_empty() && !self.is_moving(p);
             bounded.then_some(Body { primitive, bounds, sphere, opaque: !p.transmits })
         };
         let bodies: Vec<Body> = (0..).zip(&self.primitives).filter_map(body).collect();
@@ -175,7 +199,10 @@ impl Scene {
     pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit)) {
         let mut each = |i: u32| self.each_crossing(i, ray, |hit| visit(i, hit));
         self.unbounded.iter().for_each(|&i| each(i));
-        self.bvh.each(ray, each);
+        self.bvh.each(ray, &mut each);
+        if let Some(moving) = &self.moving {
+            moving.each(ray, each);
+        }
     }
 
     /// Position, normals and material at a crossing.
@@ -186,10 +213,32 @@ impl Scene {
         let point = if transform == 0 {
             self.shapes.surface_at(shape, ray, &hit)
         } else {
-            let transform = &self.transforms[transform as usize];
-            self.shapes.surface_at(shape, &transform.ray_in_object(ray), &hit).transformed(transform)
+            self.transform_at(transform, ray.time, |transform| {
+                self.shapes.surface_at(shape, &transform.ray_in_object(ray), &hit).transformed(transform)
+            })
         };
-        Interaction { point, hit, primitive, material: self.material_at(placed, &hit) }
+        Interaction { point, hit, primitive, material: self.material_at(placed, &hit), time: ray.time }
+    }
+
+    /// Where patterns in world space are evaluated for an interaction: at the point itself, or where that was at
+    /// time 0 if it belongs to something that moves.
+    #[inline]
+    pub fn pattern_point(&self, at: &Interaction) -> Vec3 {
+        match self.motion(self.primitives[at.primitive as usize].transform) {
+            None => at.point.p,
+            Some(motion) => motion.painted(at.point.p, at.time),
+        }
+    }
+
+    /// Where the point of an interaction is at another moment within the shutter interval.
+    pub fn point_at(&self, at: &Interaction, time: f32) -> Vec3 {
+        match self.motion(self.primitives[at.primitive as usize].transform) {
+            None => at.point.p,
+            Some(motion) => {
+                let own = motion.at(at.time).object_from_world.transform_point3(at.point.p);
+                motion.at(time).point(own)
+            }
+        }
     }
 
     /// The colour that light is multiplied by when it passes a crossing straight through.
@@ -199,7 +248,7 @@ impl Scene {
         if let Some(phong) = self.materials.constant(material) {
             return phong.transparent;
         }
-        let p = self.interaction(ray, primitive, hit).point.p;
+        let p = self.pattern_point(&self.interaction(ray, primitive, hit));
         self.materials.phong(material, &self.materials, &self.textures, p).transparent
     }
 
@@ -212,8 +261,8 @@ impl Scene {
     /// Surface coordinates at an interaction.
     pub fn uv(&self, at: &Interaction) -> Vec2 {
         let Primitive { shape, transform, .. } = self.primitives[at.primitive as usize];
-        let p = self.transforms[transform as usize].object_from_world.transform_point3(at.point.p);
-        self.shapes.uv_at(shape, &at.hit, p)
+        let own = |map: &Transform| map.object_from_world.transform_point3(at.point.p);
+        self.shapes.uv_at(shape, &at.hit, self.transform_at(transform, at.time, own))
     }
 
     /// The number of a material in the id layers: its place in the file from 1 on; 0 for a material
@@ -222,7 +271,7 @@ impl Scene {
         self.material_numbers.get(&material).copied().unwrap_or(0)
     }
 
-    /// A box around everything that has bounds.
+    /// A box around everything that has bounds, at any time while the shutter is open.
     pub fn bounds(&self) -> Aabb {
         self.primitives
             .iter()
@@ -235,15 +284,29 @@ impl Scene {
     pub fn bytes(&self) -> usize {
         let meshes: usize = self.shapes.meshes.iter().map(Surface::heap_bytes).sum();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
-        meshes + self.bvh.stats().bytes + placed + self.objects.bytes()
+        let moving = self.moving.as_ref().map_or(0, |tree| tree.stats().bytes);
+        meshes + self.bvh.stats().bytes + moving + placed + self.objects.bytes()
     }
 
     pub(crate) fn world_bounds(&self, primitive: &Primitive) -> Aabb {
         let bounds = self.shapes.bounds(primitive.shape);
         if primitive.transform == 0 {
-            bounds
-        } else {
-            self.transforms[primitive.transform as usize].bounds(&bounds)
+            return bounds;
+        }
+        match self.motion(primitive.transform) {
+            None => self.transforms[primitive.transform as usize].bounds(&bounds),
+            Some(motion) => {
+                let [open, close] = motion.bounds(&bounds);
+                open.union(close)
+            }
+        }
+    }
+
+    /// Boxes of a moving primitive at the opening and the closing of the shutter; empty for any other.
+    pub(crate) fn moving_bounds(&self, primitive: &Primitive) -> [Aabb; 2] {
+        match self.motion(primitive.transform) {
+            Some(motion) if motion.moves() => motion.bounds(&self.shapes.bounds(primitive.shape)),
+            _ => [Aabb::EMPTY; 2],
         }
     }
 
@@ -253,39 +316,33 @@ impl Scene {
         if self.unbounded.iter().any(|&i| blocks(i)) {
             return true;
         }
-        match apex.and_then(|apex| apex.met_towards(ray)) {
-            Some(mut items) => items.any(blocks),
-            None => self.bvh.any(ray, blocks),
-        }
+        let blocked = match apex.and_then(|apex| apex.met_towards(ray)) {
+            Some(mut items) => items.any(&mut blocks),
+            None => self.bvh.any(ray, &mut blocks),
+        };
+        blocked || self.moving.as_ref().is_some_and(|moving| moving.any(ray, blocks))
     }
 
     #[inline]
     fn closest(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> Option<(u32, Hit)> {
-        let mut best: Option<(u32, Hit)> = None;
-        let mut range = *ray;
-        let mut consider = |i: u32, t_max: f32| {
-            // One step further, so that an equally near object that stands earlier can still win.
-            range.t_max = if best.is_some() { t_max.next_up() } else { t_max };
-            let Some(hit) = self.hit(i, &range) else { return t_max };
-            if best.is_some_and(|(first, nearest)| hit.t == nearest.t && first < i) {
-                return t_max;
-            }
-            best = Some((i, hit));
-            hit.t
-        };
-        let mut t_max = self.unbounded.iter().fold(ray.t_max, |t_max, &i| consider(i, t_max));
+        let mut nearest = Nearest { scene: self, range: *ray, best: None };
+        let mut t_max = self.unbounded.iter().fold(ray.t_max, |t_max, &i| nearest.consider(i, t_max));
         match apex.and_then(|apex| apex.seen_along(ray)) {
             Some(items) => {
                 for item in items {
                     if item.near > t_max {
                         break;
                     }
-                    t_max = consider(item.primitive, t_max);
+                    t_max = nearest.consider(item.primitive, t_max);
                 }
             }
-            None => self.bvh.closest(&ray.over(ray.t_min, t_max), consider),
+            None => self.bvh.closest(&ray.over(ray.t_min, t_max), |i, t_max| nearest.consider(i, t_max)),
         }
-        best
+        if let Some(moving) = &self.moving {
+            let t_max = nearest.best.map_or(ray.t_max, |(_, hit)| hit.t);
+            moving.closest(&ray.over(ray.t_min, t_max), |i, t_max| nearest.consider(i, t_max));
+        }
+        nearest.best
     }
 
     /// The nearest hit of a primitive.
@@ -314,7 +371,44 @@ impl Scene {
     fn in_object<T>(&self, primitive: &Primitive, ray: &Ray, f: impl FnOnce(&Ray) -> T) -> T {
         match primitive.transform {
             0 => f(ray),
-            transform => f(&self.transforms[transform as usize].ray_in_object(ray)),
+            transform => self.transform_at(transform, ray.time, |map| f(&map.ray_in_object(ray))),
         }
+    }
+
+    /// `f` of the map of a primitive at a time.
+    #[inline]
+    fn transform_at<T>(&self, transform: u32, time: f32, f: impl FnOnce(&Transform) -> T) -> T {
+        let moved;
+        let map = match self.transforms.get(transform as usize) {
+            Some(map) => map,
+            None => {
+                moved = self.motions[(u32::MAX - transform) as usize].at(time);
+                &moved
+            }
+        };
+        f(map)
+    }
+}
+
+/// The nearest hit of a ray so far.
+struct Nearest<'a> {
+    scene: &'a Scene,
+    range: Ray,
+    best: Option<(u32, Hit)>,
+}
+
+impl Nearest<'_> {
+    /// Tries a primitive; returns the parameter up to which hits are of interest from here on, which is `t_max` or
+    /// less.
+    #[inline]
+    fn consider(&mut self, i: u32, t_max: f32) -> f32 {
+        // One step further, so that an equally near object that stands earlier can still win.
+        self.range.t_max = if self.best.is_some() { t_max.next_up() } else { t_max };
+        let Some(hit) = self.scene.hit(i, &self.range) else { return t_max };
+        if self.best.is_some_and(|(first, nearest)| hit.t == nearest.t && first < i) {
+            return t_max;
+        }
+        self.best = Some((i, hit));
+        hit.t
     }
 }

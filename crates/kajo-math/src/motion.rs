@@ -73,6 +73,11 @@ impl Keyframes {
         self.segments[i].at(((time - start) / (end - start)).clamp(0.0, 1.0))
     }
 
+    /// Whether nothing is stretched, ever.
+    pub fn is_rigid(&self) -> bool {
+        self.segments.iter().all(Segment::is_rigid)
+    }
+
     /// The ways from key to key.
     pub fn segments(&self) -> &[Segment] {
         &self.segments

@@ -21,10 +21,15 @@ impl Transform {
 
     /// The map `m`, or `None` when it has no finite inverse.
     pub fn new(m: &DAffine3) -> Option<Transform> {
-        let inverse = m.inverse();
-        let transform = Transform { world_from_object: single(m), object_from_world: single(&inverse) };
+        let transform = Transform::of_invertible(m);
         let finite = transform.world_from_object.is_finite() && transform.object_from_world.is_finite();
         (finite && m.matrix3.determinant() != 0.0).then_some(transform)
+    }
+
+    /// The map `m`, which is known to have a finite inverse.
+    #[inline]
+    pub fn of_invertible(m: &DAffine3) -> Transform {
+        Transform { world_from_object: single(m), object_from_world: single(&m.inverse()) }
     }
 
     /// Whether this is exactly the identity.

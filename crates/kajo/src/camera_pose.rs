@@ -242,13 +242,13 @@ impl CameraPose {
     /// beyond its edges too. `None` where the camera does not see that way, or sees everything twice.
     pub fn project(&self, p: DVec3, size: [u32; 2]) -> Option<DVec2> {
         let raster = self.raster(size);
-        Some(raster.place(self.camera.project(p, raster.aspect().into())?))
+        Some(raster.place(self.camera.project(p, raster.aspect().into(), 0.0)?))
     }
 
     /// The ray through a place of a picture of `size` pixels, from the middle of the lens.
     pub fn ray(&self, place: DVec2, size: [u32; 2]) -> Option<Ray> {
         let raster = self.raster(size);
-        self.camera.ray(raster.picture(place.as_vec2()), raster.aspect(), Vec2::splat(0.5))
+        self.camera.ray(raster.picture(place.as_vec2()), raster.aspect(), Vec2::splat(0.5), 0.0)
     }
 
     fn raster(&self, size: [u32; 2]) -> Raster {

@@ -86,6 +86,7 @@ pub(crate) fn camera_keyword(camera: &Camera) -> &'static str {
         Camera::Panorama(_) => "PanoramaCamera",
         Camera::Fisheye(_) => "FisheyeCamera",
         Camera::StereoCubemap(_) => "StereoCubemapCamera",
+        Camera::Moving(moving) => camera_keyword(&moving.camera),
     }
 }
 

@@ -51,10 +51,12 @@ impl Camera {
     /// * `o`: world space; a point of the lens, whose place within it is not checked when it is a pinhole
     /// * `d`: unit vector into the scene
     /// * `aspect`: width of the picture over its height
-    pub fn importance(&self, o: Vec3, d: Vec3, aspect: f32) -> Option<Importance> {
+    /// * `time`: moment within the shutter interval
+    pub fn importance(&self, o: Vec3, d: Vec3, aspect: f32, time: f32) -> Option<Importance> {
         match self {
             Camera::Perspective(camera) => camera.importance(o.as_dvec3(), d.as_dvec3(), aspect),
             Camera::Orthographic(camera) => camera.importance(o.as_dvec3(), d.as_dvec3(), aspect),
+            Camera::Moving(moving) => moving.importance(o, d, aspect, time),
             _ => None,
         }
     }
@@ -63,10 +65,12 @@ impl Camera {
     ///
     /// * `lens`: uniform in [0, 1)²
     /// * `aspect`: width of the picture over its height
-    pub fn connect(&self, p: Vec3, lens: Vec2, aspect: f32) -> Option<Connection> {
+    /// * `time`: moment within the shutter interval
+    pub fn connect(&self, p: Vec3, lens: Vec2, aspect: f32, time: f32) -> Option<Connection> {
         match self {
             Camera::Perspective(camera) => camera.connect(p.as_dvec3(), lens, aspect),
             Camera::Orthographic(camera) => camera.connect(p.as_dvec3(), lens, aspect),
+            Camera::Moving(moving) => moving.connect(p, lens, aspect, time),
             _ => None,
         }
     }

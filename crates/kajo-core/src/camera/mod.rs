@@ -7,6 +7,7 @@ mod fisheye;
 mod frame;
 mod importance;
 mod lens;
+mod moving;
 mod orthographic;
 mod panorama;
 mod perspective;
@@ -19,6 +20,7 @@ pub use fisheye::{FisheyeCamera, FisheyeProjection};
 pub use frame::Frame;
 pub use importance::{Connection, Importance};
 pub use lens::ThinLens;
+pub use moving::MovingCamera;
 pub use orthographic::OrthographicCamera;
 pub use panorama::{EyePair, PanoramaCamera};
 pub use perspective::PerspectiveCamera;
@@ -40,6 +42,8 @@ pub enum Camera {
     Fisheye(FisheyeCamera),
     /// Twelve faces of two cubes in a row.
     StereoCubemap(StereoCubemapCamera),
+    /// One of the others that moves while the shutter is open.
+    Moving(Box<MovingCamera>),
 }
 
 impl Camera {
@@ -48,14 +52,30 @@ impl Camera {
     /// * `at`: picture coordinates; samples may lie somewhat outside [-1, 1]
     /// * `aspect`: width of the picture over its height
     /// * `lens`: uniform in [0, 1)²; of no effect unless [`Camera::has_lens`]
+    /// * `time`: moment within the shutter interval, which becomes that of the ray
     #[inline]
-    pub fn ray(&self, at: Vec2, aspect: f32, lens: Vec2) -> Option<Ray> {
+    pub fn ray(&self, at: Vec2, aspect: f32, lens: Vec2, time: f32) -> Option<Ray> {
+        let ray = match self {
+            Camera::Orthographic(camera) => camera.ray(at, aspect, lens),
+            Camera::Perspective(camera) => camera.ray(at, aspect, lens),
+            Camera::Panorama(camera) => camera.ray(at),
+            Camera::Fisheye(camera) => camera.ray(at, aspect)?,
+            Camera::StereoCubemap(camera) => camera.ray(at),
+            Camera::Moving(moving) => moving.ray(at, aspect, lens, time)?,
+        };
+        Some(Ray { time, ..ray })
+    }
+
+    /// Whether rays depend on the time.
+    pub fn moves(&self) -> bool {
+        matches!(self, Camera::Moving(moving) if moving.map.moves())
+    }
+
+    /// The camera without its motion.
+    pub fn at_rest(&self) -> &Camera {
         match self {
-            Camera::Orthographic(camera) => Some(camera.ray(at, aspect, lens)),
-            Camera::Perspective(camera) => Some(camera.ray(at, aspect, lens)),
-            Camera::Panorama(camera) => Some(camera.ray(at)),
-            Camera::Fisheye(camera) => camera.ray(at, aspect),
-            Camera::StereoCubemap(camera) => Some(camera.ray(at)),
+            Camera::Moving(moving) => &moving.camera,
+            other => other,
         }
     }
 
@@ -70,7 +90,7 @@ impl Camera {
 
     /// Whether the place on the lens matters, or there is a pinhole.
     pub fn has_lens(&self) -> bool {
-        match self {
+        match self.at_rest() {
             Camera::Orthographic(camera) => camera.lens.is_some(),
             Camera::Perspective(camera) => camera.lens().is_some(),
             _ => false,
@@ -89,7 +109,7 @@ impl Camera {
     ///
     /// Reconstruction filters do not reach across their borders.
     pub fn cells(&self) -> [u32; 2] {
-        match self {
+        match self.at_rest() {
             Camera::StereoCubemap(_) => [12, 1],
             Camera::Panorama(camera) if camera.is_stereo() => [1, 2],
             _ => [1, 1],
@@ -98,7 +118,7 @@ impl Camera {
 
     /// Width over height that the picture should have, where the camera demands one.
     pub fn natural_aspect(&self) -> Option<f32> {
-        match self {
+        match self.at_rest() {
             Camera::StereoCubemap(_) => Some(12.0),
             Camera::Panorama(camera) => Some(if camera.is_stereo() { 1.0 } else { 2.0 }),
             Camera::Fisheye(camera) if !camera.to_corners => Some(1.0),

@@ -19,7 +19,7 @@ use kajo_math::{DMat3, DVec2, DVec3, fmath};
 use super::{Camera, FisheyeCamera, FisheyeProjection, Frame};
 
 impl Camera {
-    /// Position and axes.
+    /// Position and axes; for a camera that moves, before its motion.
     pub fn frame(&self) -> &Frame {
         match self {
             Camera::Orthographic(camera) => &camera.frame,
@@ -27,10 +27,11 @@ impl Camera {
             Camera::Panorama(camera) => &camera.frame,
             Camera::Fisheye(camera) => &camera.frame,
             Camera::StereoCubemap(camera) => &camera.frame,
+            Camera::Moving(moving) => moving.camera.frame(),
         }
     }
 
-    /// The same camera with another position and other axes.
+    /// The same camera with another position and other axes, where it rests.
     pub fn with_frame(self, frame: Frame) -> Camera {
         match self {
             Camera::Orthographic(mut camera) => {
@@ -50,6 +51,7 @@ impl Camera {
                 camera.frame = frame;
                 Camera::StereoCubemap(camera)
             }
+            Camera::Moving(moving) => moving.camera.with_frame(frame),
         }
     }
 
@@ -57,7 +59,11 @@ impl Camera {
     /// camera does not see that way, or sees everything twice.
     ///
     /// * `aspect`: width of the picture over its height
-    pub fn project(&self, p: DVec3, aspect: f64) -> Option<DVec2> {
+    /// * `time`: moment within the shutter interval
+    pub fn project(&self, p: DVec3, aspect: f64, time: f32) -> Option<DVec2> {
+        if let Camera::Moving(moving) = self {
+            return moving.project(p, aspect, time);
+        }
         let local = self.frame().local(p)?;
         let across = local.truncate();
         let at = match self {
@@ -129,10 +135,10 @@ mod tests {
             for i in 0..200 {
                 let s = Stream::new(3, [i, 0], 0);
                 let at = 2.0 * Vec2::new(s.uniform(0), s.uniform(1)) - 1.0;
-                let Some(ray) = camera.ray(at, aspect as f32, Vec2::splat(0.5)) else { continue };
+                let Some(ray) = camera.ray(at, aspect as f32, Vec2::splat(0.5), 0.0) else { continue };
                 let p = ray.o.as_dvec3() + f64::from(1.0 + 9.0 * s.uniform(2)) * ray.d.as_dvec3();
-                let Some(found) = camera.project(p, aspect) else { continue };
-                let again = camera.ray(found.as_vec2(), aspect as f32, Vec2::splat(0.5)).unwrap();
+                let Some(found) = camera.project(p, aspect, 0.0) else { continue };
+                let again = camera.ray(found.as_vec2(), aspect as f32, Vec2::splat(0.5), 0.0).unwrap();
                 let to_p = p - again.o.as_dvec3();
                 let beside = to_p.cross(again.d.as_dvec3()).length();
                 assert!(beside < 5e-6 * (1.0 + to_p.length()), "{camera:?}: {found} for {at}: {beside}");
@@ -146,7 +152,7 @@ mod tests {
     fn nothing_is_seen_behind_a_pinhole() {
         let camera = every_camera().into_iter().find(|c| matches!(c, Camera::Perspective(_))).unwrap();
         let Frame { center, forward, .. } = *camera.frame();
-        assert!(camera.project(center + forward, 1.0).unwrap().length() < 1e-12);
-        assert!(camera.project(center - forward, 1.0).is_none());
+        assert!(camera.project(center + forward, 1.0, 0.0).unwrap().length() < 1e-12);
+        assert!(camera.project(center - forward, 1.0, 0.0).is_none());
     }
 }

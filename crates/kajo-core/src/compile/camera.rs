@@ -1,14 +1,15 @@
 //! Camera blocks.
 
-use kajo_math::DVec3;
+use kajo_math::{DVec3, Motion};
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
-use super::Compiler;
 use super::lens::LensKeys;
+use super::{Compiler, motion};
 use crate::camera::{
-    Camera, EyePair, FisheyeCamera, FisheyeProjection, Frame, OrthographicCamera, PanoramaCamera,
-    PerspectiveCamera, Stereo, StereoCubemapCamera,
+    Camera, EyePair, FisheyeCamera, FisheyeProjection, Frame, MovingCamera, OrthographicCamera,
+    PanoramaCamera, PerspectiveCamera, Stereo, StereoCubemapCamera,
 };
+use crate::motion::{MovingTransform, Shutter};
 
 /// Words that make a camera.
 pub(super) const KEYWORDS: [&str; 5] =
@@ -43,9 +44,11 @@ impl Compiler<'_> {
             return Some(Camera::Orthographic(OrthographicCamera { frame, size: 2.0, lens: None }));
         };
         let raw_up = self.rules.raw_up;
-        let mut lens_keys = None;
+        let (mut lens_keys, mut moves) = (None, None);
+        let mut shutter = Shutter::default();
         let camera = self.read(item, |params| {
-            params.later(&["shutter"]);
+            shutter = motion::shutter(params);
+            moves = params.block("Motion");
             let frame = frame(params, raw_up);
             let eyes = |params: &mut Params<'_, '_>| {
                 let separation = params.or("eyeSeparation", EYE_SEPARATION, |a| a.number_in(0.0..));
@@ -78,7 +81,24 @@ impl Compiler<'_> {
             })
         });
         let lens = lens_keys.and_then(|keys| self.lens(keys));
-        Some(camera?.with_lens(lens))
+        self.shutter = shutter;
+        let moves = moves.and_then(|item| self.camera_motion(item));
+        let camera = camera?.with_lens(lens);
+        Some(match moves {
+            Some(map) => Camera::Moving(Box::new(MovingCamera { camera, map })),
+            None => camera,
+        })
+    }
+
+    /// The motion of a camera, which keeps its size.
+    fn camera_motion(&mut self, item: Item<'_>) -> Option<MovingTransform> {
+        let keys = motion::read(item, self.rules.matrix_by_rows, self.diagnostics)?;
+        if !keys.is_rigid() {
+            let error = Diagnostic::error("a camera can be moved and turned, but not stretched");
+            self.diagnostics.push(error.label(item.keyword_span(), "stretches the camera"));
+            return None;
+        }
+        Some(MovingTransform::new(Motion::keyed(keys), self.shutter))
     }
 }
 

@@ -5,7 +5,7 @@
 //! out is one flat list that one tree covers. A mesh is stored once, and an object of it takes
 //! little over a hundred bytes. A definition can only use those that stand before it, so none leads back to itself.
 
-use kajo_math::DAffine3;
+use kajo_math::{DAffine3, Motion};
 use kajo_scene::{Diagnostic, Item, Params, Span, nearest};
 
 use super::group::{Place, Walk};
@@ -15,11 +15,11 @@ use crate::objects::Label;
 use crate::shape::ShapeId;
 
 /// An object of a definition.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Part {
     pub shape: ShapeId,
     /// From the shape's space to the definition's.
-    pub map: DAffine3,
+    pub map: Motion,
     /// Its own material; without one it takes what is in force where the definition is placed.
     pub material: Option<MaterialId>,
     pub label: Label,
@@ -40,7 +40,7 @@ impl Compiler<'_> {
         };
         let mut inner =
             Walk { parts: Some(Vec::new()), material_failed: walk.material_failed, ..Walk::default() };
-        self.group(item, &mut Place::new(DAffine3::IDENTITY), &mut inner);
+        self.group(item, &mut Place::origin(), &mut inner);
         let parts: Definition = inner.parts.unwrap_or_default().into();
         self.parts_defined += parts.len();
         if self.definitions.insert(name.clone(), parts).is_some() {
@@ -78,7 +78,7 @@ impl Compiler<'_> {
     pub(super) fn operations<'t>(&mut self, item: Item<'t>) -> Vec<Item<'t>> {
         let mut params = Params::new(item, self.diagnostics);
         params.name();
-        let operations = params.take(&transform::OPERATIONS);
+        let operations = params.take(&transform::MOVING_OPERATIONS);
         params.finish();
         operations
     }
@@ -89,14 +89,14 @@ impl Compiler<'_> {
             return;
         }
         // Neighbours often stand at the same place, which they then share.
-        let mut latest: Option<(DAffine3, Place)> = None;
+        let mut latest: Option<(&Motion, Place)> = None;
         for part in parts {
-            if part.map == DAffine3::IDENTITY {
+            if part.map.constant() == Some(&DAffine3::IDENTITY) {
                 self.put(part, item, place, walk);
                 continue;
             }
-            if latest.as_ref().is_none_or(|(map, _)| *map != part.map) {
-                latest = Some((part.map, place.around(&part.map)));
+            if latest.as_ref().is_none_or(|(map, _)| **map != part.map) {
+                latest = Some((&part.map, place.around(&part.map)));
             }
             if let Some((_, there)) = &mut latest {
                 self.put(part, item, there, walk);

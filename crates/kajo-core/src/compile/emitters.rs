@@ -1,5 +1,6 @@
 //! Objects that give light: each piece of their surfaces becomes a light of its own.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use kajo_color::Emission;
@@ -11,6 +12,7 @@ use super::spectra::SpectrumReader;
 use crate::background::Background;
 use crate::family::Pooled;
 use crate::light::{AreaLight, Emitters, LightId, Sides, SkyLight};
+use crate::motion::MovingTransform;
 
 /// What a material says about giving light.
 #[derive(Clone, Debug)]
@@ -39,19 +41,25 @@ impl Compiler<'_> {
             return;
         }
         let mut unbounded = false;
+        let mut drifts = HashMap::new();
         for i in 0..self.primitives.len() {
             let primitive = self.primitives[i];
             let is_lamp = self.glows.contains_key(&primitive.material);
             unbounded |= is_lamp && !self.shapes.bounds(primitive.shape).is_finite();
             let mut lights = Vec::new();
-            let map = double(&self.transforms[primitive.transform as usize].world_from_object);
+            let (map, drift) = self.start(primitive.transform, &mut drifts);
             self.shapes.patches(primitive.shape, |part, patch| {
                 let slot = self.shapes.material_slot(primitive.shape, part);
                 let material = slot.map_or(primitive.material, |slot| self.slot_materials[slot as usize]);
                 let Some(Glow { emission, sides }) = self.glows.get(&material) else { return };
                 let patch = if primitive.transform == 0 { Some(patch) } else { patch.transformed(&map) };
+                let patch = match &drift {
+                    Some(drift) => patch.and_then(|patch| patch.movable(drift.sampled_maps())),
+                    None => patch,
+                };
                 let light = |patch| AreaLight {
                     patch,
+                    drift: drift.clone(),
                     emission: emission.clone(),
                     sides: *sides,
                     primitive: i as u32,
@@ -70,6 +78,22 @@ impl Compiler<'_> {
                 Diagnostic::warning("a plane without bounds gives no light, whatever its material says");
             self.diagnostics.push(warning.help("a `Quad` or a `Disk` can be a lamp"));
         }
+    }
+
+    /// The map of an object as the shutter opens, and how it moves from there if it does; `drifts` has those of the
+    /// objects before it.
+    fn start(
+        &self,
+        transform: u32,
+        drifts: &mut HashMap<u32, Arc<MovingTransform>>,
+    ) -> (DAffine3, Option<Arc<MovingTransform>>) {
+        if let Some(still) = self.transforms.get(transform as usize) {
+            return (double(&still.world_from_object), None);
+        }
+        let motion = &self.motions[(u32::MAX - transform) as usize];
+        let drift = || Arc::new(motion.since_opening());
+        let drift = motion.moves().then(|| Arc::clone(drifts.entry(transform).or_insert_with(drift)));
+        (motion.map_at(0.0), drift)
     }
 
     /// The lights that integrators draw from: those of the file, glowing pieces, and the background.

@@ -1,12 +1,13 @@
 //! `Group` and `Transform` blocks and the objects in them.
 
-use kajo_math::{DAffine3, Transform, Vec2};
+use kajo_math::{DAffine3, Motion, Transform, Vec2};
 use kajo_scene::{Args, Diagnostic, Item, Params, not_supported_yet, unknown_word};
 
 use super::definition::Part;
 use super::materials::Reference;
-use super::{Compiler, transform};
+use super::{Compiler, motion, transform};
 use crate::material::MaterialId;
+use crate::motion::MovingTransform;
 use crate::scene::Primitive;
 use crate::shape::{Cone, Cuboid, Disk, Plane, Quad, ShapeId, Sphere, Triangle};
 
@@ -42,18 +43,31 @@ pub(super) struct Walk {
 
 /// Where objects stand.
 pub(super) struct Place {
-    pub world: DAffine3,
-    /// The same with its inverse; `None` when there is none, and what stands here is never hit.
+    pub world: Motion,
+    /// The same with its inverse at a moment; `None` when there is none, and what stands here is never hit.
     transform: Option<Transform>,
     /// Its number among the scene's, once an object needs it.
     index: Option<u32>,
 }
 
 impl Place {
-    pub fn new(world: DAffine3) -> Place {
-        let transform = Transform::new(&world);
-        let index = transform.filter(Transform::is_identity).map(|_| 0);
-        Place { world, transform, index }
+    /// Where nothing has been moved.
+    pub fn origin() -> Place {
+        Place::new(Motion::still(DAffine3::IDENTITY))
+    }
+
+    fn new(world: Motion) -> Place {
+        let transform = match world.constant() {
+            Some(map) => Transform::new(map),
+            None => Transform::new(&world.at(0.0)),
+        };
+        let stays = transform.filter(|transform| world.constant().is_some() && transform.is_identity());
+        Place { world, transform, index: stays.map(|_| 0) }
+    }
+
+    /// The transform of a place that does not move.
+    fn fixed(&self) -> Option<&Transform> {
+        self.transform.as_ref().filter(|_| self.world.constant().is_some())
     }
 
     /// The same place for something that has no inverse whatever rounding makes of it.
@@ -62,14 +76,14 @@ impl Place {
     }
 
     /// The place of something that stands within what stands here.
-    pub fn around(&self, map: &DAffine3) -> Place {
-        let there = Place::new(self.world * *map);
+    pub fn around(&self, map: &Motion) -> Place {
+        let there = Place::new(self.world.then(map));
         if self.is_flat() { there.flattened() } else { there }
     }
 
     /// The place of something that has been taken here already.
     fn baked(&self) -> Place {
-        let origin = Place::new(DAffine3::IDENTITY);
+        let origin = Place::origin();
         if self.is_flat() { origin.flattened() } else { origin }
     }
 
@@ -81,7 +95,7 @@ impl Place {
 impl Compiler<'_> {
     /// Everything in the scene's group.
     pub(super) fn objects(&mut self, group: Item<'_>) {
-        self.group(group, &mut Place::new(DAffine3::IDENTITY), &mut Walk::default());
+        self.group(group, &mut Place::origin(), &mut Walk::default());
         if let Some((count, first)) = self.flat_triangles {
             let message = match count {
                 1 => "this triangle has no area and is left out".to_owned(),
@@ -135,7 +149,7 @@ impl Compiler<'_> {
         let mut operations = Vec::new();
         let mut objects = Vec::new();
         for child in self.children(item) {
-            if !transform::OPERATIONS.contains(&child.keyword()) {
+            if !transform::MOVING_OPERATIONS.contains(&child.keyword()) {
                 objects.push(child);
             } else if objects.is_empty() {
                 operations.push(child);
@@ -157,14 +171,14 @@ impl Compiler<'_> {
 
     /// The place that `operations` of `item` lead to from `place`; one that cannot be is reported.
     pub(super) fn moved(&mut self, item: Item<'_>, operations: &[Item<'_>], place: &Place) -> Place {
-        let mut local = DAffine3::IDENTITY;
+        let mut local = Motion::still(DAffine3::IDENTITY);
         let mut flattens = false;
         for &operation in operations {
-            local = transform::apply(local, operation, self.rules.matrix_by_rows, self.diagnostics);
+            local = self.operate(local, operation);
             // Rounding in a later product could hide that there is no inverse.
-            flattens |= local.matrix3.determinant() == 0.0;
+            flattens |= local.at(0.0).matrix3.determinant() == 0.0;
         }
-        let there = Place::new(place.world * local);
+        let there = Place::new(place.world.then(&local));
         if place.is_flat() {
             return there.flattened();
         }
@@ -176,6 +190,22 @@ impl Compiler<'_> {
             return there.flattened();
         }
         there
+    }
+
+    /// A map after one more operation.
+    fn operate(&mut self, map: Motion, operation: Item<'_>) -> Motion {
+        let by_rows = self.rules.matrix_by_rows;
+        if operation.keyword() == "Motion" {
+            let keys = motion::read(operation, by_rows, self.diagnostics);
+            return keys.map_or(map.clone(), |keys| map.then(&Motion::keyed(keys)));
+        }
+        let mut apply = |m| Motion::still(transform::apply(m, operation, by_rows, self.diagnostics));
+        match map.constant() {
+            Some(map) => apply(*map),
+            // `Matrix` multiplies from the left.
+            None if operation.keyword().starts_with("Matrix") => apply(DAffine3::IDENTITY).then(&map),
+            None => map.then(&apply(DAffine3::IDENTITY)),
+        }
     }
 
     fn primitive(&mut self, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
@@ -192,7 +222,7 @@ impl Compiler<'_> {
             "Sphere" => ("Sphere", self.read(item, read_sphere).and_then(|s| self.shape(item, s))),
             "Triangle" => {
                 let shape = self.triangle(item, place);
-                baked = Some(place.baked());
+                baked = place.world.constant().map(|_| place.baked());
                 ("Triangle", shape)
             }
             _ => ("TriangleMesh", self.mesh(item)),
@@ -205,7 +235,7 @@ impl Compiler<'_> {
         };
         let part = Part {
             shape,
-            map: DAffine3::IDENTITY,
+            map: Motion::still(DAffine3::IDENTITY),
             material: None,
             label: self.objects.label(name, keyword, item.index()),
             brings_materials,
@@ -220,7 +250,7 @@ impl Compiler<'_> {
         if let Some(parts) = &mut walk.parts {
             if !place.is_flat() {
                 let material = part.material.or(walk.material);
-                parts.push(Part { map: place.world, material, ..*part });
+                parts.push(Part { map: place.world.clone(), material, ..part.clone() });
             }
             return;
         }
@@ -246,14 +276,23 @@ impl Compiler<'_> {
     /// The number of a place's transform; `None` when it has none and nothing there can be hit.
     fn transform_number(&mut self, place: &mut Place) -> Option<u32> {
         let transform = place.transform?;
-        let transforms = &mut self.transforms;
-        Some(*place.index.get_or_insert_with(|| {
-            transforms.push(transform);
-            transforms.len() as u32 - 1
-        }))
+        let number = match (place.index, place.world.constant()) {
+            (Some(number), _) => number,
+            (None, Some(_)) => {
+                self.transforms.push(transform);
+                self.transforms.len() as u32 - 1
+            }
+            (None, None) => {
+                let number = u32::MAX - self.motions.len() as u32;
+                self.motions.push(MovingTransform::new(place.world.clone(), self.shutter));
+                number
+            }
+        };
+        place.index = Some(number);
+        Some(number)
     }
 
-    /// A single triangle, taken to its place at once: no ray is ever transformed for it.
+    /// A single triangle, taken to its place at once unless it moves: no ray is ever transformed for it.
     fn triangle(&mut self, item: Item<'_>, place: &Place) -> Option<ShapeId> {
         let mut triangle = self.read(item, read_triangle)?;
         if triangle.is_degenerate() {
@@ -261,7 +300,7 @@ impl Compiler<'_> {
             *count += 1;
             return None;
         }
-        if let Some(transform) = place.transform.filter(|transform| !transform.is_identity()) {
+        if let Some(transform) = place.fixed().filter(|transform| !transform.is_identity()) {
             triangle.vertices = triangle.vertices.map(|v| transform.point(v));
             if transform.mirrors() {
                 // The normal keeps its side of the surface: the order of the corners turns round.

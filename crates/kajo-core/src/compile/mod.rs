@@ -14,6 +14,7 @@ mod lights;
 mod materials;
 mod mesh;
 mod model;
+mod motion;
 mod physical;
 mod settings;
 mod spectra;
@@ -24,7 +25,7 @@ pub use self::transform::{OPERATIONS, operations_matrix};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use kajo_bvh::{BuildSettings, Bvh};
+use kajo_bvh::{BuildSettings, Bvh, MovingBvh};
 use kajo_color::Spectrum;
 use kajo_math::{Aabb, Transform};
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
@@ -34,6 +35,7 @@ use crate::background::Background;
 use crate::family::Pooled;
 use crate::light::{LightId, Lights};
 use crate::material::{MaterialId, Materials};
+use crate::motion::{MovingTransform, Shutter};
 use crate::objects::Objects;
 use crate::scene::{Primitive, Scene};
 use crate::settings::{Dialect, Rules, Settings};
@@ -135,6 +137,8 @@ struct Compiler<'a> {
     file_errors: &'a mut Vec<(MeshFileError, Span)>,
     shapes: Shapes,
     transforms: Vec<Transform>,
+    shutter: Shutter,
+    motions: Vec<MovingTransform>,
     primitives: Vec<Primitive>,
     objects: Objects,
     definitions: HashMap<String, Definition>,
@@ -174,6 +178,8 @@ impl<'a> Compiler<'a> {
             file_errors,
             shapes: Shapes::default(),
             transforms: vec![Transform::IDENTITY],
+            shutter: Shutter::default(),
+            motions: Vec::new(),
             primitives: Vec::new(),
             objects: Objects::default(),
             definitions: HashMap::new(),
@@ -242,6 +248,7 @@ impl<'a> Compiler<'a> {
         let mut scene = Scene {
             shapes: self.shapes,
             transforms: self.transforms,
+            motions: self.motions,
             transmits: self.primitives.iter().any(|p| p.transmits),
             primitives: self.primitives,
             objects: self.objects,
@@ -261,14 +268,27 @@ impl<'a> Compiler<'a> {
             has_group: rest.has_group,
             material_numbers,
             bvh: Bvh::default(),
+            moving: None,
             unbounded: Vec::new(),
+        };
+        let moving: Vec<[Aabb; 2]> = match scene.motions.iter().any(MovingTransform::moves) {
+            true => scene.primitives.iter().map(|p| scene.moving_bounds(p)).collect(),
+            false => Vec::new(),
         };
         let bounds: Vec<Aabb> = scene.primitives.iter().map(|p| scene.world_bounds(p)).collect();
         // The tree leaves empty boxes out, so unbounded shapes keep their numbers and stand aside.
-        let bounded = |b: &Aabb| if b.is_finite() { *b } else { Aabb::EMPTY };
+        let is_moving =
+            |i: usize| moving.get(i).is_some_and(|[open, _]| open.is_finite() && !open.is_empty());
+        let bounded = |(i, b): (usize, &Aabb)| {
+            if b.is_finite() && !is_moving(i) { *b } else { Aabb::EMPTY }
+        };
         let is_unbounded = |i: &u32| !bounds[*i as usize].is_finite() && !bounds[*i as usize].is_empty();
         scene.unbounded = (0..bounds.len() as u32).filter(is_unbounded).collect();
-        scene.bvh = Bvh::build(&bounds.iter().map(bounded).collect::<Vec<_>>(), &self.options.build);
+        scene.bvh =
+            Bvh::build(&bounds.iter().enumerate().map(bounded).collect::<Vec<_>>(), &self.options.build);
+        if !moving.is_empty() {
+            scene.moving = Some(MovingBvh::build(&moving, &self.options.build));
+        }
         scene
     }
 }

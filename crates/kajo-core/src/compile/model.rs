@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use kajo_color::Spectrum;
-use kajo_math::{Vec2, Vec3};
+use kajo_math::{Motion, Vec2, Vec3};
 use kajo_scene::{Args, AssetFile, Item, ModelInstance, ModelMaterial, ModelPart, Span, read_gltf};
 
 use super::Compiler;
@@ -111,10 +111,10 @@ impl Compiler<'_> {
         let mut parts = Vec::new();
         for instance in instances {
             let label = self.objects.label(instance.name.clone(), "Model", item.index());
-            let map = instance.model_from_mesh;
+            let map = Motion::still(instance.model_from_mesh);
             parts.extend(meshes[instance.mesh].iter().map(|&(shape, material)| Part {
                 shape,
-                map,
+                map: map.clone(),
                 material,
                 label,
                 brings_materials: false,

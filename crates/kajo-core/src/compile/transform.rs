@@ -10,6 +10,20 @@ use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 pub const OPERATIONS: [&str; 9] =
     ["Matrix", "Matrix4f", "Rotate", "Scale", "Translate", "UniformScale", "XRotate", "YRotate", "ZRotate"];
 
+/// Words for operations where things may move as well.
+pub(super) const MOVING_OPERATIONS: [&str; 10] = [
+    "Matrix",
+    "Matrix4f",
+    "Motion",
+    "Rotate",
+    "Scale",
+    "Translate",
+    "UniformScale",
+    "XRotate",
+    "YRotate",
+    "ZRotate",
+];
+
 /// `m` after one operation; a faulty one is reported and changes nothing.
 ///
 /// * `by_rows`: how the numbers of `Matrix` are ordered

@@ -2,13 +2,19 @@
 //!
 //! Such a light exists for each piece of every object whose material has an `emission`; it is not written on its
 //! own. The power of one side is `pi A L`.
+//!
+//! A piece that moves is drawn where it is at the time of the receiver's ray, and its density is that of the moved
+//! piece.
 
 use std::f32::consts::PI;
 
+use std::sync::Arc;
+
 use kajo_color::{Emission, Spectrum, Wavelengths};
-use kajo_math::{Vec2, Vec3};
+use kajo_math::{Aabb, Vec2, Vec3};
 
 use super::{Emitter, Illumination, LightBounds, LightSample, Target};
+use crate::motion::MovingTransform;
 use crate::shape::Patch;
 
 /// Which sides of a surface give light.
@@ -38,8 +44,10 @@ impl Sides {
 /// A piece of surface that gives light.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
-    /// Its geometry in world space.
+    /// Its geometry in world space, for one that moves at the opening of the shutter.
     pub patch: Patch,
+    /// How it has moved since then, if it does; a sphere must stay one.
+    pub drift: Option<Arc<MovingTransform>>,
     /// Radiance.
     pub emission: Emission,
     /// Which sides give light.
@@ -54,26 +62,63 @@ impl AreaLight {
     /// Density per solid angle with which [`Emitter::sample`] draws the place `p` for the receiver `from`.
     ///
     /// * `n`: unit geometric normal at `p`
+    /// * `time`: moment within the shutter interval
     #[inline]
-    pub fn pdf(&self, from: Vec3, p: Vec3, n: Vec3) -> f32 {
-        self.patch.pdf(from, p, n)
+    pub fn pdf(&self, from: Vec3, p: Vec3, n: Vec3, time: f32) -> f32 {
+        match &self.drift {
+            None => self.patch.pdf(from, p, n),
+            Some(drift) => self.patch.pdf_moved(&drift.map_at(time), from, p, n),
+        }
+    }
+
+    /// A box around the piece, its unit normal where it is the same everywhere, and its area.
+    ///
+    /// The area of a curved piece is that at the opening of the shutter.
+    fn outline(&self, time: f32) -> (Aabb, Option<Vec3>, f32) {
+        let (bounds, area) = (self.patch.bounds(), self.patch.area() as f32);
+        let normal = self.patch.normal().map(|n| n.as_vec3());
+        let Some(drift) = &self.drift else { return (bounds, normal, area) };
+        let map = drift.at(time);
+        let Some(n) = normal else { return (map.bounds(&bounds), None, area) };
+        // Areas grow by the volume's factor over that of the distance across.
+        let across: Vec3 = (map.object_from_world.matrix3.transpose() * kajo_math::Vec3A::from(n)).into();
+        let growth = map.world_from_object.matrix3.determinant().abs() * across.length();
+        (map.bounds(&bounds), Some(map.normal(n)), area * growth)
+    }
+
+    /// The box, the normal and the cosine of the largest angle between it and the normals at any time.
+    fn bounds_of_all_times(&self) -> (Aabb, Vec3, f32) {
+        const TIMES: u8 = 16;
+        let (mut bounds, normal, _) = self.outline(0.0);
+        if let Some(drift) = &self.drift {
+            let [open, close] = drift.bounds(&self.patch.bounds());
+            bounds = open.union(close);
+        }
+        let Some(n) = normal else { return (bounds, Vec3::Z, -1.0) };
+        let keeps = |i: u8| {
+            let then = self.outline(f32::from(i) / f32::from(TIMES)).1;
+            then.is_some_and(|then| then.dot(n) > 1.0 - 1e-6)
+        };
+        // One that turns may point anywhere for all that the choice of lamps needs to know.
+        let turns = self.drift.is_some() && !(0..=TIMES).all(keeps);
+        (bounds, n, if turns { -1.0 } else { 1.0 })
     }
 }
 
 impl Emitter for AreaLight {
     /// As if all light came from the middle of the piece.
-    fn illuminate(&self, p: Vec3) -> Illumination {
-        let bounds = self.patch.bounds();
+    fn illuminate(&self, p: Vec3, time: f32) -> Illumination {
+        let (bounds, normal, area) = self.outline(time);
         let to_light = bounds.center() - p;
         let distance = to_light.length();
         let wi = to_light / distance;
-        let (area, cos) = match self.patch.normal() {
+        let (area, cos) = match normal {
             Some(n) => {
-                let cos = -wi.dot(n.as_vec3());
-                (self.patch.area() as f32, if self.sides.emit(cos) { cos.abs() } else { 0.0 })
+                let cos = -wi.dot(n);
+                (area, if self.sides.emit(cos) { cos.abs() } else { 0.0 })
             }
             // A convex body shows a quarter of its surface on average.
-            None => (0.25 * self.patch.area() as f32, if self.sides == Sides::Back { 0.0 } else { 1.0 }),
+            None => (0.25 * area, if self.sides == Sides::Back { 0.0 } else { 1.0 }),
         };
         let irradiance =
             Spectrum::from(Vec3::from(self.emission.rgb())) * (area * cos / (distance * distance));
@@ -83,8 +128,11 @@ impl Emitter for AreaLight {
     }
 
     #[inline]
-    fn sample(&self, p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let drawn = self.patch.sample(p, u)?;
+    fn sample(&self, p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+        let drawn = match &self.drift {
+            None => self.patch.sample(p, u)?,
+            Some(drift) => self.patch.sample_moved(&drift.map_at(time), p, u)?,
+        };
         let wi = (drawn.p - p).normalize_or_zero();
         if !self.sides.emit(-wi.dot(drawn.n)) {
             return None;
@@ -97,11 +145,9 @@ impl Emitter for AreaLight {
     fn bounds(&self) -> Option<LightBounds> {
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
         let power = sides * PI * self.patch.area() as f32 * self.emission.luminance();
-        let (axis, cos_spread) = match self.patch.normal() {
-            Some(n) => (if self.sides == Sides::Back { -n.as_vec3() } else { n.as_vec3() }, 1.0),
-            None => (Vec3::Z, -1.0),
-        };
+        let (bounds, n, cos_spread) = self.bounds_of_all_times();
+        let axis = if self.sides == Sides::Back { -n } else { n };
         let two_sided = self.sides == Sides::Both;
-        Some(LightBounds { bounds: self.patch.bounds(), axis, cos_spread, cos_reach: 0.0, two_sided, power })
+        Some(LightBounds { bounds, axis, cos_spread, cos_reach: 0.0, two_sided, power })
     }
 }

@@ -28,12 +28,12 @@ pub struct DirectionalLight {
 
 impl Emitter for DirectionalLight {
     #[inline]
-    fn illuminate(&self, _p: Vec3) -> Illumination {
+    fn illuminate(&self, _p: Vec3, _time: f32) -> Illumination {
         Illumination { wi: self.to_light, distance: f32::INFINITY, intensity: self.intensity }
     }
 
     #[inline]
-    fn sample(&self, _p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+    fn sample(&self, _p: Vec3, _time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
         let mut radiance = self.emission.at(wavelengths);
         let mut wi = self.to_light;
         if self.disc > 0.0 {

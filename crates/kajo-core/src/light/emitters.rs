@@ -42,7 +42,8 @@ impl Emitters {
 
     /// Light drawn for a receiver; its density includes the choice of the lamp.
     ///
-    /// * `n`: unit normal of the receiver, or zero where it has none
+    /// * `p`, `n`: point and unit normal of the receiver; the normal is zero where it has none
+    /// * `time`: moment within the shutter interval
     /// * `u`: uniform in [0, 1), chooses the lamp
     #[inline]
     #[expect(
@@ -52,15 +53,15 @@ impl Emitters {
     pub fn sample(
         &self,
         lights: &Lights,
-        p: Vec3,
-        n: Vec3,
+        [p, n]: [Vec3; 2],
+        time: f32,
         u: f32,
         place: Vec2,
         wavelengths: &Wavelengths,
         choice: LightChoice,
     ) -> Option<LightSample> {
         let (light, probability) = self.tree.choose(p, n, u, choice)?;
-        let sample = lights.sample(self.list[light as usize], p, place, wavelengths)?;
+        let sample = lights.sample(self.list[light as usize], p, time, place, wavelengths)?;
         // The density of a lamp without extent is that of its choice.
         Some(LightSample { pdf: sample.pdf * probability, ..sample })
     }
@@ -77,16 +78,18 @@ impl Emitters {
     ///
     /// * `from`, `receiver`: point and unit normal of the receiver
     /// * `p`, `n`: the place and its unit geometric normal
+    /// * `time`: moment within the shutter interval
     #[inline]
     pub fn area_pdf(
         &self,
         (number, light): (u32, &AreaLight),
         [from, receiver]: [Vec3; 2],
         [p, n]: [Vec3; 2],
+        time: f32,
         choice: LightChoice,
     ) -> f32 {
         let probability = self.tree.probability(number, from, receiver, choice);
-        if probability > 0.0 { probability * light.pdf(from, p, n) } else { 0.0 }
+        if probability > 0.0 { probability * light.pdf(from, p, n, time) } else { 0.0 }
     }
 
     /// Density per solid angle with which [`Emitters::sample`] draws this direction to the background.

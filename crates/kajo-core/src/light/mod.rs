@@ -72,11 +72,15 @@ pub enum Target {
 /// What every light can do.
 pub trait Emitter {
     /// The light that arrives at the world-space point `p`, in the classic integrator's units.
-    fn illuminate(&self, p: Vec3) -> Illumination;
+    ///
+    /// * `time`: moment within the shutter interval
+    fn illuminate(&self, p: Vec3, time: f32) -> Illumination;
 
     /// Light that arrives at the world-space point `p` from a direction drawn with `u` in [0, 1)^2; `None` when
     /// none does.
-    fn sample(&self, p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
+    ///
+    /// * `time`: moment within the shutter interval
+    fn sample(&self, p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
 
     /// Where the light is and how strong, for the choice among many; `None` when it is infinitely far.
     fn bounds(&self) -> Option<LightBounds>;
@@ -102,9 +106,9 @@ family! {
     }
     methods {
         /// See [`Emitter::illuminate`].
-        fn illuminate(p: Vec3) -> Illumination;
+        fn illuminate(p: Vec3, time: f32) -> Illumination;
         /// See [`Emitter::sample`].
-        fn sample(p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
+        fn sample(p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
         /// See [`Emitter::bounds`].
         fn bounds() -> Option<LightBounds>;
         /// See [`Emitter::apex`].

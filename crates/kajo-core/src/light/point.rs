@@ -51,13 +51,13 @@ impl PointLight {
 
 impl Emitter for PointLight {
     #[inline]
-    fn illuminate(&self, p: Vec3) -> Illumination {
+    fn illuminate(&self, p: Vec3, _time: f32) -> Illumination {
         let (wi, distance, falloff) = self.seen_from(p);
         Illumination { wi, distance, intensity: self.intensity * falloff }
     }
 
     #[inline]
-    fn sample(&self, p: Vec3, _u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+    fn sample(&self, p: Vec3, _time: f32, _u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
         let (wi, _, falloff) = self.seen_from(p);
         let radiance = self.emission.at(wavelengths) * falloff;
         Some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target: Target::Point(self.position) })

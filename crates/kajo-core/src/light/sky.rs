@@ -67,12 +67,12 @@ impl SkyLight {
 
 impl Emitter for SkyLight {
     /// Nothing: the classic integrator has ambient light for this.
-    fn illuminate(&self, _p: Vec3) -> Illumination {
+    fn illuminate(&self, _p: Vec3, _time: f32) -> Illumination {
         Illumination { wi: Vec3::Y, distance: f32::INFINITY, intensity: kajo_color::Spectrum::BLACK }
     }
 
     #[inline]
-    fn sample(&self, _p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+    fn sample(&self, _p: Vec3, _time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
         let (wi, pdf) = self.draw(u)?;
         let radiance = self.background.radiance(wi, wavelengths);
         Some(LightSample { wi, radiance, pdf, is_delta: false, target: Target::Infinity })

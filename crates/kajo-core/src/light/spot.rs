@@ -41,14 +41,14 @@ impl SpotLight {
 
 impl Emitter for SpotLight {
     #[inline]
-    fn illuminate(&self, p: Vec3) -> Illumination {
-        let arriving = self.point.illuminate(p);
+    fn illuminate(&self, p: Vec3, time: f32) -> Illumination {
+        let arriving = self.point.illuminate(p, time);
         Illumination { intensity: arriving.intensity * self.profile(-arriving.wi.dot(self.axis)), ..arriving }
     }
 
     #[inline]
-    fn sample(&self, p: Vec3, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let sample = self.point.sample(p, u, wavelengths)?;
+    fn sample(&self, p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+        let sample = self.point.sample(p, time, u, wavelengths)?;
         let share = self.profile(-sample.wi.dot(self.axis));
         (share > 0.0).then(|| LightSample { radiance: sample.radiance * share, ..sample })
     }

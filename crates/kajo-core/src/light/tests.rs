@@ -149,7 +149,7 @@ fn lamps_without_extent_follow_their_laws() {
         emission: one.clone(),
         attenuation,
     };
-    let at = |lamp: &PointLight| lamp.sample(Vec3::ZERO, Vec2::ZERO, &Wavelengths::RGB).unwrap();
+    let at = |lamp: &PointLight| lamp.sample(Vec3::ZERO, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
     let sample = at(&lamp([0.0, 0.0, 1.0]));
     assert!(sample.is_delta && sample.wi == Vec3::Y && sample.pdf == 1.0);
     assert!((sample.radiance[0] - 0.25).abs() < 1e-6);
@@ -159,6 +159,7 @@ fn lamps_without_extent_follow_their_laws() {
 #[test]
 fn a_lamp_shines_from_its_sides_only() {
     let lamp = |sides| AreaLight {
+        drift: None,
         patch: Patch::Quad(square(1.0)),
         emission: Emission::from_rgb([1.0; 3]),
         sides,
@@ -166,13 +167,13 @@ fn a_lamp_shines_from_its_sides_only() {
         part: 0,
     };
     // The normal of the square is X x Z = -Y: its front looks down.
-    let lit = |sides, from| lamp(sides).sample(from, Vec2::splat(0.5), &Wavelengths::RGB).is_some();
+    let lit = |sides, from| lamp(sides).sample(from, 0.0, Vec2::splat(0.5), &Wavelengths::RGB).is_some();
     let (below, above) = (Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0));
     assert!(lit(Sides::Front, below) && !lit(Sides::Front, above));
     assert!(!lit(Sides::Back, below) && lit(Sides::Back, above));
     assert!(lit(Sides::Both, below) && lit(Sides::Both, above));
-    assert!(lamp(Sides::Front).illuminate(above).intensity.is_black());
-    let classic = lamp(Sides::Front).illuminate(Vec3::new(0.0, -9.0, 0.0));
+    assert!(lamp(Sides::Front).illuminate(above, 0.0).intensity.is_black());
+    let classic = lamp(Sides::Front).illuminate(Vec3::new(0.0, -9.0, 0.0), 0.0);
     // Far away a lamp is a point: L A / d^2 / pi.
     assert!((classic.intensity[0] * 100.0 * std::f32::consts::PI - 1.0).abs() < 1e-3);
 }
@@ -231,7 +232,8 @@ fn spots_send_their_profile_at_every_angle() {
         let p = 2.0 * Vec3::new(sin as f32, -c as f32, 0.0);
         let x = ((c - cos(35.0)) / (cos(15.0) - cos(35.0))).clamp(0.0, 1.0);
         let expected = 3.0 * x * x * (3.0 - 2.0 * x) / 4.0;
-        let found = spot.sample(p, Vec2::ZERO, &Wavelengths::RGB).map_or(0.0, |s| f64::from(s.radiance[0]));
+        let found =
+            spot.sample(p, 0.0, Vec2::ZERO, &Wavelengths::RGB).map_or(0.0, |s| f64::from(s.radiance[0]));
         assert!((found - expected).abs() < 1e-4, "{angle}: {found} {expected}");
     }
 }
@@ -246,7 +248,7 @@ fn a_wide_directional_light_keeps_its_irradiance_and_stays_on_its_disc() {
             DirectionalLight { to_light, disc: 2.0 * sin * sin, intensity: Spectrum::WHITE, emission };
         let (mut sum, n) = (0.0, 40_000);
         for i in 0..n {
-            let sample = light.sample(Vec3::ZERO, draw(i), &Wavelengths::RGB).unwrap();
+            let sample = light.sample(Vec3::ZERO, 0.0, draw(i), &Wavelengths::RGB).unwrap();
             let cos = f64::from(sample.wi.dot(to_light));
             let limit = f64::from(0.5 * degrees).to_radians().cos();
             assert!(cos > limit - 1e-6 && sample.is_delta && sample.pdf == 1.0);

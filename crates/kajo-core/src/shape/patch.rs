@@ -11,6 +11,8 @@
 //! and [`Patch::pdf`] goes by the very rules of [`Patch::sample`]: two estimators combined by weights need
 //! one truth about the density, on the lamp itself and inside it too.
 
+mod moved;
+
 use std::f64::consts::{PI, TAU};
 
 use kajo_math::solid_angle::{SPHERE, SphericalCap, SphericalRectangle, SphericalTriangle};
@@ -222,11 +224,10 @@ impl Patch {
             Patch::Quad(QuadPatch { corner, edges: [a, b] }) => corner + x * a + y * b,
             Patch::Disk(disk) => disk.point(x, y),
             Patch::Sphere { center, radius } => center + *radius * on_unit_sphere(x, y),
-            Patch::Curved(curved) => curved.point(x, y),
+            Patch::Curved(curved) => return curved.sample_area(u),
         };
-        let placed = self.place(p, 0.0);
-        let pdf = self.pdf_area(placed.p);
-        (pdf.is_finite() && pdf > 0.0).then_some(PatchSample { pdf, ..placed })
+        let pdf = (1.0 / self.area()) as f32;
+        (pdf.is_finite() && pdf > 0.0).then(|| self.place(p, pdf))
     }
 
     /// Density per area with which [`Patch::sample_area`] draws the place `p`.
@@ -298,7 +299,7 @@ impl Patch {
     fn place(&self, p: DVec3, pdf: f32) -> PatchSample {
         let n = match self {
             Patch::Sphere { center, .. } => (p - center).normalize_or(DVec3::Z),
-            Patch::Curved(curved) => curved.normal(p),
+            Patch::Curved(curved) => return curved.place(p, pdf),
             _ => self.normal().unwrap_or(DVec3::Z),
         };
         let single = p.as_vec3();
@@ -315,7 +316,7 @@ impl Patch {
                 (center.abs() + a.abs() + b.abs()).as_vec3()
             }
             Patch::Sphere { center, radius } => (center.abs() + *radius).as_vec3(),
-            Patch::Curved(curved) => curved.bounds().max.abs().max(curved.bounds().min.abs()),
+            Patch::Curved(curved) => curved.reach(),
         }
     }
 }
@@ -435,8 +436,23 @@ impl CurvedPatch {
         }
     }
 
-    fn point(&self, x: f64, y: f64) -> DVec3 {
-        self.map.transform_point3(self.canonical(x, y))
+    /// See [`Patch::sample_area`].
+    fn sample_area(&self, u: Vec2) -> Option<PatchSample> {
+        let p = self.map.transform_point3(self.canonical(u.x.into(), u.y.into()));
+        let placed = self.place(p, 0.0);
+        let pdf = self.pdf_area(placed.p.as_dvec3()) as f32;
+        (pdf.is_finite() && pdf > 0.0).then_some(PatchSample { pdf, ..placed })
+    }
+
+    fn place(&self, p: DVec3, pdf: f32) -> PatchSample {
+        let single = p.as_vec3();
+        let p_error = gamma(4) * (single.abs() + self.reach());
+        PatchSample { p: single, p_error, n: self.normal(p).as_vec3(), pdf }
+    }
+
+    fn reach(&self) -> Vec3 {
+        let bounds = self.bounds();
+        bounds.max.abs().max(bounds.min.abs())
     }
 
     fn canonical_normal(&self, q: DVec3) -> DVec3 {

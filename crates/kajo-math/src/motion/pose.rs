@@ -105,6 +105,12 @@ impl Segment {
         self.shift == DVec3::ZERO && self.angle == 0.0 && self.strain == DMat3::ZERO
     }
 
+    /// Whether lengths stay what they are, up to the rounding of single precision.
+    pub fn is_rigid(&self) -> bool {
+        let is_one = |m: DMat3| largest(&(m - DMat3::IDENTITY)) < 1e-6;
+        is_one(self.from.stretch) && is_one(self.from.stretch + self.strain)
+    }
+
     /// Whether the turn is half a circle, for which there is no shorter way.
     pub fn is_half_turn(&self) -> bool {
         self.angle > std::f64::consts::PI * (1.0 - 1e-6)

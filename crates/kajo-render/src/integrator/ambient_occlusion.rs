@@ -50,6 +50,6 @@ impl PixelIntegrator for AmbientOcclusion<'_> {
         let shadow = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
         let hidden = below || self.view.scene.occluded(&shadow);
         let open = if hidden { 0.0 } else { 1.0 };
-        PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at)) }
+        PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at, &mut ctx.aux)) }
     }
 }

@@ -132,7 +132,7 @@ impl<'a> Classic<'a> {
             let phong = match materials.constant(at.material) {
                 Some(phong) => phong,
                 None => {
-                    mixed = materials.phong(at.material, materials, textures, at.point.p);
+                    mixed = materials.phong(at.material, materials, textures, self.scene.pattern_point(at));
                     &mixed
                 }
             };
@@ -176,7 +176,8 @@ impl<'a> Classic<'a> {
         let n = if from_behind { -at.point.n } else { at.point.n };
         let wo = -ray.d;
         for (number, &id) in self.scene.light_list.iter().enumerate() {
-            let Illumination { wi, distance, intensity } = self.scene.lights.illuminate(id, at.point.p);
+            let Illumination { wi, distance, intensity } =
+                self.scene.lights.illuminate(id, at.point.p, at.time);
             let shaded = phong.shade(n, wo, wi, intensity, self.settings.highlight);
             if !shaded.is_black() {
                 let shadow_ray = at.point.ray_towards(wi, distance, ray.time, self.settings.ray_offset);
@@ -274,7 +275,7 @@ impl<'a> Classic<'a> {
     /// What a surface does with white light in all: scatter, mirror and let through.
     fn albedo(&self, at: &Interaction) -> [f32; 3] {
         let Scene { materials, textures, .. } = self.scene;
-        let phong = materials.phong(at.material, materials, textures, at.point.p);
+        let phong = materials.phong(at.material, materials, textures, self.scene.pattern_point(at));
         (phong.diffuse + phong.reflective + phong.transparent).to_rgb().map(|v| v.min(1.0))
     }
 
@@ -320,7 +321,7 @@ impl PixelIntegrator for Classic<'_> {
             Event::Surface(at) => Some(at),
             Event::Escaped => None,
         };
-        let first = met.map(|at| self.view.first_hit(at));
+        let first = met.map(|at| self.view.first_hit(at, &mut ctx.aux));
         if let Some(at) = met.filter(|_| self.view.wants_albedo()) {
             ctx.aux.albedo = self.albedo(at);
         }

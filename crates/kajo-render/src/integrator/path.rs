@@ -95,7 +95,7 @@ impl PixelIntegrator for Path<'_> {
         if self.view.wants_albedo() {
             ctx.aux.albedo = sensor::to_rgb(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
         }
-        PixelSample { radiance, first: first.map(|at| self.view.first_hit(&at)) }
+        PixelSample { radiance, first: first.map(|at| self.view.first_hit(&at, &mut ctx.aux)) }
     }
 }
 

@@ -6,6 +6,7 @@ use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
 
+use crate::context::Auxiliary;
 use crate::{FirstHit, Layer, LayerSet};
 
 /// A scene as a camera sees it in a picture of some size.
@@ -15,16 +16,19 @@ pub(super) struct View<'a> {
     /// Columns and rows of the picture.
     pub size: [u32; 2],
     layers: LayerSet,
+    /// Whether rays need a time.
+    moves: bool,
 }
 
 impl<'a> View<'a> {
     pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> View<'a> {
-        View { scene, camera: &scene.camera, size, layers }
+        let camera = &scene.camera;
+        View { scene, camera, size, layers, moves: scene.moves() }
     }
 
     /// The same through another camera than the scene's.
     pub fn through(self, camera: &'a Camera) -> View<'a> {
-        View { camera, ..self }
+        View { camera, moves: self.scene.moves() || camera.moves(), ..self }
     }
 
     /// The camera ray through a place of the picture, in pixels from its top left corner; none where the camera
@@ -33,9 +37,9 @@ impl<'a> View<'a> {
     /// Takes the dimensions of the lens and the time.
     pub fn ray(&self, raster: Vec2, draws: &mut Draws<'_>) -> Option<Ray> {
         let lens = draws.pair_if(self.camera.has_lens());
-        draws.skip(1);
+        let time = draws.number_if(self.moves);
         let film = Raster::new(self.size, &self.scene.rules);
-        self.camera.ray(film.picture(raster), film.aspect(), lens)
+        self.camera.ray(film.picture(raster), film.aspect(), lens, time)
     }
 
     /// Whether the layers record albedos.
@@ -43,11 +47,25 @@ impl<'a> View<'a> {
         self.layers.has(Layer::Albedo)
     }
 
-    /// What the layers record of a surface.
-    pub fn first_hit(&self, at: &Interaction) -> FirstHit {
+    /// What the layers record of the first surface; its motion goes to `aux`.
+    pub fn first_hit(&self, at: &Interaction, aux: &mut Auxiliary) -> FirstHit {
+        if self.moves && self.layers.has(Layer::Motion) {
+            aux.motion = self.motion(at).unwrap_or_default().to_array();
+        }
         let uv = if self.layers.has(Layer::Uv) { self.scene.uv(at) } else { Vec2::ZERO };
         let numbered = self.layers.has(Layer::MaterialId);
         let material = if numbered { self.scene.material_number(at.material) } else { 0 };
         FirstHit { t: at.hit.t, n: at.point.n, uv, object: at.primitive + 1, material }
+    }
+
+    /// How far a point moves in the picture from the opening of the shutter to its closing, in pixels; none where
+    /// the camera does not see it all the time.
+    fn motion(&self, at: &Interaction) -> Option<Vec2> {
+        let film = Raster::new(self.size, &self.scene.rules);
+        let place = |time: f32| {
+            let p = self.scene.point_at(at, time).as_dvec3();
+            self.camera.project(p, film.aspect().into(), time).map(|at| film.place(at))
+        };
+        Some((place(1.0)? - place(0.0)?).as_vec2())
     }
 }

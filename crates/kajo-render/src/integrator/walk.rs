@@ -253,7 +253,7 @@ impl<'a, 'b> Walk<'a, 'b> {
         self.throughput *= sample.weight;
         self.squeeze *= sample.eta * sample.eta;
         self.origin = Origin {
-            receiver: Receiver { p: at.point.p, n: local.frame.n },
+            receiver: Receiver { p: at.point.p, n: local.frame.n, time: at.time },
             pdf: (!sample.kind.delta).then_some(sample.pdf),
         };
         self.ray = at.point.ray_towards(wi, f32::INFINITY, self.ray.time, RayOffset::Auto);
@@ -293,7 +293,7 @@ impl<'a, 'b> Walk<'a, 'b> {
         let u = self.draws.number_if(self.scene().emitters.len() > 1);
         let place = self.draws.next_2d();
         let settings = &self.settings;
-        let receiver = Receiver { p: at.point.p, n: local.frame.n };
+        let receiver = Receiver { p: at.point.p, n: local.frame.n, time: at.time };
         let drawn = self.scene().light_towards(&receiver, u, place, &self.wavelengths, settings.light_choice);
         let Some(lamp) = drawn.filter(|lamp| !lamp.radiance.is_black()) else { return };
         let wi = local.frame.to_local(lamp.wi);

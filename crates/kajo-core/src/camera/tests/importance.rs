@@ -39,13 +39,13 @@ fn a_ray_of_the_camera_is_found_where_it_was_cast() {
             let at = 1.98 * Vec2::new(s.uniform(0), s.uniform(1)) - 0.99;
             // The hull of the lens itself is left out, where rounding decides.
             let u = 0.02 + 0.96 * Vec2::new(s.uniform(2), s.uniform(3));
-            let ray = camera.ray(at, ASPECT, u).expect("a ray");
-            let seen = camera.importance(ray.o, ray.d, ASPECT).expect("the camera cast it");
+            let ray = camera.ray(at, ASPECT, u, 0.0).expect("a ray");
+            let seen = camera.importance(ray.o, ray.d, ASPECT, 0.0).expect("the camera cast it");
             assert!(seen.at.distance(at) < 1e-5, "{at} {seen:?}");
             // The rays are drawn in proportion to importance times cosine.
             let cosine = ray.d.dot(axes(&camera).forward.as_vec3());
             assert!((seen.we * cosine / (seen.pdf_area * seen.pdf_direction) - 1.0).abs() < 1e-5);
-            assert_eq!(camera.importance(ray.o, -ray.d, ASPECT), None, "behind the camera");
+            assert_eq!(camera.importance(ray.o, -ray.d, ASPECT, 0.0), None, "behind the camera");
         }
     }
 }
@@ -70,7 +70,7 @@ fn importance_integrates_to_one() {
                     ((f64::from(i % n) + u(0)) / f64::from(n), (f64::from(i / n) + u(1)) / f64::from(n));
                 let p = middle + width * (x - 0.5) * frame.right + height * (y - 0.5) * frame.up;
                 let lens = Vec2::new(s.uniform(2), s.uniform(3));
-                let Some(way) = camera.connect(p.as_vec3(), lens, ASPECT) else { continue };
+                let Some(way) = camera.connect(p.as_vec3(), lens, ASPECT, 0.0) else { continue };
                 let cosine = -way.wi.as_dvec3().dot(frame.forward);
                 let value = width * height * cosine * f64::from(way.we / way.pdf) / f64::from(n * n);
                 quarters[usize::from(way.at.x > 0.0) + 2 * usize::from(way.at.y > 0.0)] += value / 32.0;
@@ -94,10 +94,10 @@ fn a_connection_ends_on_the_lens_and_shows_where_the_camera_looks() {
             let at = 1.8 * Vec2::new(s.uniform(0), s.uniform(1)) - 0.9;
             let u = Vec2::new(s.uniform(2), s.uniform(3));
             // A point in focus is seen at the same place through any point of the lens.
-            let ray = camera.ray(at, ASPECT, u).expect("a ray");
+            let ray = camera.ray(at, ASPECT, u, 0.0).expect("a ray");
             let t = 4.0 / f64::from(ray.d.dot(frame.forward.as_vec3()));
             let p = ray.o.as_dvec3() + t * ray.d.as_dvec3();
-            let way = camera.connect(p.as_vec3(), Vec2::new(u.y, u.x), ASPECT).expect("it is seen");
+            let way = camera.connect(p.as_vec3(), Vec2::new(u.y, u.x), ASPECT, 0.0).expect("it is seen");
             assert!(way.at.distance(at) < 1e-4, "{at} {way:?}");
             let o = p + f64::from(way.distance) * way.wi.as_dvec3();
             assert!((o - frame.center).dot(frame.forward).abs() < 1e-5);
@@ -111,7 +111,7 @@ fn what_is_not_in_the_picture_has_no_importance() {
         let frame = axes(&camera);
         let at = |right: f64, forward: f64| {
             let p = frame.center + right * frame.right + forward * frame.forward;
-            camera.connect(p.as_vec3(), Vec2::splat(0.4), ASPECT)
+            camera.connect(p.as_vec3(), Vec2::splat(0.4), ASPECT, 0.0)
         };
         assert!(at(0.0, 3.0).is_some());
         assert_eq!(at(30.0, 3.0), None, "beside the picture");
@@ -124,6 +124,6 @@ fn what_is_not_in_the_picture_has_no_importance() {
         Camera::Panorama(PanoramaCamera { frame, eyes: None }),
     ] {
         let p = (frame.center + frame.forward).as_vec3();
-        assert_eq!(camera.connect(p, Vec2::splat(0.5), ASPECT), None, "{camera:?}");
+        assert_eq!(camera.connect(p, Vec2::splat(0.5), ASPECT, 0.0), None, "{camera:?}");
     }
 }

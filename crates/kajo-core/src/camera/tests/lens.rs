@@ -26,7 +26,7 @@ fn grid(n: u32) -> impl Iterator<Item = Vec2> {
 
 /// Where the ray of a place of the picture meets the plane at depth `z`.
 fn meets(camera: &Camera, at: Vec2, lens: Vec2, z: f64) -> DVec3 {
-    let ray = camera.ray(at, 1.5, lens).expect("a ray");
+    let ray = camera.ray(at, 1.5, lens, 0.0).expect("a ray");
     let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
     o - d * (z + o.z) / d.z
 }
@@ -59,7 +59,7 @@ fn circles_on_the_film_are_those_of_the_thin_lens() {
         // The ray from a point of the axis through the upper end of the lens, and its place in the picture.
         let o = DVec3::new(0.0, 0.5 * f / n * (1.0 - 1e-6), 0.0);
         let d = (DVec3::new(0.0, 0.0, -z) - o).normalize();
-        let seen = camera.importance(o.as_vec3(), d.as_vec3(), 1.5).expect("in the picture");
+        let seen = camera.importance(o.as_vec3(), d.as_vec3(), 1.5, 0.0).expect("in the picture");
         // At unit distance the picture is tan(0.3) high; the film is s f / (s - f) away.
         let on_film = f64::from(seen.at.y).abs() * 0.3f64.tan() * s * f / (s - f);
         assert!((2.0 * on_film / circle - 1.0).abs() < 1e-3, "{z}: {}", 2.0 * on_film);
@@ -112,9 +112,9 @@ fn highlights_behind_the_focus_are_upright() {
     let lamp = DVec3::new(0.0, 0.0, -20.0);
     // Of all rays to the lamp, the one through the corner on top of the lens appears highest.
     let place = |u| {
-        let o = camera.ray(Vec2::ZERO, 1.5, u).expect("a ray").o;
+        let o = camera.ray(Vec2::ZERO, 1.5, u, 0.0).expect("a ray").o;
         let d = (lamp - o.as_dvec3()).normalize();
-        (camera.importance(o, d.as_vec3(), 1.5).expect("in the picture").at.y, o.y)
+        (camera.importance(o, d.as_vec3(), 1.5, 0.0).expect("in the picture").at.y, o.y)
     };
     let all: Vec<_> = grid(40).map(place).collect();
     let highest = all.iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("some");
@@ -128,7 +128,7 @@ fn a_pinhole_does_not_look_at_the_lens() {
         Camera::Orthographic(OrthographicCamera { frame: frame(), size: 2.0, lens: None }),
     ] {
         assert!(!camera.has_lens());
-        let ray = |u| camera.ray(Vec2::new(0.1, 0.2), 1.5, u).map(|ray| (ray.o, ray.d));
+        let ray = |u| camera.ray(Vec2::new(0.1, 0.2), 1.5, u, 0.0).map(|ray| (ray.o, ray.d));
         assert_eq!(ray(Vec2::ZERO), ray(Vec2::splat(0.9)));
     }
 }

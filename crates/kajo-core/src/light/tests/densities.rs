@@ -157,7 +157,7 @@ fn skies_with_their_sun() {
     // Irradiance of a level place: the dome's by a fine sum, and the sun's by its solid angle.
     let (mut sun_hits, mut sum, mut squares, n) = (0, 0.0, 0.0, 200_000);
     for i in 0..n {
-        let s = sky.sample(Vec3::ZERO, draw(i), &Wavelengths::RGB).unwrap();
+        let s = sky.sample(Vec3::ZERO, 0.0, draw(i), &Wavelengths::RGB).unwrap();
         assert!((sky.pdf(s.wi) / s.pdf - 1.0).abs() < 1e-2, "{}", s.wi);
         sun_hits += u32::from(s.pdf > 1000.0);
         let e = f64::from(s.radiance.luminance() * s.wi.y.max(0.0) / s.pdf);

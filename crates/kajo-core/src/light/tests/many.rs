@@ -13,7 +13,7 @@ fn grid() -> (Lights, Emitters) {
         if i.is_multiple_of(3) {
             let patch = Patch::Quad(QuadPatch { corner: at, edges: [0.1 * DVec3::X, 0.1 * DVec3::Z] });
             let emission = Emission::from_rgb([100.0 * strength; 3]);
-            let area = AreaLight { patch, emission, sides: Sides::Both, primitive: i, part: 0 };
+            let area = AreaLight { patch, emission, drift: None, sides: Sides::Both, primitive: i, part: 0 };
             areas.extend(area.store(&mut lights));
         } else {
             let point = PointLight {
@@ -38,7 +38,7 @@ fn estimate(lights: &Lights, emitters: &Emitters, p: Vec3, n: Vec3, choice: Ligh
     for i in 0..count {
         let s = Stream::new(32, [i, 0], 0);
         let (u, place) = (s.uniform(0), Vec2::new(s.uniform(1), s.uniform(2)));
-        let sample = emitters.sample(lights, p, n, u, place, &Wavelengths::RGB, choice);
+        let sample = emitters.sample(lights, [p, n], 0.0, u, place, &Wavelengths::RGB, choice);
         let value = sample
             .map_or(0.0, |sample| f64::from(sample.radiance[0] * sample.wi.dot(n).max(0.0) / sample.pdf));
         sum += value;

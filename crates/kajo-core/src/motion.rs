@@ -1,0 +1,139 @@
+//! Things that move while the shutter is open.
+//!
+//! A ray knows its moment `s` in the shutter interval, 0 at the opening and 1 at the closing. It meets every object
+//! where that is at the time `open + s (close - open)`: the picture is the mean over that interval, the integral
+//! of motion blur by one more dimension of samples [Cook, Porter and Carpenter 1984].
+
+use kajo_math::{Aabb, Affine3A, DAffine3, Motion, Transform, Vec3};
+
+/// From when to when the shutter is open, in the time of the scene's keys.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shutter {
+    /// The moment of a ray at time 0.
+    pub open: f64,
+    /// The moment of a ray at time 1, not before `open`.
+    pub close: f64,
+}
+
+impl Default for Shutter {
+    fn default() -> Shutter {
+        Shutter { open: 0.0, close: 1.0 }
+    }
+}
+
+impl Shutter {
+    /// The moment of a ray's time.
+    #[inline]
+    fn moment(&self, time: f32) -> f64 {
+        self.open + f64::from(time) * (self.close - self.open)
+    }
+
+    /// The interval as a pair.
+    pub fn interval(&self) -> [f64; 2] {
+        [self.open, self.close]
+    }
+}
+
+/// A map from object to world space that changes with the time of a ray.
+#[derive(Clone, Debug)]
+pub struct MovingTransform {
+    motion: Motion,
+    shutter: Shutter,
+    /// The map, if it is the same for all rays.
+    resting: Option<Transform>,
+    /// The map at the time 0 of the scene.
+    painted: Affine3A,
+}
+
+impl MovingTransform {
+    /// The map `motion` as seen through the shutter.
+    pub fn new(motion: Motion, shutter: Shutter) -> MovingTransform {
+        let resting = motion.is_still_over(shutter.interval());
+        let resting = resting.then(|| Transform::of_invertible(&motion.at(shutter.open)));
+        let painted = Transform::of_invertible(&motion.at(0.0)).world_from_object;
+        MovingTransform { motion, shutter, resting, painted }
+    }
+
+    /// The map at a ray's time.
+    #[inline]
+    pub fn at(&self, time: f32) -> Transform {
+        self.resting.unwrap_or_else(|| Transform::of_invertible(&self.map_at(time)))
+    }
+
+    /// The same in double precision.
+    #[inline]
+    pub fn map_at(&self, time: f32) -> DAffine3 {
+        self.motion.at(self.shutter.moment(time))
+    }
+
+    /// Whether the map differs between rays.
+    pub fn moves(&self) -> bool {
+        self.resting.is_none()
+    }
+
+    /// Boxes for the opening and the closing of the shutter such that the box that moves steadily from one to the
+    /// other holds the image of `b` at all times.
+    pub fn bounds(&self, b: &Aabb) -> [Aabb; 2] {
+        self.motion.bounds(b, self.shutter.interval())
+    }
+
+    /// Where the point of the object that is at the world-space point `p` at a ray's time is at time 0 of the scene.
+    ///
+    /// Patterns in world space are painted there, and so go along with the object.
+    pub fn painted(&self, p: Vec3, time: f32) -> Vec3 {
+        self.painted.transform_point3(self.at(time).object_from_world.transform_point3(p))
+    }
+
+    /// The map at some times that tell whether it ever changes shapes.
+    pub fn sampled_maps(&self) -> impl Iterator<Item = DAffine3> {
+        (0..=32u8).map(|i| self.map_at(f32::from(i) / 32.0))
+    }
+
+    /// How far things that start as they are when the shutter opens have moved at a ray's time.
+    pub fn since_opening(&self) -> MovingTransform {
+        let back = Motion::still(self.map_at(0.0).inverse());
+        MovingTransform::new(self.motion.then(&back), self.shutter)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kajo_math::{DVec3, Keyframes};
+
+    fn moving(shutter: Shutter) -> MovingTransform {
+        let there = DAffine3::from_translation(DVec3::X) * DAffine3::from_rotation_z(1.0);
+        let keys = [(0.0, DAffine3::IDENTITY), (2.0, there)];
+        MovingTransform::new(Motion::keyed(Keyframes::new(&keys).unwrap()), shutter)
+    }
+
+    #[test]
+    fn times_of_rays_are_shares_of_the_shutter() {
+        let map = moving(Shutter { open: 0.5, close: 1.5 });
+        assert!(map.moves());
+        assert_eq!(map.at(0.5).world_from_object.translation.x, 0.5);
+        assert_eq!(map.at(1.0).world_from_object.translation.x, 0.75);
+        for shutter in [Shutter { open: 1.0, close: 1.0 }, Shutter { open: 3.0, close: 4.0 }] {
+            let map = moving(shutter);
+            assert!(!map.moves());
+            assert_eq!(map.at(0.0), map.at(1.0));
+            let expected = moving(Shutter { open: 0.0, close: 4.0 }).at(0.25 * shutter.open as f32);
+            let p = Vec3::new(3.0, 4.0, 5.0);
+            assert!(map.at(0.3).point(p).distance(expected.point(p)) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn patterns_stay_on_the_object() {
+        let map = moving(Shutter { open: 0.5, close: 1.5 });
+        let p = Vec3::new(3.0, 4.0, 5.0);
+        for time in [0.0, 0.4, 1.0] {
+            // The map at time 0 of the scene is the identity.
+            assert!(map.painted(map.at(time).point(p), time).distance(p) < 1e-5);
+        }
+        let since = map.since_opening();
+        assert!(since.at(0.0).point(p).distance(p) < 1e-6);
+        let start = map.at(0.0).point(p);
+        assert!(since.at(0.7).point(start).distance(map.at(0.7).point(p)) < 1e-5);
+    }
+}
