@@ -102,6 +102,8 @@ fn assets(scene: &str) -> MemoryAssets {
                 "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}]}"#;
             let folder = word.rsplit_once('/').map_or("", |(folder, _)| folder);
             assets = assets.with(word, json).with(format!("{folder}/buffer.bin"), bytes);
+        } else if word.ends_with(".ies") {
+            assets = assets.with(word, "TILT=NONE\n1 -1 1  2 1 1 2  0 0 0\n1 1 60\n0 90\n0\n800 0\n");
         } else if word.ends_with(".txt") {
             assets = assets.with(word, "");
         }

@@ -32,6 +32,7 @@ mod byte_reader;
 mod diagnostic;
 mod edit;
 mod gltf;
+mod ies;
 mod lexer;
 mod limits;
 mod line_reader;
@@ -56,6 +57,7 @@ pub use assets::{AssetError, AssetFile, Assets, LoadStep, MemoryAssets, read_lim
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
 pub use edit::{EditError, apply_edits, format_number};
 pub use gltf::{Model, ModelInstance, ModelMaterial, ModelPart, read_gltf};
+pub use ies::{IesError, IesFile, read_ies};
 pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};
 pub use limits::Limits;
 pub use line_reader::{FileMistake, MeshFileError};

@@ -1,18 +1,22 @@
 //! The `Lights` block.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use kajo_color::{Emission, Spectrum};
-use kajo_math::{Vec3, fmath};
-use kajo_scene::{Args, Diagnostic, Item, Params};
+use kajo_math::{Frame, Vec3, fmath};
+use kajo_scene::{Args, Assets, Diagnostic, Item, Params, read_ies, read_limited};
 
 use super::Compiler;
 use super::spectra::{SpectrumReader, Written};
 use crate::family::Pooled;
-use crate::light::{DirectionalLight, PointLight, SpotLight};
+use crate::light::{DirectionalLight, PhotometricLight, Photometry, PointLight, SpotLight};
 
 const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
 const LATER: [&str; 3] = ["AreaLight", "EnvironmentLight", "SunSky"];
+
+/// Bytes of the largest file of intensities.
+const LARGEST_IES_FILE: u64 = 16 << 20;
 
 impl Compiler<'_> {
     pub(super) fn lights(&mut self, item: Item<'_>) {
@@ -32,6 +36,9 @@ impl Compiler<'_> {
                     .and_then(|light| light.store(&mut self.lights)),
                 "SpotLight" => self
                     .read(light, |params| read_spot(params, spectra))
+                    .and_then(|light| light.store(&mut self.lights)),
+                _ if light.children().any(|key| key.keyword() == "ies") => self
+                    .read(light, |params| read_photometric(params, spectra))
                     .and_then(|light| light.store(&mut self.lights)),
                 _ => self
                     .read(light, |params| read_point(params, spectra))
@@ -58,6 +65,47 @@ fn read_directional(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) ->
 fn read_point(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<PointLight> {
     params.name();
     read_position_and_brightness(params, spectra, 1.0)
+}
+
+/// A point light whose intensities are in a file.
+fn read_photometric(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<PhotometricLight> {
+    params.name();
+    let position = params.required("position", Args::vec3);
+    let photometry = params.required("ies", |args| read_ies_file(args, spectra.assets));
+    let axis = params.optional("direction", unit_vector).unwrap_or(Vec3::NEG_Y);
+    let turn = params.or("rotate", 0.0, Args::number).to_radians();
+    let scale = params.or("scale", 1.0, |args| args.number_in(0.0..));
+    let tint = params.optional("color", |args| spectra.emission(args));
+    let power = params.optional("power", |args| Ok((spectra.emission(args)?, args.item())));
+    if let (Some(_), Some((_, item))) = (&tint, &power) {
+        let error = Diagnostic::error("a luminaire has either `color` or `power`, not both");
+        params.diagnostics().push(error.label(item.head_span(), "the other one is above or below"));
+    }
+    let photometry = photometry?;
+    let (intensity, emission) = physical(match power {
+        Some((power, _)) => power.scaled(scale / (photometry.flux() as f32).max(f32::MIN_POSITIVE)),
+        None => tint.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(scale),
+    });
+    // Horizontal angles begin at the side of x, or of z where the axis is along x.
+    let side = if axis.x.abs() < 0.999 { Vec3::X } else { Vec3::Z };
+    let frame = Frame::from_tangent(axis, side);
+    let (sin, cos) = fmath::sin_cos(turn);
+    let frame = Frame::from_tangent(axis, frame.s * cos - frame.t * sin);
+    Some(PhotometricLight {
+        position: position?,
+        frame,
+        photometry: Arc::new(photometry),
+        emission,
+        intensity,
+    })
+}
+
+/// The file that a key names.
+fn read_ies_file(args: &mut Args<'_>, assets: &dyn Assets) -> Result<Photometry, Diagnostic> {
+    let name = args.text()?;
+    let bytes = assets.open(&name, args.item().path()).and_then(|file| read_limited(file, LARGEST_IES_FILE));
+    let read = bytes.map_err(|e| e.to_string()).and_then(|bytes| read_ies(&bytes).map_err(|e| e.to_string()));
+    read.map(Photometry::from).map_err(|reason| args.error(format!("cannot read `{name}`: {reason}")))
 }
 
 fn read_spot(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<SpotLight> {
@@ -123,4 +171,63 @@ fn physical(quantity: Emission) -> (Spectrum, Emission) {
 fn unit_vector(args: &mut Args<'_>) -> Result<Vec3, Diagnostic> {
     let direction = args.vec3()?;
     direction.try_normalize().ok_or_else(|| args.error("`direction` must not be zero"))
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_color::Wavelengths;
+    use kajo_math::{Vec2, Vec3};
+    use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+
+    use crate::compile::{CompileOptions, compile};
+    use crate::light::Emitter;
+    use crate::scene::Scene;
+
+    /// The scene with this light, or the errors.
+    fn compiled(light: &str) -> Result<Scene, String> {
+        let head = "TILT=NONE\n1 -1 1  2 3 1 2  0 0 0\n1 1 60\n0 180\n";
+        let assets = MemoryAssets::new()
+            .with("lamp.ies", format!("{head}0 90 180\n100 100\n200 200\n300 300\n"))
+            .with("bad.ies", format!("{head}0 90 180\n100 100\n"));
+        let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+        let mut parsed = SceneDesc::parse_str(&format!("{camera} Lights {{ {light} }}"));
+        let mut diagnostics = Diagnostics::default();
+        let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+        let said: Vec<_> = diagnostics.iter().map(|d| d.message.clone()).collect();
+        scene.filter(|_| said.is_empty()).ok_or_else(|| said.join("; "))
+    }
+
+    /// Irradiance at the point `p` from a luminaire at the origin.
+    fn irradiance(keys: &str, p: Vec3) -> f32 {
+        let scene = compiled(&format!("PointLight {{ position 0 0 0  ies lamp.ies  {keys} }}")).unwrap();
+        scene.lights.photometric[0].sample(p, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap().radiance[0]
+    }
+
+    #[test]
+    fn luminaires_are_turned_tinted_and_scaled() {
+        let near =
+            |found: f32, expected: f32| assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
+        // Straight down, the angle 0 is at the side of x, and 90 at that of -z.
+        near(irradiance("", 2.0 * Vec3::X), 25.0);
+        near(irradiance("", 2.0 * Vec3::NEG_Z), 50.0);
+        near(irradiance("rotate 90", Vec3::NEG_Z), 100.0);
+        near(irradiance("rotate 90", Vec3::NEG_X), 200.0);
+        near(irradiance("direction 0 0 -2", Vec3::X), 100.0);
+        near(irradiance("direction 0 0 -2", Vec3::Y), 200.0);
+        near(irradiance("direction 1 0 0", Vec3::Z), 100.0);
+        near(irradiance("scale 0.5  color 0.5 0.1 0.1", Vec3::X), 25.0);
+        // The mean of all directions is 200 candela.
+        near(irradiance("power 4", Vec3::NEG_Z), 4.0 / (4.0 * std::f32::consts::PI));
+        near(irradiance("power 4", Vec3::X), 2.0 / (4.0 * std::f32::consts::PI));
+    }
+
+    #[test]
+    fn mistakes_in_luminaires_are_named() {
+        let error = |keys: &str| compiled(&format!("PointLight {{ position 0 0 0  {keys} }}")).unwrap_err();
+        assert_eq!(error("ies none.ies"), "cannot read `none.ies`: there is no such file");
+        assert!(error("ies bad.ies").starts_with("cannot read `bad.ies`: line 6: the file ends"));
+        assert!(error("ies lamp.ies  intensity 3").contains("unknown word `intensity`"));
+        assert!(error("ies lamp.ies  scale -1").contains("at least 0"));
+        assert!(error("ies lamp.ies  power 3  color 1 1 1").contains("not both"));
+    }
 }

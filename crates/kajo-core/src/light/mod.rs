@@ -7,6 +7,7 @@
 mod area;
 mod directional;
 mod emitters;
+mod photometric;
 mod point;
 mod sky;
 mod spot;
@@ -15,6 +16,7 @@ mod tree;
 pub use area::{AreaLight, Sides};
 pub use directional::DirectionalLight;
 pub use emitters::Emitters;
+pub use photometric::{PhotometricLight, Photometry};
 pub use point::PointLight;
 pub use sky::SkyLight;
 pub use spot::SpotLight;
@@ -100,6 +102,7 @@ family! {
     members {
         areas: AreaLight,
         directional: DirectionalLight,
+        photometric: PhotometricLight,
         point: PointLight,
         skies: SkyLight,
         spots: SpotLight,
