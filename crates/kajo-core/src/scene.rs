@@ -168,6 +168,13 @@ impl Scene {
         self.camera.moves() || self.motions.iter().any(MovingTransform::moves)
     }
 
+    /// The map of a primitive from its own space to the world's.
+    ///
+    /// * `time`: moment within the shutter interval
+    pub fn place(&self, primitive: &Primitive, time: f32) -> Transform {
+        self.transform_at(primitive.transform, time, |map| *map)
+    }
+
     /// Whether a primitive moves while the shutter is open.
     pub(crate) fn is_moving(&self, primitive: &Primitive) -> bool {
         self.motion(primitive.transform).is_some_and(MovingTransform::moves)

@@ -17,10 +17,14 @@ const STEEPEST: f64 = 0.9999;
 
 /// Where a camera stands, where it looks, and how it makes a picture of that.
 ///
-/// A pose that was never moved has the very camera of its scene, bit for bit.
+/// A pose that was never changed has the very camera of its scene, bit for bit. One that moves while the shutter is open
+/// is where it is at the opening, and stands still from there on when it is changed.
 #[derive(Clone, Debug)]
 pub struct CameraPose {
+    /// What the tracer uses.
     camera: Camera,
+    /// The same at the opening of the shutter, without its motion.
+    still: Camera,
     /// Whether samples lie on the corners of the picture, as one dialect has it.
     corner_samples: bool,
     /// The direction that stays up when the camera turns.
@@ -30,8 +34,14 @@ pub struct CameraPose {
 impl CameraPose {
     /// The scene's own camera.
     pub fn of(scene: &Scene) -> CameraPose {
-        let level = nearest_axis(scene.camera.frame().up);
-        CameraPose { camera: scene.camera.clone(), corner_samples: scene.rules.corner_samples, level }
+        let still = still(&scene.camera);
+        let level = nearest_axis(still.frame().up);
+        let corner_samples = scene.rules.corner_samples;
+        CameraPose { camera: scene.camera.clone(), still, corner_samples, level }
+    }
+
+    fn new(camera: Camera, up: DVec3) -> CameraPose {
+        CameraPose { still: camera.clone(), camera, corner_samples: false, level: nearest_axis(up) }
     }
 
     /// A pinhole camera at `eye` that looks at `target`.
@@ -39,15 +49,13 @@ impl CameraPose {
     /// * `angle`: vertical field of view in radians
     pub fn perspective(eye: DVec3, target: DVec3, up: DVec3, angle: f64) -> CameraPose {
         let frame = Frame::new(eye, target - eye, up);
-        let camera = Camera::Perspective(PerspectiveCamera::new(frame, angle));
-        CameraPose { camera, corner_samples: false, level: nearest_axis(up) }
+        CameraPose::new(Camera::Perspective(PerspectiveCamera::new(frame, angle)), up)
     }
 
     /// Parallel rays; `size` is the height of the picture in world units.
     pub fn orthographic(eye: DVec3, target: DVec3, up: DVec3, size: f64) -> CameraPose {
         let frame = Frame::new(eye, target - eye, up);
-        let camera = Camera::Orthographic(OrthographicCamera { frame, size, lens: None });
-        CameraPose { camera, corner_samples: false, level: nearest_axis(up) }
+        CameraPose::new(Camera::Orthographic(OrthographicCamera { frame, size, lens: None }), up)
     }
 
     /// The camera as the tracer uses it.
@@ -57,32 +65,32 @@ impl CameraPose {
 
     /// World-space position.
     pub fn eye(&self) -> DVec3 {
-        self.camera.frame().center
+        self.still.frame().center
     }
 
     /// Unit vector forward.
     pub fn forward(&self) -> DVec3 {
-        self.camera.frame().forward
+        self.still.frame().forward
     }
 
     /// Unit vector up, perpendicular to the direction in all dialects but one.
     pub fn up(&self) -> DVec3 {
-        self.camera.frame().up
+        self.still.frame().up
     }
 
     /// Unit vector to the right.
     pub fn right(&self) -> DVec3 {
-        self.camera.frame().right
+        self.still.frame().right
     }
 
     /// The word that makes this kind of camera in a scene.
     pub fn keyword(&self) -> &'static str {
-        crate::info::camera_keyword(&self.camera)
+        crate::info::camera_keyword(&self.still)
     }
 
     /// Vertical field of view in radians, of a perspective camera.
     pub fn angle(&self) -> Option<f64> {
-        match &self.camera {
+        match &self.still {
             Camera::Perspective(camera) => Some(2.0 * fmath::atan64(1.0 / camera.distance())),
             _ => None,
         }
@@ -90,7 +98,7 @@ impl CameraPose {
 
     /// Height of the picture in world units, of an orthographic camera.
     pub fn size(&self) -> Option<f64> {
-        match &self.camera {
+        match &self.still {
             Camera::Orthographic(camera) => Some(camera.size),
             _ => None,
         }
@@ -98,7 +106,7 @@ impl CameraPose {
 
     /// The lens, where there is one.
     pub fn lens(&self) -> Option<&ThinLens> {
-        match &self.camera {
+        match &self.still {
             Camera::Perspective(camera) => camera.lens(),
             Camera::Orthographic(camera) => camera.lens.as_ref(),
             _ => None,
@@ -107,34 +115,34 @@ impl CameraPose {
 
     /// Another field of view; no other camera than a perspective one has any.
     pub fn set_angle(&mut self, angle: f64) {
-        if let Camera::Perspective(camera) = &self.camera {
+        if let Camera::Perspective(camera) = &self.still {
             let lens = camera.lens().cloned();
-            self.camera = Camera::Perspective(PerspectiveCamera::new(*camera.frame(), angle).with_lens(lens));
+            self.set(Camera::Perspective(PerspectiveCamera::new(*camera.frame(), angle).with_lens(lens)));
         }
     }
 
     /// Another height of the picture; no other camera than an orthographic one has any.
     pub fn set_size(&mut self, size: f64) {
-        if let Camera::Orthographic(camera) = &mut self.camera {
-            camera.size = size;
+        if let Camera::Orthographic(camera) = &self.still {
+            self.set(Camera::Orthographic(OrthographicCamera { size, ..camera.clone() }));
         }
     }
 
     /// Another lens, or a pinhole; cameras that see all around stay as they are.
     pub fn set_lens(&mut self, lens: Option<ThinLens>) {
-        self.camera = self.camera.clone().with_lens(lens);
+        self.set(self.still.clone().with_lens(lens));
     }
 
     /// Moves the camera to `eye`, its axes unchanged.
     pub fn set_eye(&mut self, eye: DVec3) {
-        self.set_frame(Frame { center: eye, ..*self.camera.frame() });
+        self.set_frame(Frame { center: eye, ..*self.still.frame() });
     }
 
     /// Moves the camera along its own axes.
     ///
     /// * `by`: to the right, up and forward, in world units
     pub fn fly(&mut self, by: DVec3) {
-        let Frame { center, right, up, forward } = *self.camera.frame();
+        let Frame { center, right, up, forward } = *self.still.frame();
         self.set_eye(center + by.x * right + by.y * up + by.z * forward);
     }
 
@@ -152,7 +160,7 @@ impl CameraPose {
     pub fn orbit(&mut self, center: DVec3, right: f64, up: f64) {
         let forward = self.turned(self.forward(), -right, -up);
         let turned = Frame::new(self.eye(), forward, self.level);
-        let arm = self.camera.frame().local(center).unwrap_or(DVec3::ZERO);
+        let arm = self.still.frame().local(center).unwrap_or(DVec3::ZERO);
         let eye = center - (arm.x * turned.right + arm.y * turned.up + arm.z * turned.forward);
         self.set_frame(Frame { center: eye, ..turned });
     }
@@ -175,14 +183,12 @@ impl CameraPose {
         let center = bounds.center().as_dvec3();
         let radius = MARGIN * (0.5 * bounds.extent().as_dvec3().length()).max(1e-6);
         let narrow = aspect.min(1.0);
-        let half_angle = match &self.camera {
+        let half_angle = match &self.still {
             Camera::Perspective(camera) => fmath::atan64(narrow / camera.distance().abs()),
             _ => 0.25 * std::f64::consts::PI,
         };
         let distance = radius / fmath::sin64(half_angle);
-        if let Camera::Orthographic(camera) = &mut self.camera {
-            camera.size = 2.0 * radius / narrow;
-        }
+        self.set_size(2.0 * radius / narrow);
         self.set_eye(center - distance * self.forward());
     }
 
@@ -193,7 +199,7 @@ impl CameraPose {
     pub fn projection(&self, size: [u32; 2], near: f64, far: f64) -> Option<DMat4> {
         let raster = self.raster(size);
         let aspect = f64::from(raster.aspect());
-        let Frame { center, right, up, forward } = *self.camera.frame();
+        let Frame { center, right, up, forward } = *self.still.frame();
         let axes = DMat3::from_cols(right, up, forward);
         if axes.determinant() == 0.0 {
             return None;
@@ -201,7 +207,7 @@ impl CameraPose {
         let view = DMat4::from_mat3(axes.inverse()) * DMat4::from_translation(-center);
         let depth = 1.0 / (far - near);
         let reach = raster.reach() / DVec2::new(aspect, 1.0);
-        let clip = match &self.camera {
+        let clip = match &self.still {
             Camera::Perspective(camera) => {
                 let across = camera.distance() * reach;
                 DMat4::from_cols(
@@ -228,12 +234,12 @@ impl CameraPose {
     /// A camera with a flat picture that stands and looks the same: itself, or a wide one in place of those that
     /// see all around.
     pub fn flat(&self) -> CameraPose {
-        match self.camera {
+        match self.still {
             Camera::Perspective(_) | Camera::Orthographic(_) => self.clone(),
             _ => {
-                let frame = *self.camera.frame();
-                let camera = Camera::Perspective(PerspectiveCamera::new(frame, 90f64.to_radians()));
-                CameraPose { camera, ..self.clone() }
+                let frame = *self.still.frame();
+                let wide = Camera::Perspective(PerspectiveCamera::new(frame, 90f64.to_radians()));
+                CameraPose { camera: wide.clone(), still: wide, ..*self }
             }
         }
     }
@@ -242,13 +248,13 @@ impl CameraPose {
     /// beyond its edges too. `None` where the camera does not see that way, or sees everything twice.
     pub fn project(&self, p: DVec3, size: [u32; 2]) -> Option<DVec2> {
         let raster = self.raster(size);
-        Some(raster.place(self.camera.project(p, raster.aspect().into(), 0.0)?))
+        Some(raster.place(self.still.project(p, raster.aspect().into(), 0.0)?))
     }
 
     /// The ray through a place of a picture of `size` pixels, from the middle of the lens.
     pub fn ray(&self, place: DVec2, size: [u32; 2]) -> Option<Ray> {
         let raster = self.raster(size);
-        self.camera.ray(raster.picture(place.as_vec2()), raster.aspect(), Vec2::splat(0.5), 0.0)
+        self.still.ray(raster.picture(place.as_vec2()), raster.aspect(), Vec2::splat(0.5), 0.0)
     }
 
     fn raster(&self, size: [u32; 2]) -> Raster {
@@ -256,7 +262,12 @@ impl CameraPose {
     }
 
     fn set_frame(&mut self, frame: Frame) {
-        self.camera = self.camera.clone().with_frame(frame);
+        self.set(self.still.clone().with_frame(frame));
+    }
+
+    fn set(&mut self, camera: Camera) {
+        self.still = camera.clone();
+        self.camera = camera;
     }
 
     /// A unit direction, turned around the level axis and then up.
@@ -269,6 +280,15 @@ impl CameraPose {
         let steep = tilted.dot(self.level).abs() > STEEPEST || tilted.cross(self.level).dot(across) < 0.0;
         if steep { around } else { tilted.normalize_or(forward) }
     }
+}
+
+/// A camera as it is at the opening of the shutter.
+fn still(camera: &Camera) -> Camera {
+    let Camera::Moving(moving) = camera else { return camera.clone() };
+    let map = moving.map.map_at(0.0);
+    let Frame { center, right, up, forward } = *moving.camera.frame();
+    let [right, up, forward] = [right, up, forward].map(|axis| map.transform_vector3(axis));
+    moving.camera.clone().with_frame(Frame { center: map.transform_point3(center), right, up, forward })
 }
 
 /// The turn by `angle` around a unit axis.

@@ -37,6 +37,7 @@ mod info;
 mod load;
 pub mod memory;
 pub mod output;
+pub mod preview;
 mod render;
 pub mod selftest;
 pub mod session;

@@ -2,23 +2,16 @@
 
 use kajo_math::{DVec2, Vec2};
 
-use crate::settings::Rules;
-
 /// The pixels of a picture: raster coordinates run from (0, 0) at the top left corner to its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Raster {
     /// Columns and rows.
     pub size: [u32; 2],
-    /// Whether the middles of the outermost pixels lie on the picture's edge; see [`Rules::corner_samples`].
+    /// Whether the middles of the outermost pixels lie on the picture's edge, as one dialect has it.
     pub corner_samples: bool,
 }
 
 impl Raster {
-    /// The pixels of a picture of this size under the rules of a dialect.
-    pub fn new(size: [u32; 2], rules: &Rules) -> Raster {
-        Raster { size, corner_samples: rules.corner_samples }
-    }
-
     /// Width over height.
     #[inline]
     pub fn aspect(&self) -> f32 {

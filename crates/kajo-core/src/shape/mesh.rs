@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
 
-use super::{Patch, Surface};
+use super::{Patch, Surface, Tessellation};
 use crate::interaction::{Hit, NO_UV, SurfacePoint};
 
 /// A corner of a face that has no normal or no texture coordinates of its own.
@@ -145,6 +145,28 @@ impl Surface for Mesh {
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
         for face in 0..self.faces.len() as u32 {
             visit(face, Patch::Triangle(self.triangle(face).map(|v| v.as_dvec3())));
+        }
+    }
+
+    /// Vertices are shared as in the mesh; one with several normals is there more than once.
+    fn tessellate(&self, _around: u32, out: &mut Tessellation) {
+        let base = out.positions.len() as u32;
+        out.positions.extend(&self.positions);
+        out.normals.resize(out.positions.len(), Vec3::ZERO);
+        let mut given = vec![self.normals.is_none(); self.positions.len()];
+        for (part, &face) in (0..).zip(&self.faces) {
+            let normals = self.normals.as_ref().and_then(|normals| normals.of(part, face));
+            let corner = |k: usize| {
+                let (i, n) = (face[k], normals.map_or(Vec3::ZERO, |normals| normals[k]));
+                let place = (base + i) as usize;
+                if !given[i as usize] {
+                    given[i as usize] = true;
+                    out.normals[place] = n;
+                }
+                if out.normals[place] == n { base + i } else { out.vertex(self.positions[i as usize], n) }
+            };
+            let corners = [0, 1, 2].map(corner);
+            out.face(part, corners);
         }
     }
 

@@ -13,6 +13,7 @@ mod patch;
 mod plane;
 mod quad;
 mod sphere;
+mod tessellate;
 mod triangle;
 
 pub use cone::Cone;
@@ -23,6 +24,7 @@ pub use patch::{Canonical, CurvedPatch, DiskPatch, Patch, PatchSample, QuadPatch
 pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;
+pub use tessellate::Tessellation;
 pub use triangle::Triangle;
 
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
@@ -59,6 +61,13 @@ pub trait Surface: Sized {
     /// The pieces that the surface consists of with their parts, for surfaces that give light; none for
     /// unbounded ones.
     fn patches<F: FnMut(u32, Patch)>(&self, _visit: F) {}
+
+    /// Triangles that stand for the surface; none for unbounded ones.
+    ///
+    /// * `around`: segments of a full circle
+    fn tessellate(&self, around: u32, out: &mut Tessellation) {
+        self.patches(|part, patch| out.patch(part, &patch, around));
+    }
 
     /// Which of the shape's own materials a part has, if it brings any.
     fn material_slot(&self, _part: u32) -> Option<u32> {
@@ -104,6 +113,8 @@ family! {
         fn is_closed() -> bool;
         /// See [`Surface::patches`].
         fn patches<F: FnMut(u32, Patch)>(visit: F);
+        /// See [`Surface::tessellate`].
+        fn tessellate(around: u32, out: &mut Tessellation);
         /// See [`Surface::material_slot`].
         fn material_slot(part: u32) -> Option<u32>;
     }

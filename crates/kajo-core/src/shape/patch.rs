@@ -84,9 +84,9 @@ pub enum Canonical {
 /// A curved surface and its map to world space.
 #[derive(Clone, Debug)]
 pub struct CurvedPatch {
-    surface: Canonical,
-    map: DAffine3,
-    inverse: DAffine3,
+    pub(super) surface: Canonical,
+    pub(super) map: DAffine3,
+    pub(super) inverse: DAffine3,
     area: f64,
 }
 

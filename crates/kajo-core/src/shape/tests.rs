@@ -47,6 +47,62 @@ fn random_line(i: u32) -> Ray {
     Ray::new(through - 3.0 * d, d)
 }
 
+/// Vertices and middles of triangles lie on the surface or the sagitta below it, normals agree, and the areas add up.
+fn triangles_stand_for_the_surface(name: &str, shape: &impl Surface) {
+    const AROUND: u32 = 64;
+    let mut triangles = Tessellation::default();
+    shape.tessellate(AROUND, &mut triangles);
+    let sagitta = 1.0 - (std::f32::consts::PI / AROUND as f32).cos();
+    let (mut area, mut expected) = (0.0, 0.0);
+    shape.patches(|_, patch| expected += patch.area());
+    for (&face, &part) in triangles.faces.iter().zip(&triangles.parts) {
+        let corners = face.map(|i| triangles.positions[i as usize]);
+        let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        area += f64::from(0.5 * across.length());
+        let n = across.normalize();
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        // From outside, a little beside the edges of parts that meet.
+        for (p, off) in [(middle, 2.0 * sagitta), (corners[0].lerp(middle, 1e-3), 2e-3 * sagitta + 1e-5)] {
+            let ray = Ray::new(p + 0.1 * n, -n);
+            let hit = shape.hit(&ray).unwrap_or_else(|| panic!("{name}: no surface at {p}"));
+            assert!((hit.t - 0.1).abs() <= off, "{name}: {p} is {} off", hit.t - 0.1);
+            assert_eq!(hit.part, part, "{name} at {p}");
+        }
+        for i in face {
+            let stored = triangles.normals[i as usize];
+            let hit = Ray::new(triangles.positions[i as usize].lerp(middle, 1e-4) + 0.1 * n, -n);
+            let found = shape.surface_at(&hit, &shape.hit(&hit).unwrap()).n;
+            // At the tip of a cone normals turn by half a segment.
+            let agree = stored == Vec3::ZERO || stored.distance(found) < 0.06;
+            assert!(agree && stored.dot(n) >= 0.0, "{name}: {stored} for {found}");
+        }
+    }
+    assert!((area / expected - 1.0).abs() < 5e-3, "{name}: {area} for {expected}");
+}
+
+#[test]
+fn tessellations_stand_for_their_shapes() {
+    every_shape!(triangles_stand_for_the_surface);
+}
+
+#[test]
+fn a_mesh_keeps_its_vertices_where_it_can() {
+    let mut flat = Tessellation::default();
+    octahedron().tessellate(8, &mut flat);
+    assert_eq!((flat.positions.len(), flat.faces.len()), (6, 8));
+    assert!(flat.normals.iter().all(|&n| n == Vec3::ZERO));
+    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let faces = vec![[0, 1, 2], [0, 1, 3]];
+    // Both triangles share their first vertex with its normal; the second one has two.
+    let normals = CornerValues { values: vec![Vec3::Z, Vec3::Y], faces: Some(vec![[0, 0, 0], [0, 1, 1]]) };
+    let data = MeshData { positions, faces, normals: Some(normals), ..MeshData::default() };
+    let mut smooth = Tessellation::default();
+    Mesh::new(data, &BuildSettings::default()).unwrap().tessellate(8, &mut smooth);
+    assert_eq!(smooth.faces, [[0, 1, 2], [0, 4, 3]]);
+    assert_eq!(smooth.normals, [Vec3::Z, Vec3::Z, Vec3::Z, Vec3::Y, Vec3::Y]);
+    assert_eq!((smooth.positions[4], smooth.parts), (Vec3::X, vec![0, 1]));
+}
+
 fn hits_lie_in_the_bounds_and_on_the_surface(name: &str, shape: &impl Surface) {
     let (bounds, mut found) = (shape.bounds(), 0);
     for i in 0..4000 {

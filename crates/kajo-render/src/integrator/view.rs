@@ -38,8 +38,13 @@ impl<'a> View<'a> {
     pub fn ray(&self, raster: Vec2, draws: &mut Draws<'_>) -> Option<Ray> {
         let lens = draws.pair_if(self.camera.has_lens());
         let time = draws.number_if(self.moves);
-        let film = Raster::new(self.size, &self.scene.rules);
+        let film = self.film();
         self.camera.ray(film.picture(raster), film.aspect(), lens, time)
+    }
+
+    #[inline]
+    fn film(&self) -> Raster {
+        Raster { size: self.size, corner_samples: self.scene.rules.corner_samples }
     }
 
     /// Whether the layers record albedos.
@@ -61,7 +66,7 @@ impl<'a> View<'a> {
     /// How far a point moves in the picture from the opening of the shutter to its closing, in pixels; none where
     /// the camera does not see it all the time.
     fn motion(&self, at: &Interaction) -> Option<Vec2> {
-        let film = Raster::new(self.size, &self.scene.rules);
+        let film = self.film();
         let place = |time: f32| {
             let p = self.scene.point_at(at, time).as_dvec3();
             self.camera.project(p, film.aspect().into(), time).map(|at| film.place(at))

@@ -26,7 +26,7 @@ fn poses(i: u32) -> Vec<CameraPose> {
         (5.0 * random_vector(&mut next), random_vector(&mut next), random_vector(&mut next));
     let perspective = CameraPose::perspective(eye, target, up, 0.2 + 1.5 * next());
     let frame = *perspective.camera.frame();
-    let with = |camera| CameraPose { camera, ..perspective.clone() };
+    let with = |camera| CameraPose::new(camera, up);
     let fisheye = FisheyeCamera {
         frame,
         angle: 3.0,
@@ -75,6 +75,29 @@ fn the_matrix_agrees_with_the_rays() {
             assert!((0.0..1.0).contains(&ndc.z), "{ndc}");
         }
     }
+}
+
+/// A camera that moves is where it is when the shutter opens, and stands there once it is changed.
+#[test]
+fn a_moving_camera_starts_where_the_shutter_opens() {
+    let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30
+                  Motion { key 0 { Translate 1 2 3 YRotate 30 } key 1 { Translate 2 0 0 } } }";
+    let assets = crate::MemoryAssets::new().with("a.txt", text);
+    let loaded = crate::load_from("a.txt", &assets, &crate::LoadOptions::default());
+    let scene = loaded.scene.as_ref().unwrap_or_else(|| panic!("{}", loaded.report(false)));
+    let mut pose = CameraPose::of(scene);
+    assert!(pose.camera().moves());
+    let place = DVec2::new(100.0, 200.0);
+    let ray = pose.ray(place, SIZE).unwrap();
+    let p = ray.o.as_dvec3() + 3.0 * ray.d.as_dvec3();
+    assert!(ray.o.as_dvec3().distance(pose.eye()) < 1e-5);
+    assert!(pose.project(p, SIZE).unwrap().distance(place) < 0.01);
+    let original = scene.camera.ray(Vec2::new(0.3, 0.1), 1.0, Vec2::ZERO, 0.0).unwrap();
+    assert!(original.o.as_dvec3().distance(pose.eye()) < 1e-5, "{original:?}");
+    pose.fly(DVec3::ZERO);
+    assert!(!pose.camera().moves());
+    let now = pose.camera().ray(Vec2::new(0.3, 0.1), 1.0, Vec2::ZERO, 0.0).unwrap();
+    assert!(now.d.distance(original.d) < 1e-6 && now.o.distance(original.o) < 1e-5);
 }
 
 #[test]

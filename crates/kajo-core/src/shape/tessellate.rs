@@ -1,0 +1,127 @@
+//! Surfaces as triangles, for pictures made by rasterising.
+//!
+//! Vertices lie on the surface and have its normals, so that a mesh of few triangles is off by the sagitta of its
+//! arcs alone: `r (1 - cos(pi / n))` with `n` segments around.
+
+use std::f64::consts::{PI, TAU};
+
+use kajo_math::{DVec3, Vec3, fmath};
+
+use super::{Canonical, CurvedPatch, DiskPatch, Patch, QuadPatch};
+
+/// Triangles that stand for a surface, in its own space. They wind counter-clockwise seen from outside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tessellation {
+    /// Vertices.
+    pub positions: Vec<Vec3>,
+    /// Unit outward normals of the vertices; zero where each triangle is to have its own.
+    pub normals: Vec<Vec3>,
+    /// Indices of vertices.
+    pub faces: Vec<[u32; 3]>,
+    /// The part of the shape that each triangle belongs to, as in [`crate::interaction::Hit::part`].
+    pub parts: Vec<u32>,
+}
+
+impl Tessellation {
+    /// Adds a vertex and returns its index.
+    pub fn vertex(&mut self, p: Vec3, n: Vec3) -> u32 {
+        self.positions.push(p);
+        self.normals.push(n);
+        self.positions.len() as u32 - 1
+    }
+
+    /// Adds a triangle.
+    pub fn face(&mut self, part: u32, corners: [u32; 3]) {
+        self.faces.push(corners);
+        self.parts.push(part);
+    }
+
+    /// Adds a piece of surface.
+    ///
+    /// * `around`: segments of a full circle
+    pub fn patch(&mut self, part: u32, patch: &Patch, around: u32) {
+        let around = around.max(3);
+        match patch {
+            Patch::Triangle([a, b, c]) => {
+                let n = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+                let corners = [a, b, c].map(|p| self.vertex(p.as_vec3(), n));
+                self.face(part, corners);
+            }
+            Patch::Quad(QuadPatch { corner, edges: [a, b] }) => {
+                let n = a.cross(*b).normalize_or_zero();
+                self.grid(part, [1, 1], |x, y| (corner + x * a + y * b, n));
+            }
+            Patch::Disk(DiskPatch { center, axes: [a, b], inner }) => {
+                let n = a.cross(*b).normalize_or_zero();
+                self.grid(part, [around, 1], |x, y| {
+                    let r = inner + y * (1.0 - inner);
+                    (center + r * (fmath::cos64(TAU * x) * a + fmath::sin64(TAU * x) * b), n)
+                });
+            }
+            Patch::Sphere { center, radius } => self.grid(part, [around, around.div_ceil(2)], |x, y| {
+                let n = unit(x, y);
+                (center + *radius * n, n)
+            }),
+            Patch::Curved(curved) => self.curved(part, curved, around),
+        }
+    }
+
+    fn curved(&mut self, part: u32, curved: &CurvedPatch, around: u32) {
+        match curved.surface {
+            Canonical::Sphere => {
+                self.grid(part, [around, around.div_ceil(2)], |x, y| curved.placed(unit(x, y), unit(x, y)));
+            }
+            Canonical::Frustum([r0, r1]) => self.grid(part, [around, 1], |x, y| {
+                let (sin, cos) = (fmath::sin64(TAU * x), fmath::cos64(TAU * x));
+                let r = r0 + y * (r1 - r0);
+                curved.placed(DVec3::new(r * cos, r * sin, y), DVec3::new(cos, sin, r0 - r1))
+            }),
+        }
+    }
+
+    /// Adds the image of the unit square under a map to points and normals.
+    pub fn grid(&mut self, part: u32, [columns, rows]: [u32; 2], map: impl Fn(f64, f64) -> (DVec3, DVec3)) {
+        let first = self.positions.len() as u32;
+        for row in 0..=rows {
+            for column in 0..=columns {
+                let (p, n) = map(f64::from(column) / f64::from(columns), f64::from(row) / f64::from(rows));
+                self.vertex(p.as_vec3(), n.as_vec3());
+            }
+        }
+        let index = |column: u32, row: u32| first + row * (columns + 1) + column;
+        for row in 0..rows {
+            for column in 0..columns {
+                let [a, b] = [index(column, row), index(column + 1, row)];
+                let [c, d] = [index(column + 1, row + 1), index(column, row + 1)];
+                self.turned(part, [a, b, c]);
+                self.turned(part, [a, c, d]);
+            }
+        }
+    }
+
+    /// Adds a triangle, wound as its normals say, unless it has shrunk to a line.
+    fn turned(&mut self, part: u32, [a, b, c]: [u32; 3]) {
+        let [p, q, r] = [a, b, c].map(|i| self.positions[i as usize]);
+        if p == q || q == r || r == p {
+            return;
+        }
+        let n: Vec3 = [a, b, c].map(|i| self.normals[i as usize]).iter().sum();
+        let outward = (q - p).cross(r - p).dot(n) >= 0.0;
+        self.face(part, if outward { [a, b, c] } else { [a, c, b] });
+    }
+}
+
+/// The point of the unit sphere at longitude `x` and latitude `y`, both in [0, 1], `y` from the north pole.
+fn unit(x: f64, y: f64) -> DVec3 {
+    let z = fmath::cos64(PI * y);
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    DVec3::new(r * fmath::cos64(TAU * x), r * fmath::sin64(TAU * x), z)
+}
+
+impl CurvedPatch {
+    /// A point of the canonical surface with its normal, in world space.
+    fn placed(&self, q: DVec3, n: DVec3) -> (DVec3, DVec3) {
+        let n = (self.inverse.matrix3.transpose() * n).normalize_or_zero();
+        (self.map.transform_point3(q), n)
+    }
+}

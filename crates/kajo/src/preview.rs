@@ -1,0 +1,284 @@
+//! A scene as triangles and lines, for a picture that a graphics card draws while one moves about.
+//!
+//! Shapes become triangles in world space, in one mesh. Meshes stay what they are and are drawn where each
+//! of their instances stands; spheres are instances of one unit sphere, so that a thousand of them are a thousand
+//! matrices. Infinite planes become squares around the scene. Lights and the scene's own camera are drawn
+//! in lines. What moves is shown where it is when the shutter opens.
+//!
+//! Every vertex and every instance has an object number, and their sum is the number of the id layers, counted from 1.
+
+mod color;
+mod lines;
+
+use std::collections::HashMap;
+
+use kajo_core::Pooled;
+use kajo_core::material::MaterialId;
+use kajo_core::scene::{Primitive, Scene};
+use kajo_core::shape::{Mesh, Plane, ShapeId, Sphere, Surface, Tessellation};
+use kajo_math::{Aabb, Affine3A, Transform, Vec3};
+
+pub use lines::{Line, LineKind};
+
+/// Triangles of all curved surfaces together, about.
+const CURVED_TRIANGLES: u32 = 200_000;
+
+/// Fewest and most segments of a full circle.
+const AROUND: [u32; 2] = [8, 64];
+
+/// A corner of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Vertex {
+    /// Position in the space of the mesh.
+    pub position: [f32; 3],
+    /// Unit normal there; zero where each triangle has its own, `normalize(cross(dpdx, dpdy))` in a shader.
+    pub normal: [f32; 3],
+    /// Colour, encoded in sRGB, and 255.
+    pub color: [u8; 4],
+    /// What is added to the object number of the instance.
+    pub object: u32,
+}
+
+/// Triangles that are drawn once for each instance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PreviewMesh {
+    /// Vertices.
+    pub vertices: Vec<Vertex>,
+    /// Three indices of vertices for each triangle.
+    pub indices: Vec<u32>,
+}
+
+/// A mesh at its place in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PreviewInstance {
+    /// Index into [`Preview::meshes`].
+    pub mesh: u32,
+    /// World space from the space of the mesh.
+    pub world_from_mesh: Affine3A,
+    /// Colour by which that of the vertices is multiplied, encoded in sRGB, and 255.
+    pub color: [u8; 4],
+    /// What is added to the object number of the vertices.
+    pub object: u32,
+}
+
+/// Everything that a raster picture of a scene needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preview {
+    /// Triangles.
+    pub meshes: Vec<PreviewMesh>,
+    /// Where they stand; sorted by mesh.
+    pub instances: Vec<PreviewInstance>,
+    /// Lights and the scene's own camera.
+    pub lines: Vec<Line>,
+    /// A box around everything that has bounds; of unit size around the origin when nothing has.
+    pub bounds: Aabb,
+}
+
+impl Preview {
+    /// The preview of a scene.
+    pub fn of(scene: &Scene) -> Preview {
+        let bounds = extent(scene);
+        let mut builder = Builder::new(scene, bounds);
+        for (object, primitive) in (1..).zip(&scene.primitives) {
+            builder.add(object, primitive);
+        }
+        let lines = lines::of(scene, &bounds);
+        builder.finish(lines)
+    }
+
+    /// Triangles drawn, instances counted as often as they stand.
+    pub fn triangle_count(&self) -> u64 {
+        self.instances.iter().map(|i| self.meshes[i.mesh as usize].indices.len() as u64 / 3).sum()
+    }
+}
+
+/// A box around what has bounds, never empty.
+fn extent(scene: &Scene) -> Aabb {
+    let bounds = scene.bounds();
+    if bounds.is_empty() { Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE } } else { bounds }
+}
+
+/// A preview in the making.
+struct Builder<'a> {
+    scene: &'a Scene,
+    bounds: Aabb,
+    around: u32,
+    /// All that is drawn once, in world space.
+    single: PreviewMesh,
+    unit_sphere: Option<u32>,
+    /// The pieces of a mesh that have a material in common, and that material where the mesh brings it.
+    pieces: HashMap<ShapeId, Vec<(u32, Option<MaterialId>)>>,
+    meshes: Vec<PreviewMesh>,
+    instances: Vec<PreviewInstance>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(scene: &'a Scene, bounds: Aabb) -> Builder<'a> {
+        let curved = scene.shapes.spheres.len() + scene.shapes.cones.len();
+        // A sphere has as many triangles as the square of the segments around it.
+        let around = f64::from(CURVED_TRIANGLES) / curved.max(1) as f64;
+        let around = (around.sqrt() as u32).clamp(AROUND[0], AROUND[1]) & !1;
+        Builder {
+            scene,
+            bounds,
+            around,
+            single: PreviewMesh::default(),
+            unit_sphere: None,
+            pieces: HashMap::new(),
+            meshes: Vec::new(),
+            instances: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, object: u32, primitive: &Primitive) {
+        let scene = self.scene;
+        let transform = &scene.place(primitive, 0.0);
+        let place = transform.world_from_object;
+        let id = primitive.shape;
+        if let Some(sphere) = Sphere::find(&scene.shapes, id) {
+            let mesh = self.unit_sphere();
+            let sized = Affine3A::from_scale(Vec3::splat(sphere.radius));
+            let sphere = Affine3A::from_translation(sphere.center) * sized;
+            self.instance(mesh, object, place * sphere, primitive.material);
+        } else if let Some(mesh) = Mesh::find(&scene.shapes, id) {
+            for (piece, material) in self.pieces(id, mesh) {
+                self.instance(piece, object, place, material.unwrap_or(primitive.material));
+            }
+        } else {
+            let mut triangles = Tessellation::default();
+            match Plane::find(&scene.shapes, id) {
+                Some(plane) => self.square(plane, transform, &mut triangles),
+                None => scene.shapes.tessellate(id, self.around, &mut triangles),
+            }
+            self.add_single(object, primitive.material, transform, &triangles);
+        }
+    }
+
+    /// The mesh of the unit sphere.
+    fn unit_sphere(&mut self) -> u32 {
+        if let Some(known) = self.unit_sphere {
+            return known;
+        }
+        let mut triangles = Tessellation::default();
+        Sphere::new(Vec3::ZERO, 1.0).tessellate(self.around, &mut triangles);
+        let indices = triangles.faces.as_flattened().to_vec();
+        let mesh = self.push(PreviewMesh { vertices: white_vertices(&triangles), indices });
+        *self.unit_sphere.insert(mesh)
+    }
+
+    /// The meshes of a mesh: one, or one for each material that it brings.
+    fn pieces(&mut self, id: ShapeId, mesh: &Mesh) -> Vec<(u32, Option<MaterialId>)> {
+        if let Some(known) = self.pieces.get(&id) {
+            return known.clone();
+        }
+        let mut triangles = Tessellation::default();
+        mesh.tessellate(self.around, &mut triangles);
+        let vertices = white_vertices(&triangles);
+        let own = |part: u32| mesh.material_slot(part).map(|slot| self.scene.slot_materials[slot as usize]);
+        let mut by_material: HashMap<Option<MaterialId>, Vec<u32>> = HashMap::new();
+        let mut materials = Vec::new();
+        for (face, &part) in triangles.faces.iter().zip(&triangles.parts) {
+            let material = own(part);
+            let indices = by_material.entry(material).or_insert_with(|| {
+                materials.push(material);
+                Vec::new()
+            });
+            indices.extend(face);
+        }
+        let mut pieces = Vec::with_capacity(materials.len());
+        for material in materials {
+            let indices = by_material.remove(&material).unwrap_or_default();
+            let piece = PreviewMesh { vertices: vertices.clone(), indices };
+            pieces.push((self.push(if material.is_none() { piece } else { compact(piece) }), material));
+        }
+        self.pieces.insert(id, pieces.clone());
+        pieces
+    }
+
+    fn push(&mut self, mesh: PreviewMesh) -> u32 {
+        self.meshes.push(mesh);
+        self.meshes.len() as u32 - 1
+    }
+
+    fn instance(&mut self, mesh: u32, object: u32, world_from_mesh: Affine3A, material: MaterialId) {
+        let middle = Vec3::from(world_from_mesh.translation);
+        let color = color::of(self.scene, material, middle);
+        self.instances.push(PreviewInstance { mesh, world_from_mesh, color, object });
+    }
+
+    /// Adds triangles at their place in the world.
+    fn add_single(&mut self, object: u32, material: MaterialId, to: &Transform, triangles: &Tessellation) {
+        let points: Vec<Vec3> = triangles.positions.iter().map(|&p| to.point(p)).collect();
+        let color = color::of(self.scene, material, Aabb::around(points.iter().copied()).center());
+        let base = self.single.vertices.len() as u32;
+        self.single.vertices.extend(points.iter().zip(&triangles.normals).map(|(p, &n)| Vertex {
+            position: p.to_array(),
+            normal: to.normal(n).to_array(),
+            color,
+            object,
+        }));
+        for &[a, b, c] in &triangles.faces {
+            let face = if to.mirrors() { [a, c, b] } else { [a, b, c] };
+            self.single.indices.extend(face.map(|i| base + i));
+        }
+    }
+
+    /// A square of a plane, large enough to hold the scene's shadow on it and the camera's.
+    fn square(&self, plane: &Plane, to: &Transform, out: &mut Tessellation) {
+        let n = plane.normal();
+        if n == Vec3::ZERO {
+            return;
+        }
+        let inverse = to.object_from_world;
+        let onto = |p: Vec3| p - (n.dot(p) - plane.offset() as f32) * n;
+        let near =
+            Aabb::around([self.bounds.min, self.bounds.max, self.scene.camera.frame().center.as_vec3()])
+                .transformed(&inverse);
+        let center = onto(near.center());
+        let (s, t) = kajo_math::warp::basis(n);
+        let reach = 2.0 * near.extent().length().max((near.center() - center).length()).max(1.0);
+        let [center, s, t] = [center, reach * s, reach * t].map(Vec3::as_dvec3);
+        out.grid(0, [1, 1], |x, y| (center + (2.0 * x - 1.0) * s + (2.0 * y - 1.0) * t, n.as_dvec3()));
+    }
+
+    fn finish(mut self, lines: Vec<Line>) -> Preview {
+        if !self.single.indices.is_empty() {
+            let single = std::mem::take(&mut self.single);
+            let mesh = self.push(single);
+            let world_from_mesh = Affine3A::IDENTITY;
+            self.instances.push(PreviewInstance { mesh, world_from_mesh, color: [255; 4], object: 0 });
+        }
+        self.instances.sort_by_key(|instance| instance.mesh);
+        Preview { meshes: self.meshes, instances: self.instances, lines, bounds: self.bounds }
+    }
+}
+
+fn white_vertices(triangles: &Tessellation) -> Vec<Vertex> {
+    let vertex = |(p, n): (&Vec3, &Vec3)| Vertex {
+        position: p.to_array(),
+        normal: n.to_array(),
+        color: [255; 4],
+        object: 0,
+    };
+    triangles.positions.iter().zip(&triangles.normals).map(vertex).collect()
+}
+
+/// The same mesh without the vertices that it does not use.
+fn compact(mesh: PreviewMesh) -> PreviewMesh {
+    let mut places = vec![u32::MAX; mesh.vertices.len()];
+    let mut vertices = Vec::new();
+    let mut place = |i: u32| {
+        let place = &mut places[i as usize];
+        if *place == u32::MAX {
+            *place = vertices.len() as u32;
+            vertices.push(mesh.vertices[i as usize]);
+        }
+        *place
+    };
+    let indices = mesh.indices.iter().map(|&i| place(i)).collect();
+    PreviewMesh { vertices, indices }
+}
+
+#[cfg(test)]
+mod tests;
