@@ -14,6 +14,8 @@ use crate::scene::{Interaction, Scene};
 pub struct Glow<'a> {
     /// Radiance towards the viewer.
     pub radiance: Spectrum,
+    /// The lamp's group, an index into [`Scene::light_groups`].
+    pub group: u8,
     /// The number of the lamp.
     number: u32,
     light: &'a AreaLight,
@@ -56,7 +58,8 @@ impl Scene {
         }
         let (number, light) = self.emitters.area(&self.lights, at.primitive, at.hit.part)?;
         let radiance = light.emission.at(wavelengths);
-        light.sides.emit(-d.dot(at.point.ng)).then_some(Glow { radiance, number, light })
+        let glow = || Glow { radiance, group: self.emitters.group(number), number, light };
+        light.sides.emit(-d.dot(at.point.ng)).then(glow)
     }
 
     /// Density per solid angle with which [`Scene::light_towards`] draws the place of a glow.

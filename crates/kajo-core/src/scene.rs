@@ -91,6 +91,8 @@ pub struct Scene {
     pub lights: Lights,
     /// The lights in the order of the file, and then the pieces of glowing objects.
     pub light_list: Vec<LightId>,
+    /// Names of the groups of lights; the first is that of lights without one.
+    pub light_groups: Arc<[String]>,
     /// Everything that gives light, ready to be drawn from.
     pub emitters: Emitters,
     /// Light that comes from everywhere.

@@ -16,13 +16,11 @@
 
 use std::any::Any;
 
+use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::{Draws, Sampler};
 use kajo_math::Vec2;
 
 use crate::RayCounters;
-
-/// Most groups of lights whose shares a film can keep apart.
-pub const MAX_LIGHT_GROUPS: usize = 8;
 
 /// The surroundings of a sample.
 #[derive(Debug)]

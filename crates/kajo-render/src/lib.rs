@@ -12,8 +12,9 @@ pub mod rect;
 pub mod sample;
 pub mod schedule;
 
-pub use context::{Auxiliary, MAX_LIGHT_GROUPS, SampleContext, Splats};
+pub use context::{Auxiliary, SampleContext, Splats};
 pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap};
+pub use kajo_core::light::MAX_LIGHT_GROUPS;
 pub use rect::Rect;
 pub use sample::{FirstHit, PixelIntegrator, PixelSample, RayCounters};
 pub use schedule::{

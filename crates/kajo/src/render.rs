@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use kajo_core::camera::Camera;
 use kajo_core::sampler::SamplerKind;
@@ -47,6 +48,8 @@ pub struct Passes {
 #[derive(Debug)]
 pub struct Picture {
     film: Film,
+    /// Names of the groups of lamps.
+    groups: Arc<[String]>,
     settings: RenderSettings,
     position: Option<(Position, Identity)>,
     /// The light, where it was denoised.
@@ -61,6 +64,7 @@ pub struct Picture {
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot<'a> {
     film: &'a Film,
+    groups: &'a [String],
     settings: &'a RenderSettings,
     position: &'a Position,
     identity: &'a Identity,
@@ -118,14 +122,14 @@ pub fn render(
     resources: &Resources,
     progress: &dyn Progress,
 ) -> Result<Picture, RenderError> {
-    let layers = layers(outputs, settings);
+    let layers = layers(scene, outputs, settings);
     let spec = FilmSpec { one_pass: true, ..film_spec(&scene.camera, settings, layers) };
     check_memory(&spec, resources)?;
     let film = Film::new(spec, u64::MAX).map_err(RenderError::Film)?;
     let integrator = integrator(scene, &scene.camera, settings, layers);
     let schedule = schedule(settings, resources);
     let result = kajo_render::render(&*integrator, &film, &schedule, progress);
-    ended(result, |stats| Picture::new(film, settings, None, stats))
+    ended(result, |stats| Picture::new(film, scene, settings, None, stats))
 }
 
 /// As [`render`], in passes over the whole picture: it can be seen and saved after each, ends when a goal is
@@ -151,7 +155,7 @@ pub fn render_passes(
     if let (true, Some(name)) = (goal.adaptive, fixed_pattern(settings.samples.0)) {
         return Err(RenderError::NotAdaptive(name));
     }
-    let mut layers = layers(outputs, settings);
+    let mut layers = layers(scene, outputs, settings);
     if goal.adaptive || goal.noise.is_some() {
         layers = layers.with(Layer::Variance);
     }
@@ -167,11 +171,11 @@ pub fn render_passes(
     };
     let integrator = integrator(scene, &scene.camera, settings, layers);
     let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
-        look(Snapshot { film, settings, position, identity: &identity, stats })
+        look(Snapshot { film, groups: &scene.light_groups, settings, position, identity: &identity, stats })
     };
     let result =
         kajo_render::render_passes(&*integrator, &film, &schedule, goal, &mut position, progress, look);
-    ended(result, |stats| Picture::new(film, settings, Some((position, identity)), stats))
+    ended(result, |stats| Picture::new(film, scene, settings, Some((position, identity)), stats))
 }
 
 /// What came of a render, with its picture.
@@ -232,7 +236,7 @@ impl Snapshot<'_> {
     /// # Errors
     /// As there.
     pub fn encode(&self, views: &[View], format: Format, depth: BitDepth) -> Result<Vec<u8>, ImageError> {
-        let look = Look { development: &self.settings.development, light: None };
+        let look = Look { development: &self.settings.development, light: None, groups: self.groups };
         view::encode(self.film, views, format, depth, self.settings, &look)
     }
 
@@ -262,11 +266,20 @@ impl Snapshot<'_> {
 impl Picture {
     fn new(
         film: Film,
+        scene: &Scene,
         settings: &RenderSettings,
         position: Option<(Position, Identity)>,
         stats: RenderStats,
     ) -> Picture {
-        Picture { film, settings: *settings, position, light: None, development: settings.development, stats }
+        Picture {
+            film,
+            groups: Arc::clone(&scene.light_groups),
+            settings: *settings,
+            position,
+            light: None,
+            development: settings.development,
+            stats,
+        }
     }
 
     /// Takes the noise out of the light. The outputs that were asked for must have included
@@ -287,7 +300,7 @@ impl Picture {
     /// # Errors
     /// When a view was not asked for in [`render`], or the format cannot hold the picture.
     pub fn encode(&self, views: &[View], format: Format, depth: BitDepth) -> Result<Vec<u8>, ImageError> {
-        let look = Look { development: &self.development, light: self.light.as_ref() };
+        let look = Look { development: &self.development, light: self.light.as_ref(), groups: &self.groups };
         view::encode(&self.film, views, format, depth, &self.settings, &look)
     }
 
@@ -322,14 +335,16 @@ impl Picture {
 
     /// What can be saved as a checkpoint: pictures rendered in passes.
     pub fn snapshot(&self) -> Option<Snapshot<'_>> {
-        let Picture { film, settings, position, stats, .. } = self;
+        let Picture { film, groups, settings, position, stats, .. } = self;
         let (position, identity) = position.as_ref()?;
-        Some(Snapshot { film, settings, position, identity, stats: *stats })
+        Some(Snapshot { film, groups, settings, position, identity, stats: *stats })
     }
 }
 
-fn layers(outputs: &[(View, Format)], settings: &RenderSettings) -> LayerSet {
-    let mut layers: Vec<Layer> = outputs.iter().map(|(view, format)| view.layer(*format, settings)).collect();
+fn layers(scene: &Scene, outputs: &[(View, Format)], settings: &RenderSettings) -> LayerSet {
+    let n_groups = scene.light_groups.len();
+    let of = |(view, format): &(View, Format)| view.layers(*format, settings, n_groups);
+    let mut layers: Vec<Layer> = outputs.iter().flat_map(of).collect();
     if layers.is_empty() {
         // Somebody wants to know how long it takes.
         layers.push(Layer::Color);
@@ -454,6 +469,7 @@ mod tests {
             ("albedo", "R"),
             ("motion", "Y"),
             ("variance", "B"),
+            ("lights.other", "G"),
         ] {
             assert!(file.layer(Some(layer)).unwrap().channel(channel).is_some(), "{layer}.{channel}");
         }

@@ -139,6 +139,10 @@ impl RenderSettings {
                 "a lamp here does not fade with the square of the distance, as real ones do; give it an `intensity`",
             ),
             (
+                !shaded && scene.light_groups.len() > 1,
+                "groups of lights are not told apart here: only integrators that follow paths do so",
+            ),
+            (
                 !traced && self.path.spectral,
                 "`spectral` is left out: the classic integrator knows colours only",
             ),

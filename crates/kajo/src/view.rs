@@ -6,7 +6,7 @@
 use kajo_core::settings::MapRules;
 use kajo_image::exr::{ChannelData, ExrLayer, ExrPicture};
 use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, Quantiser, Rounding, exr};
-use kajo_render::{Film, Layer};
+use kajo_render::{Film, Layer, MAX_LIGHT_GROUPS};
 
 use crate::RenderSettings;
 use crate::development::Development;
@@ -34,11 +34,13 @@ pub enum View {
     Motion,
     /// Estimated variance of the light.
     Variance,
+    /// The light of each group of lamps.
+    Lights,
 }
 
 impl View {
     /// All views.
-    pub const ALL: [View; 10] = [
+    pub const ALL: [View; 11] = [
         View::Color,
         View::Depth,
         View::Normals,
@@ -49,11 +51,14 @@ impl View {
         View::Albedo,
         View::Motion,
         View::Variance,
+        View::Lights,
     ];
 
     /// Their names, in the same order.
-    pub const NAMES: [&'static str; 10] =
-        ["color", "depth", "normals", "uv", "object", "material", "samples", "albedo", "motion", "variance"];
+    pub const NAMES: [&'static str; 11] = [
+        "color", "depth", "normals", "uv", "object", "material", "samples", "albedo", "motion", "variance",
+        "lights",
+    ];
 
     /// The view of that name.
     pub fn from_name(name: &str) -> Option<View> {
@@ -66,6 +71,23 @@ impl View {
     }
 
     /// What the film must record for it.
+    ///
+    /// * `n_groups`: groups of lamps in the scene
+    pub(crate) fn layers(
+        self,
+        format: Format,
+        settings: &RenderSettings,
+        n_groups: usize,
+    ) -> impl Iterator<Item = Layer> {
+        let groups = (0..n_groups).map(|group| Layer::Light(group as u8));
+        let (one, all) = match self {
+            View::Lights => (None, Some(groups)),
+            _ => (Some(self.layer(format, settings)), None),
+        };
+        one.into_iter().chain(all.into_iter().flatten())
+    }
+
+    /// The layer that it shows, the first where there are several.
     pub(crate) fn layer(self, format: Format, settings: &RenderSettings) -> Layer {
         let numbers = holds_numbers(format);
         match self {
@@ -81,6 +103,7 @@ impl View {
             View::Albedo => Layer::Albedo,
             View::Motion => Layer::Motion,
             View::Variance => Layer::Variance,
+            View::Lights => Layer::Light(0),
         }
     }
 }
@@ -96,6 +119,8 @@ pub(crate) struct Look<'a> {
     pub development: &'a Development,
     /// The light, where it is not what the film says.
     pub light: Option<&'a Image>,
+    /// Names of the groups of lamps.
+    pub groups: &'a [String],
 }
 
 impl Look<'_> {
@@ -168,6 +193,7 @@ pub(crate) fn picture(
             let most = image.data().iter().copied().fold(1.0, f32::max);
             mapped(&image, |count| [count[0] / most])
         }
+        View::Lights => groups_in_colour(film, &image),
         View::Object | View::Material if !holds_numbers(format) => mapped(&image, |id| false_colour(id[0])),
         _ => Ok(image),
     }
@@ -191,6 +217,23 @@ fn mapped<const N: usize>(image: &Image, map: impl Fn(&[f32]) -> [f32; N]) -> Re
         to.copy_from_slice(&map(from));
     }
     Ok(result)
+}
+
+/// The light of the first group as it is, and that of each other in a colour of its own.
+fn groups_in_colour(film: &Film, first: &Image) -> Result<Image, ImageError> {
+    let mut sum = first.clone();
+    for group in 1..MAX_LIGHT_GROUPS as u8 {
+        if !film.spec().layers.has(Layer::Light(group)) {
+            continue;
+        }
+        let light = develop(film, Layer::Light(group))?;
+        let colour = false_colour(f32::from(group));
+        for (sum, light) in sum.data_mut().chunks_exact_mut(3).zip(light.pixels()) {
+            let grey = light.iter().sum::<f32>() / 3.0;
+            sum.iter_mut().zip(colour).for_each(|(sum, share)| *sum += share * grey);
+        }
+    }
+    Ok(sum)
 }
 
 /// Distances as grey: what is nearest in the picture is white, what is far a dark grey, misses are black.
@@ -254,6 +297,13 @@ fn exr_layers(film: &Film, views: &[View], look: &Look<'_>) -> Result<Vec<ExrLay
             View::Motion => others.push(named("motion", planes(&develop(film, Layer::Motion)?, &["X", "Y"]))),
             View::Variance => {
                 others.push(named("variance", planes(&develop(film, Layer::Variance)?, &["R", "G", "B"])));
+            }
+            View::Lights => {
+                for (group, name) in (0..).zip(look.groups) {
+                    let mut light = develop(film, Layer::Light(group))?;
+                    look.development.apply(&mut light, Format::Exr);
+                    others.push(named(&format!("lights.{name}"), planes(&light, &["R", "G", "B"])));
+                }
             }
         }
     }

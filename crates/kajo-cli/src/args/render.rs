@@ -27,7 +27,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "W H")]
     pub size: Option<Size>,
     /// A further picture, or without FILE a further layer of the OpenEXR file: depth, normals, uv, object,
-    /// material, samples, albedo, motion, variance [may be repeated]
+    /// material, samples, albedo, motion, variance, lights [may be repeated]
     #[arg(long, value_name = "NAME[=FILE]", value_parser = values::aov(), action = clap::ArgAction::Append)]
     pub aov: Vec<Aov>,
     /// Layers of the OpenEXR file, separated by commas, or all

@@ -18,23 +18,20 @@ impl Compiler<'_> {
         let grey = Background::constant([0.5; 3]);
         let Some(item) = item else { return (grey, Spectrum::BLACK) };
         let spectra = self.spectra();
-        let (mut ambient, mut sky) = (Spectrum::BLACK, None);
-        let written = self.read(item, |params| {
-            ambient = params.optional("ambientLight", Args::vec3).map_or(Spectrum::BLACK, Spectrum::from);
-            let color = params.optional("color", |args| spectra.classic_light(args));
-            let cube_map = params.optional("cubeMap", |args| Ok((args.item(), args.text()?)));
-            let environment = EnvironmentKeys::read(params);
-            sky = params.block("sky");
-            let pictures = [cube_map.as_ref().map(|map| map.0), environment.as_ref().map(|e| e.item), sky];
-            if let [Some(_), Some(second), ..] =
-                pictures.into_iter().flatten().map(Some).collect::<Vec<_>>()[..]
-            {
-                let error = Diagnostic::error("a background is one of `cubeMap`, `environment` and `sky`");
-                params.diagnostics().push(error.label(second.head_span(), "one too many"));
-            }
-            Some((color, cube_map, environment))
-        });
-        let Some((color, cube_map, environment)) = written else { return (grey, ambient) };
+        let mut params = Params::new(item, self.diagnostics);
+        let ambient = params.optional("ambientLight", Args::vec3).map_or(Spectrum::BLACK, Spectrum::from);
+        let color = params.optional("color", |args| spectra.classic_light(args));
+        let cube_map = params.optional("cubeMap", |args| Ok((args.item(), args.text()?)));
+        let environment = EnvironmentKeys::read(&mut params);
+        let sky = params.block("sky");
+        self.sky_group = self.light_groups.read(&mut params);
+        let pictures = [cube_map.as_ref().map(|map| map.0), environment.as_ref().map(|e| e.item), sky];
+        if let [Some(_), Some(second), ..] = pictures.into_iter().flatten().map(Some).collect::<Vec<_>>()[..]
+        {
+            let error = Diagnostic::error("a background is one of `cubeMap`, `environment` and `sky`");
+            params.diagnostics().push(error.label(second.head_span(), "one too many"));
+        }
+        params.finish();
         let picture = match (sky, environment, cube_map) {
             (Some(item), ..) => self.sky(item).map(Background::Sky),
             (None, Some(keys), _) => self.environment(keys).map(Background::Environment),

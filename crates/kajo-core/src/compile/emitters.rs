@@ -8,6 +8,7 @@ use kajo_math::{DAffine3, DMat3};
 use kajo_scene::{Diagnostic, Params};
 
 use super::Compiler;
+use super::light_groups::LightGroups;
 use super::spectra::SpectrumReader;
 use crate::background::Background;
 use crate::family::Pooled;
@@ -19,19 +20,27 @@ use crate::motion::MovingTransform;
 pub(super) struct Glow {
     emission: Emission,
     sides: Sides,
+    group: u8,
 }
 
-/// Reads `emission` and `emits` of a material.
-pub(super) fn read_glow(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<Glow> {
+/// Reads `emission`, `emits` and `group` of a material.
+pub(super) fn read_glow(
+    params: &mut Params<'_, '_>,
+    spectra: SpectrumReader<'_>,
+    groups: &mut LightGroups,
+) -> Option<Glow> {
     let emission = params.optional("emission", |args| spectra.emission(args));
     let names = [("back", Sides::Back), ("both", Sides::Both), ("front", Sides::Front)];
     let sides = params.optional("emits", |args| Ok((args.choice(&names)?, args.item())));
-    if let (None, Some((_, place))) = (&emission, sides) {
-        let warning = Diagnostic::warning("`emits` says nothing without an `emission`");
-        params.diagnostics().push(warning.label(place.head_span(), "has no effect"));
+    let group = params.optional("group", |args| Ok((groups.number(args)?, args.item())));
+    let [of_sides, of_group] = [sides.map(|(_, item)| item), group.map(|(_, item)| item)];
+    for item in [of_sides, of_group].into_iter().flatten().filter(|_| emission.is_none()) {
+        let message = format!("`{}` says nothing without an `emission`", item.keyword());
+        params.diagnostics().push(Diagnostic::warning(message).label(item.head_span(), "has no effect"));
     }
     let emission = emission.filter(|emission| !emission.is_black())?;
-    Some(Glow { emission, sides: sides.map_or(Sides::Both, |(sides, _)| sides) })
+    let sides = sides.map_or(Sides::Both, |(sides, _)| sides);
+    Some(Glow { emission, sides, group: group.map_or(0, |(group, _)| group) })
 }
 
 impl Compiler<'_> {
@@ -51,7 +60,7 @@ impl Compiler<'_> {
             self.shapes.patches(primitive.shape, |part, patch| {
                 let slot = self.shapes.material_slot(primitive.shape, part);
                 let material = slot.map_or(primitive.material, |slot| self.slot_materials[slot as usize]);
-                let Some(Glow { emission, sides }) = self.glows.get(&material) else { return };
+                let Some(Glow { emission, sides, group }) = self.glows.get(&material) else { return };
                 let patch = if primitive.transform == 0 { Some(patch) } else { patch.transformed(&map) };
                 let patch = match &drift {
                     Some(drift) => patch.and_then(|patch| patch.movable(drift.sampled_maps())),
@@ -65,12 +74,14 @@ impl Compiler<'_> {
                     primitive: i as u32,
                     part,
                 };
-                lights.extend(patch.filter(|patch| patch.area() > 0.0).map(light));
+                lights.extend(patch.filter(|patch| patch.area() > 0.0).map(|patch| (light(patch), *group)));
             });
             self.primitives[i].glows = !lights.is_empty();
-            for light in lights {
-                let id = light.store(&mut self.lights);
-                self.light_list.extend(id);
+            for (light, group) in lights {
+                if let Some(id) = light.store(&mut self.lights) {
+                    self.light_list.push(id);
+                    self.groups_of_lights.push(group);
+                }
             }
         }
         if unbounded {
@@ -98,12 +109,13 @@ impl Compiler<'_> {
 
     /// The lights that integrators draw from: those of the file, glowing pieces, and the background.
     pub(super) fn emitters(&mut self, background: &Arc<Background>) -> Emitters {
-        let mut list: Vec<LightId> = self.light_list.clone();
+        let groups = self.groups_of_lights.iter().copied();
+        let mut list: Vec<(LightId, u8)> = self.light_list.iter().copied().zip(groups).collect();
         let n_areas = self.lights.areas.len();
         let first_area = (list.len() - n_areas) as u32;
         let sky = (!background.is_black()).then(|| {
             let id = SkyLight::new(Arc::clone(background)).store(&mut self.lights);
-            list.extend(id);
+            list.extend(id.map(|id| (id, self.sky_group)));
             list.len() as u32 - 1
         });
         Emitters::new(list, first_area, sky, &self.lights)

@@ -10,7 +10,7 @@ use kajo_scene::{Args, Assets, Diagnostic, Item, Params, read_ies, read_limited}
 use super::Compiler;
 use super::spectra::{SpectrumReader, Written};
 use crate::family::Pooled;
-use crate::light::{DirectionalLight, PhotometricLight, Photometry, PointLight, SpotLight};
+use crate::light::{DirectionalLight, LightId, Lights, PhotometricLight, Photometry, PointLight, SpotLight};
 
 const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
 const LATER: [&str; 3] = ["AreaLight", "EnvironmentLight", "SunSky"];
@@ -28,23 +28,32 @@ impl Compiler<'_> {
         // A misspelt light was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();
         self.check_count("numLights", count, n_blocks, "light");
-        let spectra = self.spectra();
         for light in lights {
-            let id = match light.keyword() {
-                "DirectionalLight" => self
-                    .read(light, |params| read_directional(params, spectra))
-                    .and_then(|light| light.store(&mut self.lights)),
-                "SpotLight" => self
-                    .read(light, |params| read_spot(params, spectra))
-                    .and_then(|light| light.store(&mut self.lights)),
-                _ if light.children().any(|key| key.keyword() == "ies") => self
-                    .read(light, |params| read_photometric(params, spectra))
-                    .and_then(|light| light.store(&mut self.lights)),
-                _ => self
-                    .read(light, |params| read_point(params, spectra))
-                    .and_then(|light| light.store(&mut self.lights)),
-            };
-            self.light_list.extend(id);
+            match light.keyword() {
+                "DirectionalLight" => self.light(light, read_directional),
+                "SpotLight" => self.light(light, read_spot),
+                _ if light.children().any(|key| key.keyword() == "ies") => {
+                    self.light(light, read_photometric);
+                }
+                _ => self.light(light, read_point),
+            }
+        }
+    }
+
+    /// Puts a light into its pool.
+    fn light<L: Pooled<Lights, Handle = LightId>>(
+        &mut self,
+        item: Item<'_>,
+        read: impl FnOnce(&mut Params<'_, '_>, SpectrumReader<'_>) -> Option<L>,
+    ) {
+        let spectra = self.spectra();
+        let mut params = Params::new(item, self.diagnostics);
+        let group = self.light_groups.read(&mut params);
+        let light = read(&mut params, spectra);
+        params.finish();
+        if let Some(id) = light.and_then(|light| light.store(&mut self.lights)) {
+            self.light_list.push(id);
+            self.groups_of_lights.push(group);
         }
     }
 }

@@ -128,18 +128,19 @@ impl Compiler<'_> {
         if let "Material" | "PhongMaterial" = keyword {
             let reflects_specular = self.rules.reflects_specular;
             let spectra = self.spectra();
-            return self.read(item, |params| {
-                let phong = read_phong(params, spectra, reflects_specular);
-                Some(Draft::Phong(phong, read_glow(params, spectra)))
-            });
+            let mut params = Params::new(item, self.diagnostics);
+            let phong = read_phong(&mut params, spectra, reflects_specular);
+            let glow = read_glow(&mut params, spectra, &mut self.light_groups);
+            params.finish();
+            return Some(Draft::Phong(phong, glow));
         }
         if PHYSICAL.contains(&keyword) {
             let spectra = self.spectra();
-            return self.read(item, |params| {
-                let physical = Physical::read(keyword, params);
-                let glow = read_glow(params, spectra);
-                Some(Draft::Physical(physical?, glow))
-            });
+            let mut params = Params::new(item, self.diagnostics);
+            let physical = Physical::read(keyword, &mut params);
+            let glow = read_glow(&mut params, spectra, &mut self.light_groups);
+            params.finish();
+            return Some(Draft::Physical(physical?, glow));
         }
         let by_rows = self.rules.matrix_by_rows;
         let mut params = Params::new(item, self.diagnostics);

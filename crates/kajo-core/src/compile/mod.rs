@@ -10,6 +10,7 @@ mod definition;
 mod emitters;
 mod group;
 mod lens;
+mod light_groups;
 mod lights;
 mod materials;
 mod mesh;
@@ -158,6 +159,11 @@ struct Compiler<'a> {
     textures: Textures,
     lights: Lights,
     light_list: Vec<LightId>,
+    /// The group of each light.
+    groups_of_lights: Vec<u8>,
+    /// The group of the background.
+    sky_group: u8,
+    light_groups: light_groups::LightGroups,
     meshes: mesh::MeshCache,
     models: model::ModelCache,
 }
@@ -195,6 +201,9 @@ impl<'a> Compiler<'a> {
             textures: Textures::default(),
             lights: Lights::default(),
             light_list: Vec::new(),
+            groups_of_lights: Vec::new(),
+            sky_group: 0,
+            light_groups: light_groups::LightGroups::default(),
             meshes: mesh::MeshCache::default(),
             models: model::ModelCache::default(),
         }
@@ -258,6 +267,7 @@ impl<'a> Compiler<'a> {
             textures: self.textures,
             lights: self.lights,
             light_list: self.light_list,
+            light_groups: self.light_groups.into_names(),
             emitters,
             ambient: rest.ambient,
             background,

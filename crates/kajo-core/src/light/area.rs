@@ -139,7 +139,7 @@ impl Emitter for AreaLight {
         }
         let target = Target::Surface { p: drawn.p, p_error: drawn.p_error, n: drawn.n };
         let radiance = self.emission.at(wavelengths);
-        Some(LightSample { wi, radiance, pdf: drawn.pdf, is_delta: false, target })
+        Some(LightSample { wi, radiance, pdf: drawn.pdf, is_delta: false, target, group: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

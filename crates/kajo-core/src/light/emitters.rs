@@ -9,6 +9,8 @@ use super::{AreaLight, LightChoice, LightId, LightSample, LightTree, Lights};
 #[derive(Debug, Default)]
 pub struct Emitters {
     list: Vec<LightId>,
+    /// The group of each.
+    groups: Vec<u8>,
     /// Where the pieces begin; they are sorted by object and part.
     first_area: u32,
     /// Where the background is, if it gives light.
@@ -20,9 +22,15 @@ impl Emitters {
     /// * `first_area`: the number of the first piece of a glowing object; from there on `list` names the pool of
     ///   pieces in its order
     /// * `sky`: the number of the background
-    pub(crate) fn new(list: Vec<LightId>, first_area: u32, sky: Option<u32>, lights: &Lights) -> Emitters {
+    pub(crate) fn new(
+        list: Vec<(LightId, u8)>,
+        first_area: u32,
+        sky: Option<u32>,
+        lights: &Lights,
+    ) -> Emitters {
+        let (list, groups): (Vec<LightId>, Vec<u8>) = list.into_iter().unzip();
         let bounds: Vec<_> = list.iter().map(|&id| lights.bounds(id)).collect();
-        Emitters { list, first_area, sky, tree: LightTree::build(&bounds) }
+        Emitters { list, groups, first_area, sky, tree: LightTree::build(&bounds) }
     }
 
     /// Number of lights that can be drawn.
@@ -37,7 +45,19 @@ impl Emitters {
 
     /// Bytes of the tree and the list.
     pub fn bytes(&self) -> usize {
-        self.tree.bytes() + size_of_val(&*self.list)
+        self.tree.bytes() + size_of_val(&*self.list) + size_of_val(&*self.groups)
+    }
+
+    /// The group of the light of this number.
+    #[inline]
+    pub fn group(&self, number: u32) -> u8 {
+        self.groups[number as usize]
+    }
+
+    /// The group of the background.
+    #[inline]
+    pub fn sky_group(&self) -> u8 {
+        self.sky.map_or(0, |number| self.group(number))
     }
 
     /// Light drawn for a receiver; its density includes the choice of the lamp.
@@ -63,7 +83,7 @@ impl Emitters {
         let (light, probability) = self.tree.choose(p, n, u, choice)?;
         let sample = lights.sample(self.list[light as usize], p, time, place, wavelengths)?;
         // The density of a lamp without extent is that of its choice.
-        Some(LightSample { pdf: sample.pdf * probability, ..sample })
+        Some(LightSample { pdf: sample.pdf * probability, group: self.group(light), ..sample })
     }
 
     /// The glowing piece that is this part of an object, and its number.

@@ -38,6 +38,9 @@ pub struct Illumination {
     pub intensity: Spectrum,
 }
 
+/// Most groups of lights that a scene can have, those without a group counted as one.
+pub const MAX_LIGHT_GROUPS: usize = 8;
+
 /// Light that arrives at a point from a direction drawn at random.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
@@ -51,6 +54,8 @@ pub struct LightSample {
     pub is_delta: bool,
     /// How far the way must be clear.
     pub target: Target,
+    /// The lamp's group, an index into [`crate::Scene::light_groups`]; [`Emitters::sample`] fills it in.
+    pub group: u8,
 }
 
 /// The far end of the way to a light.

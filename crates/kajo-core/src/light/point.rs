@@ -60,7 +60,14 @@ impl Emitter for PointLight {
     fn sample(&self, p: Vec3, _time: f32, _u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
         let (wi, _, falloff) = self.seen_from(p);
         let radiance = self.emission.at(wavelengths) * falloff;
-        Some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target: Target::Point(self.position) })
+        Some(LightSample {
+            wi,
+            radiance,
+            pdf: 1.0,
+            is_delta: true,
+            target: Target::Point(self.position),
+            group: 0,
+        })
     }
 
     /// Falloffs other than the inverse square are weighed as if they were that.

@@ -5,10 +5,11 @@
 //! maps, not the map of the averages.) *Own* ones look only at the samples taken for the pixel, since a
 //! weighted mean of distances with negative lobes, or of numbers of objects, would mean nothing.
 
+use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_math::Vec3;
 
 use super::spec::FilmSpec;
-use crate::{Auxiliary, PixelSample, context::MAX_LIGHT_GROUPS};
+use crate::{Auxiliary, PixelSample};
 
 /// One output of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

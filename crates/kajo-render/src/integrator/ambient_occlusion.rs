@@ -40,6 +40,7 @@ impl PixelIntegrator for AmbientOcclusion<'_> {
         draws.skip(1); // There are no wavelengths.
         ctx.rays.camera += 1;
         let Event::Surface(at) = self.view.scene.trace(&ray) else {
+            ctx.aux.lights[0] = [1.0; 3];
             return PixelSample { radiance: [1.0; 3], first: None };
         };
         let towards_viewer = if ray.d.dot(at.point.n) > 0.0 { -at.point.n } else { at.point.n };
@@ -50,6 +51,7 @@ impl PixelIntegrator for AmbientOcclusion<'_> {
         let shadow = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
         let hidden = below || self.view.scene.occluded(&shadow);
         let open = if hidden { 0.0 } else { 1.0 };
+        ctx.aux.lights[0] = [open; 3];
         PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at, &mut ctx.aux)) }
     }
 }

@@ -327,6 +327,8 @@ impl PixelIntegrator for Classic<'_> {
         }
         let light = self.li_from(ray, end, path, &mut ctx.rays);
         let radiance = if self.settings.uv { self.uv_picture(pixel) } else { light };
+        // Groups of lamps are not told apart.
+        ctx.aux.lights[0] = radiance.to_rgb();
         PixelSample { radiance: radiance.to_rgb(), first }
     }
 }

@@ -15,6 +15,8 @@
 //! In spectral mode the path carries four wavelengths; where its direction comes to depend on the first of them
 //! the others end.
 
+use std::cell::Cell;
+
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
@@ -23,7 +25,7 @@ use kajo_core::settings::{Directions, Technique};
 use kajo_math::Vec2;
 
 use super::view::View;
-use super::walk::Walk;
+use super::walk::{LightGroups, Walk};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 
 /// Options of [`Path`].
@@ -88,12 +90,17 @@ impl PixelIntegrator for Path<'_> {
         let u = draws.number_if(self.settings.spectral);
         let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
         ctx.rays.camera += 1;
-        let mut walk = Walk::new(&self.view, &self.settings, ray, wavelengths, draws);
+        let groups = LightGroups::default();
+        let wanted = self.view.wants_light_groups().then_some(&groups);
+        let mut walk = Walk::new(&self.view, &self.settings, ray, wavelengths, draws).with_groups(wanted);
         walk.run();
         ctx.rays += walk.rays;
         let (radiance, first, albedo) = (walk.finished(), walk.first, walk.albedo);
         if self.view.wants_albedo() {
             ctx.aux.albedo = sensor::to_rgb(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
+        }
+        if wanted.is_some() {
+            ctx.aux.lights = groups.each_ref().map(Cell::get);
         }
         PixelSample { radiance, first: first.map(|at| self.view.first_hit(&at, &mut ctx.aux)) }
     }

@@ -2,6 +2,7 @@
 //! surface.
 
 use kajo_core::camera::{Camera, Raster};
+use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
@@ -50,6 +51,11 @@ impl<'a> View<'a> {
     /// Whether the layers record albedos.
     pub fn wants_albedo(&self) -> bool {
         self.layers.has(Layer::Albedo)
+    }
+
+    /// Whether the layers tell the light of groups of lamps apart.
+    pub fn wants_light_groups(&self) -> bool {
+        (0..MAX_LIGHT_GROUPS as u8).any(|group| self.layers.has(Layer::Light(group)))
     }
 
     /// What the layers record of the first surface; its motion goes to `aux`.

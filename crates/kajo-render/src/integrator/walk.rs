@@ -1,10 +1,12 @@
 //! One path while it is being made, for the integrators that follow paths from the camera.
 
+use std::cell::Cell;
 use std::f32::consts::FRAC_1_PI;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
 use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
+use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::lighting::Receiver;
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Event, Interaction, Scene};
@@ -39,6 +41,8 @@ pub(super) struct Walk<'a, 'b> {
     light: Spectrum,
     /// What the sensor has of light found under earlier ones.
     seen: [f32; 3],
+    /// What the sensor has of the light of each group of lamps, where that is asked for.
+    groups: Option<&'a LightGroups>,
     bodies: Bodies,
     bounces: u32,
     /// How the present ray was found.
@@ -52,6 +56,9 @@ pub(super) struct Walk<'a, 'b> {
     /// The albedo of the first surface that is no mirror.
     pub albedo: Option<Spectrum>,
 }
+
+/// Linear RGB of each group of lamps. All branches of a path add to one set.
+pub(super) type LightGroups = [Cell<[f32; 3]>; MAX_LIGHT_GROUPS];
 
 /// How a ray was found, to weigh what it meets.
 #[derive(Clone, Copy)]
@@ -82,6 +89,7 @@ impl<'a, 'b> Walk<'a, 'b> {
             squeeze: 1.0,
             light: Spectrum::BLACK,
             seen: [0.0; 3],
+            groups: None,
             bodies: Bodies::default(),
             bounces: 0,
             origin: Origin { receiver: Receiver::default(), pdf: None },
@@ -90,6 +98,11 @@ impl<'a, 'b> Walk<'a, 'b> {
             first: None,
             albedo: None,
         }
+    }
+
+    /// The same, with the light of each group of lamps added to `groups` as well.
+    pub fn with_groups(self, groups: Option<&'a LightGroups>) -> Walk<'a, 'b> {
+        Walk { groups, ..self }
     }
 
     fn scene(&self) -> &'a Scene {
@@ -153,12 +166,22 @@ impl<'a, 'b> Walk<'a, 'b> {
         }
     }
 
+    /// Adds light of a group of lamps.
+    fn add(&mut self, light: Spectrum, group: u8) {
+        self.light += light;
+        if let Some(groups) = self.groups {
+            let sum = &groups[usize::from(group)];
+            let (rgb, before) = (sensor::to_rgb(light, &self.wavelengths), sum.get());
+            sum.set([0, 1, 2].map(|i| before[i] + rgb[i]));
+        }
+    }
+
     fn escape(&mut self) {
         let radiance = self.scene().background.radiance(self.ray.d, &self.wavelengths);
         if !radiance.is_black() {
             let choice = self.settings.light_choice;
             let weight = self.weight_of_chance(|from| self.scene().sky_pdf(from, self.ray.d, choice));
-            self.light += self.throughput * radiance * weight;
+            self.add(self.throughput * radiance * weight, self.scene().emitters.sky_group());
         }
     }
 
@@ -167,7 +190,7 @@ impl<'a, 'b> Walk<'a, 'b> {
         if let Some(glow) = scene.glow(at, self.ray.d, &self.wavelengths) {
             let choice = self.settings.light_choice;
             let weight = self.weight_of_chance(|from| scene.glow_pdf(&glow, at, from, choice));
-            self.light += self.throughput * glow.radiance * weight;
+            self.add(self.throughput * glow.radiance * weight, glow.group);
         }
     }
 
@@ -314,7 +337,7 @@ impl<'a, 'b> Walk<'a, 'b> {
             }
             _ => 1.0,
         };
-        self.light += self.throughput * scattered * lamp.radiance * (weight / lamp.pdf);
+        self.add(self.throughput * scattered * lamp.radiance * (weight / lamp.pdf), lamp.group);
     }
 
     /// Whether the path goes on, decided at random where it carries little.

@@ -16,6 +16,7 @@ use crate::{Development, RenderSettings, View};
 pub struct Frame {
     job: u64,
     film: Arc<Film>,
+    groups: Arc<[String]>,
     light: Image,
     settings: RenderSettings,
     full_size: [u32; 2],
@@ -28,13 +29,14 @@ impl Frame {
     pub(super) fn new(
         job: u64,
         film: Arc<Film>,
+        groups: Arc<[String]>,
         settings: RenderSettings,
         full_size: [u32; 2],
         samples: u32,
         stats: RenderStats,
     ) -> Option<Frame> {
         let light = film.develop(Layer::Color)?;
-        Some(Frame { job, film, light, settings, full_size, samples, stats })
+        Some(Frame { job, film, groups, light, settings, full_size, samples, stats })
     }
 
     /// The number of the job it belongs to; see [`super::Session::start`].
@@ -139,7 +141,7 @@ impl Frame {
         depth: BitDepth,
         development: &Development,
     ) -> Result<Vec<u8>, ImageError> {
-        let look = Look { development, light: None };
+        let look = Look { development, light: None, groups: &self.groups };
         view::encode(&self.film, views, format, depth, &self.settings, &look)
     }
 }

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use kajo_core::camera::Camera;
 use kajo_core::sampler::SamplerKind;
+use kajo_core::scene::Scene;
 use kajo_image::Format;
 use kajo_render::{
     Film, FilmSpec, Filter, Goal, Layer, LayerSet, Position, Progress, RenderError as PassError, RenderStats,
@@ -116,7 +117,7 @@ enum Outcome {
 impl Run<'_> {
     fn render(&self, job: &Job) -> Result<Outcome, RenderError> {
         let camera = job.camera.as_ref().map_or(&job.scene.camera, |pose| pose.camera());
-        let layers = layers(&job.views, &job.settings);
+        let layers = layers(&job.scene, &job.views, &job.settings);
         let resources = Resources { threads: self.shared.threads, ..Resources::default() };
         check_memory(&film_spec(camera, &job.settings, layers), &resources)?;
         for factor in downscales(job.downscale) {
@@ -153,6 +154,7 @@ impl Run<'_> {
             self.publish(Frame::new(
                 self.number,
                 Arc::clone(&film),
+                Arc::clone(&job.scene.light_groups),
                 settings,
                 job.settings.size,
                 samples,
@@ -239,9 +241,10 @@ fn coarse(settings: &RenderSettings, camera: &Camera, factor: u32) -> RenderSett
 }
 
 /// What films must record for these views, as pictures and as numbers.
-fn layers(views: &[View], settings: &RenderSettings) -> LayerSet {
-    let of = |view: &View| [Format::Png, Format::Exr].map(|format| view.layer(format, settings));
-    let layers: Vec<Layer> = views.iter().flat_map(of).chain([Layer::Color]).collect();
+fn layers(scene: &Scene, views: &[View], settings: &RenderSettings) -> LayerSet {
+    let pairs = views.iter().flat_map(|&view| [Format::Png, Format::Exr].map(|format| (view, format)));
+    let of = |(view, format): (View, Format)| view.layers(format, settings, scene.light_groups.len());
+    let layers: Vec<Layer> = pairs.flat_map(of).chain([Layer::Color]).collect();
     LayerSet::of(&layers)
 }
 

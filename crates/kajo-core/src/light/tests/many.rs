@@ -27,7 +27,7 @@ fn grid() -> (Lights, Emitters) {
     }
     let first_area = points.len() as u32;
     points.extend(areas);
-    let emitters = Emitters::new(points, first_area, None, &lights);
+    let emitters = Emitters::new(points.into_iter().map(|id| (id, 0)).collect(), first_area, None, &lights);
     (lights, emitters)
 }
 

@@ -1,0 +1,100 @@
+//! Groups of lights: the light of each can be seen apart.
+
+use std::sync::Arc;
+
+use kajo_scene::{Args, Diagnostic, Params};
+
+use crate::light::MAX_LIGHT_GROUPS;
+
+/// The group of what is in none.
+const OTHER: &str = "other";
+
+/// The names of groups, in the order in which they are met; the first is that of lights without a group.
+pub(super) struct LightGroups {
+    names: Vec<String>,
+}
+
+impl Default for LightGroups {
+    fn default() -> LightGroups {
+        LightGroups { names: vec![OTHER.to_owned()] }
+    }
+}
+
+impl LightGroups {
+    /// The number of the group that a block names; 0 where it names none.
+    pub fn read(&mut self, params: &mut Params<'_, '_>) -> u8 {
+        params.or("group", 0, |args| self.number(args))
+    }
+
+    /// The number of the group that a key names.
+    pub fn number(&mut self, args: &mut Args<'_>) -> Result<u8, Diagnostic> {
+        let name = args.text()?;
+        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) {
+            return Err(args.error("the name of a group has letters, digits, `_` and `-` only"));
+        }
+        if let Some(known) = self.names.iter().position(|known| *known == name) {
+            return Ok(known as u8);
+        }
+        if self.names.len() == MAX_LIGHT_GROUPS {
+            let most = MAX_LIGHT_GROUPS - 1;
+            return Err(args.error(format!("a scene has at most {most} groups of lights, and `{OTHER}`")));
+        }
+        self.names.push(name.into_owned());
+        Ok((self.names.len() - 1) as u8)
+    }
+
+    pub fn into_names(self) -> Arc<[String]> {
+        self.names.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+
+    use crate::compile::{CompileOptions, compile};
+    use crate::scene::Scene;
+
+    /// The scene, or what is wrong with it.
+    fn compiled(blocks: &str) -> Result<Scene, String> {
+        let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+        let mut parsed = SceneDesc::parse_str(&format!("{camera} {blocks}"));
+        let mut diagnostics = Diagnostics::default();
+        let scene =
+            compile(&mut parsed.desc, &MemoryAssets::new(), &CompileOptions::default(), &mut diagnostics);
+        let said: Vec<_> = diagnostics.iter().map(|d| d.message.clone()).collect();
+        scene.filter(|_| said.is_empty()).ok_or_else(|| said.join("; "))
+    }
+
+    #[test]
+    fn every_light_knows_its_group() {
+        let scene = compiled(
+            "Background { color 1 1 1  group sky }
+             Lights { PointLight { position 0 1 0 color 1 1 1 group key }
+                      SpotLight { position 0 1 0 direction 0 -1 0 angle 9 color 1 1 1 }
+                      DirectionalLight { direction 0 -1 0 color 1 1 1 group \"key\" } }
+             Materials { Matte lamp { emission 1 group rim } Material glow { emission 2 } }
+             Group { MaterialIndex glow Sphere { center 0 0 0 radius 1 }
+                     MaterialIndex lamp Sphere { center 3 0 0 radius 1 } }",
+        )
+        .unwrap();
+        assert_eq!(&*scene.light_groups, ["other", "sky", "key", "rim"]);
+        let groups: Vec<u8> = (0..6).map(|number| scene.emitters.group(number)).collect();
+        assert_eq!(groups, [2, 0, 2, 0, 3, 1]);
+        assert_eq!(scene.emitters.sky_group(), 1);
+        let plain = compiled("Lights { PointLight { position 0 1 0 color 1 1 1 group other } }").unwrap();
+        assert_eq!(&*plain.light_groups, ["other"]);
+    }
+
+    #[test]
+    fn mistakes_in_groups_are_named() {
+        let error = |lights: &str| compiled(&format!("Lights {{ {lights} }}")).unwrap_err();
+        let lamp = |group: &str| format!("PointLight {{ position 0 1 0 color 1 1 1 group {group} }}\n");
+        let many = |n: u32| (0..n).map(|i| lamp(&format!("g{i}"))).collect::<String>();
+        assert!(compiled(&format!("Lights {{ {} }}", many(7))).is_ok());
+        assert_eq!(error(&many(8)), "a scene has at most 7 groups of lights, and `other`");
+        assert!(error(&lamp("\"a b\"")).contains("letters, digits"));
+        let dark = compiled("Materials { Matte { group key } }").unwrap_err();
+        assert_eq!(dark, "`group` says nothing without an `emission`");
+    }
+}
