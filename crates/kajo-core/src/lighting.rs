@@ -5,7 +5,7 @@ use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
 use crate::interaction::SurfacePoint;
-use crate::light::{AreaLight, LightChoice, LightSample, Target};
+use crate::light::{AreaLight, Departures, EmissionPdf, Emitted, LightChoice, LightSample, Target};
 use crate::material::{Interior, ShadingPoint};
 use crate::scene::{Interaction, Scene};
 
@@ -89,6 +89,86 @@ impl Scene {
     ) -> Option<LightSample> {
         self.emitters.sample(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice)
     }
+
+    /// As [`Scene::light_towards`], with the number of the lamp.
+    #[inline]
+    pub fn lamp_towards(
+        &self,
+        to: &Receiver,
+        u: f32,
+        place: Vec2,
+        wavelengths: &Wavelengths,
+        choice: LightChoice,
+    ) -> Option<(u32, LightSample)> {
+        self.emitters.draw(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice)
+    }
+
+    /// Density per solid angle with which [`Scene::lamp_towards`] draws this lamp and the way to a place of it; for a
+    /// lamp without extent the probability of its choice.
+    ///
+    /// * `at`: the place and its unit geometric normal, of effect where the lamp has a surface
+    /// * `wi`: unit direction to it
+    pub fn lamp_pdf(&self, lamp: u32, to: &Receiver, at: [Vec3; 2], wi: Vec3, choice: LightChoice) -> f32 {
+        let probability = self.emitters.probability(lamp, [to.p, to.n], choice);
+        if probability > 0.0 {
+            probability * self.emitters.way_pdf(&self.lights, lamp, (to.p, to.time), at, wi)
+        } else {
+            0.0
+        }
+    }
+
+    /// The lamps for paths to begin at.
+    pub fn departures(&self) -> Departures {
+        Departures::new(&self.emitters, &self.lights, &self.bounds())
+    }
+
+    /// A ray of light that leaves a lamp drawn by its power, the number of the lamp, and the probability of its choice,
+    /// which the densities leave out.
+    ///
+    /// * `time`: moment within the shutter interval
+    /// * `u`: uniform in [0, 1), chooses the lamp; `ways`: choose place and direction
+    pub fn emit(
+        &self,
+        departures: &Departures,
+        time: f32,
+        u: f32,
+        ways: [Vec2; 2],
+        wavelengths: &Wavelengths,
+    ) -> Option<(Emitted, u32, f32)> {
+        let lamp = departures.choose(u)?;
+        let emitted =
+            self.lights.emit(self.emitters.id(lamp), time, ways, wavelengths, departures.world())?;
+        let density = emitted.pdf.place * emitted.pdf.direction;
+        let usable = density > 0.0 && density.is_finite();
+        // A plane without bounds may hide the disk that light from infinitely far passes before the scene.
+        let hidden = emitted.is_infinite()
+            && !self.unbounded.is_empty()
+            && self.occluded(&Ray { time, ..Ray::new(emitted.p, -emitted.d) });
+        (usable && !hidden).then(|| (emitted, lamp, departures.probability(lamp)))
+    }
+
+    /// Densities with which a lamp sends light along the unit vector `d`, once it is chosen.
+    ///
+    /// * `time`: moment within the shutter interval
+    /// * `at`: where light leaves, or any point on its way from infinitely far; and the unit normal there, of effect where
+    ///   the lamp has a surface
+    pub fn emission_pdf(
+        &self,
+        departures: &Departures,
+        lamp: u32,
+        time: f32,
+        at: [Vec3; 2],
+        d: Vec3,
+    ) -> EmissionPdf {
+        self.lights.emission_pdf(self.emitters.id(lamp), time, at, d, departures.world())
+    }
+}
+
+impl Glow<'_> {
+    /// The number of the lamp.
+    pub fn lamp(&self) -> u32 {
+        self.number
+    }
 }
 
 /// Who is lit.
@@ -108,14 +188,20 @@ impl SurfacePoint {
     /// Nothing between lies at its parameters in `(0, t_max)`.
     #[inline]
     pub fn ray_to_light(&self, sample: &LightSample, time: f32) -> Ray {
-        let o = offset_origin(self.p, self.p_error, self.ng, sample.wi);
-        match sample.target {
+        self.ray_to(&sample.target, sample.wi, time)
+    }
+
+    /// The ray from this point along the unit vector `wi` to the end of the way, clear of both surfaces.
+    #[inline]
+    pub fn ray_to(&self, end: &Target, wi: Vec3, time: f32) -> Ray {
+        let o = offset_origin(self.p, self.p_error, self.ng, wi);
+        match *end {
             Target::Surface { p, p_error, n } => {
-                let end = offset_origin(p, p_error, n, -sample.wi);
+                let end = offset_origin(p, p_error, n, -wi);
                 Ray { o, t_min: 0.0, d: end - o, t_max: 1.0, time }
             }
             Target::Point(p) => Ray { o, t_min: 0.0, d: p - o, t_max: 1.0, time },
-            Target::Infinity => Ray { o, t_min: 0.0, d: sample.wi, t_max: f32::INFINITY, time },
+            Target::Infinity => Ray { o, t_min: 0.0, d: wi, t_max: f32::INFINITY, time },
         }
     }
 }

@@ -137,14 +137,20 @@ pub enum IntegratorKind {
     Distribution,
     /// How open the surroundings are.
     Occlusion,
+    /// Paths from the camera and from lamps, joined.
+    Bidirectional,
+    /// Paths from lamps alone.
+    Light,
 }
 
 impl IntegratorKind {
     /// Names on the command line and in `Settings`, with the integrators.
-    pub const NAMES: [(&'static str, IntegratorKind); 5] = [
+    pub const NAMES: [(&'static str, IntegratorKind); 7] = [
+        ("bidirectional", IntegratorKind::Bidirectional),
         ("classic", IntegratorKind::Classic),
         ("direct", IntegratorKind::Direct),
         ("distribution", IntegratorKind::Distribution),
+        ("light", IntegratorKind::Light),
         ("occlusion", IntegratorKind::Occlusion),
         ("path", IntegratorKind::Path),
     ];

@@ -47,7 +47,9 @@ pub trait PixelIntegrator: Sync {
 pub struct RayCounters {
     /// From the camera.
     pub camera: u64,
-    /// Towards a light.
+    /// From a lamp.
+    pub lamp: u64,
+    /// Towards a light, or between two paths.
     pub shadow: u64,
     /// Mirrored at a surface.
     pub reflected: u64,
@@ -58,13 +60,14 @@ pub struct RayCounters {
 impl RayCounters {
     /// Rays of every kind.
     pub fn total(&self) -> u64 {
-        self.camera + self.shadow + self.reflected + self.refracted
+        self.camera + self.lamp + self.shadow + self.reflected + self.refracted
     }
 }
 
 impl AddAssign for RayCounters {
     fn add_assign(&mut self, other: RayCounters) {
         self.camera += other.camera;
+        self.lamp += other.lamp;
         self.shadow += other.shadow;
         self.reflected += other.reflected;
         self.refracted += other.refracted;

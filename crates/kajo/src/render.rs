@@ -9,7 +9,9 @@ use kajo_core::sampler::SamplerKind;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorKind, Shadows};
 use kajo_image::{BitDepth, Format, Image, ImageError};
-use kajo_render::integrator::{AmbientOcclusion, Classic, ClassicSettings, Path};
+use kajo_render::integrator::{
+    AmbientOcclusion, Bidirectional, BidirectionalSettings, Classic, ClassicSettings, Path, PathSettings,
+};
 use kajo_render::{
     Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
     RenderError as PassError, RenderStats,
@@ -214,10 +216,21 @@ pub(crate) fn integrator<'a>(
         IntegratorKind::Path | IntegratorKind::Direct | IntegratorKind::Distribution => {
             Box::new(Path::new(scene, settings.path, size, layers).through(camera))
         }
+        IntegratorKind::Bidirectional | IntegratorKind::Light => {
+            let settings = bidirectional_settings(settings);
+            Box::new(Bidirectional::new(scene, settings, size, layers).through(camera))
+        }
         IntegratorKind::Occlusion => {
             Box::new(AmbientOcclusion::new(scene, settings.reach, size, layers).through(camera))
         }
     }
+}
+
+/// What path tracing and light from both ends have in common.
+fn bidirectional_settings(settings: &RenderSettings) -> BidirectionalSettings {
+    let PathSettings { bounces, light_choice, roulette, spectral, .. } = settings.path;
+    let only_from_lamps = settings.integrator == IntegratorKind::Light;
+    BidirectionalSettings { bounces, only_from_lamps, light_choice, roulette, spectral }
 }
 
 /// The name of the pattern of samples, if it needs a fixed number of them.

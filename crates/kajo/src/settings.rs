@@ -135,6 +135,10 @@ impl RenderSettings {
                 "nothing in this scene gives light, so the picture is black",
             ),
             (
+                self.integrator == IntegratorKind::Light && !connects(&scene.camera),
+                "light from lamps does not find this camera: a pinhole, a lens or parallel rays see it",
+            ),
+            (
                 shaded && unfading,
                 "a lamp here does not fade with the square of the distance, as real ones do; give it an `intensity`",
             ),
@@ -197,6 +201,11 @@ fn path_settings(integrator: IntegratorKind, asked: &Settings, own: &Settings) -
         roulette: asked.roulette.or(own.roulette).unwrap_or(!is_distribution),
         spectral: asked.spectral.or(own.spectral).unwrap_or(default.spectral),
     }
+}
+
+/// Whether points can be connected with the camera.
+fn connects(camera: &Camera) -> bool {
+    matches!(camera, Camera::Perspective(_) | Camera::Orthographic(_))
 }
 
 /// A size that the camera's picture looks right in.

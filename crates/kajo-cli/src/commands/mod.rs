@@ -65,6 +65,7 @@ fn statistics(done: &Done) -> String {
     let stats = &done.stats;
     let rays = [
         ("camera rays", stats.rays.camera),
+        ("rays from lamps", stats.rays.lamp),
         ("shadow rays", stats.rays.shadow),
         ("mirror rays", stats.rays.reflected),
         ("refracted rays", stats.rays.refracted),

@@ -10,10 +10,11 @@
 //!
 //! [Veach 1997, section 8.3], [Pharr, Jakob and Humphreys 2016, section 16.1], so that `We` integrates to one. A
 //! pinhole is a lens of one point, for which `p(l)` stands as 1 here and in the density alike. Parallel rays without
-//! a lens are met by light with probability zero and so have no importance here, nor have the cameras that see all
-//! around.
+//! a lens are met by light with probability zero and so have no importance; but a point can be connected with them, since
+//! its place in the picture is known: there `We` over its density is `1/F`. Cameras that see all around are not
+//! connected with.
 
-use kajo_math::{DVec2, DVec3, Vec2, Vec3};
+use kajo_math::{DVec2, DVec3, Ray, Vec2, Vec3};
 
 use super::{Camera, Frame, OrthographicCamera, PerspectiveCamera};
 
@@ -35,14 +36,17 @@ pub struct Importance {
 pub struct Connection {
     /// World-space unit vector from the point to the lens.
     pub wi: Vec3,
-    /// Distance to the lens.
+    /// Distance to the lens; infinite for parallel rays.
     pub distance: f32,
     /// The place in the picture, both coordinates in [-1, 1].
     pub at: Vec2,
     /// Importance at the lens of radiance from the point.
     pub we: f32,
-    /// Density of `wi` per solid angle; that of a pinhole is the square of the distance over the cosine.
+    /// Density of `wi` per solid angle; that of a pinhole is the square of the distance over the cosine, and 1 where
+    /// there is no choice.
     pub pdf: f32,
+    /// See [`Camera::pdf_across`].
+    pub pdf_across: f32,
 }
 
 impl Camera {
@@ -74,6 +78,25 @@ impl Camera {
             _ => None,
         }
     }
+
+    /// Density with which rays of the camera cross an area perpendicular to this one, of all rays that
+    /// [`Camera::connect`] chooses from; `None` where it finds none.
+    ///
+    /// * `ray`: a ray of the camera, its direction of unit length
+    /// * `distance`: of the area from its origin
+    /// * `aspect`: width of the picture over its height
+    pub fn pdf_across(&self, ray: &Ray, distance: f32, aspect: f32) -> Option<f32> {
+        let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
+        match self {
+            Camera::Perspective(camera) => {
+                let seen = camera.importance(o, d, aspect)?;
+                Some(seen.pdf_direction / (distance * distance))
+            }
+            Camera::Orthographic(camera) => camera.pdf_across(o, d, aspect),
+            Camera::Moving(moving) => moving.pdf_across(ray, distance, aspect),
+            _ => None,
+        }
+    }
 }
 
 impl PerspectiveCamera {
@@ -99,7 +122,8 @@ impl PerspectiveCamera {
         let wi = to_lens / distance;
         let seen = self.importance(o, -wi, aspect)?;
         let cosine = -wi.dot(frame.forward);
-        Some(connection(wi, distance, seen, f64::from(seen.pdf_area) * distance * distance / cosine))
+        let across = f64::from(seen.pdf_direction) / (distance * distance);
+        Some(connection(wi, distance, seen, f64::from(seen.pdf_area) * distance * distance / cosine, across))
     }
 }
 
@@ -112,11 +136,27 @@ impl OrthographicCamera {
         let middle = self.frame.across(o - self.frame.center) - offset;
         let half = self.half_size(aspect);
         let pdf_direction = thin.pdf(offset) * thin.focus * thin.focus / cosine.powi(3);
-        importance(middle / half, cosine, 1.0 / (4.0 * half.x * half.y).abs(), pdf_direction)
+        importance(middle / half, cosine, self.pdf_film(aspect), pdf_direction)
+    }
+
+    /// Points of the film per area across a ray that leaves it.
+    fn pdf_across(&self, o: DVec3, d: DVec3, aspect: f32) -> Option<f32> {
+        let (_, cosine) = split(&self.frame, d)?;
+        if self.lens.is_some() {
+            return self.importance(o, d, aspect).map(|seen| seen.pdf_area / cosine as f32);
+        }
+        let at = self.frame.across(o - self.frame.center) / self.half_size(aspect);
+        (at.abs().max_element() <= 1.0).then(|| self.pdf_film(aspect) as f32)
+    }
+
+    /// Density of points of the film per area.
+    fn pdf_film(&self, aspect: f32) -> f64 {
+        let half = self.half_size(aspect);
+        1.0 / (4.0 * half.x * half.y).abs()
     }
 
     fn connect(&self, p: DVec3, lens: Vec2, aspect: f32) -> Option<Connection> {
-        let thin = self.lens.as_ref()?;
+        let Some(thin) = &self.lens else { return self.connect_parallel(p, aspect) };
         let frame = &self.frame;
         let offset = thin.sample(lens);
         let d =
@@ -126,7 +166,22 @@ impl OrthographicCamera {
             return None;
         }
         let seen = self.importance(p - distance * d, d, aspect)?;
-        Some(connection(-d, distance, seen, f64::from(seen.pdf_direction)))
+        let across = f64::from(seen.pdf_area) / d.dot(frame.forward);
+        Some(connection(-d, distance, seen, f64::from(seen.pdf_direction), across))
+    }
+
+    fn connect_parallel(&self, p: DVec3, aspect: f32) -> Option<Connection> {
+        split(&self.frame, self.frame.forward)?;
+        let at = self.frame.across(p - self.frame.center) / self.half_size(aspect);
+        let film = self.pdf_film(aspect) as f32;
+        (at.abs().max_element() <= 1.0).then(|| Connection {
+            wi: -self.frame.forward.as_vec3(),
+            distance: f32::INFINITY,
+            at: at.as_vec2(),
+            we: film,
+            pdf: 1.0,
+            pdf_across: film,
+        })
     }
 }
 
@@ -148,6 +203,8 @@ fn importance(at: DVec2, cosine: f64, pdf_area: f64, pdf_direction: f64) -> Opti
     })
 }
 
-fn connection(wi: DVec3, distance: f64, seen: Importance, pdf: f64) -> Connection {
-    Connection { wi: wi.as_vec3(), distance: distance as f32, at: seen.at, we: seen.we, pdf: pdf as f32 }
+fn connection(wi: DVec3, distance: f64, seen: Importance, pdf: f64, across: f64) -> Connection {
+    let Importance { at, we, .. } = seen;
+    let (distance, pdf, pdf_across) = (distance as f32, pdf as f32, across as f32);
+    Connection { wi: wi.as_vec3(), distance, at, we, pdf, pdf_across }
 }

@@ -37,6 +37,13 @@ impl MovingCamera {
         Some(Connection { wi: map.vector(way.wi), ..way })
     }
 
+    /// See [`Camera::pdf_across`].
+    pub(super) fn pdf_across(&self, ray: &Ray, distance: f32, aspect: f32) -> Option<f32> {
+        let own = self.map.at(ray.time).object_from_world;
+        let ray = Ray { o: own.transform_point3(ray.o), d: own.transform_vector3(ray.d), ..*ray };
+        self.camera.pdf_across(&ray, distance, aspect)
+    }
+
     /// See [`Camera::project`].
     pub(super) fn project(&self, p: DVec3, aspect: f64, time: f32) -> Option<DVec2> {
         self.camera.project(self.map.map_at(time).inverse().transform_point3(p), aspect, time)

@@ -13,7 +13,8 @@ use std::sync::Arc;
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Aabb, Vec2, Vec3};
 
-use super::{Emitter, Illumination, LightBounds, LightSample, Target};
+use super::emit::{INVERSE_SQUARE, cosine_around};
+use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
 use crate::motion::MovingTransform;
 use crate::shape::Patch;
 
@@ -149,5 +150,38 @@ impl Emitter for AreaLight {
         let axis = if self.sides == Sides::Back { -n } else { n };
         let two_sided = self.sides == Sides::Both;
         Some(LightBounds { bounds, axis, cos_spread, cos_reach: 0.0, two_sided, power })
+    }
+
+    fn emit(&self, time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted> {
+        let drawn = match &self.drift {
+            None => self.patch.sample_area(u[0])?,
+            Some(drift) => self.patch.sample_area_moved(&drift.map_at(time), u[0])?,
+        };
+        let n = if self.sides == Sides::Back { -drawn.n } else { drawn.n };
+        let d = cosine_around(n, u[1], self.sides == Sides::Both);
+        Some(Emitted {
+            p: drawn.p,
+            origin: Target::Surface { p: drawn.p, p_error: drawn.p_error, n: drawn.n },
+            d,
+            radiance: self.emission.at(wavelengths),
+            attenuation: INVERSE_SQUARE,
+            pdf: self.emission_pdf(time, [drawn.p, drawn.n], d, world),
+            is_delta: false,
+        })
+    }
+
+    fn emission_pdf(&self, time: f32, [p, n]: [Vec3; 2], d: Vec3, _world: &Ball) -> EmissionPdf {
+        let cos = n.dot(d);
+        let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
+        let direction = if self.sides.emit(cos) { cos.abs() / (sides * PI) } else { 0.0 };
+        let place = match &self.drift {
+            None => self.patch.pdf_area(p),
+            Some(drift) => self.patch.pdf_area_moved(&drift.map_at(time), p),
+        };
+        EmissionPdf { place, direction }
+    }
+
+    fn power(&self, _world: &Ball) -> f32 {
+        self.bounds().map_or(0.0, |bounds| bounds.power)
     }
 }

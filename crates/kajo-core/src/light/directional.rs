@@ -11,7 +11,8 @@
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Frame, Vec2, Vec3, warp};
 
-use super::{Emitter, Illumination, LightBounds, LightSample, Target};
+use super::emit::INVERSE_SQUARE;
+use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
 
 /// A directional light.
 #[derive(Clone, Debug)]
@@ -46,5 +47,26 @@ impl Emitter for DirectionalLight {
 
     fn bounds(&self) -> Option<LightBounds> {
         None
+    }
+
+    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted> {
+        let LightSample { wi, radiance, .. } = self.sample(world.center, 0.0, u[1], wavelengths)?;
+        Some(Emitted {
+            p: world.disk(u[0], -wi),
+            origin: Target::Infinity,
+            d: -wi,
+            radiance,
+            attenuation: INVERSE_SQUARE,
+            pdf: EmissionPdf { place: 1.0 / world.cross_section(), direction: 1.0 },
+            is_delta: true,
+        })
+    }
+
+    fn emission_pdf(&self, _time: f32, [p, _]: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf {
+        EmissionPdf { place: world.pdf(p, d), direction: 1.0 }
+    }
+
+    fn power(&self, world: &Ball) -> f32 {
+        self.emission.luminance() * world.cross_section()
     }
 }

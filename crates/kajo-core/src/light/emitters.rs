@@ -3,7 +3,8 @@
 use kajo_color::Wavelengths;
 use kajo_math::{Vec2, Vec3};
 
-use super::{AreaLight, LightChoice, LightId, LightSample, LightTree, Lights};
+use super::{AreaLight, LightChoice, LightId, LightSample, LightTree, Lights, SkyLight};
+use crate::family::Pooled;
 
 /// The lights of a scene, in one list: those of the file, then the pieces of glowing objects, then the sky.
 #[derive(Debug, Default)]
@@ -43,6 +44,21 @@ impl Emitters {
         self.tree.is_empty()
     }
 
+    /// All lights by their numbers.
+    pub(super) fn list(&self) -> &[LightId] {
+        &self.list
+    }
+
+    /// The light of that number.
+    pub fn id(&self, number: u32) -> LightId {
+        self.list[number as usize]
+    }
+
+    /// The number of the background, if it gives light.
+    pub fn sky(&self) -> Option<u32> {
+        self.sky
+    }
+
     /// Bytes of the tree and the list.
     pub fn bytes(&self) -> usize {
         self.tree.bytes() + size_of_val(&*self.list) + size_of_val(&*self.groups)
@@ -80,10 +96,26 @@ impl Emitters {
         wavelengths: &Wavelengths,
         choice: LightChoice,
     ) -> Option<LightSample> {
+        self.draw(lights, [p, n], time, u, place, wavelengths, choice).map(|(_, sample)| sample)
+    }
+
+    /// As [`Emitters::sample`], with the number of the light.
+    #[inline]
+    #[expect(clippy::too_many_arguments, reason = "as above")]
+    pub fn draw(
+        &self,
+        lights: &Lights,
+        [p, n]: [Vec3; 2],
+        time: f32,
+        u: f32,
+        place: Vec2,
+        wavelengths: &Wavelengths,
+        choice: LightChoice,
+    ) -> Option<(u32, LightSample)> {
         let (light, probability) = self.tree.choose(p, n, u, choice)?;
         let sample = lights.sample(self.list[light as usize], p, time, place, wavelengths)?;
         // The density of a lamp without extent is that of its choice.
-        Some(LightSample { pdf: sample.pdf * probability, group: self.group(light), ..sample })
+        Some((light, LightSample { pdf: sample.pdf * probability, group: self.group(light), ..sample }))
     }
 
     /// The glowing piece that is this part of an object, and its number.
@@ -110,6 +142,36 @@ impl Emitters {
     ) -> f32 {
         let probability = self.tree.probability(number, from, receiver, choice);
         if probability > 0.0 { probability * light.pdf(from, p, n, time) } else { 0.0 }
+    }
+
+    /// Probability with which [`Emitters::sample`] chooses a light for a receiver.
+    ///
+    /// * `from`, `receiver`: point and unit normal of the receiver
+    #[inline]
+    pub fn probability(&self, number: u32, [from, receiver]: [Vec3; 2], choice: LightChoice) -> f32 {
+        self.tree.probability(number, from, receiver, choice)
+    }
+
+    /// Density per solid angle with which [`Emitters::sample`] draws the way to a place of a light that has been chosen;
+    /// 1 for a light without extent.
+    ///
+    /// * `from`: the receiver and the moment within the shutter interval
+    /// * `at`: the place and its unit geometric normal
+    /// * `wi`: unit direction to it
+    pub fn way_pdf(
+        &self,
+        lights: &Lights,
+        number: u32,
+        (from, time): (Vec3, f32),
+        [p, n]: [Vec3; 2],
+        wi: Vec3,
+    ) -> f32 {
+        let id = self.id(number);
+        match (AreaLight::find(lights, id), SkyLight::find(lights, id)) {
+            (Some(area), _) => area.pdf(from, p, n, time),
+            (_, Some(sky)) => sky.pdf(wi),
+            _ => 1.0,
+        }
     }
 
     /// Density per solid angle with which [`Emitters::sample`] draws this direction to the background.

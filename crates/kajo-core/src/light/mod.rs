@@ -1,11 +1,13 @@
 //! Lights: what illuminates surfaces.
 //!
-//! Two questions are asked of a light. The classic integrator asks how much light arrives at a point
+//! Three questions are asked of a light. The classic integrator asks how much light arrives at a point
 //! ([`Emitter::illuminate`]). Integrators that estimate integrals draw a direction towards the light with a
-//! known density ([`Emitter::sample`]); which light they ask is for [`LightTree`] to say.
+//! known density ([`Emitter::sample`]); which light they ask is for [`LightTree`] to say. Those that follow light from
+//! its source draw a ray that leaves it ([`Emitter::emit`]); where they begin is for [`Departures`] to say.
 
 mod area;
 mod directional;
+mod emit;
 mod emitters;
 mod photometric;
 mod point;
@@ -15,6 +17,7 @@ mod tree;
 
 pub use area::{AreaLight, Sides};
 pub use directional::DirectionalLight;
+pub use emit::{Ball, Departures, EmissionPdf, Emitted};
 pub use emitters::Emitters;
 pub use photometric::{PhotometricLight, Photometry};
 pub use point::PointLight;
@@ -96,6 +99,20 @@ pub trait Emitter {
     fn apex(&self) -> Option<Vec3> {
         None
     }
+
+    /// A ray of light that leaves, drawn with `u` in [0, 1)^2 for its place and for its direction; `None` when there
+    /// is none.
+    fn emit(&self, time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted>;
+
+    /// Densities with which [`Emitter::emit`] draws light that leaves along the unit vector `d`.
+    ///
+    /// * `time`: moment within the shutter interval
+    /// * `at`: where it leaves, or any point on the way of light from infinitely far; and the unit normal there, of
+    ///   effect where the light has a surface
+    fn emission_pdf(&self, time: f32, at: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf;
+
+    /// Luminous power, of light from infinitely far what reaches the `world`.
+    fn power(&self, world: &Ball) -> f32;
 }
 
 family! {
@@ -121,6 +138,12 @@ family! {
         fn bounds() -> Option<LightBounds>;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
+        /// See [`Emitter::emit`].
+        fn emit(time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted>;
+        /// See [`Emitter::emission_pdf`].
+        fn emission_pdf(time: f32, at: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf;
+        /// See [`Emitter::power`].
+        fn power(world: &Ball) -> f32;
     }
 }
 

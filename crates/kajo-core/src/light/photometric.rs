@@ -17,10 +17,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
-use kajo_math::{Aabb, Frame, Vec2, Vec3, fmath};
+use kajo_math::{Aabb, Frame, Vec2, Vec3, fmath, warp};
 use kajo_scene::IesFile;
 
-use super::{Emitter, Illumination, LightBounds, LightSample, Target};
+use super::emit::INVERSE_SQUARE;
+use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
 
 /// Which horizontal angles are measured; the others are like these.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,12 +224,35 @@ impl Emitter for PhotometricLight {
     fn apex(&self) -> Option<Vec3> {
         Some(self.position)
     }
+
+    /// Into all directions alike.
+    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, _world: &Ball) -> Option<Emitted> {
+        let d = warp::uniform_sphere(u[1]);
+        let candela = self.photometry.towards(self.frame.to_local(d));
+        (candela > 0.0).then(|| Emitted {
+            p: self.position,
+            origin: Target::Point(self.position),
+            d,
+            radiance: self.emission.at(wavelengths) * candela,
+            attenuation: INVERSE_SQUARE,
+            pdf: EmissionPdf { place: 1.0, direction: (0.25 / PI) as f32 },
+            is_delta: true,
+        })
+    }
+
+    fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], _d: Vec3, _world: &Ball) -> EmissionPdf {
+        EmissionPdf { place: 1.0, direction: (0.25 / PI) as f32 }
+    }
+
+    fn power(&self, _world: &Ball) -> f32 {
+        self.bounds().map_or(0.0, |bounds| bounds.power)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kajo_math::{rng::Stream, warp};
+    use kajo_math::rng::Stream;
 
     fn photometry(vertical: &[f32], horizontal: &[f32], candela: impl Fn(f32, f32) -> f32) -> Photometry {
         let all = horizontal.iter().flat_map(|&h| vertical.iter().map(move |&v| (v, h)));

@@ -7,10 +7,12 @@
 //! Scene: `PointLight { position 0 5 0  color 1 1 1  attenuation 0 0 1 }`
 //! Scene: `PointLight { position 0 5 0  intensity 40 40 40 }`
 
-use kajo_color::{Emission, Spectrum, Wavelengths};
-use kajo_math::{Aabb, Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
 
-use super::{Emitter, Illumination, LightBounds, LightSample, Target};
+use kajo_color::{Emission, Spectrum, Wavelengths};
+use kajo_math::{Aabb, Vec2, Vec3, warp};
+
+use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
 
 /// A point light.
 #[derive(Clone, Debug)]
@@ -33,6 +35,19 @@ impl PointLight {
         let d = to_light.length();
         let [c0, c1, c2] = self.attenuation;
         (to_light / d, d, 1.0 / (c0 + d * (c1 + d * c2)))
+    }
+
+    /// Light that leaves into a direction, drawn with this density per solid angle.
+    pub(super) fn emitted(&self, d: Vec3, pdf: f32, wavelengths: &Wavelengths) -> Emitted {
+        Emitted {
+            p: self.position,
+            origin: Target::Point(self.position),
+            d,
+            radiance: self.emission.at(wavelengths),
+            attenuation: self.attenuation,
+            pdf: EmissionPdf { place: 1.0, direction: pdf },
+            is_delta: true,
+        }
     }
 
     /// Extent and power, for light into all directions.
@@ -77,5 +92,17 @@ impl Emitter for PointLight {
 
     fn apex(&self) -> Option<Vec3> {
         Some(self.position)
+    }
+
+    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, _world: &Ball) -> Option<Emitted> {
+        Some(self.emitted(warp::uniform_sphere(u[1]), 0.25 * FRAC_1_PI, wavelengths))
+    }
+
+    fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], _d: Vec3, _world: &Ball) -> EmissionPdf {
+        EmissionPdf { place: 1.0, direction: 0.25 * FRAC_1_PI }
+    }
+
+    fn power(&self, _world: &Ball) -> f32 {
+        self.point_bounds().power
     }
 }

@@ -13,7 +13,8 @@ use std::sync::Arc;
 use kajo_color::Wavelengths;
 use kajo_math::{Vec2, Vec3, warp};
 
-use super::{Emitter, Illumination, LightBounds, LightSample, Target};
+use super::emit::{INVERSE_SQUARE, power_by_samples};
+use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
 use crate::background::Background;
 use crate::daylight::Sun;
 use crate::environment::SphereDensity;
@@ -80,5 +81,26 @@ impl Emitter for SkyLight {
 
     fn bounds(&self) -> Option<LightBounds> {
         None
+    }
+
+    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted> {
+        let LightSample { wi, radiance, pdf, .. } = self.sample(world.center, 0.0, u[1], wavelengths)?;
+        Some(Emitted {
+            p: world.disk(u[0], -wi),
+            origin: Target::Infinity,
+            d: -wi,
+            radiance,
+            attenuation: INVERSE_SQUARE,
+            pdf: EmissionPdf { place: 1.0 / world.cross_section(), direction: pdf },
+            is_delta: false,
+        })
+    }
+
+    fn emission_pdf(&self, _time: f32, [p, _]: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf {
+        EmissionPdf { place: world.pdf(p, d), direction: self.pdf(-d) }
+    }
+
+    fn power(&self, world: &Ball) -> f32 {
+        power_by_samples(self, world)
     }
 }

@@ -9,10 +9,12 @@
 //!
 //! Scene: `SpotLight { position 0 5 0  direction 0 -1 0  color 1 1 1  angle 40  innerAngle 30 }`
 
-use kajo_color::Wavelengths;
-use kajo_math::{Vec2, Vec3};
+use std::f32::consts::TAU;
 
-use super::{Emitter, Illumination, LightBounds, LightSample, PointLight};
+use kajo_color::Wavelengths;
+use kajo_math::{Frame, Vec2, Vec3, warp};
+
+use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, PointLight};
 
 /// A spot light.
 #[derive(Clone, Debug)]
@@ -36,6 +38,11 @@ impl SpotLight {
         }
         let x = ((cos - self.cos_outer) / (self.cos_inner - self.cos_outer)).clamp(0.0, 1.0);
         x * x * (3.0 - 2.0 * x)
+    }
+
+    /// Density per solid angle of the directions into which light leaves.
+    fn pdf(&self) -> f32 {
+        1.0 / (TAU * (1.0 - self.cos_outer))
     }
 }
 
@@ -63,6 +70,23 @@ impl Emitter for SpotLight {
             power: point.power * cone,
             ..point
         })
+    }
+
+    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, _world: &Ball) -> Option<Emitted> {
+        let local = warp::uniform_cone(u[1], 1.0 - self.cos_outer);
+        let emitted =
+            self.point.emitted(Frame::from_normal(self.axis).to_world(local), self.pdf(), wavelengths);
+        let radiance = emitted.radiance * self.profile(local.z);
+        Some(Emitted { radiance, ..emitted })
+    }
+
+    fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], d: Vec3, _world: &Ball) -> EmissionPdf {
+        let direction = if self.profile(d.dot(self.axis)) > 0.0 { self.pdf() } else { 0.0 };
+        EmissionPdf { place: 1.0, direction }
+    }
+
+    fn power(&self, _world: &Ball) -> f32 {
+        self.bounds().map_or(0.0, |bounds| bounds.power)
     }
 }
 
@@ -101,7 +125,7 @@ mod tests {
             let n = 20_000;
             let step = 2.0 / n as f32;
             let sum: f32 = (0..n).map(|i| light.profile(-1.0 + (i as f32 + 0.5) * step) * step).sum();
-            let power = std::f32::consts::TAU * sum;
+            let power = TAU * sum;
             assert!((light.bounds().unwrap().power / power - 1.0).abs() < 1e-3, "{inner} {outer}");
         }
     }

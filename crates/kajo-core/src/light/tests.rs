@@ -8,6 +8,7 @@ use super::*;
 use crate::shape::{Canonical, DiskPatch, Patch, QuadPatch};
 
 mod densities;
+mod emission;
 mod many;
 
 fn draw(i: u32) -> Vec2 {

@@ -1,6 +1,7 @@
 //! Integrators: from a camera ray to the light that arrives along it.
 
 pub mod ambient_occlusion;
+pub mod bidir;
 mod bodies;
 pub mod classic;
 pub mod path;
@@ -9,6 +10,7 @@ mod view;
 mod walk;
 
 pub use ambient_occlusion::AmbientOcclusion;
+pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use classic::{Classic, ClassicSettings};
 pub use path::{Path, PathSettings};
 

@@ -1,11 +1,11 @@
 //! The camera's part of an integrator: rays through places of the picture, and what layers record of the first
 //! surface.
 
-use kajo_core::camera::{Camera, Raster};
+use kajo_core::camera::{Camera, Connection, Raster};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
-use kajo_math::{Ray, Vec2};
+use kajo_math::{Ray, Vec2, Vec3};
 
 use crate::context::Auxiliary;
 use crate::{FirstHit, Layer, LayerSet};
@@ -46,6 +46,24 @@ impl<'a> View<'a> {
     #[inline]
     fn film(&self) -> Raster {
         Raster { size: self.size, corner_samples: self.scene.rules.corner_samples }
+    }
+
+    /// A way from the world-space point `p` to the camera, and where in the picture it is seen; `None` where the camera
+    /// cannot be connected with.
+    ///
+    /// * `lens`: uniform in [0, 1)²
+    pub fn connect(&self, p: Vec3, lens: Vec2, time: f32) -> Option<(Connection, Vec2)> {
+        let film = self.film();
+        let way = self.camera.connect(p, lens, film.aspect(), time).filter(|_| !film.corner_samples)?;
+        Some((way, film.place(way.at.as_dvec2()).as_vec2()))
+    }
+
+    /// Density per area across a camera ray with which [`View::connect`] could have found it from `p`.
+    pub fn pdf_across(&self, ray: &Ray, p: Vec3) -> Option<f32> {
+        let film = self.film();
+        let pdf = self.camera.pdf_across(ray, p.distance(ray.o), film.aspect());
+        // Samples that lie on the picture's corners cover more than the film.
+        pdf.filter(|pdf| pdf.is_finite() && *pdf > 0.0 && !film.corner_samples)
     }
 
     /// Whether the layers record albedos.

@@ -19,10 +19,10 @@ use super::view::View;
 use crate::RayCounters;
 
 /// Bounces after which paths may end at random.
-const SAFE_BOUNCES: u32 = 3;
+pub(super) const SAFE_BOUNCES: u32 = 3;
 
 /// The largest chance to go on at random ends: a path between perfect mirrors must end some day.
-const LARGEST_SURVIVAL: f32 = 0.98;
+pub(super) const LARGEST_SURVIVAL: f32 = 0.98;
 
 /// A path while it is being made.
 pub(super) struct Walk<'a, 'b> {

@@ -119,11 +119,53 @@ fn what_is_not_in_the_picture_has_no_importance() {
     }
     let frame = axes(&cameras()[0]);
     for camera in [
-        Camera::Orthographic(OrthographicCamera { frame, size: 3.0, lens: None }),
+        Camera::Orthographic(OrthographicCamera {
+            frame: frame.with_raw_up(DVec3::Z),
+            size: 3.0,
+            lens: None,
+        }),
         Camera::Perspective(PerspectiveCamera::new(frame.with_raw_up(DVec3::Z), 0.9)),
         Camera::Panorama(PanoramaCamera { frame, eyes: None }),
     ] {
         let p = (frame.center + frame.forward).as_vec3();
         assert_eq!(camera.connect(p, Vec2::splat(0.5), ASPECT, 0.0), None, "{camera:?}");
     }
+}
+
+#[test]
+fn parallel_rays_are_connected_with_where_they_are() {
+    let frame = axes(&cameras()[0]);
+    let camera = Camera::Orthographic(OrthographicCamera { frame, size: 3.0, lens: None });
+    let p =
+        |right: f64| (frame.center + right * frame.right - 0.75 * frame.up - 7.0 * frame.forward).as_vec3();
+    let way = camera.connect(p(0.9), Vec2::ZERO, ASPECT, 0.0).expect("rays start infinitely far back");
+    assert!(way.at.distance(Vec2::new(0.4, -0.5)) < 1e-5 && way.distance == f32::INFINITY);
+    assert!((way.we / way.pdf - 1.0 / 13.5).abs() < 1e-6, "one over the area of the film");
+    assert!((way.wi.as_dvec3() + frame.forward).length() < 1e-6);
+    assert_eq!(camera.connect(p(2.3), Vec2::ZERO, ASPECT, 0.0), None, "beside the picture");
+}
+
+/// The density of camera rays around a point is the same for the ray and for the connection.
+#[test]
+fn rays_cross_an_area_as_often_as_connections_say() {
+    let frame = axes(&cameras()[0]);
+    let parallel = Camera::Orthographic(OrthographicCamera { frame, size: 3.0, lens: None });
+    for camera in cameras().into_iter().chain([parallel]) {
+        for i in 0..200 {
+            let s = Stream::new(10, [i, 0], 0);
+            let at = 1.8 * Vec2::new(s.uniform(0), s.uniform(1)) - 0.9;
+            let u = 0.02 + 0.96 * Vec2::new(s.uniform(2), s.uniform(3));
+            let ray = camera.ray(at, ASPECT, u, 0.0).expect("a ray");
+            // Where all points of the lens see it at the same place.
+            let t = 4.0 / ray.d.dot(frame.forward.as_vec3());
+            let across = camera.pdf_across(&ray, t, ASPECT).expect("the camera cast it");
+            let way = camera.connect(ray.at(t), u, ASPECT, 0.0).expect("it is seen");
+            assert!((across / way.pdf_across - 1.0).abs() < 1e-3, "{camera:?}: {across} {way:?}");
+            assert!(way.pdf_across > 0.0);
+        }
+    }
+    // Twice as far away rays of one origin are a quarter as dense.
+    let ray = cameras()[0].ray(Vec2::ZERO, ASPECT, Vec2::ZERO, 0.0).expect("a ray");
+    let across = |t| cameras()[0].pdf_across(&ray, t, ASPECT).expect("it is seen");
+    assert!((across(2.0) / across(4.0) - 4.0).abs() < 1e-5);
 }

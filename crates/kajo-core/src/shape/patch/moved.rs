@@ -24,6 +24,22 @@ impl Patch {
         per_solid_angle(pdf_area, from, p, n).unwrap_or(0.0)
     }
 
+    /// [`Patch::sample_area`] of the image of this piece under `m`.
+    pub fn sample_area_moved(&self, m: &DAffine3, u: Vec2) -> Option<PatchSample> {
+        match self {
+            Patch::Curved(curved) => curved.moved(m).sample_area(u),
+            other => other.moved(m)?.sample_area(u),
+        }
+    }
+
+    /// [`Patch::pdf_area`] of the image of this piece under `m`.
+    pub fn pdf_area_moved(&self, m: &DAffine3, p: Vec3) -> f32 {
+        match self {
+            Patch::Curved(curved) => curved.moved(m).pdf_area(p.as_dvec3()) as f32,
+            other => other.moved(m).map_or(0.0, |moved| moved.pdf_area(p)),
+        }
+    }
+
     /// The same piece in a form that any map of `maps` can be applied to: a sphere that one of them
     /// deforms is the image of a curved surface from the start. `None` where it would have no area.
     pub fn movable(self, mut maps: impl Iterator<Item = DAffine3>) -> Option<Patch> {

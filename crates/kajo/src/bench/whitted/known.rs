@@ -34,7 +34,7 @@ fn known(scene: WhittedScene, aa: AntiAliasing) -> Known {
             ([0.332204, 0.366257, 0.425976], [3_932_160, 11_590_056, 4_164_093, 4_164_694])
         }
     };
-    Known { mean, rays: RayCounters { camera, shadow, reflected, refracted } }
+    Known { mean, rays: RayCounters { camera, shadow, reflected, refracted, ..RayCounters::default() } }
 }
 
 /// Compares a picture with what is known of it; the text says what differs.

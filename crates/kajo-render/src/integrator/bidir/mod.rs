@@ -1,0 +1,326 @@
+//! Bidirectional path tracing [Lafortune and Willems 1993], [Veach and Guibas 1994], and light tracing.
+//!
+//! For each sample one path is followed from the camera and one from a lamp. Every point of the one is connected with
+//! every point of the other. A way to find a path is named by the points `s` that come from the lamp and `t` that come
+//! from the camera, lamp and lens counted:
+//!
+//! ```text
+//! s = 0           the path from the camera meets a lamp or leaves the scene
+//! s = 1           a point of the camera's path is lit by a lamp drawn for it
+//! s > 1, t > 1    two points are connected:  beta f G f' beta'
+//! t = 1           a point of the lamp's path is seen by the camera; its light is a splat
+//! ```
+//!
+//! What can be found in several ways counts with the weights of the power heuristic; see `rivals.rs`. Light on its way
+//! through glass to a matt surface, a caustic, is left to `t = 1`, which is where path tracing has no good way.
+//!
+//! Light tracing [Arvo 1986], [Dutré, Lafortune and Willems 1993] is what remains when `t = 1` alone is used, with weight
+//! one. Lamps and the background are then seen by the camera's own ray, and what is behind mirrors and glass
+//! is not seen at all.
+
+mod connect;
+mod rivals;
+mod vertex;
+mod walk;
+
+use std::mem;
+
+use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_core::bsdf::Transport;
+use kajo_core::camera::Camera;
+use kajo_core::light::{Departures, LightChoice, MAX_LIGHT_GROUPS};
+use kajo_core::sampler::Draws;
+use kajo_core::scene::{Interaction, Scene};
+use kajo_math::{Ray, Vec2};
+
+use super::view::View;
+use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext};
+use connect::{normal, parts, spread};
+use rivals::{Rivals, square};
+use vertex::Vertex;
+use walk::{Step, Walk};
+
+/// Options of [`Bidirectional`].
+#[derive(Clone, Copy, Debug)]
+pub struct BidirectionalSettings {
+    /// How often light is scattered on its way from one surface to another; 0 shows what lamps light themselves.
+    pub bounces: u32,
+    /// Whether light is followed from lamps only.
+    pub only_from_lamps: bool,
+    /// How lamps are chosen for a point.
+    pub light_choice: LightChoice,
+    /// Whether paths of little weight end at random.
+    pub roulette: bool,
+    /// Whether light is followed by wavelength.
+    pub spectral: bool,
+}
+
+impl Default for BidirectionalSettings {
+    fn default() -> BidirectionalSettings {
+        BidirectionalSettings {
+            bounces: 16,
+            only_from_lamps: false,
+            light_choice: LightChoice::Tree,
+            roulette: true,
+            spectral: false,
+        }
+    }
+}
+
+/// The bidirectional path tracer over one scene and one picture size.
+pub struct Bidirectional<'a> {
+    view: View<'a>,
+    settings: BidirectionalSettings,
+    departures: Departures,
+}
+
+/// The points of a path from a lamp, kept from sample to sample.
+#[derive(Default)]
+struct LampPath(Vec<Vertex>);
+
+/// Light that was found.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    /// Points drawn from the lamp and from the camera.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each way by itself"))]
+    way: [u32; 2],
+    /// Its estimate by this way alone.
+    light: Spectrum,
+    /// How much that counts.
+    weight: f32,
+    /// Whether only one wavelength is followed.
+    is_single: bool,
+    /// The group of the lamp.
+    group: u8,
+    /// Where it is seen; with the camera's ray where absent.
+    raster: Option<Vec2>,
+}
+
+/// What the camera's ray has seen besides light.
+#[derive(Default)]
+struct Seen {
+    first: Option<Interaction>,
+    albedo: Option<Spectrum>,
+}
+
+impl<'a> Bidirectional<'a> {
+    /// The integrator for a picture of `size` pixels with these `layers`.
+    pub fn new(
+        scene: &'a Scene,
+        settings: BidirectionalSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Bidirectional<'a> {
+        Bidirectional { view: View::new(scene, size, layers), settings, departures: scene.departures() }
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(self, camera: &'a Camera) -> Bidirectional<'a> {
+        Bidirectional { view: self.view.through(camera), ..self }
+    }
+
+    fn scene(&self) -> &'a Scene {
+        self.view.scene
+    }
+
+    /// Whether points of the lamp's path are joined with the camera. The light of groups of lamps is recorded for each
+    /// sample's own pixel, so there all of it must come with the camera's ray.
+    fn connects(&self) -> bool {
+        self.settings.only_from_lamps || !self.view.wants_light_groups()
+    }
+
+    /// Most points of a path, lamp and lens included.
+    fn longest(&self) -> u32 {
+        self.settings.bounces.saturating_add(3)
+    }
+
+    /// Hands all light that one sample finds to `found`.
+    fn estimate(
+        &self,
+        mut draws: Draws<'_>,
+        rays: &mut RayCounters,
+        raster: Vec2,
+        path: &mut Vec<Vertex>,
+        found: &mut impl FnMut(Found, &Wavelengths),
+    ) -> Seen {
+        path.clear();
+        let from_lamp = draws.split(0, 0, 1);
+        let Some(ray) = self.view.ray(raster, &mut draws) else { return Seen::default() };
+        let u = draws.number_if(self.settings.spectral);
+        let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
+        let mut from_lamp = self.follow_light(rays, path, from_lamp, ray.time, &wavelengths);
+        let seen = if self.connects() { &path[..] } else { &[] };
+        for (s, y) in (2..).zip(seen) {
+            let lens = from_lamp.pair_if(self.view.camera.has_lens());
+            if let Some(seen) = self.see(rays, y, [s, 1], lens, ray.time) {
+                found(seen, &wavelengths);
+            }
+        }
+        self.follow_view(rays, path, draws, ray, &wavelengths, found)
+    }
+
+    /// Fills `path` with a path from a lamp.
+    fn follow_light<'b>(
+        &self,
+        rays: &mut RayCounters,
+        path: &mut Vec<Vertex>,
+        mut draws: Draws<'b>,
+        time: f32,
+        wavelengths: &Wavelengths,
+    ) -> Draws<'b> {
+        let u = draws.number_if(self.scene().emitters.len() > 1);
+        let ways = [draws.next_2d(), draws.next_2d()];
+        let scene = self.scene();
+        let Some((emitted, lamp, chance)) = scene.emit(&self.departures, time, u, ways, wavelengths) else {
+            return draws;
+        };
+        let (end, rest) = parts(emitted.pdf, emitted.is_infinite());
+        let end = chance * end;
+        let step = Step {
+            from: emitted.p,
+            pdf: rest,
+            is_parallel: emitted.is_infinite(),
+            cosine: emitted.cosine(),
+            back: 0.0,
+            rivals: Rivals { last: if emitted.is_delta { 0.0 } else { square(end).recip() }, earlier: 0.0 },
+            joins: true,
+        };
+        let carried = (emitted.power() * (1.0 / chance), *wavelengths);
+        let ray = (emitted.ray(time), step);
+        let mut walk = Walk::new(scene, draws, Transport::Importance, ray, carried, self.settings.roulette);
+        walk.rays.lamp += 1;
+        let group = scene.emitters.group(lamp);
+        while let Some(met) = walk.trace() {
+            if path.is_empty() {
+                walk.beta *= emitted.share_at(met.at.point.p.distance(emitted.p));
+            }
+            let mut vertex = walk.vertex(&met);
+            vertex.group = group;
+            if path.is_empty() {
+                // A connection with the lamp itself draws a place anew.
+                let (place, wi) = ([emitted.p, normal(&emitted.origin)], -emitted.d);
+                let choice = self.settings.light_choice;
+                let drawn = scene.lamp_pdf(lamp, &vertex.receiver(time), place, wi, choice);
+                let spread = spread(&emitted.origin, wi, emitted.p.distance_squared(vertex.at.p));
+                vertex.rivals.last *= square(drawn * spread / end);
+            }
+            path.push(vertex);
+            let is_last = path.len() as u32 + 2 == self.longest();
+            if is_last || !walk.scatter(&vertex, &met) {
+                break;
+            }
+        }
+        *rays += walk.rays;
+        walk.draws
+    }
+
+    /// Follows a path from the camera and connects each of its points.
+    fn follow_view(
+        &self,
+        rays: &mut RayCounters,
+        path: &[Vertex],
+        draws: Draws<'_>,
+        ray: Ray,
+        wavelengths: &Wavelengths,
+        found: &mut impl FnMut(Found, &Wavelengths),
+    ) -> Seen {
+        let scene = self.scene();
+        let step = Step {
+            from: ray.o,
+            pdf: 1.0,
+            is_parallel: true,
+            cosine: 1.0,
+            back: 0.0,
+            rivals: Rivals::default(),
+            joins: true,
+        };
+        let carried = (Spectrum::WHITE, *wavelengths);
+        let mut walk =
+            Walk::new(scene, draws, Transport::Radiance, (ray, step), carried, self.settings.roulette);
+        walk.rays.camera += 1;
+        let mut seen = Seen::default();
+        // Who is lit by what the present ray may meet.
+        let mut origin = None;
+        for t in 2..=self.longest() {
+            let Some(met) = walk.trace() else {
+                if let Some(sky) = self.leave(&walk, origin.as_ref()) {
+                    found(sky, wavelengths);
+                }
+                break;
+            };
+            if t == 2 {
+                match self.view.pdf_across(&ray, met.at.point.p).filter(|_| self.connects()) {
+                    Some(pdf) => walk.step.pdf = pdf,
+                    None => walk.step.joins = false,
+                }
+            }
+            if let Some(glow) = self.meet(&walk, &met.at, origin.as_ref()) {
+                found(glow, wavelengths);
+            }
+            if t == self.longest() {
+                break;
+            }
+            let z = walk.vertex(&met);
+            if seen.albedo.is_none() && self.view.wants_albedo() && !z.bsdf.is_delta() {
+                seen.albedo = Some(z.bsdf.albedo(z.local(z.back).wo));
+            }
+            if self.settings.only_from_lamps {
+                break;
+            }
+            if !z.bsdf.is_delta() {
+                if let Some(lit) = self.light(rays, &mut walk.draws, &z, (&walk.wavelengths, ray.time), t) {
+                    found(lit, wavelengths);
+                }
+                let shorter = (2..=self.longest() - t).zip(path);
+                for (s, y) in shorter {
+                    if let Some(joined) = self.join(rays, y, &z, [s, t], ray.time) {
+                        found(joined, wavelengths);
+                    }
+                }
+            }
+            if !walk.scatter(&z, &met) {
+                break;
+            }
+            origin = Some(z);
+        }
+        *rays += walk.rays;
+        seen.first = walk.first;
+        seen
+    }
+}
+
+impl PixelIntegrator for Bidirectional<'_> {
+    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let SampleContext { draws, rays, aux, splats, scratch, .. } = ctx;
+        let mut path = mem::take(&mut scratch.get::<LampPath>().0);
+        let mut radiance = [0.0; 3];
+        let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
+        let seen = self.estimate(*draws, rays, raster, &mut path, &mut |found, wavelengths| {
+            let mut wavelengths = *wavelengths;
+            if found.is_single {
+                wavelengths.terminate_secondary();
+            }
+            let value = sensor::to_rgb(found.light * found.weight, &wavelengths);
+            match found.raster {
+                Some(raster) => splats.add(raster, value),
+                None => {
+                    for sum in [&mut radiance, &mut groups[usize::from(found.group)]] {
+                        *sum = [0, 1, 2].map(|i| sum[i] + value[i]);
+                    }
+                }
+            }
+        });
+        scratch.get::<LampPath>().0 = path;
+        if self.view.wants_light_groups() {
+            aux.lights = groups;
+        }
+        if self.view.wants_albedo() {
+            let albedo = seen.albedo.unwrap_or(Spectrum::BLACK);
+            aux.albedo = sensor::to_rgb(albedo, &Wavelengths::RGB);
+        }
+        PixelSample { radiance, first: seen.first.map(|at| self.view.first_hit(&at, aux)) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,86 @@
+//! Random small scenes look the same as by path tracing.
+
+use kajo_math::rng::Stream;
+
+use super::*;
+
+/// A pick of lines by a random number.
+fn pick<'a>(u: f32, lines: &[&'a str]) -> &'a str {
+    lines[(u * lines.len() as f32) as usize]
+}
+
+/// A scene of a few things under lamps of all kinds.
+fn random_scene(i: u32) -> String {
+    let stream = Stream::new(77, [i, 0], 0);
+    let u = |k: u32| stream.uniform(k);
+    let view = pick(
+        u(0),
+        &[
+            "PerspectiveCamera { center 0 0.3 3  direction 0 -0.1 -1  up 0 1 0  angle 50 }",
+            "PerspectiveCamera { center 0 0.3 3  direction 0 -0.1 -1  up 0 1 0  angle 50  aperture 0.3  focus 3 }",
+            "OrthographicCamera { center 0 0.3 3  direction 0 -0.1 -1  up 0 1 0  size 2 }",
+            "OrthographicCamera { center 0 0.3 3  direction 0 -0.1 -1  up 0 1 0  size 2  aperture 0.3  focus 3 }",
+            "FisheyeCamera { center 0 0.3 1.5  direction 0 -0.1 -1  up 0 1 0 }",
+        ],
+    );
+    let background = pick(u(1), &["0 0 0", "0.3 0.4 0.5"]);
+    let lights = pick(
+        u(2),
+        &[
+            "PointLight { position 0.6 1.2 0.8  intensity 3 3 3 }",
+            "PointLight { position 0.6 1.2 0.8  color 1 1 1  attenuation 0.3 0.2 0.5 }",
+            "SpotLight { position 0 2 1  direction 0 -2 -1  angle 60  innerAngle 20  intensity 9 9 9 }",
+            "DirectionalLight { direction 0.3 -1 -0.4  irradiance 3 3 3 }",
+            "DirectionalLight { direction 0.3 -1 -0.4  irradiance 3 3 3  angle 20 }",
+        ],
+    );
+    let lamp = pick(
+        u(3),
+        &[
+            "Quad { corner -0.4 1.5 -0.4  edge1 0.8 0 0  edge2 0 0 0.8 }",
+            "Sphere { center -0.8 1 0.5  radius 0.3 }",
+            "Disk { center 0 1.5 0  normal 0 -1 0.2  radius 0.5 }",
+            "Transform { Translate 0 1.3 0 Scale 0.6 0.2 0.4 Sphere { center 0 0 0  radius 1 } }",
+        ],
+    );
+    let material = |k| pick(u(k), &["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss"]);
+    let (a, b) = (material(4), material(5));
+    let ground = pick(
+        u(6),
+        &["Plane { normal 0 1 0  offset -1 }", "Quad { corner -3 -1 -3  edge1 0 0 6  edge2 6 0 0 }"],
+    );
+    let thing = pick(
+        u(7),
+        &[
+            "Sphere { center 0.6 -0.4 0.2  radius 0.6 }",
+            "Box { min 0.1 -1.01 -0.4  max 1.0 0 0.5 }",
+            "Transform { Translate 0.6 -0.4 0 YRotate 30 Scale 0.5 0.6 0.4 Sphere { center 0 0 0  radius 1 } }",
+        ],
+    );
+    format!(
+        "{view} Background {{ color {background} }} Lights {{ {lights} }}
+         Materials {{ Matte white {{ color 0.7 0.7 0.7 }}  Matte red {{ color 0.6 0.2 0.1 }}
+            Metal gold {{ metal gold roughness 0.5 }}  Metal mirror {{ color 0.8 0.8 0.8 }}
+            Glass frosted {{ roughness 0.6  absorption 0.3 0.6 0.9 }}  Glass clear {{ indexOfRefraction 1.4 }}
+            Principled paint {{ color 0.2 0.5 0.3  coat 0.7  roughness 0.5 }}
+            Material gloss {{ diffuseColor 0.3 0.2 0.1  specularColor 0.3 0.3 0.3  exponent 20  reflectiveColor 0.2 0.2 0.2 }}
+            Material lamp {{ diffuseColor 0.2 0.2 0.2  emission 2 2 2 }} }}
+         Group {{ MaterialIndex white {ground}  MaterialIndex lamp {lamp}
+            MaterialIndex {a} Sphere {{ center -0.5 -0.5 0  radius 0.5 }}  MaterialIndex {b} {thing} }}"
+    )
+}
+
+#[test]
+fn random_scenes_look_as_by_path_tracing() {
+    let samples = 1000 * effort();
+    for i in 0..if effort() > 1 { 60 } else { 10 } {
+        let text = random_scene(i);
+        let scene = scene(&text);
+        let path = PathSettings { bounces: 4, ..PathSettings::default() };
+        let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), samples, 0);
+        let found = mean(&scene, BidirectionalSettings { bounces: 4, ..both() }, samples);
+        let sigma = path.standard_error.hypot(found.standard_error);
+        assert!((path.mean - found.mean).abs() < 4.5 * sigma, "scene {i}: {path:?} {found:?}\n{text}");
+        assert!(sigma < 0.08 * path.mean, "scene {i} is too noisy: {path:?} {found:?}\n{text}");
+    }
+}

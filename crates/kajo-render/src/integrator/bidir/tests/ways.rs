@@ -1,0 +1,127 @@
+//! Every way to find paths of some length finds the same light.
+
+use super::*;
+
+/// Sums over batches of the light of each way, and of all of them with their weights, by the number of points.
+struct Ways {
+    /// By the points of the path and those from the lamp.
+    alone: Vec<Vec<Vec<f64>>>,
+    weighted: Vec<Vec<f64>>,
+}
+
+const BATCHES: u32 = 32;
+
+fn ways(scene: &Scene, settings: BidirectionalSettings, samples: u32) -> Ways {
+    let longest = settings.bounces as usize + 4;
+    let integrator = Bidirectional::new(scene, settings, [1, 1], LayerSet::of(&[]));
+    let sampler = Sampler::new(SamplerKind::Sobol, samples);
+    let zeros = || vec![0.0; BATCHES as usize];
+    let mut sums = Ways { alone: vec![vec![zeros(); longest]; longest], weighted: vec![zeros(); longest] };
+    let mut path = Vec::new();
+    for batch in 0..BATCHES {
+        let mut ctx = SampleContext::new(&sampler, 0);
+        for k in 0..samples {
+            let place = ctx.begin([0, batch], k);
+            let mut add = |found: Found, _: &Wavelengths| {
+                let outside = |raster: Vec2| raster.min_element() < 0.0 || raster.max_element() >= 1.0;
+                if found.raster.is_some_and(outside) {
+                    return;
+                }
+                let [s, t] = found.way.map(|n| n as usize);
+                let light = f64::from(found.light[0]) / f64::from(samples);
+                sums.alone[s + t][s][batch as usize] += light;
+                sums.weighted[s + t][batch as usize] += f64::from(found.weight) * light;
+            };
+            integrator.estimate(ctx.draws, &mut ctx.rays, place, &mut path, &mut add);
+        }
+    }
+    sums
+}
+
+fn estimate(sums: &[f64]) -> Estimate {
+    Estimate::of_batches(|batch| sums[batch as usize])
+}
+
+/// Light of paths of `points` points by path tracing.
+fn by_path(scene: &Scene, points: u32, samples: u32) -> Estimate {
+    let bounces = |bounces: u32| {
+        let settings = PathSettings { bounces, roulette: false, ..PathSettings::default() };
+        mean_of(&Path::new(scene, settings, [1, 1], LayerSet::of(&[])), samples, 0)
+    };
+    let (all, shorter) = (bounces(points - 3), points.checked_sub(4).map(bounces));
+    let less = shorter.map_or(0.0, |shorter| shorter.mean);
+    let noise = shorter.map_or(0.0, |shorter| shorter.standard_error);
+    let direct = if points == 3 { mean_of_seen(scene, samples) } else { 0.0 };
+    Estimate { mean: all.mean - less - direct, standard_error: all.standard_error.hypot(noise) }
+}
+
+/// Light of lamps that are seen themselves.
+fn mean_of_seen(scene: &Scene, samples: u32) -> f64 {
+    let nothing = BidirectionalSettings { bounces: 0, ..both() };
+    estimate(&ways(scene, nothing, samples).weighted[2]).mean
+}
+
+#[track_caller]
+fn assert_same(one: &Estimate, other: &Estimate, what: &str) {
+    let sigma = one.standard_error.hypot(other.standard_error);
+    assert!((one.mean - other.mean).abs() < 4.5 * sigma + 1e-6, "{what}: {one:?} {other:?}");
+    assert!(sigma < 0.06 * other.mean.abs(), "{what} is too noisy: {one:?} {other:?}");
+}
+
+/// A room with a lamp on its ceiling, in the words of the scene language.
+fn room(camera: &str, lamp: &str, things: &str) -> String {
+    format!(
+        "{camera} Background {{ color 0 0 0 }}
+         Materials {{ Matte white {{ color 0.7 0.7 0.7 }}  Matte red {{ color 0.6 0.2 0.1 }}
+            Metal gold {{ metal gold roughness 0.5 }}  Glass frosted {{ roughness 0.5 }}
+            Material lamp {{ diffuseColor 0.2 0.2 0.2  emission 2 2 2 }} }}
+         Group {{ MaterialIndex white  Box {{ min -1 -1 -1  max 1 1 1 }}  {lamp}  {things} }}"
+    )
+}
+
+const WIDE: &str = "PerspectiveCamera { center 0 0 0.95  direction 0 -0.2 -1  up 0 1 0  angle 70 }";
+const LENS: &str =
+    "PerspectiveCamera { center 0 0 0.8  direction 0 -0.2 -1  up 0 1 0  angle 60  aperture 0.2  focus 1.2 }";
+const PARALLEL: &str = "OrthographicCamera { center 0 0 0.9  direction 0 -0.3 -1  up 0 1 0  size 0.8 }";
+const CORNER: &str =
+    "Quad { corner -1 -1 -1  edge1 0 0 2  edge2 2 0 0 }  Quad { corner -1 -1 -1  edge1 2 0 0  edge2 0 2 0 }";
+const CEILING: &str = "MaterialIndex lamp Quad { corner -0.6 0.95 -0.6  edge1 1.2 0 0  edge2 0 0 1.2 }";
+
+#[track_caller]
+fn check_ways(text: &str, bounces: u32, samples: u32) {
+    let samples = samples * effort();
+    let scene = scene(text);
+    let settings = BidirectionalSettings { bounces, roulette: false, ..both() };
+    let sums = ways(&scene, settings, samples);
+    for points in 3..=bounces + 3 {
+        let all = estimate(&sums.weighted[points as usize]);
+        let expected = by_path(&scene, points, samples);
+        assert_same(&all, &expected, &format!("{points} points, all ways"));
+        for s in 0..points {
+            let alone = estimate(&sums.alone[points as usize][s as usize]);
+            assert_same(&alone, &all, &format!("{points} points, {s} from the lamp"));
+        }
+    }
+}
+
+#[test]
+fn all_ways_through_a_matt_room_are_one() {
+    check_ways(&room(WIDE, CEILING, ""), 2, 1500);
+    check_ways(&room(LENS, CEILING, ""), 1, 1000);
+    // Parallel rays begin behind the wall of a room.
+    let open = room(PARALLEL, CEILING, "").replace("Box { min -1 -1 -1  max 1 1 1 }", CORNER);
+    check_ways(&open, 1, 3000);
+}
+
+#[test]
+fn all_ways_of_a_glowing_ball_are_one() {
+    let ball = "MaterialIndex lamp Sphere { center 0.2 0.3 -0.2  radius 0.4 }";
+    check_ways(&room(WIDE, ball, ""), 1, 2000);
+}
+
+#[test]
+fn all_ways_over_gold_and_frosted_glass_are_one() {
+    let things = "MaterialIndex gold Sphere { center -0.5 -0.5 -0.3  radius 0.4 }
+                  MaterialIndex frosted Sphere { center 0.4 -0.6 -0.2  radius 0.35 }";
+    check_ways(&room(WIDE, CEILING, things), 1, 4000);
+}

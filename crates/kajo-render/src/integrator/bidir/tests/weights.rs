@@ -1,0 +1,180 @@
+//! The weights of the sums that grow with the paths are those of the definition, term by term.
+
+use kajo_core::bsdf::Transport;
+use kajo_math::Vec3;
+
+use super::*;
+use crate::integrator::bidir::rivals::weight;
+
+/// A point of a whole path, lamp first.
+struct Place {
+    p: Vec3,
+    /// Zero where there is no surface.
+    n: Vec3,
+    vertex: Option<Vertex>,
+}
+
+/// A path in the order from the lamp to the lens, and how it starts.
+struct Whole {
+    places: Vec<Place>,
+    /// Density of the lamp's end, of the way on, and of the lamp's end as it is drawn for the second point.
+    lamp: [f64; 3],
+    /// Density of the last but one point, of the camera's own rays.
+    camera: f64,
+}
+
+impl Whole {
+    /// Density per area of drawing place `to` from `by`, where the path comes from `from`.
+    fn density(&self, from: usize, by: usize, to: usize) -> f64 {
+        let (a, b, c) = (&self.places[from], &self.places[by], &self.places[to]);
+        let (back, on) = ((a.p - b.p).normalize(), (c.p - b.p).normalize());
+        let pdf = b.vertex.as_ref().map_or(0.0, |vertex| vertex.pdf(back, on));
+        f64::from(pdf * c.n.dot(on).abs() / b.p.distance_squared(c.p))
+    }
+
+    /// The densities of all ways but `t = 0`, which is none.
+    fn densities(&self) -> Vec<f64> {
+        let n = self.places.len();
+        let from_lamp = |i: usize| match i {
+            0 => self.lamp[0],
+            1 => {
+                let (a, b) = (&self.places[0], &self.places[1]);
+                let on = (b.p - a.p).normalize();
+                self.lamp[1] * f64::from(b.n.dot(on).abs() / a.p.distance_squared(b.p))
+            }
+            _ => self.density(i - 2, i - 1, i),
+        };
+        let from_camera = |i: usize| match n - 1 - i {
+            0 => 1.0,
+            1 => self.camera,
+            _ => self.density(i + 2, i + 1, i),
+        };
+        let way = |s: usize| {
+            let lamp: f64 = if s == 1 { self.lamp[2] } else { (0..s).map(from_lamp).product() };
+            lamp * (s..n).map(from_camera).product::<f64>()
+        };
+        (0..n).map(way).collect()
+    }
+}
+
+/// Draws paths from both ends, and hands all whole ones to `look` with the points from the lamp and the weight.
+fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
+    let scene = scene(text);
+    let it = Bidirectional::new(&scene, both(), [1, 1], LayerSet::of(&[]));
+    let sampler = Sampler::new(SamplerKind::Uniform, 1);
+    let wavelengths = Wavelengths::RGB;
+    let mut rays = RayCounters::default();
+    for k in 0..300 {
+        let mut ctx = SampleContext::new(&sampler, 5);
+        let place = ctx.begin([k, 0], 0);
+        let mut draws = ctx.draws;
+        let (mut again, mut path) = (draws.split(0, 0, 1), Vec::new());
+        it.follow_light(&mut rays, &mut path, again, 0.0, &wavelengths);
+        let u = again.number_if(scene.emitters.len() > 1);
+        let ways = [again.next_2d(), again.next_2d()];
+        let (emitted, lamp, chance) = scene.emit(&it.departures, 0.0, u, ways, &wavelengths).expect("a lamp");
+        let ray = it.view.ray(place, &mut draws).expect("a ray");
+        let mut views: Vec<(Vertex, Vec3)> = Vec::new();
+        let step = Step {
+            from: ray.o,
+            pdf: 1.0,
+            is_parallel: true,
+            cosine: 1.0,
+            back: 0.0,
+            rivals: Rivals::default(),
+            joins: true,
+        };
+        let mut walk =
+            Walk::new(&scene, draws, Transport::Radiance, (ray, step), (Spectrum::WHITE, wavelengths), false);
+        let mut pdf_camera = 0.0;
+        while let Some(met) = walk.trace().filter(|_| views.len() < 4) {
+            if views.is_empty() {
+                pdf_camera = it.view.pdf_across(&ray, met.at.point.p).expect("a camera");
+                walk.step.pdf = pdf_camera;
+            }
+            let z = walk.vertex(&met);
+            views.push((z, z.at.p));
+            if !walk.scatter(&z, &met) {
+                break;
+            }
+        }
+        let normal_at_lamp = normal(&emitted.origin);
+        let whole = |from_lamp: &[Vertex], from_camera: &[Vertex]| {
+            let mut places = vec![Place { p: emitted.p, n: normal_at_lamp, vertex: None }];
+            let chain = from_lamp.iter().chain(from_camera.iter().rev());
+            places.extend(chain.map(|v| Place { p: v.at.p, n: v.at.ng, vertex: Some(*v) }));
+            places.push(Place { p: ray.o, n: Vec3::ZERO, vertex: None });
+            let first = &places[1];
+            let wi = (emitted.p - first.p).normalize();
+            let receiver = first.vertex.as_ref().expect("a surface").receiver(0.0);
+            let drawn = scene.lamp_pdf(lamp, &receiver, [emitted.p, normal_at_lamp], wi, LightChoice::Tree);
+            let spread = spread(&emitted.origin, wi, emitted.p.distance_squared(first.p));
+            let last = &places[places.len() - 2];
+            let camera = pdf_camera_at(&it, &ray, last);
+            let pdf = scene.emission_pdf(&it.departures, lamp, 0.0, [emitted.p, normal_at_lamp], -wi);
+            let (end, rest) = (f64::from(chance * pdf.place), f64::from(pdf.direction));
+            Whole { places, lamp: [end, rest, f64::from(drawn * spread)], camera }
+        };
+        let views: Vec<Vertex> = views.into_iter().map(|view| view.0).collect();
+        for i in 1..=path.len() {
+            let y = &path[i - 1];
+            for j in 1..=views.len() {
+                if let Some(found) = it.join(&mut rays, y, &views[j - 1], [i as u32 + 1, j as u32 + 1], 0.0) {
+                    look(&whole(&path[..i], &views[..j]), i + 1, found.weight);
+                }
+            }
+            if let Some(found) = it.see(&mut rays, y, [i as u32 + 1, 1], Vec2::ZERO, 0.0) {
+                look(&whole(&path[..i], &[]), i + 1, found.weight);
+            }
+        }
+        assert!(pdf_camera > 0.0);
+    }
+}
+
+/// The density per area at the last point of a surface of the camera's own rays.
+fn pdf_camera_at(it: &Bidirectional<'_>, ray: &Ray, last: &Place) -> f64 {
+    let d = (last.p - ray.o).normalize();
+    let seen = Ray { d, ..*ray };
+    it.view.pdf_across(&seen, last.p).map_or(0.0, |pdf| f64::from(pdf * last.n.dot(d).abs()))
+}
+
+const VIEW: &str = "PerspectiveCamera { center 0 0 0.95  direction 0 -0.2 -1  up 0 1 0  angle 70 }";
+
+/// A room with two matt lamps and things that scatter in all kinds of ways, but none into single directions.
+const ROOM: &str = "Background { color 0 0 0 }
+    Materials { Matte white { color 0.7 0.7 0.7 }  Metal gold { metal gold roughness 0.5 }
+        Glass frosted { roughness 0.6 }  Principled paint { color 0.2 0.5 0.3  coat 0.7  roughness 0.5 }
+        Material lamp { diffuseColor 0.2 0.2 0.2  emission 2 2 2 } }
+    Group { MaterialIndex white  Box { min -1 -1 -1  max 1 1 1 }
+        MaterialIndex lamp Quad { corner -0.6 0.95 -0.6  edge1 1.2 0 0  edge2 0 0 1.2 }
+        MaterialIndex lamp Sphere { center 0.5 0.3 -0.5  radius 0.2 }
+        MaterialIndex gold Sphere { center -0.5 -0.5 -0.3  radius 0.4 }
+        MaterialIndex frosted Sphere { center 0.4 -0.6 -0.2  radius 0.35 }
+        MaterialIndex paint Sphere { center -0.5 0.5 -0.6  radius 0.3 } }";
+
+#[test]
+fn weights_are_those_of_the_definition() {
+    for lamp in ["", "Lights { PointLight { position 0.3 0.6 0.2  intensity 1 1 1 } }"] {
+        let mut counts = [0; 8];
+        each_path(&format!("{VIEW} {ROOM} {lamp}"), &mut |whole, s, weight| {
+            let is_point = whole.places[0].n == Vec3::ZERO;
+            let mut densities = whole.densities();
+            if is_point {
+                densities[0] = 0.0;
+            }
+            let sum: f64 = densities.iter().map(|p| p * p).sum();
+            let expected = densities[s] * densities[s] / sum;
+            assert!((f64::from(weight) - expected).abs() < 2e-3, "{s}: {weight} {expected} {densities:?}");
+            counts[whole.places.len().min(7)] += 1;
+        });
+        assert!(counts[3..].iter().all(|&n| n > 20), "{counts:?}");
+    }
+}
+
+#[test]
+fn a_way_without_rivals_counts_in_full() {
+    assert_eq!(weight(0.0, 0.0), 1.0);
+    assert_eq!(weight(1.0, 2.0), 0.25);
+    assert_eq!(weight(f64::INFINITY, 0.0), 0.0);
+    assert_eq!(weight(f64::NAN, 0.0), 0.0);
+}

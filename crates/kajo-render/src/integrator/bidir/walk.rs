@@ -1,0 +1,237 @@
+//! One path while it grows, from the lamp or from the camera.
+
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::RayOffset;
+use kajo_core::bsdf::{BsdfSample, Transport};
+use kajo_core::sampler::Draws;
+use kajo_core::scene::{Event, Interaction, Scene};
+use kajo_math::{Ray, Vec3};
+
+use super::Found;
+use super::rivals::{Growth, Rivals};
+use super::vertex::Vertex;
+use crate::RayCounters;
+use crate::integrator::bodies::{Bodies, Boundary};
+use crate::integrator::walk::{LARGEST_SURVIVAL, SAFE_BOUNCES};
+
+/// How the present ray was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Where it started.
+    pub from: Vec3,
+    /// Density of its direction per solid angle; for parallel rays that of its place, per area across them.
+    pub pdf: f32,
+    /// Whether it comes from infinitely far, or one of its ends counts as if it did.
+    pub is_parallel: bool,
+    /// Cosine with the true surface where it started, 1 where there is none.
+    pub cosine: f32,
+    /// Density per solid angle of going the other way, from where the ray ends to the point before its start.
+    pub back: f32,
+    /// The sums of the point where it started.
+    pub rivals: Rivals,
+    /// Whether both ends can be connected.
+    pub joins: bool,
+}
+
+/// A path while it grows.
+pub struct Walk<'a, 'b> {
+    scene: &'a Scene,
+    pub draws: Draws<'b>,
+    /// Rays cast so far.
+    pub rays: RayCounters,
+    /// The present ray.
+    pub ray: Ray,
+    pub step: Step,
+    /// Light that is carried, or what it will be multiplied by.
+    pub beta: Spectrum,
+    pub wavelengths: Wavelengths,
+    mode: Transport,
+    bodies: Bodies,
+    /// Makes `beta` the share that is left, to decide how long the path is worth following.
+    scale: f32,
+    roulette: bool,
+    scatterings: u32,
+    /// The first surface.
+    pub first: Option<Interaction>,
+}
+
+/// A surface that a path has met.
+pub struct Met {
+    pub at: Interaction,
+    boundary: Option<Boundary>,
+}
+
+impl<'a, 'b> Walk<'a, 'b> {
+    /// A path that starts with a ray.
+    ///
+    /// * `mode`: which end it starts at
+    /// * `beta`: what the ray carries
+    pub fn new(
+        scene: &'a Scene,
+        draws: Draws<'b>,
+        mode: Transport,
+        (ray, step): (Ray, Step),
+        (beta, wavelengths): (Spectrum, Wavelengths),
+        roulette: bool,
+    ) -> Walk<'a, 'b> {
+        Walk {
+            scene,
+            draws,
+            rays: RayCounters::default(),
+            ray,
+            step,
+            beta,
+            wavelengths,
+            mode,
+            bodies: Bodies::default(),
+            scale: 1.0 / wavelengths.max_lane(beta).max(f32::MIN_POSITIVE),
+            roulette,
+            scatterings: 0,
+            first: None,
+        }
+    }
+
+    /// Follows the ray to the next surface that is there; `None` when it leaves the scene.
+    pub fn trace(&mut self) -> Option<Met> {
+        loop {
+            let Event::Surface(at) = self.scene.trace(&self.ray) else { return None };
+            if let Some(absorption) = self.bodies.absorption() {
+                self.beta *= (absorption * -(at.hit.t * self.ray.d.length())).exp();
+            }
+            self.first.get_or_insert(at);
+            let interior = self.scene.interior(&at, &self.wavelengths);
+            let enters = self.ray.d.dot(at.point.ng) < 0.0;
+            let boundary = interior.map(|interior| self.bodies.meet(at.primitive, interior, enters));
+            let Some(hidden) = boundary.filter(|boundary| !boundary.is_real) else {
+                return Some(Met { at, boundary });
+            };
+            // A connection would be held up here.
+            self.step.joins = false;
+            self.bodies = self.bodies.beyond(&hidden);
+            self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
+        }
+    }
+
+    /// The sums at the point `p` that the ray has come to.
+    ///
+    /// * `cosine`: between the ray and the true normal there
+    pub fn rivals(&self, p: Vec3, cosine: f32) -> Rivals {
+        let Step { from, pdf, is_parallel, back, joins, .. } = self.step;
+        let thinning = if is_parallel { 1.0 } else { p.distance_squared(from).recip() };
+        let spread = self.step.cosine * thinning;
+        self.step.rivals.grown(Growth { pdf: pdf * cosine * thinning, spread, back, joins })
+    }
+
+    /// The sums where the ray ends that leaves the scene.
+    pub fn rivals_at_infinity(&self) -> Rivals {
+        let Step { pdf, cosine, back, joins, rivals, .. } = self.step;
+        rivals.grown(Growth { pdf, spread: cosine, back, joins })
+    }
+
+    /// Light that the ray of a path from the camera has met.
+    pub fn found(&self, radiance: Spectrum, group: u8, weight: f32) -> Found {
+        let is_single = self.wavelengths.secondary_terminated();
+        let way = [0, self.scatterings + 2];
+        Found { way, light: self.beta * radiance, weight, is_single, group, raster: None }
+    }
+
+    /// The path's point on a surface.
+    pub fn vertex(&mut self, met: &Met) -> Vertex {
+        let Met { at, boundary } = met;
+        if boundary.is_some_and(|boundary| boundary.is_dispersive()) {
+            self.wavelengths.terminate_secondary();
+        }
+        let eta_outside = boundary.map_or(1.0, |boundary| boundary.eta_outside);
+        let u = self.draws.number_if(self.scene.is_mixture(at));
+        let back = -self.ray.d.normalize_or_zero();
+        let absorption = |bodies: &Bodies| bodies.absorption().unwrap_or(Spectrum::BLACK);
+        let near = absorption(&self.bodies);
+        let far = boundary.map_or(near, |boundary| absorption(&self.bodies.beyond(&boundary)));
+        Vertex {
+            at: at.point,
+            bsdf: self.scene.bsdf(at, &self.wavelengths, eta_outside, u),
+            back,
+            beta: self.beta,
+            rivals: self.rivals(at.point.p, at.point.ng.dot(back).abs()),
+            absorption: [near, far],
+            is_single: self.wavelengths.secondary_terminated(),
+            group: 0,
+        }
+    }
+
+    /// Goes on from a point; `false` when the path ends there.
+    pub fn scatter(&mut self, vertex: &Vertex, met: &Met) -> bool {
+        let (u, choice) = (self.draws.next_2d(), self.draws.next_1d());
+        let local = vertex.local(vertex.back);
+        let Some(sample) = vertex.bsdf.sample(local.wo, u, choice, self.mode) else { return false };
+        let wi = local.frame.to_world(sample.wi);
+        if !vertex.agrees(wi, sample.wi) {
+            return false;
+        }
+        let same_frame = vertex.is_shaded_from(vertex.back) == vertex.is_shaded_from(wi);
+        if self.mode == Transport::Importance {
+            // The frame belongs to the camera's side, which may see another one.
+            let correction = if same_frame { vertex.correction([local.wo, sample.wi], wi) } else { 0.0 };
+            self.beta *= correction;
+        }
+        let delta = sample.kind.delta;
+        let back = match (delta, same_frame) {
+            (false, _) => vertex.pdf(wi, vertex.back),
+            (true, true) => reversed(&sample, local.wo),
+            (true, false) => 0.0,
+        };
+        self.step = Step {
+            from: vertex.at.p,
+            pdf: sample.pdf,
+            is_parallel: false,
+            cosine: vertex.cosine(wi),
+            back,
+            rivals: if delta { vertex.rivals.without_last() } else { vertex.rivals },
+            joins: !delta,
+        };
+        self.leave(vertex, met, &sample, wi);
+        self.survives()
+    }
+
+    fn leave(&mut self, vertex: &Vertex, met: &Met, sample: &BsdfSample, wi: Vec3) {
+        if sample.kind.transmission {
+            self.rays.refracted += 1;
+            self.bodies = met.boundary.map_or(self.bodies, |boundary| self.bodies.beyond(&boundary));
+        } else {
+            self.rays.reflected += 1;
+        }
+        self.beta *= sample.weight;
+        if self.mode == Transport::Radiance {
+            // Radiance is squeezed at boundaries, which a later one undoes.
+            self.scale *= sample.eta * sample.eta;
+        }
+        self.ray = vertex.at.ray_towards(wi, f32::INFINITY, self.ray.time, RayOffset::Auto);
+        self.scatterings += 1;
+    }
+
+    /// Whether the path goes on, decided at random where it carries little.
+    fn survives(&mut self) -> bool {
+        let left = self.wavelengths.max_lane(self.beta) * self.scale;
+        if left.is_nan() || left <= 0.0 {
+            return false;
+        }
+        if !self.roulette || self.scatterings <= SAFE_BOUNCES {
+            return true;
+        }
+        let chance = left.min(LARGEST_SURVIVAL);
+        if self.draws.next_1d() >= chance {
+            return false;
+        }
+        self.beta *= 1.0 / chance;
+        true
+    }
+}
+
+/// What stands for the density of the way back of a single direction, where `sample.pdf` stands for that of the
+/// way there.
+///
+/// Both are probabilities. Their ratio as densities is that of the solid angles of a narrow beam on both sides,
+/// `cos dw eta^2 = cos' dw' eta'^2`.
+fn reversed(sample: &BsdfSample, wo: Vec3) -> f32 {
+    sample.pdf * wo.z.abs() / (sample.wi.z.abs() * sample.eta * sample.eta)
+}
