@@ -77,11 +77,17 @@ impl Objects {
 
     /// The words of all primitives, in their order.
     pub fn iter(&self) -> impl Iterator<Item = Object<'_>> {
-        self.labels.iter().zip(&self.placed_by).map(|(label, &placed_by)| Object {
+        (0..self.labels.len()).filter_map(|primitive| self.get(primitive))
+    }
+
+    /// The words of a primitive, by its index into [`crate::Scene::primitives`].
+    pub fn get(&self, primitive: usize) -> Option<Object<'_>> {
+        let label = self.labels.get(primitive)?;
+        Some(Object {
             name: self.names.get(label.name as usize).map(|name| &**name),
             keyword: self.keywords[usize::from(label.keyword)],
             described_by: label.item,
-            placed_by,
+            placed_by: *self.placed_by.get(primitive)?,
         })
     }
 }

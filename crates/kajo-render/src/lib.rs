@@ -11,6 +11,7 @@ pub mod order;
 pub mod rect;
 pub mod sample;
 pub mod schedule;
+pub mod trail;
 
 pub use context::{Auxiliary, SampleContext, Splats};
 pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap};
@@ -21,3 +22,4 @@ pub use schedule::{
     FailedUnit, Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Silent, Unit, render,
     render_passes, render_unit,
 };
+pub use trail::{RayKind, Segment, Trail, TrailHit};

@@ -4,7 +4,7 @@ use std::ops::AddAssign;
 
 use kajo_math::{Vec2, Vec3};
 
-use crate::SampleContext;
+use crate::{SampleContext, Trail};
 
 /// What one camera ray brings to the film. Values of rarer layers are in [`SampleContext::aux`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,6 +40,11 @@ pub trait PixelIntegrator: Sync {
     /// * `raster`: position on the film in pixels; (0, 0) is the top left corner of the picture. It may lie
     ///   beside `pixel`: a regular grid of a number that is no square hangs over.
     fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample;
+
+    /// The same sample with all its rays, where the integrator tells of them.
+    fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
+        (self.sample(ctx, pixel, raster), Trail::default())
+    }
 }
 
 /// Rays cast, by what they were for.

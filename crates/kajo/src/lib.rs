@@ -38,6 +38,7 @@ mod load;
 pub mod memory;
 pub mod output;
 pub mod preview;
+pub mod probe;
 mod render;
 pub mod selftest;
 pub mod session;

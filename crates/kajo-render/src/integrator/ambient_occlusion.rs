@@ -13,7 +13,8 @@ use kajo_core::scene::{Event, Scene};
 use kajo_math::{Frame, Vec2, warp};
 
 use super::view::View;
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
+use crate::trail::{About, Witness};
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 
 /// The ambient occlusion integrator over one scene and one picture size.
 pub struct AmbientOcclusion<'a> {
@@ -33,25 +34,45 @@ impl<'a> AmbientOcclusion<'a> {
     }
 }
 
-impl PixelIntegrator for AmbientOcclusion<'_> {
-    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+impl AmbientOcclusion<'_> {
+    fn cast<W: Witness>(&self, ctx: &mut SampleContext<'_>, raster: Vec2, witness: &mut W) -> PixelSample {
         let mut draws = ctx.draws;
+        let scene = self.view.scene;
         let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
         draws.skip(1); // There are no wavelengths.
-        ctx.rays.camera += 1;
-        let Event::Surface(at) = self.view.scene.trace(&ray) else {
+        witness.counters().camera += 1;
+        let end = scene.trace(&ray);
+        let about = || About { eta: 1.0, weight: [1.0; 3] };
+        witness.ended(scene, &ray, &end, about);
+        let Event::Surface(at) = end else {
+            witness.found(|| [1.0; 3]);
             ctx.aux.lights[0] = [1.0; 3];
             return PixelSample { radiance: [1.0; 3], first: None };
         };
         let towards_viewer = if ray.d.dot(at.point.n) > 0.0 { -at.point.n } else { at.point.n };
         let wi = Frame::from_normal(towards_viewer).to_world(warp::cosine_hemisphere(draws.next_2d()));
-        ctx.rays.shadow += 1;
+        witness.counters().shadow += 1;
         // Below the true surface of a shading normal there is only that surface.
         let below = wi.dot(at.point.ng) * ray.d.dot(at.point.ng) > 0.0;
         let shadow = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
-        let hidden = below || self.view.scene.occluded(&shadow);
+        let hidden = below || scene.occluded(&shadow);
         let open = if hidden { 0.0 } else { 1.0 };
+        witness.shadow(scene, &shadow, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];
         PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at, &mut ctx.aux)) }
+    }
+}
+
+impl PixelIntegrator for AmbientOcclusion<'_> {
+    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let mut rays = ctx.rays;
+        let sample = self.cast(ctx, raster, &mut rays);
+        ctx.rays = rays;
+        sample
+    }
+
+    fn trail(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
+        let mut trail = Trail::default();
+        (self.cast(ctx, raster, &mut trail), trail)
     }
 }

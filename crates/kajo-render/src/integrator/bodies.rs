@@ -47,6 +47,11 @@ impl Bodies {
         })
     }
 
+    /// Index of refraction around the point.
+    pub fn eta(&self) -> f32 {
+        self.top().map_or(1.0, |body| body.eta)
+    }
+
     /// Absorption per unit length around the point.
     #[inline]
     pub fn absorption(&self) -> Option<Spectrum> {

@@ -25,7 +25,8 @@ use kajo_math::{Ray, Vec2, Vec3};
 
 use super::shadow;
 use super::view::View;
-use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext};
+use crate::trail::{About, RayKind, Witness};
+use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext, Trail};
 
 /// The most mirror and refracted rays in a row that may be asked for.
 pub const MAX_BOUNCES: u32 = 1000;
@@ -113,19 +114,23 @@ impl<'a> Classic<'a> {
     }
 
     /// Light along a ray.
-    fn li(&self, ray: Ray, path: Path, rays: &mut RayCounters) -> Spectrum {
-        self.li_from(ray, self.scene.trace(&ray), path, rays)
+    fn li(&self, ray: Ray, path: Path, witness: &mut impl Witness) -> Spectrum {
+        self.li_from(ray, self.scene.trace(&ray), path, witness)
     }
 
     /// Light along `ray` from where it ends.
-    fn li_from(&self, mut ray: Ray, mut end: Event, mut path: Path, rays: &mut RayCounters) -> Spectrum {
+    fn li_from(&self, mut ray: Ray, mut end: Event, mut path: Path, witness: &mut impl Witness) -> Spectrum {
         let mut light = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
         // Where only one branch goes on, it goes on in this loop; the other branch of a fork is a call.
         loop {
+            let about = || About { eta: path.eta, weight: throughput.to_rgb() };
+            witness.ended(self.scene, &ray, &end, about);
             let Event::Surface(at) = &end else {
                 let behind = self.scene.background.color(ray.d);
-                return light + throughput * self.through_fog(&ray, f32::INFINITY, &path, behind);
+                let arriving = throughput * self.through_fog(&ray, f32::INFINITY, &path, behind);
+                witness.found(|| arriving.to_rgb());
+                return light + arriving;
             };
             let Scene { materials, textures, .. } = self.scene;
             let mixed;
@@ -136,10 +141,16 @@ impl<'a> Classic<'a> {
                     &mixed
                 }
             };
-            let mut local = self.shade(&ray, at, phong, rays);
-            if let Some(glow) = self.scene.glow(at, ray.d, &Wavelengths::RGB) {
-                local += glow.radiance;
+            let carried = || (path.eta, throughput * self.fog_factor(&ray, at.hit.t, &path));
+            let mut local = self.shade(&ray, at, phong, witness, carried);
+            let glow = self.scene.glow(at, ray.d, &Wavelengths::RGB).map(|glow| glow.radiance);
+            if let Some(glow) = glow {
+                local += glow;
             }
+            witness.found(|| {
+                let own = self.scene.ambient * phong.ambient + glow.unwrap_or(Spectrum::BLACK);
+                (throughput * self.through_fog(&ray, at.hit.t, &path, own)).to_rgb()
+            });
             // Fog weakens everything that comes from the surface, also what arrives there later.
             light += throughput * self.through_fog(&ray, at.hit.t, &path, local);
             throughput *= self.fog_factor(&ray, at.hit.t, &path);
@@ -149,16 +160,22 @@ impl<'a> Classic<'a> {
             match (mirrored, refracted) {
                 (None, None) => return light,
                 (Some(branch), None) => {
-                    rays.reflected += 1;
+                    witness.counters().reflected += 1;
+                    witness.next(RayKind::Reflected);
                     (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
                 }
                 (mirrored, Some(branch)) => {
                     if let Some(mirrored) = mirrored {
-                        rays.reflected += 1;
-                        let seen = self.li(mirrored.ray, mirrored.path, rays);
+                        witness.counters().reflected += 1;
+                        witness.next(RayKind::Reflected);
+                        let here = witness.mark();
+                        witness.weaken(|| (throughput * mirrored.factor).to_rgb());
+                        let seen = self.li(mirrored.ray, mirrored.path, witness);
+                        witness.back_to(here);
                         light += throughput * mirrored.factor * seen;
                     }
-                    rays.refracted += 1;
+                    witness.counters().refracted += 1;
+                    witness.next(RayKind::Transmitted);
                     (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
                 }
             }
@@ -167,7 +184,16 @@ impl<'a> Classic<'a> {
     }
 
     /// Ambient light and every visible light, by the material's own model.
-    fn shade(&self, ray: &Ray, at: &Interaction, phong: &Phong, rays: &mut RayCounters) -> Spectrum {
+    ///
+    /// * `carried`: index of refraction around the ray, and what becomes of light that leaves the surface along it
+    fn shade(
+        &self,
+        ray: &Ray,
+        at: &Interaction,
+        phong: &Phong,
+        witness: &mut impl Witness,
+        carried: impl Fn() -> (f32, Spectrum),
+    ) -> Spectrum {
         let mut light = self.scene.ambient * phong.ambient;
         let from_behind = ray.d.dot(at.point.n) > 0.0;
         if from_behind && !self.settings.shade_back {
@@ -181,7 +207,14 @@ impl<'a> Classic<'a> {
             let shaded = phong.shade(n, wo, wi, intensity, self.settings.highlight);
             if !shaded.is_black() {
                 let shadow_ray = at.point.ray_towards(wi, distance, ray.time, self.settings.ray_offset);
-                light += shaded * self.visibility(number, &shadow_ray, rays);
+                let arriving = shaded * self.visibility(number, &shadow_ray, witness.counters());
+                let about = || {
+                    let (eta, weight) = carried();
+                    let white = phong.shade(n, wo, wi, Spectrum::WHITE, self.settings.highlight);
+                    About { eta, weight: (weight * white).to_rgb() }
+                };
+                witness.shadow(self.scene, &shadow_ray, about, || (carried().1 * arriving).to_rgb());
+                light += arriving;
             }
         }
         light
@@ -311,10 +344,16 @@ impl Crossing {
     }
 }
 
-impl PixelIntegrator for Classic<'_> {
-    fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
+impl Classic<'_> {
+    fn cast(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        pixel: [u32; 2],
+        raster: Vec2,
+        witness: &mut impl Witness,
+    ) -> PixelSample {
         let Some(ray) = self.view.ray(raster, &mut ctx.draws) else { return PixelSample::default() };
-        ctx.rays.camera += 1;
+        witness.counters().camera += 1;
         let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
         let end = self.scene.trace_from(self.camera_items.as_ref(), &ray);
         let met = match &end {
@@ -325,10 +364,27 @@ impl PixelIntegrator for Classic<'_> {
         if let Some(at) = met.filter(|_| self.view.wants_albedo()) {
             ctx.aux.albedo = self.albedo(at);
         }
-        let light = self.li_from(ray, end, path, &mut ctx.rays);
-        let radiance = if self.settings.uv { self.uv_picture(pixel) } else { light };
+        let mut light = self.li_from(ray, end, path, witness);
+        if self.settings.uv {
+            light = self.uv_picture(pixel);
+            witness.shown_instead(|| light.to_rgb());
+        }
         // Groups of lamps are not told apart.
-        ctx.aux.lights[0] = radiance.to_rgb();
-        PixelSample { radiance: radiance.to_rgb(), first }
+        ctx.aux.lights[0] = light.to_rgb();
+        PixelSample { radiance: light.to_rgb(), first }
+    }
+}
+
+impl PixelIntegrator for Classic<'_> {
+    fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let mut rays = ctx.rays;
+        let sample = self.cast(ctx, pixel, raster, &mut rays);
+        ctx.rays = rays;
+        sample
+    }
+
+    fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
+        let mut trail = Trail::default();
+        (self.cast(ctx, pixel, raster, &mut trail), trail)
     }
 }

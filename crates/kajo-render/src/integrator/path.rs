@@ -26,7 +26,8 @@ use kajo_math::Vec2;
 
 use super::view::View;
 use super::walk::{LightGroups, Walk};
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
+use crate::trail::Witness;
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 
 /// Options of [`Path`].
 #[derive(Clone, Copy, Debug)]
@@ -83,18 +84,18 @@ impl<'a> Path<'a> {
     }
 }
 
-impl PixelIntegrator for Path<'_> {
-    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+impl Path<'_> {
+    fn cast<W: Witness>(&self, ctx: &mut SampleContext<'_>, raster: Vec2, witness: W) -> (PixelSample, W) {
         let mut draws = ctx.draws;
-        let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
+        let Some(ray) = self.view.ray(raster, &mut draws) else { return (PixelSample::default(), witness) };
         let u = draws.number_if(self.settings.spectral);
         let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
-        ctx.rays.camera += 1;
         let groups = LightGroups::default();
         let wanted = self.view.wants_light_groups().then_some(&groups);
-        let mut walk = Walk::new(&self.view, &self.settings, ray, wavelengths, draws).with_groups(wanted);
+        let mut walk =
+            Walk::new(&self.view, &self.settings, ray, wavelengths, draws, witness).with_groups(wanted);
+        walk.witness.counters().camera += 1;
         walk.run();
-        ctx.rays += walk.rays;
         let (radiance, first, albedo) = (walk.finished(), walk.first, walk.albedo);
         if self.view.wants_albedo() {
             ctx.aux.albedo = sensor::to_rgb(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
@@ -102,7 +103,20 @@ impl PixelIntegrator for Path<'_> {
         if wanted.is_some() {
             ctx.aux.lights = groups.each_ref().map(Cell::get);
         }
-        PixelSample { radiance, first: first.map(|at| self.view.first_hit(&at, &mut ctx.aux)) }
+        let first = first.map(|at| self.view.first_hit(&at, &mut ctx.aux));
+        (PixelSample { radiance, first }, walk.witness)
+    }
+}
+
+impl PixelIntegrator for Path<'_> {
+    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let (sample, rays) = self.cast(ctx, raster, ctx.rays);
+        ctx.rays = rays;
+        sample
+    }
+
+    fn trail(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
+        self.cast(ctx, raster, Trail::default())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::f32::consts::FRAC_1_PI;
+use std::mem;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
@@ -16,7 +17,7 @@ use kajo_math::{Frame, Ray, Vec2, Vec3, warp};
 use super::bodies::{Bodies, Boundary};
 use super::path::PathSettings;
 use super::view::View;
-use crate::RayCounters;
+use crate::trail::{About, RayKind, Witness};
 
 /// Bounces after which paths may end at random.
 pub(super) const SAFE_BOUNCES: u32 = 3;
@@ -25,12 +26,12 @@ pub(super) const SAFE_BOUNCES: u32 = 3;
 pub(super) const LARGEST_SURVIVAL: f32 = 0.98;
 
 /// A path while it is being made.
-pub(super) struct Walk<'a, 'b> {
+pub(super) struct Walk<'a, 'b, W> {
     view: &'a View<'a>,
     settings: &'a PathSettings,
     draws: Draws<'b>,
-    /// Rays cast so far.
-    pub rays: RayCounters,
+    /// Who is told.
+    pub witness: W,
     ray: Ray,
     wavelengths: Wavelengths,
     /// What later light is multiplied by.
@@ -69,7 +70,7 @@ struct Origin {
     pdf: Option<f32>,
 }
 
-impl<'a, 'b> Walk<'a, 'b> {
+impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     /// A path that starts with a camera ray.
     pub fn new(
         view: &'a View<'a>,
@@ -77,12 +78,13 @@ impl<'a, 'b> Walk<'a, 'b> {
         ray: Ray,
         wavelengths: Wavelengths,
         draws: Draws<'b>,
-    ) -> Walk<'a, 'b> {
+        witness: W,
+    ) -> Walk<'a, 'b, W> {
         Walk {
             view,
             settings,
             draws,
-            rays: RayCounters::default(),
+            witness,
             ray,
             wavelengths,
             throughput: Spectrum::WHITE,
@@ -101,7 +103,7 @@ impl<'a, 'b> Walk<'a, 'b> {
     }
 
     /// The same, with the light of each group of lamps added to `groups` as well.
-    pub fn with_groups(self, groups: Option<&'a LightGroups>) -> Walk<'a, 'b> {
+    pub fn with_groups(self, groups: Option<&'a LightGroups>) -> Walk<'a, 'b, W> {
         Walk { groups, ..self }
     }
 
@@ -112,7 +114,13 @@ impl<'a, 'b> Walk<'a, 'b> {
     /// Follows the path to its end.
     pub fn run(&mut self) {
         loop {
-            let Event::Surface(at) = self.scene().trace(&self.ray) else {
+            let end = self.scene().trace(&self.ray);
+            let (throughput, wavelengths, bodies) = (self.throughput, self.wavelengths, &self.bodies);
+            self.witness.ended(self.view.scene, &self.ray, &end, || About {
+                eta: bodies.eta(),
+                weight: sensor::to_rgb(throughput, &wavelengths),
+            });
+            let Event::Surface(at) = end else {
                 self.escape();
                 return;
             };
@@ -126,6 +134,7 @@ impl<'a, 'b> Walk<'a, 'b> {
             let boundary = self.boundary(&at);
             if let Some(boundary) = boundary.filter(|boundary| !boundary.is_real) {
                 self.bodies = self.bodies.beyond(&boundary);
+                self.witness.next(RayKind::Transmitted);
                 self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
                 continue;
             }
@@ -181,8 +190,14 @@ impl<'a, 'b> Walk<'a, 'b> {
         if !radiance.is_black() {
             let choice = self.settings.light_choice;
             let weight = self.weight_of_chance(|from| self.scene().sky_pdf(from, self.ray.d, choice));
-            self.add(self.throughput * radiance * weight, self.scene().emitters.sky_group());
+            self.meet(self.throughput * radiance * weight, self.scene().emitters.sky_group());
         }
+    }
+
+    /// Adds light that the present ray has met.
+    fn meet(&mut self, light: Spectrum, group: u8) {
+        self.witness.found(|| sensor::to_rgb(light, &self.wavelengths));
+        self.add(light, group);
     }
 
     fn meet_lamp(&mut self, at: &Interaction) {
@@ -190,7 +205,7 @@ impl<'a, 'b> Walk<'a, 'b> {
         if let Some(glow) = scene.glow(at, self.ray.d, &self.wavelengths) {
             let choice = self.settings.light_choice;
             let weight = self.weight_of_chance(|from| scene.glow_pdf(&glow, at, from, choice));
-            self.add(self.throughput * glow.radiance * weight, glow.group);
+            self.meet(self.throughput * glow.radiance * weight, glow.group);
         }
     }
 
@@ -214,13 +229,15 @@ impl<'a, 'b> Walk<'a, 'b> {
             return self.go_on(at, &bsdf, &local, boundary, Part::All);
         }
         let branches = if self.is_branch { 1 } else { self.settings.branches.max(1) };
+        let surface = self.witness.mark();
         for i in 0..if bsdf.is_delta() { 0 } else { branches } {
             let mut branch = self.branch(i, branches);
             if branch.go_on(at, &bsdf, &local, boundary, Part::Diffuse) {
                 branch.run();
             }
-            let Walk { light, seen, wavelengths, draws, rays, .. } = branch;
-            (self.light, self.seen, self.wavelengths, self.rays) = (light, seen, wavelengths, rays);
+            let Walk { light, seen, wavelengths, draws, witness, .. } = branch;
+            (self.light, self.seen, self.wavelengths, self.witness) = (light, seen, wavelengths, witness);
+            self.witness.back_to(surface);
             if branches == 1 {
                 self.draws = draws;
             }
@@ -229,8 +246,9 @@ impl<'a, 'b> Walk<'a, 'b> {
     }
 
     /// Path `i` of `n` like this one from here on.
-    fn branch(&mut self, i: u32, n: u32) -> Walk<'a, 'b> {
+    fn branch(&mut self, i: u32, n: u32) -> Walk<'a, 'b, W> {
         Walk {
+            witness: mem::take(&mut self.witness),
             throughput: self.throughput * (1.0 / n as f32),
             is_branch: true,
             draws: if n > 1 { self.draws.split(0, i, n) } else { self.draws },
@@ -267,12 +285,15 @@ impl<'a, 'b> Walk<'a, 'b> {
         if self.ends_at_lamps && settings.technique == Technique::Lamps && !sample.kind.delta {
             return false;
         }
-        if sample.kind.transmission {
-            self.rays.refracted += 1;
+        let kind = if sample.kind.transmission {
+            self.witness.counters().refracted += 1;
             self.bodies = boundary.map_or(self.bodies, |boundary| self.bodies.beyond(boundary));
+            RayKind::Transmitted
         } else {
-            self.rays.reflected += 1;
-        }
+            self.witness.counters().reflected += 1;
+            RayKind::Reflected
+        };
+        self.witness.next(if sample.kind.delta { kind } else { RayKind::Scattered });
         self.throughput *= sample.weight;
         self.squeeze *= sample.eta * sample.eta;
         self.origin = Origin {
@@ -327,8 +348,13 @@ impl<'a, 'b> Walk<'a, 'b> {
         if scattered.is_black() {
             return;
         }
-        self.rays.shadow += 1;
-        if self.scene().occluded(&at.point.ray_to_light(&lamp, self.ray.time)) {
+        self.witness.counters().shadow += 1;
+        let shadow_ray = at.point.ray_to_light(&lamp, self.ray.time);
+        let weight_of_lamp = self.throughput * scattered;
+        let (bodies, wavelengths) = (&self.bodies, &self.wavelengths);
+        let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight_of_lamp, wavelengths) };
+        if self.scene().occluded(&shadow_ray) {
+            self.witness.shadow(self.view.scene, &shadow_ray, about, || [0.0; 3]);
             return;
         }
         let weight = match settings.technique {
@@ -337,7 +363,9 @@ impl<'a, 'b> Walk<'a, 'b> {
             }
             _ => 1.0,
         };
-        self.add(self.throughput * scattered * lamp.radiance * (weight / lamp.pdf), lamp.group);
+        let light = weight_of_lamp * lamp.radiance * (weight / lamp.pdf);
+        self.witness.shadow(self.view.scene, &shadow_ray, about, || sensor::to_rgb(light, wavelengths));
+        self.add(light, lamp.group);
     }
 
     /// Whether the path goes on, decided at random where it carries little.

@@ -1,0 +1,277 @@
+//! What becomes of one camera ray: every ray that follows from it, what that met, and the light it found.
+//!
+//! Integrators tell a [`Witness`] what they do. Where pictures are made that is [`RayCounters`], which counts rays
+//! and lets everything else be compiled away; a [`Trail`] keeps it all. The same code runs in both cases, and
+//!
+//! ```text
+//! radiance of the sample = sum over all segments of their contributions
+//! ```
+
+use kajo_core::scene::{Event, Interaction, Scene};
+use kajo_math::{Ray, Vec3};
+
+use crate::RayCounters;
+
+/// Segments beyond which no more are kept.
+const MOST_SEGMENTS: usize = 100_000;
+
+/// What a ray is cast for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayKind {
+    /// From the camera.
+    Camera,
+    /// Mirrored at a surface.
+    Reflected,
+    /// Through a surface.
+    Transmitted,
+    /// Into a random direction from a surface that is no mirror.
+    Scattered,
+    /// Towards a light, or to find out whether anything is near.
+    Shadow,
+}
+
+/// Where a ray ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrailHit {
+    /// Number of the object in the id layers, counted from 1.
+    pub object: u32,
+    /// Number of the material in the id layers, counted from 1; 0 for one that came with a mesh.
+    pub material: u32,
+    /// World-space point.
+    pub p: Vec3,
+    /// Unit shading normal, outward.
+    pub n: Vec3,
+    /// Unit geometric normal, outward.
+    pub ng: Vec3,
+}
+
+/// One ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// What it was cast for.
+    pub kind: RayKind,
+    /// Index of the segment at whose end it starts; `None` for the camera's.
+    pub parent: Option<u32>,
+    /// How many segments lie before it.
+    pub depth: u32,
+    /// World-space origin.
+    pub from: Vec3,
+    /// World-space unit direction.
+    pub d: Vec3,
+    /// Distance to where it ends: at a surface, or at a light; infinite for one that leaves the scene.
+    pub distance: f32,
+    /// The surface that it met; for a shadow ray what is in the way.
+    pub hit: Option<TrailHit>,
+    /// Index of refraction of what it travels through.
+    pub eta: f32,
+    /// What light from its far end is multiplied by on its way to the sensor, linear RGB.
+    pub weight: [f32; 3],
+    /// What it adds to the sample itself, beside what the segments after it do: light of the surface or the
+    /// background at its end, of the light that a shadow ray reaches, of fog along it. Linear RGB.
+    pub contribution: [f32; 3],
+}
+
+/// Who is told of the rays of a sample.
+pub(crate) trait Witness: Default {
+    /// A place in the tree of rays.
+    type Mark: Copy;
+
+    /// The counters of rays.
+    fn counters(&mut self) -> &mut RayCounters;
+
+    /// A ray of this kind comes next.
+    fn next(&mut self, _kind: RayKind) {}
+
+    /// The ray announced last has ended there; it is at hand from now on.
+    fn ended(&mut self, _scene: &Scene, _ray: &Ray, _end: &Event, _about: impl FnOnce() -> About) {}
+
+    /// The ray at hand finds light.
+    fn found(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
+
+    /// A shadow ray was cast from the end of the ray at hand, and found light.
+    fn shadow(
+        &mut self,
+        _scene: &Scene,
+        _ray: &Ray,
+        _about: impl FnOnce() -> About,
+        _light: impl FnOnce() -> [f32; 3],
+    ) {
+    }
+
+    /// All light found is not what is shown, but this.
+    fn shown_instead(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
+
+    /// All weights and light told from here on are to be multiplied by this.
+    fn weaken(&mut self, _factor: impl FnOnce() -> [f32; 3]) {}
+
+    /// The ray at hand.
+    fn mark(&self) -> Self::Mark;
+
+    /// Makes a ray of before the one at hand, with its factor.
+    fn back_to(&mut self, mark: Self::Mark);
+}
+
+/// What an integrator knows of a ray beside its geometry.
+pub(crate) struct About {
+    pub eta: f32,
+    pub weight: [f32; 3],
+}
+
+impl Witness for RayCounters {
+    type Mark = ();
+
+    #[inline]
+    fn counters(&mut self) -> &mut RayCounters {
+        self
+    }
+
+    #[inline]
+    fn mark(&self) {}
+
+    #[inline]
+    fn back_to(&mut self, (): ()) {}
+}
+
+/// All rays of one sample, each after the one that it starts from.
+#[derive(Clone, Debug, Default)]
+pub struct Trail {
+    segments: Vec<Segment>,
+    left_out: usize,
+    counters: RayCounters,
+    place: Place,
+    next: Option<RayKind>,
+}
+
+/// A place in the tree of rays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    /// The ray at hand.
+    segment: Option<u32>,
+    /// Of all that is told there.
+    factor: [f32; 3],
+}
+
+impl Default for Place {
+    fn default() -> Place {
+        Place { segment: None, factor: [1.0; 3] }
+    }
+}
+
+impl Trail {
+    /// The rays.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// How many more there were than are kept.
+    pub fn left_out(&self) -> usize {
+        self.left_out
+    }
+
+    /// Rays by kind.
+    pub fn counters(&self) -> RayCounters {
+        self.counters
+    }
+
+    fn push(&mut self, kind: RayKind, ray: &Ray, hit: Option<(TrailHit, f32)>, about: About) -> Option<u32> {
+        let Place { segment: parent, factor } = self.place;
+        let length = ray.d.length();
+        let segment = Segment {
+            kind,
+            parent,
+            depth: parent.map_or(0, |parent| self.segments[parent as usize].depth + 1),
+            from: ray.o,
+            d: ray.d / length,
+            distance: hit.map_or(ray.t_max, |(_, t)| t) * length,
+            hit: hit.map(|(hit, _)| hit),
+            eta: about.eta,
+            weight: product(factor, about.weight),
+            contribution: [0.0; 3],
+        };
+        if self.segments.len() == MOST_SEGMENTS {
+            self.left_out += 1;
+            return None;
+        }
+        self.segments.push(segment);
+        Some(self.segments.len() as u32 - 1)
+    }
+
+    fn add(&mut self, segment: Option<u32>, light: [f32; 3]) {
+        if let Some(segment) = segment {
+            let light = product(self.place.factor, light);
+            let sum = &mut self.segments[segment as usize].contribution;
+            sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+        }
+    }
+}
+
+impl Witness for Trail {
+    type Mark = Place;
+
+    fn counters(&mut self) -> &mut RayCounters {
+        &mut self.counters
+    }
+
+    fn next(&mut self, kind: RayKind) {
+        self.next = Some(kind);
+    }
+
+    fn ended(&mut self, scene: &Scene, ray: &Ray, end: &Event, about: impl FnOnce() -> About) {
+        let kind = self.next.take().unwrap_or(RayKind::Camera);
+        let hit = match end {
+            Event::Surface(at) => Some((TrailHit::of(scene, at), at.hit.t)),
+            Event::Escaped => None,
+        };
+        self.place.segment = self.push(kind, ray, hit, about()).or(self.place.segment);
+    }
+
+    fn found(&mut self, light: impl FnOnce() -> [f32; 3]) {
+        self.add(self.place.segment, light());
+    }
+
+    fn shadow(
+        &mut self,
+        scene: &Scene,
+        ray: &Ray,
+        about: impl FnOnce() -> About,
+        light: impl FnOnce() -> [f32; 3],
+    ) {
+        let light = light();
+        let in_the_way = match scene.trace(ray) {
+            Event::Surface(at) if light == [0.0; 3] => Some((TrailHit::of(scene, &at), at.hit.t)),
+            _ => None,
+        };
+        let segment = self.push(RayKind::Shadow, ray, in_the_way, about()).or(self.place.segment);
+        self.add(segment, light);
+    }
+
+    fn shown_instead(&mut self, light: impl FnOnce() -> [f32; 3]) {
+        self.segments.iter_mut().for_each(|segment| segment.contribution = [0.0; 3]);
+        if let Some(first) = self.segments.first_mut() {
+            first.contribution = light();
+        }
+    }
+
+    fn weaken(&mut self, factor: impl FnOnce() -> [f32; 3]) {
+        self.place.factor = product(self.place.factor, factor());
+    }
+
+    fn mark(&self) -> Place {
+        self.place
+    }
+
+    fn back_to(&mut self, mark: Place) {
+        self.place = mark;
+    }
+}
+
+fn product(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
+
+impl TrailHit {
+    fn of(scene: &Scene, at: &Interaction) -> TrailHit {
+        let material = scene.material_number(at.material);
+        TrailHit { object: at.primitive + 1, material, p: at.point.p, n: at.point.n, ng: at.point.ng }
+    }
+}

@@ -1,0 +1,119 @@
+//! Questions about one place of a picture: what is there, and where its light comes from.
+//!
+//! Both are answered by the renderer itself. [`pick`] casts the camera's ray through the place; [`debug_ray`] takes
+//! one sample there and keeps every ray of it. The sample is the one that a render with the same settings takes,
+//! except that its place in the picture is given: all other random numbers are those of the pixel's sample of
+//! that index. The contributions of its segments add up to its radiance.
+
+use kajo_core::scene::{Event, Scene};
+use kajo_math::{DVec2, Vec2, Vec3};
+use kajo_render::{Layer, LayerSet, RayCounters, SampleContext};
+
+use crate::{CameraPose, RenderSettings};
+pub use kajo_render::trail::{RayKind, Segment, TrailHit};
+
+/// What is seen at a place of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pick {
+    /// Number of the object in the id layers, counted from 1.
+    pub object: u32,
+    /// Number of the material in the id layers, counted from 1; 0 for one that came with a mesh.
+    pub material: u32,
+    /// Distance along the camera's ray.
+    pub t: f32,
+    /// World-space point.
+    pub point: Vec3,
+    /// Unit shading normal, outward.
+    pub normal: Vec3,
+    /// Coordinates on the surface.
+    pub uv: Vec2,
+    /// The word that makes the object, such as `Sphere`.
+    pub keyword: &'static str,
+    /// Its name, if it has one.
+    pub name: Option<String>,
+    /// Number of the text's item that describes the object; see [`kajo_scene::SceneDesc::item`].
+    pub described_by: u32,
+    /// Number of the item that puts it into the scene: the same, or the outermost instance.
+    pub placed_by: u32,
+}
+
+/// What the camera sees through a place of a picture of `size` pixels; `None` when nothing is there.
+///
+/// * `place`: in pixels, counted from the top left corner; the middle of the first pixel is (0.5, 0.5)
+///
+/// Through a lens one looks by its middle, and at things that move when the shutter opens.
+pub fn pick(scene: &Scene, camera: &CameraPose, place: DVec2, size: [u32; 2]) -> Option<Pick> {
+    let ray = camera.ray(place, size)?;
+    let Event::Surface(at) = scene.trace(&ray) else { return None };
+    let words = scene.objects.get(at.primitive as usize)?;
+    Some(Pick {
+        object: at.primitive + 1,
+        material: scene.material_number(at.material),
+        t: at.hit.t,
+        point: at.point.p,
+        normal: at.point.n,
+        uv: scene.uv(&at),
+        keyword: words.keyword,
+        name: words.name.map(str::to_owned),
+        described_by: words.described_by,
+        placed_by: words.placed_by,
+    })
+}
+
+/// All rays of one sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DebugRay {
+    /// The rays, each after the one that it starts from.
+    pub segments: Vec<Segment>,
+    /// How many more there were than are kept.
+    pub left_out: usize,
+    /// Radiance of the sample, linear RGB: the sum of all contributions.
+    pub radiance: [f32; 3],
+    /// Rays by kind.
+    pub rays: RayCounters,
+}
+
+impl DebugRay {
+    /// The segments from the camera to the one of this index, which is the last.
+    pub fn way_to(&self, segment: usize) -> Vec<usize> {
+        let mut way = Vec::new();
+        let mut next = Some(segment);
+        while let Some((index, segment)) = next.and_then(|index| Some((index, self.segments.get(index)?))) {
+            way.push(index);
+            next = segment.parent.map(|parent| parent as usize);
+        }
+        way.reverse();
+        way
+    }
+}
+
+/// Follows the light of one sample through a place of the picture.
+///
+/// * `place`: as in [`pick`]
+/// * `index`: which of the pixel's samples to take the random numbers of
+pub fn debug_ray(
+    scene: &Scene,
+    settings: &RenderSettings,
+    camera: &CameraPose,
+    place: DVec2,
+    index: u32,
+) -> DebugRay {
+    let layers = LayerSet::of(&[Layer::Color]);
+    let integrator = crate::render::integrator(scene, camera.camera(), settings, layers);
+    let sampler = settings.sampler();
+    let mut ctx = SampleContext::new(&sampler, settings.seed);
+    let [width, height] = settings.size;
+    let pixel = [place.x as u32, place.y as u32];
+    let pixel = [pixel[0].min(width.saturating_sub(1)), pixel[1].min(height.saturating_sub(1))];
+    ctx.begin(pixel, index);
+    let (sample, trail) = integrator.trail(&mut ctx, pixel, place.as_vec2());
+    DebugRay {
+        segments: trail.segments().to_vec(),
+        left_out: trail.left_out(),
+        radiance: sample.radiance,
+        rays: trail.counters(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,254 @@
+use std::path::{Path, PathBuf};
+
+use kajo_core::sampler::SamplerKind;
+use kajo_core::settings::{IntegratorKind, Settings, Shadows, Technique};
+use kajo_math::DVec3;
+use kajo_math::rng::Stream;
+
+use super::*;
+use crate::{Defaults, Format, LoadOptions, MemoryAssets, Resources, Silent, View, load, load_from, render};
+
+fn scene(text: &str) -> Scene {
+    let loaded = load_from("a.txt", &MemoryAssets::new().with("a.txt", text), &LoadOptions::default());
+    assert!(loaded.scene.is_some(), "{}", loaded.report(false));
+    loaded.scene.unwrap()
+}
+
+/// Everything that rays do: mirrors, glass in glass, fog, lamps of all kinds, transparent shadows, textures.
+fn rich() -> Scene {
+    scene(
+        "PerspectiveCamera { center 0 1.5 9 direction 0 -0.1 -1 up 0 1 0 angle 35 }
+         Lights { PointLight { position 2 5 3 color 0.8 0.8 0.7 }
+                  SpotLight { position -3 5 2 direction 0.5 -1 -0.5 color 1 0.5 0.5 angle 60 }
+                  DirectionalLight { direction -1 -1 -1 color 0.4 0.4 0.5 } }
+         Background { color 0.2 0.3 0.5 ambientLight 0.1 0.1 0.1 }
+         Fog { color 0.5 0.5 0.6 density 0.02 }
+         Materials {
+           Material floor { diffuseColor 0.7 0.7 0.6 reflectiveColor 0.2 0.2 0.2 }
+           Material mirror { reflectiveColor 0.9 0.9 0.8 diffuseColor 0.1 0.1 0.1 }
+           Material glass { transparentColor 0.9 0.95 0.9 reflectiveColor 0.1 0.1 0.1 indexOfRefraction 1.5 }
+           Glass crystal { indexOfRefraction 1.5 }
+           Matte lamp { color 0 0 0 emission 4 4 3 }
+         }
+         Group {
+           MaterialIndex floor Plane { normal 0 1 0 offset -1 }
+           MaterialIndex mirror Sphere { center -1.5 0 0 radius 1 }
+           MaterialIndex glass Sphere { center 1.2 0 1 radius 0.9 }
+           MaterialIndex crystal Sphere { center 0 -0.4 3 radius 0.5 }
+           MaterialIndex lamp Quad { corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }
+         }",
+    )
+}
+
+fn settings(scene: &Scene, asked: Settings) -> RenderSettings {
+    let asked = Settings { size: Some([120, 80]), samples: Some((SamplerKind::Sobol, 4)), ..asked };
+    RenderSettings::resolve(scene, &asked, Defaults::Modern, false).unwrap()
+}
+
+/// Each integrator and each of its ways to follow light.
+fn ways() -> Vec<Settings> {
+    use IntegratorKind::{Classic, Direct, Distribution, Occlusion, Path};
+    let of = |kind| Settings { integrator: Some(kind), ..Settings::default() };
+    vec![
+        Settings { bounces: Some(4), ..of(Classic) },
+        Settings {
+            bounces: Some(6),
+            shadows: Some(Shadows::Transparent),
+            fresnel: Some(true),
+            ..of(Classic)
+        },
+        Settings { shadows: Some(Shadows::Off), shade_back: Some(true), ..of(Classic) },
+        of(Path),
+        Settings { technique: Some(Technique::Lamps), ..of(Path) },
+        Settings { technique: Some(Technique::Scattering), ..of(Path) },
+        Settings { spectral: Some(true), ..of(Path) },
+        of(Direct),
+        Settings { branches: Some(5), bounces: Some(2), ..of(Distribution) },
+        Settings { reach: Some(2.0), ..of(Occlusion) },
+    ]
+}
+
+#[test]
+fn contributions_add_up_to_the_sample() {
+    let scene = rich();
+    let camera = CameraPose::of(&scene);
+    for asked in ways() {
+        let settings = settings(&scene, asked);
+        let integrator = render::integrator(&scene, &scene.camera, &settings, LayerSet::of(&[Layer::Color]));
+        let sampler = settings.sampler();
+        let (mut lit, mut kinds) = (0, Vec::new());
+        for i in 0..400 {
+            let s = Stream::new(5, [i, 0], 0);
+            let place = DVec2::new(120.0 * f64::from(s.uniform(0)), 80.0 * f64::from(s.uniform(1)));
+            let index = i % 4;
+            let debug = debug_ray(&scene, &settings, &camera, place, index);
+            let mut ctx = SampleContext::new(&sampler, settings.seed);
+            let pixel = [place.x as u32, place.y as u32];
+            ctx.begin(pixel, index);
+            let sample = integrator.sample(&mut ctx, pixel, place.as_vec2());
+            assert_eq!(
+                (debug.radiance, debug.rays),
+                (sample.radiance, ctx.rays),
+                "{:?}",
+                settings.integrator
+            );
+            let sum = debug.segments.iter().fold([0.0f64; 3], |sum, segment| {
+                [0, 1, 2].map(|c| sum[c] + f64::from(segment.contribution[c]))
+            });
+            for (sum, radiance) in sum.iter().zip(debug.radiance) {
+                let scale = 1.0 + radiance.abs();
+                assert!((*sum as f32 - radiance).abs() < 2e-6 * scale, "{settings:?}: {sum} for {radiance}");
+            }
+            lit += usize::from(debug.radiance != [0.0; 3]);
+            kinds.extend(debug.segments.iter().map(|segment| segment.kind));
+        }
+        assert!(lit > 100, "{settings:?}: {lit}");
+        let expected = match settings.integrator {
+            IntegratorKind::Occlusion => vec![RayKind::Camera, RayKind::Shadow],
+            IntegratorKind::Classic => {
+                vec![RayKind::Camera, RayKind::Shadow, RayKind::Reflected, RayKind::Transmitted]
+            }
+            _ => vec![RayKind::Camera, RayKind::Reflected, RayKind::Transmitted, RayKind::Scattered],
+        };
+        assert!(expected.iter().all(|kind| kinds.contains(kind)), "{settings:?}");
+    }
+}
+
+/// Every segment starts where the one before it ends, and ends on the surface that it says it met.
+#[test]
+fn segments_hang_together() {
+    let scene = rich();
+    let camera = CameraPose::of(&scene);
+    for asked in ways() {
+        let settings = settings(&scene, asked);
+        for i in 0..60 {
+            let place = DVec2::new(2.0 * f64::from(i) + 0.5, 20.0 + f64::from(i % 50));
+            let debug = debug_ray(&scene, &settings, &camera, place, 0);
+            let cast = debug.segments.iter().filter(|segment| segment.kind != RayKind::Shadow).count();
+            assert!(debug.rays.camera == 1 && debug.left_out == 0 && cast > 0);
+            for (index, segment) in debug.segments.iter().enumerate() {
+                let end = segment.from + segment.distance * segment.d;
+                if let Some(hit) = segment.hit {
+                    assert!(end.distance(hit.p) < 1e-4 * (1.0 + segment.distance), "{segment:?}");
+                    assert!((1..=5).contains(&hit.object) && (1..=5).contains(&hit.material));
+                }
+                let way = debug.way_to(index);
+                assert_eq!((way.len() as u32, way[0], way.last()), (segment.depth + 1, 0, Some(&index)));
+                let Some(parent) = segment.parent else {
+                    assert_eq!((index, segment.kind), (0, RayKind::Camera));
+                    assert!(settings.path.spectral || segment.weight == [1.0; 3]);
+                    continue;
+                };
+                let before = &debug.segments[parent as usize];
+                let start = before.hit.expect("rays go on from surfaces").p;
+                assert!(segment.from.distance(start) < 1e-4, "{segment:?} after {before:?}");
+                assert!(before.kind != RayKind::Shadow && (parent as usize) < index);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_debug_ray_says_what_is_in_the_way_of_light() {
+    let scene = scene(
+        "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
+         Lights { PointLight { position 0 8 8 color 1 1 1 } }
+         Background { color 0.1 0.2 0.3 ambientLight 0 0 0 }
+         Materials { Material { diffuseColor 1 1 1 } }
+         Group { MaterialIndex 0  Sphere { center 0 0 0 radius 1 }  Sphere { center 0 4 4 radius 1 } }",
+    );
+    let settings = settings(&scene, Settings::default());
+    let camera = CameraPose::of(&scene);
+    let debug = debug_ray(&scene, &settings, &camera, DVec2::new(60.0, 38.0), 0);
+    let [first, shadow] = debug.segments[..] else { panic!("{debug:#?}") };
+    assert_eq!((first.hit.map(|hit| hit.object), first.contribution), (Some(1), [0.0; 3]));
+    assert_eq!((shadow.kind, shadow.parent, shadow.depth), (RayKind::Shadow, Some(0), 1));
+    assert_eq!(shadow.hit.map(|hit| hit.object), Some(2));
+    let sky = debug_ray(&scene, &settings, &camera, DVec2::new(1.0, 1.0), 0);
+    assert_eq!((sky.segments.len(), sky.segments[0].hit), (1, None));
+    assert!(sky.segments[0].distance.is_infinite());
+    assert_eq!(sky.segments[0].contribution, [0.1, 0.2, 0.3]);
+}
+
+fn gallery() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/gallery");
+    let entries = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut paths: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "txt")).collect();
+    paths.retain(|path| path.file_name().is_some_and(|name| name != "manifest.txt"));
+    paths.sort();
+    paths
+}
+
+/// What is picked at the middle of random pixels is what the id layers have there.
+#[test]
+fn picks_are_the_numbers_of_the_id_layers() {
+    let mut checked = 0;
+    for path in gallery() {
+        let loaded = load(&path, &LoadOptions::default());
+        let Some(scene) = &loaded.scene else { panic!("{}", loaded.report(false)) };
+        // One sample in the middle; lenses and shutters would see something else beside it.
+        if scene.camera.has_lens() || scene.moves() || scene.camera.cells() != [1, 1] {
+            continue;
+        }
+        let asked = Settings {
+            size: Some([160, 120]),
+            samples: Some((SamplerKind::Regular, 1)),
+            bounces: Some(0),
+            integrator: Some(IntegratorKind::Classic),
+            shadows: Some(Shadows::Off),
+            ..Settings::default()
+        };
+        let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false).unwrap();
+        let outputs = [View::Object, View::Material, View::Depth].map(|view| (view, Format::Exr));
+        let picture = render(scene, &settings, &outputs, &Resources::default(), &Silent).unwrap();
+        let [objects, materials, depths] = [View::Object, View::Material, View::Depth]
+            .map(|view| decoded(&picture.encode(&[view], Format::Exr, crate::BitDepth::Eight).unwrap()));
+        let camera = CameraPose::of(scene);
+        for i in 0..400 {
+            let s = Stream::new(9, [i, checked], 0);
+            let [x, y] = [(160.0 * s.uniform(0)) as u32, (120.0 * s.uniform(1)) as u32];
+            let place = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let found = pick(scene, &camera, place, settings.size);
+            let at = (y * 160 + x) as usize;
+            let expected = (objects[at], materials[at], depths[at]);
+            let found =
+                found.map_or((0.0, 0.0, f32::INFINITY), |p| (p.object as f32, p.material as f32, p.t));
+            assert_eq!(found, expected, "{} at {x}, {y}", path.display());
+            checked += 1;
+        }
+    }
+    assert!(checked >= 10_000, "{checked}");
+}
+
+/// The numbers of a file of one channel.
+fn decoded(bytes: &[u8]) -> Vec<f32> {
+    let image =
+        kajo_image::decode(bytes, Some(Format::Exr), &kajo_image::DecodeLimits::default()).unwrap().image;
+    image.pixels().map(|pixel| pixel[0]).collect()
+}
+
+#[test]
+fn a_pick_knows_the_words_of_the_text() {
+    let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
+        Materials { Material { diffuseColor 1 1 1 } }
+        Group { Define twin { MaterialIndex 0  Sphere ball { center 0 0 0 radius 1 } }
+                Instance twin { Translate 1 0 0 }  Instance twin { Translate -1 0 0 } }";
+    let assets = MemoryAssets::new().with("a.txt", text);
+    let loaded = load_from("a.txt", &assets, &LoadOptions::default());
+    let scene = loaded.scene.as_ref().unwrap_or_else(|| panic!("{}", loaded.report(false)));
+    let camera = CameraPose::of(scene);
+    let size = [200, 200];
+    let at =
+        |x: f64| pick(scene, &camera, camera.project(DVec3::new(x, 0.0, 0.0), size).unwrap(), size).unwrap();
+    let (right, left) = (at(1.0), at(-1.0));
+    assert_eq!((right.object, left.object), (1, 2));
+    assert_eq!(
+        (right.keyword, right.name.as_deref(), right.described_by),
+        ("Sphere", Some("ball"), left.described_by)
+    );
+    assert_ne!(right.placed_by, left.placed_by);
+    let word = |item: u32| loaded.desc.item(item).unwrap().keyword();
+    assert_eq!((word(right.described_by), word(right.placed_by)), ("Sphere", "Instance"));
+    assert!(right.normal.distance(Vec3::Z) < 0.2 && (right.t - 8.0).abs() < 0.2);
+    assert!(pick(scene, &camera, DVec2::new(1.0, 1.0), size).is_none());
+}
