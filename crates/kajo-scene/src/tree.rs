@@ -138,6 +138,11 @@ impl<'a> Item<'a> {
         self.index
     }
 
+    /// One past the number of the last item of its block.
+    pub fn next_index(&self) -> u32 {
+        self.node().next
+    }
+
     /// Whether braces follow the values.
     pub fn has_block(&self) -> bool {
         self.node().has_block

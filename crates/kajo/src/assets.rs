@@ -93,6 +93,11 @@ impl FsAssets {
         self.lock().values().filter_map(|path| fs::canonicalize(path).ok()).collect()
     }
 
+    /// The real path of a file that was opened, by the name shown for it.
+    pub(crate) fn real_path(&self, shown: &str) -> Option<PathBuf> {
+        self.lock().get(shown).cloned()
+    }
+
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, PathBuf>> {
         self.opened.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -33,6 +33,7 @@ mod checkpoint;
 pub mod compare;
 mod denoise;
 mod development;
+pub mod edit;
 mod info;
 mod load;
 pub mod memory;

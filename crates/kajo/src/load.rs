@@ -98,7 +98,8 @@ pub fn load_from(name: &str, assets: &dyn Assets, options: &LoadOptions) -> Load
     Loaded { desc, diagnostics, scene, files: Vec::new() }
 }
 
-fn assets(path: &Path, options: &LoadOptions) -> Result<FsAssets, String> {
+/// The files that the scene at `path` may name.
+pub(crate) fn assets(path: &Path, options: &LoadOptions) -> Result<FsAssets, String> {
     let open =
         |folder: &Path, error: io::Error| format!("cannot enter the folder `{}`: {error}", folder.display());
     let mut assets = FsAssets::new(path).map_err(|error| match path.parent() {

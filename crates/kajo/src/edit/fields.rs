@@ -1,0 +1,254 @@
+//! The values of a block, one by one, to show and to set.
+//!
+//! Setting a value replaces the bytes of those numbers or words that differ. A field that is absent is inserted after
+//! the last one, in the manner of the block.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use kajo_scene::{Item, TokenKind, format_number, tokens};
+
+use super::schema::{FieldKind, FieldSpec, Kind, fields_of};
+use super::tree::Tree;
+use super::{EditRefused, FileId, Node, TextEdit, layout};
+
+/// What stands after a key: at most one word, then numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FieldValue {
+    /// A word, name or text, without quotes.
+    pub word: Option<String>,
+    /// Numbers.
+    pub numbers: Vec<f64>,
+}
+
+impl FieldValue {
+    /// Numbers alone.
+    pub fn numbers(numbers: impl IntoIterator<Item = f64>) -> FieldValue {
+        FieldValue { word: None, numbers: numbers.into_iter().collect() }
+    }
+
+    /// A word alone.
+    pub fn word(word: impl Into<String>) -> FieldValue {
+        FieldValue { word: Some(word.into()), numbers: Vec::new() }
+    }
+
+    /// `on` or `off`.
+    pub fn flag(on: bool) -> FieldValue {
+        FieldValue::word(if on { "on" } else { "off" })
+    }
+
+    /// The first three numbers, if there are as many.
+    pub fn vec3(&self) -> Option<[f64; 3]> {
+        self.numbers.first_chunk().copied()
+    }
+
+    /// The value as a scene says it.
+    pub fn text(&self) -> String {
+        let word = self.word.as_deref().map(quoted);
+        let numbers = self.numbers.iter().map(|&number| number_text(number));
+        word.into_iter().map(Cow::into_owned).chain(numbers).collect::<Vec<_>>().join(" ")
+    }
+
+    pub(super) fn of(item: Item<'_>) -> FieldValue {
+        FieldValue {
+            word: item.word().map(|word| word.text().into_owned()),
+            numbers: item.numbers().map(|(number, _)| number).collect(),
+        }
+    }
+
+    /// The value that a text of the tables stands for.
+    fn parse(text: &str) -> FieldValue {
+        let mut value = FieldValue::default();
+        for word in text.split(' ') {
+            match word.parse() {
+                Ok(number) => value.numbers.push(number),
+                Err(_) => value.word = Some(word.to_owned()),
+            }
+        }
+        value
+    }
+}
+
+/// A value of a block.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// The word it is written by.
+    pub key: String,
+    /// Which of several with that key, from 0.
+    pub nth: usize,
+    /// The type of its value.
+    pub kind: FieldKind,
+    /// What it says, in a few words.
+    pub about: &'static str,
+    /// What holds: the value written, or the default; `None` when there is neither.
+    pub value: Option<FieldValue>,
+    /// The bytes of its item; `None` while it is absent.
+    pub span: Option<(FileId, Range<usize>)>,
+    /// What holds when it is absent.
+    pub default: Option<FieldValue>,
+    /// Whether the block is an error without it.
+    pub required: bool,
+}
+
+impl Tree {
+    /// The fields of a node: those that its kind may have, and whatever else is written there.
+    pub(super) fn fields(&self, node: &Node) -> Vec<Field> {
+        let written: Vec<Item<'_>> = self.values_of(node).collect();
+        if matches!(node.kind, Kind::Transform | Kind::Instance) {
+            return self.written_in_order(node, &written);
+        }
+        let specs = fields_of(&node.keyword);
+        let mut fields: Vec<Field> = Vec::new();
+        for spec in specs {
+            let nth = fields.iter().filter(|field| field.key == spec.key).count();
+            let repeats = specs.iter().filter(|other| other.key == spec.key).count() > 1;
+            let mut same = written.iter().filter(|item| item.keyword() == spec.key);
+            // The last of a key that is given again counts.
+            let item = if repeats { same.nth(nth) } else { same.next_back() };
+            fields.push(self.field(spec, nth, item.copied()));
+        }
+        let unknown = written.iter().filter(|item| !specs.iter().any(|spec| spec.key == item.keyword()));
+        fields.extend(unknown.filter(|_| !node.kind.holds_objects()).map(|&item| {
+            let value = FieldValue::of(item);
+            let kind =
+                if value.word.is_some() { FieldKind::Text } else { FieldKind::Numbers(value.numbers.len()) };
+            let spec = FieldSpec { key: "", kind, default: None, required: false, about: "" };
+            Field { key: item.keyword().to_owned(), ..self.field(&spec, 0, Some(item)) }
+        }));
+        fields
+    }
+
+    /// Operations, whose order counts.
+    fn written_in_order(&self, node: &Node, written: &[Item<'_>]) -> Vec<Field> {
+        let specs = fields_of(&node.keyword);
+        let field = |(i, item): (usize, &Item<'_>)| {
+            let spec = specs.iter().find(|spec| spec.key == item.keyword())?;
+            let nth = written[..i].iter().filter(|other| other.keyword() == spec.key).count();
+            Some(self.field(spec, nth, Some(*item)))
+        };
+        written.iter().enumerate().filter_map(field).collect()
+    }
+
+    fn field(&self, spec: &FieldSpec, nth: usize, item: Option<Item<'_>>) -> Field {
+        let default = spec.default.map(FieldValue::parse);
+        Field {
+            key: spec.key.to_owned(),
+            nth,
+            kind: spec.kind,
+            about: spec.about,
+            value: item.map(FieldValue::of).or_else(|| default.clone()),
+            span: item.map(|item| self.place(item)),
+            default,
+            required: spec.required,
+        }
+    }
+
+    /// The items of a node's block that are no nodes themselves.
+    pub(super) fn values_of(&self, node: &Node) -> impl Iterator<Item = Item<'_>> {
+        let children = self.item(node).into_iter().flat_map(|item| item.children());
+        children.filter(|child| self.outline.at_item(child.index()).is_none())
+    }
+
+    /// The item of the `nth` value called `key`; the last one for `None`.
+    pub(super) fn value_item(&self, node: &Node, key: &str, nth: Option<usize>) -> Option<Item<'_>> {
+        let mut same = self.values_of(node).filter(|item| item.keyword() == key);
+        match nth {
+            Some(nth) => same.nth(nth),
+            None => same.last(),
+        }
+    }
+
+    /// Sets a value, or takes it out for `None`.
+    pub(super) fn set_field(
+        &self,
+        node: &Node,
+        key: &str,
+        nth: Option<usize>,
+        value: Option<&FieldValue>,
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let Some(item) = self.value_item(node, key, nth) else {
+            let Some(value) = value else { return Ok(Vec::new()) };
+            return self.insert_field(node, key, value);
+        };
+        let (file, span) = self.place(item);
+        match value {
+            Some(value) => Ok(self.replace_values(item, value)),
+            None => Ok(vec![TextEdit {
+                file,
+                range: layout::removal(self.text(file), &span),
+                new: String::new(),
+            }]),
+        }
+    }
+
+    fn insert_field(&self, node: &Node, key: &str, value: &FieldValue) -> Result<Vec<TextEdit>, EditRefused> {
+        let piece = format!("{key} {}", value.text());
+        let text = self.text(node.file);
+        let is_operation = matches!(node.kind, Kind::Transform | Kind::Instance);
+        let last = self.values_of(node).last();
+        let (at, new) = match last {
+            Some(last) => layout::after(text, &self.place(last).1, &piece),
+            None => match layout::first_in(text, &node.span, &piece) {
+                Some(place) => place,
+                None if is_operation => (node.span.end, format!(" {{ {piece} }}")),
+                None => return Err(EditRefused::new(format!("`{}` has no block", node.keyword))),
+            },
+        };
+        Ok(vec![TextEdit::insert(node.file, at, new)])
+    }
+
+    pub(super) fn replace_values(&self, item: Item<'_>, value: &FieldValue) -> Vec<TextEdit> {
+        let file = self.file_of(item.span().source);
+        let mut edits = Vec::new();
+        let numbers: Vec<(f64, Range<usize>)> = item.numbers().map(|(n, span)| (n, span.range())).collect();
+        let same_shape =
+            item.word().is_some() == value.word.is_some() && numbers.len() == value.numbers.len();
+        if !same_shape {
+            return self.rewrite_values(item, value);
+        }
+        if let (Some(old), Some(new)) = (item.word(), &value.word)
+            && old.text() != new.as_str()
+        {
+            edits.push(TextEdit { file, range: old.span.range(), new: quoted(new).into_owned() });
+        }
+        for ((old, range), &new) in numbers.into_iter().zip(&value.numbers) {
+            if !is_same_number(old, new) {
+                edits.push(TextEdit { file, range, new: number_text(new) });
+            }
+        }
+        edits
+    }
+
+    /// Puts a value in the place of one with another number of words or numbers.
+    fn rewrite_values(&self, item: Item<'_>, value: &FieldValue) -> Vec<TextEdit> {
+        let file = self.file_of(item.span().source);
+        let spans = || item.values().map(|(_, span)| span.range());
+        let range = match (spans().next(), spans().last()) {
+            (Some(first), Some(last)) => first.start..last.end,
+            _ => item.keyword_span().range().end..item.keyword_span().range().end,
+        };
+        let gap = if range.is_empty() { " " } else { "" };
+        vec![TextEdit { file, range, new: format!("{gap}{}", value.text()) }]
+    }
+}
+
+/// Whether two numbers are one for a scene, which keeps single precision except of whole numbers.
+fn is_same_number(a: f64, b: f64) -> bool {
+    a == b || (a as f32 == b as f32 && (a.fract() != 0.0 || b.fract() != 0.0))
+}
+
+/// The shortest text of a number, in single precision where that is what it has.
+pub(super) fn number_text(number: f64) -> String {
+    let single = number as f32;
+    if f64::from(single) == number { format_number(single) } else { format_number(number) }
+}
+
+/// A word as it is written: in quotes where it needs them.
+pub(super) fn quoted(word: &str) -> Cow<'_, str> {
+    let mut all = tokens(word);
+    let is_word = all.next().is_some_and(|token| token.kind == TokenKind::Word) && all.next().is_none();
+    if is_word && word != "include" {
+        return Cow::Borrowed(word);
+    }
+    Cow::Owned(format!("\"{}\"", word.replace('\\', "\\\\").replace('"', "\\\"")))
+}

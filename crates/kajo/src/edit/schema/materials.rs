@@ -1,0 +1,107 @@
+//! Materials.
+
+use super::FieldKind::{Choice, Color, Emission, Flag, Material, Reflectance, Text};
+use super::{
+    Block, FieldKind, FieldSpec, Kind, POSITIVE, SHARE, at_least, between, block, field, number, option,
+    required, whole,
+};
+
+const EMISSION: FieldSpec = option("emission", Emission, "light that it gives itself");
+const EMITS: FieldSpec = option("emits", Choice(&["front", "back", "both"]), "the side that gives light");
+const DISTRIBUTION: FieldSpec =
+    field("distribution", Choice(&["ggx", "beckmann"]), "ggx", "how the facets of a rough surface lie");
+const PRIORITY: FieldSpec =
+    field("priority", whole(-1000.0, 1000.0), "0", "of bodies that overlap, the one with the highest counts");
+const FIRST: FieldSpec = required("materialIndex", Material, "the two materials that it mixes");
+const OCTAVES: FieldSpec = field("octaves", whole(1.0, 32.0), "1", "levels of detail");
+const FREQUENCY: FieldSpec = field("frequency", number(), "1", "rings or veins per length");
+const AMPLITUDE: FieldSpec = field("amplitude", number(), "1", "how strongly the noise bends them");
+const INDEX: FieldKind = between(1.0, 4.0);
+
+const PHONG: &[FieldSpec] = &[
+    field("diffuseColor", Reflectance, "1 1 1", "colour of matte reflection"),
+    field("specularColor", Reflectance, "0 0 0", "colour of the highlight"),
+    option("exponent", at_least(0.0), "sharpness of the highlight"),
+    option("shininess", at_least(0.0), "the same by another name"),
+    option("reflectiveColor", Reflectance, "colour of mirror reflection"),
+    field("transparentColor", Reflectance, "0 0 0", "colour of what shines through"),
+    field("indexOfRefraction", POSITIVE, "1", "how strongly it bends light"),
+    option("ambientColor", Color, "colour under ambient light; the diffuse one when absent"),
+    option("absorption", Color, "per length inside; by the transparent colour when absent"),
+    EMISSION,
+    EMITS,
+];
+
+const WOODY: &[FieldSpec] = &[FIRST, FIRST, OCTAVES, FREQUENCY, AMPLITUDE];
+
+pub(super) const BLOCKS: &[Block] = &[
+    block("PhongMaterial", Kind::Material, PHONG),
+    block("Material", Kind::Material, PHONG),
+    block(
+        "Matte",
+        Kind::Material,
+        &[
+            field("color", Color, "0.8 0.8 0.8", "its colour"),
+            field("roughness", SHARE, "0", "0 is as paper, 1 as plaster"),
+            EMISSION,
+            EMITS,
+        ],
+    ),
+    block(
+        "Metal",
+        Kind::Material,
+        &[
+            option("metal", Text, "a measured metal, such as gold"),
+            field("color", Color, "0.9 0.9 0.9", "its colour, where no metal is named"),
+            DISTRIBUTION,
+            field("roughness", SHARE, "0", "0 is a mirror"),
+            EMISSION,
+            EMITS,
+        ],
+    ),
+    block(
+        "Glass",
+        Kind::Material,
+        &[
+            option("glass", Text, "a measured glass, such as BK7"),
+            field("indexOfRefraction", INDEX, "1.5", "how strongly it bends light"),
+            option("abbeNumber", POSITIVE, "how little it splits colours"),
+            field("absorption", Color, "0 0 0", "per length inside"),
+            option("thickness", at_least(0.0), "of a pane"),
+            option("thin", Flag, "a pane, whose surface stands for both its sides"),
+            DISTRIBUTION,
+            field("roughness", SHARE, "0", "0 is clear, more is frosted"),
+            PRIORITY,
+            EMISSION,
+            EMITS,
+        ],
+    ),
+    block(
+        "Principled",
+        Kind::Material,
+        &[
+            field("color", Color, "0.8 0.8 0.8", "its colour"),
+            field("metalness", SHARE, "0", "from plastic to metal"),
+            field("roughness", SHARE, "0.3", "of the highlight"),
+            field("specularColor", Color, "1 1 1", "tints the highlight"),
+            field("indexOfRefraction", INDEX, "1.5", "strength of the highlight"),
+            field("transmission", SHARE, "0", "from plastic to glass"),
+            field("diffuseRoughness", SHARE, "0", "0 is as paper, 1 as plaster"),
+            field("coat", SHARE, "0", "of clear varnish"),
+            field("coatColor", Color, "1 1 1", "tint of the varnish"),
+            field("coatRoughness", SHARE, "0", "of the varnish"),
+            field("coatIndexOfRefraction", INDEX, "1.6", "of the varnish"),
+            field("fuzz", SHARE, "0", "as of velvet"),
+            field("fuzzColor", Color, "1 1 1", "colour of the fuzz"),
+            field("fuzzRoughness", SHARE, "0.5", "of the fuzz"),
+            PRIORITY,
+            EMISSION,
+            EMITS,
+        ],
+    ),
+    block("Checkerboard", Kind::Material, &[FIRST, FIRST]),
+    block("Noise", Kind::Material, &[FIRST, FIRST, OCTAVES]),
+    block("Marble", Kind::Material, WOODY),
+    block("Wood", Kind::Material, WOODY),
+    block("Materials", Kind::Materials, &[]),
+];

@@ -1,0 +1,252 @@
+//! The texts a scene is made of, and changes to them that can be taken back.
+//!
+//! A change is a list of replaced pieces. It holds the bytes before and after, so that it can be turned round: applied
+//! to what it made, the inverse gives the old bytes again, whatever they were.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use kajo_scene::{EditError, apply_edits};
+
+/// Which text of a document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct FileId(pub(super) u32);
+
+/// One of the files a document consists of: the scene, or what it includes.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    /// The name shown in messages, by which the scene's places refer to it.
+    pub name: String,
+    /// The text as it is now.
+    pub text: Arc<str>,
+    /// The text on disk, as far as is known; `None` for one that was never saved.
+    pub(super) saved: Option<Arc<str>>,
+}
+
+impl SceneFile {
+    /// Whether the text differs from what is on disk.
+    pub fn is_dirty(&self) -> bool {
+        self.saved.as_ref() != Some(&self.text)
+    }
+}
+
+/// A piece of text to be replaced.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextEdit {
+    /// The text.
+    pub file: FileId,
+    /// Bytes to be taken out; empty to insert.
+    pub range: Range<usize>,
+    /// What comes in their place.
+    pub new: String,
+}
+
+impl TextEdit {
+    /// Puts `new` before byte `at`.
+    pub fn insert(file: FileId, at: usize, new: impl Into<String>) -> TextEdit {
+        TextEdit { file, range: at..at, new: new.into() }
+    }
+}
+
+/// A replaced piece, with both its texts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Piece {
+    file: FileId,
+    /// First byte, in the text before the change.
+    at: usize,
+    old: String,
+    new: String,
+}
+
+/// A change of texts that can be turned round.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Change {
+    /// Sorted by file and place.
+    pieces: Vec<Piece>,
+}
+
+impl Change {
+    /// The change that `edits` make to `files`. Insertions at one place keep their order.
+    ///
+    /// # Errors
+    /// When two edits overlap or one does not fit.
+    pub fn of(files: &[SceneFile], mut edits: Vec<TextEdit>) -> Result<Change, EditError> {
+        edits.sort_by_key(|edit| (edit.file, edit.range.start, edit.range.end));
+        let mut pieces: Vec<Piece> = Vec::with_capacity(edits.len());
+        for edit in edits {
+            let text = files.get(edit.file.0 as usize).map_or("", |file| &*file.text);
+            let old = text.get(edit.range.clone()).ok_or(EditError::OutOfRange(edit.range.clone()))?;
+            if old == edit.new {
+                continue;
+            }
+            let piece = Piece { file: edit.file, at: edit.range.start, old: old.to_owned(), new: edit.new };
+            match pieces.last_mut().filter(|last| last.file == piece.file) {
+                // What is inserted before a replaced piece becomes part of its new text.
+                Some(last) if last.at == piece.at && last.old.is_empty() => {
+                    last.new.push_str(&piece.new);
+                    last.old = piece.old;
+                }
+                Some(last) if piece.at < last.at + last.old.len() => {
+                    return Err(EditError::Overlap(last.range(), piece.range()));
+                }
+                _ => pieces.push(piece),
+            }
+        }
+        Ok(Change { pieces })
+    }
+
+    /// The one change between two versions of a text: all between their common beginning and end.
+    pub fn between(file: FileId, old: &str, new: &str) -> Change {
+        let start = common_prefix(old, new);
+        let end = common_suffix(&old[start..], &new[start..]);
+        let piece = Piece {
+            file,
+            at: start,
+            old: old[start..old.len() - end].to_owned(),
+            new: new[start..new.len() - end].to_owned(),
+        };
+        Change { pieces: if old == new { Vec::new() } else { vec![piece] } }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// Whether it changes no other file.
+    pub fn is_only_in(&self, file: FileId) -> bool {
+        self.pieces.iter().all(|piece| piece.file == file)
+    }
+
+    /// The change as edits.
+    pub fn edits(self) -> impl Iterator<Item = TextEdit> {
+        self.pieces.into_iter().map(|p| TextEdit { file: p.file, range: p.range(), new: p.new })
+    }
+
+    /// The change back.
+    pub fn inverse(&self) -> Change {
+        let mut pieces = Vec::with_capacity(self.pieces.len());
+        let mut shift = (FileId(0), 0_isize);
+        for piece in &self.pieces {
+            if piece.file != shift.0 {
+                shift = (piece.file, 0);
+            }
+            let at = piece.at.saturating_add_signed(shift.1);
+            pieces.push(Piece { file: piece.file, at, old: piece.new.clone(), new: piece.old.clone() });
+            shift.1 += piece.new.len() as isize - piece.old.len() as isize;
+        }
+        Change { pieces }
+    }
+
+    /// Changes the texts. They must be those that the change was made for.
+    ///
+    /// # Errors
+    /// When they are not, as far as that shows; then nothing has changed.
+    pub fn apply(&self, files: &mut [SceneFile]) -> Result<(), EditError> {
+        let mut changed = Vec::new();
+        for pieces in self.pieces.chunk_by(|a, b| a.file == b.file) {
+            let index = pieces[0].file.0 as usize;
+            let text = files.get(index).map_or("", |file| &*file.text);
+            if let Some(piece) = pieces.iter().find(|p| text.get(p.range()) != Some(&*p.old)) {
+                return Err(EditError::OutOfRange(piece.range()));
+            }
+            let edits: Vec<_> = pieces.iter().map(|piece| (piece.range(), piece.new.clone())).collect();
+            changed.push((index, apply_edits(text, &edits)?));
+        }
+        for (index, text) in changed {
+            files[index].text = text.into();
+        }
+        Ok(())
+    }
+
+    /// Where something that begins at byte `at` begins afterwards; `None` when it is taken out.
+    ///
+    /// What is inserted at `at` comes before it.
+    pub fn carry(&self, file: FileId, at: usize) -> Option<usize> {
+        let mut shift = 0_isize;
+        for piece in self.pieces.iter().filter(|piece| piece.file == file) {
+            let end = piece.at + piece.old.len();
+            if at < piece.at {
+                break;
+            }
+            if at < end {
+                let stays = at == piece.at && !piece.new.is_empty();
+                return stays.then(|| at.saturating_add_signed(shift));
+            }
+            shift += piece.new.len() as isize - piece.old.len() as isize;
+        }
+        Some(at.saturating_add_signed(shift))
+    }
+}
+
+impl Piece {
+    fn range(&self) -> Range<usize> {
+        self.at..self.at + self.old.len()
+    }
+}
+
+fn common_prefix(a: &str, b: &str) -> usize {
+    let equal = a.bytes().zip(b.bytes()).take_while(|(a, b)| a == b).count();
+    (0..=equal).rev().find(|&i| a.is_char_boundary(i) && b.is_char_boundary(i)).unwrap_or(0)
+}
+
+fn common_suffix(a: &str, b: &str) -> usize {
+    let equal = a.bytes().rev().zip(b.bytes().rev()).take_while(|(a, b)| a == b).count();
+    let fits = |n: usize| a.is_char_boundary(a.len() - n) && b.is_char_boundary(b.len() - n);
+    (0..=equal).rev().find(|&n| fits(n)).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn files(texts: &[&str]) -> Vec<SceneFile> {
+        let file = |text: &&str| SceneFile { name: "f".to_owned(), text: (*text).into(), saved: None };
+        texts.iter().map(file).collect()
+    }
+
+    fn edit(file: u32, range: Range<usize>, new: &str) -> TextEdit {
+        TextEdit { file: FileId(file), range, new: new.to_owned() }
+    }
+
+    #[test]
+    fn a_change_is_made_and_taken_back() {
+        let mut texts = files(&["abcdef", "xyz"]);
+        let edits = vec![
+            edit(1, 3..3, "!"),
+            edit(0, 4..5, ""),
+            edit(0, 1..2, "BBB"),
+            edit(0, 0..0, "<"),
+            edit(0, 0..0, "["),
+        ];
+        let change = Change::of(&texts, edits).unwrap();
+        change.apply(&mut texts).unwrap();
+        assert_eq!((&*texts[0].text, &*texts[1].text), ("<[aBBBcdf", "xyz!"));
+        assert!(change.apply(&mut texts).is_err(), "not the text it was made for");
+        change.inverse().apply(&mut texts).unwrap();
+        assert_eq!((&*texts[0].text, &*texts[1].text), ("abcdef", "xyz"));
+        assert!(Change::of(&texts, vec![edit(0, 0..3, ""), edit(0, 2..4, "")]).is_err());
+        assert!(Change::of(&texts, vec![edit(1, 2..4, "")]).is_err());
+    }
+
+    #[test]
+    fn places_are_carried_along() {
+        let texts = files(&["aa bb cc"]);
+        let edits = vec![edit(0, 0..2, "A"), edit(0, 3..3, "new "), edit(0, 6..8, "")];
+        let change = Change::of(&texts, edits).unwrap();
+        let carried = [0, 1, 3, 6, 8].map(|at| change.carry(FileId(0), at));
+        assert_eq!(carried, [Some(0), None, Some(6), None, Some(9)], "`A new bb `");
+    }
+
+    proptest! {
+        #[test]
+        fn the_change_between_two_texts_leads_from_one_to_the_other(old in "[aé€ ]{0,8}", new in "[aé€ ]{0,8}") {
+            let mut texts = files(&[&old]);
+            let change = Change::between(FileId(0), &old, &new);
+            change.apply(&mut texts).unwrap();
+            prop_assert_eq!(&*texts[0].text, &new);
+            change.inverse().apply(&mut texts).unwrap();
+            prop_assert_eq!(&*texts[0].text, &old);
+        }
+    }
+}
