@@ -109,6 +109,12 @@ pub fn cos64(x: f64) -> f64 {
     libm::cos(x)
 }
 
+/// Sine and cosine in double precision.
+#[inline]
+pub fn sincos64(x: f64) -> (f64, f64) {
+    libm::sincos(x)
+}
+
 /// Tangent in double precision.
 #[inline]
 pub fn tan64(x: f64) -> f64 {

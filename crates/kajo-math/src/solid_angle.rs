@@ -2,7 +2,7 @@
 //!
 //! * triangle: `tan(A/2) = |a.(b x c)| / (1 + a.b + b.c + c.a)` for unit vectors `a`, `b`, `c` to the corners
 //!   [Van Oosterom and Strackee 1983]; directions by [Arvo 1995]
-//! * rectangle: [Ureña et al. 2013], with angles from `atan2` so that flat views keep their digits
+//! * rectangle: [Ureña et al. 2013], with angles from products so that flat views keep their digits
 //! * cap: the cone of directions to a sphere
 //!
 //! All in double precision: solid angles are sums that cancel.
@@ -57,39 +57,90 @@ fn along(from: DVec3, to: DVec3, cos: f64) -> DVec3 {
     cos * from + (1.0 - cos * cos).max(0.0).sqrt() * across
 }
 
+/// A rectangle in space.
+#[derive(Clone, Copy, Debug)]
+pub struct Rectangle {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    /// Unit vectors along the edges, and across: the first times the second.
+    axes: [DVec3; 3],
+    lengths: [f64; 2],
+}
+
+impl Rectangle {
+    /// The rectangle at `corner` between two edges; `None` where these are not perpendicular up to rounding, or too
+    /// short to have directions.
+    pub fn new(corner: DVec3, edges: [DVec3; 2]) -> Option<Rectangle> {
+        let lengths = edges.map(DVec3::length);
+        let [x, y] = [edges[0] / lengths[0], edges[1] / lengths[1]];
+        let is_right = x.dot(y).abs() <= 1e-6;
+        (is_right && corner.is_finite()).then(|| Rectangle {
+            corner,
+            edges,
+            axes: [x, y, x.cross(y)],
+            lengths,
+        })
+    }
+
+    /// The corner where both edges start.
+    pub fn corner(&self) -> DVec3 {
+        self.corner
+    }
+
+    /// The edges from the corner.
+    pub fn edges(&self) -> [DVec3; 2] {
+        self.edges
+    }
+
+    /// The unit vector along the first edge times the one along the second.
+    pub fn normal(&self) -> DVec3 {
+        self.axes[2]
+    }
+
+    /// Area of one side.
+    pub fn area(&self) -> f64 {
+        self.lengths[0] * self.lengths[1]
+    }
+}
+
 /// A rectangle on the unit sphere.
+///
+/// The interior angle at the corner `(x, y, z)`, in axes along the edges, is the argument of the complex number
+/// `(+-x y, |z| r)`, and the solid angle the sum of the four less `2 pi`. So it is the argument of their product, and
+/// where the paper asks for sines of sums of angles, products of these numbers have them: one arc tangent
+/// does for all four.
 #[derive(Clone, Copy, Debug)]
 pub struct SphericalRectangle {
-    /// The rectangle's own axes; `z` points away from the viewer.
     axes: [DVec3; 3],
     x: [f64; 2],
     y: [f64; 2],
-    /// Coordinate of the plane along `z`, negative.
+    /// Coordinate of the plane along the third axis.
     z: f64,
-    k: f64,
+    /// Cosine and sine of the angle from which the solid angle is measured: less the sum of the two
+    /// interior angles at the first edge's start.
+    start: [f64; 2],
     solid_angle: f64,
 }
 
 impl SphericalRectangle {
-    /// The rectangle at `corner` between two perpendicular edges as seen from `from`; `None` when the viewer
-    /// stands in its plane.
-    pub fn new(from: DVec3, corner: DVec3, edges: [DVec3; 2]) -> Option<SphericalRectangle> {
-        let lengths = edges.map(DVec3::length);
-        let (ex, ey) = (edges[0] / lengths[0], edges[1] / lengths[1]);
+    /// A rectangle as seen from `from`; `None` when the viewer stands in its plane.
+    ///
+    /// A view of next to nothing may come out as next to everything, and the other way round: neither is of use.
+    pub fn new(from: DVec3, rectangle: &Rectangle) -> Option<SphericalRectangle> {
+        let Rectangle { corner, axes, lengths, .. } = *rectangle;
         let d = corner - from;
-        let normal = ex.cross(ey);
-        let (ez, z) = if d.dot(normal) > 0.0 { (-normal, -d.dot(normal)) } else { (normal, d.dot(normal)) };
-        let (x0, y0) = (d.dot(ex), d.dot(ey));
+        let [x0, y0, z] = axes.map(|axis| d.dot(axis));
         let (x, y) = ([x0, x0 + lengths[0]], [y0, y0 + lengths[1]]);
-        // The interior angle at a corner, from the normals of the two planes through its edges.
-        let angle =
-            |x: f64, y: f64, sign: f64| fmath::atan2_64(-z * (x * x + y * y + z * z).sqrt(), sign * x * y);
-        let (g0, g1) = (angle(x[1], y[0], 1.0), angle(x[1], y[1], -1.0));
-        let (g2, g3) = (angle(x[0], y[1], 1.0), angle(x[0], y[0], -1.0));
-        let k = TAU - g2 - g3;
-        let solid_angle = g0 + g1 - k;
-        let seen = z < 0.0 && solid_angle > 0.0;
-        seen.then_some(SphericalRectangle { axes: [ex, ey, ez], x, y, z, k, solid_angle })
+        let angle = |x: f64, y: f64, sign: f64| [sign * x * y, z.abs() * (x * x + y * y + z * z).sqrt()];
+        let far = product(angle(x[1], y[0], 1.0), angle(x[1], y[1], -1.0));
+        let near = product(angle(x[0], y[1], 1.0), angle(x[0], y[0], -1.0));
+        let [re, im] = product(far, near);
+        let signed = fmath::atan2_64(im, re);
+        let solid_angle = if signed < 0.0 { signed + TAU } else { signed };
+        let size = (x[0] * x[0] + z * z) * ((y[0] * y[0] + z * z) * (y[1] * y[1] + z * z)).sqrt();
+        let start = [near[0] / size, -near[1] / size];
+        let seen = z != 0.0 && solid_angle > 0.0;
+        seen.then_some(SphericalRectangle { axes, x, y, z, start, solid_angle })
     }
 
     /// Solid angle in steradians, positive.
@@ -99,19 +150,26 @@ impl SphericalRectangle {
 
     /// A vector from the viewer to a point of the rectangle, its direction uniform over the solid angle.
     pub fn sample(&self, u: Vec2) -> DVec3 {
-        let SphericalRectangle { axes, x, y, z, k, solid_angle } = *self;
-        let b = |y: f64| -y / (y * y + z * z).sqrt();
-        let (b0, b1) = (b(y[0]), -b(y[1]));
-        let angle = f64::from(u.x) * solid_angle + k;
-        let f = (fmath::cos64(angle) * b0 - b1) / fmath::sin64(angle);
-        let cu = (1.0 / (f * f + b0 * b0).sqrt()).copysign(f).clamp(-1.0, 1.0);
-        let at_x = (-(cu * z) / (1.0 - cu * cu).max(1e-300).sqrt()).clamp(x[0], x[1]);
-        let d2 = at_x * at_x + z * z;
+        let SphericalRectangle { axes, x, y, z, start, solid_angle } = *self;
+        let z2 = z * z;
+        let [across0, across1] = y.map(|y| (y * y + z2).sqrt());
+        let (b0, b1) = (-y[0] / across0, y[1] / across1);
+        let (sin, cos) = fmath::sincos64(f64::from(u.x) * solid_angle);
+        let [cos, sin] = product(start, [cos, sin]);
+        let f = (cos * b0 - b1) / sin;
+        let steep = f * f - z2 / (across0 * across0);
+        let at_x = (z.abs().copysign(f) / steep.max(1e-300).sqrt()).clamp(x[0], x[1]);
+        let d2 = at_x * at_x + z2;
         let height = |y: f64| y / (d2 + y * y).sqrt();
         let h = height(y[0]) + f64::from(u.y) * (height(y[1]) - height(y[0]));
         let at_y = (h * (d2 / (1.0 - h * h).max(1e-300)).sqrt()).clamp(y[0], y[1]);
         at_x * axes[0] + at_y * axes[1] + z * axes[2]
     }
+}
+
+/// The product of two complex numbers.
+fn product([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a * c - b * d, a * d + b * c]
 }
 
 /// The directions in which a sphere is seen from outside.
@@ -199,7 +257,8 @@ mod tests {
             let e2 = e1.cross(e2);
             let corners = [corner, corner + e1, corner + e1 + e2, corner + e2];
             let from = somewhere(i + 3000);
-            let rectangle = SphericalRectangle::new(from, corner, [e1, e2]).unwrap();
+            let rectangle =
+                SphericalRectangle::new(from, &Rectangle::new(corner, [e1, e2]).unwrap()).unwrap();
             let halves = [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k: usize| corners[k]));
             let sum: f64 =
                 halves.map(|t| SphericalTriangle::new(from, t).unwrap().solid_angle()).iter().sum();
@@ -211,7 +270,8 @@ mod tests {
     fn a_rectangle_seen_almost_edge_on_keeps_its_digits() {
         // Far along its own plane: area cos / d^2 to first order.
         let (from, h) = (DVec3::new(1000.0, 1e-3, 0.5), 1e-3);
-        let flat = SphericalRectangle::new(from, DVec3::ZERO, [DVec3::X, DVec3::Z]).unwrap();
+        let unit = Rectangle::new(DVec3::ZERO, [DVec3::X, DVec3::Z]).unwrap();
+        let flat = SphericalRectangle::new(from, &unit).unwrap();
         let expected = h / 999.5f64.powi(3);
         assert!((flat.solid_angle() / expected - 1.0).abs() < 1e-2, "{}", flat.solid_angle() / expected);
     }
@@ -241,7 +301,8 @@ mod tests {
 
             let (corner, e1) = (up(somewhere(i + 300)) + DVec3::Y, somewhere(i + 400) * 0.5);
             let e2 = e1.cross(somewhere(i + 500)).normalize() * 0.4;
-            let rectangle = SphericalRectangle::new(DVec3::ZERO, corner, [e1, e2]).unwrap();
+            let rectangle =
+                SphericalRectangle::new(DVec3::ZERO, &Rectangle::new(corner, [e1, e2]).unwrap()).unwrap();
             let corners = [corner, corner + e1, corner + e1 + e2, corner + e2];
             check_irradiance(&corners, rectangle.solid_angle(), |u| rectangle.sample(u));
         }

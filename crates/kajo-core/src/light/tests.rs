@@ -5,7 +5,7 @@ use kajo_math::solid_angle::polygon_irradiance;
 use kajo_math::{DAffine3, DQuat, DVec3, Vec2, Vec3, rng::Stream};
 
 use super::*;
-use crate::shape::{Canonical, DiskPatch, Patch, QuadPatch};
+use crate::shape::{Canonical, DiskPatch, Patch};
 
 mod densities;
 mod emission;
@@ -32,8 +32,8 @@ fn irradiance(patch: &Patch, from: Vec3, n: Vec3, samples: u32) -> (f64, f64) {
     (mean, ((squares / n - mean * mean).max(0.0) / n).sqrt())
 }
 
-fn square(height: f64) -> QuadPatch {
-    QuadPatch { corner: DVec3::new(-0.5, height, -0.5), edges: [DVec3::X, DVec3::Z] }
+fn square(height: f64) -> Patch {
+    Patch::parallelogram(DVec3::new(-0.5, height, -0.5), [DVec3::X, DVec3::Z])
 }
 
 #[track_caller]
@@ -46,9 +46,9 @@ fn assert_near((found, sigma): (f64, f64), expected: f64) {
 fn squares_give_what_lambert_says() {
     let up = Vec3::Y;
     for (height, expected) in [(0.5, 1.740_840), (1.0, 0.752_275), (2.0, 0.230_837)] {
-        assert_near(irradiance(&Patch::Quad(square(height)), Vec3::ZERO, up, 20_000), expected);
+        assert_near(irradiance(&square(height), Vec3::ZERO, up, 20_000), expected);
     }
-    let aside = Patch::Quad(square(1.0));
+    let aside = square(1.0);
     assert_near(irradiance(&aside, Vec3::new(1.0, 0.0, 0.0), up, 20_000), 0.265_005);
     assert_near(irradiance(&aside, Vec3::new(0.5, 0.0, 0.5), up, 20_000), 0.435_210);
 }
@@ -58,7 +58,7 @@ fn triangles_and_parallelograms_give_what_lambert_says() {
     let corners = [DVec3::new(0.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 1.0)];
     assert_near(irradiance(&Patch::Triangle(corners), Vec3::ZERO, Vec3::Y, 20_000), 0.302_300);
     let (corner, a, b) = (DVec3::new(-0.3, 0.8, 0.1), DVec3::new(1.0, 0.2, 0.0), DVec3::new(0.4, 0.1, 0.7));
-    let skewed = Patch::Quad(QuadPatch { corner, edges: [a, b] });
+    let skewed = Patch::parallelogram(corner, [a, b]);
     let outline = [corner, corner + a, corner + a + b, corner + b];
     let expected = polygon_irradiance(DVec3::ZERO, DVec3::Y, &outline).abs();
     assert_near(irradiance(&skewed, Vec3::ZERO, Vec3::Y, 40_000), expected);
@@ -130,7 +130,7 @@ fn the_side_of_a_cone_has_its_area_and_its_normals() {
 fn mirrored_pieces_keep_their_outer_side() {
     let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
     let pieces = [
-        Patch::Quad(square(1.0)),
+        square(1.0),
         Patch::Triangle([DVec3::ZERO, DVec3::Z, DVec3::X]),
         Patch::Disk(DiskPatch { center: DVec3::ZERO, axes: [DVec3::Z, DVec3::X], inner: 0.0 }),
     ];
@@ -161,7 +161,7 @@ fn lamps_without_extent_follow_their_laws() {
 fn a_lamp_shines_from_its_sides_only() {
     let lamp = |sides| AreaLight {
         drift: None,
-        patch: Patch::Quad(square(1.0)),
+        patch: square(1.0),
         emission: Emission::from_rgb([1.0; 3]),
         sides,
         primitive: 0,
@@ -182,7 +182,7 @@ fn a_lamp_shines_from_its_sides_only() {
 #[test]
 fn a_tilted_receiver_and_any_polygon_get_what_lambert_says() {
     let tilted = Vec3::new(0.5, 0.75f32.sqrt(), 0.0);
-    assert_near(irradiance(&Patch::Quad(square(1.0)), Vec3::ZERO, tilted, 40_000), 0.651_489);
+    assert_near(irradiance(&square(1.0), Vec3::ZERO, tilted, 40_000), 0.651_489);
     // Regular and irregular polygons as fans of triangles, partly below the horizon of some receivers.
     for k in 0..8 {
         let s = Stream::new(41, [k, 0], 0);

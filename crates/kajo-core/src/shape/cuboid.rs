@@ -7,7 +7,7 @@
 
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
-use super::{Patch, QuadPatch, Ray64, Surface, in_range, stored};
+use super::{Patch, Ray64, Surface, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint};
 
 /// A box with faces parallel to the axes.
@@ -99,7 +99,7 @@ impl Surface for Cuboid {
                 0 => (self.min, [along(axis + 2), along(axis + 1)]),
                 _ => (self.min + along(axis), [along(axis + 1), along(axis + 2)]),
             };
-            visit(part, Patch::Quad(QuadPatch { corner, edges }));
+            visit(part, Patch::parallelogram(corner, edges));
         }
     }
 

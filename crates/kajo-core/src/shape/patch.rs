@@ -15,7 +15,7 @@ mod moved;
 
 use std::f64::consts::{PI, TAU};
 
-use kajo_math::solid_angle::{SPHERE, SphericalCap, SphericalRectangle, SphericalTriangle};
+use kajo_math::solid_angle::{Rectangle, SPHERE, SphericalCap, SphericalRectangle, SphericalTriangle};
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Vec2, Vec3, fmath, robust::gamma};
 
 /// Below this solid angle area and direction differ by nothing that shows, and the area has more digits.
@@ -37,7 +37,9 @@ const ON_SPHERE: f64 = 1.001;
 pub enum Patch {
     /// A triangle.
     Triangle([DVec3; 3]),
-    /// A parallelogram.
+    /// A rectangle.
+    Rectangle(Rectangle),
+    /// A parallelogram that is no rectangle.
     Quad(QuadPatch),
     /// An ellipse or elliptic ring.
     Disk(DiskPatch),
@@ -104,6 +106,11 @@ pub struct PatchSample {
 }
 
 impl Patch {
+    /// The parallelogram at `corner` between two edges.
+    pub fn parallelogram(corner: DVec3, edges: [DVec3; 2]) -> Patch {
+        Rectangle::new(corner, edges).map_or(Patch::Quad(QuadPatch { corner, edges }), Patch::Rectangle)
+    }
+
     /// The image of this piece under an affine map; `None` where it would have no area.
     pub fn transformed(&self, m: &DAffine3) -> Option<Patch> {
         let flips = m.matrix3.determinant() < 0.0;
@@ -115,13 +122,8 @@ impl Patch {
                 }
                 Patch::Triangle(corners)
             }
-            Patch::Quad(QuadPatch { corner, edges }) => {
-                let mut edges = edges.map(|e| m.transform_vector3(e));
-                if flips {
-                    edges.swap(0, 1);
-                }
-                Patch::Quad(QuadPatch { corner: m.transform_point3(*corner), edges })
-            }
+            Patch::Rectangle(rectangle) => mapped(m, rectangle.corner(), rectangle.edges(), flips),
+            Patch::Quad(quad) => mapped(m, quad.corner, quad.edges, flips),
             Patch::Disk(DiskPatch { center, axes, inner }) => {
                 let mut axes = axes.map(|a| m.transform_vector3(a));
                 if flips {
@@ -154,6 +156,7 @@ impl Patch {
     pub fn area(&self) -> f64 {
         match self {
             Patch::Triangle([a, b, c]) => 0.5 * (b - a).cross(c - a).length(),
+            Patch::Rectangle(rectangle) => rectangle.area(),
             Patch::Quad(quad) => quad.edges[0].cross(quad.edges[1]).length(),
             Patch::Disk(disk) => disk.area(),
             Patch::Sphere { radius, .. } => 4.0 * PI * radius * radius,
@@ -168,6 +171,10 @@ impl Patch {
             |center: DVec3, reach: DVec3| Aabb { min: single(center - reach), max: single(center + reach) };
         match self {
             Patch::Triangle(corners) => Aabb::around(corners.map(single)),
+            Patch::Rectangle(rectangle) => {
+                let ([a, b], corner) = (rectangle.edges(), rectangle.corner());
+                Aabb::around([corner, corner + a, corner + b, corner + a + b].map(single))
+            }
             Patch::Quad(QuadPatch { corner, edges: [a, b] }) => {
                 Aabb::around([*corner, corner + a, corner + b, corner + a + b].map(single))
             }
@@ -181,6 +188,7 @@ impl Patch {
     pub fn normal(&self) -> Option<DVec3> {
         match self {
             Patch::Triangle([a, b, c]) => (b - a).cross(c - a).try_normalize(),
+            Patch::Rectangle(rectangle) => Some(rectangle.normal()),
             Patch::Quad(QuadPatch { edges: [a, b], .. }) | Patch::Disk(DiskPatch { axes: [a, b], .. }) => {
                 a.cross(*b).try_normalize()
             }
@@ -221,6 +229,10 @@ impl Patch {
                 let root = x.sqrt();
                 a + root * (1.0 - y) * (b - a) + root * y * (c - a)
             }
+            Patch::Rectangle(rectangle) => {
+                let [a, b] = rectangle.edges();
+                rectangle.corner() + x * a + y * b
+            }
             Patch::Quad(QuadPatch { corner, edges: [a, b] }) => corner + x * a + y * b,
             Patch::Disk(disk) => disk.point(x, y),
             Patch::Sphere { center, radius } => center + *radius * on_unit_sphere(x, y),
@@ -245,9 +257,7 @@ impl Patch {
         }
         let view = match self {
             Patch::Triangle(corners) => View::Triangle(SphericalTriangle::new(o, *corners)?),
-            Patch::Quad(quad) if quad.is_rectangle() => {
-                View::Rectangle(SphericalRectangle::new(o, quad.corner, quad.edges)?)
-            }
+            Patch::Rectangle(rectangle) => View::Rectangle(SphericalRectangle::new(o, rectangle)?),
             Patch::Quad(quad) => {
                 let [first, second] = quad.halves().map(|half| SphericalTriangle::new(o, half));
                 View::Halves([first?, second?])
@@ -275,6 +285,10 @@ impl Patch {
         let (middle, extent2) = match self {
             Patch::Triangle([a, b, c]) => {
                 ((a + b + c) / 3.0, (b - a).length_squared().max((c - a).length_squared()))
+            }
+            Patch::Rectangle(rectangle) => {
+                let [a, b] = rectangle.edges();
+                (rectangle.corner() + 0.5 * (a + b), a.length_squared() + b.length_squared())
             }
             Patch::Quad(QuadPatch { corner, edges: [a, b] }) => {
                 (corner + 0.5 * (a + b), a.length_squared() + b.length_squared())
@@ -311,6 +325,10 @@ impl Patch {
     fn reach(&self) -> Vec3 {
         match self {
             Patch::Triangle([a, b, c]) => a.abs().max(b.abs()).max(c.abs()).as_vec3(),
+            Patch::Rectangle(rectangle) => {
+                let [a, b] = rectangle.edges();
+                (rectangle.corner().abs() + a.abs() + b.abs()).as_vec3()
+            }
             Patch::Quad(QuadPatch { corner, edges: [a, b] }) => (corner.abs() + a.abs() + b.abs()).as_vec3(),
             Patch::Disk(DiskPatch { center, axes: [a, b], .. }) => {
                 (center.abs() + a.abs() + b.abs()).as_vec3()
@@ -319,6 +337,15 @@ impl Patch {
             Patch::Curved(curved) => curved.reach(),
         }
     }
+}
+
+/// The image of a parallelogram.
+fn mapped(m: &DAffine3, corner: DVec3, edges: [DVec3; 2], flips: bool) -> Patch {
+    let mut edges = edges.map(|e| m.transform_vector3(e));
+    if flips {
+        edges.swap(0, 1);
+    }
+    Patch::parallelogram(m.transform_point3(corner), edges)
 }
 
 /// Density per solid angle at `from` of a density per area at `p`; `None` where the place is seen edge on.
@@ -375,6 +402,7 @@ fn onto_plane(o: DVec3, d: DVec3, patch: &Patch) -> Option<DVec3> {
     let corner = match patch {
         Patch::Triangle([a, ..]) => *a,
         Patch::Quad(quad) => quad.corner,
+        // Rectangles and round pieces have their points at once.
         _ => return None,
     };
     let n = patch.normal()?;
@@ -383,12 +411,6 @@ fn onto_plane(o: DVec3, d: DVec3, patch: &Patch) -> Option<DVec3> {
 }
 
 impl QuadPatch {
-    /// Whether the edges are perpendicular up to rounding.
-    fn is_rectangle(&self) -> bool {
-        let [a, b] = self.edges;
-        a.dot(b).abs() <= 1e-6 * a.length() * b.length()
-    }
-
     fn halves(&self) -> [[DVec3; 3]; 2] {
         let QuadPatch { corner: p, edges: [a, b] } = *self;
         [[p, p + a, p + a + b], [p, p + a + b, p + b]]

@@ -8,7 +8,7 @@
 
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
-use super::{Patch, QuadPatch, Ray64, Surface, in_range, stored};
+use super::{Patch, Ray64, Surface, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint};
 
 /// A two-sided parallelogram; its normal is `edge1 x edge2`.
@@ -66,7 +66,7 @@ impl Surface for Quad {
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
-        visit(0, Patch::Quad(QuadPatch { corner: self.corner, edges: self.edges }));
+        visit(0, Patch::parallelogram(self.corner, self.edges));
     }
 
     fn is_closed(&self) -> bool {

@@ -21,7 +21,7 @@ impl Simple {
         let (x, y, o) = (DVec3::X, DVec3::Y, DVec3::ZERO);
         let simple = match self {
             Simple::Triangle => Patch::Triangle([o, x, y]),
-            Simple::Square => Patch::Quad(QuadPatch { corner: o, edges: [x, y] }),
+            Simple::Square => Patch::parallelogram(o, [x, y]),
             Simple::Ring(inner) => Patch::Disk(DiskPatch { center: o, axes: [x, y], inner }),
             Simple::Sphere => Patch::Sphere { center: o, radius: 1.0 },
             Simple::Frustum(radii) => return Patch::curved(Canonical::Frustum(radii), *map).unwrap(),

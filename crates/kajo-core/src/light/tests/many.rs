@@ -11,7 +11,7 @@ fn grid() -> (Lights, Emitters) {
         let at = DVec3::new(f64::from(i % 100) - 49.5, 1.0, f64::from(i / 100) - 49.5);
         let strength = 0.2 + Stream::new(31, [i, 0], 0).uniform(0);
         if i.is_multiple_of(3) {
-            let patch = Patch::Quad(QuadPatch { corner: at, edges: [0.1 * DVec3::X, 0.1 * DVec3::Z] });
+            let patch = Patch::parallelogram(at, [0.1 * DVec3::X, 0.1 * DVec3::Z]);
             let emission = Emission::from_rgb([100.0 * strength; 3]);
             let area = AreaLight { patch, emission, drift: None, sides: Sides::Both, primitive: i, part: 0 };
             areas.extend(area.store(&mut lights));
