@@ -39,7 +39,7 @@ macro_rules! family {
         )* }
     ) => {
         $(#[$handle_doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub struct $Handle(u32);
 
         family!(@pools [$(#[$pools_doc])*] $Pools $members);

@@ -19,7 +19,7 @@ pub struct Hit {
 }
 
 /// Position and orientation of a surface at a hit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct SurfacePoint {
     /// The point, brought back onto the surface as exactly as single precision allows.
     pub p: Vec3,

@@ -46,8 +46,18 @@ pub enum Event {
     Escaped,
 }
 
+impl Event {
+    /// Where it meets a surface.
+    pub fn surface(&self) -> Option<&Interaction> {
+        match self {
+            Event::Surface(at) => Some(at),
+            Event::Escaped => None,
+        }
+    }
+}
+
 /// A ray's meeting with a surface, in world space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Interaction {
     /// Position and normals.
     pub point: SurfacePoint,
@@ -60,6 +70,9 @@ pub struct Interaction {
     /// Moment within the shutter interval.
     pub time: f32,
 }
+
+/// No primitive.
+const NOTHING: u32 = u32::MAX;
 
 /// Primitives beyond which [`Scene::item_buffer`] would take longer than it saves.
 const MOST_ITEMS: usize = 1 << 16;
@@ -129,10 +142,21 @@ impl Scene {
     /// [`Scene::trace`] for a ray that starts at the apex of a buffer, which makes it faster.
     #[inline]
     pub fn trace_from(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> Event {
-        match self.closest(apex, ray) {
-            Some((primitive, hit)) => Event::Surface(self.interaction(ray, primitive, hit)),
-            None => Event::Escaped,
+        let mut at = Interaction::default();
+        if self.trace_into(apex, ray, &mut at) { Event::Surface(at) } else { Event::Escaped }
+    }
+
+    /// [`Scene::trace_from`] for the innermost loops: writes where the ray ends into `at`, or returns `false` and
+    /// leaves something in it.
+    ///
+    /// An [`Event`] is copied twice right after it was written, field by field, which processors are slow at.
+    #[inline]
+    pub fn trace_into(&self, apex: Option<&ItemBuffer>, ray: &Ray, at: &mut Interaction) -> bool {
+        if !self.closest(apex, ray, at) {
+            return false;
         }
+        self.complete(ray, at);
+        true
     }
 
     /// Whether anything lies within the ray's range.
@@ -217,16 +241,26 @@ impl Scene {
     /// Position, normals and material at a crossing.
     #[inline]
     pub fn interaction(&self, ray: &Ray, primitive: u32, hit: Hit) -> Interaction {
-        let placed = &self.primitives[primitive as usize];
-        let Primitive { shape, transform, .. } = *placed;
-        let point = if transform == 0 {
-            self.shapes.surface_at(shape, ray, &hit)
+        let mut at = Interaction { primitive, hit, ..Interaction::default() };
+        self.complete(ray, &mut at);
+        at
+    }
+
+    /// Works out position, normals and material where `at` knows the primitive and the hit.
+    #[inline]
+    fn complete(&self, ray: &Ray, at: &mut Interaction) {
+        let placed = &self.primitives[at.primitive as usize];
+        if placed.transform == 0 {
+            at.point = self.shapes.surface_at(placed.shape, ray, &at.hit);
         } else {
-            self.transform_at(transform, ray.time, |transform| {
-                self.shapes.surface_at(shape, &transform.ray_in_object(ray), &hit).transformed(transform)
-            })
-        };
-        Interaction { point, hit, primitive, material: self.material_at(placed, &hit), time: ray.time }
+            at.point = self.transform_at(placed.transform, ray.time, |transform| {
+                self.shapes
+                    .surface_at(placed.shape, &transform.ray_in_object(ray), &at.hit)
+                    .transformed(transform)
+            });
+        }
+        at.material = self.material_at(placed, &at.hit);
+        at.time = ray.time;
     }
 
     /// Where patterns in world space are evaluated for an interaction: at the point itself, or where that was at
@@ -332,9 +366,11 @@ impl Scene {
         blocked || self.moving.as_ref().is_some_and(|moving| moving.any(ray, blocks))
     }
 
+    /// Finds the nearest hit and writes it and its primitive into `at`; `false` when there is none.
     #[inline]
-    fn closest(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> Option<(u32, Hit)> {
-        let mut nearest = Nearest { scene: self, range: *ray, best: None };
+    fn closest(&self, apex: Option<&ItemBuffer>, ray: &Ray, at: &mut Interaction) -> bool {
+        at.primitive = NOTHING;
+        let mut nearest = Nearest { scene: self, range: *ray, at };
         let mut t_max = self.unbounded.iter().fold(ray.t_max, |t_max, &i| nearest.consider(i, t_max));
         match apex.and_then(|apex| apex.seen_along(ray)) {
             Some(items) => {
@@ -348,10 +384,9 @@ impl Scene {
             None => self.bvh.closest(&ray.over(ray.t_min, t_max), |i, t_max| nearest.consider(i, t_max)),
         }
         if let Some(moving) = &self.moving {
-            let t_max = nearest.best.map_or(ray.t_max, |(_, hit)| hit.t);
-            moving.closest(&ray.over(ray.t_min, t_max), |i, t_max| nearest.consider(i, t_max));
+            moving.closest(&ray.over(ray.t_min, nearest.t_max(ray)), |i, t_max| nearest.consider(i, t_max));
         }
-        nearest.best
+        nearest.at.primitive != NOTHING
     }
 
     /// The nearest hit of a primitive.
@@ -403,7 +438,8 @@ impl Scene {
 struct Nearest<'a> {
     scene: &'a Scene,
     range: Ray,
-    best: Option<(u32, Hit)>,
+    /// Its primitive and hit are those of the nearest one so far.
+    at: &'a mut Interaction,
 }
 
 impl Nearest<'_> {
@@ -412,12 +448,17 @@ impl Nearest<'_> {
     #[inline]
     fn consider(&mut self, i: u32, t_max: f32) -> f32 {
         // One step further, so that an equally near object that stands earlier can still win.
-        self.range.t_max = if self.best.is_some() { t_max.next_up() } else { t_max };
+        self.range.t_max = if self.at.primitive == NOTHING { t_max } else { t_max.next_up() };
         let Some(hit) = self.scene.hit(i, &self.range) else { return t_max };
-        if self.best.is_some_and(|(first, nearest)| hit.t == nearest.t && first < i) {
+        if self.at.primitive < i && hit.t == self.at.hit.t {
             return t_max;
         }
-        self.best = Some((i, hit));
+        (self.at.primitive, self.at.hit) = (i, hit);
         hit.t
+    }
+
+    /// Up to where hits are of interest along `ray`.
+    fn t_max(&self, ray: &Ray) -> f32 {
+        if self.at.primitive == NOTHING { ray.t_max } else { self.at.hit.t }
     }
 }

@@ -83,7 +83,14 @@ pub(crate) trait Witness: Default {
     fn next(&mut self, _kind: RayKind) {}
 
     /// The ray announced last has ended there; it is at hand from now on.
-    fn ended(&mut self, _scene: &Scene, _ray: &Ray, _end: &Event, _about: impl FnOnce() -> About) {}
+    fn ended(
+        &mut self,
+        _scene: &Scene,
+        _ray: &Ray,
+        _end: Option<&Interaction>,
+        _about: impl FnOnce() -> About,
+    ) {
+    }
 
     /// The ray at hand finds light.
     fn found(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
@@ -216,12 +223,9 @@ impl Witness for Trail {
         self.next = Some(kind);
     }
 
-    fn ended(&mut self, scene: &Scene, ray: &Ray, end: &Event, about: impl FnOnce() -> About) {
+    fn ended(&mut self, scene: &Scene, ray: &Ray, end: Option<&Interaction>, about: impl FnOnce() -> About) {
         let kind = self.next.take().unwrap_or(RayKind::Camera);
-        let hit = match end {
-            Event::Surface(at) => Some((TrailHit::of(scene, at), at.hit.t)),
-            Event::Escaped => None,
-        };
+        let hit = end.map(|at| (TrailHit::of(scene, at), at.hit.t));
         self.place.segment = self.push(kind, ray, hit, about()).or(self.place.segment);
     }
 

@@ -23,7 +23,7 @@ const SMALLEST_SOLID_ANGLE: f64 = 1e-5;
 
 /// Where the squared extent of a flat piece is below this share of the squared distance, its solid angle and its area
 /// are all but proportional, and the area costs less.
-const FAR: f64 = 0.1;
+const FAR: f64 = 0.4;
 
 /// Nearly a hemisphere: the receiver lies in the plane of the piece.
 const LARGEST_SOLID_ANGLE: f64 = 0.9995 * TAU;

@@ -47,6 +47,10 @@ impl Tessellation {
                 let corners = [a, b, c].map(|p| self.vertex(p.as_vec3(), n));
                 self.face(part, corners);
             }
+            Patch::Rectangle(rectangle) => {
+                let ([a, b], corner) = (rectangle.edges(), rectangle.corner());
+                self.grid(part, [1, 1], |x, y| (corner + x * a + y * b, rectangle.normal()));
+            }
             Patch::Quad(QuadPatch { corner, edges: [a, b] }) => {
                 let n = a.cross(*b).normalize_or_zero();
                 self.grid(part, [1, 1], |x, y| (corner + x * a + y * b, n));

@@ -43,7 +43,7 @@ impl AmbientOcclusion<'_> {
         witness.counters().camera += 1;
         let end = scene.trace(&ray);
         let about = || About { eta: 1.0, weight: [1.0; 3] };
-        witness.ended(scene, &ray, &end, about);
+        witness.ended(scene, &ray, end.surface(), about);
         let Event::Surface(at) = end else {
             witness.found(|| [1.0; 3]);
             ctx.aux.lights[0] = [1.0; 3];

@@ -18,7 +18,7 @@
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::{Highlight, Phong, fresnel};
 use kajo_core::camera::Camera;
-use kajo_core::scene::{Event, Interaction, Scene};
+use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::{ShadowAttenuation, Shadows};
 use kajo_core::{ItemBuffer, RayOffset, light::Illumination};
 use kajo_math::{Ray, Vec2, Vec3};
@@ -115,18 +115,26 @@ impl<'a> Classic<'a> {
 
     /// Light along a ray.
     fn li(&self, ray: Ray, path: Path, witness: &mut impl Witness) -> Spectrum {
-        self.li_from(ray, self.scene.trace(&ray), path, witness)
+        let mut at = Interaction::default();
+        let meets = self.scene.trace_into(None, &ray, &mut at);
+        self.li_from(ray, meets.then_some(&mut at), path, witness)
     }
 
-    /// Light along `ray` from where it ends.
-    fn li_from(&self, mut ray: Ray, mut end: Event, mut path: Path, witness: &mut impl Witness) -> Spectrum {
+    /// Light along `ray` from the surface that it meets, if any.
+    fn li_from(
+        &self,
+        mut ray: Ray,
+        mut end: Option<&mut Interaction>,
+        mut path: Path,
+        witness: &mut impl Witness,
+    ) -> Spectrum {
         let mut light = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
         // Where only one branch goes on, it goes on in this loop; the other branch of a fork is a call.
         loop {
             let about = || About { eta: path.eta, weight: throughput.to_rgb() };
-            witness.ended(self.scene, &ray, &end, about);
-            let Event::Surface(at) = &end else {
+            witness.ended(self.scene, &ray, end.as_deref(), about);
+            let Some(at) = end else {
                 let behind = self.scene.background.color(ray.d);
                 let arriving = throughput * self.through_fog(&ray, f32::INFINITY, &path, behind);
                 witness.found(|| arriving.to_rgb());
@@ -179,7 +187,7 @@ impl<'a> Classic<'a> {
                     (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
                 }
             }
-            end = self.scene.trace(&ray);
+            end = self.scene.trace_into(None, &ray, at).then_some(at);
         }
     }
 
@@ -355,16 +363,13 @@ impl Classic<'_> {
         let Some(ray) = self.view.ray(raster, &mut ctx.draws) else { return PixelSample::default() };
         witness.counters().camera += 1;
         let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
-        let end = self.scene.trace_from(self.camera_items.as_ref(), &ray);
-        let met = match &end {
-            Event::Surface(at) => Some(at),
-            Event::Escaped => None,
-        };
-        let first = met.map(|at| self.view.first_hit(at, &mut ctx.aux));
-        if let Some(at) = met.filter(|_| self.view.wants_albedo()) {
-            ctx.aux.albedo = self.albedo(at);
+        let mut at = Interaction::default();
+        let meets = self.scene.trace_into(self.camera_items.as_ref(), &ray, &mut at);
+        let first = meets.then(|| self.view.first_hit(&at, &mut ctx.aux));
+        if meets && self.view.wants_albedo() {
+            ctx.aux.albedo = self.albedo(&at);
         }
-        let mut light = self.li_from(ray, end, path, witness);
+        let mut light = self.li_from(ray, meets.then_some(&mut at), path, witness);
         if self.settings.uv {
             light = self.uv_picture(pixel);
             witness.shown_instead(|| light.to_rgb());

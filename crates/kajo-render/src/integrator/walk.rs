@@ -10,7 +10,7 @@ use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::lighting::Receiver;
 use kajo_core::sampler::Draws;
-use kajo_core::scene::{Event, Interaction, Scene};
+use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::{Directions, Technique};
 use kajo_math::{Frame, Ray, Vec2, Vec3, warp};
 
@@ -113,17 +113,18 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
 
     /// Follows the path to its end.
     pub fn run(&mut self) {
+        let mut at = Interaction::default();
         loop {
-            let end = self.scene().trace(&self.ray);
+            let meets = self.scene().trace_into(None, &self.ray, &mut at);
             let (throughput, wavelengths, bodies) = (self.throughput, self.wavelengths, &self.bodies);
-            self.witness.ended(self.view.scene, &self.ray, &end, || About {
+            self.witness.ended(self.view.scene, &self.ray, meets.then_some(&at), || About {
                 eta: bodies.eta(),
                 weight: sensor::to_rgb(throughput, &wavelengths),
             });
-            let Event::Surface(at) = end else {
+            if !meets {
                 self.escape();
                 return;
-            };
+            }
             if let Some(absorption) = self.bodies.absorption() {
                 let distance = at.hit.t * self.ray.d.length();
                 self.throughput *= (absorption * -distance).exp();
