@@ -31,8 +31,8 @@ fn lamps() -> (Lights, Vec<(LightId, f64)>) {
     let cone = Patch::curved(Canonical::Frustum([1.0, 0.2]), DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.5)));
     let cone = cone.expect("a cone");
     for (patch, sides) in [
-        (Patch::Quad(square(1.0)), Sides::Front),
-        (Patch::Quad(square(1.0)), Sides::Both),
+        (square(1.0), Sides::Front),
+        (square(1.0), Sides::Both),
         (ball, Sides::Front),
         (ring, Sides::Back),
         (cone, Sides::Both),
@@ -120,7 +120,7 @@ fn light_leaves_no_lamp_where_it_has_none() {
     let (lights, list) = lamps();
     let pdf = |i: usize, n: Vec3, d: Vec3| lights.emission_pdf(list[i].0, 0.0, [Vec3::Y, n], d, &WORLD);
     // The square's front looks down, as its edges say.
-    let n = square(1.0).edges[0].cross(square(1.0).edges[1]).normalize().as_vec3();
+    let n = square(1.0).normal().unwrap().as_vec3();
     assert!(pdf(0, n, n).direction > 0.0 && pdf(0, n, -n).direction == 0.0);
     assert!(pdf(1, n, n).direction == pdf(1, n, -n).direction);
     let axis = Vec3::new(0.6, -0.8, 0.0);
