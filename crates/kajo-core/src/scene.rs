@@ -90,6 +90,8 @@ pub struct Scene {
     pub primitives: Vec<Primitive>,
     /// Whether light may pass through any of them.
     pub transmits: bool,
+    /// Whether any material has holes, so that what is behind is seen and lit through it.
+    pub has_holes: bool,
     /// The user's words for each primitive.
     pub objects: Objects,
     /// Materials.

@@ -350,7 +350,7 @@ fn one_mistake_is_reported_once() {
     let misspelt = errors(&format!("{RED}Group {{ numObjects 1 MaterialIndex 0 Spere {{ radius 1 }} }}"));
     assert_eq!(misspelt, ["unknown word `Spere` in `Group`"]);
     let later = errors(&format!("{RED}Lights {{ numLights 1 SunSky {{ }} }}"));
-    assert_eq!(later, ["`SunSky` is not supported yet"]);
+    assert_eq!(later, ["`SunSky` is no word of this language"]);
     let misspelt = errors("Materials { numMaterials 1 Matarial { } }");
     assert_eq!(misspelt, ["unknown word `Matarial` in `Materials`"]);
     for index in ["7", "nobody", "-1"] {
