@@ -351,6 +351,8 @@ fn one_mistake_is_reported_once() {
     assert_eq!(misspelt, ["unknown word `Spere` in `Group`"]);
     let later = errors(&format!("{RED}Lights {{ numLights 1 SunSky {{ }} }}"));
     assert_eq!(later, ["`SunSky` is no word of this language"]);
+    let clear = errors("Materials { Principled { transmission 1  opacity 0.5 } }");
+    assert_eq!(clear, ["light passes this material anyway, so that it can have no holes"]);
     let misspelt = errors("Materials { numMaterials 1 Matarial { } }");
     assert_eq!(misspelt, ["unknown word `Matarial` in `Materials`"]);
     for index in ["7", "nobody", "-1"] {
