@@ -373,7 +373,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight_of_lamp, wavelengths) };
         let visible = self.scene().visibility(&shadow_ray);
         if visible == 0.0 {
-            self.witness.shadow(self.view.scene, &shadow_ray, about, || [0.0; 3]);
+            self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || [0.0; 3]);
             return;
         }
         let weight = match settings.technique {
@@ -383,7 +383,9 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             _ => 1.0,
         };
         let light = weight_of_lamp * lamp.radiance * (visible * weight / lamp.pdf);
-        self.witness.shadow(self.view.scene, &shadow_ray, about, || sensor::to_rgb(light, wavelengths));
+        self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || {
+            sensor::to_rgb(light, wavelengths)
+        });
         self.add(light, lamp.group);
     }
 
