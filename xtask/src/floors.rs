@@ -101,6 +101,7 @@ const CORE_MODULES: [(&str, &[&str]); 20] = [
             "environment",
             "daylight",
             "scene",
+            "lighting",
         ],
     ),
 ];

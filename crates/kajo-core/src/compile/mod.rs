@@ -307,4 +307,6 @@ impl<'a> Compiler<'a> {
 #[cfg(test)]
 mod camera_tests;
 #[cfg(test)]
+mod motion_tests;
+#[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 
 const RED: &str = "Materials { Material red { diffuseColor 1 0 0 } Material { diffuseColor 0 1 0 } }\n";
 
 /// The scene of a text, and everything said about it.
-fn compiled(text: &str) -> (Option<Scene>, Vec<(Severity, String)>) {
+pub(super) fn compiled(text: &str) -> (Option<Scene>, Vec<(Severity, String)>) {
     compiled_as(text, None)
 }
 
@@ -23,7 +23,7 @@ fn compiled_as(text: &str, dialect: Option<Dialect>) -> (Option<Scene>, Vec<(Sev
     (scene, said)
 }
 
-fn scene(text: &str) -> Scene {
+pub(super) fn scene(text: &str) -> Scene {
     let (scene, said) = compiled(text);
     scene.unwrap_or_else(|| panic!("{text}\n{said:?}"))
 }

@@ -54,7 +54,7 @@ fn near(n: DVec3) -> String {
 }
 
 /// A lamp, as an object, over a floor with normal `n`; gives the scene and the radiance for irradiance 1.
-fn lit(draw: &mut Parameters, lamp: &str, n: DVec3) -> (String, f64) {
+pub fn lit(draw: &mut Parameters, lamp: &str, n: DVec3) -> (String, f64) {
     let (rho, le) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0));
     let scene = format!(
         "{}{}Group {{\n  {}\n  MaterialIndex lamp {lamp}\n}}",

@@ -4,6 +4,7 @@ mod bodies;
 mod camera;
 mod glass;
 mod lamps;
+mod motion;
 mod polygon;
 mod quadrature;
 mod rainbow;
@@ -116,7 +117,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 8] = [
+    let makers: [(&str, Maker); 9] = [
         ("rooms", rooms::forms),
         ("lamps", lamps::forms),
         ("bodies", bodies::forms),
@@ -125,6 +126,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("rainbow", rainbow::forms),
         ("surfaces", surfaces::forms),
         ("camera", camera::forms),
+        ("motion", motion::forms),
     ];
     makers.into_iter().flat_map(|(name, make)| make(&mut Parameters::new(seed, name))).collect()
 }
