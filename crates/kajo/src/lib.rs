@@ -34,6 +34,7 @@ pub mod compare;
 mod denoise;
 mod development;
 pub mod edit;
+pub mod handles;
 mod info;
 mod load;
 pub mod memory;

@@ -6,6 +6,8 @@
 use kajo_math::{Affine3A, DAffine3, DMat3, DVec3, fmath};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
+use super::motion;
+
 /// Words for operations of a `Transform`.
 pub const OPERATIONS: [&str; 9] =
     ["Matrix", "Matrix4f", "Rotate", "Scale", "Translate", "UniformScale", "XRotate", "YRotate", "ZRotate"];
@@ -47,14 +49,16 @@ pub(super) fn apply(m: DAffine3, item: Item<'_>, by_rows: bool, diagnostics: &mu
     }
 }
 
-/// The product of those items of a block that are operations; faulty ones are left out.
+/// The product of those items of a block that are operations; faulty ones are left out. What moves is taken as it is at
+/// time 0.
 ///
 /// * `by_rows`: see [`crate::settings::Rules::matrix_by_rows`]
 pub fn operations_matrix<'a>(items: impl Iterator<Item = Item<'a>>, by_rows: bool) -> DAffine3 {
     let mut unheard = Diagnostics::new();
-    items
-        .filter(|item| OPERATIONS.contains(&item.keyword()))
-        .fold(DAffine3::IDENTITY, |m, item| apply(m, item, by_rows, &mut unheard))
+    items.fold(DAffine3::IDENTITY, |m, item| match item.keyword() {
+        "Motion" => motion::read(item, by_rows, &mut unheard).map_or(m, |keys| m * keys.at(0.0)),
+        _ => apply(m, item, by_rows, &mut unheard),
+    })
 }
 
 /// The matrix of a `Transform` that holds operations only.

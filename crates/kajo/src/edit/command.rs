@@ -1,10 +1,11 @@
 //! What can be done to a document.
 
 use super::tree::Tree;
-use super::{FieldValue, FileId, Node, NodeId, TextEdit};
+use super::{FieldValue, FileId, Movement, Node, NodeId, TextEdit};
+use crate::CameraPose;
 
 /// One thing to do.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Edit {
     /// Sets a value of a block; an absent one is inserted.
     Set {
@@ -17,6 +18,24 @@ pub enum Edit {
         /// What it shall be.
         value: FieldValue,
     },
+    /// Sets some of the numbers of a value that is there.
+    SetSome {
+        /// The block.
+        node: NodeId,
+        /// The word of the value.
+        key: String,
+        /// What each number shall be; `None` for those that stay.
+        numbers: Vec<Option<f64>>,
+    },
+    /// Moves an object, light or camera in the world.
+    Move {
+        /// The node.
+        node: NodeId,
+        /// How it is moved, in world space.
+        movement: Movement,
+    },
+    /// Makes the scene's camera stand and look as this one.
+    Look(Box<CameraPose>),
     /// Takes a value of a block out, so that its default holds.
     Unset {
         /// The block.
@@ -79,6 +98,11 @@ impl Edit {
     pub fn label(&self) -> String {
         match self {
             Edit::Set { key, .. } => format!("set {key}"),
+            Edit::SetSome { key, .. } => format!("set {key}"),
+            Edit::Move { movement: Movement::Rotate { .. }, .. } => "rotate".to_owned(),
+            Edit::Move { movement: Movement::Scale { .. }, .. } => "scale".to_owned(),
+            Edit::Move { .. } => "move".to_owned(),
+            Edit::Look(_) => "move the camera".to_owned(),
             Edit::Unset { key, .. } => format!("remove {key}"),
             Edit::Paint { .. } => "change material".to_owned(),
             Edit::Rename { .. } => "rename".to_owned(),
@@ -113,6 +137,9 @@ impl Edit {
         match self {
             Edit::Set { node, key, nth, value } => tree.set_field(tree.node(*node)?, key, *nth, Some(value)),
             Edit::Unset { node, key, nth } => tree.set_field(tree.node(*node)?, key, *nth, None),
+            Edit::SetSome { node, key, numbers } => tree.set_some(tree.node(*node)?, key, numbers),
+            Edit::Move { node, movement } => tree.displace(tree.node(*node)?, movement),
+            Edit::Look(pose) => tree.look(pose),
             Edit::Paint { node, material } => tree.paint(tree.node(*node)?, tree.node(*material)?),
             Edit::Rename { node, name } => tree.rename(tree.node(*node)?, name.as_deref()),
             Edit::Add { into, block } => tree.add(into.map(|id| tree.node(id)).transpose()?, block),

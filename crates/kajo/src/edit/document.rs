@@ -8,6 +8,7 @@ use std::time::SystemTime;
 
 use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::scene::Scene;
+use kajo_math::DAffine3;
 use kajo_scene::{Diagnostics, Sources, one_line, render};
 
 use super::history::{History, Step};
@@ -16,7 +17,7 @@ use super::overlay::Overlay;
 use super::schema::Kind;
 use super::texts::Change;
 use super::tree::{Before, Tree};
-use super::{Applied, Edit, EditRefused, Field, FileId, Node, NodeId, Outline, SceneFile};
+use super::{Applied, Edit, EditRefused, Field, FieldValue, FileId, Node, NodeId, Outline, SceneFile};
 use crate::load::assets;
 use crate::output::{OutputError, Target};
 use crate::{FsAssets, LoadOptions};
@@ -158,6 +159,24 @@ impl Document {
     /// is gone.
     pub fn fields(&self, id: NodeId) -> Vec<Field> {
         self.node(id).map_or_else(Vec::new, |node| self.tree.fields(node))
+    }
+
+    /// The value of a field that holds: the one written, or the default.
+    pub fn value(&self, id: NodeId, key: &str) -> Option<FieldValue> {
+        self.tree.value(self.node(id)?, key)
+    }
+
+    /// The map to the world from the space that a node's own numbers are in: what the transforms it stands in do.
+    ///
+    /// Something in a definition is taken to be where the first instance of that puts it. Things that move are where
+    /// they are at time 0.
+    pub fn placement(&self, id: NodeId) -> DAffine3 {
+        self.node(id).map_or(DAffine3::IDENTITY, |node| self.tree.placement(node))
+    }
+
+    /// What the operations of a transform or an instance do; the identity for other nodes.
+    pub fn own_map(&self, id: NodeId) -> DAffine3 {
+        self.node(id).map_or(DAffine3::IDENTITY, |node| self.tree.own_map(node))
     }
 
     /// The material that an object is painted with, and the block of it, if both can be found.
@@ -304,7 +323,7 @@ impl Document {
 
     fn parsed(&mut self, old: &Tree, change: &Change, remembered: &[(FileId, usize, NodeId)]) -> Tree {
         let before = Before { outline: &old.outline, change, remembered };
-        Tree::parse(&self.disk, &self.options.limits, &mut self.files, before, &mut self.identities)
+        Tree::parse(&self.disk, &self.options, &mut self.files, before, &mut self.identities)
     }
 }
 

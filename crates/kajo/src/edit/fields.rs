@@ -57,7 +57,7 @@ impl FieldValue {
     }
 
     /// The value that a text of the tables stands for.
-    fn parse(text: &str) -> FieldValue {
+    pub(super) fn parse(text: &str) -> FieldValue {
         let mut value = FieldValue::default();
         for word in text.split(' ') {
             match word.parse() {
@@ -179,6 +179,31 @@ impl Tree {
                 new: String::new(),
             }]),
         }
+    }
+
+    /// Sets some of the numbers of a value that is there.
+    pub(super) fn set_some(
+        &self,
+        node: &Node,
+        key: &str,
+        numbers: &[Option<f64>],
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let absent = || EditRefused::new(format!("there is no `{key}` here"));
+        let item = self.value_item(node, key, None).ok_or_else(absent)?;
+        let mut value = FieldValue::of(item);
+        for (old, new) in value.numbers.iter_mut().zip(numbers) {
+            *old = new.unwrap_or(*old);
+        }
+        Ok(self.replace_values(item, &value))
+    }
+
+    /// The value that holds for a key: the one written, or the default.
+    pub(super) fn value(&self, node: &Node, key: &str) -> Option<FieldValue> {
+        if let Some(item) = self.value_item(node, key, None) {
+            return Some(FieldValue::of(item));
+        }
+        let spec = fields_of(&node.keyword).iter().find(|spec| spec.key == key)?;
+        spec.default.map(FieldValue::parse)
     }
 
     fn insert_field(&self, node: &Node, key: &str, value: &FieldValue) -> Result<Vec<TextEdit>, EditRefused> {

@@ -30,14 +30,19 @@
 //! ```
 
 mod command;
+mod displace;
 mod document;
 mod fields;
 mod history;
 mod layout;
+mod look;
 mod materials;
+mod movement;
 mod naming;
 mod outline;
 mod overlay;
+mod placement;
+mod reshape;
 pub mod schema;
 mod structure;
 mod templates;
@@ -47,6 +52,7 @@ mod tree;
 pub use command::{Applied, Edit, EditRefused};
 pub use document::{Document, DocumentError};
 pub use fields::{Field, FieldValue};
+pub use movement::Movement;
 pub use outline::{Node, NodeId, Outline};
 pub use schema::{FieldKind, FieldSpec, Kind};
 pub use templates::template;

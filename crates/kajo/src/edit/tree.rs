@@ -4,14 +4,15 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use kajo_scene::{Diagnostics, Item, Limits, Parsed, SceneDesc, SourceId, Span};
+use kajo_core::settings::Dialect;
+use kajo_scene::{Diagnostics, Item, Parsed, SceneDesc, SourceId, Span};
 
 use super::outline::{Identities, Outline};
 use super::overlay::Overlay;
 use super::schema::Kind;
 use super::texts::Change;
 use super::{FileId, Node, NodeId, SceneFile};
-use crate::FsAssets;
+use crate::{FsAssets, LoadOptions};
 
 /// The parsed texts.
 #[derive(Debug, Default)]
@@ -22,6 +23,8 @@ pub(super) struct Tree {
     /// See [`Parsed::whole`].
     pub whole: bool,
     pub outline: Outline,
+    /// The dialect, where it is not the text's own choice.
+    pub dialect: Option<Dialect>,
     /// The document's file for each source.
     files: HashMap<SourceId, FileId>,
     /// The texts that were parsed.
@@ -41,12 +44,12 @@ impl Tree {
     /// for the first time are added to them.
     pub fn parse(
         disk: &FsAssets,
-        limits: &Limits,
+        options: &LoadOptions,
         files: &mut Vec<SceneFile>,
         before: Before<'_>,
         identities: &mut Identities,
     ) -> Tree {
-        let parsed = SceneDesc::load(disk.scene_name(), &Overlay { disk, files }, limits);
+        let parsed = SceneDesc::load(disk.scene_name(), &Overlay { disk, files }, &options.limits);
         let Parsed { desc, diagnostics, whole } = parsed;
         let mut by_source = HashMap::new();
         for (source, text) in desc.sources().iter() {
@@ -61,7 +64,7 @@ impl Tree {
         let file_of = |source| by_source.get(&source).copied().unwrap_or(FileId(0));
         let outline = identities.outline(&desc, file_of, before.outline, before.change, before.remembered);
         let texts = files.iter().map(|file| file.text.clone()).collect();
-        Tree { desc, diagnostics, whole, outline, files: by_source, texts }
+        Tree { desc, diagnostics, whole, outline, dialect: options.dialect, files: by_source, texts }
     }
 
     pub fn file_of(&self, source: SourceId) -> FileId {

@@ -1,7 +1,9 @@
 //! Lights.
 
 use super::FieldKind::{Angle, Emission, File, Numbers, Point, Vector};
-use super::{ANY, Block, FieldKind, FieldSpec, Kind, at_least, block, field, number, option, required};
+use super::{
+    ANY, Block, FieldKind, FieldSpec, Kind, LIGHT_GROUP, at_least, block, field, number, option, required,
+};
 
 const ANGLE: FieldKind = Angle { min: 0.0, max: 360.0 };
 const COLOR: FieldSpec = option("color", Emission, "brightness by the classic formula");
@@ -21,6 +23,7 @@ pub(super) const BLOCKS: &[Block] = &[
             COLOR,
             option("irradiance", Emission, "light on a surface that faces it"),
             field("angle", Angle { min: 0.0, max: 180.0 }, "0", "how wide it is in the sky; the sun: 0.53"),
+            LIGHT_GROUP,
         ],
     ),
     block(
@@ -33,6 +36,7 @@ pub(super) const BLOCKS: &[Block] = &[
             POWER,
             ATTENUATION,
             FALLOFF,
+            LIGHT_GROUP,
             option("ies", File, "measured intensities, in place of all these"),
             option("direction", Vector, "where a measured luminaire points"),
             option("rotate", Angle { min: -ANY, max: ANY }, "turns a measured luminaire about its axis"),
@@ -52,6 +56,7 @@ pub(super) const BLOCKS: &[Block] = &[
             POWER,
             ATTENUATION,
             FALLOFF,
+            LIGHT_GROUP,
         ],
     ),
     block("Lights", Kind::Lights, &[]),

@@ -2,8 +2,8 @@
 
 use super::FieldKind::{Choice, Color, Emission, Flag, Material, Reflectance, Text};
 use super::{
-    Block, FieldKind, FieldSpec, Kind, POSITIVE, SHARE, at_least, between, block, field, number, option,
-    required, whole,
+    Block, FieldKind, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, SHARE, at_least, between, block, field, number,
+    option, required, whole,
 };
 
 const EMISSION: FieldSpec = option("emission", Emission, "light that it gives itself");
@@ -30,6 +30,7 @@ const PHONG: &[FieldSpec] = &[
     option("absorption", Color, "per length inside; by the transparent colour when absent"),
     EMISSION,
     EMITS,
+    LIGHT_GROUP,
 ];
 
 const WOODY: &[FieldSpec] = &[FIRST, FIRST, OCTAVES, FREQUENCY, AMPLITUDE];
@@ -45,6 +46,7 @@ pub(super) const BLOCKS: &[Block] = &[
             field("roughness", SHARE, "0", "0 is as paper, 1 as plaster"),
             EMISSION,
             EMITS,
+            LIGHT_GROUP,
         ],
     ),
     block(
@@ -57,6 +59,7 @@ pub(super) const BLOCKS: &[Block] = &[
             field("roughness", SHARE, "0", "0 is a mirror"),
             EMISSION,
             EMITS,
+            LIGHT_GROUP,
         ],
     ),
     block(
@@ -74,6 +77,7 @@ pub(super) const BLOCKS: &[Block] = &[
             PRIORITY,
             EMISSION,
             EMITS,
+            LIGHT_GROUP,
         ],
     ),
     block(
@@ -97,6 +101,7 @@ pub(super) const BLOCKS: &[Block] = &[
             PRIORITY,
             EMISSION,
             EMITS,
+            LIGHT_GROUP,
         ],
     ),
     block("Checkerboard", Kind::Material, &[FIRST, FIRST]),

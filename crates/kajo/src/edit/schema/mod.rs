@@ -153,6 +153,9 @@ const fn whole(min: f64, max: f64) -> FieldKind {
     FieldKind::Whole { min, max }
 }
 
+/// The group of lights that something is seen in.
+const LIGHT_GROUP: FieldSpec = option("group", FieldKind::Text, "name of the lights it is seen among");
+
 /// Above zero.
 const POSITIVE: FieldKind = at_least(f64::MIN_POSITIVE);
 /// A share of light.

@@ -6,7 +6,8 @@ use kajo_core::settings::{Dialect, Directions, IntegratorKind, Technique};
 
 use super::FieldKind::{Angle, Choice, ChoiceAndNumber, Color, Emission, File, Flag, Numbers, Point, Vector};
 use super::{
-    ANY, Block, FieldSpec, Kind, POSITIVE, at_least, between, block, field, number, option, required, whole,
+    ANY, Block, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, at_least, between, block, field, number, option,
+    required, whole,
 };
 
 const CENTER: FieldSpec = required("center", Point, "where it is");
@@ -131,6 +132,7 @@ pub(super) const BLOCKS: &[Block] = &[
             option("rotate", Angle { min: -ANY, max: ANY }, "turns the picture"),
             option("scale", at_least(0.0), "makes the picture brighter"),
             option("cubeMap", File, "a folder of six pictures"),
+            LIGHT_GROUP,
         ],
     ),
     block(

@@ -1,0 +1,143 @@
+//! Shapes, lights and cameras moved by their own numbers, where these can say it.
+
+use kajo_math::{DAffine3, DVec3};
+
+use super::movement::{Linear, Movement};
+use super::schema::Kind;
+use super::tree::Tree;
+use super::{FieldValue, Node};
+
+/// New values of a block.
+pub(super) type Values = Vec<(&'static str, FieldValue)>;
+
+impl Tree {
+    /// The values that a block has after a movement in its own space; `None` where its numbers cannot say that.
+    pub(super) fn reshaped(&self, node: &Node, movement: &Movement) -> Option<Values> {
+        let block = Block { tree: self, node, map: movement.map(), linear: movement.linear() };
+        match node.kind {
+            Kind::Light | Kind::Camera => Some(block.pointing()),
+            _ => block.shape(),
+        }
+    }
+
+    /// The numbers of a value, or of its default.
+    pub(super) fn numbers_of(&self, node: &Node, key: &str) -> Option<Vec<f64>> {
+        self.value(node, key).map(|value| value.numbers)
+    }
+
+    /// Three numbers of a value, or of its default.
+    pub(super) fn vec3_of(&self, node: &Node, key: &str) -> Option<DVec3> {
+        self.numbers_of(node, key)?.first_chunk().copied().map(DVec3::from_array)
+    }
+
+    /// One number of a value, or of its default.
+    pub(super) fn number_of(&self, node: &Node, key: &str) -> Option<f64> {
+        self.numbers_of(node, key)?.first().copied()
+    }
+}
+
+/// A block that is moved.
+struct Block<'a> {
+    tree: &'a Tree,
+    node: &'a Node,
+    map: DAffine3,
+    linear: Linear,
+}
+
+impl Block<'_> {
+    fn shape(&self) -> Option<Values> {
+        let (similar, direct) = (self.similarity(), self.linear != Linear::Mirrored);
+        match &*self.node.keyword {
+            "Sphere" => {
+                let factor = similar?;
+                Some(vec![self.point("center")?, self.length("radius", factor)?])
+            }
+            "Cylinder" | "Cone" => {
+                let factor = similar?;
+                let mut values =
+                    vec![self.point("base")?, self.point("top")?, self.length("radius", factor)?];
+                values.extend(self.length("topRadius", factor));
+                Some(values)
+            }
+            "Disk" => {
+                let factor = similar?;
+                let lengths = [self.length("radius", factor)?, self.length("innerRadius", factor)?];
+                Some([self.point("center")?, self.turned("normal")?].into_iter().chain(lengths).collect())
+            }
+            "Box" if matches!(self.linear, Linear::Identity | Linear::Aligned) || self.only_scales() => {
+                Some(vec![self.point("min")?, self.point("max")?])
+            }
+            "Quad" if direct => Some(vec![self.point("corner")?, self.edge("edge1")?, self.edge("edge2")?]),
+            "Triangle" if direct => {
+                Some(vec![self.point("vertex0")?, self.point("vertex1")?, self.point("vertex2")?])
+            }
+            "Plane" if direct => self.plane(),
+            _ => None,
+        }
+    }
+
+    /// A light or a camera: a place and directions, of whatever length.
+    fn pointing(&self) -> Values {
+        let places = ["position", "center"].into_iter().filter_map(|key| self.point(key));
+        places.chain(["direction", "up"].into_iter().filter_map(|key| self.turned(key))).collect()
+    }
+
+    /// A plane `n p = d`, with `n` of any length and `d` counted in its direction.
+    fn plane(&self) -> Option<Values> {
+        let (raw, offset) =
+            (self.tree.vec3_of(self.node, "normal")?, self.tree.number_of(self.node, "offset")?);
+        let n = raw.try_normalize()?;
+        let turned = (self.map.matrix3.inverse().transpose() * n).try_normalize()?;
+        let offset = turned.dot(self.map.transform_point3(offset * n));
+        let normal = if self.linear == Linear::Identity { raw } else { turned * raw.length() };
+        Some(vec![("normal", vector(normal)), ("offset", FieldValue::numbers([tidy(offset, 0.0)]))])
+    }
+
+    fn similarity(&self) -> Option<f64> {
+        match self.linear {
+            Linear::Identity => Some(1.0),
+            Linear::Similar(factor) => Some(factor),
+            _ => None,
+        }
+    }
+
+    /// Whether all that happens besides moving is scaling equally.
+    fn only_scales(&self) -> bool {
+        let Linear::Similar(factor) = self.linear else { return false };
+        self.map.matrix3.abs_diff_eq(kajo_math::DMat3::from_diagonal(DVec3::splat(factor)), 1e-9 * factor)
+    }
+
+    fn point(&self, key: &'static str) -> Option<(&'static str, FieldValue)> {
+        let p = self.tree.vec3_of(self.node, key)?;
+        Some((key, vector(self.map.transform_point3(p))))
+    }
+
+    fn edge(&self, key: &'static str) -> Option<(&'static str, FieldValue)> {
+        let edge = self.tree.vec3_of(self.node, key)?;
+        Some((key, vector(self.map.matrix3 * edge)))
+    }
+
+    /// A direction, which keeps its length.
+    fn turned(&self, key: &'static str) -> Option<(&'static str, FieldValue)> {
+        let direction = self.tree.vec3_of(self.node, key)?;
+        let turned = (self.map.matrix3 * direction).normalize_or_zero() * direction.length();
+        let kept = turned.distance(direction) <= 1e-9 * direction.length();
+        Some((key, if kept { FieldValue::numbers(direction.to_array()) } else { vector(turned) }))
+    }
+
+    fn length(&self, key: &'static str, factor: f64) -> Option<(&'static str, FieldValue)> {
+        let length = self.tree.number_of(self.node, key)?;
+        Some((key, FieldValue::numbers([tidy(length * factor, 0.0)])))
+    }
+}
+
+/// Three numbers as they are written.
+pub(super) fn vector(v: DVec3) -> FieldValue {
+    let scale = v.abs().max_element();
+    FieldValue::numbers(v.to_array().map(|x| tidy(x, scale)))
+}
+
+/// A number in the precision that scenes have; what is only rounding, against numbers of size `scale`, becomes zero.
+pub(super) fn tidy(x: f64, scale: f64) -> f64 {
+    if x.abs() <= 1e-12 * scale || x == 0.0 { 0.0 } else { f64::from(x as f32) }
+}
