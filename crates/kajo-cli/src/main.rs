@@ -11,7 +11,6 @@ mod json;
 mod passes;
 mod progress;
 
-use std::ffi::OsString;
 use std::process::ExitCode;
 
 use args::{Cli, Command};
@@ -23,11 +22,7 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Result<(), Failure> {
-    let line: Vec<OsString> = std::env::args_os().collect();
-    if line.len() < 2 {
-        return commands::alone();
-    }
-    let cli = match Cli::read(line) {
+    let cli = match Cli::read(std::env::args_os().collect()) {
         Ok(cli) => cli,
         Err(error) => return said_by_clap(&error),
     };
@@ -44,7 +39,6 @@ fn run() -> Result<(), Failure> {
         Command::Gallery(args) => gallery::run(&args, &interrupt),
         Command::Bench(args) => commands::bench(&args),
         Command::Selftest(args) => commands::selftest(&args),
-        Command::Studio(args) => commands::studio(&args),
         Command::Completions(args) => commands::completions(args.shell),
     }
 }

@@ -4,7 +4,6 @@ mod bench;
 mod diff;
 mod info;
 mod selftest;
-mod studio;
 
 use std::path::Path;
 
@@ -15,7 +14,6 @@ pub use bench::bench;
 pub use diff::diff;
 pub use info::info;
 pub use selftest::selftest;
-pub use studio::{alone, studio};
 
 use crate::args::{CheckArgs, Cli, RunArgs};
 use crate::console;

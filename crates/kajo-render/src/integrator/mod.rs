@@ -15,6 +15,4 @@ pub use classic::{Classic, ClassicSettings};
 pub use path::{Path, PathSettings};
 
 #[cfg(test)]
-mod motion_tests;
-#[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! One path while it grows, from the lamp or from the camera.
 
-use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::RayOffset;
 use kajo_core::bsdf::{BsdfSample, Transport};
 use kajo_core::sampler::Draws;
@@ -10,9 +10,9 @@ use kajo_math::{Ray, Vec3};
 use super::Found;
 use super::rivals::{Growth, Rivals};
 use super::vertex::Vertex;
+use crate::RayCounters;
 use crate::integrator::bodies::{Bodies, Boundary};
 use crate::integrator::walk::{LARGEST_SURVIVAL, SAFE_BOUNCES};
-use crate::trail::{About, RayKind, Witness};
 
 /// How the present ray was found.
 #[derive(Clone, Copy, Debug)]
@@ -34,11 +34,11 @@ pub struct Step {
 }
 
 /// A path while it grows.
-pub struct Walk<'a, 'b, W> {
+pub struct Walk<'a, 'b> {
     scene: &'a Scene,
     pub draws: Draws<'b>,
-    /// Who is told.
-    pub witness: W,
+    /// Rays cast so far.
+    pub rays: RayCounters,
     /// The present ray.
     pub ray: Ray,
     pub step: Step,
@@ -61,7 +61,7 @@ pub struct Met {
     boundary: Option<Boundary>,
 }
 
-impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
+impl<'a, 'b> Walk<'a, 'b> {
     /// A path that starts with a ray.
     ///
     /// * `mode`: which end it starts at
@@ -73,12 +73,11 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         (ray, step): (Ray, Step),
         (beta, wavelengths): (Spectrum, Wavelengths),
         roulette: bool,
-        witness: W,
-    ) -> Walk<'a, 'b, W> {
+    ) -> Walk<'a, 'b> {
         Walk {
             scene,
             draws,
-            witness,
+            rays: RayCounters::default(),
             ray,
             step,
             beta,
@@ -92,14 +91,16 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         }
     }
 
+    /// The same from within the bodies that the ray starts in.
+    pub fn within_bodies(self) -> Walk<'a, 'b> {
+        let bodies = Bodies::around(self.scene, &self.ray, &self.wavelengths);
+        Walk { bodies, ..self }
+    }
+
     /// Follows the ray to the next surface that is there; `None` when it leaves the scene.
     pub fn trace(&mut self) -> Option<Met> {
         loop {
-            let end = self.scene.trace(&self.ray);
-            let (bodies, weight) = (&self.bodies, self.beta);
-            let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight, &self.wavelengths) };
-            self.witness.ended(self.scene, &self.ray, end.surface(), about);
-            let Event::Surface(at) = end else { return None };
+            let Event::Surface(at) = self.scene.trace(&self.ray) else { return None };
             if let Some(absorption) = self.bodies.absorption() {
                 self.beta *= (absorption * -(at.hit.t * self.ray.d.length())).exp();
             }
@@ -113,7 +114,6 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             // A connection would be held up here.
             self.step.joins = false;
             self.bodies = self.bodies.beyond(&hidden);
-            self.witness.next(RayKind::Transmitted);
             self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
         }
     }
@@ -200,15 +200,12 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     }
 
     fn leave(&mut self, vertex: &Vertex, met: &Met, sample: &BsdfSample, wi: Vec3) {
-        let kind = if sample.kind.transmission {
-            self.witness.counters().refracted += 1;
+        if sample.kind.transmission {
+            self.rays.refracted += 1;
             self.bodies = met.boundary.map_or(self.bodies, |boundary| self.bodies.beyond(&boundary));
-            RayKind::Transmitted
         } else {
-            self.witness.counters().reflected += 1;
-            RayKind::Reflected
-        };
-        self.witness.next(if sample.kind.delta { kind } else { RayKind::Scattered });
+            self.rays.reflected += 1;
+        }
         self.beta *= sample.weight;
         if self.mode == Transport::Radiance {
             // Radiance is squeezed at boundaries, which a later one undoes.
