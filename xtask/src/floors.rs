@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::manifest::{self, Dependencies};
 
 /// Each crate of the workspace, lowest floor first, and the crates it may import.
-const CRATES: [(&str, &[&str]); 11] = [
+const CRATES: [(&str, &[&str]); 12] = [
     ("kajo-math", &[]),
     ("kajo-color", &["kajo-math"]),
     ("kajo-bvh", &["kajo-math"]),
@@ -22,6 +22,7 @@ const CRATES: [(&str, &[&str]); 11] = [
         &["kajo-render", "kajo-core", "kajo-scene", "kajo-image", "kajo-bvh", "kajo-color", "kajo-math"],
     ),
     ("kajo-cli", &["kajo"]),
+    ("kajo-studio", &["kajo", "kajo-math"]),
     ("kajo-testkit", &["kajo-math", "kajo-color", "kajo-image"]),
     ("xtask", &[]),
 ];
@@ -30,14 +31,18 @@ const CRATES: [(&str, &[&str]); 11] = [
 const TESTKIT: &str = "kajo-testkit";
 
 /// Third-party crates that one crate of ours hides from the others.
-const KEPT: [(&str, &str); 7] = [
+const KEPT: [(&str, &str); 11] = [
     ("annotate-snippets", "kajo-scene"),
     ("clap", "kajo-cli"),
+    ("eframe", "kajo-studio"),
+    ("egui", "kajo-studio"),
+    ("egui-wgpu", "kajo-studio"),
     ("exr", "kajo-image"),
     ("glam", "kajo-math"),
     ("image", "kajo-image"),
     ("png", "kajo-image"),
     ("serde_json", "kajo-scene"),
+    ("wgpu", "kajo-studio"),
 ];
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
@@ -101,6 +106,7 @@ const CORE_MODULES: [(&str, &[&str]); 20] = [
             "environment",
             "daylight",
             "scene",
+            "lighting",
         ],
     ),
 ];

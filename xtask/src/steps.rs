@@ -126,11 +126,6 @@ pub fn has_nightly() -> bool {
     answers(Command::new("rustc").env_remove("RUSTUP_TOOLCHAIN").args(["+nightly", "--version"]))
 }
 
-/// Whether a program of this name can be started.
-pub fn has_program(name: &str) -> bool {
-    answers(Command::new(name).arg("--version"))
-}
-
 fn answers(command: &mut Command) -> bool {
     let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     quiet.status().is_ok_and(|status| status.success())

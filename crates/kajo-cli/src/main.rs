@@ -11,6 +11,7 @@ mod json;
 mod passes;
 mod progress;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use args::{Cli, Command};
@@ -22,7 +23,11 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Result<(), Failure> {
-    let cli = match Cli::read(std::env::args_os().collect()) {
+    let line: Vec<OsString> = std::env::args_os().collect();
+    if line.len() < 2 {
+        return commands::alone();
+    }
+    let cli = match Cli::read(line) {
         Ok(cli) => cli,
         Err(error) => return said_by_clap(&error),
     };
@@ -39,6 +44,7 @@ fn run() -> Result<(), Failure> {
         Command::Gallery(args) => gallery::run(&args, &interrupt),
         Command::Bench(args) => commands::bench(&args),
         Command::Selftest(args) => commands::selftest(&args),
+        Command::Studio(args) => commands::studio(&args),
         Command::Completions(args) => commands::completions(args.shell),
     }
 }

@@ -61,9 +61,9 @@ fn scene(Snippet { kind, text, .. }: &Snippet) -> String {
     named.dedup();
     // What the snippet makes itself is not made twice.
     named.retain(|name| {
-        !words
-            .windows(2)
-            .any(|pair| pair[0].contains("aterial") && !pair[0].ends_with("ndex") && pair[1] == *name)
+        !words.windows(2).any(|pair| {
+            pair[0].starts_with(char::is_uppercase) && !pair[0].ends_with("ndex") && pair[1] == *name
+        })
     });
     let named: String = named.iter().map(|name| format!("Material {name} {{}} ")).collect();
     let some = format!("{} {named}", "Material {} ".repeat(8));

@@ -38,6 +38,22 @@ impl Scene {
         self.materials.is_mixture(at.material)
     }
 
+    /// The share of light that comes along a ray: less than 1 through materials with holes, and 0 behind anything else.
+    #[inline]
+    pub fn visibility(&self, ray: &Ray) -> f32 {
+        if !self.has_holes {
+            return if self.occluded(ray) { 0.0 } else { 1.0 };
+        }
+        let mut visible = 1.0;
+        let blocked = self.occluded_or(None, ray, |primitive, hit| {
+            let at = self.interaction(ray, primitive, hit);
+            let p = self.pattern_point(&at);
+            visible *= 1.0 - self.materials.opacity(at.material, &self.materials, &self.textures, p);
+            visible <= 0.0
+        });
+        if blocked { 0.0 } else { visible }
+    }
+
     /// What is behind a surface that lets light through.
     #[inline]
     pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths) -> Option<Interior> {

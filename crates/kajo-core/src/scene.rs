@@ -90,6 +90,8 @@ pub struct Scene {
     pub primitives: Vec<Primitive>,
     /// Whether light may pass through any of them.
     pub transmits: bool,
+    /// Whether any material has holes, so that what is behind is seen and lit through it.
+    pub has_holes: bool,
     /// The user's words for each primitive.
     pub objects: Objects,
     /// Materials.
@@ -267,6 +269,9 @@ impl Scene {
     /// time 0 if it belongs to something that moves.
     #[inline]
     pub fn pattern_point(&self, at: &Interaction) -> Vec3 {
+        if self.motions.is_empty() {
+            return at.point.p;
+        }
         match self.motion(self.primitives[at.primitive as usize].transform) {
             None => at.point.p,
             Some(motion) => motion.painted(at.point.p, at.time),
@@ -363,7 +368,7 @@ impl Scene {
             Some(mut items) => items.any(&mut blocks),
             None => self.bvh.any(ray, &mut blocks),
         };
-        blocked || self.moving.as_ref().is_some_and(|moving| moving.any(ray, blocks))
+        blocked || self.moving.as_ref().is_some_and(|moving| rarely(|| moving.any(ray, blocks)))
     }
 
     /// Finds the nearest hit and writes it and its primitive into `at`; `false` when there is none.
@@ -384,7 +389,8 @@ impl Scene {
             None => self.bvh.closest(&ray.over(ray.t_min, t_max), |i, t_max| nearest.consider(i, t_max)),
         }
         if let Some(moving) = &self.moving {
-            moving.closest(&ray.over(ray.t_min, nearest.t_max(ray)), |i, t_max| nearest.consider(i, t_max));
+            let ahead = ray.over(ray.t_min, nearest.t_max(ray));
+            rarely(|| moving.closest(&ahead, |i, t_max| nearest.consider(i, t_max)));
         }
         nearest.at.primitive != NOTHING
     }
@@ -426,12 +432,19 @@ impl Scene {
         let map = match self.transforms.get(transform as usize) {
             Some(map) => map,
             None => {
-                moved = self.motions[(u32::MAX - transform) as usize].at(time);
+                moved = rarely(|| self.motions[(u32::MAX - transform) as usize].at(time));
                 &moved
             }
         };
         f(map)
     }
+}
+
+/// `f` of nothing, out of the way of those who do not need it.
+#[cold]
+#[inline(never)]
+fn rarely<T>(f: impl FnOnce() -> T) -> T {
+    f()
 }
 
 /// The nearest hit of a ray so far.
@@ -445,7 +458,7 @@ struct Nearest<'a> {
 impl Nearest<'_> {
     /// Tries a primitive; returns the parameter up to which hits are of interest from here on, which is `t_max` or
     /// less.
-    #[inline]
+    #[inline(always)]
     fn consider(&mut self, i: u32, t_max: f32) -> f32 {
         // One step further, so that an equally near object that stands earlier can still win.
         self.range.t_max = if self.at.primitive == NOTHING { t_max } else { t_max.next_up() };

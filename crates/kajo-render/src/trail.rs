@@ -28,6 +28,13 @@ pub enum RayKind {
     Scattered,
     /// Towards a light, or to find out whether anything is near.
     Shadow,
+    /// From a lamp.
+    Lamp,
+    /// Between a point of a path from the camera and one of a path from a lamp.
+    Connection,
+    /// From a path from a lamp to the lens. Its light goes to the pixel where that is seen, and is no part of the
+    /// sample.
+    Splat,
 }
 
 /// Where a ray ended.
@@ -50,7 +57,7 @@ pub struct TrailHit {
 pub struct Segment {
     /// What it was cast for.
     pub kind: RayKind,
-    /// Index of the segment at whose end it starts; `None` for the camera's.
+    /// Index of the segment at whose end it starts; `None` for those from the camera and from a lamp.
     pub parent: Option<u32>,
     /// How many segments lie before it.
     pub depth: u32,
@@ -60,7 +67,7 @@ pub struct Segment {
     pub d: Vec3,
     /// Distance to where it ends: at a surface, or at a light; infinite for one that leaves the scene.
     pub distance: f32,
-    /// The surface that it met; for a shadow ray what is in the way.
+    /// The surface that it met; for a ray that joins two points what is in the way.
     pub hit: Option<TrailHit>,
     /// Index of refraction of what it travels through.
     pub eta: f32,
@@ -95,9 +102,10 @@ pub(crate) trait Witness: Default {
     /// The ray at hand finds light.
     fn found(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
 
-    /// A shadow ray was cast from the end of the ray at hand, and found light.
-    fn shadow(
+    /// A ray was cast from the end of the ray at hand to a known point, and found light.
+    fn joined(
         &mut self,
+        _kind: RayKind,
         _scene: &Scene,
         _ray: &Ray,
         _about: impl FnOnce() -> About,
@@ -116,6 +124,12 @@ pub(crate) trait Witness: Default {
 
     /// Makes a ray of before the one at hand, with its factor.
     fn back_to(&mut self, mark: Self::Mark);
+
+    /// Notes the ray at hand.
+    fn note(&mut self) {}
+
+    /// Makes the noted ray of this number, from 0, the one at hand.
+    fn back_to_noted(&mut self, _number: u32) {}
 }
 
 /// What an integrator knows of a ray beside its geometry.
@@ -146,6 +160,7 @@ pub struct Trail {
     left_out: usize,
     counters: RayCounters,
     place: Place,
+    noted: Vec<Place>,
     next: Option<RayKind>,
 }
 
@@ -233,8 +248,9 @@ impl Witness for Trail {
         self.add(self.place.segment, light());
     }
 
-    fn shadow(
+    fn joined(
         &mut self,
+        kind: RayKind,
         scene: &Scene,
         ray: &Ray,
         about: impl FnOnce() -> About,
@@ -245,7 +261,7 @@ impl Witness for Trail {
             Event::Surface(at) if light == [0.0; 3] => Some((TrailHit::of(scene, &at), at.hit.t)),
             _ => None,
         };
-        let segment = self.push(RayKind::Shadow, ray, in_the_way, about()).or(self.place.segment);
+        let segment = self.push(kind, ray, in_the_way, about()).or(self.place.segment);
         self.add(segment, light);
     }
 
@@ -266,6 +282,14 @@ impl Witness for Trail {
 
     fn back_to(&mut self, mark: Place) {
         self.place = mark;
+    }
+
+    fn note(&mut self) {
+        self.noted.push(self.place);
+    }
+
+    fn back_to_noted(&mut self, number: u32) {
+        self.place = self.noted.get(number as usize).copied().unwrap_or_default();
     }
 }
 

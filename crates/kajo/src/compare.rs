@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use kajo_image::colormap::magma;
 use kajo_image::metrics::{self, Comparison, DEFAULT_PIXELS_PER_DEGREE, Exposures};
 use kajo_image::{DecodeLimits, Decoded, Format, Image, ImageError, decode, difference};
 
@@ -84,6 +85,35 @@ impl Difference {
     }
 }
 
+/// Two renders and how far the light of one is from the other's.
+#[derive(Debug)]
+pub struct LightDifference {
+    /// Figures that compare number with number.
+    pub figures: Comparison,
+    /// `|a - b| / (|a| + |b|)` of each pixel, summed over its channels, in the colours of magma: black where the
+    /// pictures agree, pale yellow where one of them is black and the other is not.
+    pub map: Image,
+}
+
+impl LightDifference {
+    /// Compares the light of two pictures, linear RGB.
+    ///
+    /// # Errors
+    /// When they have different sizes, or there is no memory for the map.
+    pub fn between(reference: &Image, test: &Image) -> Result<LightDifference, CompareError> {
+        let figures = metrics::compare(reference, test)?;
+        let map = Image::from_fn(reference.width(), reference.height(), |x, y| {
+            let (a, b) = (reference.rgb(x, y), test.rgb(x, y));
+            let (apart, sum) = a
+                .iter()
+                .zip(b)
+                .fold((0.0, 0.0), |(apart, sum), (a, b)| (apart + (a - b).abs(), sum + a.abs() + b.abs()));
+            magma(if apart == 0.0 { 0.0 } else { apart / sum })
+        })?;
+        Ok(LightDifference { figures, map })
+    }
+}
+
 /// Reads a picture of any format kajo knows.
 ///
 /// # Errors
@@ -134,6 +164,19 @@ mod tests {
         assert!((other.figures.mse - 0.04 / 3.0).abs() < 1e-7 && other.mean_flip() > 0.0);
         assert_eq!((other.share_above(50.0).unwrap(), other.share_above(51.0).unwrap()), (1.0, 0.0));
         assert_eq!(other.picture().unwrap().channels(), 3);
+    }
+
+    #[test]
+    fn light_is_compared_by_shares() {
+        let of = |rgb: [f32; 3]| Image::filled(2, 2, &rgb).unwrap();
+        let (a, b) = (of([0.2, 0.4, 6.0]), of([0.2, 0.4, 2.0]));
+        let same = LightDifference::between(&a, &a).unwrap();
+        assert_eq!((same.figures.max_abs, same.map.rgb(1, 1)), (0.0, magma(0.0)));
+        let other = LightDifference::between(&a, &b).unwrap();
+        assert_eq!((other.figures.max_abs, other.map.rgb(0, 1)), (4.0, magma(4.0 / 9.2)));
+        let black = LightDifference::between(&a, &of([0.0; 3])).unwrap();
+        assert_eq!(black.map.rgb(0, 0), magma(1.0));
+        assert!(LightDifference::between(&a, &Image::filled(1, 1, &[0.0; 3]).unwrap()).is_err());
     }
 
     #[test]

@@ -46,6 +46,7 @@ pub mod selftest;
 pub mod session;
 mod settings;
 mod tev;
+pub mod turntable;
 mod view;
 
 pub use assets::{FsAssets, LoadProgress};
@@ -55,7 +56,7 @@ pub use denoise::{DENOISE_OUTPUTS, DenoiseError, Denoiser};
 pub use development::Development;
 pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{LoadOptions, Loaded, load, load_from};
-pub use render::{Passes, Picture, RenderError, Resources, Snapshot, render, render_passes};
+pub use render::{Passes, Picture, RenderError, Resources, Snapshot, render, render_passes, render_through};
 pub use settings::{Defaults, RenderSettings, SettingsError};
 pub use tev::Tev;
 pub use view::View;

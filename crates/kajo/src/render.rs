@@ -22,7 +22,7 @@ use crate::denoise::{DenoiseError, Denoiser};
 use crate::development::Development;
 use crate::output::{OutputError, Target};
 use crate::view::{self, Look, View};
-use crate::{RenderSettings, memory};
+use crate::{CameraPose, RenderSettings, memory};
 
 /// What may be used up, and in which pieces; none of it changes a bit of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -124,11 +124,37 @@ pub fn render(
     resources: &Resources,
     progress: &dyn Progress,
 ) -> Result<Picture, RenderError> {
+    render_from(&scene.camera, scene, settings, outputs, resources, progress)
+}
+
+/// As [`render`], through another camera than the scene's.
+///
+/// # Errors
+/// As there.
+pub fn render_through(
+    camera: &CameraPose,
+    scene: &Scene,
+    settings: &RenderSettings,
+    outputs: &[(View, Format)],
+    resources: &Resources,
+    progress: &dyn Progress,
+) -> Result<Picture, RenderError> {
+    render_from(camera.camera(), scene, settings, outputs, resources, progress)
+}
+
+fn render_from(
+    camera: &Camera,
+    scene: &Scene,
+    settings: &RenderSettings,
+    outputs: &[(View, Format)],
+    resources: &Resources,
+    progress: &dyn Progress,
+) -> Result<Picture, RenderError> {
     let layers = layers(scene, outputs, settings);
-    let spec = FilmSpec { one_pass: true, ..film_spec(&scene.camera, settings, layers) };
+    let spec = FilmSpec { one_pass: true, ..film_spec(camera, settings, layers) };
     check_memory(&spec, resources)?;
     let film = Film::new(spec, u64::MAX).map_err(RenderError::Film)?;
-    let integrator = integrator(scene, &scene.camera, settings, layers);
+    let integrator = integrator(scene, camera, settings, layers);
     let schedule = schedule(settings, resources);
     let result = kajo_render::render(&*integrator, &film, &schedule, progress);
     ended(result, |stats| Picture::new(film, scene, settings, None, stats))

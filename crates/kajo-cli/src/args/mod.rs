@@ -35,6 +35,7 @@ Examples:
   kajo render scene.txt -o out.png --size 1920 1080 --samples jittered 64
   kajo render scene.txt -o out.exr --aov depth --aov normals --aov object
   kajo -input scene.txt -output out.png -size 200 200 -depth 9 10 depth.png
+  kajo studio scene.txt                            opens the window
   kajo check scenes/*.txt                          reports every mistake, renders nothing
   kajo diff reference.png out.png --share 0.5      fails if more than 0.5 % of the pixels are off
 
@@ -50,7 +51,7 @@ Exit codes:
     name = "kajo",
     version,
     after_help = EXAMPLES,
-    override_usage = "kajo SCENE [OPTIONS]\n       kajo <COMMAND> ...\n       kajo -input SCENE -output FILE [CLASSIC OPTIONS]",
+    override_usage = "kajo SCENE [OPTIONS]\n       kajo\n       kajo <COMMAND> ...\n       kajo -input SCENE -output FILE [CLASSIC OPTIONS]",
     arg_required_else_help = true,
     args_override_self = true
 )]
@@ -81,6 +82,8 @@ pub enum Command {
     Bench(BenchArgs),
     /// Render scenes whose light is known by a formula, and compare
     Selftest(SelftestArgs),
+    /// Open the window: fly through a scene, trace it, edit it; `kajo` alone is short for it
+    Studio(StudioArgs),
     /// Print completions for a shell
     Completions(CompletionsArgs),
 }
@@ -96,6 +99,13 @@ pub struct CheckArgs {
     pub short: bool,
     #[command(flatten)]
     pub scene_args: SceneArgs,
+}
+
+/// `kajo studio`
+#[derive(Args, Debug, Default)]
+pub struct StudioArgs {
+    /// Scene file
+    pub scene: Option<PathBuf>,
 }
 
 /// `kajo info`

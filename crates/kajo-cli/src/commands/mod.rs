@@ -4,6 +4,7 @@ mod bench;
 mod diff;
 mod info;
 mod selftest;
+mod studio;
 
 use std::path::Path;
 
@@ -14,6 +15,7 @@ pub use bench::bench;
 pub use diff::diff;
 pub use info::info;
 pub use selftest::selftest;
+pub use studio::{alone, studio};
 
 use crate::args::{CheckArgs, Cli, RunArgs};
 use crate::console;

@@ -13,7 +13,12 @@ use crate::family::Pooled;
 use crate::light::{DirectionalLight, LightId, Lights, PhotometricLight, Photometry, PointLight, SpotLight};
 
 const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
-const LATER: [&str; 3] = ["AreaLight", "EnvironmentLight", "SunSky"];
+/// Words of other programs for lights that are written elsewhere here, and where that is.
+const ELSEWHERE: [(&str, &str); 3] = [
+    ("AreaLight", "any object gives light whose material has an emission: `Matte lamp { emission 5 }`"),
+    ("EnvironmentLight", "write it around the scene: `Background { environment \"sky.exr\" }`"),
+    ("SunSky", "write it around the scene: `Background { sky { } }`"),
+];
 
 /// Bytes of the largest file of intensities.
 const LARGEST_IES_FILE: u64 = 16 << 20;
@@ -21,9 +26,16 @@ const LARGEST_IES_FILE: u64 = 16 << 20;
 impl Compiler<'_> {
     pub(super) fn lights(&mut self, item: Item<'_>) {
         let mut params = Params::new(item, self.diagnostics);
-        params.later(&LATER);
         let count = params.block("numLights");
         let lights = params.take(&KEYWORDS);
+        for (word, place) in ELSEWHERE {
+            for item in params.take(&[word]) {
+                let error = Diagnostic::error(format!("`{word}` is no word of this language"));
+                params
+                    .diagnostics()
+                    .push(error.label(item.keyword_span(), "not a light of its own").help(place));
+            }
+        }
         params.finish();
         // A misspelt light was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();

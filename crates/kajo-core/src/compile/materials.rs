@@ -12,21 +12,23 @@ use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Item, Params, Span, nearest};
 
 use super::emitters::{Glow, read_glow};
+use super::light_groups::LightGroups;
 use super::physical::{PHYSICAL, Physical};
 use super::spectra::{SpectrumReader, Written};
 use super::{Compiler, transform};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
-use crate::material::{Blend, MaterialId, PhongMaterial};
-use crate::texture::{Checker, Marble, Noise, TextureId, Wood};
+use crate::material::{Blend, MaterialId, Perforated, PhongMaterial};
+use crate::texture::{Checker, Constant, Marble, Noise, TextureId, Wood};
 
-const KEYWORDS: [&str; 10] = [
+const KEYWORDS: [&str; 11] = [
     "Checkerboard",
     "Glass",
     "Marble",
     "Material",
     "Matte",
     "Metal",
+    "Mix",
     "Noise",
     "PhongMaterial",
     "Principled",
@@ -41,9 +43,16 @@ const OPAQUE: f32 = 1e30;
 
 /// A material as it is written, before its references are followed.
 enum Draft<'t> {
-    Phong(PhongMaterial, Option<Glow>),
-    Physical(Physical, Option<Glow>),
+    Phong(PhongMaterial, Extras),
+    Physical(Physical, Extras),
     Blend { pattern: TextureId, pattern_from_world: Affine3A, parts: [Reference<'t>; 2], place: Span },
+}
+
+/// What any material of its own may have besides.
+struct Extras {
+    glow: Option<Glow>,
+    /// Less than 1 for a material with holes, and where that is said.
+    opacity: Option<(f32, Span)>,
 }
 
 /// Another material, by number or name.
@@ -130,24 +139,26 @@ impl Compiler<'_> {
             let spectra = self.spectra();
             let mut params = Params::new(item, self.diagnostics);
             let phong = read_phong(&mut params, spectra, reflects_specular);
-            let glow = read_glow(&mut params, spectra, &mut self.light_groups);
+            let extras = Extras::read(&mut params, spectra, &mut self.light_groups);
             params.finish();
-            return Some(Draft::Phong(phong, glow));
+            return Some(Draft::Phong(phong, extras));
         }
         if PHYSICAL.contains(&keyword) {
             let spectra = self.spectra();
             let mut params = Params::new(item, self.diagnostics);
-            let physical = Physical::read(keyword, &mut params);
-            let glow = read_glow(&mut params, spectra, &mut self.light_groups);
+            let physical = Physical::read(keyword, &mut params, spectra);
+            let extras = Extras::read(&mut params, spectra, &mut self.light_groups);
             params.finish();
-            return Some(Draft::Physical(physical?, glow));
+            return Some(Draft::Physical(physical?, extras));
         }
         let by_rows = self.rules.matrix_by_rows;
         let mut params = Params::new(item, self.diagnostics);
         params.name();
         let transform = params.block("Transform");
         let parts = params.take(&["materialIndex"]);
-        let shape = (keyword != "Checkerboard").then(|| Turbulence::read(&mut params, keyword));
+        let amount = (keyword == "Mix").then(|| params.or("amount", 0.5, |args| args.number_in(0.0..=1.0)));
+        let is_noisy = !matches!(keyword, "Checkerboard" | "Mix");
+        let shape = is_noisy.then(|| Turbulence::read(&mut params, keyword));
         params.finish();
         let parts: Vec<_> = parts
             .into_iter()
@@ -163,6 +174,7 @@ impl Compiler<'_> {
         };
         let textures = &mut self.textures;
         let pattern = match shape {
+            None if let Some(value) = amount => Constant { value }.store(textures),
             None => Checker.store(textures),
             Some(Turbulence { octaves, .. }) if keyword == "Noise" => Noise { octaves }.store(textures),
             Some(Turbulence { octaves, frequency, amplitude }) if keyword == "Marble" => {
@@ -188,15 +200,13 @@ impl Compiler<'_> {
         }
         let state = match &drafts[i].0 {
             None => State::Failed,
-            Some(Draft::Phong(phong, glow)) => {
+            Some(Draft::Phong(phong, extras)) => {
                 let id = phong.clone().store(&mut self.materials);
-                self.glows.extend(id.zip(glow.clone()));
-                id.map_or(State::Failed, |id| State::Done(id, 1))
+                self.with_extras(id, extras)
             }
-            Some(Draft::Physical(physical, glow)) => {
+            Some(Draft::Physical(physical, extras)) => {
                 let id = physical.store(&mut self.materials);
-                self.glows.extend(id.zip(glow.clone()));
-                id.map_or(State::Failed, |id| State::Done(id, 1))
+                self.with_extras(id, extras)
             }
             Some(Draft::Blend { pattern, pattern_from_world, parts, place }) => {
                 if matches!(states[i], State::Open) {
@@ -234,6 +244,26 @@ impl Compiler<'_> {
         };
         states[i] = state;
         state
+    }
+
+    /// A material with its light and its holes.
+    fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras) -> State {
+        let Some(inner) = id else { return State::Failed };
+        let mut id = inner;
+        if let Some((opacity, place)) = extras.opacity.filter(|(opacity, _)| *opacity < 1.0) {
+            if self.materials.may_transmit(inner, &self.materials) {
+                let error =
+                    Diagnostic::error("light passes this material anyway, so that it can have no holes");
+                self.diagnostics.push(error.label(place, "`opacity` is for opaque materials"));
+                return State::Failed;
+            }
+            let Some(perforated) = Perforated { material: inner, opacity }.store(&mut self.materials) else {
+                return State::Failed;
+            };
+            id = perforated;
+        }
+        self.glows.extend(extras.glow.clone().map(|glow| (id, glow)));
+        State::Done(id, 1)
     }
 
     fn priced(&mut self, blend: Blend, cost: u32, place: Span) -> State {
@@ -282,6 +312,15 @@ impl Compiler<'_> {
             self.diagnostics.push(Diagnostic::error(message).label(place, "asked for here").help(help));
         }
         found
+    }
+}
+
+impl Extras {
+    fn read(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>, groups: &mut LightGroups) -> Extras {
+        let glow = read_glow(params, spectra, groups);
+        let opacity =
+            params.optional("opacity", |args| Ok((args.number_in(0.0..=1.0)?, args.item().head_span())));
+        Extras { glow, opacity }
     }
 }
 

@@ -259,6 +259,7 @@ impl<'a> Compiler<'a> {
             transforms: self.transforms,
             motions: self.motions,
             transmits: self.primitives.iter().any(|p| p.transmits),
+            has_holes: !self.materials.perforated.is_empty(),
             primitives: self.primitives,
             objects: self.objects,
             materials: self.materials,
@@ -305,5 +306,7 @@ impl<'a> Compiler<'a> {
 
 #[cfg(test)]
 mod camera_tests;
+#[cfg(test)]
+mod motion_tests;
 #[cfg(test)]
 mod tests;

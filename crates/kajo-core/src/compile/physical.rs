@@ -4,6 +4,7 @@ use kajo_color::{Reflectance, dispersion::Dispersion, named};
 use kajo_math::Vec3;
 use kajo_scene::{Args, Diagnostic, Params, nearest};
 
+use super::spectra::{SpectrumReader, Written};
 use crate::bsdf::microfacet::Shape;
 use crate::family::Pooled;
 use crate::material::{
@@ -23,16 +24,20 @@ pub(super) enum Physical {
 
 impl Physical {
     /// Reads the block that the keyword began, all but what every material has.
-    pub(super) fn read(keyword: &str, params: &mut Params<'_, '_>) -> Option<Physical> {
+    pub(super) fn read(
+        keyword: &str,
+        params: &mut Params<'_, '_>,
+        spectra: SpectrumReader<'_>,
+    ) -> Option<Physical> {
         params.name();
         match keyword {
             "Glass" => glass(params).map(|settings| Physical::Glass(settings.into())),
             "Matte" => {
-                let color = color(params, "color", 0.8);
-                Some(Physical::Matte(Matte::new(color.to_array(), share(params, "roughness", 0.0))))
+                let color = reflectance(params, spectra, "color", 0.8);
+                Some(Physical::Matte(Matte::new(color, share(params, "roughness", 0.0))))
             }
-            "Metal" => metal(params).map(Physical::Metal),
-            _ => Some(Physical::Layered(Box::new(layers(params).into()))),
+            "Metal" => metal(params, spectra).map(Physical::Metal),
+            _ => Some(Physical::Layered(Box::new(layers(params, spectra).into()))),
         }
     }
 
@@ -50,20 +55,22 @@ fn share(params: &mut Params<'_, '_>, key: &'static str, default: f32) -> f32 {
     params.or(key, default, |args| args.number_in(0.0..=1.0))
 }
 
-/// A colour whose components are shares of light.
-fn color(params: &mut Params<'_, '_>, key: &'static str, default: f32) -> Vec3 {
+/// A colour whose components are shares of light, or a measured spectrum of such.
+fn reflectance(
+    params: &mut Params<'_, '_>,
+    spectra: SpectrumReader<'_>,
+    key: &'static str,
+    default: f32,
+) -> Reflectance {
     let read = |args: &mut Args<'_>| {
-        let color = args.vec3()?;
-        if color.min_element() < 0.0 || color.max_element() > 1.0 {
-            return Err(args.error("a share of light is between 0 and 1"));
+        let Written { rgb, value } = spectra.reflectance(args)?;
+        // A measured one has been checked, and its colour may be none of the screen's.
+        if value.rgb() == rgb.to_rgb() || rgb.to_rgb().iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Ok(value);
         }
-        Ok(color)
+        Err(args.error("a share of light is between 0 and 1"))
     };
-    params.or(key, Vec3::splat(default), read)
-}
-
-fn reflectance(params: &mut Params<'_, '_>, key: &'static str, default: f32) -> Reflectance {
-    Reflectance::from_rgb(color(params, key, default).to_array())
+    params.optional(key, read).unwrap_or_else(|| Reflectance::from_rgb([default; 3]))
 }
 
 fn shape(params: &mut Params<'_, '_>) -> Shape {
@@ -86,9 +93,9 @@ fn by_name<T>(
     })
 }
 
-fn metal(params: &mut Params<'_, '_>) -> Option<Metal> {
+fn metal(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<Metal> {
     let measured = params.optional("metal", |args| by_name(args, named::metal, named::METALS.into_iter()));
-    let color = reflectance(params, "color", 0.9);
+    let color = reflectance(params, spectra, "color", 0.9);
     let substance = measured.map_or(Substance::Color(color), Substance::Measured);
     let (shape, roughness) = (shape(params), share(params, "roughness", 0.0));
     Some(Metal::new(substance, shape, roughness))
@@ -124,23 +131,23 @@ fn glass(params: &mut Params<'_, '_>) -> Option<GlassSettings> {
     })
 }
 
-fn layers(params: &mut Params<'_, '_>) -> Layers {
+fn layers(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Layers {
     let index =
         |params: &mut Params<'_, '_>, key, default| params.or(key, default, |args| args.number_in(1.0..=4.0));
     Layers {
-        color: reflectance(params, "color", 0.8),
-        specular_color: reflectance(params, "specularColor", 1.0),
+        color: reflectance(params, spectra, "color", 0.8),
+        specular_color: reflectance(params, spectra, "specularColor", 1.0),
         metalness: share(params, "metalness", 0.0),
         transmission: share(params, "transmission", 0.0),
         roughness: share(params, "roughness", 0.3),
         diffuse_roughness: share(params, "diffuseRoughness", 0.0),
         eta: index(params, "indexOfRefraction", 1.5),
         coat: share(params, "coat", 0.0),
-        coat_color: reflectance(params, "coatColor", 1.0),
+        coat_color: reflectance(params, spectra, "coatColor", 1.0),
         coat_roughness: share(params, "coatRoughness", 0.0),
         coat_eta: index(params, "coatIndexOfRefraction", 1.6),
         fuzz: share(params, "fuzz", 0.0),
-        fuzz_color: reflectance(params, "fuzzColor", 1.0),
+        fuzz_color: reflectance(params, spectra, "fuzzColor", 1.0),
         fuzz_roughness: share(params, "fuzzRoughness", 0.5),
         priority: params.or("priority", 0, |args| args.int_in(-1000..=1000)) as i32,
     }

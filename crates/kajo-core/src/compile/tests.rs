@@ -10,7 +10,7 @@ const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 
 const RED: &str = "Materials { Material red { diffuseColor 1 0 0 } Material { diffuseColor 0 1 0 } }\n";
 
 /// The scene of a text, and everything said about it.
-fn compiled(text: &str) -> (Option<Scene>, Vec<(Severity, String)>) {
+pub(super) fn compiled(text: &str) -> (Option<Scene>, Vec<(Severity, String)>) {
     compiled_as(text, None)
 }
 
@@ -23,7 +23,7 @@ fn compiled_as(text: &str, dialect: Option<Dialect>) -> (Option<Scene>, Vec<(Sev
     (scene, said)
 }
 
-fn scene(text: &str) -> Scene {
+pub(super) fn scene(text: &str) -> Scene {
     let (scene, said) = compiled(text);
     scene.unwrap_or_else(|| panic!("{text}\n{said:?}"))
 }
@@ -350,7 +350,9 @@ fn one_mistake_is_reported_once() {
     let misspelt = errors(&format!("{RED}Group {{ numObjects 1 MaterialIndex 0 Spere {{ radius 1 }} }}"));
     assert_eq!(misspelt, ["unknown word `Spere` in `Group`"]);
     let later = errors(&format!("{RED}Lights {{ numLights 1 SunSky {{ }} }}"));
-    assert_eq!(later, ["`SunSky` is not supported yet"]);
+    assert_eq!(later, ["`SunSky` is no word of this language"]);
+    let clear = errors("Materials { Principled { transmission 1  opacity 0.5 } }");
+    assert_eq!(clear, ["light passes this material anyway, so that it can have no holes"]);
     let misspelt = errors("Materials { numMaterials 1 Matarial { } }");
     assert_eq!(misspelt, ["unknown word `Matarial` in `Materials`"]);
     for index in ["7", "nobody", "-1"] {

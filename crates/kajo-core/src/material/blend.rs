@@ -1,9 +1,10 @@
-//! Two materials mixed by a pattern: the classic `Checkerboard`, `Noise`, `Marble` and `Wood`.
+//! Two materials mixed by a pattern: the classic `Checkerboard`, `Noise`, `Marble` and `Wood`, or evenly: `Mix`.
 //!
 //! The pattern is evaluated at `Transform * p`, `p` the world-space point, and every property
 //! of the two materials is mixed, the index of refraction too.
 //!
 //! Scene: `Checkerboard { Transform { UniformScale 2 }  materialIndex 0  materialIndex 1 }`
+//! Scene: `Mix { amount 0.3  materialIndex 0  materialIndex 1 }`
 
 use kajo_math::{Affine3A, Vec3};
 
@@ -43,6 +44,12 @@ impl Appearance for Blend {
         let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
         let at = ShadingPoint { u: u.min(1.0f32.next_down()), ..*at };
         materials.bsdf(part, materials, textures, &at)
+    }
+
+    fn opacity(&self, materials: &Materials, textures: &Textures, p: Vec3) -> f32 {
+        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(p)).clamp(0.0, 1.0);
+        let [first, second] = self.materials.map(|m| materials.opacity(m, materials, textures, p));
+        first * (1.0 - t) + second * t
     }
 
     fn is_mixture(&self) -> bool {

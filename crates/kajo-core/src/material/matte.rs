@@ -21,11 +21,11 @@ pub struct Matte {
 }
 
 impl Matte {
-    /// * `rgb`: albedo in linear RGB; `roughness`: in [0, 1]
-    pub fn new(rgb: [f32; 3], roughness: f32) -> Matte {
-        let diffuse = Vec3::from(rgb).into();
+    /// * `color`: albedo; `roughness`: in [0, 1]
+    pub fn new(color: Reflectance, roughness: f32) -> Matte {
+        let diffuse = Vec3::from(color.rgb()).into();
         let classic = Phong { ambient: diffuse, diffuse, ..Phong::BLACK };
-        Matte { color: Reflectance::from_rgb(rgb), roughness, classic }
+        Matte { color, roughness, classic }
     }
 }
 

@@ -4,6 +4,7 @@ mod blend;
 mod glass;
 mod matte;
 mod metal;
+mod perforated;
 mod phong;
 mod principled;
 
@@ -11,6 +12,7 @@ pub use blend::Blend;
 pub use glass::{Glass, GlassSettings};
 pub use matte::Matte;
 pub use metal::{Metal, Substance};
+pub use perforated::Perforated;
 pub use phong::PhongMaterial;
 pub use principled::{LayeredMaterial, Layers};
 
@@ -70,6 +72,12 @@ pub trait Appearance {
         false
     }
 
+    /// The share of the surface that is there at the world-space point `p`; the rest is holes, where
+    /// [`Appearance::bsdf`] answers with [`Bsdf::Null`].
+    fn opacity(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> f32 {
+        1.0
+    }
+
     /// What is behind the surface, for materials that refract.
     fn interior(&self, _wavelengths: &Wavelengths) -> Option<Interior> {
         None
@@ -88,6 +96,7 @@ family! {
         layered: LayeredMaterial,
         mattes: Matte,
         metals: Metal,
+        perforated: Perforated,
         phongs: PhongMaterial,
     }
     methods {
@@ -101,6 +110,8 @@ family! {
         fn bsdf(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf;
         /// See [`Appearance::is_mixture`].
         fn is_mixture() -> bool;
+        /// See [`Appearance::opacity`].
+        fn opacity(materials: &Materials, textures: &Textures, p: Vec3) -> f32;
         /// See [`Appearance::interior`].
         fn interior(wavelengths: &Wavelengths) -> Option<Interior>;
     }

@@ -1,11 +1,13 @@
 //! Patterns: numbers in [0, 1] that vary over space.
 
 mod checker;
+mod constant;
 mod marble;
 mod noise;
 mod wood;
 
 pub use checker::Checker;
+pub use constant::Constant;
 pub use marble::Marble;
 pub use noise::Noise;
 pub use wood::Wood;
@@ -28,6 +30,7 @@ family! {
     contract Pattern;
     members {
         checkers: Checker,
+        constants: Constant,
         marbles: Marble,
         noises: Noise,
         woods: Wood,

@@ -13,7 +13,7 @@ use kajo_core::scene::{Event, Scene};
 use kajo_math::{Frame, Vec2, warp};
 
 use super::view::View;
-use crate::trail::{About, Witness};
+use crate::trail::{About, RayKind, Witness};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 
 /// The ambient occlusion integrator over one scene and one picture size.
@@ -55,9 +55,8 @@ impl AmbientOcclusion<'_> {
         // Below the true surface of a shading normal there is only that surface.
         let below = wi.dot(at.point.ng) * ray.d.dot(at.point.ng) > 0.0;
         let shadow = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
-        let hidden = below || scene.occluded(&shadow);
-        let open = if hidden { 0.0 } else { 1.0 };
-        witness.shadow(scene, &shadow, about, || [open; 3]);
+        let open = if below { 0.0 } else { scene.visibility(&shadow) };
+        witness.joined(RayKind::Shadow, scene, &shadow, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];
         PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at, &mut ctx.aux)) }
     }

@@ -4,10 +4,8 @@
 //! inside a body of higher priority than its own is not: light passes it as if it were nothing
 //! [Schmidt and Budge 2002]. Of bodies of equal priority the one entered last is there.
 
-use kajo_color::{Spectrum, Wavelengths};
+use kajo_color::Spectrum;
 use kajo_core::material::Interior;
-use kajo_core::scene::Scene;
-use kajo_math::Ray;
 
 /// More bodies than this around one point are forgotten, the outermost first.
 const MOST: usize = 8;
@@ -40,30 +38,6 @@ impl Boundary {
 }
 
 impl Bodies {
-    /// The bodies around the start of a ray: those that it leaves more often than it enters them.
-    pub fn around(scene: &Scene, ray: &Ray, wavelengths: &Wavelengths) -> Bodies {
-        let mut met: [Option<(u32, Interior, i32, f32)>; MOST] = [None; MOST];
-        scene.crossings(ray, |primitive, hit| {
-            let at = scene.interaction(ray, primitive, hit);
-            let Some(interior) = scene.interior(&at, wavelengths) else { return };
-            let Some(body) = met.iter_mut().find(|body| body.is_none_or(|body| body.0 == primitive)) else {
-                return;
-            };
-            let (_, _, exits, farthest) = body.get_or_insert((primitive, interior, 0, 0.0));
-            *exits += if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
-            *farthest = farthest.max(hit.t);
-        });
-        let mut around = Bodies::default();
-        // The one that ends last was entered first.
-        met.sort_by(|a, b| b.map_or(0.0, |b| b.3).total_cmp(&a.map_or(0.0, |a| a.3)));
-        for (primitive, interior, exits, _) in met.into_iter().flatten() {
-            if exits > 0 {
-                around = around.with(primitive, interior);
-            }
-        }
-        around
-    }
-
     /// What is around the point.
     fn top(&self) -> Option<Interior> {
         let bodies = self.list[..self.len].iter().flatten().map(|body| body.1);

@@ -221,7 +221,9 @@ impl<'a> Classic<'a> {
                     let white = phong.shade(n, wo, wi, Spectrum::WHITE, self.settings.highlight);
                     About { eta, weight: (weight * white).to_rgb() }
                 };
-                witness.shadow(self.scene, &shadow_ray, about, || (carried().1 * arriving).to_rgb());
+                witness.joined(RayKind::Shadow, self.scene, &shadow_ray, about, || {
+                    (carried().1 * arriving).to_rgb()
+                });
                 light += arriving;
             }
         }

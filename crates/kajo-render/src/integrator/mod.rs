@@ -15,4 +15,6 @@ pub use classic::{Classic, ClassicSettings};
 pub use path::{Path, PathSettings};
 
 #[cfg(test)]
+mod motion_tests;
+#[cfg(test)]
 mod tests;

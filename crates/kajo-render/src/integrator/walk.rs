@@ -140,7 +140,9 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
                 continue;
             }
             self.meet_lamp(&at);
-            if self.ends_at_lamps || !self.scatter(&at, boundary.as_ref()) {
+            // The last surface may be a hole.
+            let is_last = self.ends_at_lamps && !self.scene().has_holes;
+            if is_last || !self.scatter(&at, boundary.as_ref()) {
                 return;
             }
         }
@@ -218,6 +220,13 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         let eta_outside = boundary.map_or(1.0, |boundary| boundary.eta_outside);
         let u = self.draws.number_if(self.scene().is_mixture(at));
         let bsdf = self.scene().bsdf(at, &self.wavelengths, eta_outside, u);
+        if let Bsdf::Null = bsdf {
+            self.pass(at);
+            return true;
+        }
+        if self.ends_at_lamps {
+            return false;
+        }
         let local = Local::new(at, self.ray.d);
         if self.albedo.is_none() && self.view.wants_albedo() && !bsdf.is_delta() {
             self.albedo = Some(bsdf.albedo(local.wo));
@@ -244,6 +253,14 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             }
         }
         self.go_on(at, &bsdf, &local, boundary, Part::Mirror)
+    }
+
+    /// Goes straight on, as if there were no surface.
+    fn pass(&mut self, at: &Interaction) {
+        if self.bounces == 0 {
+            self.first = None;
+        }
+        self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
     }
 
     /// Path `i` of `n` like this one from here on.
@@ -354,8 +371,9 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         let weight_of_lamp = self.throughput * scattered;
         let (bodies, wavelengths) = (&self.bodies, &self.wavelengths);
         let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight_of_lamp, wavelengths) };
-        if self.scene().occluded(&shadow_ray) {
-            self.witness.shadow(self.view.scene, &shadow_ray, about, || [0.0; 3]);
+        let visible = self.scene().visibility(&shadow_ray);
+        if visible == 0.0 {
+            self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || [0.0; 3]);
             return;
         }
         let weight = match settings.technique {
@@ -364,8 +382,10 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             }
             _ => 1.0,
         };
-        let light = weight_of_lamp * lamp.radiance * (weight / lamp.pdf);
-        self.witness.shadow(self.view.scene, &shadow_ray, about, || sensor::to_rgb(light, wavelengths));
+        let light = weight_of_lamp * lamp.radiance * (visible * weight / lamp.pdf);
+        self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || {
+            sensor::to_rgb(light, wavelengths)
+        });
         self.add(light, lamp.group);
     }
 

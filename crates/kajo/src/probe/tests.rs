@@ -47,7 +47,7 @@ fn settings(scene: &Scene, asked: Settings) -> RenderSettings {
 
 /// Each integrator and each of its ways to follow light.
 fn ways() -> Vec<Settings> {
-    use IntegratorKind::{Classic, Direct, Distribution, Occlusion, Path};
+    use IntegratorKind::{Bidirectional, Classic, Direct, Distribution, Light, Occlusion, Path};
     let of = |kind| Settings { integrator: Some(kind), ..Settings::default() };
     vec![
         Settings { bounces: Some(4), ..of(Classic) },
@@ -65,6 +65,9 @@ fn ways() -> Vec<Settings> {
         of(Direct),
         Settings { branches: Some(5), bounces: Some(2), ..of(Distribution) },
         Settings { reach: Some(2.0), ..of(Occlusion) },
+        of(Bidirectional),
+        Settings { spectral: Some(true), ..of(Bidirectional) },
+        of(Light),
     ]
 }
 
@@ -110,7 +113,12 @@ fn contributions_add_up_to_the_sample() {
             }
             _ => vec![RayKind::Camera, RayKind::Reflected, RayKind::Transmitted, RayKind::Scattered],
         };
-        assert!(expected.iter().all(|kind| kinds.contains(kind)), "{settings:?}");
+        let from_lamps = match settings.integrator {
+            IntegratorKind::Bidirectional => vec![RayKind::Lamp, RayKind::Connection, RayKind::Splat],
+            IntegratorKind::Light => vec![RayKind::Lamp, RayKind::Splat],
+            _ => vec![],
+        };
+        assert!(expected.iter().chain(&from_lamps).all(|kind| kinds.contains(kind)), "{settings:?}");
     }
 }
 
@@ -124,8 +132,8 @@ fn segments_hang_together() {
         for i in 0..60 {
             let place = DVec2::new(2.0 * f64::from(i) + 0.5, 20.0 + f64::from(i % 50));
             let debug = debug_ray(&scene, &settings, &camera, place, 0);
-            let cast = debug.segments.iter().filter(|segment| segment.kind != RayKind::Shadow).count();
-            assert!(debug.rays.camera == 1 && debug.left_out == 0 && cast > 0);
+            let cast = debug.segments.iter().filter(|segment| segment.kind == RayKind::Camera).count();
+            assert!(debug.rays.camera == 1 && debug.left_out == 0 && cast == 1);
             for (index, segment) in debug.segments.iter().enumerate() {
                 let end = segment.from + segment.distance * segment.d;
                 if let Some(hit) = segment.hit {
@@ -133,16 +141,19 @@ fn segments_hang_together() {
                     assert!((1..=5).contains(&hit.object) && (1..=5).contains(&hit.material));
                 }
                 let way = debug.way_to(index);
-                assert_eq!((way.len() as u32, way[0], way.last()), (segment.depth + 1, 0, Some(&index)));
+                assert_eq!((way.len() as u32, way.last()), (segment.depth + 1, Some(&index)));
                 let Some(parent) = segment.parent else {
-                    assert_eq!((index, segment.kind), (0, RayKind::Camera));
-                    assert!(settings.path.spectral || segment.weight == [1.0; 3]);
+                    assert!(segment.kind == RayKind::Camera || (segment.kind == RayKind::Lamp && index == 0));
+                    assert_eq!(way[0], index);
+                    let is_camera = segment.kind == RayKind::Camera;
+                    assert!(!is_camera || settings.path.spectral || segment.weight == [1.0; 3]);
                     continue;
                 };
                 let before = &debug.segments[parent as usize];
                 let start = before.hit.expect("rays go on from surfaces").p;
                 assert!(segment.from.distance(start) < 1e-4, "{segment:?} after {before:?}");
-                assert!(before.kind != RayKind::Shadow && (parent as usize) < index);
+                let ends = [RayKind::Shadow, RayKind::Connection, RayKind::Splat];
+                assert!(!ends.contains(&before.kind) && (parent as usize) < index);
             }
         }
     }

@@ -1,16 +1,16 @@
 //! The ends of paths, and what joins them.
 
-use kajo_color::Wavelengths;
+use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::light::{EmissionPdf, LightSample, Target};
 use kajo_core::sampler::Draws;
 use kajo_core::scene::Interaction;
-use kajo_math::{Vec2, Vec3};
+use kajo_math::{Ray, Vec2, Vec3};
 
 use super::rivals::{Rivals, square, weight};
 use super::vertex::Vertex;
 use super::walk::Walk;
 use super::{Bidirectional, Found};
-use crate::RayCounters;
+use crate::trail::{About, RayKind, Witness};
 
 /// Densities of the lamp's end of a path and of the way to the next point, the geometry there left out. Of a lamp
 /// infinitely far away the direction is its end.
@@ -38,7 +38,12 @@ impl Bidirectional<'_> {
     /// `s = 0`: the glow of a surface that the camera's path meets.
     ///
     /// * `from`: the point before, `None` where that is the lens
-    pub(super) fn meet(&self, walk: &Walk<'_, '_>, at: &Interaction, from: Option<&Vertex>) -> Option<Found> {
+    pub(super) fn meet(
+        &self,
+        walk: &Walk<'_, '_, impl Witness>,
+        at: &Interaction,
+        from: Option<&Vertex>,
+    ) -> Option<Found> {
         let glow = self.scene().glow(at, walk.ray.d, &walk.wavelengths)?;
         let weight = from.map_or(1.0, |from| {
             let (p, n, wi) = (at.point.p, at.point.ng, walk.ray.d.normalize_or_zero());
@@ -52,7 +57,7 @@ impl Bidirectional<'_> {
     }
 
     /// `s = 0`: the background that the camera's path comes to.
-    pub(super) fn leave(&self, walk: &Walk<'_, '_>, from: Option<&Vertex>) -> Option<Found> {
+    pub(super) fn leave(&self, walk: &Walk<'_, '_, impl Witness>, from: Option<&Vertex>) -> Option<Found> {
         let scene = self.scene();
         let wi = walk.ray.d;
         let radiance = scene.background.radiance(wi, &walk.wavelengths);
@@ -70,7 +75,7 @@ impl Bidirectional<'_> {
     /// `s = 1`: a lamp drawn for a point of the camera's path.
     pub(super) fn light(
         &self,
-        rays: &mut RayCounters,
+        witness: &mut impl Witness,
         draws: &mut Draws<'_>,
         z: &Vertex,
         (wavelengths, time): (&Wavelengths, f32),
@@ -86,8 +91,11 @@ impl Bidirectional<'_> {
         if radiance.is_black() || scattered.is_black() {
             return None;
         }
-        rays.shadow += 1;
-        if scene.occluded(&z.at.ray_to_light(&sample, time)) {
+        witness.counters().shadow += 1;
+        let shadow_ray = z.at.ray_to_light(&sample, time);
+        let carried = (z.beta * scattered, wavelengths);
+        if scene.occluded(&shadow_ray) {
+            self.tell(witness, RayKind::Shadow, &shadow_ray, carried, None);
             return None;
         }
         let (p, distance) = match target {
@@ -100,24 +108,26 @@ impl Bidirectional<'_> {
         let drawn = pdf * spread(&target, wi, distance * distance);
         let met = if is_delta { 0.0 } else { square(z.pdf(z.back, wi) / pdf) };
         let before = square(end / drawn) * z.rivals.sum(rest * z.cosine(wi) * thinning, z.pdf(wi, z.back));
-        Some(Found {
+        let found = Found {
             way: [1, t],
             light: z.beta * scattered * radiance * z.transmittance(wi, distance) * (1.0 / pdf),
             weight: weight(met, before),
             is_single: z.is_single,
             group: sample.group,
             raster: None,
-        })
+        };
+        self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(&found));
+        Some(found)
     }
 
     /// `s > 1, t > 1`: two points that see each other.
     pub(super) fn join(
         &self,
-        rays: &mut RayCounters,
+        witness: &mut impl Witness,
         y: &Vertex,
         z: &Vertex,
         way: [u32; 2],
-        time: f32,
+        (wavelengths, time): (&Wavelengths, f32),
     ) -> Option<Found> {
         let distance2 = y.at.p.distance_squared(z.at.p);
         if y.bsdf.is_delta() || distance2 == 0.0 {
@@ -129,23 +139,28 @@ impl Bidirectional<'_> {
         if scattered.is_black() {
             return None;
         }
-        rays.shadow += 1;
+        witness.counters().shadow += 1;
         let target = Target::Surface { p: y.at.p, p_error: y.at.p_error, n: y.at.ng };
-        if self.scene().occluded(&z.at.ray_to(&target, wi, time)) {
+        let way_there = z.at.ray_to(&target, wi, time);
+        let carried = (z.beta * scattered, wavelengths);
+        if self.scene().occluded(&way_there) {
+            self.tell(witness, RayKind::Connection, &way_there, carried, None);
             return None;
         }
         let by_camera = z.pdf(z.back, wi) * y.cosine(wi) / distance2;
         let by_lamp = y.pdf(y.back, -wi) * z.cosine(wi) / distance2;
         let lamp_side = y.rivals.sum(by_camera, y.pdf(-wi, y.back));
         let camera_side = z.rivals.sum(by_lamp, z.pdf(wi, z.back));
-        Some(Found {
+        let found = Found {
             way,
             light: y.beta * scattered * z.beta * z.transmittance(wi, distance) * (1.0 / distance2),
             weight: weight(lamp_side, camera_side),
             is_single: y.is_single || z.is_single,
             group: y.group,
             raster: None,
-        })
+        };
+        self.tell(witness, RayKind::Connection, &way_there, carried, Some(&found));
+        Some(found)
     }
 
     /// `t = 1`: a point of the lamp's path that the camera sees.
@@ -153,11 +168,11 @@ impl Bidirectional<'_> {
     /// * `lens`: uniform in [0, 1)²
     pub(super) fn see(
         &self,
-        rays: &mut RayCounters,
+        witness: &mut impl Witness,
         y: &Vertex,
         way: [u32; 2],
         lens: Vec2,
-        time: f32,
+        (wavelengths, time): (&Wavelengths, f32),
     ) -> Option<Found> {
         if y.bsdf.is_delta() {
             return None;
@@ -167,10 +182,12 @@ impl Bidirectional<'_> {
         if scattered.is_black() {
             return None;
         }
-        rays.shadow += 1;
+        witness.counters().shadow += 1;
         let is_parallel = to.distance.is_infinite();
         let target = if is_parallel { Target::Infinity } else { Target::Point(y.at.p + to.distance * to.wi) };
-        if self.scene().occluded(&y.at.ray_to(&target, to.wi, time)) {
+        let way_there = y.at.ray_to(&target, to.wi, time);
+        self.tell(witness, RayKind::Splat, &way_there, (y.beta * scattered, wavelengths), None);
+        if self.scene().occluded(&way_there) {
             return None;
         }
         let rivals = || y.rivals.sum(to.pdf_across * y.cosine(to.wi), y.pdf(to.wi, y.back));
@@ -182,6 +199,23 @@ impl Bidirectional<'_> {
             group: y.group,
             raster: Some(raster),
         })
+    }
+
+    /// Tells of a ray that joins two points.
+    ///
+    /// * `carried`: what light from its far end is multiplied by
+    /// * `found`: what it adds to the sample
+    fn tell(
+        &self,
+        witness: &mut impl Witness,
+        kind: RayKind,
+        ray: &Ray,
+        (carried, wavelengths): (Spectrum, &Wavelengths),
+        found: Option<&Found>,
+    ) {
+        let about = || About { eta: 1.0, weight: sensor::to_rgb(carried, wavelengths) };
+        let light = || found.map_or([0.0; 3], |found| found.value(wavelengths));
+        witness.joined(kind, self.scene(), ray, about, light);
     }
 
     /// Density per solid angle with which [`Bidirectional::light`] draws a lamp and the way to a place of it.

@@ -34,7 +34,8 @@ use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
 
 use super::view::View;
-use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext};
+use crate::trail::{RayKind, Witness};
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 use connect::{normal, parts, spread};
 use rivals::{Rivals, square};
 use vertex::Vertex;
@@ -96,6 +97,17 @@ struct Found {
     raster: Option<Vec2>,
 }
 
+impl Found {
+    /// What it adds to the picture, linear RGB.
+    fn value(&self, wavelengths: &Wavelengths) -> [f32; 3] {
+        let mut wavelengths = *wavelengths;
+        if self.is_single {
+            wavelengths.terminate_secondary();
+        }
+        sensor::to_rgb(self.light * self.weight, &wavelengths)
+    }
+}
+
 /// What the camera's ray has seen besides light.
 #[derive(Default)]
 struct Seen {
@@ -135,10 +147,10 @@ impl<'a> Bidirectional<'a> {
     }
 
     /// Hands all light that one sample finds to `found`.
-    fn estimate(
+    fn estimate<W: Witness>(
         &self,
         mut draws: Draws<'_>,
-        rays: &mut RayCounters,
+        witness: &mut W,
         raster: Vec2,
         path: &mut Vec<Vertex>,
         found: &mut impl FnMut(Found, &Wavelengths),
@@ -148,21 +160,24 @@ impl<'a> Bidirectional<'a> {
         let Some(ray) = self.view.ray(raster, &mut draws) else { return Seen::default() };
         let u = draws.number_if(self.settings.spectral);
         let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
-        let mut from_lamp = self.follow_light(rays, path, from_lamp, ray.time, &wavelengths);
+        let root = witness.mark();
+        let mut from_lamp = self.follow_light(witness, path, from_lamp, ray.time, &wavelengths);
         let seen = if self.connects() { &path[..] } else { &[] };
         for (s, y) in (2..).zip(seen) {
             let lens = from_lamp.pair_if(self.view.camera.has_lens());
-            if let Some(seen) = self.see(rays, y, [s, 1], lens, ray.time) {
+            witness.back_to_noted(s - 2);
+            if let Some(seen) = self.see(witness, y, [s, 1], lens, (&wavelengths, ray.time)) {
                 found(seen, &wavelengths);
             }
         }
-        self.follow_view(rays, path, draws, ray, &wavelengths, found)
+        witness.back_to(root);
+        self.follow_view(witness, path, draws, ray, &wavelengths, found)
     }
 
     /// Fills `path` with a path from a lamp.
-    fn follow_light<'b>(
+    fn follow_light<'b, W: Witness>(
         &self,
-        rays: &mut RayCounters,
+        witness: &mut W,
         path: &mut Vec<Vertex>,
         mut draws: Draws<'b>,
         time: f32,
@@ -187,11 +202,11 @@ impl<'a> Bidirectional<'a> {
         };
         let carried = (emitted.power() * (1.0 / chance), *wavelengths);
         let ray = (emitted.ray(time), step);
-        let mut walk = Walk::new(scene, draws, Transport::Importance, ray, carried, self.settings.roulette);
-        if scene.transmits && !emitted.is_infinite() {
-            walk = walk.within_bodies();
-        }
-        walk.rays.lamp += 1;
+        let roulette = self.settings.roulette;
+        let told = mem::take(witness);
+        let mut walk = Walk::new(scene, draws, Transport::Importance, ray, carried, roulette, told);
+        walk.witness.counters().lamp += 1;
+        walk.witness.next(RayKind::Lamp);
         let group = scene.emitters.group(lamp);
         while let Some(met) = walk.trace() {
             if path.is_empty() {
@@ -208,19 +223,20 @@ impl<'a> Bidirectional<'a> {
                 vertex.rivals.last *= square(drawn * spread / end);
             }
             path.push(vertex);
+            walk.witness.note();
             let is_last = path.len() as u32 + 2 == self.longest();
             if is_last || !walk.scatter(&vertex, &met) {
                 break;
             }
         }
-        *rays += walk.rays;
+        *witness = walk.witness;
         walk.draws
     }
 
     /// Follows a path from the camera and connects each of its points.
-    fn follow_view(
+    fn follow_view<W: Witness>(
         &self,
-        rays: &mut RayCounters,
+        witness: &mut W,
         path: &[Vertex],
         draws: Draws<'_>,
         ray: Ray,
@@ -238,15 +254,18 @@ impl<'a> Bidirectional<'a> {
             joins: true,
         };
         let carried = (Spectrum::WHITE, *wavelengths);
-        let mut walk =
-            Walk::new(scene, draws, Transport::Radiance, (ray, step), carried, self.settings.roulette);
-        walk.rays.camera += 1;
+        let roulette = self.settings.roulette;
+        let told = mem::take(witness);
+        let mut walk = Walk::new(scene, draws, Transport::Radiance, (ray, step), carried, roulette, told);
+        walk.witness.counters().camera += 1;
+        walk.witness.next(RayKind::Camera);
         let mut seen = Seen::default();
         // Who is lit by what the present ray may meet.
         let mut origin = None;
         for t in 2..=self.longest() {
             let Some(met) = walk.trace() else {
                 if let Some(sky) = self.leave(&walk, origin.as_ref()) {
+                    walk.witness.found(|| sky.value(wavelengths));
                     found(sky, wavelengths);
                 }
                 break;
@@ -258,6 +277,7 @@ impl<'a> Bidirectional<'a> {
                 }
             }
             if let Some(glow) = self.meet(&walk, &met.at, origin.as_ref()) {
+                walk.witness.found(|| glow.value(wavelengths));
                 found(glow, wavelengths);
             }
             if t == self.longest() {
@@ -271,12 +291,14 @@ impl<'a> Bidirectional<'a> {
                 break;
             }
             if !z.bsdf.is_delta() {
-                if let Some(lit) = self.light(rays, &mut walk.draws, &z, (&walk.wavelengths, ray.time), t) {
+                let at_hand = (&walk.wavelengths, ray.time);
+                if let Some(lit) = self.light(&mut walk.witness, &mut walk.draws, &z, at_hand, t) {
                     found(lit, wavelengths);
                 }
                 let shorter = (2..=self.longest() - t).zip(path);
                 for (s, y) in shorter {
-                    if let Some(joined) = self.join(rays, y, &z, [s, t], ray.time) {
+                    let at_hand = (wavelengths, ray.time);
+                    if let Some(joined) = self.join(&mut walk.witness, y, &z, [s, t], at_hand) {
                         found(joined, wavelengths);
                     }
                 }
@@ -286,24 +308,20 @@ impl<'a> Bidirectional<'a> {
             }
             origin = Some(z);
         }
-        *rays += walk.rays;
+        *witness = walk.witness;
         seen.first = walk.first;
         seen
     }
 }
 
-impl PixelIntegrator for Bidirectional<'_> {
-    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let SampleContext { draws, rays, aux, splats, scratch, .. } = ctx;
+impl Bidirectional<'_> {
+    fn cast<W: Witness>(&self, ctx: &mut SampleContext<'_>, raster: Vec2, witness: &mut W) -> PixelSample {
+        let SampleContext { draws, aux, splats, scratch, .. } = ctx;
         let mut path = mem::take(&mut scratch.get::<LampPath>().0);
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
-        let seen = self.estimate(*draws, rays, raster, &mut path, &mut |found, wavelengths| {
-            let mut wavelengths = *wavelengths;
-            if found.is_single {
-                wavelengths.terminate_secondary();
-            }
-            let value = sensor::to_rgb(found.light * found.weight, &wavelengths);
+        let seen = self.estimate(*draws, witness, raster, &mut path, &mut |found, wavelengths| {
+            let value = found.value(wavelengths);
             match found.raster {
                 Some(raster) => splats.add(raster, value),
                 None => {
@@ -322,6 +340,20 @@ impl PixelIntegrator for Bidirectional<'_> {
             aux.albedo = sensor::to_rgb(albedo, &Wavelengths::RGB);
         }
         PixelSample { radiance, first: seen.first.map(|at| self.view.first_hit(&at, aux)) }
+    }
+}
+
+impl PixelIntegrator for Bidirectional<'_> {
+    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let mut rays = ctx.rays;
+        let sample = self.cast(ctx, raster, &mut rays);
+        ctx.rays = rays;
+        sample
+    }
+
+    fn trail(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
+        let mut trail = Trail::default();
+        (self.cast(ctx, raster, &mut trail), trail)
     }
 }
 

@@ -1,6 +1,6 @@
 //! One path while it grows, from the lamp or from the camera.
 
-use kajo_color::{Spectrum, Wavelengths};
+use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
 use kajo_core::bsdf::{BsdfSample, Transport};
 use kajo_core::sampler::Draws;
@@ -10,9 +10,9 @@ use kajo_math::{Ray, Vec3};
 use super::Found;
 use super::rivals::{Growth, Rivals};
 use super::vertex::Vertex;
-use crate::RayCounters;
 use crate::integrator::bodies::{Bodies, Boundary};
 use crate::integrator::walk::{LARGEST_SURVIVAL, SAFE_BOUNCES};
+use crate::trail::{About, RayKind, Witness};
 
 /// How the present ray was found.
 #[derive(Clone, Copy, Debug)]
@@ -34,11 +34,11 @@ pub struct Step {
 }
 
 /// A path while it grows.
-pub struct Walk<'a, 'b> {
+pub struct Walk<'a, 'b, W> {
     scene: &'a Scene,
     pub draws: Draws<'b>,
-    /// Rays cast so far.
-    pub rays: RayCounters,
+    /// Who is told.
+    pub witness: W,
     /// The present ray.
     pub ray: Ray,
     pub step: Step,
@@ -61,7 +61,7 @@ pub struct Met {
     boundary: Option<Boundary>,
 }
 
-impl<'a, 'b> Walk<'a, 'b> {
+impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     /// A path that starts with a ray.
     ///
     /// * `mode`: which end it starts at
@@ -73,11 +73,12 @@ impl<'a, 'b> Walk<'a, 'b> {
         (ray, step): (Ray, Step),
         (beta, wavelengths): (Spectrum, Wavelengths),
         roulette: bool,
-    ) -> Walk<'a, 'b> {
+        witness: W,
+    ) -> Walk<'a, 'b, W> {
         Walk {
             scene,
             draws,
-            rays: RayCounters::default(),
+            witness,
             ray,
             step,
             beta,
@@ -91,16 +92,14 @@ impl<'a, 'b> Walk<'a, 'b> {
         }
     }
 
-    /// The same from within the bodies that the ray starts in.
-    pub fn within_bodies(self) -> Walk<'a, 'b> {
-        let bodies = Bodies::around(self.scene, &self.ray, &self.wavelengths);
-        Walk { bodies, ..self }
-    }
-
     /// Follows the ray to the next surface that is there; `None` when it leaves the scene.
     pub fn trace(&mut self) -> Option<Met> {
         loop {
-            let Event::Surface(at) = self.scene.trace(&self.ray) else { return None };
+            let end = self.scene.trace(&self.ray);
+            let (bodies, weight) = (&self.bodies, self.beta);
+            let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight, &self.wavelengths) };
+            self.witness.ended(self.scene, &self.ray, end.surface(), about);
+            let Event::Surface(at) = end else { return None };
             if let Some(absorption) = self.bodies.absorption() {
                 self.beta *= (absorption * -(at.hit.t * self.ray.d.length())).exp();
             }
@@ -114,6 +113,7 @@ impl<'a, 'b> Walk<'a, 'b> {
             // A connection would be held up here.
             self.step.joins = false;
             self.bodies = self.bodies.beyond(&hidden);
+            self.witness.next(RayKind::Transmitted);
             self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
         }
     }
@@ -200,12 +200,15 @@ impl<'a, 'b> Walk<'a, 'b> {
     }
 
     fn leave(&mut self, vertex: &Vertex, met: &Met, sample: &BsdfSample, wi: Vec3) {
-        if sample.kind.transmission {
-            self.rays.refracted += 1;
+        let kind = if sample.kind.transmission {
+            self.witness.counters().refracted += 1;
             self.bodies = met.boundary.map_or(self.bodies, |boundary| self.bodies.beyond(&boundary));
+            RayKind::Transmitted
         } else {
-            self.rays.reflected += 1;
-        }
+            self.witness.counters().reflected += 1;
+            RayKind::Reflected
+        };
+        self.witness.next(if sample.kind.delta { kind } else { RayKind::Scattered });
         self.beta *= sample.weight;
         if self.mode == Transport::Radiance {
             // Radiance is squeezed at boundaries, which a later one undoes.

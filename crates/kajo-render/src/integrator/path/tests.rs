@@ -165,3 +165,71 @@ fn nested_bodies_of_one_index_are_one_body() {
     let found = mean(&scene(&ball(inner)), settings, 200, 0).mean;
     assert!((found - 0.5).abs() < 1e-3, "{found}");
 }
+
+/// A floor of albedo 0.6 lit from above through a black screen, seen from the side below the screen.
+fn below_a_screen(lamp: &str, screen: &str) -> Scene {
+    scene(&format!(
+        "{} {} Materials {{
+           Matte floor {{ color 0.6 0.6 0.6 }}  Material lamp {{ diffuseColor 0 0 0  emission 3 3 3 }}
+           Matte solid {{ color 0 0 0 }}  Matte none {{ color 0 0 0  opacity 0 }}  Glass glass {{ }}
+           {screen}
+         }}
+         Group {{
+           MaterialIndex floor  Quad {{ corner -1 0 -1  edge1 2 0 0  edge2 0 0 2 }}
+           MaterialIndex screen Quad {{ corner -9 1 -9  edge1 18 0 0  edge2 0 0 18 }}
+           {} }}",
+        camera([3.0, 0.5, 0.0], [0.0, 0.0, 0.0]),
+        if lamp.starts_with("Point") { format!("Lights {{ {lamp} }}") } else { String::new() },
+        if lamp.starts_with("Point") { String::new() } else { format!("MaterialIndex lamp {lamp}") },
+    ))
+}
+
+const SCREENS: [(&str, f64); 3] = [
+    ("Matte screen { color 0 0 0  opacity 0.4 }", 0.6),
+    ("Mix screen { amount 0.25  materialIndex none  materialIndex solid }", 0.75),
+    ("Checkerboard screen { materialIndex none  materialIndex none }", 1.0),
+];
+
+#[test]
+fn light_comes_through_holes_in_proportion() {
+    for (screen, passes) in SCREENS {
+        let text = below_a_screen("PointLight { position 0 2 0  intensity 5 5 5 }", screen);
+        let expected = passes * 0.6 / std::f64::consts::PI * 5.0 / 4.0;
+        check(&text, PathSettings::default(), 400, expected);
+        // A square of unit area one above: Lambert's formula.
+        let lamp = "Quad { corner -0.5 2 -0.5  edge1 1 0 0  edge2 0 0 1 }";
+        let text = below_a_screen(lamp, screen);
+        let expected = passes * 0.6 / std::f64::consts::PI * 3.0 * 0.230_837;
+        for technique in TECHNIQUES {
+            let settings = PathSettings { technique, bounces: 1, ..PathSettings::default() };
+            let paths = if technique == Technique::Scattering { 10_000 } else { 2000 };
+            check(&text, settings, paths, expected);
+        }
+    }
+}
+
+#[test]
+fn what_is_behind_holes_is_seen_in_proportion() {
+    for (screen, passes) in SCREENS {
+        let text = format!(
+            "{} Materials {{
+               Matte solid {{ color 0 0 0 }}  Matte none {{ color 0 0 0  opacity 0 }}  {screen}
+             }} Group {{ MaterialIndex screen  Quad {{ corner -9 -9 0  edge1 18 0 0  edge2 0 18 0 }} }}",
+            camera([0.1, 0.2, 4.0], [0.3, 0.5, 0.0]).replace("color 0 0 0", "color 1 1 1")
+        );
+        let settings = PathSettings { bounces: 0, ..PathSettings::default() };
+        check(&scene(&text), settings, 4000, passes);
+    }
+}
+
+#[test]
+fn a_mixture_is_as_bright_as_its_parts_in_their_shares() {
+    let text = format!(
+        "{} Materials {{
+           Matte dark {{ color 0.1 0.1 0.1 }}  Matte light {{ color 0.9 0.9 0.9 }}
+           Mix mixed {{ amount 0.3  materialIndex dark  materialIndex light }}
+         }} Group {{ MaterialIndex mixed  Sphere {{ center 0 0 0  radius 1 }} }}",
+        camera([0.1, 0.2, 4.0], [0.3, 0.5, 0.0]).replace("color 0 0 0", "color 1 1 1")
+    );
+    check(&scene(&text), PathSettings::default(), 4000, 0.7 * 0.1 + 0.3 * 0.9);
+}

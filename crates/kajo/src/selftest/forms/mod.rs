@@ -2,9 +2,9 @@
 
 mod bodies;
 mod camera;
-mod caustic;
 mod glass;
 mod lamps;
+mod motion;
 mod polygon;
 mod quadrature;
 mod rainbow;
@@ -123,10 +123,10 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("bodies", bodies::forms),
         ("polygons", polygon::forms),
         ("glass", glass::forms),
-        ("caustics", caustic::forms),
         ("rainbow", rainbow::forms),
         ("surfaces", surfaces::forms),
         ("camera", camera::forms),
+        ("motion", motion::forms),
     ];
     makers.into_iter().flat_map(|(name, make)| make(&mut Parameters::new(seed, name))).collect()
 }

@@ -26,7 +26,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
 }
 
 /// Irradiance at the origin from a flat polygon of radiance 1.
-fn irradiance(corners: &[DVec3], n: DVec3) -> f64 {
+pub fn irradiance(corners: &[DVec3], n: DVec3) -> f64 {
     let visible: Vec<DVec3> = cut(corners, n).into_iter().map(DVec3::normalize).collect();
     let edges = visible.iter().zip(visible.iter().cycle().skip(1));
     let sum: f64 = edges

@@ -1,5 +1,6 @@
 //! The weights of the sums that grow with the paths are those of the definition, term by term.
 
+use crate::RayCounters;
 use kajo_core::bsdf::Transport;
 use kajo_math::Vec3;
 
@@ -84,8 +85,15 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             rivals: Rivals::default(),
             joins: true,
         };
-        let mut walk =
-            Walk::new(&scene, draws, Transport::Radiance, (ray, step), (Spectrum::WHITE, wavelengths), false);
+        let mut walk = Walk::new(
+            &scene,
+            draws,
+            Transport::Radiance,
+            (ray, step),
+            (Spectrum::WHITE, wavelengths),
+            false,
+            RayCounters::default(),
+        );
         let mut pdf_camera = 0.0;
         while let Some(met) = walk.trace().filter(|_| views.len() < 4) {
             if views.is_empty() {
@@ -119,11 +127,13 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
         for i in 1..=path.len() {
             let y = &path[i - 1];
             for j in 1..=views.len() {
-                if let Some(found) = it.join(&mut rays, y, &views[j - 1], [i as u32 + 1, j as u32 + 1], 0.0) {
+                if let Some(found) =
+                    it.join(&mut rays, y, &views[j - 1], [i as u32 + 1, j as u32 + 1], (&wavelengths, 0.0))
+                {
                     look(&whole(&path[..i], &views[..j]), i + 1, found.weight);
                 }
             }
-            if let Some(found) = it.see(&mut rays, y, [i as u32 + 1, 1], Vec2::ZERO, 0.0) {
+            if let Some(found) = it.see(&mut rays, y, [i as u32 + 1, 1], Vec2::ZERO, (&wavelengths, 0.0)) {
                 look(&whole(&path[..i], &[]), i + 1, found.weight);
             }
         }

@@ -1,0 +1,59 @@
+//! A material with holes too small to be seen: leaves, gauze, a thing that fades away.
+//!
+//! At each hit the surface is there with the probability `opacity`, else light goes straight on:
+//!
+//! ```text
+//! f = opacity f_inner + (1 - opacity) delta(wi + wo)
+//! ```
+//!
+//! Shadow rays are weakened by `1 - opacity` at every crossing, which is the mean of that. The classic integrator mixes
+//! the material with a clear one. What the surface itself emits is not weakened.
+//!
+//! Scene: `Matte { color 0.2 0.5 0.1  opacity 0.6 }`
+
+use kajo_color::Spectrum;
+use kajo_math::{Vec3, fmath};
+
+use super::{Appearance, MaterialId, Materials, ShadingPoint};
+use crate::bsdf::{Bsdf, Phong};
+use crate::texture::Textures;
+
+/// An opaque material that is not everywhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Perforated {
+    /// The material between the holes; lets no light through.
+    pub material: MaterialId,
+    /// The share of the surface that is there, in [0, 1).
+    pub opacity: f32,
+}
+
+impl Appearance for Perforated {
+    fn phong(&self, materials: &Materials, textures: &Textures, p: Vec3) -> Phong {
+        let inner = materials.phong(self.material, materials, textures, p);
+        let clear =
+            Phong { transparent: Spectrum::WHITE, exponent: inner.exponent, eta: inner.eta, ..Phong::BLACK };
+        let absorption = Spectrum::WHITE * -fmath::ln(1.0 - self.opacity);
+        Phong { absorption, eta: 1.0, ..inner.lerp(&clear, 1.0 - self.opacity) }
+    }
+
+    fn may_transmit(&self, _materials: &Materials) -> bool {
+        true
+    }
+
+    fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+        if at.u >= self.opacity {
+            return Bsdf::Null;
+        }
+        // What is left of the number after the choice is uniform again.
+        let u = (at.u / self.opacity).min(1.0f32.next_down());
+        materials.bsdf(self.material, materials, textures, &ShadingPoint { u, ..*at })
+    }
+
+    fn is_mixture(&self) -> bool {
+        true
+    }
+
+    fn opacity(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> f32 {
+        self.opacity
+    }
+}

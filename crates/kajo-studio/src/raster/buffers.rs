@@ -1,0 +1,187 @@
+//! The scene in the memory of the graphics card.
+
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use kajo::preview::{Preview, PreviewInstance, PreviewMesh};
+use wgpu::util::DeviceExt as _;
+
+use super::Line;
+
+/// A corner of a triangle.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct Vertex {
+    /// Place in the mesh's own space.
+    p: [f32; 3],
+    /// Normal in the same space, each part times 127, and a spare; zero for the triangle's own.
+    n: [i8; 4],
+    /// Colour as shown, and a spare.
+    color: [u8; 4],
+}
+
+/// Where a mesh stands, and a colour that its own is multiplied with.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct Place {
+    /// World from the mesh's space, row by row.
+    rows: [[f32; 4]; 3],
+    color: [u8; 4],
+}
+
+/// A line as the shader reads it: the width goes with the first end.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct LineInstance {
+    from_and_width: [f32; 4],
+    to: [f32; 4],
+    color: [u8; 4],
+}
+
+impl From<&Line> for LineInstance {
+    fn from(line: &Line) -> LineInstance {
+        LineInstance {
+            from_and_width: line.from.extend(line.width).to_array(),
+            to: line.to.extend(0.0).to_array(),
+            color: line.color,
+        }
+    }
+}
+
+/// Corners, triangles and places of everything.
+#[derive(Default)]
+pub(super) struct SceneBuffers {
+    meshes: Vec<MeshBuffers>,
+    places: Option<wgpu::Buffer>,
+    /// For each place its mesh and what it adds to the object numbers of it; sorted by mesh.
+    of_places: Vec<(usize, u32)>,
+}
+
+struct MeshBuffers {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    /// Neighbouring triangles of one object: its number, and the corners' numbers.
+    runs: Vec<(u32, Range<u32>)>,
+    n_indices: u32,
+}
+
+impl SceneBuffers {
+    pub fn new(device: &wgpu::Device, preview: &Preview) -> SceneBuffers {
+        let meshes: Vec<MeshBuffers> =
+            preview.meshes.iter().map(|mesh| MeshBuffers::new(device, mesh)).collect();
+        let most = device.limits().max_buffer_size as usize / size_of::<Place>();
+        let instances = &preview.instances[..preview.instances.len().min(most)];
+        let rows: Vec<Place> = instances.iter().map(place).collect();
+        let places = (!rows.is_empty())
+            .then(|| buffer(device, "places", bytemuck::cast_slice(&rows), wgpu::BufferUsages::VERTEX));
+        let of_places = instances.iter().map(|place| (place.mesh as usize, place.object)).collect();
+        SceneBuffers { meshes, places, of_places }
+    }
+
+    pub fn triangles(&self) -> u64 {
+        self.of_places.iter().map(|&(mesh, _)| u64::from(self.meshes[mesh].n_indices / 3)).sum()
+    }
+
+    pub fn draw_all(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let mut first = 0;
+        for run in self.of_places.chunk_by(|a, b| a.0 == b.0) {
+            let places = first..first + run.len() as u32;
+            first = places.end;
+            let mesh = &self.meshes[run[0].0];
+            self.draw(pass, mesh, 0..mesh.n_indices, places);
+        }
+    }
+
+    /// Draws some objects; whether there are any of them.
+    pub fn draw_some(&self, pass: &mut wgpu::RenderPass<'_>, objects: &[u32]) -> bool {
+        let mut any = false;
+        for (place, &(mesh, base)) in (0..).zip(&self.of_places) {
+            let mesh = &self.meshes[mesh];
+            for (object, corners) in &mesh.runs {
+                if objects.binary_search(&(object + base)).is_ok() {
+                    self.draw(pass, mesh, corners.clone(), place..place + 1);
+                    any = true;
+                }
+            }
+        }
+        any
+    }
+
+    fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        mesh: &MeshBuffers,
+        corners: Range<u32>,
+        places: Range<u32>,
+    ) {
+        let Some(rows) = self.places.as_ref().filter(|_| !corners.is_empty()) else { return };
+        pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+        pass.set_vertex_buffer(1, rows.slice(..));
+        pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(corners, 0, places);
+    }
+}
+
+impl MeshBuffers {
+    /// A mesh that is more than a card's buffer holds is left out: a warning of the card would end the program.
+    fn new(device: &wgpu::Device, mesh: &PreviewMesh) -> MeshBuffers {
+        let vertices: Vec<Vertex> = mesh.vertices.iter().map(vertex).collect();
+        let bytes = size_of_val(&vertices[..]).max(size_of_val(&mesh.indices[..])) as u64;
+        let fits = bytes <= device.limits().max_buffer_size && u32::try_from(mesh.indices.len()).is_ok();
+        let (vertices, indices) = if fits { (&vertices[..], &mesh.indices[..]) } else { (&[][..], &[][..]) };
+        MeshBuffers {
+            vertices: buffer(device, "corners", bytemuck::cast_slice(vertices), wgpu::BufferUsages::VERTEX),
+            indices: buffer(device, "triangles", bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX),
+            runs: runs(mesh, indices),
+            n_indices: indices.len() as u32,
+        }
+    }
+}
+
+/// Neighbouring triangles of the same object.
+fn runs(mesh: &PreviewMesh, indices: &[u32]) -> Vec<(u32, Range<u32>)> {
+    let mut runs: Vec<(u32, Range<u32>)> = Vec::new();
+    for (first, face) in (0..).step_by(3).zip(indices.chunks_exact(3)) {
+        let object = mesh.vertices[face[0] as usize].object;
+        match runs.last_mut() {
+            Some((of, corners)) if *of == object => corners.end = first + 3,
+            _ => runs.push((object, first..first + 3)),
+        }
+    }
+    runs
+}
+
+fn vertex(vertex: &kajo::preview::Vertex) -> Vertex {
+    let [x, y, z] = vertex.normal.map(|v| (127.0 * v) as i8);
+    Vertex { p: vertex.position, n: [x, y, z, 0], color: vertex.color }
+}
+
+fn place(instance: &PreviewInstance) -> Place {
+    let matrix = kajo_math::Mat4::from(instance.world_from_mesh);
+    Place { rows: [0, 1, 2].map(|row| matrix.row(row).to_array()), color: instance.color }
+}
+
+fn buffer(device: &wgpu::Device, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_of_an_object_are_drawn_together() {
+        let corner = |object| kajo::preview::Vertex {
+            position: [0.0; 3],
+            normal: [0.0, 0.0, -1.0],
+            color: [255; 4],
+            object,
+        };
+        let mesh = PreviewMesh {
+            vertices: [1, 1, 1, 2, 2, 2].map(corner).to_vec(),
+            indices: vec![0, 1, 2, 2, 1, 0, 3, 4, 5, 0, 1, 2],
+        };
+        assert_eq!(runs(&mesh, &mesh.indices), [(1, 0..6), (2, 6..9), (1, 9..12)]);
+        assert_eq!(vertex(&mesh.vertices[0]).n, [0, 0, -127, 0]);
+    }
+}

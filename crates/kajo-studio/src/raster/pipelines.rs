@@ -1,0 +1,209 @@
+//! How the graphics card draws surfaces, lines, the mask of the selection and its outline.
+
+use super::buffers::{LineInstance, Place, Vertex};
+
+/// Format of the picture: values as shown, which is what the window expects.
+pub(super) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Format of the mask.
+pub(super) const MASK: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+/// Format of depths.
+pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Everything that is made once for a device.
+pub(super) struct Pipelines {
+    pub surfaces: wgpu::RenderPipeline,
+    pub marks: wgpu::RenderPipeline,
+    pub lines: wgpu::RenderPipeline,
+    /// Lines where a surface is in front of them.
+    pub hidden_lines: wgpu::RenderPipeline,
+    pub outline: wgpu::RenderPipeline,
+    /// The view, for all but the outline.
+    pub view_group: wgpu::BindGroup,
+    outline_layout: wgpu::BindGroupLayout,
+}
+
+/// What tells one pipeline from another.
+struct Plan<'a> {
+    vertex: &'a str,
+    fragment: &'a str,
+    buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    strip: bool,
+    target: wgpu::TextureFormat,
+    blend: Option<wgpu::BlendState>,
+    /// How depths are compared, and whether they are written; `None` for no depths at all.
+    depth: Option<(wgpu::CompareFunction, bool)>,
+}
+
+impl Pipelines {
+    pub fn new(device: &wgpu::Device, view: &wgpu::Buffer) -> Pipelines {
+        let shader = device.create_shader_module(wgpu::include_wgsl!("raster.wgsl"));
+        let view_layout = group_layout(device, &[view_entry()]);
+        let outline_layout = group_layout(device, &[view_entry(), mask_entry()]);
+        let view_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view"),
+            layout: &view_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
+        });
+        let corners = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm8x4, 2 => Unorm8x4];
+        let places = wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Unorm8x4];
+        let line = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4, 2 => Unorm8x4];
+        let of_surfaces = [
+            Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<Vertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &corners,
+            }),
+            Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<Place>() as u64,
+                step_mode: wgpu::VertexStepMode::Instance,
+                attributes: &places,
+            }),
+        ];
+        let of_lines = [Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<LineInstance>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &line,
+        })];
+        let surfaces = Plan {
+            vertex: "place_surface",
+            fragment: "shade_surface",
+            buffers: &of_surfaces,
+            strip: false,
+            target: COLOR,
+            blend: None,
+            depth: Some((wgpu::CompareFunction::Less, true)),
+        };
+        let marks = Plan { fragment: "mark_surface", target: MASK, depth: None, ..surfaces };
+        let lines = Plan {
+            vertex: "place_line",
+            fragment: "shade_line",
+            buffers: &of_lines,
+            strip: true,
+            target: COLOR,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+            depth: Some((wgpu::CompareFunction::LessEqual, false)),
+        };
+        let hidden_lines = Plan {
+            fragment: "shade_hidden_line",
+            depth: Some((wgpu::CompareFunction::Greater, false)),
+            ..lines
+        };
+        let outline = Plan {
+            vertex: "place_outline",
+            fragment: "shade_outline",
+            buffers: &[],
+            strip: false,
+            target: COLOR,
+            blend: None,
+            depth: None,
+        };
+        let make = |plan: &Plan<'_>, layout| plan.build(device, &shader, layout);
+        Pipelines {
+            surfaces: make(&surfaces, &view_layout),
+            marks: make(&marks, &view_layout),
+            lines: make(&lines, &view_layout),
+            hidden_lines: make(&hidden_lines, &view_layout),
+            outline: make(&outline, &outline_layout),
+            view_group,
+            outline_layout,
+        }
+    }
+
+    /// What the outline reads: the view and the mask.
+    pub fn outline_group(
+        &self,
+        device: &wgpu::Device,
+        view: &wgpu::Buffer,
+        mask: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("outline"),
+            layout: &self.outline_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(mask) },
+            ],
+        })
+    }
+}
+
+impl Plan<'_> {
+    fn build(
+        &self,
+        device: &wgpu::Device,
+        shader: &wgpu::ShaderModule,
+        group: &wgpu::BindGroupLayout,
+    ) -> wgpu::RenderPipeline {
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(self.vertex),
+            bind_group_layouts: &[Some(group)],
+            immediate_size: 0,
+        });
+        let topology = match self.strip {
+            true => wgpu::PrimitiveTopology::TriangleStrip,
+            false => wgpu::PrimitiveTopology::TriangleList,
+        };
+        let depth = self.depth.map(|(compare, write)| wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(write),
+            depth_compare: Some(compare),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        });
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(self.fragment),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: shader,
+                entry_point: Some(self.vertex),
+                buffers: self.buffers,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+            },
+            primitive: wgpu::PrimitiveState { topology, ..Default::default() },
+            depth_stencil: depth,
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: shader,
+                entry_point: Some(self.fragment),
+                targets: &[Some(wgpu::ColorTargetState {
+                    format: self.target,
+                    blend: self.blend,
+                    write_mask: wgpu::ColorWrites::ALL,
+                })],
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+fn group_layout(device: &wgpu::Device, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
+}
+
+fn view_entry() -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding: 0,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+fn mask_entry() -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding: 1,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    }
+}

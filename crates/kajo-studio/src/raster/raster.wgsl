@@ -1,0 +1,149 @@
+// Draws the scene as the headlight of the camera lights it, lines of a width in pixels, and the outline of what
+// is selected. Colours are encoded for the display, as the window wants them.
+
+struct View {
+    clip_from_world: mat4x4<f32>,
+    // Where the camera is (w = 1), or the direction towards it, the same everywhere (w = 0).
+    eye: vec4<f32>,
+    // Columns and rows of the picture, and how many of its pixels make a point of the window.
+    size: vec2<f32>,
+    scale: f32,
+    unused: f32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+
+// ---- surfaces ------------------------------------------------------------------------------------------------
+
+struct Surface {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) p: vec3<f32>,
+    @location(1) n: vec3<f32>,
+    @location(2) color: vec3<f32>,
+}
+
+@vertex
+fn place_surface(
+    @location(0) p: vec3<f32>,
+    @location(1) n: vec4<f32>,
+    @location(2) color: vec4<f32>,
+    @location(3) row0: vec4<f32>,
+    @location(4) row1: vec4<f32>,
+    @location(5) row2: vec4<f32>,
+    @location(6) tint: vec4<f32>,
+) -> Surface {
+    let world = vec3<f32>(dot(row0.xyz, p) + row0.w, dot(row1.xyz, p) + row1.w, dot(row2.xyz, p) + row2.w);
+    // Normals go by the cofactors of the matrix, its inverse transposed up to a factor.
+    let cofactors = mat3x3<f32>(
+        cross(row1.xyz, row2.xyz),
+        cross(row2.xyz, row0.xyz),
+        cross(row0.xyz, row1.xyz),
+    );
+    var out: Surface;
+    out.clip = view.clip_from_world * vec4<f32>(world, 1.0);
+    out.p = world;
+    out.n = n.xyz * cofactors;
+    out.color = color.rgb * tint.rgb;
+    return out;
+}
+
+@fragment
+fn shade_surface(in: Surface) -> @location(0) vec4<f32> {
+    let to_eye = normalize(view.eye.xyz - view.eye.w * in.p);
+    // Flat triangles have no normals at their corners.
+    let flat_n = cross(dpdx(in.p), dpdy(in.p));
+    let n = select(in.n, flat_n, dot(in.n, in.n) == 0.0);
+    let lit = abs(dot(normalize(n), to_eye));
+    return vec4<f32>(in.color * (0.28 + 0.72 * lit), 1.0);
+}
+
+@fragment
+fn mark_surface(in: Surface) -> @location(0) vec4<f32> {
+    return vec4<f32>(1.0);
+}
+
+// ---- lines ---------------------------------------------------------------------------------------------------
+
+struct Line {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) color: vec4<f32>,
+}
+
+@vertex
+fn place_line(
+    @builtin(vertex_index) corner: u32,
+    @location(0) from_point: vec4<f32>,
+    @location(1) to_point: vec4<f32>,
+    @location(2) color: vec4<f32>,
+) -> Line {
+    var a = view.clip_from_world * vec4<f32>(from_point.xyz, 1.0);
+    var b = view.clip_from_world * vec4<f32>(to_point.xyz, 1.0);
+    // What lies behind the camera is cut off before anything is divided by its distance.
+    let nearest = 1e-5;
+    if a.w < nearest && b.w >= nearest {
+        a = mix(a, b, (nearest - a.w) / (b.w - a.w));
+    } else if b.w < nearest && a.w >= nearest {
+        b = mix(b, a, (nearest - b.w) / (a.w - b.w));
+    }
+    let along = (b.xy / b.w - a.xy / a.w) * view.size;
+    let length_px = length(along);
+    let direction = select(vec2<f32>(1.0, 0.0), along / length_px, length_px > 1e-6);
+    let across = vec2<f32>(-direction.y, direction.x) * from_point.w * view.scale / view.size;
+    let side = select(-1.0, 1.0, (corner & 1u) == 1u);
+    var end = a;
+    if (corner & 2u) == 2u {
+        end = b;
+    }
+    // A hair towards the camera, so that lines on surfaces are seen whole.
+    var out: Line;
+    out.clip = vec4<f32>(end.xy + side * across * end.w, end.z - 2e-5 * end.w, end.w);
+    if a.w < nearest || b.w < nearest {
+        out.clip = vec4<f32>(2.0, 2.0, 2.0, 1.0);
+    }
+    out.color = color;
+    return out;
+}
+
+@fragment
+fn shade_line(in: Line) -> @location(0) vec4<f32> {
+    return vec4<f32>(in.color.rgb * in.color.a, in.color.a);
+}
+
+@fragment
+fn shade_hidden_line(in: Line) -> @location(0) vec4<f32> {
+    let a = in.color.a * 0.3;
+    return vec4<f32>(in.color.rgb * a, a);
+}
+
+// ---- the outline of the selection ------------------------------------------------------------------------------
+
+@group(0) @binding(1) var marked: texture_2d<f32>;
+
+@vertex
+fn place_outline(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
+    let x = f32(corner & 1u) * 4.0 - 1.0;
+    let y = f32(corner >> 1u) * 4.0 - 1.0;
+    return vec4<f32>(x, y, 0.0, 1.0);
+}
+
+fn is_marked(at: vec2<i32>) -> bool {
+    let last = vec2<i32>(view.size) - 1;
+    return textureLoad(marked, clamp(at, vec2<i32>(0), last), 0).r > 0.5;
+}
+
+@fragment
+fn shade_outline(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let p = vec2<i32>(at.xy);
+    if is_marked(p) {
+        discard;
+    }
+    let r = max(i32(round(1.6 * view.scale)), 1);
+    let near = is_marked(p + vec2<i32>(r, 0)) || is_marked(p - vec2<i32>(r, 0))
+        || is_marked(p + vec2<i32>(0, r)) || is_marked(p - vec2<i32>(0, r))
+        || is_marked(p + vec2<i32>(1, 1)) || is_marked(p - vec2<i32>(1, 1))
+        || is_marked(p + vec2<i32>(1, -1)) || is_marked(p - vec2<i32>(1, -1));
+    if !near {
+        discard;
+    }
+    return vec4<f32>(1.0, 0.66, 0.2, 1.0);
+}

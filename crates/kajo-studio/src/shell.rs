@@ -1,0 +1,22 @@
+//! The window: panels around a viewport, and the keys and mouse that go with it.
+
+mod app;
+mod chooser;
+mod help;
+mod keys;
+mod menu;
+mod object_panel;
+mod outliner;
+mod picture;
+mod picture_panel;
+mod problems_panel;
+mod rays_panel;
+mod render_panel;
+mod status;
+mod text_panel;
+pub mod theme;
+mod viewport;
+mod widgets;
+
+pub use app::{App, Bottom, Layout, Tab};
+pub use viewport::Area;

@@ -1,0 +1,448 @@
+//! The whole window, frame by frame.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{CentralPanel, Frame, Margin, Panel, Rect, RichText, ScrollArea, Ui};
+use egui_wgpu::RenderState;
+use kajo::session;
+use serde::{Deserialize, Serialize};
+
+use super::chooser::{Answer, Chooser, Purpose};
+use super::keys::{self, Command};
+use super::outliner::Outliner;
+use super::picture::{self, PictureTexture};
+use super::viewport::{self, Area};
+use super::{
+    help, menu, object_panel, picture_panel, problems_panel, rays_panel, render_panel, status, text_panel,
+    theme,
+};
+use crate::raster::{Raster, Shot};
+use crate::state::{Action, Habits, Histogram, Shown, Studio, Version, Wake};
+
+/// The longest step of a flight, in seconds: after a pause the camera does not jump.
+const LONGEST_STEP: f32 = 0.1;
+
+/// What the window remembers from one start to the next, beyond the sizes of its panels.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Layout {
+    /// Whether there are panels around the viewport.
+    pub panels: bool,
+    /// The tab on the right.
+    pub tab: Tab,
+    /// The tab at the bottom, if there is one open.
+    pub bottom: Option<Bottom>,
+    /// The scenes opened last, newest first.
+    pub recent: Vec<PathBuf>,
+    /// How the user traces.
+    pub habits: Habits,
+}
+
+impl Default for Layout {
+    fn default() -> Layout {
+        Layout { panels: true, tab: Tab::Object, bottom: None, recent: Vec::new(), habits: Habits::default() }
+    }
+}
+
+/// The tabs of the panel on the right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tab {
+    /// The fields of what is selected.
+    Object,
+    /// What is asked of a trace.
+    Render,
+    /// The picture on show.
+    Picture,
+}
+
+/// The tabs of the panel at the bottom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Bottom {
+    /// Mistakes in the scene.
+    Problems,
+    /// The text of the scene.
+    Text,
+    /// The segments of the debug ray.
+    Rays,
+}
+
+/// The window.
+pub struct App {
+    /// What it is about.
+    pub studio: Studio,
+    /// How it is arranged.
+    pub layout: Layout,
+    raster: Option<Raster>,
+    /// The version of the scene that the card has.
+    on_card: Option<Version>,
+    outliner: Outliner,
+    picture: PictureTexture,
+    kept_picture: PictureTexture,
+    histogram: Option<(Arc<session::Frame>, Histogram)>,
+    chooser: Option<Chooser>,
+    help: bool,
+    /// Where the picture was in the last frame.
+    area: Option<Area>,
+}
+
+/// Behind the scene in the preview, as shown.
+const BACKGROUND: [f32; 3] = [0.165, 0.172, 0.19];
+
+/// Pixels that the histogram looks at, at most about.
+const HISTOGRAM_PIXELS: usize = 100_000;
+
+impl App {
+    /// An empty window.
+    ///
+    /// * `card`: what draws the window, for the preview; there is none in some tests
+    pub fn new(ctx: &egui::Context, card: Option<&RenderState>, layout: Layout) -> App {
+        theme::apply(ctx);
+        let waker = ctx.clone();
+        let wake: Wake = Arc::new(move || waker.request_repaint());
+        let mut studio = Studio::new(wake);
+        studio.options.habits = layout.habits.clone();
+        App {
+            studio,
+            layout,
+            raster: card.map(Raster::new),
+            on_card: None,
+            outliner: Outliner::default(),
+            picture: PictureTexture::default(),
+            kept_picture: PictureTexture::default(),
+            histogram: None,
+            chooser: None,
+            help: false,
+            area: None,
+        }
+    }
+
+    /// One frame.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.studio.update();
+        let chosen = self.studio.selection.main();
+        self.take_dropped_files(&ctx);
+        let mut commands = if self.chooser.is_some() { Vec::new() } else { keys::pressed(&ctx) };
+        let mut actions = Vec::new();
+        self.fly(&ctx, &mut actions);
+        self.panels(ui, &mut commands, &mut actions);
+        self.viewport(ui, &mut actions);
+        self.ask(&ctx, &mut actions);
+        help::show(&ctx, &mut self.help);
+        for command in commands {
+            self.obey(&ctx, command, &mut actions);
+        }
+        for action in actions {
+            self.studio.apply(action);
+            ctx.request_repaint();
+        }
+        if self.studio.selection.main().is_some_and(|node| Some(node) != chosen) {
+            self.layout.tab = Tab::Object;
+        }
+        if !ctx.input(|input| input.pointer.any_down()) {
+            self.studio.apply(Action::EndDrag);
+        }
+        self.remember();
+        self.layout.habits = self.studio.options.habits.clone();
+    }
+
+    /// Where the picture was in the last frame.
+    pub fn area(&self) -> Option<Area> {
+        self.area
+    }
+
+    fn take_dropped_files(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        if let Some(path) = dropped.first().map(|file| file.path().to_owned()) {
+            self.studio.apply(Action::Open(path));
+        }
+    }
+
+    fn fly(&self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        let held = keys::held(ctx);
+        if held.moves() && self.chooser.is_none() {
+            let seconds = ctx.input(|input| input.stable_dt).min(LONGEST_STEP);
+            actions.push(Action::Fly(held, seconds.into()));
+        }
+    }
+
+    fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>, actions: &mut Vec<Action>) {
+        let margin = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 5));
+        Panel::top("menu")
+            .frame(margin)
+            .show(ui, |ui| menu::show(ui, &self.studio, &self.layout.recent, commands));
+        Panel::bottom("status").frame(margin).show(ui, |ui| status::show(ui, &self.studio));
+        if !self.layout.panels {
+            return;
+        }
+        self.bottom_panel(ui, actions);
+        if let Some(document) = &self.studio.document {
+            Panel::left("outliner").resizable(true).default_size(220.0).size_range(150.0..=480.0).show(
+                ui,
+                |ui| {
+                    self.outliner.show(ui, document, &self.studio.selection, actions);
+                },
+            );
+        }
+        Panel::right("right").resizable(true).default_size(300.0).size_range(250.0..=520.0).show(ui, |ui| {
+            self.right_panel(ui, actions);
+        });
+    }
+
+    fn bottom_panel(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let n = self.studio.problems.len();
+        let problems = if n == 0 { "Problems".to_owned() } else { format!("Problems ({n})") };
+        Panel::bottom("tabs").resizable(false).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                for (tab, name) in [
+                    (Bottom::Problems, problems.as_str()),
+                    (Bottom::Text, "Text"),
+                    (Bottom::Rays, "Debug ray"),
+                ] {
+                    let open = self.layout.bottom == Some(tab);
+                    let color = if tab == Bottom::Problems && self.studio.n_errors() > 0 {
+                        theme::ERROR
+                    } else {
+                        ui.visuals().text_color()
+                    };
+                    if ui.selectable_label(open, RichText::new(name).color(color)).clicked() {
+                        self.layout.bottom = (!open).then_some(tab);
+                    }
+                }
+            });
+        });
+        let Some(tab) = self.layout.bottom else { return };
+        Panel::bottom("bottom").resizable(true).default_size(170.0).size_range(60.0..=600.0).show(ui, |ui| {
+            match tab {
+                Bottom::Problems => problems_panel::show(ui, &self.studio.problems),
+                Bottom::Rays => rays_panel::show(ui, &self.studio, actions),
+                Bottom::Text => {
+                    if let Some(document) = &self.studio.document {
+                        text_panel::show(ui, document, &self.studio.selection, &self.studio.problems);
+                    }
+                }
+            }
+        });
+    }
+
+    fn right_panel(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            for (tab, name) in [(Tab::Object, "Object"), (Tab::Render, "Render"), (Tab::Picture, "Picture")] {
+                ui.selectable_value(&mut self.layout.tab, tab, RichText::new(name).strong());
+            }
+        });
+        ui.separator();
+        if self.layout.tab == Tab::Object {
+            if let Some(document) = &self.studio.document {
+                object_panel::show(ui, document, &self.studio.selection, actions);
+            }
+            return;
+        }
+        let Some(own) = self.studio.scene().map(|scene| scene.settings.clone()) else {
+            ui.label(RichText::new("Open a scene to set how it is traced.").color(theme::QUIET));
+            return;
+        };
+        let settings = match self.studio.settings() {
+            Some(Ok(settings)) => settings,
+            Some(Err(error)) => {
+                ui.label(RichText::new(error.to_string()).color(theme::ERROR));
+                return;
+            }
+            None => return,
+        };
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match self.layout.tab {
+            Tab::Object => {}
+            Tab::Render => {
+                render_panel::camera(ui, &self.studio.camera, actions);
+                render_panel::show(ui, &mut self.studio.options, &own, &settings);
+            }
+            Tab::Picture => {
+                let frame = self.studio.tracer.frame();
+                self.count(frame.as_ref());
+                let shown = picture_panel::Picture {
+                    frame: frame.as_deref(),
+                    histogram: self.histogram.as_ref().map(|(_, histogram)| histogram),
+                    pixel: self.pixel_under_pointer(ui, frame.as_deref()),
+                    view: self.studio.view,
+                    settings: &settings,
+                };
+                let Studio { options, comparison, .. } = &mut self.studio;
+                picture_panel::show(ui, &shown, &mut options.asked, comparison, actions);
+            }
+        });
+    }
+
+    /// Keeps the histogram up to date.
+    fn count(&mut self, frame: Option<&Arc<session::Frame>>) {
+        let Some(frame) = frame else {
+            self.histogram = None;
+            return;
+        };
+        if self.histogram.as_ref().is_some_and(|(counted, _)| Arc::ptr_eq(counted, frame)) {
+            return;
+        }
+        let light = frame.light();
+        let step = (light.data().len() / 3 / HISTOGRAM_PIXELS).max(1);
+        let histogram = Histogram::of(light.pixels().step_by(step));
+        self.histogram = Some((Arc::clone(frame), histogram));
+    }
+
+    /// The pixel of a traced picture, which may be coarser than the one on show.
+    fn pixel_under_pointer(&self, ui: &Ui, frame: Option<&session::Frame>) -> Option<[u32; 2]> {
+        let area = Area { size: frame?.size(), ..self.area? };
+        area.pixel(ui.input(|input| input.pointer.hover_pos())?)
+    }
+
+    fn viewport(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let backdrop = Frame::new().fill(theme::BACKDROP);
+        CentralPanel::default().frame(backdrop).show(ui, |ui| {
+            let response = viewport::allocate(ui);
+            let pixels = response.rect.size() * ui.pixels_per_point();
+            self.studio.window = [pixels.x, pixels.y].map(|side| (side.round() as u32).max(1));
+            if self.studio.scene().is_none() {
+                self.area = None;
+                empty(ui, response.rect, self.studio.is_loading(), !self.studio.problems.is_empty());
+                return;
+            }
+            let size = self.studio.picture_size();
+            let area = Area { rect: picture::fitted(response.rect, size, ui.pixels_per_point()), size };
+            self.area = Some(area);
+            actions.extend(viewport::mouse(ui, &response, area));
+            match self.studio.shown {
+                Shown::Preview => self.paint_preview(ui, area),
+                Shown::Traced => self.paint_trace(ui, area),
+            }
+        });
+    }
+
+    fn paint_preview(&mut self, ui: &Ui, area: Area) {
+        let Some(raster) = &mut self.raster else { return };
+        if let Some((version, preview)) = &self.studio.preview
+            && self.on_card != Some(*version)
+        {
+            raster.set_scene(preview);
+            self.on_card = Some(*version);
+        }
+        let scale = ui.pixels_per_point();
+        let pixels = area.rect.size() * scale;
+        let size = [pixels.x, pixels.y].map(|side| (side.round() as u32).max(1));
+        let Some(eye) = self.studio.eye(size) else { return };
+        let lines = self.studio.lines();
+        let selected = self.studio.selection.objects();
+        let shot = Shot { size, scale, eye, lines: &lines, selected, background: BACKGROUND };
+        let id = raster.draw(&shot);
+        picture::paint(ui.painter(), id, area.rect, 0.0, 1.0);
+    }
+
+    fn paint_trace(&mut self, ui: &Ui, area: Area) {
+        let Some(Ok(settings)) = self.studio.settings() else { return };
+        let (view, development) = (self.studio.view, settings.development);
+        let Some(frame) = self.studio.tracer.frame() else { return };
+        let shown = self.picture.show(ui.ctx(), &frame, view, &development);
+        let kept = self.studio.comparison.kept.clone();
+        let kept = kept.map(|kept| self.kept_picture.show(ui.ctx(), &kept, view, &development));
+        let wipe = if kept.is_some() { self.studio.comparison.wipe } else { 0.0 };
+        for (texture, from, to) in [(Some(shown), wipe, 1.0), (kept, 0.0, wipe)] {
+            match texture {
+                Some(Ok(id)) => picture::paint(ui.painter(), id, area.rect, from, to),
+                Some(Err(problem)) => {
+                    let color = theme::ERROR;
+                    let font = egui::FontId::proportional(14.0);
+                    ui.painter().text(area.rect.center(), egui::Align2::CENTER_CENTER, problem, font, color);
+                }
+                None => {}
+            }
+        }
+    }
+
+    fn ask(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        let Some(chooser) = &mut self.chooser else { return };
+        match chooser.show(ctx) {
+            Answer::None => return,
+            Answer::Cancelled => {}
+            Answer::Chosen(path) => match chooser.purpose {
+                Purpose::OpenScene => actions.push(Action::Open(path)),
+                Purpose::SaveScene => actions.push(Action::SaveAs(path)),
+                Purpose::Export => actions.push(Action::Export(path)),
+            },
+        }
+        self.chooser = None;
+    }
+
+    /// Shoots a debug ray at the pointer, or through the middle of the picture where there is no pointer over it.
+    fn shoot(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        let Some(area) = self.area else { return };
+        let pointer = ctx.input(|input| input.pointer.hover_pos());
+        let place = pointer.and_then(|point| area.place(point)).or_else(|| area.place(area.rect.center()));
+        actions.extend(place.map(Action::DebugRay));
+        self.layout.bottom = Some(Bottom::Rays);
+        self.studio.shown = Shown::Preview;
+    }
+
+    fn path(&self) -> Option<&Path> {
+        self.studio.document.as_ref().and_then(|document| document.path())
+    }
+
+    fn choose(&mut self, purpose: Purpose, name: &str) {
+        if purpose != Purpose::OpenScene && self.studio.document.is_none() {
+            return;
+        }
+        let near = self.path().map(Path::to_owned).or_else(|| self.layout.recent.first().cloned());
+        self.chooser = Some(Chooser::new(purpose, near.as_deref(), name));
+    }
+
+    /// Notes the scene that is open among those opened last.
+    fn remember(&mut self) {
+        /// As many are offered.
+        const MOST: usize = 10;
+        let Some(path) = self.path().map(|path| std::path::absolute(path).unwrap_or(path.to_owned())) else {
+            return;
+        };
+        if self.layout.recent.first() != Some(&path) {
+            self.layout.recent.retain(|other| *other != path);
+            self.layout.recent.insert(0, path);
+            self.layout.recent.truncate(MOST);
+        }
+    }
+
+    fn obey(&mut self, ctx: &egui::Context, command: Command, actions: &mut Vec<Action>) {
+        match command {
+            Command::Do(action) => actions.push(action),
+            Command::DebugRay => self.shoot(ctx, actions),
+            Command::ChooseScene => self.choose(Purpose::OpenScene, ""),
+            Command::Save if self.path().is_some() => actions.push(Action::Save),
+            Command::Save | Command::SaveAs => {
+                let name = self.studio.title();
+                self.choose(Purpose::SaveScene, if self.path().is_some() { &name } else { "scene.txt" });
+            }
+            Command::Export => {
+                let name =
+                    self.path().and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
+                self.choose(Purpose::Export, &format!("{}.png", name.as_deref().unwrap_or("picture")));
+            }
+            Command::Help => self.help = !self.help,
+            Command::Panels => self.layout.panels = !self.layout.panels,
+            Command::Escape if self.help => self.help = false,
+            Command::Escape => actions.push(Action::Stop),
+        }
+    }
+}
+
+/// What the viewport says without a scene.
+fn empty(ui: &Ui, rect: Rect, is_loading: bool, has_problems: bool) {
+    let (big, small) = match (is_loading, has_problems) {
+        (true, _) => ("Reading...", ""),
+        (false, true) => {
+            ("This scene has mistakes", "They are listed below; the scene opens once they are gone.")
+        }
+        (false, false) => ("Drop a scene here", "or press L to open one.   F1 lists all keys."),
+    };
+    let at = rect.center();
+    let painter = ui.painter();
+    let center = egui::Align2::CENTER_CENTER;
+    let font = egui::FontId::proportional;
+    painter.text(at - egui::vec2(0.0, 16.0), center, big, font(24.0), egui::Color32::from_gray(200));
+    painter.text(at + egui::vec2(0.0, 16.0), center, small, font(14.0), theme::QUIET);
+}

@@ -1,0 +1,158 @@
+//! Keys and what they do, in one table: the window obeys it and its help shows it.
+
+use egui::{Context, Key, Modifiers};
+
+use crate::state::{Action, Held};
+
+/// What a key does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Something to the scene.
+    Do(Action),
+    /// Shoots a debug ray at the pointer.
+    DebugRay,
+    /// Asks which scene to open.
+    ChooseScene,
+    /// Saves, and asks where if there is no file yet.
+    Save,
+    /// Asks where to save.
+    SaveAs,
+    /// Asks where to write the picture.
+    Export,
+    /// Shows or hides the list of keys.
+    Help,
+    /// Shows or hides the panels around the viewport.
+    Panels,
+    /// Closes what is open, or gives up what is going on.
+    Escape,
+}
+
+/// A key, alone or with others held.
+pub struct Shortcut {
+    /// Held with it.
+    pub modifiers: Modifiers,
+    /// The key.
+    pub key: Key,
+    /// What it does.
+    pub command: Command,
+    /// The same in words.
+    pub about: &'static str,
+}
+
+/// The keys and mouse buttons that move the camera, in words.
+pub const MOVES: [(&str, &str); 9] = [
+    ("W A S D", "Fly forward, left, back, right"),
+    ("Page up, Page down", "Fly up, down"),
+    ("Shift", "Fly four times as fast"),
+    ("Right drag", "Look around"),
+    ("Wheel", "Change the speed of flight"),
+    ("Left or middle drag", "Turn around what you look at"),
+    ("Shift and drag", "Shift the camera"),
+    ("Ctrl and wheel", "Come nearer, or go away"),
+    ("Click", "Select what is under the pointer"),
+];
+
+/// All keys but those that are held to fly.
+pub fn shortcuts() -> Vec<Shortcut> {
+    use Command::Do;
+    const NONE: Modifiers = Modifiers::NONE;
+    const COMMAND: Modifiers = Modifiers::COMMAND;
+    let table = [
+        (NONE, Key::Enter, Do(Action::Trace), "Trace from the current view"),
+        (NONE, Key::Space, Do(Action::ToggleShown), "Switch between preview and traced picture"),
+        (NONE, Key::E, Command::DebugRay, "Shoot a debug ray at the pointer"),
+        (NONE, Key::L, Command::ChooseScene, "Open a scene"),
+        (COMMAND, Key::O, Command::ChooseScene, "Open a scene"),
+        (COMMAND, Key::N, Do(Action::New), "Begin a new scene"),
+        (COMMAND, Key::R, Do(Action::Reload), "Read the file again"),
+        (COMMAND, Key::S, Command::Save, "Save the scene"),
+        (COMMAND.plus(Modifiers::SHIFT), Key::S, Command::SaveAs, "Save the scene to another file"),
+        (COMMAND, Key::E, Command::Export, "Write the picture to a file"),
+        (COMMAND, Key::Z, Do(Action::Undo), "Take the last step back"),
+        (COMMAND.plus(Modifiers::SHIFT), Key::Z, Do(Action::Redo), "Do it again"),
+        (COMMAND, Key::Y, Do(Action::Redo), "Do it again"),
+        (COMMAND, Key::D, Do(Action::Duplicate), "Copy what is selected"),
+        (NONE, Key::Delete, Do(Action::Delete), "Take out what is selected"),
+        (COMMAND.plus(Modifiers::SHIFT), Key::C, Do(Action::StoreCamera), "Write this view into the scene"),
+        (NONE, Key::F, Do(Action::Frame), "Show what is selected, or all, as large as fits"),
+        (NONE, Key::Home, Do(Action::ResetCamera), "Back to the scene's own camera"),
+        (NONE, Key::ArrowDown, Do(Action::SelectNext(true)), "Select the next block of the scene"),
+        (NONE, Key::ArrowUp, Do(Action::SelectNext(false)), "Select the block before"),
+        (NONE, Key::Plus, Do(Action::ChangeSpeed(1.0)), "Fly faster"),
+        (NONE, Key::Minus, Do(Action::ChangeSpeed(-1.0)), "Fly slower"),
+        (NONE, Key::P, Command::Panels, "Show or hide the panels"),
+        (NONE, Key::F1, Command::Help, "Show or hide this list"),
+        (NONE, Key::Escape, Command::Escape, "Stop tracing; close what is open"),
+    ];
+    table
+        .into_iter()
+        .map(|(modifiers, key, command, about)| Shortcut { modifiers, key, command, about })
+        .collect()
+}
+
+/// What the keys pressed since the last frame ask for. While text is typed they are letters and ask for nothing;
+/// while a widget has the focus, Enter and Space belong to it.
+pub fn pressed(ctx: &Context) -> Vec<Command> {
+    if ctx.text_edit_focused() {
+        return Vec::new();
+    }
+    let widget_has_focus = ctx.memory(|memory| memory.focused().is_some());
+    let is_free = |key: Key| {
+        !(widget_has_focus && matches!(key, Key::Enter | Key::Space | Key::ArrowUp | Key::ArrowDown))
+    };
+    let list = shortcuts().into_iter().filter(|shortcut| is_free(shortcut.key));
+    list.filter(|shortcut| {
+        ctx.input_mut(|input| {
+            let exact = input.modifiers.matches_exact(shortcut.modifiers)
+                || input.modifiers.shift && shortcut.key == Key::Plus;
+            exact && input.consume_key(input.modifiers, shortcut.key)
+        })
+    })
+    .map(|shortcut| shortcut.command)
+    .collect()
+}
+
+/// Which of the keys that fly are down.
+pub fn held(ctx: &Context) -> Held {
+    if ctx.text_edit_focused() {
+        return Held::default();
+    }
+    ctx.input(|input| {
+        let down = |key| input.key_down(key) && !input.modifiers.command && !input.modifiers.alt;
+        Held {
+            forward: down(Key::W),
+            back: down(Key::S),
+            left: down(Key::A),
+            right: down(Key::D),
+            up: down(Key::PageUp),
+            down: down(Key::PageDown),
+            fast: input.modifiers.shift,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_key_means_two_things() {
+        let all = shortcuts();
+        for (i, a) in all.iter().enumerate() {
+            for b in &all[..i] {
+                assert!(a.key != b.key || a.modifiers != b.modifiers, "{} and {}", a.about, b.about);
+            }
+            let flies = [Key::W, Key::A, Key::S, Key::D, Key::PageUp, Key::PageDown].contains(&a.key);
+            assert!(!flies || a.modifiers != Modifiers::NONE, "{} is on a key that flies", a.about);
+        }
+    }
+
+    #[test]
+    fn the_keys_of_the_course_are_there() {
+        let of = |key| shortcuts().into_iter().find(|s| s.key == key).map(|s| s.command);
+        assert_eq!(of(Key::Enter), Some(Command::Do(Action::Trace)));
+        assert_eq!(of(Key::Space), Some(Command::Do(Action::ToggleShown)));
+        assert_eq!(of(Key::E), Some(Command::DebugRay));
+        assert_eq!(of(Key::L), Some(Command::ChooseScene));
+    }
+}

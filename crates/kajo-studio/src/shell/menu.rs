@@ -1,0 +1,115 @@
+//! The bar at the top: menus, and the two things one does all the time.
+
+use std::path::PathBuf;
+
+use egui::{Align, Button, Layout, MenuBar, RichText, Ui};
+use kajo::session::Status;
+
+use super::keys::Command;
+use super::theme;
+use crate::state::{Action, Shown, Studio};
+
+/// The whole bar; what was chosen goes into `commands`.
+///
+/// * `recent`: the scenes opened last
+pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec<Command>) {
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| {
+            item(ui, "New", "Ctrl+N", commands, Command::Do(Action::New));
+            item(ui, "Open...", "L", commands, Command::ChooseScene);
+            recent_menu(ui, recent, commands);
+            item(ui, "Read again", "Ctrl+R", commands, Command::Do(Action::Reload));
+            ui.separator();
+            item(ui, "Save", "Ctrl+S", commands, Command::Save);
+            item(ui, "Save as...", "Ctrl+Shift+S", commands, Command::SaveAs);
+            item(ui, "Write picture...", "Ctrl+E", commands, Command::Export);
+        });
+        ui.menu_button("Edit", |ui| {
+            let document = studio.document.as_ref();
+            let undo =
+                document.and_then(|document| document.undo_label()).map(|label| format!("Undo {label}"));
+            let redo =
+                document.and_then(|document| document.redo_label()).map(|label| format!("Redo {label}"));
+            item(ui, undo.as_deref().unwrap_or("Undo"), "Ctrl+Z", commands, Command::Do(Action::Undo));
+            item(ui, redo.as_deref().unwrap_or("Redo"), "Ctrl+Shift+Z", commands, Command::Do(Action::Redo));
+            ui.separator();
+            item(ui, "Duplicate", "Ctrl+D", commands, Command::Do(Action::Duplicate));
+            item(ui, "Delete", "Del", commands, Command::Do(Action::Delete));
+        });
+        ui.menu_button("Camera", |ui| {
+            item(ui, "Frame", "F", commands, Command::Do(Action::Frame));
+            item(ui, "Back to the scene's", "Home", commands, Command::Do(Action::ResetCamera));
+            item(
+                ui,
+                "Write this view into the scene",
+                "Ctrl+Shift+C",
+                commands,
+                Command::Do(Action::StoreCamera),
+            );
+        });
+        ui.menu_button("Trace", |ui| {
+            item(ui, "Trace", "Enter", commands, Command::Do(Action::Trace));
+            item(ui, "Stop", "Esc", commands, Command::Do(Action::Stop));
+            item(ui, "Debug ray at the pointer", "E", commands, Command::DebugRay);
+        });
+        ui.menu_button("Window", |ui| {
+            item(ui, "Panels", "P", commands, Command::Panels);
+            item(ui, "Keys and mouse", "F1", commands, Command::Help);
+        });
+        ui.separator();
+        let dirty = studio.document.as_ref().is_some_and(|document| document.is_dirty());
+        let title = if dirty { format!("{} •", studio.title()) } else { studio.title() };
+        let hint = if dirty { "Changed since it was saved" } else { "As it is on disk" };
+        ui.label(RichText::new(title).strong()).on_hover_text(hint);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            trace_button(ui, studio, commands);
+            ui.add_space(6.0);
+            shown_switch(ui, studio, commands);
+        });
+    });
+}
+
+fn item(ui: &mut Ui, text: &str, keys: &str, commands: &mut Vec<Command>, command: Command) {
+    if ui.add(Button::new(text).shortcut_text(keys)).clicked() {
+        commands.push(command);
+    }
+}
+
+fn recent_menu(ui: &mut Ui, recent: &[PathBuf], commands: &mut Vec<Command>) {
+    ui.add_enabled_ui(!recent.is_empty(), |ui| {
+        ui.menu_button("Recent", |ui| {
+            for path in recent {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                    commands.push(Command::Do(Action::Open(path.clone())));
+                }
+            }
+        });
+    });
+}
+
+fn trace_button(ui: &mut Ui, studio: &Studio, commands: &mut Vec<Command>) {
+    if matches!(studio.tracer.status(), Status::Running { .. }) {
+        if ui.button("Stop").on_hover_text("Esc").clicked() {
+            commands.push(Command::Do(Action::Stop));
+        }
+        return;
+    }
+    let text = RichText::new("Trace").color(theme::ON_ACCENT).strong();
+    let button = ui.add_enabled(studio.scene().is_some(), Button::new(text).fill(theme::ACCENT));
+    if button.on_hover_text("Trace from the current view (Enter)").clicked() {
+        commands.push(Command::Do(Action::Trace));
+    }
+}
+
+fn shown_switch(ui: &mut Ui, studio: &Studio, commands: &mut Vec<Command>) {
+    let mut switch = |ui: &mut Ui, shown, text| {
+        let chosen = studio.shown == shown;
+        if ui.selectable_label(chosen, text).on_hover_text("Space switches").clicked() && !chosen {
+            commands.push(Command::Do(Action::ToggleShown));
+        }
+    };
+    // From right to left.
+    switch(ui, Shown::Traced, "Traced");
+    switch(ui, Shown::Preview, "Preview");
+}

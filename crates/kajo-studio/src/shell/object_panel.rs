@@ -1,0 +1,301 @@
+//! The fields of what is selected, each with a widget of its type.
+
+use egui::{DragValue, RichText, ScrollArea, Slider, TextEdit, Ui};
+use kajo::edit::{Document, Field, FieldKind, FieldValue, Kind, Node, NodeId};
+
+use super::theme;
+use super::widgets::{choice, rows};
+use crate::state::{Action, Selection};
+
+/// The whole panel; what it asks for goes into `actions`.
+pub fn show(ui: &mut Ui, document: &Document, selection: &Selection, actions: &mut Vec<Action>) {
+    let Some(node) = selection.main().and_then(|id| document.node(id)) else {
+        ui.label(RichText::new("Click on something to see what it is made of.").color(theme::QUIET));
+        return;
+    };
+    head(ui, node, selection, actions);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        fields(ui, document, node, actions);
+        if let Some(material) = document.material_of(node.id).and_then(|id| document.node(id))
+            && material.id != node.id
+        {
+            ui.add_space(8.0);
+            ui.separator();
+            material_head(ui, document, material, actions);
+            ui.push_id("material", |ui| fields(ui, document, material, actions));
+        }
+    });
+}
+
+fn head(ui: &mut Ui, node: &Node, selection: &Selection, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(&*node.keyword).strong().size(15.0));
+        if let Some(name) = &node.name {
+            ui.label(RichText::new(&**name).color(theme::ACCENT));
+        }
+        let others = selection.nodes().len().saturating_sub(1);
+        if others > 0 {
+            ui.label(RichText::new(format!("and {others} more")).color(theme::QUIET));
+        }
+    });
+    ui.horizontal(|ui| {
+        for (text, action) in
+            [("Frame", Action::Frame), ("Duplicate", Action::Duplicate), ("Delete", Action::Delete)]
+        {
+            if ui.small_button(text).clicked() {
+                actions.push(action);
+            }
+        }
+    });
+    ui.add_space(6.0);
+}
+
+/// The name of the material, and a list of all to paint with another.
+fn material_head(ui: &mut Ui, document: &Document, material: &Node, actions: &mut Vec<Action>) {
+    let name = |node: &Node| node.name.as_deref().map_or_else(|| node.keyword.to_string(), str::to_owned);
+    ui.horizontal(|ui| {
+        let label = ui.label(RichText::new("Material").strong());
+        let combo = egui::ComboBox::from_id_salt("paint").selected_text(name(material)).show_ui(ui, |ui| {
+            let all = document.outline().nodes().iter().filter(|node| node.kind == Kind::Material);
+            for other in all {
+                if ui.selectable_label(other.id == material.id, name(other)).clicked() {
+                    actions.push(Action::Paint(other.id));
+                }
+            }
+        });
+        combo.response.labelled_by(label.id);
+        if ui.small_button("Select").on_hover_text("Show where it is in the tree").clicked() {
+            actions.push(Action::Select(vec![material.id]));
+        }
+    });
+    ui.add_space(4.0);
+}
+
+fn fields(ui: &mut Ui, document: &Document, node: &Node, actions: &mut Vec<Action>) {
+    let fields = document.fields(node.id);
+    if fields.is_empty() {
+        ui.label(RichText::new("It has no fields of its own.").color(theme::QUIET));
+    }
+    rows(ui, "fields", |ui| {
+        for field in &fields {
+            ui.push_id((&field.key, field.nth), |_| ());
+            row(ui, node.id, field, actions);
+        }
+    });
+}
+
+fn row(ui: &mut Ui, node: NodeId, field: &Field, actions: &mut Vec<Action>) {
+    let color = if field.span.is_some() { egui::Color32::from_gray(225) } else { theme::QUIET };
+    let label = ui.label(RichText::new(spaced(&field.key)).color(color)).on_hover_text(field.about);
+    ui.push_id((&field.key, field.nth), |ui| {
+        ui.horizontal(|ui| {
+            let value = field.value.clone().unwrap_or_default();
+            if let Some(value) = editor(ui, field.kind, &value, label.id) {
+                actions.push(Action::SetField { node, key: field.key.clone(), nth: field.nth, value });
+            }
+            if field.span.is_some() && !field.required {
+                let button = ui.small_button("×").on_hover_text("Take it out: the default holds again");
+                if button.accessible_name(format!("Reset {}", field.key)).clicked() {
+                    actions.push(Action::UnsetField { node, key: field.key.clone(), nth: field.nth });
+                }
+            }
+        });
+    });
+    ui.end_row();
+}
+
+/// A widget for a value; the new value when it was changed.
+fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, label: egui::Id) -> Option<FieldValue> {
+    match kind {
+        FieldKind::Number { min, max } => number(ui, value, label, min, max),
+        FieldKind::Whole { min, max } => {
+            let mut v = value.numbers.first().copied().unwrap_or(0.0);
+            let drag = DragValue::new(&mut v).range(min..=max).speed(0.1).fixed_decimals(0);
+            ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([v.round()]))
+        }
+        FieldKind::Angle { min, max } => angle(ui, value, label, min, max),
+        FieldKind::Point | FieldKind::Vector => numbers(ui, value, label, 3),
+        FieldKind::Color => color(ui, value, label),
+        FieldKind::Reflectance | FieldKind::Emission if value.word.is_none() => color(ui, value, label),
+        FieldKind::Flag => {
+            let mut on = value.word.as_deref() == Some("on");
+            let word = if on { "On" } else { "Off" };
+            let response = ui.checkbox(&mut on, word);
+            response.labelled_by(label).changed().then(|| FieldValue::flag(on))
+        }
+        FieldKind::Choice(words) => words_choice(ui, value, label, words),
+        FieldKind::ChoiceAndNumber(words) => {
+            let word = words_choice(ui, value, label, words)
+                .map(|new| FieldValue { numbers: value.numbers.clone(), ..new });
+            let number = (!value.numbers.is_empty()).then(|| numbers(ui, value, label, 1)).flatten();
+            word.or(number.map(|new| FieldValue { word: value.word.clone(), ..new }))
+        }
+        FieldKind::Numbers(count) => numbers(ui, value, label, count.max(value.numbers.len())),
+        FieldKind::File
+        | FieldKind::Text
+        | FieldKind::Material
+        | FieldKind::Reflectance
+        | FieldKind::Emission => text(ui, value, label),
+    }
+}
+
+fn number(ui: &mut Ui, value: &FieldValue, label: egui::Id, min: f64, max: f64) -> Option<FieldValue> {
+    let mut v = value.numbers.first().copied().unwrap_or(0.0);
+    let response = if min >= 0.0 && max <= 1.0 {
+        ui.add(Slider::new(&mut v, min..=max).max_decimals(3))
+    } else {
+        let speed = step(v);
+        ui.add(DragValue::new(&mut v).range(min..=max).speed(speed).max_decimals(6))
+    };
+    response.labelled_by(label).changed().then(|| FieldValue::numbers([tidy(v)]))
+}
+
+fn angle(ui: &mut Ui, value: &FieldValue, label: egui::Id, min: f64, max: f64) -> Option<FieldValue> {
+    let mut v = value.numbers.first().copied().unwrap_or(0.0);
+    let drag = DragValue::new(&mut v).range(min..=max).speed(0.25).suffix("°").max_decimals(3);
+    ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([tidy(v)]))
+}
+
+/// Several numbers in a row, with names for three of them.
+fn numbers(ui: &mut Ui, value: &FieldValue, label: egui::Id, count: usize) -> Option<FieldValue> {
+    let mut all = value.numbers.clone();
+    all.resize(count.clamp(1, 16), 0.0);
+    let mut any = false;
+    let size = all.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    ui.spacing_mut().item_spacing.x = 3.0;
+    ui.spacing_mut().interact_size.x = 52.0;
+    for (i, v) in all.iter_mut().enumerate() {
+        let drag = DragValue::new(v).speed(step(size)).max_decimals(4);
+        let hint = ["x", "y", "z"].get(i).copied().filter(|_| count == 3).unwrap_or("number");
+        let response = ui.add(drag).on_hover_text(hint);
+        if response.labelled_by(label).changed() {
+            *v = tidy(*v);
+            any = true;
+        }
+    }
+    any.then(|| FieldValue { word: value.word.clone(), numbers: all })
+}
+
+/// A swatch that opens a picker, and the three numbers, which may be above one.
+fn color(ui: &mut Ui, value: &FieldValue, label: egui::Id) -> Option<FieldValue> {
+    let mut rgb = match value.numbers[..] {
+        [r, g, b, ..] => [r, g, b],
+        [grey] => [grey; 3],
+        _ => [0.0; 3],
+    };
+    let brightest = rgb.iter().fold(1.0, |most: f64, v| most.max(*v));
+    // Brighter than white: the picker shows the hue, and the brightness stays.
+    let mut shown = rgb.map(|v| (v / brightest) as f32);
+    let picker = ui.color_edit_button_rgb(&mut shown).on_hover_text("Linear red, green and blue");
+    let mut any = picker.labelled_by(label).changed();
+    if any {
+        rgb = shown.map(|v| tidy((f64::from(v) * brightest * 1e4).round() / 1e4));
+    }
+    ui.spacing_mut().item_spacing.x = 3.0;
+    ui.spacing_mut().interact_size.x = 40.0;
+    for (v, name) in rgb.iter_mut().zip(["red", "green", "blue"]) {
+        let drag = DragValue::new(v).speed(0.005).range(0.0..=f64::MAX).max_decimals(3);
+        if ui.add(drag).labelled_by(label).on_hover_text(name).changed() {
+            *v = tidy(*v);
+            any = true;
+        }
+    }
+    any.then(|| FieldValue::numbers(rgb))
+}
+
+fn words_choice(
+    ui: &mut Ui,
+    value: &FieldValue,
+    label: egui::Id,
+    words: &'static [&'static str],
+) -> Option<FieldValue> {
+    let current = value.word.as_deref().unwrap_or_default();
+    let mut chosen = words.iter().position(|word| *word == current).unwrap_or(usize::MAX);
+    let all: Vec<(&str, usize)> = words.iter().copied().zip(0..).collect();
+    let response = choice(ui, "words", &mut chosen, &all).labelled_by(label);
+    let word = response.changed().then(|| words.get(chosen)).flatten()?;
+    Some(FieldValue::word(*word))
+}
+
+/// A word, taken over when one has finished typing.
+fn text(ui: &mut Ui, value: &FieldValue, label: egui::Id) -> Option<FieldValue> {
+    let id = ui.scope_id().with("typed");
+    let written = value.text();
+    let mut typed = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.clone());
+    let response = ui.add(TextEdit::singleline(&mut typed).desired_width(150.0)).labelled_by(label);
+    if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, typed));
+        return None;
+    }
+    ui.data_mut(|data| data.remove::<String>(id));
+    let is_new = response.lost_focus() && typed != written && !typed.trim().is_empty();
+    is_new.then(|| value_of(typed.trim()))
+}
+
+/// Words and numbers as a scene has them.
+fn value_of(typed: &str) -> FieldValue {
+    let mut numbers = Vec::new();
+    let mut words = Vec::new();
+    for word in typed.split_whitespace() {
+        match word.parse() {
+            Ok(number) => numbers.push(number),
+            Err(_) => words.push(word),
+        }
+    }
+    let word = words.join(" ");
+    let word = word.trim_matches('"').to_owned();
+    FieldValue { word: (!word.is_empty()).then_some(word), numbers }
+}
+
+/// How much a value changes for a point of dragging.
+fn step(v: f64) -> f64 {
+    (v.abs() * 0.01).max(0.005)
+}
+
+/// Without the digits that come from computing in binary.
+fn tidy(v: f64) -> f64 {
+    (v * 1e6).round() / 1e6
+}
+
+/// `diffuseColor` as `Diffuse color`.
+fn spaced(key: &str) -> String {
+    let mut text = String::with_capacity(key.len() + 4);
+    for (i, letter) in key.chars().enumerate() {
+        match letter {
+            '_' => text.push(' '),
+            _ if i == 0 => text.extend(letter.to_uppercase()),
+            _ if letter.is_uppercase() => {
+                text.push(' ');
+                text.extend(letter.to_lowercase());
+            }
+            _ => text.push(letter),
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_become_names() {
+        assert_eq!(spaced("diffuseColor"), "Diffuse color");
+        assert_eq!(spaced("shade_back"), "Shade back");
+        assert_eq!(spaced("radius"), "Radius");
+    }
+
+    #[test]
+    fn typed_values_are_words_and_numbers() {
+        assert_eq!(value_of("gold 2.5"), FieldValue { word: Some("gold".into()), numbers: vec![2.5] });
+        assert_eq!(value_of("\"a file.png\""), FieldValue::word("a file.png"));
+        assert_eq!(value_of("1 2 3"), FieldValue::numbers([1.0, 2.0, 3.0]));
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(tidy(0.1 + 0.2), 0.3);
+        assert_eq!(step(0.0), 0.005);
+        assert_eq!(step(-200.0), 2.0);
+    }
+}

@@ -1,0 +1,109 @@
+//! The segments of the debug ray as a table.
+
+use egui::{Align2, Color32, FontId, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use kajo::probe::Segment;
+
+use super::theme;
+use crate::state::{Action, Rays, Studio, ray_color, ray_kind};
+
+const ROW: f32 = 18.0;
+
+/// Names and widths of the columns, in points.
+const COLUMNS: [(&str, f32); 9] = [
+    ("Ray", 130.0),
+    ("Hit", 130.0),
+    ("Material", 110.0),
+    ("t", 70.0),
+    ("Point", 170.0),
+    ("Normal", 150.0),
+    ("Index", 50.0),
+    ("Weight", 150.0),
+    ("Contribution", 150.0),
+];
+
+/// The whole panel; what it asks for goes into `actions`.
+pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+    let Some(rays) = &studio.rays else {
+        ui.label(RichText::new("Point at the picture and press E to shoot a debug ray.").color(theme::QUIET));
+        return;
+    };
+    summary(ui, rays, actions);
+    let width: f32 = COLUMNS.iter().map(|(_, width)| width).sum();
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        let (head, _) = ui.allocate_exact_size(vec2(width, ROW), Sense::hover());
+        for (x, (name, width)) in columns(head.left()) {
+            cell(ui, pos2(x, head.center().y), name, width, theme::QUIET);
+        }
+        let clip = ui.clip_rect();
+        for (index, segment) in rays.ray.segments.iter().enumerate() {
+            let (row, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::click());
+            if !row.intersects(clip) {
+                continue;
+            }
+            let label = format!("Segment {index} {}", ray_kind(segment.kind));
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
+            let is_chosen = rays.chosen == Some(index);
+            if is_chosen {
+                ui.painter().rect_filled(row, 2.0, ui.visuals().selection.bg_fill);
+            } else if response.hovered() {
+                ui.painter().rect_filled(row, 2.0, ui.visuals().faint_bg_color);
+            }
+            let [r, g, b, _] = ray_color(segment, true);
+            let texts = cells(studio, segment);
+            for (i, ((x, (_, width)), text)) in columns(row.left()).zip(&texts).enumerate() {
+                let color = if i == 0 { Color32::from_rgb(r, g, b) } else { Color32::from_gray(215) };
+                let indent = if i == 0 { 9.0 * segment.depth.min(8) as f32 } else { 0.0 };
+                cell(ui, pos2(x + indent, row.center().y), text, width - indent, color);
+            }
+            if response.clicked() {
+                actions.push(Action::ChooseSegment((!is_chosen).then_some(index)));
+            }
+        }
+    });
+}
+
+fn summary(ui: &mut Ui, rays: &Rays, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        let [r, g, b] = rays.ray.radiance;
+        let n = rays.ray.segments.len();
+        ui.label(format!("{n} segments, radiance {r:.4} {g:.4} {b:.4}"));
+        if rays.ray.left_out > 0 {
+            ui.label(format!("and {} more", rays.ray.left_out));
+        }
+        if ui.small_button("Clear").clicked() {
+            actions.push(Action::ClearDebugRay);
+        }
+    });
+}
+
+fn columns(left: f32) -> impl Iterator<Item = (f32, (&'static str, f32))> {
+    COLUMNS.into_iter().scan(left, |x, column| {
+        let at = *x;
+        *x += column.1;
+        Some((at, column))
+    })
+}
+
+fn cell(ui: &Ui, at: egui::Pos2, text: &str, width: f32, color: Color32) {
+    let rect = egui::Rect::from_min_size(pos2(at.x, at.y - ROW), vec2(width - 6.0, 2.0 * ROW));
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    painter.text(at + vec2(4.0, 0.0), Align2::LEFT_CENTER, text, FontId::monospace(11.5), color);
+}
+
+fn cells(studio: &Studio, segment: &Segment) -> [String; 9] {
+    let triple = |[x, y, z]: [f32; 3]| format!("{x:.3} {y:.3} {z:.3}");
+    let (object, material) = studio.names_of(segment);
+    let hit = segment.hit;
+    [
+        ray_kind(segment.kind).to_owned(),
+        object,
+        material,
+        if segment.distance.is_finite() { format!("{:.4}", segment.distance) } else { "-".to_owned() },
+        hit.map_or_else(|| "-".to_owned(), |hit| triple(hit.p.to_array())),
+        hit.map_or_else(|| "-".to_owned(), |hit| triple(hit.n.to_array())),
+        format!("{:.3}", segment.eta),
+        triple(segment.weight),
+        triple(segment.contribution),
+    ]
+}

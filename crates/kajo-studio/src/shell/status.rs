@@ -1,0 +1,90 @@
+//! The line at the bottom: the newest message, how the trace goes, how fast one flies.
+
+use egui::{Align, Layout, RichText, Ui};
+use kajo::session::Status;
+
+use super::theme;
+use crate::state::{Shown, Studio};
+
+/// The whole line.
+pub fn show(ui: &mut Ui, studio: &Studio) {
+    ui.horizontal(|ui| {
+        if studio.is_loading() {
+            ui.spinner();
+            ui.label("Reading the scene...");
+        } else if let Some(notice) = &studio.notice {
+            let color = if notice.is_error { theme::ERROR } else { theme::QUIET };
+            ui.label(RichText::new(&notice.text).color(color));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let speed = studio.navigation.speed;
+            ui.label(RichText::new(format!("speed {speed:.2}")).color(theme::QUIET))
+                .on_hover_text("World units a second; the wheel changes it");
+            ui.separator();
+            trace(ui, studio);
+        });
+    });
+}
+
+fn trace(ui: &mut Ui, studio: &Studio) {
+    let Some(frame) = studio.tracer.frame() else {
+        ui.label(RichText::new("Enter traces").color(theme::QUIET));
+        return;
+    };
+    let stats = frame.stats();
+    let [width, height] = frame.size();
+    let text = format!(
+        "{width} x {height}, {}, {} rays/s, {:.2} s",
+        samples(frame.samples()),
+        in_short(frame.rays_per_second()),
+        stats.seconds
+    );
+    match studio.tracer.status() {
+        Status::Running { progress } => {
+            ui.add(
+                egui::ProgressBar::new(progress).desired_width(110.0).desired_height(8.0).fill(theme::ACCENT),
+            );
+            ui.label(text);
+        }
+        Status::Failed(error) => {
+            ui.label(RichText::new(error.to_string()).color(theme::ERROR));
+        }
+        Status::Cancelled => {
+            ui.label(format!("stopped: {text}"));
+        }
+        Status::Idle | Status::Finished => {
+            let seen = if studio.shown == Shown::Traced { "" } else { " (Space shows it)" };
+            ui.label(format!("{text}{seen}"));
+        }
+    }
+}
+
+fn samples(count: u32) -> String {
+    match count {
+        0 => "coarse".to_owned(),
+        1 => "1 sample".to_owned(),
+        n => format!("{n} samples"),
+    }
+}
+
+/// `12.3 M`
+fn in_short(count: f64) -> String {
+    match count {
+        n if n >= 1e9 => format!("{:.1} G", n / 1e9),
+        n if n >= 1e6 => format!("{:.1} M", n / 1e6),
+        n if n >= 1e3 => format!("{:.1} k", n / 1e3),
+        n => format!("{n:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let words: Vec<String> = [999.0, 12_345.0, 5.67e6, 2.1e9].map(in_short).to_vec();
+        assert_eq!(words, ["999", "12.3 k", "5.7 M", "2.1 G"]);
+        assert_eq!([0, 1, 16].map(samples), ["coarse", "1 sample", "16 samples"]);
+    }
+}

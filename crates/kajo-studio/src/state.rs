@@ -1,0 +1,378 @@
+//! What the window is about, with no window in it: the scene, the camera, the trace and everything one can do to
+//! them. Widgets read it and hand in [`Action`]s, so tests can do both.
+
+mod action;
+mod editing;
+mod histogram;
+mod navigation;
+mod problems;
+mod rays;
+mod render_options;
+mod selection;
+mod tracer;
+mod viewing;
+mod watch;
+mod worker;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kajo::edit::{Document, DocumentError, NodeId};
+use kajo::preview::Preview;
+use kajo::session::{Frame, Job, Status};
+use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View};
+use kajo_math::{Aabb, DVec3, Vec3};
+
+pub use action::Action;
+pub use histogram::{BINS, Histogram, stops_of};
+pub use navigation::{Held, Navigation};
+pub use problems::{Place, Problem, problems};
+pub use rays::{Rays, color as ray_color, kind_name as ray_kind};
+pub use render_options::{Habits, PictureSize, RenderOptions};
+pub use selection::Selection;
+pub use tracer::{Request, Tracer, Wake};
+pub use watch::Watch;
+
+use worker::Worker;
+
+/// What fills the viewport.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shown {
+    /// What the graphics card draws.
+    #[default]
+    Preview,
+    /// What was traced.
+    Traced,
+}
+
+/// A sentence for the status bar.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// What there is to say.
+    pub text: String,
+    /// Whether something went wrong.
+    pub is_error: bool,
+}
+
+/// Two traces side by side in one picture.
+#[derive(Clone, Debug, Default)]
+pub struct Comparison {
+    /// The picture kept, shown left of the wipe.
+    pub kept: Option<Arc<Frame>>,
+    /// Where the wipe is, as a share of the width.
+    pub wipe: f32,
+}
+
+/// Layers that are traced only while they are looked at.
+const COSTLY: [View; 3] = [View::Albedo, View::Motion, View::Lights];
+
+/// Tells one version of a scene from another: a count of documents, and one of versions of a document.
+pub type Version = (u64, u64);
+
+/// A scene that was read, with mistakes or without.
+struct Opened {
+    path: PathBuf,
+    document: Result<Document, DocumentError>,
+}
+
+/// Everything.
+pub struct Studio {
+    /// The scene and its text.
+    pub document: Option<Document>,
+    /// Counts documents.
+    opened: u64,
+    /// What is wrong with the text as it is now.
+    pub problems: Vec<Problem>,
+    /// What is chosen.
+    pub selection: Selection,
+    /// The scene as triangles and lines, and the version it was made of.
+    pub preview: Option<(Version, Arc<Preview>)>,
+    /// The debug ray, if one was shot.
+    pub rays: Option<Rays>,
+    /// From where one looks.
+    pub camera: CameraPose,
+    camera_version: u64,
+    /// Whether the camera stands where the scene says.
+    is_home: bool,
+    /// How one moves.
+    pub navigation: Navigation,
+    /// What is asked of a trace.
+    pub options: RenderOptions,
+    /// What the viewport shows.
+    pub shown: Shown,
+    /// Which layer of a traced picture it shows.
+    pub view: View,
+    /// Comparison with an earlier trace.
+    pub comparison: Comparison,
+    /// The trace.
+    pub tracer: Tracer,
+    /// The newest thing to say.
+    pub notice: Option<Notice>,
+    /// Pixels of the viewport.
+    pub window: [u32; 2],
+    /// The field that is being dragged.
+    dragged: Option<(NodeId, String, usize)>,
+    opener: Worker<PathBuf, Opened>,
+    previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
+    watch: Watch,
+}
+
+impl Studio {
+    /// An empty stage.
+    ///
+    /// * `wake`: called by other threads when there is something new to show
+    pub fn new(wake: Wake) -> Studio {
+        let waker = Arc::clone(&wake);
+        let camera =
+            CameraPose::perspective(DVec3::new(0.0, 0.0, 10.0), DVec3::ZERO, DVec3::Y, 45f64.to_radians());
+        Studio {
+            document: None,
+            opened: 0,
+            problems: Vec::new(),
+            selection: Selection::default(),
+            preview: None,
+            rays: None,
+            navigation: Navigation::of(None, &camera),
+            camera,
+            camera_version: 0,
+            is_home: true,
+            options: RenderOptions::default(),
+            shown: Shown::Preview,
+            view: View::Color,
+            comparison: Comparison { kept: None, wipe: 0.5 },
+            tracer: Tracer::new(Arc::clone(&wake)),
+            notice: None,
+            window: [800, 600],
+            dragged: None,
+            opener: Worker::new(Arc::clone(&wake), open),
+            previewer: Worker::new(wake, |(version, scene): (Version, Arc<Scene>)| {
+                (version, Arc::new(Preview::of(&scene)))
+            }),
+            watch: Watch::new(move || waker()),
+        }
+    }
+
+    /// Does what the user wants.
+    pub fn apply(&mut self, action: Action) {
+        match action {
+            Action::Open(path) => self.opener.order(path),
+            Action::Reload => self.reload(),
+            Action::Trace => self.trace(),
+            Action::Stop => self.tracer.cancel(),
+            Action::ToggleShown => self.toggle_shown(),
+            Action::Show(view) => self.view = view,
+            Action::KeepForComparison => self.comparison.kept = self.tracer.frame(),
+            Action::EndComparison => self.comparison.kept = None,
+            Action::Pick(..) | Action::DebugRay(_) | Action::ClearDebugRay | Action::ChooseSegment(_) => {
+                self.probe_action(action);
+            }
+            Action::Fly(..)
+            | Action::Look(_)
+            | Action::Orbit(_)
+            | Action::Pan(_)
+            | Action::Zoom(_)
+            | Action::ChangeSpeed(_)
+            | Action::Frame
+            | Action::SetEye(_)
+            | Action::SetAngle(_)
+            | Action::SetHeight(_)
+            | Action::ResetCamera => self.view_action(action),
+            other => self.edit_action(other),
+        }
+    }
+
+    /// Takes in what other threads have done, and starts the trace anew where that is due. Called once a frame.
+    pub fn update(&mut self) {
+        if let Some(opened) = self.opener.take() {
+            self.take(opened);
+        }
+        if let Some(preview) = self.previewer.take() {
+            self.preview = Some(preview);
+        }
+        if self.watch.changed() && self.document.as_ref().is_some_and(Document::changed_on_disk) {
+            self.reload();
+        }
+        if self.shown == Shown::Traced && self.options.habits.live {
+            let stale = self.request().is_some_and(|request| !self.tracer.was_asked_for(&request));
+            if stale {
+                self.trace();
+            }
+        }
+    }
+}
+
+/// What the window asks about.
+impl Studio {
+    /// The last scene without mistakes.
+    pub fn scene(&self) -> Option<&Arc<Scene>> {
+        self.document.as_ref().and_then(Document::scene)
+    }
+
+    /// The version of [`Studio::scene`].
+    pub fn version(&self) -> Version {
+        (self.opened, self.document.as_ref().map_or(0, Document::scene_generation))
+    }
+
+    /// What a trace would do now; `None` without a scene.
+    pub fn settings(&self) -> Option<Result<RenderSettings, kajo::SettingsError>> {
+        self.scene().map(|scene| self.options.resolve(scene, self.window))
+    }
+
+    /// Columns and rows of the picture that the camera makes.
+    pub fn picture_size(&self) -> [u32; 2] {
+        match self.options.habits.size {
+            PictureSize::Window => self.window,
+            _ => self.settings().and_then(Result::ok).map_or(self.window, |settings| settings.size),
+        }
+    }
+
+    /// A box around the scene; one around the origin where there is none.
+    pub fn bounds(&self) -> Aabb {
+        let unit = Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE };
+        let bounds = self.scene().map(|scene| scene.bounds());
+        bounds.filter(|bounds| !bounds.is_empty() && bounds.is_finite()).unwrap_or(unit)
+    }
+
+    /// The name of the scene for people.
+    pub fn title(&self) -> String {
+        let Some(document) = &self.document else { return "no scene".to_owned() };
+        let name = document.path().and_then(std::path::Path::file_name);
+        name.map_or_else(|| "untitled".to_owned(), |name| name.to_string_lossy().into_owned())
+    }
+
+    /// Whether a scene is being read.
+    pub fn is_loading(&self) -> bool {
+        self.opener.is_busy()
+    }
+
+    /// How far the trace is, while it runs.
+    pub fn progress(&self) -> Option<f32> {
+        match self.tracer.status() {
+            Status::Running { progress } => Some(progress),
+            _ => None,
+        }
+    }
+
+    /// Whether the preview is of the scene as it is now.
+    pub fn preview_is_current(&self) -> bool {
+        self.preview.as_ref().is_some_and(|(version, _)| *version == self.version())
+    }
+
+    /// Number of mistakes.
+    pub fn n_errors(&self) -> usize {
+        self.problems.iter().filter(|problem| problem.severity == Severity::Error).count()
+    }
+
+    fn request(&self) -> Option<Request> {
+        self.scene()?;
+        Some(Request {
+            scene: self.version(),
+            camera: self.camera_version,
+            options: self.options.of_light(),
+            window: if self.options.habits.size == PictureSize::Window { self.window } else { [0, 0] },
+            costly_view: COSTLY.contains(&self.view).then_some(self.view),
+        })
+    }
+}
+
+/// Tracing and files.
+impl Studio {
+    fn trace(&mut self) {
+        let (Some(scene), Some(request)) = (self.scene().cloned(), self.request()) else {
+            self.say("Open a scene first.", false);
+            return;
+        };
+        self.shown = Shown::Traced;
+        match self.options.resolve(&scene, self.window) {
+            Ok(settings) => {
+                let habits = &self.options.habits;
+                let mut job = Job::new(scene, settings).through(self.camera.clone());
+                job.downscale = if habits.progressive { habits.downscale.max(1) } else { 1 };
+                job.views.extend(request.costly_view);
+                let job = if habits.endless { job.without_end() } else { job };
+                self.tracer.start(request, job);
+            }
+            Err(error) => {
+                self.say(&error.to_string(), true);
+                self.tracer.give_up(request);
+            }
+        }
+    }
+
+    fn toggle_shown(&mut self) {
+        self.shown = match self.shown {
+            Shown::Preview => Shown::Traced,
+            Shown::Traced => Shown::Preview,
+        };
+    }
+
+    fn take(&mut self, Opened { path, document }: Opened) {
+        match document {
+            Ok(document) => {
+                self.begin(document);
+                match self.n_errors() {
+                    0 => self.say(&format!("Opened {}.", self.title()), false),
+                    1 => self.say(&format!("1 mistake in {}.", self.title()), true),
+                    n => self.say(&format!("{n} mistakes in {}.", self.title()), true),
+                }
+            }
+            Err(error) => self.say(&format!("{}: {error}", path.display()), true),
+        }
+    }
+
+    fn reload(&mut self) {
+        let Some(document) = &mut self.document else { return };
+        match document.reload() {
+            Ok(_) => {
+                self.compile();
+                self.watch_files();
+                self.say("Read again: the file has changed.", false);
+            }
+            Err(error) => self.say(&error.to_string(), true),
+        }
+    }
+
+    /// Looks at all files that the scene consists of.
+    fn watch_files(&self) {
+        let Some(document) = &self.document else { return };
+        let Some(path) = document.path() else { return };
+        let folder = path.parent().unwrap_or(path);
+        let included = document.files().skip(1).map(|(_, file)| folder.join(&file.name));
+        self.watch.set(std::iter::once(path.to_owned()).chain(included).collect());
+    }
+
+    /// Makes a scene of the text, and all that follows from it.
+    fn compile(&mut self) {
+        if let Some(document) = &mut self.document {
+            document.compile();
+            self.after_compile();
+        }
+    }
+
+    fn after_compile(&mut self) {
+        let Some(document) = &self.document else { return };
+        self.problems = problems(document.diagnostics(), document.sources());
+        self.selection.refresh(document);
+        if let Some(scene) = document.scene().filter(|_| self.is_home) {
+            let camera = CameraPose::of(scene);
+            self.camera = camera;
+        }
+        let version = self.version();
+        if let Some(scene) = self.scene().cloned().filter(|_| !self.preview_is_current()) {
+            self.previewer.order((version, scene));
+            self.shoot_again();
+        }
+    }
+
+    fn say(&mut self, text: &str, is_error: bool) {
+        self.notice = Some(Notice { text: text.to_owned(), is_error });
+    }
+}
+
+fn open(path: PathBuf) -> Opened {
+    let document = Document::open(&path, LoadOptions::default()).map(|mut document| {
+        document.compile();
+        document
+    });
+    Opened { path, document }
+}

@@ -1,0 +1,125 @@
+//! Everything that can be done, as values.
+
+use std::path::PathBuf;
+
+use kajo::View;
+use kajo::edit::{FieldValue, NodeId};
+use kajo_math::{DVec2, DVec3};
+
+use super::Held;
+
+/// Something the user wants.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    // Files.
+    /// Opens the scene in this file.
+    Open(PathBuf),
+    /// Begins a scene of its own.
+    New,
+    /// Reads the file again.
+    Reload,
+    /// Writes the text to its file.
+    Save,
+    /// Writes the text to another file.
+    SaveAs(PathBuf),
+    /// Writes the picture on show to a file of the kind its name tells; OpenEXR gets every layer.
+    Export(PathBuf),
+
+    // Tracing.
+    /// Traces from the current view with the current settings, and shows it.
+    Trace,
+    /// Stops tracing; what there is stays.
+    Stop,
+    /// Shows the preview in place of the trace, or the other way round.
+    ToggleShown,
+    /// Shows a layer of the trace.
+    Show(View),
+    /// Keeps the picture on show, to compare the next ones with it.
+    KeepForComparison,
+    /// Ends the comparison.
+    EndComparison,
+
+    // Questions about a place of the picture, in its pixels from the top left corner.
+    /// Chooses what is seen there; beside what is chosen already, if so.
+    Pick(DVec2, bool),
+    /// Shoots a debug ray there.
+    DebugRay(DVec2),
+    /// Takes the debug ray away.
+    ClearDebugRay,
+    /// Lights up a segment of the debug ray, or none.
+    ChooseSegment(Option<usize>),
+
+    // Camera.
+    /// Flies for some seconds.
+    Fly(Held, f64),
+    /// Turns the camera where it stands; points of the window.
+    Look(DVec2),
+    /// Turns the camera around what it looks at; points of the window.
+    Orbit(DVec2),
+    /// Shifts the camera; pixels of the picture.
+    Pan(DVec2),
+    /// Comes nearer, by notches of the wheel.
+    Zoom(f64),
+    /// Flies faster, by notches of the wheel.
+    ChangeSpeed(f64),
+    /// Shows what is selected, or the whole scene, as large as fits.
+    Frame,
+    /// Goes back to the scene's own camera.
+    ResetCamera,
+    /// Writes the current view into the scene.
+    StoreCamera,
+    /// Puts the camera there.
+    SetEye(DVec3),
+    /// Another vertical field of view, in radians.
+    SetAngle(f64),
+    /// Another height of the picture of parallel rays, in world units.
+    SetHeight(f64),
+
+    // Selection.
+    /// Chooses these nodes.
+    Select(Vec<NodeId>),
+    /// Chooses a node beside the others, or no longer.
+    SelectToo(NodeId),
+    /// Chooses the next node of the text, or the one before.
+    SelectNext(bool),
+
+    // Edits.
+    /// Gives a field a value; while it is dragged, its values are one step.
+    SetField {
+        /// The block.
+        node: NodeId,
+        /// The field.
+        key: String,
+        /// Which of several with that key.
+        nth: usize,
+        /// Its value.
+        value: FieldValue,
+    },
+    /// Takes a field out, so that its default holds.
+    UnsetField {
+        /// The block.
+        node: NodeId,
+        /// The field.
+        key: String,
+        /// Which of several with that key.
+        nth: usize,
+    },
+    /// Ends the drag of a field or handle.
+    EndDrag,
+    /// Adds a block of this kind where the camera looks, or to the list it belongs to.
+    Add(&'static str),
+    /// Copies what is selected.
+    Duplicate,
+    /// Takes out what is selected.
+    Delete,
+    /// Gives a node a name, or none.
+    Rename(NodeId, Option<String>),
+    /// Paints what is selected with a material.
+    Paint(NodeId),
+    /// Moves a node into a group.
+    MoveInto(NodeId, NodeId),
+    /// Takes the last step back.
+    Undo,
+    /// Does it again.
+    Redo,
+}

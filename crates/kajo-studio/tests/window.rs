@@ -1,0 +1,418 @@
+//! Keys, mouse and widgets of the window, each function by script, without a display or a graphics card.
+
+mod common;
+
+use common::{SCENE, Window};
+use egui::{Key, Modifiers, PointerButton, Pos2, vec2};
+use egui_kittest::kittest::Queryable as _;
+use kajo::{IntegratorKind, SamplerKind, View};
+use kajo_studio::shell::{Bottom, Tab};
+use kajo_studio::state::{Action, PictureSize, Shown};
+
+/// The middle of the picture.
+fn middle(window: &mut Window) -> Pos2 {
+    window.app().area().unwrap().rect.center()
+}
+
+#[test]
+fn an_empty_window_says_what_to_do() {
+    let mut window = Window::empty(false);
+    window.key(Key::Enter);
+    assert_eq!(window.notice(), "Open a scene first.");
+    window.key(Key::E);
+    window.key(Key::F);
+    window.key(Key::Space);
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    window.key(Key::F1);
+    assert!(window.harness.query_by_label_contains("Shoot a debug ray").is_some(), "the list of keys");
+    window.key(Key::Escape);
+    window.frames(20);
+    assert!(window.harness.query_by_label_contains("Shoot a debug ray").is_none());
+}
+
+#[test]
+fn l_opens_a_scene_by_name() {
+    let mut window = Window::empty(false);
+    let path = window.path("other.txt");
+    std::fs::write(&path, SCENE).unwrap();
+    window.key(Key::L);
+    window.write("no such file.txt");
+    window.key(Key::Enter);
+    assert!(window.harness.query_by_label("There is no such file.").is_some());
+    window.key(Key::Escape);
+    window.key(Key::L);
+    window.write(&path.display().to_string());
+    window.key(Key::Enter);
+    window.wait(|studio| studio.scene().is_some());
+    assert_eq!(window.studio().title(), "other.txt");
+    window.frames(2);
+    assert_eq!(window.app().layout.recent.len(), 1);
+}
+
+#[test]
+fn a_dropped_file_is_opened() {
+    #[derive(Debug)]
+    struct Dropped(std::path::PathBuf);
+    impl egui::DroppedFile for Dropped {
+        fn path(&self) -> &std::path::Path {
+            &self.0
+        }
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            std::fs::read(&self.0).map_err(|error| error.to_string())
+        }
+    }
+    let mut window = Window::empty(false);
+    let path = window.path("dropped.txt");
+    std::fs::write(&path, SCENE).unwrap();
+    window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
+    window.wait(|studio| studio.scene().is_some());
+    assert_eq!(window.studio().title(), "dropped.txt");
+}
+
+#[test]
+fn enter_traces_and_space_switches() {
+    let mut window = Window::new();
+    assert_eq!(window.studio().shown, Shown::Preview);
+    window.key(Key::Enter);
+    assert_eq!(window.studio().shown, Shown::Traced);
+    window.wait(|studio| studio.tracer.frame().is_some_and(|frame| frame.samples() == 16));
+    let frame = window.studio().tracer.frame().unwrap();
+    assert_eq!(frame.size(), window.app().area().unwrap().size);
+    window.key(Key::Space);
+    assert_eq!(window.studio().shown, Shown::Preview);
+    window.key(Key::Space);
+    assert_eq!(window.studio().shown, Shown::Traced);
+    let again = window.studio().tracer.frame().unwrap();
+    assert!(std::sync::Arc::ptr_eq(&frame, &again), "nothing has changed, so nothing is traced anew");
+}
+
+#[test]
+fn a_change_starts_the_trace_anew_and_escape_stops_it() {
+    let mut window = Window::new();
+    window.studio().options.habits.endless = true;
+    window.key(Key::Enter);
+    window.wait(|studio| studio.tracer.frame().is_some());
+    let first = window.studio().tracer.frame().unwrap().job();
+    window.harness.key_down(Key::W);
+    window.frames(3);
+    window.harness.key_up(Key::W);
+    window.wait(|studio| studio.tracer.frame().is_some_and(|frame| frame.job() > first));
+    assert!(window.studio().progress().is_some());
+    window.key(Key::Escape);
+    window.wait(|studio| studio.progress().is_none());
+    window.frames(5);
+    assert!(window.studio().progress().is_none(), "what was stopped stays stopped");
+    window.studio().options.habits.live = false;
+    let job = window.studio().tracer.frame().unwrap().job();
+    window.studio().options.asked.bounces = Some(1);
+    window.frames(5);
+    assert!(window.studio().progress().is_none() && window.studio().tracer.frame().unwrap().job() == job);
+}
+
+#[test]
+fn the_course_keys_fly() {
+    let mut window = Window::new();
+    let eye = |window: &mut Window| window.studio().camera.eye();
+    for (key, axis, sign) in [
+        (Key::W, 2, -1.0),
+        (Key::S, 2, 1.0),
+        (Key::A, 0, -1.0),
+        (Key::D, 0, 1.0),
+        (Key::PageUp, 1, 1.0),
+        (Key::PageDown, 1, -1.0),
+    ] {
+        let before = eye(&mut window);
+        window.harness.key_down(key);
+        window.frames(10);
+        window.harness.key_up(key);
+        window.frames(2);
+        let moved = eye(&mut window) - before;
+        assert!(moved[axis] * sign > 0.05, "{key:?} moved {moved}");
+        assert!((moved.length() - moved[axis].abs()) < 1e-6, "{key:?} moved {moved}");
+        let rest = eye(&mut window);
+        window.frames(3);
+        assert_eq!(eye(&mut window), rest);
+    }
+    window.key(Key::Home);
+    assert_eq!(eye(&mut window).to_array(), [0.0, 1.0, 10.0]);
+}
+
+#[test]
+fn the_mouse_looks_turns_shifts_and_sets_the_speed() {
+    let mut window = Window::new();
+    let at = middle(&mut window);
+    window.drag(PointerButton::Secondary, at, vec2(80.0, 40.0));
+    let forward = window.studio().camera.forward();
+    assert!(forward.x > 0.2 && forward.y < -0.1, "right and down: {forward}");
+    assert_eq!(window.studio().camera.eye().to_array(), [0.0, 1.0, 10.0]);
+    window.key(Key::Home);
+    let center = window.studio().navigation.center;
+    window.drag(PointerButton::Primary, at, vec2(80.0, 0.0));
+    let eye = window.studio().camera.eye();
+    assert!(eye.x < -1.0 && (eye - center).length() > 1.0, "{eye}");
+    window.key(Key::Home);
+    let speed = window.studio().navigation.speed;
+    window.wheel(at, 1.0, Modifiers::NONE);
+    assert!(window.studio().navigation.speed > 1.1 * speed);
+    window.wheel(at, -1.0, Modifiers::NONE);
+    assert!((window.studio().navigation.speed / speed - 1.0).abs() < 0.02);
+    let away = (window.studio().camera.eye() - center).length();
+    window.wheel(at, 2.0, Modifiers::COMMAND);
+    assert!((window.studio().camera.eye() - center).length() < 0.9 * away);
+}
+
+#[test]
+fn a_click_selects_what_is_under_it() {
+    let mut window = Window::new();
+    let ball = window.point([-2.0, 1.0, 1.5]);
+    window.click(ball);
+    assert_eq!(window.selected(), ["Sphere ball"]);
+    assert_eq!(window.app().layout.tab, Tab::Object);
+    let crate_ = window.point([2.0, 1.0, 1.0]);
+    window.click(crate_);
+    assert_eq!(window.selected(), ["Box crate"]);
+    let sky = window.app().area().unwrap().rect.left_top() + vec2(5.0, 5.0);
+    window.click(sky);
+    assert!(window.selected().is_empty());
+    window.key(Key::F);
+    assert!(window.studio().camera.eye().z.is_finite());
+}
+
+#[test]
+fn e_shoots_a_debug_ray_and_lists_its_segments() {
+    let mut window = Window::new();
+    let ball = window.point([-2.0, 1.0, 1.5]);
+    window.harness.hover_at(ball);
+    window.frames(2);
+    window.key(Key::E);
+    let rays = window.studio().rays.clone().expect("a debug ray");
+    assert!(rays.ray.segments.len() >= 3, "camera, shadow and mirror: {}", rays.ray.segments.len());
+    assert_eq!(window.app().layout.bottom, Some(Bottom::Rays));
+    assert!(window.harness.query_by_label("Segment 0 camera").is_some());
+    let (object, material) = window.studio().names_of(&rays.ray.segments[0]);
+    assert_eq!((object.as_str(), material.as_str()), ("ball #1", "red #1"));
+    let lines = window.studio().lines().len();
+    window.press("Segment 0 camera");
+    assert_eq!(window.studio().rays.as_ref().unwrap().chosen, Some(0));
+    window.press("Clear");
+    assert!(window.studio().rays.is_none());
+    assert!(window.studio().lines().len() < lines, "its lines are gone");
+}
+
+#[test]
+fn the_outliner_selects_and_its_buttons_edit() {
+    let mut window = Window::new();
+    window.press("Sphere ball");
+    assert_eq!(window.selected(), ["Sphere ball"]);
+    let ball = window.studio().selection.main();
+    window.press("Duplicate");
+    assert_eq!(window.text().matches("Sphere").count(), 2);
+    assert_ne!(window.studio().selection.main(), ball, "the copy is selected");
+    window.press("Delete");
+    assert_eq!(window.text().matches("Sphere").count(), 1);
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), SCENE);
+    window.key_with(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+    assert_eq!(window.text().matches("Sphere").count(), 2);
+}
+
+#[test]
+fn blocks_are_added_from_the_menu() {
+    let mut window = Window::new();
+    let objects = window.studio().scene().unwrap().primitives.len();
+    window.press("+ Add");
+    window.press("Shape");
+    window.press("Sphere");
+    assert_eq!(window.studio().scene().unwrap().primitives.len(), objects + 1);
+    assert!(window.selected()[0].starts_with("Sphere"));
+    window.studio().apply(Action::Undo);
+    assert_eq!(window.text(), SCENE);
+}
+
+#[test]
+fn a_field_is_dragged_in_one_step_and_saved_without_another_byte() {
+    let mut window = Window::new();
+    window.select("ball");
+    let widget = window.widget("Radius");
+    window.drag(PointerButton::Primary, widget, vec2(60.0, 0.0));
+    let text = window.text();
+    assert_ne!(text, SCENE);
+    let radius: f64 = text.split("radius ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(radius > 1.6, "{radius}");
+    assert_eq!(text.replace(&format!("radius {radius} "), "radius 1.5 "), SCENE);
+    window.key_with(Modifiers::COMMAND, Key::S);
+    assert_eq!(window.read("scene.txt"), text);
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), SCENE, "the whole drag is one step");
+}
+
+#[test]
+fn what_is_saved_is_traced_as_the_window_showed_it() {
+    let mut window = Window::new();
+    window.select("ball");
+    window.studio().options.habits.size = PictureSize::Fixed([64, 48]);
+    let node = window.studio().selection.main().unwrap();
+    let value = kajo::edit::FieldValue::numbers([0.75]);
+    window.studio().apply(Action::SetField { node, key: "radius".into(), nth: 0, value });
+    window.studio().apply(Action::EndDrag);
+    window.key(Key::Enter);
+    window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
+    let shown = window.path("shown.png");
+    window.studio().apply(Action::Export(shown.clone()));
+    window.key_with(Modifiers::COMMAND, Key::S);
+    let loaded = kajo::load(&window.path("scene.txt"), &kajo::LoadOptions::default());
+    let scene = loaded.scene.unwrap();
+    let asked = kajo::Settings { size: Some([64, 48]), ..Default::default() };
+    let settings = kajo::RenderSettings::resolve(&scene, &asked, kajo::Defaults::Modern, false).unwrap();
+    let outputs = [(View::Color, kajo::Format::Png)];
+    let picture = kajo::render(&scene, &settings, &outputs, &Default::default(), &kajo::Silent).unwrap();
+    let bytes = picture.encode(&[View::Color], kajo::Format::Png, kajo::BitDepth::Eight).unwrap();
+    assert_eq!(std::fs::read(shown).unwrap(), bytes);
+}
+
+#[test]
+fn settings_change_what_is_traced() {
+    let mut window = Window::new();
+    window.press("Render");
+    window.press_in_row("Progressive");
+    assert!(!window.studio().options.habits.progressive);
+    window.key(Key::Enter);
+    window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
+    let size = window.studio().picture_size().map(|side| side.div_ceil(8));
+    assert_eq!(window.studio().tracer.frame().unwrap().size(), size, "an eighth of the window");
+    window.press_in_row("Fresnel");
+    assert_eq!(window.studio().options.asked.fresnel, Some(true));
+    window.press("Reset Fresnel");
+    assert_eq!(window.studio().options.asked.fresnel, None);
+    let combo = window.harness.get_all_by_label("Integrator").last().unwrap().rect();
+    assert!(combo.is_positive());
+    window.studio().options.asked.integrator = Some(IntegratorKind::Path);
+    window.studio().options.asked.samples = Some((SamplerKind::Sobol, 4));
+    window.frames(2);
+    assert!(window.harness.query_by_label("Roulette").is_some(), "the path tracer's own options");
+    window.press("Reset all to the scene");
+    assert_eq!(window.studio().options.asked, kajo::Settings::default());
+}
+
+#[test]
+fn layers_histogram_pixel_and_comparison_are_shown() {
+    let mut window = Window::new();
+    window.studio().options.habits.size = PictureSize::Fixed([60, 40]);
+    window.key(Key::Enter);
+    window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
+    window.press("Picture");
+    for (label, view) in [("Depth", View::Depth), ("Noise", View::Variance), ("Object", View::Object)] {
+        // The layer's button is the first widget of that name below the tabs.
+        let buttons = window.harness.get_all_by_label(label).map(|node| node.rect().center());
+        let at = buttons.filter(|at| at.y > 60.0).min_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
+        window.click(at);
+        assert_eq!(window.studio().view, view);
+    }
+    let ball = window.point([-2.0, 1.0, 1.5]);
+    window.harness.hover_at(ball);
+    window.frames(2);
+    assert!(window.harness.query_by_label("Place").is_some(), "the pixel's numbers");
+    window.press("Keep as A");
+    assert!(window.studio().comparison.kept.is_some());
+    assert!(window.harness.query_by_label("Wipe").is_some());
+    window.press("End");
+    assert!(window.studio().comparison.kept.is_none());
+}
+
+#[test]
+fn a_file_changed_elsewhere_is_read_again_and_mistakes_are_shown_in_place() {
+    let mut window = Window::new();
+    let path = window.path("scene.txt");
+    std::fs::write(&path, SCENE.replace("radius 1.5", "radius 0.5")).unwrap();
+    window.wait(|studio| studio.document.as_ref().unwrap().text().contains("radius 0.5"));
+    std::fs::write(&path, SCENE.replace("Sphere ball", "Sphre ball")).unwrap();
+    window.wait(|studio| studio.n_errors() > 0);
+    assert!(window.studio().scene().is_some(), "the last good scene stays");
+    window.press("Problems (1)");
+    assert!(window.harness.query_by_label_contains("scene.txt:13:").is_some());
+    window.press("Text");
+    assert!(window.harness.query_by_label_contains("<- ").is_some(), "the mistake stands at its line");
+    std::fs::write(&path, SCENE).unwrap();
+    window.wait(|studio| studio.problems.is_empty());
+}
+
+#[test]
+fn the_view_can_be_written_into_the_scene() {
+    let mut window = Window::new();
+    window.harness.key_down(Key::W);
+    window.frames(10);
+    window.harness.key_up(Key::W);
+    window.frames(2);
+    let eye = window.studio().camera.eye();
+    window.key_with(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::C);
+    let camera = kajo::CameraPose::of(window.studio().scene().unwrap());
+    assert!((camera.eye() - eye).length() < 1e-5, "{} {eye}", camera.eye());
+    assert!(window.text().contains("# looks along -z"));
+}
+
+#[test]
+fn the_panels_hide_and_come_back() {
+    let mut window = Window::new();
+    let wide = |window: &mut Window| window.app().area().unwrap().rect.width();
+    let before = wide(&mut window);
+    window.key(Key::P);
+    assert!(wide(&mut window) > before + 200.0);
+    window.key(Key::P);
+    assert_eq!(wide(&mut window), before);
+}
+
+#[test]
+fn saving_asks_for_a_name_where_there_is_none() {
+    let mut window = Window::empty(false);
+    window.key_with(Modifiers::COMMAND, Key::N);
+    assert_eq!(window.studio().title(), "untitled");
+    assert_eq!(window.studio().n_errors(), 0);
+    window.key_with(Modifiers::COMMAND, Key::S);
+    window.key_with(Modifiers::COMMAND, Key::A);
+    let path = window.path("new.txt");
+    window.write(&path.display().to_string());
+    window.key(Key::Enter);
+    assert_eq!(window.read("new.txt"), window.text());
+    assert_eq!(window.studio().title(), "new.txt");
+}
+
+#[test]
+fn the_camera_is_set_by_its_widgets() {
+    let mut window = Window::new();
+    window.press("Render");
+    let widget = window.widget("Field of view");
+    let angle = window.studio().camera.angle().unwrap();
+    window.drag(PointerButton::Primary, widget, vec2(30.0, 0.0));
+    assert!(window.studio().camera.angle().unwrap() > angle + 0.01);
+    window.press("Back to the scene's");
+    assert!((window.studio().camera.angle().unwrap() - angle).abs() < 1e-9);
+}
+
+#[test]
+fn arrows_walk_through_the_tree() {
+    let mut window = Window::new();
+    window.key(Key::ArrowDown);
+    assert_eq!(window.selected(), ["PerspectiveCamera "]);
+    window.key(Key::ArrowDown);
+    assert_eq!(window.selected(), ["Background "]);
+    window.key(Key::ArrowUp);
+    assert_eq!(window.selected(), ["PerspectiveCamera "]);
+}
+
+#[test]
+fn typing_a_name_flies_nowhere() {
+    let mut window = Window::new();
+    let eye = window.studio().camera.eye();
+    window.harness.get_by_label("Search the scene").click();
+    window.frames(2);
+    window.harness.key_down(Key::W);
+    window.frames(5);
+    window.harness.key_up(Key::W);
+    window.key(Key::E);
+    window.key(Key::Space);
+    window.frames(2);
+    assert_eq!(window.studio().camera.eye(), eye);
+    assert!(window.studio().rays.is_none());
+    assert_eq!(window.studio().shown, Shown::Preview);
+}
