@@ -1,9 +1,11 @@
 //! The list of scenes of a gallery.
 //!
-//! One line a picture: its name, the scene file, arguments of the classic command line. Words are separated by
-//! blanks; a word with blanks stands in double quotes. `#` at the start of a word begins a comment.
+//! One line a picture: its name, the scene file, arguments of the classic command line, or `render` and arguments of that
+//! command. Words are separated by blanks; a word with blanks stands in double quotes. `#` at the start of a word begins a
+//! comment.
 
-use std::path::{Path, PathBuf};
+use std::ffi::OsString;
+use std::path::Path;
 
 /// One line of the list.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,16 +14,24 @@ pub struct Entry {
     pub name: String,
     /// The scene file, as written.
     pub scene: String,
+    /// Whether the arguments are those of `kajo render`, not of the classic command line.
+    pub is_modern: bool,
     /// Arguments, as written.
     pub arguments: Vec<String>,
 }
 
 impl Entry {
-    /// The arguments with `@` at their start replaced by the place of the pictures.
-    pub fn arguments_in(&self, out: &Path) -> Vec<PathBuf> {
-        let place = |argument: &String| match argument.strip_prefix('@') {
-            Some(rest) => out.join(format!("{}{rest}", self.name)),
-            None => PathBuf::from(argument),
+    /// The arguments with `@` at their start, or at that of a value `NAME=@...`, replaced by the place of the pictures.
+    pub fn arguments_in(&self, out: &Path) -> Vec<OsString> {
+        let file = |rest: &str| out.join(format!("{}{rest}", self.name)).into_os_string();
+        let place = |argument: &String| match argument.split_once('@') {
+            Some(("", rest)) => file(rest),
+            Some((name, rest)) if name.ends_with('=') => {
+                let mut value = OsString::from(name);
+                value.push(file(rest));
+                value
+            }
+            _ => OsString::from(argument),
         };
         self.arguments.iter().map(place).collect()
     }
@@ -30,7 +40,7 @@ impl Entry {
     pub fn names_output(&self) -> bool {
         self.arguments.iter().any(|argument| {
             let name = argument.split('=').next().unwrap_or(argument);
-            matches!(name, "-output" | "--output")
+            matches!(name, "-output" | "--output" | "-o")
         })
     }
 }
@@ -62,7 +72,12 @@ fn parse_line(line: &str) -> Result<Option<Entry>, String> {
     let Some(name) = words.next() else { return Ok(None) };
     check_name(&name)?;
     let scene = words.next().ok_or_else(|| format!("`{name}` needs a scene file after it"))?;
-    Ok(Some(Entry { name, scene, arguments: words.collect() }))
+    let mut arguments: Vec<String> = words.collect();
+    let is_modern = arguments.first().is_some_and(|word| word == "render");
+    if is_modern {
+        arguments.remove(0);
+    }
+    Ok(Some(Entry { name, scene, is_modern, arguments }))
 }
 
 fn words(line: &str) -> Result<Vec<String>, String> {
@@ -103,10 +118,14 @@ mod tests {
         assert_eq!((entries[1].scene.as_str(), entries[1].arguments.len()), ("my box.txt", 0));
         assert_eq!(
             entries[0].arguments_in(Path::new("out")).last(),
-            Some(&Path::new("out").join("ball.depth.png"))
+            Some(&Path::new("out").join("ball.depth.png").into_os_string())
         );
         assert!(!entries[0].names_output());
         assert!(parse("a b -output x.png").unwrap()[0].names_output());
+        let modern = &parse("a b render --tone aces --aov lights=@.groups.png").unwrap()[0];
+        assert!(modern.is_modern && !entries[0].is_modern);
+        let groups = format!("lights={}", Path::new("out").join("a.groups.png").display());
+        assert_eq!(modern.arguments_in(Path::new("out"))[2], *groups);
     }
 
     #[test]

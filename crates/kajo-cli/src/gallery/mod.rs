@@ -8,7 +8,7 @@ mod page;
 
 use std::ffi::OsString;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use kajo::output::Target;
 
@@ -92,19 +92,24 @@ fn render(entry: &Entry, args: &GalleryArgs, interrupt: &Interrupt) -> Result<Re
     })
 }
 
-/// The job that the classic command line of this entry asks for.
+/// The job that the command line of this entry asks for.
 fn job(entry: &Entry, args: &GalleryArgs) -> Result<Job, Failure> {
     let scene = args.manifest.parent().unwrap_or(Path::new("")).join(&entry.scene);
-    let mut line: Vec<OsString> = vec!["kajo".into(), "classic".into(), "--input".into(), scene.into()];
+    let scene = scene.into_os_string();
+    let mut line: Vec<OsString> = match entry.is_modern {
+        true => vec!["kajo".into(), "render".into(), scene],
+        false => vec!["kajo".into(), "classic".into(), "--input".into(), scene],
+    };
     if !entry.names_output() {
         line.extend(["--output".into(), args.out.join(format!("{}.png", entry.name)).into_os_string()]);
     }
-    line.extend(entry.arguments_in(&args.out).into_iter().map(PathBuf::into_os_string));
+    line.extend(entry.arguments_in(&args.out));
     let cli = Cli::read(line).map_err(|error| Failure::Input(error.to_string()))?;
-    let Command::Classic(classic) = cli.command else {
-        return Err(Failure::Input("these are no arguments of the classic command line".to_owned()));
+    let mut job = match cli.command {
+        Command::Classic(classic) => classic.job()?,
+        Command::Render(render) => render.job()?,
+        _ => return Err(Failure::Input("these are no arguments that a picture is rendered by".to_owned())),
     };
-    let mut job = classic.job()?;
     job.load.dialect = job.load.dialect.or(args.scene_args.dialect);
     job.load.folders.extend(args.scene_args.assets.iter().cloned());
     job.load.allow_outside |= args.scene_args.allow_outside;

@@ -44,7 +44,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms.push(penumbra(draw, 0.1, 0.8));
     forms.extend([point(draw), directional(draw), classic_point(draw), spot(draw, 0.0), spot(draw, 0.85)]);
     forms.extend([wall(draw, SKIES, "sky"), wall(draw, &[OCCLUSION], "sky by occlusion")]);
-    forms.extend([facing(draw), adjacent(draw)]);
+    forms.extend([facing(draw), adjacent(draw), luminaire(draw, false), luminaire(draw, true)]);
     forms
 }
 
@@ -170,6 +170,38 @@ fn spot(draw: &mut Parameters, aside: f64) -> Form {
     let expected = rho / PI * watts / (TAU * filled) * profile(angle.cos()) / (d * d);
     let name = format!("spot light of {watts} W, {:.1} degrees off its axis", angle.to_degrees());
     Form::new(name, under(rho, DVec3::Y, &light), expected, POINTS).bounces(0)
+}
+
+/// A luminaire whose intensity is linear in the vertical angle and between the horizontal ones of its file.
+fn luminaire(draw: &mut Parameters, by_power: bool) -> Form {
+    let (rho, d) = (draw.between(0.3, 0.9), draw.between(1.0, 3.0));
+    let (low, high) = (draw.between(20.0, 60.0), draw.between(100.0, 300.0));
+    let (vertical, horizontal) = (draw.between(5.0, 60.0), draw.between(5.0, 355.0));
+    // Candela at 0 and 90 degrees from straight down, for the horizontal angles 0 and 180.
+    let ends = [[high, low], [0.5 * high, 0.25 * low]];
+    let file = format!(
+        "IESNA:LM-63-1995\nTILT=NONE\n1 -1 1  2 2 1 2  0 0 0\n1 1 50\n0 90\n0 180\n{} {}\n{} {}\n",
+        ends[0][0], ends[0][1], ends[1][0], ends[1][1]
+    );
+    let [s, t] = [vertical / 90.0, (180.0 - (horizontal - 180.0_f64).abs()) / 180.0];
+    let row = |[a, b]: [f64; 2]| a + s * (b - a);
+    let candela = (1.0 - t) * row(ends[0]) + t * row(ends[1]);
+    // The mean of both horizontal angles, and the integral of (a + (b - a) 2v/pi) sin v: 2 pi (a + (b - a) 2/pi).
+    let [a, b] = [0, 1].map(|v| 0.5 * (ends[0][v] + ends[1][v]));
+    let flux = TAU * (a + (b - a) * 2.0 / PI);
+    let watts = draw.between(5.0, 50.0);
+    let (word, factor) =
+        if by_power { (format!("power {watts}"), watts / flux) } else { ("scale 0.01".to_owned(), 0.01) };
+    // The floor is at the origin, and the horizontal angle 0 at the side of +x, counted towards -z.
+    let [(sv, cv), (sh, ch)] = [vertical, horizontal].map(|degrees| degrees.to_radians().sin_cos());
+    let down = DVec3::new(sv * ch, -cv, -sv * sh);
+    let light = format!("PointLight {{ position {}  ies lamp.ies  {word} }}", text(-d * down));
+    let expected = rho / PI * factor * candela * cv / (d * d);
+    let name = format!("luminaire of {word} at {vertical} and {horizontal} degrees");
+    Form::new(name, under(rho, DVec3::Y, &light), expected, POINTS)
+        .bounces(0)
+        .file("lamp.ies", file)
+        .rounding(1e-4)
 }
 
 fn wall(draw: &mut Parameters, methods: &'static [Method], name: &str) -> Form {

@@ -4,6 +4,7 @@ mod bodies;
 mod camera;
 mod glass;
 mod lamps;
+mod materials;
 mod motion;
 mod polygon;
 mod quadrature;
@@ -117,7 +118,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 9] = [
+    let makers: [(&str, Maker); 10] = [
         ("rooms", rooms::forms),
         ("lamps", lamps::forms),
         ("bodies", bodies::forms),
@@ -125,6 +126,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("glass", glass::forms),
         ("rainbow", rainbow::forms),
         ("surfaces", surfaces::forms),
+        ("materials", materials::forms),
         ("camera", camera::forms),
         ("motion", motion::forms),
     ];

@@ -2,8 +2,8 @@
 
 use kajo_color::emission::planck;
 use kajo_color::observer::xyz_of;
-use kajo_color::{Outside, Tabulated, illuminant, named};
-use kajo_core::bsdf::fresnel;
+use kajo_color::{Outside, Spectrum, Tabulated, illuminant, named};
+use kajo_core::bsdf::{MetalFresnel, fresnel};
 
 use super::Number;
 
@@ -12,6 +12,7 @@ pub fn numbers() -> Vec<Number> {
     numbers.extend(chromaticities());
     numbers.extend(black_bodies());
     numbers.extend(fresnel_terms());
+    numbers.extend(metal_reflectances());
     numbers
 }
 
@@ -92,4 +93,21 @@ fn fresnel_terms() -> Vec<Number> {
     };
     let within = FROM_WITHIN.into_iter().map(row("within glass", 1.0 / 1.5));
     FROM_AIR.into_iter().map(row("from air", 1.5)).chain(within).collect()
+}
+
+/// Mean reflectance of both polarisations of a metal of index 0.2 and extinction 3, by the angle in degrees.
+fn metal_reflectances() -> Vec<Number> {
+    const VALUES: [(f64, [f64; 2]); 4] = [
+        (0.0, [0.923372, 0.923372]),
+        (45.0, [0.946596, 0.896043]),
+        (60.0, [0.962413, 0.874409]),
+        (80.0, [0.986927, 0.890190]),
+    ];
+    let metal = MetalFresnel::Complex { eta: Spectrum::grey(0.2), k: Spectrum::grey(3.0) };
+    let row = |(degrees, [s, p]): (f64, [f64; 2])| {
+        let found = metal.at(degrees.to_radians().cos() as f32)[0];
+        let name = format!("reflectance of a metal of index 0.2 + 3 i at {degrees} degrees");
+        number(name, 0.5 * (s + p), found.into(), 2e-6)
+    };
+    VALUES.into_iter().map(row).collect()
 }
