@@ -104,7 +104,8 @@ impl CubeMap {
 
     /// The brightness of the pictures over a grid as fine as they are.
     fn density(&self) -> Option<SphereDensity> {
-        let side = self.faces.iter().map(Image::width).max().unwrap_or(1).min(2048) as usize;
+        let pixels = |face: &Image| u64::from(face.width()) * u64::from(face.height());
+        let side = self.faces.iter().map(pixels).max().unwrap_or(1).isqrt().clamp(1, 2048) as usize;
         let (width, height) = (4 * side, 2 * side);
         let luminance = |x: usize, y: usize| {
             let uv = Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);

@@ -55,10 +55,13 @@ impl Scene {
     }
 
     /// What is behind a surface that lets light through.
+    ///
+    /// * `u`: as for [`Scene::bsdf`]
     #[inline]
-    pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths) -> Option<Interior> {
+    pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths, u: f32) -> Option<Interior> {
         if self.primitives[at.primitive as usize].transmits {
-            self.materials.interior(at.material, wavelengths)
+            let point = ShadingPoint { p: self.pattern_point(at), wavelengths, eta_outside: 1.0, u };
+            self.materials.interior(at.material, &self.materials, &self.textures, &point)
         } else {
             None
         }

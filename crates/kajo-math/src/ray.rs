@@ -33,6 +33,12 @@ impl Ray {
         Ray { t_min, t_max, ..self }
     }
 
+    /// Distance from the origin to where the ray ends.
+    #[inline]
+    pub fn length(&self) -> f32 {
+        self.t_max * self.d.length()
+    }
+
     /// The point at parameter `t`.
     #[inline]
     pub fn at(&self, t: f32) -> Vec3 {

@@ -11,7 +11,7 @@ const LONGEST: usize = 64;
 ///
 /// Closeness is the Damerau-Levenshtein distance (optimal string alignment),
 /// in which a change of case costs a quarter. One slip is allowed for every
-/// three letters, and always one. The first of equals wins.
+/// three letters, and always one. Of equals the first in the alphabet wins.
 ///
 /// ```
 /// let keys = ["radius", "center"];
@@ -29,7 +29,7 @@ pub fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
             (distance(&word, &candidate.chars().take(LONGEST + 1).collect::<Vec<_>>()), candidate)
         })
         .filter(|&(cost, candidate)| cost <= allowed && cost < candidate.chars().count() * EDIT)
-        .min_by_key(|&(cost, _)| cost)
+        .min()
         .map(|(_, candidate)| candidate)
 }
 

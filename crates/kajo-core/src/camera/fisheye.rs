@@ -32,9 +32,15 @@ pub enum FisheyeProjection {
 }
 
 impl FisheyeProjection {
-    /// The largest field of view in radians, which for the stereographic one is never reached.
+    /// The largest field of view in radians. The stereographic projection of everything has no end; 350 degrees
+    /// are most of it.
     pub fn widest_angle(self) -> f64 {
-        if self == FisheyeProjection::Orthographic { std::f64::consts::PI } else { std::f64::consts::TAU }
+        use std::f64::consts::{PI, TAU};
+        match self {
+            FisheyeProjection::Orthographic => PI,
+            FisheyeProjection::Stereographic => 350.0 / 180.0 * PI,
+            FisheyeProjection::Equidistant | FisheyeProjection::Equisolid => TAU,
+        }
     }
 
     /// The angle from forward at a distance `r` in [0, 1] from the middle, for half a field of view `half`.

@@ -109,7 +109,7 @@ impl PerspectiveCamera {
             Some(thin) => (across / cosine + offset / thin.focus, thin.pdf(offset)),
         };
         let half = self.half_size(aspect);
-        let pdf_direction = 1.0 / (4.0 * half.x * half.y * cosine.powi(3)).abs();
+        let pdf_direction = 1.0 / (4.0 * half.x * half.y * (cosine * cosine * cosine)).abs();
         importance(seen / half, cosine, pdf_area, pdf_direction)
     }
 
@@ -135,7 +135,7 @@ impl OrthographicCamera {
         let offset = -across / cosine * thin.focus;
         let middle = self.frame.across(o - self.frame.center) - offset;
         let half = self.half_size(aspect);
-        let pdf_direction = thin.pdf(offset) * thin.focus * thin.focus / cosine.powi(3);
+        let pdf_direction = thin.pdf(offset) * thin.focus * thin.focus / (cosine * cosine * cosine);
         importance(middle / half, cosine, self.pdf_film(aspect), pdf_direction)
     }
 

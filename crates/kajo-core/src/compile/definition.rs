@@ -85,7 +85,7 @@ impl Compiler<'_> {
 
     /// Makes objects of all parts of a definition that stands at `place`.
     pub(super) fn place_parts(&mut self, parts: &[Part], item: Item<'_>, place: &mut Place, walk: &mut Walk) {
-        if !self.has_room(parts.len(), item.head_span(), walk) {
+        if !self.has_room(parts.len(), item.head_span(), walk.parts.as_ref().map_or(0, Vec::len)) {
             return;
         }
         // Neighbours often stand at the same place, which they then share.
@@ -105,10 +105,10 @@ impl Compiler<'_> {
     }
 
     /// Whether there may be `more` objects; if not, that is reported once.
-    fn has_room(&mut self, more: usize, at: Span, walk: &mut Walk) -> bool {
+    pub(super) fn has_room(&mut self, more: usize, at: Span, open: usize) -> bool {
         let most = self.options.limits.objects;
-        let so_far = self.primitives.len() + self.parts_defined + walk.parts.as_ref().map_or(0, Vec::len);
-        if so_far + more <= most {
+        let so_far = self.primitives.len() + self.parts_defined + open;
+        if so_far.saturating_add(more) <= most {
             return true;
         }
         if !std::mem::replace(&mut self.too_many, true) {

@@ -54,6 +54,9 @@ impl Compiler<'_> {
         for i in 0..self.primitives.len() {
             let primitive = self.primitives[i];
             let is_lamp = self.glows.contains_key(&primitive.material);
+            if !is_lamp {
+                continue;
+            }
             unbounded |= is_lamp && !self.shapes.bounds(primitive.shape).is_finite();
             let mut lights = Vec::new();
             let (map, drift) = self.start(primitive.transform, &mut drifts);

@@ -104,7 +104,7 @@ fn read_photometric(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) ->
     }
     let photometry = photometry?;
     let (intensity, emission) = physical(match power {
-        Some((power, _)) => power.scaled(scale / (photometry.flux() as f32).max(f32::MIN_POSITIVE)),
+        Some((power, _)) => power.scaled(scale * share_of_each(photometry.flux() as f32)),
         None => tint.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(scale),
     });
     // Horizontal angles begin at the side of x, or of z where the axis is along x.
@@ -143,6 +143,11 @@ fn read_spot(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option
     Some(SpotLight { point: point?, axis: direction?, cos_inner, cos_outer })
 }
 
+/// What each of so many units of solid angle or flux has of a whole; nothing where there are none.
+fn share_of_each(units: f32) -> f32 {
+    if units > 0.0 { 1.0 / units } else { 0.0 }
+}
+
 /// What point and spot lights have in common.
 ///
 /// * `share`: the part of all directions that the light fills, for a light given by its power
@@ -160,7 +165,7 @@ fn read_position_and_brightness(
     }
     let power = params.optional("power", |args| spectra.emission(args));
     let intensity = match power {
-        Some(power) => Some(power.scaled(1.0 / (4.0 * PI * share.max(f32::MIN_POSITIVE)))),
+        Some(power) => Some(power.scaled(share_of_each(4.0 * PI * share))),
         None => params.optional("intensity", |args| spectra.emission(args)),
     };
     if let Some(intensity) = intensity {

@@ -219,6 +219,7 @@ impl Compiler<'_> {
                     let resolved = parts.each_ref().map(|part| {
                         let j = self.draft_number(part, drafts.len(), names)?;
                         if open as u32 > MAX_PARTS {
+                            self.report_too_many_parts(*place);
                             return None;
                         }
                         match self.resolve(j, drafts, names, states) {
@@ -230,6 +231,12 @@ impl Compiler<'_> {
                         [Some((a, cost_a)), Some((b, cost_b))] => {
                             let cost = cost_a.saturating_add(cost_b).saturating_add(1);
                             let materials = [a, b];
+                            if materials.iter().any(|part| self.glows.contains_key(part)) {
+                                let warning =
+                                    Diagnostic::warning("a mixture gives no light, whatever its parts say");
+                                self.diagnostics
+                                    .push(warning.label(*place, "a part of this has an `emission`"));
+                            }
                             let blend = Blend {
                                 pattern: *pattern,
                                 pattern_from_world: *pattern_from_world,
@@ -268,11 +275,15 @@ impl Compiler<'_> {
 
     fn priced(&mut self, blend: Blend, cost: u32, place: Span) -> State {
         if cost > MAX_PARTS {
-            let message = format!("this material is made of more than {MAX_PARTS} others");
-            self.diagnostics.push(Diagnostic::error(message).label(place, "too many levels of mixtures"));
+            self.report_too_many_parts(place);
             return State::Failed;
         }
         blend.store(&mut self.materials).map_or(State::Failed, |id| State::Done(id, cost))
+    }
+
+    fn report_too_many_parts(&mut self, place: Span) {
+        let message = format!("this material is made of more than {MAX_PARTS} others");
+        self.diagnostics.push(Diagnostic::error(message).label(place, "too many levels of mixtures"));
     }
 
     /// The draft that a blend's part means; an unknown one is reported.

@@ -108,7 +108,12 @@ impl Compiler<'_> {
         meshes: &[Vec<Stored>],
         item: Item<'_>,
     ) -> Vec<Part> {
-        let mut parts = Vec::new();
+        let sizes = instances.iter().map(|instance| meshes[instance.mesh].len());
+        let count = sizes.fold(0usize, usize::saturating_add);
+        if !self.has_room(count, item.head_span(), 0) {
+            return Vec::new();
+        }
+        let mut parts = Vec::with_capacity(count);
         for instance in instances {
             let label = self.objects.label(instance.name.clone(), "Model", item.index());
             let map = Motion::still(instance.model_from_mesh);

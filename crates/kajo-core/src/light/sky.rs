@@ -8,7 +8,7 @@
 //! ```
 
 use std::f32::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use kajo_color::Wavelengths;
 use kajo_math::{Vec2, Vec3, warp};
@@ -23,8 +23,8 @@ use crate::environment::SphereDensity;
 #[derive(Clone, Debug)]
 pub struct SkyLight {
     background: Arc<Background>,
-    /// `None` for the uniform density.
-    density: Option<SphereDensity>,
+    /// Made when it is first asked for; `None` for the uniform density.
+    density: OnceLock<Option<SphereDensity>>,
     /// The share of directions that go to the sun.
     sun_share: f32,
 }
@@ -33,13 +33,18 @@ impl SkyLight {
     /// The light of a background.
     pub fn new(background: Arc<Background>) -> SkyLight {
         let sun_share = background.sun().map_or(0.0, |(_, share)| share);
-        SkyLight { density: background.density(), sun_share, background }
+        SkyLight { density: OnceLock::new(), sun_share, background }
+    }
+
+    #[inline]
+    fn density(&self) -> Option<&SphereDensity> {
+        self.density.get_or_init(|| self.background.density()).as_ref()
     }
 
     /// Density per solid angle with which [`Emitter::sample`] draws the unit direction `wi`.
     #[inline]
     pub fn pdf(&self, wi: Vec3) -> f32 {
-        let sky = self.density.as_ref().map_or(1.0 / (4.0 * PI), |density| density.pdf(wi));
+        let sky = self.density().map_or(1.0 / (4.0 * PI), |density| density.pdf(wi));
         match self.background.sun() {
             Some((sun, _)) if sun.covers(wi) => {
                 (1.0 - self.sun_share) * sky + self.sun_share / Sun::SOLID_ANGLE
@@ -58,7 +63,7 @@ impl SkyLight {
             return Some((wi, self.pdf(wi)));
         }
         let u = Vec2::new((u.x - self.sun_share) / (1.0 - self.sun_share), u.y);
-        let (wi, pdf) = match &self.density {
+        let (wi, pdf) = match self.density() {
             Some(density) => density.sample(u)?,
             None => (warp::uniform_sphere(u), 1.0 / (4.0 * PI)),
         };

@@ -8,7 +8,7 @@
 
 use kajo_math::{Affine3A, Vec3};
 
-use super::{Appearance, MaterialId, Materials, ShadingPoint};
+use super::{Appearance, Interior, MaterialId, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
 use crate::texture::{TextureId, Textures};
 
@@ -21,6 +21,17 @@ pub struct Blend {
     pub pattern_from_world: Affine3A,
     /// The two materials. The compiler sees to it that they lead to no circle.
     pub materials: [MaterialId; 2],
+}
+
+impl Blend {
+    /// The material that is there by the number `at.u`, and what to ask it.
+    fn part<'a>(&self, textures: &Textures, at: &ShadingPoint<'a>) -> (MaterialId, ShadingPoint<'a>) {
+        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p)).clamp(0.0, 1.0);
+        let [first, second] = self.materials;
+        // What is left of the number after the choice is uniform again.
+        let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
+        (part, ShadingPoint { u: u.min(1.0f32.next_down()), ..*at })
+    }
 }
 
 impl Appearance for Blend {
@@ -38,11 +49,7 @@ impl Appearance for Blend {
     }
 
     fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p)).clamp(0.0, 1.0);
-        let [first, second] = self.materials;
-        // What is left of the number after the choice is uniform again.
-        let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
-        let at = ShadingPoint { u: u.min(1.0f32.next_down()), ..*at };
+        let (part, at) = self.part(textures, at);
         materials.bsdf(part, materials, textures, &at)
     }
 
@@ -50,6 +57,16 @@ impl Appearance for Blend {
         let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(p)).clamp(0.0, 1.0);
         let [first, second] = self.materials.map(|m| materials.opacity(m, materials, textures, p));
         first * (1.0 - t) + second * t
+    }
+
+    fn interior(
+        &self,
+        materials: &Materials,
+        textures: &Textures,
+        at: &ShadingPoint<'_>,
+    ) -> Option<Interior> {
+        let (part, at) = self.part(textures, at);
+        materials.interior(part, materials, textures, &at)
     }
 
     fn is_mixture(&self) -> bool {

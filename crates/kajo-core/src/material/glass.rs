@@ -83,7 +83,8 @@ impl Appearance for Glass {
         Bsdf::Dielectric(Dielectric::new(eta, Microfacets::new(self.settings.shape, alpha)))
     }
 
-    fn interior(&self, wavelengths: &Wavelengths) -> Option<Interior> {
+    fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {
+        let wavelengths = at.wavelengths;
         self.settings.pane.is_none().then(|| Interior {
             eta: self.eta(wavelengths),
             is_dispersive: self.settings.index.is_dispersive(),

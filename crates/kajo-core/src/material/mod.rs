@@ -79,7 +79,12 @@ pub trait Appearance {
     }
 
     /// What is behind the surface, for materials that refract.
-    fn interior(&self, _wavelengths: &Wavelengths) -> Option<Interior> {
+    fn interior(
+        &self,
+        _materials: &Materials,
+        _textures: &Textures,
+        _at: &ShadingPoint<'_>,
+    ) -> Option<Interior> {
         None
     }
 }
@@ -113,6 +118,6 @@ family! {
         /// See [`Appearance::opacity`].
         fn opacity(materials: &Materials, textures: &Textures, p: Vec3) -> f32;
         /// See [`Appearance::interior`].
-        fn interior(wavelengths: &Wavelengths) -> Option<Interior>;
+        fn interior(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Option<Interior>;
     }
 }

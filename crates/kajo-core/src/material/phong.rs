@@ -6,7 +6,7 @@
 //!
 //! Scene: `Material { diffuseColor 0.8 0.3 0.2  specularColor 1 1 1  exponent 32 }`
 
-use kajo_color::{Reflectance, Wavelengths};
+use kajo_color::Reflectance;
 use kajo_math::Vec3;
 
 use super::{Appearance, Interior, Materials, ShadingPoint};
@@ -71,7 +71,7 @@ impl Appearance for PhongMaterial {
         Bsdf::Phong(lobes.within(at.eta_outside))
     }
 
-    fn interior(&self, _wavelengths: &Wavelengths) -> Option<Interior> {
+    fn interior(&self, _: &Materials, _: &Textures, _: &ShadingPoint<'_>) -> Option<Interior> {
         let absorption = kajo_color::Spectrum::BLACK;
         let interior = Interior { eta: self.phong.eta, is_dispersive: false, absorption, priority: 0 };
         (!self.phong.transparent.is_black()).then_some(interior)

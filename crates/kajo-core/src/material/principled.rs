@@ -6,7 +6,7 @@
 //!
 //! Scene: `Principled { color 0.8 0.1 0.05  roughness 0.3  coat 1 }`
 
-use kajo_color::{Reflectance, Spectrum, Wavelengths};
+use kajo_color::{Reflectance, Spectrum};
 use kajo_math::{Vec2, Vec3};
 
 use super::{Appearance, Interior, Materials, ShadingPoint};
@@ -118,7 +118,7 @@ impl Appearance for LayeredMaterial {
         })
     }
 
-    fn interior(&self, _wavelengths: &Wavelengths) -> Option<Interior> {
+    fn interior(&self, _: &Materials, _: &Textures, _: &ShadingPoint<'_>) -> Option<Interior> {
         let Layers { eta, priority, .. } = self.layers;
         let transmits = self.layers.metalness < 1.0 && self.layers.transmission > 0.0;
         transmits.then_some(Interior { eta, is_dispersive: false, absorption: Spectrum::BLACK, priority })

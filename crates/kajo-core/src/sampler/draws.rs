@@ -94,6 +94,10 @@ impl<'a> Draws<'a> {
             SamplerKind::Uniform => Vec2::new(self.stream.uniform(d), self.stream.uniform(d + 1)),
             SamplerKind::Regular | SamplerKind::Jittered => self.multi_jittered(d),
             SamplerKind::Sobol | SamplerKind::ZSobol => point(self.sobol(d)),
+            // The sets are laid out for the samples of the pixel, not for what these split into.
+            SamplerKind::Pmj | SamplerKind::Poisson if self.count > self.sampler.samples.max(1) => {
+                point(self.sobol(d))
+            }
             SamplerKind::Pmj => point(self.progressive(d)),
             SamplerKind::Poisson => point(self.disk(d)),
         }

@@ -4,8 +4,10 @@
 //! inside a body of higher priority than its own is not: light passes it as if it were nothing
 //! [Schmidt and Budge 2002]. Of bodies of equal priority the one entered last is there.
 
-use kajo_color::Spectrum;
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::material::Interior;
+use kajo_core::scene::{Interaction, Scene};
+use kajo_math::Ray;
 
 /// More bodies than this around one point are forgotten, the outermost first.
 const MOST: usize = 8;
@@ -47,15 +49,56 @@ impl Bodies {
         })
     }
 
+    /// The bodies around the start of a ray that comes from nowhere: those that it leaves before it enters them.
+    pub fn around(scene: &Scene, ray: &Ray, wavelengths: &Wavelengths) -> Bodies {
+        let mut nearest: [Option<(Interaction, f32)>; MOST] = [None; MOST];
+        // Parallel rays of a camera without a place come from infinitely far behind it.
+        if scene.transmits && ray.t_min >= 0.0 {
+            scene.crossings(ray, |object, hit| {
+                let own = |met: &Option<(Interaction, f32)>| met.is_none_or(|(at, _)| at.primitive == object);
+                if let Some(met) = nearest.iter_mut().find(|met| own(met))
+                    && met.is_none_or(|(_, t)| hit.t < t)
+                {
+                    *met = Some((scene.interaction(ray, object, hit), hit.t));
+                }
+            });
+        }
+        // The one that is left last was entered first, as far as one can know.
+        nearest.sort_by(|a, b| b.map_or(0.0, |(_, t)| t).total_cmp(&a.map_or(0.0, |(_, t)| t)));
+        let leaves = |(at, _): &(Interaction, f32)| ray.d.dot(at.point.ng) > 0.0;
+        nearest.into_iter().flatten().filter(leaves).fold(Bodies::default(), |bodies, (at, _)| {
+            let interior = scene.interior(&at, wavelengths, 0.5);
+            interior.map_or(bodies, |interior| bodies.with(at.primitive, interior))
+        })
+    }
+
+    /// Whether there are none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The share of light that is left after a distance around the point.
+    #[inline]
+    pub fn transmittance(&self, distance: f32) -> Spectrum {
+        match self.absorption() {
+            Some(absorption) => (absorption * -distance.min(f32::MAX)).exp(),
+            None => Spectrum::WHITE,
+        }
+    }
+
     /// Index of refraction around the point.
     pub fn eta(&self) -> f32 {
+        if self.is_empty() {
+            return 1.0;
+        }
         self.top().map_or(1.0, |body| body.eta)
     }
 
     /// Absorption per unit length around the point.
     #[inline]
     pub fn absorption(&self) -> Option<Spectrum> {
-        if self.len == 0 { None } else { self.top().map(|body| body.absorption).filter(|a| !a.is_black()) }
+        if self.is_empty() { None } else { self.top().map(|body| body.absorption).filter(|a| !a.is_black()) }
     }
 
     /// A path's meeting with the surface of `object`.

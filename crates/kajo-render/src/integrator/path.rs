@@ -17,14 +17,14 @@
 
 use std::cell::Cell;
 
-use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{Directions, Technique};
 use kajo_math::Vec2;
 
-use super::view::View;
+use super::view::{View, in_white_light};
 use super::walk::{LightGroups, Walk};
 use crate::trail::Witness;
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
@@ -98,7 +98,7 @@ impl Path<'_> {
         walk.run();
         let (radiance, first, albedo) = (walk.finished(), walk.first, walk.albedo);
         if self.view.wants_albedo() {
-            ctx.aux.albedo = sensor::to_rgb(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
+            ctx.aux.albedo = in_white_light(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
         }
         if wanted.is_some() {
             ctx.aux.lights = groups.each_ref().map(Cell::get);

@@ -1,12 +1,14 @@
 //! The camera's part of an integrator: rays through places of the picture, and what layers record of the first
 //! surface.
 
+use kajo_color::{RgbBasis, Spectrum, Wavelengths, sensor};
 use kajo_core::camera::{Camera, Connection, Raster};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2, Vec3};
 
+use super::bodies::Bodies;
 use crate::context::Auxiliary;
 use crate::{FirstHit, Layer, LayerSet};
 
@@ -19,17 +21,34 @@ pub(super) struct View<'a> {
     layers: LayerSet,
     /// Whether rays need a time.
     moves: bool,
+    /// Whether the camera is inside of a body.
+    is_immersed: bool,
 }
 
 impl<'a> View<'a> {
     pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> View<'a> {
         let camera = &scene.camera;
-        View { scene, camera, size, layers, moves: scene.moves() }
+        View { scene, camera, size, layers, moves: scene.moves(), is_immersed: false }.immersed()
     }
 
     /// The same through another camera than the scene's.
     pub fn through(self, camera: &'a Camera) -> View<'a> {
-        View { camera, moves: self.scene.moves() || camera.moves(), ..self }
+        View { camera, moves: self.scene.moves() || camera.moves(), ..self }.immersed()
+    }
+
+    /// The same, aware of whether the ray through the middle of the picture starts in a body.
+    fn immersed(self) -> View<'a> {
+        let film = self.film();
+        let middle = Vec2::from(self.size.map(|n| 0.5 * n as f32));
+        let ray = self.camera.ray(film.picture(middle), film.aspect(), Vec2::splat(0.5), 0.0);
+        let around = |ray: Ray| Bodies::around(self.scene, &ray, &Wavelengths::RGB);
+        View { is_immersed: ray.is_some_and(|ray| !around(ray).is_empty()), ..self }
+    }
+
+    /// The bodies around the start of a camera ray.
+    #[inline]
+    pub fn bodies_around(&self, ray: &Ray, wavelengths: &Wavelengths) -> Bodies {
+        if self.is_immersed { Bodies::around(self.scene, ray, wavelengths) } else { Bodies::default() }
     }
 
     /// The camera ray through a place of the picture, in pixels from its top left corner; none where the camera
@@ -97,4 +116,9 @@ impl<'a> View<'a> {
         };
         Some((place(1.0)? - place(0.0)?).as_vec2())
     }
+}
+
+/// What the sensor has of white light that was weakened, in linear RGB; one in each channel for no weakening.
+pub(super) fn in_white_light(factor: Spectrum, wavelengths: &Wavelengths) -> [f32; 3] {
+    sensor::to_rgb(factor * RgbBasis::new(wavelengths).emission([1.0; 3]), wavelengths)
 }

@@ -92,7 +92,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             light: Spectrum::BLACK,
             seen: [0.0; 3],
             groups: None,
-            bodies: Bodies::default(),
+            bodies: view.bodies_around(&ray, &wavelengths),
             bounces: 0,
             origin: Origin { receiver: Receiver::default(), pdf: None },
             ends_at_lamps: false,
@@ -125,16 +125,18 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
                 self.escape();
                 return;
             }
-            if let Some(absorption) = self.bodies.absorption() {
-                let distance = at.hit.t * self.ray.d.length();
-                self.throughput *= (absorption * -distance).exp();
+            if !self.bodies.is_empty() {
+                self.throughput *= self.bodies.transmittance(at.hit.t * self.ray.d.length());
             }
             if self.first.is_none() {
                 self.first = Some(at);
             }
-            let boundary = self.boundary(&at);
+            let u = self.draws.number_if(self.scene().is_mixture(&at));
+            let boundary = self.boundary(&at, u);
             if let Some(boundary) = boundary.filter(|boundary| !boundary.is_real) {
                 self.bodies = self.bodies.beyond(&boundary);
+                // Shadow rays are held up here: what is met from here on could not have been drawn.
+                self.origin.pdf = None;
                 self.witness.next(RayKind::Transmitted);
                 self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
                 continue;
@@ -142,7 +144,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             self.meet_lamp(&at);
             // The last surface may be a hole.
             let is_last = self.ends_at_lamps && !self.scene().has_holes;
-            if is_last || !self.scatter(&at, boundary.as_ref()) {
+            if is_last || !self.scatter(&at, boundary.as_ref(), u) {
                 return;
             }
         }
@@ -155,8 +157,10 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     }
 
     /// How the path meets the surface of a body that light passes.
-    fn boundary(&mut self, at: &Interaction) -> Option<Boundary> {
-        let interior = self.scene().interior(at, &self.wavelengths)?;
+    ///
+    /// * `u`: as in [`Scene::bsdf`]
+    fn boundary(&self, at: &Interaction, u: f32) -> Option<Boundary> {
+        let interior = self.scene().interior(at, &self.wavelengths, u)?;
         Some(self.bodies.meet(at.primitive, interior, self.ray.d.dot(at.point.ng) < 0.0))
     }
 
@@ -213,12 +217,11 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     }
 
     /// Adds the light of a lamp and goes on from the surface; `false` when the path ends here.
-    fn scatter(&mut self, at: &Interaction, boundary: Option<&Boundary>) -> bool {
+    fn scatter(&mut self, at: &Interaction, boundary: Option<&Boundary>, u: f32) -> bool {
         if boundary.is_some_and(|boundary| boundary.is_dispersive()) {
             self.end_secondary_wavelengths();
         }
-        let eta_outside = boundary.map_or(1.0, |boundary| boundary.eta_outside);
-        let u = self.draws.number_if(self.scene().is_mixture(at));
+        let eta_outside = boundary.map_or_else(|| self.bodies.eta(), |boundary| boundary.eta_outside);
         let bsdf = self.scene().bsdf(at, &self.wavelengths, eta_outside, u);
         if let Bsdf::Null = bsdf {
             self.pass(at);
@@ -232,7 +235,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             self.albedo = Some(bsdf.albedo(local.wo));
         }
         if !bsdf.is_delta() && self.settings.technique != Technique::Scattering {
-            self.add_lamp(at, &bsdf, &local);
+            self.add_lamp(at, &bsdf, &local, boundary);
         }
         let splits = !self.is_branch && self.settings.branches > 1 && !bsdf.is_delta();
         if !splits && self.settings.directions == Directions::Scattering {
@@ -351,7 +354,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     }
 
     /// Adds the light of one lamp, drawn for this surface.
-    fn add_lamp(&mut self, at: &Interaction, bsdf: &Bsdf, local: &Local) {
+    fn add_lamp(&mut self, at: &Interaction, bsdf: &Bsdf, local: &Local, boundary: Option<&Boundary>) {
         let u = self.draws.number_if(self.scene().emitters.len() > 1);
         let place = self.draws.next_2d();
         let settings = &self.settings;
@@ -368,7 +371,9 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         }
         self.witness.counters().shadow += 1;
         let shadow_ray = at.point.ray_to_light(&lamp, self.ray.time);
-        let weight_of_lamp = self.throughput * scattered;
+        let far = boundary.filter(|_| wi.z * local.wo.z < 0.0).map(|boundary| self.bodies.beyond(boundary));
+        let passed = far.as_ref().unwrap_or(&self.bodies).transmittance(shadow_ray.length());
+        let weight_of_lamp = self.throughput * scattered * passed;
         let (bodies, wavelengths) = (&self.bodies, &self.wavelengths);
         let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight_of_lamp, wavelengths) };
         let visible = self.scene().visibility(&shadow_ray);

@@ -33,7 +33,8 @@ use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
 
-use super::view::View;
+use super::bodies::Bodies;
+use super::view::{View, in_white_light};
 use crate::trail::{RayKind, Witness};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 use connect::{normal, parts, spread};
@@ -112,7 +113,8 @@ impl Found {
 #[derive(Default)]
 struct Seen {
     first: Option<Interaction>,
-    albedo: Option<Spectrum>,
+    /// Linear RGB.
+    albedo: Option<[f32; 3]>,
 }
 
 impl<'a> Bidirectional<'a> {
@@ -202,9 +204,13 @@ impl<'a> Bidirectional<'a> {
         };
         let carried = (emitted.power() * (1.0 / chance), *wavelengths);
         let ray = (emitted.ray(time), step);
+        let bodies = match emitted.is_infinite() {
+            true => Bodies::default(),
+            false => Bodies::around(scene, &ray.0, wavelengths),
+        };
         let roulette = self.settings.roulette;
         let told = mem::take(witness);
-        let mut walk = Walk::new(scene, draws, Transport::Importance, ray, carried, roulette, told);
+        let mut walk = Walk::new(scene, draws, Transport::Importance, ray, (carried, bodies), roulette, told);
         walk.witness.counters().lamp += 1;
         walk.witness.next(RayKind::Lamp);
         let group = scene.emitters.group(lamp);
@@ -254,9 +260,11 @@ impl<'a> Bidirectional<'a> {
             joins: true,
         };
         let carried = (Spectrum::WHITE, *wavelengths);
+        let bodies = self.view.bodies_around(&ray, wavelengths);
         let roulette = self.settings.roulette;
         let told = mem::take(witness);
-        let mut walk = Walk::new(scene, draws, Transport::Radiance, (ray, step), carried, roulette, told);
+        let mut walk =
+            Walk::new(scene, draws, Transport::Radiance, (ray, step), (carried, bodies), roulette, told);
         walk.witness.counters().camera += 1;
         walk.witness.next(RayKind::Camera);
         let mut seen = Seen::default();
@@ -285,7 +293,7 @@ impl<'a> Bidirectional<'a> {
             }
             let z = walk.vertex(&met);
             if seen.albedo.is_none() && self.view.wants_albedo() && !z.bsdf.is_delta() {
-                seen.albedo = Some(z.bsdf.albedo(z.local(z.back).wo));
+                seen.albedo = Some(in_white_light(z.bsdf.albedo(z.local(z.back).wo), wavelengths));
             }
             if self.settings.only_from_lamps {
                 break;
@@ -336,8 +344,7 @@ impl Bidirectional<'_> {
             aux.lights = groups;
         }
         if self.view.wants_albedo() {
-            let albedo = seen.albedo.unwrap_or(Spectrum::BLACK);
-            aux.albedo = sensor::to_rgb(albedo, &Wavelengths::RGB);
+            aux.albedo = seen.albedo.unwrap_or_default();
         }
         PixelSample { radiance, first: seen.first.map(|at| self.view.first_hit(&at, aux)) }
     }

@@ -148,3 +148,22 @@ fn glass_in_an_even_world_is_not_to_be_seen() {
         assert!((found.mean - 1.0).abs() < 2e-3 + 4.0 * found.standard_error, "{material}: {found:?}");
     }
 }
+
+#[test]
+fn light_is_absorbed_from_the_lamp_on() {
+    // Lamp, floor and camera are inside of a body that bends nothing. The path tracer is held to a closed form.
+    let view = camera([0.0, 0.5, 0.5], [0.0, 0.0, 0.0], 40.0);
+    let text = format!(
+        "{view} Lights {{ PointLight {{ position 0 1 0  intensity 3 3 3 }} }}
+         Materials {{ Glass murk {{ indexOfRefraction 1  absorption 0.8 0.8 0.8 }}
+                      Matte floor {{ color 0.7 0.7 0.7  roughness 0 }} }}
+         Group {{ MaterialIndex murk Box {{ min -5 -5 -5 max 5 5 5 }}
+                  MaterialIndex floor Quad {{ corner -0.5 0 -0.5 edge1 0 0 1 edge2 1 0 0 }} }}"
+    );
+    let scene = scene(&text);
+    let path = PathSettings { bounces: 1, ..PathSettings::default() };
+    let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 2000, 0);
+    for settings in [both(), from_lamps()] {
+        check(&scene, BidirectionalSettings { bounces: 1, ..settings }, 40_000, path.mean);
+    }
+}

@@ -59,6 +59,8 @@ pub struct Walk<'a, 'b, W> {
 pub struct Met {
     pub at: Interaction,
     boundary: Option<Boundary>,
+    /// Chooses among the parts of a mixture.
+    u: f32,
 }
 
 impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
@@ -66,12 +68,13 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     ///
     /// * `mode`: which end it starts at
     /// * `beta`: what the ray carries
+    /// * `bodies`: around its start
     pub fn new(
         scene: &'a Scene,
         draws: Draws<'b>,
         mode: Transport,
         (ray, step): (Ray, Step),
-        (beta, wavelengths): (Spectrum, Wavelengths),
+        ((beta, wavelengths), bodies): ((Spectrum, Wavelengths), Bodies),
         roulette: bool,
         witness: W,
     ) -> Walk<'a, 'b, W> {
@@ -84,7 +87,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             beta,
             wavelengths,
             mode,
-            bodies: Bodies::default(),
+            bodies,
             scale: 1.0 / wavelengths.max_lane(beta).max(f32::MIN_POSITIVE),
             roulette,
             scatterings: 0,
@@ -100,15 +103,14 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight, &self.wavelengths) };
             self.witness.ended(self.scene, &self.ray, end.surface(), about);
             let Event::Surface(at) = end else { return None };
-            if let Some(absorption) = self.bodies.absorption() {
-                self.beta *= (absorption * -(at.hit.t * self.ray.d.length())).exp();
-            }
+            self.beta *= self.bodies.transmittance(at.hit.t * self.ray.d.length());
             self.first.get_or_insert(at);
-            let interior = self.scene.interior(&at, &self.wavelengths);
+            let u = self.draws.number_if(self.scene.is_mixture(&at));
+            let interior = self.scene.interior(&at, &self.wavelengths, u);
             let enters = self.ray.d.dot(at.point.ng) < 0.0;
             let boundary = interior.map(|interior| self.bodies.meet(at.primitive, interior, enters));
             let Some(hidden) = boundary.filter(|boundary| !boundary.is_real) else {
-                return Some(Met { at, boundary });
+                return Some(Met { at, boundary, u });
             };
             // A connection would be held up here.
             self.step.joins = false;
@@ -143,19 +145,18 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
 
     /// The path's point on a surface.
     pub fn vertex(&mut self, met: &Met) -> Vertex {
-        let Met { at, boundary } = met;
+        let Met { at, boundary, u } = met;
         if boundary.is_some_and(|boundary| boundary.is_dispersive()) {
             self.wavelengths.terminate_secondary();
         }
-        let eta_outside = boundary.map_or(1.0, |boundary| boundary.eta_outside);
-        let u = self.draws.number_if(self.scene.is_mixture(at));
+        let eta_outside = boundary.map_or_else(|| self.bodies.eta(), |boundary| boundary.eta_outside);
         let back = -self.ray.d.normalize_or_zero();
         let absorption = |bodies: &Bodies| bodies.absorption().unwrap_or(Spectrum::BLACK);
         let near = absorption(&self.bodies);
         let far = boundary.map_or(near, |boundary| absorption(&self.bodies.beyond(&boundary)));
         Vertex {
             at: at.point,
-            bsdf: self.scene.bsdf(at, &self.wavelengths, eta_outside, u),
+            bsdf: self.scene.bsdf(at, &self.wavelengths, eta_outside, *u),
             back,
             beta: self.beta,
             rivals: self.rivals(at.point.p, at.point.ng.dot(back).abs()),

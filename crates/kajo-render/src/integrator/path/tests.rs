@@ -233,3 +233,71 @@ fn a_mixture_is_as_bright_as_its_parts_in_their_shares() {
     );
     check(&scene(&text), PathSettings::default(), 4000, 0.7 * 0.1 + 0.3 * 0.9);
 }
+
+#[test]
+fn light_is_absorbed_on_its_way_from_a_lamp_and_to_the_camera() {
+    // Everything is inside of a body that bends nothing: rho/pi I/h^2 exp(-a (h + d)).
+    let view = camera([0.0, 0.5, 0.5], [0.0, 0.0, 0.0]);
+    let text = format!(
+        "{view} Lights {{ PointLight {{ position 0 1 0  intensity 3 3 3 }} }}
+         Materials {{ Glass murk {{ indexOfRefraction 1  absorption 0.8 0.8 0.8 }}
+                      Matte floor {{ color 0.7 0.7 0.7  roughness 0 }} }}
+         Group {{ MaterialIndex murk Box {{ min -5 -5 -5 max 5 5 5 }}
+                  MaterialIndex floor Quad {{ corner -2 0 -2 edge1 0 0 4 edge2 4 0 0 }} }}"
+    );
+    let expected = 0.7 / std::f64::consts::PI * 3.0 * (-0.8 * (1.0 + 0.5f64.sqrt())).exp();
+    let settings = PathSettings { bounces: 1, ..PathSettings::default() };
+    check(&scene(&text), settings, 10, expected);
+    // A lamp with a surface is found in two ways, which must agree about the murk.
+    let lit = text.replace("PointLight { position 0 1 0  intensity 3 3 3 }", "").replace(
+        "MaterialIndex floor",
+        "MaterialIndex lamp Quad { corner -1 1 -1 edge1 2 0 0 edge2 0 0 2 } MaterialIndex floor",
+    );
+    let lit = lit.replace("Matte floor", "Material lamp { emission 3 3 3 } Matte floor");
+    let drawn = PathSettings { technique: Technique::Lamps, ..settings };
+    let drawn = mean(&scene(&lit), drawn, 4000, 0);
+    for technique in [Technique::Combined, Technique::Scattering] {
+        check(&scene(&lit), PathSettings { technique, ..settings }, 8000, drawn.mean);
+    }
+}
+
+#[test]
+fn a_hidden_boundary_before_a_lamp_takes_nothing_away() {
+    // The ball of lower priority is not there; shadow rays do not know that, so chance must count in full.
+    let view = camera([0.0, 0.5, 0.5], [0.0, 0.0, 0.0]);
+    let text = |ball: &str| {
+        format!(
+            "{view} Materials {{ Glass air {{ indexOfRefraction 1  priority 1 }}  Glass ball {{ }}
+                          Matte floor {{ color 0.7 0.7 0.7  roughness 0 }}  Material lamp {{ emission 3 3 3 }} }}
+             Group {{ MaterialIndex air Box {{ min -5 -5 -5 max 5 5 5 }}
+                      MaterialIndex lamp Quad {{ corner -1 1 -1 edge1 2 0 0 edge2 0 0 2 }} {ball}
+                      MaterialIndex floor Quad {{ corner -2 0 -2 edge1 0 0 4 edge2 4 0 0 }} }}"
+        )
+    };
+    let settings = PathSettings { bounces: 1, ..PathSettings::default() };
+    let clear = mean(&scene(&text("")), settings, 4000, 0);
+    let hidden = text("MaterialIndex ball Box { min -1.5 0.6 -1.5 max 1.5 0.8 1.5 }");
+    check(&scene(&hidden), settings, 8000, clear.mean);
+}
+
+#[test]
+fn a_glossy_surface_in_a_body_of_its_own_index_is_not_glossy() {
+    // Seen against the normal, where the share that is mirrored is ((n - m) / (n + m))^2.
+    let look = |outside: f64| {
+        let text = format!(
+            "{} Materials {{ Glass body {{ indexOfRefraction {outside} }}
+                  Principled paint {{ color 0 0 0  roughness 0  indexOfRefraction 1.5 }} }}
+             Group {{ MaterialIndex body Box {{ min -9 -1 -9 max 9 1 9 }}
+                      MaterialIndex paint Quad {{ corner -8 0 -8 edge1 0 0 16 edge2 16 0 0 }} }}",
+            camera([0.0, 4.0, 0.0], [0.0, 0.0, 0.0]).replace("color 0 0 0", "color 1 1 1")
+        );
+        mean(&scene(&text), PathSettings { bounces: 3, ..PathSettings::default() }, 4000, 0).mean
+    };
+    let mirrored = |n: f64, m: f64| ((n - m) / (n + m)).powi(2);
+    for outside in [1.0, 1.33, 1.5] {
+        let (face, paint) = (mirrored(1.0, outside), mirrored(outside, 1.5));
+        // Mirrored by the face, and by the paint behind it once.
+        let expected = face + (1.0 - face).powi(2) * paint;
+        assert!((look(outside) - expected).abs() < 0.004, "{outside}: {} {expected}", look(outside));
+    }
+}

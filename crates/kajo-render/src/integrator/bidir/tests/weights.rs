@@ -90,7 +90,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             draws,
             Transport::Radiance,
             (ray, step),
-            (Spectrum::WHITE, wavelengths),
+            ((Spectrum::WHITE, wavelengths), Bodies::default()),
             false,
             RayCounters::default(),
         );
