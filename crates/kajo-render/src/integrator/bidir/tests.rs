@@ -164,6 +164,9 @@ fn light_is_absorbed_from_the_lamp_on() {
     let path = PathSettings { bounces: 1, ..PathSettings::default() };
     let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 2000, 0);
     for settings in [both(), from_lamps()] {
-        check(&scene, BidirectionalSettings { bounces: 1, ..settings }, 40_000, path.mean);
+        let found = mean(&scene, BidirectionalSettings { bounces: 1, ..settings }, 40_000);
+        let sigma = found.standard_error.hypot(path.standard_error);
+        assert!((found.mean - path.mean).abs() < 4.5 * sigma, "{settings:?}: {found:?} {path:?}");
+        assert!(sigma < 0.01 * path.mean, "{settings:?} is too noisy: {found:?}");
     }
 }
