@@ -12,16 +12,25 @@ use common::Folder;
 const RENDER: &str =
     "ball.txt --size 150 100 --samples sobol 128 --layers color,samples -o out.exr --threads 2";
 
+/// Light of any sample may fall on any pixel.
+const SPLATS: &str = "ball.txt --size 150 100 --samples sobol 64 --integrator bidirectional --filter gaussian 0.7 --layers color,samples -o out.exr --threads 2";
+
 /// The bytes of the picture that nobody disturbed.
-fn expected() -> Vec<u8> {
+fn expected(render: &str) -> Vec<u8> {
     let folder = Folder::new();
-    folder.succeed(RENDER);
+    folder.succeed(render);
     folder.read("out.exr")
 }
 
 /// Starts the render, sends a signal after a while, and returns the exit code, if there is one, and what was said.
-fn disturbed(folder: &Folder, more: &str, signal: &str, after: Duration) -> (Option<i32>, String) {
-    let line = format!("{RENDER} --checkpoint state --checkpoint-every 0 {more}");
+fn disturbed(
+    folder: &Folder,
+    render: &str,
+    more: &str,
+    signal: &str,
+    after: Duration,
+) -> (Option<i32>, String) {
+    let line = format!("{render} --checkpoint state --checkpoint-every 0 {more}");
     let child = folder.command().args(line.split_whitespace()).stderr(Stdio::piped()).spawn().unwrap();
     thread::sleep(after);
     // The render may be over by now, and then nobody hears it.
@@ -39,12 +48,12 @@ fn kill_often(kills: u32) {
         let millis = u64::from(i.wrapping_mul(2_654_435_761) >> 24);
         let more = if folder.path("state").exists() { "--resume state" } else { "" };
         resumed += u32::from(!more.is_empty());
-        let (code, said) = disturbed(&folder, more, "KILL", Duration::from_millis(20 + millis));
+        let (code, said) = disturbed(&folder, RENDER, more, "KILL", Duration::from_millis(20 + millis));
         assert!(code.is_none() || code == Some(0), "{said}");
     }
     assert!(resumed > 0, "no checkpoint was ever written");
     folder.succeed(&format!("{RENDER} --resume state"));
-    assert!(folder.read("out.exr") == expected(), "the picture differs after {kills} kills");
+    assert!(folder.read("out.exr") == expected(RENDER), "the picture differs after {kills} kills");
 }
 
 #[test]
@@ -62,14 +71,24 @@ fn a_render_that_is_killed_twenty_times_does_too() {
 #[test]
 fn a_signal_leaves_a_checkpoint_and_the_picture_so_far() {
     let folder = Folder::new();
-    let (code, said) = disturbed(&folder, "", "TERM", Duration::from_millis(300));
+    let (code, said) = disturbed(&folder, RENDER, "", "TERM", Duration::from_millis(300));
     if code != Some(0) {
         assert_eq!(code, Some(143), "{said}");
         let picture = common::picture(&folder.path("out.exr"));
         assert_eq!((picture.width(), picture.height()), (150, 100));
     }
     folder.succeed(&format!("{RENDER} --resume state --threads 1 --tile 20"));
-    assert!(folder.read("out.exr") == expected());
+    assert!(folder.read("out.exr") == expected(RENDER));
+}
+
+#[test]
+fn splats_go_on_to_the_same_bytes() {
+    let folder = Folder::new();
+    let (_, said) = disturbed(&folder, SPLATS, "", "TERM", Duration::from_millis(700));
+    // Where the machine is busy there may be no checkpoint yet, and where it is fast nothing to go on from.
+    let more = if folder.path("state").exists() { "--resume state" } else { "" };
+    folder.succeed(&format!("{SPLATS} {more}"));
+    assert!(folder.read("out.exr") == expected(SPLATS), "the picture differs: {said}");
 }
 
 #[test]

@@ -30,6 +30,28 @@ fn threads_and_tiles_change_nothing() {
     }
 }
 
+/// Light from lamps falls on any pixel, whoever follows it.
+#[test]
+fn threads_and_tiles_change_nothing_of_light_from_lamps() {
+    let folder = Folder::new();
+    folder.write("scene.txt", common::BALL);
+    for more in [
+        "--integrator bidirectional --samples jittered 4",
+        "--integrator light --samples sobol 8 --filter mitchell 2",
+        "--integrator bidirectional --samples sobol 32 --adaptive --noise 0.03 --filter gaussian 0.6",
+    ] {
+        let mut first = None;
+        for (threads, tile) in [(1, 0), (4, 0), (2, 8), (3, 1000)] {
+            folder.succeed(&format!(
+                "scene.txt -o a.exr --size 90 60 {more} --threads {threads} --tile {tile}"
+            ));
+            let picture = folder.read("a.exr");
+            let first = first.get_or_insert_with(|| picture.clone());
+            assert!(*first == picture, "{more}: {threads} threads and tile {tile} differ from 1 and 0");
+        }
+    }
+}
+
 #[test]
 fn another_seed_is_another_picture() {
     let folder = Folder::new();

@@ -6,7 +6,7 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::material::Interior;
-use kajo_core::scene::{Interaction, Scene};
+use kajo_core::scene::Scene;
 use kajo_math::Ray;
 
 /// More bodies than this around one point are forgotten, the outermost first.
@@ -40,35 +40,40 @@ impl Boundary {
 }
 
 impl Bodies {
+    /// The bodies around the start of a ray: those that it leaves more often than it enters them.
+    pub fn around(scene: &Scene, ray: &Ray, wavelengths: &Wavelengths) -> Bodies {
+        // Parallel rays of a camera without a place come from infinitely far behind it.
+        if !scene.transmits || ray.t_min < 0.0 {
+            return Bodies::default();
+        }
+        let mut met: [Option<(u32, Interior, i32, f32)>; MOST] = [None; MOST];
+        scene.crossings(ray, |primitive, hit| {
+            let at = scene.interaction(ray, primitive, hit);
+            let Some(interior) = scene.interior(&at, wavelengths, 0.5) else { return };
+            let Some(body) = met.iter_mut().find(|body| body.is_none_or(|body| body.0 == primitive)) else {
+                return;
+            };
+            let (_, _, exits, farthest) = body.get_or_insert((primitive, interior, 0, 0.0));
+            *exits += if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
+            *farthest = farthest.max(hit.t);
+        });
+        let mut around = Bodies::default();
+        // The one that ends last was entered first.
+        met.sort_by(|a, b| b.map_or(0.0, |b| b.3).total_cmp(&a.map_or(0.0, |a| a.3)));
+        for (primitive, interior, exits, _) in met.into_iter().flatten() {
+            if exits > 0 {
+                around = around.with(primitive, interior);
+            }
+        }
+        around
+    }
+
     /// What is around the point.
     fn top(&self) -> Option<Interior> {
         let bodies = self.list[..self.len].iter().flatten().map(|body| body.1);
         bodies.fold(None, |top: Option<Interior>, body| match top {
             Some(top) if top.priority > body.priority => Some(top),
             _ => Some(body),
-        })
-    }
-
-    /// The bodies around the start of a ray that comes from nowhere: those that it leaves before it enters them.
-    pub fn around(scene: &Scene, ray: &Ray, wavelengths: &Wavelengths) -> Bodies {
-        let mut nearest: [Option<(Interaction, f32)>; MOST] = [None; MOST];
-        // Parallel rays of a camera without a place come from infinitely far behind it.
-        if scene.transmits && ray.t_min >= 0.0 {
-            scene.crossings(ray, |object, hit| {
-                let own = |met: &Option<(Interaction, f32)>| met.is_none_or(|(at, _)| at.primitive == object);
-                if let Some(met) = nearest.iter_mut().find(|met| own(met))
-                    && met.is_none_or(|(_, t)| hit.t < t)
-                {
-                    *met = Some((scene.interaction(ray, object, hit), hit.t));
-                }
-            });
-        }
-        // The one that is left last was entered first, as far as one can know.
-        nearest.sort_by(|a, b| b.map_or(0.0, |(_, t)| t).total_cmp(&a.map_or(0.0, |(_, t)| t)));
-        let leaves = |(at, _): &(Interaction, f32)| ray.d.dot(at.point.ng) > 0.0;
-        nearest.into_iter().flatten().filter(leaves).fold(Bodies::default(), |bodies, (at, _)| {
-            let interior = scene.interior(&at, wavelengths, 0.5);
-            interior.map_or(bodies, |interior| bodies.with(at.primitive, interior))
         })
     }
 

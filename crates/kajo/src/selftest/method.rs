@@ -39,6 +39,16 @@ pub const DISTRIBUTION_COSINE: Method =
 pub const DISTRIBUTION_UNIFORM: Method =
     method("distribution, uniform", "integrator distribution  directions uniform  branches 4");
 
+/// Paths from the camera and from lamps, joined.
+pub const BIDIRECTIONAL: Method = method("bidirectional", "integrator bidirectional");
+
+/// The same by wavelength.
+pub const BIDIRECTIONAL_SPECTRAL: Method =
+    method("bidirectional, spectral", "integrator bidirectional  spectral on");
+
+/// Paths from lamps alone.
+pub const LIGHT: Method = method("light", "integrator light");
+
 /// Ambient occlusion.
 pub const OCCLUSION: Method = method("occlusion", "integrator occlusion");
 
@@ -46,7 +56,8 @@ pub const OCCLUSION: Method = method("occlusion", "integrator occlusion");
 pub const CLASSIC: Method = method("classic", "integrator classic");
 
 /// Everything that follows light through any number of bounces.
-pub const GLOBAL: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL];
+pub const GLOBAL: &[Method] =
+    &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
 
 /// Everything that takes a number of bounces.
 pub const BOUNCES: &[Method] = &[
@@ -55,18 +66,23 @@ pub const BOUNCES: &[Method] = &[
     PATH_LAMPS,
     PATH_SPECTRAL,
     PATH_NO_ROULETTE,
+    BIDIRECTIONAL,
     DISTRIBUTION_COSINE,
     DISTRIBUTION_UNIFORM,
 ];
 
 /// Everything that estimates the light of lamps of some size.
-pub const LAMPS: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, DIRECT];
+pub const LAMPS: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
 
 /// The same for lamps so small that they are hardly ever met.
-pub const SMALL_LAMPS: &[Method] = &[PATH, PATH_LAMPS, DIRECT];
+pub const SMALL_LAMPS: &[Method] = &[PATH, PATH_LAMPS, BIDIRECTIONAL, DIRECT];
 
 /// Everything that follows mirrors and glass.
-pub const MIRRORS: &[Method] = &[PATH, DIRECT, CLASSIC];
+pub const MIRRORS: &[Method] = &[PATH, BIDIRECTIONAL, DIRECT, CLASSIC];
 
 /// The same without the classic integrator, which does not divide radiance by the squared index.
-pub const GLASS: &[Method] = &[PATH, PATH_SPECTRAL, DIRECT];
+pub const GLASS: &[Method] = &[PATH, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
+
+/// Everything that shows whole matt surfaces.
+pub const WHOLE: &[Method] =
+    &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, LIGHT, DIRECT];

@@ -16,10 +16,18 @@ mod weights;
 
 fn scene(text: &str) -> Scene {
     let mut parsed = SceneDesc::parse_str(text);
-    let scene =
-        compile(&mut parsed.desc, &MemoryAssets::new(), &CompileOptions::default(), &mut parsed.diagnostics);
+    let scene = compile(
+        &mut parsed.desc,
+        &MemoryAssets::new().with("gem.obj", GEM),
+        &CompileOptions::default(),
+        &mut parsed.diagnostics,
+    );
     scene.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
 }
+
+/// A mesh so coarse that its shading normals are far from the true ones.
+const GEM: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n\
+    f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
 
 /// A camera in a black world.
 fn camera(from: [f32; 3], to: [f32; 3], angle: f32) -> String {

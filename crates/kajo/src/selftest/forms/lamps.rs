@@ -27,16 +27,24 @@ use kajo_math::DVec3;
 use super::quadrature::simpson;
 use super::{Form, Parameters, floor, floor_and_lamp, spot_meter, text};
 use crate::selftest::method::{
-    CLASSIC, DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM, LAMPS, Method, OCCLUSION, PATH, PATH_LAMPS,
-    PATH_SCATTERING, PATH_SPECTRAL, SMALL_LAMPS,
+    BIDIRECTIONAL, CLASSIC, DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM, LAMPS, Method, OCCLUSION,
+    PATH, PATH_LAMPS, PATH_SCATTERING, PATH_SPECTRAL, SMALL_LAMPS, WHOLE,
 };
 
 /// What solves scenes with lamps of no size.
-const POINTS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, DIRECT];
+const POINTS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
 
 /// What solves scenes without lamps of no size in one bounce, at a floor that light reaches from the sky.
-const SKIES: &[Method] =
-    &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM];
+const SKIES: &[Method] = &[
+    PATH,
+    PATH_SCATTERING,
+    PATH_LAMPS,
+    PATH_SPECTRAL,
+    BIDIRECTIONAL,
+    DIRECT,
+    DISTRIBUTION_COSINE,
+    DISTRIBUTION_UNIFORM,
+];
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = vec![disk(draw), sphere(draw), sphere_touched(draw)];
@@ -133,7 +141,7 @@ fn point(draw: &mut Parameters) -> Form {
 fn directional(draw: &mut Parameters) -> Form {
     let (rho, e, towards) = (draw.between(0.3, 0.9), draw.between(1.0, 9.0), draw.direction(0.2));
     let light = format!("DirectionalLight {{ direction {}  irradiance {e} {e} {e} }}", text(-towards));
-    const METHODS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, DIRECT, CLASSIC];
+    const METHODS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT, CLASSIC];
     let expected = rho / PI * e * towards.y;
     Form::new("directional light", under(rho, DVec3::Y, &light), expected, METHODS).bounces(0)
 }
@@ -143,7 +151,7 @@ fn classic_point(draw: &mut Parameters) -> Form {
     let towards = draw.direction(0.2);
     let light =
         format!("PointLight {{ position {}  color {c} {c} {c}  attenuation 0.5 0.25 2 }}", text(d * towards));
-    const METHODS: &[Method] = &[CLASSIC, PATH, DIRECT];
+    const METHODS: &[Method] = &[CLASSIC, PATH, BIDIRECTIONAL, DIRECT];
     let expected = rho * c * towards.y / (0.5 + 0.25 * d + 2.0 * d * d);
     Form::new("point light with the classic falloff", under(rho, DVec3::Y, &light), expected, METHODS)
         .bounces(0)
@@ -253,7 +261,7 @@ fn facing(draw: &mut Parameters) -> Form {
     let f = factor_facing(a / c, b / c);
     let expected = rho * le * f * a * b * -view.y / (frame * frame);
     let name = format!("S5 rectangles {a} x {b} that face each other at {c}");
-    Form::new(name, scene, expected, LAMPS).bounces(0).size(GRID)
+    Form::new(name, scene, expected, WHOLE).bounces(0).size(GRID)
 }
 
 fn adjacent(draw: &mut Parameters) -> Form {
@@ -271,7 +279,7 @@ fn adjacent(draw: &mut Parameters) -> Form {
     let f = factor_adjacent(w / l, h / l);
     let expected = rho * le * f * l * w * -view.y / (frame * frame);
     let name = format!("S5 rectangles {l} x {w} and {l} x {h} at a right angle");
-    Form::new(name, scene, expected, LAMPS).bounces(0).size(GRID)
+    Form::new(name, scene, expected, WHOLE).bounces(0).size(GRID)
 }
 
 /// Form factor between equal rectangles that face each other; sides over their distance.

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod camera;
+mod caustic;
 mod glass;
 mod lamps;
 mod materials;
@@ -118,12 +119,13 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 10] = [
+    let makers: [(&str, Maker); 11] = [
         ("rooms", rooms::forms),
         ("lamps", lamps::forms),
         ("bodies", bodies::forms),
         ("polygons", polygon::forms),
         ("glass", glass::forms),
+        ("caustics", caustic::forms),
         ("rainbow", rainbow::forms),
         ("surfaces", surfaces::forms),
         ("materials", materials::forms),

@@ -22,7 +22,9 @@ use std::f64::consts::PI;
 use kajo_math::DVec3;
 
 use super::{Form, Parameters, spot_meter, text};
-use crate::selftest::method::{BOUNCES, DIRECT, GLOBAL, Method, PATH, PATH_LAMPS, PATH_SPECTRAL};
+use crate::selftest::method::{
+    BIDIRECTIONAL, BOUNCES, DIRECT, GLOBAL, LIGHT, Method, PATH, PATH_LAMPS, PATH_SPECTRAL,
+};
 
 /// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
 const WITHOUT_END: u32 = 200;
@@ -31,13 +33,23 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms: Vec<Form> =
         ROOMS.iter().flat_map(|room| [glowing(draw, room, None), glowing(draw, room, Some(1))]).collect();
     forms.push(glowing(draw, &ROOMS[0], Some(0)));
+    let wide = glowing(draw, &ROOMS[2], Some(1));
+    forms.push(Form {
+        name: wide.name.replace("box", "box, seen widely"),
+        scene: wide.scene.replace("angle 0.001", "angle 70"),
+        methods: SEEN_WIDELY,
+        ..wide
+    });
     forms.push(lamp_in_ball(draw, GLOBAL_OF_POINTS, true));
     forms.push(lamp_in_ball(draw, &[DIRECT], false));
     forms
 }
 
 /// What solves a scene whose lamps have no size.
-const GLOBAL_OF_POINTS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL];
+const GLOBAL_OF_POINTS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL];
+
+/// What solves a scene of which the camera sees so much that light from lamps comes across it.
+const SEEN_WIDELY: &[Method] = &[PATH, BIDIRECTIONAL, LIGHT];
 
 /// A closed surface around the origin.
 struct Room {

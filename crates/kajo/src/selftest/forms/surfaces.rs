@@ -15,13 +15,21 @@ use kajo_math::DVec3;
 use super::quadrature::simpson;
 use super::{Form, Parameters, spot_meter, text};
 use crate::selftest::method::{
-    DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM, Method, PATH, PATH_LAMPS, PATH_SCATTERING,
-    PATH_SPECTRAL,
+    BIDIRECTIONAL, DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM, Method, PATH, PATH_LAMPS,
+    PATH_SCATTERING, PATH_SPECTRAL,
 };
 
 /// What solves a surface under the sky.
-const SKIES: &[Method] =
-    &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM];
+const SKIES: &[Method] = &[
+    PATH,
+    PATH_SCATTERING,
+    PATH_LAMPS,
+    PATH_SPECTRAL,
+    BIDIRECTIONAL,
+    DIRECT,
+    DISTRIBUTION_COSINE,
+    DISTRIBUTION_UNIFORM,
+];
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     vec![glossy(draw, [1.0, 10.0]), glossy(draw, [10.0, 60.0])]

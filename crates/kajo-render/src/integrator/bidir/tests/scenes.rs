@@ -43,7 +43,8 @@ fn random_scene(i: u32) -> String {
             "Transform { Translate 0 1.3 0 Scale 0.6 0.2 0.4 Sphere { center 0 0 0  radius 1 } }",
         ],
     );
-    let material = |k| pick(u(k), &["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss"]);
+    let material =
+        |k| pick(u(k), &["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss", "flint"]);
     let (a, b) = (material(4), material(5));
     let ground = pick(
         u(6),
@@ -62,6 +63,7 @@ fn random_scene(i: u32) -> String {
          Materials {{ Matte white {{ color 0.7 0.7 0.7 }}  Matte red {{ color 0.6 0.2 0.1 }}
             Metal gold {{ metal gold roughness 0.5 }}  Metal mirror {{ color 0.8 0.8 0.8 }}
             Glass frosted {{ roughness 0.6  absorption 0.3 0.6 0.9 }}  Glass clear {{ indexOfRefraction 1.4 }}
+            Glass flint {{ glass N-SF10  roughness 0.2 }}
             Principled paint {{ color 0.2 0.5 0.3  coat 0.7  roughness 0.5 }}
             Material gloss {{ diffuseColor 0.3 0.2 0.1  specularColor 0.3 0.3 0.3  exponent 20  reflectiveColor 0.2 0.2 0.2 }}
             Material lamp {{ diffuseColor 0.2 0.2 0.2  emission 2 2 2 }} }}
@@ -76,11 +78,32 @@ fn random_scenes_look_as_by_path_tracing() {
     for i in 0..if effort() > 1 { 60 } else { 10 } {
         let text = random_scene(i);
         let scene = scene(&text);
-        let path = PathSettings { bounces: 4, ..PathSettings::default() };
-        let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), samples, 0);
-        let found = mean(&scene, BidirectionalSettings { bounces: 4, ..both() }, samples);
+        let spectral = i % 3 == 0;
+        let path = PathSettings { bounces: 4, spectral, ..PathSettings::default() };
+        let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), samples, 1);
+        let settings = BidirectionalSettings { bounces: 4, spectral, ..both() };
+        let found = mean_of(&Bidirectional::new(&scene, settings, [1, 1], LayerSet::of(&[])), samples, 1);
         let sigma = path.standard_error.hypot(found.standard_error);
         assert!((path.mean - found.mean).abs() < 4.5 * sigma, "scene {i}: {path:?} {found:?}\n{text}");
         assert!(sigma < 0.08 * path.mean, "scene {i} is too noisy: {path:?} {found:?}\n{text}");
     }
+}
+
+/// A lamp and a matt ball in coloured glass. Rays that meet the lamp by chance know the bodies that they are in.
+#[test]
+fn a_lamp_in_glass_shines_through_it() {
+    let text = "PerspectiveCamera { center 0 0 6  direction 0 0 -1  up 0 1 0  angle 30 } Background { color 0 0 0 }
+        Materials { Glass amber { indexOfRefraction 1.3  absorption 0.5 0.5 0.5 }  Matte white { color 0.8 0.8 0.8 }
+            Material lamp { diffuseColor 0 0 0  emission 5 5 5 } }
+        Group { MaterialIndex amber Sphere { center 0 0 0  radius 1.4 }
+            MaterialIndex lamp Sphere { center 0.4 0.5 0  radius 0.4 }
+            MaterialIndex white Sphere { center -0.4 -0.4 0  radius 0.5 } }";
+    let scene = scene(text);
+    let technique = kajo_core::settings::Technique::Scattering;
+    let path = PathSettings { bounces: 4, technique, ..PathSettings::default() };
+    let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 4000 * effort(), 0);
+    let found = mean(&scene, BidirectionalSettings { bounces: 4, ..both() }, 1000 * effort());
+    let sigma = path.standard_error.hypot(found.standard_error);
+    assert!((path.mean - found.mean).abs() < 4.5 * sigma, "{path:?} {found:?}");
+    assert!(sigma < 0.02 * path.mean, "{path:?} {found:?}");
 }

@@ -125,3 +125,10 @@ fn all_ways_over_gold_and_frosted_glass_are_one() {
                   MaterialIndex frosted Sphere { center 0.4 -0.6 -0.2  radius 0.35 }";
     check_ways(&room(WIDE, CEILING, things), 1, 4000);
 }
+
+#[test]
+fn all_ways_over_shading_normals_are_one() {
+    let mesh = "Transform { Translate 0 -0.4 -0.2 YRotate 20 UniformScale 0.6 TriangleMesh { file gem.obj smooth on } }";
+    check_ways(&room(WIDE, CEILING, &format!("MaterialIndex white {mesh}")), 1, 4000);
+    check_ways(&room(WIDE, CEILING, &format!("MaterialIndex gold {mesh}")), 1, 8000);
+}
