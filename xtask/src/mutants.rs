@@ -20,12 +20,14 @@ const fn mutant(name: &'static str, file: &'static str, right: &'static str, wro
     Mutant { name, file, right, wrong }
 }
 
+const AREA: &str = "crates/kajo-core/src/light/area.rs";
 const LAMBERT: &str = "crates/kajo-core/src/bsdf/lambert.rs";
 const PHONG: &str = "crates/kajo-core/src/bsdf/phong_lobes.rs";
 const EMITTERS: &str = "crates/kajo-core/src/light/emitters.rs";
+const VIEW: &str = "crates/kajo-render/src/integrator/view.rs";
 const WALK: &str = "crates/kajo-render/src/integrator/walk.rs";
 
-const MUTANTS: [Mutant; 9] = [
+const MUTANTS: [Mutant; 11] = [
     mutant("no squared index at refraction", PHONG, "color * mode.scale(eta), p", "color, p"),
     mutant("no pi in diffuse reflection", LAMBERT, "share * (wi.z.abs() * FRAC_1_PI)", "share * wi.z.abs()"),
     mutant(
@@ -37,14 +39,14 @@ const MUTANTS: [Mutant; 9] = [
     mutant(
         "the density of a lamp without that of its choice",
         EMITTERS,
-        "LightSample { pdf: sample.pdf * probability, ..sample }",
-        "LightSample { pdf: sample.pdf + 0.0 * probability, ..sample }",
+        "LightSample { pdf: sample.pdf * probability, group",
+        "LightSample { pdf: sample.pdf + 0.0 * probability, group",
     ),
     mutant(
         "half the density of a lamp that was met",
         EMITTERS,
-        "{ probability * light.pdf(from, p, n) }",
-        "{ 0.5 * probability * light.pdf(from, p, n) }",
+        "{ probability * light.pdf(from, p, n, time) }",
+        "{ 0.5 * probability * light.pdf(from, p, n, time) }",
     ),
     mutant(
         "half the density of a direction to a lamp that was drawn",
@@ -57,8 +59,20 @@ const MUTANTS: [Mutant; 9] = [
     mutant(
         "shadows are forgotten",
         WALK,
-        "if self.scene().occluded(&at.point.ray_to_light(&lamp, self.ray.time)) {",
-        "if false {",
+        "let visible = self.scene().visibility(&shadow_ray);",
+        "let visible = 1.0_f32;",
+    ),
+    mutant(
+        "lamps stay where they were when the shutter opened",
+        AREA,
+        "Some(drift) => self.patch.sample_moved(&drift.map_at(time), p, u)?,",
+        "Some(_) => self.patch.sample(p, u)?,",
+    ),
+    mutant(
+        "the shutter closes half-way",
+        VIEW,
+        "let time = draws.number_if(self.moves);",
+        "let time = 0.5 * draws.number_if(self.moves);",
     ),
 ];
 

@@ -205,7 +205,7 @@ fn path_settings(integrator: IntegratorKind, asked: &Settings, own: &Settings) -
 
 /// Whether points can be connected with the camera.
 fn connects(camera: &Camera) -> bool {
-    matches!(camera, Camera::Perspective(_) | Camera::Orthographic(_))
+    matches!(camera.at_rest(), Camera::Perspective(_) | Camera::Orthographic(_))
 }
 
 /// A size that the camera's picture looks right in.
