@@ -47,10 +47,11 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 20] = [
+const CORE_MODULES: [(&str, &[&str]); 21] = [
     ("family", &[]),
     ("interaction", &[]),
     ("motion", &[]),
+    ("moving_tree", &["motion"]),
     ("bsdf", &["interaction"]),
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "bsdf"]),
@@ -79,6 +80,7 @@ const CORE_MODULES: [(&str, &[&str]); 20] = [
             "item_buffer",
             "medium",
             "motion",
+            "moving_tree",
             "objects",
             "camera",
             "sampler",
@@ -99,6 +101,7 @@ const CORE_MODULES: [(&str, &[&str]); 20] = [
             "light",
             "medium",
             "motion",
+            "moving_tree",
             "objects",
             "camera",
             "sampler",

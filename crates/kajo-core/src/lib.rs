@@ -17,6 +17,7 @@ pub mod lighting;
 pub mod material;
 pub mod medium;
 mod motion;
+mod moving_tree;
 mod objects;
 pub mod sampler;
 pub mod scene;

@@ -71,10 +71,19 @@ impl MovingTransform {
         self.resting.is_none()
     }
 
-    /// Boxes for the opening and the closing of the shutter such that the box that moves steadily from one to the
-    /// other holds the image of `b` at all times.
-    pub fn bounds(&self, b: &Aabb) -> [Aabb; 2] {
-        self.motion.bounds(b, self.shutter.interval())
+    /// Boxes for the two ends of a part of the shutter's interval such that the box that moves steadily from one to
+    /// the other holds the image of `b` at all times.
+    ///
+    /// * `part`: the ends, in [0, 1]
+    pub fn bounds(&self, b: &Aabb, part: [f64; 2]) -> [Aabb; 2] {
+        let Shutter { open, close } = self.shutter;
+        self.motion.bounds(b, part.map(|s| open + s * (close - open)))
+    }
+
+    /// A box around the image of `b` at all times.
+    pub fn bounds_of_all_times(&self, b: &Aabb) -> Aabb {
+        let [open, close] = self.bounds(b, [0.0, 1.0]);
+        open.union(close)
     }
 
     /// Where the point of the object that is at the world-space point `p` at a ray's time is at time 0 of the scene.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use kajo_bvh::{Bvh, MovingBvh};
+use kajo_bvh::Bvh;
 use kajo_color::Spectrum;
 use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3};
 
@@ -16,6 +16,7 @@ use crate::light::{Emitters, LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::medium::Fog;
 use crate::motion::MovingTransform;
+use crate::moving_tree::MovingTree;
 use crate::objects::Objects;
 use crate::settings::{Rules, Settings};
 use crate::shape::{ShapeId, Shapes, Sphere, Surface};
@@ -127,7 +128,7 @@ pub struct Scene {
     pub(crate) material_numbers: HashMap<MaterialId, u32>,
     pub(crate) bvh: Bvh,
     /// A tree over what moves; what is in it is in no other.
-    pub(crate) moving: Option<MovingBvh>,
+    pub(crate) moving: Option<MovingTree>,
     /// Primitives without bounds, tested one by one.
     pub(crate) unbounded: Vec<u32>,
 }
@@ -332,7 +333,7 @@ impl Scene {
     pub fn bytes(&self) -> usize {
         let meshes: usize = self.shapes.meshes.iter().map(Surface::heap_bytes).sum();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
-        let moving = self.moving.as_ref().map_or(0, |tree| tree.stats().bytes);
+        let moving = self.moving.as_ref().map_or(0, MovingTree::bytes);
         meshes + self.bvh.stats().bytes + moving + placed + self.objects.bytes()
     }
 
@@ -343,17 +344,16 @@ impl Scene {
         }
         match self.motion(primitive.transform) {
             None => self.transforms[primitive.transform as usize].bounds(&bounds),
-            Some(motion) => {
-                let [open, close] = motion.bounds(&bounds);
-                open.union(close)
-            }
+            Some(motion) => motion.bounds_of_all_times(&bounds),
         }
     }
 
-    /// Boxes of a moving primitive at the opening and the closing of the shutter; empty for any other.
-    pub(crate) fn moving_bounds(&self, primitive: &Primitive) -> [Aabb; 2] {
+    /// Boxes of a moving primitive at the ends of a part of the shutter's interval; empty for any other, and for
+    /// unbounded ones.
+    pub(crate) fn moving_bounds(&self, primitive: &Primitive, part: [f64; 2]) -> [Aabb; 2] {
+        let bounds = self.shapes.bounds(primitive.shape);
         match self.motion(primitive.transform) {
-            Some(motion) if motion.moves() => motion.bounds(&self.shapes.bounds(primitive.shape)),
+            Some(motion) if motion.moves() && bounds.is_finite() => motion.bounds(&bounds, part),
             _ => [Aabb::EMPTY; 2],
         }
     }

@@ -26,7 +26,7 @@ pub use self::transform::{OPERATIONS, operations_matrix};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use kajo_bvh::{BuildSettings, Bvh, MovingBvh};
+use kajo_bvh::{BuildSettings, Bvh};
 use kajo_color::Spectrum;
 use kajo_math::{Aabb, Transform};
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
@@ -37,6 +37,7 @@ use crate::family::Pooled;
 use crate::light::{LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::motion::{MovingTransform, Shutter};
+use crate::moving_tree::MovingTree;
 use crate::objects::Objects;
 use crate::scene::{Primitive, Scene};
 use crate::settings::{Dialect, Rules, Settings};
@@ -282,24 +283,23 @@ impl<'a> Compiler<'a> {
             moving: None,
             unbounded: Vec::new(),
         };
-        let moving: Vec<[Aabb; 2]> = match scene.motions.iter().any(MovingTransform::moves) {
-            true => scene.primitives.iter().map(|p| scene.moving_bounds(p)).collect(),
-            false => Vec::new(),
-        };
         let bounds: Vec<Aabb> = scene.primitives.iter().map(|p| scene.world_bounds(p)).collect();
-        // The tree leaves empty boxes out, so unbounded shapes keep their numbers and stand aside.
-        let is_moving =
-            |i: usize| moving.get(i).is_some_and(|[open, _]| open.is_finite() && !open.is_empty());
-        let bounded = |(i, b): (usize, &Aabb)| {
-            if b.is_finite() && !is_moving(i) { *b } else { Aabb::EMPTY }
-        };
+        // Trees leave empty boxes out, so what moves and what has no bounds keeps its number and stands aside.
         let is_unbounded = |i: &u32| !bounds[*i as usize].is_finite() && !bounds[*i as usize].is_empty();
-        scene.unbounded = (0..bounds.len() as u32).filter(is_unbounded).collect();
-        scene.bvh =
-            Bvh::build(&bounds.iter().enumerate().map(bounded).collect::<Vec<_>>(), &self.options.build);
-        if !moving.is_empty() {
-            scene.moving = Some(MovingBvh::build(&moving, &self.options.build));
-        }
+        let unbounded = (0..bounds.len() as u32).filter(is_unbounded).collect();
+        let rests = |p: &Primitive, b: &Aabb| b.is_finite() && !scene.is_moving(p);
+        let resting: Vec<Aabb> = std::iter::zip(&scene.primitives, &bounds)
+            .map(|(p, b)| if rests(p, b) { *b } else { Aabb::EMPTY })
+            .collect();
+        let moving = scene.primitives.iter().any(|p| scene.is_moving(p)).then(|| {
+            let part = |i: usize, part| match bounds[i].is_finite() {
+                true => scene.moving_bounds(&scene.primitives[i], part),
+                false => [Aabb::EMPTY; 2],
+            };
+            MovingTree::build(bounds.len(), part, &self.options.build)
+        });
+        scene.bvh = Bvh::build(&resting, &self.options.build);
+        (scene.unbounded, scene.moving) = (unbounded, moving);
         scene
     }
 }

@@ -92,8 +92,7 @@ impl AreaLight {
         const TIMES: u8 = 16;
         let (mut bounds, normal, _) = self.outline(0.0);
         if let Some(drift) = &self.drift {
-            let [open, close] = drift.bounds(&self.patch.bounds());
-            bounds = open.union(close);
+            bounds = drift.bounds_of_all_times(&self.patch.bounds());
         }
         let Some(n) = normal else { return (bounds, Vec3::Z, -1.0) };
         let keeps = |i: u8| {
