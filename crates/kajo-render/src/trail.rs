@@ -303,3 +303,64 @@ impl TrailHit {
         TrailHit { object: at.primitive + 1, material, p: at.point.p, n: at.point.n, ng: at.point.ng }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use kajo_core::compile::{CompileOptions, compile};
+    use kajo_scene::{MemoryAssets, SceneDesc};
+
+    use super::*;
+
+    fn nothing() -> Scene {
+        let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+        let mut parsed = SceneDesc::parse_str(camera);
+        let options = CompileOptions::default();
+        compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut parsed.diagnostics).expect("no errors")
+    }
+
+    fn about() -> About {
+        About { eta: 1.5, weight: [0.5, 1.0, 2.0] }
+    }
+
+    #[test]
+    fn a_tree_of_rays_is_kept_with_the_factors_of_its_forks() {
+        let scene = nothing();
+        let ray = Ray::new(Vec3::ZERO, 2.0 * Vec3::Z).over(0.0, 3.0);
+        let mut trail = Trail::default();
+        trail.ended(&scene, &ray, None, about);
+        let fork = trail.mark();
+        trail.weaken(|| [0.5; 3]);
+        trail.next(RayKind::Reflected);
+        trail.ended(&scene, &ray, None, about);
+        trail.found(|| [1.0, 2.0, 3.0]);
+        trail.back_to(fork);
+        trail.next(RayKind::Transmitted);
+        trail.ended(&scene, &ray, None, about);
+        trail.joined(RayKind::Shadow, &scene, &ray, about, || [1.0; 3]);
+        let [camera, mirrored, through, shadow] = trail.segments() else { panic!("{trail:?}") };
+        assert_eq!((camera.kind, camera.parent, camera.depth), (RayKind::Camera, None, 0));
+        assert_eq!((camera.d, camera.distance, camera.eta), (Vec3::Z, 6.0, 1.5));
+        assert_eq!((mirrored.kind, mirrored.parent, mirrored.depth), (RayKind::Reflected, Some(0), 1));
+        assert_eq!((mirrored.weight, mirrored.contribution), ([0.25, 0.5, 1.0], [0.5, 1.0, 1.5]));
+        assert_eq!(
+            (through.kind, through.parent, through.weight),
+            (RayKind::Transmitted, Some(0), about().weight)
+        );
+        assert_eq!((shadow.parent, shadow.depth, shadow.contribution), (Some(2), 2, [1.0; 3]));
+    }
+
+    /// A thousand bounces that fork each time are no reason to run out of memory; their light is not lost.
+    #[test]
+    fn what_is_too_much_is_counted() {
+        let scene = nothing();
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let mut trail = Trail::default();
+        for _ in 0..MOST_SEGMENTS + 7 {
+            trail.ended(&scene, &ray, None, about);
+            trail.found(|| [1.0; 3]);
+        }
+        assert_eq!((trail.segments().len(), trail.left_out()), (MOST_SEGMENTS, 7));
+        let sum: f32 = trail.segments().iter().map(|segment| segment.contribution[0]).sum();
+        assert_eq!(sum, (MOST_SEGMENTS + 7) as f32);
+    }
+}

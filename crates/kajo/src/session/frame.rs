@@ -84,6 +84,12 @@ impl Frame {
         &self.light
     }
 
+    /// The views that it has: those that the job asked for, and the light.
+    pub fn views(&self) -> Vec<View> {
+        let has = |view: &View| self.film.spec().layers.has(view.layer(Format::Exr, &self.settings));
+        View::ALL.into_iter().filter(has).collect()
+    }
+
     /// The numbers of a view, as OpenEXR files hold them; one to three channels.
     ///
     /// # Errors

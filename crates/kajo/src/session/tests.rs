@@ -69,6 +69,11 @@ fn what_a_window_shows_is_what_a_png_holds() {
             assert_eq!(shown, [stored(0), stored(1), stored(2), 255], "{view:?}");
         }
     }
+    let views = frame.views();
+    assert!(views.contains(&View::Color) && views.contains(&View::Uv) && !views.contains(&View::Albedo));
+    let all = frame.encode(&views, Format::Exr, BitDepth::Eight, &settings.development).unwrap();
+    let light = frame.encode(&[View::Color], Format::Exr, BitDepth::Eight, &settings.development).unwrap();
+    assert!(all.len() > light.len());
     for view in [View::Color, View::Depth, View::Normals, View::Uv, View::Object, View::Variance] {
         let numbers = frame.numbers(view).unwrap();
         for (x, y) in [(0, 0), (16, 10), (32, 20), (20, 14)] {
