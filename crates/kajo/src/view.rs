@@ -160,6 +160,11 @@ pub(crate) fn encode(
         EncodeOptions { depth, quantiser: quantiser(settings), opaque_alpha: settings.opaque_alpha, text };
     let image = match view {
         View::Color => look.color(film, format)?,
+        View::Lights => {
+            let mut groups = picture(film, View::Lights, format, settings)?;
+            look.development.apply(&mut groups, format);
+            groups
+        }
         _ => picture(film, *view, format, settings)?,
     };
     kajo_image::encode(&image, format, &options)

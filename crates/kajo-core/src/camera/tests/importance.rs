@@ -1,6 +1,6 @@
 //! Importance: it integrates to one, and belongs to the rays that the camera casts.
 
-use kajo_testkit::Estimate;
+use kajo_testkit::{Estimate, sphere};
 
 use super::*;
 
@@ -168,4 +168,19 @@ fn rays_cross_an_area_as_often_as_connections_say() {
     let ray = cameras()[0].ray(Vec2::ZERO, ASPECT, Vec2::ZERO, 0.0).expect("a ray");
     let across = |t| cameras()[0].pdf_across(&ray, t, ASPECT).expect("it is seen");
     assert!((across(2.0) / across(4.0) - 4.0).abs() < 1e-5);
+}
+
+#[test]
+fn directions_from_a_point_of_the_lens_follow_their_density() {
+    const TESTS: u32 = 6;
+    let perspective = |camera: &Camera| matches!(camera, Camera::Perspective(_));
+    for camera in cameras().into_iter().filter(perspective) {
+        for lens in [Vec2::new(0.5, 0.5), Vec2::new(0.1, 0.8)] {
+            let ray = |film: Vec2| camera.ray(2.0 * film - 1.0, ASPECT, lens, 0.0);
+            let o = ray(Vec2::splat(0.5)).expect("a ray").o;
+            let pdf = |d: Vec3| camera.importance(o, d, ASPECT, 0.0).map_or(0.0, |seen| seen.pdf_direction);
+            let result = sphere::test(60_000, 31, |film, _| ray(film).map(|ray| ray.d), pdf);
+            assert!(result.passes(0.01, TESTS), "{camera:?} at {lens}: {result:?}");
+        }
+    }
 }

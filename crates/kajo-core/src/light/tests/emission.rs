@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::*;
 use crate::background::Background;
 use crate::family::Pooled;
-use kajo_math::Aabb;
+use kajo_math::{Aabb, Frame};
+use kajo_scene::IesFile;
 
 const WORLD: Ball = Ball { center: Vec3::new(1.0, -0.5, 0.3), radius: 2.5 };
 
@@ -56,6 +57,23 @@ fn lamps() -> (Lights, Vec<(LightId, f64)>) {
     }
     let sky = SkyLight::new(Arc::new(Background::constant([2.0; 3])));
     list.extend(sky.store(&mut lights).map(|id| (id, 8.0 * PI * shadow)));
+    // Its intensity is linear in the angle from its axis: 2 pi times the integral of (80 - 60 v 2/pi) sin v.
+    let file = IesFile {
+        vertical_deg: vec![0.0, 90.0],
+        horizontal_deg: vec![0.0],
+        candela: vec![80.0, 20.0],
+        lamp_lumens: None,
+        watts: 1.0,
+    };
+    let luminaire = PhotometricLight {
+        position: Vec3::new(0.3, 0.2, -0.4),
+        frame: Frame::from_normal(axis),
+        photometry: Arc::new(file.into()),
+        emission: Emission::from_rgb([2.0; 3]),
+        intensity: Spectrum::WHITE,
+    };
+    let power = 2.0 * 2.0 * PI * (80.0 - 60.0 * 2.0 / PI);
+    list.extend(luminaire.store(&mut lights).map(|id| (id, power)));
     (lights, list)
 }
 
