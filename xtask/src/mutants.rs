@@ -25,9 +25,10 @@ const LAMBERT: &str = "crates/kajo-core/src/bsdf/lambert.rs";
 const PHONG: &str = "crates/kajo-core/src/bsdf/phong_lobes.rs";
 const EMITTERS: &str = "crates/kajo-core/src/light/emitters.rs";
 const VIEW: &str = "crates/kajo-render/src/integrator/view.rs";
+const CONNECT: &str = "crates/kajo-render/src/integrator/bidir/connect.rs";
 const WALK: &str = "crates/kajo-render/src/integrator/walk.rs";
 
-const MUTANTS: [Mutant; 11] = [
+const MUTANTS: [Mutant; 12] = [
     mutant("no squared index at refraction", PHONG, "color * mode.scale(eta), p", "color, p"),
     mutant("no pi in diffuse reflection", LAMBERT, "share * (wi.z.abs() * FRAC_1_PI)", "share * wi.z.abs()"),
     mutant(
@@ -73,6 +74,12 @@ const MUTANTS: [Mutant; 11] = [
         VIEW,
         "let time = draws.number_if(self.moves);",
         "let time = 0.5 * draws.number_if(self.moves);",
+    ),
+    mutant(
+        "joined paths count in full",
+        CONNECT,
+        "weight: weight(lamp_side, camera_side)",
+        "weight: weight(0.0 * lamp_side, 0.0 * camera_side)",
     ),
 ];
 

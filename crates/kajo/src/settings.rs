@@ -135,8 +135,8 @@ impl RenderSettings {
                 "nothing in this scene gives light, so the picture is black",
             ),
             (
-                self.integrator == IntegratorKind::Light && !connects(&scene.camera),
-                "light from lamps does not find this camera: a pinhole, a lens or parallel rays see it",
+                self.integrator == IntegratorKind::Light && !connects(scene),
+                "light from lamps does not find this camera, only perspective and orthographic ones",
             ),
             (
                 shaded && unfading,
@@ -203,9 +203,10 @@ fn path_settings(integrator: IntegratorKind, asked: &Settings, own: &Settings) -
     }
 }
 
-/// Whether points can be connected with the camera.
-fn connects(camera: &Camera) -> bool {
-    matches!(camera.at_rest(), Camera::Perspective(_) | Camera::Orthographic(_))
+/// Whether points can be joined with the camera.
+fn connects(scene: &Scene) -> bool {
+    let knows_places = matches!(scene.camera.at_rest(), Camera::Perspective(_) | Camera::Orthographic(_));
+    knows_places && !scene.rules.corner_samples
 }
 
 /// A size that the camera's picture looks right in.
@@ -292,6 +293,7 @@ mod tests {
         let path = left_out(IntegratorKind::Path, true);
         let expected = ["`Fog`", "`ambientLight`", "does not fade"];
         assert!(expected.iter().all(|word| path.contains(word)) && !path.contains("black"), "{path}");
+        assert!(!left_out(IntegratorKind::Light, false).contains("does not find"));
         assert_eq!(left_out(IntegratorKind::Occlusion, false).matches("left out").count(), 1);
     }
 

@@ -132,3 +132,11 @@ fn all_ways_over_shading_normals_are_one() {
     check_ways(&room(WIDE, CEILING, &format!("MaterialIndex white {mesh}")), 1, 4000);
     check_ways(&room(WIDE, CEILING, &format!("MaterialIndex gold {mesh}")), 1, 8000);
 }
+
+/// Light passes one boundary on its way, where radiance is divided by the squared index and power is not.
+#[test]
+fn all_ways_out_of_frosted_glass_are_one() {
+    let lamp = "MaterialIndex lamp Sphere { center 0.1 0.1 -0.2  radius 0.3 }
+                MaterialIndex frosted Sphere { center 0.1 0.1 -0.2  radius 0.5 }";
+    check_ways(&room(WIDE, lamp, ""), 0, 4000);
+}
