@@ -50,6 +50,8 @@ pub struct AssetFile {
     pub path: String,
     /// Bytes in the file, where known beforehand. A hint only: readers never trust it.
     pub len: Option<u64>,
+    /// Differs when the content does, where that is known without reading it: made of the time of the last change.
+    pub stamp: Option<u64>,
     /// The content.
     pub reader: Box<dyn Read + Send>,
 }
@@ -178,7 +180,8 @@ impl Assets for MemoryAssets {
     fn open(&self, name: &str, from: &str) -> Result<AssetFile, AssetError> {
         let path = relative_asset(from, name)?;
         let content = Arc::clone(self.files.get(&path).ok_or(AssetError::NotFound)?);
-        Ok(AssetFile { path, len: Some(content.len() as u64), reader: Box::new(Cursor::new(content)) })
+        let len = Some(content.len() as u64);
+        Ok(AssetFile { path, len, stamp: None, reader: Box::new(Cursor::new(content)) })
     }
 }
 
@@ -301,10 +304,19 @@ mod tests {
 
     #[test]
     fn a_reader_that_never_ends_is_cut_off() {
-        let endless =
-            || AssetFile { path: "e".into(), len: Some(3), reader: Box::new(io::repeat(b'a').take(1 << 40)) };
+        let endless = || AssetFile {
+            path: "e".into(),
+            len: Some(3),
+            stamp: None,
+            reader: Box::new(io::repeat(b'a').take(1 << 40)),
+        };
         assert!(matches!(read_limited(endless(), 1000), Err(AssetError::TooLarge { limit: 1000 })));
-        let exact = AssetFile { path: "e".into(), len: None, reader: Box::new(io::repeat(b'a').take(7)) };
+        let exact = AssetFile {
+            path: "e".into(),
+            len: None,
+            stamp: None,
+            reader: Box::new(io::repeat(b'a').take(7)),
+        };
         assert_eq!(read_limited(exact, 7).unwrap(), b"aaaaaaa");
     }
 }

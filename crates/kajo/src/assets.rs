@@ -12,7 +12,9 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::UNIX_EPOCH;
 
+use kajo_math::rng::mix;
 use kajo_scene::{AssetError, AssetFile, Assets, Limits, LoadStep, nearest, relative_asset};
 
 /// Hears how far the loading of a scene is.
@@ -159,6 +161,7 @@ impl Assets for FsAssets {
             (path, shown)
         };
         let (file, len) = open_regular(&path, self.max_bytes)?;
+        let stamp = stamp(&file);
         let reader: Box<dyn Read + Send> = match &self.progress {
             None => Box::new(file),
             Some(progress) => Box::new(WatchedFile {
@@ -169,7 +172,7 @@ impl Assets for FsAssets {
                 progress: Arc::clone(progress),
             }),
         };
-        Ok(AssetFile { path: shown, len: Some(len), reader })
+        Ok(AssetFile { path: shown, len: Some(len), stamp, reader })
     }
 
     fn progress(&self, step: LoadStep<'_>) {
@@ -177,6 +180,13 @@ impl Assets for FsAssets {
             progress.step(step);
         }
     }
+}
+
+/// What tells one state of a file from another: when it was changed, and how long it is.
+fn stamp(file: &File) -> Option<u64> {
+    let metadata = file.metadata().ok()?;
+    let changed = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+    Some(mix(changed.as_nanos() as u64 ^ mix(metadata.len())))
 }
 
 /// A file that tells how much of it has been read.

@@ -13,6 +13,7 @@ use kajo_scene::{
 
 use super::Compiler;
 use super::materials::absorption_of;
+use super::mesh_store::{Kept, StoreKey};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::material::PhongMaterial;
@@ -22,8 +23,8 @@ use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, ShapeId, ve
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
 
 /// Where the normals of a mesh come from.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-enum Shading {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Shading {
     /// The winding of each face.
     Flat,
     /// The file, or the faces around a point where the file has none: `smooth on`.
@@ -63,7 +64,20 @@ impl Compiler<'_> {
         if let Some(&known) = self.meshes.get(&key) {
             return known;
         }
-        let shape = self.read_mesh(file, shading, own_materials, item, place);
+        // Materials of its own get numbers of this scene.
+        let stamp = file.stamp.filter(|_| !own_materials);
+        let store = self.options.meshes.as_deref().zip(stamp);
+        let store = store.map(|(store, stamp)| (store, StoreKey { path: key.path.clone(), stamp, shading }));
+        let kept = store.as_ref().and_then(|(store, key)| store.get(key));
+        let read = kept.or_else(|| {
+            let read = self.read_mesh(file, shading, own_materials, place)?;
+            store.into_iter().for_each(|(store, key)| store.put(key, read.clone()));
+            Some(read)
+        });
+        let shape = read.and_then(|Kept { mesh, warnings }| {
+            warnings.iter().for_each(|warning| self.warn_of_file(&key.path, warning, place));
+            self.put_mesh(mesh, &key.path, item, place)
+        });
         self.meshes.insert(key, shape);
         shape
     }
@@ -73,9 +87,8 @@ impl Compiler<'_> {
         file: AssetFile,
         shading: Shading,
         own_materials: bool,
-        item: Item<'_>,
         place: Span,
-    ) -> Option<ShapeId> {
+    ) -> Option<Kept> {
         let path = file.path.clone();
         let (mesh, report) = match read_mesh(file, &self.options.limits) {
             Ok(read) => read,
@@ -84,11 +97,10 @@ impl Compiler<'_> {
                 return None;
             }
         };
-        for warning in report.warnings() {
-            self.warn_of_file(&path, &warning, place);
-        }
+        let warnings = report.warnings();
         let slots = if own_materials { self.material_slots(&mesh, &path, place) } else { None };
-        self.build_mesh(mesh_data(mesh, shading, slots), &path, item, place)
+        let mesh = self.built(mesh_data(mesh, shading, slots), &path, place)?;
+        Some(Kept { mesh, warnings })
     }
 
     /// Builds the tree of a mesh and stores it, and says what is wrong with it.
@@ -99,14 +111,19 @@ impl Compiler<'_> {
         item: Item<'_>,
         place: Span,
     ) -> Option<ShapeId> {
+        let mesh = self.built(data, path, place)?;
+        self.put_mesh(mesh, path, item, place)
+    }
+
+    /// Builds the tree of a mesh.
+    fn built(&mut self, data: MeshData, path: &str, place: Span) -> Option<Mesh> {
         self.assets.progress(LoadStep::Building { path, triangles: data.faces.len() });
-        let mesh = match Mesh::new(data, &self.options.build) {
-            Ok(mesh) => mesh,
-            Err(error) => {
-                self.cannot_read(path, &error.to_string(), place);
-                return None;
-            }
-        };
+        let built = Mesh::new(data, &self.options.build);
+        built.map_err(|error| self.cannot_read(path, &error.to_string(), place)).ok()
+    }
+
+    /// Stores a mesh, and says what is wrong with it.
+    fn put_mesh(&mut self, mesh: Mesh, path: &str, item: Item<'_>, place: Span) -> Option<ShapeId> {
         match (mesh.triangle_count(), mesh.dropped()) {
             (0, _) => self.warn_of_file(path, "there are no triangles in it", place),
             (_, 0) => {}

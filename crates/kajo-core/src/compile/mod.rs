@@ -14,6 +14,7 @@ mod light_groups;
 mod lights;
 mod materials;
 mod mesh;
+mod mesh_store;
 mod model;
 mod motion;
 mod physical;
@@ -21,6 +22,7 @@ mod settings;
 mod spectra;
 mod transform;
 
+pub use self::mesh_store::MeshStore;
 pub use self::transform::{OPERATIONS, operations_matrix};
 
 use std::collections::HashMap;
@@ -53,6 +55,8 @@ pub struct CompileOptions {
     pub limits: Limits,
     /// How to build the trees over geometry.
     pub build: BuildSettings,
+    /// Meshes that need not be read again. The same store is for the same limits and the same way to build.
+    pub meshes: Option<Arc<MeshStore>>,
 }
 
 /// Turns a scene's tree into a scene.
@@ -67,8 +71,11 @@ pub fn compile(
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
     let mut file_errors = Vec::new();
+    let meshes = options.meshes.as_deref();
+    meshes.into_iter().for_each(MeshStore::begin);
     let scene = compile_tree(desc, assets, options, diagnostics, &mut file_errors);
     if file_errors.is_empty() {
+        meshes.filter(|_| scene.is_some()).into_iter().for_each(MeshStore::keep_used);
         return scene;
     }
     for (error, place) in file_errors {

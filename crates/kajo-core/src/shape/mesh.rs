@@ -7,6 +7,7 @@
 //! Scene: `TriangleMesh { file bunny.ply  smooth on }`
 
 use std::cmp::Ordering;
+use std::sync::Arc;
 
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
@@ -42,9 +43,12 @@ impl<T: Copy> CornerValues<T> {
     }
 }
 
-/// An indexed triangle mesh with its tree.
+/// An indexed triangle mesh with its tree. A clone is the same mesh.
+#[derive(Clone, Debug)]
+pub struct Mesh(Arc<Parts>);
+
 #[derive(Debug)]
-pub struct Mesh {
+struct Parts {
     positions: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
     normals: Option<CornerValues<Vec3>>,
@@ -82,49 +86,54 @@ impl Mesh {
         let MeshData { positions, faces, normals, uvs, material_slots } = data;
         let bvh = TriangleBvh::build(&positions, &faces, settings)?;
         let closed = is_closed(&positions, &faces);
-        Ok(Mesh { positions, faces, normals, uvs, material_slots, bvh, closed })
+        Ok(Mesh(Arc::new(Parts { positions, faces, normals, uvs, material_slots, bvh, closed })))
     }
 
     /// Number of triangles given.
     pub fn triangle_count(&self) -> usize {
-        self.faces.len()
+        self.0.faces.len()
     }
 
     /// Number of triangles that no ray can hit, for want of area or of finite corners.
     pub fn dropped(&self) -> usize {
-        self.bvh.stats().dropped
+        self.0.bvh.stats().dropped
+    }
+
+    /// The vertices.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.0.positions
     }
 
     /// The corners of a triangle.
     pub fn triangle(&self, face: u32) -> [Vec3; 3] {
-        self.faces[face as usize].map(|i| self.positions[i as usize])
+        self.0.faces[face as usize].map(|i| self.0.positions[i as usize])
     }
 
     /// Interpolated unit normal, if the mesh has normals there.
     fn smooth_normal(&self, hit: &Hit) -> Option<Vec3> {
-        let [a, b, c] = self.normals.as_ref()?.of(hit.part, self.faces[hit.part as usize])?;
+        let [a, b, c] = self.0.normals.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])?;
         ((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).try_normalize()
     }
 }
 
 impl Surface for Mesh {
     fn bounds(&self) -> Aabb {
-        self.bvh.bounds()
+        self.0.bvh.bounds()
     }
 
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let hit = self.bvh.closest(ray)?;
+        let hit = self.0.bvh.closest(ray)?;
         Some(Hit { t: hit.t, u: hit.u, v: hit.v, part: hit.triangle })
     }
 
     #[inline]
     fn blocks(&self, ray: &Ray) -> bool {
-        self.bvh.any(ray)
+        self.0.bvh.any(ray)
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
-        self.bvh.all(ray, |hit| visit(Hit { t: hit.t, u: hit.u, v: hit.v, part: hit.triangle }));
+        self.0.bvh.all(ray, |hit| visit(Hit { t: hit.t, u: hit.u, v: hit.v, part: hit.triangle }));
     }
 
     fn surface_at(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
@@ -138,12 +147,12 @@ impl Surface for Mesh {
     }
 
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
-        let corners = self.uvs.as_ref().and_then(|uvs| uvs.of(hit.part, self.faces[hit.part as usize]));
+        let corners = self.0.uvs.as_ref().and_then(|uvs| uvs.of(hit.part, self.0.faces[hit.part as usize]));
         corners.map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
-        for face in 0..self.faces.len() as u32 {
+        for face in 0..self.0.faces.len() as u32 {
             visit(face, Patch::Triangle(self.triangle(face).map(|v| v.as_dvec3())));
         }
     }
@@ -151,11 +160,11 @@ impl Surface for Mesh {
     /// Vertices are shared as in the mesh; one with several normals is there more than once.
     fn tessellate(&self, _around: u32, out: &mut Tessellation) {
         let base = out.positions.len() as u32;
-        out.positions.extend(&self.positions);
+        out.positions.extend(&self.0.positions);
         out.normals.resize(out.positions.len(), Vec3::ZERO);
-        let mut given = vec![self.normals.is_none(); self.positions.len()];
-        for (part, &face) in (0..).zip(&self.faces) {
-            let normals = self.normals.as_ref().and_then(|normals| normals.of(part, face));
+        let mut given = vec![self.0.normals.is_none(); self.0.positions.len()];
+        for (part, &face) in (0..).zip(&self.0.faces) {
+            let normals = self.0.normals.as_ref().and_then(|normals| normals.of(part, face));
             let corner = |k: usize| {
                 let (i, n) = (face[k], normals.map_or(Vec3::ZERO, |normals| normals[k]));
                 let place = (base + i) as usize;
@@ -163,7 +172,7 @@ impl Surface for Mesh {
                     given[i as usize] = true;
                     out.normals[place] = n;
                 }
-                if out.normals[place] == n { base + i } else { out.vertex(self.positions[i as usize], n) }
+                if out.normals[place] == n { base + i } else { out.vertex(self.0.positions[i as usize], n) }
             };
             let corners = [0, 1, 2].map(corner);
             out.face(part, corners);
@@ -171,20 +180,20 @@ impl Surface for Mesh {
     }
 
     fn is_closed(&self) -> bool {
-        self.closed
+        self.0.closed
     }
 
     fn material_slot(&self, part: u32) -> Option<u32> {
-        self.material_slots.as_ref().map(|slots| slots[part as usize]).filter(|&slot| slot != ABSENT)
+        self.0.material_slots.as_ref().map(|slots| slots[part as usize]).filter(|&slot| slot != ABSENT)
     }
 
     fn heap_bytes(&self) -> usize {
-        size_of_val(&*self.positions)
-            + size_of_val(&*self.faces)
-            + self.normals.as_ref().map_or(0, CornerValues::bytes)
-            + self.uvs.as_ref().map_or(0, CornerValues::bytes)
-            + self.material_slots.as_ref().map_or(0, |s| size_of_val(&**s))
-            + self.bvh.stats().bytes
+        size_of_val(&*self.0.positions)
+            + size_of_val(&*self.0.faces)
+            + self.0.normals.as_ref().map_or(0, CornerValues::bytes)
+            + self.0.uvs.as_ref().map_or(0, CornerValues::bytes)
+            + self.0.material_slots.as_ref().map_or(0, |s| size_of_val(&**s))
+            + self.0.bvh.stats().bytes
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use kajo_core::compile::{CompileOptions, compile};
+use kajo_core::compile::{CompileOptions, MeshStore, compile};
 use kajo_core::scene::Scene;
 use kajo_math::DAffine3;
 use kajo_scene::{Diagnostics, Sources, one_line, render};
@@ -55,6 +55,8 @@ pub struct Document {
     gesture: Option<Gesture>,
     generation: u64,
     compiled: Compiled,
+    /// Meshes need not be read again for every edit.
+    meshes: Arc<MeshStore>,
 }
 
 /// What tells one state of a file on disk from another.
@@ -124,6 +126,7 @@ impl Document {
             gesture: None,
             generation: 0,
             compiled: Compiled::default(),
+            meshes: Arc::default(),
         };
         let tree = document.parsed(&Tree::default(), &Change::default(), &[]);
         document.tree = tree;
@@ -346,6 +349,7 @@ impl Document {
         let options = CompileOptions {
             dialect: self.options.dialect,
             limits: self.options.limits.clone(),
+            meshes: Some(Arc::clone(&self.meshes)),
             ..CompileOptions::default()
         };
         let assets = Overlay { disk: &self.disk, files: &self.files };

@@ -390,6 +390,32 @@ fn files_are_saved_reloaded_and_watched() {
 }
 
 #[test]
+fn a_mesh_is_read_once_until_its_file_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("tent.obj");
+    fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let text = SCENE.replace("Sphere ball { center 0 0 0  radius 1 }", "TriangleMesh { obj_file tent.obj }");
+    let mut d = Document::untitled(folder.path(), &text, LoadOptions::default()).unwrap();
+    let triangles = |d: &mut Document| {
+        d.compile();
+        assert!(d.is_current(), "{}", d.report(false));
+        d.scene().unwrap().shapes.meshes[0].triangle_count()
+    };
+    assert_eq!((triangles(&mut d), d.meshes.len()), (1, 1));
+    let first = d.scene().unwrap().clone();
+    let light = find(&d, "PointLight");
+    d.apply(&Edit::set(light, "position", FieldValue::numbers([4.0, 4.0, 4.0]))).unwrap();
+    triangles(&mut d);
+    let shared =
+        |a: &Scene, b: &Scene| std::ptr::eq(a.shapes.meshes[0].positions(), b.shapes.meshes[0].positions());
+    assert!(shared(&first, d.scene().unwrap()), "an edit elsewhere reads nothing again");
+
+    fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n").unwrap();
+    d.undo();
+    assert_eq!((triangles(&mut d), d.meshes.len()), (2, 1), "the old one is forgotten");
+}
+
+#[test]
 fn a_document_can_be_made_by_another_thread() {
     fn is_send<T: Send>() {}
     is_send::<Document>();

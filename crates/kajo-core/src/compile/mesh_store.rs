@@ -1,0 +1,71 @@
+//! Meshes kept from one compilation to the next, for whoever compiles a scene again and again while it is edited.
+//!
+//! A mesh is known by its file, by what tells the states of that file apart, and by its shading. What a compilation that
+//! succeeded did not use is forgotten.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::mesh::Shading;
+use crate::shape::Mesh;
+
+/// What makes two meshes the same.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct StoreKey {
+    /// Name of the file.
+    pub path: String,
+    /// State of the file.
+    pub stamp: u64,
+    pub shading: Shading,
+}
+
+/// A mesh, and what was said when its file was read.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    pub mesh: Mesh,
+    pub warnings: Vec<String>,
+}
+
+/// Meshes that were read before.
+#[derive(Debug, Default)]
+pub struct MeshStore {
+    /// With each mesh, whether the compilation under way has used it.
+    kept: Mutex<HashMap<StoreKey, (Kept, bool)>>,
+}
+
+impl MeshStore {
+    /// How many meshes are kept.
+    pub fn len(&self) -> usize {
+        self.lock().len()
+    }
+
+    /// Whether none is kept.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    pub(super) fn get(&self, key: &StoreKey) -> Option<Kept> {
+        let mut kept = self.lock();
+        let (found, is_used) = kept.get_mut(key)?;
+        *is_used = true;
+        Some(found.clone())
+    }
+
+    pub(super) fn put(&self, key: StoreKey, kept: Kept) {
+        self.lock().insert(key, (kept, true));
+    }
+
+    /// A compilation begins: nothing is used yet.
+    pub(super) fn begin(&self) {
+        self.lock().values_mut().for_each(|(_, is_used)| *is_used = false);
+    }
+
+    /// A compilation has succeeded: what it did not use is forgotten.
+    pub(super) fn keep_used(&self) {
+        self.lock().retain(|_, (_, is_used)| *is_used);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<StoreKey, (Kept, bool)>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
