@@ -44,7 +44,7 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
         }
         "Group" => "Group { }".to_owned(),
         "Transform" => "Transform { Translate 0 0 0  Group { } }".to_owned(),
-        "Checkerboard" | "Noise" | "Marble" | "Wood" => {
+        "Checkerboard" | "Marble" | "Mix" | "Noise" | "Wood" => {
             format!("{keyword} {{ materialIndex 0  materialIndex 0 }}")
         }
         _ if kind_of(keyword, None) == Kind::Material => {

@@ -12,6 +12,7 @@ const DISTRIBUTION: FieldSpec =
     field("distribution", Choice(&["ggx", "beckmann"]), "ggx", "how the facets of a rough surface lie");
 const PRIORITY: FieldSpec =
     field("priority", whole(-1000.0, 1000.0), "0", "of bodies that overlap, the one with the highest counts");
+const OPACITY: FieldSpec = option("opacity", SHARE, "the share of it that is there, between holes");
 const FIRST: FieldSpec = required("materialIndex", Material, "the two materials that it mixes");
 const OCTAVES: FieldSpec = field("octaves", whole(1.0, 32.0), "1", "levels of detail");
 const FREQUENCY: FieldSpec = field("frequency", number(), "1", "rings or veins per length");
@@ -31,6 +32,7 @@ const PHONG: &[FieldSpec] = &[
     EMISSION,
     EMITS,
     LIGHT_GROUP,
+    OPACITY,
 ];
 
 const WOODY: &[FieldSpec] = &[FIRST, FIRST, OCTAVES, FREQUENCY, AMPLITUDE];
@@ -42,11 +44,12 @@ pub(super) const BLOCKS: &[Block] = &[
         "Matte",
         Kind::Material,
         &[
-            field("color", Color, "0.8 0.8 0.8", "its colour"),
+            field("color", Reflectance, "0.8 0.8 0.8", "its colour"),
             field("roughness", SHARE, "0", "0 is as paper, 1 as plaster"),
             EMISSION,
             EMITS,
             LIGHT_GROUP,
+            OPACITY,
         ],
     ),
     block(
@@ -54,12 +57,13 @@ pub(super) const BLOCKS: &[Block] = &[
         Kind::Material,
         &[
             option("metal", Text, "a measured metal, such as gold"),
-            field("color", Color, "0.9 0.9 0.9", "its colour, where no metal is named"),
+            field("color", Reflectance, "0.9 0.9 0.9", "its colour, where no metal is named"),
             DISTRIBUTION,
             field("roughness", SHARE, "0", "0 is a mirror"),
             EMISSION,
             EMITS,
             LIGHT_GROUP,
+            OPACITY,
         ],
     ),
     block(
@@ -78,33 +82,36 @@ pub(super) const BLOCKS: &[Block] = &[
             EMISSION,
             EMITS,
             LIGHT_GROUP,
+            OPACITY,
         ],
     ),
     block(
         "Principled",
         Kind::Material,
         &[
-            field("color", Color, "0.8 0.8 0.8", "its colour"),
+            field("color", Reflectance, "0.8 0.8 0.8", "its colour"),
             field("metalness", SHARE, "0", "from plastic to metal"),
             field("roughness", SHARE, "0.3", "of the highlight"),
-            field("specularColor", Color, "1 1 1", "tints the highlight"),
+            field("specularColor", Reflectance, "1 1 1", "tints the highlight"),
             field("indexOfRefraction", INDEX, "1.5", "strength of the highlight"),
             field("transmission", SHARE, "0", "from plastic to glass"),
             field("diffuseRoughness", SHARE, "0", "0 is as paper, 1 as plaster"),
             field("coat", SHARE, "0", "of clear varnish"),
-            field("coatColor", Color, "1 1 1", "tint of the varnish"),
+            field("coatColor", Reflectance, "1 1 1", "tint of the varnish"),
             field("coatRoughness", SHARE, "0", "of the varnish"),
             field("coatIndexOfRefraction", INDEX, "1.6", "of the varnish"),
             field("fuzz", SHARE, "0", "as of velvet"),
-            field("fuzzColor", Color, "1 1 1", "colour of the fuzz"),
+            field("fuzzColor", Reflectance, "1 1 1", "colour of the fuzz"),
             field("fuzzRoughness", SHARE, "0.5", "of the fuzz"),
             PRIORITY,
             EMISSION,
             EMITS,
             LIGHT_GROUP,
+            OPACITY,
         ],
     ),
     block("Checkerboard", Kind::Material, &[FIRST, FIRST]),
+    block("Mix", Kind::Material, &[FIRST, FIRST, field("amount", SHARE, "0.5", "share of the second")]),
     block("Noise", Kind::Material, &[FIRST, FIRST, OCTAVES]),
     block("Marble", Kind::Material, WOODY),
     block("Wood", Kind::Material, WOODY),
