@@ -69,15 +69,16 @@ impl Compiler<'_> {
         let store = self.options.meshes.as_deref().zip(stamp);
         let store = store.map(|(store, stamp)| (store, StoreKey { path: key.path.clone(), stamp, shading }));
         let kept = store.as_ref().and_then(|(store, key)| store.get(key));
-        let read = kept.or_else(|| {
-            let read = self.read_mesh(file, shading, own_materials, place)?;
-            store.into_iter().for_each(|(store, key)| store.put(key, read.clone()));
-            Some(read)
-        });
-        let shape = read.and_then(|Kept { mesh, warnings }| {
-            warnings.iter().for_each(|warning| self.warn_of_file(&key.path, warning, place));
-            self.put_mesh(mesh, &key.path, item, place)
-        });
+        let read = match kept {
+            Some(kept) => {
+                kept.warnings.iter().for_each(|warning| self.warn_of_file(&key.path, warning, place));
+                Some(kept)
+            }
+            None => self.read_mesh(file, shading, own_materials, place).inspect(|read| {
+                store.into_iter().for_each(|(store, key)| store.put(key, read.clone()));
+            }),
+        };
+        let shape = read.and_then(|read| self.put_mesh(read.mesh, &key.path, item, place));
         self.meshes.insert(key, shape);
         shape
     }
@@ -98,6 +99,7 @@ impl Compiler<'_> {
             }
         };
         let warnings = report.warnings();
+        warnings.iter().for_each(|warning| self.warn_of_file(&path, warning, place));
         let slots = if own_materials { self.material_slots(&mesh, &path, place) } else { None };
         let mesh = self.built(mesh_data(mesh, shading, slots), &path, place)?;
         Some(Kept { mesh, warnings })
