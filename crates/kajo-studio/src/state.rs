@@ -3,6 +3,7 @@
 
 mod action;
 mod editing;
+mod handling;
 mod histogram;
 mod navigation;
 mod problems;
@@ -10,20 +11,24 @@ mod rays;
 mod render_options;
 mod selection;
 mod tracer;
+mod turntable;
 mod viewing;
 mod watch;
 mod worker;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use kajo::edit::{Document, DocumentError, NodeId};
+use kajo::handles::Mode;
 use kajo::preview::Preview;
 use kajo::session::{Frame, Job, Status};
 use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View};
 use kajo_math::{Aabb, DVec3, Vec3};
 
 pub use action::Action;
+pub use handling::{GIZMOS, Grip, Handles};
 pub use histogram::{BINS, Histogram, stops_of};
 pub use navigation::{Held, Navigation};
 pub use problems::{Place, Problem, problems};
@@ -33,6 +38,7 @@ pub use selection::Selection;
 pub use tracer::{Request, Tracer, Wake};
 pub use watch::Watch;
 
+use turntable::TurntableOrder;
 use worker::Worker;
 
 /// What fills the viewport.
@@ -110,8 +116,13 @@ pub struct Studio {
     pub notice: Option<Notice>,
     /// Pixels of the viewport.
     pub window: [u32; 2],
+    /// The gizmo on show, if any.
+    pub gizmo: Option<Mode>,
+    grip: Option<Grip>,
     /// The field that is being dragged.
     dragged: Option<(NodeId, String, usize)>,
+    turntable: Worker<TurntableOrder, Result<String, String>>,
+    stop_turntable: Arc<AtomicBool>,
     opener: Worker<PathBuf, Opened>,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
     watch: Watch,
@@ -143,7 +154,11 @@ impl Studio {
             tracer: Tracer::new(Arc::clone(&wake)),
             notice: None,
             window: [800, 600],
+            gizmo: None,
+            grip: None,
             dragged: None,
+            turntable: Worker::new(Arc::clone(&wake), TurntableOrder::carry_out),
+            stop_turntable: Arc::default(),
             opener: Worker::new(Arc::clone(&wake), open),
             previewer: Worker::new(wake, |(version, scene): (Version, Arc<Scene>)| {
                 (version, Arc::new(Preview::of(&scene)))
@@ -158,7 +173,14 @@ impl Studio {
             Action::Open(path) => self.opener.order(path),
             Action::Reload => self.reload(),
             Action::Trace => self.trace(),
-            Action::Stop => self.tracer.cancel(),
+            Action::Stop => {
+                self.tracer.cancel();
+                self.stop_turntable.store(true, Ordering::Relaxed);
+            }
+            Action::Turntable(path) => self.turn(&path),
+            Action::Gizmo(_) | Action::Grab(_) | Action::DragTo(..) | Action::CancelDrag => {
+                self.handle_action(action);
+            }
             Action::ToggleShown => self.toggle_shown(),
             Action::Show(view) => self.view = view,
             Action::KeepForComparison => self.comparison.kept = self.tracer.frame(),
@@ -188,6 +210,11 @@ impl Studio {
         }
         if let Some(preview) = self.previewer.take() {
             self.preview = Some(preview);
+        }
+        match self.turntable.take() {
+            Some(Ok(text)) => self.say(&text, false),
+            Some(Err(text)) => self.say(&text, true),
+            None => {}
         }
         if self.watch.changed() && self.document.as_ref().is_some_and(Document::changed_on_disk) {
             self.reload();

@@ -378,6 +378,87 @@ fn saving_asks_for_a_name_where_there_is_none() {
 }
 
 #[test]
+fn a_handle_follows_the_pointer_and_its_drag_is_one_step() {
+    let mut window = Window::new();
+    window.select("ball");
+    let before = window.point([-2.0, 1.0, 0.0]);
+    let by = vec2(64.0, -40.0);
+    window.drag(PointerButton::Primary, before, by);
+    let text = window.text();
+    let center: Vec<f64> = text
+        .split("Sphere ball { center ")
+        .nth(1)
+        .unwrap()
+        .split_whitespace()
+        .take(3)
+        .map(|word| word.parse().unwrap())
+        .collect();
+    let after = window.point([center[0], center[1], center[2]]);
+    assert!((after - before - by).length() < 0.5, "{:?} for {by:?}", after - before);
+    assert!(window.studio().camera.eye().z == 10.0, "the camera stays");
+    window.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.text(), SCENE);
+}
+
+#[test]
+fn escape_takes_a_drag_back() {
+    let mut window = Window::new();
+    window.select("ball");
+    let at = window.point([-2.0, 1.0, 0.0]);
+    window.button(at, PointerButton::Primary, true);
+    for step in 1..=5 {
+        window.harness.hover_at(at + vec2(8.0 * step as f32, 0.0));
+        window.frames(1);
+    }
+    assert_ne!(window.text(), SCENE);
+    window.key(Key::Escape);
+    assert_eq!(window.text(), SCENE);
+    window.button(at, PointerButton::Primary, false);
+    assert_eq!(window.text(), SCENE);
+    assert!(window.studio().document.as_ref().unwrap().undo_label().is_none());
+}
+
+#[test]
+fn gizmos_move_turn_and_scale() {
+    let mut window = Window::new();
+    window.select("crate");
+    let own = window.studio().handles().all.len();
+    for key in [Key::Num1, Key::Num2, Key::Num3] {
+        window.key(key);
+        let handles = window.studio().handles();
+        assert!(handles.all.len() > own, "{key:?}: {} handles", handles.all.len());
+        // An arrow, a ring or a box of the gizmo, each at its own place.
+        let size = window.app().area().unwrap().size;
+        let studio = window.studio();
+        let handle = handles.all[own..].iter().find(|handle| {
+            let place = studio.camera.project(handle.at, size);
+            place.is_some_and(|place| studio.handle_at(&handles, place).is_some())
+        });
+        let at = window.point(handle.unwrap().at.to_array());
+        window.drag(PointerButton::Primary, at, vec2(30.0, 22.0));
+        assert_ne!(window.text(), SCENE, "{key:?}");
+        assert_eq!(window.studio().n_errors(), 0);
+        window.key_with(Modifiers::COMMAND, Key::Z);
+        assert_eq!(window.text(), SCENE);
+    }
+    window.key(Key::Num3);
+    assert_eq!(window.studio().handles().all.len(), own, "the same key hides it");
+}
+
+#[test]
+fn a_turntable_is_written_in_the_background() {
+    let mut window = Window::new();
+    window.studio().options.habits.size = PictureSize::Fixed([16, 12]);
+    window.studio().options.habits.turntable_frames = 3;
+    let path = window.path("turn.png");
+    window.studio().apply(Action::Turntable(path));
+    window.wait(|studio| studio.notice.as_ref().is_some_and(|notice| notice.text == "Wrote 3 pictures."));
+    let pictures: Vec<Vec<u8>> =
+        (0..3).map(|i| std::fs::read(window.path(&format!("turn_00{i}.png"))).unwrap()).collect();
+    assert_ne!(pictures[0], pictures[1]);
+}
+
+#[test]
 fn the_camera_is_set_by_its_widgets() {
     let mut window = Window::new();
     window.press("Render");

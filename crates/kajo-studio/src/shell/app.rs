@@ -309,11 +309,13 @@ impl App {
             let size = self.studio.picture_size();
             let area = Area { rect: picture::fitted(response.rect, size, ui.pixels_per_point()), size };
             self.area = Some(area);
-            actions.extend(viewport::mouse(ui, &response, area));
+            let handles = self.studio.handles();
+            actions.extend(viewport::mouse(ui, &response, area, &self.studio, &handles));
             match self.studio.shown {
                 Shown::Preview => self.paint_preview(ui, area),
                 Shown::Traced => self.paint_trace(ui, area),
             }
+            viewport::paint_handles(ui, area, &self.studio, &handles);
         });
     }
 
@@ -366,6 +368,7 @@ impl App {
                 Purpose::OpenScene => actions.push(Action::Open(path)),
                 Purpose::SaveScene => actions.push(Action::SaveAs(path)),
                 Purpose::Export => actions.push(Action::Export(path)),
+                Purpose::Turntable => actions.push(Action::Turntable(path)),
             },
         }
         self.chooser = None;
@@ -422,9 +425,11 @@ impl App {
                     self.path().and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
                 self.choose(Purpose::Export, &format!("{}.png", name.as_deref().unwrap_or("picture")));
             }
+            Command::Turntable => self.choose(Purpose::Turntable, "turn.png"),
             Command::Help => self.help = !self.help,
             Command::Panels => self.layout.panels = !self.layout.panels,
             Command::Escape if self.help => self.help = false,
+            Command::Escape if self.studio.has_grip() => actions.push(Action::CancelDrag),
             Command::Escape => actions.push(Action::Stop),
         }
     }

@@ -19,6 +19,8 @@ pub enum Purpose {
     SaveScene,
     /// Where the picture is to be written.
     Export,
+    /// Where pictures from all around are to be written.
+    Turntable,
 }
 
 impl Purpose {
@@ -27,6 +29,7 @@ impl Purpose {
             Purpose::OpenScene => "Open a scene",
             Purpose::SaveScene => "Save the scene as",
             Purpose::Export => "Write the picture as",
+            Purpose::Turntable => "Write pictures from all around as",
         }
     }
 
@@ -34,7 +37,7 @@ impl Purpose {
         match self {
             Purpose::OpenScene => "Open",
             Purpose::SaveScene => "Save",
-            Purpose::Export => "Write",
+            Purpose::Export | Purpose::Turntable => "Write",
         }
     }
 
@@ -42,7 +45,7 @@ impl Purpose {
     fn endings(self) -> &'static [&'static str] {
         match self {
             Purpose::OpenScene | Purpose::SaveScene => &["txt", "kajo"],
-            Purpose::Export => &["png", "exr", "tga", "ppm", "pfm", "hdr", "jpg"],
+            Purpose::Export | Purpose::Turntable => &["png", "exr", "tga", "ppm", "pfm", "hdr", "jpg"],
         }
     }
 

@@ -2,6 +2,8 @@
 
 use egui::{Context, Key, Modifiers};
 
+use kajo::handles::Mode;
+
 use crate::state::{Action, Held};
 
 /// What a key does.
@@ -19,6 +21,8 @@ pub enum Command {
     SaveAs,
     /// Asks where to write the picture.
     Export,
+    /// Asks where to write pictures from all around.
+    Turntable,
     /// Shows or hides the list of keys.
     Help,
     /// Shows or hides the panels around the viewport.
@@ -40,7 +44,7 @@ pub struct Shortcut {
 }
 
 /// The keys and mouse buttons that move the camera, in words.
-pub const MOVES: [(&str, &str); 9] = [
+pub const MOVES: [(&str, &str); 10] = [
     ("W A S D", "Fly forward, left, back, right"),
     ("Page up, Page down", "Fly up, down"),
     ("Shift", "Fly four times as fast"),
@@ -50,6 +54,7 @@ pub const MOVES: [(&str, &str); 9] = [
     ("Shift and drag", "Shift the camera"),
     ("Ctrl and wheel", "Come nearer, or go away"),
     ("Click", "Select what is under the pointer"),
+    ("Drag a handle", "Edit the shape; Ctrl goes in steps"),
 ];
 
 /// All keys but those that are held to fly.
@@ -80,6 +85,9 @@ pub fn shortcuts() -> Vec<Shortcut> {
         (NONE, Key::ArrowUp, Do(Action::SelectNext(false)), "Select the block before"),
         (NONE, Key::Plus, Do(Action::ChangeSpeed(1.0)), "Fly faster"),
         (NONE, Key::Minus, Do(Action::ChangeSpeed(-1.0)), "Fly slower"),
+        (NONE, Key::Num1, Do(Action::Gizmo(Some(Mode::Move))), "Show or hide the arrows that move"),
+        (NONE, Key::Num2, Do(Action::Gizmo(Some(Mode::Turn))), "Show or hide the rings that turn"),
+        (NONE, Key::Num3, Do(Action::Gizmo(Some(Mode::Scale))), "Show or hide the boxes that scale"),
         (NONE, Key::P, Command::Panels, "Show or hide the panels"),
         (NONE, Key::F1, Command::Help, "Show or hide this list"),
         (NONE, Key::Escape, Command::Escape, "Stop tracing; close what is open"),

@@ -7,7 +7,7 @@ use kajo::session::Status;
 
 use super::keys::Command;
 use super::theme;
-use crate::state::{Action, Shown, Studio};
+use crate::state::{Action, GIZMOS, Shown, Studio};
 
 /// The whole bar; what was chosen goes into `commands`.
 ///
@@ -23,6 +23,7 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
             item(ui, "Save", "Ctrl+S", commands, Command::Save);
             item(ui, "Save as...", "Ctrl+Shift+S", commands, Command::SaveAs);
             item(ui, "Write picture...", "Ctrl+E", commands, Command::Export);
+            item(ui, "Write turntable...", "", commands, Command::Turntable);
         });
         ui.menu_button("Edit", |ui| {
             let document = studio.document.as_ref();
@@ -61,6 +62,13 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
         let title = if dirty { format!("{} •", studio.title()) } else { studio.title() };
         let hint = if dirty { "Changed since it was saved" } else { "As it is on disk" };
         ui.label(RichText::new(title).strong()).on_hover_text(hint);
+        ui.separator();
+        for ((name, mode), key) in GIZMOS.into_iter().zip(1..) {
+            let hint = format!("Handles that {} what is selected ({key})", name.to_lowercase());
+            if ui.selectable_label(studio.gizmo == Some(mode), name).on_hover_text(hint).clicked() {
+                commands.push(Command::Do(Action::Gizmo(Some(mode))));
+            }
+        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             trace_button(ui, studio, commands);
             ui.add_space(6.0);

@@ -253,6 +253,9 @@ fn machine(ui: &mut Ui, options: &mut RenderOptions) {
         row(ui, "Threads", "0 for one on each core", |ui| {
             ui.add(Slider::new(&mut options.habits.threads, 0..=64))
         });
+        row(ui, "Turntable", "How many pictures a turntable has", |ui| {
+            ui.add(Slider::new(&mut options.habits.turntable_frames, 1..=360))
+        });
     });
 }
 

@@ -1,9 +1,11 @@
 //! The middle of the window: the preview or the traced picture, and the mouse in it.
 
-use egui::{PointerButton, Rect, Response, Sense, Ui, Vec2};
+use egui::{Align2, Color32, FontId, PointerButton, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2};
+use kajo::handles::HandleKind;
 use kajo_math::DVec2;
 
-use crate::state::Action;
+use super::theme;
+use crate::state::{Action, Handles, Studio};
 
 /// Points that the wheel scrolls in a notch.
 const NOTCH: f32 = 40.0;
@@ -26,6 +28,19 @@ impl Area {
         inside.then(|| DVec2::new(f64::from(share.x) * width, f64::from(share.y) * height))
     }
 
+    /// The same for a point that may be outside of the picture.
+    fn place_beyond(&self, point: egui::Pos2) -> DVec2 {
+        let share = (point - self.rect.min) / self.rect.size();
+        DVec2::new(f64::from(share.x) * f64::from(self.size[0]), f64::from(share.y) * f64::from(self.size[1]))
+    }
+
+    /// The point of the window where a place in the picture is.
+    pub fn point(&self, place: DVec2) -> egui::Pos2 {
+        let [width, height] = self.size.map(f64::from);
+        let share = Vec2::new((place.x / width) as f32, (place.y / height) as f32);
+        self.rect.min + share * self.rect.size()
+    }
+
     /// The pixel under a point of the window.
     pub fn pixel(&self, point: egui::Pos2) -> Option<[u32; 2]> {
         let place = self.place(point)?;
@@ -35,8 +50,11 @@ impl Area {
 }
 
 /// What the mouse in the viewport asks for.
-pub fn mouse(ui: &Ui, response: &Response, area: Area) -> Vec<Action> {
+pub fn mouse(ui: &Ui, response: &Response, area: Area, studio: &Studio, handles: &Handles) -> Vec<Action> {
     let mut actions = Vec::new();
+    if let Some(actions) = handle_drag(ui, response, area, studio, handles) {
+        return actions;
+    }
     if response.clicked()
         && let Some(place) = response.interact_pointer_pos().and_then(|point| area.place(point))
     {
@@ -66,6 +84,81 @@ pub fn mouse(ui: &Ui, response: &Response, area: Area) -> Vec<Action> {
         }
     }
     actions
+}
+
+/// What a drag of a handle asks for; `None` while none is dragged.
+fn handle_drag(
+    ui: &Ui,
+    response: &Response,
+    area: Area,
+    studio: &Studio,
+    handles: &Handles,
+) -> Option<Vec<Action>> {
+    let in_steps = ui.input(|input| input.modifiers.command);
+    let to = response.interact_pointer_pos().map(|point| Action::DragTo(area.place_beyond(point), in_steps));
+    if studio.has_grip() {
+        return response.dragged_by(PointerButton::Primary).then(|| to.into_iter().collect());
+    }
+    if !response.drag_started_by(PointerButton::Primary) {
+        return None;
+    }
+    let from = area.place(ui.input(|input| input.pointer.press_origin())?)?;
+    studio.handle_at(handles, from)?;
+    Some(std::iter::once(Action::Grab(from)).chain(to).collect())
+}
+
+/// Paints the handles of what is selected, the one under the pointer brighter.
+pub fn paint_handles(ui: &Ui, area: Area, studio: &Studio, handles: &Handles) {
+    let painter = ui.painter().with_clip_rect(area.rect);
+    let pointer = ui.input(|input| input.pointer.hover_pos()).and_then(|point| area.place(point));
+    let hovered = pointer.and_then(|place| studio.handle_at(handles, place)).filter(|_| !studio.has_grip());
+    let point = |p| studio.camera.project(p, area.size).map(|place| area.point(place));
+    for line in &handles.lines {
+        let (Some(from), Some(to)) = (point(line.from), point(line.to)) else { continue };
+        let width = if hovered == Some(line.handle) { 3.0 } else { 1.5 };
+        painter.line_segment([from, to], Stroke::new(width, color(handles.all[line.handle].kind)));
+    }
+    for (index, handle) in handles.all.iter().enumerate() {
+        let Some(at) = point(handle.at).filter(|_| !matches!(handle.kind, HandleKind::Ring(_))) else {
+            continue;
+        };
+        let r = if hovered == Some(index) { 6.5 } else { 4.5 };
+        let fill = color(handle.kind);
+        let edge = Stroke::new(1.0, Color32::from_black_alpha(200));
+        match handle.kind {
+            HandleKind::Square(_) | HandleKind::Scale(_) | HandleKind::Size => {
+                let square = Rect::from_center_size(at, Vec2::splat(1.8 * r));
+                painter.rect(square, 1.0, fill, edge, StrokeKind::Outside);
+            }
+            _ => {
+                painter.circle(at, r, fill, edge);
+            }
+        }
+        if hovered == Some(index) {
+            let font = FontId::proportional(12.0);
+            painter.text(
+                at + Vec2::new(12.0, -10.0),
+                Align2::LEFT_BOTTOM,
+                handle.about,
+                font,
+                Color32::WHITE,
+            );
+        }
+    }
+}
+
+/// Red, green and blue for the axes x, y and z.
+fn color(kind: HandleKind) -> Color32 {
+    const AXES: [Color32; 3] =
+        [Color32::from_rgb(240, 90, 90), Color32::from_rgb(110, 210, 90), Color32::from_rgb(90, 150, 255)];
+    match kind {
+        HandleKind::Arrow(axis)
+        | HandleKind::Square(axis)
+        | HandleKind::Ring(axis)
+        | HandleKind::Scale(axis) => AXES.get(axis).copied().unwrap_or(theme::ACCENT),
+        HandleKind::Middle => Color32::WHITE,
+        HandleKind::Point | HandleKind::Size | HandleKind::Direction => theme::ACCENT,
+    }
 }
 
 /// Takes the whole middle of the window.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use kajo::View;
 use kajo::edit::{FieldValue, NodeId};
+use kajo::handles::Mode;
 use kajo_math::{DVec2, DVec3};
 
 use super::Held;
@@ -24,6 +25,8 @@ pub enum Action {
     SaveAs(PathBuf),
     /// Writes the picture on show to a file of the kind its name tells; OpenEXR gets every layer.
     Export(PathBuf),
+    /// Writes pictures from all around; the number of each goes before the ending.
+    Turntable(PathBuf),
 
     // Tracing.
     /// Traces from the current view with the current settings, and shows it.
@@ -104,6 +107,14 @@ pub enum Action {
         /// Which of several with that key.
         nth: usize,
     },
+    /// Shows the gizmo that moves, turns or scales; hides it if it is there.
+    Gizmo(Option<Mode>),
+    /// Grabs the handle at a place of the picture, if there is one.
+    Grab(DVec2),
+    /// Drags it there; in round steps, if so.
+    DragTo(DVec2, bool),
+    /// Takes back what the drag has done.
+    CancelDrag,
     /// Ends the drag of a field or handle.
     EndDrag,
     /// Adds a block of this kind where the camera looks, or to the list it belongs to.

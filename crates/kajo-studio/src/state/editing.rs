@@ -99,7 +99,7 @@ impl Studio {
     }
 
     /// Does one thing and says so when it cannot be done. Returns the block it made.
-    fn edit(&mut self, edit: &Edit) -> Option<NodeId> {
+    pub(super) fn edit(&mut self, edit: &Edit) -> Option<NodeId> {
         let document = self.document.as_mut()?;
         match document.apply(edit) {
             Ok(applied) => {
@@ -188,8 +188,9 @@ impl Studio {
         }
     }
 
-    fn end_drag(&mut self) {
+    pub(super) fn end_drag(&mut self) {
         self.dragged = None;
+        self.grip = None;
         if let Some(document) = &mut self.document {
             document.end_gesture();
         }
@@ -265,6 +266,7 @@ impl Studio {
         self.document = Some(document);
         self.selection = Selection::default();
         self.dragged = None;
+        self.grip = None;
         self.preview = None;
         self.rays = None;
         self.tracer.clear();

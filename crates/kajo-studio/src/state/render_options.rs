@@ -43,6 +43,8 @@ pub struct Habits {
     pub endless: bool,
     /// Size of the picture.
     pub size: PictureSize,
+    /// Number of pictures of a turntable.
+    pub turntable_frames: u32,
 }
 
 impl Default for Habits {
@@ -54,6 +56,7 @@ impl Default for Habits {
             live: true,
             endless: false,
             size: PictureSize::Window,
+            turntable_frames: 36,
         }
     }
 }

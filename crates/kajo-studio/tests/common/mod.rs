@@ -135,7 +135,7 @@ impl Window {
         let area = self.app().area().expect("a picture");
         let studio = self.studio();
         let place = studio.camera.project(p.into(), area.size).expect("in front of the camera");
-        area.rect.min + Vec2::new(place.x as f32, place.y as f32) * (area.rect.width() / area.size[0] as f32)
+        area.point(place)
     }
 
     pub fn button(&mut self, pos: Pos2, button: PointerButton, pressed: bool) {

@@ -1,0 +1,117 @@
+//! What the window draws, looked at pixel by pixel, without a display. It needs something that draws with Vulkan or
+//! OpenGL, Mesa's software drivers included; without any it says so and passes.
+
+mod common;
+
+use common::Window;
+use egui::Key;
+use kajo::View;
+use kajo_studio::state::{Action, Shown};
+
+/// A window that is drawn, where that can be.
+fn window() -> Option<Window> {
+    let window = std::panic::catch_unwind(Window::drawn).ok();
+    if window.is_none() {
+        eprintln!("skipped: nothing here can draw");
+    }
+    window
+}
+
+/// Red, green and blue of the picture in the viewport, pixel by pixel.
+fn viewport(window: &mut Window) -> ([u32; 2], Vec<[u8; 3]>) {
+    let area = window.app().area().unwrap();
+    let image = window.harness.render().unwrap();
+    let [left, top] = [area.rect.left() as u32, area.rect.top() as u32];
+    let [width, height] = area.size;
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let pixels = places.map(|(x, y)| {
+        let [r, g, b, _] = image.get_pixel(left + x, top + y).0;
+        [r, g, b]
+    });
+    ([width, height], pixels.collect())
+}
+
+/// The object that a colour of the preview belongs to: 1 the red ball, 2 the green crate, 0 anything else.
+fn object_of([r, g, b]: [u8; 3]) -> u32 {
+    let [r, g, b] = [r, g, b].map(i32::from);
+    match () {
+        () if r > 2 * g && r > 2 * b => 1,
+        () if g > r + 30 && g > b + 30 => 2,
+        () => 0,
+    }
+}
+
+#[test]
+fn the_preview_shows_what_the_tracer_sees_and_the_window_what_was_traced() {
+    let Some(mut window) = window() else { return };
+    window.frames(3);
+    let (size, preview) = viewport(&mut window);
+    window.studio().options.asked.samples = Some((kajo::SamplerKind::Regular, 1));
+    window.key(Key::Enter);
+    window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
+    window.frames(2);
+    let frame = window.studio().tracer.frame().unwrap();
+    assert_eq!(frame.size(), size);
+    let (_, traced) = viewport(&mut window);
+    let development = window.studio().settings().unwrap().unwrap().development;
+    let expected = frame.rgba(View::Color, &development).unwrap();
+    let mut differ = 0;
+    let mut seen = [0; 3];
+    for (i, (drawn, shown)) in preview.iter().zip(&traced).enumerate() {
+        let [x, y] = [i as u32 % size[0], i as u32 / size[0]];
+        let object = frame.value(View::Object, x, y).unwrap()[0] as u32;
+        let object = if object <= 2 { object } else { 0 };
+        seen[object as usize] += 1;
+        differ += u32::from(object_of(*drawn) != object);
+        let same = (0..3).all(|c| shown[c].abs_diff(expected[4 * i + c]) <= 1);
+        assert!(same, "{x} {y}: {shown:?} and not {:?}", &expected[4 * i..4 * i + 3]);
+    }
+    assert!(seen.iter().all(|&n| n > 10_000), "{seen:?}");
+    // Edges have a pixel to either side.
+    assert!(f64::from(differ) < 0.004 * preview.len() as f64, "{differ} of {} pixels differ", preview.len());
+}
+
+#[test]
+fn what_is_selected_has_an_outline_and_a_debug_ray_is_drawn() {
+    let Some(mut window) = window() else { return };
+    let count = |pixels: &[[u8; 3]], color: [i32; 3]| {
+        let near = |pixel: &&[u8; 3]| (0..3).all(|c| (i32::from(pixel[c]) - color[c]).abs() < 12);
+        pixels.iter().filter(near).count()
+    };
+    let orange = [255, 168, 51];
+    let (_, plain) = viewport(&mut window);
+    assert_eq!(count(&plain, orange), 0);
+    window.select("crate");
+    let (_, selected) = viewport(&mut window);
+    assert!(count(&selected, orange) > 300, "an outline: {}", count(&selected, orange));
+    window.studio().apply(Action::Select(Vec::new()));
+    let ball = window.point([-2.0, 1.0, 1.5]);
+    window.harness.hover_at(ball);
+    window.frames(2);
+    window.key(Key::E);
+    window.frames(5);
+    let pink = [255, 90, 220];
+    let (_, with_ray) = viewport(&mut window);
+    assert!(count(&with_ray, pink) > count(&plain, pink) + 20, "the normal");
+}
+
+#[test]
+fn a_kept_picture_is_left_of_the_wipe() {
+    let Some(mut window) = window() else { return };
+    window.studio().options.asked.samples = Some((kajo::SamplerKind::Regular, 1));
+    window.key(Key::Enter);
+    window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
+    let (size, before) = viewport(&mut window);
+    window.studio().apply(Action::KeepForComparison);
+    window.studio().options.uv = true;
+    let job = window.studio().tracer.frame().unwrap().job();
+    window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().unwrap().job() > job);
+    window.frames(2);
+    assert_eq!(window.studio().shown, Shown::Traced);
+    let (_, after) = viewport(&mut window);
+    let row = (size[1] / 2 * size[0]) as usize;
+    let width = size[0] as usize;
+    let same = |from: usize, to: usize| (from..to).filter(|x| before[row + x] == after[row + x]).count();
+    assert_eq!(same(0, width / 2 - 2), width / 2 - 2, "the left half is the picture kept");
+    assert!(same(width / 2 + 2, width) < width / 20, "the right half is the new one");
+}
