@@ -93,9 +93,18 @@ impl Desktop {
         quiet("xdotool").args(arguments).env("DISPLAY", &self.display).status().unwrap().success()
     }
 
-    fn key(&self, key: &str) {
-        assert!(self.xdotool(&["key", key]));
-        thread::sleep(Duration::from_millis(300));
+    /// Presses a key like `ctrl+shift+s`, as slowly as a hand does: modifiers that come together with their key may be
+    /// heard of after it.
+    fn key(&self, keys: &str) {
+        let press = |how: &str, key: &str| {
+            assert!(self.xdotool(&[how, key]));
+            thread::sleep(Duration::from_millis(200));
+        };
+        let (modifiers, key) = keys.rsplit_once('+').unwrap_or(("", keys));
+        let modifiers: Vec<&str> = modifiers.split('+').filter(|name| !name.is_empty()).collect();
+        modifiers.iter().for_each(|modifier| press("keydown", modifier));
+        press("key", key);
+        modifiers.iter().for_each(|modifier| press("keyup", modifier));
     }
 
     fn write(&self, text: &str) {

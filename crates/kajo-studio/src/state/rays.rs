@@ -84,20 +84,21 @@ impl Studio {
         let Some(rays) = &self.rays else { return Vec::new() };
         let size = self.bounds().extent().length();
         let way = rays.chosen.map(|index| rays.ray.way_to(index)).unwrap_or_default();
-        let lines = rays.ray.segments.iter().enumerate().flat_map(|(index, segment)| {
+        let segments = rays.ray.segments.iter();
+        let lines = segments.clone().enumerate().map(|(index, segment)| {
             let is_chosen = way.contains(&index);
             let width = if is_chosen { 4.0 } else { 2.0 };
             let to = segment.from + segment.d * segment.distance.min(FAR * size);
-            let line = Line { from: segment.from, to, color: color(segment, is_chosen), width };
-            let normal = segment.hit.map(|hit| Line {
-                from: hit.p,
-                to: hit.p + NORMAL * size * hit.n,
-                color: [255, 90, 220, 255],
-                width: 2.0,
-            });
-            std::iter::once(line).chain(normal)
+            Line { from: segment.from, to, color: color(segment, is_chosen), width }
         });
-        lines.collect()
+        // Over the rays, which may go the same way.
+        let normals = segments.filter_map(|segment| segment.hit).map(|hit| Line {
+            from: hit.p,
+            to: hit.p + NORMAL * size * hit.n,
+            color: [255, 90, 220, 255],
+            width: 2.0,
+        });
+        lines.chain(normals).collect()
     }
 }
 
