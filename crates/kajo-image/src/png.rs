@@ -7,7 +7,12 @@
 
 use std::io::Cursor;
 
+use ::png::text_metadata::ITXtChunk;
+
 use crate::{BitDepth, DecodeLimits, Decoded, EncodeOptions, Format, Image, ImageError, Transfer};
+
+/// Longest text that is unpacked, in bytes: a text may be packed a thousandfold.
+const LONGEST_TEXT: usize = 1 << 16;
 
 /// The bytes of a PNG file with the channels of `image`.
 ///
@@ -57,7 +62,7 @@ pub fn encode(image: &Image, options: &EncodeOptions) -> Result<Vec<u8>, ImageEr
 /// Reads any PNG: palettes become colours, transparency an alpha channel, 1 to 4 bits 8.
 ///
 /// Values are the stored ones divided by their maximum, whatever curve they follow. Of an
-/// animation the first picture is returned.
+/// animation the first picture is returned. Compressed texts of more than 64 KiB are left out.
 ///
 /// # Errors
 /// [`ImageError::Malformed`] for damaged or truncated files and [`ImageError::Limit`].
@@ -87,13 +92,20 @@ pub fn decode(bytes: &[u8], limits: &DecodeLimits) -> Result<Decoded, ImageError
     let image = Image::from_data(frame.width, frame.height, frame.color_type.samples(), data)?;
     let info = reader.info();
     let latin1 = info.uncompressed_latin1_text.iter().map(|t| (t.keyword.clone(), t.text.clone()));
-    let international = info.utf8_text.iter().filter_map(|t| Some((t.keyword.clone(), t.get_text().ok()?)));
+    let international = info.utf8_text.iter().filter_map(|t| Some((t.keyword.clone(), unpacked(t)?)));
     Ok(Decoded {
         format: Format::Png,
         depth: Some(depth),
         text: latin1.chain(international).collect(),
         image,
     })
+}
+
+/// The text of a chunk; `None` when it is damaged or too long.
+fn unpacked(chunk: &ITXtChunk) -> Option<String> {
+    let mut chunk = chunk.clone();
+    chunk.decompress_text_with_limit(LONGEST_TEXT).ok()?;
+    chunk.get_text().ok()
 }
 
 fn malformed(error: impl ToString) -> ImageError {

@@ -6,6 +6,7 @@ use std::cell::Cell;
 
 use kajo_image::exr::{ChannelData, ExrLayer, ExrPicture};
 use kajo_image::{BitDepth, DecodeLimits, EncodeOptions, Format, Image, ImageError, decode, encode, exr};
+use png::text_metadata::ITXtChunk;
 
 const LIMITS: DecodeLimits = DecodeLimits { max_side: 4096, max_bytes: 1 << 20 };
 /// What decoders may use beside pixels: tables of the decompressors, headers, messages.
@@ -155,6 +156,27 @@ fn mutated_files_end_in_an_error_or_a_small_picture() {
             check(format, &mutate(&file, &mut random));
         }
     }
+}
+
+/// Sixteen megabytes of text that take some kilobytes in the file are left out.
+#[test]
+fn texts_that_are_packed_too_well_are_left_out() {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+    encoder.set_color(png::ColorType::Grayscale);
+    let mut writer = encoder.write_header().unwrap();
+    for (keyword, length) in [("long", 16 << 20), ("short", 1000)] {
+        let mut chunk = ITXtChunk::new(keyword, " ".repeat(length));
+        chunk.compressed = true;
+        chunk.compress_text().unwrap();
+        writer.write_text_chunk(&chunk).unwrap();
+    }
+    writer.write_image_data(&[7]).unwrap();
+    writer.finish().unwrap();
+    assert!(bytes.len() < 1 << 18, "{} bytes", bytes.len());
+    check(Format::Png, &bytes);
+    let decoded = decode(&bytes, Some(Format::Png), &LIMITS).unwrap();
+    assert_eq!(decoded.text, [("short".to_owned(), " ".repeat(1000))]);
 }
 
 /// Makes the checksums of PNG chunks right again, so that the damage is believed.

@@ -26,8 +26,12 @@ pub struct Limits {
     pub objects: usize,
     /// Errors of one parse before it gives up.
     pub errors: usize,
-    /// Bytes of one mesh or material file.
+    /// Bytes of one mesh or material file, which is read piece by piece.
     pub mesh_bytes: u64,
+    /// Bytes of one glTF model with the files that it names, all of which are held in memory.
+    pub model_bytes: u64,
+    /// Bytes of one file with a picture, which is held in memory.
+    pub picture_bytes: u64,
     /// Bytes of one line of a mesh or material file, continuations included.
     pub line_bytes: usize,
     /// Vertex positions of one mesh; the same bound holds for its normals and its texture coordinates.
@@ -51,6 +55,8 @@ impl Default for Limits {
             objects: 10_000_000,
             errors: 1000,
             mesh_bytes: 64 << 30,
+            model_bytes: 8 << 30,
+            picture_bytes: 2 << 30,
             line_bytes: 1 << 20,
             vertices: 1 << 30,
             faces: 1 << 30,

@@ -332,9 +332,14 @@ impl<'l> Builder<'l> {
     fn refer_forward(&mut self, line: Line<'_>, field: Field<'_>, list: List, index: u32) -> u32 {
         let slot = &mut self.forward[list as usize];
         if slot.as_ref().is_none_or(|forward| forward.index < index) {
-            let mut bytes = slot.take().map(|forward| forward.bytes).unwrap_or_default();
-            bytes.clear();
-            bytes.extend_from_slice(line.bytes);
+            let last = slot.take();
+            let is_same_line = last.as_ref().is_some_and(|forward| forward.number == line.number);
+            let mut bytes = last.map(|forward| forward.bytes).unwrap_or_default();
+            // A long line may name ever larger numbers; it is copied once.
+            if !is_same_line {
+                bytes.clear();
+                bytes.extend_from_slice(line.bytes);
+            }
             let place = field.start..field.start + field.bytes.len();
             *slot = Some(Forward { index, bytes, number: line.number, place });
         }

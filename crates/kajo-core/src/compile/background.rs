@@ -89,7 +89,7 @@ impl Compiler<'_> {
     }
 
     fn decoded(&mut self, item: Item<'_>, name: &str, hint: Option<Format>) -> Option<Decoded> {
-        let limit = self.options.limits.mesh_bytes;
+        let limit = self.options.limits.picture_bytes;
         let read = self.assets.open(name, item.path()).and_then(|file| read_limited(file, limit));
         let picture = read.map_err(|e| e.to_string()).and_then(|bytes| {
             kajo_image::decode(&bytes, hint, &DecodeLimits::default()).map_err(|e| e.to_string())
@@ -143,7 +143,7 @@ mod tests {
     use kajo_color::{Emission, Wavelengths};
     use kajo_image::{EncodeOptions, Format, Image, encode};
     use kajo_math::Vec3;
-    use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+    use kajo_scene::{Diagnostics, Limits, MemoryAssets, SceneDesc};
 
     use crate::compile::{CompileOptions, compile};
     use crate::scene::Scene;
@@ -159,10 +159,19 @@ mod tests {
             .with("sky.png", file(1.0, Format::Png))
             .with("dark.pfm", file(-1.0, Format::Pfm))
             .with("text.exr", "no picture");
+        compiled_within(Limits::default(), background, &assets)
+    }
+
+    fn compiled_within(
+        limits: Limits,
+        background: &str,
+        assets: &MemoryAssets,
+    ) -> (Option<Scene>, Vec<String>) {
         let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+        let options = CompileOptions { limits, ..CompileOptions::default() };
         let mut parsed = SceneDesc::parse_str(&format!("{camera} Background {{ {background} }}"));
         let mut diagnostics = Diagnostics::default();
-        let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+        let scene = compile(&mut parsed.desc, assets, &options, &mut diagnostics);
         (scene, diagnostics.iter().map(|d| d.message.clone()).collect())
     }
 
@@ -207,6 +216,10 @@ mod tests {
         };
         assert_eq!(error("environment none.exr"), "cannot read `none.exr`: there is no such file");
         assert!(error("environment text.exr").starts_with("cannot read `text.exr`: "));
+        let assets = MemoryAssets::new().with("sky.exr", [0; 100]);
+        let small = Limits { picture_bytes: 99, ..Limits::default() };
+        let (scene, said) = compiled_within(small, "environment sky.exr", &assets);
+        assert!(scene.is_none() && said[0].contains("more than 99 bytes"), "{said:?}");
         for two in ["environment sky.exr cubeMap sky", "sky { } environment sky.exr", "cubeMap sky sky { }"] {
             assert!(error(two).contains("one of `cubeMap`, `environment` and `sky`"), "{two}");
         }

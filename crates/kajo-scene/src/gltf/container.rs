@@ -8,6 +8,8 @@ use super::json::Document;
 use crate::assets::{AssetError, AssetFile, Assets, read_limited};
 use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::ops::Range;
 
 /// A file in memory, and where its parts are.
@@ -21,7 +23,7 @@ pub(super) struct Container {
 /// Reads a whole file; nothing in it is looked at but where the parts of a GLB begin and end.
 pub(super) fn read(file: AssetFile, limits: &Limits) -> Result<Container, MeshFileError> {
     let path = file.path.clone();
-    let bytes = read_limited(file, limits.mesh_bytes)
+    let bytes = read_limited(file, limits.model_bytes)
         .map_err(|source| MeshFileError::Read { path: path.clone(), source })?;
     if !bytes.starts_with(b"glTF") {
         return Ok(Container { json: 0..bytes.len(), bytes, binary: None });
@@ -83,6 +85,8 @@ pub(super) struct Buffers<'c> {
 enum Source {
     SameFile(Range<usize>),
     Own(Vec<u8>),
+    /// The same file as that of an earlier buffer.
+    Shared(usize),
 }
 
 impl<'c> Buffers<'c> {
@@ -94,6 +98,8 @@ impl<'c> Buffers<'c> {
         limits: &Limits,
     ) -> Result<Buffers<'c>, MeshFileError> {
         let mut buffers = Buffers { container, list: Vec::new(), bytes_read: container.bytes.len() as u64 };
+        // The first buffer of each file.
+        let mut files = HashMap::new();
         for (i, buffer) in document.buffers.iter().enumerate() {
             let wrong = |message: &str| MeshFileError::Content {
                 path: path.to_owned(),
@@ -107,8 +113,17 @@ impl<'c> Buffers<'c> {
                         decode_data(data).ok_or_else(|| wrong("its `data:` uri is not in base64"))?,
                     ),
                     None => {
-                        let left = limits.mesh_bytes.saturating_sub(buffers.bytes_read);
-                        Source::Own(read_beside(uri, path, assets, left)?)
+                        let file = open_beside(uri, path, assets)?;
+                        match files.entry(file.path.clone()) {
+                            Entry::Occupied(first) => Source::Shared(*first.get()),
+                            Entry::Vacant(place) => {
+                                place.insert(i);
+                                let left = limits.model_bytes.saturating_sub(buffers.bytes_read);
+                                Source::Own(
+                                    read_limited(file, left).map_err(|source| unreadable(uri, source))?,
+                                )
+                            }
+                        }
                     }
                 },
             };
@@ -129,6 +144,7 @@ impl<'c> Buffers<'c> {
         match self.list.get(buffer)? {
             Source::SameFile(range) => self.container.bytes.get(range.clone()),
             Source::Own(bytes) => Some(bytes),
+            &Source::Shared(first) => self.get(first),
         }
     }
 
@@ -138,10 +154,13 @@ impl<'c> Buffers<'c> {
     }
 }
 
-fn read_beside(uri: &str, path: &str, assets: &dyn Assets, limit: u64) -> Result<Vec<u8>, MeshFileError> {
-    let failed = |source: AssetError| MeshFileError::Read { path: uri.to_owned(), source };
-    let name = percent_decoded(uri).ok_or_else(|| failed(AssetError::BadName("its name is not UTF-8")))?;
-    read_limited(assets.open(&name, path).map_err(failed)?, limit).map_err(failed)
+fn open_beside(uri: &str, path: &str, assets: &dyn Assets) -> Result<AssetFile, MeshFileError> {
+    let name = percent_decoded(uri).ok_or(AssetError::BadName("its name is not UTF-8"));
+    name.and_then(|name| assets.open(&name, path)).map_err(|source| unreadable(uri, source))
+}
+
+fn unreadable(uri: &str, source: AssetError) -> MeshFileError {
+    MeshFileError::Read { path: uri.to_owned(), source }
 }
 
 /// `my%20buffer.bin` as "my buffer.bin".

@@ -136,6 +136,24 @@ fn buffers_lie_within_or_beside() {
 }
 
 #[test]
+fn a_file_of_several_buffers_is_read_once() {
+    let (bin, accessors) = square();
+    let buffer = format!("\"uri\":\"a.bin\",\"byteLength\":{}}},{{", bin.bytes.len());
+    let text =
+        json(&bin, &accessors, &format!("{buffer}\"uri\":\"./a.bin\","), &format!("{MESH},\"nodes\":[]"));
+    let assets = MemoryAssets::new().with("m.gltf", &text).with("a.bin", &bin.bytes);
+    let read = |model_bytes: u64| {
+        let file = assets.open("m.gltf", "").unwrap();
+        read_gltf(file, &assets, &Limits { model_bytes, ..Limits::default() })
+            .map_err(|error| error.to_string())
+    };
+    let whole = (text.len() + bin.bytes.len()) as u64;
+    assert!(read(whole).is_ok());
+    assert!(read(whole - 1).unwrap_err().contains("a.bin"));
+    assert!(read(text.len() as u64 - 1).unwrap_err().contains("m.gltf"));
+}
+
+#[test]
 fn strips_fans_and_bare_vertices() {
     let part = |mode: u32, indices: &str| {
         let mesh = format!(

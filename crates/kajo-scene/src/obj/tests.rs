@@ -132,6 +132,8 @@ fn mistakes_have_line_column_and_reason() {
         ("f é \n", "1:3: expected the number of a vertex, found `é`"),
         ("v 0 \\\r\n 0 é0\n", "2:4: expected a number, found `é0`"),
         ("f 1 1 1\n", "1:3: there is no vertex 1"),
+        ("f 5 7 6\n", "1:5: there is no vertex 7"),
+        ("f 1 2 3\nf 7 8 9\nf 4 5 6\n", "2:7: there is no vertex 9"),
     ] {
         let message = read(text).map(|_| ()).unwrap_err();
         assert_eq!(message, format!("m.obj:{expected}"));
