@@ -86,7 +86,7 @@ impl From<RenderError> for Failure {
             RenderError::Memory { .. } => Failure::Memory(error.to_string()),
             RenderError::Cancelled(_) => Failure::Interrupted { signal: 2 },
             RenderError::Checkpoint(_) | RenderError::NotAdaptive(_) => Failure::Input(error.to_string()),
-            RenderError::Panicked(_) => Failure::Bug(error.to_string()),
+            RenderError::Panicked { .. } => Failure::Bug(error.to_string()),
         }
     }
 }

@@ -4,6 +4,9 @@
 //! for the end of the file, so that nothing half written stays. At any other time, and the second time
 //! always, the program ends at once. So it does when a render has not come to its end two seconds after the
 //! signal: a single camera ray can branch without end.
+//!
+//! Signals that were ignored when the program began stay so: `nohup` and shells that start a program in the
+//! background ask for that.
 
 use std::process;
 use std::sync::Arc;
@@ -119,12 +122,26 @@ impl Interrupt {
 #[cfg(unix)]
 fn on_signal(act: impl Fn(u8) + Send + 'static) {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM]) else { return };
+    let ignored = ignored_signals();
+    let heard = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+    let Ok(mut signals) = signal_hook::iterator::Signals::new(heard) else { return };
     thread::spawn(move || {
         for signal in signals.forever() {
             act(u8::try_from(signal).unwrap_or(CTRL_C));
         }
     });
+}
+
+/// The signals that are ignored, signal 1 in the lowest bit, as far as the system tells: Linux does.
+#[cfg(unix)]
+fn ignored_signals() -> u64 {
+    ignored_in(&std::fs::read_to_string("/proc/self/status").unwrap_or_default()).unwrap_or(0)
+}
+
+#[cfg(unix)]
+fn ignored_in(status: &str) -> Option<u64> {
+    let digits = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+    u64::from_str_radix(digits.trim(), 16).ok()
 }
 
 #[cfg(not(unix))]
@@ -179,6 +196,14 @@ mod tests {
         assert!(stopped);
         interrupt.undisturbed(|| ());
         assert_eq!(interrupt.stop(), None, "there is no work to turn into another");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn ignored_signals_are_bits() {
+        assert_eq!(ignored_in("Name:\tkajo\nSigIgn:\t0000000000001001\n"), Some(1 << 12 | 1));
+        assert_eq!(ignored_in("Name:\tkajo\n"), None);
+        assert_eq!(ignored_in("SigIgn:\tmany\n"), None);
     }
 
     #[test]

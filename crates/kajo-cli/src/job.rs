@@ -66,6 +66,8 @@ pub enum Destination {
 pub struct Voice<'a> {
     /// Whether the text may hold the colour codes of terminals.
     pub color: bool,
+    /// Whether only warnings and errors are wanted.
+    pub quiet: bool,
     /// Takes lines of text.
     pub say: &'a mut dyn FnMut(&str),
 }
@@ -114,7 +116,6 @@ impl Destination {
 impl Job {
     /// Does it all.
     ///
-    ///
     /// # Errors
     /// [`Failure`]; then no file is written that was not finished before.
     pub fn run(&self, meter: &Meter, interrupt: &Interrupt, voice: &mut Voice<'_>) -> Result<Done, Failure> {
@@ -143,16 +144,25 @@ impl Job {
             meter.finish();
             result
         });
-        let mut picture = match result {
-            Ok(picture) => picture,
-            Err(Stop::Render(RenderError::Cancelled(partial))) => *partial,
+        let (mut picture, bug) = match result {
+            Ok(picture) => (picture, None),
+            Err(Stop::Render(RenderError::Cancelled(partial))) => (*partial, None),
+            Err(Stop::Render(RenderError::Panicked { message, picture: Some(partial) })) => {
+                (*partial, Some(Failure::Bug(message)))
+            }
             Err(Stop::Render(error)) => return Err(error.into()),
             Err(Stop::Other(failure)) => return Err(failure),
         };
-        let stopped = || interrupt.failure();
-        if interrupted && let (Some(target), Some(state)) = (&targets.checkpoint, picture.snapshot()) {
-            interrupt.during(Work::Write, || state.save(target)).0?;
+        // Before anything else can go wrong; a picture that cannot be continued is still worth writing.
+        let (saved, interrupted_meanwhile) = interrupt.during(Work::Write, || save(&picture, &targets));
+        let interrupted = interrupted || interrupted_meanwhile;
+        if let Some(bug) = bug {
+            if let Err(error) = saved {
+                (voice.say)(&format!("warning: {error}\n"));
+            }
+            return Err(bug);
         }
+        let stopped = || interrupt.failure();
         if interrupted && !self.keep_partial && targets.checkpoint.is_none() {
             return Err(stopped());
         }
@@ -160,12 +170,14 @@ impl Job {
         picture.development = self.develop.development(picture.development);
         if let Some(denoiser) = &self.develop.denoise {
             match picture.denoise(denoiser) {
+                Ok(_) if voice.quiet => {}
                 Ok(how) => (voice.say)(&format!("denoised {how}\n")),
                 // The noisy picture took long enough to be kept.
                 Err(error) => (voice.say)(&format!("warning: the picture is not denoised: {error}\n")),
             }
         }
         self.write(&picture, &targets.outputs, interrupt)?;
+        saved?;
         if interrupted {
             return Err(stopped());
         }
@@ -265,6 +277,14 @@ pub fn has_errors(scene: &Path, loaded: &Loaded) -> Failure {
     match loaded.diagnostics.count(Severity::Error) {
         0 | 1 => Failure::Input(String::new()),
         count => Failure::Input(format!("`{}` has {count} errors", scene.display())),
+    }
+}
+
+/// Saves the state of a render that is over, however it ended, if that is wanted.
+fn save(picture: &Picture, targets: &Targets) -> Result<(), OutputError> {
+    match (&targets.checkpoint, picture.snapshot()) {
+        (Some(target), Some(state)) => state.save(target),
+        _ => Ok(()),
     }
 }
 

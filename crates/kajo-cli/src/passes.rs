@@ -26,6 +26,17 @@ struct Checkpoints<'a> {
     target: &'a Target,
     every: Duration,
     last: Instant,
+    /// When the last pass ended.
+    last_look: Instant,
+}
+
+impl Checkpoints<'_> {
+    /// Whether it is time for the next one: another pass as long as the last would end too late.
+    fn is_due(&mut self, now: Instant) -> bool {
+        let took = now.duration_since(self.last_look);
+        self.last_look = now;
+        now.duration_since(self.last).saturating_add(took) >= self.every
+    }
 }
 
 impl<'a> Watcher<'a> {
@@ -39,7 +50,8 @@ impl<'a> Watcher<'a> {
         interrupt: &'a Interrupt,
     ) -> Watcher<'a> {
         let every = args.checkpoint_every;
-        let checkpoint = target.map(|target| Checkpoints { target, every, last: Instant::now() });
+        let now = Instant::now();
+        let checkpoint = target.map(|target| Checkpoints { target, every, last: now, last_look: now });
         let name = scene.file_name().unwrap_or(scene.as_os_str()).to_string_lossy();
         let connect = |address: &String| {
             let connected = Tev::connect(address, &name);
@@ -51,22 +63,50 @@ impl<'a> Watcher<'a> {
     /// Looks at the picture so far.
     pub fn look(&mut self, snapshot: Snapshot<'_>) -> ControlFlow<()> {
         if let Some(tev) = &mut self.tev {
-            let shown = snapshot.light().map_err(io::Error::other).and_then(|light| tev.show(&light));
+            let show = || snapshot.light().map_err(io::Error::other).and_then(|light| tev.show(&light));
+            // A viewer that does not answer keeps us longer than an interrupted render may take.
+            let shown = self.interrupt.undisturbed(show);
             if let Err(error) = shown {
                 warn_of_tev("tev", &error);
                 self.tev = None;
             }
         }
         let Some(checkpoint) = &mut self.checkpoint else { return ControlFlow::Continue(()) };
-        if checkpoint.last.elapsed() < checkpoint.every {
+        if !checkpoint.is_due(Instant::now()) {
             return ControlFlow::Continue(());
         }
         self.failure = self.interrupt.undisturbed(|| snapshot.save(checkpoint.target)).err();
-        checkpoint.last = Instant::now();
+        let now = Instant::now();
+        (checkpoint.last, checkpoint.last_look) = (now, now);
         if self.failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
 fn warn_of_tev(address: &str, error: &io::Error) {
     console::warning(&format!("the picture is not shown in {address}: {error}"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_checkpoint_is_due_before_it_is_too_late() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = Target::check(&folder.path().join("state"), &[]).unwrap();
+        let (start, every) = (Instant::now(), Duration::from_secs(60));
+        let mut checkpoints = Checkpoints { target: &target, every, last: start, last_look: start };
+        let mut is_due = |seconds| checkpoints.is_due(start + Duration::from_secs(seconds));
+        assert!(!is_due(10));
+        assert!(!is_due(29), "another pass of 19 seconds ends in time");
+        assert!(is_due(45), "another pass of 16 seconds would not");
+    }
+
+    #[test]
+    fn without_an_interval_every_pass_is_saved() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = Target::check(&folder.path().join("state"), &[]).unwrap();
+        let (start, every) = (Instant::now(), Duration::ZERO);
+        assert!(Checkpoints { target: &target, every, last: start, last_look: start }.is_due(start));
+    }
 }

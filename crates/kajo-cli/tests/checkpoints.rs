@@ -123,6 +123,23 @@ fn goals_end_renders() {
 }
 
 #[test]
+fn a_render_leaves_its_state_however_it_ends() {
+    let folder = Folder::new();
+    let first = "ball.txt --size 150 100 --samples sobol 100000 -o a.exr --time 0.3 --checkpoint state";
+    folder.succeed(first);
+    folder.succeed("ball.txt --size 150 100 --samples sobol 100000 -o a.exr --time 0 --resume state");
+    folder.succeed("ball.txt --size 20 20 --samples sobol 64 -o b.exr --checkpoint whole");
+    let again = folder.succeed("ball.txt --size 20 20 --samples sobol 64 -o c.exr --resume whole");
+    assert!(again.stderr.contains(" 64 samples a pixel, 0 rays"), "nothing is left to do: {}", again.stderr);
+    assert!(folder.read("b.exr") == folder.read("c.exr"));
+}
+
+#[test]
+fn a_time_beyond_all_clocks_is_no_end() {
+    Folder::new().succeed("ball.txt --size 20 20 --samples sobol 4 -o a.png --time 1e19");
+}
+
+#[test]
 fn a_viewer_that_is_not_there_is_a_warning() {
     let folder = Folder::new();
     let listener = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();

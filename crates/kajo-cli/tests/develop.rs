@@ -33,6 +33,7 @@ fn light_is_developed_for_the_kind_of_file() {
     assert_ne!(values(&folder, "wide.exr"), values(&folder, "plain.exr"));
     folder.fail(&format!("{BALL} -o a.png --tone filmic"), 2, &["filmic", "agx"]);
     folder.fail(&format!("{BALL} -o a.png --white-balance 50"), 2, &["temperature"]);
+    folder.fail(&format!("{BALL} -o a.png --exposure 101"), 2, &["from -100 to 100"]);
 }
 
 #[test]
@@ -41,6 +42,8 @@ fn noise_is_taken_out_by_what_is_there() {
     folder.succeed(&format!("{BALL} -o noisy.exr"));
     let ran = folder.succeed(&format!("{BALL} -o smooth.exr --denoise builtin"));
     assert!(ran.stderr.contains("denoised by non-local means"), "{}", ran.stderr);
+    let quiet = folder.succeed(&format!("{BALL} -o smooth.exr --denoise builtin --quiet --threads 1"));
+    assert_eq!(quiet.stderr, "");
     let (noisy, smooth) = (values(&folder, "noisy.exr"), values(&folder, "smooth.exr"));
     assert!(noisy != smooth && noisy.len() == smooth.len(), "only light is written");
     let mean = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len() as f64;

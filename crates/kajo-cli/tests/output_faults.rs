@@ -56,6 +56,15 @@ fn a_full_disk_is_reported_with_the_bytes_needed() {
     assert!(ran.stderr.contains("standard output") && ran.stderr.contains("No space left"), "{}", ran.stderr);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_pipe_is_written_by_its_name() {
+    let folder = Folder::new();
+    let output = folder.command().args("ball.txt --size 8 8 -o /dev/stdout".split(' ')).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stdout.starts_with(b"\x89PNG"));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_limit_on_the_size_of_files_leaves_the_old_file_and_no_other() {

@@ -30,10 +30,10 @@ pub use passes::{Goal, Position, render_passes};
 const TILE: u32 = 32;
 
 /// Largest side of a tile, since each thread holds the sums of one.
-const LARGEST_TILE: u32 = 512;
+pub const LARGEST_TILE: u32 = 512;
 
 /// Most threads that are started, whatever is asked for.
-const MOST_THREADS: usize = 1024;
+pub const MOST_THREADS: usize = 1024;
 
 /// Units for each thread below which samples are split too.
 const UNITS_PER_THREAD: u64 = 8;
@@ -43,6 +43,9 @@ const STACK: usize = 8 << 20;
 
 /// Camera rays between two questions whether to go on.
 const SAMPLES_PER_CHECK: u64 = 256;
+
+/// Rays of any kind between two such questions, if they are cast sooner: a few hundredths of a second.
+const RAYS_PER_CHECK: u64 = 8192;
 
 /// How to render; nothing here but the sampler and the seed can change the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,7 +81,8 @@ pub trait Progress: Sync {
     /// cast so far. Reports of different threads may arrive out of order.
     fn done(&self, pixels_done: u64, pixels_total: u64, rays: u64);
 
-    /// Whether to stop. Asked every 256 camera rays of a thread, and before each unit.
+    /// Whether to stop. Asked by each thread after 256 camera rays or 8192 rays of any kind, and before each unit;
+    /// never within a sample.
     fn cancelled(&self) -> bool;
 }
 
@@ -237,8 +241,8 @@ pub fn render<I: PixelIntegrator + ?Sized>(
 /// Renders one unit into a part, which is emptied first.
 ///
 /// * `ctx`: the rays cast are added to its counters
-/// * `go_on`: told every 256 camera rays, and at the end, how many were cast since it was last told, and
-///   the counters; says whether to go on
+/// * `go_on`: told every 256 camera rays, more often where they branch, and at the end, how many were cast since it
+///   was last told, and the counters; says whether to go on
 ///
 /// Returns whether the unit was finished. If not, the part holds the samples taken so far.
 pub fn render_unit<I: PixelIntegrator + ?Sized>(
@@ -266,7 +270,7 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
     let wants_auxiliary = part.spec().layers.wants_auxiliary();
     // The halves of a film are two renders with seeds of their own.
     let halves = part.spec().halves.then(|| [ctx.seed, mix(ctx.seed)]);
-    let mut untold = 0;
+    let (mut untold, mut rays_told) = (0, ctx.rays.total());
     for y in tile.y0..tile.y1 {
         for x in tile.x0..tile.x1 {
             let corner = Vec2::new(x as f32, y as f32);
@@ -281,11 +285,11 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
                 let sample = integrator.sample(ctx, [x, y], corner + offset);
                 part.add(x, y, k, offset, &sample, &ctx.aux);
                 untold += 1;
-                if untold == SAMPLES_PER_CHECK {
+                if untold == SAMPLES_PER_CHECK || ctx.rays.total() - rays_told >= RAYS_PER_CHECK {
                     if !go_on(untold, &ctx.rays) {
                         return false;
                     }
-                    untold = 0;
+                    (untold, rays_told) = (0, ctx.rays.total());
                 }
             }
         }

@@ -9,12 +9,15 @@
 //! | | how far it is, see [`Position::save`] |
 //! | 32 | BLAKE3 of everything before |
 //!
-//! Numbers are little-endian. The text names the scene by a digest of its files and holds every setting that decides
-//! a bit of the picture; a checkpoint whose text differs is refused with the first line that does.
+//! Numbers are little-endian. The first line of the text names the build of the program by a digest of its executable:
+//! another build may draw another picture, be it by a single bit. The others name the scene by a digest of its files
+//! and hold every setting that decides a bit of the picture. A checkpoint whose text differs is refused with the first
+//! line that does.
 
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use kajo_core::scene::Scene;
 use kajo_render::{Film, FilmSpec, Goal, Position};
@@ -50,6 +53,16 @@ pub enum CheckpointError {
         path: PathBuf,
         /// Its version.
         found: u32,
+    },
+    /// Another program, or another build of this one, wrote it.
+    #[error("the checkpoint `{}` was written by {then}, and this is {now}: go on with that program, or start afresh", path.display())]
+    OtherBuild {
+        /// The file.
+        path: PathBuf,
+        /// The first line of its description.
+        then: String,
+        /// That of this render.
+        now: String,
     },
     /// Bytes are missing or wrong.
     #[error("the checkpoint `{}` is damaged; start afresh", path.display())]
@@ -89,9 +102,29 @@ impl SceneDigest {
     }
 }
 
-/// What a render is of: everything that decides a bit of its picture, in lines.
+/// The version of kajo, and the beginning of the digest of the program that runs.
+fn build() -> String {
+    let digest = executable().and_then(|file| {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(file)?;
+        Ok(hasher.finalize().to_hex()[..16].to_owned())
+    });
+    let digest = digest.unwrap_or_else(|_| "unknown".to_owned());
+    format!("kajo {}, build {digest}", env!("CARGO_PKG_VERSION"))
+}
+
+/// The program that runs. On Linux that is so even if its file was replaced since.
+fn executable() -> io::Result<File> {
+    File::open("/proc/self/exe").or_else(|_| File::open(std::env::current_exe()?))
+}
+
+/// What a render is of: everything that decides a bit of its picture but the program, in lines.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Identity(String);
+pub(crate) struct Identity {
+    text: String,
+    /// See [`build`], once somebody asks.
+    build: OnceLock<String>,
+}
 
 impl Identity {
     pub fn new(
@@ -103,20 +136,22 @@ impl Identity {
     ) -> Identity {
         // A picture may be developed otherwise when its render goes on.
         let settings = RenderSettings { development: Development::default(), ..*settings };
-        let version = env!("CARGO_PKG_VERSION");
         let digest = blake3::Hash::from_bytes(digest.0).to_hex();
         let adaptive = goal.adaptive.then_some(goal.noise);
         // The derived texts of numbers say all their digits.
-        Identity(format!(
-            "kajo {version}\nscene {digest}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n",
-            scene.rules
-        ))
+        let text =
+            format!("scene {digest}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n", scene.rules);
+        Identity { text, build: OnceLock::new() }
+    }
+
+    fn build(&self) -> &str {
+        self.build.get_or_init(build)
     }
 
     /// The first line in which another identity differs: its line, and that of this one.
     fn difference(&self, other: &str) -> Option<(String, String)> {
         let short = |line: Option<&str>| line.unwrap_or("nothing").trim().to_owned();
-        let (mut mine, mut others) = (self.0.lines(), other.lines());
+        let (mut mine, mut others) = (self.text.lines(), other.lines());
         loop {
             match (others.next(), mine.next()) {
                 (None, None) => return None,
@@ -137,8 +172,9 @@ pub(crate) fn save(
     let mut out = Hashing { inner: out, hasher: blake3::Hasher::new() };
     out.write_all(MAGIC)?;
     out.write_all(&VERSION.to_le_bytes())?;
-    out.write_all(&(identity.0.len() as u32).to_le_bytes())?;
-    out.write_all(identity.0.as_bytes())?;
+    let text = format!("{}\n{}", identity.build(), identity.text);
+    out.write_all(&(text.len() as u32).to_le_bytes())?;
+    out.write_all(text.as_bytes())?;
     film.save(&mut out)?;
     position.save(&mut out)?;
     let hash = out.hasher.finalize();
@@ -176,7 +212,12 @@ pub(crate) fn restore(
     (&file).seek(SeekFrom::Start(12)).map_err(failed)?;
     let mut input = BufReader::with_capacity(1 << 16, (&file).take(length.saturating_sub(12 + HASH_BYTES)));
     let text = text(&mut input).map_err(failed)?;
-    if let Some((then, now)) = identity.difference(&text) {
+    let (then, text) = text.split_once('\n').unwrap_or((&text, ""));
+    if then != identity.build() {
+        let (then, now) = (then.to_owned(), identity.build().to_owned());
+        return Err(CheckpointError::OtherBuild { path: path.into(), then, now });
+    }
+    if let Some((then, now)) = identity.difference(text) {
         return Err(CheckpointError::OtherRender { path: path.into(), then, now });
     }
     let film = Film::restore(spec, u64::MAX, &mut input).map_err(failed)?;
@@ -231,10 +272,42 @@ impl Write for Hashing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kajo_core::sampler::{Sampler, SamplerKind};
+
+    fn identity(build: &str, text: &str) -> Identity {
+        Identity { text: text.to_owned(), build: OnceLock::from(build.to_owned()) }
+    }
+
+    #[test]
+    fn a_checkpoint_of_another_build_is_refused() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let film = Film::new(FilmSpec::new(4, 3), u64::MAX).unwrap();
+        save(&identity("kajo 1, build a", "size 4"), &film, &Position::default(), &mut file.as_file())
+            .unwrap();
+        let schedule = kajo_render::RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
+        let restored = |build, text| {
+            restore(file.path(), &identity(build, text), FilmSpec::new(4, 3), &schedule)
+                .map(|(_, position)| position)
+                .map_err(|error| error.to_string())
+        };
+        assert_eq!(restored("kajo 1, build a", "size 4"), Ok(Position::default()));
+        let refused = restored("kajo 1, build b", "size 5").unwrap_err();
+        assert!(refused.contains("was written by kajo 1, build a, and this is kajo 1, build b"), "{refused}");
+        let refused = restored("kajo 1, build a", "size 5").unwrap_err();
+        assert!(refused.contains("it has `size 4` where this one has `size 5`"), "{refused}");
+    }
+
+    #[test]
+    fn a_build_is_known_by_its_bytes() {
+        let (_, digest) =
+            build().rsplit_once(' ').map(|(name, digest)| (name.to_owned(), digest.to_owned())).unwrap();
+        assert!(digest.len() == 16 && digest.bytes().all(|b| b.is_ascii_hexdigit()), "{digest}");
+        assert_eq!(build(), build());
+    }
 
     #[test]
     fn the_first_difference_is_told() {
-        let identity = Identity("kajo 1\nsize 4\nseed 7".to_owned());
+        let identity = identity("kajo 1", "kajo 1\nsize 4\nseed 7");
         assert_eq!(identity.difference("kajo 1\nsize 4\nseed 7"), None);
         let pair = |a: &str, b: &str| Some((a.to_owned(), b.to_owned()));
         assert_eq!(identity.difference("kajo 1\n  size 5\nseed 8"), pair("size 5", "size 4"));

@@ -47,8 +47,17 @@ pub const DENOISE_OUTPUTS: [(View, Format); 4] = [
 /// The layers of a film that these become.
 const GUIDES: [Layer; 4] = [Layer::Color, Layer::Albedo, Layer::Normal, Layer::Variance];
 
+/// Bytes a pixel while it is denoised: the layers, what the built-in denoiser makes of them, and the result.
+pub(crate) const BYTES_A_PIXEL: u64 = 4 * 12 + 72 + 12;
+
 /// The light of a film with less noise, and how that was done, in words.
-pub(crate) fn denoise(film: &Film, denoiser: &Denoiser) -> Result<(Image, String), DenoiseError> {
+///
+/// * `threads`: 0 for one on each core
+pub(crate) fn denoise(
+    film: &Film,
+    denoiser: &Denoiser,
+    threads: usize,
+) -> Result<(Image, String), DenoiseError> {
     if GUIDES.iter().any(|&layer| !film.spec().layers.has(layer)) {
         return Err(DenoiseError::NoGuides);
     }
@@ -56,11 +65,14 @@ pub(crate) fn denoise(film: &Film, denoiser: &Denoiser) -> Result<(Image, String
     let (color, albedo, normal, variance) = (color?, albedo?, normal?, variance?);
     let guided = Guided { color: &color, variance: &variance, albedo: &albedo, normal: &normal };
     let with_library = |path: Option<&OsString>| {
-        let smooth = Oidn::load(path.map(OsString::as_os_str))?.denoise(&guided)?;
+        let smooth = Oidn::load(path.map(OsString::as_os_str))?.denoise(&guided, threads)?;
         Ok((smooth, "by Intel Open Image Denoise".to_owned()))
     };
     let built_in = |why: &str| {
-        let threads = thread::available_parallelism().map_or(1, |n| n.get());
+        let threads = match threads {
+            0 => thread::available_parallelism().map_or(1, |n| n.get()),
+            n => n,
+        };
         Ok((nlm::denoise(&guided, threads)?, format!("by non-local means{why}")))
     };
     match denoiser {

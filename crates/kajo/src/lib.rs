@@ -74,5 +74,6 @@ pub use kajo_core::settings::{
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode};
 pub use kajo_math;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
+pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
 pub use kajo_render::{Goal, Progress, RayCounters, RenderStats, Silent};
 pub use kajo_scene::{Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, nearest};

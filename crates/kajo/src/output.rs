@@ -94,15 +94,15 @@ impl Target {
         if existing.as_ref().is_some_and(Metadata::is_dir) {
             return Err(OutputError::IsFolder { path: path.to_path_buf() });
         }
-        let real = match &existing {
-            Some(_) => fs::canonicalize(path).map_err(refused)?,
-            None => in_real_folder(path),
+        let (real, kind) = match &existing {
+            Some(metadata) if metadata.is_file() => (fs::canonicalize(path).map_err(refused)?, Kind::File),
+            // A pipe behind `/dev/stdout` has no name of its own.
+            Some(_) => (path.to_path_buf(), Kind::Stream),
+            None => (in_real_folder(path), Kind::File),
         };
         if inputs.contains(&real) {
             return Err(OutputError::IsInput { path: path.to_path_buf() });
         }
-        let is_stream = existing.is_some_and(|metadata| !metadata.is_file());
-        let kind = if is_stream { Kind::Stream } else { Kind::File };
         let target = Target { path: path.to_path_buf(), real, kind };
         if let Kind::File = target.kind {
             target.probe()?;
@@ -325,5 +325,20 @@ mod tests {
         let full = Target::check(Path::new("/dev/full"), &[]).unwrap().write(b"too much").unwrap_err();
         assert!(matches!(&full, OutputError::Write { bytes: 8, .. }), "{full}");
         assert!(full.to_string().contains("8 bytes"));
+    }
+
+    /// As `-o /dev/stdout` and `-o >(command)` name them: links to something without a name of its own.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn pipes_are_written_in_place() {
+        use std::io::Read;
+        use std::os::fd::AsRawFd;
+        let (mut reader, writer) = io::pipe().unwrap();
+        let path = PathBuf::from(format!("/dev/fd/{}", writer.as_raw_fd()));
+        Target::check(&path, &[]).unwrap().write(b"through").unwrap();
+        drop(writer);
+        let mut read = String::new();
+        reader.read_to_string(&mut read).unwrap();
+        assert_eq!(read, "through");
     }
 }

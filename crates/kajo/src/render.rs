@@ -18,7 +18,7 @@ use kajo_render::{
 };
 
 use crate::checkpoint::{self, CheckpointError, Identity, SceneDigest};
-use crate::denoise::{DenoiseError, Denoiser};
+use crate::denoise::{self, DENOISE_OUTPUTS, DenoiseError, Denoiser};
 use crate::development::Development;
 use crate::output::{OutputError, Target};
 use crate::view::{self, Look, View};
@@ -56,6 +56,8 @@ pub struct Picture {
     position: Option<(Position, Identity)>,
     /// The light, where it was denoised.
     light: Option<Image>,
+    /// [`Resources::threads`] of the render, and of what is done to the picture.
+    threads: usize,
     /// How the light becomes values.
     pub development: Development,
     /// Rays, samples and time of this run.
@@ -106,9 +108,14 @@ pub enum RenderError {
     /// [`Progress::cancelled`] said so. The picture holds what was rendered.
     #[error("the render was interrupted")]
     Cancelled(Box<Picture>),
-    /// Some tiles failed because of a bug; this says which and how.
-    #[error("{0}")]
-    Panicked(String),
+    /// Some tiles failed because of a bug.
+    #[error("{message}")]
+    Panicked {
+        /// Which, and how.
+        message: String,
+        /// What was rendered all the same, if the render came that far.
+        picture: Option<Box<Picture>>,
+    },
 }
 
 /// Renders `scene`, recording what files of these views and formats need.
@@ -152,12 +159,12 @@ fn render_from(
 ) -> Result<Picture, RenderError> {
     let layers = layers(scene, outputs, settings);
     let spec = FilmSpec { one_pass: true, ..film_spec(camera, settings, layers) };
-    check_memory(&spec, resources)?;
+    check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
     let film = Film::new(spec, u64::MAX).map_err(RenderError::Film)?;
     let integrator = integrator(scene, camera, settings, layers);
     let schedule = schedule(settings, resources);
     let result = kajo_render::render(&*integrator, &film, &schedule, progress);
-    ended(result, |stats| Picture::new(film, scene, settings, None, stats))
+    ended(result, |stats| Picture::new(film, scene, settings, None, resources, stats))
 }
 
 /// As [`render`], in passes over the whole picture: it can be seen and saved after each, ends when a goal is
@@ -188,7 +195,7 @@ pub fn render_passes(
         layers = layers.with(Layer::Variance);
     }
     let spec = FilmSpec { halves: goal.adaptive, ..film_spec(&scene.camera, settings, layers) };
-    check_memory(&spec, resources)?;
+    check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
     let identity = Identity::new(passes.scene, scene, settings, &spec, goal);
     let schedule = schedule(settings, resources);
     let (film, mut position) = match &passes.resume {
@@ -203,7 +210,7 @@ pub fn render_passes(
     };
     let result =
         kajo_render::render_passes(&*integrator, &film, &schedule, goal, &mut position, progress, look);
-    ended(result, |stats| Picture::new(film, scene, settings, Some((position, identity)), stats))
+    ended(result, |stats| Picture::new(film, scene, settings, Some((position, identity)), resources, stats))
 }
 
 /// What came of a render, with its picture.
@@ -214,7 +221,17 @@ fn ended(
     match result {
         Ok(stats) => Ok(picture(stats)),
         Err(PassError::Cancelled(stats)) => Err(RenderError::Cancelled(Box::new(picture(stats)))),
-        Err(error @ PassError::Panicked { .. }) => Err(RenderError::Panicked(error.to_string())),
+        Err(ref error @ PassError::Panicked { stats, .. }) => {
+            let message = error.to_string();
+            Err(RenderError::Panicked { message, picture: Some(Box::new(picture(stats))) })
+        }
+    }
+}
+
+impl RenderError {
+    /// A bug before there was a picture.
+    pub(crate) fn panicked(message: impl Into<String>) -> RenderError {
+        RenderError::Panicked { message: message.into(), picture: None }
     }
 }
 
@@ -308,6 +325,7 @@ impl Picture {
         scene: &Scene,
         settings: &RenderSettings,
         position: Option<(Position, Identity)>,
+        resources: &Resources,
         stats: RenderStats,
     ) -> Picture {
         Picture {
@@ -316,6 +334,7 @@ impl Picture {
             settings: *settings,
             position,
             light: None,
+            threads: resources.threads,
             development: settings.development,
             stats,
         }
@@ -329,7 +348,7 @@ impl Picture {
     /// # Errors
     /// [`DenoiseError`]; the picture then stays as it was.
     pub fn denoise(&mut self, denoiser: &Denoiser) -> Result<String, DenoiseError> {
-        let (light, how) = crate::denoise::denoise(&self.film, denoiser)?;
+        let (light, how) = denoise::denoise(&self.film, denoiser, self.threads)?;
         self.light = Some(light);
         Ok(how)
     }
@@ -415,13 +434,41 @@ fn light_settings(settings: &RenderSettings, layers: LayerSet) -> ClassicSetting
     }
 }
 
-/// Makes sure that the film and the largest of its pictures, while it is encoded, fit.
-pub(crate) fn check_memory(spec: &FilmSpec, resources: &Resources) -> Result<(), RenderError> {
-    /// Three floats, and up to four channels of two bytes each before and after compression.
-    const BYTES_TO_ENCODE_A_PIXEL: u128 = 3 * 4 + 2 * 8;
+/// Bytes a pixel that one picture takes while it is encoded: three floats, and up to four channels of two bytes each
+/// before and after compression.
+pub(crate) const BYTES_TO_ENCODE: u64 = 3 * 4 + 2 * 8;
+
+/// Bytes a pixel that it takes to make files of a film, beside the film.
+///
+/// All layers of an OpenEXR file are encoded together. Which of the outputs share a file is not known here, so all of
+/// them might. Denoising comes before, when the outputs are those that it needs, and its result stays.
+fn to_finish(scene: &Scene, outputs: &[(View, Format)], settings: &RenderSettings) -> u64 {
+    /// Light, three floats.
+    const LIGHT: u64 = 3 * 4;
+    /// A float by itself, and in the file.
+    const CHANNEL: u64 = 4 + 4;
+    let together: Vec<Layer> = View::ALL
+        .iter()
+        .filter(|&&view| outputs.contains(&(view, Format::Exr)))
+        .flat_map(|view| view.layers(Format::Exr, settings, scene.light_groups.len()))
+        .collect();
+    let channels: usize = together.into_iter().map(Layer::channels).sum();
+    let encoding = BYTES_TO_ENCODE.max(LIGHT + CHANNEL * channels as u64);
+    let is_denoised = DENOISE_OUTPUTS.iter().all(|output| outputs.contains(output));
+    if is_denoised { denoise::BYTES_A_PIXEL.max(LIGHT + encoding) } else { encoding }
+}
+
+/// Makes sure that a film and what is made of it fit.
+///
+/// * `to_finish`: bytes a pixel needed beside the film
+pub(crate) fn check_memory(
+    spec: &FilmSpec,
+    to_finish: u64,
+    resources: &Resources,
+) -> Result<(), RenderError> {
     let FilmSpec { width, height, .. } = *spec;
     let budget = resources.memory.unwrap_or_else(memory::available);
-    let needed = spec.bytes() + u128::from(width) * u128::from(height) * BYTES_TO_ENCODE_A_PIXEL;
+    let needed = spec.bytes() + u128::from(width) * u128::from(height) * u128::from(to_finish);
     if needed > u128::from(budget) {
         return Err(RenderError::Memory { width, height, needed, budget });
     }
@@ -543,6 +590,33 @@ mod tests {
         let small = Resources { memory: Some(1000), ..Resources::default() };
         let result = render(&scene, &settings(&scene, [100, 100]), &[], &small, &Silent);
         assert!(matches!(result, Err(RenderError::Memory { budget: 1000, .. })));
+    }
+
+    #[test]
+    fn memory_is_counted_for_all_that_is_made_of_a_picture() {
+        let scene = ball();
+        let settings = settings(&scene, [100, 100]);
+        let bytes = |outputs: &[(View, Format)]| to_finish(&scene, outputs, &settings);
+        let png = [(View::Color, Format::Png), (View::Depth, Format::Png)];
+        assert_eq!(bytes(&png), BYTES_TO_ENCODE, "one file after the other");
+        let layers_of_exr =
+            [View::Color, View::Depth, View::Normals, View::Lights].map(|view| (view, Format::Exr));
+        assert_eq!(bytes(&layers_of_exr), 12 + 8 * 10, "all in one file");
+        assert_eq!(bytes(&[png.as_slice(), &DENOISE_OUTPUTS].concat()), denoise::BYTES_A_PIXEL);
+
+        let needed = |outputs: &[(View, Format)]| {
+            let none = Resources { memory: Some(0), ..Resources::default() };
+            let Err(RenderError::Memory { needed, .. }) = render(&scene, &settings, outputs, &none, &Silent)
+            else {
+                panic!("it needs nothing")
+            };
+            needed
+        };
+        let spec = FilmSpec {
+            one_pass: true,
+            ..film_spec(&scene.camera, &settings, layers(&scene, &DENOISE_OUTPUTS, &settings))
+        };
+        assert_eq!(needed(&DENOISE_OUTPUTS), spec.bytes() + 10_000 * u128::from(denoise::BYTES_A_PIXEL));
     }
 
     #[test]

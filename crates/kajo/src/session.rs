@@ -134,7 +134,7 @@ impl Session {
         self.shared.changed.notify_all();
         if self.thread.is_none() {
             state.next = None;
-            let error = RenderError::Panicked("the system gives no thread to render with".to_owned());
+            let error = RenderError::panicked("the system gives no thread to render with");
             state.status = Status::Failed(Arc::new(error));
         }
         number

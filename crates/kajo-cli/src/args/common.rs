@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use kajo::{Dialect, LoadOptions, Resources};
+use kajo::{Dialect, LARGEST_TILE, LoadOptions, MOST_THREADS, Resources};
 
 use super::values;
 
@@ -38,11 +38,11 @@ impl SceneArgs {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Running")]
 pub struct RunArgs {
-    /// Threads; 0 for one on each core
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=4096))]
+    /// Threads, at most 1024; 0 for one on each core
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=MOST_THREADS as i64))]
     pub threads: u16,
-    /// Side of the tiles that threads work on, in pixels; 0 for the default
-    #[arg(long, value_name = "PIXELS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=65536))]
+    /// Side of the tiles that threads work on, in pixels, at most 512; 0 for the default
+    #[arg(long, value_name = "PIXELS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=i64::from(LARGEST_TILE)))]
     pub tile: u32,
     /// Memory a picture may take, in MB; what the system has left by default
     #[arg(long, value_name = "MB")]

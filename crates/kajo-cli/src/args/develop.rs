@@ -14,7 +14,7 @@ pub struct DevelopArgs {
     #[arg(long, value_name = "HOW", num_args = 0..=1, default_missing_value = "best", value_parser = denoiser())]
     pub denoise: Option<Denoiser>,
     /// Make the picture brighter by this many factors of two
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = values::finite)]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = values::stops)]
     pub exposure: Option<f32>,
     /// The light that is to look white: its temperature in kelvin, and a tint if you like
     #[arg(long, value_name = "KELVIN[:TINT]", value_parser = white_balance)]

@@ -21,7 +21,7 @@ pub struct PassArgs {
     /// Take more samples where the picture is noisy and fewer elsewhere; --samples is then the mean
     #[arg(long)]
     pub adaptive: bool,
-    /// Save the state of the render to this file now and then, and when it is interrupted
+    /// Save the state of the render to this file now and then, and when it ends, be it by an interrupt
     #[arg(long, value_name = "FILE")]
     pub checkpoint: Option<PathBuf>,
     /// Seconds from one checkpoint to the next

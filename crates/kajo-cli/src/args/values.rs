@@ -157,6 +157,12 @@ pub fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|n: &f32| n.is_finite()).ok_or_else(|| "expected a number".to_owned())
 }
 
+/// Factors of two, as many as a scene may ask for.
+pub fn stops(text: &str) -> Result<f32, String> {
+    let stops = text.parse().ok().filter(|n: &f32| (-100.0..=100.0).contains(n));
+    stops.ok_or_else(|| "expected a number from -100 to 100".to_owned())
+}
+
 /// A finite number from 0 up.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|n: &f64| n.is_finite() && *n >= 0.0);
@@ -220,6 +226,8 @@ mod tests {
     fn numbers_are_finite() {
         assert_eq!(finite("-2.5e3"), Ok(-2500.0));
         assert!(["inf", "nan", "1e99", "x"].iter().all(|text| finite(text).is_err()));
+        assert_eq!(stops("-100"), Ok(-100.0));
+        assert!(["101", "-1e30", "inf", "nan", ""].iter().all(|text| stops(text).is_err()));
         assert!(["-1", "inf", "nan"].iter().all(|text| not_negative(text).is_err()));
         assert!(["0", "-1", "inf", "nan", "1%"].iter().all(|text| positive(text).is_err()));
         assert_eq!(seconds("0.5"), Ok(Duration::from_millis(500)));

@@ -28,7 +28,11 @@ use crate::progress::{Meter, in_short};
 pub fn render(job: &Job, run: &RunArgs, interrupt: &Interrupt) -> Result<(), Failure> {
     let meter = Meter::new(run.quiet, run.show_progress);
     let mut say = |text: &str| console::line(text.trim_end());
-    let done = job.run(&meter, interrupt, &mut Voice { color: console::in_color(), say: &mut say })?;
+    let done = job.run(
+        &meter,
+        interrupt,
+        &mut Voice { color: console::in_color(), quiet: run.quiet, say: &mut say },
+    )?;
     if !run.quiet {
         console::line(summary(job, &done));
     }

@@ -83,7 +83,8 @@ fn render(entry: &Entry, args: &GalleryArgs, interrupt: &Interrupt) -> Result<Re
     let result = job(entry, args).and_then(|job| {
         let meter = Meter::new(args.run.quiet, args.run.show_progress);
         let mut say = |text: &str| said.push_str(text);
-        let done = job.run(&meter, interrupt, &mut Voice { color: false, say: &mut say })?;
+        let done =
+            job.run(&meter, interrupt, &mut Voice { color: false, quiet: args.run.quiet, say: &mut say })?;
         Ok(rendered(&job, &done, &args.out))
     });
     result.map_err(|failure| {

@@ -71,6 +71,7 @@ type SetImage =
 /// The library's functions that are needed.
 pub struct Oidn {
     new_device: unsafe extern "C" fn(c_int) -> Device,
+    set_threads: unsafe extern "C" fn(Device, *const c_char, c_int),
     commit_device: Of<Device>,
     device_error: unsafe extern "C" fn(Device, *mut *const c_char) -> c_int,
     release_device: Of<Device>,
@@ -120,6 +121,8 @@ impl Oidn {
         unsafe {
             Ok(Oidn {
                 new_device: function(&library, "oidnNewDevice")?,
+                set_threads: function(&library, "oidnSetDeviceInt")
+                    .or_else(|_| function(&library, "oidnSetDevice1i"))?,
                 commit_device: function(&library, "oidnCommitDevice")?,
                 device_error: function(&library, "oidnGetDeviceError")?,
                 release_device: function(&library, "oidnReleaseDevice")?,
@@ -137,9 +140,11 @@ impl Oidn {
 
     /// The picture with less noise. The variance is not looked at.
     ///
+    /// * `threads`: 0 for as many as the library likes
+    ///
     /// # Errors
     /// [`OidnError::Image`] when the images do not fit together, [`OidnError::Failed`] with the library's own words.
-    pub fn denoise(&self, picture: &Guided<'_>) -> Result<Image, OidnError> {
+    pub fn denoise(&self, picture: &Guided<'_>, threads: usize) -> Result<Image, OidnError> {
         picture.check()?;
         let mut result = picture.color.clone();
         // SAFETY: handles are used while they live and released once. The images are as large as is said,
@@ -150,6 +155,7 @@ impl Oidn {
             if device.is_null() {
                 return Err(self.failure(device));
             }
+            (self.set_threads)(device, c"numThreads".as_ptr(), threads.try_into().unwrap_or(0));
             (self.commit_device)(device);
             let filter = (self.new_filter)(device, c"RT".as_ptr());
             if filter.is_null() {
@@ -248,13 +254,13 @@ mod tests {
         let color = Image::from_fn(64, 48, |x, y| [noise(x, y); 3]).unwrap();
         let flat = Image::filled(64, 48, &[0.5; 3]).unwrap();
         let picture = Guided { color: &color, variance: &flat, albedo: &flat, normal: &flat };
-        let smooth = oidn.denoise(&picture).unwrap();
+        let smooth = oidn.denoise(&picture, 2).unwrap();
         let spread = |image: &Image| {
             let mean = image.data().iter().sum::<f32>() / image.data().len() as f32;
             image.data().iter().map(|v| (v - mean) * (v - mean)).sum::<f32>()
         };
         assert!(spread(&smooth) < 0.5 * spread(&color), "{} to {}", spread(&color), spread(&smooth));
         let grey = Image::new(64, 48, 1).unwrap();
-        assert!(matches!(oidn.denoise(&Guided { albedo: &grey, ..picture }), Err(OidnError::Image(_))));
+        assert!(matches!(oidn.denoise(&Guided { albedo: &grey, ..picture }, 0), Err(OidnError::Image(_))));
     }
 }

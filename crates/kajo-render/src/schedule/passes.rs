@@ -89,7 +89,9 @@ pub fn render_passes<I: PixelIntegrator + ?Sized>(
     let mut quota = u32::MAX;
     while let Some(samples) = position.next_samples(settings, goal, quota) {
         let plan = position.plan(film, settings, samples.clone());
-        let clock = Clock { progress, end: goal.time.filter(|_| position.done > 0).map(|time| start + time) };
+        // Beyond what the clock can tell there is no end.
+        let end = goal.time.filter(|_| position.done > 0).and_then(|time| start.checked_add(time));
+        let clock = Clock { progress, end };
         let share = position.share(film, settings, &plan, &stats);
         let mut pass = Pass::new(integrator, film, settings, &clock, &plan, share);
         if let Some(unfinished) = &position.unfinished {

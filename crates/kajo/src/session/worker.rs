@@ -16,7 +16,7 @@ use kajo_render::{
 };
 
 use super::{Frame, Job, Status};
-use crate::render::{check_memory, film_spec, integrator, schedule};
+use crate::render::{BYTES_TO_ENCODE, check_memory, film_spec, integrator, schedule};
 use crate::{RenderError, RenderSettings, Resources, View};
 
 /// Longest time between two frames, as far as a sample of each pixel allows.
@@ -81,7 +81,7 @@ impl Shared {
         while let Some((number, job)) = self.next() {
             let run = Run { shared: self, number, start: Instant::now() };
             let outcome = catch_unwind(AssertUnwindSafe(|| run.render(&job)));
-            let outcome = outcome.unwrap_or_else(|panic| Err(RenderError::Panicked(message_of(&*panic))));
+            let outcome = outcome.unwrap_or_else(|panic| Err(RenderError::panicked(message_of(&*panic))));
             run.end(outcome);
         }
     }
@@ -119,7 +119,7 @@ impl Run<'_> {
         let camera = job.camera.as_ref().map_or(&job.scene.camera, |pose| pose.camera());
         let layers = layers(&job.scene, &job.views, &job.settings);
         let resources = Resources { threads: self.shared.threads, ..Resources::default() };
-        check_memory(&film_spec(camera, &job.settings, layers), &resources)?;
+        check_memory(&film_spec(camera, &job.settings, layers), BYTES_TO_ENCODE, &resources)?;
         for factor in downscales(job.downscale) {
             let began = Instant::now();
             let settings = coarse(&job.settings, camera, factor);
@@ -175,7 +175,7 @@ impl Run<'_> {
         match result {
             Ok(_) => Ok(Outcome::Finished),
             Err(PassError::Cancelled(_)) => Ok(Outcome::Cancelled),
-            Err(error @ PassError::Panicked { .. }) => Err(RenderError::Panicked(error.to_string())),
+            Err(error @ PassError::Panicked { .. }) => Err(RenderError::panicked(error.to_string())),
         }
     }
 
