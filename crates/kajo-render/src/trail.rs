@@ -1,6 +1,6 @@
 //! What becomes of one camera ray: every ray that follows from it, what that met, and the light it found.
 //!
-//! Integrators tell a [`Witness`] what they do. Where pictures are made that is [`RayCounters`], which counts rays
+//! Integrators tell a `Witness` what they do. Where pictures are made that is [`RayCounters`], which counts rays
 //! and lets everything else be compiled away; a [`Trail`] keeps it all. The same code runs in both cases, and
 //!
 //! ```text

@@ -26,10 +26,10 @@ pub fn studio(args: &StudioArgs) -> Result<(), Failure> {
     }
 }
 
-/// `kajo` alone: the window, or the help where there is none.
+/// `kajo` alone: the window, or the help where there can be none.
 pub fn alone() -> Result<(), Failure> {
     let result = studio(&StudioArgs::default());
-    if matches!(&result, Err(Failure::Input(text)) if !text.is_empty()) {
+    if matches!(&result, Err(Failure::Input(_))) {
         console::line(Cli::tree().render_help().to_string().trim_end());
     }
     result

@@ -84,7 +84,7 @@ mod tests {
 
     /// Irradiance at a distance from the axis, as the mean over a narrow ring.
     fn irradiance(x: f64, distance: f64) -> f64 {
-        let width = 2e-4 * x;
+        let width = 2e-3 * x;
         let within = |h: f64| (landing(h, 1.5, distance) - x).abs() < width;
         let steps = 4_000_000;
         let value = |k: i32| {
