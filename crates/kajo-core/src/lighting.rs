@@ -106,7 +106,7 @@ impl Scene {
         wavelengths: &Wavelengths,
         choice: LightChoice,
     ) -> Option<LightSample> {
-        self.emitters.sample(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice)
+        self.lamp_towards(to, u, place, wavelengths, choice).map(|(_, sample)| sample)
     }
 
     /// As [`Scene::light_towards`], with the number of the lamp.
@@ -119,7 +119,7 @@ impl Scene {
         wavelengths: &Wavelengths,
         choice: LightChoice,
     ) -> Option<(u32, LightSample)> {
-        self.emitters.draw(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice)
+        self.emitters.sample(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice)
     }
 
     /// Density per solid angle with which [`Scene::lamp_towards`] draws this lamp and the way to a place of it; for a

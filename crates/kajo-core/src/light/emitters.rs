@@ -76,7 +76,7 @@ impl Emitters {
         self.sky.map_or(0, |number| self.group(number))
     }
 
-    /// Light drawn for a receiver; its density includes the choice of the lamp.
+    /// The number of a light drawn for a receiver, and its light there; the density includes the choice of the lamp.
     ///
     /// * `p`, `n`: point and unit normal of the receiver; the normal is zero where it has none
     /// * `time`: moment within the shutter interval
@@ -87,22 +87,6 @@ impl Emitters {
         reason = "a receiver, numbers and a mode; a struct would hold nothing together"
     )]
     pub fn sample(
-        &self,
-        lights: &Lights,
-        [p, n]: [Vec3; 2],
-        time: f32,
-        u: f32,
-        place: Vec2,
-        wavelengths: &Wavelengths,
-        choice: LightChoice,
-    ) -> Option<LightSample> {
-        self.draw(lights, [p, n], time, u, place, wavelengths, choice).map(|(_, sample)| sample)
-    }
-
-    /// As [`Emitters::sample`], with the number of the light.
-    #[inline]
-    #[expect(clippy::too_many_arguments, reason = "as above")]
-    pub fn draw(
         &self,
         lights: &Lights,
         [p, n]: [Vec3; 2],

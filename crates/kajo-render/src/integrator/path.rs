@@ -92,8 +92,8 @@ impl Path<'_> {
         let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
         let groups = LightGroups::default();
         let wanted = self.view.wants_light_groups().then_some(&groups);
-        let mut walk =
-            Walk::new(&self.view, &self.settings, ray, wavelengths, draws, witness).with_groups(wanted);
+        let mut walk = Walk::new(&self.view, &self.settings, ray, wavelengths, draws, witness);
+        walk.tell_groups_apart(wanted);
         walk.witness.counters().camera += 1;
         walk.run();
         let (radiance, first, albedo) = (walk.finished(), walk.first, walk.albedo);

@@ -102,9 +102,9 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         }
     }
 
-    /// The same, with the light of each group of lamps added to `groups` as well.
-    pub fn with_groups(self, groups: Option<&'a LightGroups>) -> Walk<'a, 'b, W> {
-        Walk { groups, ..self }
+    /// From here on the light of each group of lamps is added to `groups` as well.
+    pub fn tell_groups_apart(&mut self, groups: Option<&'a LightGroups>) {
+        self.groups = groups;
     }
 
     fn scene(&self) -> &'a Scene {

@@ -4,7 +4,7 @@ use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
 use kajo_core::bsdf::{BsdfSample, Transport};
 use kajo_core::sampler::Draws;
-use kajo_core::scene::{Event, Interaction, Scene};
+use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec3};
 
 use super::Found;
@@ -98,11 +98,14 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     /// Follows the ray to the next surface that is there; `None` when it leaves the scene.
     pub fn trace(&mut self) -> Option<Met> {
         loop {
-            let end = self.scene.trace(&self.ray);
+            let mut at = Interaction::default();
+            let meets = self.scene.trace_into(None, &self.ray, &mut at);
             let (bodies, weight) = (&self.bodies, self.beta);
             let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight, &self.wavelengths) };
-            self.witness.ended(self.scene, &self.ray, end.surface(), about);
-            let Event::Surface(at) = end else { return None };
+            self.witness.ended(self.scene, &self.ray, meets.then_some(&at), about);
+            if !meets {
+                return None;
+            }
             self.beta *= self.bodies.transmittance(at.hit.t * self.ray.d.length());
             self.first.get_or_insert(at);
             let u = self.draws.number_if(self.scene.is_mixture(&at));

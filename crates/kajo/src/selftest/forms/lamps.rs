@@ -35,7 +35,7 @@ use crate::selftest::method::{
 const POINTS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
 
 /// What solves scenes without lamps of no size in one bounce, at a floor that light reaches from the sky.
-const SKIES: &[Method] = &[
+pub(super) const SKIES: &[Method] = &[
     PATH,
     PATH_SCATTERING,
     PATH_LAMPS,

@@ -12,24 +12,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use kajo_math::DVec3;
 
+use super::lamps::SKIES;
 use super::quadrature::simpson;
 use super::{Form, Parameters, spot_meter, text};
-use crate::selftest::method::{
-    BIDIRECTIONAL, DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM, Method, PATH, PATH_LAMPS,
-    PATH_SCATTERING, PATH_SPECTRAL,
-};
-
-/// What solves a surface under the sky.
-const SKIES: &[Method] = &[
-    PATH,
-    PATH_SCATTERING,
-    PATH_LAMPS,
-    PATH_SPECTRAL,
-    BIDIRECTIONAL,
-    DIRECT,
-    DISTRIBUTION_COSINE,
-    DISTRIBUTION_UNIFORM,
-];
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     vec![glossy(draw, [1.0, 10.0]), glossy(draw, [10.0, 60.0])]
