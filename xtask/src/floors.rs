@@ -47,7 +47,7 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 21] = [
+const CORE_MODULES: [(&str, &[&str]); 22] = [
     ("family", &[]),
     ("interaction", &[]),
     ("motion", &[]),
@@ -88,6 +88,22 @@ const CORE_MODULES: [(&str, &[&str]); 21] = [
         ],
     ),
     ("lighting", &["interaction", "bsdf", "light", "material", "scene"]),
+    // Tests only: what holds for all families.
+    (
+        "laws",
+        &[
+            "family",
+            "motion",
+            "bsdf",
+            "texture",
+            "material",
+            "shape",
+            "light",
+            "daylight",
+            "background",
+            "camera",
+        ],
+    ),
     (
         "compile",
         &[

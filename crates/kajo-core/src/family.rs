@@ -70,6 +70,14 @@ macro_rules! family {
         enum Kind { $($field),+ }
 
         impl $Pools {
+            /// The names of all kinds, those of their pools.
+            pub const KINDS: &[&str] = &[$(stringify!($field)),+];
+
+            /// The name of a member's kind.
+            pub fn kind(id: $Handle) -> &'static str {
+                $Pools::KINDS[crate::family::split(id.0).0 as usize]
+            }
+
             /// How many members there are of each kind that has any, by the name of the pool.
             pub fn counts(&self) -> Vec<(&'static str, usize)> {
                 let all = [$((stringify!($field), self.$field.len())),+];

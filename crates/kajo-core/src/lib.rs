@@ -12,6 +12,8 @@ pub mod environment;
 mod family;
 pub mod interaction;
 mod item_buffer;
+#[cfg(test)]
+mod laws;
 pub mod light;
 pub mod lighting;
 pub mod material;

@@ -232,4 +232,4 @@ fn upright(wo: Vec3, wi: Vec3) -> (Vec3, Vec3) {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -37,7 +37,7 @@ impl Frame {
     }
 
     /// Whether the axes are perpendicular unit vectors.
-    pub(super) fn is_orthonormal(&self) -> bool {
+    pub(crate) fn is_orthonormal(&self) -> bool {
         let axes = [self.right, self.up, self.forward];
         let unit = axes.iter().all(|axis| (axis.length_squared() - 1.0).abs() < 1e-6);
         unit && self.right.cross(self.up).dot(self.forward).abs() > 1.0 - 1e-6

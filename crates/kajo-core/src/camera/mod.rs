@@ -128,4 +128,4 @@ impl Camera {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -15,7 +15,7 @@ fn random_frame(i: u32) -> Frame {
 }
 
 /// A camera of each kind and of each projection, without lenses and with.
-pub(super) fn every_camera() -> Vec<Camera> {
+pub(crate) fn every_camera() -> Vec<Camera> {
     let frame = random_frame(7);
     let lens = ThinLens { aperture: Aperture::Round, radius: 0.2, focus: 4.0 };
     let mut cameras = vec![

@@ -148,4 +148,4 @@ family! {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -240,8 +240,9 @@ impl Emitter for PhotometricLight {
         })
     }
 
-    fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], _d: Vec3, _world: &Ball) -> EmissionPdf {
-        EmissionPdf { place: 1.0, direction: (0.25 / PI) as f32 }
+    fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], d: Vec3, _world: &Ball) -> EmissionPdf {
+        let lit = self.photometry.towards(self.frame.to_local(d)) > 0.0;
+        EmissionPdf { place: 1.0, direction: if lit { (0.25 / PI) as f32 } else { 0.0 } }
     }
 
     fn power(&self, _world: &Ball) -> f32 {

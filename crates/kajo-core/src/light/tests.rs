@@ -8,7 +8,7 @@ use super::*;
 use crate::shape::{Canonical, DiskPatch, Patch};
 
 mod densities;
-mod emission;
+pub(crate) mod emission;
 mod many;
 
 fn draw(i: u32) -> Vec2 {

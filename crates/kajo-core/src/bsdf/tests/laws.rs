@@ -1,21 +1,11 @@
-use std::f32::consts::TAU;
+//! Laws of lobes besides density and energy, which `laws.rs` of the crate has for everything that draws directions.
 
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3, rng::Stream, warp};
 use kajo_testkit::sphere;
 
 use super::super::*;
-use super::list::{ROUGHNESSES, deep, families, mirrors};
-
-/// Directions from straight above to nearly along the surface, on both sides.
-fn directions(n: u32) -> impl Iterator<Item = Vec3> {
-    (0..n).map(move |i| {
-        let z = 1.0 - 0.95 * i as f32 / (n - 1) as f32;
-        let (s, c) = (TAU * 0.618_034 * i as f32).sin_cos();
-        let r = (1.0 - z * z).max(0.0).sqrt();
-        Vec3::new(r * c, r * s, if i % 2 == 1 { -z } else { z })
-    })
-}
+use super::list::{ROUGHNESSES, directions, families, mirrors};
 
 fn random(s: &Stream, k: u32) -> (Vec3, Vec3, Vec2, f32) {
     let v2 = |k| Vec2::new(s.uniform(k), s.uniform(k + 1));
@@ -34,28 +24,6 @@ fn a_bsdf_is_small_and_copied() {
         size_of::<T>()
     }
     assert!(copied::<Bsdf>() <= 128, "{} bytes", size_of::<Bsdf>());
-}
-
-/// Samples follow their density, for 20 directions and 10 roughnesses of every family.
-#[test]
-fn samples_follow_their_density() {
-    let (n_directions, step, n) = if deep() { (20, 1, 100_000) } else { (3, 4, 20_000) };
-    let families = families();
-    let roughnesses: Vec<f32> = ROUGHNESSES.into_iter().step_by(step).collect();
-    let tests = families.len() as u32 * n_directions * roughnesses.len() as u32;
-    for family in &families {
-        for &roughness in &roughnesses {
-            let lobe = (family.lobe)(roughness);
-            for (i, wo) in directions(n_directions).enumerate() {
-                let sample = |u, uc| {
-                    let sample = lobe.sample(wo, u, uc, Transport::Radiance)?;
-                    (!sample.kind.delta).then_some(sample.wi)
-                };
-                let result = sphere::test(n, i as u64, sample, |wi| lobe.pdf(wo, wi));
-                assert!(result.passes(0.01, tests), "{} {roughness} from {wo}: {result:?}", family.name);
-            }
-        }
-    }
 }
 
 #[test]
@@ -104,29 +72,6 @@ fn both_ways_are_one() {
                 let back = lobe.eval(wi, wo, Transport::Importance) * wi.z.abs();
                 let off = difference(there, back);
                 assert!(off < 1e-6, "{} {roughness} {wo} {wi}: {there:?} {back:?}", family.name);
-            }
-        }
-    }
-}
-
-/// In a room where light arrives from everywhere alike, no surface is brighter than the room, and one that absorbs
-/// nothing cannot be seen. Power is counted, so that the squeezing of radiance is left out.
-#[test]
-fn the_white_furnace() {
-    let (side, step, n_directions) = if deep() { (256, 1, 10) } else { (64, 3, 4) };
-    for family in families() {
-        for roughness in ROUGHNESSES.into_iter().step_by(step) {
-            let lobe = (family.lobe)(roughness);
-            for wo in directions(n_directions) {
-                let energy = sphere::stratified_mean(side, 9, |u, uc| {
-                    let sample = lobe.sample(wo, u, uc, Transport::Radiance);
-                    sample.map_or(0.0, |sample| f64::from(sample.weight.max_lane() * sample.eta * sample.eta))
-                });
-                let place = format!("{} {roughness} from {wo}: {energy}", family.name);
-                // Fewer samples are noisier.
-                let tolerance = if deep() { family.tolerance } else { family.tolerance + 0.004 };
-                assert!(energy < 1.0 + tolerance, "{place}");
-                assert!(!family.lossless || energy > 1.0 - tolerance, "{place}");
             }
         }
     }

@@ -1,5 +1,7 @@
 //! The lobes under test.
 
+use std::f32::consts::TAU;
+
 use kajo_color::Spectrum;
 
 use super::super::*;
@@ -192,6 +194,16 @@ pub fn mirrors() -> Vec<(&'static str, Bsdf)> {
         ("nothing", Bsdf::Null),
         ("mirrors of Phong", phong(0.0, 0.0, 0.4, 0.6, 0.5)),
     ]
+}
+
+/// Directions from straight above to nearly along the surface, on both sides.
+pub fn directions(n: u32) -> impl Iterator<Item = Vec3> {
+    (0..n).map(move |i| {
+        let z = 1.0 - 0.95 * i as f32 / (n - 1) as f32;
+        let (s, c) = (TAU * 0.618_034 * i as f32).sin_cos();
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        Vec3::new(r * c, r * s, if i % 2 == 1 { -z } else { z })
+    })
 }
 
 /// Whether tests that take long are to be run in full: `KAJO_DEEP` is set.

@@ -1,7 +1,7 @@
 //! What every lobe must hold, from one list.
 
 mod laws;
-mod list;
+pub(crate) mod list;
 mod microfacets;
 mod random;
 mod tables;

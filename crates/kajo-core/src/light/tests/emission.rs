@@ -8,7 +8,7 @@ use crate::family::Pooled;
 use kajo_math::{Aabb, Frame};
 use kajo_scene::IesFile;
 
-const WORLD: Ball = Ball { center: Vec3::new(1.0, -0.5, 0.3), radius: 2.5 };
+pub(crate) const WORLD: Ball = Ball { center: Vec3::new(1.0, -0.5, 0.3), radius: 2.5 };
 
 fn point(attenuation: [f32; 3]) -> PointLight {
     PointLight {
@@ -24,7 +24,7 @@ fn area(patch: Patch, sides: Sides) -> AreaLight {
 }
 
 /// One lamp of each kind with the power it has.
-fn lamps() -> (Lights, Vec<(LightId, f64)>) {
+pub(crate) fn lamps() -> (Lights, Vec<(LightId, f64)>) {
     let mut lights = Lights::default();
     let mut list = Vec::new();
     let ball = Patch::Sphere { center: DVec3::new(0.5, 0.0, 0.0), radius: 0.7 };

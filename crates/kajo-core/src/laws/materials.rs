@@ -1,0 +1,201 @@
+//! Materials: one of each kind, white where it can be, for each part of a mixture.
+
+use std::sync::Arc;
+
+use kajo_color::{Reflectance, Spectrum, Wavelengths, dispersion::Dispersion, named};
+use kajo_math::{Affine3A, Vec2, Vec3};
+
+use super::{Census, Draw, Furnace, Who};
+use crate::Pooled;
+use crate::bsdf::tests::list::directions;
+use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
+use crate::material::{
+    Blend, Glass, GlassSettings, LayeredMaterial, Layers, MaterialId, Materials, Matte, Metal, Perforated,
+    PhongMaterial, ShadingPoint, Substance,
+};
+use crate::texture::{Checker, Constant, Textures};
+
+/// How far off the energy of a material without losses may be.
+const TOLERANCE: f64 = 3e-3;
+
+/// Numbers that choose among the parts of a mixture.
+const CHOICES: u32 = 16;
+
+/// Materials, their patterns, and who is in the list.
+struct Samples {
+    materials: Materials,
+    textures: Textures,
+    /// Each with its name and whether all light leaves it again.
+    list: Vec<(MaterialId, &'static str, bool)>,
+}
+
+impl Samples {
+    fn add(
+        &mut self,
+        name: &'static str,
+        lossless: bool,
+        material: impl Pooled<Materials, Handle = MaterialId>,
+    ) -> MaterialId {
+        let id = material.store(&mut self.materials).expect("there is room");
+        self.list.push((id, name, lossless));
+        id
+    }
+
+    fn at<'a>(&self, wavelengths: &'a Wavelengths, u: f32) -> ShadingPoint<'a> {
+        ShadingPoint { p: Vec3::new(0.3, 0.2, 0.1), wavelengths, eta_outside: 1.0, u }
+    }
+
+    fn bsdf(&self, id: MaterialId, wavelengths: &Wavelengths, u: f32) -> Bsdf {
+        self.materials.bsdf(id, &self.materials, &self.textures, &self.at(wavelengths, u))
+    }
+}
+
+fn glass(roughness: f32, pane: Option<f32>) -> Glass {
+    Glass::from(GlassSettings {
+        index: Dispersion::Constant(1.5),
+        shape: Shape::Ggx,
+        roughness,
+        absorption: [0.0; 3],
+        pane,
+        priority: 0,
+    })
+}
+
+fn white_layers() -> Layers {
+    let white = Reflectance::constant(1.0);
+    Layers {
+        color: white.clone(),
+        specular_color: white.clone(),
+        metalness: 0.3,
+        transmission: 0.4,
+        roughness: 0.6,
+        diffuse_roughness: 0.3,
+        eta: 1.5,
+        coat: 0.5,
+        coat_color: white.clone(),
+        coat_roughness: 0.4,
+        coat_eta: 1.6,
+        fuzz: 0.3,
+        fuzz_color: white,
+        fuzz_roughness: 0.5,
+        priority: 0,
+    }
+}
+
+fn samples() -> Samples {
+    let mut all =
+        Samples { materials: Materials::default(), textures: Textures::default(), list: Vec::new() };
+    let white = || Reflectance::constant(1.0);
+    let grey = Spectrum::grey;
+    let plaster = all.add("plaster", true, Matte::new(white(), 0.0));
+    let clay = all.add("clay", false, Matte::new(Reflectance::from_rgb([0.7, 0.4, 0.3]), 0.8));
+    let silver = all.add("silver", true, Metal::new(Substance::Color(white()), Shape::Ggx, 0.6));
+    let gold = named::metal("gold").expect("a known metal");
+    all.add("gold", false, Metal::new(Substance::Measured(gold), Shape::Beckmann, 0.5));
+    all.add("frosted glass", true, glass(0.5, None));
+    all.add("pane", true, glass(0.0, Some(0.1)));
+    all.add("layers", true, LayeredMaterial::from(white_layers()));
+    let red = Reflectance::from_rgb([0.8, 0.1, 0.1]);
+    all.add("paint", false, LayeredMaterial::from(Layers { color: red, ..white_layers() }));
+    let classic = Phong { diffuse: grey(0.3), specular: grey(0.4), exponent: 20.0, ..Phong::BLACK };
+    all.add("Phong", false, PhongMaterial::from(classic));
+    let open = Phong { reflective: grey(0.2), transparent: grey(0.3), eta: 1.3, ..classic };
+    all.add("Phong, clear", false, PhongMaterial::from(open));
+    all.add("gauze", true, Perforated { material: plaster, opacity: 0.6 });
+    let pattern = Constant { value: 0.3 }.store(&mut all.textures).expect("there is room");
+    let mix = |pattern, materials| Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials };
+    all.add("plaster and silver", true, mix(pattern, [plaster, silver]));
+    let pattern = Checker.store(&mut all.textures).expect("there is room");
+    all.add("checks", false, mix(pattern, [silver, clay]));
+    all
+}
+
+fn who(kind: &'static str, name: String) -> Who {
+    Who { family: "material", kind, name }
+}
+
+pub(super) fn census() -> Census {
+    Census { family: "material", kinds: Materials::KINDS.to_vec(), pointlike: &[], unpowered: &[] }
+}
+
+pub(super) fn draws() -> Vec<Draw> {
+    let all = samples();
+    let mut draws = Vec::new();
+    for &(id, name, _) in &all.list {
+        for choice in [0.1, 0.5, 0.9] {
+            let bsdf = all.bsdf(id, &Wavelengths::RGB, choice);
+            for wo in directions(2) {
+                draws.extend(
+                    (!bsdf.is_delta()).then(|| draw(id, format!("{name}, part {choice}, {wo}"), bsdf, wo)),
+                );
+            }
+        }
+    }
+    draws
+}
+
+fn draw(id: MaterialId, name: String, bsdf: Bsdf, wo: Vec3) -> Draw {
+    Draw {
+        who: who(Materials::kind(id), name),
+        draw: Box::new(move |u, uc| {
+            let sample = bsdf.sample(wo, u, uc, Transport::Radiance)?;
+            (!sample.kind.delta).then_some(sample.wi)
+        }),
+        pdf: Box::new(move |wi| bsdf.pdf(wo, wi)),
+    }
+}
+
+/// Power that leaves a material in a furnace, in RGB and at four wavelengths.
+pub(super) fn furnaces() -> Vec<Furnace> {
+    let all = Arc::new(samples());
+    let mut furnaces = Vec::new();
+    for &(id, name, lossless) in &all.list {
+        for wavelengths in [Wavelengths::RGB, Wavelengths::sample(0.4)] {
+            for wo in directions(3) {
+                let shared = Arc::clone(&all);
+                let energy = move |u: Vec2, uc: f32| {
+                    let choice = ((f64::from(uc) * 977.0).fract() * f64::from(CHOICES)) as u32;
+                    let choice = (choice as f32 + 0.5) / CHOICES as f32;
+                    let sample = shared.bsdf(id, &wavelengths, choice).sample(wo, u, uc, Transport::Radiance);
+                    sample.map_or(0.0, |sample| f64::from(sample.weight.max_lane() * sample.eta * sample.eta))
+                };
+                furnaces.push(Furnace {
+                    who: who(Materials::kind(id), format!("{name} from {wo}")),
+                    energy: Box::new(energy),
+                    expected: [if lossless { 1.0 - TOLERANCE } else { 0.0 }, 1.0 + TOLERANCE],
+                });
+            }
+        }
+    }
+    furnaces
+}
+
+/// What a material says of itself is so.
+#[test]
+fn materials_are_what_they_say() {
+    let all = samples();
+    let (materials, textures) = (&all.materials, &all.textures);
+    let u = [0.05, 0.25, 0.45, 0.65, 0.85, 0.95];
+    for &(id, name, _) in &all.list {
+        let parts: Vec<Bsdf> =
+            (0..1000).map(|i| all.bsdf(id, &Wavelengths::RGB, (i as f32 + 0.5) / 1000.0)).collect();
+        let differs = |bsdf: &Bsdf| format!("{bsdf:?}") != format!("{:?}", parts[0]);
+        assert!(materials.is_mixture(id) || !parts.iter().any(differs), "{name} has parts");
+        let holes = parts.iter().filter(|bsdf| matches!(bsdf, Bsdf::Null)).count() as f32 / 1000.0;
+        let opacity = materials.opacity(id, materials, textures, all.at(&Wavelengths::RGB, 0.0).p);
+        assert!((1.0 - holes - opacity).abs() < 2e-3, "{name} has an opacity of {opacity} and {holes} holes");
+        let crosses = parts.iter().any(|bsdf| {
+            let samples = u
+                .iter()
+                .flat_map(|&uc| u.map(|v| bsdf.sample(Vec3::Z, Vec2::new(v, uc), uc, Transport::Radiance)));
+            samples.flatten().any(|sample| sample.kind.transmission)
+        });
+        assert_eq!(crosses, materials.may_transmit(id, materials), "{name}");
+        let p = Vec3::new(0.3, 0.2, 0.1);
+        if let Some(constant) = materials.constant(id) {
+            assert_eq!(*constant, materials.phong(id, materials, textures, p), "{name}");
+        }
+        let enters = u.map(|u| materials.interior(id, materials, textures, &all.at(&Wavelengths::RGB, u)));
+        assert!(crosses || enters.iter().all(Option::is_none), "{name} has no inside that light can reach");
+    }
+}
