@@ -1,7 +1,8 @@
 //! Eight floats at a time, by what the processor at hand can do.
 //!
-//! [`Avx2`] exists only where the processor has AVX2 and FMA, found out at run time;
-//! [`Portable`] exists everywhere and becomes SSE2 on x86-64 and NEON on ARM by way of
+//! [`Avx2`] exists only where the processor has AVX2 and FMA, found out at run time; [`Avx512`]
+//! is the same instructions with twice the registers, and masks that need no register of
+//! their own; [`Portable`] exists everywhere and becomes SSE2 on x86-64 and NEON on ARM by way of
 //! glam. Kernels are written once, generic over [`Simd`], inlined into
 //! [`Simd::vectorize`], and so compiled once for each.
 //!
@@ -160,10 +161,24 @@ impl Simd for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use avx2::Avx2;
+pub(crate) use avx::{Avx2, Avx512};
 
 /// Evaluates an expression with the best [`Simd`] this machine has.
+///
+/// `wide:` before it adds [`Avx512`] to the choice: for kernels that keep much at hand, as each
+/// choice is compiled on its own.
 macro_rules! dispatch {
+    (wide: $simd:ident => $body:expr) => {{
+        #[cfg(target_arch = "x86_64")]
+        if let Some($simd) = $crate::simd::Avx512::detect() {
+            return $crate::simd::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $body,
+            );
+        }
+        $crate::simd::dispatch!($simd => $body)
+    }};
     ($simd:ident => $body:expr) => {{
         #[cfg(target_arch = "x86_64")]
         if let Some($simd) = $crate::simd::Avx2::detect() {
@@ -184,20 +199,35 @@ macro_rules! dispatch {
 pub(crate) use dispatch;
 
 #[cfg(target_arch = "x86_64")]
-mod avx2 {
+mod avx {
     use std::arch::x86_64::*;
 
     use super::{Simd, Vec4};
 
-    /// Proof that the processor has AVX2 and FMA.
+    /// Proof that the processor has AVX2 and FMA, and if `WIDE` the registers of AVX-512.
     #[derive(Clone, Copy, Debug)]
-    pub(crate) struct Avx2(());
+    pub(crate) struct Avx<const WIDE: bool>(());
+
+    pub(crate) type Avx2 = Avx<false>;
+    pub(crate) type Avx512 = Avx<true>;
+
+    impl Avx512 {
+        /// The proof, where it holds.
+        #[inline(always)]
+        pub(crate) fn detect() -> Option<Avx512> {
+            let wide = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq");
+            (wide && Avx2::detect().is_some()).then_some(Avx(()))
+        }
+    }
 
     impl Avx2 {
         /// The proof, where it holds.
         #[inline(always)]
         pub(crate) fn detect() -> Option<Avx2> {
-            (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Avx2(()))
+            (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Avx(()))
         }
     }
 
@@ -206,14 +236,19 @@ mod avx2 {
         f()
     }
 
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+    fn run_wide<R>(f: impl FnOnce() -> R) -> R {
+        f()
+    }
+
     // SAFETY of every block below: `self` proves that the processor has the instruction.
-    impl Simd for Avx2 {
+    impl<const WIDE: bool> Simd for Avx<WIDE> {
         type F32x8 = __m256;
 
         #[inline(always)]
         fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
             // SAFETY: as above.
-            unsafe { run(f) }
+            unsafe { if WIDE { run_wide(f) } else { run(f) } }
         }
         #[inline(always)]
         fn splat(self, x: f32) -> __m256 {

@@ -88,13 +88,13 @@ impl TriangleBvh {
     /// The nearest hit in the ray's range; of equally near ones that of the lowest number.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<TriangleHit> {
-        dispatch!(simd => self.closest_on(simd, ray))
+        dispatch!(wide: simd => self.closest_on(simd, ray))
     }
 
     /// Whether anything is hit in the ray's range.
     #[inline]
     pub fn any(&self, ray: &Ray) -> bool {
-        dispatch!(simd => self.any_on(simd, ray))
+        dispatch!(wide: simd => self.any_on(simd, ray))
     }
 
     /// Calls `visit` once for every crossing in the ray's range, in no set order.

@@ -24,24 +24,25 @@ pub(crate) struct Tree<N: Wide = Node> {
     pub(crate) depth: usize,
 }
 
-/// A child that waits, with the parameter at which the ray enters its box.
+/// A child that waits, by a number that leads to it, with the parameter at which the ray enters
+/// its box.
 #[derive(Clone, Copy)]
-struct Waiting(u64);
+pub(crate) struct Waiting(u64);
 
 impl Waiting {
     #[inline(always)]
-    fn new(near: f32, child: Child) -> Waiting {
-        Waiting(u64::from(near.to_bits()) << 32 | u64::from(child.0))
+    fn new(near: f32, number: u32) -> Waiting {
+        Waiting(u64::from(near.to_bits()) << 32 | u64::from(number))
     }
 
     #[inline(always)]
-    fn near(self) -> f32 {
+    pub(crate) fn near(self) -> f32 {
         f32::from_bits((self.0 >> 32) as u32)
     }
 
     #[inline(always)]
-    fn child(self) -> Child {
-        Child(self.0 as u32)
+    pub(crate) fn number(self) -> u32 {
+        self.0 as u32
     }
 
     /// The two, nearer one first. Entries before the ray's origin, of rays that reach
@@ -92,7 +93,7 @@ impl<N: Wide> Tree<N> {
                     current = if mask & (mask - 1) == 0 {
                         node.child(mask.trailing_zeros() as usize)
                     } else {
-                        descend(node, mask, &simd.store(near), &mut stack)
+                        Child(descend(mask, &simd.store(near), &mut stack, |slot| node.child(slot).0))
                     };
                     continue;
                 }
@@ -103,7 +104,7 @@ impl<N: Wide> Tree<N> {
             current = loop {
                 let Some(waiting) = stack.pop() else { return };
                 if waiting.near() <= t_max {
-                    break waiting.child();
+                    break Child(waiting.number());
                 }
             };
         }
@@ -141,25 +142,25 @@ impl<N: Wide> Tree<N> {
     }
 }
 
-/// The nearest of the children in `mask`, which holds at least two; the others wait on the
-/// stack, nearest on top.
+/// The number of the nearest of the children in `mask`, which holds at least two; the others
+/// wait on the stack, nearest on top.
 #[inline(always)]
-fn descend(
-    node: &impl Wide,
+pub(crate) fn descend(
     mut mask: u32,
     near: &[f32; WIDTH],
     stack: &mut Stack<Waiting, WAITING>,
-) -> Child {
+    number: impl Fn(usize) -> u32,
+) -> u32 {
     let mut next = || {
         let slot = take_lowest(&mut mask);
-        (Waiting::new(near[slot], node.child(slot)), mask == 0)
+        (Waiting::new(near[slot], number(slot)), mask == 0)
     };
     let (a, _) = next();
     let (b, last) = next();
     let (a, b) = Waiting::sorted(a, b);
     if last {
         stack.push(b);
-        return a.child();
+        return a.number();
     }
     let (c, last) = next();
     let (b, c) = Waiting::sorted(b, c);
@@ -167,7 +168,7 @@ fn descend(
     if last {
         stack.push(c);
         stack.push(b);
-        return a.child();
+        return a.number();
     }
     let start = stack.len();
     stack.push(c);
@@ -188,7 +189,7 @@ fn descend(
         }
     }
     match stack.pop() {
-        Some(nearest) => nearest.child(),
-        None => a.child(),
+        Some(nearest) => nearest.number(),
+        None => a.number(),
     }
 }

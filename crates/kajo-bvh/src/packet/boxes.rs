@@ -46,9 +46,9 @@ impl<S: Simd> Beam<S> {
         sum.is_finite()
     }
 
-    /// The children whose boxes some ray may meet before `t_max`.
+    /// The children whose boxes some ray may meet before `t_max`, and where the first enters each.
     #[inline(always)]
-    pub(super) fn meet(&self, simd: S, node: &Node, t_max: f32) -> u32 {
+    pub(super) fn meet(&self, simd: S, node: &Node, t_max: f32) -> (u32, S::F32x8) {
         let near = simd.max(
             simd.max(self.enter(simd, node, 0), self.enter(simd, node, 1)),
             simd.max(self.enter(simd, node, 2), self.t_min),
@@ -57,7 +57,7 @@ impl<S: Simd> Beam<S> {
             simd.min(self.leave(simd, node, 0), self.leave(simd, node, 1)),
             simd.min(self.leave(simd, node, 2), simd.splat(t_max)),
         );
-        simd.le(near, far)
+        (simd.le(near, far), near)
     }
 
     #[inline(always)]
@@ -131,9 +131,9 @@ impl<S: Simd> Slabs<S> {
         (usable == ALL).then_some(slabs)
     }
 
-    /// Which rays meet a child's box before their `t_max`, and where they enter it.
+    /// Which rays meet a child's box before their `t_max`.
     #[inline(always)]
-    pub(super) fn meet(&self, simd: S, node: &Node, slot: usize, t_max: S::F32x8) -> (u32, S::F32x8) {
+    pub(super) fn meet(&self, simd: S, node: &Node, slot: usize, t_max: S::F32x8) -> u32 {
         let near = simd.max(
             simd.max(self.enter(simd, node, slot, 0), self.enter(simd, node, slot, 1)),
             simd.max(self.enter(simd, node, slot, 2), self.t_min),
@@ -142,7 +142,7 @@ impl<S: Simd> Slabs<S> {
             simd.min(self.leave(simd, node, slot, 0), self.leave(simd, node, slot, 1)),
             simd.min(self.leave(simd, node, slot, 2), t_max),
         );
-        (simd.le(near, far), near)
+        simd.le(near, far)
     }
 
     #[inline(always)]

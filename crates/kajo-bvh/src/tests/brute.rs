@@ -111,6 +111,11 @@ fn check(mesh: &Mesh, n_rays: usize, name: &str) -> usize {
             avx2.vectorize(|| check_on(avx2, &tree, &truth, &rays, name));
             avx2.vectorize(|| check_packets(avx2, &tree, &bundles, name));
         }
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx512) = crate::simd::Avx512::detect() {
+            avx512.vectorize(|| check_on(avx512, &tree, &truth, &rays, name));
+            avx512.vectorize(|| check_packets(avx512, &tree, &bundles, name));
+        }
     }
     found
 }
