@@ -40,7 +40,7 @@ pub struct Position {
 }
 
 /// One text, with its name.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Source {
     path: String,
     /// Shared, so that the parser can read it while it adds further sources.
@@ -119,7 +119,7 @@ pub(crate) fn floor_char_boundary(text: &str, offset: usize) -> usize {
 }
 
 /// Every text that places may point into.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Sources {
     list: Vec<Source>,
 }

@@ -9,7 +9,7 @@ use crate::source::{SourceId, Sources, Span};
 use std::borrow::Cow;
 
 /// The items of a scene and the texts they came from.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct SceneDesc {
     pub(crate) sources: Sources,
     pub(crate) nodes: Vec<Node>,

@@ -13,6 +13,7 @@ mod problems_panel;
 mod rays_panel;
 mod render_panel;
 mod status;
+mod text_editor;
 mod text_panel;
 pub mod theme;
 mod viewport;

@@ -5,6 +5,7 @@ mod action;
 mod editing;
 mod handling;
 mod histogram;
+pub mod line_ends;
 mod navigation;
 mod problems;
 mod rays;
@@ -12,6 +13,7 @@ mod render_options;
 mod selection;
 mod tracer;
 mod turntable;
+mod typing;
 mod viewing;
 mod watch;
 mod worker;
@@ -20,7 +22,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use kajo::edit::{Document, DocumentError, NodeId};
+use kajo::edit::{Compilation, Compiled, Document, DocumentError, FileId, NodeId};
 use kajo::handles::Mode;
 use kajo::preview::Preview;
 use kajo::session::{Frame, Job, Status};
@@ -121,9 +123,15 @@ pub struct Studio {
     grip: Option<Grip>,
     /// The field that is being dragged.
     dragged: Option<(NodeId, String, usize)>,
+    /// The file that is being typed in.
+    typing: Option<FileId>,
     turntable: Worker<TurntableOrder, Result<String, String>>,
     stop_turntable: Arc<AtomicBool>,
     opener: Worker<PathBuf, Opened>,
+    /// Makes scenes of texts that were edited; the number is that of the document.
+    compiler: Worker<(u64, Compilation), (u64, Compiled)>,
+    /// Whether a trace is to begin once the scene is what the text says.
+    wants_trace: bool,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
     watch: Watch,
 }
@@ -157,9 +165,14 @@ impl Studio {
             gizmo: None,
             grip: None,
             dragged: None,
+            typing: None,
             turntable: Worker::new(Arc::clone(&wake), TurntableOrder::carry_out),
             stop_turntable: Arc::default(),
             opener: Worker::new(Arc::clone(&wake), open),
+            compiler: Worker::new(Arc::clone(&wake), |(opened, text): (u64, Compilation)| {
+                (opened, text.run())
+            }),
+            wants_trace: false,
             previewer: Worker::new(wake, |(version, scene): (Version, Arc<Scene>)| {
                 (version, Arc::new(Preview::of(&scene)))
             }),
@@ -208,7 +221,8 @@ impl Studio {
         if let Some(opened) = self.opener.take() {
             self.take(opened);
         }
-        if let Some(preview) = self.previewer.take() {
+        self.adopt_scene();
+        if let Some(preview) = self.previewer.take_latest().filter(|(version, _)| version.0 == self.opened) {
             self.preview = Some(preview);
         }
         match self.turntable.take() {
@@ -280,6 +294,11 @@ impl Studio {
         }
     }
 
+    /// Whether the text has been edited, and the scene that it makes is not there yet.
+    pub fn is_compiling(&self) -> bool {
+        self.compiler.is_busy()
+    }
+
     /// Whether the preview is of the scene as it is now.
     pub fn preview_is_current(&self) -> bool {
         self.preview.as_ref().is_some_and(|(version, _)| *version == self.version())
@@ -310,12 +329,17 @@ impl Studio {
             return;
         };
         self.shown = Shown::Traced;
+        self.wants_trace = self.is_compiling();
+        if self.wants_trace {
+            return;
+        }
         match self.options.resolve(&scene, self.window) {
             Ok(settings) => {
                 let habits = &self.options.habits;
                 let mut job = Job::new(scene, settings).through(self.camera.clone());
                 job.downscale = if habits.progressive { habits.downscale.max(1) } else { 1 };
                 job.views.extend(request.costly_view);
+                job.coarse_views = vec![self.view];
                 let job = if habits.endless { job.without_end() } else { job };
                 self.tracer.start(request, job);
             }
@@ -368,11 +392,24 @@ impl Studio {
         self.watch.set(std::iter::once(path.to_owned()).chain(included).collect());
     }
 
-    /// Makes a scene of the text, and all that follows from it.
+    /// Has a scene made of the text; the last one stays on show until it is there.
     fn compile(&mut self) {
-        if let Some(document) = &mut self.document {
-            document.compile();
+        let Some(document) = &self.document else { return };
+        self.selection.refresh(document);
+        if let Some(compilation) = document.compilation() {
+            self.compiler.order((self.opened, compilation));
+        }
+    }
+
+    /// Takes over a scene that was made of the text, and all that follows from it.
+    fn adopt_scene(&mut self) {
+        let Some((opened, compiled)) = self.compiler.take_latest() else { return };
+        if let Some(document) = self.document.as_mut().filter(|_| opened == self.opened) {
+            document.adopt(compiled);
             self.after_compile();
+        }
+        if self.wants_trace && !self.is_compiling() {
+            self.trace();
         }
     }
 
@@ -381,8 +418,7 @@ impl Studio {
         self.problems = problems(document.diagnostics(), document.sources());
         self.selection.refresh(document);
         if let Some(scene) = document.scene().filter(|_| self.is_home) {
-            let camera = CameraPose::of(scene);
-            self.camera = camera;
+            self.camera = CameraPose::of(scene);
         }
         let version = self.version();
         if let Some(scene) = self.scene().cloned().filter(|_| !self.preview_is_current()) {

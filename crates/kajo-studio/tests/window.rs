@@ -334,7 +334,8 @@ fn a_file_changed_elsewhere_is_read_again_and_mistakes_are_shown_in_place() {
     window.press("Problems (1)");
     assert!(window.harness.query_by_label_contains("scene.txt:13:").is_some());
     window.press("Text");
-    assert!(window.harness.query_by_label_contains("<- ").is_some(), "the mistake stands at its line");
+    let message = window.studio().problems[0].message.clone();
+    assert!(window.harness.query_by_label(&message).is_some(), "the mistake stands at its line");
     std::fs::write(&path, SCENE).unwrap();
     window.wait(|studio| studio.problems.is_empty());
 }
@@ -506,4 +507,106 @@ fn typing_a_name_flies_nowhere() {
     assert_eq!(window.studio().camera.eye(), eye);
     assert!(window.studio().rays.is_none());
     assert_eq!(window.studio().shown, Shown::Preview);
+}
+
+/// Opens the text of the scene and puts the caret behind the first `after`.
+fn type_after(window: &mut Window, after: &str) {
+    if window.app().layout.bottom != Some(Bottom::Text) {
+        window.press("Text");
+    }
+    let shown = window.text().replace("\r\n", "\n");
+    let at = shown[..shown.find(after).unwrap() + after.len()].chars().count();
+    let ctx = window.harness.ctx.clone();
+    let id = egui::Id::unique("text of the scene");
+    let mut state = egui::TextEdit::load_state(&ctx, id).unwrap_or_default();
+    let caret = egui::text::CCursorRange::one(egui::text::CCursor::new(at));
+    state.cursor.set_char_range(Some(caret));
+    egui::TextEdit::store_state(&ctx, id, state);
+    ctx.memory_mut(|memory| memory.request_focus(id));
+    window.frames(2);
+}
+
+#[test]
+fn what_is_typed_changes_those_bytes_and_is_one_step_a_line() {
+    let mut window = Window::new();
+    type_after(&mut window, "radius 1.5");
+    for letter in ["2", "5"] {
+        window.write(letter);
+    }
+    assert_eq!(window.text(), SCENE.replace("radius 1.5", "radius 1.525"));
+    assert_eq!(window.studio().n_errors(), 0);
+    window.key(Key::Enter);
+    window.write("x");
+    assert!(window.text().contains("radius 1.525\r\nx }"), "a line ends as the first one does");
+    assert!(window.studio().n_errors() > 0 && window.studio().scene().is_some());
+    window.key(Key::Backspace);
+    assert_eq!(window.studio().n_errors(), 0);
+    let undo = |window: &mut Window| window.key_with(Modifiers::COMMAND, Key::Z);
+    undo(&mut window);
+    undo(&mut window);
+    assert_eq!(window.text(), SCENE, "the line and what came after it");
+    window.key_with(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+    assert!(window.text().contains("radius 1.525\r\n }"));
+    window.key_with(Modifiers::COMMAND, Key::S);
+    assert_eq!(window.read("scene.txt"), window.text());
+}
+
+#[test]
+fn keys_in_the_text_are_letters_and_blocks_remain_what_they_are() {
+    let mut window = Window::new();
+    window.select("crate");
+    let crate_ = window.studio().selection.main();
+    let eye = window.studio().camera.eye();
+    type_after(&mut window, "// the ball");
+    window.harness.key_down(Key::W);
+    window.write("w");
+    window.harness.key_up(Key::W);
+    window.key(Key::E);
+    window.frames(3);
+    assert_eq!(window.studio().camera.eye(), eye);
+    assert!(window.studio().rays.is_none());
+    assert!(window.text().contains("// the ballw"));
+    assert_eq!(window.studio().selection.main(), crate_, "it stays selected");
+    assert_eq!(window.selected(), ["Box crate"]);
+}
+
+#[test]
+fn blocks_are_copied_cut_and_pasted_as_text() {
+    let mut window = Window::new();
+    window.select("ball");
+    window.harness.event(egui::Event::Copy);
+    window.frames(1);
+    let copied = window.harness.output().platform_output.commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    });
+    let copied = copied.expect("a text for the clipboard");
+    assert_eq!(copied, "Sphere ball { center -2 1 0  radius 1.5 }\n");
+    window.harness.event(egui::Event::Cut);
+    window.frames(2);
+    assert!(!window.text().contains("Sphere"));
+    window
+        .harness
+        .event(egui::Event::Paste(format!("{copied}  Material red {{ }} Box {{ min 0 0 0 max 1 1 1 }}")));
+    window.frames(2);
+    assert_eq!(window.notice(), "Pasted 3 blocks.");
+    assert_eq!(window.studio().n_errors(), 0);
+    assert_eq!(window.studio().scene().unwrap().primitives.len(), 4);
+    assert!(window.text().contains("Material red_2 {"), "a name that is taken is not taken twice");
+    for _ in 0..4 {
+        window.key_with(Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(window.text(), SCENE);
+    window.harness.event(egui::Event::Paste("no block".to_owned()));
+    window.frames(2);
+    assert_eq!(window.text(), SCENE);
+}
+
+#[test]
+fn light_colours_are_remembered() {
+    let mut window = Window::new();
+    window.press("Window");
+    window.press("Light colours");
+    assert!(window.app().layout.light);
+    assert_eq!(window.harness.ctx.theme(), egui::Theme::Light);
 }

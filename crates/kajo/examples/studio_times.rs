@@ -5,6 +5,7 @@
 //! ```
 
 use std::error::Error;
+use std::io::{self, Write};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
@@ -13,6 +14,18 @@ use kajo::session::{Job, Session};
 use kajo::{Defaults, LoadOptions, RenderSettings, Settings, load};
 
 fn main() -> Result<(), Box<dyn Error>> {
+    match measure(&mut io::stdout()) {
+        // Whoever reads has read enough.
+        Err(error) if is_closed_pipe(&*error) => Ok(()),
+        result => result,
+    }
+}
+
+fn is_closed_pipe(error: &(dyn Error + 'static)) -> bool {
+    error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
+fn measure(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
     let path = args.next().ok_or("which scene?")?;
     let size: Vec<u32> = args.map(|arg| arg.parse()).collect::<Result<_, _>>()?;
@@ -22,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Some(scene) = loaded.scene.as_ref() else { return Err(loaded.report(false).into()) };
     let start = Instant::now();
     let preview = Preview::of(scene);
-    println!("{:8.2} ms  preview of {} triangles", ms(start.elapsed()), preview.triangle_count());
+    writeln!(out, "{:8.2} ms  preview of {} triangles", ms(start.elapsed()), preview.triangle_count())?;
 
     let asked = Settings { size, ..Settings::default() };
     let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false)?;
@@ -37,12 +50,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     for round in ["from rest", "while another one is rendered"] {
         let start = Instant::now();
         let job = session.start(Job::new(Arc::clone(&scene), settings).without_end());
-        println!("{:8.2} ms  call that starts a render, {round}", ms(start.elapsed()));
+        writeln!(out, "{:8.2} ms  call that starts a render, {round}", ms(start.elapsed()))?;
         loop {
             let when = frames.recv()?;
             let Some(frame) = session.frame().filter(|frame| frame.job() == job) else { continue };
             let [width, height] = frame.size();
-            println!("{:8.2} ms  {width} x {height}, {} samples", ms(when - start), frame.samples());
+            writeln!(out, "{:8.2} ms  {width} x {height}, {} samples", ms(when - start), frame.samples())?;
             if frame.samples() >= 4 {
                 break;
             }
@@ -53,9 +66,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::thread::sleep(Duration::from_millis(20));
     let start = Instant::now();
     session.cancel();
-    println!("{:8.2} ms  call that cancels", ms(start.elapsed()));
+    writeln!(out, "{:8.2} ms  call that cancels", ms(start.elapsed()))?;
     drop(session);
-    println!("{:8.2} ms  until nothing runs any more", ms(start.elapsed()));
+    writeln!(out, "{:8.2} ms  until nothing runs any more", ms(start.elapsed()))?;
     Ok(())
 }
 

@@ -76,4 +76,6 @@ pub use kajo_math;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
 pub use kajo_render::{Goal, Progress, RayCounters, RenderStats, Silent};
-pub use kajo_scene::{Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, nearest};
+pub use kajo_scene::{
+    Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, TokenKind, nearest, tokens,
+};

@@ -60,16 +60,18 @@ pub struct Job {
     pub settings: RenderSettings,
     /// What frames are to show beside the light.
     pub views: Vec<View>,
+    /// What the coarse frames before them are to show beside the light: they are there the sooner, the less it is.
+    pub coarse_views: Vec<View>,
     /// Sides of the first picture are shorter by this factor, and of the next by half of it; 1 begins at full size.
     pub downscale: u32,
 }
 
 impl Job {
-    /// The scene through its own camera, coarse at first, with all views that cost next to nothing.
+    /// The scene through its own camera, coarse and nothing but light at first, then with all views that cost little.
     pub fn new(scene: Arc<Scene>, settings: RenderSettings) -> Job {
         use View::{Depth, Material, Normals, Object, Samples, Uv, Variance};
         let views = vec![Depth, Normals, Uv, Object, Material, Samples, Variance];
-        Job { scene, camera: None, settings, views, downscale: 8 }
+        Job { scene, camera: None, settings, views, coarse_views: Vec::new(), downscale: 8 }
     }
 
     /// The same from another place.

@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, RichText, ScrollArea, Ui};
 use egui_wgpu::RenderState;
-use kajo::session;
+use kajo::{View, session};
 use serde::{Deserialize, Serialize};
 
 use super::chooser::{Answer, Chooser, Purpose};
 use super::keys::{self, Command};
 use super::outliner::Outliner;
 use super::picture::{self, PictureTexture};
+use super::text_panel::TextPanel;
 use super::viewport::{self, Area};
 use super::{
-    help, menu, object_panel, picture_panel, problems_panel, rays_panel, render_panel, status, text_panel,
-    theme,
+    help, menu, object_panel, picture_panel, problems_panel, rays_panel, render_panel, status, theme,
 };
 use crate::raster::{Raster, Shot};
 use crate::state::{Action, Habits, Histogram, Shown, Studio, Version, Wake};
@@ -29,6 +29,8 @@ const LONGEST_STEP: f32 = 0.1;
 pub struct Layout {
     /// Whether there are panels around the viewport.
     pub panels: bool,
+    /// Whether its colours are light.
+    pub light: bool,
     /// The tab on the right.
     pub tab: Tab,
     /// The tab at the bottom, if there is one open.
@@ -41,7 +43,14 @@ pub struct Layout {
 
 impl Default for Layout {
     fn default() -> Layout {
-        Layout { panels: true, tab: Tab::Object, bottom: None, recent: Vec::new(), habits: Habits::default() }
+        Layout {
+            panels: true,
+            light: false,
+            tab: Tab::Object,
+            bottom: None,
+            recent: Vec::new(),
+            habits: Habits::default(),
+        }
     }
 }
 
@@ -77,6 +86,7 @@ pub struct App {
     /// The version of the scene that the card has.
     on_card: Option<Version>,
     outliner: Outliner,
+    text: TextPanel,
     picture: PictureTexture,
     kept_picture: PictureTexture,
     histogram: Option<(Arc<session::Frame>, Histogram)>,
@@ -97,7 +107,7 @@ impl App {
     ///
     /// * `card`: what draws the window, for the preview; there is none in some tests
     pub fn new(ctx: &egui::Context, card: Option<&RenderState>, layout: Layout) -> App {
-        theme::apply(ctx);
+        theme::apply(ctx, theme_of(&layout));
         let waker = ctx.clone();
         let wake: Wake = Arc::new(move || waker.request_repaint());
         let mut studio = Studio::new(wake);
@@ -108,6 +118,7 @@ impl App {
             raster: card.map(Raster::new),
             on_card: None,
             outliner: Outliner::default(),
+            text: TextPanel::default(),
             picture: PictureTexture::default(),
             kept_picture: PictureTexture::default(),
             histogram: None,
@@ -202,7 +213,7 @@ impl App {
                 ] {
                     let open = self.layout.bottom == Some(tab);
                     let color = if tab == Bottom::Problems && self.studio.n_errors() > 0 {
-                        theme::ERROR
+                        theme::error(ui)
                     } else {
                         ui.visuals().text_color()
                     };
@@ -218,8 +229,9 @@ impl App {
                 Bottom::Problems => problems_panel::show(ui, &self.studio.problems),
                 Bottom::Rays => rays_panel::show(ui, &self.studio, actions),
                 Bottom::Text => {
-                    if let Some(document) = &self.studio.document {
-                        text_panel::show(ui, document, &self.studio.selection, &self.studio.problems);
+                    let Studio { document, selection, problems, .. } = &self.studio;
+                    if let Some(document) = document {
+                        self.text.show(ui, document, selection, problems, actions);
                     }
                 }
             }
@@ -241,13 +253,13 @@ impl App {
             return;
         }
         let Some(own) = self.studio.scene().map(|scene| scene.settings.clone()) else {
-            ui.label(RichText::new("Open a scene to set how it is traced.").color(theme::QUIET));
+            ui.label(RichText::new("Open a scene to set how it is traced.").color(theme::quiet(ui)));
             return;
         };
         let settings = match self.studio.settings() {
             Some(Ok(settings)) => settings,
             Some(Err(error)) => {
-                ui.label(RichText::new(error.to_string()).color(theme::ERROR));
+                ui.label(RichText::new(error.to_string()).color(theme::error(ui)));
                 return;
             }
             None => return,
@@ -296,7 +308,7 @@ impl App {
     }
 
     fn viewport(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
-        let backdrop = Frame::new().fill(theme::BACKDROP);
+        let backdrop = Frame::new().fill(theme::backdrop(ui));
         CentralPanel::default().frame(backdrop).show(ui, |ui| {
             let response = viewport::allocate(ui);
             let pixels = response.rect.size() * ui.pixels_per_point();
@@ -340,17 +352,22 @@ impl App {
 
     fn paint_trace(&mut self, ui: &Ui, area: Area) {
         let Some(Ok(settings)) = self.studio.settings() else { return };
-        let (view, development) = (self.studio.view, settings.development);
+        let development = settings.development;
         let Some(frame) = self.studio.tracer.frame() else { return };
-        let shown = self.picture.show(ui.ctx(), &frame, view, &development);
+        // Coarse pictures have but the layer that was on show when they were begun.
+        let view = |frame: &session::Frame| match self.studio.view {
+            view if frame.samples() > 0 || frame.has(view) => view,
+            _ => View::Color,
+        };
+        let shown = self.picture.show(ui.ctx(), &frame, view(&frame), &development);
         let kept = self.studio.comparison.kept.clone();
-        let kept = kept.map(|kept| self.kept_picture.show(ui.ctx(), &kept, view, &development));
+        let kept = kept.map(|kept| self.kept_picture.show(ui.ctx(), &kept, view(&kept), &development));
         let wipe = if kept.is_some() { self.studio.comparison.wipe } else { 0.0 };
         for (texture, from, to) in [(Some(shown), wipe, 1.0), (kept, 0.0, wipe)] {
             match texture {
                 Some(Ok(id)) => picture::paint(ui.painter(), id, area.rect, from, to),
                 Some(Err(problem)) => {
-                    let color = theme::ERROR;
+                    let color = theme::error(ui);
                     let font = egui::FontId::proportional(14.0);
                     ui.painter().text(area.rect.center(), egui::Align2::CENTER_CENTER, problem, font, color);
                 }
@@ -372,6 +389,12 @@ impl App {
             },
         }
         self.chooser = None;
+    }
+
+    fn copy(&mut self, ctx: &egui::Context) {
+        if let Some(text) = self.studio.selected_text() {
+            ctx.copy_text(text);
+        }
     }
 
     /// Shoots a debug ray at the pointer, or through the middle of the picture where there is no pointer over it.
@@ -426,6 +449,16 @@ impl App {
                 self.choose(Purpose::Export, &format!("{}.png", name.as_deref().unwrap_or("picture")));
             }
             Command::Turntable => self.choose(Purpose::Turntable, "turn.png"),
+            Command::Copy => self.copy(ctx),
+            Command::Cut => {
+                self.copy(ctx);
+                actions.push(Action::Delete);
+            }
+            Command::AskForPaste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
+            Command::Theme => {
+                self.layout.light = !self.layout.light;
+                ctx.set_theme(theme_of(&self.layout));
+            }
             Command::Help => self.help = !self.help,
             Command::Panels => self.layout.panels = !self.layout.panels,
             Command::Escape if self.help => self.help = false,
@@ -433,6 +466,10 @@ impl App {
             Command::Escape => actions.push(Action::Stop),
         }
     }
+}
+
+fn theme_of(layout: &Layout) -> egui::Theme {
+    if layout.light { egui::Theme::Light } else { egui::Theme::Dark }
 }
 
 /// What the viewport says without a scene.
@@ -448,6 +485,6 @@ fn empty(ui: &Ui, rect: Rect, is_loading: bool, has_problems: bool) {
     let painter = ui.painter();
     let center = egui::Align2::CENTER_CENTER;
     let font = egui::FontId::proportional;
-    painter.text(at - egui::vec2(0.0, 16.0), center, big, font(24.0), egui::Color32::from_gray(200));
-    painter.text(at + egui::vec2(0.0, 16.0), center, small, font(14.0), theme::QUIET);
+    painter.text(at - egui::vec2(0.0, 16.0), center, big, font(24.0), ui.visuals().text_color());
+    painter.text(at + egui::vec2(0.0, 16.0), center, small, font(14.0), theme::quiet(ui));
 }

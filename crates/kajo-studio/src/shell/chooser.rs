@@ -117,8 +117,9 @@ impl Chooser {
             let entered = self.name_row(ui);
             ui.add_space(4.0);
             ui.horizontal(|ui| {
-                let button = egui::Button::new(RichText::new(self.purpose.button()).color(theme::ON_ACCENT));
-                let chosen = ui.add(button.fill(theme::ACCENT)).clicked();
+                let button =
+                    egui::Button::new(RichText::new(self.purpose.button()).color(theme::on_accent(ui)));
+                let chosen = ui.add(button.fill(theme::accent(ui))).clicked();
                 if chosen || entered {
                     answer = self.enter(&self.folder.join(self.typed.trim()));
                 }
@@ -126,7 +127,7 @@ impl Chooser {
                     answer = Answer::Cancelled;
                 }
                 if let Some(problem) = &self.problem {
-                    ui.label(RichText::new(problem).color(theme::ERROR));
+                    ui.label(RichText::new(problem).color(theme::error(ui)));
                 }
             });
         });
@@ -141,7 +142,7 @@ impl Chooser {
             {
                 self.go(parent);
             }
-            ui.label(RichText::new(self.folder.display().to_string()).color(theme::QUIET));
+            ui.label(RichText::new(self.folder.display().to_string()).color(theme::quiet(ui)));
         });
     }
 

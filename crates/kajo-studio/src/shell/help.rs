@@ -2,7 +2,7 @@
 
 use egui::{Align2, Context, RichText, Ui, Window, vec2};
 
-use super::keys::{MOVES, shortcuts};
+use super::keys::{CLIPBOARD, MOVES, shortcuts};
 use super::theme;
 
 /// Shows the list while `open`.
@@ -24,14 +24,15 @@ pub fn show(ctx: &Context, open: &mut bool) {
                     let keys = egui::KeyboardShortcut::new(shortcut.modifiers, shortcut.key);
                     (right.ctx().format_shortcut(&keys), shortcut.about)
                 });
-                let words: Vec<_> = words.collect();
+                let clipboard = std::iter::once((CLIPBOARD.0.to_owned(), CLIPBOARD.1));
+                let words: Vec<_> = words.chain(clipboard).collect();
                 list(right, "keys", words.into_iter());
             });
         });
 }
 
 fn heading(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).color(theme::ACCENT).strong());
+    ui.label(RichText::new(text).color(theme::accent(ui)).strong());
     ui.add_space(2.0);
 }
 

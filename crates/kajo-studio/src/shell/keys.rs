@@ -1,9 +1,10 @@
 //! Keys and what they do, in one table: the window obeys it and its help shows it.
 
-use egui::{Context, Key, Modifiers};
+use egui::{Context, Event, Key, Modifiers};
 
 use kajo::handles::Mode;
 
+use super::text_editor;
 use crate::state::{Action, Held};
 
 /// What a key does.
@@ -23,10 +24,18 @@ pub enum Command {
     Export,
     /// Asks where to write pictures from all around.
     Turntable,
+    /// Copies the text of what is selected to the clipboard.
+    Copy,
+    /// Copies it and takes it out.
+    Cut,
+    /// Asks the system for the text on the clipboard, to be pasted.
+    AskForPaste,
     /// Shows or hides the list of keys.
     Help,
     /// Shows or hides the panels around the viewport.
     Panels,
+    /// Goes from dark colours to light ones, or back.
+    Theme,
     /// Closes what is open, or gives up what is going on.
     Escape,
 }
@@ -56,6 +65,9 @@ pub const MOVES: [(&str, &str); 10] = [
     ("Click", "Select what is under the pointer"),
     ("Drag a handle", "Edit the shape; Ctrl goes in steps"),
 ];
+
+/// The keys of the clipboard, in words; systems tell of them in their own way.
+pub const CLIPBOARD: (&str, &str) = ("Ctrl+C, X, V", "Copy, cut, paste blocks of the scene");
 
 /// All keys but those that are held to fly.
 pub fn shortcuts() -> Vec<Shortcut> {
@@ -98,26 +110,43 @@ pub fn shortcuts() -> Vec<Shortcut> {
         .collect()
 }
 
-/// What the keys pressed since the last frame ask for. While text is typed they are letters and ask for nothing;
-/// while a widget has the focus, Enter and Space belong to it.
+/// What the keys pressed since the last frame ask for. While text is typed they are letters and ask for nothing, but
+/// that those with Ctrl keep their meaning in the text of the scene; while a widget has the focus, Enter and Space
+/// belong to it.
 pub fn pressed(ctx: &Context) -> Vec<Command> {
-    if ctx.text_edit_focused() {
+    let focus = ctx.memory(|memory| memory.focused());
+    let types_scene = focus == Some(text_editor::id());
+    if ctx.text_edit_focused() && !types_scene {
         return Vec::new();
     }
-    let widget_has_focus = ctx.memory(|memory| memory.focused().is_some());
-    let is_free = |key: Key| {
-        !(widget_has_focus && matches!(key, Key::Enter | Key::Space | Key::ArrowUp | Key::ArrowDown))
+    let is_free = |shortcut: &Shortcut| match focus {
+        Some(_) if types_scene => shortcut.modifiers.command || shortcut.key == Key::F1,
+        Some(_) => !matches!(shortcut.key, Key::Enter | Key::Space | Key::ArrowUp | Key::ArrowDown),
+        None => true,
     };
-    let list = shortcuts().into_iter().filter(|shortcut| is_free(shortcut.key));
-    list.filter(|shortcut| {
-        ctx.input_mut(|input| {
-            let exact = input.modifiers.matches_exact(shortcut.modifiers)
-                || input.modifiers.shift && shortcut.key == Key::Plus;
-            exact && input.consume_key(input.modifiers, shortcut.key)
+    let list = shortcuts().into_iter().filter(is_free);
+    let commands = list
+        .filter(|shortcut| {
+            ctx.input_mut(|input| {
+                let exact = input.modifiers.matches_exact(shortcut.modifiers)
+                    || input.modifiers.shift && shortcut.key == Key::Plus;
+                exact && input.consume_key(input.modifiers, shortcut.key)
+            })
         })
-    })
-    .map(|shortcut| shortcut.command)
-    .collect()
+        .map(|shortcut| shortcut.command);
+    let clipboard = if types_scene { Vec::new() } else { clipboard(ctx) };
+    commands.chain(clipboard).collect()
+}
+
+/// What the keys of the clipboard ask for.
+fn clipboard(ctx: &Context) -> Vec<Command> {
+    let command = |event: &Event| match event {
+        Event::Copy => Some(Command::Copy),
+        Event::Cut => Some(Command::Cut),
+        Event::Paste(text) => Some(Command::Do(Action::Paste(text.clone()))),
+        _ => None,
+    };
+    ctx.input(|input| input.events.iter().filter_map(command).collect())
 }
 
 /// Which of the keys that fly are down.

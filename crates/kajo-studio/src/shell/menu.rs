@@ -34,6 +34,10 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
             item(ui, undo.as_deref().unwrap_or("Undo"), "Ctrl+Z", commands, Command::Do(Action::Undo));
             item(ui, redo.as_deref().unwrap_or("Redo"), "Ctrl+Shift+Z", commands, Command::Do(Action::Redo));
             ui.separator();
+            item(ui, "Cut", "Ctrl+X", commands, Command::Cut);
+            item(ui, "Copy", "Ctrl+C", commands, Command::Copy);
+            item(ui, "Paste", "Ctrl+V", commands, Command::AskForPaste);
+            ui.separator();
             item(ui, "Duplicate", "Ctrl+D", commands, Command::Do(Action::Duplicate));
             item(ui, "Delete", "Del", commands, Command::Do(Action::Delete));
         });
@@ -55,6 +59,8 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
         });
         ui.menu_button("Window", |ui| {
             item(ui, "Panels", "P", commands, Command::Panels);
+            let theme = if ui.visuals().dark_mode { "Light colours" } else { "Dark colours" };
+            item(ui, theme, "", commands, Command::Theme);
             item(ui, "Keys and mouse", "F1", commands, Command::Help);
         });
         ui.separator();
@@ -78,7 +84,8 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
 }
 
 fn item(ui: &mut Ui, text: &str, keys: &str, commands: &mut Vec<Command>, command: Command) {
-    if ui.add(Button::new(text).shortcut_text(keys)).clicked() {
+    let button = if keys.is_empty() { Button::new(text) } else { Button::new(text).shortcut_text(keys) };
+    if ui.add(button).clicked() {
         commands.push(command);
     }
 }
@@ -103,8 +110,8 @@ fn trace_button(ui: &mut Ui, studio: &Studio, commands: &mut Vec<Command>) {
         }
         return;
     }
-    let text = RichText::new("Trace").color(theme::ON_ACCENT).strong();
-    let button = ui.add_enabled(studio.scene().is_some(), Button::new(text).fill(theme::ACCENT));
+    let text = RichText::new("Trace").color(theme::on_accent(ui)).strong();
+    let button = ui.add_enabled(studio.scene().is_some(), Button::new(text).fill(theme::accent(ui)));
     if button.on_hover_text("Trace from the current view (Enter)").clicked() {
         commands.push(Command::Do(Action::Trace));
     }

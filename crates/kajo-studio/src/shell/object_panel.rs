@@ -1,6 +1,6 @@
 //! The fields of what is selected, each with a widget of its type.
 
-use egui::{DragValue, RichText, ScrollArea, Slider, TextEdit, Ui};
+use egui::{DragValue, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui};
 use kajo::edit::{Document, Field, FieldKind, FieldValue, Kind, Node, NodeId};
 
 use super::theme;
@@ -10,7 +10,7 @@ use crate::state::{Action, Selection};
 /// The whole panel; what it asks for goes into `actions`.
 pub fn show(ui: &mut Ui, document: &Document, selection: &Selection, actions: &mut Vec<Action>) {
     let Some(node) = selection.main().and_then(|id| document.node(id)) else {
-        ui.label(RichText::new("Click on something to see what it is made of.").color(theme::QUIET));
+        ui.label(RichText::new("Click on something to see what it is made of.").color(theme::quiet(ui)));
         return;
     };
     head(ui, node, selection, actions);
@@ -31,11 +31,11 @@ fn head(ui: &mut Ui, node: &Node, selection: &Selection, actions: &mut Vec<Actio
     ui.horizontal(|ui| {
         ui.label(RichText::new(&*node.keyword).strong().size(15.0));
         if let Some(name) = &node.name {
-            ui.label(RichText::new(&**name).color(theme::ACCENT));
+            ui.label(RichText::new(&**name).color(theme::accent(ui)));
         }
         let others = selection.nodes().len().saturating_sub(1);
         if others > 0 {
-            ui.label(RichText::new(format!("and {others} more")).color(theme::QUIET));
+            ui.label(RichText::new(format!("and {others} more")).color(theme::quiet(ui)));
         }
     });
     ui.horizontal(|ui| {
@@ -74,18 +74,17 @@ fn material_head(ui: &mut Ui, document: &Document, material: &Node, actions: &mu
 fn fields(ui: &mut Ui, document: &Document, node: &Node, actions: &mut Vec<Action>) {
     let fields = document.fields(node.id);
     if fields.is_empty() {
-        ui.label(RichText::new("It has no fields of its own.").color(theme::QUIET));
+        ui.label(RichText::new("It has no fields of its own.").color(theme::quiet(ui)));
     }
     rows(ui, "fields", |ui| {
         for field in &fields {
-            ui.push_id((&field.key, field.nth), |_| ());
             row(ui, node.id, field, actions);
         }
     });
 }
 
 fn row(ui: &mut Ui, node: NodeId, field: &Field, actions: &mut Vec<Action>) {
-    let color = if field.span.is_some() { egui::Color32::from_gray(225) } else { theme::QUIET };
+    let color = if field.span.is_some() { ui.visuals().strong_text_color() } else { theme::quiet(ui) };
     let label = ui.label(RichText::new(spaced(&field.key)).color(color)).on_hover_text(field.about);
     ui.push_id((&field.key, field.nth), |ui| {
         ui.horizontal(|ui| {
@@ -110,7 +109,8 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, label: egui::Id) -> 
         FieldKind::Number { min, max } => number(ui, value, label, min, max),
         FieldKind::Whole { min, max } => {
             let mut v = value.numbers.first().copied().unwrap_or(0.0);
-            let drag = DragValue::new(&mut v).range(min..=max).speed(0.1).fixed_decimals(0);
+            let drag = DragValue::new(&mut v).range(min..=max).clamp_existing_to_range(false);
+            let drag = drag.speed(0.1).fixed_decimals(0);
             ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([v.round()]))
         }
         FieldKind::Angle { min, max } => angle(ui, value, label, min, max),
@@ -142,17 +142,22 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, label: egui::Id) -> 
 fn number(ui: &mut Ui, value: &FieldValue, label: egui::Id, min: f64, max: f64) -> Option<FieldValue> {
     let mut v = value.numbers.first().copied().unwrap_or(0.0);
     let response = if min >= 0.0 && max <= 1.0 {
-        ui.add(Slider::new(&mut v, min..=max).max_decimals(3))
+        ui.add(Slider::new(&mut v, min..=max).clamping(SliderClamping::Edits).max_decimals(3))
     } else {
-        let speed = step(v);
-        ui.add(DragValue::new(&mut v).range(min..=max).speed(speed).max_decimals(6))
+        let drag = DragValue::new(&mut v).range(min..=max).clamp_existing_to_range(false);
+        ui.add(drag.speed(step(value.numbers.first().copied().unwrap_or(0.0))).max_decimals(6))
     };
     response.labelled_by(label).changed().then(|| FieldValue::numbers([tidy(v)]))
 }
 
 fn angle(ui: &mut Ui, value: &FieldValue, label: egui::Id, min: f64, max: f64) -> Option<FieldValue> {
     let mut v = value.numbers.first().copied().unwrap_or(0.0);
-    let drag = DragValue::new(&mut v).range(min..=max).speed(0.25).suffix("°").max_decimals(3);
+    let drag = DragValue::new(&mut v)
+        .range(min..=max)
+        .clamp_existing_to_range(false)
+        .speed(0.25)
+        .suffix("°")
+        .max_decimals(3);
     ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([tidy(v)]))
 }
 

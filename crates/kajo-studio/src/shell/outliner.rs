@@ -45,7 +45,7 @@ impl Outliner {
         ui.separator();
         let rows = self.rows(document);
         if rows.is_empty() {
-            ui.label(RichText::new("Nothing found.").color(theme::QUIET));
+            ui.label(RichText::new("Nothing found.").color(theme::quiet(ui)));
         }
         let target = selection.main().filter(|main| self.scrolled_to != Some(*main));
         self.scrolled_to = selection.main();
@@ -119,7 +119,10 @@ impl Outliner {
             self.rename_field(ui, field, actions);
             return;
         }
-        let color = if chosen { egui::Color32::WHITE } else { color_of(node.kind) };
+        let color = match chosen {
+            true => ui.visuals().selection.stroke.color,
+            false => theme::legible(ui, color_of(node.kind)),
+        };
         let text = |x: f32, text: &str, color| {
             ui.painter().text(
                 pos2(x, rect.center().y),
@@ -134,7 +137,7 @@ impl Outliner {
             text(
                 end.right() + 7.0,
                 name,
-                if chosen { egui::Color32::WHITE } else { egui::Color32::from_gray(225) },
+                if chosen { ui.visuals().selection.stroke.color } else { ui.visuals().text_color() },
             );
         }
         self.row_input(ui, node, &response, actions);
@@ -151,7 +154,7 @@ impl Outliner {
             false => [vec2(-r, -r * 0.6), vec2(r, -r * 0.6), vec2(0.0, r)],
         };
         let triangle = corners.map(|corner| at + corner).to_vec();
-        ui.painter().add(egui::Shape::convex_polygon(triangle, theme::QUIET, egui::Stroke::NONE));
+        ui.painter().add(egui::Shape::convex_polygon(triangle, theme::quiet(ui), egui::Stroke::NONE));
         if mark.clicked() && !self.folded.remove(&id) {
             self.folded.insert(id);
         }
@@ -211,7 +214,7 @@ fn drag(ui: &Ui, node: &Node, response: &egui::Response, actions: &mut Vec<Actio
         ui.painter().rect_stroke(
             response.rect,
             3.0,
-            egui::Stroke::new(1.0, theme::ACCENT),
+            egui::Stroke::new(1.0, theme::accent(ui)),
             egui::StrokeKind::Inside,
         );
     }

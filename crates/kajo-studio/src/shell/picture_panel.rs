@@ -41,7 +41,7 @@ pub fn show(
 }
 
 fn quiet(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).color(theme::QUIET));
+    ui.label(RichText::new(text).color(theme::quiet(ui)));
 }
 
 fn layers(ui: &mut Ui, picture: &Picture<'_>, actions: &mut Vec<Action>) {

@@ -10,17 +10,20 @@ use crate::state::{Place, Problem};
 /// The whole list.
 pub fn show(ui: &mut Ui, problems: &[Problem]) {
     if problems.is_empty() {
-        ui.label(RichText::new("The scene has no mistakes.").color(theme::QUIET));
+        ui.label(RichText::new("The scene has no mistakes.").color(theme::quiet(ui)));
         return;
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for problem in problems {
-            ui.label(RichText::new(headline(problem)).color(color(problem.severity)).strong());
+            ui.label(RichText::new(headline(problem)).color(color(ui, problem.severity)).strong());
             if let Some(place) = &problem.place {
-                ui.label(excerpt(place, color(problem.severity)));
+                ui.label(excerpt(
+                    place,
+                    [theme::quiet(ui), ui.visuals().text_color(), color(ui, problem.severity)],
+                ));
             }
             if let Some(help) = &problem.help {
-                ui.label(RichText::new(format!("help: {help}")).color(theme::GOOD));
+                ui.label(RichText::new(format!("help: {help}")).color(theme::good(ui)));
             }
             ui.add_space(6.0);
         }
@@ -34,16 +37,19 @@ fn headline(problem: &Problem) -> String {
     format!("{place}{}: {}", problem.severity.name(), problem.message)
 }
 
-pub fn color(severity: Severity) -> Color32 {
+/// The colour of how bad something is.
+pub fn color(ui: &Ui, severity: Severity) -> Color32 {
     match severity {
-        Severity::Error => theme::ERROR,
-        Severity::Warning => theme::WARNING,
-        Severity::Note => theme::QUIET,
+        Severity::Error => theme::error(ui),
+        Severity::Warning => theme::warning(ui),
+        Severity::Note => theme::quiet(ui),
     }
 }
 
 /// The line, its number before it, and `^^^ label` under the place.
-fn excerpt(place: &Place, color: Color32) -> LayoutJob {
+///
+/// * `colors`: of the margin, of the line, of what is below it
+fn excerpt(place: &Place, [quiet, text, color]: [Color32; 3]) -> LayoutJob {
     let number = format!("{:>5} | ", place.line);
     let margin = " ".repeat(number.len() - 2) + "| ";
     let tabless = place.text.replace('\t', " ");
@@ -51,10 +57,10 @@ fn excerpt(place: &Place, color: Color32) -> LayoutJob {
     let font = FontId::monospace(12.5);
     let format = |color| TextFormat { font_id: font.clone(), color, ..TextFormat::default() };
     let mut job = LayoutJob::default();
-    job.append(&number, 0.0, format(theme::QUIET));
-    job.append(&tabless, 0.0, format(Color32::from_gray(220)));
-    job.append("\n", 0.0, format(theme::QUIET));
-    job.append(&margin, 0.0, format(theme::QUIET));
+    job.append(&number, 0.0, format(quiet));
+    job.append(&tabless, 0.0, format(text));
+    job.append("\n", 0.0, format(quiet));
+    job.append(&margin, 0.0, format(quiet));
     job.append(below.trim_end(), 0.0, format(color));
     job
 }
@@ -73,7 +79,7 @@ mod tests {
             text: "\t Sphre {".into(),
             label: "no such shape".into(),
         };
-        let text = excerpt(&place, Color32::RED).text;
+        let text = excerpt(&place, [Color32::RED; 3]).text;
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "   12 |   Sphre {");
         assert_eq!(lines[1], "      |   ^^^^^ no such shape");

@@ -24,7 +24,9 @@ const COLUMNS: [(&str, f32); 9] = [
 /// The whole panel; what it asks for goes into `actions`.
 pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     let Some(rays) = &studio.rays else {
-        ui.label(RichText::new("Point at the picture and press E to shoot a debug ray.").color(theme::QUIET));
+        ui.label(
+            RichText::new("Point at the picture and press E to shoot a debug ray.").color(theme::quiet(ui)),
+        );
         return;
     };
     summary(ui, rays, actions);
@@ -33,7 +35,7 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         ui.spacing_mut().item_spacing.y = 0.0;
         let (head, _) = ui.allocate_exact_size(vec2(width, ROW), Sense::hover());
         for (x, (name, width)) in columns(head.left()) {
-            cell(ui, pos2(x, head.center().y), name, width, theme::QUIET);
+            cell(ui, pos2(x, head.center().y), name, width, theme::quiet(ui));
         }
         let clip = ui.clip_rect();
         for (index, segment) in rays.ray.segments.iter().enumerate() {
@@ -52,7 +54,11 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
             let [r, g, b, _] = ray_color(segment, true);
             let texts = cells(studio, segment);
             for (i, ((x, (_, width)), text)) in columns(row.left()).zip(&texts).enumerate() {
-                let color = if i == 0 { Color32::from_rgb(r, g, b) } else { Color32::from_gray(215) };
+                let color = if i == 0 {
+                    theme::legible(ui, Color32::from_rgb(r, g, b))
+                } else {
+                    ui.visuals().text_color()
+                };
                 let indent = if i == 0 { 9.0 * segment.depth.min(8) as f32 } else { 0.0 };
                 cell(ui, pos2(x + indent, row.center().y), text, width - indent, color);
             }

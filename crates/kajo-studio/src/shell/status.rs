@@ -13,12 +13,12 @@ pub fn show(ui: &mut Ui, studio: &Studio) {
             ui.spinner();
             ui.label("Reading the scene...");
         } else if let Some(notice) = &studio.notice {
-            let color = if notice.is_error { theme::ERROR } else { theme::QUIET };
+            let color = if notice.is_error { theme::error(ui) } else { theme::quiet(ui) };
             ui.label(RichText::new(&notice.text).color(color));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let speed = studio.navigation.speed;
-            ui.label(RichText::new(format!("speed {speed:.2}")).color(theme::QUIET))
+            ui.label(RichText::new(format!("speed {speed:.2}")).color(theme::quiet(ui)))
                 .on_hover_text("World units a second; the wheel changes it");
             ui.separator();
             trace(ui, studio);
@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, studio: &Studio) {
 
 fn trace(ui: &mut Ui, studio: &Studio) {
     let Some(frame) = studio.tracer.frame() else {
-        ui.label(RichText::new("Enter traces").color(theme::QUIET));
+        ui.label(RichText::new("Enter traces").color(theme::quiet(ui)));
         return;
     };
     let stats = frame.stats();
@@ -42,12 +42,15 @@ fn trace(ui: &mut Ui, studio: &Studio) {
     match studio.tracer.status() {
         Status::Running { progress } => {
             ui.add(
-                egui::ProgressBar::new(progress).desired_width(110.0).desired_height(8.0).fill(theme::ACCENT),
+                egui::ProgressBar::new(progress)
+                    .desired_width(110.0)
+                    .desired_height(8.0)
+                    .fill(theme::accent(ui)),
             );
             ui.label(text);
         }
         Status::Failed(error) => {
-            ui.label(RichText::new(error.to_string()).color(theme::ERROR));
+            ui.label(RichText::new(error.to_string()).color(theme::error(ui)));
         }
         Status::Cancelled => {
             ui.label(format!("stopped: {text}"));

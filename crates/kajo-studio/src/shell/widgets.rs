@@ -13,7 +13,7 @@ pub fn rows(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
 ///
 /// * `hint`: shown when the pointer rests on the name
 pub fn row(ui: &mut Ui, name: &str, hint: &str, add: impl FnOnce(&mut Ui) -> Response) -> Response {
-    let label = ui.label(RichText::new(name).color(egui::Color32::from_gray(190))).on_hover_text(hint);
+    let label = ui.label(RichText::new(name).color(ui.visuals().text_color())).on_hover_text(hint);
     let response = ui.horizontal(|ui| add(ui).labelled_by(label.id)).inner;
     ui.end_row();
     response
@@ -31,7 +31,7 @@ pub fn option<T: Clone>(
     value: T,
     add: impl FnOnce(&mut Ui, &mut T) -> Response,
 ) {
-    let color = if asked.is_some() { theme::ACCENT } else { egui::Color32::from_gray(190) };
+    let color = if asked.is_some() { theme::accent(ui) } else { ui.visuals().text_color() };
     let label = ui.label(RichText::new(name).color(color)).on_hover_text(hint);
     ui.horizontal(|ui| {
         let mut value = value;

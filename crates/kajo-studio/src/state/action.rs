@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kajo::View;
-use kajo::edit::{FieldValue, NodeId};
+use kajo::edit::{FieldValue, FileId, NodeId};
 use kajo::handles::Mode;
 use kajo_math::{DVec2, DVec3};
 
@@ -87,6 +87,17 @@ pub enum Action {
     SelectNext(bool),
 
     // Edits.
+    /// Makes this the text of a file, as the next of the letters that are typed.
+    Type {
+        /// The file.
+        file: FileId,
+        /// Its whole text.
+        text: String,
+    },
+    /// What was typed is one step.
+    EndTyping,
+    /// Adds blocks from a text, such as was copied.
+    Paste(String),
     /// Gives a field a value; while it is dragged, its values are one step.
     SetField {
         /// The block.

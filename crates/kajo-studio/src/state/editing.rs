@@ -51,7 +51,10 @@ impl Studio {
                 self.end_drag();
                 self.edit(&Edit::Unset { node, key, nth: Some(nth) });
             }
-            Action::EndDrag => self.end_drag(),
+            Action::Type { file, text } => self.type_text(file, text),
+            Action::EndTyping => self.end_typing(),
+            Action::Paste(text) => self.paste(&text),
+            Action::EndDrag if self.typing.is_none() => self.end_drag(),
             Action::Add(keyword) => self.add(keyword),
             Action::Duplicate => self.edit_selected(Edit::Duplicate),
             Action::Delete => self.edit_selected(Edit::Delete),
@@ -157,7 +160,7 @@ impl Studio {
     }
 
     /// The group that new objects go to: the selected one, if it holds objects.
-    fn group_of_selection(&self) -> Option<NodeId> {
+    pub(super) fn group_of_selection(&self) -> Option<NodeId> {
         let node = self.selection.main()?;
         let kind = self.document.as_ref()?.node(node)?.kind;
         kind.holds_objects().then_some(node)
@@ -191,6 +194,7 @@ impl Studio {
     pub(super) fn end_drag(&mut self) {
         self.dragged = None;
         self.grip = None;
+        self.typing = None;
         if let Some(document) = &mut self.document {
             document.end_gesture();
         }
@@ -267,6 +271,7 @@ impl Studio {
         self.selection = Selection::default();
         self.dragged = None;
         self.grip = None;
+        self.typing = None;
         self.preview = None;
         self.rays = None;
         self.tracer.clear();

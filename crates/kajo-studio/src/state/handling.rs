@@ -59,6 +59,7 @@ impl Studio {
             Action::CancelDrag => {
                 self.grip = None;
                 self.dragged = None;
+                self.typing = None;
                 if let Some(document) = &mut self.document {
                     document.cancel_gesture();
                 }

@@ -1,5 +1,6 @@
 //! A thread for one kind of work, so that the window stays alive meanwhile. Only the newest order counts: what was
-//! ordered before and is not begun is not done, and what is done too late is thrown away.
+//! ordered before and is not begun is not done. What is done too late may still be worth a look, as while something is
+//! dragged about, or not.
 
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
@@ -46,6 +47,13 @@ impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
         result.map(|(_, result)| result)
     }
 
+    /// The newest result there is and was not taken yet, whether there are newer orders or not.
+    pub fn take_latest(&mut self) -> Option<O> {
+        let (number, result) = self.results.try_iter().last()?;
+        self.is_busy &= number != self.last;
+        Some(result)
+    }
+
     /// Whether a result is still to come.
     pub fn is_busy(&self) -> bool {
         self.is_busy
@@ -81,5 +89,26 @@ mod tests {
         }
         assert_eq!(result, Some(30));
         assert!(!worker.is_busy() && worker.take().is_none());
+    }
+
+    #[test]
+    fn a_late_result_can_be_looked_at_while_the_newest_is_awaited() {
+        let (open, gate) = mpsc::channel::<()>();
+        let (woken, wakes) = mpsc::channel();
+        let wake: Wake = Arc::new(move || woken.send(()).unwrap());
+        let mut worker = Worker::new(wake, move |n: u32| {
+            gate.recv().unwrap();
+            10 * n
+        });
+        worker.order(1);
+        open.send(()).unwrap();
+        wakes.recv().unwrap();
+        worker.order(2);
+        assert_eq!(worker.take_latest(), Some(10));
+        assert!(worker.is_busy() && worker.take_latest().is_none());
+        open.send(()).unwrap();
+        wakes.recv().unwrap();
+        assert_eq!(worker.take_latest(), Some(20));
+        assert!(!worker.is_busy());
     }
 }

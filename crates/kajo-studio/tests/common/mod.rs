@@ -112,8 +112,18 @@ impl Window {
         }
     }
 
+    /// Draws frames, and more until the scene is what the text says.
     pub fn frames(&mut self, n: usize) {
         (0..n).for_each(|_| self.harness.step());
+        self.settle();
+    }
+
+    /// Waits until the scene is what the text says.
+    pub fn settle(&mut self) {
+        while self.studio().is_compiling() {
+            std::thread::sleep(Duration::from_millis(1));
+            self.harness.step();
+        }
     }
 
     pub fn key(&mut self, key: Key) {

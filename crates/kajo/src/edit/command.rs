@@ -1,5 +1,6 @@
 //! What can be done to a document.
 
+use super::texts::Change;
 use super::tree::Tree;
 use super::{FieldValue, FileId, Movement, Node, NodeId, TextEdit};
 use crate::CameraPose;
@@ -77,7 +78,8 @@ pub enum Edit {
         /// Where it shall stand.
         into: NodeId,
     },
-    /// Replaces the text of a file.
+    /// Makes this the text of a file. What is the same at its beginning and end stays untouched, so that blocks there
+    /// remain what they are.
     Rewrite {
         /// The file.
         file: FileId,
@@ -126,8 +128,7 @@ impl Edit {
     /// The pieces of text to replace.
     pub(super) fn plan(&self, tree: &Tree) -> Result<Vec<TextEdit>, EditRefused> {
         if let Edit::Rewrite { file, text } = self {
-            let range = 0..tree.text(*file).len();
-            return Ok(vec![TextEdit { file: *file, range, new: text.clone() }]);
+            return Ok(Change::between(*file, tree.text(*file), text).edits().collect());
         }
         if !tree.whole {
             return Err(EditRefused::new(

@@ -6,14 +6,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use kajo_core::compile::{CompileOptions, MeshStore, compile};
-use kajo_core::scene::Scene;
+use kajo_core::compile::MeshStore;
 use kajo_math::DAffine3;
-use kajo_scene::{Diagnostics, Sources, one_line, render};
 
+use super::compilation::Compiled;
 use super::history::{History, Step};
 use super::outline::{Identities, missing_from, not_carried};
-use super::overlay::Overlay;
 use super::schema::Kind;
 use super::texts::Change;
 use super::tree::{Before, Tree};
@@ -45,18 +43,18 @@ pub enum DocumentError {
 #[derive(Debug)]
 pub struct Document {
     path: Option<PathBuf>,
-    options: LoadOptions,
-    disk: FsAssets,
-    files: Vec<SceneFile>,
+    pub(super) options: LoadOptions,
+    pub(super) disk: Arc<FsAssets>,
+    pub(super) files: Vec<SceneFile>,
     stamps: HashMap<FileId, Stamp>,
-    tree: Tree,
+    pub(super) tree: Arc<Tree>,
     identities: Identities,
     history: History,
     gesture: Option<Gesture>,
-    generation: u64,
-    compiled: Compiled,
+    pub(super) generation: u64,
+    pub(super) compiled: Compiled,
     /// Meshes need not be read again for every edit.
-    meshes: Arc<MeshStore>,
+    pub(super) meshes: Arc<MeshStore>,
 }
 
 /// What tells one state of a file on disk from another.
@@ -67,21 +65,8 @@ type Stamp = (SystemTime, u64);
 struct Gesture {
     label: String,
     /// Texts and tree before the first edit; `None` until there is one.
-    base: Option<(Vec<SceneFile>, Tree)>,
+    base: Option<(Vec<SceneFile>, Arc<Tree>)>,
     change: Change,
-}
-
-/// What the compiler made of the texts.
-#[derive(Debug, Default)]
-struct Compiled {
-    /// Of the texts.
-    generation: Option<u64>,
-    diagnostics: Diagnostics,
-    scene: Option<Arc<Scene>>,
-    /// Of the texts that the scene was made from.
-    scene_generation: u64,
-    /// For each object of the scene the nodes that place it and that describe it.
-    objects: Vec<[Option<NodeId>; 2]>,
 }
 
 impl Document {
@@ -113,14 +98,14 @@ impl Document {
         saved: Option<Arc<str>>,
     ) -> Result<Document, DocumentError> {
         let error = |reason| DocumentError::Read { path: path.to_path_buf(), reason };
-        let disk = assets(path, &options).map_err(error)?;
+        let disk = Arc::new(assets(path, &options).map_err(error)?);
         let mut document = Document {
             path: None,
             options,
             files: vec![SceneFile { name: disk.scene_name().to_owned(), text, saved }],
             disk,
             stamps: HashMap::new(),
-            tree: Tree::default(),
+            tree: Arc::default(),
             identities: Identities::default(),
             history: History::default(),
             gesture: None,
@@ -129,7 +114,7 @@ impl Document {
             meshes: Arc::default(),
         };
         let tree = document.parsed(&Tree::default(), &Change::default(), &[]);
-        document.tree = tree;
+        document.tree = Arc::new(tree);
         Ok(document)
     }
 
@@ -231,6 +216,13 @@ impl Document {
         let change = Change::of(files, edits)?;
         let mut texts = files.clone();
         change.apply(&mut texts)?;
+        let changed = !change.is_empty();
+        if texts.iter().zip(&self.files).all(|(new, now)| new.text == now.text) {
+            // As in a drag that stands still.
+            let created =
+                missing_from(&self.tree.outline, &self.base_tree().outline).next().map(|node| node.id);
+            return Ok(Applied { changed, created });
+        }
 
         let gesture = self.gesture.take();
         let in_gesture = gesture.is_some();
@@ -242,7 +234,6 @@ impl Document {
             base.unwrap_or_else(|| (std::mem::take(&mut self.files), std::mem::take(&mut self.tree)));
         self.files = texts;
         let mut new = self.parsed(&tree, &change, &[]);
-        let changed = !change.is_empty();
         if let Some(moved) = edit.moves().filter(|_| changed) {
             new.outline.keep_identities(&tree.outline, moved);
         }
@@ -252,7 +243,7 @@ impl Document {
         } else if changed {
             self.history.push(step(label, change, &tree, &new));
         }
-        self.tree = new;
+        self.tree = Arc::new(new);
         self.generation += 1;
         Ok(Applied { changed, created })
     }
@@ -319,7 +310,7 @@ impl Document {
             return false;
         }
         let tree = std::mem::take(&mut self.tree);
-        self.tree = self.parsed(&tree, &step.change, &step.gained);
+        self.tree = Arc::new(self.parsed(&tree, &step.change, &step.gained));
         self.generation += 1;
         true
     }
@@ -337,105 +328,8 @@ fn step(label: String, change: Change, old: &Tree, new: &Tree) -> Step {
     Step { label, change, lost, gained }
 }
 
-/// The scene that the texts make.
+/// The scene and its materials.
 impl Document {
-    /// Compiles the texts, if that has not been done since they changed.
-    ///
-    /// With mistakes in them the last good scene stays, and [`Document::diagnostics`] says what is wrong.
-    pub fn compile(&mut self) {
-        if self.compiled.generation == Some(self.generation) {
-            return;
-        }
-        let options = CompileOptions {
-            dialect: self.options.dialect,
-            limits: self.options.limits.clone(),
-            meshes: Some(Arc::clone(&self.meshes)),
-            ..CompileOptions::default()
-        };
-        let assets = Overlay { disk: &self.disk, files: &self.files };
-        let mut diagnostics = self.tree.diagnostics.clone();
-        let desc = &mut self.tree.desc;
-        // A text that could not be read whole would only give complaints about what is missing from it.
-        let scene = if self.tree.whole { compile(desc, &assets, &options, &mut diagnostics) } else { None };
-        self.compiled.generation = Some(self.generation);
-        self.compiled.diagnostics = diagnostics;
-        if let Some(scene) = scene {
-            let outline = &self.tree.outline;
-            let node = |item| outline.at_item(item).map(|node| node.id);
-            let nodes =
-                scene.objects.iter().map(|object| [node(object.placed_by), node(object.described_by)]);
-            self.compiled.objects = nodes.collect();
-            self.compiled.scene = Some(Arc::new(scene));
-            self.compiled.scene_generation = self.generation;
-        }
-    }
-
-    /// The last good scene that [`Document::compile`] made.
-    pub fn scene(&self) -> Option<&Arc<Scene>> {
-        self.compiled.scene.as_ref()
-    }
-
-    /// Whether [`Document::scene`] is what the texts say now.
-    pub fn is_current(&self) -> bool {
-        self.compiled.scene.is_some() && self.compiled.scene_generation == self.generation
-    }
-
-    /// [`Document::generation`] of the texts that [`Document::scene`] was made from.
-    pub fn scene_generation(&self) -> u64 {
-        self.compiled.scene_generation
-    }
-
-    /// Everything worth saying about the texts, as of the last [`Document::compile`].
-    pub fn diagnostics(&self) -> &Diagnostics {
-        &self.compiled.diagnostics
-    }
-
-    /// The texts that the messages point into.
-    pub fn sources(&self) -> &Sources {
-        self.tree.desc.sources()
-    }
-
-    /// The file and bytes that a message is about.
-    pub fn place_of(&self, diagnostic: &kajo_scene::Diagnostic) -> Option<(FileId, std::ops::Range<usize>)> {
-        diagnostic.span().map(|span| self.tree.place_of(span))
-    }
-
-    /// The messages as they are shown to people, with the lines they are about; in colour on request.
-    pub fn report(&self, color: bool) -> String {
-        render(&self.compiled.diagnostics, self.sources(), color)
-    }
-
-    /// One line a message: `file:line:column: error: what`.
-    pub fn lines(&self) -> impl Iterator<Item = String> {
-        self.compiled.diagnostics.iter().map(|diagnostic| one_line(diagnostic, self.sources()))
-    }
-
-    /// The node that puts an object into the scene: a shape, or the outermost instance.
-    ///
-    /// * `number`: as in the id layer of [`Document::scene`], from 1
-    pub fn node_of_object(&self, number: u32) -> Option<NodeId> {
-        self.compiled.objects.get(number.checked_sub(1)? as usize)?[0]
-    }
-
-    /// The node that describes an object: a shape, which may stand in a definition, or a model.
-    ///
-    /// * `number`: as in the id layer of [`Document::scene`], from 1
-    pub fn part_of_object(&self, number: u32) -> Option<NodeId> {
-        self.compiled.objects.get(number.checked_sub(1)? as usize)?[1]
-    }
-
-    /// Numbers of the objects of [`Document::scene`] that a node places or describes, or nodes within it do.
-    pub fn objects_of(&self, id: NodeId) -> Vec<u32> {
-        let nodes: std::collections::HashSet<NodeId> =
-            self.outline().subtree(id).iter().map(|n| n.id).collect();
-        let is_of = |object: &[Option<NodeId>; 2]| object.iter().flatten().any(|id| nodes.contains(id));
-        (1..)
-            .zip(&self.compiled.objects)
-            .filter(|(_, object)| is_of(object))
-            .map(|(number, _)| number)
-            .collect()
-    }
-
     /// Numbers of the objects that a material's block is the material of, as [`Document::scene`] has them.
     pub fn objects_painted(&self, id: NodeId) -> Vec<u32> {
         let Some(scene) = self.scene() else { return Vec::new() };
@@ -486,7 +380,7 @@ impl Document {
         self.end_gesture();
         Target::check(path, &[])?.write(self.files[0].text.as_bytes())?;
         let error = |reason| DocumentError::Read { path: path.to_path_buf(), reason };
-        let disk = assets(path, &self.options).map_err(error)?;
+        let disk = Arc::new(assets(path, &self.options).map_err(error)?);
         for index in 1..self.files.len() {
             if let Some(path) = self.real_path(FileId(index as u32)).filter(|_| self.files[index].is_dirty())
             {
@@ -504,7 +398,7 @@ impl Document {
         // The history speaks of files by number: only steps of the scene's own text still mean something.
         self.history.retain_file(FileId(0));
         let tree = std::mem::take(&mut self.tree);
-        self.tree = self.parsed(&tree, &Change::default(), &[]);
+        self.tree = Arc::new(self.parsed(&tree, &Change::default(), &[]));
         self.generation += 1;
         self.stamp();
         Ok(())
@@ -551,7 +445,7 @@ impl Document {
         if changed {
             self.history.push(step("reload".to_owned(), change, &tree, &new));
         }
-        self.tree = new;
+        self.tree = Arc::new(new);
         // Meshes and pictures may have changed too.
         self.generation += 1;
         self.stamp();

@@ -30,6 +30,7 @@
 //! ```
 
 mod command;
+mod compilation;
 mod displace;
 mod document;
 mod fields;
@@ -50,6 +51,7 @@ mod texts;
 mod tree;
 
 pub use command::{Applied, Edit, EditRefused};
+pub use compilation::{Compilation, Compiled};
 pub use document::{Document, DocumentError};
 pub use fields::{Field, FieldValue};
 pub use movement::Movement;

@@ -31,6 +31,7 @@ impl Tree {
             Kind::Group if kind != Kind::Define => {
                 self.with_material(into.or(self.root(holder)), block, &mut edits)
             }
+            Kind::Group | Kind::Materials => self.with_free_name(kind, block),
             _ => block.to_owned(),
         };
         match into.or(self.root(holder)) {
@@ -138,19 +139,27 @@ impl Tree {
 
     /// The text of a node whose name must differ from all others, with such a name.
     fn renamed_copy(&self, node: &Node) -> String {
-        let Some(item) = self.item(node) else { return String::new() };
-        let text = self.source_of(item);
-        let Some(word) = item.word() else { return text.to_owned() };
+        self.item(node).map_or_else(String::new, |item| self.with_free_name(node.kind, self.source_of(item)))
+    }
+
+    /// The text of a block, with another name where one of that kind has its name already.
+    fn with_free_name(&self, kind: Kind, block: &str) -> String {
+        let parsed = SceneDesc::parse_str(block);
+        let Some(word) = parsed.desc.roots().next().and_then(|item| item.word()) else {
+            return block.to_owned();
+        };
         let name = word.text();
         let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('_');
         let taken = |name: &str| {
-            self.outline.nodes().iter().any(|n| n.kind == node.kind && n.name.as_deref() == Some(name))
+            self.outline.nodes().iter().any(|n| n.kind == kind && n.name.as_deref() == Some(name))
         };
+        if !taken(&name) {
+            return block.to_owned();
+        }
         let fresh = (2..).map(|i: u32| format!("{stem}_{i}")).find(|name| !taken(name)).unwrap_or_default();
         let range = word.span.range();
-        let start = node.span.start;
         let quoted = super::fields::quoted(&fresh);
-        format!("{}{quoted}{}", &text[..range.start - start], &text[range.end - start..])
+        format!("{}{quoted}{}", &block[..range.start], &block[range.end..])
     }
 
     /// Takes a block out.

@@ -86,8 +86,13 @@ impl Frame {
 
     /// The views that it has: those that the job asked for, and the light.
     pub fn views(&self) -> Vec<View> {
-        let has = |view: &View| self.film.spec().layers.has(view.layer(Format::Exr, &self.settings));
-        View::ALL.into_iter().filter(has).collect()
+        View::ALL.into_iter().filter(|&view| self.has(view)).collect()
+    }
+
+    /// Whether it has a view. Every frame has the light; coarse ones lack what their job did not ask of them.
+    pub fn has(&self, view: View) -> bool {
+        let layers = self.film.spec().layers;
+        [Format::Png, Format::Exr].iter().all(|&format| layers.has(view.layer(format, &self.settings)))
     }
 
     /// The numbers of a view, as OpenEXR files hold them; one to three channels.

@@ -119,12 +119,15 @@ fn a_job_without_end_is_coarse_first_and_ends_when_cancelled() {
         let _ = sender.send(());
     });
     assert!(matches!(session.status(), Status::Idle) && session.frame().is_none());
-    let job = Job::new(Arc::clone(&scene), settings(&scene, [800, 600], (SamplerKind::Jittered, 4)));
+    let mut job = Job::new(Arc::clone(&scene), settings(&scene, [800, 600], (SamplerKind::Jittered, 4)));
+    job.coarse_views = vec![View::Normals];
     session.start(job.without_end());
     wakes.recv().unwrap();
     let first = session.frame().unwrap();
     assert_eq!((first.samples(), first.full_size()), (0, [800, 600]));
     assert!(first.size()[0] <= 400, "{:?}", first.size());
+    assert_eq!(first.views(), [View::Color, View::Normals], "what it was asked for and no more");
+    assert!(first.rgba(View::Normals, &first.settings().development).is_ok());
     loop {
         wakes.recv().unwrap();
         if session.frame().unwrap().samples() >= 2 {
@@ -134,7 +137,9 @@ fn a_job_without_end_is_coarse_first_and_ends_when_cancelled() {
     assert!(session.is_running());
     session.cancel();
     assert!(matches!(session.wait(), Status::Cancelled));
-    assert_eq!(session.frame().unwrap().size(), [800, 600]);
+    let last = session.frame().unwrap();
+    assert_eq!(last.size(), [800, 600]);
+    assert!([View::Depth, View::Object, View::Variance].into_iter().all(|view| last.has(view)));
 }
 
 #[test]

@@ -47,13 +47,16 @@ pub(super) struct State {
     pub next: Option<(u64, Job)>,
     pub status: Status,
     pub frame: Option<Arc<Frame>>,
+    /// Frames that were shown before, and that somebody may still hold.
+    retired: Vec<Arc<Frame>>,
     /// Whether the thread is to end.
     pub is_over: bool,
 }
 
 impl Shared {
     pub fn new(threads: usize, wake: Box<dyn Fn() + Send + Sync>) -> Shared {
-        let state = State { next: None, status: Status::Idle, frame: None, is_over: false };
+        let state =
+            State { next: None, status: Status::Idle, frame: None, retired: Vec::new(), is_over: false };
         Shared {
             state: Mutex::new(state),
             changed: Condvar::new(),
@@ -74,6 +77,14 @@ impl Shared {
 
     pub fn set_progress(&self, share: f32) {
         self.progress.store(share.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Frees the frames that nobody holds any more. Films are large enough for that to take longer than a window may
+    /// stand still, so this thread does it, after it has told of a newer frame.
+    fn free_retired(&self) {
+        let unheld: Vec<_> =
+            self.lock().retired.extract_if(.., |frame| Arc::strong_count(frame) == 1).collect();
+        drop(unheld);
     }
 
     /// Renders one job after the other until the session is over.
@@ -120,10 +131,11 @@ impl Run<'_> {
         let layers = layers(&job.scene, &job.views, &job.settings);
         let resources = Resources { threads: self.shared.threads, ..Resources::default() };
         check_memory(&film_spec(camera, &job.settings, layers), BYTES_TO_ENCODE, &resources)?;
+        let coarse_layers = self::layers(&job.scene, &job.coarse_views, &job.settings);
         for factor in downscales(job.downscale) {
             let began = Instant::now();
             let settings = coarse(&job.settings, camera, factor);
-            if let Outcome::Cancelled = self.passes(job, camera, settings, layers, &resources, true)? {
+            if let Outcome::Cancelled = self.passes(job, camera, settings, coarse_layers, &resources, true)? {
                 return Ok(Outcome::Cancelled);
             }
             if began.elapsed().mul_f64(f64::from(factor * factor)) < BLINK {
@@ -188,9 +200,11 @@ impl Run<'_> {
         {
             let mut state = self.shared.lock();
             let Some(frame) = frame.filter(|_| self.is_wanted()) else { return };
-            state.frame = Some(Arc::new(frame));
+            let before = state.frame.replace(Arc::new(frame));
+            state.retired.extend(before);
         }
         (self.shared.wake)();
+        self.shared.free_retired();
     }
 
     fn end(&self, outcome: Result<Outcome, RenderError>) {

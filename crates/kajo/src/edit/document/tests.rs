@@ -8,6 +8,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
 use super::*;
 use crate::edit::{FieldKind, FieldValue, template};
+use kajo_core::scene::Scene;
 
 const SCENE: &str = "# A small scene.
 PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }

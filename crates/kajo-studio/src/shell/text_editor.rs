@@ -1,0 +1,221 @@
+//! The text of the scene to be typed in: what is typed is an edit like any other, mistakes are marked at their places.
+
+use std::sync::Arc;
+
+use egui::text::{CCursor, LayoutJob, TextFormat};
+use egui::{
+    Align2, Color32, FontId, Galley, Id, Margin, Pos2, Rect, ScrollArea, Stroke, TextBuffer, TextEdit, Ui,
+    vec2,
+};
+use kajo::edit::{Document, FileId, NodeId, SceneFile};
+use kajo::{TokenKind, tokens};
+
+use super::{problems_panel, theme};
+use crate::state::{Action, Problem, Selection, line_ends};
+
+/// Room for the numbers of lines, in points.
+const GUTTER: i8 = 46;
+
+const FONT: FontId = FontId::monospace(12.5);
+
+/// What the editor remembers between frames.
+#[derive(Default)]
+pub struct TextEditor {
+    /// The text of the file that is shown, and its bytes of then.
+    shown: String,
+    of: Option<(FileId, Arc<str>)>,
+    /// The node whose lines were brought into view.
+    visited: Option<NodeId>,
+    caret: Option<usize>,
+    colored: Option<(String, bool, LayoutJob)>,
+}
+
+/// Which widget has the focus while one types in the scene.
+pub fn id() -> Id {
+    Id::unique("text of the scene")
+}
+
+impl TextEditor {
+    /// The text of one file.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        document: &Document,
+        (id, file): (FileId, &SceneFile),
+        selection: &Selection,
+        problems: &[Problem],
+        actions: &mut Vec<Action>,
+    ) {
+        self.take_over(id, file);
+        let mut colored = self.colored.take();
+        let mut layouter = |ui: &Ui, text: &dyn TextBuffer, _: f32| galley(ui, text.as_str(), &mut colored);
+        ScrollArea::both().id_salt(id).auto_shrink(false).show(ui, |ui| {
+            let margin = Margin { left: GUTTER, ..Margin::symmetric(0, 2) };
+            let editor = TextEdit::multiline(&mut self.shown)
+                .id(self::id())
+                .code_editor()
+                .frame(egui::Frame::NONE.inner_margin(margin))
+                .desired_width(f32::INFINITY)
+                .layouter(&mut layouter)
+                .show(ui);
+            if ui.is_rect_visible(editor.response.rect) {
+                number_lines(ui, &editor.galley, editor.galley_pos);
+            }
+            let rows = Rows { galley: &editor.galley, origin: editor.galley_pos };
+            for problem in problems.iter().filter(|p| p.place.as_ref().is_some_and(|at| at.file == file.name))
+            {
+                rows.mark(ui, problem);
+            }
+            self.visit(ui, &rows, document, (id, file), selection);
+            let caret = editor.cursor_range.map(|range| range.primary.index.0);
+            let changed = editor.response.changed();
+            if changed {
+                let text = line_ends::edited(&file.text, &self.shown);
+                let lines = |text: &str| text.matches('\n').count();
+                let is_new_line = lines(&text) != lines(&file.text);
+                actions.push(Action::Type { file: id, text });
+                if is_new_line {
+                    actions.push(Action::EndTyping);
+                }
+            } else if editor.response.lost_focus() || caret != self.caret {
+                actions.push(Action::EndTyping);
+            }
+            self.caret = caret;
+            if editor.response.clicked() && !changed {
+                self.select_at_caret(document, (id, file), selection, actions);
+            }
+        });
+        self.colored = colored;
+    }
+
+    /// Shows what the file says, if that has changed.
+    fn take_over(&mut self, id: FileId, file: &SceneFile) {
+        let is_same = |(shown, text): &(FileId, Arc<str>)| *shown == id && Arc::ptr_eq(text, &file.text);
+        if !self.of.as_ref().is_some_and(is_same) {
+            self.shown = line_ends::shown(&file.text);
+            self.of = Some((id, Arc::clone(&file.text)));
+        }
+    }
+
+    /// Marks the lines of what is selected, and brings them into view once.
+    fn visit(
+        &mut self,
+        ui: &Ui,
+        rows: &Rows<'_>,
+        document: &Document,
+        (id, file): (FileId, &SceneFile),
+        selection: &Selection,
+    ) {
+        let node = selection.main().and_then(|node| document.node(node)).filter(|node| node.file == id);
+        let Some(node) = node else {
+            self.visited = None;
+            return;
+        };
+        let line = |at: usize| file.text.get(..at).map_or(0, |before| before.matches('\n').count());
+        let lines = rows.rect(line(node.span.start)).union(rows.rect(line(node.span.end)));
+        let bar = Rect::from_min_max(lines.left_top() - vec2(8.0, 0.0), lines.left_bottom() - vec2(5.0, 0.0));
+        ui.painter().rect_filled(bar, 1.0, theme::accent(ui));
+        if self.visited != Some(node.id) {
+            self.visited = Some(node.id);
+            ui.scroll_to_rect(lines, None);
+        }
+    }
+
+    /// Selects the block that the caret was put into.
+    fn select_at_caret(
+        &mut self,
+        document: &Document,
+        (id, file): (FileId, &SceneFile),
+        selection: &Selection,
+        actions: &mut Vec<Action>,
+    ) {
+        let Some(caret) = self.caret else { return };
+        let at = self.shown.char_indices().nth(caret).map_or(self.shown.len(), |(at, _)| at);
+        let at = line_ends::in_file(&file.text, at);
+        let Some(node) = document.outline().at_byte(id, at).map(|node| node.id) else { return };
+        if selection.main() != Some(node) {
+            // It is in view where it was clicked.
+            self.visited = Some(node);
+            actions.push(Action::Select(vec![node]));
+        }
+    }
+}
+
+/// The lines of a laid out text; none of them is wrapped.
+struct Rows<'a> {
+    galley: &'a Galley,
+    origin: Pos2,
+}
+
+impl Rows<'_> {
+    /// Where a line is, counted from 0; the last one for lines beyond.
+    fn rect(&self, line: usize) -> Rect {
+        let row = self.galley.rows.get(line).or(self.galley.rows.last());
+        row.map_or(Rect::NOTHING, |row| row.rect()).translate(self.origin.to_vec2())
+    }
+
+    /// Underlines the place of a problem and says behind its line what it is.
+    fn mark(&self, ui: &mut Ui, problem: &Problem) {
+        let Some(place) = &problem.place else { return };
+        let color = problems_panel::color(ui, problem.severity);
+        let row = self.rect(place.line - 1);
+        let first = self.galley.rows.iter().take(place.line - 1);
+        let start = first.map(|row| row.char_count_including_newline().0).sum::<usize>() + place.column - 1;
+        let x = |at: usize| self.origin.x + self.galley.pos_from_cursor(CCursor::new(at)).left();
+        ui.painter().hline(x(start)..=x(start + place.width), row.bottom() - 1.0, Stroke::new(1.5, color));
+        let text = egui::RichText::new(&problem.message).color(color).font(FONT);
+        let at = row.right_top() + vec2(24.0, 0.0);
+        let space = Rect::from_min_size(at, vec2(f32::INFINITY, row.height()));
+        let builder = egui::UiBuilder::new().max_rect(space);
+        let label = ui.scope_builder(builder, |ui| ui.add(egui::Label::new(text).extend())).inner;
+        if let Some(help) = &problem.help {
+            label.on_hover_text(help);
+        }
+    }
+}
+
+fn number_lines(ui: &Ui, galley: &Galley, origin: Pos2) {
+    let visible = ui.clip_rect().y_range();
+    let right = origin.x - 14.0;
+    for (number, row) in (1..).zip(&galley.rows) {
+        let top = origin.y + row.pos.y;
+        if visible.contains(top) || visible.contains(top + row.size.y) {
+            let at = Pos2::new(right, top);
+            ui.painter().text(at, Align2::RIGHT_TOP, number, FONT, theme::quiet(ui));
+        }
+    }
+}
+
+/// The text in colours, laid out; kept while neither text nor theme changes.
+fn galley(ui: &Ui, text: &str, kept: &mut Option<(String, bool, LayoutJob)>) -> Arc<Galley> {
+    let is_dark = ui.visuals().dark_mode;
+    let is_same = |(of, dark, _): &(String, bool, LayoutJob)| of == text && *dark == is_dark;
+    if !kept.as_ref().is_some_and(is_same) {
+        *kept = Some((text.to_owned(), is_dark, colored(ui, text)));
+    }
+    let job = kept.as_ref().map(|(_, _, job)| job.clone()).unwrap_or_default();
+    ui.fonts_mut(|fonts| fonts.layout_job(job))
+}
+
+fn colored(ui: &Ui, text: &str) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    job.wrap.max_width = f32::INFINITY;
+    for token in tokens(text) {
+        let piece = &text[token.range()];
+        let color = color_of(ui, token.kind, piece);
+        job.append(piece, 0.0, TextFormat { font_id: FONT, color, ..TextFormat::default() });
+    }
+    job
+}
+
+fn color_of(ui: &Ui, kind: TokenKind, piece: &str) -> Color32 {
+    match kind {
+        TokenKind::Comment => theme::good(ui).gamma_multiply(0.8),
+        TokenKind::Error(_) => theme::error(ui),
+        TokenKind::String => theme::accent(ui),
+        // Blocks begin with a capital letter, fields do not.
+        TokenKind::Word if piece.starts_with(|c: char| c.is_uppercase()) => theme::keyword(ui),
+        TokenKind::Number(_) => ui.visuals().strong_text_color(),
+        _ => ui.visuals().text_color(),
+    }
+}

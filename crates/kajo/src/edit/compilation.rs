@@ -1,0 +1,255 @@
+//! The scene that a document's texts make, and how another thread can be the one to make it.
+//!
+//! A [`Compilation`] is a picture of the texts at one moment. It shares nothing with the document that changes, so the
+//! document can be edited while it runs; [`Document::adopt`] takes in what came of it.
+//!
+//! ```
+//! # let text = "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 } Group { }";
+//! # let mut document = kajo::edit::Document::untitled(std::path::Path::new("."), text, Default::default())?;
+//! let compilation = document.compilation().expect("the texts were never compiled");
+//! let worker = std::thread::spawn(move || compilation.run());
+//! document.adopt(worker.join().expect("a compiler that does not panic"));
+//! assert!(document.scene().is_some());
+//! assert!(document.compilation().is_none());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::sync::Arc;
+
+use kajo_core::compile::{CompileOptions, MeshStore, compile};
+use kajo_core::scene::Scene;
+use kajo_scene::{Diagnostics, SceneDesc, Sources, one_line, render};
+
+use super::overlay::Overlay;
+use super::tree::Tree;
+use super::{Document, FileId, NodeId, SceneFile};
+use crate::{FsAssets, LoadOptions};
+
+/// Texts as they were at one moment, to be compiled.
+#[derive(Debug)]
+pub struct Compilation {
+    generation: u64,
+    tree: Arc<Tree>,
+    files: Vec<SceneFile>,
+    disk: Arc<FsAssets>,
+    options: LoadOptions,
+    meshes: Arc<MeshStore>,
+}
+
+/// What came of a [`Compilation`].
+#[derive(Debug, Default)]
+pub struct Compiled {
+    /// Of the texts; `None` before the first.
+    generation: Option<u64>,
+    diagnostics: Diagnostics,
+    /// The tree that was compiled: its texts are those that messages point into.
+    desc: SceneDesc,
+    made: Option<Made>,
+}
+
+/// A scene, and the nodes that its objects come from.
+#[derive(Debug)]
+struct Made {
+    scene: Arc<Scene>,
+    /// [`Document::generation`] of the texts it was made from.
+    generation: u64,
+    /// For each object the nodes that place it and that describe it.
+    objects: Vec<[Option<NodeId>; 2]>,
+}
+
+impl Compilation {
+    /// Makes a scene of the texts.
+    pub fn run(self) -> Compiled {
+        let Compilation { generation, tree, files, disk, options, meshes } = self;
+        let compile_options = CompileOptions {
+            dialect: options.dialect,
+            limits: options.limits,
+            meshes: Some(meshes),
+            ..CompileOptions::default()
+        };
+        let assets = Overlay { disk: &disk, files: &files };
+        let mut diagnostics = tree.diagnostics.clone();
+        let mut desc = tree.desc.clone();
+        // A text that could not be read whole would only give complaints about what is missing from it.
+        let scene = match tree.whole {
+            true => compile(&mut desc, &assets, &compile_options, &mut diagnostics),
+            false => None,
+        };
+        let made = scene.map(|scene| {
+            let node = |item| tree.outline.at_item(item).map(|node| node.id);
+            let nodes =
+                scene.objects.iter().map(|object| [node(object.placed_by), node(object.described_by)]);
+            Made { generation, objects: nodes.collect(), scene: Arc::new(scene) }
+        });
+        Compiled { generation: Some(generation), diagnostics, desc, made }
+    }
+}
+
+impl Document {
+    /// What [`Document::compile`] would do, for another thread to run; `None` if it is done.
+    pub fn compilation(&self) -> Option<Compilation> {
+        (!self.is_compiled()).then(|| Compilation {
+            generation: self.generation,
+            tree: Arc::clone(&self.tree),
+            files: self.files.clone(),
+            disk: Arc::clone(&self.disk),
+            options: self.options.clone(),
+            meshes: Arc::clone(&self.meshes),
+        })
+    }
+
+    /// Takes in what came of a compilation of this document, unless that of a later text is there already.
+    ///
+    /// If the text had mistakes, the last good scene stays, and [`Document::diagnostics`] says what is wrong.
+    pub fn adopt(&mut self, compiled: Compiled) {
+        if compiled.generation < self.compiled.generation {
+            return;
+        }
+        let made = compiled.made.or(self.compiled.made.take());
+        self.compiled = Compiled { made, ..compiled };
+    }
+
+    /// Compiles the texts, if that has not been done since they changed.
+    ///
+    /// With mistakes in them the last good scene stays, and [`Document::diagnostics`] says what is wrong.
+    pub fn compile(&mut self) {
+        if let Some(compilation) = self.compilation() {
+            self.adopt(compilation.run());
+        }
+    }
+
+    /// Whether the texts, as they are now, have been compiled.
+    pub fn is_compiled(&self) -> bool {
+        self.compiled.generation == Some(self.generation)
+    }
+
+    /// The last good scene that [`Document::compile`] made.
+    pub fn scene(&self) -> Option<&Arc<Scene>> {
+        self.compiled.made.as_ref().map(|made| &made.scene)
+    }
+
+    /// Whether [`Document::scene`] is what the texts say now.
+    pub fn is_current(&self) -> bool {
+        self.compiled.made.as_ref().is_some_and(|made| made.generation == self.generation)
+    }
+
+    /// [`Document::generation`] of the texts that [`Document::scene`] was made from; 0 without a scene.
+    pub fn scene_generation(&self) -> u64 {
+        self.compiled.made.as_ref().map_or(0, |made| made.generation)
+    }
+
+    /// Everything worth saying about the texts, as of the last [`Document::compile`].
+    pub fn diagnostics(&self) -> &Diagnostics {
+        &self.compiled.diagnostics
+    }
+
+    /// The texts that the messages point into: those that were compiled last.
+    pub fn sources(&self) -> &Sources {
+        self.compiled.desc.sources()
+    }
+
+    /// The file and bytes that a message is about, where they are in the texts that were compiled last.
+    pub fn place_of(&self, diagnostic: &kajo_scene::Diagnostic) -> Option<(FileId, std::ops::Range<usize>)> {
+        diagnostic.span().map(|span| self.tree.place_of(span))
+    }
+
+    /// The messages as they are shown to people, with the lines they are about; in colour on request.
+    pub fn report(&self, color: bool) -> String {
+        render(&self.compiled.diagnostics, self.sources(), color)
+    }
+
+    /// One line a message: `file:line:column: error: what`.
+    pub fn lines(&self) -> impl Iterator<Item = String> {
+        self.compiled.diagnostics.iter().map(|diagnostic| one_line(diagnostic, self.sources()))
+    }
+
+    /// The node that puts an object into the scene: a shape, or the outermost instance.
+    ///
+    /// * `number`: as in the id layer of [`Document::scene`], from 1
+    pub fn node_of_object(&self, number: u32) -> Option<NodeId> {
+        self.objects().get(number.checked_sub(1)? as usize)?[0]
+    }
+
+    /// The node that describes an object: a shape, which may stand in a definition, or a model.
+    ///
+    /// * `number`: as in the id layer of [`Document::scene`], from 1
+    pub fn part_of_object(&self, number: u32) -> Option<NodeId> {
+        self.objects().get(number.checked_sub(1)? as usize)?[1]
+    }
+
+    /// Numbers of the objects of [`Document::scene`] that a node places or describes, or nodes within it do.
+    pub fn objects_of(&self, id: NodeId) -> Vec<u32> {
+        let nodes: std::collections::HashSet<NodeId> =
+            self.outline().subtree(id).iter().map(|n| n.id).collect();
+        let is_of = |object: &[Option<NodeId>; 2]| object.iter().flatten().any(|id| nodes.contains(id));
+        (1..).zip(self.objects()).filter(|(_, object)| is_of(object)).map(|(number, _)| number).collect()
+    }
+
+    fn objects(&self) -> &[[Option<NodeId>; 2]] {
+        self.compiled.made.as_ref().map_or(&[], |made| &made.objects)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::LoadOptions;
+    use crate::edit::{Document, Edit, FieldValue};
+    use std::path::Path;
+
+    const TEXT: &str = "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }
+        Materials { Material {} }
+        Group { MaterialIndex 0  Sphere ball { center 0 0 0  radius 1 }  Sphere { center 2 0 0  radius 1 } }";
+
+    fn document(text: &str) -> Document {
+        Document::untitled(Path::new("."), text, LoadOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn a_document_is_edited_while_its_text_of_before_is_compiled() {
+        let mut document = document(TEXT);
+        let ball = document.outline().nodes().iter().find(|node| &*node.keyword == "Sphere").unwrap().id;
+        let early = document.compilation().unwrap();
+        document.apply(&Edit::set(ball, "radius", FieldValue::numbers([2.0]))).unwrap();
+        document.apply(&Edit::Delete(ball)).unwrap();
+        let late = document.compilation().unwrap();
+        document.adopt(early.run());
+        assert!(document.scene().is_some() && !document.is_current() && !document.is_compiled());
+        assert_eq!(document.scene().unwrap().primitives.len(), 2, "the text of before");
+        assert_eq!(document.node_of_object(1), Some(ball));
+        document.adopt(late.run());
+        assert!(document.is_current() && document.compilation().is_none());
+        assert_eq!(document.scene().unwrap().primitives.len(), 1);
+        assert_ne!(document.node_of_object(1), Some(ball));
+    }
+
+    #[test]
+    fn what_comes_late_is_not_taken_in() {
+        let mut document = document(TEXT);
+        let early = document.compilation().unwrap();
+        let ball = document.outline().nodes().iter().find(|node| &*node.keyword == "Sphere").unwrap().id;
+        document.apply(&Edit::Delete(ball)).unwrap();
+        document.compile();
+        let generation = document.scene_generation();
+        document.adopt(early.run());
+        assert_eq!(document.scene_generation(), generation);
+        assert_eq!(document.scene().unwrap().primitives.len(), 1);
+    }
+
+    #[test]
+    fn messages_point_into_the_text_that_was_compiled() {
+        let mut document = document(TEXT);
+        document.compile();
+        let (file, _) = document.files().next().unwrap();
+        let text = TEXT.replace("Sphere ball", "Sphre ball");
+        document.apply(&Edit::Rewrite { file, text }).unwrap();
+        let compilation = document.compilation().unwrap();
+        document.apply(&Edit::Rewrite { file, text: format!("\n\n{TEXT}") }).unwrap();
+        document.adopt(compilation.run());
+        assert!(document.scene().is_some(), "the last good scene stays");
+        assert!(
+            document.lines().any(|line| line.contains(":3:34: error:")),
+            "{:?}",
+            document.lines().collect::<Vec<_>>()
+        );
+    }
+}
