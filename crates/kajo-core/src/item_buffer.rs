@@ -16,7 +16,9 @@
 //! coordinates within the quotients of intervals `[x] / [w]` and `[y] / [w]`. A sphere at distance `l` fills a
 //! cone with `sin(beta) = r / l`; a cell lies in a cone of half angle `alpha` around its middle `m`, so
 //! they meet only where `m` is within `alpha + beta` of the sphere's centre, and the sphere hides everything
-//! behind it where `m` is within `beta - alpha`.
+//! behind it where `m` is within `beta - alpha`. A cell remembers from which distance on that is so: what is
+//! farther away is in its shadow, whatever else is there. The finer the grid, the more is known without asking
+//! a single primitive.
 //!
 //! Lists are conservative: everything is taken for larger by `slack`, and only rays that keep to the lines through
 //! the apex within half of that are answered. What a ray hits is therefore the same, bit for bit, with and without.
@@ -25,7 +27,7 @@ use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec3};
 
 use crate::shape::Sphere;
 
-/// Cells for each primitive that a face shows.
+/// Least number of cells for each primitive that a face shows.
 const CELLS_PER_ITEM: usize = 4;
 
 /// Cells across a face.
@@ -44,6 +46,9 @@ const REACH: f64 = 16.0;
 
 /// What `u` and `v` are widened by against their rounding, which is a few times 2^-24.
 const PAD: f64 = 1e-6;
+
+/// Above the relative rounding of a distance in single precision.
+const ROUNDING: f64 = 1e-6;
 
 /// How far the squared length of a unit vector may be from 1.
 const UNIT: f32 = 1e-5;
@@ -98,15 +103,28 @@ struct Face {
 }
 
 /// A list of items, or too many for one.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Cell {
     first: u32,
     len: u32,
+    /// The distance beyond which something opaque hides everything.
+    hidden_beyond: f32,
+}
+
+/// What is between the apex and a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Between<'a> {
+    /// Something opaque, for sure.
+    Blocked,
+    /// None but these.
+    Items(&'a [Item]),
 }
 
 impl ItemBuffer {
     /// A buffer around `apex`, or `None` when there is nothing to put in or the apex is not finite.
-    pub(crate) fn new(apex: Vec3, bodies: &[Body]) -> Option<ItemBuffer> {
+    ///
+    /// * `cells`: how many directions to tell apart, about; more where the bodies are many
+    pub(crate) fn new(apex: Vec3, bodies: &[Body], cells: usize) -> Option<ItemBuffer> {
         let center = apex.as_dvec3();
         let farthest = |b: &Body| {
             let (lo, hi) = (b.bounds.min.as_dvec3() - center, b.bounds.max.as_dvec3() - center);
@@ -119,8 +137,13 @@ impl ItemBuffer {
         }
         let mut outlines: Vec<Outline> = bodies.iter().map(|b| Outline::new(b, center, slack)).collect();
         outlines.sort_by(|a, b| a.near.total_cmp(&b.near));
+        let seen = [0, 1, 2, 3, 4, 5].map(|face| Seen::through(face, &outlines));
+        let shown: usize = seen.iter().map(Vec::len).sum();
         let mut lists = Lists::default();
-        let faces = [0, 1, 2, 3, 4, 5].map(|face| lists.draw(face, &outlines));
+        let faces = [0, 1, 2, 3, 4, 5].map(|face| {
+            let bodies = &seen[face];
+            lists.draw(face, bodies, cells * bodies.len() / shown.max(1))
+        });
         let (cells, items) = lists.finish();
         Some(ItemBuffer {
             apex,
@@ -137,27 +160,36 @@ impl ItemBuffer {
     #[inline]
     pub(crate) fn seen_along(&self, ray: &Ray) -> Option<&[Item]> {
         let unit = (ray.d.length_squared() - 1.0).abs() < UNIT;
-        if unit && ray.o == self.apex && ray.t_min >= 0.0 { self.list(ray.d) } else { None }
+        if !(unit && ray.o == self.apex && ray.t_min >= 0.0) {
+            return None;
+        }
+        self.cell(ray.d).map_or(Some(&[]), |cell| self.list(cell))
     }
 
-    /// What a ray that ends at the apex may meet; `None` where that is too much for a list, or the ray does not end
-    /// close enough to the apex.
+    /// What a ray that ends at the apex may meet, those nearest to the apex first; `None` where that is too much for a
+    /// list, or the ray does not end close enough to the apex.
     #[inline]
-    pub(crate) fn met_towards(&self, ray: &Ray) -> Option<impl Iterator<Item = u32>> {
+    pub(crate) fn between(&self, ray: &Ray) -> Option<Between<'_>> {
         let from_apex = ray.o - self.apex;
         let miss = from_apex + ray.t_max * ray.d;
         let close = miss.abs().max_element() <= self.slack && from_apex.abs().max_element() <= self.reach;
         if !close {
             return None;
         }
-        let distance = from_apex.length() * (1.0 + 8.0 * f32::EPSILON);
-        let items = self.list(from_apex)?.iter();
-        Some(items.take_while(move |item| item.near <= distance).map(|item| item.primitive))
+        let Some(cell) = self.cell(from_apex) else { return Some(Between::Items(&[])) };
+        let distance = from_apex.length();
+        if distance > cell.hidden_beyond {
+            return Some(Between::Blocked);
+        }
+        let farthest = distance * (1.0 + 8.0 * f32::EPSILON);
+        let items = self.list(cell)?;
+        let len = items.iter().take_while(|item| item.near <= farthest).count();
+        Some(Between::Items(&items[..len]))
     }
 
-    /// The list of the cell of a direction.
+    /// The cell of a direction; none where there is nothing.
     #[inline]
-    fn list(&self, d: Vec3) -> Option<&[Item]> {
+    fn cell(&self, d: Vec3) -> Option<&Cell> {
         let a = d.abs();
         let (axis, [w, u, v]) = if a.x >= a.y && a.x >= a.z {
             (0, [d.x, d.y, d.z])
@@ -172,10 +204,15 @@ impl ItemBuffer {
         let y = (v * inverse - face.start[1]) * face.scale[1];
         let side = face.side as f32;
         // Outside the window there is nothing, and no direction at all leads nowhere.
-        if !(x >= 0.0 && y >= 0.0 && x < side && y < side) {
-            return Some(&[]);
-        }
-        let Cell { first, len } = self.cells[(face.first + y as u32 * face.side + x as u32) as usize];
+        let within = x >= 0.0 && y >= 0.0 && x < side && y < side;
+        let place = || (face.first + y as u32 * face.side + x as u32) as usize;
+        if within { self.cells.get(place()) } else { None }
+    }
+
+    /// The items of a cell, unless there are too many.
+    #[inline]
+    fn list(&self, cell: &Cell) -> Option<&[Item]> {
+        let Cell { first, len, .. } = *cell;
         if len as usize > LONGEST {
             return None;
         }
@@ -260,6 +297,20 @@ impl Cone {
     }
 }
 
+/// A body and the window of a face through which it is seen.
+struct Seen<'a> {
+    outline: &'a Outline,
+    window: [[f64; 2]; 2],
+}
+
+impl<'a> Seen<'a> {
+    /// What is seen through a face, in the same order.
+    fn through(face: usize, outlines: &'a [Outline]) -> Vec<Seen<'a>> {
+        let seen = |outline: &'a Outline| Some(Seen { outline, window: outline.window(face)? });
+        outlines.iter().filter_map(seen).collect()
+    }
+}
+
 /// Lists of all cells while they are made.
 #[derive(Default)]
 struct Lists {
@@ -276,27 +327,21 @@ struct Growing {
 }
 
 impl Lists {
-    /// Adds the grid of a face and what is seen through it; `outlines` are sorted from near to far.
-    fn draw(&mut self, face: usize, outlines: &[Outline]) -> Face {
-        let windows = || outlines.iter().filter_map(|o| Some((o, o.window(face)?)));
+    /// Adds the grid of a face and what is seen through it, sorted from near to far.
+    fn draw(&mut self, face: usize, seen: &[Seen<'_>], cells: usize) -> Face {
         let first = self.cells.len();
-        let Some(whole) = windows().map(|(_, window)| window).reduce(|[a, b], [c, d]| {
+        let Some(whole) = seen.iter().map(|body| body.window).reduce(|[a, b], [c, d]| {
             let union = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
             [union(a, c), union(b, d)]
         }) else {
             return Face::default();
         };
-        let wanted = ((CELLS_PER_ITEM * windows().count()) as f64).sqrt() as usize;
+        let wanted = (cells.max(CELLS_PER_ITEM * seen.len()) as f64).sqrt() as usize;
         let side = wanted.clamp(*SIDE.start(), *SIDE.end());
         let grid = Grid::new(face, whole, side);
         self.cells.resize(first + side * side, Growing { len: 0, hidden_beyond: f64::INFINITY });
-        for (outline, window) in windows() {
-            let [columns, rows] = grid.cells(window);
-            for row in rows {
-                for column in columns.clone() {
-                    self.add(first + row * side + column, outline, &grid, [column, row]);
-                }
-            }
+        for body in seen {
+            self.add(first, body, &grid);
         }
         Face {
             start: grid.start.map(|x| x as f32),
@@ -306,37 +351,43 @@ impl Lists {
         }
     }
 
-    /// Adds a body to a cell unless it cannot be seen there.
-    fn add(&mut self, cell: usize, outline: &Outline, grid: &Grid, place: [usize; 2]) {
-        let growing = &mut self.cells[cell];
-        if outline.near > growing.hidden_beyond || growing.len as usize > LONGEST {
-            return;
-        }
-        if let Some(cone) = &outline.cone {
-            let cosine = grid.middle(place).dot(cone.axis);
-            // Within the sum of two angles, and within their difference.
-            let ([sin_a, cos_a], [sin_b, cos_b]) = (grid.half_angle, cone.outer);
-            if cosine < cos_a * cos_b - sin_a * sin_b {
-                return;
-            }
-            if let Some(([sin_b, cos_b], far)) = cone.hidden
-                && sin_b > sin_a
-                && cosine > cos_a * cos_b + sin_a * sin_b
-            {
-                growing.hidden_beyond = growing.hidden_beyond.min(far);
-            }
-        }
-        growing.len += 1;
+    /// Adds a body to all cells of a grid where it can be seen.
+    fn add(&mut self, first: usize, body: &Seen<'_>, grid: &Grid) {
+        let outline = body.outline;
         // A ray's parameter differs from its distance by half of `UNIT`.
         let near = (outline.near * (1.0 - f64::from(UNIT))) as f32;
-        self.entries.push((cell as u32, Item { primitive: outline.primitive, near }));
+        let item = Item { primitive: outline.primitive, near };
+        let extent = outline.cone.as_ref().map(|cone| Extent::new(cone, grid));
+        let [columns, rows] = grid.cells(body.window);
+        for row in rows {
+            let start = first + row * grid.side;
+            for column in columns.clone() {
+                let growing = &mut self.cells[start + column];
+                if outline.near > growing.hidden_beyond || growing.len as usize > LONGEST {
+                    continue;
+                }
+                if let Some(extent) = &extent {
+                    let [u, v] = grid.middle([column, row]);
+                    let (along, length) = extent.cosine(u, v);
+                    if along < extent.outer * length {
+                        continue;
+                    }
+                    if along > extent.hidden * length {
+                        growing.hidden_beyond = growing.hidden_beyond.min(extent.hides_beyond);
+                    }
+                }
+                growing.len += 1;
+                self.entries.push(((start + column) as u32, item));
+            }
+        }
     }
 
     /// The lists one after another. Entries of a cell stay in their order.
     fn finish(self) -> (Vec<Cell>, Vec<Item>) {
         let mut end = 0;
         let place = |growing: &Growing| {
-            let cell = Cell { first: end, len: growing.len };
+            let hidden_beyond = (growing.hidden_beyond * (1.0 + ROUNDING)) as f32;
+            let cell = Cell { first: end, len: growing.len, hidden_beyond };
             end += growing.len;
             cell
         };
@@ -380,15 +431,48 @@ impl Grid {
         })
     }
 
-    /// Unit vector to the middle of a cell.
-    fn middle(&self, place: [usize; 2]) -> DVec3 {
-        let axis = self.face / 2;
-        let mut d = DVec3::ZERO;
-        d[axis] = if self.face.is_multiple_of(2) { 1.0 } else { -1.0 };
-        for i in 0..2 {
-            d[(axis + 1 + i) % 3] = self.start[i] + (place[i] as f64 + 0.5) * self.step[i];
+    /// The coordinates of the middle of a cell.
+    #[inline]
+    fn middle(&self, place: [usize; 2]) -> [f64; 2] {
+        [0, 1].map(|i| self.start[i] + (place[i] as f64 + 0.5) * self.step[i])
+    }
+}
+
+/// A sphere's cone as the cells of a grid see it.
+struct Extent {
+    /// Components of its axis along `u`, along `v` and towards the face.
+    axis: [f64; 3],
+    /// Cells with a smaller cosine between middle and axis see nothing of it.
+    outer: f64,
+    /// Cells with a larger one see nothing beside it.
+    hidden: f64,
+    /// The distance behind which it hides everything in the latter.
+    hides_beyond: f64,
+}
+
+impl Extent {
+    fn new(cone: &Cone, grid: &Grid) -> Extent {
+        let axis = grid.face / 2;
+        let ahead = if grid.face.is_multiple_of(2) { cone.axis[axis] } else { -cone.axis[axis] };
+        // Within the sum of two angles, and within their difference.
+        let ([sin_a, cos_a], [sin_b, cos_b]) = (grid.half_angle, cone.outer);
+        let (hidden, hides_beyond) = match cone.hidden {
+            Some(([sin_b, cos_b], far)) if sin_b > sin_a => (cos_a * cos_b + sin_a * sin_b, far),
+            _ => (f64::INFINITY, f64::INFINITY),
+        };
+        Extent {
+            axis: [cone.axis[(axis + 1) % 3], cone.axis[(axis + 2) % 3], ahead],
+            outer: cos_a * cos_b - sin_a * sin_b,
+            hidden,
+            hides_beyond,
         }
-        d / d.length()
+    }
+
+    /// The cosine between the axis and the direction to `(u, v)` times the length of the latter, and that length.
+    #[inline]
+    fn cosine(&self, u: f64, v: f64) -> (f64, f64) {
+        let [x, y, z] = self.axis;
+        (x * u + y * v + z, (1.0 + u * u + v * v).sqrt())
     }
 }
 
@@ -443,8 +527,8 @@ mod tests {
     fn lists_hold_all_that_a_ray_from_the_apex_can_meet_first() {
         for n in [1, 5, 400] {
             let bodies = bodies(n.max(2), u64::from(n));
-            for apex in apexes(&bodies) {
-                let buffer = ItemBuffer::new(apex, &bodies).unwrap();
+            for (apex, cells) in apexes(&bodies).into_iter().zip([0, 0, 9000, 100_000, 9000]) {
+                let buffer = ItemBuffer::new(apex, &bodies, cells).unwrap();
                 let mut listed = 0;
                 for target in points(3000, 7, 1.2) {
                     let ray = Ray::new(apex, (target - apex).normalize());
@@ -465,25 +549,35 @@ mod tests {
     #[test]
     fn rays_to_the_apex_find_what_blocks_them() {
         let bodies = bodies(400, 3);
-        for apex in apexes(&bodies) {
-            let buffer = ItemBuffer::new(apex, &bodies).unwrap();
-            let (mut answered, mut blocked) = (0, 0);
+        for (apex, cells) in apexes(&bodies).into_iter().flat_map(|apex| [(apex, 0), (apex, 100_000)]) {
+            let buffer = ItemBuffer::new(apex, &bodies, cells).unwrap();
+            let (mut answered, mut blocked, mut known) = (0, 0, 0);
             for p in points(3000, 8, 1.5).chain(points(500, 9, 40.0)) {
                 let (wi, distance) = ((apex - p).normalize(), (apex - p).length());
                 let ray = Ray::new(p, wi).over(1e-3, distance);
-                let Some(items) = buffer.met_towards(&ray) else { continue };
+                let Some(between) = buffer.between(&ray) else { continue };
                 answered += 1;
-                let items: Vec<u32> = items.collect();
                 let met: Vec<&Body> = bodies.iter().filter(|b| meets(b, &ray).is_some()).collect();
-                if met.iter().any(|b| b.opaque && b.sphere.is_some()) {
-                    blocked += 1;
-                    let found = |b: &&Body| b.opaque && items.contains(&b.primitive);
-                    assert!(bodies.iter().filter(|b| meets(b, &ray).is_some()).any(|b| found(&b)), "{ray:?}");
+                let hidden = met.iter().any(|b| b.opaque && b.sphere.is_some());
+                blocked += u32::from(hidden);
+                let items = match between {
+                    Between::Items(items) => items,
+                    Between::Blocked => {
+                        known += 1;
+                        assert!(hidden, "{ray:?}");
+                        continue;
+                    }
+                };
+                let listed = |b: &&Body| items.iter().any(|item| item.primitive == b.primitive);
+                if hidden {
+                    assert!(met.iter().any(|b| b.opaque && listed(b)), "{ray:?}");
                 } else {
-                    assert!(met.iter().all(|b| items.contains(&b.primitive)), "{ray:?}");
+                    assert!(met.iter().all(listed), "{ray:?}");
                 }
             }
             assert!(answered > 2000 && blocked > 100, "{apex}: {answered} {blocked}");
+            let many = if cells == 0 { 0 } else { blocked / 4 };
+            assert!(known >= many, "{apex}: {known} of {blocked}");
         }
     }
 
@@ -491,21 +585,21 @@ mod tests {
     fn other_rays_are_not_answered() {
         let bodies = bodies(50, 4);
         let apex = Vec3::new(3.0, 4.0, -2.0);
-        let buffer = ItemBuffer::new(apex, &bodies).unwrap();
+        let buffer = ItemBuffer::new(apex, &bodies, 0).unwrap();
         let to_apex = |p: Vec3| Ray::new(p, (apex - p).normalize()).over(0.0, (apex - p).length());
         let ray = to_apex(Vec3::ZERO);
-        assert!(buffer.met_towards(&ray).is_some());
-        assert!(buffer.met_towards(&ray.over(0.0, 0.99 * ray.t_max)).is_none());
-        assert!(buffer.met_towards(&ray.over(0.0, f32::INFINITY)).is_none());
-        assert!(buffer.met_towards(&Ray { d: Vec3::NAN, ..ray }).is_none());
-        assert!(buffer.met_towards(&to_apex(Vec3::new(1e4, 0.0, 0.0))).is_none());
+        assert!(buffer.between(&ray).is_some());
+        assert!(buffer.between(&ray.over(0.0, 0.99 * ray.t_max)).is_none());
+        assert!(buffer.between(&ray.over(0.0, f32::INFINITY)).is_none());
+        assert!(buffer.between(&Ray { d: Vec3::NAN, ..ray }).is_none());
+        assert!(buffer.between(&to_apex(Vec3::new(1e4, 0.0, 0.0))).is_none());
         let seen = Ray::new(apex, -ray.d);
         assert!(buffer.seen_along(&seen).is_some());
         assert!(buffer.seen_along(&Ray { d: 2.0 * seen.d, ..seen }).is_none());
         assert!(buffer.seen_along(&Ray { o: apex + 0.1, ..seen }).is_none());
         assert!(buffer.seen_along(&Ray::new(apex, ray.d)).is_some_and(<[Item]>::is_empty));
-        assert!(ItemBuffer::new(apex, &[]).is_none());
-        assert!(ItemBuffer::new(Vec3::new(f32::INFINITY, 0.0, 0.0), &bodies).is_none());
+        assert!(ItemBuffer::new(apex, &[], 0).is_none());
+        assert!(ItemBuffer::new(Vec3::new(f32::INFINITY, 0.0, 0.0), &bodies, 0).is_none());
     }
 
     /// A thousand bodies in one direction are no list; what is behind a wall is in none.
@@ -518,9 +612,9 @@ mod tests {
         };
         let mut bodies: Vec<Body> = (0..1000).map(|i| sphere(i, -(i as f32), 0.01)).collect();
         let ahead = Ray::new(apex, Vec3::NEG_Z);
-        assert!(ItemBuffer::new(apex, &bodies).unwrap().seen_along(&ahead).is_none());
+        assert!(ItemBuffer::new(apex, &bodies, 0).unwrap().seen_along(&ahead).is_none());
         bodies.push(sphere(1000, 2.0, 1.0));
-        let buffer = ItemBuffer::new(apex, &bodies).unwrap();
+        let buffer = ItemBuffer::new(apex, &bodies, 0).unwrap();
         assert_eq!(buffer.seen_along(&ahead).map(|items| items[0].primitive), Some(1000));
         let listed = buffer.seen_along(&ahead).map_or(0, <[Item]>::len);
         assert!(listed < 4, "{listed}");

@@ -11,7 +11,7 @@ use crate::background::Background;
 use crate::camera::Camera;
 use crate::family::Pooled;
 use crate::interaction::{Hit, SurfacePoint};
-use crate::item_buffer::{Body, ItemBuffer};
+use crate::item_buffer::{Between, Body, ItemBuffer};
 use crate::light::{Emitters, LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::medium::Fog;
@@ -162,6 +162,21 @@ impl Scene {
         true
     }
 
+    /// [`Scene::trace_into`] for a ray that starts at the surface met last, which `at` still knows, and goes on inside
+    /// of it.
+    ///
+    /// The far side of a sphere is looked for first: few other things are nearer.
+    #[inline]
+    pub fn trace_inwards(&self, ray: &Ray, at: &mut Interaction) -> bool {
+        let shape = self.primitives[at.primitive as usize].shape;
+        let within = if Sphere::find(&self.shapes, shape).is_some() { at.primitive } else { NOTHING };
+        if !self.closest_within(within, None, ray, at) {
+            return false;
+        }
+        self.complete(ray, at);
+        true
+    }
+
     /// Whether anything lies within the ray's range.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.occluded_towards(None, ray)
@@ -216,7 +231,10 @@ impl Scene {
     }
 
     /// What lies in which direction from a point, of what does not move; `None` where the trees do better, as for very large scenes.
-    pub fn item_buffer(&self, apex: Vec3) -> Option<ItemBuffer> {
+    ///
+    /// * `cells`: how many directions to tell apart, about; the more, the faster it answers, and the longer it
+    ///   takes to be made
+    pub fn item_buffer(&self, apex: Vec3, cells: usize) -> Option<ItemBuffer> {
         if self.primitives.len() > MOST_ITEMS {
             return None;
         }
@@ -228,7 +246,7 @@ impl Scene {
             bounded.then_some(Body { primitive, bounds, sphere, opaque: !p.transmits })
         };
         let bodies: Vec<Body> = (0..).zip(&self.primitives).filter_map(body).collect();
-        ItemBuffer::new(apex, &bodies)
+        ItemBuffer::new(apex, &bodies, cells)
     }
 
     /// Visits every crossing within the ray's range, in no particular order.
@@ -358,15 +376,16 @@ impl Scene {
         }
     }
 
-    /// Whether `blocks` is true of any primitive that the ray may meet.
+    /// Whether `blocks` is true of any primitive that the ray may meet, or it is known to be blocked.
     #[inline]
     fn any(&self, apex: Option<&ItemBuffer>, ray: &Ray, mut blocks: impl FnMut(u32) -> bool) -> bool {
-        if self.unbounded.iter().any(|&i| blocks(i)) {
+        let between = apex.and_then(|apex| apex.between(ray));
+        if matches!(between, Some(Between::Blocked)) || self.unbounded.iter().any(|&i| blocks(i)) {
             return true;
         }
-        let blocked = match apex.and_then(|apex| apex.met_towards(ray)) {
-            Some(mut items) => items.any(&mut blocks),
-            None => self.bvh.any(ray, &mut blocks),
+        let blocked = match between {
+            Some(Between::Items(items)) => items.iter().any(|item| blocks(item.primitive)),
+            _ => self.bvh.any(ray, &mut blocks),
         };
         blocked || self.moving.as_ref().is_some_and(|moving| rarely(|| moving.any(ray, blocks)))
     }
@@ -374,9 +393,25 @@ impl Scene {
     /// Finds the nearest hit and writes it and its primitive into `at`; `false` when there is none.
     #[inline]
     fn closest(&self, apex: Option<&ItemBuffer>, ray: &Ray, at: &mut Interaction) -> bool {
+        self.closest_within(NOTHING, apex, ray, at)
+    }
+
+    /// As [`Scene::closest`]; the primitive `within` is tried before all others.
+    #[inline]
+    fn closest_within(
+        &self,
+        within: u32,
+        apex: Option<&ItemBuffer>,
+        ray: &Ray,
+        at: &mut Interaction,
+    ) -> bool {
         at.primitive = NOTHING;
         let mut nearest = Nearest { scene: self, range: *ray, at };
-        let mut t_max = self.unbounded.iter().fold(ray.t_max, |t_max, &i| nearest.consider(i, t_max));
+        let mut t_max = ray.t_max;
+        if within != NOTHING {
+            t_max = nearest.consider(within, t_max);
+        }
+        t_max = self.unbounded.iter().fold(t_max, |t_max, &i| nearest.consider(i, t_max));
         match apex.and_then(|apex| apex.seen_along(ray)) {
             Some(items) => {
                 for item in items {
@@ -419,10 +454,20 @@ impl Scene {
     /// `f` of the ray in the space of a primitive.
     #[inline]
     fn in_object<T>(&self, primitive: &Primitive, ray: &Ray, f: impl FnOnce(&Ray) -> T) -> T {
-        match primitive.transform {
-            0 => f(ray),
-            transform => self.transform_at(transform, ray.time, |map| f(&map.ray_in_object(ray))),
-        }
+        let own;
+        let ray = if primitive.transform == 0 {
+            ray
+        } else {
+            own = self.ray_in_object(primitive.transform, ray);
+            &own
+        };
+        // Called in one place only, `f` is compiled into its caller.
+        f(ray)
+    }
+
+    #[inline(never)]
+    fn ray_in_object(&self, transform: u32, ray: &Ray) -> Ray {
+        self.transform_at(transform, ray.time, |map| map.ray_in_object(ray))
     }
 
     /// `f` of the map of a primitive at a time.
@@ -460,6 +505,9 @@ impl Nearest<'_> {
     /// less.
     #[inline(always)]
     fn consider(&mut self, i: u32, t_max: f32) -> f32 {
+        if i == self.at.primitive {
+            return t_max; // It was tried before all others.
+        }
         // One step further, so that an equally near object that stands earlier can still win.
         self.range.t_max = if self.at.primitive == NOTHING { t_max } else { t_max.next_up() };
         let Some(hit) = self.scene.hit(i, &self.range) else { return t_max };

@@ -300,8 +300,9 @@ fn the_tree_and_the_planes_agree_with_brute_force() {
 fn rays_from_and_to_a_point_need_no_tree() {
     let s = jumble();
     let (mut hits, mut hidden) = (0, 0);
-    for apex in [Vec3::new(0.0, 0.0, 20.0), Vec3::new(7.0, 5.0, -3.0), Vec3::new(0.5, 1.0, -0.7)] {
-        let buffer = s.item_buffer(apex).unwrap();
+    let apexes = [Vec3::new(0.0, 0.0, 20.0), Vec3::new(7.0, 5.0, -3.0), Vec3::new(0.5, 1.0, -0.7)];
+    for (apex, cells) in apexes.into_iter().zip([0, 10_000, 100_000]) {
+        let buffer = s.item_buffer(apex, cells).unwrap();
         for i in 0..5000u32 {
             let r = kajo_math::rng::Stream::new(45, [i, 0], 0);
             let p = Vec3::new(r.uniform(0), r.uniform(1), r.uniform(2)) * 12.0 - 6.0;

@@ -70,6 +70,9 @@ pub struct Classic<'a> {
 /// Item buffers pay where a picture has more pixels than this for each primitive.
 const PIXELS_PER_PRIMITIVE: u64 = 16;
 
+/// Pixels for each cell of an item buffer: about as many shadow rays to a light fall into one.
+const PIXELS_PER_CELL: u64 = 32;
+
 /// Lights that get an item buffer; each takes up to some megabytes.
 const LIGHTS_WITH_ITEMS: usize = 16;
 
@@ -101,7 +104,9 @@ impl<'a> Classic<'a> {
     ) -> Classic<'a> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let pays = pixels >= PIXELS_PER_PRIMITIVE * scene.primitives.len() as u64;
-        let items = |apex: Option<Vec3>| apex.filter(|_| pays).and_then(|apex| scene.item_buffer(apex));
+        let cells = usize::try_from(pixels / PIXELS_PER_CELL).unwrap_or(usize::MAX);
+        let items =
+            |apex: Option<Vec3>| apex.filter(|_| pays).and_then(|apex| scene.item_buffer(apex, cells));
         let camera_items = items(camera.apex());
         let lights = match settings.shadows {
             Shadows::Off => &[],
@@ -113,11 +118,20 @@ impl<'a> Classic<'a> {
         Classic { scene, settings, view, camera_items, light_items }
     }
 
-    /// Light along a ray.
-    fn li(&self, ray: Ray, path: Path, witness: &mut impl Witness) -> Spectrum {
-        let mut at = Interaction::default();
-        let meets = self.scene.trace_into(None, &ray, &mut at);
+    /// Light along a ray that leaves the surface at `from`.
+    fn li(&self, ray: Ray, from: &Interaction, path: Path, witness: &mut impl Witness) -> Spectrum {
+        let mut at = *from;
+        let meets = self.follow(&ray, &mut at);
         self.li_from(ray, meets.then_some(&mut at), path, witness)
+    }
+
+    /// Writes where a ray ends that leaves the surface at `at`; `false` where it meets nothing.
+    fn follow(&self, ray: &Ray, at: &mut Interaction) -> bool {
+        if ray.d.dot(at.point.ng) < 0.0 {
+            self.scene.trace_inwards(ray, at)
+        } else {
+            self.scene.trace_into(None, ray, at)
+        }
     }
 
     /// Light along `ray` from the surface that it meets, if any.
@@ -178,7 +192,7 @@ impl<'a> Classic<'a> {
                         witness.next(RayKind::Reflected);
                         let here = witness.mark();
                         witness.weaken(|| (throughput * mirrored.factor).to_rgb());
-                        let seen = self.li(mirrored.ray, mirrored.path, witness);
+                        let seen = self.li(mirrored.ray, at, mirrored.path, witness);
                         witness.back_to(here);
                         light += throughput * mirrored.factor * seen;
                     }
@@ -187,7 +201,7 @@ impl<'a> Classic<'a> {
                     (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
                 }
             }
-            end = self.scene.trace_into(None, &ray, at).then_some(at);
+            end = self.follow(&ray, at).then_some(at);
         }
     }
 
@@ -252,20 +266,21 @@ impl<'a> Classic<'a> {
         if (self.settings.fresnel || self.settings.total_reflection) && !phong.transparent.is_black() {
             factor += phong.transparent * self.mirrored_share(ray, at, phong, path);
         }
-        let d = fresnel::reflect(ray.d, at.point.n);
-        self.branch(ray, at, d, factor, path, *path)
+        let path = self.after(factor, path)?;
+        Some(self.branch(ray, at, fresnel::reflect(ray.d, at.point.n), factor, path))
     }
 
     fn refracted(&self, ray: &Ray, at: &Interaction, phong: &Phong, path: &Path) -> Option<Branch> {
-        if phong.transparent.is_black() {
+        if phong.transparent.is_black() || path.bounces_left == 0 {
             return None;
         }
         let crossing = Crossing::of(ray, at, phong);
         let d = fresnel::refract(ray.d, crossing.n, crossing.eta_far / path.eta)?;
         let passing =
             if self.settings.fresnel { 1.0 - self.mirrored_share(ray, at, phong, path) } else { 1.0 };
-        let beyond = Path { eta: crossing.eta_far, inside: crossing.enters, ..*path };
-        self.branch(ray, at, d, phong.transparent * passing, path, beyond)
+        let factor = phong.transparent * passing;
+        let beyond = Path { eta: crossing.eta_far, inside: crossing.enters, ..self.after(factor, path)? };
+        Some(self.branch(ray, at, d, factor, beyond))
     }
 
     /// The share of the transmitted light that is mirrored instead.
@@ -281,22 +296,20 @@ impl<'a> Classic<'a> {
         }
     }
 
-    /// A further ray from `at`, if anything of it could be seen.
-    fn branch(
-        &self,
-        ray: &Ray,
-        at: &Interaction,
-        d: Vec3,
-        factor: Spectrum,
-        path: &Path,
-        next: Path,
-    ) -> Option<Branch> {
-        let weight = path.weight * factor.magnitude();
-        if path.bounces_left == 0 || factor.is_black() || weight < self.settings.weight {
+    /// The path behind a surface that multiplies light by `factor`, if anything of that could be seen.
+    fn after(&self, factor: Spectrum, path: &Path) -> Option<Path> {
+        if path.bounces_left == 0 || factor.is_black() {
             return None;
         }
+        let weight = path.weight * factor.magnitude();
+        let visible = !(weight < self.settings.weight);
+        visible.then(|| Path { bounces_left: path.bounces_left - 1, weight, ..*path })
+    }
+
+    /// A further ray from `at`.
+    fn branch(&self, ray: &Ray, at: &Interaction, d: Vec3, factor: Spectrum, path: Path) -> Branch {
         let ray = at.point.ray_towards(d, f32::INFINITY, ray.time, self.settings.ray_offset);
-        Some(Branch { ray, factor, path: Path { bounces_left: path.bounces_left - 1, weight, ..next } })
+        Branch { ray, factor, path }
     }
 
     /// `behind` as it is seen through the fog along the first `t` of a ray.
