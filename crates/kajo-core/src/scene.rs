@@ -168,8 +168,8 @@ impl Scene {
     /// The far side of a sphere is looked for first: few other things are nearer.
     #[inline]
     pub fn trace_inwards(&self, ray: &Ray, at: &mut Interaction) -> bool {
-        let shape = self.primitives[at.primitive as usize].shape;
-        let within = if Sphere::find(&self.shapes, shape).is_some() { at.primitive } else { NOTHING };
+        let is_sphere = self.plain_sphere(&self.primitives[at.primitive as usize]).is_some();
+        let within = if is_sphere { at.primitive } else { NOTHING };
         if !self.closest_within(within, None, ray, at) {
             return false;
         }
@@ -184,7 +184,12 @@ impl Scene {
 
     /// [`Scene::occluded`] for a ray that ends at the apex of a buffer, which makes it faster.
     pub fn occluded_towards(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> bool {
-        self.any(apex, ray, |i| self.blocks(i, ray))
+        self.any(
+            apex,
+            ray,
+            #[inline(always)]
+            |i| self.blocks(i, ray),
+        )
     }
 
     /// Visits every crossing with things that light may pass through within the ray's range, in no
@@ -197,14 +202,17 @@ impl Scene {
         ray: &Ray,
         mut visit: impl FnMut(u32, Hit) -> bool,
     ) -> bool {
-        self.any(apex, ray, |i| {
-            if !self.primitives[i as usize].transmits {
-                return self.blocks(i, ray);
-            }
+        let mut visit_all = |i: u32| {
             let mut blocked = false;
             self.each_crossing(i, ray, |hit| blocked = blocked || visit(i, hit));
             blocked
-        })
+        };
+        self.any(
+            apex,
+            ray,
+            #[inline(always)]
+            |i| if self.primitives[i as usize].transmits { visit_all(i) } else { self.blocks(i, ray) },
+        )
     }
 
     /// Whether what a ray finds depends on its time.
@@ -271,7 +279,9 @@ impl Scene {
     #[inline]
     fn complete(&self, ray: &Ray, at: &mut Interaction) {
         let placed = &self.primitives[at.primitive as usize];
-        if placed.transform == 0 {
+        if let Some(sphere) = self.plain_sphere(placed) {
+            at.point = sphere.surface_at(ray, &at.hit);
+        } else if placed.transform == 0 {
             at.point = self.shapes.surface_at(placed.shape, ray, &at.hit);
         } else {
             at.point = self.transform_at(placed.transform, ray.time, |transform| {
@@ -406,7 +416,7 @@ impl Scene {
         at: &mut Interaction,
     ) -> bool {
         at.primitive = NOTHING;
-        let mut nearest = Nearest { scene: self, range: *ray, at };
+        let mut nearest = Nearest { scene: self, ahead: *ray, at };
         let mut t_max = ray.t_max;
         if within != NOTHING {
             t_max = nearest.consider(within, t_max);
@@ -431,16 +441,38 @@ impl Scene {
     }
 
     /// The nearest hit of a primitive.
-    #[inline]
+    #[inline(always)]
     fn hit(&self, primitive: u32, ray: &Ray) -> Option<Hit> {
         let primitive = &self.primitives[primitive as usize];
-        self.in_object(primitive, ray, |ray| self.shapes.hit(primitive.shape, ray))
+        match self.plain_sphere(primitive) {
+            Some(sphere) => sphere.hit(ray),
+            None => self.hit_any(primitive, ray),
+        }
     }
 
     /// Whether a primitive is in the way.
-    #[inline]
+    #[inline(always)]
     fn blocks(&self, primitive: u32, ray: &Ray) -> bool {
         let primitive = &self.primitives[primitive as usize];
+        match self.plain_sphere(primitive) {
+            Some(sphere) => sphere.blocks(ray),
+            None => self.blocked_by_any(primitive, ray),
+        }
+    }
+
+    /// A sphere that stands in the world as it is: the one shape whose test is worth a place in the innermost loops.
+    #[inline(always)]
+    fn plain_sphere(&self, primitive: &Primitive) -> Option<&Sphere> {
+        if primitive.transform == 0 { Sphere::find(&self.shapes, primitive.shape) } else { None }
+    }
+
+    #[inline(never)]
+    fn hit_any(&self, primitive: &Primitive, ray: &Ray) -> Option<Hit> {
+        self.in_object(primitive, ray, |ray| self.shapes.hit(primitive.shape, ray))
+    }
+
+    #[inline(never)]
+    fn blocked_by_any(&self, primitive: &Primitive, ray: &Ray) -> bool {
         self.in_object(primitive, ray, |ray| self.shapes.blocks(primitive.shape, ray))
     }
 
@@ -495,7 +527,8 @@ fn rarely<T>(f: impl FnOnce() -> T) -> T {
 /// The nearest hit of a ray so far.
 struct Nearest<'a> {
     scene: &'a Scene,
-    range: Ray,
+    /// The ray up to one step beyond that hit, so that an equally near object that stands earlier can still win.
+    ahead: Ray,
     /// Its primitive and hit are those of the nearest one so far.
     at: &'a mut Interaction,
 }
@@ -508,13 +541,12 @@ impl Nearest<'_> {
         if i == self.at.primitive {
             return t_max; // It was tried before all others.
         }
-        // One step further, so that an equally near object that stands earlier can still win.
-        self.range.t_max = if self.at.primitive == NOTHING { t_max } else { t_max.next_up() };
-        let Some(hit) = self.scene.hit(i, &self.range) else { return t_max };
+        let Some(hit) = self.scene.hit(i, &self.ahead) else { return t_max };
         if self.at.primitive < i && hit.t == self.at.hit.t {
             return t_max;
         }
         (self.at.primitive, self.at.hit) = (i, hit);
+        self.ahead.t_max = hit.t.next_up();
         hit.t
     }
 

@@ -114,7 +114,7 @@ impl Unit {
     pub const UNLIMITED: [u32; 2] = [u32::MAX; 2];
 
     /// The samples of each pixel.
-    fn indices(&self, sampler: &Sampler) -> impl Iterator<Item = u32> + use<> {
+    fn indices(&self, sampler: &Sampler) -> impl Iterator<Item = u32> + Clone + use<> {
         let limits = self.limits;
         let within = move |k: &u32| k / 2 < limits[*k as usize % 2];
         Sequence::new(sampler).indices(self.samples.clone()).filter(within)
@@ -152,7 +152,7 @@ impl Sequence {
     }
 
     /// The indices of samples at some positions of the sequence.
-    fn indices(self, positions: Range<u32>) -> impl Iterator<Item = u32> {
+    fn indices(self, positions: Range<u32>) -> impl Iterator<Item = u32> + Clone {
         let Sequence { stride, modulus } = self;
         let first = u64::from(positions.start) * stride % modulus;
         positions.scan(first, move |next, _| {
@@ -270,11 +270,12 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
     let wants_auxiliary = part.spec().layers.wants_auxiliary();
     // The halves of a film are two renders with seeds of their own.
     let halves = part.spec().halves.then(|| [ctx.seed, mix(ctx.seed)]);
+    let indices = unit.indices(ctx.sampler);
     let (mut untold, mut rays_told) = (0, ctx.rays.total());
     for y in tile.y0..tile.y1 {
         for x in tile.x0..tile.x1 {
             let corner = Vec2::new(x as f32, y as f32);
-            for k in unit.indices(ctx.sampler) {
+            for k in indices.clone() {
                 let offset = match halves {
                     Some(seeds) => ctx.begin_with(seeds[k as usize % 2], [x, y], k / 2),
                     None => ctx.begin([x, y], k),

@@ -33,7 +33,7 @@ impl Sphere {
     }
 
     /// Where the line of a ray meets the sphere, if it does.
-    #[inline]
+    #[inline(always)]
     fn chord(&self, ray: &Ray) -> Option<Chord> {
         let Ray64 { o, d } = Ray64::new(ray);
         let (m, r) = (o - self.center.as_dvec3(), f64::from(self.radius));
@@ -82,7 +82,7 @@ impl Surface for Sphere {
         Aabb { min: self.center - r, max: self.center + r }.padded(1e-6)
     }
 
-    #[inline]
+    #[inline(always)]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let chord = self.chord(ray)?;
         let t = in_range(ray, chord.entry()).or_else(|| in_range(ray, chord.exit()))?;
@@ -97,7 +97,7 @@ impl Surface for Sphere {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let center = self.center.as_dvec3();
         let n = (Ray64::new(ray).at(hit.t.into()) - center).normalize_or(DVec3::Z);

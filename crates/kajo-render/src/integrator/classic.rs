@@ -302,8 +302,10 @@ impl<'a> Classic<'a> {
             return None;
         }
         let weight = path.weight * factor.magnitude();
-        let visible = !(weight < self.settings.weight);
-        visible.then(|| Path { bounces_left: path.bounces_left - 1, weight, ..*path })
+        if weight < self.settings.weight {
+            return None;
+        }
+        Some(Path { bounces_left: path.bounces_left - 1, weight, ..*path })
     }
 
     /// A further ray from `at`.

@@ -41,8 +41,8 @@ pub fn render(
     let [width, height] = settings.size;
     let layers = LayerSet::of(&[Layer::Color]);
     let spec = FilmSpec { layers, one_pass: samplers.len() == 1, ..FilmSpec::new(width, height) };
-    let integrator = Classic::new(scene, settings.classic, settings.size, layers);
     let work = || {
+        let integrator = Classic::new(scene, settings.classic, settings.size, layers);
         let film = Film::new(spec, u64::MAX).map_err(|error| error.to_string())?;
         let mut rays = RayCounters::default();
         for sampler in samplers.iter().cloned() {
