@@ -47,7 +47,7 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 22] = [
+const CORE_MODULES: [(&str, &[&str]); 23] = [
     ("family", &[]),
     ("interaction", &[]),
     ("motion", &[]),
@@ -60,6 +60,7 @@ const CORE_MODULES: [(&str, &[&str]); 22] = [
     ("item_buffer", &["shape"]),
     ("medium", &["family", "interaction"]),
     ("objects", &[]),
+    ("nested", &["interaction", "material", "objects", "shape"]),
     ("camera", &["interaction", "motion"]),
     ("sampler", &["interaction"]),
     ("settings", &["bsdf", "interaction", "light", "sampler"]),
@@ -81,6 +82,7 @@ const CORE_MODULES: [(&str, &[&str]); 22] = [
             "medium",
             "motion",
             "moving_tree",
+            "nested",
             "objects",
             "camera",
             "sampler",
@@ -118,6 +120,7 @@ const CORE_MODULES: [(&str, &[&str]); 22] = [
             "medium",
             "motion",
             "moving_tree",
+            "nested",
             "objects",
             "camera",
             "sampler",

@@ -1,6 +1,6 @@
 //! A tree over boxes of arbitrary primitives.
 
-use kajo_math::{Aabb, Ray};
+use kajo_math::{Aabb, Ray, Vec3};
 
 use crate::build::{self, LeafShape, Prims};
 use crate::node::Child;
@@ -59,13 +59,31 @@ impl Bvh {
     /// can choose one by its own rule, such as the lowest number.
     #[inline]
     pub fn closest(&self, ray: &Ray, hit: impl FnMut(u32, f32) -> f32) {
-        dispatch!(simd => self.tree.nearest(simd, ray, hit))
+        dispatch!(simd => self.tree.nearest(simd, ray, Vec3::ZERO, hit))
     }
 
     /// Whether `hit` is true of any primitive whose box the ray meets.
     #[inline]
     pub fn any(&self, ray: &Ray, hit: impl FnMut(u32) -> bool) -> bool {
-        dispatch!(simd => self.tree.any(simd, ray, hit))
+        dispatch!(simd => self.tree.any(simd, ray, Vec3::ZERO, hit))
+    }
+
+    /// [`Bvh::closest`] for a ray that was worked out from larger numbers than its own, such as one
+    /// in the space of an object that stands far from where its origin was given.
+    ///
+    /// * `size`: of those numbers on each axis; boxes are widened by some of their rounding errors, 7
+    ///   times `2^-24 size`, and 9 times that of the largest of them
+    #[inline]
+    pub fn closest_of_derived(&self, ray: &Ray, size: Vec3, hit: impl FnMut(u32, f32) -> f32) {
+        dispatch!(simd => self.tree.nearest(simd, ray, size, hit))
+    }
+
+    /// [`Bvh::any`] for a ray that was worked out from larger numbers than its own.
+    ///
+    /// * `size`: as for [`Bvh::closest_of_derived`]
+    #[inline]
+    pub fn any_of_derived(&self, ray: &Ray, size: Vec3, hit: impl FnMut(u32) -> bool) -> bool {
+        dispatch!(simd => self.tree.any(simd, ray, size, hit))
     }
 
     /// Calls `visit` once for every primitive whose box the ray meets, in no set order.

@@ -1,6 +1,6 @@
 //! A tree over boxes that move while the shutter is open.
 
-use kajo_math::{Aabb, Ray};
+use kajo_math::{Aabb, Ray, Vec3};
 
 use crate::boxes::SHAPE;
 use crate::build::{self, Prims};
@@ -55,13 +55,13 @@ impl MovingBvh {
     /// As [`Bvh::closest`](crate::Bvh::closest), among boxes as they are at the ray's time.
     #[inline]
     pub fn closest(&self, ray: &Ray, hit: impl FnMut(u32, f32) -> f32) {
-        dispatch!(simd => self.tree.nearest(simd, ray, hit))
+        dispatch!(simd => self.tree.nearest(simd, ray, Vec3::ZERO, hit))
     }
 
     /// As [`Bvh::any`](crate::Bvh::any), among boxes as they are at the ray's time.
     #[inline]
     pub fn any(&self, ray: &Ray, hit: impl FnMut(u32) -> bool) -> bool {
-        dispatch!(simd => self.tree.any(simd, ray, hit))
+        dispatch!(simd => self.tree.any(simd, ray, Vec3::ZERO, hit))
     }
 
     /// As [`Bvh::each`](crate::Bvh::each), among boxes as they are at the ray's time.

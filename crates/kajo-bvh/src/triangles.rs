@@ -135,6 +135,7 @@ impl TriangleBvh {
         self.tree.nearest(
             simd,
             ray,
+            Vec3::ZERO,
             #[inline(always)]
             |payload, mut t_max| {
                 let groups = leaf(groups, payload);
@@ -164,6 +165,7 @@ impl TriangleBvh {
         self.tree.any(
             simd,
             ray,
+            Vec3::ZERO,
             #[inline(always)]
             |payload| {
                 for group in leaf(groups, payload) {
@@ -180,7 +182,7 @@ impl TriangleBvh {
     #[inline(always)]
     pub(crate) fn all_on<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(TriangleHit)) {
         let (shear, groups) = (Shear::new(ray), &*self.groups);
-        self.tree.any(simd, ray, |payload| {
+        self.tree.any(simd, ray, Vec3::ZERO, |payload| {
             for group in leaf(groups, payload) {
                 group.all(simd, &shear, ray.t_max, &mut visit);
             }

@@ -78,9 +78,18 @@ impl<N: Wide> Tree<N> {
 
     /// Visits leaves whose boxes the ray meets before `t_max`, nearest box first. `leaf`
     /// answers the new `t_max`.
+    ///
+    /// * `size`: of numbers that went into the ray besides its own, on each axis
     #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, simd: S, ray: &Ray, mut leaf: impl FnMut(u32, f32) -> f32) {
-        let (Some(root), Some(slabs)) = (self.root, Slabs::new::<N>(simd, ray, self.reach())) else { return };
+    pub(crate) fn nearest<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        size: Vec3,
+        mut leaf: impl FnMut(u32, f32) -> f32,
+    ) {
+        let slabs = Slabs::new::<N>(simd, ray, self.reach() + size);
+        let (Some(root), Some(slabs)) = (self.root, slabs) else { return };
         let mut stack = Stack::<Waiting, WAITING>::new();
         let nodes = &*self.nodes;
         let mut t_max = ray.t_max;
@@ -112,11 +121,18 @@ impl<N: Wide> Tree<N> {
 
     /// Visits leaves whose boxes the ray meets until `leaf` is true of one, and tells whether
     /// that happened.
+    ///
+    /// * `size`: as for [`Tree::nearest`]
     #[inline(always)]
-    pub(crate) fn any<S: Simd>(&self, simd: S, ray: &Ray, mut leaf: impl FnMut(u32) -> bool) -> bool {
-        let (Some(root), Some(slabs)) = (self.root, Slabs::new::<N>(simd, ray, self.reach())) else {
-            return false;
-        };
+    pub(crate) fn any<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        size: Vec3,
+        mut leaf: impl FnMut(u32) -> bool,
+    ) -> bool {
+        let slabs = Slabs::new::<N>(simd, ray, self.reach() + size);
+        let (Some(root), Some(slabs)) = (self.root, slabs) else { return false };
         let mut stack = Stack::<Child, WAITING>::new();
         let nodes = &*self.nodes;
         let mut current = root;

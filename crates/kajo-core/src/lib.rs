@@ -20,6 +20,7 @@ pub mod material;
 pub mod medium;
 mod motion;
 mod moving_tree;
+mod nested;
 mod objects;
 pub mod sampler;
 pub mod scene;

@@ -59,7 +59,7 @@ impl Scene {
     /// * `u`: as for [`Scene::bsdf`]
     #[inline]
     pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths, u: f32) -> Option<Interior> {
-        if self.primitives[at.primitive as usize].transmits {
+        if self.may_transmit(at.primitive) {
             let point = ShadingPoint { p: self.pattern_point(at), wavelengths, eta_outside: 1.0, u };
             self.materials.interior(at.material, &self.materials, &self.textures, &point)
         } else {
@@ -72,7 +72,8 @@ impl Scene {
     /// * `d`: direction of that ray
     #[inline]
     pub fn glow(&self, at: &Interaction, d: Vec3, wavelengths: &Wavelengths) -> Option<Glow<'_>> {
-        if !self.primitives[at.primitive as usize].glows {
+        // Nothing in nested instances does.
+        if !self.primitives.get(at.primitive as usize)?.glows {
             return None;
         }
         let (number, light) = self.emitters.area(&self.lights, at.primitive, at.hit.part)?;

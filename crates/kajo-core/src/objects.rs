@@ -82,12 +82,16 @@ impl Objects {
 
     /// The words of a primitive, by its index into [`crate::Scene::primitives`].
     pub fn get(&self, primitive: usize) -> Option<Object<'_>> {
-        let label = self.labels.get(primitive)?;
+        self.words(*self.labels.get(primitive)?, *self.placed_by.get(primitive)?)
+    }
+
+    /// The words of an object with a label.
+    pub(crate) fn words(&self, label: Label, placed_by: u32) -> Option<Object<'_>> {
         Some(Object {
             name: self.names.get(label.name as usize).map(|name| &**name),
-            keyword: self.keywords[usize::from(label.keyword)],
+            keyword: self.keywords.get(usize::from(label.keyword))?,
             described_by: label.item,
-            placed_by: *self.placed_by.get(primitive)?,
+            placed_by,
         })
     }
 }

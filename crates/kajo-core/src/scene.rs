@@ -17,7 +17,8 @@ use crate::material::{MaterialId, Materials};
 use crate::medium::Fog;
 use crate::motion::MovingTransform;
 use crate::moving_tree::MovingTree;
-use crate::objects::Objects;
+use crate::nested::{Leaf, Nested};
+use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
 use crate::shape::{ShapeId, Shapes, Sphere, Surface};
 use crate::texture::Textures;
@@ -64,7 +65,7 @@ pub struct Interaction {
     pub point: SurfacePoint,
     /// The record of the hit in the shape's own terms.
     pub hit: Hit,
-    /// Index into [`Scene::primitives`].
+    /// Index into [`Scene::primitives`], or past its end the number of an object in a nested instance.
     pub primitive: u32,
     /// The material there.
     pub material: MaterialId,
@@ -87,13 +88,14 @@ pub struct Scene {
     pub transforms: Vec<Transform>,
     /// Maps that may change while the shutter is open.
     pub motions: Vec<MovingTransform>,
-    /// Shapes at their places, in the order of the file. Object `i + 1` of the id layers is primitive `i`.
+    /// Shapes at their places, in the order of the file. Object `i + 1` of the id layers is primitive `i`; numbers past
+    /// the end are those of objects in nested instances.
     pub primitives: Vec<Primitive>,
     /// Whether light may pass through any of them.
     pub transmits: bool,
     /// Whether any material has holes, so that what is behind is seen and lit through it.
     pub has_holes: bool,
-    /// The user's words for each primitive.
+    /// The user's words for each primitive; see [`Scene::object`].
     pub objects: Objects,
     /// Materials.
     pub materials: Materials,
@@ -129,6 +131,8 @@ pub struct Scene {
     pub(crate) bvh: Bvh,
     /// A tree over what moves; what is in it is in no other.
     pub(crate) moving: Option<MovingTree>,
+    /// Instances that are kept nested; what is in them is in no other tree.
+    pub(crate) nested: Option<Nested>,
     /// Primitives without bounds, tested one by one.
     pub(crate) unbounded: Vec<u32>,
 }
@@ -168,7 +172,8 @@ impl Scene {
     /// The far side of a sphere is looked for first: few other things are nearer.
     #[inline]
     pub fn trace_inwards(&self, ray: &Ray, at: &mut Interaction) -> bool {
-        let is_sphere = self.plain_sphere(&self.primitives[at.primitive as usize]).is_some();
+        let met = self.primitives.get(at.primitive as usize);
+        let is_sphere = met.is_some_and(|primitive| self.plain_sphere(primitive).is_some());
         let within = if is_sphere { at.primitive } else { NOTHING };
         if !self.closest_within(within, None, ray, at) {
             return false;
@@ -184,12 +189,13 @@ impl Scene {
 
     /// [`Scene::occluded`] for a ray that ends at the apex of a buffer, which makes it faster.
     pub fn occluded_towards(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> bool {
-        self.any(
+        let blocked = self.any(
             apex,
             ray,
             #[inline(always)]
             |i| self.blocks(i, ray),
-        )
+        );
+        blocked || self.any_nested(ray, |leaf| self.leaf_blocks(leaf, ray))
     }
 
     /// Visits every crossing with things that light may pass through within the ray's range, in no
@@ -207,12 +213,22 @@ impl Scene {
             self.each_crossing(i, ray, |hit| blocked = blocked || visit(i, hit));
             blocked
         };
-        self.any(
+        let blocked = self.any(
             apex,
             ray,
             #[inline(always)]
             |i| if self.primitives[i as usize].transmits { visit_all(i) } else { self.blocks(i, ray) },
-        )
+        );
+        blocked
+            || self.any_nested(ray, |leaf| {
+                if !self.leaf_transmits(leaf) {
+                    return self.leaf_blocks(leaf, ray);
+                }
+                let (mut blocked, number) = (false, self.number_of(leaf));
+                let visit = |hit| blocked = blocked || visit(number, hit);
+                leaf.in_object(ray, |ray| self.shapes.crossings(leaf.shape, ray, visit));
+                blocked
+            })
     }
 
     /// Whether what a ray finds depends on its time.
@@ -232,13 +248,86 @@ impl Scene {
         self.motion(primitive.transform).is_some_and(MovingTransform::moves)
     }
 
+    /// The shape of an object.
+    ///
+    /// * `number`: as in [`Interaction::primitive`]
+    pub fn shape(&self, number: u32) -> Option<ShapeId> {
+        match self.primitives.get(number as usize) {
+            Some(primitive) => Some(primitive.shape),
+            None => self.leaf(number).map(|leaf| leaf.shape),
+        }
+    }
+
+    /// The user's words for an object.
+    ///
+    /// * `number`: as in [`Interaction::primitive`]
+    pub fn object(&self, number: u32) -> Option<Object<'_>> {
+        match self.primitives.get(number as usize) {
+            Some(_) => self.objects.get(number as usize),
+            None => self.leaf(number).and_then(|leaf| self.objects.words(leaf.label, leaf.placed_by)),
+        }
+    }
+
+    /// How many objects there are, those in nested instances included, each as often as it stands somewhere.
+    pub fn object_count(&self) -> u64 {
+        let nested = self.nested.as_ref().map_or(0, |nested| nested.count);
+        self.primitives.len() as u64 + u64::from(nested)
+    }
+
+    /// Boxes around all nested instances, none of which [`Scene::primitives`] holds.
+    pub fn nested_bounds(&self) -> impl Iterator<Item = Aabb> {
+        self.nested.iter().flat_map(|nested| nested.placement_bounds(&self.shapes))
+    }
+
+    /// Whether light may pass through any part of an object.
+    ///
+    /// * `number`: as in [`Interaction::primitive`]
+    pub(crate) fn may_transmit(&self, number: u32) -> bool {
+        match self.primitives.get(number as usize) {
+            Some(primitive) => primitive.transmits,
+            None => rarely(|| self.leaf(number).is_some_and(|leaf| self.leaf_transmits(&leaf))),
+        }
+    }
+
+    /// An object in a nested instance.
+    fn leaf(&self, number: u32) -> Option<Leaf> {
+        self.nested.as_ref()?.find(number.checked_sub(self.primitives.len() as u32)?)
+    }
+
+    /// The number of an object in a nested instance among all.
+    fn number_of(&self, leaf: &Leaf) -> u32 {
+        self.primitives.len() as u32 + leaf.number
+    }
+
+    fn leaf_blocks(&self, leaf: &Leaf, ray: &Ray) -> bool {
+        leaf.in_object(ray, |ray| self.shapes.blocks(leaf.shape, ray))
+    }
+
+    fn leaf_transmits(&self, leaf: &Leaf) -> bool {
+        let transmits = |material| self.materials.may_transmit(material, &self.materials);
+        leaf.brings_materials || leaf.material.is_some_and(transmits)
+    }
+
+    /// Whether `blocks` is true of any object in nested instances that the ray may meet.
+    #[inline]
+    fn any_nested(&self, ray: &Ray, blocks: impl FnMut(&Leaf) -> bool) -> bool {
+        self.nested.as_ref().is_some_and(|nested| rarely(|| nested.any(ray, blocks)))
+    }
+
     /// The motion with the number that a primitive gives in place of a transform.
     #[inline]
     fn motion(&self, transform: u32) -> Option<&MovingTransform> {
         self.motions.get((u32::MAX - transform) as usize)
     }
 
-    /// What lies in which direction from a point, of what does not move; `None` where the trees do better, as for very large scenes.
+    /// The motion of an object; what is in nested instances has none.
+    #[inline]
+    fn motion_of(&self, number: u32) -> Option<&MovingTransform> {
+        self.motion(self.primitives.get(number as usize)?.transform)
+    }
+
+    /// What lies in which direction from a point, of what neither moves nor is nested; `None` where the trees do better,
+    /// as for very large scenes.
     ///
     /// * `cells`: how many directions to tell apart, about; the more, the faster it answers, and the longer it
     ///   takes to be made
@@ -265,6 +354,11 @@ impl Scene {
         if let Some(moving) = &self.moving {
             moving.each(ray, each);
         }
+        self.any_nested(ray, |leaf| {
+            let number = self.number_of(leaf);
+            leaf.in_object(ray, |ray| self.shapes.crossings(leaf.shape, ray, |hit| visit(number, hit)));
+            false
+        });
     }
 
     /// Position, normals and material at a crossing.
@@ -278,7 +372,9 @@ impl Scene {
     /// Works out position, normals and material where `at` knows the primitive and the hit.
     #[inline]
     fn complete(&self, ray: &Ray, at: &mut Interaction) {
-        let placed = &self.primitives[at.primitive as usize];
+        let Some(placed) = self.primitives.get(at.primitive as usize) else {
+            return rarely(|| self.complete_nested(ray, at));
+        };
         if let Some(sphere) = self.plain_sphere(placed) {
             at.point = sphere.surface_at(ray, &at.hit);
         } else if placed.transform == 0 {
@@ -290,8 +386,17 @@ impl Scene {
                     .transformed(transform)
             });
         }
-        at.material = self.material_at(placed, &at.hit);
+        at.material = self.material_at(placed.shape, placed.material, &at.hit);
         at.time = ray.time;
+    }
+
+    /// The same for an object in a nested instance.
+    fn complete_nested(&self, ray: &Ray, at: &mut Interaction) {
+        if let Some(leaf) = self.leaf(at.primitive) {
+            at.point = leaf.surface_at(&self.shapes, ray, &at.hit);
+            at.material = self.material_at(leaf.shape, leaf.material.unwrap_or_default(), &at.hit);
+            at.time = ray.time;
+        }
     }
 
     /// Where patterns in world space are evaluated for an interaction: at the point itself, or where that was at
@@ -301,7 +406,7 @@ impl Scene {
         if self.motions.is_empty() {
             return at.point.p;
         }
-        match self.motion(self.primitives[at.primitive as usize].transform) {
+        match self.motion_of(at.primitive) {
             None => at.point.p,
             Some(motion) => motion.painted(at.point.p, at.time),
         }
@@ -309,7 +414,7 @@ impl Scene {
 
     /// Where the point of an interaction is at another moment within the shutter interval.
     pub fn point_at(&self, at: &Interaction, time: f32) -> Vec3 {
-        match self.motion(self.primitives[at.primitive as usize].transform) {
+        match self.motion_of(at.primitive) {
             None => at.point.p,
             Some(motion) => {
                 let own = motion.at(at.time).object_from_world.transform_point3(at.point.p);
@@ -321,7 +426,10 @@ impl Scene {
     /// The colour that light is multiplied by when it passes a crossing straight through.
     #[inline]
     pub fn transparency(&self, ray: &Ray, primitive: u32, hit: Hit) -> Spectrum {
-        let material = self.material_at(&self.primitives[primitive as usize], &hit);
+        let material = match self.primitives.get(primitive as usize) {
+            Some(placed) => self.material_at(placed.shape, placed.material, &hit),
+            None => self.interaction(ray, primitive, hit).material,
+        };
         if let Some(phong) = self.materials.constant(material) {
             return phong.transparent;
         }
@@ -330,16 +438,22 @@ impl Scene {
     }
 
     #[inline]
-    fn material_at(&self, primitive: &Primitive, hit: &Hit) -> MaterialId {
-        let slot = self.shapes.material_slot(primitive.shape, hit.part);
-        slot.map_or(primitive.material, |slot| self.slot_materials[slot as usize])
+    fn material_at(&self, shape: ShapeId, own: MaterialId, hit: &Hit) -> MaterialId {
+        let slot = self.shapes.material_slot(shape, hit.part);
+        slot.map_or(own, |slot| self.slot_materials[slot as usize])
     }
 
     /// Surface coordinates at an interaction.
     pub fn uv(&self, at: &Interaction) -> Vec2 {
-        let Primitive { shape, transform, .. } = self.primitives[at.primitive as usize];
         let own = |map: &Transform| map.object_from_world.transform_point3(at.point.p);
-        self.shapes.uv_at(shape, &at.hit, self.transform_at(transform, at.time, own))
+        match self.primitives.get(at.primitive as usize) {
+            Some(&Primitive { shape, transform, .. }) => {
+                self.shapes.uv_at(shape, &at.hit, self.transform_at(transform, at.time, own))
+            }
+            None => self
+                .leaf(at.primitive)
+                .map_or(Vec2::ZERO, |leaf| self.shapes.uv_at(leaf.shape, &at.hit, own(&leaf.place()))),
+        }
     }
 
     /// The number of a material in the id layers: its place in the file from 1 on; 0 for a material
@@ -353,6 +467,7 @@ impl Scene {
         self.primitives
             .iter()
             .map(|p| self.world_bounds(p))
+            .chain(self.nested_bounds())
             .filter(Aabb::is_finite)
             .fold(Aabb::EMPTY, Aabb::union)
     }
@@ -362,7 +477,8 @@ impl Scene {
         let meshes: usize = self.shapes.meshes.iter().map(Surface::heap_bytes).sum();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
         let moving = self.moving.as_ref().map_or(0, MovingTree::bytes);
-        meshes + self.bvh.stats().bytes + moving + placed + self.objects.bytes()
+        let nested = self.nested.as_ref().map_or(0, Nested::bytes);
+        meshes + self.bvh.stats().bytes + moving + nested + placed + self.objects.bytes()
     }
 
     pub(crate) fn world_bounds(&self, primitive: &Primitive) -> Aabb {
@@ -436,6 +552,10 @@ impl Scene {
         if let Some(moving) = &self.moving {
             let ahead = ray.over(ray.t_min, nearest.t_max(ray));
             rarely(|| moving.closest(&ahead, |i, t_max| nearest.consider(i, t_max)));
+        }
+        if let Some(nested) = &self.nested {
+            let ahead = ray.over(ray.t_min, nearest.t_max(ray));
+            rarely(|| nested.closest(&ahead, |leaf, t_max| nearest.consider_leaf(leaf, t_max)));
         }
         nearest.at.primitive != NOTHING
     }
@@ -541,7 +661,20 @@ impl Nearest<'_> {
         if i == self.at.primitive {
             return t_max; // It was tried before all others.
         }
-        let Some(hit) = self.scene.hit(i, &self.ahead) else { return t_max };
+        let hit = self.scene.hit(i, &self.ahead);
+        self.offer(i, hit, t_max)
+    }
+
+    /// Tries an object in a nested instance.
+    fn consider_leaf(&mut self, leaf: &Leaf, t_max: f32) -> f32 {
+        let hit = leaf.in_object(&self.ahead, |ray| self.scene.shapes.hit(leaf.shape, ray));
+        self.offer(self.scene.number_of(leaf), hit, t_max)
+    }
+
+    /// Keeps a hit that comes before the one so far.
+    #[inline(always)]
+    fn offer(&mut self, i: u32, hit: Option<Hit>, t_max: f32) -> f32 {
+        let Some(hit) = hit else { return t_max };
         if self.at.primitive < i && hit.t == self.at.hit.t {
             return t_max;
         }

@@ -22,7 +22,8 @@ pub struct Limits {
     pub includes: usize,
     /// Items of the tree, after includes were followed.
     pub items: usize,
-    /// Objects of a scene, each as often as it is placed.
+    /// Objects of a scene, each as often as it is placed; what is kept nested counts as it is written. The instances of
+    /// a definition are nested where they would be more than a sixteenth of this.
     pub objects: usize,
     /// Errors of one parse before it gives up.
     pub errors: usize,

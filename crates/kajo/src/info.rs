@@ -22,6 +22,8 @@ pub struct SceneInfo {
     pub materials: Vec<Option<String>>,
     /// Its objects in the order of the file; the first has number 1 in the id layers.
     pub objects: Vec<ObjectInfo>,
+    /// How many more there are in instances that are kept nested; their numbers follow.
+    pub nested_objects: u64,
     /// How many shapes it has of each kind.
     pub shapes: Vec<(&'static str, usize)>,
     /// Triangles of all meshes.
@@ -70,6 +72,7 @@ impl SceneInfo {
             lights: scene.light_list.len(),
             materials: scene.material_list.iter().map(|(_, name)| name.clone()).collect(),
             objects,
+            nested_objects: scene.object_count() - scene.primitives.len() as u64,
             shapes: scene.shapes.counts(),
             mesh_triangles: scene.shapes.meshes.iter().map(|mesh| mesh.triangle_count() as u64).sum(),
             bounds: bounds(scene),

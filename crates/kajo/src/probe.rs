@@ -45,7 +45,7 @@ pub struct Pick {
 pub fn pick(scene: &Scene, camera: &CameraPose, place: DVec2, size: [u32; 2]) -> Option<Pick> {
     let ray = camera.ray(place, size)?;
     let Event::Surface(at) = scene.trace(&ray) else { return None };
-    let words = scene.objects.get(at.primitive as usize)?;
+    let words = scene.object(at.primitive)?;
     Some(Pick {
         object: at.primitive + 1,
         material: scene.material_number(at.material),

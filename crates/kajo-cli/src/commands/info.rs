@@ -28,6 +28,9 @@ fn as_text(info: &SceneInfo) -> String {
     lines.field("lights", info.lights);
     lines.field("materials", info.materials.len());
     lines.field("objects", info.objects.len());
+    if info.nested_objects > 0 {
+        lines.field("nested objects", info.nested_objects);
+    }
     for (kind, count) in &info.shapes {
         lines.field(&format!("  {kind}"), count);
     }
@@ -111,6 +114,7 @@ fn as_json(info: &SceneInfo) -> String {
                 json::object([("keyword", json::string(&object.keyword)), ("name", text(&object.name))])
             })),
         ),
+        ("nested_objects", info.nested_objects.to_string()),
         ("shapes", json::object(info.shapes.iter().map(|&(kind, n)| (kind, count(n))))),
         ("mesh_triangles", info.mesh_triangles.to_string()),
         ("bounds", info.bounds.map_or("null".to_owned(), |bounds| json::list(bounds.map(numbers)))),

@@ -4,6 +4,7 @@
 //! makes an object of each part, so a definition may hold instances of others to any depth, and what comes
 //! out is one flat list that one tree covers. A mesh is stored once, and an object of it takes
 //! little over a hundred bytes. A definition can only use those that stand before it, so none leads back to itself.
+//! Where the list would be long, the instances of a definition are kept nested; see [`super::nesting`].
 
 use kajo_math::{DAffine3, Motion};
 use kajo_scene::{Diagnostic, Item, Params, Span, nearest};
@@ -11,14 +12,14 @@ use kajo_scene::{Diagnostic, Item, Params, Span, nearest};
 use super::group::{Place, Walk};
 use super::{Compiler, transform};
 use crate::material::MaterialId;
+use crate::nested::Content;
 use crate::objects::Label;
-use crate::shape::ShapeId;
 
-/// An object of a definition.
+/// An object of a definition, or an assembly of many.
 #[derive(Clone)]
 pub(super) struct Part {
-    pub shape: ShapeId,
-    /// From the shape's space to the definition's.
+    pub content: Content,
+    /// From its own space to the definition's.
     pub map: Motion,
     /// Its own material; without one it takes what is in force where the definition is placed.
     pub material: Option<MaterialId>,
@@ -27,8 +28,16 @@ pub(super) struct Part {
     pub brings_materials: bool,
 }
 
+/// What one thing is made of that can be placed many times.
+pub(super) type Parts = std::rc::Rc<[Part]>;
+
 /// What a `Define` block holds.
-pub(super) type Definition = std::rc::Rc<[Part]>;
+#[derive(Clone)]
+pub(super) struct Definition {
+    pub parts: Parts,
+    /// The number of the assembly that has been made of it, if any.
+    pub assembly: Option<u32>,
+}
 
 impl Compiler<'_> {
     pub(super) fn define(&mut self, item: Item<'_>, walk: &mut Walk) {
@@ -41,9 +50,10 @@ impl Compiler<'_> {
         let mut inner =
             Walk { parts: Some(Vec::new()), material_failed: walk.material_failed, ..Walk::default() };
         self.group(item, &mut Place::origin(), &mut inner);
-        let parts: Definition = inner.parts.unwrap_or_default().into();
+        let parts: Parts = inner.parts.unwrap_or_default().into();
         self.parts_defined += parts.len();
-        if self.definitions.insert(name.clone(), parts).is_some() {
+        let definition = Definition { parts, assembly: None };
+        if self.definitions.insert(name.clone(), definition).is_some() {
             let error = Diagnostic::error(format!("there are two definitions named `{name}`"));
             self.diagnostics.push(error.label(item.head_span(), "the second one"));
         }
@@ -66,11 +76,23 @@ impl Compiler<'_> {
             self.diagnostics.push(error.label(item.head_span(), "asked for here").help(help));
             return;
         };
-        if operations.is_empty() {
-            self.place_parts(&definition, item, place, walk);
+        let mut there;
+        let place = if operations.is_empty() {
+            place
         } else {
-            let mut there = self.moved(item, &operations, place);
-            self.place_parts(&definition, item, &mut there, walk);
+            there = self.moved(item, &operations, place);
+            &mut there
+        };
+        let assembly = self.assembly_of(&name, &definition, place, walk, item);
+        if self.too_many {
+            return;
+        }
+        match assembly {
+            Some(number) => {
+                let part = self.assembly_part(number, item);
+                self.place_parts(&[part], item, place, walk);
+            }
+            None => self.place_parts(&definition.parts, item, place, walk),
         }
     }
 
@@ -107,7 +129,7 @@ impl Compiler<'_> {
     /// Whether there may be `more` objects; if not, that is reported once.
     pub(super) fn has_room(&mut self, more: usize, at: Span, open: usize) -> bool {
         let most = self.options.limits.objects;
-        let so_far = self.primitives.len() + self.parts_defined + open;
+        let so_far = self.primitives.len() + self.nested.placements.len() + self.parts_defined + open;
         if so_far.saturating_add(more) <= most {
             return true;
         }

@@ -8,6 +8,7 @@ use super::materials::Reference;
 use super::{Compiler, motion, transform};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
+use crate::nested::Content;
 use crate::scene::Primitive;
 use crate::shape::{Cone, Cuboid, Disk, Plane, Quad, ShapeId, Sphere, Triangle};
 
@@ -234,7 +235,7 @@ impl Compiler<'_> {
             return;
         };
         let part = Part {
-            shape,
+            content: Content::Shape(shape),
             map: Motion::still(DAffine3::IDENTITY),
             material: None,
             label: self.objects.label(name, keyword, item.index()),
@@ -248,21 +249,25 @@ impl Compiler<'_> {
     /// * `by`: what puts it there
     pub(super) fn put(&mut self, part: &Part, by: Item<'_>, place: &mut Place, walk: &mut Walk) {
         if let Some(parts) = &mut walk.parts {
-            if !place.is_flat() {
+            if !place.is_flat() && self.may_stand(part, by, place) {
                 let material = part.material.or(walk.material);
                 parts.push(Part { map: place.world.clone(), material, ..part.clone() });
             }
             return;
         }
+        let shape = match part.content {
+            Content::Shape(shape) => shape,
+            Content::Assembly(number) => return self.place_assembly(number, part.material, by, place, walk),
+        };
         let material = part.material.or_else(|| self.material_for(by, walk));
         let (Some(material), Some(transform)) = (material, self.transform_number(place)) else { return };
         let transmits = part.brings_materials || self.materials.may_transmit(material, &self.materials);
-        self.primitives.push(Primitive { shape: part.shape, transform, material, transmits, glows: false });
+        self.primitives.push(Primitive { shape, transform, material, transmits, glows: false });
         self.objects.push(part.label, by.index());
     }
 
     /// The material in force; its absence is reported.
-    fn material_for(&mut self, item: Item<'_>, walk: &Walk) -> Option<MaterialId> {
+    pub(super) fn material_for(&mut self, item: Item<'_>, walk: &Walk) -> Option<MaterialId> {
         let materials_failed = self.diagnostics.has_errors() && self.material_list.is_empty();
         if walk.material.is_none() && walk.parts.is_none() && !walk.material_failed && !materials_failed {
             let error = Diagnostic::error(format!("`{}` has no material", item.keyword()));

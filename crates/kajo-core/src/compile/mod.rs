@@ -17,6 +17,7 @@ mod mesh;
 mod mesh_store;
 mod model;
 mod motion;
+mod nesting;
 mod physical;
 mod settings;
 mod spectra;
@@ -40,6 +41,7 @@ use crate::light::{LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::motion::{MovingTransform, Shutter};
 use crate::moving_tree::MovingTree;
+use crate::nested::Nested;
 use crate::objects::Objects;
 use crate::scene::{Primitive, Scene};
 use crate::settings::{Dialect, Rules, Settings};
@@ -104,6 +106,7 @@ fn compile_tree(
     let settings = settings.map(|item| settings::read(item, diagnostics)).unwrap_or_default();
     let dialect = options.dialect.or(settings.dialect).unwrap_or_default();
     let mut compiler = Compiler::new(assets, options, dialect.rules(), diagnostics, file_errors);
+    compiler.uses = nesting::uses(desc);
     let camera = compiler.camera(&cameras, group.is_some());
     let (background, ambient) = compiler.background(background);
     let fog = fog.and_then(|item| compiler.fog(item));
@@ -151,6 +154,12 @@ struct Compiler<'a> {
     primitives: Vec<Primitive>,
     objects: Objects,
     definitions: HashMap<String, Definition>,
+    /// How often the text places each definition.
+    uses: HashMap<String, usize>,
+    /// What is kept nested.
+    nested: Nested,
+    /// Whether light may pass through any of that.
+    nested_transmits: bool,
     /// Parts of all definitions.
     parts_defined: usize,
     /// There are more objects than there may be, which has been reported.
@@ -197,6 +206,9 @@ impl<'a> Compiler<'a> {
             primitives: Vec::new(),
             objects: Objects::default(),
             definitions: HashMap::new(),
+            uses: HashMap::new(),
+            nested: Nested::default(),
+            nested_transmits: false,
             parts_defined: 0,
             too_many: false,
             flat_triangles: None,
@@ -266,7 +278,7 @@ impl<'a> Compiler<'a> {
             shapes: self.shapes,
             transforms: self.transforms,
             motions: self.motions,
-            transmits: self.primitives.iter().any(|p| p.transmits),
+            transmits: self.nested_transmits || self.primitives.iter().any(|p| p.transmits),
             has_holes: !self.materials.perforated.is_empty(),
             primitives: self.primitives,
             objects: self.objects,
@@ -288,8 +300,13 @@ impl<'a> Compiler<'a> {
             material_numbers,
             bvh: Bvh::default(),
             moving: None,
+            nested: None,
             unbounded: Vec::new(),
         };
+        if !self.nested.placements.is_empty() {
+            self.nested.finish(&scene.shapes, &self.options.build);
+            scene.nested = Some(self.nested);
+        }
         let bounds: Vec<Aabb> = scene.primitives.iter().map(|p| scene.world_bounds(p)).collect();
         // Trees leave empty boxes out, so what moves and what has no bounds keeps its number and stands aside.
         let is_unbounded = |i: &u32| !bounds[*i as usize].is_finite() && !bounds[*i as usize].is_empty();
@@ -315,5 +332,7 @@ impl<'a> Compiler<'a> {
 mod camera_tests;
 #[cfg(test)]
 mod motion_tests;
+#[cfg(test)]
+mod nesting_tests;
 #[cfg(test)]
 mod tests;

@@ -10,17 +10,18 @@ use kajo_math::{Motion, Vec2, Vec3};
 use kajo_scene::{Args, AssetFile, Item, ModelInstance, ModelMaterial, ModelPart, Span, read_gltf};
 
 use super::Compiler;
-use super::definition::{Definition, Part};
+use super::definition::{Part, Parts};
 use super::group::{Place, Walk};
 use super::materials::absorption_of;
 use super::mesh::{corner_values, file_name};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::material::{MaterialId, PhongMaterial};
+use crate::nested::Content;
 use crate::shape::{MeshData, ShapeId};
 
 /// Models read so far.
-pub(super) type ModelCache = HashMap<ModelKey, Option<Definition>>;
+pub(super) type ModelCache = HashMap<ModelKey, Option<Parts>>;
 
 /// What makes two models the same.
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -59,13 +60,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn read_model(
-        &mut self,
-        file: AssetFile,
-        key: &ModelKey,
-        item: Item<'_>,
-        at: Span,
-    ) -> Option<Definition> {
+    fn read_model(&mut self, file: AssetFile, key: &ModelKey, item: Item<'_>, at: Span) -> Option<Parts> {
         let model = match read_gltf(file, self.assets, &self.options.limits) {
             Ok(model) => model,
             Err(error) => {
@@ -97,7 +92,7 @@ impl Compiler<'_> {
             }
             meshes.push(stored);
         }
-        let parts: Definition = self.model_parts(&model.instances, &meshes, item).into();
+        let parts: Parts = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();
         Some(parts)
     }
@@ -118,7 +113,7 @@ impl Compiler<'_> {
             let label = self.objects.label(instance.name.clone(), "Model", item.index());
             let map = Motion::still(instance.model_from_mesh);
             parts.extend(meshes[instance.mesh].iter().map(|&(shape, material)| Part {
-                shape,
+                content: Content::Shape(shape),
                 map: map.clone(),
                 material,
                 label,

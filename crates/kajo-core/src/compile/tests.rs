@@ -526,7 +526,7 @@ fn exponential_nesting_is_refused_before_it_costs() {
     let mut diagnostics = parsed.diagnostics;
     assert!(compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut diagnostics).is_none());
     let said: Vec<_> = diagnostics.iter().map(|d| &d.message).collect();
-    assert_eq!(said, ["with this there would be more than 100000 objects, the most that a scene may have"]);
+    assert_eq!(said, ["with this there would be more objects than can be numbered, about 4 * 10^9"]);
 }
 
 /// Ten thousand objects; with `KAJO_DEEP` set, a million.

@@ -60,7 +60,7 @@ fn by_length(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
         let at = scene.interaction(ray, primitive, hit);
         let p = scene.pattern_point(&at);
         let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, p);
-        let closed = scene.shapes.is_closed(scene.primitives[primitive as usize].shape);
+        let closed = scene.shape(primitive).is_some_and(|shape| scene.shapes.is_closed(shape));
         if phong.transparent.is_black() || !closed {
             through *= phong.transparent;
             return through.is_black();

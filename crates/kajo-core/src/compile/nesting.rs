@@ -1,0 +1,180 @@
+//! Definitions that are kept as trees of their own.
+//!
+//! All instances of a definition together make so many objects: those in it, times the places where the text puts it. Where
+//! that is more than a sixteenth of what a scene may hold, the definition becomes an [`crate::nested::Assembly`], and an
+//! instance of it is one entry, whatever it holds. So a text of a few lines can place 10^9 objects in a few megabytes, and
+//! what is placed once or twice keeps the flat list, where rays are faster.
+//!
+//! Assemblies hold neither what moves, nor lamps, nor planes without bounds: definitions with such parts are flat. A
+//! definition that holds assemblies is one too if it can be, however small, so that maps are multiplied in one order.
+
+use std::collections::HashMap;
+
+use kajo_math::{DAffine3, Motion};
+use kajo_scene::{Diagnostic, Item, SceneDesc};
+
+use super::Compiler;
+use super::definition::{Definition, Part};
+use super::group::{Place, Walk};
+use crate::family::Pooled;
+use crate::material::MaterialId;
+use crate::nested::{Content, MOST_LEVELS, Member, Placement};
+use crate::shape::{Mesh, ShapeId};
+
+/// Definitions of fewer objects are never worth a tree of their own.
+const LEAST: usize = 64;
+
+/// The share of [`kajo_scene::Limits::objects`] up to which the instances of a definition are flat.
+const FLAT_SHARE: usize = 16;
+
+/// How often the text places each definition.
+pub(super) fn uses(desc: &SceneDesc) -> HashMap<String, usize> {
+    let mut uses = HashMap::new();
+    for item in desc.items().filter(|item| item.keyword() == "Instance") {
+        if let Some(name) = item.word() {
+            *uses.entry(name.text().into_owned()).or_insert(0) += 1;
+        }
+    }
+    uses
+}
+
+impl Compiler<'_> {
+    /// The number of the assembly that stands for a definition at a place; `None` where its parts are to be placed one by one.
+    pub(super) fn assembly_of(
+        &mut self,
+        name: &str,
+        definition: &Definition,
+        place: &Place,
+        walk: &Walk,
+        item: Item<'_>,
+    ) -> Option<u32> {
+        let number = definition.assembly.or_else(|| self.assemble(name, definition, item))?;
+        let assembly = &self.nested.assemblies[number as usize];
+        let lamp = walk.material.is_some_and(|material| self.glows.contains_key(&material));
+        let may_stand = place.world.constant().is_some() && !(lamp && assembly.inherits);
+        // Where it may not, what holds assemblies cannot be taken apart either, and one error is enough.
+        (may_stand || assembly.levels > 1).then_some(number)
+    }
+
+    /// Makes an assembly of a definition where that pays and can be.
+    fn assemble(&mut self, name: &str, definition: &Definition, item: Item<'_>) -> Option<u32> {
+        let count = definition.parts.len();
+        let uses = self.uses.get(name).copied().unwrap_or(0);
+        let is_long = count >= LEAST && count.saturating_mul(uses) > self.options.limits.objects / FLAT_SHARE;
+        let is_nested = definition.parts.iter().any(|part| matches!(part.content, Content::Assembly(_)));
+        if !is_long && !is_nested {
+            return None;
+        }
+        let members: Option<Vec<Member>> = definition.parts.iter().map(|part| self.member(part)).collect();
+        let may_transmit = |material| self.materials.may_transmit(material, &self.materials);
+        let number = self.nested.assemble(members?, &self.shapes, may_transmit, &self.options.build);
+        if number.is_none() {
+            self.too_many_to_number(item);
+        } else if let Some(definition) = self.definitions.get_mut(name) {
+            definition.assembly = number;
+        }
+        number
+    }
+
+    /// Reports once that numbers of objects do not reach that far.
+    fn too_many_to_number(&mut self, item: Item<'_>) {
+        if !std::mem::replace(&mut self.too_many, true) {
+            let message = "with this there would be more objects than can be numbered, about 4 * 10^9";
+            self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "too many"));
+        }
+    }
+
+    /// A part as a member of an assembly, if it can be one.
+    fn member(&self, part: &Part) -> Option<Member> {
+        let map = *part.map.constant()?;
+        let takes_material = match part.content {
+            Content::Shape(shape) => {
+                if !self.shapes.bounds(shape).is_finite() || self.brings_lamps(shape) {
+                    return None;
+                }
+                true
+            }
+            Content::Assembly(number) => {
+                let inner = &self.nested.assemblies[number as usize];
+                if inner.levels >= MOST_LEVELS {
+                    return None;
+                }
+                inner.inherits
+            }
+        };
+        let lamp = part.material.is_some_and(|material| self.glows.contains_key(&material));
+        let (content, material, label) = (part.content, part.material, part.label);
+        let brings_materials = part.brings_materials;
+        let member = Member { content, map, material, first: 0, label, brings_materials };
+        (!lamp || !takes_material).then_some(member)
+    }
+
+    /// Whether a shape has materials of its own, and any such material of the scene gives light.
+    fn brings_lamps(&self, shape: ShapeId) -> bool {
+        let has_slots =
+            Mesh::find(&self.shapes, shape).is_some() && self.shapes.material_slot(shape, 0).is_some();
+        has_slots && self.slot_materials.iter().any(|material| self.glows.contains_key(material))
+    }
+
+    /// An assembly as the only part of what is placed.
+    pub(super) fn assembly_part(&mut self, number: u32, item: Item<'_>) -> Part {
+        Part {
+            content: Content::Assembly(number),
+            map: Motion::still(DAffine3::IDENTITY),
+            material: None,
+            label: self.objects.label(None, "Instance", item.index()),
+            brings_materials: false,
+        }
+    }
+
+    /// Whether a part can stand at a place of a definition; if not, that is reported.
+    pub(super) fn may_stand(&mut self, part: &Part, by: Item<'_>, place: &Place) -> bool {
+        let Content::Assembly(number) = part.content else { return true };
+        if place.world.constant().is_some() {
+            return true;
+        }
+        let count = self.nested.assemblies[number as usize].count;
+        let message = format!("this would move {count} objects, which are too many to move one by one");
+        let error = Diagnostic::error(message).label(by.head_span(), "nested instances cannot move");
+        self.diagnostics.push(error);
+        false
+    }
+
+    /// Places an assembly in the scene.
+    ///
+    /// * `material`: of its parts that have none, if not the one in force
+    pub(super) fn place_assembly(
+        &mut self,
+        number: u32,
+        material: Option<MaterialId>,
+        by: Item<'_>,
+        place: &Place,
+        walk: &Walk,
+    ) {
+        let part = &self.nested.assemblies[number as usize];
+        let (count, inherits, transmits) = (part.count, part.inherits, part.transmits);
+        let stands = Part { material, ..self.assembly_part(number, by) };
+        if place.is_flat() || !self.may_stand(&stands, by, place) {
+            return;
+        }
+        let material = if inherits { material.or_else(|| self.material_for(by, walk)) } else { None };
+        if inherits && material.is_none() {
+            return;
+        }
+        if material.is_some_and(|material| self.glows.contains_key(&material)) {
+            let message = format!("this would make lamps of {count} objects, which are too many");
+            let error = Diagnostic::error(message).label(by.head_span(), "nested instances give no light");
+            self.diagnostics.push(error);
+            return;
+        }
+        let may_transmit = |material| self.materials.may_transmit(material, &self.materials);
+        self.nested_transmits |= transmits || material.is_some_and(may_transmit);
+        let Some(&map) = place.world.constant() else { return };
+        let placement = Placement { assembly: number, map, material, first: 0, placed_by: by.index() };
+        let most = u32::MAX - 1;
+        let room = most.saturating_sub(self.options.limits.objects.try_into().unwrap_or(most));
+        if !self.nested.place(placement, room) {
+            self.too_many_to_number(by);
+        }
+    }
+}
