@@ -1,42 +1,90 @@
 //! Time of a frame of the preview: `cargo bench -p kajo-studio`.
 //!
 //! Hills of 200,000 and of a million triangles, all in view, at 960 x 540 pixels, the camera turning a little from
-//! frame to frame; the mean and the longest of the frames after the first.
+//! frame to frame; the mean and the longest of the frames after the first. Then the whole window, panels and all, while a
+//! trace without an end runs on every core, and while one that each frame starts anew does.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
-use egui_wgpu::RendererOptions;
+use egui_kittest::Harness;
+use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+use egui_wgpu::{RenderState, RendererOptions};
 use kajo::preview::Preview;
 use kajo::{CameraPose, LoadOptions, MemoryAssets};
-use kajo_math::DVec3;
+use kajo_math::{DVec2, DVec3};
 use kajo_studio::raster::{Eye, Raster, Shot};
+use kajo_studio::shell::{App, Layout};
+use kajo_studio::state::Action;
 
 const SIZE: [u32; 2] = [960, 540];
 const FRAMES: u32 = 20;
 
 fn main() {
-    let card = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    let card = create_render_state(
+        default_wgpu_setup(),
+        RendererOptions { dithering: false, ..RendererOptions::default() },
+    );
     println!("{}", egui_wgpu::adapter_info_summary(&card.adapter.get_info()));
     for side in [316, 707] {
         let begin = Instant::now();
         let preview = hills(side);
         let made = begin.elapsed();
         let mut raster = Raster::new(&card);
+        let begin = Instant::now();
         raster.set_scene(&preview);
+        let uploaded = begin.elapsed();
         frame(&mut raster, 0.0);
         let times: Vec<Duration> = (1..=FRAMES).map(|i| frame(&mut raster, 0.01 * f64::from(i))).collect();
         let mean = times.iter().sum::<Duration>() / FRAMES;
         let longest = times.iter().max().copied().unwrap_or_default();
         println!(
-            "{:>9} triangles: {:6.1} ms a frame, {:6.1} ms the longest; read and made ready in {:.0} ms",
+            "{:>9} triangles: {:6.1} ms a frame, {:6.1} ms the longest; {:.0} ms to read, {:.0} ms to the card",
             raster.triangles(),
-            1e3 * mean.as_secs_f64(),
-            1e3 * longest.as_secs_f64(),
-            1e3 * made.as_secs_f64()
+            ms(mean),
+            ms(longest),
+            ms(made),
+            ms(uploaded)
         );
     }
+    window(&card);
+}
+
+/// Draws the window while it traces.
+fn window(card: &RenderState) {
+    let run = |ui: &mut egui::Ui, app: &mut Option<App>| {
+        app.get_or_insert_with(|| App::new(ui.ctx(), Some(card), Layout::default())).ui(ui);
+    };
+    let renderer = WgpuTestRenderer::from_render_state(card.clone());
+    let builder = Harness::builder().with_size([1280.0, 800.0]).renderer(renderer);
+    let mut harness = builder.build_ui_state(run, None);
+    harness.step();
+    for (what, turns) in [("a trace runs", false), ("each frame starts a trace anew", true)] {
+        let mut times = Vec::new();
+        for i in 0..40 {
+            let Some(app) = harness.state_mut() else { return };
+            if i == 0 {
+                app.studio.apply(Action::New);
+                app.studio.options.habits.endless = true;
+                app.studio.apply(Action::Trace);
+            }
+            if turns {
+                app.studio.apply(Action::Orbit(DVec2::new(1.0, 0.0)));
+            }
+            let begin = Instant::now();
+            harness.step();
+            // A window that cannot be drawn would have failed before.
+            let _ = harness.render();
+            times.push(begin.elapsed());
+        }
+        let mean = times.iter().sum::<Duration>() / times.len() as u32;
+        let longest = times.iter().max().copied().unwrap_or_default();
+        println!("while {what}: {:.1} ms a frame of the window, {:.1} ms the longest", ms(mean), ms(longest));
+    }
+}
+
+fn ms(time: Duration) -> f64 {
+    1e3 * time.as_secs_f64()
 }
 
 /// Draws one frame and waits for it.

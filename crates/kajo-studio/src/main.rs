@@ -60,7 +60,9 @@ fn window(scene: Option<PathBuf>) -> ExitCode {
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size([640.0, 400.0])
         .with_drag_and_drop(true);
-    let options = eframe::NativeOptions { viewport, wgpu_options: card(), ..Default::default() };
+    // Without dithering the pixels on show are those of the picture, and drawing on the processor is faster.
+    let options =
+        eframe::NativeOptions { viewport, wgpu_options: card(), dithering: false, ..Default::default() };
     let run = eframe::run_native(
         "kajo-studio",
         options,

@@ -130,6 +130,8 @@ pub struct Studio {
     opener: Worker<PathBuf, Opened>,
     /// Makes scenes of texts that were edited; the number is that of the document.
     compiler: Worker<(u64, Compilation), (u64, Compiled)>,
+    /// The version of the text that it was given last.
+    ordered: Option<Version>,
     /// Whether a trace is to begin once the scene is what the text says.
     wants_trace: bool,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
@@ -172,6 +174,7 @@ impl Studio {
             compiler: Worker::new(Arc::clone(&wake), |(opened, text): (u64, Compilation)| {
                 (opened, text.run())
             }),
+            ordered: None,
             wants_trace: false,
             previewer: Worker::new(wake, |(version, scene): (Version, Arc<Scene>)| {
                 (version, Arc::new(Preview::of(&scene)))
@@ -396,7 +399,9 @@ impl Studio {
     fn compile(&mut self) {
         let Some(document) = &self.document else { return };
         self.selection.refresh(document);
-        if let Some(compilation) = document.compilation() {
+        let text = (self.opened, document.generation());
+        if let Some(compilation) = document.compilation().filter(|_| self.ordered != Some(text)) {
+            self.ordered = Some(text);
             self.compiler.order((self.opened, compilation));
         }
     }

@@ -196,7 +196,7 @@ impl App {
                 },
             );
         }
-        Panel::right("right").resizable(true).default_size(300.0).size_range(250.0..=520.0).show(ui, |ui| {
+        Panel::right("right").resizable(true).default_size(350.0).size_range(250.0..=560.0).show(ui, |ui| {
             self.right_panel(ui, actions);
         });
     }

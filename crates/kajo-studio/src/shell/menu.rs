@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Layout, MenuBar, RichText, Ui};
+use egui::{Align, Button, Label, Layout, MenuBar, RichText, Ui};
 use kajo::session::Status;
 
 use super::keys::Command;
@@ -64,23 +64,39 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
             item(ui, "Keys and mouse", "F1", commands, Command::Help);
         });
         ui.separator();
-        let dirty = studio.document.as_ref().is_some_and(|document| document.is_dirty());
-        let title = if dirty { format!("{} •", studio.title()) } else { studio.title() };
-        let hint = if dirty { "Changed since it was saved" } else { "As it is on disk" };
-        ui.label(RichText::new(title).strong()).on_hover_text(hint);
-        ui.separator();
-        for ((name, mode), key) in GIZMOS.into_iter().zip(1..) {
-            let hint = format!("Handles that {} what is selected ({key})", name.to_lowercase());
-            if ui.selectable_label(studio.gizmo == Some(mode), name).on_hover_text(hint).clicked() {
-                commands.push(Command::Do(Action::Gizmo(Some(mode))));
-            }
-        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             trace_button(ui, studio, commands);
             ui.add_space(6.0);
             shown_switch(ui, studio, commands);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| middle(ui, studio, commands));
         });
     });
+}
+
+/// The name of the scene, and the buttons of the gizmos where there is room for them.
+fn middle(ui: &mut Ui, studio: &Studio, commands: &mut Vec<Command>) {
+    /// Widths that the buttons and a name take, in points.
+    const BUTTONS: f32 = 190.0;
+    const NAME: f32 = 90.0;
+    let has_room = ui.available_width() > BUTTONS + NAME;
+    let dirty = studio.document.as_ref().is_some_and(|document| document.is_dirty());
+    let title = if dirty { format!("{} •", studio.title()) } else { studio.title() };
+    let hint = if dirty { "Changed since it was saved" } else { "As it is on disk" };
+    ui.scope(|ui| {
+        let buttons = if has_room { BUTTONS } else { 0.0 };
+        ui.set_max_width((ui.available_width() - buttons).max(0.0));
+        ui.add(Label::new(RichText::new(title).strong()).truncate()).on_hover_text(hint);
+    });
+    if !has_room {
+        return;
+    }
+    ui.separator();
+    for ((name, mode), key) in GIZMOS.into_iter().zip(1..) {
+        let hint = format!("Handles that {} what is selected ({key})", name.to_lowercase());
+        if ui.selectable_label(studio.gizmo == Some(mode), name).on_hover_text(hint).clicked() {
+            commands.push(Command::Do(Action::Gizmo(Some(mode))));
+        }
+    }
 }
 
 fn item(ui: &mut Ui, text: &str, keys: &str, commands: &mut Vec<Command>, command: Command) {

@@ -1,6 +1,8 @@
 //! The line at the bottom: the newest message, how the trace goes, how fast one flies.
 
-use egui::{Align, Layout, RichText, Ui};
+use std::time::Duration;
+
+use egui::{Align, Id, Label, Layout, RichText, Ui};
 use kajo::session::Status;
 
 use super::theme;
@@ -8,22 +10,40 @@ use crate::state::{Shown, Studio};
 
 /// The whole line.
 pub fn show(ui: &mut Ui, studio: &Studio) {
-    ui.horizontal(|ui| {
-        if studio.is_loading() {
-            ui.spinner();
-            ui.label("Reading the scene...");
-        } else if let Some(notice) = &studio.notice {
-            let color = if notice.is_error { theme::error(ui) } else { theme::quiet(ui) };
-            ui.label(RichText::new(&notice.text).color(color));
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let speed = studio.navigation.speed;
-            ui.label(RichText::new(format!("speed {speed:.2}")).color(theme::quiet(ui)))
-                .on_hover_text("World units a second; the wheel changes it");
-            ui.separator();
-            trace(ui, studio);
-        });
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let speed = studio.navigation.speed;
+        ui.label(RichText::new(format!("speed {speed:.2}")).color(theme::quiet(ui)))
+            .on_hover_text("World units a second; the wheel changes it");
+        ui.separator();
+        trace(ui, studio);
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| message(ui, studio));
     });
+}
+
+/// What is going on, or the newest message, as much of it as there is room for.
+fn message(ui: &mut Ui, studio: &Studio) {
+    if studio.is_loading() || is_long(ui, studio.is_compiling()) {
+        ui.spinner();
+        ui.label("Reading the scene...");
+    } else if let Some(notice) = &studio.notice {
+        let color = if notice.is_error { theme::error(ui) } else { theme::quiet(ui) };
+        ui.add(Label::new(RichText::new(&notice.text).color(color)).truncate());
+    }
+}
+
+/// Whether something has been going on for so long that one should say so.
+fn is_long(ui: &Ui, is_going_on: bool) -> bool {
+    /// In seconds.
+    const LONG: f64 = 0.3;
+    let id = Id::unique("since when the scene is being read");
+    if !is_going_on {
+        ui.data_mut(|data| data.remove::<f64>(id));
+        return false;
+    }
+    let now = ui.input(|input| input.time);
+    let since = ui.data_mut(|data| *data.get_temp_mut_or_insert_with(id, || now));
+    ui.ctx().request_repaint_after(Duration::from_secs_f64(LONG));
+    now - since >= LONG
 }
 
 fn trace(ui: &mut Ui, studio: &Studio) {
