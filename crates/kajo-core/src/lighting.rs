@@ -28,7 +28,7 @@ impl Scene {
     /// * `u`: uniform in [0, 1), chooses among the parts of a mixture; any number where it is none
     #[inline]
     pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf {
-        let point = ShadingPoint { p: self.pattern_point(at), wavelengths, eta_outside, u };
+        let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside, u };
         self.materials.bsdf(at.material, &self.materials, &self.textures, &point)
     }
 
@@ -47,8 +47,8 @@ impl Scene {
         let mut visible = 1.0;
         let blocked = self.occluded_or(None, ray, |primitive, hit| {
             let at = self.interaction(ray, primitive, hit);
-            let p = self.pattern_point(&at);
-            visible *= 1.0 - self.materials.opacity(at.material, &self.materials, &self.textures, p);
+            let place = self.material_point(&at);
+            visible *= 1.0 - self.materials.opacity(at.material, &self.materials, &self.textures, &place);
             visible <= 0.0
         });
         if blocked { 0.0 } else { visible }
@@ -60,7 +60,7 @@ impl Scene {
     #[inline]
     pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths, u: f32) -> Option<Interior> {
         if self.may_transmit(at.primitive) {
-            let point = ShadingPoint { p: self.pattern_point(at), wavelengths, eta_outside: 1.0, u };
+            let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside: 1.0, u };
             self.materials.interior(at.material, &self.materials, &self.textures, &point)
         } else {
             None

@@ -13,7 +13,7 @@ use crate::family::Pooled;
 use crate::interaction::{Hit, SurfacePoint};
 use crate::item_buffer::{Between, Body, ItemBuffer};
 use crate::light::{Emitters, LightId, Lights};
-use crate::material::{MaterialId, Materials};
+use crate::material::{MaterialId, MaterialPoint, Materials};
 use crate::medium::Fog;
 use crate::motion::MovingTransform;
 use crate::moving_tree::MovingTree;
@@ -93,6 +93,8 @@ pub struct Scene {
     pub primitives: Vec<Primitive>,
     /// Whether light may pass through any of them.
     pub transmits: bool,
+    /// Whether any material shows a picture, so that it has to know surface coordinates.
+    pub has_pictures: bool,
     /// Whether any material has holes, so that what is behind is seen and lit through it.
     pub has_holes: bool,
     /// The user's words for each primitive; see [`Scene::object`].
@@ -402,7 +404,7 @@ impl Scene {
     /// Where patterns in world space are evaluated for an interaction: at the point itself, or where that was at
     /// time 0 if it belongs to something that moves.
     #[inline]
-    pub fn pattern_point(&self, at: &Interaction) -> Vec3 {
+    fn pattern_point(&self, at: &Interaction) -> Vec3 {
         if self.motions.is_empty() {
             return at.point.p;
         }
@@ -410,6 +412,14 @@ impl Scene {
             None => at.point.p,
             Some(motion) => motion.painted(at.point.p, at.time),
         }
+    }
+
+    /// Where materials are evaluated for an interaction.
+    #[inline]
+    pub fn material_point(&self, at: &Interaction) -> MaterialPoint {
+        let needs_uv = || self.materials.needs_uv(at.material, &self.materials);
+        let uv = if self.has_pictures && needs_uv() { rarely(|| self.uv(at)) } else { Vec2::ZERO };
+        MaterialPoint { p: self.pattern_point(at), uv }
     }
 
     /// Where the point of an interaction is at another moment within the shutter interval.
@@ -433,8 +443,8 @@ impl Scene {
         if let Some(phong) = self.materials.constant(material) {
             return phong.transparent;
         }
-        let p = self.pattern_point(&self.interaction(ray, primitive, hit));
-        self.materials.phong(material, &self.materials, &self.textures, p).transparent
+        let place = self.material_point(&self.interaction(ray, primitive, hit));
+        self.materials.phong(material, &self.materials, &self.textures, &place).transparent
     }
 
     #[inline]

@@ -27,13 +27,15 @@ pub enum Format {
     Pfm,
     /// Radiance HDR: three mantissas of 8 bits with one exponent.
     Hdr,
+    /// JPEG, which is read and not written: it keeps no pixel as it is.
+    Jpeg,
 }
 
 impl Format {
-    /// All formats.
+    /// All formats that are written.
     pub const ALL: [Self; 6] = [Self::Png, Self::Exr, Self::Tga, Self::Ppm, Self::Pfm, Self::Hdr];
 
-    /// The format of files that end in `.extension`, in any case.
+    /// The format of files that end in `.extension`, in any case, of those that are written.
     pub fn from_extension(extension: &str) -> Option<Self> {
         Some(match extension.to_ascii_lowercase().as_str() {
             "png" => Self::Png,
@@ -55,6 +57,7 @@ impl Format {
             Self::Ppm => "ppm",
             Self::Pfm => "pfm",
             Self::Hdr => "hdr",
+            Self::Jpeg => "jpg",
         }
     }
 
@@ -64,6 +67,7 @@ impl Format {
             [0x89, b'P', b'N', b'G', ..] => Self::Png,
             [0x76, 0x2f, 0x31, 0x01, ..] => Self::Exr,
             [b'#', b'?', ..] => Self::Hdr,
+            [0xff, 0xd8, 0xff, ..] => Self::Jpeg,
             [b'P', b'F' | b'f', ..] => Self::Pfm,
             [b'P', b'1'..=b'7', ..] => Self::Ppm,
             _ => return None,
@@ -85,6 +89,7 @@ impl fmt::Display for Format {
             Self::Ppm => "PPM",
             Self::Pfm => "PFM",
             Self::Hdr => "Radiance HDR",
+            Self::Jpeg => "JPEG",
         })
     }
 }
@@ -156,6 +161,7 @@ pub fn encode(image: &Image, format: Format, options: &EncodeOptions) -> Result<
         Format::Ppm => encode_ppm(image, options),
         Format::Pfm => pfm::encode(image),
         Format::Hdr => encode_hdr(image),
+        Format::Jpeg => Err(ImageError::parameter("JPEG is read, not written")),
     }
 }
 
@@ -179,6 +185,7 @@ pub fn decode(bytes: &[u8], hint: Option<Format>, limits: &DecodeLimits) -> Resu
         Format::Tga => decode_with(bytes, format, ::image::ImageFormat::Tga, limits),
         Format::Ppm => decode_with(bytes, format, ::image::ImageFormat::Pnm, limits),
         Format::Hdr => decode_with(bytes, format, ::image::ImageFormat::Hdr, limits),
+        Format::Jpeg => decode_with(bytes, format, ::image::ImageFormat::Jpeg, limits),
     }
 }
 
@@ -325,6 +332,48 @@ mod tests {
         }
         assert_eq!(Format::from_extension("jpeg"), None);
         assert_eq!(Format::from_extension(""), None);
+    }
+
+    /// A smooth picture as JPEG.
+    fn jpeg() -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let samples: Vec<u8> =
+            (0..16 * 8u32).flat_map(|i| [16 * (i % 16) as u8, 200, 24 * (i / 16) as u8]).collect();
+        ::image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 100)
+            .write_image(&samples, 16, 8, ExtendedColorType::Rgb8)
+            .unwrap();
+        bytes
+    }
+
+    #[test]
+    fn jpeg_is_read_and_not_written() {
+        let decoded = decode(&jpeg(), None, &DecodeLimits::default()).unwrap();
+        assert_eq!((decoded.format, decoded.depth), (Format::Jpeg, Some(BitDepth::Eight)));
+        assert_eq!((decoded.image.width(), decoded.image.height()), (16, 8));
+        let [r, g, b] = decoded.image.rgb(9, 5);
+        let expected = [144.0, 200.0, 120.0].map(|v: f32| v / 255.0);
+        assert!([r, g, b].iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.03), "{r} {g} {b}");
+        let refused = encode(&picture::<3>(), Format::Jpeg, &EncodeOptions::default());
+        assert!(matches!(refused, Err(ImageError::Parameter(_))));
+        let small = DecodeLimits { max_side: 15, ..DecodeLimits::default() };
+        assert!(matches!(decode(&jpeg(), None, &small), Err(ImageError::Limit { .. })));
+    }
+
+    #[test]
+    fn damaged_jpeg_files_end_in_an_error_or_a_picture() {
+        let whole = jpeg();
+        for i in 0..whole.len() {
+            let _ = decode(&whole[..i], Some(Format::Jpeg), &DecodeLimits::default());
+            for value in [0x00, 0x7f, 0xff, whole[i] ^ 0x10] {
+                let mut damaged = whole.clone();
+                damaged[i] = value;
+                if let Ok(read) =
+                    decode(&damaged, Some(Format::Jpeg), &DecodeLimits { max_side: 4096, max_bytes: 1 << 26 })
+                {
+                    assert!(read.image.data().iter().all(|v| (0.0..=1.0).contains(v)));
+                }
+            }
+        }
     }
 
     #[test]

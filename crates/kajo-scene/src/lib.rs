@@ -56,7 +56,9 @@ pub use args::Args;
 pub use assets::{AssetError, AssetFile, Assets, LoadStep, MemoryAssets, read_limited, relative_asset};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
 pub use edit::{EditError, apply_edits, format_number};
-pub use gltf::{Model, ModelInstance, ModelMaterial, ModelPart, read_gltf};
+pub use gltf::{
+    Model, ModelInstance, ModelMaterial, ModelPart, PictureSource, PictureUse, PictureWrap, read_gltf,
+};
 pub use ies::{IesError, IesFile, read_ies};
 pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};
 pub use limits::Limits;

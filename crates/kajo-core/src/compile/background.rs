@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 
 use kajo_color::{Spectrum, srgb};
-use kajo_image::{DecodeLimits, Decoded, Format, Image};
+use kajo_image::{Decoded, Format, Image};
 use kajo_scene::{Args, Diagnostic, Item, Params, read_limited};
 
 use super::Compiler;
+use super::pictures::decode;
 use crate::background::{Background, CubeMap, FACE_NAMES};
 use crate::daylight::{Sky, SkySettings};
 use crate::environment::Environment;
@@ -91,10 +92,7 @@ impl Compiler<'_> {
     fn decoded(&mut self, item: Item<'_>, name: &str, hint: Option<Format>) -> Option<Decoded> {
         let limit = self.options.limits.picture_bytes;
         let read = self.assets.open(name, item.path()).and_then(|file| read_limited(file, limit));
-        let picture = read.map_err(|e| e.to_string()).and_then(|bytes| {
-            kajo_image::decode(&bytes, hint, &DecodeLimits::default()).map_err(|e| e.to_string())
-        });
-        match picture {
+        match read.map_err(|error| error.to_string()).and_then(|bytes| decode(&bytes, hint)) {
             Ok(picture) => Some(picture),
             Err(reason) => {
                 let error = Diagnostic::error(format!("cannot read `{name}`: {reason}"));

@@ -14,12 +14,13 @@ use kajo_scene::{Args, Diagnostic, Item, Params, Span, nearest};
 use super::emitters::{Glow, read_glow};
 use super::light_groups::LightGroups;
 use super::physical::{PHYSICAL, Physical};
-use super::spectra::{SpectrumReader, Written};
+use super::pictures::PaintReader;
+use super::spectra::Written;
 use super::{Compiler, transform};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::material::{Blend, MaterialId, Perforated, PhongMaterial};
-use crate::texture::{Checker, Constant, Marble, Noise, TextureId, Wood};
+use crate::texture::{Checker, Constant, Marble, Noise, Share, TextureId, Wood};
 
 const KEYWORDS: [&str; 11] = [
     "Checkerboard",
@@ -52,7 +53,7 @@ enum Draft<'t> {
 struct Extras {
     glow: Option<Glow>,
     /// Less than 1 for a material with holes, and where that is said.
-    opacity: Option<(f32, Span)>,
+    opacity: Option<(Share, Span)>,
 }
 
 /// Another material, by number or name.
@@ -136,18 +137,18 @@ impl Compiler<'_> {
         let keyword = item.keyword();
         if let "Material" | "PhongMaterial" = keyword {
             let reflects_specular = self.rules.reflects_specular;
-            let spectra = self.spectra();
+            let mut paints = PaintReader::new(self.assets, self.options, &mut self.pictures);
             let mut params = Params::new(item, self.diagnostics);
-            let phong = read_phong(&mut params, spectra, reflects_specular);
-            let extras = Extras::read(&mut params, spectra, &mut self.light_groups);
+            let phong = read_phong(&mut params, &mut paints, reflects_specular);
+            let extras = Extras::read(&mut params, &mut paints, &mut self.light_groups);
             params.finish();
             return Some(Draft::Phong(phong, extras));
         }
         if PHYSICAL.contains(&keyword) {
-            let spectra = self.spectra();
+            let mut paints = PaintReader::new(self.assets, self.options, &mut self.pictures);
             let mut params = Params::new(item, self.diagnostics);
-            let physical = Physical::read(keyword, &mut params, spectra);
-            let extras = Extras::read(&mut params, spectra, &mut self.light_groups);
+            let physical = Physical::read(keyword, &mut params, &mut paints);
+            let extras = Extras::read(&mut params, &mut paints, &mut self.light_groups);
             params.finish();
             return Some(Draft::Physical(physical?, extras));
         }
@@ -257,7 +258,8 @@ impl Compiler<'_> {
     fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras) -> State {
         let Some(inner) = id else { return State::Failed };
         let mut id = inner;
-        if let Some((opacity, place)) = extras.opacity.filter(|(opacity, _)| *opacity < 1.0) {
+        if let Some((opacity, place)) = extras.opacity.clone().filter(|(opacity, _)| opacity.range()[0] < 1.0)
+        {
             if self.materials.may_transmit(inner, &self.materials) {
                 let error =
                     Diagnostic::error("light passes this material anyway, so that it can have no holes");
@@ -327,21 +329,21 @@ impl Compiler<'_> {
 }
 
 impl Extras {
-    fn read(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>, groups: &mut LightGroups) -> Extras {
-        let glow = read_glow(params, spectra, groups);
-        let opacity =
-            params.optional("opacity", |args| Ok((args.number_in(0.0..=1.0)?, args.item().head_span())));
-        Extras { glow, opacity }
+    fn read(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>, groups: &mut LightGroups) -> Extras {
+        let glow = read_glow(params, paints.spectra, groups);
+        Extras { glow, opacity: paints.optional_share(params, "opacity") }
     }
 }
 
 fn read_phong(
     params: &mut Params<'_, '_>,
-    spectra: SpectrumReader<'_>,
+    paints: &mut PaintReader<'_>,
     reflects_specular: bool,
 ) -> PhongMaterial {
     params.name();
-    params.later(&["bump", "normalMap", "texture"]);
+    params.later(&["bump", "normalMap"]);
+    let picture = paints.picture(params, "texture");
+    let spectra = paints.spectra;
     let plain = |rgb: Spectrum| Written { rgb, value: Reflectance::from_rgb(rgb.to_rgb()) };
     let mut color = |key, default: Written<Reflectance>| {
         params.optional(key, |args| spectra.reflectance(args)).unwrap_or(default)
@@ -362,7 +364,7 @@ fn read_phong(
     let colors = [diffuse, specular, reflective, transparent];
     let [diffuse, specular, reflective, transparent] = colors.each_ref().map(|color| color.rgb);
     let phong = Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta };
-    PhongMaterial::new(phong, colors.map(|color| color.value))
+    PhongMaterial::new(phong, colors.map(|color| color.value)).with_picture(picture)
 }
 
 /// The absorption per unit length that leaves the share `t` after one unit.

@@ -14,10 +14,12 @@ use kajo_scene::{
 use super::Compiler;
 use super::materials::absorption_of;
 use super::mesh_store::{Kept, StoreKey};
+use super::pictures::{PictureReader, ReadPicture};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::material::PhongMaterial;
 use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, ShapeId, vertex_normals};
+use crate::texture::PictureMap;
 
 /// Meshes read so far.
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
@@ -140,13 +142,17 @@ impl Compiler<'_> {
     /// For each face the index of its material among the scene's slots.
     fn material_slots(&mut self, mesh: &TriMesh, path: &str, place: Span) -> Option<Vec<u32>> {
         let face_materials = mesh.face_materials.as_ref()?;
-        let mut known: HashMap<String, MtlMaterial> = HashMap::new();
+        // With the path of the file that pictures are named in.
+        let mut known: HashMap<String, (MtlMaterial, String)> = HashMap::new();
         for library in &mesh.libraries {
             match self.assets.open(library, path) {
                 Ok(file) => {
                     let (mtl_path, reader) = (file.path, file.reader);
                     match read_mtl(reader, &mtl_path, &self.options.limits) {
-                        Ok(mtl) => known.extend(mtl.materials.into_iter().map(|m| (m.name.clone(), m))),
+                        Ok(mtl) => {
+                            let placed = |m: MtlMaterial| (m.name.clone(), (m, mtl_path.clone()));
+                            known.extend(mtl.materials.into_iter().map(placed));
+                        }
                         Err(error) => self.file_errors.push((error, place)),
                     }
                 }
@@ -161,20 +167,60 @@ impl Compiler<'_> {
         Some(face_materials.iter().map(|&m| slots.get(m as usize).copied().unwrap_or(ABSENT)).collect())
     }
 
-    fn material_slot(&mut self, found: Option<&MtlMaterial>, name: &str, path: &str, place: Span) -> u32 {
-        let Some(mtl) = found else {
+    fn material_slot(
+        &mut self,
+        found: Option<&(MtlMaterial, String)>,
+        name: &str,
+        path: &str,
+        place: Span,
+    ) -> u32 {
+        let Some((mtl, mtl_path)) = found else {
             let message = format!("it uses the material `{name}`, which none of its libraries has");
             self.warn_of_file(path, &message, place);
             return ABSENT;
         };
-        if let Some((map, _)) = mtl.maps.first() {
+        let (painted, others): (Vec<_>, Vec<_>) = mtl.maps.iter().partition(|(map, _)| map == "map_Kd");
+        if let Some((map, _)) = others.first() {
             let message = format!("`{map}` of the material `{name}` is not supported yet and left out");
             self.warn_of_file(path, &message, place);
         }
-        let Some(id) = PhongMaterial::from(phong(mtl)).store(&mut self.materials) else { return ABSENT };
+        let picture = painted.last().and_then(|(_, file)| self.found_picture(file, mtl_path, place));
+        let material = PhongMaterial::from(phong(mtl)).with_picture(picture);
+        let Some(id) = material.store(&mut self.materials) else { return ABSENT };
         self.slots_transmit |= self.materials.may_transmit(id, &self.materials);
         self.slot_materials.push(id);
         self.slot_materials.len() as u32 - 1
+    }
+
+    /// A picture that another file than the scene names; one that cannot be read is left out with a warning.
+    pub(super) fn found_picture(&mut self, name: &str, from: &str, place: Span) -> Option<PictureMap> {
+        let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
+        // Some programs write the separators of their own system.
+        let read = pictures.picture(&name.replace('\\', "/"), from, None);
+        self.laid_or_left_out(read, name, from, place)
+    }
+
+    /// A picture within another file; `name` is its own and that of the file.
+    pub(super) fn held_picture(&mut self, bytes: &[u8], name: &str, place: Span) -> Option<PictureMap> {
+        let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
+        let read = pictures.held(bytes, name);
+        self.laid_or_left_out(read, name, name, place)
+    }
+
+    fn laid_or_left_out(
+        &mut self,
+        read: ReadPicture,
+        name: &str,
+        from: &str,
+        place: Span,
+    ) -> Option<PictureMap> {
+        match read {
+            Ok((picture, _)) => Some(PictureMap::new(picture)),
+            Err(problem) => {
+                self.warn_of_file(from, &format!("`{name}` is left out: {problem}"), place);
+                None
+            }
+        }
     }
 
     pub(super) fn cannot_read(&mut self, name: &str, reason: &str, place: Span) {

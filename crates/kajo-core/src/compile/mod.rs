@@ -19,6 +19,7 @@ mod model;
 mod motion;
 mod nesting;
 mod physical;
+mod pictures;
 mod settings;
 mod spectra;
 mod transform;
@@ -174,6 +175,7 @@ struct Compiler<'a> {
     slots_transmit: bool,
     glows: HashMap<MaterialId, emitters::Glow>,
     textures: Textures,
+    pictures: pictures::PictureCache,
     lights: Lights,
     light_list: Vec<LightId>,
     /// The group of each light.
@@ -219,6 +221,7 @@ impl<'a> Compiler<'a> {
             slots_transmit: false,
             glows: HashMap::new(),
             textures: Textures::default(),
+            pictures: pictures::PictureCache::default(),
             lights: Lights::default(),
             light_list: Vec::new(),
             groups_of_lights: Vec::new(),
@@ -279,6 +282,7 @@ impl<'a> Compiler<'a> {
             transforms: self.transforms,
             motions: self.motions,
             transmits: self.nested_transmits || self.primitives.iter().any(|p| p.transmits),
+            has_pictures: !self.pictures.is_empty(),
             has_holes: !self.materials.perforated.is_empty(),
             primitives: self.primitives,
             objects: self.objects,

@@ -7,7 +7,10 @@ use std::collections::HashMap;
 
 use kajo_color::Spectrum;
 use kajo_math::{Motion, Vec2, Vec3};
-use kajo_scene::{Args, AssetFile, Item, ModelInstance, ModelMaterial, ModelPart, Span, read_gltf};
+use kajo_scene::{
+    Args, AssetFile, Item, ModelInstance, ModelMaterial, ModelPart, PictureSource, PictureUse, PictureWrap,
+    Span, read_gltf,
+};
 
 use super::Compiler;
 use super::definition::{Part, Parts};
@@ -19,6 +22,7 @@ use crate::family::Pooled;
 use crate::material::{MaterialId, PhongMaterial};
 use crate::nested::Content;
 use crate::shape::{MeshData, ShapeId};
+use crate::texture::{PictureMap, TexelFilter, Wrap};
 
 /// Models read so far.
 pub(super) type ModelCache = HashMap<ModelKey, Option<Parts>>;
@@ -78,7 +82,11 @@ impl Compiler<'_> {
             true => model
                 .materials
                 .iter()
-                .map(|m| PhongMaterial::from(phong(m)).store(&mut self.materials))
+                .map(|material| {
+                    let picture = self.model_picture(material, &model.pictures, &key.path, at);
+                    let material = PhongMaterial::from(phong(material)).with_picture(picture);
+                    material.store(&mut self.materials)
+                })
                 .collect(),
             false => Vec::new(),
         };
@@ -95,6 +103,28 @@ impl Compiler<'_> {
         let parts: Parts = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();
         Some(parts)
+    }
+
+    /// The picture of a material's colour.
+    fn model_picture(
+        &mut self,
+        material: &ModelMaterial,
+        pictures: &[Option<PictureSource>],
+        path: &str,
+        at: Span,
+    ) -> Option<PictureMap> {
+        let PictureUse { picture: number, wrap, nearest } = material.picture?;
+        let map = match pictures.get(number)?.as_ref()? {
+            PictureSource::File(name) => self.found_picture(name, path, at),
+            PictureSource::Bytes(bytes) => self.held_picture(bytes, &format!("{path}#images[{number}]"), at),
+        }?;
+        let wrap = match wrap {
+            PictureWrap::Repeat => Wrap::Repeat,
+            PictureWrap::Mirror => Wrap::Mirror,
+            PictureWrap::Clamp => Wrap::Clamp,
+        };
+        let filter = if nearest { TexelFilter::Nearest } else { TexelFilter::Bilinear };
+        Some(PictureMap { wrap, filter, ..map })
     }
 
     fn model_parts(

@@ -1,10 +1,10 @@
 //! The materials `Glass`, `Matte`, `Metal` and `Principled`.
 
-use kajo_color::{Reflectance, dispersion::Dispersion, named};
+use kajo_color::{dispersion::Dispersion, named};
 use kajo_math::Vec3;
 use kajo_scene::{Args, Diagnostic, Params, nearest};
 
-use super::spectra::{SpectrumReader, Written};
+use super::pictures::PaintReader;
 use crate::bsdf::microfacet::Shape;
 use crate::family::Pooled;
 use crate::material::{
@@ -27,17 +27,17 @@ impl Physical {
     pub(super) fn read(
         keyword: &str,
         params: &mut Params<'_, '_>,
-        spectra: SpectrumReader<'_>,
+        paints: &mut PaintReader<'_>,
     ) -> Option<Physical> {
         params.name();
         match keyword {
-            "Glass" => glass(params).map(|settings| Physical::Glass(settings.into())),
+            "Glass" => glass(params, paints).map(|settings| Physical::Glass(settings.into())),
             "Matte" => {
-                let color = reflectance(params, spectra, "color", 0.8);
-                Some(Physical::Matte(Matte::new(color, share(params, "roughness", 0.0))))
+                let color = paints.paint(params, "color", 0.8);
+                Some(Physical::Matte(Matte::new(color, paints.share(params, "roughness", 0.0))))
             }
-            "Metal" => metal(params, spectra).map(Physical::Metal),
-            _ => Some(Physical::Layered(Box::new(layers(params, spectra).into()))),
+            "Metal" => metal(params, paints).map(Physical::Metal),
+            _ => Some(Physical::Layered(Box::new(layers(params, paints).into()))),
         }
     }
 
@@ -49,28 +49,6 @@ impl Physical {
             Physical::Layered(layered) => LayeredMaterial::clone(layered).store(materials),
         }
     }
-}
-
-fn share(params: &mut Params<'_, '_>, key: &'static str, default: f32) -> f32 {
-    params.or(key, default, |args| args.number_in(0.0..=1.0))
-}
-
-/// A colour whose components are shares of light, or a measured spectrum of such.
-fn reflectance(
-    params: &mut Params<'_, '_>,
-    spectra: SpectrumReader<'_>,
-    key: &'static str,
-    default: f32,
-) -> Reflectance {
-    let read = |args: &mut Args<'_>| {
-        let Written { rgb, value } = spectra.reflectance(args)?;
-        // A measured one has been checked, and its colour may be none of the screen's.
-        if value.rgb() == rgb.to_rgb() || rgb.to_rgb().iter().all(|v| (0.0..=1.0).contains(v)) {
-            return Ok(value);
-        }
-        Err(args.error("a share of light is between 0 and 1"))
-    };
-    params.optional(key, read).unwrap_or_else(|| Reflectance::from_rgb([default; 3]))
 }
 
 fn shape(params: &mut Params<'_, '_>) -> Shape {
@@ -93,15 +71,15 @@ fn by_name<T>(
     })
 }
 
-fn metal(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<Metal> {
+fn metal(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<Metal> {
     let measured = params.optional("metal", |args| by_name(args, named::metal, named::METALS.into_iter()));
-    let color = reflectance(params, spectra, "color", 0.9);
+    let color = paints.paint(params, "color", 0.9);
     let substance = measured.map_or(Substance::Color(color), Substance::Measured);
-    let (shape, roughness) = (shape(params), share(params, "roughness", 0.0));
+    let (shape, roughness) = (shape(params), paints.share(params, "roughness", 0.0));
     Some(Metal::new(substance, shape, roughness))
 }
 
-fn glass(params: &mut Params<'_, '_>) -> Option<GlassSettings> {
+fn glass(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<GlassSettings> {
     let named = params.optional("glass", |args| {
         by_name(args, named::glass, named::glasses().collect::<Vec<_>>().into_iter())
     });
@@ -124,31 +102,31 @@ fn glass(params: &mut Params<'_, '_>) -> Option<GlassSettings> {
     Some(GlassSettings {
         index: named.unwrap_or(plain),
         shape: shape(params),
-        roughness: share(params, "roughness", 0.0),
+        roughness: paints.share(params, "roughness", 0.0),
         absorption: absorption.to_array(),
         pane: thin.then(|| thickness.unwrap_or(0.0)),
         priority: params.or("priority", 0, |args| args.int_in(-1000..=1000)) as i32,
     })
 }
 
-fn layers(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Layers {
+fn layers(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Layers {
     let index =
         |params: &mut Params<'_, '_>, key, default| params.or(key, default, |args| args.number_in(1.0..=4.0));
     Layers {
-        color: reflectance(params, spectra, "color", 0.8),
-        specular_color: reflectance(params, spectra, "specularColor", 1.0),
-        metalness: share(params, "metalness", 0.0),
-        transmission: share(params, "transmission", 0.0),
-        roughness: share(params, "roughness", 0.3),
-        diffuse_roughness: share(params, "diffuseRoughness", 0.0),
+        color: paints.paint(params, "color", 0.8),
+        specular_color: paints.paint(params, "specularColor", 1.0),
+        metalness: paints.share(params, "metalness", 0.0),
+        transmission: paints.share(params, "transmission", 0.0),
+        roughness: paints.share(params, "roughness", 0.3),
+        diffuse_roughness: paints.share(params, "diffuseRoughness", 0.0),
         eta: index(params, "indexOfRefraction", 1.5),
-        coat: share(params, "coat", 0.0),
-        coat_color: reflectance(params, spectra, "coatColor", 1.0),
-        coat_roughness: share(params, "coatRoughness", 0.0),
+        coat: paints.share(params, "coat", 0.0),
+        coat_color: paints.paint(params, "coatColor", 1.0),
+        coat_roughness: paints.share(params, "coatRoughness", 0.0),
         coat_eta: index(params, "coatIndexOfRefraction", 1.6),
-        fuzz: share(params, "fuzz", 0.0),
-        fuzz_color: reflectance(params, spectra, "fuzzColor", 1.0),
-        fuzz_roughness: share(params, "fuzzRoughness", 0.5),
+        fuzz: paints.share(params, "fuzz", 0.0),
+        fuzz_color: paints.paint(params, "fuzzColor", 1.0),
+        fuzz_roughness: paints.share(params, "fuzzRoughness", 0.5),
         priority: params.or("priority", 0, |args| args.int_in(-1000..=1000)) as i32,
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use kajo_color::{Reflectance, Spectrum, Wavelengths, dispersion::Dispersion, named};
+use kajo_image::Image;
 use kajo_math::{Affine3A, Vec2, Vec3};
 
 use super::{Census, Draw, Furnace, Who};
@@ -10,13 +11,16 @@ use crate::Pooled;
 use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
 use crate::material::{
-    Blend, Glass, GlassSettings, LayeredMaterial, Layers, MaterialId, Materials, Matte, Metal, Perforated,
-    PhongMaterial, ShadingPoint, Substance,
+    Blend, Glass, GlassSettings, LayeredMaterial, Layers, MaterialId, MaterialPoint, Materials, Matte, Metal,
+    Perforated, PhongMaterial, ShadingPoint, Substance,
 };
-use crate::texture::{Checker, Constant, Textures};
+use crate::texture::{Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, Textures};
 
 /// How far off the energy of a material without losses may be.
 const TOLERANCE: f64 = 3e-3;
+
+/// Where materials are asked.
+const PLACE: MaterialPoint = MaterialPoint { p: Vec3::new(0.3, 0.2, 0.1), uv: Vec2::new(0.6, 0.3) };
 
 /// Numbers that choose among the parts of a mixture.
 const CHOICES: u32 = 16;
@@ -42,7 +46,7 @@ impl Samples {
     }
 
     fn at<'a>(&self, wavelengths: &'a Wavelengths, u: f32) -> ShadingPoint<'a> {
-        ShadingPoint { p: Vec3::new(0.3, 0.2, 0.1), wavelengths, eta_outside: 1.0, u }
+        ShadingPoint { place: PLACE, wavelengths, eta_outside: 1.0, u }
     }
 
     fn bsdf(&self, id: MaterialId, wavelengths: &Wavelengths, u: f32) -> Bsdf {
@@ -54,7 +58,7 @@ fn glass(roughness: f32, pane: Option<f32>) -> Glass {
     Glass::from(GlassSettings {
         index: Dispersion::Constant(1.5),
         shape: Shape::Ggx,
-        roughness,
+        roughness: roughness.into(),
         absorption: [0.0; 3],
         pane,
         priority: 0,
@@ -62,22 +66,22 @@ fn glass(roughness: f32, pane: Option<f32>) -> Glass {
 }
 
 fn white_layers() -> Layers {
-    let white = Reflectance::constant(1.0);
+    let white = Paint::from(Reflectance::constant(1.0));
     Layers {
         color: white.clone(),
         specular_color: white.clone(),
-        metalness: 0.3,
-        transmission: 0.4,
-        roughness: 0.6,
-        diffuse_roughness: 0.3,
+        metalness: 0.3.into(),
+        transmission: 0.4.into(),
+        roughness: 0.6.into(),
+        diffuse_roughness: 0.3.into(),
         eta: 1.5,
-        coat: 0.5,
+        coat: 0.5.into(),
         coat_color: white.clone(),
-        coat_roughness: 0.4,
+        coat_roughness: 0.4.into(),
         coat_eta: 1.6,
-        fuzz: 0.3,
+        fuzz: 0.3.into(),
         fuzz_color: white,
-        fuzz_roughness: 0.5,
+        fuzz_roughness: 0.5.into(),
         priority: 0,
     }
 }
@@ -89,19 +93,28 @@ fn samples() -> Samples {
     let grey = Spectrum::grey;
     let plaster = all.add("plaster", true, Matte::new(white(), 0.0));
     let clay = all.add("clay", false, Matte::new(Reflectance::from_rgb([0.7, 0.4, 0.3]), 0.8));
-    let silver = all.add("silver", true, Metal::new(Substance::Color(white()), Shape::Ggx, 0.6));
+    let silver = all.add("silver", true, Metal::new(Substance::Color(white().into()), Shape::Ggx, 0.6));
     let gold = named::metal("gold").expect("a known metal");
     all.add("gold", false, Metal::new(Substance::Measured(gold), Shape::Beckmann, 0.5));
     all.add("frosted glass", true, glass(0.5, None));
     all.add("pane", true, glass(0.0, Some(0.1)));
     all.add("layers", true, LayeredMaterial::from(white_layers()));
     let red = Reflectance::from_rgb([0.8, 0.1, 0.1]);
-    all.add("paint", false, LayeredMaterial::from(Layers { color: red, ..white_layers() }));
+    all.add("paint", false, LayeredMaterial::from(Layers { color: red.into(), ..white_layers() }));
     let classic = Phong { diffuse: grey(0.3), specular: grey(0.4), exponent: 20.0, ..Phong::BLACK };
     all.add("Phong", false, PhongMaterial::from(classic));
     let open = Phong { reflective: grey(0.2), transparent: grey(0.3), eta: 1.3, ..classic };
     all.add("Phong, clear", false, PhongMaterial::from(open));
-    all.add("gauze", true, Perforated { material: plaster, opacity: 0.6 });
+    all.add("gauze", true, Perforated { material: plaster, opacity: 0.6.into() });
+    let spots = Image::from_fn(3, 3, |x, y| [0.4, 0.1 * x as f32, 0.3 * y as f32]).expect("a small picture");
+    let map = PictureMap::new(Arc::new(Picture::new(&spots, Encoding::Linear).0));
+    let share = || Share::Picture(map.clone(), Channel::Red);
+    all.add("painted", false, Matte::new(Paint::Picture(map.clone()), share()));
+    all.add("tarnished", true, Metal::new(Substance::Color(white().into()), Shape::Ggx, share()));
+    all.add("net", true, Perforated { material: plaster, opacity: share() });
+    let layers = Layers { roughness: share(), metalness: share(), coat: share(), ..white_layers() };
+    all.add("worn", true, LayeredMaterial::from(layers));
+    all.add("Phong, painted", false, PhongMaterial::from(classic).with_picture(Some(map.clone())));
     let pattern = Constant { value: 0.3 }.store(&mut all.textures).expect("there is room");
     let mix = |pattern, materials| Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials };
     all.add("plaster and silver", true, mix(pattern, [plaster, silver]));
@@ -182,7 +195,7 @@ fn materials_are_what_they_say() {
         let differs = |bsdf: &Bsdf| format!("{bsdf:?}") != format!("{:?}", parts[0]);
         assert!(materials.is_mixture(id) || !parts.iter().any(differs), "{name} has parts");
         let holes = parts.iter().filter(|bsdf| matches!(bsdf, Bsdf::Null)).count() as f32 / 1000.0;
-        let opacity = materials.opacity(id, materials, textures, all.at(&Wavelengths::RGB, 0.0).p);
+        let opacity = materials.opacity(id, materials, textures, &PLACE);
         assert!((1.0 - holes - opacity).abs() < 2e-3, "{name} has an opacity of {opacity} and {holes} holes");
         let crosses = parts.iter().any(|bsdf| {
             let samples = u
@@ -191,9 +204,8 @@ fn materials_are_what_they_say() {
             samples.flatten().any(|sample| sample.kind.transmission)
         });
         assert_eq!(crosses, materials.may_transmit(id, materials), "{name}");
-        let p = Vec3::new(0.3, 0.2, 0.1);
         if let Some(constant) = materials.constant(id) {
-            assert_eq!(*constant, materials.phong(id, materials, textures, p), "{name}");
+            assert_eq!(*constant, materials.phong(id, materials, textures, &PLACE), "{name}");
         }
         let enters = u.map(|u| materials.interior(id, materials, textures, &all.at(&Wavelengths::RGB, u)));
         assert!(crosses || enters.iter().all(Option::is_none), "{name} has no inside that light can reach");

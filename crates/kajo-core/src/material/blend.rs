@@ -6,9 +6,9 @@
 //! Scene: `Checkerboard { Transform { UniformScale 2 }  materialIndex 0  materialIndex 1 }`
 //! Scene: `Mix { amount 0.3  materialIndex 0  materialIndex 1 }`
 
-use kajo_math::{Affine3A, Vec3};
+use kajo_math::Affine3A;
 
-use super::{Appearance, Interior, MaterialId, Materials, ShadingPoint};
+use super::{Appearance, Interior, MaterialId, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
 use crate::texture::{TextureId, Textures};
 
@@ -26,7 +26,9 @@ pub struct Blend {
 impl Blend {
     /// The material that is there by the number `at.u`, and what to ask it.
     fn part<'a>(&self, textures: &Textures, at: &ShadingPoint<'a>) -> (MaterialId, ShadingPoint<'a>) {
-        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p)).clamp(0.0, 1.0);
+        let t = textures
+            .value(self.pattern, self.pattern_from_world.transform_point3(at.place.p))
+            .clamp(0.0, 1.0);
         let [first, second] = self.materials;
         // What is left of the number after the choice is uniform again.
         let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
@@ -35,17 +37,17 @@ impl Blend {
 }
 
 impl Appearance for Blend {
-    fn phong(&self, materials: &Materials, textures: &Textures, p: Vec3) -> Phong {
-        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(p));
+    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
+        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p));
         let [first, second] = self.materials;
         if t == 0.0 {
-            return materials.phong(first, materials, textures, p);
+            return materials.phong(first, materials, textures, at);
         }
         if t == 1.0 {
-            return materials.phong(second, materials, textures, p);
+            return materials.phong(second, materials, textures, at);
         }
-        let first = materials.phong(first, materials, textures, p);
-        first.lerp(&materials.phong(second, materials, textures, p), t)
+        let first = materials.phong(first, materials, textures, at);
+        first.lerp(&materials.phong(second, materials, textures, at), t)
     }
 
     fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
@@ -53,9 +55,9 @@ impl Appearance for Blend {
         materials.bsdf(part, materials, textures, &at)
     }
 
-    fn opacity(&self, materials: &Materials, textures: &Textures, p: Vec3) -> f32 {
-        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(p)).clamp(0.0, 1.0);
-        let [first, second] = self.materials.map(|m| materials.opacity(m, materials, textures, p));
+    fn opacity(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> f32 {
+        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p)).clamp(0.0, 1.0);
+        let [first, second] = self.materials.map(|m| materials.opacity(m, materials, textures, at));
         first * (1.0 - t) + second * t
     }
 
@@ -71,6 +73,10 @@ impl Appearance for Blend {
 
     fn is_mixture(&self) -> bool {
         true
+    }
+
+    fn needs_uv(&self, materials: &Materials) -> bool {
+        self.materials.iter().any(|&m| materials.needs_uv(m, materials))
     }
 
     fn may_transmit(&self, materials: &Materials) -> bool {

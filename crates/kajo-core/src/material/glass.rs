@@ -7,11 +7,11 @@
 //! Scene: `Glass { glass N-SF10  absorption 0.1 0.02 0.05 }`
 
 use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
-use kajo_math::Vec3;
+use kajo_math::{Vec2, Vec3};
 
-use super::{Appearance, Interior, Materials, ShadingPoint};
+use super::{Appearance, Interior, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
-use crate::texture::Textures;
+use crate::texture::{Share, Textures};
 
 /// What glass is like.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub struct GlassSettings {
     /// Distribution of facets.
     pub shape: Shape,
     /// In [0, 1]; facets have its square.
-    pub roughness: f32,
+    pub roughness: Share,
     /// Absorption per unit length in linear RGB.
     pub absorption: [f32; 3],
     /// Thickness of a pane; `None` for a body.
@@ -35,21 +35,16 @@ pub struct GlassSettings {
 pub struct Glass {
     settings: GlassSettings,
     absorption: Unbounded,
-    classic: Phong,
+    /// Where it is the same everywhere.
+    constant: Option<Phong>,
 }
 
 impl From<GlassSettings> for Glass {
     fn from(settings: GlassSettings) -> Glass {
-        let facets = Microfacets::new(settings.shape, settings.roughness * settings.roughness);
-        let classic = Phong {
-            transparent: Spectrum::rgb(1.0, 1.0, 1.0),
-            specular: Spectrum::rgb(0.04, 0.04, 0.04),
-            exponent: facets.exponent(),
-            absorption: Vec3::from(settings.absorption).into(),
-            eta: if settings.pane.is_some() { 1.0 } else { settings.index.index_d() as f32 },
-            ..Phong::BLACK
-        };
-        Glass { absorption: Unbounded::from_rgb(settings.absorption), settings, classic }
+        let absorption = Unbounded::from_rgb(settings.absorption);
+        let mut glass = Glass { settings, absorption, constant: None };
+        glass.constant = (!glass.settings.roughness.varies()).then(|| glass.classic(Vec2::ZERO));
+        glass
     }
 }
 
@@ -58,15 +53,35 @@ impl Glass {
     fn eta(&self, wavelengths: &Wavelengths) -> f32 {
         self.settings.index.at(wavelengths)[0]
     }
+
+    fn facets(&self, uv: Vec2) -> Microfacets {
+        let roughness = self.settings.roughness.at(uv);
+        Microfacets::new(self.settings.shape, roughness * roughness)
+    }
+
+    fn classic(&self, uv: Vec2) -> Phong {
+        Phong {
+            transparent: Spectrum::rgb(1.0, 1.0, 1.0),
+            specular: Spectrum::rgb(0.04, 0.04, 0.04),
+            exponent: self.facets(uv).exponent(),
+            absorption: Vec3::from(self.settings.absorption).into(),
+            eta: if self.settings.pane.is_some() { 1.0 } else { self.settings.index.index_d() as f32 },
+            ..Phong::BLACK
+        }
+    }
 }
 
 impl Appearance for Glass {
-    fn phong(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> Phong {
-        self.classic
+    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+        self.constant.unwrap_or_else(|| self.classic(at.uv))
     }
 
     fn constant(&self) -> Option<&Phong> {
-        Some(&self.classic)
+        self.constant.as_ref()
+    }
+
+    fn needs_uv(&self, _materials: &Materials) -> bool {
+        self.settings.roughness.varies()
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {
@@ -79,8 +94,7 @@ impl Appearance for Glass {
             let optical_depth = self.absorption.at(at.wavelengths) * thickness;
             return Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth });
         }
-        let alpha = self.settings.roughness * self.settings.roughness;
-        Bsdf::Dielectric(Dielectric::new(eta, Microfacets::new(self.settings.shape, alpha)))
+        Bsdf::Dielectric(Dielectric::new(eta, self.facets(at.place.uv)))
     }
 
     fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {

@@ -3,39 +3,49 @@
 //! Light is scattered by [`OrenNayar`], which for a roughness of 0 is Lambert's law. The classic integrator sees its
 //! colour as a diffuse one.
 //!
-//! Scene: `Matte { color 0.7 0.4 0.3  roughness 0.6 }`
+//! Scene: `Matte { color 0.7 0.4 0.3  roughness 0.6 }`, `Matte { color planks.png { repeat 4 } }`
 
-use kajo_color::Reflectance;
-use kajo_math::Vec3;
+use kajo_math::Vec2;
 
-use super::{Appearance, Materials, ShadingPoint};
+use super::{Appearance, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, OrenNayar, Phong};
-use crate::texture::Textures;
+use crate::texture::{Paint, Share, Textures};
 
 /// A matt material.
 #[derive(Clone, Debug)]
 pub struct Matte {
-    color: Reflectance,
-    roughness: f32,
-    classic: Phong,
+    color: Paint,
+    roughness: Share,
+    /// Where it is the same everywhere.
+    constant: Option<Phong>,
 }
 
 impl Matte {
     /// * `color`: albedo; `roughness`: in [0, 1]
-    pub fn new(color: Reflectance, roughness: f32) -> Matte {
-        let diffuse = Vec3::from(color.rgb()).into();
-        let classic = Phong { ambient: diffuse, diffuse, ..Phong::BLACK };
-        Matte { color, roughness, classic }
+    pub fn new(color: impl Into<Paint>, roughness: impl Into<Share>) -> Matte {
+        let (color, roughness) = (color.into(), roughness.into());
+        let constant = (!color.varies()).then(|| classic(&color, Vec2::ZERO));
+        Matte { color, roughness, constant }
     }
 }
 
+/// The classic model: roughness is nothing to it.
+fn classic(color: &Paint, uv: Vec2) -> Phong {
+    let diffuse = color.rgb(uv);
+    Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
+}
+
 impl Appearance for Matte {
-    fn phong(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> Phong {
-        self.classic
+    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+        self.constant.unwrap_or_else(|| classic(&self.color, at.uv))
     }
 
     fn constant(&self) -> Option<&Phong> {
-        Some(&self.classic)
+        self.constant.as_ref()
+    }
+
+    fn needs_uv(&self, _materials: &Materials) -> bool {
+        self.color.varies() || self.roughness.varies()
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {
@@ -43,10 +53,11 @@ impl Appearance for Matte {
     }
 
     fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        let reflectance = self.color.at(at.wavelengths);
-        if self.roughness == 0.0 {
+        let reflectance = self.color.at(at.place.uv, at.wavelengths);
+        let roughness = self.roughness.at(at.place.uv);
+        if roughness == 0.0 {
             return Bsdf::Lambert(Lambert::new(reflectance));
         }
-        Bsdf::OrenNayar(OrenNayar { reflectance, roughness: self.roughness })
+        Bsdf::OrenNayar(OrenNayar { reflectance, roughness })
     }
 }

@@ -5,12 +5,12 @@
 //!
 //! Scene: `Metal { metal gold  roughness 0.3 }`
 
-use kajo_color::{Reflectance, Spectrum, metal};
-use kajo_math::Vec3;
+use kajo_color::{Spectrum, metal};
+use kajo_math::{Vec2, Vec3};
 
-use super::{Appearance, Materials, ShadingPoint};
+use super::{Appearance, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::Shape};
-use crate::texture::Textures;
+use crate::texture::{Paint, Share, Textures};
 
 /// What a metal is made of.
 #[derive(Clone, Debug)]
@@ -18,38 +18,56 @@ pub enum Substance {
     /// Measured index and extinction.
     Measured(metal::Metal),
     /// Reflectance straight on; towards the horizon it goes to white.
-    Color(Reflectance),
+    Color(Paint),
 }
 
 /// A metal.
 #[derive(Clone, Debug)]
 pub struct Metal {
     substance: Substance,
-    facets: Microfacets,
-    classic: Phong,
+    shape: Shape,
+    roughness: Share,
+    /// Where it is the same everywhere.
+    constant: Option<Phong>,
 }
 
 impl Metal {
     /// * `roughness`: in [0, 1]
-    pub fn new(substance: Substance, shape: Shape, roughness: f32) -> Metal {
-        let rgb = match &substance {
-            Substance::Measured(metal) => metal.rgb(),
-            Substance::Color(color) => color.rgb(),
+    pub fn new(substance: Substance, shape: Shape, roughness: impl Into<Share>) -> Metal {
+        let mut metal = Metal { substance, shape, roughness: roughness.into(), constant: None };
+        metal.constant = (!metal.varies()).then(|| metal.classic(Vec2::ZERO));
+        metal
+    }
+
+    fn varies(&self) -> bool {
+        self.roughness.varies() || matches!(&self.substance, Substance::Color(color) if color.varies())
+    }
+
+    fn facets(&self, uv: Vec2) -> Microfacets {
+        let roughness = self.roughness.at(uv);
+        Microfacets::new(self.shape, roughness * roughness)
+    }
+
+    fn classic(&self, uv: Vec2) -> Phong {
+        let f0 = match &self.substance {
+            Substance::Measured(metal) => Spectrum::from(Vec3::from(metal.rgb())),
+            Substance::Color(color) => color.rgb(uv),
         };
-        let f0 = Spectrum::from(Vec3::from(rgb));
-        let facets = Microfacets::new(shape, roughness * roughness);
-        let classic = Phong { specular: f0, reflective: f0, exponent: facets.exponent(), ..Phong::BLACK };
-        Metal { substance, facets, classic }
+        Phong { specular: f0, reflective: f0, exponent: self.facets(uv).exponent(), ..Phong::BLACK }
     }
 }
 
 impl Appearance for Metal {
-    fn phong(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> Phong {
-        self.classic
+    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+        self.constant.unwrap_or_else(|| self.classic(at.uv))
     }
 
     fn constant(&self) -> Option<&Phong> {
-        Some(&self.classic)
+        self.constant.as_ref()
+    }
+
+    fn needs_uv(&self, _materials: &Materials) -> bool {
+        self.varies()
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {
@@ -64,9 +82,9 @@ impl Appearance for Metal {
                 MetalFresnel::Complex { eta: eta * outside, k: k * outside }
             }
             Substance::Color(color) => {
-                MetalFresnel::Tinted { f0: color.at(at.wavelengths), f82: Spectrum::WHITE }
+                MetalFresnel::Tinted { f0: color.at(at.place.uv, at.wavelengths), f82: Spectrum::WHITE }
             }
         };
-        Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets })
+        Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets(at.place.uv) })
     }
 }

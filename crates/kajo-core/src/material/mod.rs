@@ -17,17 +17,26 @@ pub use phong::PhongMaterial;
 pub use principled::{LayeredMaterial, Layers};
 
 use kajo_color::{Spectrum, Wavelengths};
-use kajo_math::Vec3;
+use kajo_math::{Vec2, Vec3};
 
 use crate::bsdf::{Bsdf, Phong};
 use crate::family::family;
 use crate::texture::Textures;
 
+/// Where on a surface a material is asked.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MaterialPoint {
+    /// World-space point, where patterns are evaluated.
+    pub p: Vec3,
+    /// Surface coordinates, where pictures are looked up; of effect where [`Appearance::needs_uv`].
+    pub uv: Vec2,
+}
+
 /// Where a material is asked how it scatters.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadingPoint<'a> {
-    /// World-space point.
-    pub p: Vec3,
+    /// The place.
+    pub place: MaterialPoint,
     /// What the lanes of the answer stand for.
     pub wavelengths: &'a Wavelengths,
     /// Index of refraction outside, on the side of the normal, at the first wavelength.
@@ -51,12 +60,17 @@ pub struct Interior {
 
 /// What every material can do.
 pub trait Appearance {
-    /// The classic reflection model at the world-space point `p`.
-    fn phong(&self, materials: &Materials, textures: &Textures, p: Vec3) -> Phong;
+    /// The classic reflection model at a point.
+    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong;
 
     /// The classic reflection model, where it is the same at every point.
     fn constant(&self) -> Option<&Phong> {
         None
+    }
+
+    /// Whether any answer depends on surface coordinates.
+    fn needs_uv(&self, _materials: &Materials) -> bool {
+        false
     }
 
     /// Whether light can pass through anywhere.
@@ -72,9 +86,9 @@ pub trait Appearance {
         false
     }
 
-    /// The share of the surface that is there at the world-space point `p`; the rest is holes, where
-    /// [`Appearance::bsdf`] answers with [`Bsdf::Null`].
-    fn opacity(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> f32 {
+    /// The share of the surface that is there at a point; the rest is holes, where [`Appearance::bsdf`] answers with
+    /// [`Bsdf::Null`].
+    fn opacity(&self, _materials: &Materials, _textures: &Textures, _at: &MaterialPoint) -> f32 {
         1.0
     }
 
@@ -106,17 +120,19 @@ family! {
     }
     methods {
         /// See [`Appearance::phong`].
-        fn phong(materials: &Materials, textures: &Textures, p: Vec3) -> Phong;
+        fn phong(materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong;
         /// See [`Appearance::constant`].
         fn constant() -> Option<&Phong>;
         /// See [`Appearance::may_transmit`].
         fn may_transmit(materials: &Materials) -> bool;
+        /// See [`Appearance::needs_uv`].
+        fn needs_uv(materials: &Materials) -> bool;
         /// See [`Appearance::bsdf`].
         fn bsdf(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf;
         /// See [`Appearance::is_mixture`].
         fn is_mixture() -> bool;
         /// See [`Appearance::opacity`].
-        fn opacity(materials: &Materials, textures: &Textures, p: Vec3) -> f32;
+        fn opacity(materials: &Materials, textures: &Textures, at: &MaterialPoint) -> f32;
         /// See [`Appearance::interior`].
         fn interior(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Option<Interior>;
     }

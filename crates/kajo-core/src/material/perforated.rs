@@ -12,28 +12,32 @@
 //! Scene: `Matte { color 0.2 0.5 0.1  opacity 0.6 }`
 
 use kajo_color::Spectrum;
-use kajo_math::{Vec3, fmath};
+use kajo_math::fmath;
 
-use super::{Appearance, MaterialId, Materials, ShadingPoint};
+use super::{Appearance, MaterialId, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
-use crate::texture::Textures;
+use crate::texture::{Share, Textures};
 
 /// An opaque material that is not everywhere.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Perforated {
     /// The material between the holes; lets no light through.
     pub material: MaterialId,
-    /// The share of the surface that is there, in [0, 1).
-    pub opacity: f32,
+    /// The share of the surface that is there; less than 1 somewhere.
+    pub opacity: Share,
 }
 
 impl Appearance for Perforated {
-    fn phong(&self, materials: &Materials, textures: &Textures, p: Vec3) -> Phong {
-        let inner = materials.phong(self.material, materials, textures, p);
+    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
+        let inner = materials.phong(self.material, materials, textures, at);
+        let opacity = self.opacity.at(at.uv);
+        if opacity >= 1.0 {
+            return inner;
+        }
         let clear =
             Phong { transparent: Spectrum::WHITE, exponent: inner.exponent, eta: inner.eta, ..Phong::BLACK };
-        let absorption = Spectrum::WHITE * -fmath::ln(1.0 - self.opacity);
-        Phong { absorption, eta: 1.0, ..inner.lerp(&clear, 1.0 - self.opacity) }
+        let absorption = Spectrum::WHITE * -fmath::ln(1.0 - opacity);
+        Phong { absorption, eta: 1.0, ..inner.lerp(&clear, 1.0 - opacity) }
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {
@@ -41,11 +45,12 @@ impl Appearance for Perforated {
     }
 
     fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        if at.u >= self.opacity {
+        let opacity = self.opacity.at(at.place.uv);
+        if at.u >= opacity {
             return Bsdf::Null;
         }
         // What is left of the number after the choice is uniform again.
-        let u = (at.u / self.opacity).min(1.0f32.next_down());
+        let u = (at.u / opacity).min(1.0f32.next_down());
         materials.bsdf(self.material, materials, textures, &ShadingPoint { u, ..*at })
     }
 
@@ -53,7 +58,11 @@ impl Appearance for Perforated {
         true
     }
 
-    fn opacity(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> f32 {
-        self.opacity
+    fn needs_uv(&self, materials: &Materials) -> bool {
+        self.opacity.varies() || materials.needs_uv(self.material, materials)
+    }
+
+    fn opacity(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> f32 {
+        self.opacity.at(at.uv)
     }
 }

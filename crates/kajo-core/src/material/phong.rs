@@ -2,16 +2,16 @@
 //!
 //! The classic integrator takes its numbers as they stand; integrators that estimate integrals see
 //! [`PhongLobes`], the same model with its lobes normalised. Its colour `transparentColor` then tints each
-//! passage through the surface, and the inside absorbs nothing.
+//! passage through the surface, and the inside absorbs nothing. A picture is a factor of the diffuse and the ambient
+//! colour.
 //!
 //! Scene: `Material { diffuseColor 0.8 0.3 0.2  specularColor 1 1 1  exponent 32 }`
 
-use kajo_color::Reflectance;
-use kajo_math::Vec3;
+use kajo_color::{Reflectance, Wavelengths};
 
-use super::{Appearance, Interior, Materials, ShadingPoint};
+use super::{Appearance, Interior, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, Phong, PhongLobes};
-use crate::texture::Textures;
+use crate::texture::{PictureMap, Textures, picture_reflectance};
 
 /// A Phong material.
 #[derive(Clone, Debug)]
@@ -24,6 +24,8 @@ pub struct PhongMaterial {
     lobes: PhongLobes,
     /// Whether there is nothing but matt reflection.
     is_matt: bool,
+    /// A factor of the diffuse and the ambient colour.
+    picture: Option<PictureMap>,
 }
 
 impl PhongMaterial {
@@ -31,7 +33,25 @@ impl PhongMaterial {
     pub fn new(phong: Phong, colors: [Reflectance; 4]) -> PhongMaterial {
         let is_matt =
             [phong.specular, phong.reflective, phong.transparent].iter().all(|color| color.is_black());
-        PhongMaterial { phong, colors, lobes: PhongLobes::from(&phong), is_matt }
+        PhongMaterial { phong, colors, lobes: PhongLobes::from(&phong), is_matt, picture: None }
+    }
+
+    /// The same material with a picture as a factor of its diffuse and ambient colour.
+    pub fn with_picture(self, picture: Option<PictureMap>) -> PhongMaterial {
+        PhongMaterial { picture, ..self }
+    }
+
+    /// What light is scattered by where there is a picture.
+    #[inline(never)]
+    fn painted(&self, picture: &PictureMap, at: &ShadingPoint<'_>) -> Bsdf {
+        let [diffuse, specular, reflective, transparent] =
+            self.colors.each_ref().map(|color| color.at(at.wavelengths));
+        let diffuse = diffuse * picture_reflectance(picture, at.place.uv, at.wavelengths);
+        if self.is_matt {
+            return Bsdf::Lambert(Lambert::new(diffuse));
+        }
+        let phong = Phong { diffuse, specular, reflective, transparent, ..self.phong };
+        Bsdf::Phong(PhongLobes::from(&phong).within(at.eta_outside))
     }
 }
 
@@ -44,13 +64,19 @@ impl From<Phong> for PhongMaterial {
 
 impl Appearance for PhongMaterial {
     #[inline]
-    fn phong(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> Phong {
-        self.phong
+    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+        let Some(picture) = &self.picture else { return self.phong };
+        let color = picture_reflectance(picture, at.uv, &Wavelengths::RGB);
+        Phong { ambient: self.phong.ambient * color, diffuse: self.phong.diffuse * color, ..self.phong }
     }
 
     #[inline]
     fn constant(&self) -> Option<&Phong> {
-        Some(&self.phong)
+        if self.picture.is_none() { Some(&self.phong) } else { None }
+    }
+
+    fn needs_uv(&self, _materials: &Materials) -> bool {
+        self.picture.is_some()
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {
@@ -59,6 +85,9 @@ impl Appearance for PhongMaterial {
 
     #[inline]
     fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+        if let Some(picture) = &self.picture {
+            return self.painted(picture, at);
+        }
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(self.colors[0].at(at.wavelengths)));
         }

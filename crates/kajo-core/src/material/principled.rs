@@ -6,44 +6,44 @@
 //!
 //! Scene: `Principled { color 0.8 0.1 0.05  roughness 0.3  coat 1 }`
 
-use kajo_color::{Reflectance, Spectrum};
-use kajo_math::{Vec2, Vec3};
+use kajo_color::Spectrum;
+use kajo_math::Vec2;
 
-use super::{Appearance, Interior, Materials, ShadingPoint};
+use super::{Appearance, Interior, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Base, Bsdf, Microfacets, Phong, Principled, microfacet::Shape};
-use crate::texture::Textures;
+use crate::texture::{Paint, Share, Textures};
 
 /// What a layered surface is like; shares and roughnesses are in [0, 1], colours in linear RGB.
 #[derive(Clone, Debug)]
 pub struct Layers {
     /// Albedo of the pigment, of the metal straight on, and factor of light that enters or leaves the glass.
-    pub color: Reflectance,
+    pub color: Paint,
     /// Factor of glossy reflection.
-    pub specular_color: Reflectance,
+    pub specular_color: Paint,
     /// Share of metal.
-    pub metalness: f32,
+    pub metalness: Share,
     /// Share of glass in what is not metal.
-    pub transmission: f32,
+    pub transmission: Share,
     /// Of the glossy surface.
-    pub roughness: f32,
+    pub roughness: Share,
     /// Of the pigment.
-    pub diffuse_roughness: f32,
+    pub diffuse_roughness: Share,
     /// Index of refraction of pigment and glass.
     pub eta: f32,
     /// Share of varnish.
-    pub coat: f32,
+    pub coat: Share,
     /// Light that varnish lets through in and out again.
-    pub coat_color: Reflectance,
+    pub coat_color: Paint,
     /// Of the varnish.
-    pub coat_roughness: f32,
+    pub coat_roughness: Share,
     /// Index of refraction of the varnish.
     pub coat_eta: f32,
     /// Share of fibres.
-    pub fuzz: f32,
+    pub fuzz: Share,
     /// Of the fibres.
-    pub fuzz_color: Reflectance,
+    pub fuzz_color: Paint,
     /// How far fibres stand up.
-    pub fuzz_roughness: f32,
+    pub fuzz_roughness: Share,
     /// The body of the higher priority is there where several overlap.
     pub priority: i32,
 }
@@ -52,36 +52,67 @@ pub struct Layers {
 #[derive(Clone, Debug)]
 pub struct LayeredMaterial {
     layers: Layers,
-    classic: Phong,
+    /// Where it is the same everywhere.
+    constant: Option<Phong>,
 }
 
 impl From<Layers> for LayeredMaterial {
     fn from(layers: Layers) -> LayeredMaterial {
-        let color = Spectrum::from(Vec3::from(layers.color.rgb()));
-        let (metal, glass) = (layers.metalness, (1.0 - layers.metalness) * layers.transmission);
-        let alpha = layers.roughness * layers.roughness;
+        let constant = (!layers.vary()).then(|| layers.classic(Vec2::ZERO));
+        LayeredMaterial { layers, constant }
+    }
+}
+
+impl Layers {
+    fn vary(&self) -> bool {
+        let colors = [&self.color, &self.specular_color, &self.coat_color, &self.fuzz_color];
+        let kinds = [&self.metalness, &self.transmission, &self.coat, &self.fuzz];
+        let roughnesses =
+            [&self.roughness, &self.diffuse_roughness, &self.coat_roughness, &self.fuzz_roughness];
+        colors.into_iter().any(Paint::varies) || kinds.into_iter().chain(roughnesses).any(Share::varies)
+    }
+
+    fn classic(&self, uv: Vec2) -> Phong {
+        let color = self.color.rgb(uv);
+        let metal = self.metalness.at(uv);
+        let glass = (1.0 - metal) * self.transmission.at(uv);
         let gloss = Spectrum::rgb(0.04, 0.04, 0.04) * (1.0 - metal);
-        let classic = Phong {
+        Phong {
             ambient: color * (1.0 - metal - glass),
             diffuse: color * (1.0 - metal - glass),
             specular: color * metal + gloss,
             reflective: color * metal,
             transparent: color * glass,
-            exponent: Microfacets::new(Shape::Ggx, alpha).exponent(),
-            eta: layers.eta,
+            exponent: Microfacets::new(Shape::Ggx, squared(&self.roughness, uv)).exponent(),
+            eta: self.eta,
             ..Phong::BLACK
-        };
-        LayeredMaterial { layers, classic }
+        }
+    }
+
+    /// Whether light enters the material anywhere.
+    fn transmit(&self) -> bool {
+        self.metalness.range()[0] < 1.0 && self.transmission.range()[1] > 0.0
     }
 }
 
+/// The facets' `α` of a roughness.
+#[inline]
+fn squared(roughness: &Share, uv: Vec2) -> f32 {
+    let roughness = roughness.at(uv);
+    roughness * roughness
+}
+
 impl Appearance for LayeredMaterial {
-    fn phong(&self, _materials: &Materials, _textures: &Textures, _p: Vec3) -> Phong {
-        self.classic
+    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+        self.constant.unwrap_or_else(|| self.layers.classic(at.uv))
     }
 
     fn constant(&self) -> Option<&Phong> {
-        Some(&self.classic)
+        self.constant.as_ref()
+    }
+
+    fn needs_uv(&self, _materials: &Materials) -> bool {
+        self.layers.vary()
     }
 
     fn is_mixture(&self) -> bool {
@@ -89,38 +120,44 @@ impl Appearance for LayeredMaterial {
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {
-        self.layers.metalness < 1.0 && self.layers.transmission > 0.0
+        self.layers.transmit()
     }
 
     fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
         let layers = &self.layers;
-        let glass = layers.metalness + (1.0 - layers.metalness) * layers.transmission;
+        let (uv, wavelengths) = (at.place.uv, at.wavelengths);
+        let metal = layers.metalness.at(uv);
+        let glass = metal + (1.0 - metal) * layers.transmission.at(uv);
         let base = match at.u {
-            u if u < layers.metalness => Base::Metal,
+            u if u < metal => Base::Metal,
             u if u < glass => Base::Glass,
             _ => Base::Diffuse,
         };
         let eta = layers.eta / at.eta_outside;
         Bsdf::Principled(Principled {
             base,
-            color: layers.color.at(at.wavelengths),
-            specular_color: layers.specular_color.at(at.wavelengths),
-            diffuse_roughness: layers.diffuse_roughness,
-            alpha: Vec2::splat(layers.roughness * layers.roughness),
+            color: layers.color.at(uv, wavelengths),
+            specular_color: layers.specular_color.at(uv, wavelengths),
+            diffuse_roughness: layers.diffuse_roughness.at(uv),
+            alpha: Vec2::splat(squared(&layers.roughness, uv)),
             eta: if base == Base::Glass { eta } else { eta.max(1.0) },
-            coat: layers.coat,
-            coat_color: layers.coat_color.at(at.wavelengths),
-            coat_alpha: layers.coat_roughness * layers.coat_roughness,
+            coat: layers.coat.at(uv),
+            coat_color: layers.coat_color.at(uv, wavelengths),
+            coat_alpha: squared(&layers.coat_roughness, uv),
             coat_eta: (layers.coat_eta / at.eta_outside).max(1.0),
-            fuzz: layers.fuzz,
-            fuzz_color: layers.fuzz_color.at(at.wavelengths),
-            fuzz_roughness: layers.fuzz_roughness,
+            fuzz: layers.fuzz.at(uv),
+            fuzz_color: layers.fuzz_color.at(uv, wavelengths),
+            fuzz_roughness: layers.fuzz_roughness.at(uv),
         })
     }
 
     fn interior(&self, _: &Materials, _: &Textures, _: &ShadingPoint<'_>) -> Option<Interior> {
         let Layers { eta, priority, .. } = self.layers;
-        let transmits = self.layers.metalness < 1.0 && self.layers.transmission > 0.0;
-        transmits.then_some(Interior { eta, is_dispersive: false, absorption: Spectrum::BLACK, priority })
+        self.layers.transmit().then_some(Interior {
+            eta,
+            is_dispersive: false,
+            absorption: Spectrum::BLACK,
+            priority,
+        })
     }
 }

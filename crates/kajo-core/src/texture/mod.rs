@@ -1,15 +1,20 @@
-//! Patterns: numbers in [0, 1] that vary over space.
+//! What varies over a surface: patterns, numbers in [0, 1] that vary over space, and pictures laid on surfaces.
 
 mod checker;
 mod constant;
 mod marble;
 mod noise;
+mod paint;
+mod picture;
 mod wood;
 
 pub use checker::Checker;
 pub use constant::Constant;
 pub use marble::Marble;
 pub use noise::Noise;
+pub(crate) use paint::picture_reflectance;
+pub use paint::{Channel, Paint, Share};
+pub use picture::{Encoding, Picture, PictureMap, TexelFilter, Wrap};
 pub use wood::Wood;
 
 use kajo_math::Vec3;

@@ -159,7 +159,8 @@ impl<'a> Classic<'a> {
             let phong = match materials.constant(at.material) {
                 Some(phong) => phong,
                 None => {
-                    mixed = materials.phong(at.material, materials, textures, self.scene.pattern_point(at));
+                    let place = self.scene.material_point(at);
+                    mixed = materials.phong(at.material, materials, textures, &place);
                     &mixed
                 }
             };
@@ -333,7 +334,7 @@ impl<'a> Classic<'a> {
     /// What a surface does with white light in all: scatter, mirror and let through.
     fn albedo(&self, at: &Interaction) -> [f32; 3] {
         let Scene { materials, textures, .. } = self.scene;
-        let phong = materials.phong(at.material, materials, textures, self.scene.pattern_point(at));
+        let phong = materials.phong(at.material, materials, textures, &self.scene.material_point(at));
         (phong.diffuse + phong.reflective + phong.transparent).to_rgb().map(|v| v.min(1.0))
     }
 

@@ -58,8 +58,8 @@ fn by_length(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
     let mut bodies: [Option<Body>; MAX_BODIES] = [None; MAX_BODIES];
     let blocked = scene.occluded_or(apex, ray, |primitive, hit| {
         let at = scene.interaction(ray, primitive, hit);
-        let p = scene.pattern_point(&at);
-        let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, p);
+        let place = scene.material_point(&at);
+        let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, &place);
         let closed = scene.shape(primitive).is_some_and(|shape| scene.shapes.is_closed(shape));
         if phong.transparent.is_black() || !closed {
             through *= phong.transparent;

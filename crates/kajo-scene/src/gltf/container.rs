@@ -164,7 +164,7 @@ fn unreadable(uri: &str, source: AssetError) -> MeshFileError {
 }
 
 /// `my%20buffer.bin` as "my buffer.bin".
-fn percent_decoded(uri: &str) -> Option<String> {
+pub(super) fn percent_decoded(uri: &str) -> Option<String> {
     let hex = |digit: u8| (digit as char).to_digit(16);
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
@@ -185,7 +185,7 @@ fn percent_decoded(uri: &str) -> Option<String> {
 }
 
 /// The bytes of a uri `data:MEDIA;base64,DIGITS`, without its `data:`.
-fn decode_data(data: &str) -> Option<Vec<u8>> {
+pub(super) fn decode_data(data: &str) -> Option<Vec<u8>> {
     let (media, digits) = data.split_once(',')?;
     if !media.ends_with(";base64") {
         return None;

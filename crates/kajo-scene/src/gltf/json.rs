@@ -1,6 +1,6 @@
 //! The JSON of a glTF file, as far as it is read. Names are those of the specification.
 
-use super::ModelMaterial;
+use super::{ModelMaterial, PictureUse, PictureWrap};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
@@ -20,6 +20,9 @@ pub(super) struct Document {
     pub buffer_views: Vec<BufferView>,
     pub buffers: Vec<Buffer>,
     pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    pub images: Vec<Image>,
+    pub samplers: Vec<Sampler>,
     pub cameras: Vec<IgnoredAny>,
     pub animations: Vec<IgnoredAny>,
     pub skins: Vec<IgnoredAny>,
@@ -155,6 +158,34 @@ pub(super) struct Buffer {
 }
 
 #[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Texture {
+    pub source: Option<usize>,
+    pub sampler: Option<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Image {
+    pub uri: Option<String>,
+    pub buffer_view: Option<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Sampler {
+    pub wrap_s: Option<u32>,
+    pub mag_filter: Option<u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct TextureInfo {
+    pub index: usize,
+    pub tex_coord: u32,
+}
+
+#[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct Material {
     pub name: Option<String>,
@@ -169,7 +200,7 @@ pub(super) struct Material {
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct MetallicRoughness {
     pub base_color_factor: [f32; 4],
-    pub base_color_texture: Option<IgnoredAny>,
+    pub base_color_texture: Option<TextureInfo>,
     pub metallic_factor: f32,
     pub roughness_factor: f32,
     pub metallic_roughness_texture: Option<IgnoredAny>,
@@ -197,25 +228,44 @@ pub(super) enum AlphaMode {
 }
 
 impl Material {
-    pub fn has_textures(&self) -> bool {
+    /// Whether there are textures besides that of the base colour, or that one has coordinates of its own.
+    pub fn has_unused_textures(&self) -> bool {
         let pbr = &self.pbr_metallic_roughness;
-        pbr.base_color_texture.is_some()
+        pbr.base_color_texture.as_ref().is_some_and(|texture| texture.tex_coord != 0)
             || pbr.metallic_roughness_texture.is_some()
             || self.normal_texture.is_some()
             || self.emissive_texture.is_some()
     }
 
-    /// The material without its textures.
-    pub fn plain(&self) -> ModelMaterial {
+    /// The material with the texture of its base colour.
+    pub fn understood(&self, textures: &[Texture], samplers: &[Sampler]) -> ModelMaterial {
         let pbr = &self.pbr_metallic_roughness;
         let [r, g, b, a] = pbr.base_color_factor.map(|x| x.clamp(0.0, 1.0));
         ModelMaterial {
             name: self.name.clone(),
             base_color: [r, g, b],
+            picture: self.picture(textures, samplers),
             opacity: if self.alpha_mode == AlphaMode::Blend { a } else { 1.0 },
             metallic: pbr.metallic_factor.clamp(0.0, 1.0),
             roughness: pbr.roughness_factor.clamp(0.0, 1.0),
             emissive: self.emissive_factor.map(|x| x.max(0.0)),
         }
+    }
+
+    fn picture(&self, textures: &[Texture], samplers: &[Sampler]) -> Option<PictureUse> {
+        // The numbers of OpenGL.
+        const CLAMP: u32 = 33071;
+        const MIRROR: u32 = 33648;
+        const NEAREST: u32 = 9728;
+        let info = self.pbr_metallic_roughness.base_color_texture.as_ref()?;
+        let texture = textures.get(info.index).filter(|_| info.tex_coord == 0)?;
+        let sampler = texture.sampler.and_then(|i| samplers.get(i));
+        let wrap = match sampler.and_then(|sampler| sampler.wrap_s) {
+            Some(CLAMP) => PictureWrap::Clamp,
+            Some(MIRROR) => PictureWrap::Mirror,
+            _ => PictureWrap::Repeat,
+        };
+        let nearest = sampler.and_then(|sampler| sampler.mag_filter) == Some(NEAREST);
+        Some(PictureUse { picture: texture.source?, wrap, nearest })
     }
 }

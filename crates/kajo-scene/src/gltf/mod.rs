@@ -23,6 +23,7 @@ use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
 use crate::tri_mesh::TriMesh;
 use kajo_math::DAffine3;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// What a glTF file describes, as far as it is read.
@@ -32,6 +33,8 @@ pub struct Model {
     pub meshes: Vec<Vec<ModelPart>>,
     /// Materials, in the order of the file.
     pub materials: Vec<ModelMaterial>,
+    /// Pictures that materials use, in the order of the file; `None` for those that none does.
+    pub pictures: Vec<Option<PictureSource>>,
     /// Where the meshes stand.
     pub instances: Vec<ModelInstance>,
     /// What the file has and nobody uses, one sentence each.
@@ -54,6 +57,8 @@ pub struct ModelMaterial {
     pub name: Option<String>,
     /// Red, green and blue, linear.
     pub base_color: [f32; 3],
+    /// What the base colour is multiplied by over the surface.
+    pub picture: Option<PictureUse>,
     /// How much the surface covers what is behind it, in [0, 1].
     pub opacity: f32,
     /// 1 for metals, 0 for everything else.
@@ -62,6 +67,37 @@ pub struct ModelMaterial {
     pub roughness: f32,
     /// Light that the surface gives off, linear.
     pub emissive: [f32; 3],
+}
+
+/// A picture as a material shows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureUse {
+    /// An index into [`Model::pictures`], which may lead nowhere.
+    pub picture: usize,
+    /// What is beside the picture.
+    pub wrap: PictureWrap,
+    /// Whether texels have edges, instead of running into each other.
+    pub nearest: bool,
+}
+
+/// What is beside a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureWrap {
+    /// The same again.
+    Repeat,
+    /// Its mirror image.
+    Mirror,
+    /// Its last texels.
+    Clamp,
+}
+
+/// Where a picture is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PictureSource {
+    /// In a file of this name, beside the model's.
+    File(String),
+    /// The content of such a file, which the model holds.
+    Bytes(Vec<u8>),
 }
 
 /// A mesh at its place.
@@ -96,7 +132,9 @@ pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Resul
         let parts = primitive::read_mesh(&document, &buffers, mesh, &mut budget, &mut counts);
         model.meshes.push(parts.map_err(|said| wrong(format!("meshes[{mesh}]: {said}")))?);
     }
-    model.materials = document.materials.iter().map(json::Material::plain).collect();
+    let understood = |material: &json::Material| material.understood(&document.textures, &document.samplers);
+    model.materials = document.materials.iter().map(understood).collect();
+    model.pictures = pictures(&document, &model.materials, &buffers, &mut budget).map_err(wrong)?;
     model.left_out.extend(counts.sentences());
     model.left_out.extend(left_out(&document));
     Ok(model)
@@ -124,6 +162,52 @@ impl Budget {
     }
 }
 
+/// The pictures that the materials use.
+fn pictures(
+    document: &json::Document,
+    materials: &[ModelMaterial],
+    buffers: &Buffers<'_>,
+    budget: &mut Budget,
+) -> Result<Vec<Option<PictureSource>>, String> {
+    let used: BTreeSet<usize> =
+        materials.iter().filter_map(|material| material.picture).map(|p| p.picture).collect();
+    let mut read = |(i, image): (usize, &json::Image)| {
+        if !used.contains(&i) {
+            return Ok(None);
+        }
+        picture(image, document, buffers, budget).map(Some).map_err(|said| format!("images[{i}]: {said}"))
+    };
+    document.images.iter().enumerate().map(&mut read).collect()
+}
+
+fn picture(
+    image: &json::Image,
+    document: &json::Document,
+    buffers: &Buffers<'_>,
+    budget: &mut Budget,
+) -> Result<PictureSource, String> {
+    if let Some(uri) = &image.uri {
+        return match uri.strip_prefix("data:") {
+            Some(data) => {
+                budget.take::<u8>(data.len())?;
+                container::decode_data(data)
+                    .map(PictureSource::Bytes)
+                    .ok_or("its `data:` uri is not in base64".to_owned())
+            }
+            None => container::percent_decoded(uri)
+                .map(PictureSource::File)
+                .ok_or("its name is not UTF-8".to_owned()),
+        };
+    }
+    let view = image.buffer_view.ok_or("it has neither a `uri` nor a `bufferView`")?;
+    let view = document.buffer_views.get(view).ok_or("there is no such `bufferView`")?;
+    let end = view.byte_offset.checked_add(view.byte_length);
+    let bytes = buffers.get(view.buffer).and_then(|buffer| buffer.get(view.byte_offset..end?));
+    let bytes = bytes.ok_or("its `bufferView` reaches beyond its buffer")?;
+    budget.take::<u8>(bytes.len())?;
+    Ok(PictureSource::Bytes(bytes.to_vec()))
+}
+
 fn check_version(document: &json::Document) -> Result<(), String> {
     let version = &document.asset.version;
     match version.split('.').next() {
@@ -146,14 +230,14 @@ fn check_extensions(document: &json::Document) -> Result<(), String> {
 
 fn left_out(document: &json::Document) -> Vec<String> {
     let lights = document.extensions.as_ref().and_then(|e| e.lights.as_ref()).map_or(0, |l| l.lights.len());
-    let textured = document.materials.iter().filter(|material| material.has_textures()).count();
+    let textured = document.materials.iter().filter(|material| material.has_unused_textures()).count();
     let glowing = document.materials.iter().filter(|m| m.emissive_factor.iter().any(|&x| x > 0.0)).count();
     let list = [
         (document.cameras.len(), "cameras"),
         (lights, "lights"),
         (document.animations.len(), "animations"),
         (document.skins.len(), "skins"),
-        (textured, "materials with textures, of which only the plain colour is used"),
+        (textured, "materials with textures besides that of their colour"),
         (glowing, "materials that give off light"),
     ];
     let used = list.into_iter().filter(|&(count, _)| count > 0);

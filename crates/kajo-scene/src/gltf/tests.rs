@@ -240,9 +240,53 @@ fn what_is_left_out_is_said() {
         assert!(said.iter().any(|s| s == &format!("left out: {expected}")), "{expected}: {said:?}");
     }
     let textured =
-        MESH.replace("\"metallicFactor\"", "\"baseColorTexture\":{\"index\":0},\"metallicFactor\"");
+        MESH.replace("\"metallicFactor\"", "\"metallicRoughnessTexture\":{\"index\":0},\"metallicFactor\"");
     let said = read_square(&format!("{textured},\"nodes\":[{{\"mesh\":0}}]")).unwrap().left_out;
     assert!(said[0].contains("1 materials with textures"), "{said:?}");
+}
+
+/// The square with a picture for its colour, and these images.
+fn painted(texture: &str, images: &str) -> Result<Model, String> {
+    let base = format!("\"baseColorTexture\":{{{texture}}},\"metallicFactor\"");
+    let mesh = MESH.replace("\"metallicFactor\"", &base);
+    let samplers = r#""textures":[{"source":1,"sampler":0},{"source":7},{}],
+        "samplers":[{"wrapS":33648,"magFilter":9728}]"#;
+    read_square(&format!("{mesh},\"nodes\":[{{\"mesh\":0}}],{samplers},\"images\":[{images}]"))
+}
+
+#[test]
+fn pictures_of_colours_are_found() {
+    let unused = r#"{"uri":"unused.png"}"#;
+    let model = painted("\"index\":0", &format!(r#"{unused},{{"uri":"my%20skin.png"}}"#)).unwrap();
+    let shown = PictureUse { picture: 1, wrap: PictureWrap::Mirror, nearest: true };
+    assert!(model.materials.iter().any(|material| material.picture == Some(shown)));
+    assert_eq!(model.pictures, [None, Some(PictureSource::File("my skin.png".to_owned()))]);
+    let data = r#"{"uri":"data:image/png;base64,Zm9v"}"#;
+    let model = painted("\"index\":0", &format!("{unused},{data}")).unwrap();
+    assert_eq!(model.pictures[1], Some(PictureSource::Bytes(b"foo".to_vec())));
+    let view = r#"{"bufferView":0,"mimeType":"image/png"}"#;
+    let model = painted("\"index\":0", &format!("{unused},{view}")).unwrap();
+    assert!(matches!(&model.pictures[1], Some(PictureSource::Bytes(bytes)) if !bytes.is_empty()));
+}
+
+#[test]
+fn pictures_that_are_nowhere_are_told_or_left_out() {
+    for texture in ["\"index\":1", "\"index\":2", "\"index\":99"] {
+        let model = painted(texture, "").unwrap();
+        assert!(model.pictures.is_empty(), "{texture}");
+    }
+    let other = painted("\"index\":0,\"texCoord\":1", "").unwrap();
+    assert!(other.materials.iter().all(|material| material.picture.is_none()));
+    assert!(other.left_out.iter().any(|said| said.contains("textures besides")), "{:?}", other.left_out);
+    for (image, expected) in [
+        ("{}", "images[1]: it has neither a `uri` nor a `bufferView`"),
+        (r#"{"bufferView":99}"#, "images[1]: there is no such `bufferView`"),
+        (r#"{"uri":"data:image/png,x"}"#, "images[1]: its `data:` uri is not in base64"),
+        (r#"{"uri":"%ff"}"#, "images[1]: its name is not UTF-8"),
+    ] {
+        let said = painted("\"index\":0", &format!("{{}},{image}")).unwrap_err();
+        assert!(said.contains(expected), "{said}");
+    }
 }
 
 #[test]

@@ -21,6 +21,7 @@ const INDEX: FieldKind = between(1.0, 4.0);
 
 const PHONG: &[FieldSpec] = &[
     field("diffuseColor", Reflectance, "1 1 1", "colour of matte reflection"),
+    option("texture", Text, "a picture that tints it, such as wood.png"),
     field("specularColor", Reflectance, "0 0 0", "colour of the highlight"),
     option("exponent", at_least(0.0), "sharpness of the highlight"),
     option("shininess", at_least(0.0), "the same by another name"),

@@ -1,0 +1,529 @@
+//! Colours and numbers of materials that may be pictures.
+//!
+//! ```text
+//! color planks.png
+//! color planks.png { repeat 4 2  offset 0.5 0  wrap mirror  filter nearest  encoding linear }
+//! roughness scratches.png { channel green }
+//! ```
+//!
+//! A name that ends as those of pictures do is one. Whole numbers of a colour are values for a screen unless `encoding`
+//! says otherwise; floats, and pictures of numbers, are amounts. A file is read once, however many parameters
+//! show it.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+
+use kajo_color::Reflectance;
+use kajo_image::{DecodeLimits, Decoded, Format};
+use kajo_math::Vec2;
+use kajo_scene::{Args, Assets, Diagnostic, Diagnostics, Item, Params, Span, read_limited};
+
+use super::CompileOptions;
+use super::spectra::{SpectrumReader, Written};
+use crate::texture::{Channel, Encoding, Paint, Picture, PictureMap, Share, TexelFilter, Wrap};
+
+/// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
+pub(super) type PictureCache = HashMap<(String, Option<Encoding>), Option<Arc<Picture>>>;
+
+/// Endings of pictures that people have and this program does not read.
+const FOREIGN: [&str; 6] = ["bmp", "dds", "gif", "tif", "tiff", "webp"];
+
+/// Endings of pictures that are read and not written.
+const READ_ONLY: [&str; 2] = ["jpeg", "jpg"];
+
+/// Reads pictures, each once.
+pub(super) struct PictureReader<'a> {
+    assets: &'a dyn Assets,
+    /// Bytes of the largest file.
+    limit: u64,
+    cache: &'a mut PictureCache,
+}
+
+/// Reads what may be plain or a picture.
+pub(super) struct PaintReader<'a> {
+    pub spectra: SpectrumReader<'a>,
+    pictures: PictureReader<'a>,
+}
+
+impl<'a> PaintReader<'a> {
+    pub fn new(
+        assets: &'a dyn Assets,
+        options: &CompileOptions,
+        cache: &'a mut PictureCache,
+    ) -> PaintReader<'a> {
+        PaintReader {
+            spectra: SpectrumReader { assets },
+            pictures: PictureReader::new(assets, options, cache),
+        }
+    }
+}
+
+impl PaintReader<'_> {
+    /// A colour whose components are shares of light, a measured spectrum of such, or a picture; `default` is a grey.
+    pub fn paint(&mut self, params: &mut Params<'_, '_>, key: &'static str, default: f32) -> Paint {
+        let plain = |value| Paint::Plain(Reflectance::from_rgb([value; 3]));
+        let Some(item) = params.block(key) else { return plain(default) };
+        if is_picture(item) {
+            let map = self.pictures.map(item, None, params.diagnostics(), |_| ());
+            return map.map_or_else(|| plain(default), |(map, ())| Paint::Picture(map));
+        }
+        let color = Args::read(item, params.diagnostics(), |args| share_of_light(self.spectra, args));
+        color.map_or_else(|| plain(default), Paint::Plain)
+    }
+
+    /// A number in [0, 1], or a picture of such.
+    pub fn share(&mut self, params: &mut Params<'_, '_>, key: &'static str, default: f32) -> Share {
+        self.optional_share(params, key).map_or(Share::Plain(default), |(share, _)| share)
+    }
+
+    /// As [`PaintReader::share`], where there may be none; and where it stands.
+    pub fn optional_share(
+        &mut self,
+        params: &mut Params<'_, '_>,
+        key: &'static str,
+    ) -> Option<(Share, Span)> {
+        let item = params.block(key)?;
+        let place = item.head_span();
+        if is_picture(item) {
+            let map = self.pictures.map(item, Some(Encoding::Linear), params.diagnostics(), read_channel);
+            return map.map(|(map, channel)| (Share::Picture(map, channel), place));
+        }
+        Args::read(item, params.diagnostics(), |args| args.number_in(0.0..=1.0))
+            .map(|value| (Share::Plain(value), place))
+    }
+
+    /// The colours of a picture, if there is the key.
+    pub fn picture(&mut self, params: &mut Params<'_, '_>, key: &'static str) -> Option<PictureMap> {
+        let item = params.block(key)?;
+        self.pictures.map(item, None, params.diagnostics(), |_| ()).map(|(map, ())| map)
+    }
+}
+
+fn share_of_light(spectra: SpectrumReader<'_>, args: &mut Args<'_>) -> Result<Reflectance, Diagnostic> {
+    let Written { rgb, value } = spectra.reflectance(args)?;
+    // A measured one has been checked, and its colour may be none of the screen's.
+    if value.rgb() == rgb.to_rgb() || rgb.to_rgb().iter().all(|v| (0.0..=1.0).contains(v)) {
+        return Ok(value);
+    }
+    Err(args.error("a share of light is between 0 and 1"))
+}
+
+/// Whether the item names a picture.
+fn is_picture(item: Item<'_>) -> bool {
+    let Some(word) = item.word() else { return false };
+    let name = word.text();
+    let Some((_, ending)) = name.rsplit_once('.') else { return false };
+    let is_other = FOREIGN.iter().chain(&READ_ONLY).any(|other| ending.eq_ignore_ascii_case(other));
+    is_other || Format::from_extension(ending).is_some()
+}
+
+fn read_channel(params: &mut Params<'_, '_>) -> Channel {
+    const CHANNELS: [(&str, Channel); 4] = [
+        ("alpha", Channel::Alpha),
+        ("blue", Channel::Blue),
+        ("green", Channel::Green),
+        ("red", Channel::Red),
+    ];
+    params.or("channel", Channel::Red, |args| args.choice(&CHANNELS))
+}
+
+impl<'a> PictureReader<'a> {
+    pub fn new(
+        assets: &'a dyn Assets,
+        options: &CompileOptions,
+        cache: &'a mut PictureCache,
+    ) -> PictureReader<'a> {
+        PictureReader { assets, limit: options.limits.picture_bytes, cache }
+    }
+}
+
+impl PictureReader<'_> {
+    /// The picture that an item names, laid as its block says.
+    ///
+    /// * `encoding`: what the colours mean if the block does not say; `None` leaves it to the file
+    /// * `more`: reads what else may stand in the block
+    fn map<T: Default>(
+        &mut self,
+        item: Item<'_>,
+        encoding: Option<Encoding>,
+        diagnostics: &mut Diagnostics,
+        more: impl FnOnce(&mut Params<'_, '_>) -> T,
+    ) -> Option<(PictureMap, T)> {
+        let read_name = |args: &mut Args<'_>| args.text().map(|name| name.into_owned());
+        if !item.has_block() {
+            let name = Args::read(item, diagnostics, read_name)?;
+            let picture = self.named(item, &name, encoding, diagnostics)?;
+            return Some((PictureMap::new(picture), T::default()));
+        }
+        let mut params = Params::new(item, diagnostics);
+        let name = params.own(read_name);
+        const ENCODINGS: [(&str, Encoding); 2] = [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
+        let encoding = params.optional("encoding", |args| args.choice(&ENCODINGS)).or(encoding);
+        const FILTERS: [(&str, TexelFilter); 2] =
+            [("bilinear", TexelFilter::Bilinear), ("nearest", TexelFilter::Nearest)];
+        let filter = params.or("filter", TexelFilter::default(), |args| args.choice(&FILTERS));
+        const WRAPS: [(&str, Wrap); 3] =
+            [("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror), ("repeat", Wrap::Repeat)];
+        let wrap = params.or("wrap", Wrap::default(), |args| args.choice(&WRAPS));
+        let repeat = params.or("repeat", Vec2::ONE, |args| match args.numbers_left() {
+            1 => args.number().map(Vec2::splat),
+            _ => args.vec2(),
+        });
+        let offset = params.or("offset", Vec2::ZERO, Args::vec2);
+        let more = more(&mut params);
+        params.finish();
+        let picture = self.named(item, &name?, encoding, diagnostics)?;
+        Some((PictureMap { picture, wrap, filter, repeat, offset }, more))
+    }
+
+    /// The picture of a name in the scene; one that cannot be read is an error.
+    fn named(
+        &mut self,
+        item: Item<'_>,
+        name: &str,
+        encoding: Option<Encoding>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Arc<Picture>> {
+        let picture = self.picture(name, item.path(), encoding);
+        let said = |problem: Problem| match problem {
+            Problem::Unreadable(reason) => Diagnostic::error(format!("cannot read `{name}`: {reason}"))
+                .label(item.head_span(), "named here"),
+            Problem::Outside(n) => {
+                Diagnostic::warning(format!("{n} values of `{name}` are not between 0 and 1"))
+                    .label(item.head_span(), "they are held to it")
+            }
+        };
+        match picture {
+            Ok((picture, problem)) => {
+                problem.into_iter().for_each(|problem| diagnostics.push(said(problem)));
+                Some(picture)
+            }
+            Err(problem) => {
+                diagnostics.push(said(problem));
+                None
+            }
+        }
+    }
+
+    /// The picture of a file, and what is wrong with it when it is read for the first time.
+    ///
+    /// * `from`: the path of the file that names it
+    pub fn picture(&mut self, name: &str, from: &str, encoding: Option<Encoding>) -> ReadPicture {
+        let file = self.assets.open(name, from).map_err(|error| Problem::Unreadable(error.to_string()))?;
+        let (key, limit) = ((file.path.clone(), encoding), self.limit);
+        self.cached(key, || {
+            let bytes = read_limited(file, limit).map_err(|error| error.to_string())?;
+            decode(&bytes, format_of(name))
+        })
+    }
+
+    /// The picture of bytes that another file holds, under a name of its own.
+    pub fn held(&mut self, bytes: &[u8], name: &str) -> ReadPicture {
+        self.cached((name.to_owned(), None), || decode(bytes, None))
+    }
+
+    fn cached(
+        &mut self,
+        key: (String, Option<Encoding>),
+        read: impl FnOnce() -> Result<Decoded, String>,
+    ) -> ReadPicture {
+        match self.cache.get(&key) {
+            Some(Some(known)) => return Ok((Arc::clone(known), None)),
+            Some(None) => return Err(Problem::Unreadable("it could not be read before".to_owned())),
+            None => {}
+        }
+        let encoding = key.1;
+        let read = read().map_err(Problem::Unreadable).map(|decoded| {
+            let whole = if decoded.depth.is_some() { Encoding::Srgb } else { Encoding::Linear };
+            let (picture, outside) = Picture::new(&decoded.image, encoding.unwrap_or(whole));
+            (Arc::new(picture), (outside > 0).then_some(Problem::Outside(outside)))
+        });
+        self.cache.insert(key, read.as_ref().ok().map(|(picture, _)| Arc::clone(picture)));
+        read
+    }
+}
+
+/// A picture, and what is wrong with it when it is read for the first time.
+pub(super) type ReadPicture = Result<(Arc<Picture>, Option<Problem>), Problem>;
+
+/// What is wrong with a picture.
+pub(super) enum Problem {
+    /// It cannot be read, and why.
+    Unreadable(String),
+    /// So many of its values are no shares.
+    Outside(usize),
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Problem::Unreadable(reason) => f.write_str(reason),
+            Problem::Outside(n) => write!(f, "{n} of its values are not between 0 and 1"),
+        }
+    }
+}
+
+/// The format that the ending of a name suggests.
+fn format_of(name: &str) -> Option<Format> {
+    name.rsplit_once('.').and_then(|(_, ending)| Format::from_extension(ending))
+}
+
+/// The picture in the bytes of a file; `hint` is its format where they do not say.
+pub(super) fn decode(bytes: &[u8], hint: Option<Format>) -> Result<Decoded, String> {
+    kajo_image::decode(bytes, hint, &DecodeLimits::default()).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_color::Wavelengths;
+    use kajo_image::{EncodeOptions, Image, encode};
+    use kajo_math::{Ray, Vec3};
+    use kajo_scene::{MemoryAssets, SceneDesc};
+
+    use super::*;
+    use crate::bsdf::Phong;
+    use crate::compile::compile;
+    use crate::scene::{Interaction, Scene};
+
+    /// Files of 2 x 2 texels: red and green above blue and white, greys, and shares as floats.
+    fn assets() -> MemoryAssets {
+        let file = |format, texel: fn(u32, u32) -> [f32; 4]| {
+            encode(&Image::from_fn(2, 2, texel).unwrap(), format, &EncodeOptions::default()).unwrap()
+        };
+        let colors = |x, y| match (x, y) {
+            (0, 0) => [1.0, 0.0, 0.0, 1.0],
+            (1, 0) => [0.0, 1.0, 0.0, 0.0],
+            (0, _) => [0.0, 0.0, 1.0, 1.0],
+            _ => [1.0, 1.0, 1.0, 0.5],
+        };
+        let colors = file(Format::Png, colors);
+        let grey = file(Format::Png, |x, _| if x == 0 { [0.5; 4] } else { [1.0, 0.25, 0.5, 1.0] });
+        let bright = file(Format::Exr, |_, _| [3.0, 0.5, 0.25, 1.0]);
+        MemoryAssets::new()
+            .with("colors.png", &colors)
+            .with("skins/colors.png", colors)
+            .with("grey.png", grey)
+            .with("bright.exr", bright)
+            .with("text.png", "no picture")
+            .with("photo.jxl", "no picture")
+            .with(
+                "skins/box.mtl",
+                "newmtl skin\nmap_Kd -s 1 1 1 colors.png\nnewmtl lost\nKd 1 0 0\nmap_Kd none.png\n",
+            )
+            .with(
+                "skins/box.obj",
+                "mtllib box.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                 usemtl skin\nf 1/1 2/2 3/3\nusemtl lost\nf 1/1 3/3 4/4\n",
+            )
+    }
+
+    fn compiled(materials: &str, object: &str) -> (Option<Scene>, Vec<String>) {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
+             Materials {{ {materials} }} Group {{ MaterialIndex 0 {object} }}"
+        );
+        let mut parsed = SceneDesc::parse_str(&text);
+        let mut diagnostics = Diagnostics::default();
+        let scene = compile(&mut parsed.desc, &assets(), &CompileOptions::default(), &mut diagnostics);
+        (scene, diagnostics.iter().map(|d| d.message.clone()).collect())
+    }
+
+    const SQUARE: &str = "Quad { corner -1 -1 0 edge1 2 0 0 edge2 0 2 0 }";
+
+    /// A square from (-1, -1) to (1, 1) of the material, met at a place.
+    fn met(materials: &str, object: &str, x: f32, y: f32) -> (Scene, Interaction) {
+        let (scene, said) = compiled(materials, object);
+        let scene = scene.unwrap_or_else(|| panic!("{materials}: {said:?}"));
+        let at = scene.trace(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z));
+        let at = *at.surface().expect("the ray meets the square");
+        (scene, at)
+    }
+
+    fn classic(materials: &str, x: f32, y: f32) -> Phong {
+        let (scene, at) = met(materials, SQUARE, x, y);
+        scene.materials.phong(at.material, &scene.materials, &scene.textures, &scene.material_point(&at))
+    }
+
+    fn assert_near(found: [f32; 3], expected: [f32; 3]) {
+        assert!(Vec3::from(found).distance(expected.into()) < 1e-3, "{found:?} for {expected:?}");
+    }
+
+    const RED: [f32; 3] = [1.0, 0.0, 0.0];
+    const BLUE: [f32; 3] = [0.0, 0.0, 1.0];
+    const GREEN: [f32; 3] = [0.0, 1.0, 0.0];
+
+    #[test]
+    fn colours_of_every_material_may_be_pictures() {
+        for material in [
+            "Matte { color colors.png }",
+            "Matte { color colors.png { wrap clamp } }",
+            "Material { texture colors.png }",
+            "Material { texture colors.png { filter nearest } specularColor 1 1 1 }",
+            "Principled { color colors.png }",
+        ] {
+            assert_near(classic(material, -0.5, 0.5).diffuse.to_rgb(), RED);
+            assert_near(classic(material, -0.5, -0.5).diffuse.to_rgb(), BLUE);
+            assert_near(classic(material, 0.5, 0.5).diffuse.to_rgb(), GREEN);
+            assert_near(classic(material, 0.5, 0.5).ambient.to_rgb(), GREEN);
+        }
+        assert_near(classic("Metal { color colors.png }", -0.5, 0.5).reflective.to_rgb(), RED);
+        let shifted = "Matte { color colors.png { repeat 1 2 offset 0.5 0 filter nearest } }";
+        assert_near(classic(shifted, -0.5, -0.75).diffuse.to_rgb(), [1.0; 3]);
+        assert_near(classic(shifted, -0.5, -0.25).diffuse.to_rgb(), GREEN);
+        // A factor of the colour that is written.
+        assert_near(
+            classic("Material { diffuseColor 0.5 1 1 texture colors.png }", -0.5, 0.5).diffuse.to_rgb(),
+            [0.5, 0.0, 0.0],
+        );
+    }
+
+    #[test]
+    fn whole_numbers_are_for_screens_where_they_are_colours() {
+        let at = |material: &str| classic(material, -0.5, 0.5);
+        assert_near(at("Matte { color grey.png }").diffuse.to_rgb(), [0.2159; 3]);
+        assert_near(at("Matte { color grey.png { encoding linear } }").diffuse.to_rgb(), [0.502; 3]);
+        // A metal of the roughness 1/2 has the exponent 2/α² - 2, α = 1/4.
+        let rough = |material: &str| classic(material, -0.5, 0.5).exponent;
+        assert!((rough("Metal { roughness grey.png }") - 30.0).abs() < 1.0);
+        assert!(
+            (rough("Metal { roughness grey.png { encoding srgb } }") - 2.0 / 0.2159f32.powi(4) + 2.0).abs()
+                < 20.0
+        );
+    }
+
+    #[test]
+    fn numbers_take_a_channel() {
+        let exponent = |channel: &str| {
+            let material = format!("Metal {{ roughness grey.png {{ channel {channel} filter nearest }} }}");
+            classic(&material, 0.5, 0.5).exponent
+        };
+        let of = |roughness: f32| (2.0 / roughness.powi(4) - 2.0).max(1.0);
+        for (channel, roughness) in
+            [("red", 1.0), ("green", 64.0 / 255.0), ("blue", 128.0 / 255.0), ("alpha", 1.0)]
+        {
+            assert!(
+                (exponent(channel) / of(roughness) - 1.0).abs() < 0.01,
+                "{channel}: {}",
+                exponent(channel)
+            );
+        }
+    }
+
+    #[test]
+    fn scattering_follows_the_picture_in_every_mode() {
+        for material in ["Matte { color colors.png }", "Material { texture colors.png }"] {
+            let (scene, at) = met(material, SQUARE, -0.5, 0.5);
+            let albedo = |lambda: &Wavelengths| scene.bsdf(&at, lambda, 1.0, 0.5).albedo(Vec3::Z);
+            assert_near(albedo(&Wavelengths::RGB).to_rgb(), RED);
+            let (n, mut sum) = (4000, Vec3::ZERO);
+            for i in 0..n {
+                let lambda = Wavelengths::sample((i as f32 + 0.5) / n as f32);
+                let light = kajo_color::Emission::from_rgb([1.0; 3]).at(&lambda);
+                sum += Vec3::from(kajo_color::sensor::to_rgb(albedo(&lambda) * light, &lambda)) / n as f32;
+            }
+            assert!(sum.distance(RED.into()) < 0.02, "{material}: {sum}");
+        }
+    }
+
+    #[test]
+    fn holes_may_be_pictures() {
+        let veil = "Matte { opacity colors.png { channel alpha filter nearest } }";
+        for (x, y, visible) in [(-0.5, 0.5, 0.0), (0.5, 0.5, 1.0), (0.5, -0.5, 1.0 - 128.0 / 255.0)] {
+            let (scene, _) = met(veil, SQUARE, x, y);
+            let through = scene.visibility(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z));
+            assert!((through - visible).abs() < 1e-3, "{x} {y}: {through}");
+        }
+    }
+
+    #[test]
+    fn meshes_bring_their_pictures() {
+        let mesh = "TriangleMesh { file \"skins/box.obj\" materials on }";
+        let (scene, said) = compiled("Matte { }", mesh);
+        assert_eq!(said, ["`skins/box.mtl`: `none.png` is left out: there is no such file"]);
+        let scene = scene.expect("the picture that is missing is left out");
+        let color = |x, y| {
+            let event = scene.trace(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z));
+            let at = event.surface().expect("the ray meets the square");
+            let place = scene.material_point(at);
+            scene.materials.phong(at.material, &scene.materials, &scene.textures, &place).diffuse.to_rgb()
+        };
+        assert_near(color(0.5, -0.5), [1.0; 3]);
+        assert_near(color(-0.5, 0.5), RED);
+    }
+
+    #[test]
+    fn models_bring_their_pictures() {
+        let floats = [-1.0f32, -1.0, 0.0, 3.0, -1.0, 0.0, -1.0, 3.0, 0.0, 0.0, 1.0, 2.0, 1.0, 0.0, -1.0];
+        let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let json = |image: &str| {
+            format!(
+                r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"a.bin","byteLength":60}}],
+                "bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,"byteLength":24}}],
+                "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},
+                {{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}}],
+                "textures":[{{"source":0}}],"images":[{{{image}}}],
+                "materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[0.5,1,1,1],"baseColorTexture":{{"index":0}}}}}}],
+                "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],
+                "nodes":[{{"mesh":0}}]}}"#
+            )
+        };
+        let color = |image: &str| {
+            let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
+                        Materials { Matte { } } Group { MaterialIndex 0 Model { file skins/a.gltf } }";
+            let assets = assets().with("skins/a.gltf", json(image)).with("skins/a.bin", &bytes);
+            let mut diagnostics = Diagnostics::default();
+            let mut parsed = SceneDesc::parse_str(text);
+            let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+            let said: Vec<_> = diagnostics.iter().map(|d| d.message.clone()).collect();
+            let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
+            let event = scene.trace(&Ray::new(Vec3::new(-0.5, 0.5, 5.0), Vec3::NEG_Z));
+            let at = event.surface().expect("the ray meets the model");
+            let place = scene.material_point(at);
+            let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, &place);
+            (phong.diffuse.to_rgb(), said)
+        };
+        let (found, said) = color(r#""uri":"colors.png""#);
+        assert_near(found, [0.5, 0.0, 0.0]);
+        assert!(said.is_empty(), "{said:?}");
+        let (found, said) = color(r#""uri":"data:image/png;base64,Zm9v""#);
+        assert_near(found, [0.5, 1.0, 1.0]);
+        assert!(said[0].contains("skins/a.gltf#images[0]` is left out: "), "{said:?}");
+    }
+
+    #[test]
+    fn a_file_is_read_once() {
+        let (assets, mut cache) = (assets(), PictureCache::new());
+        let mut reader = PictureReader::new(&assets, &CompileOptions::default(), &mut cache);
+        let mut read = |name, from, encoding| reader.picture(name, from, encoding).map(|read| read.0).ok();
+        let first = read("skins/colors.png", "s.txt", None).expect("a picture");
+        let again = read("colors.png", "skins/a.mtl", None).expect("a picture");
+        assert!(Arc::ptr_eq(&first, &again), "the same file by another name");
+        let linear = read("skins/colors.png", "s.txt", Some(Encoding::Linear)).expect("a picture");
+        assert!(!Arc::ptr_eq(&first, &linear), "other numbers");
+        assert!(read("text.png", "s.txt", None).is_none() && read("text.png", "s.txt", None).is_none());
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        let error = |material: &str| {
+            let (scene, said) = compiled(material, SQUARE);
+            assert!(scene.is_none(), "accepted: {material}");
+            said.join("; ")
+        };
+        assert_eq!(error("Matte { color none.png }"), "cannot read `none.png`: there is no such file");
+        assert!(error("Matte { color text.png }").starts_with("cannot read `text.png`: "));
+        assert!(error("Matte { roughness photo.gif }").starts_with("cannot read `photo.gif`"));
+        assert!(error("Matte { color colors.png { wrap never } }").contains("wrap"));
+        assert!(
+            error("Matte { color colors.png { channel red } }").contains("channel"),
+            "colours have all channels"
+        );
+        assert!(error("Matte { color colors.png 0.5 }").contains("found"));
+        assert!(error("Material { texture 1 0 0 }").contains("texture"));
+        assert!(error("Matte { color photo.jxl }").contains("photo.jxl"));
+        assert!(error("Glass { opacity colors.png }").contains("no holes"));
+        let (scene, said) = compiled("Matte { color bright.exr }", SQUARE);
+        assert!(scene.is_some() && said == ["4 values of `bright.exr` are not between 0 and 1"], "{said:?}");
+    }
+}

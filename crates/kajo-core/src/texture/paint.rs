@@ -1,0 +1,107 @@
+//! Parameters of materials that may vary over a surface: the same everywhere, or taken from a picture.
+
+use kajo_color::{Reflectance, RgbBasis, Spectrum, Wavelengths};
+use kajo_math::{Vec2, Vec3};
+
+use super::PictureMap;
+
+/// A colour of a surface.
+#[derive(Clone, Debug)]
+pub enum Paint {
+    /// The same everywhere.
+    Plain(Reflectance),
+    /// The colours of a picture, which become spectra by [`RgbBasis`].
+    Picture(PictureMap),
+}
+
+impl From<Reflectance> for Paint {
+    fn from(color: Reflectance) -> Paint {
+        Paint::Plain(color)
+    }
+}
+
+impl Paint {
+    /// The reflectance at surface coordinates.
+    #[inline]
+    pub fn at(&self, uv: Vec2, wavelengths: &Wavelengths) -> Spectrum {
+        match self {
+            Paint::Plain(color) => color.at(wavelengths),
+            Paint::Picture(map) => picture_reflectance(map, uv, wavelengths),
+        }
+    }
+
+    /// Linear RGB at surface coordinates.
+    pub fn rgb(&self, uv: Vec2) -> Spectrum {
+        match self {
+            Paint::Plain(color) => Spectrum::from(Vec3::from(color.rgb())),
+            Paint::Picture(map) => picture_reflectance(map, uv, &Wavelengths::RGB),
+        }
+    }
+
+    /// Whether it differs between places.
+    pub fn varies(&self) -> bool {
+        matches!(self, Paint::Picture(_))
+    }
+}
+
+/// The colour of a picture as a reflectance.
+pub(crate) fn picture_reflectance(map: &PictureMap, uv: Vec2, wavelengths: &Wavelengths) -> Spectrum {
+    let [r, g, b, _] = map.at(uv);
+    if wavelengths.is_spectral() {
+        return RgbBasis::new(wavelengths).reflectance([r, g, b]);
+    }
+    Spectrum::rgb(r, g, b)
+}
+
+/// What of a picture is a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Channel {
+    /// Red, which in a grey picture is everything.
+    #[default]
+    Red,
+    /// Green.
+    Green,
+    /// Blue.
+    Blue,
+    /// How much the picture covers.
+    Alpha,
+}
+
+/// A number in [0, 1].
+#[derive(Clone, Debug)]
+pub enum Share {
+    /// The same everywhere.
+    Plain(f32),
+    /// A channel of a picture.
+    Picture(PictureMap, Channel),
+}
+
+impl From<f32> for Share {
+    fn from(value: f32) -> Share {
+        Share::Plain(value)
+    }
+}
+
+impl Share {
+    /// The number at surface coordinates.
+    #[inline]
+    pub fn at(&self, uv: Vec2) -> f32 {
+        match self {
+            Share::Plain(value) => *value,
+            Share::Picture(map, channel) => map.at(uv)[*channel as usize],
+        }
+    }
+
+    /// Whether it differs between places.
+    pub fn varies(&self) -> bool {
+        matches!(self, Share::Picture(..))
+    }
+
+    /// The least and the largest number that it may be anywhere.
+    pub fn range(&self) -> [f32; 2] {
+        match self {
+            Share::Plain(value) => [*value; 2],
+            Share::Picture(..) => [0.0, 1.0],
+        }
+    }
+}

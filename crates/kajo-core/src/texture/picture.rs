@@ -1,0 +1,279 @@
+//! Pictures on surfaces.
+//!
+//! A picture of `w x h` texels fills the unit square of surface coordinates, its first row on top. With
+//!
+//! ```text
+//! s = repeat u + offset        x = w s_x - 1/2        y = h (1 - s_y) - 1/2
+//! ```
+//!
+//! the value is that of the nearest texel, or the bilinear mean of the four around `(x, y)`:
+//!
+//! ```text
+//! (1-a)(1-b) T(i, j) + a (1-b) T(i+1, j) + (1-a) b T(i, j+1) + a b T(i+1, j+1),     a = x - i,  b = y - j
+//! ```
+//!
+//! Texels are linear: what a file encodes for a screen is decoded before anything is averaged. Outside of the square
+//! the picture repeats, is mirrored at its edges, or ends in its last texel. Many samples for a pixel average over its
+//! footprint without any bias, and so there are no smaller copies of the picture to look up instead.
+
+use std::sync::Arc;
+
+use kajo_color::srgb;
+use kajo_image::Image;
+use kajo_math::Vec2;
+
+/// What the colours of a file mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Values for a screen, after the curve of sRGB.
+    Srgb,
+    /// Amounts.
+    Linear,
+}
+
+/// Linear texels in [0, 1]: red, green, blue and alpha.
+#[derive(Debug)]
+pub struct Picture {
+    width: u32,
+    height: u32,
+    texels: Vec<[u16; 4]>,
+}
+
+impl Picture {
+    /// The picture of a file, and how many of its values were no numbers in [0, 1]; those are held to it.
+    ///
+    /// * `image`: at least one pixel; one or three channels, and perhaps alpha
+    pub fn new(image: &Image, encoding: Encoding) -> (Picture, usize) {
+        let mut outside = 0;
+        let mut stored = |v: f32| {
+            outside += usize::from(!(0.0..=1.0).contains(&v));
+            // Not a number becomes 0.
+            (v.clamp(0.0, 1.0) * 65535.0).round() as u16
+        };
+        let linear = |v: f32| match encoding {
+            Encoding::Srgb => srgb::decode(v),
+            Encoding::Linear => v,
+        };
+        let texel = |pixel: &[f32]| {
+            let (color, alpha) = match *pixel {
+                [grey] => ([grey; 3], 1.0),
+                [grey, alpha] => ([grey; 3], alpha),
+                [r, g, b] => ([r, g, b], 1.0),
+                [r, g, b, alpha, ..] => ([r, g, b], alpha),
+                [] => ([0.0; 3], 1.0),
+            };
+            let [r, g, b] = color.map(|v| stored(linear(v)));
+            [r, g, b, stored(alpha)]
+        };
+        let texels = image.pixels().map(texel).collect();
+        (Picture { width: image.width(), height: image.height(), texels }, outside)
+    }
+
+    #[inline]
+    fn texel(&self, x: usize, y: usize) -> [f32; 4] {
+        self.texels[y * self.width as usize + x].map(|v| f32::from(v) * (1.0 / 65535.0))
+    }
+}
+
+/// What is beside a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The same picture again.
+    #[default]
+    Repeat,
+    /// Its mirror image.
+    Mirror,
+    /// Its last row or column.
+    Clamp,
+}
+
+impl Wrap {
+    /// Brings a coordinate to [0, 1].
+    #[inline]
+    fn coordinate(self, s: f32) -> f32 {
+        let s = if s.is_finite() { s } else { 0.0 };
+        match self {
+            Wrap::Repeat => s - s.floor(),
+            Wrap::Mirror => {
+                let s = s - 2.0 * (0.5 * s).floor();
+                if s > 1.0 { 2.0 - s } else { s }
+            }
+            Wrap::Clamp => s.clamp(0.0, 1.0),
+        }
+    }
+
+    /// The number of a texel that may be one beyond the first or the last of `n`.
+    #[inline]
+    fn index(self, i: i64, n: u32) -> usize {
+        let n = i64::from(n);
+        let inside = match self {
+            Wrap::Repeat if i < 0 => i + n,
+            Wrap::Repeat if i >= n => i - n,
+            _ => i,
+        };
+        inside.clamp(0, n - 1) as usize
+    }
+}
+
+/// How values between texels are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TexelFilter {
+    /// That of the nearest one.
+    Nearest,
+    /// The weighted mean of the four around.
+    #[default]
+    Bilinear,
+}
+
+/// A picture laid on a surface.
+#[derive(Clone, Debug)]
+pub struct PictureMap {
+    /// The texels, shared by all that use them.
+    pub picture: Arc<Picture>,
+    /// What is beside it.
+    pub wrap: Wrap,
+    /// What is between its texels.
+    pub filter: TexelFilter,
+    /// How often it fits into the unit square.
+    pub repeat: Vec2,
+    /// By how much of itself it is moved, to the left and down.
+    pub offset: Vec2,
+}
+
+impl PictureMap {
+    /// A picture that fills the unit square.
+    pub fn new(picture: Arc<Picture>) -> PictureMap {
+        let (wrap, filter) = (Wrap::default(), TexelFilter::default());
+        PictureMap { picture, wrap, filter, repeat: Vec2::ONE, offset: Vec2::ZERO }
+    }
+
+    /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].
+    pub fn at(&self, uv: Vec2) -> [f32; 4] {
+        let s = uv * self.repeat + self.offset;
+        let (w, h) = (self.picture.width, self.picture.height);
+        let x = self.wrap.coordinate(s.x) * w as f32;
+        let y = (1.0 - self.wrap.coordinate(s.y)) * h as f32;
+        let texel = |i: i64, j: i64| self.picture.texel(self.wrap.index(i, w), self.wrap.index(j, h));
+        if self.filter == TexelFilter::Nearest {
+            return texel(x as i64, y as i64);
+        }
+        let (x, y) = (x - 0.5, y - 0.5);
+        let (i, j) = (x.floor(), y.floor());
+        let (a, b) = (x - i, y - j);
+        let (i, j) = (i as i64, j as i64);
+        let corners = [texel(i, j), texel(i + 1, j), texel(i, j + 1), texel(i + 1, j + 1)];
+        let weights = [(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b];
+        std::array::from_fn(|c| corners.iter().zip(weights).map(|(corner, weight)| weight * corner[c]).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kajo_math::rng::Stream;
+
+    fn map(image: &Image, encoding: Encoding) -> PictureMap {
+        PictureMap::new(Arc::new(Picture::new(image, encoding).0))
+    }
+
+    /// 8 x 4 texels of an affine function of their middles, which are `(i + 1/2)/8` and, from below, `(j + 1/2)/4`.
+    fn ramp() -> Image {
+        Image::from_fn(8, 4, |x, y| {
+            let (u, v) = ((x as f32 + 0.5) / 8.0, 1.0 - (y as f32 + 0.5) / 4.0);
+            [u, v, 0.25 * u + 0.5 * v, 1.0 - u]
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn between_texels_an_affine_picture_is_exact() {
+        let map = map(&ramp(), Encoding::Linear);
+        for i in 0..500 {
+            let s = Stream::new(4, [i, 0], 0);
+            // Up to the middles of the outermost texels.
+            let uv = Vec2::new(0.0625 + 0.875 * s.uniform(0), 0.125 + 0.75 * s.uniform(1));
+            let found = map.at(uv);
+            let expected = [uv.x, uv.y, 0.25 * uv.x + 0.5 * uv.y, 1.0 - uv.x];
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found - expected).abs() < 2e-5, "{uv}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn pictures_repeat_and_are_mirrored() {
+        let near = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
+        for filter in [TexelFilter::Bilinear, TexelFilter::Nearest] {
+            let tiled = PictureMap { filter, ..map(&ramp(), Encoding::Linear) };
+            let mirrored = PictureMap { wrap: Wrap::Mirror, ..tiled.clone() };
+            let clamped = PictureMap { wrap: Wrap::Clamp, ..tiled.clone() };
+            for i in 0..500 {
+                let s = Stream::new(5, [i, 0], 0);
+                let uv = 20.0 * Vec2::new(s.uniform(0), s.uniform(1)) - 10.0;
+                // Off the borders of texels, where rounding decides for the nearest.
+                let uv = (uv * 64.0).floor() / 64.0 + 1.0 / 128.0;
+                assert!(near(tiled.at(uv), tiled.at(uv + Vec2::new(3.0, -2.0))), "{uv}");
+                assert!(near(mirrored.at(uv), mirrored.at(-uv)), "{uv}");
+                assert!(near(mirrored.at(uv), mirrored.at(2.0 - uv)), "{uv}");
+                assert!(near(clamped.at(uv), clamped.at(uv.clamp(Vec2::ZERO, Vec2::ONE))), "{uv}");
+            }
+            let inside = Vec2::new(0.3, 0.4);
+            assert_eq!(tiled.at(inside), mirrored.at(inside));
+            assert_eq!(tiled.at(inside), clamped.at(inside));
+        }
+        // Across its edge a tiled picture is the mean of its first and last column.
+        let tiled = map(&ramp(), Encoding::Linear);
+        assert!((tiled.at(Vec2::new(0.0, 0.5))[0] - 0.5).abs() < 1e-4);
+        let mirrored = PictureMap { wrap: Wrap::Mirror, ..tiled };
+        assert!((mirrored.at(Vec2::new(0.0, 0.5))[0] - 0.0625).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_picture_is_upright_scaled_and_moved() {
+        let nearest = PictureMap { filter: TexelFilter::Nearest, ..map(&ramp(), Encoding::Linear) };
+        let found = nearest.at(Vec2::new(0.99, 0.99));
+        assert!((found[0] - 0.9375).abs() < 1e-4 && (found[1] - 0.875).abs() < 1e-4, "{found:?}");
+        let (repeat, offset) = (Vec2::new(2.0, 4.0), Vec2::new(0.25, 0.5));
+        let laid = PictureMap { repeat, offset, ..nearest.clone() };
+        let uv = Vec2::new(0.31, 0.17);
+        assert_eq!(laid.at(uv), nearest.at(uv * repeat + offset));
+    }
+
+    #[test]
+    fn values_for_a_screen_are_decoded_before_they_are_mixed() {
+        let image = Image::from_fn(2, 1, |x, _| [x as f32, x as f32, x as f32, x as f32]).unwrap();
+        let map = map(&image, Encoding::Srgb);
+        let [r, .., alpha] = map.at(Vec2::new(0.5, 0.5));
+        assert!((r - 0.5).abs() < 1e-4 && (alpha - 0.5).abs() < 1e-4, "half of the light, not of the number");
+        let grey = Image::filled(1, 1, &[0.5]).unwrap();
+        let found = Picture::new(&grey, Encoding::Srgb).0.texel(0, 0);
+        assert!((found[1] - 0.2140).abs() < 1e-4 && found[3] == 1.0, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_no_share_is_counted_and_held() {
+        let image = Image::from_fn(2, 1, |x, _| [if x == 0 { f32::NAN } else { 7.0 }, -1.0, 0.5]).unwrap();
+        let (picture, outside) = Picture::new(&image, Encoding::Linear);
+        assert_eq!(outside, 4);
+        assert_eq!((picture.texel(0, 0)[0], picture.texel(1, 0)[0], picture.texel(0, 0)[1]), (0.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn hostile_coordinates_give_shares() {
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            for filter in [TexelFilter::Nearest, TexelFilter::Bilinear] {
+                let map = PictureMap { wrap, filter, ..map(&ramp(), Encoding::Linear) };
+                for v in
+                    [f32::NAN, f32::INFINITY, -f32::MAX, 1e30, -1e-30, -0.0, 1.0, 0.999_999_94, 2.0, -7.0]
+                {
+                    for uv in [Vec2::new(v, 0.3), Vec2::new(0.3, v), Vec2::splat(v)] {
+                        assert!(
+                            map.at(uv).iter().all(|v| (0.0..=1.0).contains(v)),
+                            "{wrap:?} {filter:?} {uv}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
