@@ -94,7 +94,8 @@ impl Bidirectional<'_> {
         witness.counters().shadow += 1;
         let shadow_ray = z.at.ray_to_light(&sample, time);
         let carried = (z.beta * scattered, wavelengths);
-        if scene.occluded(&shadow_ray) {
+        let visible = scene.visibility(&shadow_ray);
+        if visible == 0.0 {
             self.tell(witness, RayKind::Shadow, &shadow_ray, carried, None);
             return None;
         }
@@ -110,7 +111,7 @@ impl Bidirectional<'_> {
         let before = square(end / drawn) * z.rivals.sum(rest * z.cosine(wi) * thinning, z.pdf(wi, z.back));
         let found = Found {
             way: [1, t],
-            light: z.beta * scattered * radiance * z.transmittance(wi, distance) * (1.0 / pdf),
+            light: z.beta * scattered * radiance * z.transmittance(wi, distance) * (visible / pdf),
             weight: weight(met, before),
             is_single: z.is_single,
             group: sample.group,
@@ -143,7 +144,8 @@ impl Bidirectional<'_> {
         let target = Target::Surface { p: y.at.p, p_error: y.at.p_error, n: y.at.ng };
         let way_there = z.at.ray_to(&target, wi, time);
         let carried = (z.beta * scattered, wavelengths);
-        if self.scene().occluded(&way_there) {
+        let visible = self.scene().visibility(&way_there);
+        if visible == 0.0 {
             self.tell(witness, RayKind::Connection, &way_there, carried, None);
             return None;
         }
@@ -153,7 +155,7 @@ impl Bidirectional<'_> {
         let camera_side = z.rivals.sum(by_lamp, z.pdf(wi, z.back));
         let found = Found {
             way,
-            light: y.beta * scattered * z.beta * z.transmittance(wi, distance) * (1.0 / distance2),
+            light: y.beta * scattered * z.beta * z.transmittance(wi, distance) * (visible / distance2),
             weight: weight(lamp_side, camera_side),
             is_single: y.is_single || z.is_single,
             group: y.group,
@@ -187,13 +189,14 @@ impl Bidirectional<'_> {
         let target = if is_parallel { Target::Infinity } else { Target::Point(y.at.p + to.distance * to.wi) };
         let way_there = y.at.ray_to(&target, to.wi, time);
         self.tell(witness, RayKind::Splat, &way_there, (y.beta * scattered, wavelengths), None);
-        if self.scene().occluded(&way_there) {
+        let visible = self.scene().visibility(&way_there);
+        if visible == 0.0 {
             return None;
         }
         let rivals = || y.rivals.sum(to.pdf_across * y.cosine(to.wi), y.pdf(to.wi, y.back));
         Some(Found {
             way,
-            light: y.beta * scattered * y.transmittance(to.wi, to.distance) * (to.we / to.pdf),
+            light: y.beta * scattered * y.transmittance(to.wi, to.distance) * (visible * to.we / to.pdf),
             weight: if self.settings.only_from_lamps { 1.0 } else { weight(rivals(), 0.0) },
             is_single: y.is_single,
             group: y.group,

@@ -215,6 +215,9 @@ impl<'a> Bidirectional<'a> {
         walk.witness.next(RayKind::Lamp);
         let group = scene.emitters.group(lamp);
         while let Some(met) = walk.trace() {
+            if walk.passes(&met) {
+                continue;
+            }
             if path.is_empty() {
                 walk.beta *= emitted.share_at(met.at.point.p.distance(emitted.p));
             }
@@ -270,7 +273,8 @@ impl<'a> Bidirectional<'a> {
         let mut seen = Seen::default();
         // Who is lit by what the present ray may meet.
         let mut origin = None;
-        for t in 2..=self.longest() {
+        let mut t = 2;
+        loop {
             let Some(met) = walk.trace() else {
                 if let Some(sky) = self.leave(&walk, origin.as_ref()) {
                     walk.witness.found(|| sky.value(wavelengths));
@@ -287,6 +291,9 @@ impl<'a> Bidirectional<'a> {
             if let Some(glow) = self.meet(&walk, &met.at, origin.as_ref()) {
                 walk.witness.found(|| glow.value(wavelengths));
                 found(glow, wavelengths);
+            }
+            if walk.passes(&met) {
+                continue;
             }
             if t == self.longest() {
                 break;
@@ -315,6 +322,7 @@ impl<'a> Bidirectional<'a> {
                 break;
             }
             origin = Some(z);
+            t += 1;
         }
         *witness = walk.witness;
         seen.first = walk.first;

@@ -2,7 +2,7 @@
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
-use kajo_core::bsdf::{BsdfSample, Transport};
+use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec3};
@@ -121,6 +121,24 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             self.witness.next(RayKind::Transmitted);
             self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
         }
+    }
+
+    /// Goes straight on where the surface has a hole; `false` where it has none.
+    ///
+    /// The ray stays the same for the sums: connections pass holes too, weakened by their share. Chances of holes are left
+    /// out of the densities of all ways alike.
+    pub fn passes(&mut self, met: &Met) -> bool {
+        let Met { at, boundary: None, u } = met else { return false };
+        let scene = self.scene;
+        let bsdf = || scene.bsdf(at, &self.wavelengths, self.bodies.eta(), *u);
+        if !scene.has_holes || !matches!(bsdf(), Bsdf::Null) {
+            return false;
+        }
+        if self.scatterings == 0 {
+            self.first = None;
+        }
+        self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
+        true
     }
 
     /// The sums at the point `p` that the ray has come to.
