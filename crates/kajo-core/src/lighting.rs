@@ -107,23 +107,10 @@ impl Scene {
         wavelengths: &Wavelengths,
         choice: LightChoice,
     ) -> Option<LightSample> {
-        self.lamp_towards(to, u, place, wavelengths, choice).map(|(_, sample)| sample)
-    }
-
-    /// As [`Scene::light_towards`], with the number of the lamp.
-    #[inline]
-    pub fn lamp_towards(
-        &self,
-        to: &Receiver,
-        u: f32,
-        place: Vec2,
-        wavelengths: &Wavelengths,
-        choice: LightChoice,
-    ) -> Option<(u32, LightSample)> {
         self.emitters.sample(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice)
     }
 
-    /// Density per solid angle with which [`Scene::lamp_towards`] draws this lamp and the way to a place of it; for a
+    /// Density per solid angle with which [`Scene::light_towards`] draws this lamp and the way to a place of it; for a
     /// lamp without extent the probability of its choice.
     ///
     /// * `at`: the place and its unit geometric normal, of effect where the lamp has a surface

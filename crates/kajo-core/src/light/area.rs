@@ -16,7 +16,7 @@ use kajo_math::{Aabb, Vec2, Vec3};
 use super::emit::{INVERSE_SQUARE, cosine_around};
 use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
 use crate::motion::MovingTransform;
-use crate::shape::Patch;
+use crate::shape::{Patch, PatchWay};
 
 /// Which sides of a surface give light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -129,17 +129,16 @@ impl Emitter for AreaLight {
 
     #[inline]
     fn sample(&self, p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let drawn = match &self.drift {
+        let PatchWay { at, wi } = match &self.drift {
             None => self.patch.sample(p, u)?,
             Some(drift) => self.patch.sample_moved(&drift.map_at(time), p, u)?,
         };
-        let wi = (drawn.p - p).normalize_or_zero();
-        if !self.sides.emit(-wi.dot(drawn.n)) {
+        if !self.sides.emit(-wi.dot(at.n)) {
             return None;
         }
-        let target = Target::Surface { p: drawn.p, p_error: drawn.p_error, n: drawn.n };
+        let target = Target::Surface { p: at.p, p_error: at.p_error, n: at.n };
         let radiance = self.emission.at(wavelengths);
-        Some(LightSample { wi, radiance, pdf: drawn.pdf, is_delta: false, target, group: 0 })
+        Some(LightSample { wi, radiance, pdf: at.pdf, is_delta: false, target, lamp: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

@@ -42,7 +42,7 @@ impl Emitter for DirectionalLight {
             // The disc's radiance E / (pi sin^2 r) times its solid angle 2 pi (1 - cos r).
             radiance *= 2.0 / (2.0 - self.disc);
         }
-        Some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target: Target::Infinity, group: 0 })
+        Some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target: Target::Infinity, lamp: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

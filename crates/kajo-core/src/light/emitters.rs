@@ -76,7 +76,7 @@ impl Emitters {
         self.sky.map_or(0, |number| self.group(number))
     }
 
-    /// The number of a light drawn for a receiver, and its light there; the density includes the choice of the lamp.
+    /// Light drawn for a receiver; its density includes the choice of the lamp.
     ///
     /// * `p`, `n`: point and unit normal of the receiver; the normal is zero where it has none
     /// * `time`: moment within the shutter interval
@@ -95,11 +95,16 @@ impl Emitters {
         place: Vec2,
         wavelengths: &Wavelengths,
         choice: LightChoice,
-    ) -> Option<(u32, LightSample)> {
-        let (light, probability) = self.tree.choose(p, n, u, choice)?;
-        let sample = lights.sample(self.list[light as usize], p, time, place, wavelengths)?;
-        // The density of a lamp without extent is that of its choice.
-        Some((light, LightSample { pdf: sample.pdf * probability, group: self.group(light), ..sample }))
+    ) -> Option<LightSample> {
+        let (lamp, probability) = self.tree.choose(p, n, u, choice)?;
+        let mut sample = lights.sample(self.list[lamp as usize], p, time, place, wavelengths);
+        // In place: a copy of what was just written in parts would have to wait for it.
+        if let Some(sample) = &mut sample {
+            // The density of a lamp without extent is that of its choice.
+            sample.pdf *= probability;
+            sample.lamp = lamp;
+        }
+        sample
     }
 
     /// The glowing piece that is this part of an object, and its number.

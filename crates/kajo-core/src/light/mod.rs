@@ -57,8 +57,8 @@ pub struct LightSample {
     pub is_delta: bool,
     /// How far the way must be clear.
     pub target: Target,
-    /// The lamp's group, an index into [`crate::Scene::light_groups`]; [`Emitters::sample`] fills it in.
-    pub group: u8,
+    /// The number of the lamp; [`Emitters::sample`] fills it in.
+    pub lamp: u32,
 }
 
 /// The far end of the way to a light.

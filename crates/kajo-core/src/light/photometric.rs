@@ -203,7 +203,7 @@ impl Emitter for PhotometricLight {
         let (wi, _, share) = self.seen_from(p);
         let radiance = self.emission.at(wavelengths) * share;
         let target = Target::Point(self.position);
-        (share > 0.0).then_some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target, group: 0 })
+        (share > 0.0).then_some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target, lamp: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

@@ -5,7 +5,7 @@ use kajo_math::solid_angle::polygon_irradiance;
 use kajo_math::{DAffine3, DQuat, DVec3, Vec2, Vec3, rng::Stream};
 
 use super::*;
-use crate::shape::{Canonical, DiskPatch, Patch};
+use crate::shape::{Canonical, DiskPatch, Patch, PatchWay};
 
 mod densities;
 pub(crate) mod emission;
@@ -20,10 +20,11 @@ fn draw(i: u32) -> Vec2 {
 fn irradiance(patch: &Patch, from: Vec3, n: Vec3, samples: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..samples {
-        let Some(drawn) = patch.sample(from, draw(i)) else { continue };
-        let again = patch.pdf(from, drawn.p, drawn.n);
-        assert!((again / drawn.pdf - 1.0).abs() < 1e-3, "{patch:?}: {again} for {}", drawn.pdf);
-        let e = f64::from(((drawn.p - from).normalize().dot(n)).max(0.0) / drawn.pdf);
+        let Some(PatchWay { at, wi }) = patch.sample(from, draw(i)) else { continue };
+        assert!(wi.distance((at.p - from).normalize()) < 1e-6, "{patch:?}: {wi} to {}", at.p);
+        let again = patch.pdf(from, at.p, at.n);
+        assert!((again / at.pdf - 1.0).abs() < 1e-3, "{patch:?}: {again} for {}", at.pdf);
+        let e = f64::from(wi.dot(n).max(0.0) / at.pdf);
         sum += e;
         squares += e * e;
     }

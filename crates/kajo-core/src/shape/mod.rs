@@ -20,7 +20,7 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
-pub use patch::{Canonical, CurvedPatch, DiskPatch, Patch, PatchSample, QuadPatch};
+pub use patch::{Canonical, CurvedPatch, DiskPatch, Patch, PatchSample, PatchWay, QuadPatch};
 pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;

@@ -105,6 +105,15 @@ pub struct PatchSample {
     pub pdf: f32,
 }
 
+/// A place drawn for a receiver, and the way there.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchWay {
+    /// The place, its density per solid angle at the receiver.
+    pub at: PatchSample,
+    /// Unit direction from the receiver to it.
+    pub wi: Vec3,
+}
+
 impl Patch {
     /// The parallelogram at `corner` between two edges.
     pub fn parallelogram(corner: DVec3, edges: [DVec3; 2]) -> Patch {
@@ -198,16 +207,14 @@ impl Patch {
 
     /// A place drawn for the receiver `from`, its density per solid angle there.
     #[inline]
-    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchSample> {
+    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
         let o = from.as_dvec3();
         if let Some(view) = self.view(o) {
             let p = view.sample(o, u, self)?;
-            let pdf = (1.0 / view.solid_angle()) as f32;
-            return Some(self.place(p, pdf));
+            let at = self.place(p, (1.0 / view.solid_angle()) as f32);
+            return Some(PatchWay { at, wi: (at.p - from).normalize_or_zero() });
         }
-        let drawn = self.sample_area(u)?;
-        let pdf = per_solid_angle(drawn.pdf, from, drawn.p, drawn.n)?;
-        Some(PatchSample { pdf, ..drawn })
+        self.sample_area(u)?.seen_from(from)
     }
 
     /// Density per solid angle at `from` with which [`Patch::sample`] draws the place `p` of this piece.
@@ -348,14 +355,29 @@ fn mapped(m: &DAffine3, corner: DVec3, edges: [DVec3; 2], flips: bool) -> Patch 
     Patch::parallelogram(m.transform_point3(corner), edges)
 }
 
+impl PatchSample {
+    /// A place drawn by area, as the receiver `from` has it; `None` where it is seen edge on.
+    #[inline]
+    fn seen_from(self, from: Vec3) -> Option<PatchWay> {
+        let (pdf, wi) = seen_from(self.pdf, from, self.p, self.n)?;
+        Some(PatchWay { at: PatchSample { pdf, ..self }, wi })
+    }
+}
+
 /// Density per solid angle at `from` of a density per area at `p`; `None` where the place is seen edge on.
 #[inline]
 pub(crate) fn per_solid_angle(pdf_area: f32, from: Vec3, p: Vec3, n: Vec3) -> Option<f32> {
+    seen_from(pdf_area, from, p, n).map(|(pdf, _)| pdf)
+}
+
+/// The same with the unit direction from `from` to `p`.
+#[inline]
+fn seen_from(pdf_area: f32, from: Vec3, p: Vec3, n: Vec3) -> Option<(f32, Vec3)> {
     let to = p - from;
     let distance2 = to.length_squared();
-    let cos = (to.dot(n) / distance2.sqrt()).abs();
-    let pdf = pdf_area * distance2 / cos;
-    (pdf.is_finite() && pdf > 0.0).then_some(pdf)
+    let wi = to * (1.0 / distance2.sqrt());
+    let pdf = pdf_area * distance2 / wi.dot(n).abs();
+    (pdf.is_finite() && pdf > 0.0).then_some((pdf, wi))
 }
 
 /// A piece as a point sees it.

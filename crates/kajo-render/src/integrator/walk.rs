@@ -25,6 +25,9 @@ pub(super) const SAFE_BOUNCES: u32 = 3;
 /// The largest chance to go on at random ends: a path between perfect mirrors must end some day.
 pub(super) const LARGEST_SURVIVAL: f32 = 0.98;
 
+/// How far the squared length of a unit vector may be from 1.
+const UNIT: f32 = 4.0 * f32::EPSILON;
+
 /// A path while it is being made.
 pub(super) struct Walk<'a, 'b, W> {
     view: &'a View<'a>,
@@ -391,7 +394,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || {
             sensor::to_rgb(light, wavelengths)
         });
-        self.add(light, lamp.group);
+        self.add(light, self.scene().emitters.group(lamp.lamp));
     }
 
     /// Whether the path goes on, decided at random where it carries little.
@@ -433,7 +436,9 @@ struct Local {
 
 impl Local {
     fn new(at: &Interaction, d: Vec3) -> Local {
-        let back = -d.normalize_or_zero();
+        // Scattered directions are unit vectors; those of some cameras are not.
+        let is_unit = (d.length_squared() - 1.0).abs() < UNIT;
+        let back = if is_unit { -d } else { -d.normalize_or_zero() };
         let ng = at.point.ng;
         // A shading normal that turns a visible side away is none.
         let n = if back.dot(at.point.n) * back.dot(ng) > 0.0 { at.point.n } else { ng };

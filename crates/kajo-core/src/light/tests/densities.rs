@@ -82,7 +82,7 @@ fn check(simple: Simple, map: DAffine3, from: Vec3, nearest_only: bool) {
         };
         crossings.iter().map(density).sum()
     };
-    let draw = |u: Vec2, _| patch.sample(from, u).map(|drawn| (drawn.p - from).normalize());
+    let draw = |u: Vec2, _| patch.sample(from, u).map(|drawn| drawn.wi);
     let result = sphere::test(60_000, 77, draw, pdf);
     assert!(result.passes(0.01, TESTS), "{simple:?} from {from}: {result:?}");
 }

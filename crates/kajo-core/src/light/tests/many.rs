@@ -38,9 +38,7 @@ fn estimate(lights: &Lights, emitters: &Emitters, p: Vec3, n: Vec3, choice: Ligh
     for i in 0..count {
         let s = Stream::new(32, [i, 0], 0);
         let (u, place) = (s.uniform(0), Vec2::new(s.uniform(1), s.uniform(2)));
-        let sample = emitters
-            .sample(lights, [p, n], 0.0, u, place, &Wavelengths::RGB, choice)
-            .map(|(_, sample)| sample);
+        let sample = emitters.sample(lights, [p, n], 0.0, u, place, &Wavelengths::RGB, choice);
         let value = sample
             .map_or(0.0, |sample| f64::from(sample.radiance[0] * sample.wi.dot(n).max(0.0) / sample.pdf));
         sum += value;

@@ -1,16 +1,14 @@
 //! Pieces that have moved since they were made, for lamps that move: everything is drawn and measured on the
 //! image of the piece under a map, and nothing is allocated for it.
 
-use super::{Canonical, CurvedPatch, Patch, PatchSample, per_solid_angle, scale_of_similarity};
+use super::{Canonical, CurvedPatch, Patch, PatchSample, PatchWay, per_solid_angle, scale_of_similarity};
 use kajo_math::{DAffine3, DVec3, Vec2, Vec3};
 
 impl Patch {
     /// [`Patch::sample`] of the image of this piece under `m`; that of a sphere must be a sphere.
-    pub fn sample_moved(&self, m: &DAffine3, from: Vec3, u: Vec2) -> Option<PatchSample> {
+    pub fn sample_moved(&self, m: &DAffine3, from: Vec3, u: Vec2) -> Option<PatchWay> {
         let Patch::Curved(curved) = self else { return self.moved(m)?.sample(from, u) };
-        let drawn = curved.moved(m).sample_area(u)?;
-        let pdf = per_solid_angle(drawn.pdf, from, drawn.p, drawn.n)?;
-        Some(PatchSample { pdf, ..drawn })
+        curved.moved(m).sample_area(u)?.seen_from(from)
     }
 
     /// [`Patch::pdf`] of the image of this piece under `m`.

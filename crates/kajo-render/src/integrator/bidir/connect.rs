@@ -85,8 +85,8 @@ impl Bidirectional<'_> {
         let u = draws.number_if(scene.emitters.len() > 1);
         let place = draws.next_2d();
         let choice = self.settings.light_choice;
-        let (lamp, sample) = scene.lamp_towards(&z.receiver(time), u, place, wavelengths, choice)?;
-        let LightSample { wi, radiance, pdf, is_delta, target, .. } = sample;
+        let sample = scene.light_towards(&z.receiver(time), u, place, wavelengths, choice)?;
+        let LightSample { wi, radiance, pdf, is_delta, target, lamp } = sample;
         let scattered = z.gathered(wi);
         if radiance.is_black() || scattered.is_black() {
             return None;
@@ -114,7 +114,7 @@ impl Bidirectional<'_> {
             light: z.beta * scattered * radiance * z.transmittance(wi, distance) * (visible / pdf),
             weight: weight(met, before),
             is_single: z.is_single,
-            group: sample.group,
+            group: scene.emitters.group(lamp),
             raster: None,
         };
         self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(&found));
