@@ -2,7 +2,7 @@
 
 use kajo_scene::{
     Assets, Corners, Limits, MemoryAssets, MeshFileError, MeshReport, NO_INDEX, SceneDesc, Sources, TriMesh,
-    print, read_gltf, read_mtl, read_obj, read_ply, read_stl, render, render_one, tokens,
+    print, read_gltf, read_ies, read_mtl, read_obj, read_ply, read_stl, render, render_one, tokens,
 };
 use std::path::Path;
 
@@ -205,6 +205,9 @@ fn check_gltf(data: &[u8]) {
                 assert!(part.mesh.faces.iter().flatten().all(|&v| finite(v)));
                 assert!(part.material.is_none_or(|material| material < model.materials.len()));
             }
+            for shown in model.materials.iter().filter_map(|material| material.picture) {
+                assert!(model.pictures.get(shown.picture).is_none_or(Option::is_some));
+            }
         }
         Err(error) => {
             let diagnostic = error.to_diagnostic(&mut Sources::default(), None);
@@ -226,4 +229,19 @@ fn ply_files_never_panic_and_keep_their_promises() {
 #[test]
 fn stl_files_never_panic_and_keep_their_promises() {
     run("stl", 10_000, |data| check_mesh(read_stl(data, "m.stl", &Limits::default())));
+}
+
+fn check_ies(data: &[u8]) {
+    if let Ok(file) = read_ies(data) {
+        assert_eq!(file.candela.len(), file.vertical_deg.len() * file.horizontal_deg.len());
+        assert!(!file.candela.is_empty() && file.candela.iter().all(|v| *v >= 0.0 && v.is_finite()));
+        for (angles, most) in [(&file.vertical_deg, 180.0), (&file.horizontal_deg, 360.0)] {
+            assert!(angles.is_sorted_by(|a, b| a < b) && angles.iter().all(|v| (0.0..=most).contains(v)));
+        }
+    }
+}
+
+#[test]
+fn files_of_luminaires_never_panic_and_keep_their_promises() {
+    run("ies", 10_000, check_ies);
 }
