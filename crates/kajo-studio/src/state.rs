@@ -136,6 +136,8 @@ pub struct Studio {
     wants_trace: bool,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
     watch: Watch,
+    /// Whether a file was written while it was read.
+    was_changed_meanwhile: bool,
 }
 
 impl Studio {
@@ -180,6 +182,7 @@ impl Studio {
                 (version, Arc::new(Preview::of(&scene)))
             }),
             watch: Watch::new(move || waker()),
+            was_changed_meanwhile: false,
         }
     }
 
@@ -233,7 +236,9 @@ impl Studio {
             Some(Err(text)) => self.say(&text, true),
             None => {}
         }
-        if self.watch.changed() && self.document.as_ref().is_some_and(Document::changed_on_disk) {
+        let is_changed =
+            self.watch.changed() && self.document.as_ref().is_some_and(Document::changed_on_disk);
+        if std::mem::take(&mut self.was_changed_meanwhile) || is_changed {
             self.reload();
         }
         if self.shown == Shown::Traced && self.options.habits.live {
@@ -387,12 +392,14 @@ impl Studio {
     }
 
     /// Looks at all files that the scene consists of.
-    fn watch_files(&self) {
+    fn watch_files(&mut self) {
         let Some(document) = &self.document else { return };
         let Some(path) = document.path() else { return };
         let folder = path.parent().unwrap_or(path);
         let included = document.files().skip(1).map(|(_, file)| folder.join(&file.name));
         self.watch.set(std::iter::once(path.to_owned()).chain(included).collect());
+        // Since the document was read, and before the watch began.
+        self.was_changed_meanwhile = document.changed_on_disk();
     }
 
     /// Has a scene made of the text; the last one stays on show until it is there.

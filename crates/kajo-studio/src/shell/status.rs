@@ -10,14 +10,17 @@ use crate::state::{Shown, Studio};
 
 /// The whole line.
 pub fn show(ui: &mut Ui, studio: &Studio) {
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let speed = studio.navigation.speed;
-        ui.label(RichText::new(format!("speed {speed:.2}")).color(theme::quiet(ui)))
-            .on_hover_text("World units a second; the wheel changes it");
-        ui.separator();
-        trace(ui, studio);
-        ui.with_layout(Layout::left_to_right(Align::Center), |ui| message(ui, studio));
-    });
+    // As high as a widget, whatever is written in it.
+    ui.horizontal(|ui| ui.with_layout(Layout::right_to_left(Align::Center), |ui| line(ui, studio)));
+}
+
+fn line(ui: &mut Ui, studio: &Studio) {
+    let speed = studio.navigation.speed;
+    ui.label(RichText::new(format!("speed {speed:.2}")).color(theme::quiet(ui)))
+        .on_hover_text("World units a second; the wheel changes it");
+    ui.separator();
+    trace(ui, studio);
+    ui.with_layout(Layout::left_to_right(Align::Center), |ui| message(ui, studio));
 }
 
 /// What is going on, or the newest message, as much of it as there is room for.

@@ -15,7 +15,7 @@ const PAUSE: Duration = Duration::from_millis(200);
 
 /// Tells when files change. Dropping it ends its thread.
 pub struct Watch {
-    files: Sender<Vec<PathBuf>>,
+    files: Sender<(Vec<PathBuf>, Vec<Stamp>)>,
     changes: Receiver<()>,
 }
 
@@ -33,8 +33,9 @@ impl Watch {
 
     /// Looks at these files from now on, as they are at this moment.
     pub fn set(&self, files: Vec<PathBuf>) {
-        // The thread lives as long as this sender.
-        let _ = self.files.send(files);
+        // What is written from here on is told, whenever the thread comes to it, which lives as long as this sender.
+        let now = stamps(&files);
+        let _ = self.files.send((files, now));
         while self.changes.try_recv().is_ok() {}
     }
 
@@ -48,16 +49,16 @@ impl Watch {
     }
 }
 
-fn look(new_files: &Receiver<Vec<PathBuf>>, tell: &Sender<()>, wake: &impl Fn()) {
+fn look(new_files: &Receiver<(Vec<PathBuf>, Vec<Stamp>)>, tell: &Sender<()>, wake: &impl Fn()) {
     let mut files: Vec<PathBuf> = Vec::new();
     let mut told: Vec<Stamp> = Vec::new();
     let mut last: Vec<Stamp> = Vec::new();
     loop {
         match new_files.recv_timeout(PAUSE) {
-            Ok(list) => {
+            Ok((list, then)) => {
                 files = list;
-                told = stamps(&files);
-                last.clone_from(&told);
+                last.clone_from(&then);
+                told = then;
             }
             Err(RecvTimeoutError::Timeout) => {
                 let now = stamps(&files);
