@@ -116,8 +116,8 @@ struct Cell {
 pub(crate) enum Between<'a> {
     /// Something opaque, for sure.
     Blocked,
-    /// None but these.
-    Items(&'a [Item]),
+    /// None but the first of these, up to this distance from the apex.
+    Items(&'a [Item], f32),
 }
 
 impl ItemBuffer {
@@ -168,7 +168,7 @@ impl ItemBuffer {
 
     /// What a ray that ends at the apex may meet, those nearest to the apex first; `None` where that is too much for a
     /// list, or the ray does not end close enough to the apex.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn between(&self, ray: &Ray) -> Option<Between<'_>> {
         let from_apex = ray.o - self.apex;
         let miss = from_apex + ray.t_max * ray.d;
@@ -176,15 +176,12 @@ impl ItemBuffer {
         if !close {
             return None;
         }
-        let Some(cell) = self.cell(from_apex) else { return Some(Between::Items(&[])) };
+        let Some(cell) = self.cell(from_apex) else { return Some(Between::Items(&[], 0.0)) };
         let distance = from_apex.length();
         if distance > cell.hidden_beyond {
             return Some(Between::Blocked);
         }
-        let farthest = distance * (1.0 + 8.0 * f32::EPSILON);
-        let items = self.list(cell)?;
-        let len = items.iter().take_while(|item| item.near <= farthest).count();
-        Some(Between::Items(&items[..len]))
+        Some(Between::Items(self.list(cell)?, distance * (1.0 + 8.0 * f32::EPSILON)))
     }
 
     /// The cell of a direction; none where there is nothing.
@@ -561,7 +558,9 @@ mod tests {
                 let hidden = met.iter().any(|b| b.opaque && b.sphere.is_some());
                 blocked += u32::from(hidden);
                 let items = match between {
-                    Between::Items(items) => items,
+                    Between::Items(items, farthest) => {
+                        items.iter().take_while(|item| item.near <= farthest).collect::<Vec<_>>()
+                    }
                     Between::Blocked => {
                         known += 1;
                         assert!(hidden, "{ray:?}");

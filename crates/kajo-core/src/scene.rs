@@ -20,7 +20,7 @@ use crate::moving_tree::MovingTree;
 use crate::nested::{Leaf, Nested};
 use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
-use crate::shape::{ShapeId, Shapes, Sphere, Surface};
+use crate::shape::{Plane, ShapeId, Shapes, Sphere, Surface};
 use crate::texture::Textures;
 
 /// A shape at its place in the world, with its material.
@@ -174,9 +174,8 @@ impl Scene {
     /// The far side of a sphere is looked for first: few other things are nearer.
     #[inline]
     pub fn trace_inwards(&self, ray: &Ray, at: &mut Interaction) -> bool {
-        let met = self.primitives.get(at.primitive as usize);
-        let is_sphere = met.is_some_and(|primitive| self.plain_sphere(primitive).is_some());
-        let within = if is_sphere { at.primitive } else { NOTHING };
+        let met = self.primitives.get(at.primitive as usize).map(|primitive| self.plain(primitive));
+        let within = if matches!(met, Some(Plain::Sphere(_))) { at.primitive } else { NOTHING };
         if !self.closest_within(within, None, ray, at) {
             return false;
         }
@@ -377,7 +376,7 @@ impl Scene {
         let Some(placed) = self.primitives.get(at.primitive as usize) else {
             return rarely(|| self.complete_nested(ray, at));
         };
-        if let Some(sphere) = self.plain_sphere(placed) {
+        if let Plain::Sphere(sphere) = self.plain(placed) {
             at.point = sphere.surface_at(ray, &at.hit);
         } else if placed.transform == 0 {
             at.point = self.shapes.surface_at(placed.shape, ray, &at.hit);
@@ -520,7 +519,10 @@ impl Scene {
             return true;
         }
         let blocked = match between {
-            Some(Between::Items(items)) => items.iter().any(|item| blocks(item.primitive)),
+            Some(Between::Items(items, farthest)) => {
+                let mut nearer = items.iter().take_while(|item| item.near <= farthest);
+                nearer.any(|item| blocks(item.primitive))
+            }
             _ => self.bvh.any(ray, &mut blocks),
         };
         blocked || self.moving.as_ref().is_some_and(|moving| rarely(|| moving.any(ray, blocks)))
@@ -574,9 +576,10 @@ impl Scene {
     #[inline(always)]
     fn hit(&self, primitive: u32, ray: &Ray) -> Option<Hit> {
         let primitive = &self.primitives[primitive as usize];
-        match self.plain_sphere(primitive) {
-            Some(sphere) => sphere.hit(ray),
-            None => self.hit_any(primitive, ray),
+        match self.plain(primitive) {
+            Plain::Sphere(sphere) => sphere.hit(ray),
+            Plain::Plane(plane) => plane.hit(ray),
+            Plain::Neither => self.hit_any(primitive, ray),
         }
     }
 
@@ -584,16 +587,22 @@ impl Scene {
     #[inline(always)]
     fn blocks(&self, primitive: u32, ray: &Ray) -> bool {
         let primitive = &self.primitives[primitive as usize];
-        match self.plain_sphere(primitive) {
-            Some(sphere) => sphere.blocks(ray),
-            None => self.blocked_by_any(primitive, ray),
+        match self.plain(primitive) {
+            Plain::Sphere(sphere) => sphere.blocks(ray),
+            Plain::Plane(plane) => plane.blocks(ray),
+            Plain::Neither => self.blocked_by_any(primitive, ray),
         }
     }
 
-    /// A sphere that stands in the world as it is: the one shape whose test is worth a place in the innermost loops.
     #[inline(always)]
-    fn plain_sphere(&self, primitive: &Primitive) -> Option<&Sphere> {
-        if primitive.transform == 0 { Sphere::find(&self.shapes, primitive.shape) } else { None }
+    fn plain(&self, primitive: &Primitive) -> Plain<'_> {
+        if primitive.transform != 0 {
+            return Plain::Neither;
+        }
+        if let Some(sphere) = Sphere::find(&self.shapes, primitive.shape) {
+            return Plain::Sphere(sphere);
+        }
+        Plane::find(&self.shapes, primitive.shape).map_or(Plain::Neither, Plain::Plane)
     }
 
     #[inline(never)]
@@ -645,6 +654,13 @@ impl Scene {
         };
         f(map)
     }
+}
+
+/// The shapes whose tests are worth a place in the innermost loops, where they stand in the world as they are.
+enum Plain<'a> {
+    Sphere(&'a Sphere),
+    Plane(&'a Plane),
+    Neither,
 }
 
 /// `f` of nothing, out of the way of those who do not need it.

@@ -327,6 +327,27 @@ fn rays_from_and_to_a_point_need_no_tree() {
 }
 
 #[test]
+fn looking_for_the_far_side_first_changes_nothing() {
+    let s = jumble();
+    let mut crossed = 0;
+    for i in 0..5000u32 {
+        let r = kajo_math::rng::Stream::new(46, [i, 0], 0);
+        let signed = |k: u32| 2.0 * Vec3::new(r.uniform(k), r.uniform(k + 1), r.uniform(k + 2)) - 1.0;
+        let Event::Surface(at) = s.trace(&Ray::new(6.0 * signed(0), signed(3).normalize())) else { continue };
+        let onward = at.point.ray_towards(signed(6).normalize(), f32::INFINITY, 0.0, crate::RayOffset::Auto);
+        let (mut first, mut plain) = (at, at);
+        let met = s.trace_inwards(&onward, &mut first);
+        assert_eq!(met, s.trace_into(None, &onward, &mut plain), "{i}");
+        if met {
+            assert_eq!((first.primitive, first.hit), (plain.primitive, plain.hit), "{i}");
+            assert_eq!(first.point.p, plain.point.p, "{i}");
+            crossed += u32::from(first.primitive == at.primitive);
+        }
+    }
+    assert!(crossed > 300, "{crossed}");
+}
+
+#[test]
 fn what_a_flattened_transform_holds_is_read_but_never_seen() {
     // Only the product of all three matrices would hide the missing inverse behind rounding.
     let ops = "YRotate 31 Scale 0 1 1 Group { Transform { XRotate 17 ZRotate 23";

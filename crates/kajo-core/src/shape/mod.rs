@@ -41,7 +41,7 @@ pub trait Surface: Sized {
     fn hit(&self, ray: &Ray) -> Option<Hit>;
 
     /// Whether there is any crossing with `t_min < t < t_max`.
-    #[inline]
+    #[inline(always)]
     fn blocks(&self, ray: &Ray) -> bool {
         self.hit(ray).is_some()
     }

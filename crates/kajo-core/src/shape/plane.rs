@@ -38,7 +38,7 @@ impl Surface for Plane {
         Aabb::EVERYWHERE
     }
 
-    #[inline]
+    #[inline(always)]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let Ray64 { o, d } = Ray64::new(ray);
         let (height, speed) = (self.offset - self.normal.dot(o), self.normal.dot(d));
