@@ -40,8 +40,8 @@ const MUTANTS: [Mutant; 12] = [
     mutant(
         "the density of a lamp without that of its choice",
         EMITTERS,
-        "LightSample { pdf: sample.pdf * probability, group",
-        "LightSample { pdf: sample.pdf + 0.0 * probability, group",
+        "sample.pdf *= probability;",
+        "sample.pdf *= 0.0 * probability + 1.0;",
     ),
     mutant(
         "half the density of a lamp that was met",
