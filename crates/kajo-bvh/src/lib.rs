@@ -42,6 +42,7 @@ mod walk;
 pub use boxes::Bvh;
 pub use group::TriangleHit;
 pub use moving::MovingBvh;
+pub use simd::instructions;
 pub use triangles::TriangleBvh;
 #[cfg(any(test, feature = "bench"))]
 pub use visits::Visits;

@@ -53,6 +53,21 @@ pub(crate) trait Simd: Copy {
     fn le_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
 }
 
+/// The instructions that rays are traced with on the machine at hand, by name.
+pub fn instructions() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    match avx::level() {
+        avx::Level::Avx512 => return "AVX-512",
+        avx::Level::Avx2 => return "AVX2",
+        avx::Level::Baseline => {}
+    }
+    match std::env::consts::ARCH {
+        "x86_64" => "SSE2",
+        "aarch64" => "NEON",
+        _ => "scalar",
+    }
+}
+
 /// Two halves of four, each a register on most machines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Portable;
@@ -201,6 +216,7 @@ pub(crate) use dispatch;
 #[cfg(target_arch = "x86_64")]
 mod avx {
     use std::arch::x86_64::*;
+    use std::sync::OnceLock;
 
     use super::{Simd, Vec4};
 
@@ -211,15 +227,41 @@ mod avx {
     pub(crate) type Avx2 = Avx<false>;
     pub(crate) type Avx512 = Avx<true>;
 
+    /// The sets that kernels are compiled for, each with all of the one before.
+    #[derive(Clone, Copy, PartialEq, PartialOrd)]
+    pub(super) enum Level {
+        Baseline,
+        Avx2,
+        Avx512,
+    }
+
+    /// What the processor has. A ray is too short to ask for each feature again.
+    #[inline(always)]
+    pub(super) fn level() -> Level {
+        static LEVEL: OnceLock<Level> = OnceLock::new();
+        *LEVEL.get_or_init(|| {
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
+            let avx512 = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq");
+            match (avx2, avx512) {
+                (true, true) => Level::Avx512,
+                (true, false) => Level::Avx2,
+                (false, _) => Level::Baseline,
+            }
+        })
+    }
+
     impl Avx512 {
         /// The proof, where it holds.
         #[inline(always)]
         pub(crate) fn detect() -> Option<Avx512> {
-            let wide = is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512vl")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512dq");
-            (wide && Avx2::detect().is_some()).then_some(Avx(()))
+            (level() >= Level::Avx512).then_some(Avx(()))
         }
     }
 
@@ -227,7 +269,7 @@ mod avx {
         /// The proof, where it holds.
         #[inline(always)]
         pub(crate) fn detect() -> Option<Avx2> {
-            (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Avx(()))
+            (level() >= Level::Avx2).then_some(Avx(()))
         }
     }
 

@@ -21,21 +21,8 @@ impl Machine {
         Machine {
             processor: model(&cpuinfo).unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
             cores: thread::available_parallelism().map_or(1, |n| n.get()),
-            simd: simd(),
+            simd: kajo_bvh::instructions(),
         }
-    }
-}
-
-/// What the trees of boxes and triangles choose at run time.
-fn simd() -> &'static str {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-        return "AVX2";
-    }
-    match std::env::consts::ARCH {
-        "x86_64" => "SSE2",
-        "aarch64" => "NEON",
-        _ => "scalar",
     }
 }
 
