@@ -19,7 +19,7 @@ Usage: cargo xtask <CHORE>
   check            the quick part of it: format, lints, floors, words
   floors           only the floors: which crate and which module may import which
   words            only the words that no file may hold
-  deep             all tests in release, the slow ones included
+  deep             all tests in release, the slow ones in full
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
   mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
   gallery [OUT]    renders both galleries to OUT (out/)
@@ -102,7 +102,9 @@ fn no_banned_words(root: &Path, report: &mut Report) {
 
 fn deep(root: &Path, report: &mut Report) {
     packages::provide(report);
-    report.run("all tests in release", Cargo::new(root, "test --workspace --release -- --include-ignored"));
+    let tests = Cargo::new(root, "test --workspace --release --no-fail-fast -- --include-ignored");
+    // What takes long runs in full where this is set.
+    report.run("all tests in release, in full", tests.env("KAJO_DEEP", "1"));
 }
 
 fn fuzz(root: &Path, report: &mut Report, seconds: u64) {
