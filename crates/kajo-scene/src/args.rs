@@ -266,10 +266,11 @@ impl<'a> Args<'a> {
 
     fn word_for_number(&self, word: Word<'_>, n: usize) -> Diagnostic {
         let text = word.text();
-        let found = if looks_like_number(&text) {
-            format!("{}, which is not a number", quoted(&text))
-        } else {
-            quoted(&text)
+        let found = match text.parse::<f64>() {
+            // The lexer takes any number that a float can hold.
+            Ok(_) => format!("{}, which is too large", quoted(&text)),
+            Err(_) if looks_like_number(&text) => format!("{}, which is not a number", quoted(&text)),
+            Err(_) => quoted(&text),
         };
         let message = format!("expected {} after `{}`, found {found}", count(n), self.key());
         Diagnostic::error(message).label(word.span, "expected a number such as 1, -0.5 or 2e3")

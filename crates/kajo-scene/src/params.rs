@@ -306,6 +306,8 @@ mod tests {
         let not_a_number =
             error("7: error: expected 1 number after `k`, found `1.2.3`, which is not a number");
         assert_eq!(value("1.2.3", Args::number), not_a_number);
+        let too_large = error("7: error: expected 1 number after `k`, found `1e400`, which is too large");
+        assert_eq!(value("1e400", Args::number), too_large);
         assert_eq!(value("x 1", Args::number), error("7: error: expected 1 number after `k`, found `x`"));
     }
 

@@ -47,7 +47,7 @@ pub enum Camera {
 }
 
 impl Camera {
-    /// The ray through a place of the picture; `None` where no light gets.
+    /// The ray through a place of the picture, with a unit direction; `None` where no light gets.
     ///
     /// * `at`: picture coordinates; samples may lie somewhat outside [-1, 1]
     /// * `aspect`: width of the picture over its height

@@ -11,7 +11,8 @@
 
 use std::f32::consts::PI;
 
-use kajo_math::{DAffine3, DVec2, Motion, Vec2, Vec3};
+use kajo_math::rng::Stream;
+use kajo_math::{DAffine3, DVec2, DVec3, Motion, Vec2, Vec3};
 
 use super::{Census, Draw, Furnace, Who, kinds};
 use crate::camera::tests::every_camera;
@@ -48,6 +49,25 @@ fn frame(camera: &Camera) -> Frame {
         Camera::Fisheye(camera) => camera.frame,
         Camera::StereoCubemap(camera) => camera.frame,
         Camera::Moving(moving) => frame(&moving.camera),
+    }
+}
+
+#[test]
+fn rays_have_unit_directions() {
+    let turn = Motion::still(DAffine3::from_axis_angle(DVec3::ONE.normalize(), 0.7));
+    let map = MovingTransform::new(turn, Shutter::default());
+    let turned = cameras()
+        .into_iter()
+        .map(|camera| Camera::Moving(Box::new(MovingCamera { camera, map: map.clone() })));
+    for (i, camera) in cameras().into_iter().chain(turned).enumerate() {
+        for k in 0..500 {
+            let s = Stream::new(5, [i as u32, k], 0);
+            let [at, lens] = [0, 2].map(|n| Vec2::new(s.uniform(n), s.uniform(n + 1)));
+            // The closest representable vectors have squared lengths within three roundings of 1.
+            let Some(ray) = camera.ray(2.2 * at - 1.1, ASPECT, lens, s.uniform(4)) else { continue };
+            let off = (ray.d.as_dvec3().length_squared() - 1.0).abs();
+            assert!(off < 4.0 * f64::from(f32::EPSILON), "{camera:?}: {off} off at {at}");
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use kajo_math::{DVec3, Vec2, Vec3};
 use super::{Census, Draw, Furnace, Who};
 use crate::background::Background;
 use crate::daylight::{Sky, SkySettings};
+use crate::light::tests::AFTERNOON;
 use crate::light::tests::emission::{WORLD, lamps};
 use crate::light::{AreaLight, Emitter, LightId, Lights, Sides, SkyLight, Target};
 use crate::shape::Patch;
@@ -73,15 +74,8 @@ fn towards_a_square() -> Draw {
 
 /// Directions to a clear sky without its sun, which is too small for the cells of the test.
 fn towards_a_sky() -> Draw {
-    let settings = SkySettings {
-        turbidity: 3.0,
-        elevation_deg: 35.0,
-        azimuth_deg: 200.0,
-        ground: 0.2,
-        scale: 0.1,
-        sun: false,
-    };
-    let sky = Arc::new(SkyLight::new(Arc::new(Background::Sky(Box::new(Sky::new(&settings))))));
+    let sky = Sky::new(&SkySettings { sun: false, ..AFTERNOON });
+    let sky = Arc::new(SkyLight::new(Arc::new(Background::Sky(Box::new(sky)))));
     let same = Arc::clone(&sky);
     Draw {
         who: who("skies", "a clear sky".to_owned()),

@@ -5,11 +5,22 @@ use kajo_math::solid_angle::polygon_irradiance;
 use kajo_math::{DAffine3, DQuat, DVec3, Vec2, Vec3, rng::Stream};
 
 use super::*;
+use crate::daylight::SkySettings;
 use crate::shape::{Canonical, DiskPatch, Patch, PatchWay};
 
 mod densities;
 pub(crate) mod emission;
 mod many;
+
+/// A clear sky with its sun, dim enough to be told from lamps.
+pub(crate) const AFTERNOON: SkySettings = SkySettings {
+    turbidity: 3.0,
+    elevation_deg: 35.0,
+    azimuth_deg: 200.0,
+    ground: 0.2,
+    scale: 0.1,
+    sun: true,
+};
 
 fn draw(i: u32) -> Vec2 {
     let stream = Stream::new(21, [i, 0], 0);

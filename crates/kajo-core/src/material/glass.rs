@@ -81,7 +81,7 @@ impl Appearance for Glass {
     }
 
     fn needs_uv(&self, _materials: &Materials) -> bool {
-        self.settings.roughness.varies()
+        self.constant.is_none()
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {

@@ -67,7 +67,7 @@ impl Appearance for Metal {
     }
 
     fn needs_uv(&self, _materials: &Materials) -> bool {
-        self.varies()
+        self.constant.is_none()
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {

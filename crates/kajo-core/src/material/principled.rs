@@ -112,7 +112,7 @@ impl Appearance for LayeredMaterial {
     }
 
     fn needs_uv(&self, _materials: &Materials) -> bool {
-        self.layers.vary()
+        self.constant.is_none()
     }
 
     fn is_mixture(&self) -> bool {

@@ -25,9 +25,6 @@ pub(super) const SAFE_BOUNCES: u32 = 3;
 /// The largest chance to go on at random ends: a path between perfect mirrors must end some day.
 pub(super) const LARGEST_SURVIVAL: f32 = 0.98;
 
-/// How far the squared length of a unit vector may be from 1.
-const UNIT: f32 = 4.0 * f32::EPSILON;
-
 /// A path while it is being made.
 pub(super) struct Walk<'a, 'b, W> {
     view: &'a View<'a>,
@@ -74,7 +71,7 @@ struct Origin {
 }
 
 impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
-    /// A path that starts with a camera ray.
+    /// A path that starts with a camera ray, whose direction has unit length.
     pub fn new(
         view: &'a View<'a>,
         settings: &'a PathSettings,
@@ -129,7 +126,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
                 return;
             }
             if !self.bodies.is_empty() {
-                self.throughput *= self.bodies.transmittance(at.hit.t * self.ray.d.length());
+                self.throughput *= self.bodies.transmittance(at.hit.t);
             }
             if self.first.is_none() {
                 self.first = Some(at);
@@ -435,11 +432,9 @@ struct Local {
 }
 
 impl Local {
+    /// * `d`: unit direction of the ray that has come to the surface
     fn new(at: &Interaction, d: Vec3) -> Local {
-        // Scattered directions are unit vectors; those of some cameras are not.
-        let is_unit = (d.length_squared() - 1.0).abs() < UNIT;
-        let back = if is_unit { -d } else { -d.normalize_or_zero() };
-        let ng = at.point.ng;
+        let (back, ng) = (-d, at.point.ng);
         // A shading normal that turns a visible side away is none.
         let n = if back.dot(at.point.n) * back.dot(ng) > 0.0 { at.point.n } else { ng };
         let frame = Frame::from_normal(n);

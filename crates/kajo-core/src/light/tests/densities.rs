@@ -141,16 +141,8 @@ fn skies_with_their_sun() {
     use crate::background::Background;
     use crate::daylight::{Sky, SkySettings, Sun};
 
-    let settings = SkySettings {
-        turbidity: 3.0,
-        elevation_deg: 35.0,
-        azimuth_deg: 200.0,
-        ground: 0.2,
-        scale: 0.1,
-        sun: true,
-    };
-    let with = Sky::new(&settings);
-    let without = Sky::new(&SkySettings { sun: false, ..settings });
+    let with = Sky::new(&AFTERNOON);
+    let without = Sky::new(&SkySettings { sun: false, ..AFTERNOON });
     let (to_sun, sun_share) = (with.sun.as_ref().unwrap().direction, with.sun_share());
     let from_sun = with.sun.as_ref().unwrap().radiance.luminance() * Sun::SOLID_ANGLE * to_sun.y;
     let sky = SkyLight::new(std::sync::Arc::new(Background::Sky(Box::new(with))));

@@ -46,7 +46,7 @@ impl Bidirectional<'_> {
     ) -> Option<Found> {
         let glow = self.scene().glow(at, walk.ray.d, &walk.wavelengths)?;
         let weight = from.map_or(1.0, |from| {
-            let (p, n, wi) = (at.point.p, at.point.ng, walk.ray.d.normalize_or_zero());
+            let (p, n, wi) = (at.point.p, at.point.ng, walk.ray.d);
             let cosine = n.dot(wi).abs();
             let drawn = self.lamp_pdf(glow.lamp(), (from, walk.ray.time), [p, n], wi) * cosine
                 / p.distance_squared(from.at.p);

@@ -106,7 +106,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             if !meets {
                 return None;
             }
-            self.beta *= self.bodies.transmittance(at.hit.t * self.ray.d.length());
+            self.beta *= self.bodies.transmittance(at.hit.t);
             self.first.get_or_insert(at);
             let u = self.draws.number_if(self.scene.is_mixture(&at));
             let interior = self.scene.interior(&at, &self.wavelengths, u);
@@ -128,10 +128,10 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     /// The ray stays the same for the sums: connections pass holes too, weakened by their share. Chances of holes are left
     /// out of the densities of all ways alike.
     pub fn passes(&mut self, met: &Met) -> bool {
-        let Met { at, boundary: None, u } = met else { return false };
         let scene = self.scene;
-        let bsdf = || scene.bsdf(at, &self.wavelengths, self.bodies.eta(), *u);
-        if !scene.has_holes || !matches!(bsdf(), Bsdf::Null) {
+        let Met { at, boundary: None, u } = met else { return false };
+        if !scene.has_holes || !matches!(scene.bsdf(at, &self.wavelengths, self.bodies.eta(), *u), Bsdf::Null)
+        {
             return false;
         }
         if self.scatterings == 0 {
@@ -171,7 +171,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             self.wavelengths.terminate_secondary();
         }
         let eta_outside = boundary.map_or_else(|| self.bodies.eta(), |boundary| boundary.eta_outside);
-        let back = -self.ray.d.normalize_or_zero();
+        let back = -self.ray.d;
         let absorption = |bodies: &Bodies| bodies.absorption().unwrap_or(Spectrum::BLACK);
         let near = absorption(&self.bodies);
         let far = boundary.map_or(near, |boundary| absorption(&self.bodies.beyond(&boundary)));

@@ -31,7 +31,9 @@ fn random_scene(i: u32) -> String {
             "PointLight { position 0.6 1.2 0.8  color 1 1 1  attenuation 0.3 0.2 0.5 }",
             "SpotLight { position 0 2 1  direction 0 -2 -1  angle 60  innerAngle 20  intensity 9 9 9 }",
             "DirectionalLight { direction 0.3 -1 -0.4  irradiance 3 3 3 }",
-            "DirectionalLight { direction 0.3 -1 -0.4  irradiance 3 3 3  angle 20 }",
+            "DirectionalLight { direction 0.3 -1 -0.4  irradiance 3 3 3  angle 60 }",
+            "",
+            "",
         ],
     );
     let lamp = pick(
@@ -43,10 +45,10 @@ fn random_scene(i: u32) -> String {
             "Transform { Translate 0 1.3 0 Scale 0.6 0.2 0.4 Sphere { center 0 0 0  radius 1 } }",
         ],
     );
-    // What mirrors send on from a lamp without size is light that no path from the camera can find.
+    // What mirrors send on from lamps that no ray can meet is light that no path from the camera can find.
     let rough = ["white", "red", "gold", "frosted", "paint", "flint"];
     let all = ["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss", "flint"];
-    let material = |k| pick(u(k), if lights.ends_with("angle 20 }") { &all } else { &rough });
+    let material = |k| pick(u(k), if lights.is_empty() { &all } else { &rough });
     let (a, b) = (material(4), material(5));
     let ground = pick(
         u(6),
