@@ -9,7 +9,7 @@ use crate::walk::Tree;
 use crate::{BuildSettings, Stats};
 
 /// One primitive to a leaf: what the caller does with it is dear.
-pub(crate) const SHAPE: LeafShape = LeafShape { block: 1, most: 1, limit: Child::LIMIT };
+pub(crate) const SHAPE: LeafShape = LeafShape { block_bits: 0, most: 1, limit: Child::LIMIT };
 
 /// A tree over the boxes of primitives that the caller intersects.
 ///
@@ -36,7 +36,7 @@ impl Bvh {
     /// Threads of the current rayon pool share the work; their number does not change the
     /// tree.
     pub fn build(boxes: &[Aabb], settings: &BuildSettings) -> Bvh {
-        let prims = Prims::new(boxes.len().min(Child::LIMIT), |id| usable(boxes, id));
+        let prims = Prims::new(boxes.len().min(Child::LIMIT), |id| usable(boxes, id).map(Into::into));
         let leaf = |ids: &[u32], _: &mut [()], _: usize| ids[0];
         let Some(built) = build::build(prims, SHAPE, settings.quality, leaf) else { return Bvh::default() };
         Bvh { tree: built.tree, leaves: built.leaves, dropped: boxes.len() - built.leaves }

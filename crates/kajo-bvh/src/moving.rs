@@ -43,7 +43,8 @@ impl MovingBvh {
     /// counted; so is what comes after the first 2^31 boxes. The number of threads of the
     /// current rayon pool does not change the tree.
     pub fn build(boxes: &[[Aabb; 2]], settings: &BuildSettings) -> MovingBvh {
-        let prims = Prims::new(boxes.len().min(Child::LIMIT), |id| middle(boxes[id as usize]));
+        let prims =
+            Prims::new(boxes.len().min(Child::LIMIT), |id| middle(boxes[id as usize]).map(Into::into));
         let leaf = |ids: &[u32], _: &mut [()], _: usize| ids[0];
         let Some(built) = build::build(prims, SHAPE, settings.quality, leaf) else {
             return MovingBvh::default();

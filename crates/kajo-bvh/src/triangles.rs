@@ -1,10 +1,10 @@
 //! A tree over triangles.
 
-use kajo_math::{Aabb, DVec3, Ray, Vec3};
+use kajo_math::{Aabb, DVec3, Ray, Vec3, Vec3A};
 use rayon::prelude::*;
 
 use crate::array::Array;
-use crate::build::{self, Built, LeafShape, Prims};
+use crate::build::{self, Box4, Built, LeafShape, Prims};
 use crate::group::{Group, LANES, Shear, TriangleHit};
 use crate::simd::{Simd, dispatch};
 use crate::walk::Tree;
@@ -15,7 +15,8 @@ const MORE_BITS: u32 = 3;
 /// Groups that the rest of a leaf's 31 bits can tell apart.
 const MOST_GROUPS: usize = 1 << (31 - MORE_BITS);
 
-const SHAPE: LeafShape = LeafShape { block: LANES as u32, most: LANES << MORE_BITS, limit: MOST_GROUPS };
+const SHAPE: LeafShape =
+    LeafShape { block_bits: LANES.ilog2(), most: LANES << MORE_BITS, limit: MOST_GROUPS };
 
 /// A tree over triangles, and the triangles.
 ///
@@ -49,7 +50,9 @@ impl TriangleBvh {
     ) -> Result<TriangleBvh, BuildError> {
         check(positions, triangles)?;
         let corners = |triangle: u32| triangles[triangle as usize].map(|i| positions[i as usize]);
-        let bounds = |id: u32| Some(corners(id)).filter(can_be_hit).map(Aabb::around);
+        let bounds = |id: u32| {
+            Some(corners(id)).filter(can_be_hit).map(|corners| Box4::around(corners.map(Vec3A::from)))
+        };
         let prims = Prims::new(triangles.len(), bounds);
         let dropped = triangles.len() - prims.len();
         let leaf = |ids: &[u32], groups: &mut [Group], first: usize| {
@@ -203,10 +206,13 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), BuildError> {
         return Err(BuildError::TooMany(triangles.len()));
     }
     let vertices = positions.len();
-    let bad = triangles
-        .par_iter()
-        .with_min_len(1 << 14)
-        .position_first(|t| t.iter().any(|&i| i as usize >= vertices));
+    // The largest index first: that takes no decision for each triangle.
+    let largest = |triangles: &[[u32; 3]]| triangles.as_flattened().iter().copied().fold(0, u32::max);
+    let largest = triangles.par_chunks(1 << 14).map(largest).reduce(|| 0, u32::max);
+    if (largest as usize) < vertices || triangles.is_empty() {
+        return Ok(());
+    }
+    let bad = triangles.iter().position(|t| t.iter().any(|&i| i as usize >= vertices));
     let Some(triangle) = bad else { return Ok(()) };
     let index = triangles[triangle].into_iter().max().unwrap_or_default();
     Err(BuildError::IndexOutOfRange { triangle, index, vertices })
@@ -215,10 +221,12 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), BuildError> {
 /// Whether the corners are finite and not on one line.
 #[inline]
 pub(crate) fn can_be_hit(&[a, b, c]: &[Vec3; 3]) -> bool {
-    if (b - a).cross(c - a) != Vec3::ZERO {
-        return a.is_finite() && b.is_finite() && c.is_finite();
+    let normal = (Vec3A::from(b) - Vec3A::from(a)).cross(Vec3A::from(c) - Vec3A::from(a));
+    // A corner that is not finite spreads to at least two of its numbers.
+    if normal.is_finite() && normal != Vec3A::ZERO {
+        return true;
     }
-    // The product may have vanished in f32 for smallness alone.
+    // The product may have vanished in f32 for smallness alone, or overflowed.
     let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a);
     normal.is_finite() && normal != DVec3::ZERO

@@ -10,6 +10,7 @@
 
 use kajo_math::Vec3;
 
+use super::LeafShape;
 use super::plan::Plan;
 use super::prim::{Box4, Prim};
 use super::split::{self, Split};
@@ -56,7 +57,7 @@ impl Twig {
     }
 }
 
-/// A part of the binary tree, parents before children.
+/// A part of the binary tree, parents before children. It knows the twigs of its own spots only.
 #[derive(Default)]
 pub(super) struct Grove {
     pub(super) twigs: Vec<Twig>,
@@ -104,6 +105,17 @@ pub(super) struct Forest {
     pub(super) groves: Vec<Grove>,
 }
 
+/// The binary tree or a part of it, for what works on either.
+pub(super) trait Binary {
+    /// A node.
+    type At: Copy;
+
+    fn plan(&self, at: Self::At) -> Plan;
+
+    /// The children of a node, unless it is a leaf.
+    fn children(&self, at: Self::At) -> Option<[Self::At; 2]>;
+}
+
 /// A node of the binary tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum At {
@@ -133,34 +145,13 @@ impl Forest {
         }
     }
 
-    /// The children of a node, unless it is a leaf.
-    pub(super) fn children(&self, at: At) -> Option<[At; 2]> {
-        match at {
-            At::Stem(place) => match self.stems[place].next {
-                Next::Right(right) => Some([self.follow(place + 1), self.follow(right as usize)]),
-                Next::Twig(_) => None,
-            },
-            At::Twig(spot) => self.children_of_twig(spot).map(|spots| spots.map(At::Twig)),
-        }
+    /// The grove of a twig.
+    pub(super) fn grove(&self, spot: Spot) -> &Grove {
+        &self.groves[spot.grove as usize]
     }
 
-    pub(super) fn twig(&self, spot: Spot) -> &Twig {
-        &self.groves[spot.grove as usize].twigs[spot.twig as usize]
-    }
-
-    fn children_of_twig(&self, spot: Spot) -> Option<[Spot; 2]> {
-        let twig = self.twig(spot);
-        if twig.right == 0 {
-            return None;
-        }
-        let left = Spot { twig: spot.twig + 1, ..spot };
-        let first = spot.first + self.twig(left).len() as u32;
-        Some([left, Spot { twig: u32::from(twig.right), first, ..spot }])
-    }
-
-    /// The primitives below a twig.
-    pub(super) fn ids(&self, spot: Spot) -> &[u32] {
-        &self.groves[spot.grove as usize].ids[spot.first as usize..][..self.twig(spot).len()]
+    fn twig(&self, spot: Spot) -> &Twig {
+        self.grove(spot).twig(spot)
     }
 
     /// Adds a grove, and a stem that stands for its root.
@@ -168,6 +159,47 @@ impl Forest {
         let spot = Spot { grove: self.groves.len() as u32, twig: 0, first: 0 };
         self.stems.push(Stem::new(grove.twigs[0].bounds(), Next::Twig(spot)));
         self.groves.push(grove);
+    }
+}
+
+impl Binary for Forest {
+    type At = At;
+
+    fn plan(&self, at: At) -> Plan {
+        match at {
+            At::Stem(place) => self.stems[place].plan,
+            At::Twig(spot) => self.twig(spot).plan,
+        }
+    }
+
+    fn children(&self, at: At) -> Option<[At; 2]> {
+        match at {
+            At::Stem(place) => match self.stems[place].next {
+                Next::Right(right) => Some([self.follow(place + 1), self.follow(right as usize)]),
+                Next::Twig(_) => None,
+            },
+            At::Twig(spot) => self.grove(spot).children(spot).map(|spots| spots.map(At::Twig)),
+        }
+    }
+}
+
+impl Binary for Grove {
+    type At = Spot;
+
+    #[inline]
+    fn plan(&self, spot: Spot) -> Plan {
+        self.twig(spot).plan
+    }
+
+    #[inline]
+    fn children(&self, spot: Spot) -> Option<[Spot; 2]> {
+        let twig = self.twig(spot);
+        if twig.right == 0 {
+            return None;
+        }
+        let left = Spot { twig: spot.twig + 1, ..spot };
+        let first = spot.first + self.twig(left).len() as u32;
+        Some([left, Spot { twig: u32::from(twig.right), first, ..spot }])
     }
 }
 
@@ -184,23 +216,23 @@ enum Upper {
 }
 
 /// The binary tree over a set that is not empty.
-pub(super) fn build(set: Set<'_>, block: u32) -> Forest {
+pub(super) fn build(set: Set<'_>, shape: LeafShape) -> Forest {
     let mut forest = Forest::default();
-    flatten(upper(set, block, 0), &mut forest);
+    flatten(upper(set, shape, 0), &mut forest);
     forest
 }
 
-fn upper(set: Set<'_>, block: u32, depth: usize) -> Upper {
+fn upper(set: Set<'_>, shape: LeafShape, depth: usize) -> Upper {
     if set.prims.len() <= TASK {
         let n = set.prims.len();
         let mut grove = Grove { twigs: Vec::with_capacity(n), ids: Vec::with_capacity(n) };
-        grove.grow(set, block, 0);
+        grove.grow(set, shape, 0);
         grove.twigs.shrink_to_fit();
         return Upper::Grove(grove);
     }
     let bounds = set.bounds;
-    let (left, right) = set.split(block, TASK << (TOP_LEVELS - depth - 1).min(32));
-    let (left, right) = rayon::join(|| upper(left, block, depth + 1), || upper(right, block, depth + 1));
+    let (left, right) = set.split(shape, TASK << (TOP_LEVELS - depth - 1).min(32));
+    let (left, right) = rayon::join(|| upper(left, shape, depth + 1), || upper(right, shape, depth + 1));
     Upper::Node(bounds, Box::new([left, right]))
 }
 
@@ -219,33 +251,44 @@ fn flatten(upper: Upper, forest: &mut Forest) {
 }
 
 impl Grove {
-    fn grow(&mut self, set: Set<'_>, block: u32, depth: usize) {
+    #[inline]
+    pub(super) fn twig(&self, spot: Spot) -> &Twig {
+        &self.twigs[spot.twig as usize]
+    }
+
+    /// The primitives below a twig.
+    #[inline]
+    pub(super) fn ids(&self, spot: Spot) -> &[u32] {
+        &self.ids[spot.first as usize..][..self.twig(spot).len()]
+    }
+
+    fn grow(&mut self, set: Set<'_>, shape: LeafShape, depth: usize) {
         let (place, len) = (self.twigs.len(), set.prims.len());
         self.twigs.push(Twig::new(set.bounds, len));
-        if len <= block as usize {
+        if len <= shape.block() {
             self.ids.extend(set.prims.iter().map(Prim::id));
             return;
         }
-        let (left, right) = set.split(block, (block as usize) << (TASK_LEVELS - depth - 1));
-        self.grow(left, block, depth + 1);
+        let (left, right) = set.split(shape, shape.block() << (TASK_LEVELS - depth - 1));
+        self.grow(left, shape, depth + 1);
         self.twigs[place].right = self.twigs.len() as u16;
-        self.grow(right, block, depth + 1);
+        self.grow(right, shape, depth + 1);
     }
 }
 
 impl<'a> Set<'a> {
     /// Two sets, not empty, by the cheapest split; two halves where there is none, or where a
     /// side could hold more than `most`, the primitives that fit below.
-    fn split(self, block: u32, most: usize) -> (Set<'a>, Set<'a>) {
+    fn split(self, shape: LeafShape, most: usize) -> (Set<'a>, Set<'a>) {
         let prims = self.prims;
-        let best = if prims.len() > most { None } else { Split::best(prims, block) };
+        let best = if prims.len() > most { None } else { Split::best(prims, shape) };
         let Some(split) = best else {
             let (left, right) = prims.split_at_mut(prims.len() / 2);
             return (Set::around(left), Set::around(right));
         };
         split.part(prims);
-        let (left, right) = prims.split_at_mut(split.left);
-        let [bounds_left, bounds_right] = split.sides;
+        let (left, right) = prims.split_at_mut(split.left());
+        let [bounds_left, bounds_right] = split.sides();
         (Set { prims: left, bounds: bounds_left }, Set { prims: right, bounds: bounds_right })
     }
 

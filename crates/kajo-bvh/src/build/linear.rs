@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::LeafShape;
 use super::binary::{Forest, Grove, Next, Stem, TASK, TASK_LEVELS, TOP_LEVELS, Twig};
 use super::prim::{Box4, Prim};
 use super::split;
@@ -28,7 +29,7 @@ fn spread(x: u32) -> u64 {
 }
 
 /// The binary tree over a list of primitives that is not empty.
-pub(super) fn build(prims: &[Prim], block: u32) -> Forest {
+pub(super) fn build(prims: &[Prim], shape: LeafShape) -> Forest {
     let centers = split::centers(prims);
     let extent = centers.hi - centers.lo;
     // The same scale on all axes keeps the cells cubes.
@@ -41,7 +42,7 @@ pub(super) fn build(prims: &[Prim], block: u32) -> Forest {
     let mut keys: Vec<Key> = prims.par_iter().enumerate().with_min_len(1 << 12).map(key).collect();
     keys.par_sort_unstable();
     let mut forest = Forest::default();
-    let curve = Curve { prims, block: block as usize };
+    let curve = Curve { prims, block: shape.block() };
     curve.flatten(curve.upper(&keys, 0), &mut forest);
     forest
 }

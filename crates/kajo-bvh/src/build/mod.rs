@@ -3,6 +3,7 @@
 //! ([`plan`], [`wide`]).
 
 mod binary;
+mod bins;
 mod linear;
 mod plan;
 mod prim;
@@ -14,7 +15,7 @@ use bytemuck::Pod;
 
 pub(crate) use self::binary::MAX_LEVELS;
 use self::binary::Set;
-pub(crate) use self::prim::Prims;
+pub(crate) use self::prim::{Box4, Prims};
 use crate::Quality;
 use crate::array::Array;
 use crate::walk::Tree;
@@ -22,12 +23,25 @@ use crate::walk::Tree;
 /// How primitives go into leaves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeafShape {
-    /// Primitives that are tested together at the price of one.
-    pub(crate) block: u32,
+    /// Primitives that are tested together at the price of one, as a power of two.
+    pub(crate) block_bits: u32,
     /// Most primitives in a leaf, at most 32.
     pub(crate) most: usize,
     /// Blocks that leaves can tell apart.
     pub(crate) limit: usize,
+}
+
+impl LeafShape {
+    /// Primitives in a block.
+    pub(crate) fn block(self) -> usize {
+        1 << self.block_bits
+    }
+
+    /// Blocks that so many primitives fill.
+    #[inline(always)]
+    pub(crate) fn blocks(self, len: usize) -> usize {
+        (len + self.block() - 1) >> self.block_bits
+    }
 }
 
 /// A finished tree and the blocks of its leaves.
@@ -54,8 +68,8 @@ pub(crate) fn build<B: Pod + Send>(
     }
     let set = Set::around(prims.as_mut_slice());
     let mut forest = match quality {
-        Quality::Linear => linear::build(set.prims, shape.block),
-        Quality::Fast | Quality::High => binary::build(set, shape.block),
+        Quality::Linear => linear::build(set.prims, shape),
+        Quality::Fast | Quality::High => binary::build(set, shape),
     };
     drop(prims);
     match quality {

@@ -84,7 +84,7 @@ impl Grove {
         let mut costs = vec![[0.0; WIDTH - 1]; self.twigs.len()];
         for (place, twig) in self.twigs.iter_mut().enumerate().rev() {
             let as_leaf = if twig.len() <= shape.most {
-                twig.bounds().half_area() * BLOCK_COST * twig.len().div_ceil(shape.block as usize) as f32
+                twig.bounds().half_area() * BLOCK_COST * shape.blocks(twig.len()) as f32
             } else {
                 f32::INFINITY
             };

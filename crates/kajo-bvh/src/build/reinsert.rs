@@ -8,7 +8,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::binary::{At, Forest, Grove, MAX_LEVELS, Next, Spot, Stem, TASK, TOP_LEVELS, Twig};
+use super::binary::{At, Binary, Forest, Grove, MAX_LEVELS, Next, Spot, Stem, TASK, TOP_LEVELS, Twig};
 use super::prim::Box4;
 
 /// Times that subtrees are tried.
@@ -72,7 +72,10 @@ pub(super) fn improve(forest: Forest) -> Forest {
     if links.depth() > MAX_LEVELS {
         return forest;
     }
-    let leaf = |node: u32| forest.ids(links.spots[node as usize]);
+    let leaf = |node: u32| {
+        let spot = links.spots[node as usize];
+        forest.grove(spot).ids(spot)
+    };
     let sizes = links.sizes(|node| leaf(node).len());
     let mut out = Forest::default();
     links.emit_stem(ROOT, &sizes, &mut out, &leaf);
@@ -308,6 +311,7 @@ mod tests {
     use kajo_math::{Aabb, Vec3};
 
     use super::*;
+    use crate::build::LeafShape;
     use crate::build::binary::{Set, build};
     use crate::build::prim::Prims;
 
@@ -318,9 +322,9 @@ mod tests {
             let p = Vec3::new(at(i, 1), at(i, 2), at(i, 3));
             let mut extent = Vec3::ONE;
             extent[i as usize % 3] = at(i, 4);
-            Some(Aabb::around([p, p + extent]))
+            Some(Aabb::around([p, p + extent]).into())
         };
-        build(Set::around(Prims::new(n, slab).as_mut_slice()), 4)
+        build(Set::around(Prims::new(n, slab).as_mut_slice()), LeafShape { block_bits: 2, most: 8, limit: n })
     }
 
     fn cost(forest: &Forest) -> f32 {
@@ -343,7 +347,7 @@ mod tests {
     fn ids(forest: &Forest) -> Vec<u32> {
         let links = Links::new(forest, usize::MAX);
         let leaves = (0..links.bounds.len()).filter(|&node| links.children[node].is_none());
-        leaves.flat_map(|node| forest.ids(links.spots[node])).copied().collect()
+        leaves.map(|node| links.spots[node]).flat_map(|spot| forest.grove(spot).ids(spot)).copied().collect()
     }
 
     #[test]

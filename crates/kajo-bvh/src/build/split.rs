@@ -7,175 +7,74 @@
 //! C = A(L) n(L) + A(R) n(R)
 //! ```
 //!
-//! where `n` counts leaf blocks rather than primitives. Centres are sorted into bins on each
-//! axis and the borders between bins are tried [Wald 2007].
+//! where `n` counts leaf blocks rather than primitives. Centres are sorted into [`bins`](super::bins)
+//! on each axis and the borders between bins are tried [Wald 2007].
 
-use kajo_math::Vec4;
 use rayon::prelude::*;
 
+use super::LeafShape;
+use super::bins::{Bins, Border, Histogram};
 use super::prim::{Box4, PIECE, Prim};
-use crate::simd::dispatch;
+use crate::simd::{Portable, Simd, dispatch};
 
 /// Bins on an axis for large, for small and for tiny sets.
 const MANY: usize = 16;
 const FEW: usize = 8;
 const LEAST: usize = 4;
-/// A float whose neighbours are one apart: adding it rounds to an integer in the low bits.
-const ROUND: f32 = 8_388_608.0;
-
-/// The bin of a centre on each axis.
-#[derive(Clone, Copy, Debug)]
-struct Bins {
-    base: Vec4,
-    scale: Vec4,
-    last: f32,
-}
-
-impl Bins {
-    /// `count` bins over twice the centres.
-    fn new(centers: Box4, count: usize) -> Bins {
-        let extent = centers.hi - centers.lo;
-        let scale = Vec4::splat(count as f32 * 0.9999) / extent;
-        // An axis without extent has no border worth trying: everything lands in bin 0.
-        let scale = Vec4::select(scale.cmplt(Vec4::INFINITY), scale, Vec4::ZERO);
-        Bins { base: centers.lo, scale, last: ROUND + (count - 1) as f32 }
-    }
-
-    /// Bin numbers on three axes, as what is added to [`ROUND`].
-    #[inline(always)]
-    fn place(&self, center2: Vec4) -> Vec4 {
-        let place = (center2 - self.base) * self.scale - Vec4::splat(0.5) + Vec4::splat(ROUND);
-        place.max(Vec4::splat(ROUND)).min(Vec4::splat(self.last))
-    }
-}
-
-/// How many primitives each of `N` bins holds, and the box around them.
-struct Histogram<const N: usize> {
-    boxes: [[Box4; 3]; N],
-    counts: [[u32; 3]; N],
-}
-
-impl<const N: usize> Histogram<N> {
-    const EMPTY: Self = Histogram { boxes: [[Box4::EMPTY; 3]; N], counts: [[0; 3]; N] };
-
-    #[inline(always)]
-    fn add(&mut self, prims: &[Prim], bins: &Bins) {
-        for prim in prims {
-            let bounds = prim.bounds();
-            let place = bins.place(prim.center2()).to_array();
-            for (axis, place) in place.into_iter().take(3).enumerate() {
-                let bin = place.to_bits() as usize % N;
-                self.boxes[bin][axis] = self.boxes[bin][axis].union(bounds);
-                self.counts[bin][axis] += 1;
-            }
-        }
-    }
-
-    fn merge(&mut self, other: &Histogram<N>) {
-        for bin in 0..N {
-            for axis in 0..3 {
-                self.boxes[bin][axis] = self.boxes[bin][axis].union(other.boxes[bin][axis]);
-                self.counts[bin][axis] += other.counts[bin][axis];
-            }
-        }
-    }
-
-    /// The cheapest border: its axis, the first bin after it, both sides, and what the left
-    /// side holds. `None` when all centres share their bins.
-    #[inline(always)]
-    fn best(&self, block: u32) -> Option<(usize, usize, [Box4; 2], usize)> {
-        let mut best = None;
-        let mut least = f32::INFINITY;
-        for axis in 0..3 {
-            // From the right: what is at or past each bin.
-            let mut right = [(Box4::EMPTY, 0); N];
-            let mut sum = (Box4::EMPTY, 0);
-            for bin in (1..N).rev() {
-                sum = (sum.0.union(self.boxes[bin][axis]), sum.1 + self.counts[bin][axis]);
-                right[bin] = sum;
-            }
-            let mut left = (Box4::EMPTY, 0);
-            for border in 1..N {
-                left = (left.0.union(self.boxes[border - 1][axis]), left.1 + self.counts[border - 1][axis]);
-                let right = right[border];
-                let cost = left.0.half_area() * left.1.div_ceil(block) as f32
-                    + right.0.half_area() * right.1.div_ceil(block) as f32;
-                // With an empty side the cost is infinity times zero, which is not less.
-                if cost < least {
-                    least = cost;
-                    best = Some((axis, border, [left.0, right.0], left.1 as usize));
-                }
-            }
-        }
-        best
-    }
-}
-
 /// A border between two bins.
-#[derive(Clone, Debug)]
 pub(super) struct Split {
     bins: Bins,
-    axis: usize,
-    /// Places below this one are left.
-    border: f32,
-    pub(super) sides: [Box4; 2],
-    /// Primitives on the left.
-    pub(super) left: usize,
-    /// The same for each piece of a large set.
+    best: Border,
+    /// Primitives on the left of each piece of a large set.
     lefts: Vec<usize>,
 }
 
 impl Split {
-    /// The cheapest split of `prims` with `block` primitives to a leaf block; `None` when
-    /// all centres share their bins.
-    pub(super) fn best(prims: &[Prim], block: u32) -> Option<Split> {
+    /// The cheapest split of `prims`; `None` when all centres share their bins.
+    pub(super) fn best(prims: &[Prim], shape: LeafShape) -> Option<Split> {
         if prims.len() < 3 * LEAST {
-            dispatch!(_simd => Split::small::<LEAST>(prims, block))
+            dispatch!(simd => Split::small::<LEAST>(simd, prims, shape))
         } else if prims.len() < 10 * FEW {
-            dispatch!(_simd => Split::small::<FEW>(prims, block))
+            dispatch!(simd => Split::small::<FEW>(simd, prims, shape))
         } else if prims.len() < 2 * PIECE {
-            dispatch!(_simd => Split::small::<MANY>(prims, block))
+            dispatch!(simd => Split::small::<MANY>(simd, prims, shape))
         } else {
-            Split::large(prims, block)
+            Split::large(prims, shape)
         }
     }
 
     #[inline(always)]
-    fn small<const N: usize>(prims: &[Prim], block: u32) -> Option<Split> {
+    fn small<const N: usize>(simd: impl Simd, prims: &[Prim], shape: LeafShape) -> Option<Split> {
         let mut centers = Box4::EMPTY;
         for prim in prims {
             centers = centers.grown(prim.center2());
         }
-        let (bins, mut histogram) = (Bins::new(centers, N), Histogram::<N>::EMPTY);
-        histogram.add(prims, &bins);
-        histogram.best(block).map(|best| Split::new(bins, best, Vec::new()))
-    }
-
-    fn new(bins: Bins, best: (usize, usize, [Box4; 2], usize), lefts: Vec<usize>) -> Split {
-        let (axis, border, sides, left) = best;
-        Split { bins, axis, border: ROUND + border as f32, sides, left, lefts }
+        let bins = Bins::new(centers, N);
+        let histogram = Histogram::<N>::of_on(simd, prims, &bins);
+        histogram.best(simd, shape).map(|best| Split { bins, best, lefts: Vec::new() })
     }
 
     /// By all threads.
-    fn large(prims: &[Prim], block: u32) -> Option<Split> {
+    fn large(prims: &[Prim], shape: LeafShape) -> Option<Split> {
         let bins = Bins::new(centers(prims), MANY);
-        let of = |prims: &[Prim]| {
-            let mut histogram = Histogram::<MANY>::EMPTY;
-            histogram.add(prims, &bins);
-            histogram
-        };
+        let of = |prims: &[Prim]| Histogram::<MANY>::of(prims, &bins);
         let histograms: Vec<_> = prims.par_chunks(PIECE).map(of).collect();
-        let mut sum = Histogram::<MANY>::EMPTY;
-        histograms.iter().for_each(|histogram| sum.merge(histogram));
-        let best = sum.best(block)?;
-        let left = |h: &Histogram<MANY>| h.counts[..best.1].iter().map(|n| n[best.0] as usize).sum();
+        let mut sum = Histogram::<MANY>::empty(Portable);
+        histograms.iter().for_each(|histogram| sum.merge(Portable, histogram));
+        let best = sum.best(Portable, shape)?;
+        let left = |h: &Histogram<MANY>| h.counts[..best.bin].iter().map(|n| n[best.axis] as usize).sum();
         let lefts = histograms.iter().map(left).collect();
-        Some(Split::new(bins, best, lefts))
+        Some(Split { bins, best, lefts })
     }
 
-    #[inline(always)]
-    fn is_left(&self, prim: &Prim) -> bool {
-        self.bins.place(prim.center2()).to_array()[self.axis] < self.border
+    /// Primitives on the left.
+    pub(super) fn left(&self) -> usize {
+        self.best.left
+    }
+
+    /// The boxes around the left and the right.
+    pub(super) fn sides(&self) -> [Box4; 2] {
+        self.best.sides
     }
 
     /// Moves the left side of `prims` to the front.
@@ -185,7 +84,7 @@ impl Split {
         }
         prims.par_chunks_mut(PIECE).for_each(|piece| self.part_piece(piece));
         // What is right but stands before the border changes places with what is left behind it.
-        let (mut front, mut back) = prims.split_at_mut(self.left);
+        let (mut front, mut back) = prims.split_at_mut(self.best.left);
         let (mut rights, mut lefts) = (Vec::new(), Vec::new());
         for &n_left in &self.lefts {
             let piece = PIECE.min(front.len() + back.len());
@@ -206,12 +105,15 @@ impl Split {
 
     #[inline(always)]
     fn part_piece_on(&self, prims: &mut [Prim]) {
+        let is_left = self.bins.is_left(&self.best);
         let mut left = 0;
         for i in 0..prims.len() {
             // Without a branch: which side comes next cannot be predicted.
-            let is_left = self.is_left(&prims[i]);
-            prims.swap(i, left);
-            left += usize::from(is_left);
+            let prim = &prims[i];
+            let (step, prim) = (usize::from(is_left(prim)), *prim);
+            prims[i] = prims[left];
+            prims[left] = prim;
+            left += step;
         }
     }
 }
@@ -268,7 +170,7 @@ mod tests {
         let at = |i: u32, k: u64| (mix(u64::from(i) << 8 | k) >> 40) as f32;
         Prims::new(n, |i| {
             let p = Vec3::new(at(i, 0), at(i, 1), at(i, 2));
-            Some(Aabb::around([p, p + at(i, 3) * at(i, 4) * 1e-9]))
+            Some(Aabb::around([p, p + at(i, 3) * at(i, 4) * 1e-9]).into())
         })
     }
 
@@ -277,13 +179,13 @@ mod tests {
         for n in [2, 3, 9, 100, 1000, 2 * PIECE, 2 * PIECE + 1, 5 * PIECE - 3] {
             let mut prims = prims(n);
             let prims = prims.as_mut_slice();
-            let split = Split::best(prims, 4).unwrap();
-            assert!(split.left > 0 && split.left < n);
+            let split = Split::best(prims, LeafShape { block_bits: 2, most: 8, limit: n }).unwrap();
+            assert!(split.left() > 0 && split.left() < n);
             split.part(prims);
-            let (left, right) = prims.split_at(split.left);
-            assert!(left.iter().all(|prim| split.is_left(prim)), "{n}");
-            assert!(!right.iter().any(|prim| split.is_left(prim)), "{n}");
-            assert_eq!([bounds(left), bounds(right)].map(Box4::aabb), split.sides.map(Box4::aabb));
+            let ((left, right), is_left) = (prims.split_at(split.left()), split.bins.is_left(&split.best));
+            assert!(left.iter().all(&is_left), "{n}");
+            assert!(!right.iter().any(is_left), "{n}");
+            assert_eq!([bounds(left), bounds(right)].map(Box4::aabb), split.sides().map(Box4::aabb));
             let mut ids: Vec<u32> = prims.iter().map(Prim::id).collect();
             ids.sort_unstable();
             assert!(ids.into_iter().eq(0..n as u32), "{n}");

@@ -6,8 +6,7 @@
 use bytemuck::Pod;
 use rayon::prelude::*;
 
-use super::binary::{At, Forest, Spot};
-use super::plan::Plan;
+use super::binary::{At, Binary, Forest, Grove, Spot};
 use super::{Built, LeafShape};
 use crate::array::Array;
 use crate::node::{Child, Node, WIDTH};
@@ -19,9 +18,44 @@ const ROOTS: usize = 16;
 pub(super) const MOST: usize = 32;
 
 /// The binary nodes that fill the slots of a wide one.
-struct Slots {
-    at: [At; WIDTH],
+struct Slots<A> {
+    at: [A; WIDTH],
     len: usize,
+}
+
+impl<A: Copy> Slots<A> {
+    /// Those of the wide node that replaces a binary one; `None` if it is to be a leaf.
+    #[inline]
+    fn new<T: Binary<At = A>>(tree: &T, at: A) -> Option<Slots<A>> {
+        let plan = tree.plan(at);
+        let [left, right] = tree.children(at).filter(|_| !plan.is_leaf())?;
+        let mut slots = Slots { at: [at; WIDTH], len: 0 };
+        slots.gather(tree, left, plan.left(WIDTH));
+        slots.gather(tree, right, WIDTH - plan.left(WIDTH));
+        Some(slots)
+    }
+
+    /// Adds up to `n` slots that cover the subtree at the least cost.
+    fn gather<T: Binary<At = A>>(&mut self, tree: &T, at: A, mut n: usize) {
+        let plan = tree.plan(at);
+        while n > 1 && plan.left(n) == 0 {
+            n -= 1;
+        }
+        match tree.children(at).filter(|_| n > 1) {
+            Some([left, right]) => {
+                self.gather(tree, left, plan.left(n));
+                self.gather(tree, right, n - plan.left(n));
+            }
+            None => {
+                self.at[self.len] = at;
+                self.len += 1;
+            }
+        }
+    }
+
+    fn all(&self) -> &[A] {
+        &self.at[..self.len]
+    }
 }
 
 /// What a subtree takes.
@@ -82,9 +116,9 @@ impl Forest {
         let (mut top, mut roots) = (Vec::new(), Vec::new());
         let root = self.top(self.root(), 0, &mut top, &mut roots);
         let measure = |roots: &[(Spot, usize)]| {
-            roots
-                .iter()
-                .fold(Size::default(), |sum, &(spot, depth)| sum.and(self.measure(spot, depth, shape)))
+            roots.iter().fold(Size::default(), |sum, &(spot, depth)| {
+                sum.and(self.grove(spot).measure(spot, depth, shape))
+            })
         };
         let sizes: Vec<Size> = roots.par_chunks(ROOTS).map(measure).collect();
         let size =
@@ -97,7 +131,10 @@ impl Forest {
         let mut room = Room { nodes: below, first_node: top.len(), blocks: &mut blocks, first_block: 0 };
         let rooms: Vec<_> = sizes.iter().map(|&size| room.take(size)).collect();
         let fill = |(roots, mut room): (&[(Spot, usize)], Room<'_, B>)| {
-            roots.iter().map(|&(spot, _)| self.fill(spot, &mut room, shape, &leaf)).collect::<Vec<_>>()
+            roots
+                .iter()
+                .map(|&(spot, _)| self.grove(spot).fill(spot, &mut room, shape, &leaf))
+                .collect::<Vec<_>>()
         };
         let children: Vec<_> = roots.par_chunks(ROOTS).zip(rooms).flat_map_iter(fill).collect();
         let place = |child: Child| if child.is_leaf() { children[child.index() as usize] } else { child };
@@ -106,41 +143,6 @@ impl Forest {
         let bounds = self.bounds(self.root()).aabb();
         let tree = Tree { nodes, root: Some(place(root)), bounds, depth: size.depth };
         Some(Built { tree, blocks, leaves: size.leaves })
-    }
-
-    fn plan_at(&self, at: At) -> Plan {
-        match at {
-            At::Stem(place) => self.stems[place].plan,
-            At::Twig(spot) => self.twig(spot).plan,
-        }
-    }
-
-    /// The slots of the wide node that replaces a binary one; none if it is to be a leaf.
-    fn slots(&self, at: At) -> Option<Slots> {
-        let plan = self.plan_at(at);
-        let [left, right] = self.children(at).filter(|_| !plan.is_leaf())?;
-        let mut slots = Slots { at: [at; WIDTH], len: 0 };
-        self.gather(left, plan.left(WIDTH), &mut slots);
-        self.gather(right, WIDTH - plan.left(WIDTH), &mut slots);
-        Some(slots)
-    }
-
-    /// Adds up to `n` slots that cover the subtree at the least cost.
-    fn gather(&self, at: At, mut n: usize, slots: &mut Slots) {
-        let plan = self.plan_at(at);
-        while n > 1 && plan.left(n) == 0 {
-            n -= 1;
-        }
-        match self.children(at).filter(|_| n > 1) {
-            Some([left, right]) => {
-                self.gather(left, plan.left(n), slots);
-                self.gather(right, n - plan.left(n), slots);
-            }
-            None => {
-                slots.at[slots.len] = at;
-                slots.len += 1;
-            }
-        }
     }
 
     /// Adds nodes for all stems that become nodes. What lies below is added to `roots` with
@@ -152,26 +154,22 @@ impl Forest {
         }
         let node = top.len();
         top.push(Node::EMPTY);
-        for at in self.slots(at).iter().flat_map(|slots| &slots.at[..slots.len]) {
+        for at in Slots::new(self, at).iter().flat_map(Slots::all) {
             let child = self.top(*at, depth + 1, top, roots);
             top[node].push(&self.bounds(*at).aabb(), child);
         }
         Child::node(node)
     }
+}
 
+impl Grove {
     /// What a subtree takes whose root lies below `depth` nodes.
     fn measure(&self, spot: Spot, depth: usize, shape: LeafShape) -> Size {
-        let Some(slots) = self.slots(At::Twig(spot)) else {
-            let blocks = self.twig(spot).len().div_ceil(shape.block as usize);
-            return Size { nodes: 0, leaves: 1, blocks, depth };
+        let Some(slots) = Slots::new(self, spot) else {
+            return Size { nodes: 0, leaves: 1, blocks: shape.blocks(self.twig(spot).len()), depth };
         };
-        let mut size = Size { nodes: 1, ..Size::default() };
-        for at in &slots.at[..slots.len] {
-            if let At::Twig(spot) = *at {
-                size = size.and(self.measure(spot, depth + 1, shape));
-            }
-        }
-        size
+        let below = slots.all().iter().map(|&spot| self.measure(spot, depth + 1, shape));
+        below.fold(Size { nodes: 1, ..Size::default() }, Size::and)
     }
 
     /// Writes a subtree to the front of `room`.
@@ -182,24 +180,21 @@ impl Forest {
         shape: LeafShape,
         leaf: &impl Fn(&[u32], &mut [B], usize) -> u32,
     ) -> Child {
-        let Some(slots) = self.slots(At::Twig(spot)) else {
+        let Some(slots) = Slots::new(self, spot) else {
             let (ids, mut sorted) = (self.ids(spot), [0; MOST]);
             let sorted = &mut sorted[..ids.len()];
             sorted.copy_from_slice(ids);
             sorted.sort_unstable();
-            let blocks = ids.len().div_ceil(shape.block as usize);
-            let own = room.take(Size { blocks, ..Size::default() });
+            let own = room.take(Size { blocks: shape.blocks(ids.len()), ..Size::default() });
             return Child::leaf(leaf(sorted, own.blocks, own.first_block));
         };
         let own = room.take(Size { nodes: 1, ..Size::default() });
-        let mut node = Node::EMPTY;
-        for at in &slots.at[..slots.len] {
-            if let At::Twig(spot) = *at {
-                let child = self.fill(spot, room, shape, leaf);
-                node.push(&self.bounds(*at).aabb(), child);
-            }
+        let node = &mut own.nodes[0];
+        *node = Node::EMPTY;
+        for &spot in slots.all() {
+            let child = self.fill(spot, room, shape, leaf);
+            node.push(&self.twig(spot).bounds().aabb(), child);
         }
-        own.nodes[0] = node;
         Child::node(own.first_node)
     }
 }
