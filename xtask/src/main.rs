@@ -1,6 +1,7 @@
 //! Chores of the workspace, each one word: `cargo xtask test`.
 
 mod floors;
+mod instructions;
 mod manifest;
 mod mutants;
 mod packages;
@@ -19,8 +20,9 @@ Usage: cargo xtask <CHORE>
   check            the quick part of it: format, lints, floors, words
   floors           only the floors: which crate and which module may import which
   words            only the words that no file may hold
-  deep             all tests in release, the slow ones in full
+  deep             all tests in release, the slow ones in full, and instructions
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
+  instructions     counts what rays take in instructions, where valgrind is installed; with --bless keeps the figures
   mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
   gallery [OUT]    renders both galleries to OUT (out/)
   samplers         draws the pictures of the manual's page on sample patterns";
@@ -41,6 +43,8 @@ fn main() -> ExitCode {
             Ok(seconds) => fuzz(&root, &mut report, seconds),
             Err(_) => return usage(&format!("`{seconds}` is not a number of seconds")),
         },
+        ["instructions"] => instructions::check(&root, &mut report, false),
+        ["instructions", "--bless"] => instructions::check(&root, &mut report, true),
         ["mutants"] => mutants::check(&root, &mut report),
         ["samplers"] => samplers(&root, &mut report),
         ["gallery"] => gallery(&root, &mut report, Path::new("out")),
@@ -105,6 +109,7 @@ fn deep(root: &Path, report: &mut Report) {
     let tests = Cargo::new(root, "test --workspace --release --no-fail-fast -- --include-ignored");
     // What takes long runs in full where this is set.
     report.run("all tests in release, in full", tests.env("KAJO_DEEP", "1"));
+    instructions::check(root, report, false);
 }
 
 fn fuzz(root: &Path, report: &mut Report, seconds: u64) {

@@ -126,7 +126,8 @@ pub fn has_nightly() -> bool {
     answers(Command::new("rustc").env_remove("RUSTUP_TOOLCHAIN").args(["+nightly", "--version"]))
 }
 
-fn answers(command: &mut Command) -> bool {
+/// Whether a program starts and ends well.
+pub fn answers(command: &mut Command) -> bool {
     let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     quiet.status().is_ok_and(|status| status.success())
 }
