@@ -47,7 +47,7 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 23] = [
+const CORE_MODULES: [(&str, &[&str]); 24] = [
     ("family", &[]),
     ("interaction", &[]),
     ("motion", &[]),
@@ -56,7 +56,10 @@ const CORE_MODULES: [(&str, &[&str]); 23] = [
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "bsdf"]),
     ("shape", &["family", "interaction"]),
-    ("light", &["family", "interaction", "background", "environment", "daylight", "motion", "shape"]),
+    (
+        "light",
+        &["family", "interaction", "background", "environment", "daylight", "motion", "shape", "sky_disc"],
+    ),
     ("item_buffer", &["shape"]),
     ("medium", &["family", "interaction"]),
     ("objects", &[]),
@@ -65,7 +68,8 @@ const CORE_MODULES: [(&str, &[&str]); 23] = [
     ("sampler", &["interaction"]),
     ("settings", &["bsdf", "interaction", "light", "sampler"]),
     ("environment", &[]),
-    ("daylight", &["environment"]),
+    ("sky_disc", &[]),
+    ("daylight", &["environment", "sky_disc"]),
     ("background", &["interaction", "environment", "daylight"]),
     (
         "scene",

@@ -27,9 +27,10 @@ use std::f32::consts::PI;
 use kajo_color::emission::planck;
 use kajo_color::matrix::apply;
 use kajo_color::{Emission, Outside, RgbBasis, Spectrum, Tabulated, Wavelengths, sensor};
-use kajo_math::{Frame, Vec2, Vec3, fmath, warp};
+use kajo_math::{Vec2, Vec3, fmath};
 
 use crate::environment::{Environment, SphereDensity, direction_of};
+use crate::sky_disc::SkyDisc;
 
 /// `1 - cos r` for the sun's angular radius of 0.2666 degrees.
 const SUN_DISC: f32 = 1.0826e-5;
@@ -80,20 +81,10 @@ impl Sun {
     /// Solid angle of the disc.
     pub const SOLID_ANGLE: f32 = 2.0 * PI * SUN_DISC;
 
-    /// A unit direction uniform over the disc.
-    ///
-    /// * `u`: uniform in [0, 1)²
+    /// Its place in the sky.
     #[inline]
-    pub fn draw(&self, u: Vec2) -> Vec3 {
-        Frame::from_normal(self.direction).to_world(warp::uniform_cone(u, SUN_DISC)).normalize()
-    }
-
-    /// Whether its disc covers the direction `d`, not necessarily of unit length.
-    #[inline]
-    pub fn covers(&self, d: Vec3) -> bool {
-        // By the sine, since the cosine of so small an angle has lost its digits.
-        const SIN2: f32 = SUN_DISC * (2.0 - SUN_DISC);
-        d.dot(self.direction) > 0.0 && d.cross(self.direction).length_squared() <= SIN2 * d.length_squared()
+    pub fn disc(&self) -> SkyDisc {
+        SkyDisc { middle: self.direction, height: SUN_DISC }
     }
 }
 
@@ -152,7 +143,7 @@ impl Sky {
     }
 
     fn sun_in(&self, d: Vec3) -> Option<&Sun> {
-        self.sun.as_ref().filter(|sun| sun.covers(d))
+        self.sun.as_ref().filter(|sun| sun.disc().covers(d))
     }
 
     /// The density in proportion to the brightness of sky and ground, without the sun.
@@ -334,7 +325,8 @@ mod tests {
             7.0 * (cos * sun.direction + sin * Vec3::Z)
         };
         assert!(sun.direction.distance(Vec3::new(0.75f32.sqrt(), 0.5, 0.0)) < 1e-5);
-        assert!(sun.covers(aside(0.26)) && !sun.covers(aside(0.275)) && !sun.covers(-aside(0.0)));
+        let covers = |d| sun.disc().covers(d);
+        assert!(covers(aside(0.26)) && !covers(aside(0.275)) && !covers(-aside(0.0)));
         assert!(sky.color(aside(0.2)).luminance() > 1e5 && sky.color(aside(0.4)).luminance() < 100.0);
         assert!((SUN_DISC / (1.0 - 0.2666f64.to_radians().cos()) as f32 - 1.0).abs() < 1e-3);
     }

@@ -26,6 +26,7 @@ pub mod sampler;
 pub mod scene;
 pub mod settings;
 pub mod shape;
+mod sky_disc;
 pub mod texture;
 
 pub use family::Pooled;

@@ -9,6 +9,17 @@ use crate::light::{AreaLight, Departures, EmissionPdf, Emitted, LightChoice, Lig
 use crate::material::{Interior, ShadingPoint};
 use crate::scene::{Interaction, Scene};
 
+/// A disc in the sky that a ray meets.
+#[derive(Clone, Copy, Debug)]
+pub struct Sun {
+    /// Radiance from there.
+    pub radiance: Spectrum,
+    /// The lamp's group, an index into [`Scene::light_groups`].
+    pub group: u8,
+    /// The number of the lamp.
+    pub lamp: u32,
+}
+
 /// A place of a surface that gives light.
 #[derive(Clone, Copy, Debug)]
 pub struct Glow<'a> {
@@ -93,6 +104,14 @@ impl Scene {
     #[inline]
     pub fn sky_pdf(&self, from: &Receiver, wi: Vec3, choice: LightChoice) -> f32 {
         self.emitters.sky_pdf(&self.lights, [from.p, from.n], wi, choice)
+    }
+
+    /// The directional lights that a ray along the unit vector `d` meets when it leaves the scene; the background is none
+    /// of them.
+    #[inline]
+    pub fn suns<'a>(&'a self, d: Vec3, wavelengths: &'a Wavelengths) -> impl Iterator<Item = Sun> {
+        let met = self.emitters.discs(&self.lights, d, wavelengths);
+        met.map(|(lamp, radiance)| Sun { radiance, group: self.emitters.group(lamp), lamp })
     }
 
     /// Light drawn for a receiver, whether or not anything is in the way.

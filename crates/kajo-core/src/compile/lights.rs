@@ -80,7 +80,7 @@ fn read_directional(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) ->
     // The sun is half a degree wide.
     let width = params.or("angle", 0.0, |args| args.number_in(0.0..=180.0));
     let sin = fmath::sin(0.25 * width.to_radians());
-    Some(DirectionalLight { to_light: -direction?, disc: 2.0 * sin * sin, intensity, emission })
+    Some(DirectionalLight { to_light: -direction?, height: 2.0 * sin * sin, intensity, emission })
 }
 
 fn read_point(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<PointLight> {

@@ -21,8 +21,7 @@ fn who(kind: &'static str, name: String) -> Who {
 }
 
 pub(super) fn census() -> Census {
-    // Directional lights shine along one direction, or over a disc that no ray finds.
-    Census { family: "light", kinds: Lights::KINDS.to_vec(), pointlike: &["directional"], unpowered: &[] }
+    Census { family: "light", kinds: Lights::KINDS.to_vec(), pointlike: &[], unpowered: &[] }
 }
 
 pub(super) fn draws() -> Vec<Draw> {

@@ -4,15 +4,19 @@
 //! direction; given by its `irradiance`, just that.
 //!
 //! With an `angle` it is a disc of this diameter in the sky, as the sun is of 0.53 degrees: shadows have soft
-//! edges. Only drawn directions find it, so that it is not seen itself, in mirrors neither.
+//! edges. Rays that meet the disc see it with the radiance `E / (pi sin^2 r)` of its irradiance `E`.
 //!
 //! Scene: `DirectionalLight { direction -1 -1 -1  color 0.9 0.9 0.9 }`; the light travels along `direction`.
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
-use kajo_math::{Frame, Vec2, Vec3, warp};
+use kajo_math::{Vec2, Vec3};
 
 use super::emit::INVERSE_SQUARE;
 use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
+use crate::sky_disc::SkyDisc;
+
+/// Discs less high are taken for points: directions in single precision do not tell their parts apart.
+const LOWEST: f32 = 1e-12;
 
 /// A directional light.
 #[derive(Clone, Debug)]
@@ -20,11 +24,29 @@ pub struct DirectionalLight {
     /// Unit direction from the scene towards the light.
     pub to_light: Vec3,
     /// `1 - cos r` of the angle `r` from the middle of the light's disc to its edge: 0 for a light without extent.
-    pub disc: f32,
+    pub height: f32,
     /// Factor of the classic shading formula.
     pub intensity: Spectrum,
     /// Irradiance on a surface across the direction.
     pub emission: Emission,
+}
+
+impl DirectionalLight {
+    /// What rays may meet of it.
+    #[inline]
+    pub fn disc(&self) -> Option<SkyDisc> {
+        (self.height > LOWEST).then_some(SkyDisc { middle: self.to_light, height: self.height })
+    }
+
+    /// Radiance of its disc.
+    pub fn radiance(&self, disc: &SkyDisc, wavelengths: &Wavelengths) -> Spectrum {
+        self.emission.at(wavelengths) * disc.projected_solid_angle().recip()
+    }
+
+    /// Density per solid angle with which [`Emitter::sample`] draws the direction `wi`; 1 for a light without extent.
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        self.disc().map_or(1.0, |disc| disc.pdf(wi))
+    }
 }
 
 impl Emitter for DirectionalLight {
@@ -35,14 +57,12 @@ impl Emitter for DirectionalLight {
 
     #[inline]
     fn sample(&self, _p: Vec3, _time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let mut radiance = self.emission.at(wavelengths);
-        let mut wi = self.to_light;
-        if self.disc > 0.0 {
-            wi = Frame::from_normal(wi).to_world(warp::uniform_cone(u, self.disc)).normalize();
-            // The disc's radiance E / (pi sin^2 r) times its solid angle 2 pi (1 - cos r).
-            radiance *= 2.0 / (2.0 - self.disc);
-        }
-        Some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target: Target::Infinity, lamp: 0 })
+        let (wi, radiance, pdf) = match self.disc() {
+            Some(disc) => (disc.draw(u), self.radiance(&disc, wavelengths), disc.solid_angle().recip()),
+            None => (self.to_light, self.emission.at(wavelengths), 1.0),
+        };
+        let is_delta = self.disc().is_none();
+        Some(LightSample { wi, radiance, pdf, is_delta, target: Target::Infinity, lamp: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {
@@ -50,23 +70,26 @@ impl Emitter for DirectionalLight {
     }
 
     fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted> {
-        let LightSample { wi, radiance, .. } = self.sample(world.center, 0.0, u[1], wavelengths)?;
+        let LightSample { wi, radiance, pdf, is_delta, .. } =
+            self.sample(world.center, 0.0, u[1], wavelengths)?;
         Some(Emitted {
             p: world.disk(u[0], -wi),
             origin: Target::Infinity,
             d: -wi,
             radiance,
             attenuation: INVERSE_SQUARE,
-            pdf: EmissionPdf { place: 1.0 / world.cross_section(), direction: 1.0 },
-            is_delta: true,
+            pdf: EmissionPdf { place: 1.0 / world.cross_section(), direction: pdf },
+            is_delta,
         })
     }
 
     fn emission_pdf(&self, _time: f32, [p, _]: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf {
-        EmissionPdf { place: world.pdf(p, d), direction: 1.0 }
+        EmissionPdf { place: world.pdf(p, d), direction: self.pdf(-d) }
     }
 
     fn power(&self, world: &Ball) -> f32 {
-        self.emission.luminance() * world.cross_section()
+        // Of a wide disc the irradiance across other directions is larger.
+        let widened = 2.0 / (2.0 - self.height);
+        widened * self.emission.luminance() * world.cross_section()
     }
 }

@@ -1,9 +1,9 @@
 //! All lights of a scene, to draw from.
 
-use kajo_color::Wavelengths;
+use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
-use super::{AreaLight, LightChoice, LightId, LightSample, LightTree, Lights, SkyLight};
+use super::{AreaLight, DirectionalLight, LightChoice, LightId, LightSample, LightTree, Lights, SkyLight};
 use crate::family::Pooled;
 
 /// The lights of a scene, in one list: those of the file, then the pieces of glowing objects, then the sky.
@@ -16,6 +16,8 @@ pub struct Emitters {
     first_area: u32,
     /// Where the background is, if it gives light.
     sky: Option<u32>,
+    /// Directional lights that are wide enough to be met.
+    discs: Vec<u32>,
     tree: LightTree,
 }
 
@@ -31,7 +33,10 @@ impl Emitters {
     ) -> Emitters {
         let (list, groups): (Vec<LightId>, Vec<u8>) = list.into_iter().unzip();
         let bounds: Vec<_> = list.iter().map(|&id| lights.bounds(id)).collect();
-        Emitters { list, groups, first_area, sky, tree: LightTree::build(&bounds) }
+        let is_disc =
+            |&id: &LightId| DirectionalLight::find(lights, id).is_some_and(|light| light.disc().is_some());
+        let discs = (0..).zip(&list).filter_map(|(number, id)| is_disc(id).then_some(number)).collect();
+        Emitters { list, groups, first_area, sky, discs, tree: LightTree::build(&bounds) }
     }
 
     /// Number of lights that can be drawn.
@@ -57,6 +62,21 @@ impl Emitters {
     /// The number of the background, if it gives light.
     pub fn sky(&self) -> Option<u32> {
         self.sky
+    }
+
+    /// The directional lights whose discs cover the unit direction `d`, by their numbers, and the radiance from there.
+    #[inline]
+    pub fn discs<'a>(
+        &'a self,
+        lights: &'a Lights,
+        d: Vec3,
+        wavelengths: &'a Wavelengths,
+    ) -> impl Iterator<Item = (u32, Spectrum)> {
+        self.discs.iter().filter_map(move |&number| {
+            let light = DirectionalLight::find(lights, self.id(number))?;
+            let disc = light.disc().filter(|disc| disc.covers(d))?;
+            Some((number, light.radiance(&disc, wavelengths)))
+        })
     }
 
     /// Bytes of the tree and the list.
@@ -156,10 +176,12 @@ impl Emitters {
         wi: Vec3,
     ) -> f32 {
         let id = self.id(number);
-        match (AreaLight::find(lights, id), SkyLight::find(lights, id)) {
-            (Some(area), _) => area.pdf(from, p, n, time),
-            (_, Some(sky)) => sky.pdf(wi),
-            _ => 1.0,
+        if let Some(area) = AreaLight::find(lights, id) {
+            area.pdf(from, p, n, time)
+        } else if let Some(sky) = SkyLight::find(lights, id) {
+            sky.pdf(wi)
+        } else {
+            DirectionalLight::find(lights, id).map_or(1.0, |light| light.pdf(wi))
         }
     }
 

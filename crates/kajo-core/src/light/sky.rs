@@ -46,7 +46,7 @@ impl SkyLight {
     pub fn pdf(&self, wi: Vec3) -> f32 {
         let sky = self.density().map_or(1.0 / (4.0 * PI), |density| density.pdf(wi));
         match self.background.sun() {
-            Some((sun, _)) if sun.covers(wi) => {
+            Some((sun, _)) if sun.disc().covers(wi) => {
                 (1.0 - self.sun_share) * sky + self.sun_share / Sun::SOLID_ANGLE
             }
             _ => (1.0 - self.sun_share) * sky,
@@ -59,7 +59,7 @@ impl SkyLight {
         if let Some((sun, share)) = self.background.sun()
             && u.x < share
         {
-            let wi = sun.draw(Vec2::new(u.x / share, u.y));
+            let wi = sun.disc().draw(Vec2::new(u.x / share, u.y));
             return Some((wi, self.pdf(wi)));
         }
         let u = Vec2::new((u.x - self.sun_share) / (1.0 - self.sun_share), u.y);

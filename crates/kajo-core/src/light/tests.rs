@@ -258,14 +258,16 @@ fn a_wide_directional_light_keeps_its_irradiance_and_stays_on_its_disc() {
         let to_light = Vec3::new(0.48, 0.6, 0.64);
         let emission = Emission::from_rgb([5.0; 3]);
         let light =
-            DirectionalLight { to_light, disc: 2.0 * sin * sin, intensity: Spectrum::WHITE, emission };
+            DirectionalLight { to_light, height: 2.0 * sin * sin, intensity: Spectrum::WHITE, emission };
         let (mut sum, n) = (0.0, 40_000);
         for i in 0..n {
             let sample = light.sample(Vec3::ZERO, 0.0, draw(i), &Wavelengths::RGB).unwrap();
             let cos = f64::from(sample.wi.dot(to_light));
             let limit = f64::from(0.5 * degrees).to_radians().cos();
-            assert!(cos > limit - 1e-6 && sample.is_delta && sample.pdf == 1.0);
-            sum += f64::from(sample.radiance[0]) * cos / f64::from(n);
+            assert!(cos > limit - 1e-6 && sample.is_delta == (degrees == 0.0));
+            sum += f64::from(sample.radiance[0] / sample.pdf) * cos / f64::from(n);
+            let again = light.pdf(sample.wi);
+            assert!(again == sample.pdf || cos < limit + 1e-6, "{degrees}: {again} for {}", sample.pdf);
         }
         assert!((sum / 5.0 - 1.0).abs() < 3e-3, "{degrees}: {sum}");
     }

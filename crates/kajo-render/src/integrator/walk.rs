@@ -199,6 +199,13 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             let weight = self.weight_of_chance(|from| self.scene().sky_pdf(from, self.ray.d, choice));
             self.meet(self.throughput * radiance * weight, self.scene().emitters.sky_group());
         }
+        let (scene, d, wavelengths) = (self.scene(), self.ray.d, self.wavelengths);
+        for sun in scene.suns(d, &wavelengths) {
+            let choice = self.settings.light_choice;
+            let weight =
+                self.weight_of_chance(|from| scene.lamp_pdf(sun.lamp, from, [Vec3::ZERO; 2], d, choice));
+            self.meet(self.throughput * sun.radiance * weight, sun.group);
+        }
     }
 
     /// Adds light that the present ray has met.

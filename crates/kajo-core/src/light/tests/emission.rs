@@ -47,12 +47,12 @@ pub(crate) fn lamps() -> (Lights, Vec<(LightId, f64)>) {
     let power = spot.bounds().expect("a place").power;
     list.extend(spot.store(&mut lights).map(|id| (id, f64::from(power))));
     let shadow = PI * 6.25;
-    for disc in [0.0, 0.1] {
+    for height in [0.0, 0.1] {
         let emission = Emission::from_rgb([2.0; 3]);
         let to_light = Vec3::new(0.0, 0.6, 0.8);
-        let lamp = DirectionalLight { to_light, disc, intensity: Spectrum::WHITE, emission };
+        let lamp = DirectionalLight { to_light, height, intensity: Spectrum::WHITE, emission };
         // Of a wide disc it is the irradiance across the middle that is given.
-        let widened = 2.0 / (2.0 - f64::from(disc));
+        let widened = 2.0 / (2.0 - f64::from(height));
         list.extend(lamp.store(&mut lights).map(|id| (id, 2.0 * shadow * widened)));
     }
     let sky = SkyLight::new(Arc::new(Background::constant([2.0; 3])));

@@ -56,20 +56,31 @@ impl Bidirectional<'_> {
         Some(walk.found(glow.radiance, glow.group, weight))
     }
 
-    /// `s = 0`: the background that the camera's path comes to.
-    pub(super) fn leave(&self, walk: &Walk<'_, '_, impl Witness>, from: Option<&Vertex>) -> Option<Found> {
+    /// `s = 0`: hands the light to `found` of the background and of the discs in the sky that the camera's path comes to.
+    pub(super) fn leave(
+        &self,
+        walk: &Walk<'_, '_, impl Witness>,
+        from: Option<&Vertex>,
+        mut found: impl FnMut(Found),
+    ) {
         let scene = self.scene();
         let wi = walk.ray.d;
+        let mut meet = |radiance: Spectrum, group: u8, lamp: Option<u32>| {
+            let weight = from.zip(lamp).map_or(1.0, |(from, lamp)| {
+                let drawn = self.lamp_pdf(lamp, (from, walk.ray.time), [Vec3::ZERO; 2], wi);
+                let place = [from.at.p, Vec3::ZERO];
+                let (end, rest) = self.emission_parts((lamp, walk.ray.time), place, -wi, true);
+                weight_of_chance(&walk.rivals_at_infinity(), drawn, end, rest)
+            });
+            found(walk.found(radiance, group, weight));
+        };
         let radiance = scene.background.radiance(wi, &walk.wavelengths);
-        if radiance.is_black() {
-            return None;
+        if !radiance.is_black() {
+            meet(radiance, scene.emitters.sky_group(), scene.emitters.sky());
         }
-        let weight = from.zip(scene.emitters.sky()).map_or(1.0, |(from, sky)| {
-            let drawn = self.lamp_pdf(sky, (from, walk.ray.time), [Vec3::ZERO; 2], wi);
-            let (end, rest) = self.emission_parts((sky, walk.ray.time), [from.at.p, Vec3::ZERO], -wi, true);
-            weight_of_chance(&walk.rivals_at_infinity(), drawn, end, rest)
-        });
-        Some(walk.found(radiance, scene.emitters.sky_group(), weight))
+        for sun in scene.suns(wi, &walk.wavelengths) {
+            meet(sun.radiance, sun.group, Some(sun.lamp));
+        }
     }
 
     /// `s = 1`: a lamp drawn for a point of the camera's path.

@@ -276,10 +276,12 @@ impl<'a> Bidirectional<'a> {
         let mut t = 2;
         loop {
             let Some(met) = walk.trace() else {
-                if let Some(sky) = self.leave(&walk, origin.as_ref()) {
-                    walk.witness.found(|| sky.value(wavelengths));
-                    found(sky, wavelengths);
-                }
+                let mut told = mem::take(&mut walk.witness);
+                self.leave(&walk, origin.as_ref(), |far| {
+                    told.found(|| far.value(wavelengths));
+                    found(far, wavelengths);
+                });
+                walk.witness = told;
                 break;
             };
             if t == 2 {

@@ -7,6 +7,7 @@
 //! disk of radius R at height h, facing       E = pi R^2 / (R^2 + h^2)
 //! sphere of radius R at distance d           E = pi (R/d)^2 cos theta      all of it above the horizon
 //! sky before which an endless wall rises     E = pi (1 + cos phi) / 2      phi: elevation of the wall's top
+//! disc of angular radius r in the sky        E = pi sin^2 r cos theta      all of it above the horizon
 //! ```
 //!
 //! and for lamps of no size, `E = I cos theta / d^2` and `E = E0 cos theta`. A spot light of power `P` has on its axis
@@ -50,7 +51,15 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = vec![disk(draw), sphere(draw), sphere_touched(draw)];
     forms.extend([-0.8, -0.3, 0.2, 0.7].map(|t| penumbra(draw, t, 0.02)));
     forms.push(penumbra(draw, 0.1, 0.8));
-    forms.extend([point(draw), directional(draw), classic_point(draw), spot(draw, 0.0), spot(draw, 0.85)]);
+    forms.extend([
+        point(draw),
+        directional(draw),
+        disc(draw),
+        disc_seen(draw),
+        classic_point(draw),
+        spot(draw, 0.0),
+        spot(draw, 0.85),
+    ]);
     forms.extend([wall(draw, SKIES, "sky"), wall(draw, &[OCCLUSION], "sky by occlusion")]);
     forms.extend([facing(draw), adjacent(draw), luminaire(draw, false), luminaire(draw, true)]);
     forms
@@ -144,6 +153,31 @@ fn directional(draw: &mut Parameters) -> Form {
     const METHODS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT, CLASSIC];
     let expected = rho / PI * e * towards.y;
     Form::new("directional light", under(rho, DVec3::Y, &light), expected, METHODS).bounces(0)
+}
+
+/// A directional light with a width, and the sine of its angular radius.
+fn sun(draw: &mut Parameters, e: f64, towards: DVec3) -> (String, f64) {
+    let degrees = draw.between(10.0, 50.0);
+    let light = format!(
+        "DirectionalLight {{ direction {}  irradiance {e} {e} {e}  angle {degrees} }}",
+        text(-towards)
+    );
+    (light, (0.5 * degrees).to_radians().sin())
+}
+
+fn disc(draw: &mut Parameters) -> Form {
+    let (rho, e, towards) = (draw.between(0.3, 0.9), draw.between(1.0, 9.0), draw.direction(0.5));
+    let (light, _) = sun(draw, e, towards);
+    let expected = rho / PI * e * towards.y;
+    Form::new("disc in the sky", under(rho, DVec3::Y, &light), expected, SKIES).bounces(0)
+}
+
+fn disc_seen(draw: &mut Parameters) -> Form {
+    let (e, towards) = (draw.between(1.0, 9.0), draw.direction(0.5));
+    let (light, sin) = sun(draw, e, towards);
+    let scene = format!("{}Lights {{ {light} }}", spot_meter(DVec3::ZERO, towards));
+    const METHODS: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
+    Form::new("disc in the sky, seen", scene, e / (PI * sin * sin), METHODS).bounces(0)
 }
 
 fn classic_point(draw: &mut Parameters) -> Form {

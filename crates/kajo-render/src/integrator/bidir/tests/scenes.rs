@@ -33,7 +33,6 @@ fn random_scene(i: u32) -> String {
             "DirectionalLight { direction 0.3 -1 -0.4  irradiance 3 3 3 }",
             "DirectionalLight { direction 0.3 -1 -0.4  irradiance 3 3 3  angle 60 }",
             "",
-            "",
         ],
     );
     let lamp = pick(
@@ -48,7 +47,8 @@ fn random_scene(i: u32) -> String {
     // What mirrors send on from lamps that no ray can meet is light that no path from the camera can find.
     let rough = ["white", "red", "gold", "frosted", "paint", "flint"];
     let all = ["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss", "flint"];
-    let material = |k| pick(u(k), if lights.is_empty() { &all } else { &rough });
+    let material =
+        |k| pick(u(k), if lights.is_empty() || lights.ends_with("angle 60 }") { &all } else { &rough });
     let (a, b) = (material(4), material(5));
     let ground = pick(
         u(6),
