@@ -1,7 +1,7 @@
 //! Where a ray meets a surface.
 
 use kajo_math::{
-    Ray, Transform, Vec2, Vec3, Vec3A,
+    DVec3, Ray, Transform, Vec2, Vec3, Vec3A,
     robust::{gamma, offset_origin},
 };
 
@@ -49,6 +49,35 @@ impl SurfacePoint {
         let p_error =
             (1.0 + gamma(4)) * there(self.p_error + return_error) + gamma(4) * (there(self.p.abs()) + t1);
         SurfacePoint { p, p_error, n: t.normal(self.n), ng: t.normal(self.ng) }
+    }
+}
+
+/// How the position changes with surface coordinates.
+///
+/// Zero where there are no coordinates, and where a coordinate has no direction, as at the poles of a sphere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tangents {
+    /// Derivative by the first coordinate.
+    pub dpdu: Vec3,
+    /// Derivative by the second coordinate.
+    pub dpdv: Vec3,
+}
+
+impl Tangents {
+    /// Those of the affine map that takes the coordinates `uvs` to the corners of a triangle.
+    pub(crate) fn of_triangle(corners: [DVec3; 3], uvs: [Vec2; 3]) -> Tangents {
+        let [a, b, c] = uvs.map(Vec2::as_dvec2);
+        let (e1, e2) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let (s1, s2) = (b - a, c - a);
+        let area = s1.perp_dot(s2);
+        let [dpdu, dpdv] = [(s2.y * e1 - s1.y * e2) / area, (s1.x * e2 - s2.x * e1) / area];
+        let usable = dpdu.is_finite() && dpdv.is_finite();
+        if usable { Tangents { dpdu: dpdu.as_vec3(), dpdv: dpdv.as_vec3() } } else { Tangents::default() }
+    }
+
+    /// The same in world space.
+    pub fn transformed(&self, t: &Transform) -> Tangents {
+        Tangents { dpdu: t.vector(self.dpdu), dpdv: t.vector(self.dpdv) }
     }
 }
 

@@ -25,6 +25,7 @@ mod objects;
 pub mod sampler;
 pub mod scene;
 pub mod settings;
+pub mod shading;
 pub mod shape;
 mod sky_disc;
 pub mod texture;

@@ -10,7 +10,7 @@ use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3};
 use crate::background::Background;
 use crate::camera::Camera;
 use crate::family::Pooled;
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 use crate::item_buffer::{Between, Body, ItemBuffer};
 use crate::light::{Emitters, LightId, Lights};
 use crate::material::{MaterialId, MaterialPoint, Materials};
@@ -95,6 +95,8 @@ pub struct Scene {
     pub transmits: bool,
     /// Whether any material shows a picture, so that it has to know surface coordinates.
     pub has_pictures: bool,
+    /// Whether any material turns the frame in which it scatters, so that it has to be asked; see [`Scene::shading`].
+    pub has_orientations: bool,
     /// Whether any material has holes, so that what is behind is seen and lit through it.
     pub has_holes: bool,
     /// The user's words for each primitive; see [`Scene::object`].
@@ -462,6 +464,23 @@ impl Scene {
             None => self
                 .leaf(at.primitive)
                 .map_or(Vec2::ZERO, |leaf| self.shapes.uv_at(leaf.shape, &at.hit, own(&leaf.place()))),
+        }
+    }
+
+    /// How the position at an interaction changes with surface coordinates, in world space.
+    pub fn tangents(&self, at: &Interaction) -> Tangents {
+        let of = |shape: ShapeId, map: &Transform| {
+            let own = map.object_from_world.transform_point3(at.point.p);
+            self.shapes.tangents_at(shape, &at.hit, own).transformed(map)
+        };
+        match self.primitives.get(at.primitive as usize) {
+            Some(&Primitive { shape, transform, .. }) => {
+                self.transform_at(transform, at.time, |map| of(shape, map))
+            }
+            None => {
+                let leaf = self.leaf(at.primitive);
+                leaf.map_or_else(Tangents::default, |leaf| of(leaf.shape, &leaf.place()))
+            }
         }
     }
 

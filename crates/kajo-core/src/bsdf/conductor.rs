@@ -126,7 +126,7 @@ impl Conductor {
     /// What the facet `m` reflects, times the factor for further bounces.
     #[inline]
     fn reflected(&self, facets: &Microfacets, wo: Vec3, wi: Vec3, m: Vec3) -> Spectrum {
-        let x = energy::metal(facets, wo.z) * energy::metal(facets, wi.z);
+        let x = energy::metal(facets, wo) * energy::metal(facets, wi);
         self.fresnel.at(wo.dot(m)).map(|f| f * energy::saturate(f, x))
     }
 

@@ -22,16 +22,15 @@
 //! for two sides at once.
 //!
 //! `s`, `l` and `L` are tabulated for isotropic roughness in `energy.bin`, made by the generator among the tests of
-//! these modules. Interpolated, they keep energy to 0.3 %. Of two roughnesses metals take the geometric mean and clear
-//! media the lesser one, so that hardly any light is made (3 % at most): brushed surfaces still lose some of it, a tenth where
-//! one roughness is 0.5 and the other 0.15.
+//! these modules. Interpolated, they keep energy to 0.3 %. Brushed metals have tables of their own, see `brushed.rs`. Of two
+//! roughnesses clear media take the lesser one, so that hardly any light is made (3 % at most).
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 use kajo_math::{Vec2, Vec3, fmath};
 
-use super::Microfacets;
 use super::microfacet::Shape;
+use super::{Microfacets, brushed};
 
 /// Nodes of the cosine, of the roughness of metals and clear media, and of the index of refraction.
 pub(super) const COSINES: usize = 32;
@@ -57,19 +56,19 @@ pub(super) const STRONGEST: f32 = 0.6;
 
 /// A place between two nodes: the lower one, and how far it is to the next.
 #[derive(Clone, Copy)]
-struct Between(usize, f32);
+pub(super) struct Between(usize, f32);
 
 impl Between {
     /// The place at `x` of [0, 1] among `nodes` nodes.
     #[inline]
-    fn new(x: f32, nodes: usize) -> Between {
+    pub fn new(x: f32, nodes: usize) -> Between {
         let x = x.clamp(0.0, 1.0) * (nodes - 1) as f32;
         let i = (x as usize).min(nodes - 2);
         Between(i, x - i as f32)
     }
 
     #[inline]
-    fn mix(self, value: impl Fn(usize) -> f32) -> f32 {
+    pub fn mix(self, value: impl Fn(usize) -> f32) -> f32 {
         (1.0 - self.1) * value(self.0) + self.1 * value(self.0 + 1)
     }
 
@@ -106,11 +105,14 @@ fn single(at: usize) -> f32 {
     f32::from_le_bytes([TABLES[at], TABLES[at + 1], TABLES[at + 2], TABLES[at + 3]])
 }
 
-/// The factor `s` of metals at the cosine `cos` in [0, 1].
+/// The factor `s` of metals at the unit direction `w` above the surface.
 #[inline]
-pub(super) fn metal(facets: &Microfacets, cos: f32) -> f32 {
-    let (start, cosine) = (offset(facets.shape), Between::cosine(cos));
-    let alpha = Between::alpha((facets.alpha_x * facets.alpha_y).sqrt(), METAL_ALPHAS);
+pub(super) fn metal(facets: &Microfacets, w: Vec3) -> f32 {
+    if facets.alpha_x != facets.alpha_y {
+        return brushed::factor(facets, w);
+    }
+    let (start, cosine) = (offset(facets.shape), Between::cosine(w.z));
+    let alpha = Between::alpha(facets.alpha_x, METAL_ALPHAS);
     LARGEST * alpha.mix(|a| cosine.mix(|j| short(start + 2 * (a * COSINES + j))))
 }
 

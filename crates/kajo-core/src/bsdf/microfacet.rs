@@ -50,6 +50,16 @@ impl Microfacets {
         Microfacets { shape, alpha_x: alpha, alpha_y: alpha }
     }
 
+    /// Facets that are rougher along x than along y.
+    ///
+    /// * `alpha`: the root of the mean square of both roughnesses
+    /// * `anisotropy`: in [0, 1], one minus the lesser roughness over the greater [OpenPBR 1.1, sec. 3.4.1]
+    pub fn brushed(shape: Shape, alpha: f32, anisotropy: f32) -> Microfacets {
+        let aspect = 1.0 - anisotropy;
+        let alpha_x = alpha * (2.0 / (1.0 + aspect * aspect)).sqrt();
+        Microfacets { shape, alpha_x, alpha_y: aspect * alpha_x }
+    }
+
     /// The exponent of the Phong highlight that is about as wide.
     pub fn exponent(&self) -> f32 {
         (2.0 / (self.alpha_x * self.alpha_y).max(1e-4) - 2.0).max(1.0)

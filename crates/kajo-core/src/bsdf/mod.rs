@@ -15,6 +15,7 @@
 //!
 //! [`Phong`] is apart from these: the classic shading model, which is no density of anything.
 
+mod brushed;
 pub mod conductor;
 mod dielectric;
 mod energy;

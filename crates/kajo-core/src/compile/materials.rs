@@ -19,7 +19,7 @@ use super::spectra::Written;
 use super::{Compiler, transform};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
-use crate::material::{Blend, MaterialId, Perforated, PhongMaterial};
+use crate::material::{Blend, Embossed, MaterialId, Perforated, PhongMaterial, Relief};
 use crate::texture::{Checker, Constant, Marble, Noise, Share, TextureId, Wood};
 
 const KEYWORDS: [&str; 11] = [
@@ -54,6 +54,7 @@ struct Extras {
     glow: Option<Glow>,
     /// Less than 1 for a material with holes, and where that is said.
     opacity: Option<(Share, Span)>,
+    relief: Option<Relief>,
 }
 
 /// Another material, by number or name.
@@ -258,6 +259,12 @@ impl Compiler<'_> {
     fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras) -> State {
         let Some(inner) = id else { return State::Failed };
         let mut id = inner;
+        if let Some(relief) = extras.relief.clone() {
+            let Some(embossed) = Embossed { material: inner, relief }.store(&mut self.materials) else {
+                return State::Failed;
+            };
+            id = embossed;
+        }
         if let Some((opacity, place)) = extras.opacity.clone().filter(|(opacity, _)| opacity.range()[0] < 1.0)
         {
             if self.materials.may_transmit(inner, &self.materials) {
@@ -266,7 +273,7 @@ impl Compiler<'_> {
                 self.diagnostics.push(error.label(place, "`opacity` is for opaque materials"));
                 return State::Failed;
             }
-            let Some(perforated) = Perforated { material: inner, opacity }.store(&mut self.materials) else {
+            let Some(perforated) = Perforated { material: id, opacity }.store(&mut self.materials) else {
                 return State::Failed;
             };
             id = perforated;
@@ -331,7 +338,8 @@ impl Compiler<'_> {
 impl Extras {
     fn read(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>, groups: &mut LightGroups) -> Extras {
         let glow = read_glow(params, paints.spectra, groups);
-        Extras { glow, opacity: paints.optional_share(params, "opacity") }
+        let opacity = paints.optional_share(params, "opacity");
+        Extras { glow, opacity, relief: paints.relief(params) }
     }
 }
 
@@ -341,7 +349,6 @@ fn read_phong(
     reflects_specular: bool,
 ) -> PhongMaterial {
     params.name();
-    params.later(&["bump", "normalMap"]);
     let picture = paints.picture(params, "texture");
     let spectra = paints.spectra;
     let plain = |rgb: Spectrum| Written { rgb, value: Reflectance::from_rgb(rgb.to_rgb()) };

@@ -277,12 +277,15 @@ impl<'a> Compiler<'a> {
         let emitters = self.emitters(&background);
         let numbers = self.material_list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
         let material_numbers = numbers.rev().collect();
+        let known = self.material_list.iter().map(|&(id, _)| id).chain(self.slot_materials.iter().copied());
+        let has_orientations = known.into_iter().any(|id| self.materials.is_oriented(id, &self.materials));
         let mut scene = Scene {
             shapes: self.shapes,
             transforms: self.transforms,
             motions: self.motions,
             transmits: self.nested_transmits || self.primitives.iter().any(|p| p.transmits),
             has_pictures: !self.pictures.is_empty(),
+            has_orientations,
             has_holes: !self.materials.perforated.is_empty(),
             primitives: self.primitives,
             objects: self.objects,

@@ -8,7 +8,7 @@ use super::pictures::PaintReader;
 use crate::bsdf::microfacet::Shape;
 use crate::family::Pooled;
 use crate::material::{
-    Glass, GlassSettings, LayeredMaterial, Layers, MaterialId, Materials, Matte, Metal, Substance,
+    Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, Materials, Matte, Metal, Substance,
 };
 
 /// The words of these materials.
@@ -57,6 +57,11 @@ fn shape(params: &mut Params<'_, '_>) -> Shape {
     })
 }
 
+fn grain(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Grain {
+    let anisotropy = paints.share(params, "anisotropy", 0.0);
+    Grain { anisotropy, rotation: paints.share(params, "rotation", 0.0) }
+}
+
 /// What a list of names has under the word of `args`, or an error with the nearest name.
 fn by_name<T>(
     args: &mut Args<'_>,
@@ -76,7 +81,7 @@ fn metal(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<Me
     let color = paints.paint(params, "color", 0.9);
     let substance = measured.map_or(Substance::Color(color), Substance::Measured);
     let (shape, roughness) = (shape(params), paints.share(params, "roughness", 0.0));
-    Some(Metal::new(substance, shape, roughness))
+    Some(Metal::new(substance, shape, roughness).brushed(grain(params, paints)))
 }
 
 fn glass(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<GlassSettings> {
@@ -103,6 +108,7 @@ fn glass(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<Gl
         index: named.unwrap_or(plain),
         shape: shape(params),
         roughness: paints.share(params, "roughness", 0.0),
+        grain: grain(params, paints),
         absorption: absorption.to_array(),
         pane: thin.then(|| thickness.unwrap_or(0.0)),
         priority: params.or("priority", 0, |args| args.int_in(-1000..=1000)) as i32,
@@ -118,6 +124,7 @@ fn layers(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Layers {
         metalness: paints.share(params, "metalness", 0.0),
         transmission: paints.share(params, "transmission", 0.0),
         roughness: paints.share(params, "roughness", 0.3),
+        grain: grain(params, paints),
         diffuse_roughness: paints.share(params, "diffuseRoughness", 0.0),
         eta: index(params, "indexOfRefraction", 1.5),
         coat: paints.share(params, "coat", 0.0),

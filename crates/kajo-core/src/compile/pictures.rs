@@ -21,6 +21,7 @@ use kajo_scene::{Args, Assets, Diagnostic, Diagnostics, Item, Params, Span, read
 
 use super::CompileOptions;
 use super::spectra::{SpectrumReader, Written};
+use crate::material::Relief;
 use crate::texture::{Channel, Encoding, Paint, Picture, PictureMap, Share, TexelFilter, Wrap};
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
@@ -93,10 +94,47 @@ impl PaintReader<'_> {
             .map(|value| (Share::Plain(value), place))
     }
 
+    /// What `normalMap` or `bump` say of normals.
+    pub fn relief(&mut self, params: &mut Params<'_, '_>) -> Option<Relief> {
+        let normals = params.block("normalMap").and_then(|item| {
+            let scale = |params: &mut Params<'_, '_>| Scale(params.or("scale", 1.0, Args::number));
+            self.pictures.map(item, Some(Encoding::Linear), params.diagnostics(), scale)
+        });
+        let heights = params.block("bump").and_then(|item| {
+            let read = |params: &mut Params<'_, '_>| {
+                (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
+            };
+            self.pictures.map(item, Some(Encoding::Linear), params.diagnostics(), read)
+        });
+        match (normals, heights) {
+            (Some((map, Scale(scale))), _) => Some(Relief::Normals { map, scale }),
+            (None, Some((map, (Height(height), channel)))) => Some(Relief::Heights { map, channel, height }),
+            (None, None) => None,
+        }
+    }
+
     /// The colours of a picture, if there is the key.
     pub fn picture(&mut self, params: &mut Params<'_, '_>, key: &'static str) -> Option<PictureMap> {
         let item = params.block(key)?;
         self.pictures.map(item, None, params.diagnostics(), |_| ()).map(|(map, ())| map)
+    }
+}
+
+/// How steep a picture of normals is made.
+struct Scale(f32);
+
+impl Default for Scale {
+    fn default() -> Scale {
+        Scale(1.0)
+    }
+}
+
+/// How far white rises above black.
+struct Height(f32);
+
+impl Default for Height {
+    fn default() -> Height {
+        Height(0.01)
     }
 }
 

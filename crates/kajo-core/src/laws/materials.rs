@@ -11,8 +11,8 @@ use crate::Pooled;
 use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
 use crate::material::{
-    Blend, Glass, GlassSettings, LayeredMaterial, Layers, MaterialId, MaterialPoint, Materials, Matte, Metal,
-    Perforated, PhongMaterial, ShadingPoint, Substance,
+    Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, MaterialPoint,
+    Materials, Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Substance,
 };
 use crate::texture::{Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, Textures};
 
@@ -59,6 +59,7 @@ fn glass(roughness: f32, pane: Option<f32>) -> Glass {
         index: Dispersion::Constant(1.5),
         shape: Shape::Ggx,
         roughness: roughness.into(),
+        grain: Grain::default(),
         absorption: [0.0; 3],
         pane,
         priority: 0,
@@ -73,6 +74,7 @@ fn white_layers() -> Layers {
         metalness: 0.3.into(),
         transmission: 0.4.into(),
         roughness: 0.6.into(),
+        grain: Grain::default(),
         diffuse_roughness: 0.3.into(),
         eta: 1.5,
         coat: 0.5.into(),
@@ -95,8 +97,12 @@ fn samples() -> Samples {
     let clay = all.add("clay", false, Matte::new(Reflectance::from_rgb([0.7, 0.4, 0.3]), 0.8));
     let silver = all.add("silver", true, Metal::new(Substance::Color(white().into()), Shape::Ggx, 0.6));
     let gold = named::metal("gold").expect("a known metal");
-    all.add("gold", false, Metal::new(Substance::Measured(gold), Shape::Beckmann, 0.5));
+    all.add("gold", false, Metal::new(Substance::Measured(gold.clone()), Shape::Beckmann, 0.5));
     all.add("frosted glass", true, glass(0.5, None));
+    let brushed = Grain { anisotropy: 0.7.into(), rotation: 0.1.into() };
+    let tray = Metal::new(Substance::Measured(gold), Shape::Ggx, 0.5).brushed(brushed.clone());
+    all.add("tray", false, tray);
+    all.add("knife", false, LayeredMaterial::from(Layers { grain: brushed, ..white_layers() }));
     all.add("pane", true, glass(0.0, Some(0.1)));
     all.add("layers", true, LayeredMaterial::from(white_layers()));
     let red = Reflectance::from_rgb([0.8, 0.1, 0.1]);
@@ -114,6 +120,8 @@ fn samples() -> Samples {
     all.add("net", true, Perforated { material: plaster, opacity: share() });
     let layers = Layers { roughness: share(), metalness: share(), coat: share(), ..white_layers() };
     all.add("worn", true, LayeredMaterial::from(layers));
+    let relief = Relief::Normals { map: map.clone(), scale: 0.5 };
+    all.add("hammered silver", true, Embossed { material: silver, relief });
     all.add("Phong, painted", false, PhongMaterial::from(classic).with_picture(Some(map.clone())));
     let pattern = Constant { value: 0.3 }.store(&mut all.textures).expect("there is room");
     let mix = |pattern, materials| Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials };

@@ -8,7 +8,7 @@
 
 use kajo_math::Affine3A;
 
-use super::{Appearance, Interior, MaterialId, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, Interior, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
 use crate::texture::{TextureId, Textures};
 
@@ -69,6 +69,15 @@ impl Appearance for Blend {
     ) -> Option<Interior> {
         let (part, at) = self.part(textures, at);
         materials.interior(part, materials, textures, &at)
+    }
+
+    fn orientation(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+        let (part, at) = self.part(textures, at);
+        materials.orientation(part, materials, textures, &at)
+    }
+
+    fn is_oriented(&self, materials: &Materials) -> bool {
+        self.materials.iter().any(|&m| materials.is_oriented(m, materials))
     }
 
     fn is_mixture(&self) -> bool {

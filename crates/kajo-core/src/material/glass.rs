@@ -9,7 +9,7 @@
 use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
 use kajo_math::{Vec2, Vec3};
 
-use super::{Appearance, Interior, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
 use crate::texture::{Share, Textures};
 
@@ -22,6 +22,8 @@ pub struct GlassSettings {
     pub shape: Shape,
     /// In [0, 1]; facets have its square.
     pub roughness: Share,
+    /// Which way the facets run.
+    pub grain: Grain,
     /// Absorption per unit length in linear RGB.
     pub absorption: [f32; 3],
     /// Thickness of a pane; `None` for a body.
@@ -43,12 +45,16 @@ impl From<GlassSettings> for Glass {
     fn from(settings: GlassSettings) -> Glass {
         let absorption = Unbounded::from_rgb(settings.absorption);
         let mut glass = Glass { settings, absorption, constant: None };
-        glass.constant = (!glass.settings.roughness.varies()).then(|| glass.classic(Vec2::ZERO));
+        glass.constant = (!glass.varies()).then(|| glass.classic(Vec2::ZERO));
         glass
     }
 }
 
 impl Glass {
+    fn varies(&self) -> bool {
+        self.settings.roughness.varies() || self.settings.grain.varies()
+    }
+
     /// The index at the first wavelength.
     fn eta(&self, wavelengths: &Wavelengths) -> f32 {
         self.settings.index.at(wavelengths)[0]
@@ -56,7 +62,7 @@ impl Glass {
 
     fn facets(&self, uv: Vec2) -> Microfacets {
         let roughness = self.settings.roughness.at(uv);
-        Microfacets::new(self.settings.shape, roughness * roughness)
+        self.settings.grain.facets(self.settings.shape, roughness * roughness, uv)
     }
 
     fn classic(&self, uv: Vec2) -> Phong {
@@ -82,6 +88,14 @@ impl Appearance for Glass {
 
     fn needs_uv(&self, _materials: &Materials) -> bool {
         self.constant.is_none()
+    }
+
+    fn orientation(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+        self.settings.grain.orientation(at.place.uv)
+    }
+
+    fn is_oriented(&self, _materials: &Materials) -> bool {
+        self.settings.grain.exists()
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {

@@ -3,12 +3,12 @@
 //! Roughness is as it looks: facets have `α = roughness²`. The classic integrator sees a mirror with the
 //! reflectance straight on, and a highlight of the exponent `2/α² - 2`.
 //!
-//! Scene: `Metal { metal gold  roughness 0.3 }`
+//! Scene: `Metal { metal gold  roughness 0.3  anisotropy 0.8 }`
 
 use kajo_color::{Spectrum, metal};
 use kajo_math::{Vec2, Vec3};
 
-use super::{Appearance, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, Grain, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::Shape};
 use crate::texture::{Paint, Share, Textures};
 
@@ -27,6 +27,7 @@ pub struct Metal {
     substance: Substance,
     shape: Shape,
     roughness: Share,
+    grain: Grain,
     /// Where it is the same everywhere.
     constant: Option<Phong>,
 }
@@ -34,18 +35,30 @@ pub struct Metal {
 impl Metal {
     /// * `roughness`: in [0, 1]
     pub fn new(substance: Substance, shape: Shape, roughness: impl Into<Share>) -> Metal {
-        let mut metal = Metal { substance, shape, roughness: roughness.into(), constant: None };
-        metal.constant = (!metal.varies()).then(|| metal.classic(Vec2::ZERO));
-        metal
+        let (roughness, grain) = (roughness.into(), Grain::default());
+        Metal { substance, shape, roughness, grain, constant: None }.known()
+    }
+
+    /// The same metal, brushed.
+    pub fn brushed(self, grain: Grain) -> Metal {
+        Metal { grain, ..self }.known()
+    }
+
+    /// With what is the same everywhere worked out.
+    fn known(self) -> Metal {
+        let constant = (!self.varies()).then(|| self.classic(Vec2::ZERO));
+        Metal { constant, ..self }
     }
 
     fn varies(&self) -> bool {
-        self.roughness.varies() || matches!(&self.substance, Substance::Color(color) if color.varies())
+        self.roughness.varies()
+            || self.grain.varies()
+            || matches!(&self.substance, Substance::Color(color) if color.varies())
     }
 
     fn facets(&self, uv: Vec2) -> Microfacets {
         let roughness = self.roughness.at(uv);
-        Microfacets::new(self.shape, roughness * roughness)
+        self.grain.facets(self.shape, roughness * roughness, uv)
     }
 
     fn classic(&self, uv: Vec2) -> Phong {
@@ -68,6 +81,14 @@ impl Appearance for Metal {
 
     fn needs_uv(&self, _materials: &Materials) -> bool {
         self.constant.is_none()
+    }
+
+    fn orientation(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+        self.grain.orientation(at.place.uv)
+    }
+
+    fn is_oriented(&self, _materials: &Materials) -> bool {
+        self.grain.exists()
     }
 
     fn may_transmit(&self, _materials: &Materials) -> bool {

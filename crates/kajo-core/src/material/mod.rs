@@ -1,17 +1,21 @@
 //! Materials: which reflection model a surface has at each of its points.
 
 mod blend;
+mod embossed;
 mod glass;
 mod matte;
 mod metal;
+mod orientation;
 mod perforated;
 mod phong;
 mod principled;
 
 pub use blend::Blend;
+pub use embossed::{Embossed, Relief};
 pub use glass::{Glass, GlassSettings};
 pub use matte::Matte;
 pub use metal::{Metal, Substance};
+pub use orientation::{Grain, Lean, Orientation};
 pub use perforated::Perforated;
 pub use phong::PhongMaterial;
 pub use principled::{LayeredMaterial, Layers};
@@ -92,6 +96,21 @@ pub trait Appearance {
         1.0
     }
 
+    /// How the frame of [`Appearance::bsdf`] is to be turned.
+    fn orientation(
+        &self,
+        _materials: &Materials,
+        _textures: &Textures,
+        _at: &ShadingPoint<'_>,
+    ) -> Orientation {
+        Orientation::default()
+    }
+
+    /// Whether [`Appearance::orientation`] asks for anything anywhere.
+    fn is_oriented(&self, _materials: &Materials) -> bool {
+        false
+    }
+
     /// What is behind the surface, for materials that refract.
     fn interior(
         &self,
@@ -111,6 +130,7 @@ family! {
     contract Appearance;
     members {
         blends: Blend,
+        embossed: Embossed,
         glasses: Glass,
         layered: LayeredMaterial,
         mattes: Matte,
@@ -133,6 +153,10 @@ family! {
         fn is_mixture() -> bool;
         /// See [`Appearance::opacity`].
         fn opacity(materials: &Materials, textures: &Textures, at: &MaterialPoint) -> f32;
+        /// See [`Appearance::orientation`].
+        fn orientation(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation;
+        /// See [`Appearance::is_oriented`].
+        fn is_oriented(materials: &Materials) -> bool;
         /// See [`Appearance::interior`].
         fn interior(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Option<Interior>;
     }

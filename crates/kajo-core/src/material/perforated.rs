@@ -14,7 +14,7 @@
 use kajo_color::Spectrum;
 use kajo_math::fmath;
 
-use super::{Appearance, MaterialId, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
 use crate::texture::{Share, Textures};
 
@@ -25,6 +25,15 @@ pub struct Perforated {
     pub material: MaterialId,
     /// The share of the surface that is there; less than 1 somewhere.
     pub opacity: Share,
+}
+
+impl Perforated {
+    /// What to ask the material there; `None` in a hole, by the number `at.u`.
+    fn between_holes<'a>(&self, at: &ShadingPoint<'a>) -> Option<ShadingPoint<'a>> {
+        let opacity = self.opacity.at(at.place.uv);
+        // What is left of the number after the choice is uniform again.
+        (at.u < opacity).then(|| ShadingPoint { u: (at.u / opacity).min(1.0f32.next_down()), ..*at })
+    }
 }
 
 impl Appearance for Perforated {
@@ -45,13 +54,19 @@ impl Appearance for Perforated {
     }
 
     fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        let opacity = self.opacity.at(at.place.uv);
-        if at.u >= opacity {
-            return Bsdf::Null;
+        match self.between_holes(at) {
+            Some(at) => materials.bsdf(self.material, materials, textures, &at),
+            None => Bsdf::Null,
         }
-        // What is left of the number after the choice is uniform again.
-        let u = (at.u / opacity).min(1.0f32.next_down());
-        materials.bsdf(self.material, materials, textures, &ShadingPoint { u, ..*at })
+    }
+
+    fn orientation(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+        let inner = |at| materials.orientation(self.material, materials, textures, &at);
+        self.between_holes(at).map(inner).unwrap_or_default()
+    }
+
+    fn is_oriented(&self, materials: &Materials) -> bool {
+        materials.is_oriented(self.material, materials)
     }
 
     fn is_mixture(&self) -> bool {

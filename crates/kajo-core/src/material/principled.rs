@@ -9,7 +9,7 @@
 use kajo_color::Spectrum;
 use kajo_math::Vec2;
 
-use super::{Appearance, Interior, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Base, Bsdf, Microfacets, Phong, Principled, microfacet::Shape};
 use crate::texture::{Paint, Share, Textures};
 
@@ -26,6 +26,8 @@ pub struct Layers {
     pub transmission: Share,
     /// Of the glossy surface.
     pub roughness: Share,
+    /// Which way the facets of the glossy surface run.
+    pub grain: Grain,
     /// Of the pigment.
     pub diffuse_roughness: Share,
     /// Index of refraction of pigment and glass.
@@ -69,7 +71,9 @@ impl Layers {
         let kinds = [&self.metalness, &self.transmission, &self.coat, &self.fuzz];
         let roughnesses =
             [&self.roughness, &self.diffuse_roughness, &self.coat_roughness, &self.fuzz_roughness];
-        colors.into_iter().any(Paint::varies) || kinds.into_iter().chain(roughnesses).any(Share::varies)
+        colors.into_iter().any(Paint::varies)
+            || kinds.into_iter().chain(roughnesses).any(Share::varies)
+            || self.grain.varies()
     }
 
     fn classic(&self, uv: Vec2) -> Phong {
@@ -83,10 +87,15 @@ impl Layers {
             specular: color * metal + gloss,
             reflective: color * metal,
             transparent: color * glass,
-            exponent: Microfacets::new(Shape::Ggx, squared(&self.roughness, uv)).exponent(),
+            exponent: self.facets(uv).exponent(),
             eta: self.eta,
             ..Phong::BLACK
         }
+    }
+
+    /// The facets of the glossy surface.
+    fn facets(&self, uv: Vec2) -> Microfacets {
+        self.grain.facets(Shape::Ggx, squared(&self.roughness, uv), uv)
     }
 
     /// Whether light enters the material anywhere.
@@ -115,6 +124,14 @@ impl Appearance for LayeredMaterial {
         self.constant.is_none()
     }
 
+    fn orientation(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+        self.layers.grain.orientation(at.place.uv)
+    }
+
+    fn is_oriented(&self, _materials: &Materials) -> bool {
+        self.layers.grain.exists()
+    }
+
     fn is_mixture(&self) -> bool {
         true
     }
@@ -134,12 +151,13 @@ impl Appearance for LayeredMaterial {
             _ => Base::Diffuse,
         };
         let eta = layers.eta / at.eta_outside;
+        let facets = layers.facets(uv);
         Bsdf::Principled(Principled {
             base,
             color: layers.color.at(uv, wavelengths),
             specular_color: layers.specular_color.at(uv, wavelengths),
             diffuse_roughness: layers.diffuse_roughness.at(uv),
-            alpha: Vec2::splat(squared(&layers.roughness, uv)),
+            alpha: Vec2::new(facets.alpha_x, facets.alpha_y),
             eta: if base == Base::Glass { eta } else { eta.max(1.0) },
             coat: layers.coat.at(uv),
             coat_color: layers.coat_color.at(uv, wavelengths),

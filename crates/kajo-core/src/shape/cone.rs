@@ -17,7 +17,7 @@ use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Ray, Vec2, Vec3, fmath, roots, warp};
 
 use super::{Canonical, DiskPatch, Patch, Ray64, Surface, in_range, nearest_crossing, stored};
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 const SIDE: u32 = 0;
 const BASE: u32 = 1;
@@ -133,6 +133,20 @@ impl Surface for Cone {
             _ => s / self.height as f32,
         };
         Vec2::new(u, v)
+    }
+
+    /// Around the axis; along the side, or outward on a cap.
+    fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents {
+        let w = p.as_dvec3() - self.base;
+        let across = w - w.dot(self.axis) * self.axis;
+        let radial = across.normalize_or_zero();
+        let outward = match hit.part {
+            BASE => self.base_radius * radial,
+            TOP => self.top_radius * radial,
+            _ => self.height * (self.axis + self.slope() * radial),
+        };
+        let around = std::f64::consts::TAU * self.axis.cross(across);
+        Tangents { dpdu: around.as_vec3(), dpdv: outward.as_vec3() }
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {

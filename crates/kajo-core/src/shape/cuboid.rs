@@ -8,7 +8,7 @@
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
 use super::{Patch, Ray64, Surface, in_range, stored};
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// A box with faces parallel to the axes.
 ///
@@ -87,6 +87,13 @@ impl Surface for Cuboid {
         let (s, t) = ((axis + 1) % 3, (axis + 2) % 3);
         let part = |k: usize| ((f64::from(p[k]) - self.min[k]) / (self.max[k] - self.min[k])) as f32;
         Vec2::new(part(s), part(t))
+    }
+
+    /// The edges of the face.
+    fn tangents_at(&self, hit: &Hit, _p: Vec3) -> Tangents {
+        let axis = (hit.part / 2) as usize;
+        let edge = |k: usize| (DVec3::AXES[k % 3] * (self.max - self.min)).as_vec3();
+        Tangents { dpdu: edge(axis + 1), dpdv: edge(axis + 2) }
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {

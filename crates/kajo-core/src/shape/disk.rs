@@ -6,7 +6,7 @@ use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, fmath, warp};
 
 use super::{DiskPatch, Patch, Ray64, Surface, in_range, stored};
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// A two-sided disk, or a ring when the inner radius is not zero.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +63,14 @@ impl Surface for Disk {
         let (x, y) = warp::basis(self.normal.as_vec3());
         let turn = fmath::atan2(w.dot(y), w.dot(x)) / std::f32::consts::TAU;
         Vec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, w.length() / self.radius as f32)
+    }
+
+    /// Around the centre, and outward.
+    fn tangents_at(&self, _hit: &Hit, p: Vec3) -> Tangents {
+        let w = p.as_dvec3() - self.center;
+        let around = std::f64::consts::TAU * self.normal.cross(w);
+        let outward = self.radius * w.normalize_or_zero();
+        Tangents { dpdu: around.as_vec3(), dpdv: outward.as_vec3() }
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {

@@ -13,7 +13,7 @@ use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
 
 use super::{Patch, Surface, Tessellation};
-use crate::interaction::{Hit, NO_UV, SurfacePoint};
+use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
 /// A corner of a face that has no normal or no texture coordinates of its own.
 pub const ABSENT: u32 = u32::MAX;
@@ -109,6 +109,11 @@ impl Mesh {
         self.0.faces[face as usize].map(|i| self.0.positions[i as usize])
     }
 
+    /// Texture coordinates at the corners of the triangle, if the mesh has them there.
+    fn corner_uvs(&self, hit: &Hit) -> Option<[Vec2; 3]> {
+        self.0.uvs.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])
+    }
+
     /// Interpolated unit normal, if the mesh has normals there.
     fn smooth_normal(&self, hit: &Hit) -> Option<Vec3> {
         let [a, b, c] = self.0.normals.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])?;
@@ -147,8 +152,12 @@ impl Surface for Mesh {
     }
 
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
-        let corners = self.0.uvs.as_ref().and_then(|uvs| uvs.of(hit.part, self.0.faces[hit.part as usize]));
-        corners.map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
+        self.corner_uvs(hit).map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
+    }
+
+    fn tangents_at(&self, hit: &Hit, _p: Vec3) -> Tangents {
+        let corners = self.triangle(hit.part).map(|p| p.as_dvec3());
+        self.corner_uvs(hit).map_or_else(Tangents::default, |uvs| Tangents::of_triangle(corners, uvs))
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {

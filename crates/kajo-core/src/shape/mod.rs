@@ -30,7 +30,7 @@ pub use triangle::Triangle;
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
 use crate::family::family;
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// What every shape can do. All in object space.
 pub trait Surface: Sized {
@@ -54,6 +54,9 @@ pub trait Surface: Sized {
 
     /// Surface coordinates, in [0, 1]^2 where the shape is finite.
     fn uv_at(&self, hit: &Hit, p: Vec3) -> Vec2;
+
+    /// How the position changes with surface coordinates at the point `p` of a hit.
+    fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents;
 
     /// Whether the surface encloses a volume, so that crossings come in pairs.
     fn is_closed(&self) -> bool;
@@ -109,6 +112,8 @@ family! {
         fn surface_at(ray: &Ray, hit: &Hit) -> SurfacePoint;
         /// See [`Surface::uv_at`].
         fn uv_at(hit: &Hit, p: Vec3) -> Vec2;
+        /// See [`Surface::tangents_at`].
+        fn tangents_at(hit: &Hit, p: Vec3) -> Tangents;
         /// See [`Surface::is_closed`].
         fn is_closed() -> bool;
         /// See [`Surface::patches`].

@@ -5,7 +5,7 @@
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, warp};
 
 use super::{Ray64, Surface, in_range, stored};
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// An infinite, two-sided plane.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +67,11 @@ impl Surface for Plane {
     fn uv_at(&self, _hit: &Hit, p: Vec3) -> Vec2 {
         let (s, t) = warp::basis(self.normal());
         Vec2::new(p.dot(s), p.dot(t))
+    }
+
+    fn tangents_at(&self, _hit: &Hit, _p: Vec3) -> Tangents {
+        let (dpdu, dpdv) = warp::basis(self.normal());
+        Tangents { dpdu, dpdv }
     }
 
     fn is_closed(&self) -> bool {

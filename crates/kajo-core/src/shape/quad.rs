@@ -9,7 +9,7 @@
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
 use super::{Patch, Ray64, Surface, in_range, stored};
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// A two-sided parallelogram; its normal is `edge1 x edge2`.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +63,12 @@ impl Surface for Quad {
 
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
         Vec2::new(hit.u, hit.v)
+    }
+
+    /// The edges.
+    fn tangents_at(&self, _hit: &Hit, _p: Vec3) -> Tangents {
+        let [dpdu, dpdv] = self.edges.map(|e| e.as_vec3());
+        Tangents { dpdu, dpdv }
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {

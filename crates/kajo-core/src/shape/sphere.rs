@@ -12,10 +12,12 @@
 //!
 //! Scene: `Sphere { center 0 0 0  radius 1 }`
 
+use std::f32::consts::{PI, TAU};
+
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, fmath};
 
 use super::{Patch, Ray64, Surface, in_range, stored};
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// A sphere; a radius of zero is never hit.
 #[derive(Clone, Copy, Debug)]
@@ -108,9 +110,20 @@ impl Surface for Sphere {
     /// `u` runs once around the y axis, starting at +z towards +x; `v` from the south pole to the north.
     fn uv_at(&self, _hit: &Hit, p: Vec3) -> Vec2 {
         let n = ((p - self.center) / self.radius).clamp(Vec3::NEG_ONE, Vec3::ONE);
-        let turn = fmath::atan2(n.x, n.z) / std::f32::consts::TAU;
+        let turn = fmath::atan2(n.x, n.z) / TAU;
         let u = if turn < 0.0 { turn + 1.0 } else { turn };
-        Vec2::new(u, 0.5 + fmath::asin(n.y) / std::f32::consts::PI)
+        Vec2::new(u, 0.5 + fmath::asin(n.y) / PI)
+    }
+
+    /// Along the circle of latitude and up the meridian, of which the poles have none.
+    fn tangents_at(&self, _hit: &Hit, p: Vec3) -> Tangents {
+        let w = p - self.center;
+        let across = (w.x * w.x + w.z * w.z).sqrt();
+        if across == 0.0 {
+            return Tangents::default();
+        }
+        let up = Vec3::new(-w.y * w.x / across, across, -w.y * w.z / across);
+        Tangents { dpdu: TAU * Vec3::new(w.z, 0.0, -w.x), dpdv: PI * up }
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {

@@ -172,6 +172,57 @@ fn every_normal_is_right() {
     every_shape!(normals_are_perpendicular_to_the_surface);
 }
 
+/// A step along a tangent changes its coordinate by the step and the other one not at all.
+fn tangents_are_derivatives(name: &str, shape: &impl Surface) {
+    let mut checked = 0;
+    for i in 0..400 {
+        let ray = random_line(i);
+        let Some(hit) = shape.hit(&ray) else { continue };
+        let at = shape.surface_at(&ray, &hit);
+        let (uv, tangents) = (shape.uv_at(&hit, at.p), shape.tangents_at(&hit, at.p));
+        assert!(tangents.dpdu.dot(at.n).abs() <= 1e-4 * tangents.dpdu.length(), "{name}: {tangents:?}");
+        for (tangent, expected) in [(tangents.dpdu, Vec2::X), (tangents.dpdv, Vec2::Y)] {
+            let h = 2e-3 / tangent.length();
+            let beside = [h, -h].map(|h| {
+                let down = Ray::new(at.p + h * tangent + 0.1 * at.n, -at.n);
+                shape.hit(&down).map(|hit| (hit.part, shape.uv_at(&hit, down.at(hit.t))))
+            });
+            let [Some((a, ahead)), Some((b, behind))] = beside else { continue };
+            // Not across an edge, and not where u begins again.
+            if a != hit.part || b != hit.part || ahead.distance(uv) + behind.distance(uv) > 0.5 {
+                continue;
+            }
+            checked += 1;
+            let found = (ahead - behind) / (2.0 * h);
+            // Near poles and tips coordinates bend.
+            assert!(found.distance(expected) < 0.05, "{name}: {found} along {tangent} at {}", at.p);
+        }
+    }
+    assert!(checked > 40, "{name}: only {checked} checked");
+}
+
+#[test]
+fn every_tangent_is_a_derivative() {
+    // A mesh without coordinates has no tangents.
+    every_shape!(tangents_are_derivatives_of_shapes_with_coordinates);
+    let plane = Plane::new(DVec3::new(1.0, 2.0, -0.5), 0.3);
+    tangents_are_derivatives("plane", &plane);
+    let positions = [Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::Y].map(|p| p - 0.4).to_vec();
+    let uvs = [Vec2::ZERO, Vec2::X, Vec2::new(0.9, 0.7), Vec2::Y].to_vec();
+    let faces = vec![[0, 1, 2], [0, 2, 3]];
+    let uvs = Some(CornerValues { values: uvs, faces: None });
+    let mesh = MeshData { positions, faces, uvs, ..MeshData::default() };
+    tangents_are_derivatives("mesh", &Mesh::new(mesh, &BuildSettings::default()).unwrap());
+}
+
+fn tangents_are_derivatives_of_shapes_with_coordinates(name: &str, shape: &impl Surface) {
+    let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), Vec3::new(0.0, 0.0, -1.0));
+    match shape.hit(&ray).map(|hit| shape.tangents_at(&hit, ray.at(hit.t))) {
+        Some(tangents) if name == "mesh" => assert_eq!(tangents, Tangents::default()),
+        _ => tangents_are_derivatives(name, shape),
+    }
+}
+
 /// Volume by the lengths of parallel chords, from all crossings.
 fn volume(shape: &impl Surface) -> f64 {
     let bounds = shape.bounds().padded(0.01);

@@ -9,7 +9,7 @@
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
 use super::{Patch, Ray64, Surface, in_range, stored};
-use crate::interaction::{Hit, SurfacePoint};
+use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// A two-sided triangle; counter-clockwise vertices face outward.
 #[derive(Clone, Copy, Debug)]
@@ -79,6 +79,10 @@ impl Surface for Triangle {
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
         let [a, b, c] = self.uvs;
         (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c
+    }
+
+    fn tangents_at(&self, _hit: &Hit, _p: Vec3) -> Tangents {
+        Tangents::of_triangle(self.vertices.map(|v| v.as_dvec3()), self.uvs)
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {

@@ -147,6 +147,11 @@ impl PictureMap {
         PictureMap { picture, wrap, filter, repeat: Vec2::ONE, offset: Vec2::ZERO }
     }
 
+    /// How far it is from a texel to the next in surface coordinates.
+    pub fn texel(&self) -> Vec2 {
+        1.0 / (self.repeat.abs() * Vec2::new(self.picture.width as f32, self.picture.height as f32))
+    }
+
     /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].
     pub fn at(&self, uv: Vec2) -> [f32; 4] {
         let s = uv * self.repeat + self.offset;

@@ -164,6 +164,10 @@ impl<'a> Classic<'a> {
                     &mixed
                 }
             };
+            let shading = self.scene.shading(at, 0.5);
+            if shading.leans {
+                at.point.n = shading.normal(-ray.d);
+            }
             let carried = || (path.eta, throughput * self.fog_factor(&ray, at.hit.t, &path));
             let mut local = self.shade(&ray, at, phong, witness, carried);
             let glow = self.scene.glow(at, ray.d, &Wavelengths::RGB).map(|glow| glow.radiance);

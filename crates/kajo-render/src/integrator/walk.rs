@@ -12,6 +12,7 @@ use kajo_core::lighting::Receiver;
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::{Directions, Technique};
+use kajo_core::shading::Shading;
 use kajo_math::{Frame, Ray, Vec2, Vec3, warp};
 
 use super::bodies::{Bodies, Boundary};
@@ -237,7 +238,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         if self.ends_at_lamps {
             return false;
         }
-        let local = Local::new(at, self.ray.d);
+        let local = Local::new(self.scene().shading(at, u), self.ray.d);
         if self.albedo.is_none() && self.view.wants_albedo() && !bsdf.is_delta() {
             self.albedo = Some(bsdf.albedo(local.wo));
         }
@@ -440,12 +441,10 @@ struct Local {
 
 impl Local {
     /// * `d`: unit direction of the ray that has come to the surface
-    fn new(at: &Interaction, d: Vec3) -> Local {
-        let (back, ng) = (-d, at.point.ng);
-        // A shading normal that turns a visible side away is none.
-        let n = if back.dot(at.point.n) * back.dot(ng) > 0.0 { at.point.n } else { ng };
-        let frame = Frame::from_normal(n);
-        Local { wo: frame.to_local(back), frame, ng }
+    #[inline]
+    fn new(shading: Shading, d: Vec3) -> Local {
+        let frame = shading.frame(-d);
+        Local { wo: frame.to_local(-d), frame, ng: shading.ng }
     }
 
     /// Whether a direction is on the same side by the true surface as it is by the shading normal.

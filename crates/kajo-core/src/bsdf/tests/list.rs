@@ -103,14 +103,25 @@ pub fn families() -> Vec<Family> {
         Family {
             name: "brushed white metal",
             lobe: |a| conductor(WHITE, anisotropic(Shape::Ggx, a)),
-            tolerance: 0.012,
-            ..PLAIN
+            lossless: true,
+            tolerance: 0.01,
+        },
+        Family {
+            name: "grooved white metal",
+            lobe: |a| conductor(WHITE, Microfacets::brushed(Shape::Ggx, a, 0.95)),
+            lossless: true,
+            tolerance: 0.01,
+        },
+        Family {
+            name: "brushed white metal, Beckmann",
+            lobe: |a| conductor(WHITE, anisotropic(Shape::Beckmann, a)),
+            lossless: true,
+            tolerance: 0.02,
         },
         Family { name: "brushed gold", lobe: |a| conductor(gold(), anisotropic(Shape::Ggx, a)), ..PLAIN },
         Family {
             name: "brushed gold, Beckmann",
             lobe: |a| conductor(gold(), anisotropic(Shape::Beckmann, a)),
-            tolerance: 0.012,
             ..PLAIN
         },
         Family {

@@ -18,7 +18,7 @@ type Row = [[f64; COSINES]; 2];
 /// a perfect mirror.
 fn scatter(facets: Microfacets, eta: Option<f32>, j: usize) -> Row {
     let mu = cosine_of(j).max(1e-6);
-    let wo = Vec3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu);
+    let wo = at(mu);
     let mut row = [[0.0; COSINES]; 2];
     let mut add = |side: usize, cos: f32, weight: f32| {
         let x = cos.min(1.0).sqrt() * (COSINES - 1) as f32;
@@ -82,6 +82,11 @@ fn clear(facets: Microfacets, eta: f32) -> [[f64; COSINES]; 2] {
 fn cosine_of(j: usize) -> f32 {
     let root = j as f32 / (COSINES - 1) as f32;
     root * root
+}
+
+/// The direction of a cosine in the plane of x and z.
+fn at(cos: f32) -> Vec3 {
+    Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos)
 }
 
 /// The facets of node `a` of `nodes`.
@@ -158,7 +163,7 @@ fn energy_tables_are_what_the_generator_makes() {
     for (shape, a) in [(Shape::Ggx, 40), (Shape::Beckmann, METAL_ALPHAS - 1)] {
         let facets = facets(shape, a, METAL_ALPHAS);
         for (j, s) in metal(facets).into_iter().enumerate() {
-            assert!(close(energy::metal(&facets, cosine_of(j)), s), "{shape:?} {a} {j}: {s}");
+            assert!(close(energy::metal(&facets, at(cosine_of(j))), s), "{shape:?} {a} {j}: {s}");
         }
     }
     for (shape, a, n) in [(Shape::Ggx, 11, 4), (Shape::Ggx, ALPHAS - 1, 8), (Shape::Beckmann, 20, 5)] {

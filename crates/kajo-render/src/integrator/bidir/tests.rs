@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_math::rng::Stream;
 use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
 
@@ -18,7 +19,7 @@ fn scene(text: &str) -> Scene {
     let mut parsed = SceneDesc::parse_str(text);
     let scene = compile(
         &mut parsed.desc,
-        &MemoryAssets::new().with("gem.obj", GEM),
+        &MemoryAssets::new().with("gem.obj", GEM).with("dents.pfm", dents()),
         &CompileOptions::default(),
         &mut parsed.diagnostics,
     );
@@ -28,6 +29,17 @@ fn scene(text: &str) -> Scene {
 /// A mesh so coarse that its shading normals are far from the true ones.
 const GEM: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n\
     f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+
+/// A picture of normals that lean up to 50 degrees.
+fn dents() -> Vec<u8> {
+    let mut file = b"PF\n4 4\n-1\n".to_vec();
+    for i in 0..16u32 {
+        let s = Stream::new(8, [i, 0], 0);
+        let texel = [0.1 + 0.8 * s.uniform(0), 0.1 + 0.8 * s.uniform(1), 0.85];
+        file.extend(texel.into_iter().flat_map(f32::to_le_bytes));
+    }
+    file
+}
 
 /// A camera in a black world.
 fn camera(from: [f32; 3], to: [f32; 3], angle: f32) -> String {

@@ -13,14 +13,14 @@
 //! |wi . n| |wo . ng| / (|wi . ng| |wo . n|)                             [Veach 1997, 5.3.2]
 //! ```
 //!
-//! The frame of the scattering is decided by the direction to the camera: a shading normal that turns a visible side away
-//! is none.
+//! The frame of the scattering is decided by the direction to the camera, see [`Shading`].
 
 use kajo_color::Spectrum;
 
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::interaction::SurfacePoint;
 use kajo_core::lighting::Receiver;
+use kajo_core::shading::Shading;
 use kajo_math::{Frame, Vec3};
 
 use super::rivals::Rivals;
@@ -30,6 +30,8 @@ use super::rivals::Rivals;
 pub struct Vertex {
     /// Place and normals.
     pub at: SurfacePoint,
+    /// The directions that scattering goes by.
+    pub shading: Shading,
     /// Scattering there.
     pub bsdf: Bsdf,
     /// Unit direction to the point before.
@@ -56,14 +58,8 @@ pub struct Local {
 impl Vertex {
     /// The frame for light that goes to `wo`, or from there for a path that comes from the lamp.
     pub fn local(&self, wo: Vec3) -> Local {
-        let n = if self.is_shaded_from(wo) { self.at.n } else { self.at.ng };
-        let frame = Frame::from_normal(n);
+        let frame = self.shading.frame(wo);
         Local { wo: frame.to_local(wo), frame }
-    }
-
-    /// Whether shading and geometric normal agree on which side of the surface `w` is.
-    pub fn is_shaded_from(&self, w: Vec3) -> bool {
-        w.dot(self.at.n) * w.dot(self.at.ng) > 0.0
     }
 
     /// Whether a direction is on the same side by the true surface as in the frame.
@@ -73,7 +69,7 @@ impl Vertex {
 
     /// Who is lit, for the choice of a lamp: the same whichever end the path began at.
     pub fn receiver(&self, time: f32) -> Receiver {
-        Receiver { p: self.at.p, n: self.at.n, time }
+        Receiver { p: self.at.p, n: self.shading.n, time }
     }
 
     /// Cosine with the true surface.

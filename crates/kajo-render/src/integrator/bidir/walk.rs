@@ -177,6 +177,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         let far = boundary.map_or(near, |boundary| absorption(&self.bodies.beyond(&boundary)));
         Vertex {
             at: at.point,
+            shading: self.scene.shading(at, *u),
             bsdf: self.scene.bsdf(at, &self.wavelengths, eta_outside, *u),
             back,
             beta: self.beta,
@@ -191,16 +192,21 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     pub fn scatter(&mut self, vertex: &Vertex, met: &Met) -> bool {
         let (u, choice) = (self.draws.next_2d(), self.draws.next_1d());
         let local = vertex.local(vertex.back);
-        let Some(sample) = vertex.bsdf.sample(local.wo, u, choice, self.mode) else { return false };
+        let Some(mut sample) = vertex.bsdf.sample(local.wo, u, choice, self.mode) else { return false };
         let wi = local.frame.to_world(sample.wi);
         if !vertex.agrees(wi, sample.wi) {
             return false;
         }
-        let same_frame = vertex.is_shaded_from(vertex.back) == vertex.is_shaded_from(wi);
+        let same_frame = vertex.shading.is_shared(vertex.back, wi);
         if self.mode == Transport::Importance {
             // The frame belongs to the camera's side, which may see another one.
-            let correction = if same_frame { vertex.correction([local.wo, sample.wi], wi) } else { 0.0 };
-            self.beta *= correction;
+            if same_frame {
+                self.beta *= vertex.correction([local.wo, sample.wi], wi);
+            } else if sample.kind.delta {
+                return false;
+            } else {
+                sample.weight = vertex.passed_on(wi) * sample.pdf.recip();
+            }
         }
         let delta = sample.kind.delta;
         let back = match (delta, same_frame) {

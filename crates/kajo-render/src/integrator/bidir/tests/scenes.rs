@@ -45,8 +45,8 @@ fn random_scene(i: u32) -> String {
         ],
     );
     // What mirrors send on from lamps that no ray can meet is light that no path from the camera can find.
-    let rough = ["white", "red", "gold", "frosted", "paint", "flint"];
-    let all = ["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss", "flint"];
+    let rough = ["white", "red", "gold", "frosted", "paint", "flint", "dented"];
+    let all = ["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss", "flint", "dented"];
     let material =
         |k| pick(u(k), if lights.is_empty() || lights.ends_with("angle 60 }") { &all } else { &rough });
     let (a, b) = (material(4), material(5));
@@ -67,6 +67,7 @@ fn random_scene(i: u32) -> String {
          Materials {{ Matte white {{ color 0.7 0.7 0.7 }}  Matte red {{ color 0.6 0.2 0.1 }}
             Metal gold {{ metal gold roughness 0.5 }}  Metal mirror {{ color 0.8 0.8 0.8 }}
             Glass frosted {{ roughness 0.6  absorption 0.3 0.6 0.9 }}  Glass clear {{ indexOfRefraction 1.4 }}
+            Metal dented {{ roughness 0.6  anisotropy 0.7  normalMap dents.pfm }}
             Glass flint {{ glass N-SF10  roughness 0.2 }}
             Principled paint {{ color 0.2 0.5 0.3  coat 0.7  roughness 0.5 }}
             Material gloss {{ diffuseColor 0.3 0.2 0.1  specularColor 0.3 0.3 0.3  exponent 20  reflectiveColor 0.2 0.2 0.2 }}

@@ -1,0 +1,123 @@
+//! A material with a relief that is not modelled: what a picture says of its bumps and dents moves the normals, not the surface.
+//!
+//! A picture of normals gives one for each texel, `m = 2 rgb - 1`, in the frame of the tangents and the normal, and `scale`
+//! makes the relief flatter or steeper:
+//!
+//! ```text
+//! n' along scale (mx t + my b) + mz n
+//! ```
+//!
+//! A picture of heights `h` gives the normal of the surface that is raised by `h` [Blinn 1978], without leaving the tangent plane
+//! [Mikkelsen 2010]:
+//!
+//! ```text
+//! n' along |d| n - sign(d) (h_u (p_v x n) + h_v (n x p_u)),     d = p_u . (p_v x n)
+//! ```
+//!
+//! with its derivatives from differences over one texel.
+//!
+//! Scene: `Matte { color 0.5 0.5 0.5  bump stones.png { height 0.02 } }`
+
+use kajo_math::{Vec2, Vec3};
+
+use super::{Appearance, Interior, Lean, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
+use crate::bsdf::{Bsdf, Phong};
+use crate::texture::{Channel, PictureMap, Textures};
+
+/// A relief.
+#[derive(Clone, Debug)]
+pub enum Relief {
+    /// By the normals of a picture.
+    Normals {
+        /// Red to the first tangent, green to the second, blue along the normal; a half is nothing.
+        map: PictureMap,
+        /// Factor of the components across the normal.
+        scale: f32,
+    },
+    /// By the heights of a picture.
+    Heights {
+        /// Where the heights are.
+        map: PictureMap,
+        /// Which of its channels they are.
+        channel: Channel,
+        /// How far white rises above black, in units of the world.
+        height: f32,
+    },
+}
+
+impl Relief {
+    /// How the normal leans at surface coordinates.
+    fn lean(&self, uv: Vec2) -> Lean {
+        match self {
+            Relief::Normals { map, scale } => {
+                let [r, g, b, _] = map.at(uv);
+                let m = 2.0 * Vec3::new(r, g, b) - 1.0;
+                let across = *scale * m.truncate() * map.repeat.map(f32::signum);
+                Lean::Tangent(across.extend(m.z))
+            }
+            Relief::Heights { map, channel, height } => {
+                let half = 0.5 * map.texel();
+                let rise = |step: Vec2| {
+                    let [there, back] = [uv + step, uv - step].map(|uv| map.at(uv)[*channel as usize]);
+                    there - back
+                };
+                let rises = Vec2::new(rise(Vec2::new(half.x, 0.0)), rise(Vec2::new(0.0, half.y)));
+                Lean::Slope(*height * rises / map.texel())
+            }
+        }
+    }
+}
+
+/// Another material with a relief.
+#[derive(Clone, Debug)]
+pub struct Embossed {
+    /// What it is otherwise.
+    pub material: MaterialId,
+    /// Its relief.
+    pub relief: Relief,
+}
+
+impl Appearance for Embossed {
+    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
+        materials.phong(self.material, materials, textures, at)
+    }
+
+    fn needs_uv(&self, _materials: &Materials) -> bool {
+        true
+    }
+
+    fn may_transmit(&self, materials: &Materials) -> bool {
+        materials.may_transmit(self.material, materials)
+    }
+
+    fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+        materials.bsdf(self.material, materials, textures, at)
+    }
+
+    fn orientation(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+        let own = materials.orientation(self.material, materials, textures, at);
+        Orientation { lean: Some(self.relief.lean(at.place.uv)), ..own }
+    }
+
+    fn is_oriented(&self, _materials: &Materials) -> bool {
+        true
+    }
+
+    fn is_mixture(&self) -> bool {
+        // It may be of one.
+        true
+    }
+
+    fn opacity(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> f32 {
+        materials.opacity(self.material, materials, textures, at)
+    }
+
+    fn interior(
+        &self,
+        materials: &Materials,
+        textures: &Textures,
+        at: &ShadingPoint<'_>,
+    ) -> Option<Interior> {
+        materials.interior(self.material, materials, textures, at)
+    }
+}

@@ -1,0 +1,69 @@
+//! How a material turns the frame in which it scatters.
+//!
+//! The z axis of the frame is the normal of the surface, which a relief makes lean. The x axis is nothing to most materials;
+//! where it is something, it starts along the first surface coordinate and is turned from there.
+
+use kajo_math::{Vec2, Vec3};
+
+use crate::bsdf::{Microfacets, microfacet::Shape};
+use crate::texture::Share;
+
+/// What a material asks of its frame at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Orientation {
+    /// By how much the x axis is turned from the direction of `u` towards that of `v`, in full turns; `None` where it
+    /// may point anywhere.
+    pub turn: Option<f32>,
+    /// How the normal leans.
+    pub lean: Option<Lean>,
+}
+
+/// How a relief makes the normal of a surface lean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lean {
+    /// To the vector with these components along the two tangents, made perpendicular unit vectors, and the normal.
+    Tangent(Vec3),
+    /// As the surface leans that rises by so much for each unit of its coordinates.
+    Slope(Vec2),
+}
+
+/// Which way the facets of a surface run.
+#[derive(Clone, Debug)]
+pub struct Grain {
+    /// In [0, 1]: 0 for facets that are alike all around, 1 for grooves.
+    pub anisotropy: Share,
+    /// By how much the direction of the greater roughness is turned from `u`, in full turns.
+    pub rotation: Share,
+}
+
+impl Default for Grain {
+    fn default() -> Grain {
+        Grain { anisotropy: 0.0.into(), rotation: 0.0.into() }
+    }
+}
+
+impl Grain {
+    /// The facets of a surface with the roughness `alpha` on the whole.
+    #[inline]
+    pub fn facets(&self, shape: Shape, alpha: f32, uv: Vec2) -> Microfacets {
+        match self.anisotropy {
+            Share::Plain(0.0) => Microfacets::new(shape, alpha),
+            _ => Microfacets::brushed(shape, alpha, self.anisotropy.at(uv)),
+        }
+    }
+
+    /// The frame that the facets need.
+    pub fn orientation(&self, uv: Vec2) -> Orientation {
+        Orientation { turn: self.exists().then(|| self.rotation.at(uv)), lean: None }
+    }
+
+    /// Whether the facets are not alike all around.
+    pub fn exists(&self) -> bool {
+        self.anisotropy.range()[1] > 0.0
+    }
+
+    /// Whether it differs between places.
+    pub fn varies(&self) -> bool {
+        self.anisotropy.varies() || (self.exists() && self.rotation.varies())
+    }
+}

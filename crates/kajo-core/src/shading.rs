@@ -1,0 +1,336 @@
+//! The frame in which a surface scatters: the normal that it shows, and where its grain runs.
+//!
+//! A relief makes the normal lean, so far that a mirror would send light from the viewer into the surface. There no light could come
+//! from, and black seams would be left: a normal that leans too far is turned back, in the plane of both normals, until the mirror
+//! direction rises above the surface. Because that depends on the viewer, frames are made for one.
+//!
+//! Grain runs by surface coordinates: the x axis of the frame is the direction in which `u` grows, turned about the
+//! normal. Where there are no coordinates it is any direction, the same for all rays that meet the point.
+
+use kajo_color::Wavelengths;
+use kajo_math::{Frame, Vec2, Vec3, fmath};
+
+use crate::interaction::{SurfacePoint, Tangents};
+use crate::material::{Lean, Orientation, ShadingPoint};
+use crate::scene::{Interaction, Scene};
+
+/// Directions that belong to a point of a surface, whoever looks at it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shading {
+    /// Unit shading normal, outward.
+    pub n: Vec3,
+    /// Unit geometric normal, outward.
+    pub ng: Vec3,
+    /// Whether a relief made `n` lean.
+    pub leans: bool,
+    /// Along the x axis of the frame; zero where that may point anywhere.
+    pub tangent: Vec3,
+}
+
+impl Shading {
+    /// That of a surface whose material asks for nothing.
+    #[inline]
+    pub fn plain(point: &SurfacePoint) -> Shading {
+        Shading { n: point.n, ng: point.ng, leans: false, tangent: Vec3::ZERO }
+    }
+
+    /// Whether shading and geometric normal agree on which side of the surface `w` is.
+    #[inline]
+    fn agrees_on(&self, w: Vec3) -> bool {
+        w.dot(self.n) * w.dot(self.ng) > 0.0
+    }
+
+    /// The normal for light that goes to the viewer in the unit direction `wo`.
+    ///
+    /// A shading normal that turns a visible side away is none.
+    #[inline]
+    pub fn normal(&self, wo: Vec3) -> Vec3 {
+        match self.leans {
+            true => held_up(self.n, self.ng, wo),
+            false if self.agrees_on(wo) => self.n,
+            false => self.ng,
+        }
+    }
+
+    /// Whether two viewers see the same frame.
+    #[inline]
+    pub fn is_shared(&self, wo: Vec3, other: Vec3) -> bool {
+        match self.leans {
+            true => self.normal(wo) == self.normal(other),
+            false => self.agrees_on(wo) == self.agrees_on(other),
+        }
+    }
+
+    /// The frame for light that goes to the viewer in the unit direction `wo`.
+    #[inline]
+    pub fn frame(&self, wo: Vec3) -> Frame {
+        let n = self.normal(wo);
+        if self.tangent == Vec3::ZERO { Frame::from_normal(n) } else { Frame::from_tangent(n, self.tangent) }
+    }
+}
+
+impl Scene {
+    /// The directions by which light is scattered at an interaction.
+    ///
+    /// * `u`: as in [`Scene::bsdf`]
+    #[inline]
+    pub fn shading(&self, at: &Interaction, u: f32) -> Shading {
+        if self.has_orientations { self.oriented(at, u) } else { Shading::plain(&at.point) }
+    }
+
+    #[inline(never)]
+    fn oriented(&self, at: &Interaction, u: f32) -> Shading {
+        let plain = Shading::plain(&at.point);
+        if !self.materials.is_oriented(at.material, &self.materials) {
+            return plain;
+        }
+        let place = self.material_point(at);
+        let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+        let orientation = self.materials.orientation(at.material, &self.materials, &self.textures, &point);
+        if orientation == Orientation::default() {
+            return plain;
+        }
+        let tangents = self.tangents(at);
+        let Frame { s, t, n } = Frame::from_tangent(plain.n, tangents.dpdu);
+        // Turns go from u to v, whichever way round the coordinates are.
+        let t = if t.dot(tangents.dpdv) < 0.0 { -t } else { t };
+        let leaning = orientation.lean.map(|lean| match lean {
+            Lean::Tangent(m) => (m.x * s + m.y * t + m.z * n).normalize_or(n),
+            Lean::Slope(slope) => raised(n, &tangents, slope),
+        });
+        let tangent = orientation.turn.map_or(Vec3::ZERO, |turn| {
+            let (sin, cos) = fmath::sin_cos(std::f32::consts::TAU * turn);
+            cos * s + sin * t
+        });
+        Shading { n: leaning.unwrap_or(n), leans: leaning.is_some(), tangent, ..plain }
+    }
+}
+
+/// The normal of a surface that rises by `slope` for each unit of its coordinates [Mikkelsen 2010, eq. 4].
+fn raised(n: Vec3, tangents: &Tangents, slope: Vec2) -> Vec3 {
+    let Tangents { dpdu, dpdv } = *tangents;
+    let (across_v, across_u) = (dpdv.cross(n), n.cross(dpdu));
+    let d = dpdu.dot(across_v);
+    let rise = slope.x * across_v + slope.y * across_u;
+    let raised = d.abs() * n - d.signum() * rise;
+    if raised.is_finite() { raised.normalize_or(n) } else { n }
+}
+
+/// The unit normal nearest to `n`, in its plane with `ng`, about which `wo` is mirrored to the outside of the surface.
+///
+/// With `z` along `ng` on the side of `wo` and `x` so that `n` has no `y`, the mirror direction rises by `r` where
+///
+/// ```text
+/// 2 (nx wx + nz wz) nz - wz = r,   nx² + nz² = 1
+/// ```
+///
+/// a quadratic in `nz²`, as in Cycles.
+fn held_up(n: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
+    /// Mirror directions rise so far at least, or nearly as far as the viewer does.
+    const RISE: f32 = 0.01;
+    let side = if wo.dot(ng) < 0.0 { -1.0 } else { 1.0 };
+    let (n, z) = (side * n, side * ng);
+    let wz = wo.dot(z);
+    let rise = RISE.min(0.9 * wz);
+    let mirrored = 2.0 * n.dot(wo) * n.dot(z) - wz;
+    if mirrored >= rise && n.dot(wo) > 0.0 && n.dot(z) > 0.0 {
+        return side * n;
+    }
+    let x = (n - n.dot(z) * z).normalize_or_zero();
+    let wx = wo.dot(x);
+    let (a, b) = (wx * wx + wz * wz, wx * wx + wz * (wz + rise));
+    let c = (rise + wz) * (rise + wz);
+    let root = (b * b - a * c).max(0.0).sqrt();
+    // Of the two solutions the one nearer to n: leaning towards the viewer there are more upright ones.
+    let nz2 = 0.5 * (if wx < 0.0 { b + root } else { b - root }) / a;
+    let nz2 = if nz2.is_finite() { nz2.clamp(0.0, 1.0) } else { 1.0 };
+    side * ((1.0 - nz2).sqrt() * x + nz2.sqrt() * z)
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_image::{EncodeOptions, Format, Image, encode};
+    use kajo_math::{Ray, rng::Stream, warp};
+    use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+
+    use super::*;
+    use crate::compile::{CompileOptions, compile};
+
+    /// A scene of one object, seen from above.
+    fn scene(materials: &str, object: &str) -> Scene {
+        scene_with(&MemoryAssets::new(), materials, object)
+    }
+
+    fn scene_with(assets: &MemoryAssets, materials: &str, object: &str) -> Scene {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 9 0 direction 0 -1 0 up 0 0 -1 angle 30 }}
+             Materials {{ {materials} }} Group {{ MaterialIndex 0 {object} }}"
+        );
+        let mut parsed = SceneDesc::parse_str(&text);
+        let mut said = Diagnostics::default();
+        let scene = compile(&mut parsed.desc, assets, &CompileOptions::default(), &mut said);
+        scene.unwrap_or_else(|| panic!("{text}: {:?}", said.iter().map(|d| &d.message).collect::<Vec<_>>()))
+    }
+
+    fn seen(scene: &Scene, x: f32, z: f32) -> Shading {
+        let at = scene.trace(&Ray::new(Vec3::new(x, 9.0, z), Vec3::NEG_Y));
+        scene.shading(at.surface().expect("it is met"), 0.5)
+    }
+
+    const BRUSHED: &str = "Metal { metal gold  roughness 0.5  anisotropy 0.8 }";
+    const TURNED: &str = "Metal { metal gold  roughness 0.5  anisotropy 0.8  rotation 0.25 }";
+    const FLOOR: &str = "Quad { corner -1 0 1  edge1 2 0 0  edge2 0 0 -2 }";
+
+    fn assert_along(found: Vec3, expected: Vec3) {
+        assert!(found.distance(expected) < 1e-5, "{found} for {expected}");
+    }
+
+    #[test]
+    fn grain_runs_along_the_first_coordinate_and_turns_to_the_second() {
+        assert_along(seen(&scene(BRUSHED, FLOOR), 0.3, 0.2).tangent, Vec3::X);
+        assert_along(seen(&scene(TURNED, FLOOR), 0.3, 0.2).tangent, Vec3::NEG_Z);
+        let eighth = "Metal { roughness 0.5  anisotropy 0.8  rotation 0.125 }";
+        assert_along(
+            seen(&scene(eighth, FLOOR), 0.3, 0.2).tangent,
+            Vec3::new(0.5f32.sqrt(), 0.0, -0.5f32.sqrt()),
+        );
+        // Mirrored, v turns round and u does not.
+        let mirrored = format!("Transform {{ Scale 1 1 -1  {FLOOR} }}");
+        assert_along(seen(&scene(BRUSHED, &mirrored), 0.3, 0.2).tangent, Vec3::X);
+        assert_along(seen(&scene(TURNED, &mirrored), 0.3, 0.2).tangent, Vec3::Z);
+    }
+
+    #[test]
+    fn grain_goes_along_with_objects() {
+        let disk = "Disk { center 0 0 0  normal 0 1 0  radius 1 }";
+        for map in ["", "Scale 3 1 3", "YRotate 70", "Translate 0 1 0  XRotate 20"] {
+            let text = format!("Transform {{ {map} {disk} }}");
+            for (x, z) in [(0.5, 0.1), (-0.2, 0.4), (0.1, -0.7)] {
+                let shading = seen(&scene(BRUSHED, &text), x, z);
+                // Around the centre, across the radius.
+                let radial = Vec3::new(x, 0.0, z);
+                let tilt = if map.contains("XRotate") { 0.1 } else { 1e-5 };
+                assert!(shading.tangent.dot(radial).abs() < tilt, "{map}: {}", shading.tangent);
+                assert!(shading.tangent.dot(shading.n).abs() < 1e-5 && shading.tangent.length() > 0.999);
+            }
+        }
+        let nested = format!("Define knob {{ {disk} }} Instance knob {{ Translate 0.1 0 0  YRotate 10 }}");
+        let tangent = seen(&scene(BRUSHED, &nested), 0.6, 0.0).tangent;
+        assert!(tangent.x.abs() < 1e-5 && tangent.z.abs() > 0.999, "{tangent}");
+    }
+
+    #[test]
+    fn materials_that_ask_for_nothing_get_the_plain_frame() {
+        let objects = [FLOOR, "Sphere { center 0 0 0  radius 1 }"];
+        for object in objects {
+            let plain = scene("Metal { metal gold  roughness 0.5 }", object);
+            assert!(!plain.has_orientations);
+            let shading = seen(&plain, 0.3, 0.2);
+            let wo = Vec3::new(0.0, 0.8, 0.6);
+            assert_eq!(shading.frame(wo), Frame::from_normal(shading.n));
+        }
+        // At the pole of a sphere there is no direction to go by.
+        let pole = seen(&scene(BRUSHED, objects[1]), 0.0, 0.0);
+        let frame = pole.frame(Vec3::Y);
+        assert!((frame.n - Vec3::Y).length() < 1e-5 && frame.s.is_finite());
+    }
+
+    #[test]
+    fn a_mixture_has_the_grain_of_the_part_that_is_there() {
+        let parts = format!("Checkerboard {{ materialIndex 1  materialIndex 2 }} Matte {{}} {BRUSHED}");
+        let scene = scene(&parts, FLOOR);
+        assert!(scene.has_orientations);
+        let found = [0.4, -0.4].map(|x| seen(&scene, x, 0.2).tangent);
+        assert!(found.contains(&Vec3::ZERO) && found.contains(&Vec3::X), "{found:?}");
+    }
+
+    /// The mirror direction of the viewer rises as far as asked for and no farther, in the plane of both normals.
+    #[test]
+    fn normals_lean_no_farther_than_mirrors_allow() {
+        let mut held = 0;
+        for i in 0..20_000 {
+            let s = Stream::new(21, [i, 0], 0);
+            let [n, ng, wo] =
+                [0, 2, 4].map(|k| warp::uniform_sphere(Vec2::new(s.uniform(k), s.uniform(k + 1))));
+            if n.dot(ng) < 0.05 || wo.dot(ng).abs() < 1e-3 {
+                continue;
+            }
+            let shading = Shading { n, ng, leans: true, tangent: Vec3::ZERO };
+            let found = shading.normal(wo);
+            let side = wo.dot(ng).signum();
+            let rise = |n: Vec3| side * (2.0 * n.dot(wo) * n - wo).dot(ng);
+            let least = (0.9 * wo.dot(ng).abs()).min(0.01);
+            assert!(
+                (found.length() - 1.0).abs() < 1e-4 && found.dot(n.cross(ng)).abs() < 1e-4,
+                "{n} {ng} {wo}"
+            );
+            assert!(found.dot(ng) > 0.0 && side * found.dot(wo) > 0.0, "{n} {ng} {wo}: {found}");
+            if found == n {
+                assert!(rise(n) >= least - 1e-6);
+                continue;
+            }
+            held += 1;
+            assert!((rise(found) - least).abs() < 1e-3, "{n} {ng} {wo}: {found} rises {}", rise(found));
+            // Between the two normals, where a little more of the leaning would be too much.
+            assert!(found.dot(ng) >= n.dot(ng) - 1e-3, "{n} {ng} {wo}: {found}");
+        }
+        assert!(held > 3000);
+    }
+
+    /// The normal of `height sin(k u)` to the first order, with a quarter of the error for half the texels.
+    #[test]
+    fn heights_lean_as_the_surface_that_they_raise() {
+        let (k, height) = (2.0 * std::f32::consts::TAU, 0.05f32);
+        let error = |texels: u32| {
+            let image = Image::from_fn(texels, 1, |x, _| {
+                [0.5 + 0.5 * (k * (x as f32 + 0.5) / texels as f32).sin(), 0.0, 0.0]
+            });
+            let file = encode(&image.unwrap(), Format::Exr, &EncodeOptions::default()).unwrap();
+            let material = format!("Matte {{ bump waves.exr {{ height {height} }} }}");
+            let scene = scene_with(&MemoryAssets::new().with("waves.exr", file), &material, FLOOR);
+            (0..64).map(|i| (i as f32 + 0.5) / 64.0).fold(0.0f32, |worst, u| {
+                // The floor is two units wide.
+                let n = seen(&scene, 2.0 * u - 1.0, 0.1).n;
+                let slope = 0.25 * height * k * (k * u).cos();
+                worst.max((n.x / n.y + slope).abs()).max(n.z.abs())
+            })
+        };
+        let (coarse, fine) = (error(32), error(64));
+        assert!(fine < 0.002 && (3.0..5.0).contains(&(coarse / fine)), "{coarse} {fine}");
+    }
+
+    #[test]
+    fn a_picture_of_normals_turns_with_the_surface() {
+        let texel = Image::filled(1, 1, &[0.8, 0.5, 0.9]).unwrap();
+        let file = encode(&texel, Format::Exr, &EncodeOptions::default()).unwrap();
+        let assets = MemoryAssets::new().with("lean.exr", file);
+        let lean = "Matte { normalMap lean.exr }";
+        let assert_near = |found: Vec3, expected: Vec3| {
+            assert!(found.distance(expected.normalize()) < 2e-4, "{found} for {expected}");
+        };
+        let floor = scene_with(&assets, lean, FLOOR);
+        assert_near(seen(&floor, 0.2, 0.3).n, Vec3::new(0.6, 0.8, 0.0));
+        assert!(seen(&floor, 0.2, 0.3).leans);
+        let turned = scene_with(&assets, lean, &format!("Transform {{ YRotate 90  {FLOOR} }}"));
+        assert_near(seen(&turned, 0.2, 0.3).n, Vec3::new(0.0, 0.8, -0.6));
+        let mirrored = scene_with(&assets, lean, &format!("Transform {{ Scale -1 1 1  {FLOOR} }}"));
+        assert_near(seen(&mirrored, 0.2, 0.3).n, Vec3::new(-0.6, 0.8, 0.0));
+        let flat = scene_with(&assets, "Matte { normalMap lean.exr { scale 0.5 } }", FLOOR);
+        assert_near(seen(&flat, 0.2, 0.3).n, Vec3::new(0.3, 0.8, 0.0));
+        // A ball leans along its circles of latitude.
+        let ball = scene_with(&assets, lean, "Sphere { center 0 0 0  radius 1 }");
+        let east = seen(&ball, 0.0, 0.6);
+        assert_near(east.n, 0.8 * east.ng + 0.6 * Vec3::X);
+        // Grain follows the normal that leans.
+        let brushed = "Metal { roughness 0.5  anisotropy 0.5  normalMap lean.exr }";
+        let frame = seen(&scene_with(&assets, brushed, FLOOR), 0.2, 0.3).frame(Vec3::Y);
+        assert_near(frame.s, Vec3::new(0.8, -0.6, 0.0));
+    }
+
+    #[test]
+    fn a_normal_that_turns_a_visible_side_away_is_none() {
+        let shading = Shading { n: Vec3::new(0.6, 0.0, 0.8), ng: Vec3::Z, ..Shading::default() };
+        assert_eq!(shading.frame(Vec3::Z).n, shading.n);
+        assert_eq!(shading.frame(Vec3::new(-0.9, 0.0, 0.43)).n, Vec3::Z);
+    }
+}
