@@ -94,6 +94,7 @@ const CORE_MODULES: [(&str, &[&str]); 24] = [
         ],
     ),
     ("lighting", &["interaction", "bsdf", "light", "material", "scene"]),
+    ("shading", &["interaction", "material", "scene"]),
     // Tests only: what holds for all families.
     (
         "laws",
