@@ -134,6 +134,7 @@ const CORE_MODULES: [(&str, &[&str]); 24] = [
             "daylight",
             "scene",
             "lighting",
+            "shading",
         ],
     ),
 ];

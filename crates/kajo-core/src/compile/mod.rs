@@ -342,4 +342,6 @@ mod motion_tests;
 #[cfg(test)]
 mod nesting_tests;
 #[cfg(test)]
+mod shading_tests;
+#[cfg(test)]
 mod tests;
