@@ -47,7 +47,7 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 24] = [
+const CORE_MODULES: [(&str, &[&str]); 25] = [
     ("family", &[]),
     ("interaction", &[]),
     ("motion", &[]),
