@@ -1,8 +1,8 @@
 //! Time of a frame of the preview: `cargo bench -p kajo-studio`.
 //!
 //! Hills of 200,000 and of a million triangles, all in view, at 960 x 540 pixels, the camera turning a little from
-//! frame to frame; the mean and the longest of the frames after the first. Then the whole window, panels and all, while a
-//! trace without an end runs on every core, and while one that each frame starts anew does.
+//! frame to frame; the mean and the longest of the frames after the first. Then the whole window, panels and all, while
+//! nothing else runs, while a trace without an end runs on every core, and while one that each frame starts anew does.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -59,13 +59,19 @@ fn window(card: &RenderState) {
     let builder = Harness::builder().with_size([1280.0, 800.0]).renderer(renderer);
     let mut harness = builder.build_ui_state(run, None);
     harness.step();
-    for (what, turns) in [("a trace runs", false), ("each frame starts a trace anew", true)] {
+    for (what, traces, turns) in [
+        ("nothing runs", false, false),
+        ("a trace runs", true, false),
+        ("each frame starts a trace anew", true, true),
+    ] {
         let mut times = Vec::new();
         for i in 0..40 {
             let Some(app) = harness.state_mut() else { return };
             if i == 0 {
                 app.studio.apply(Action::New);
                 app.studio.options.habits.endless = true;
+            }
+            if i == 0 && traces {
                 app.studio.apply(Action::Trace);
             }
             if turns {

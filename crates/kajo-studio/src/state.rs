@@ -7,6 +7,7 @@ mod handling;
 mod histogram;
 pub mod line_ends;
 mod navigation;
+mod priority;
 mod problems;
 mod rays;
 mod render_options;

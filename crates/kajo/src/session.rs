@@ -118,9 +118,25 @@ impl Session {
     /// * `threads`: render threads; 0 for one on each core
     /// * `wake`: called from the session's thread after each new frame and whenever the status changes
     pub fn new(threads: usize, wake: impl Fn() + Send + Sync + 'static) -> Session {
+        Session::prepared(threads, wake, || ())
+    }
+
+    /// As [`Session::new`], with something for the session's thread to do first, such as to lower its own priority.
+    ///
+    /// * `prepare`: called once, from the session's thread, which then starts all render threads; on Linux they have
+    ///   its priority
+    pub fn prepared(
+        threads: usize,
+        wake: impl Fn() + Send + Sync + 'static,
+        prepare: impl FnOnce() + Send + 'static,
+    ) -> Session {
         let shared = Arc::new(Shared::new(threads, Box::new(wake)));
         let worker = Arc::clone(&shared);
-        let thread = thread::Builder::new().name("session".to_owned()).spawn(move || worker.work()).ok();
+        let work = move || {
+            prepare();
+            worker.work();
+        };
+        let thread = thread::Builder::new().name("session".to_owned()).spawn(work).ok();
         Session { shared, thread }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kajo::View;
 use kajo::session::{Frame, Job, Session, Status};
 
-use super::{RenderOptions, Version};
+use super::{RenderOptions, Version, priority};
 
 /// Wakes the window up; may be called by any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -91,5 +91,5 @@ impl Tracer {
 
 fn session(threads: usize, wake: &Wake) -> Session {
     let wake = Arc::clone(wake);
-    Session::new(threads, move || wake())
+    Session::prepared(threads, move || wake(), priority::give_way)
 }

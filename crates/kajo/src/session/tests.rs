@@ -32,6 +32,23 @@ const ALL: [(View, Format); 5] = [
 ];
 
 #[test]
+fn the_thread_of_a_session_is_prepared_before_it_renders() {
+    let scene = scene(1.0);
+    let settings = settings(&scene, [8, 8], (SamplerKind::Regular, 1));
+    let notes = Arc::new(std::sync::Mutex::new(Vec::new()));
+    let note = |what| {
+        let notes = Arc::clone(&notes);
+        move || notes.lock().unwrap().push((what, thread::current().id()))
+    };
+    let session = Session::prepared(1, note("wake"), note("prepare"));
+    session.start(Job::new(scene, settings));
+    session.wait();
+    let notes = notes.lock().unwrap().clone();
+    assert_eq!(notes[0].0, "prepare");
+    assert!(notes.len() > 1 && notes[1..].iter().all(|(what, by)| *what == "wake" && *by == notes[0].1));
+}
+
+#[test]
 fn a_finished_frame_writes_the_files_of_a_render() {
     let scene = scene(1.0);
     for samples in [(SamplerKind::Jittered, 9), (SamplerKind::Sobol, 16)] {
