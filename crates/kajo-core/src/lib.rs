@@ -34,5 +34,6 @@ pub use family::Pooled;
 pub use interaction::RayOffset;
 pub use item_buffer::ItemBuffer;
 pub use motion::{MovingTransform, Shutter};
+pub use nested::{NestedPiece, PieceContent};
 pub use objects::{Object, Objects};
 pub use scene::{Event, Interaction, Scene};

@@ -26,6 +26,8 @@
 //!
 //! Objects in assemblies are numbered after all others, in the order of the text.
 
+mod pieces;
+
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::{Aabb, DAffine3, Ray, Transform, Vec3};
 
@@ -33,6 +35,7 @@ use crate::interaction::{Hit, SurfacePoint};
 use crate::material::MaterialId;
 use crate::objects::Label;
 use crate::shape::{ShapeId, Shapes};
+pub use pieces::{NestedPiece, PieceContent};
 
 /// Most levels of assemblies within assemblies: a ray keeps a stack of a few kilobytes for each.
 pub(crate) const MOST_LEVELS: u32 = 32;

@@ -5,6 +5,9 @@
 //! matrices. Infinite planes become squares around the scene. Lights and the scene's own camera are drawn
 //! in lines. What moves is shown where it is when the shutter opens.
 //!
+//! Nested instances, of which there may be more than can be drawn, are shown from the largest to the smallest as
+//! long as that takes not too many triangles, and as boxes from there on.
+//!
 //! Every vertex and every instance has an object number, and their sum is the number of the id layers, counted from 1.
 
 mod color;
@@ -12,16 +15,19 @@ mod lines;
 
 use std::collections::HashMap;
 
-use kajo_core::Pooled;
 use kajo_core::material::MaterialId;
-use kajo_core::scene::{Primitive, Scene};
-use kajo_core::shape::{Mesh, Plane, ShapeId, Sphere, Surface, Tessellation};
+use kajo_core::scene::Scene;
+use kajo_core::shape::{Cone, Mesh, Plane, ShapeId, Shapes, Sphere, Surface, Tessellation};
+use kajo_core::{NestedPiece, PieceContent, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
 pub use lines::{Line, LineKind};
 
 /// Triangles of all curved surfaces together, about.
 const CURVED_TRIANGLES: u32 = 200_000;
+
+/// Triangles of all nested instances together, about.
+const NESTED_TRIANGLES: usize = 400_000;
 
 /// Fewest and most segments of a full circle.
 const AROUND: [u32; 2] = [8, 64];
@@ -81,7 +87,11 @@ impl Preview {
         let bounds = extent(scene);
         let mut builder = Builder::new(scene, bounds);
         for (object, primitive) in (1..).zip(&scene.primitives) {
-            builder.add(object, primitive);
+            let place = scene.place(primitive, 0.0);
+            builder.add(object, primitive.shape, &place, primitive.material);
+        }
+        for piece in scene.nested_pieces(|shape| builder.cost(shape), NESTED_TRIANGLES) {
+            builder.add_piece(&piece);
         }
         let lines = lines::of(scene, &bounds);
         builder.finish(lines)
@@ -107,6 +117,7 @@ struct Builder<'a> {
     /// All that is drawn once, in world space.
     single: PreviewMesh,
     unit_sphere: Option<u32>,
+    unit_cube: Option<u32>,
     /// The pieces of a mesh that have a material in common, and that material where the mesh brings it.
     pieces: HashMap<ShapeId, Vec<(u32, Option<MaterialId>)>>,
     meshes: Vec<PreviewMesh>,
@@ -115,7 +126,8 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(scene: &'a Scene, bounds: Aabb) -> Builder<'a> {
-        let curved = scene.shapes.spheres.len() + scene.shapes.cones.len();
+        let curved = scene.primitives.iter().filter(|p| is_curved(&scene.shapes, p.shape)).count() as u64;
+        let curved = curved + scene.object_count() - scene.primitives.len() as u64;
         // A sphere has as many triangles as the square of the segments around it.
         let around = f64::from(CURVED_TRIANGLES) / curved.max(1) as f64;
         let around = (around.sqrt() as u32).clamp(AROUND[0], AROUND[1]) & !1;
@@ -125,25 +137,31 @@ impl<'a> Builder<'a> {
             around,
             single: PreviewMesh::default(),
             unit_sphere: None,
+            unit_cube: None,
             pieces: HashMap::new(),
             meshes: Vec::new(),
             instances: Vec::new(),
         }
     }
 
-    fn add(&mut self, object: u32, primitive: &Primitive) {
+    /// Triangles that a shape takes.
+    fn cost(&self, id: ShapeId) -> usize {
+        let shapes = &self.scene.shapes;
+        let else_about = if is_curved(shapes, id) { (self.around * self.around) as usize } else { 12 };
+        Mesh::find(shapes, id).map_or(else_about, Mesh::triangle_count)
+    }
+
+    fn add(&mut self, object: u32, id: ShapeId, transform: &Transform, material: MaterialId) {
         let scene = self.scene;
-        let transform = &scene.place(primitive, 0.0);
         let place = transform.world_from_object;
-        let id = primitive.shape;
         if let Some(sphere) = Sphere::find(&scene.shapes, id) {
             let mesh = self.unit_sphere();
             let sized = Affine3A::from_scale(Vec3::splat(sphere.radius));
             let sphere = Affine3A::from_translation(sphere.center) * sized;
-            self.instance(mesh, object, place * sphere, primitive.material);
+            self.instance(mesh, object, place * sphere, material);
         } else if let Some(mesh) = Mesh::find(&scene.shapes, id) {
-            for (piece, material) in self.pieces(id, mesh) {
-                self.instance(piece, object, place, material.unwrap_or(primitive.material));
+            for (piece, own) in self.pieces(id, mesh) {
+                self.instance(piece, object, place, own.unwrap_or(material));
             }
         } else {
             let mut triangles = Tessellation::default();
@@ -151,8 +169,43 @@ impl<'a> Builder<'a> {
                 Some(plane) => self.square(plane, transform, &mut triangles),
                 None => scene.shapes.tessellate(id, self.around, &mut triangles),
             }
-            self.add_single(object, primitive.material, transform, &triangles);
+            self.add_single(object, material, transform, &triangles);
         }
+    }
+
+    fn add_piece(&mut self, piece: &NestedPiece) {
+        let object = piece.number + 1;
+        match piece.content {
+            PieceContent::Shape(shape) => self.add(object, shape, &piece.place, piece.material),
+            PieceContent::Whole(bounds) => {
+                let sized = Affine3A::from_scale(0.5 * bounds.extent());
+                let from_cube = Affine3A::from_translation(bounds.center()) * sized;
+                let mesh = self.unit_cube();
+                self.instance(mesh, object, piece.place.world_from_object * from_cube, piece.material);
+            }
+        }
+    }
+
+    /// The mesh of the cube from -1 to 1.
+    fn unit_cube(&mut self) -> u32 {
+        if let Some(known) = self.unit_cube {
+            return known;
+        }
+        let corner = |i: u32| Vertex {
+            position: [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 }),
+            normal: [0.0; 3],
+            color: [255; 4],
+            object: 0,
+        };
+        // The corners of a side go around it: those of axis 0 have bit 0 in common, and so on.
+        let side = |axis: u32, high: u32| {
+            let [a, b] = [1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3)];
+            let low = high << axis;
+            [low, low | a, low | a | b, low, low | a | b, low | b]
+        };
+        let indices = (0..3).flat_map(|axis| [side(axis, 0), side(axis, 1)]).flatten().collect();
+        let mesh = self.push(PreviewMesh { vertices: (0..8).map(corner).collect(), indices });
+        *self.unit_cube.insert(mesh)
     }
 
     /// The mesh of the unit sphere.
@@ -252,6 +305,11 @@ impl<'a> Builder<'a> {
         self.instances.sort_by_key(|instance| instance.mesh);
         Preview { meshes: self.meshes, instances: self.instances, lines, bounds: self.bounds }
     }
+}
+
+/// Whether a shape has the more triangles the more segments there are around it.
+fn is_curved(shapes: &Shapes, id: ShapeId) -> bool {
+    Sphere::find(shapes, id).is_some() || Cone::find(shapes, id).is_some()
 }
 
 fn white_vertices(triangles: &Tessellation) -> Vec<Vertex> {

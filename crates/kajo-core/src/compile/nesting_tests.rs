@@ -6,6 +6,7 @@ use kajo_scene::MemoryAssets;
 
 use super::*;
 use crate::scene::{Event, Interaction};
+use crate::{NestedPiece, PieceContent};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
 const MATERIALS: &str = "Materials { Material grey { diffuseColor 0.5 0.5 0.5 }
@@ -227,4 +228,62 @@ fn lamps_and_motion_stay_flat_or_are_refused() {
         let (none, said) = compiled(&format!("{defined} {placed}"), 1_000);
         assert!(none.is_none() && said.iter().any(|s| s.contains(words)), "{placed}: {said:?}");
     }
+}
+
+#[test]
+fn all_pieces_of_nested_instances_are_the_flat_list() {
+    let text = forest();
+    let (flat, nested) = (scene(&text, 10_000_000), scene(&text, 4_000));
+    let mut pieces = nested.nested_pieces(|_| 1, usize::MAX);
+    pieces.sort_by_key(|piece| piece.number);
+    // The sphere before them, the plane and the box after them are in the list of both scenes.
+    let listed = &flat.primitives[1..flat.primitives.len() - 2];
+    assert_eq!(pieces.len(), listed.len());
+    for (i, (piece, primitive)) in (0..).zip(pieces.iter().zip(listed)) {
+        assert_eq!(piece.number, nested.primitives.len() as u32 + i);
+        let PieceContent::Shape(shape) = piece.content else { panic!("{piece:?}") };
+        let found = piece.place.bounds(&nested.shapes.bounds(shape));
+        let expected = flat.place(primitive, 0.0).bounds(&flat.shapes.bounds(primitive.shape));
+        assert!(found.min.distance(expected.min) + found.max.distance(expected.max) < 1e-4, "{piece:?}");
+        let number = |scene: &Scene, material| scene.material_number(material);
+        assert_eq!(number(&nested, piece.material), number(&flat, primitive.material));
+    }
+}
+
+#[test]
+fn few_pieces_of_nested_instances_leave_nothing_out() {
+    let nested = scene(&forest(), 4_000);
+    let all = nested.nested_pieces(|_| 1, usize::MAX);
+    let bounds = |piece: &NestedPiece| {
+        piece.place.bounds(&match piece.content {
+            PieceContent::Shape(shape) => nested.shapes.bounds(shape),
+            PieceContent::Whole(bounds) => bounds,
+        })
+    };
+    for budget in [48, 400, 3000] {
+        let mut few = nested.nested_pieces(|_| 1, budget);
+        let cost = |piece: &NestedPiece| if matches!(piece.content, PieceContent::Shape(_)) { 1 } else { 12 };
+        assert!(few.iter().map(cost).sum::<usize>() <= budget && few.len() >= 4, "{budget} {}", few.len());
+        few.sort_by_key(|piece| piece.number);
+        assert_eq!(few[0].number, 3);
+        for piece in &all {
+            let place = few.partition_point(|whole| whole.number <= piece.number) - 1;
+            let (inner, outer) = (bounds(piece), bounds(&few[place]));
+            let grown = outer.extent().length() * 1e-4;
+            assert!((inner.min + grown).cmpge(outer.min).all() && (inner.max - grown).cmple(outer.max).all());
+        }
+    }
+    assert!(scene("", 4_000).nested_pieces(|_| 1, 100).is_empty());
+}
+
+#[test]
+fn numbers_of_nested_objects_are_known_by_what_places_them() {
+    let nested = scene(&forest(), 4_000);
+    let placed: Vec<u32> =
+        (3..nested.object_count() as u32).map(|number| nested.object(number).unwrap().placed_by).collect();
+    let wanted = placed[placed.len() / 2];
+    let found = nested.nested_numbers(|item| item == wanted);
+    let expected: Vec<u32> = (3..).zip(&placed).filter(|(_, by)| **by == wanted).map(|(i, _)| i).collect();
+    assert_eq!(found.into_iter().flatten().collect::<Vec<_>>(), expected);
+    assert!(expected.len() > 1000);
 }

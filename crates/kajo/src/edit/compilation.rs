@@ -14,8 +14,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use std::collections::HashSet;
+use std::ops::Range;
 use std::sync::Arc;
 
+use kajo_core::Object;
 use kajo_core::compile::{CompileOptions, MeshStore, compile};
 use kajo_core::scene::Scene;
 use kajo_scene::{Diagnostics, SceneDesc, Sources, one_line, render};
@@ -53,8 +56,10 @@ struct Made {
     scene: Arc<Scene>,
     /// [`Document::generation`] of the texts it was made from.
     generation: u64,
-    /// For each object the nodes that place it and that describe it.
+    /// For each object of no nested instance the nodes that place it and that describe it.
     objects: Vec<[Option<NodeId>; 2]>,
+    /// What it was made from.
+    tree: Arc<Tree>,
 }
 
 impl Compilation {
@@ -76,10 +81,8 @@ impl Compilation {
             false => None,
         };
         let made = scene.map(|scene| {
-            let node = |item| tree.outline.at_item(item).map(|node| node.id);
-            let nodes =
-                scene.objects.iter().map(|object| [node(object.placed_by), node(object.described_by)]);
-            Made { generation, objects: nodes.collect(), scene: Arc::new(scene) }
+            let nodes = scene.objects.iter().map(|object| nodes_of(&tree, &object));
+            Made { generation, objects: nodes.collect(), tree: Arc::clone(&tree), scene: Arc::new(scene) }
         });
         Compiled { generation: Some(generation), diagnostics, desc, made }
     }
@@ -149,7 +152,7 @@ impl Document {
     }
 
     /// The file and bytes that a message is about, where they are in the texts that were compiled last.
-    pub fn place_of(&self, diagnostic: &kajo_scene::Diagnostic) -> Option<(FileId, std::ops::Range<usize>)> {
+    pub fn place_of(&self, diagnostic: &kajo_scene::Diagnostic) -> Option<(FileId, Range<usize>)> {
         diagnostic.span().map(|span| self.tree.place_of(span))
     }
 
@@ -167,27 +170,51 @@ impl Document {
     ///
     /// * `number`: as in the id layer of [`Document::scene`], from 1
     pub fn node_of_object(&self, number: u32) -> Option<NodeId> {
-        self.objects().get(number.checked_sub(1)? as usize)?[0]
+        self.nodes_of_object(number)?[0]
     }
 
     /// The node that describes an object: a shape, which may stand in a definition, or a model.
     ///
     /// * `number`: as in the id layer of [`Document::scene`], from 1
     pub fn part_of_object(&self, number: u32) -> Option<NodeId> {
-        self.objects().get(number.checked_sub(1)? as usize)?[1]
+        self.nodes_of_object(number)?[1]
     }
 
-    /// Numbers of the objects of [`Document::scene`] that a node places or describes, or nodes within it do.
+    /// The nodes that place an object and that describe it.
+    fn nodes_of_object(&self, number: u32) -> Option<[Option<NodeId>; 2]> {
+        let made = self.compiled.made.as_ref()?;
+        let index = number.checked_sub(1)?;
+        let known = made.objects.get(index as usize).copied();
+        known.or_else(|| made.scene.object(index).map(|object| nodes_of(&made.tree, &object)))
+    }
+
+    /// Numbers of the objects of [`Document::scene`] that a node places or describes, or nodes within it do; without
+    /// those in nested instances, see [`Document::nested_objects_of`].
     pub fn objects_of(&self, id: NodeId) -> Vec<u32> {
-        let nodes: std::collections::HashSet<NodeId> =
-            self.outline().subtree(id).iter().map(|n| n.id).collect();
+        let nodes: HashSet<NodeId> = self.outline().subtree(id).iter().map(|n| n.id).collect();
         let is_of = |object: &[Option<NodeId>; 2]| object.iter().flatten().any(|id| nodes.contains(id));
         (1..).zip(self.objects()).filter(|(_, object)| is_of(object)).map(|(number, _)| number).collect()
+    }
+
+    /// Numbers of the objects in nested instances that a node puts into [`Document::scene`], or nodes within it do.
+    ///
+    /// Unlike other objects these are not found by what describes them: they may be as many as can be numbered.
+    pub fn nested_objects_of(&self, id: NodeId) -> Vec<Range<u32>> {
+        let Some(made) = &self.compiled.made else { return Vec::new() };
+        let nodes: HashSet<NodeId> = self.outline().subtree(id).iter().map(|n| n.id).collect();
+        let is_within = |item| made.tree.outline.at_item(item).is_some_and(|node| nodes.contains(&node.id));
+        let numbers = made.scene.nested_numbers(is_within).into_iter();
+        numbers.map(|indices| indices.start + 1..indices.end + 1).collect()
     }
 
     fn objects(&self) -> &[[Option<NodeId>; 2]] {
         self.compiled.made.as_ref().map_or(&[], |made| &made.objects)
     }
+}
+
+/// The nodes that place an object and that describe it.
+fn nodes_of(tree: &Tree, object: &Object<'_>) -> [Option<NodeId>; 2] {
+    [object.placed_by, object.described_by].map(|item| tree.outline.at_item(item).map(|node| node.id))
 }
 
 #[cfg(test)]
@@ -251,5 +278,40 @@ mod tests {
             "{:?}",
             document.lines().collect::<Vec<_>>()
         );
+    }
+
+    #[test]
+    fn objects_in_nested_instances_lead_to_their_blocks() {
+        let balls: String = (0..100).map(|i| format!("Sphere {{ center {i} 0 0  radius 0.3 }}\n")).collect();
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }}
+            Materials {{ Material {{}} }}
+            Group {{ MaterialIndex 0  Define row {{ {balls} }}
+                Instance row  Sphere {{ center 0 5 0  radius 1 }}  Instance row {{ Translate 0 1 0 }} }}"
+        );
+        let mut options = LoadOptions::default();
+        options.limits.objects = 1600;
+        let mut document = Document::untitled(Path::new("."), &text, options).unwrap();
+        document.compile();
+        let scene = document.scene().unwrap().clone();
+        assert_eq!((scene.primitives.len(), scene.object_count()), (1, 201));
+        let of = |word: &str| {
+            document.outline().nodes().iter().filter(|n| &*n.keyword == word).collect::<Vec<_>>()
+        };
+        let (instances, spheres) = (of("Instance"), of("Sphere"));
+        // The sphere that is listed is number 1, those of the first row are 2 to 101.
+        for (number, by, part) in [(1, None, 100), (2, Some(0), 0), (101, Some(0), 99), (102, Some(1), 0)] {
+            let by = by.map_or(spheres[100].id, |i: usize| instances[i].id);
+            assert_eq!(document.node_of_object(number), Some(by), "{number}");
+            assert_eq!(document.part_of_object(number), Some(spheres[part].id), "{number}");
+        }
+        assert_eq!(document.node_of_object(202), None);
+        let numbers = document.nested_objects_of(instances[1].id);
+        assert_eq!(numbers, std::slice::from_ref(&(102..202)));
+        assert!(document.nested_objects_of(spheres[100].id).is_empty());
+        let camera = crate::CameraPose::of(&scene);
+        let at = camera.project(kajo_math::DVec3::new(1.0, 1.0, 0.0), [200, 200]).unwrap();
+        let pick = crate::probe::pick(&scene, &camera, at, [200, 200]).unwrap();
+        assert_eq!(document.node_of_object(pick.object), Some(instances[1].id));
     }
 }

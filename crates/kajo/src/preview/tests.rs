@@ -2,6 +2,11 @@ use super::*;
 use crate::{LoadOptions, MemoryAssets, load_from};
 
 fn scene(group: &str) -> Scene {
+    limited_scene(group, 10_000_000)
+}
+
+/// A scene whose instances are nested where they make more than a sixteenth of `objects`.
+fn limited_scene(group: &str, objects: usize) -> Scene {
     let text = format!(
         "PerspectiveCamera {{ center 0 1 9 direction 0 0 -1 up 0 1 0 angle 40 }}
          Lights {{ PointLight {{ position 0 5 0 color 1 0 0 }}
@@ -17,7 +22,9 @@ fn scene(group: &str) -> Scene {
         .with("two.obj", format!("mtllib two.mtl\n{two}"))
         .with("two.mtl", mtl)
         .with("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let loaded = load_from("a.txt", &assets, &LoadOptions::default());
+    let mut options = LoadOptions::default();
+    options.limits.objects = objects;
+    let loaded = load_from("a.txt", &assets, &options);
     assert!(loaded.scene.is_some(), "{}", loaded.report(false));
     loaded.scene.unwrap()
 }
@@ -116,6 +123,37 @@ fn instances_share_their_triangles() {
     let colors: Vec<_> = of(3).map(|instance| instance.color).collect();
     assert!(colors.iter().all(|c| c[1] > 200) && colors[0][0] < 60 && colors[1][0] > 200, "{colors:?}");
     assert!(meshes(3).iter().all(|&mesh| preview.meshes[mesh as usize].vertices.len() == 3));
+}
+
+#[test]
+fn nested_instances_are_shown_as_far_as_that_is_not_too_much() {
+    let balls = |n: u32| -> String {
+        (0..n).map(|i| format!("Sphere {{ center {} 0 {} radius 0.4 }}\n", i % 10, i / 10)).collect()
+    };
+    let rows =
+        |n: u32| -> String { (0..n).map(|i| format!("Instance square {{ Translate 0 {i} 0 }}\n")).collect() };
+    for (levels, squares) in [(100, 3), (20_000, 200)] {
+        let text = format!("MaterialIndex 1 Define square {{ {} }} {}", balls(100), rows(squares));
+        let scene = limited_scene(&text, levels);
+        assert_eq!((scene.primitives.len(), scene.object_count()), (0, 100 * u64::from(squares)));
+        let preview = Preview::of(&scene);
+        let is_box = |i: &PreviewInstance| preview.meshes[i.mesh as usize].vertices.len() == 8;
+        let n_boxes = preview.instances.iter().filter(|i| is_box(i)).count();
+        let n_spheres = preview.instances.len() - n_boxes;
+        assert_eq!(100 * n_boxes + n_spheres, 100 * squares as usize);
+        assert_eq!(n_boxes == 0, squares == 3, "{n_boxes}");
+        assert!(n_spheres > 200 && preview.triangle_count() < 1_000_000, "{}", preview.triangle_count());
+        let mut all = Aabb::EMPTY;
+        for (corners, object) in triangles(&preview) {
+            let word = scene.object(object - 1).map(|object| object.keyword);
+            assert_eq!(word, Some("Sphere"));
+            all = all.union(Aabb::around(corners));
+        }
+        let expected = scene.bounds();
+        assert!((all.min - expected.min).abs().max_element() < 0.1, "{all:?}");
+        assert!((all.max - expected.max).abs().max_element() < 0.1, "{all:?}");
+        assert!(preview.instances.iter().all(|instance| instance.color[2] > 200 && instance.color[0] < 60));
+    }
 }
 
 #[test]

@@ -1,0 +1,180 @@
+//! Nested instances in a bounded number of pieces, for pictures that are made of lists.
+//!
+//! The largest things are taken apart first: what stands in the world, then what stands in that, as long as the list does
+//! not grow too long. What is left whole is a box.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+
+use kajo_math::{Aabb, DAffine3, Transform};
+
+use super::{Assembly, Content, Nested};
+use crate::material::MaterialId;
+use crate::scene::Scene;
+use crate::shape::{ShapeId, Shapes};
+
+/// An object in a nested instance, or a whole instance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NestedPiece {
+    /// Number of the object, or of the first one in the instance; as [`crate::Interaction::primitive`].
+    pub number: u32,
+    /// What it is.
+    pub content: PieceContent,
+    /// From its space to the world's.
+    pub place: Transform,
+    /// Of the object, unless its shape brings its own; of a whole instance, of the first object in it.
+    pub material: MaterialId,
+}
+
+/// What a [`NestedPiece`] is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PieceContent {
+    /// One object.
+    Shape(ShapeId),
+    /// A box around all that is in an instance.
+    Whole(Aabb),
+}
+
+impl Scene {
+    /// What stands in nested instances, which [`Scene::primitives`] does not hold.
+    ///
+    /// * `cost`: of showing a shape; a box costs 12
+    /// * `budget`: what the pieces may cost together. All boxes that stand in the world are shown even if they cost more,
+    ///   up to a twelfth of the budget in number
+    pub fn nested_pieces(&self, cost: impl Fn(ShapeId) -> usize, budget: usize) -> Vec<NestedPiece> {
+        let Some(nested) = &self.nested else { return Vec::new() };
+        let shapes = &self.shapes;
+        let mut gathering = Gathering {
+            nested,
+            shapes,
+            first_number: self.primitives.len() as u32,
+            pieces: Vec::new(),
+            wholes: BinaryHeap::new(),
+        };
+        // The cost of what stands in each assembly, one level down.
+        let of_member = |content| match content {
+            Content::Shape(shape) => cost(shape),
+            Content::Assembly(_) => WHOLE,
+        };
+        let of_assembly =
+            |a: &Assembly| a.members.iter().map(|m| of_member(m.content)).fold(0, usize::saturating_add);
+        let costs: Vec<usize> = nested.assemblies.iter().map(of_assembly).collect();
+        for placement in nested.placements.iter().take(budget / WHOLE) {
+            gathering.hold(placement.assembly, placement.map, placement.material, placement.first);
+        }
+        let mut spent = WHOLE * gathering.wholes.len();
+        while let Some(whole) = gathering.wholes.pop() {
+            let apart = spent.saturating_add(costs[whole.assembly as usize]) - WHOLE;
+            if apart <= budget {
+                spent = apart;
+                gathering.take_apart(&whole);
+            } else {
+                gathering.keep(&whole);
+            }
+        }
+        gathering.pieces
+    }
+}
+
+impl Scene {
+    /// Numbers of the objects in nested instances that items of the text put into the scene; as
+    /// [`crate::Interaction::primitive`], in order.
+    ///
+    /// * `is_wanted`: whether it is about what the item of this number places; see [`crate::Object::placed_by`]
+    pub fn nested_numbers(&self, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<u32>> {
+        let Some(Nested { placements, assemblies, .. }) = &self.nested else { return Vec::new() };
+        let numbers = placements.iter().filter(|placement| is_wanted(placement.placed_by)).map(|placement| {
+            let first = self.primitives.len() as u32 + placement.first;
+            first..first + assemblies[placement.assembly as usize].count
+        });
+        numbers.collect()
+    }
+}
+
+/// Triangles of a box.
+const WHOLE: usize = 12;
+
+/// Pieces so far, and what may still be taken apart.
+struct Gathering<'a> {
+    nested: &'a Nested,
+    shapes: &'a Shapes,
+    first_number: u32,
+    pieces: Vec<NestedPiece>,
+    wholes: BinaryHeap<Whole>,
+}
+
+/// An assembly somewhere in the world.
+struct Whole {
+    /// Diagonal of its box in world space.
+    size: f32,
+    assembly: u32,
+    map: DAffine3,
+    material: Option<MaterialId>,
+    /// Its first object among the nested ones.
+    first: u32,
+}
+
+impl Gathering<'_> {
+    fn hold(&mut self, assembly: u32, map: DAffine3, material: Option<MaterialId>, first: u32) {
+        let bounds = self.nested.bounds(Content::Assembly(assembly), &map, self.shapes);
+        self.wholes.push(Whole { size: bounds.extent().length(), assembly, map, material, first });
+    }
+
+    fn take_apart(&mut self, whole: &Whole) {
+        for member in &self.nested.assemblies[whole.assembly as usize].members {
+            let (map, first) = (whole.map * member.map, whole.first + member.first);
+            let material = member.material.or(whole.material);
+            match member.content {
+                Content::Assembly(number) => self.hold(number, map, material, first),
+                Content::Shape(shape) => self.push(PieceContent::Shape(shape), &map, material, first),
+            }
+        }
+    }
+
+    fn keep(&mut self, whole: &Whole) {
+        let assembly = &self.nested.assemblies[whole.assembly as usize];
+        let material = self.first_material(assembly, whole.material);
+        self.push(PieceContent::Whole(assembly.tree.bounds()), &whole.map, material, whole.first);
+    }
+
+    fn push(&mut self, content: PieceContent, map: &DAffine3, material: Option<MaterialId>, first: u32) {
+        // Rounding may have left a map without an inverse; rays meet nothing there either.
+        let Some(place) = Transform::new(map) else { return };
+        let (number, material) = (self.first_number + first, material.unwrap_or_default());
+        self.pieces.push(NestedPiece { number, content, place, material });
+    }
+
+    /// The material of the first object in an assembly.
+    fn first_material(&self, assembly: &Assembly, inherited: Option<MaterialId>) -> Option<MaterialId> {
+        let member = assembly.members.first()?;
+        let material = member.material.or(inherited);
+        match member.content {
+            Content::Shape(_) => material,
+            Content::Assembly(number) => {
+                self.first_material(&self.nested.assemblies[number as usize], material)
+            }
+        }
+    }
+}
+
+impl Ord for Whole {
+    /// By size; of equals the one that stands first in the text is greater.
+    fn cmp(&self, other: &Whole) -> Ordering {
+        self.size.total_cmp(&other.size).then(other.first.cmp(&self.first))
+    }
+}
+
+impl PartialOrd for Whole {
+    fn partial_cmp(&self, other: &Whole) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Whole {
+    fn eq(&self, other: &Whole) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Whole {}
