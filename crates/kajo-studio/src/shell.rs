@@ -12,6 +12,7 @@ mod picture_panel;
 mod problems_panel;
 mod rays_panel;
 mod render_panel;
+mod stage;
 mod status;
 mod text_editor;
 mod text_panel;

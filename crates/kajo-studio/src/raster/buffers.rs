@@ -6,7 +6,8 @@ use bytemuck::{Pod, Zeroable};
 use kajo::preview::{Preview, PreviewInstance, PreviewMesh};
 use wgpu::util::DeviceExt as _;
 
-use super::Line;
+use super::pipelines::Pipelines;
+use super::{Line, is_within};
 
 /// A corner of a triangle.
 #[repr(C)]
@@ -63,6 +64,8 @@ struct MeshBuffers {
     /// Neighbouring triangles of one object: its number, and the corners' numbers.
     runs: Vec<(u32, Range<u32>)>,
     n_indices: u32,
+    /// Whether no corner has a normal.
+    is_flat: bool,
 }
 
 impl SceneBuffers {
@@ -82,23 +85,24 @@ impl SceneBuffers {
         self.of_places.iter().map(|&(mesh, _)| u64::from(self.meshes[mesh].n_indices / 3)).sum()
     }
 
-    pub fn draw_all(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub fn draw_all(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &Pipelines) {
         let mut first = 0;
         for run in self.of_places.chunk_by(|a, b| a.0 == b.0) {
             let places = first..first + run.len() as u32;
             first = places.end;
             let mesh = &self.meshes[run[0].0];
+            pass.set_pipeline(if mesh.is_flat { &pipelines.flat_surfaces } else { &pipelines.surfaces });
             self.draw(pass, mesh, 0..mesh.n_indices, places);
         }
     }
 
     /// Draws some objects; whether there are any of them.
-    pub fn draw_some(&self, pass: &mut wgpu::RenderPass<'_>, objects: &[u32]) -> bool {
+    pub fn draw_some(&self, pass: &mut wgpu::RenderPass<'_>, objects: &[Range<u32>]) -> bool {
         let mut any = false;
         for (place, &(mesh, base)) in (0..).zip(&self.of_places) {
             let mesh = &self.meshes[mesh];
             for (object, corners) in &mesh.runs {
-                if objects.binary_search(&(object + base)).is_ok() {
+                if is_within(object + base, objects) {
                     self.draw(pass, mesh, corners.clone(), place..place + 1);
                     any = true;
                 }
@@ -134,6 +138,7 @@ impl MeshBuffers {
             indices: buffer(device, "triangles", bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX),
             runs: runs(mesh, indices),
             n_indices: indices.len() as u32,
+            is_flat: mesh.vertices.iter().all(|vertex| vertex.normal == [0.0; 3]),
         }
     }
 }

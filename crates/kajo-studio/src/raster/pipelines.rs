@@ -12,6 +12,8 @@ pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Everything that is made once for a device.
 pub(super) struct Pipelines {
     pub surfaces: wgpu::RenderPipeline,
+    /// Surfaces whose triangles have no normals at their corners.
+    pub flat_surfaces: wgpu::RenderPipeline,
     pub marks: wgpu::RenderPipeline,
     pub lines: wgpu::RenderPipeline,
     /// Lines where a surface is in front of them.
@@ -73,7 +75,8 @@ impl Pipelines {
             blend: None,
             depth: Some((wgpu::CompareFunction::Less, true)),
         };
-        let marks = Plan { fragment: "mark_surface", target: MASK, depth: None, ..surfaces };
+        let flat_surfaces = Plan { vertex: "place_flat", fragment: "shade_flat", ..surfaces };
+        let marks = Plan { fragment: "mark_surface", target: MASK, depth: None, ..flat_surfaces };
         let lines = Plan {
             vertex: "place_line",
             fragment: "shade_line",
@@ -100,6 +103,7 @@ impl Pipelines {
         let make = |plan: &Plan<'_>, layout| plan.build(device, &shader, layout);
         Pipelines {
             surfaces: make(&surfaces, &view_layout),
+            flat_surfaces: make(&flat_surfaces, &view_layout),
             marks: make(&marks, &view_layout),
             lines: make(&lines, &view_layout),
             hidden_lines: make(&hidden_lines, &view_layout),

@@ -3,8 +3,12 @@
 
 struct View {
     clip_from_world: mat4x4<f32>,
-    // Where the camera is (w = 1), or the direction towards it, the same everywhere (w = 0).
-    eye: vec4<f32>,
+    // What a step to the right, one up and one ahead in the picture are in world space, for a depth of one.
+    right: vec4<f32>,
+    up: vec4<f32>,
+    ahead: vec4<f32>,
+    // The direction towards the camera where it is the same everywhere (w = 1), or nothing (w = 0).
+    to_eye: vec4<f32>,
     // Columns and rows of the picture, and how many of its pixels make a point of the window.
     size: vec2<f32>,
     scale: f32,
@@ -15,50 +19,91 @@ struct View {
 
 // ---- surfaces ------------------------------------------------------------------------------------------------
 
+// Drivers that draw on the processor keep some fifty bytes of each triangle for each thing that goes to its
+// fragments, and fetch them from memory. So positions are not among them.
+
 struct Surface {
     @builtin(position) clip: vec4<f32>,
-    @location(0) p: vec3<f32>,
+    @location(0) @interpolate(flat) color: vec3<f32>,
     @location(1) n: vec3<f32>,
-    @location(2) color: vec3<f32>,
 }
 
-@vertex
-fn place_surface(
+// Its triangles have no normals at their corners.
+struct FlatSurface {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) @interpolate(flat) color: vec3<f32>,
+}
+
+struct Corner {
     @location(0) p: vec3<f32>,
     @location(1) n: vec4<f32>,
     @location(2) color: vec4<f32>,
+}
+
+struct Place {
     @location(3) row0: vec4<f32>,
     @location(4) row1: vec4<f32>,
     @location(5) row2: vec4<f32>,
     @location(6) tint: vec4<f32>,
-) -> Surface {
-    let world = vec3<f32>(dot(row0.xyz, p) + row0.w, dot(row1.xyz, p) + row1.w, dot(row2.xyz, p) + row2.w);
+}
+
+fn clip_of(p: vec3<f32>, to: Place) -> vec4<f32> {
+    let local = vec4<f32>(p, 1.0);
+    let world = vec3<f32>(dot(to.row0, local), dot(to.row1, local), dot(to.row2, local));
+    return view.clip_from_world * vec4<f32>(world, 1.0);
+}
+
+@vertex
+fn place_surface(corner: Corner, to: Place) -> Surface {
     // Normals go by the cofactors of the matrix, its inverse transposed up to a factor.
     let cofactors = mat3x3<f32>(
-        cross(row1.xyz, row2.xyz),
-        cross(row2.xyz, row0.xyz),
-        cross(row0.xyz, row1.xyz),
+        cross(to.row1.xyz, to.row2.xyz),
+        cross(to.row2.xyz, to.row0.xyz),
+        cross(to.row0.xyz, to.row1.xyz),
     );
     var out: Surface;
-    out.clip = view.clip_from_world * vec4<f32>(world, 1.0);
-    out.p = world;
-    out.n = n.xyz * cofactors;
-    out.color = color.rgb * tint.rgb;
+    out.clip = clip_of(corner.p, to);
+    out.color = corner.color.rgb * to.tint.rgb;
+    out.n = corner.n.xyz * cofactors;
     return out;
+}
+
+@vertex
+fn place_flat(corner: Corner, to: Place) -> FlatSurface {
+    var out: FlatSurface;
+    out.clip = clip_of(corner.p, to);
+    out.color = corner.color.rgb * to.tint.rgb;
+    return out;
+}
+
+// The way from the eye to a fragment; where that has no beginning, from a point that all of them share.
+fn way_to(at: vec4<f32>) -> vec3<f32> {
+    let x = 2.0 * at.x / view.size.x - 1.0;
+    let y = 1.0 - 2.0 * at.y / view.size.y;
+    let depth = select(1.0, at.z, view.to_eye.w == 1.0);
+    return (x * view.right.xyz + y * view.up.xyz + depth * view.ahead.xyz) / at.w;
+}
+
+fn lit(color: vec3<f32>, n: vec3<f32>, way: vec3<f32>) -> vec4<f32> {
+    let to_eye = normalize(select(way, view.to_eye.xyz, view.to_eye.w == 1.0));
+    return vec4<f32>(color * (0.28 + 0.72 * abs(dot(normalize(n), to_eye))), 1.0);
 }
 
 @fragment
 fn shade_surface(in: Surface) -> @location(0) vec4<f32> {
-    let to_eye = normalize(view.eye.xyz - view.eye.w * in.p);
-    // Flat triangles have no normals at their corners.
-    let flat_n = cross(dpdx(in.p), dpdy(in.p));
-    let n = select(in.n, flat_n, dot(in.n, in.n) == 0.0);
-    let lit = abs(dot(normalize(n), to_eye));
-    return vec4<f32>(in.color * (0.28 + 0.72 * lit), 1.0);
+    let way = way_to(in.clip);
+    let flat_n = cross(dpdx(way), dpdy(way));
+    return lit(in.color, select(in.n, flat_n, dot(in.n, in.n) == 0.0), way);
 }
 
 @fragment
-fn mark_surface(in: Surface) -> @location(0) vec4<f32> {
+fn shade_flat(in: FlatSurface) -> @location(0) vec4<f32> {
+    let way = way_to(in.clip);
+    return lit(in.color, cross(dpdx(way), dpdy(way)), way);
+}
+
+@fragment
+fn mark_surface(in: FlatSurface) -> @location(0) vec4<f32> {
     return vec4<f32>(1.0);
 }
 

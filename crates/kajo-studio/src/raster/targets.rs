@@ -1,45 +1,33 @@
 //! The textures that a picture is drawn into.
 
-use egui_wgpu::RenderState;
-
-use super::pipelines::{COLOR, DEPTH, MASK, Pipelines};
+use super::canvas::{Canvas, Sheet};
+use super::pipelines::{DEPTH, MASK, Pipelines};
 
 /// Colour, depth and the mask of the selection, all of one size.
 pub(super) struct Targets {
-    pub size: [u32; 2],
+    pub sheet: Sheet,
+    /// What is drawn onto the sheet.
     pub color: wgpu::TextureView,
     pub mask: wgpu::TextureView,
     depth: wgpu::TextureView,
     /// What the pipeline of the outline reads.
     pub outline_group: wgpu::BindGroup,
-    /// The name of the colour texture in the window.
-    pub id: egui::TextureId,
 }
 
 impl Targets {
-    /// Makes textures of `size`; the new colour texture takes over the name of the previous one.
+    /// Makes textures of `size`.
     pub fn new(
-        state: &RenderState,
+        device: &wgpu::Device,
+        canvas: &Canvas,
         size: [u32; 2],
-        previous: Option<Targets>,
         pipelines: &Pipelines,
         view: &wgpu::Buffer,
     ) -> Targets {
-        let device = &state.device;
-        let color = texture(device, "preview", size, COLOR);
+        let sheet = canvas.sheet(size);
         let mask = texture(device, "mask of the selection", size, MASK);
         let depth = texture(device, "depth", size, DEPTH);
-        let mut renderer = state.renderer.write();
-        let id = match previous {
-            Some(previous) => {
-                let filter = wgpu::FilterMode::Nearest;
-                renderer.update_egui_texture_from_wgpu_texture(device, &color, filter, previous.id);
-                previous.id
-            }
-            None => renderer.register_native_texture(device, &color, wgpu::FilterMode::Nearest),
-        };
         let outline_group = pipelines.outline_group(device, view, &mask);
-        Targets { size, color, mask, depth, outline_group, id }
+        Targets { color: sheet.view(), sheet, mask, depth, outline_group }
     }
 
     /// Begins to draw into `target`, one of the two colour textures.

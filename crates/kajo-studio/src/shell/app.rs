@@ -3,22 +3,25 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::{CentralPanel, Frame, Margin, Panel, Rect, RichText, ScrollArea, Ui};
+use egui::{
+    CentralPanel, Color32, Frame, Margin, Panel, Rect, RichText, ScrollArea, Ui, UiBuilder, UiKind,
+    UiStackInfo,
+};
 use egui_wgpu::RenderState;
-use kajo::{View, session};
+use kajo::session;
 use serde::{Deserialize, Serialize};
 
 use super::chooser::{Answer, Chooser, Purpose};
 use super::keys::{self, Command};
 use super::outliner::Outliner;
-use super::picture::{self, PictureTexture};
+use super::picture;
+use super::stage::Stage;
 use super::text_panel::TextPanel;
 use super::viewport::{self, Area};
 use super::{
     help, menu, object_panel, picture_panel, problems_panel, rays_panel, render_panel, status, theme,
 };
-use crate::raster::{Raster, Shot};
-use crate::state::{Action, Habits, Histogram, Shown, Studio, Version, Wake};
+use crate::state::{Action, Habits, Histogram, Shown, Studio, Wake};
 
 /// The longest step of a flight, in seconds: after a pause the camera does not jump.
 const LONGEST_STEP: f32 = 0.1;
@@ -82,22 +85,15 @@ pub struct App {
     pub studio: Studio,
     /// How it is arranged.
     pub layout: Layout,
-    raster: Option<Raster>,
-    /// The version of the scene that the card has.
-    on_card: Option<Version>,
+    stage: Option<Stage>,
     outliner: Outliner,
     text: TextPanel,
-    picture: PictureTexture,
-    kept_picture: PictureTexture,
     histogram: Option<(Arc<session::Frame>, Histogram)>,
     chooser: Option<Chooser>,
     help: bool,
     /// Where the picture was in the last frame.
     area: Option<Area>,
 }
-
-/// Behind the scene in the preview, as shown.
-const BACKGROUND: [f32; 3] = [0.165, 0.172, 0.19];
 
 /// Pixels that the histogram looks at, at most about.
 const HISTOGRAM_PIXELS: usize = 100_000;
@@ -115,12 +111,9 @@ impl App {
         App {
             studio,
             layout,
-            raster: card.map(Raster::new),
-            on_card: None,
+            stage: card.map(Stage::new),
             outliner: Outliner::default(),
             text: TextPanel::default(),
-            picture: PictureTexture::default(),
-            kept_picture: PictureTexture::default(),
             histogram: None,
             chooser: None,
             help: false,
@@ -137,8 +130,10 @@ impl App {
         let mut commands = if self.chooser.is_some() { Vec::new() } else { keys::pressed(&ctx) };
         let mut actions = Vec::new();
         self.fly(&ctx, &mut actions);
-        self.panels(ui, &mut commands, &mut actions);
-        self.viewport(ui, &mut actions);
+        self.on_ground(ui, |app, ui| {
+            app.panels(ui, &mut commands, &mut actions);
+            app.viewport(ui, &mut actions);
+        });
         self.ask(&ctx, &mut actions);
         help::show(&ctx, &mut self.help);
         for command in commands {
@@ -178,8 +173,19 @@ impl App {
         }
     }
 
+    /// Shows what stands on the ground of the window. Panels have no colour of their own: the stage paints it, and
+    /// widgets that want to know it ask the stack of their parents.
+    fn on_ground(&mut self, ui: &mut Ui, show: impl FnOnce(&mut App, &mut Ui)) {
+        let (all, color) = (ui.max_rect(), ui.visuals().panel_fill);
+        if let Some(stage) = &mut self.stage {
+            stage.fill(ui.painter(), all, color);
+        }
+        let ground = UiStackInfo::new(UiKind::Frame).with_frame(Frame::new().fill(color));
+        ui.scope_builder(UiBuilder::new().max_rect(all).ui_stack_info(ground), |ui| show(self, ui));
+    }
+
     fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>, actions: &mut Vec<Action>) {
-        let margin = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 5));
+        let margin = frame_of_panel(ui).inner_margin(Margin::symmetric(10, 5));
         Panel::top("menu")
             .frame(margin)
             .show(ui, |ui| menu::show(ui, &self.studio, &self.layout.recent, commands));
@@ -189,22 +195,19 @@ impl App {
         }
         self.bottom_panel(ui, actions);
         if let Some(document) = &self.studio.document {
-            Panel::left("outliner").resizable(true).default_size(220.0).size_range(150.0..=480.0).show(
-                ui,
-                |ui| {
-                    self.outliner.show(ui, document, &self.studio.selection, actions);
-                },
-            );
+            let panel = Panel::left("outliner").resizable(true).default_size(220.0).size_range(150.0..=480.0);
+            panel.frame(frame_of_panel(ui)).show(ui, |ui| {
+                self.outliner.show(ui, document, &self.studio.selection, actions);
+            });
         }
-        Panel::right("right").resizable(true).default_size(350.0).size_range(250.0..=560.0).show(ui, |ui| {
-            self.right_panel(ui, actions);
-        });
+        let panel = Panel::right("right").resizable(true).default_size(350.0).size_range(250.0..=560.0);
+        panel.frame(frame_of_panel(ui)).show(ui, |ui| self.right_panel(ui, actions));
     }
 
     fn bottom_panel(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let n = self.studio.problems.len();
         let problems = if n == 0 { "Problems".to_owned() } else { format!("Problems ({n})") };
-        Panel::bottom("tabs").resizable(false).show(ui, |ui| {
+        Panel::bottom("tabs").resizable(false).frame(frame_of_panel(ui)).show(ui, |ui| {
             ui.horizontal(|ui| {
                 for (tab, name) in [
                     (Bottom::Problems, problems.as_str()),
@@ -224,15 +227,14 @@ impl App {
             });
         });
         let Some(tab) = self.layout.bottom else { return };
-        Panel::bottom("bottom").resizable(true).default_size(170.0).size_range(60.0..=600.0).show(ui, |ui| {
-            match tab {
-                Bottom::Problems => problems_panel::show(ui, &self.studio.problems),
-                Bottom::Rays => rays_panel::show(ui, &self.studio, actions),
-                Bottom::Text => {
-                    let Studio { document, selection, problems, .. } = &self.studio;
-                    if let Some(document) = document {
-                        self.text.show(ui, document, selection, problems, actions);
-                    }
+        let panel = Panel::bottom("bottom").resizable(true).default_size(170.0).size_range(60.0..=600.0);
+        panel.frame(frame_of_panel(ui)).show(ui, |ui| match tab {
+            Bottom::Problems => problems_panel::show(ui, &self.studio.problems),
+            Bottom::Rays => rays_panel::show(ui, &self.studio, actions),
+            Bottom::Text => {
+                let Studio { document, selection, problems, .. } = &self.studio;
+                if let Some(document) = document {
+                    self.text.show(ui, document, selection, problems, actions);
                 }
             }
         });
@@ -308,9 +310,11 @@ impl App {
     }
 
     fn viewport(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
-        let backdrop = Frame::new().fill(theme::backdrop(ui));
-        CentralPanel::default().frame(backdrop).show(ui, |ui| {
+        CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
             let response = viewport::allocate(ui);
+            if let Some(stage) = &mut self.stage {
+                stage.fill(ui.painter(), response.rect, theme::backdrop(ui));
+            }
             let pixels = response.rect.size() * ui.pixels_per_point();
             self.studio.window = [pixels.x, pixels.y].map(|side| (side.round() as u32).max(1));
             if self.studio.scene().is_none() {
@@ -323,57 +327,13 @@ impl App {
             self.area = Some(area);
             let handles = self.studio.handles();
             actions.extend(viewport::mouse(ui, &response, area, &self.studio, &handles));
-            match self.studio.shown {
-                Shown::Preview => self.paint_preview(ui, area),
-                Shown::Traced => self.paint_trace(ui, area),
+            match (&mut self.stage, self.studio.shown) {
+                (Some(stage), Shown::Preview) => stage.paint_preview(ui, &self.studio, area),
+                (Some(stage), Shown::Traced) => stage.paint_trace(ui, &self.studio, area),
+                (None, _) => {}
             }
             viewport::paint_handles(ui, area, &self.studio, &handles);
         });
-    }
-
-    fn paint_preview(&mut self, ui: &Ui, area: Area) {
-        let Some(raster) = &mut self.raster else { return };
-        if let Some((version, preview)) = &self.studio.preview
-            && self.on_card != Some(*version)
-        {
-            raster.set_scene(preview);
-            self.on_card = Some(*version);
-        }
-        let scale = ui.pixels_per_point();
-        let pixels = area.rect.size() * scale;
-        let size = [pixels.x, pixels.y].map(|side| (side.round() as u32).max(1));
-        let Some(eye) = self.studio.eye(size) else { return };
-        let lines = self.studio.lines();
-        let selected = self.studio.selection.objects();
-        let shot = Shot { size, scale, eye, lines: &lines, selected, background: BACKGROUND };
-        let id = raster.draw(&shot);
-        picture::paint(ui.painter(), id, area.rect, 0.0, 1.0);
-    }
-
-    fn paint_trace(&mut self, ui: &Ui, area: Area) {
-        let Some(Ok(settings)) = self.studio.settings() else { return };
-        let development = settings.development;
-        let Some(frame) = self.studio.tracer.frame() else { return };
-        // Coarse pictures have but the layer that was on show when they were begun.
-        let view = |frame: &session::Frame| match self.studio.view {
-            view if frame.samples() > 0 || frame.has(view) => view,
-            _ => View::Color,
-        };
-        let shown = self.picture.show(ui.ctx(), &frame, view(&frame), &development);
-        let kept = self.studio.comparison.kept.clone();
-        let kept = kept.map(|kept| self.kept_picture.show(ui.ctx(), &kept, view(&kept), &development));
-        let wipe = if kept.is_some() { self.studio.comparison.wipe } else { 0.0 };
-        for (texture, from, to) in [(Some(shown), wipe, 1.0), (kept, 0.0, wipe)] {
-            match texture {
-                Some(Ok(id)) => picture::paint(ui.painter(), id, area.rect, from, to),
-                Some(Err(problem)) => {
-                    let color = theme::error(ui);
-                    let font = egui::FontId::proportional(14.0);
-                    ui.painter().text(area.rect.center(), egui::Align2::CENTER_CENTER, problem, font, color);
-                }
-                None => {}
-            }
-        }
     }
 
     fn ask(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
@@ -466,6 +426,11 @@ impl App {
             Command::Escape => actions.push(Action::Stop),
         }
     }
+}
+
+/// The frame of a panel, which lets the ground of the window be seen.
+fn frame_of_panel(ui: &Ui) -> Frame {
+    Frame::side_top_panel(ui.style()).fill(Color32::TRANSPARENT)
 }
 
 fn theme_of(layout: &Layout) -> egui::Theme {

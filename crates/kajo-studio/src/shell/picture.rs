@@ -1,79 +1,68 @@
-//! A traced picture as a texture of the window.
+//! A traced picture on the card, and where it goes in the window.
 
 use std::sync::Arc;
 
-use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureFilter, TextureHandle, TextureOptions, pos2};
+use egui::{Painter, Pos2, Rect, Shape, pos2};
 use kajo::session::Frame;
 use kajo::{Development, View};
 
-/// Pixels stay squares when they are enlarged, as one wants to see them, and are averaged when there are too many.
-const SAMPLING: TextureOptions = TextureOptions {
-    magnification: TextureFilter::Nearest,
-    minification: TextureFilter::Linear,
-    wrap_mode: egui::TextureWrapMode::ClampToEdge,
-    mipmap_mode: None,
-};
+use crate::raster::{Canvas, Sheet};
 
-/// The texture of a picture, made anew when another picture, layer or development is asked for.
+/// The sheet of a picture, written anew when another picture, layer or development is asked for.
 #[derive(Default)]
-pub struct PictureTexture {
+pub struct TracedPicture {
     shown: Option<(Arc<Frame>, View, Development)>,
-    handle: Option<TextureHandle>,
+    sheet: Option<Sheet>,
 }
 
-impl PictureTexture {
-    /// The texture that shows a layer of a picture.
+impl TracedPicture {
+    /// The sheet that shows a layer of a picture.
     ///
     /// # Errors
     /// What is wrong when the picture has no such layer.
-    pub fn show(
+    pub fn sheet(
         &mut self,
-        ctx: &egui::Context,
+        canvas: &Canvas,
         frame: &Arc<Frame>,
         view: View,
         development: &Development,
-    ) -> Result<egui::TextureId, String> {
+    ) -> Result<Sheet, String> {
         let same = |(shown, of, as_developed): &(Arc<Frame>, View, Development)| {
             Arc::ptr_eq(shown, frame) && *of == view && as_developed == development
         };
-        if let (Some(shown), Some(handle)) = (&self.shown, &self.handle)
+        if let (Some(shown), Some(sheet)) = (&self.shown, &self.sheet)
             && same(shown)
         {
-            return Ok(handle.id());
+            return Ok(sheet.clone());
         }
         let bytes = frame.rgba(view, development).map_err(|error| error.to_string())?;
-        let image = color_image(frame.size(), &bytes, ctx.input(|input| input.max_texture_side));
-        match &mut self.handle {
-            Some(handle) => handle.set(image, SAMPLING),
-            None => self.handle = Some(ctx.load_texture("traced picture", image, SAMPLING)),
-        }
+        let (size, bytes) = reduced(frame.size(), bytes, canvas.largest_side());
+        let fitting = self.sheet.take().filter(|sheet| sheet.size() == size);
+        let sheet = fitting.unwrap_or_else(|| canvas.sheet(size));
+        canvas.write(&sheet, &bytes);
         self.shown = Some((Arc::clone(frame), view, *development));
-        self.handle.as_ref().map(TextureHandle::id).ok_or_else(String::new)
+        self.sheet = Some(sheet.clone());
+        Ok(sheet)
     }
 }
 
-/// The picture, or every nth column and row of one that is larger than textures may be.
-fn color_image([width, height]: [u32; 2], rgba: &[u8], largest: usize) -> ColorImage {
-    let (width, height) = (width as usize, height as usize);
+/// The picture, or every nth column and row of one that is larger than sheets may be; its size and its bytes.
+fn reduced([width, height]: [u32; 2], rgba: Vec<u8>, largest: u32) -> ([u32; 2], Vec<u8>) {
     let step = width.max(height).div_ceil(largest.max(1)).max(1);
     if step == 1 {
-        return ColorImage::from_rgba_unmultiplied([width, height], rgba);
+        return ([width, height], rgba);
     }
-    let pixel = |x: usize, y: usize| {
-        let at = 4 * (y * width + x);
-        Color32::from_rgb(rgba[at], rgba[at + 1], rgba[at + 2])
-    };
-    let rows = (0..height).step_by(step);
-    let pixels = rows.flat_map(|y| (0..width).step_by(step).map(move |x| pixel(x, y))).collect();
-    ColorImage::new([width.div_ceil(step), height.div_ceil(step)], pixels)
+    let row = |y: usize| &rgba[4 * width as usize * y..][..4 * width as usize];
+    let rows = (0..height as usize).step_by(step as usize);
+    let bytes = rows.flat_map(|y| row(y).chunks_exact(4).step_by(step as usize)).flatten().copied().collect();
+    ([width.div_ceil(step), height.div_ceil(step)], bytes)
 }
 
-/// Paints a texture into the part of `rect` between two shares of its width.
-pub fn paint(painter: &Painter, id: egui::TextureId, rect: Rect, from: f32, to: f32) {
+/// Paints what shows in `rect`, between two shares of its width.
+pub fn paint(painter: &Painter, shape: Shape, rect: Rect, from: f32, to: f32) {
     let x = |share: f32| egui::lerp(rect.x_range(), share);
     let part = Rect::from_min_max(pos2(x(from), rect.top()), pos2(x(to), rect.bottom()));
-    let uv = Rect::from_min_max(pos2(from, 0.0), pos2(to, 1.0));
-    painter.image(id, part, uv, Color32::WHITE);
+    painter.with_clip_rect(part.intersect(painter.clip_rect())).add(shape);
 }
 
 /// The largest rectangle of that aspect inside of another, in its middle, on whole pixels.
@@ -91,12 +80,12 @@ mod tests {
 
     #[test]
     fn pictures_larger_than_textures_lose_columns_and_rows() {
-        let rgba: Vec<u8> = (0..5 * 3).flat_map(|i| [i as u8, 0, 0, 255]).collect();
-        let image = color_image([5, 3], &rgba, 3);
-        assert_eq!(image.size, [3, 2]);
-        let reds: Vec<u8> = image.pixels.iter().map(|pixel| pixel.r()).collect();
+        let rgba: Vec<u8> = (0..5 * 3).flat_map(|i| [i, 0, 0, 255]).collect();
+        let (size, bytes) = reduced([5, 3], rgba.clone(), 3);
+        assert_eq!(size, [3, 2]);
+        let reds: Vec<u8> = bytes.chunks_exact(4).map(|pixel| pixel[0]).collect();
         assert_eq!(reds, [0, 2, 4, 10, 12, 14]);
-        assert_eq!(color_image([5, 3], &rgba, 5).size, [5, 3]);
+        assert_eq!(reduced([5, 3], rgba.clone(), 5), ([5, 3], rgba));
     }
 
     #[test]

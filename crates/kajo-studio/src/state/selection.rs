@@ -1,16 +1,19 @@
 //! What is chosen: nodes of the text, and the objects of the scene that they make.
 
+use std::ops::Range;
+
 use kajo::edit::{Document, Kind, NodeId};
 use kajo::preview::Preview;
 use kajo_math::{Aabb, Vec3};
 
 use super::Studio;
+use crate::raster::is_within;
 
 /// What is chosen.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     nodes: Vec<NodeId>,
-    objects: Vec<u32>,
+    objects: Vec<Range<u32>>,
 }
 
 impl Selection {
@@ -24,8 +27,8 @@ impl Selection {
         self.nodes.last().copied()
     }
 
-    /// Numbers of the objects that are outlined, in order.
-    pub fn objects(&self) -> &[u32] {
+    /// Numbers of the objects that are outlined, in ranges with gaps between them, in order.
+    pub fn objects(&self) -> &[Range<u32>] {
         &self.objects
     }
 
@@ -52,13 +55,16 @@ impl Selection {
     /// Forgets nodes that are gone and finds the objects of the others.
     pub fn refresh(&mut self, document: &Document) {
         self.nodes.retain(|&node| document.node(node).is_some());
-        let objects = |&node: &NodeId| match document.node(node).map(|node| node.kind) {
-            Some(Kind::Material) => document.objects_painted(node),
-            _ => document.objects_of(node),
-        };
-        self.objects = self.nodes.iter().flat_map(objects).collect();
-        self.objects.sort_unstable();
-        self.objects.dedup();
+        let mut ranges = Vec::new();
+        for &node in &self.nodes {
+            let objects = match document.node(node).map(|node| node.kind) {
+                Some(Kind::Material) => document.objects_painted(node),
+                _ => document.objects_of(node),
+            };
+            ranges.extend(objects.into_iter().map(|number| number..number + 1));
+            ranges.extend(document.nested_objects_of(node));
+        }
+        self.objects = joined(ranges);
     }
 }
 
@@ -71,16 +77,38 @@ impl Studio {
     }
 }
 
+/// The same numbers in as few ranges as can be, in order.
+fn joined(mut ranges: Vec<Range<u32>>) -> Vec<Range<u32>> {
+    ranges.sort_unstable_by_key(|range| range.start);
+    let mut joined: Vec<Range<u32>> = Vec::new();
+    for range in ranges {
+        match joined.last_mut() {
+            Some(last) if range.start <= last.end => last.end = last.end.max(range.end),
+            _ => joined.push(range),
+        }
+    }
+    joined
+}
+
 /// A box around objects.
 ///
-/// * `objects`: their numbers, in order
-fn bounds_of(preview: &Preview, objects: &[u32]) -> Aabb {
+/// * `objects`: their numbers; see [`is_within`]
+fn bounds_of(preview: &Preview, objects: &[Range<u32>]) -> Aabb {
     let corners = preview.instances.iter().flat_map(|instance| {
         let vertices = &preview.meshes[instance.mesh as usize].vertices;
-        let chosen = vertices
-            .iter()
-            .filter(|vertex| objects.binary_search(&(vertex.object + instance.object)).is_ok());
+        let chosen = vertices.iter().filter(|vertex| is_within(vertex.object + instance.object, objects));
         chosen.map(|vertex| instance.world_from_mesh.transform_point3(Vec3::from(vertex.position)))
     });
     Aabb::around(corners)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::joined;
+
+    #[test]
+    fn numbers_side_by_side_are_one_range() {
+        assert_eq!(joined(vec![7..8, 1..2, 2..3, 5..9, 2..3]), [1..3, 5..9]);
+        assert!(joined(Vec::new()).is_empty());
+    }
 }

@@ -1,0 +1,95 @@
+//! What the card paints under the widgets: the ground of the window, the preview, traced pictures.
+
+use std::collections::HashMap;
+
+use egui::{Align2, Color32, FontId, Painter, Rect, Ui};
+use egui_wgpu::RenderState;
+use kajo::{View, session};
+
+use super::picture::{self, TracedPicture};
+use super::theme;
+use super::viewport::Area;
+use crate::raster::{Raster, Sheet, Shot};
+use crate::state::{Studio, Version};
+
+/// Behind the scene in the preview, as shown.
+const BACKGROUND: [f32; 3] = [0.165, 0.172, 0.19];
+
+/// Everything that is on the card.
+pub struct Stage {
+    raster: Raster,
+    /// The version of the scene that the card has.
+    on_card: Option<Version>,
+    picture: TracedPicture,
+    kept_picture: TracedPicture,
+    /// Colours that areas are filled with.
+    plain: HashMap<Color32, Sheet>,
+}
+
+impl Stage {
+    /// An empty stage on the card that draws the window.
+    pub fn new(card: &RenderState) -> Stage {
+        Stage {
+            raster: Raster::new(card),
+            on_card: None,
+            picture: TracedPicture::default(),
+            kept_picture: TracedPicture::default(),
+            plain: HashMap::new(),
+        }
+    }
+
+    /// Fills an area of the window.
+    pub fn fill(&mut self, painter: &Painter, rect: Rect, color: Color32) {
+        let canvas = self.raster.canvas();
+        let sheet = self.plain.entry(color).or_insert_with(|| canvas.plain(color));
+        painter.add(canvas.show(sheet, rect));
+    }
+
+    /// Shows the scene as triangles and lines.
+    pub fn paint_preview(&mut self, ui: &Ui, studio: &Studio, area: Area) {
+        if let Some((version, preview)) = &studio.preview
+            && self.on_card != Some(*version)
+        {
+            self.raster.set_scene(preview);
+            self.on_card = Some(*version);
+        }
+        let scale = ui.pixels_per_point();
+        let pixels = area.rect.size() * scale;
+        let size = [pixels.x, pixels.y].map(|side| (side.round() as u32).max(1));
+        let Some(eye) = studio.eye(size) else { return };
+        let lines = studio.lines();
+        let selected = studio.selection.objects();
+        let shot = Shot { size, scale, eye, lines: &lines, selected, background: BACKGROUND };
+        let sheet = self.raster.draw(&shot);
+        picture::paint(ui.painter(), self.raster.canvas().show(&sheet, area.rect), area.rect, 0.0, 1.0);
+    }
+
+    /// Shows what was traced; left of the wipe what was kept to compare it with.
+    pub fn paint_trace(&mut self, ui: &Ui, studio: &Studio, area: Area) {
+        let Some(Ok(settings)) = studio.settings() else { return };
+        let development = settings.development;
+        let Some(frame) = studio.tracer.frame() else { return };
+        // Until there is a picture with the layer that was asked for.
+        let view = |frame: &session::Frame| match studio.view {
+            view if studio.progress().is_none() || frame.has(view) => view,
+            _ => View::Color,
+        };
+        let canvas = self.raster.canvas();
+        let shown = self.picture.sheet(canvas, &frame, view(&frame), &development);
+        let kept = studio.comparison.kept.as_ref();
+        let kept = kept.map(|kept| self.kept_picture.sheet(canvas, kept, view(kept), &development));
+        let wipe = if kept.is_some() { studio.comparison.wipe } else { 0.0 };
+        for (sheet, from, to) in [(Some(shown), wipe, 1.0), (kept, 0.0, wipe)] {
+            match sheet {
+                Some(Ok(sheet)) => {
+                    picture::paint(ui.painter(), canvas.show(&sheet, area.rect), area.rect, from, to);
+                }
+                Some(Err(problem)) => {
+                    let (at, font) = (area.rect.center(), FontId::proportional(14.0));
+                    ui.painter().text(at, Align2::CENTER_CENTER, problem, font, theme::error(ui));
+                }
+                None => {}
+            }
+        }
+    }
+}
