@@ -47,6 +47,7 @@ fn the_preview_shows_what_the_tracer_sees_and_the_window_what_was_traced() {
     window.frames(3);
     let (size, preview) = viewport(&mut window);
     window.studio().options.asked.samples = Some((kajo::SamplerKind::Regular, 1));
+    window.studio().options.habits.all_layers = true;
     window.key(Key::Enter);
     window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
     window.frames(2);

@@ -323,6 +323,70 @@ fn layers_histogram_pixel_and_comparison_are_shown() {
 }
 
 #[test]
+fn layers_are_traced_when_they_are_looked_at() {
+    let mut window = Window::new();
+    window.studio().options.habits.size = PictureSize::Fixed([60, 40]);
+    let finished = |window: &mut Window| {
+        window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
+        let frame = window.studio().tracer.frame().unwrap();
+        (frame.job(), frame.has(View::Depth), frame.has(View::Normals), frame.has(View::Albedo))
+    };
+    window.key(Key::Enter);
+    let (first, ..) = finished(&mut window);
+    assert_eq!(finished(&mut window), (first, false, false, false));
+    assert!(window.studio().tracer.frame().unwrap().noise().is_some());
+    // A layer that is not there starts the trace anew, and brings others that may be looked at next.
+    window.studio().apply(Action::Show(View::Depth));
+    window.frames(1);
+    let (second, depth, normals, albedo) = finished(&mut window);
+    assert!(second > first && depth && normals && !albedo);
+    for view in [View::Normals, View::Color, View::Variance] {
+        window.studio().apply(Action::Show(view));
+        window.frames(3);
+        assert_eq!(finished(&mut window).0, second, "{view:?} is there");
+    }
+    window.studio().apply(Action::Show(View::Albedo));
+    window.frames(1);
+    let (third, .., albedo) = finished(&mut window);
+    assert!(third > second && albedo);
+    window.studio().apply(Action::Show(View::Color));
+    window.studio().options.habits.all_layers = true;
+    window.frames(3);
+    assert_eq!(finished(&mut window).0, third, "it has them all");
+}
+
+#[test]
+fn a_click_selects_nested_instances() {
+    let mut window = Window::empty(false);
+    let balls: String = (0..100).map(|i| format!("Sphere {{ center 0 0 {i} radius 0.4 }}\n")).collect();
+    let rows = |name: &str, n: i32| -> String {
+        (0..n).map(|i| format!("Instance {name} {{ Translate 0 {i} 0 }}\n")).collect()
+    };
+    let text = format!(
+        "PerspectiveCamera {{ center 35 35 -90 direction 0 0 1 up 0 1 0 angle 60 }}
+        Materials {{ Material {{}} }}
+        Group {{ MaterialIndex 0 Define row {{ {balls} }} Define wall {{ {} }}\n{} }}",
+        rows("row", 100),
+        (0..70).map(|i| format!("Instance wall {{ Translate {i} 0 0 }}\n")).collect::<String>()
+    );
+    let path = window.path("forest.txt");
+    std::fs::write(&path, text).unwrap();
+    window.studio().apply(Action::Open(path));
+    window.wait(|studio| studio.scene().is_some() && studio.preview_is_current());
+    assert_eq!(window.studio().scene().unwrap().object_count(), 700_000);
+    window.frames(2);
+    let at = window.point([20.0, 30.0, -0.4]);
+    window.click(at);
+    let studio = window.studio();
+    let node = studio.selection.main().unwrap();
+    let chosen = studio.document.as_ref().unwrap().node(node).unwrap();
+    assert_eq!((&*chosen.keyword, chosen.name.as_deref()), ("Instance", Some("wall")));
+    assert_eq!(studio.selection.objects(), std::slice::from_ref(&(200_001..210_001)));
+    let bounds = studio.selection_bounds().unwrap();
+    assert!((bounds.min.x - 19.6).abs() < 0.1 && (bounds.max.y - 99.4).abs() < 0.1, "{bounds:?}");
+}
+
+#[test]
 fn a_file_changed_elsewhere_is_read_again_and_mistakes_are_shown_in_place() {
     let mut window = Window::new();
     let path = window.path("scene.txt");

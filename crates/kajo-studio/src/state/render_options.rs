@@ -41,6 +41,8 @@ pub struct Habits {
     pub live: bool,
     /// Whether samples are added without end.
     pub endless: bool,
+    /// Whether a trace records layers that nobody looks at.
+    pub all_layers: bool,
     /// Size of the picture.
     pub size: PictureSize,
     /// Number of pictures of a turntable.
@@ -55,6 +57,7 @@ impl Default for Habits {
             progressive: true,
             live: true,
             endless: false,
+            all_layers: false,
             size: PictureSize::Window,
             turntable_frames: 36,
         }
@@ -82,10 +85,11 @@ impl RenderOptions {
         Ok(settings)
     }
 
-    /// The options without those that change only how a picture is shown.
+    /// The options without those that change only how a picture is shown, or what else it shows.
     pub fn of_light(&self) -> RenderOptions {
         let asked = Settings { exposure: None, tone: None, white_balance: None, ..self.asked.clone() };
-        RenderOptions { asked, ..self.clone() }
+        let habits = Habits { all_layers: false, turntable_frames: 0, ..self.habits.clone() };
+        RenderOptions { asked, habits, ..*self }
     }
 }
 
@@ -128,6 +132,8 @@ mod tests {
         let mut options = RenderOptions::default();
         let before = options.of_light();
         options.asked.exposure = Some(1.0);
+        options.habits.all_layers = true;
+        options.habits.turntable_frames = 7;
         assert_eq!(options.of_light(), before);
         options.asked.bounces = Some(1);
         assert_ne!(options.of_light(), before);

@@ -21,8 +21,16 @@ pub struct Request {
     pub options: RenderOptions,
     /// Pixels of the viewport.
     pub window: [u32; 2],
-    /// A layer that is traced only on request.
-    pub costly_view: Option<View>,
+    /// What is recorded beside the light.
+    pub views: Vec<View>,
+}
+
+impl Request {
+    /// Whether a trace for this one shows all that `other` asks for.
+    fn answers(&self, other: &Request) -> bool {
+        let alike = Request { views: self.views.clone(), ..other.clone() };
+        *self == alike && other.views.iter().all(|view| self.views.contains(view))
+    }
 }
 
 /// Traces in the background.
@@ -51,9 +59,9 @@ impl Tracer {
         self.last = Some(request);
     }
 
-    /// Whether this is what was asked for last, whatever became of it.
+    /// Whether what was asked for last has all of this, whatever became of it.
     pub fn was_asked_for(&self, request: &Request) -> bool {
-        self.last.as_ref() == Some(request)
+        self.last.as_ref().is_some_and(|last| last.answers(request))
     }
 
     /// Remembers a request that could not even be begun, so that it is not tried again and again.
