@@ -69,15 +69,15 @@ impl Stage {
         let Some(Ok(settings)) = studio.settings() else { return };
         let development = settings.development;
         let Some(frame) = studio.tracer.frame() else { return };
-        // Until there is a picture with the layer that was asked for.
-        let view = |frame: &session::Frame| match studio.view {
-            view if studio.progress().is_none() || frame.has(view) => view,
-            _ => View::Color,
-        };
+        let has_view = |frame: &session::Frame| frame.has(studio.view);
         let canvas = self.raster.canvas();
-        let shown = self.picture.sheet(canvas, &frame, view(&frame), &development);
-        let kept = studio.comparison.kept.as_ref();
-        let kept = kept.map(|kept| self.kept_picture.sheet(canvas, kept, view(kept), &development));
+        // While a trace for the layer has begun, the light will do; if there is none, it should be known why.
+        let view = if has_view(&frame) || studio.progress().is_none() { studio.view } else { View::Color };
+        let shown = self.picture.sheet(canvas, &frame, view, &development);
+        let kept = studio.comparison.kept.as_ref().map(|kept| {
+            let view = if has_view(kept) { studio.view } else { View::Color };
+            self.kept_picture.sheet(canvas, kept, view, &development)
+        });
         let wipe = if kept.is_some() { studio.comparison.wipe } else { 0.0 };
         for (sheet, from, to) in [(Some(shown), wipe, 1.0), (kept, 0.0, wipe)] {
             match sheet {

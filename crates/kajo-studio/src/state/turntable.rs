@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use kajo::turntable::Turntable;
 use kajo::{Progress, RenderSettings, Resources, Scene};
 
-use super::Studio;
+use super::{Studio, priority};
 
 /// What is to be written.
 pub struct TurntableOrder {
@@ -32,8 +32,9 @@ impl Progress for Stoppable {
 }
 
 impl TurntableOrder {
-    /// Renders and writes all pictures; returns what to say.
+    /// Renders and writes all pictures, on a thread of its own; returns what to say.
     pub fn carry_out(self) -> Result<String, String> {
+        priority::give_way();
         let resources = Resources { threads: self.threads, ..Resources::default() };
         let TurntableOrder { turntable, scene, settings, path, inputs, stop, .. } = self;
         let progress = Stoppable(stop);
