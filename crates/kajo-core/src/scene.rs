@@ -1,6 +1,7 @@
 //! The compiled scene: everything rays meet, immutable and shared by all threads.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use kajo_bvh::Bvh;
@@ -17,7 +18,7 @@ use crate::material::{MaterialId, MaterialPoint, Materials};
 use crate::medium::Fog;
 use crate::motion::MovingTransform;
 use crate::moving_tree::MovingTree;
-use crate::nested::{Leaf, Nested};
+use crate::nested::{Leaf, Nested, NestedPiece};
 use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
 use crate::shape::{Plane, ShapeId, Shapes, Sphere, Surface};
@@ -290,6 +291,26 @@ impl Scene {
             Some(primitive) => primitive.transmits,
             None => rarely(|| self.leaf(number).is_some_and(|leaf| self.leaf_transmits(&leaf))),
         }
+    }
+
+    /// What stands in nested instances, which [`Scene::primitives`] does not hold, in pieces.
+    ///
+    /// * `cost`: of showing a shape; a box costs 12
+    /// * `budget`: what the pieces may cost together. The largest instances are taken apart first, and what is left is
+    ///   boxes; of more than a twelfth of the budget some are left out
+    pub fn nested_pieces(&self, cost: impl Fn(ShapeId) -> usize, budget: usize) -> Vec<NestedPiece> {
+        let first = self.primitives.len() as u32;
+        let nested = self.nested.as_ref();
+        nested.map_or_else(Vec::new, |nested| nested.pieces(&self.shapes, first, cost, budget))
+    }
+
+    /// Numbers of the objects in nested instances that items of the text put into the scene; as
+    /// [`Interaction::primitive`], in order.
+    ///
+    /// * `is_wanted`: whether it is about what the item of this number places; see [`Object::placed_by`]
+    pub fn nested_numbers(&self, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<u32>> {
+        let first = self.primitives.len() as u32;
+        self.nested.as_ref().map_or_else(Vec::new, |nested| nested.numbers(first, is_wanted))
     }
 
     /// An object in a nested instance.

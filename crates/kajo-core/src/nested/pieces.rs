@@ -11,7 +11,6 @@ use kajo_math::{Aabb, DAffine3, Transform};
 
 use super::{Assembly, Content, Nested};
 use crate::material::MaterialId;
-use crate::scene::Scene;
 use crate::shape::{ShapeId, Shapes};
 
 /// An object in a nested instance, or a whole instance.
@@ -36,22 +35,21 @@ pub enum PieceContent {
     Whole(Aabb),
 }
 
-impl Scene {
-    /// What stands in nested instances, which [`Scene::primitives`] does not hold.
+impl Nested {
+    /// What stands in the world, in pieces.
     ///
+    /// * `first_number`: of nested objects
     /// * `cost`: of showing a shape; a box costs 12
-    /// * `budget`: what the pieces may cost together. All boxes that stand in the world are shown even if they cost more,
-    ///   up to a twelfth of the budget in number
-    pub fn nested_pieces(&self, cost: impl Fn(ShapeId) -> usize, budget: usize) -> Vec<NestedPiece> {
-        let Some(nested) = &self.nested else { return Vec::new() };
-        let shapes = &self.shapes;
-        let mut gathering = Gathering {
-            nested,
-            shapes,
-            first_number: self.primitives.len() as u32,
-            pieces: Vec::new(),
-            wholes: BinaryHeap::new(),
-        };
+    /// * `budget`: what the pieces may cost together; of placements more than a twelfth of it are left out
+    pub fn pieces(
+        &self,
+        shapes: &Shapes,
+        first_number: u32,
+        cost: impl Fn(ShapeId) -> usize,
+        budget: usize,
+    ) -> Vec<NestedPiece> {
+        let (pieces, wholes) = (Vec::new(), BinaryHeap::new());
+        let mut gathering = Gathering { nested: self, shapes, first_number, pieces, wholes };
         // The cost of what stands in each assembly, one level down.
         let of_member = |content| match content {
             Content::Shape(shape) => cost(shape),
@@ -59,8 +57,8 @@ impl Scene {
         };
         let of_assembly =
             |a: &Assembly| a.members.iter().map(|m| of_member(m.content)).fold(0, usize::saturating_add);
-        let costs: Vec<usize> = nested.assemblies.iter().map(of_assembly).collect();
-        for placement in nested.placements.iter().take(budget / WHOLE) {
+        let costs: Vec<usize> = self.assemblies.iter().map(of_assembly).collect();
+        for placement in self.placements.iter().take(budget / WHOLE) {
             gathering.hold(placement.assembly, placement.map, placement.material, placement.first);
         }
         let mut spent = WHOLE * gathering.wholes.len();
@@ -75,19 +73,17 @@ impl Scene {
         }
         gathering.pieces
     }
-}
 
-impl Scene {
-    /// Numbers of the objects in nested instances that items of the text put into the scene; as
-    /// [`crate::Interaction::primitive`], in order.
+    /// Numbers of the objects that items of the text put into the scene, in order.
     ///
-    /// * `is_wanted`: whether it is about what the item of this number places; see [`crate::Object::placed_by`]
-    pub fn nested_numbers(&self, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<u32>> {
-        let Some(Nested { placements, assemblies, .. }) = &self.nested else { return Vec::new() };
-        let numbers = placements.iter().filter(|placement| is_wanted(placement.placed_by)).map(|placement| {
-            let first = self.primitives.len() as u32 + placement.first;
-            first..first + assemblies[placement.assembly as usize].count
-        });
+    /// * `first_number`: of nested objects
+    /// * `is_wanted`: whether it is about what the item of this number places
+    pub fn numbers(&self, first_number: u32, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<u32>> {
+        let numbers =
+            self.placements.iter().filter(|placement| is_wanted(placement.placed_by)).map(|placement| {
+                let first = first_number + placement.first;
+                first..first + self.assemblies[placement.assembly as usize].count
+            });
         numbers.collect()
     }
 }
