@@ -156,7 +156,7 @@ impl Group {
         if hits == 0 {
             return None;
         }
-        let (u, v) = edges.weights(simd, scale);
+        let [u, v] = edges.weights(simd, scale).map(|weight| weight.to_array());
         let t = t.to_array();
         let mut best = TriangleHit { t: t_max, u: 0.0, v: 0.0, triangle: tie };
         while hits != 0 {
@@ -193,7 +193,7 @@ impl Group {
         let edges = sheared.edges(simd);
         let (t, scale) = edges.distances(simd, &sheared, ray.inv_dz(simd));
         let mut hits = candidates & ray.after_start(t) & t.cmplt(Vec4::splat(t_max)).bitmask();
-        let (u, v) = edges.weights(simd, scale);
+        let [u, v] = edges.weights(simd, scale).map(|weight| weight.to_array());
         while hits != 0 {
             let lane = take_lowest(&mut hits);
             let triangle = self.triangles[lane];
@@ -292,8 +292,7 @@ impl<S: Simd> Edges<S> {
 
     /// The weights of the second and the third corner.
     #[inline(always)]
-    pub(crate) fn weights(&self, simd: S, scale: S::F64x4) -> ([f32; 4], [f32; 4]) {
-        let (u, v) = (simd.mul_f64(self.v, scale), simd.mul_f64(self.w, scale));
-        (simd.narrow(u).to_array(), simd.narrow(v).to_array())
+    pub(crate) fn weights(&self, simd: S, scale: S::F64x4) -> [Vec4; 2] {
+        [simd.narrow(simd.mul_f64(self.v, scale)), simd.narrow(simd.mul_f64(self.w, scale))]
     }
 }

@@ -57,7 +57,7 @@ impl<S: Simd> Rays<S> {
         Rays { o, d, t_min, t_max: simd.load(&rays.each_ref().map(|ray| ray.t_max)) }
     }
 
-    /// The axis along which all rays run fastest, by the rule of [`Shear`](crate::group::Shear).
+    /// The axis along which all rays run fastest, by the rule of [`Shear`].
     #[inline(always)]
     pub(super) fn main_axis(&self, simd: S) -> Option<usize> {
         let (x, y, z) = (abs(simd, self.d[0]), abs(simd, self.d[1]), abs(simd, self.d[2]));
@@ -96,7 +96,7 @@ impl Tree {
     ///
     /// Returns whether that was done: rays that do not run together are left alone.
     #[inline(always)]
-    fn nearest8<S: Simd>(&self, simd: S, rays: &Rays<S>, mut leaf: impl FnMut(u32, u32) -> Lanes) -> bool {
+    fn nearest8<S: Simd>(&self, simd: S, rays: &Rays<S>, mut leaf: impl FnMut(u32, u32) -> S::F32x8) -> bool {
         let Some(root) = self.root else { return true };
         let Some(slabs) = Slabs::new(simd, rays, self.reach()) else { return false };
         let mut stack = Stack::<Waiting, WAITING>::new();
@@ -113,7 +113,7 @@ impl Tree {
             if current.is_leaf() {
                 let active = slabs.meet(simd, &nodes[place as usize / WIDTH], place as usize % WIDTH, t_max);
                 if active != 0 {
-                    t_max = simd.load(&leaf(current.index(), active));
+                    t_max = leaf(current.index(), active);
                     longest = largest(simd, t_max);
                 }
             } else {
@@ -189,7 +189,7 @@ impl TriangleBvh {
                         }
                     }
                 }
-                hits.t
+                simd.join([hits.t(0), hits.t(1)])
             },
         );
         done.then_some(hits)

@@ -38,6 +38,8 @@ pub(crate) trait Simd: Copy {
     fn signs(self, x: Self::F32x8) -> u32;
     /// The first and the last four.
     fn halves(self, x: Self::F32x8) -> [Vec4; 2];
+    /// Of two halves.
+    fn join(self, halves: [Vec4; 2]) -> Self::F32x8;
 
     /// Four doubles; every operation rounds once, the same on all machines.
     type F64x4: Copy;
@@ -137,6 +139,10 @@ impl Simd for Portable {
     #[inline(always)]
     fn halves(self, x: [Vec4; 2]) -> [Vec4; 2] {
         x
+    }
+    #[inline(always)]
+    fn join(self, halves: [Vec4; 2]) -> [Vec4; 2] {
+        halves
     }
 
     type F64x4 = [f64; 4];
@@ -363,6 +369,11 @@ mod avx {
         fn halves(self, x: __m256) -> [Vec4; 2] {
             // SAFETY: as above.
             unsafe { [_mm256_castps256_ps128(x).into(), _mm256_extractf128_ps::<1>(x).into()] }
+        }
+        #[inline(always)]
+        fn join(self, [a, b]: [Vec4; 2]) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_set_m128(b.into(), a.into()) }
         }
 
         type F64x4 = __m256d;

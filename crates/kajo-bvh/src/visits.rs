@@ -94,6 +94,9 @@ impl Simd for Counting {
     fn halves(self, x: Self::F32x8) -> [Vec4; 2] {
         Portable.halves(x)
     }
+    fn join(self, halves: [Vec4; 2]) -> Self::F32x8 {
+        Portable.join(halves)
+    }
     fn widen(self, x: Vec4) -> Self::F64x4 {
         Portable.widen(x)
     }

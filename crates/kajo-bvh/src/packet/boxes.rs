@@ -15,87 +15,95 @@ use crate::slabs::{LARGEST_ERROR, LEAST_SLOPE, OWN_ERROR, U};
 /// taken from the origin nearest to or farthest from the plane. As products with the plane plus
 /// constants they cost one instruction each.
 pub(super) struct Beam<S: Simd> {
-    first: [usize; 3],
-    /// `s m` and `s M`.
-    scale: [[S::F32x8; 2]; 3],
-    enter: [[S::F32x8; 2]; 3],
-    leave: [[S::F32x8; 2]; 3],
+    axes: [BeamAxis<S>; 3],
     t_min: S::F32x8,
 }
 
-impl<S: Simd> Beam<S> {
-    /// Sets up an axis, and tells whether that could be done in finite numbers.
+/// The beam on one axis.
+struct BeamAxis<S: Simd> {
+    /// Which of a box's planes is met first: 0 the smaller, 1 the larger.
+    first: usize,
+    /// `s m` and `s M`.
+    scale: [S::F32x8; 2],
+    enter: [S::F32x8; 2],
+    leave: [S::F32x8; 2],
+}
+
+impl<S: Simd> BeamAxis<S> {
+    /// `None` where that cannot be done in finite numbers.
     ///
     /// * `sign`: 1 or -1
     /// * `size`: `|1/d|`
     /// * `error`: by how much boxes are widened
     #[inline(always)]
-    fn set(&mut self, simd: S, axis: usize, sign: f32, o: S::F32x8, size: S::F32x8, error: S::F32x8) -> bool {
+    fn new(simd: S, sign: f32, o: S::F32x8, size: S::F32x8, error: S::F32x8) -> Option<BeamAxis<S>> {
         let (lo, hi) = (smallest(simd, o), largest(simd, o));
         let (nearest, farthest) = if sign > 0.0 { (hi, lo) } else { (lo, hi) };
         // Twice the error of one ray makes up for the rounding of these constants.
         let error = 2.0 * largest(simd, error);
         let (nearest, farthest) = (-sign * nearest - error, -sign * farthest + error);
-        let mut sum = 0.0;
-        for (i, m) in [smallest(simd, size), largest(simd, size)].into_iter().enumerate() {
-            self.scale[axis][i] = simd.splat(sign * m);
-            self.enter[axis][i] = simd.splat(nearest * m);
-            self.leave[axis][i] = simd.splat(farthest * m);
-            sum += nearest * m + farthest * m;
-        }
-        sum.is_finite()
-    }
-
-    /// The children whose boxes some ray may meet before `t_max`, and where the first enters each.
-    #[inline(always)]
-    pub(super) fn meet(&self, simd: S, node: &Node, t_max: f32) -> (u32, S::F32x8) {
-        let near = simd.max(
-            simd.max(self.enter(simd, node, 0), self.enter(simd, node, 1)),
-            simd.max(self.enter(simd, node, 2), self.t_min),
-        );
-        let far = simd.min(
-            simd.min(self.leave(simd, node, 0), self.leave(simd, node, 1)),
-            simd.min(self.leave(simd, node, 2), simd.splat(t_max)),
-        );
-        (simd.le(near, far), near)
+        let [m, big] = [smallest(simd, size), largest(simd, size)];
+        let products = [nearest * m, nearest * big, farthest * m, farthest * big];
+        let [enter_m, enter_big, leave_m, leave_big] = products;
+        (enter_m + enter_big + leave_m + leave_big).is_finite().then_some(BeamAxis {
+            first: usize::from(sign < 0.0),
+            scale: [simd.splat(sign * m), simd.splat(sign * big)],
+            enter: [simd.splat(enter_m), simd.splat(enter_big)],
+            leave: [simd.splat(leave_m), simd.splat(leave_big)],
+        })
     }
 
     #[inline(always)]
-    fn enter(&self, simd: S, node: &Node, axis: usize) -> S::F32x8 {
-        let plane = node.planes(simd, 2 * axis + (self.first[axis] & 1), self.t_min);
-        let ([m, big], [c, d]) = (self.scale[axis], self.enter[axis]);
+    fn enter(&self, simd: S, node: &Node, axis: usize, time: S::F32x8) -> S::F32x8 {
+        let plane = node.planes(simd, 2 * axis + (self.first & 1), time);
+        let ([m, big], [c, d]) = (self.scale, self.enter);
         simd.min(simd.mul_add(plane, m, c), simd.mul_add(plane, big, d))
     }
 
     #[inline(always)]
-    fn leave(&self, simd: S, node: &Node, axis: usize) -> S::F32x8 {
-        let plane = node.planes(simd, 2 * axis + (self.first[axis] & 1 ^ 1), self.t_min);
-        let ([m, big], [c, d]) = (self.scale[axis], self.leave[axis]);
+    fn leave(&self, simd: S, node: &Node, axis: usize, time: S::F32x8) -> S::F32x8 {
+        let plane = node.planes(simd, 2 * axis + (self.first & 1 ^ 1), time);
+        let ([m, big], [c, d]) = (self.scale, self.leave);
         simd.max(simd.mul_add(plane, m, c), simd.mul_add(plane, big, d))
+    }
+}
+
+impl<S: Simd> Beam<S> {
+    /// The children whose boxes some ray may meet before `t_max`, and where the first enters each.
+    #[inline(always)]
+    pub(super) fn meet(&self, simd: S, node: &Node, t_max: f32) -> (u32, S::F32x8) {
+        // These nodes do not move: the time does not matter.
+        let ([x, y, z], time) = (&self.axes, self.t_min);
+        let near = simd.max(
+            simd.max(x.enter(simd, node, 0, time), y.enter(simd, node, 1, time)),
+            simd.max(z.enter(simd, node, 2, time), self.t_min),
+        );
+        let far = simd.min(
+            simd.min(x.leave(simd, node, 0, time), y.leave(simd, node, 1, time)),
+            simd.min(z.leave(simd, node, 2, time), simd.splat(t_max)),
+        );
+        (simd.le(near, far), near)
     }
 }
 
 /// The rays' side of box tests.
 pub(super) struct Slabs<S: Simd> {
     pub(super) beam: Beam<S>,
-    /// Which of a box's planes is met first on each axis: 0 the smaller, 1 the larger.
-    first: [usize; 3],
-    rd: [S::F32x8; 3],
-    near: [S::F32x8; 3],
-    far: [S::F32x8; 3],
+    axes: [Axis<S>; 3],
     t_min: S::F32x8,
+}
+
+/// The rays on one axis, as in [`crate::slabs`].
+struct Axis<S: Simd> {
+    rd: S::F32x8,
+    near: S::F32x8,
+    far: S::F32x8,
 }
 
 impl<S: Simd> Slabs<S> {
     /// `None` where the rays do not run into the same octant, or one can hit nothing.
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &Rays<S>, reach: Vec3) -> Option<Slabs<S>> {
-        let zero = simd.splat(0.0);
-        let none = [zero; 3];
-        let t_min = simd.splat(smallest(simd, rays.t_min));
-        let pairs = [[zero; 2]; 3];
-        let beam = Beam { first: [0; 3], scale: pairs, enter: pairs, leave: pairs, t_min };
-        let mut slabs = Slabs { beam, first: [0; 3], rd: none, near: none, far: none, t_min: rays.t_min };
         let [dx, dy, dz] = [abs(simd, rays.d[0]), abs(simd, rays.d[1]), abs(simd, rays.d[2])];
         let least = simd.mul(simd.max(simd.max(dx, dy), dz), simd.splat(LEAST_SLOPE));
         let sizes = [
@@ -105,30 +113,15 @@ impl<S: Simd> Slabs<S> {
         ];
         let largest =
             simd.mul(simd.max(simd.max(sizes[0], sizes[1]), sizes[2]), simd.splat(LARGEST_ERROR * U));
-        let mut usable = simd.lt(rays.t_min, rays.t_max);
-        for (axis, size) in sizes.into_iter().enumerate() {
-            let (o, d) = (rays.o[axis], rays.d[axis]);
-            let sign = match simd.signs(d) {
-                0 => 1.0,
-                ALL => -1.0,
-                _ => return None,
-            };
-            let slope = simd.div(simd.splat(1.0), simd.max(abs(simd, d), least));
-            let error = simd.mul_add(size, simd.splat(OWN_ERROR * U), largest);
-            let rd = simd.mul(slope, simd.splat(sign));
-            let (base, slack) = (simd.mul(simd.sub(zero, o), rd), simd.mul(error, slope));
-            let (near, far) = (simd.sub(base, slack), simd.add(base, slack));
-            // Whatever was not finite has spread to here, and differs from itself.
-            let sum = simd.sub(simd.sub(far, near), d);
-            usable &= simd.le(simd.sub(sum, sum), zero);
-            slabs.first[axis] = usize::from(sign < 0.0);
-            (slabs.rd[axis], slabs.near[axis], slabs.far[axis]) = (rd, near, far);
-            if !slabs.beam.set(simd, axis, sign, o, slope, error) {
-                return None;
-            }
+        let ([x, y, z], own) = (sizes, simd.splat(OWN_ERROR * U));
+        let (x, beam_x) = Axis::new(simd, rays.o[0], rays.d[0], least, simd.mul_add(x, own, largest))?;
+        let (y, beam_y) = Axis::new(simd, rays.o[1], rays.d[1], least, simd.mul_add(y, own, largest))?;
+        let (z, beam_z) = Axis::new(simd, rays.o[2], rays.d[2], least, simd.mul_add(z, own, largest))?;
+        if simd.lt(rays.t_min, rays.t_max) != ALL {
+            return None;
         }
-        slabs.beam.first = slabs.first;
-        (usable == ALL).then_some(slabs)
+        let beam = Beam { axes: [beam_x, beam_y, beam_z], t_min: simd.splat(smallest(simd, rays.t_min)) };
+        Some(Slabs { beam, axes: [x, y, z], t_min: rays.t_min })
     }
 
     /// Which rays meet a child's box before their `t_max`.
@@ -147,13 +140,44 @@ impl<S: Simd> Slabs<S> {
 
     #[inline(always)]
     fn enter(&self, simd: S, node: &Node, slot: usize, axis: usize) -> S::F32x8 {
-        let plane = simd.splat(node.plane(2 * axis + (self.first[axis] & 1), slot));
-        simd.mul_add(plane, self.rd[axis], self.near[axis])
+        let Axis { rd, near, .. } = self.axes[axis];
+        let plane = simd.splat(node.plane(2 * axis + (self.beam.axes[axis].first & 1), slot));
+        simd.mul_add(plane, rd, near)
     }
 
     #[inline(always)]
     fn leave(&self, simd: S, node: &Node, slot: usize, axis: usize) -> S::F32x8 {
-        let plane = simd.splat(node.plane(2 * axis + (self.first[axis] & 1 ^ 1), slot));
-        simd.mul_add(plane, self.rd[axis], self.far[axis])
+        let Axis { rd, far, .. } = self.axes[axis];
+        let plane = simd.splat(node.plane(2 * axis + (self.beam.axes[axis].first & 1 ^ 1), slot));
+        simd.mul_add(plane, rd, far)
+    }
+}
+
+impl<S: Simd> Axis<S> {
+    /// `None` where the rays run both ways, or a number is not finite.
+    #[inline(always)]
+    fn new(
+        simd: S,
+        o: S::F32x8,
+        d: S::F32x8,
+        least: S::F32x8,
+        error: S::F32x8,
+    ) -> Option<(Axis<S>, BeamAxis<S>)> {
+        let sign = match simd.signs(d) {
+            0 => 1.0,
+            ALL => -1.0,
+            _ => return None,
+        };
+        let zero = simd.splat(0.0);
+        let slope = simd.div(simd.splat(1.0), simd.max(abs(simd, d), least));
+        let rd = simd.mul(slope, simd.splat(sign));
+        let (base, slack) = (simd.mul(simd.sub(zero, o), rd), simd.mul(error, slope));
+        let (near, far) = (simd.sub(base, slack), simd.add(base, slack));
+        // Whatever was not finite has spread to here, and differs from itself.
+        let sum = simd.sub(simd.sub(far, near), d);
+        if simd.le(simd.sub(sum, sum), zero) != ALL {
+            return None;
+        }
+        Some((Axis { rd, near, far }, BeamAxis::new(simd, sign, o, slope, error)?))
     }
 }

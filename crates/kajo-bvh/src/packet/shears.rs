@@ -88,16 +88,11 @@ impl<S: Simd> Shears<S> {
     fn finish(&self, simd: S, sheared: &Sheared, triangle: u32, rays: u32, half: usize, hits: &mut Hits) {
         let edges = sheared.edges(simd);
         let (t, scale) = edges.distances(simd, sheared, simd.widen(self.inv_dz[half]));
-        let t_max = Vec4::from_slice(&hits.t[4 * half..][..4]);
-        let in_range = t.cmpgt(self.t_min[half]).bitmask() & t.cmple(t_max).bitmask();
-        let mut found = rays & edges.inside(simd) & in_range;
-        if found == 0 {
-            return;
-        }
-        let ((u, v), t) = (edges.weights(simd, scale), t.to_array());
-        while found != 0 {
-            let lane = take_lowest(&mut found);
-            hits.offer(4 * half + lane, TriangleHit { t: t[lane], u: u[lane], v: v[lane], triangle });
+        let in_range = t.cmpgt(self.t_min[half]).bitmask() & t.cmple(hits.t(half)).bitmask();
+        let found = rays & edges.inside(simd) & in_range;
+        if found != 0 {
+            let [u, v] = edges.weights(simd, scale);
+            hits.offer4(half, found, [t, u, v], triangle);
         }
     }
 }
@@ -113,6 +108,18 @@ fn edge<S: Simd>(simd: S, x: [S::F32x8; 3], y: [S::F32x8; 3], p: usize, q: usize
 fn half_of<S: Simd>(simd: S, v: [S::F32x8; 3], half: usize) -> [Vec4; 3] {
     [simd.halves(v[0])[half], simd.halves(v[1])[half], simd.halves(v[2])[half]]
 }
+
+/// For four bits, which lanes they stand for: those that are not zero.
+const CHOSEN: [[f32; 4]; 16] = {
+    let mut lanes = [[0.0; 4]; 16];
+    let mut i = 0;
+    while i < 64 {
+        let (bits, lane) = (i / 4, i % 4);
+        lanes[bits][lane] = ((bits >> lane) & 1) as f32;
+        i += 1;
+    }
+    lanes
+};
 
 /// The nearest hits so far.
 pub(super) struct Hits {
@@ -138,6 +145,12 @@ impl Hits {
         (found >> ray & 1 != 0).then_some(hit)
     }
 
+    /// The parameters of the first or the last four.
+    #[inline(always)]
+    pub(super) fn t(&self, half: usize) -> Vec4 {
+        Vec4::from_slice(&self.t[4 * half..][..4])
+    }
+
     /// Takes a hit at most as far as the one before, of equally near ones the lowest number.
     #[inline(always)]
     pub(super) fn offer(&mut self, ray: usize, hit: TriangleHit) {
@@ -147,5 +160,28 @@ impl Hits {
             self.triangle[ray] = hit.triangle;
             self.found |= 1 << ray;
         }
+    }
+
+    /// Offers hits of the first or the last four rays with one triangle, those of the bits in
+    /// `found`, each at most as far as the one before.
+    ///
+    /// * `numbers`: `t`, `u` and `v`
+    #[inline(always)]
+    fn offer4(&mut self, half: usize, mut found: u32, numbers: [Vec4; 3], triangle: u32) {
+        let mut ties = found & numbers[0].cmpeq(self.t(half)).bitmask();
+        while ties != 0 {
+            let lane = take_lowest(&mut ties);
+            found &= !(u32::from(triangle >= self.triangle[4 * half + lane]) << lane);
+        }
+        let chosen = Vec4::from_array(CHOSEN[found as usize & 15]).cmpgt(Vec4::ZERO);
+        for (lanes, new) in [&mut self.t, &mut self.u, &mut self.v].into_iter().zip(numbers) {
+            let lanes = &mut lanes[4 * half..][..4];
+            Vec4::select(chosen, new, Vec4::from_slice(lanes)).write_to_slice(lanes);
+        }
+        let triangles: &mut Lanes = bytemuck::cast_mut(&mut self.triangle);
+        let lanes = &mut triangles[4 * half..][..4];
+        let new = Vec4::splat(f32::from_bits(triangle));
+        Vec4::select(chosen, new, Vec4::from_slice(lanes)).write_to_slice(lanes);
+        self.found |= found << (4 * half);
     }
 }
