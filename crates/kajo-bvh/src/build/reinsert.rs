@@ -61,16 +61,16 @@ impl Eq for Waiting {}
 /// The root's number.
 const ROOT: u32 = 0;
 
-/// Moves the largest subtrees of the whole tree, down to its leaves. Returns the new tree, or
-/// the old one where that would be too deep.
-pub(super) fn improve(forest: Forest) -> Forest {
-    let mut links = Links::new(&forest, usize::MAX);
+/// Moves the largest subtrees of the whole tree, down to its leaves, unless that would make it
+/// too deep.
+pub(super) fn improve(forest: &mut Forest) {
+    let mut links = Links::new(forest, usize::MAX);
     for _ in 0..PASSES {
         let largest = links.largest();
         links.improve(&largest[..(largest.len() / SHARE).max(FEW).min(largest.len())]);
     }
     if links.depth() > MAX_LEVELS {
-        return forest;
+        return;
     }
     let leaf = |node: u32| {
         let spot = links.spots[node as usize];
@@ -79,7 +79,7 @@ pub(super) fn improve(forest: Forest) -> Forest {
     let sizes = links.sizes(|node| leaf(node).len());
     let mut out = Forest::default();
     links.emit_stem(ROOT, &sizes, &mut out, &leaf);
-    out
+    *forest = out;
 }
 
 /// Moves the largest subtrees at the top of the tree: what is below them stays as it is.
@@ -181,8 +181,11 @@ impl Links {
                 if left > most {
                     (best, most) = (Some(place), left);
                 }
-                if let Some([a, b]) = self.children[place as usize] {
-                    let won = left + self.area(place);
+                let won = left + self.area(place);
+                // What could not be taken now will not be later.
+                if won - area > most
+                    && let Some([a, b]) = self.children[place as usize]
+                {
                     waiting.extend([(won, a), (won, b)]);
                 }
             }
@@ -352,14 +355,14 @@ mod tests {
 
     #[test]
     fn moving_subtrees_lowers_the_cost_and_keeps_every_primitive() {
-        let forest = forest(20_000);
+        let mut forest = forest(20_000);
         let before = cost(&forest);
         let mut links = Links::new(&forest, usize::MAX);
         links.improve(&links.largest());
         check(&links);
-        let after = improve(forest);
-        assert!(cost(&after) < 0.95 * before, "{} after {before}", cost(&after));
-        let mut ids = ids(&after);
+        improve(&mut forest);
+        assert!(cost(&forest) < 0.95 * before, "{} after {before}", cost(&forest));
+        let mut ids = ids(&forest);
         ids.sort_unstable();
         assert!(ids.into_iter().eq(0..20_000));
     }

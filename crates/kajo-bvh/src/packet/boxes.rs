@@ -7,13 +7,14 @@ use crate::node::{Node, Wide};
 use crate::simd::Simd;
 use crate::slabs::{LARGEST_ERROR, LEAST_SLOPE, OWN_ERROR, U};
 
-/// The beam around the rays, all of which run into the same octant.
+/// The beam around the rays, all of which run into the same octant from `t_min >= 0` on.
 ///
-/// With `s` the sign of the direction on an axis and `a = s (x - o)` the way to a plane `x`, the
-/// rays reach the plane at `a |1/d|`. Over all origins and directions that is at least the
-/// smaller and at most the larger of `a m` and `a M`, where `m` and `M` bound `|1/d|` and `a` is
-/// taken from the origin nearest to or farthest from the plane. As products with the plane plus
-/// constants they cost one instruction each.
+/// With `s` the sign of the direction on an axis and `a = s (x - o)` the way to a plane `x`, a ray
+/// reaches the plane at `a |1/d|`. With `m` and `M` the bounds of `|1/d|`, and `a` taken from the
+/// origin nearest to or farthest from the plane, all rays reach it at `a m` or later and at `a M`
+/// or sooner, as long as `a` is not negative. Where it is, so are the ray's and the beam's
+/// parameters, and which negative number they are does not matter: no ray begins before zero.
+/// As a product with the plane plus a constant, each bound costs one instruction.
 pub(super) struct Beam<S: Simd> {
     axes: [BeamAxis<S>; 3],
     t_min: S::F32x8,
@@ -23,9 +24,9 @@ pub(super) struct Beam<S: Simd> {
 struct BeamAxis<S: Simd> {
     /// Which of a box's planes is met first: 0 the smaller, 1 the larger.
     first: usize,
-    /// `s m` and `s M`.
-    scale: [S::F32x8; 2],
+    /// `s m` and the constant for entering.
     enter: [S::F32x8; 2],
+    /// `s M` and the constant for leaving.
     leave: [S::F32x8; 2],
 }
 
@@ -41,30 +42,25 @@ impl<S: Simd> BeamAxis<S> {
         let (nearest, farthest) = if sign > 0.0 { (hi, lo) } else { (lo, hi) };
         // Twice the error of one ray makes up for the rounding of these constants.
         let error = 2.0 * largest(simd, error);
-        let (nearest, farthest) = (-sign * nearest - error, -sign * farthest + error);
         let [m, big] = [smallest(simd, size), largest(simd, size)];
-        let products = [nearest * m, nearest * big, farthest * m, farthest * big];
-        let [enter_m, enter_big, leave_m, leave_big] = products;
-        (enter_m + enter_big + leave_m + leave_big).is_finite().then_some(BeamAxis {
+        let (enter, leave) = ((-sign * nearest - error) * m, (error - sign * farthest) * big);
+        (enter + leave).is_finite().then_some(BeamAxis {
             first: usize::from(sign < 0.0),
-            scale: [simd.splat(sign * m), simd.splat(sign * big)],
-            enter: [simd.splat(enter_m), simd.splat(enter_big)],
-            leave: [simd.splat(leave_m), simd.splat(leave_big)],
+            enter: [simd.splat(sign * m), simd.splat(enter)],
+            leave: [simd.splat(sign * big), simd.splat(leave)],
         })
     }
 
     #[inline(always)]
     fn enter(&self, simd: S, node: &Node, axis: usize, time: S::F32x8) -> S::F32x8 {
         let plane = node.planes(simd, 2 * axis + (self.first & 1), time);
-        let ([m, big], [c, d]) = (self.scale, self.enter);
-        simd.min(simd.mul_add(plane, m, c), simd.mul_add(plane, big, d))
+        simd.mul_add(plane, self.enter[0], self.enter[1])
     }
 
     #[inline(always)]
     fn leave(&self, simd: S, node: &Node, axis: usize, time: S::F32x8) -> S::F32x8 {
         let plane = node.planes(simd, 2 * axis + (self.first & 1 ^ 1), time);
-        let ([m, big], [c, d]) = (self.scale, self.leave);
-        simd.max(simd.mul_add(plane, m, c), simd.mul_add(plane, big, d))
+        simd.mul_add(plane, self.leave[0], self.leave[1])
     }
 }
 
@@ -101,7 +97,8 @@ struct Axis<S: Simd> {
 }
 
 impl<S: Simd> Slabs<S> {
-    /// `None` where the rays do not run into the same octant, or one can hit nothing.
+    /// `None` where the rays do not run into the same octant, or one begins before zero or can hit
+    /// nothing.
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &Rays<S>, reach: Vec3) -> Option<Slabs<S>> {
         let [dx, dy, dz] = [abs(simd, rays.d[0]), abs(simd, rays.d[1]), abs(simd, rays.d[2])];
@@ -117,7 +114,8 @@ impl<S: Simd> Slabs<S> {
         let (x, beam_x) = Axis::new(simd, rays.o[0], rays.d[0], least, simd.mul_add(x, own, largest))?;
         let (y, beam_y) = Axis::new(simd, rays.o[1], rays.d[1], least, simd.mul_add(y, own, largest))?;
         let (z, beam_z) = Axis::new(simd, rays.o[2], rays.d[2], least, simd.mul_add(z, own, largest))?;
-        if simd.lt(rays.t_min, rays.t_max) != ALL {
+        let usable = simd.lt(rays.t_min, rays.t_max) & simd.le(simd.splat(0.0), rays.t_min);
+        if usable != ALL {
             return None;
         }
         let beam = Beam { axes: [beam_x, beam_y, beam_z], t_min: simd.splat(smallest(simd, rays.t_min)) };
