@@ -111,9 +111,9 @@ value() { # name, line
   sed "s/.*\"$1\":\([0-9.e+-]*\).*/\1/" <<< "$2"
 }
 
-# Rows as the harness prints them, of one thread.
+# Rows as the harness prints them, of one thread; for a medium build also of two, by wall clock.
 kajo_rates() { # mesh file, quality
-  local line cpu name
+  local line cpu name two
   line=$("$kajo" bench rays "$1" --threads 1 --quality "$2" --json)
   cpu=${line##*\"mrays_cpu\":} cpu=${cpu%%\}*}
   name=$(basename "$1" .kmsh)
@@ -121,6 +121,10 @@ kajo_rates() { # mesh file, quality
     echo "$name,kajo,$2,${figure/primary_packet/primary8},1,,$(value "$figure" "$cpu"),Mray/s,"
   done
   echo "$name,kajo,$2,build,1,,$(value build_cpu_s "$line"),s,$(awk "BEGIN { print $(value bytes "$line") / 1e6 }")"
+  if [ "$2" = medium ]; then
+    two=$("$kajo" bench rays "$1" --threads 2 --passes 1 --quality "$2" --json)
+    echo "$name,kajo,$2,build,2,$(value build_wall_s "$two"),,s,"
+  fi
 }
 
 if [ -n "$embree" ] && [ -n "$meshes" ]; then
@@ -136,13 +140,15 @@ if [ -n "$embree" ] && [ -n "$meshes" ]; then
   done
   echo
   echo "kajo's rays a second over Embree's (kajo is always watertight; so is medium+robust), and its build time and bytes"
-  echo "over Embree's, one thread, by processor time:"
+  echo "over Embree's, one thread, by processor time; build2: build time on two threads by wall clock:"
   awk -F, '
+    $4 == "build" && $5 == 2 && $2 == "kajo" { own[$1, $3, "build2"] = $6 }
+    $4 == "build" && $5 == 2 && $2 ~ /^embree4/ { other[$1, $3, "build2"] = $6 }
     $5 != 1 || ($2 != "kajo" && $2 !~ /^embree4/) { next }
     $2 == "kajo" { own[$1, $3, $4] = $7; if ($4 == "build") own[$1, $3, "MB"] = $9 }
     $2 != "kajo" { other[$1, $3, $4] = $7; if ($4 == "build") other[$1, $3, "MB"] = $9; if (!($1 in seen)) { seen[$1]; names[++n] = $1 } }
     END {
-      columns = split("primary bounce shadow primary8 build MB", figures, " ")
+      columns = split("primary bounce shadow primary8 build build2 MB", figures, " ")
       kinds = split("medium medium+robust high", qualities, " ")
       for (q = 1; q <= kinds; q++) {
         quality = qualities[q]; base = quality; sub(/[+]robust/, "", base)
