@@ -26,11 +26,17 @@ pub use lines::{Line, LineKind};
 /// Triangles of all curved surfaces together, about.
 const CURVED_TRIANGLES: u32 = 200_000;
 
+/// The same where they would not look round otherwise.
+const MOST_CURVED_TRIANGLES: u32 = 1_000_000;
+
+/// Segments of a full circle that look round from afar.
+const ROUND: f64 = 8.0;
+
 /// Triangles of all nested instances together, about.
 const NESTED_TRIANGLES: usize = 400_000;
 
 /// Fewest and most segments of a full circle.
-const AROUND: [u32; 2] = [8, 64];
+const AROUND: [u32; 2] = [4, 64];
 
 /// A corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,8 +135,9 @@ impl<'a> Builder<'a> {
         let curved = scene.primitives.iter().filter(|p| is_curved(&scene.shapes, p.shape)).count() as u64;
         let curved = curved + scene.object_count() - scene.primitives.len() as u64;
         // A sphere has as many triangles as the square of the segments around it.
-        let around = f64::from(CURVED_TRIANGLES) / curved.max(1) as f64;
-        let around = (around.sqrt() as u32).clamp(AROUND[0], AROUND[1]) & !1;
+        let around = |triangles: u32| (f64::from(triangles) / curved.max(1) as f64).sqrt();
+        let around = around(CURVED_TRIANGLES).max(around(MOST_CURVED_TRIANGLES).min(ROUND));
+        let around = (around as u32).clamp(AROUND[0], AROUND[1]) & !1;
         Builder {
             scene,
             bounds,

@@ -126,13 +126,23 @@ fn instances_share_their_triangles() {
 }
 
 #[test]
+fn the_more_spheres_there_are_the_fewer_triangles_each_has() {
+    for (n, range) in [(1, 3000..4097), (500, 300..500), (10_000, 40..65), (60_000, 4..17)] {
+        let balls: String = (0..n).map(|i| format!("Sphere {{ center {i} 0 0 radius 0.4 }}\n")).collect();
+        let preview = Preview::of(&scene(&format!("MaterialIndex 1 {balls}")));
+        let each = preview.triangle_count() / n;
+        assert!(range.contains(&each), "{n} spheres of {each} triangles");
+    }
+}
+
+#[test]
 fn nested_instances_are_shown_as_far_as_that_is_not_too_much() {
     let balls = |n: u32| -> String {
         (0..n).map(|i| format!("Sphere {{ center {} 0 {} radius 0.4 }}\n", i % 10, i / 10)).collect()
     };
     let rows =
         |n: u32| -> String { (0..n).map(|i| format!("Instance square {{ Translate 0 {i} 0 }}\n")).collect() };
-    for squares in [3, 200] {
+    for squares in [3, 400] {
         let text = format!("MaterialIndex 1 Define square {{ {} }} {}", balls(100), rows(squares));
         let scene = limited_scene(&text, 4_000);
         assert_eq!((scene.primitives.len(), scene.object_count()), (0, 100 * u64::from(squares)));
