@@ -6,6 +6,7 @@ mod editing;
 mod handling;
 mod histogram;
 pub mod line_ends;
+mod long_texts;
 mod navigation;
 mod priority;
 mod problems;
@@ -41,6 +42,7 @@ pub use selection::Selection;
 pub use tracer::{Request, Tracer, Wake};
 pub use watch::Watch;
 
+use long_texts::{LongTexts, Task};
 use turntable::TurntableOrder;
 use worker::Worker;
 
@@ -133,6 +135,7 @@ pub struct Studio {
     turntable: Worker<TurntableOrder, Result<String, String>>,
     stop_turntable: Arc<AtomicBool>,
     opener: Worker<PathBuf, Opened>,
+    long_texts: LongTexts,
     /// Makes scenes of texts that were edited; the number is that of the document.
     compiler: Worker<(u64, Compilation), (u64, Compiled)>,
     /// The version of the text that it was given last.
@@ -178,6 +181,7 @@ impl Studio {
             turntable: Worker::new(Arc::clone(&wake), TurntableOrder::carry_out),
             stop_turntable: Arc::default(),
             opener: Worker::new(Arc::clone(&wake), open),
+            long_texts: LongTexts::new(Arc::clone(&wake)),
             compiler: Worker::new(Arc::clone(&wake), |(opened, text): (u64, Compilation)| {
                 (opened, text.run())
             }),
@@ -232,6 +236,7 @@ impl Studio {
         if let Some(opened) = self.opener.take() {
             self.take(opened);
         }
+        self.take_copy();
         self.adopt_scene();
         if let Some(preview) = self.previewer.take_latest().filter(|(version, _)| version.0 == self.opened) {
             self.preview = Some(preview);
@@ -307,9 +312,9 @@ impl Studio {
         }
     }
 
-    /// Whether the text has been edited, and the scene that it makes is not there yet.
+    /// Whether the text has been edited, or is being edited, and the scene that it makes is not there yet.
     pub fn is_compiling(&self) -> bool {
-        self.compiler.is_busy()
+        self.compiler.is_busy() || self.long_texts.is_busy()
     }
 
     /// Whether the preview is of the scene as it is now.
@@ -398,15 +403,28 @@ impl Studio {
     }
 
     fn reload(&mut self) {
+        if self.long_texts.is_busy() {
+            // Once that is done.
+            self.was_changed_meanwhile = true;
+            return;
+        }
+        if self.has_long_text() {
+            self.do_beside(Task::Reload);
+            return;
+        }
         let Some(document) = &mut self.document else { return };
         match document.reload() {
             Ok(_) => {
                 self.compile();
-                self.watch_files();
-                self.say("Read again: the file has changed.", false);
+                self.was_reloaded();
             }
             Err(error) => self.say(&error.to_string(), true),
         }
+    }
+
+    fn was_reloaded(&mut self) {
+        self.watch_files();
+        self.say("Read again: the file has changed.", false);
     }
 
     /// Looks at all files that the scene consists of.
@@ -433,8 +451,9 @@ impl Studio {
 
     /// Takes over a scene that was made of the text, and all that follows from it.
     fn adopt_scene(&mut self) {
-        let Some((opened, compiled)) = self.compiler.take_latest() else { return };
-        if let Some(document) = self.document.as_mut().filter(|_| opened == self.opened) {
+        if let Some((opened, compiled)) = self.compiler.take_latest()
+            && let Some(document) = self.document.as_mut().filter(|_| opened == self.opened)
+        {
             document.adopt(compiled);
             self.after_compile();
         }

@@ -356,6 +356,41 @@ fn layers_are_traced_when_they_are_looked_at() {
 }
 
 #[test]
+fn long_texts_are_edited_beside_the_window() {
+    let text = format!("{SCENE}{}", "// A line that makes the text long.\r\n".repeat(40_000));
+    let mut window = Window::with(&text, false);
+    let document = window.studio().document.as_ref().unwrap();
+    let ball = document.outline().nodes().iter().find(|node| &*node.keyword == "Sphere").unwrap().id;
+    let now = |window: &mut Window| window.studio().document.as_ref().unwrap().text().to_owned();
+    for radius in [1.6, 1.7, 1.8, 1.9] {
+        let (key, value) = ("radius".to_owned(), kajo::edit::FieldValue::numbers([radius]));
+        window.studio().apply(Action::SetField { node: ball, key, nth: 0, value });
+    }
+    assert!(window.studio().is_compiling() && now(&mut window) == text, "the window does not wait");
+    window.wait(|studio| !studio.is_compiling());
+    assert_eq!(now(&mut window), text.replace("radius 1.5", "radius 1.9"));
+    window.frames(2);
+    window.studio().apply(Action::Undo);
+    assert_eq!(now(&mut window), text, "one step");
+
+    // Another program writes the file, and something is edited before it is read.
+    let path = window.path("scene.txt");
+    std::fs::write(&path, text.replace("offset -1", "offset -2")).unwrap();
+    window.studio().apply(Action::Reload);
+    assert_eq!(now(&mut window), text);
+    window.studio().apply(Action::Rename(ball, Some("globe".to_owned())));
+    let both = text.replace("offset -1", "offset -2").replace("Sphere ball", "Sphere globe");
+    assert_eq!(now(&mut window), both);
+    window.key(Key::Enter);
+    window.wait(|studio| studio.tracer.frame().is_some());
+    assert_eq!(window.studio().n_errors(), 0);
+    for _ in 0..2 {
+        window.studio().apply(Action::Undo);
+    }
+    assert_eq!(now(&mut window), text);
+}
+
+#[test]
 fn a_click_selects_nested_instances() {
     let mut window = Window::empty(false);
     let balls: String = (0..100).map(|i| format!("Sphere {{ center 0 0 {i} radius 0.4 }}\n")).collect();

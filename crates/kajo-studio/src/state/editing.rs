@@ -7,6 +7,7 @@ use kajo::output::Target;
 use kajo::{BitDepth, Format, LoadOptions, View};
 use kajo_math::DVec3;
 
+use super::long_texts::Task;
 use super::{Action, Selection, Studio};
 
 /// What a new scene says.
@@ -54,7 +55,8 @@ impl Studio {
             Action::Type { file, text } => self.type_text(file, text),
             Action::EndTyping => self.end_typing(),
             Action::Paste(text) => self.paste(&text),
-            Action::EndDrag if self.typing.is_none() => self.end_drag(),
+            // Said in every frame without a button held down; it can wait for a drag that is not yet seen to its end.
+            Action::EndDrag if self.typing.is_none() && !self.long_texts.is_busy() => self.end_drag(),
             Action::Add(keyword) => self.add(keyword),
             Action::Duplicate => self.edit_selected(Edit::Duplicate),
             Action::Delete => self.edit_selected(Edit::Delete),
@@ -103,6 +105,12 @@ impl Studio {
 
     /// Does one thing and says so when it cannot be done. Returns the block it made.
     pub(super) fn edit(&mut self, edit: &Edit) -> Option<NodeId> {
+        let is_dragging = self.dragged.is_some() || self.grip.is_some();
+        if is_dragging && self.has_long_text() {
+            self.do_beside(Task::Apply(edit.clone()));
+            return None;
+        }
+        self.settle();
         let document = self.document.as_mut()?;
         match document.apply(edit) {
             Ok(applied) => {
@@ -192,6 +200,7 @@ impl Studio {
     }
 
     pub(super) fn end_drag(&mut self) {
+        self.settle();
         self.dragged = None;
         self.grip = None;
         self.typing = None;

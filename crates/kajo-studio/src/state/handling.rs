@@ -57,6 +57,7 @@ impl Studio {
             Action::Grab(place) => self.grab(place),
             Action::DragTo(place, in_steps) => self.drag(place, in_steps),
             Action::CancelDrag => {
+                self.settle();
                 self.grip = None;
                 self.dragged = None;
                 self.typing = None;

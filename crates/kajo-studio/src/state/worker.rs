@@ -47,6 +47,20 @@ impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
         result.map(|(_, result)| result)
     }
 
+    /// Waits for the result of the newest order; `None` when none is to come.
+    pub fn wait(&mut self) -> Option<O> {
+        while self.is_busy {
+            // Should the thread have panicked, there will be no result.
+            let Ok((number, result)) = self.results.recv() else { break };
+            if number == self.last {
+                self.is_busy = false;
+                return Some(result);
+            }
+        }
+        self.is_busy = false;
+        None
+    }
+
     /// The newest result there is and was not taken yet, whether there are newer orders or not.
     pub fn take_latest(&mut self) -> Option<O> {
         let (number, result) = self.results.try_iter().last()?;
@@ -88,6 +102,10 @@ mod tests {
             result = worker.take();
         }
         assert_eq!(result, Some(30));
+        assert!(!worker.is_busy() && worker.take().is_none() && worker.wait().is_none());
+        worker.order(4);
+        worker.order(5);
+        assert_eq!(worker.wait(), Some(50));
         assert!(!worker.is_busy() && worker.take().is_none());
     }
 

@@ -40,24 +40,24 @@ pub struct Compilation {
 }
 
 /// What came of a [`Compilation`].
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Compiled {
     /// Of the texts; `None` before the first.
     generation: Option<u64>,
     diagnostics: Diagnostics,
     /// The tree that was compiled: its texts are those that messages point into.
-    desc: SceneDesc,
+    desc: Arc<SceneDesc>,
     made: Option<Made>,
 }
 
 /// A scene, and the nodes that its objects come from.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Made {
     scene: Arc<Scene>,
     /// [`Document::generation`] of the texts it was made from.
     generation: u64,
     /// For each object of no nested instance the nodes that place it and that describe it.
-    objects: Vec<[Option<NodeId>; 2]>,
+    objects: Arc<[[Option<NodeId>; 2]]>,
     /// What it was made from.
     tree: Arc<Tree>,
 }
@@ -84,7 +84,7 @@ impl Compilation {
             let nodes = scene.objects.iter().map(|object| nodes_of(&tree, &object));
             Made { generation, objects: nodes.collect(), tree: Arc::clone(&tree), scene: Arc::new(scene) }
         });
-        Compiled { generation: Some(generation), diagnostics, desc, made }
+        Compiled { generation: Some(generation), diagnostics, desc: Arc::new(desc), made }
     }
 }
 
@@ -110,6 +110,13 @@ impl Document {
         }
         let made = compiled.made.or(self.compiled.made.take());
         self.compiled = Compiled { made, ..compiled };
+    }
+
+    /// Takes over the scene of another copy of this document, if that was made of later texts.
+    pub fn keep_scene_of(&mut self, other: &Document) {
+        if other.compiled.generation > self.compiled.generation {
+            self.compiled = other.compiled.clone();
+        }
     }
 
     /// Compiles the texts, if that has not been done since they changed.
@@ -247,6 +254,28 @@ mod tests {
         assert!(document.is_current() && document.compilation().is_none());
         assert_eq!(document.scene().unwrap().primitives.len(), 1);
         assert_ne!(document.node_of_object(1), Some(ball));
+    }
+
+    #[test]
+    fn a_copy_is_edited_and_takes_over_what_was_compiled_meanwhile() {
+        let mut document = document(TEXT);
+        document.compile();
+        let ball = document.outline().nodes().iter().find(|node| &*node.keyword == "Sphere").unwrap().id;
+        document.apply(&Edit::set(ball, "radius", FieldValue::numbers([2.0]))).unwrap();
+        let mut copy = document.clone();
+        document.compile();
+        copy.apply(&Edit::set(ball, "radius", FieldValue::numbers([3.0]))).unwrap();
+        assert!(document.text().contains("radius 2") && copy.text().contains("radius 3"));
+        assert!(copy.scene_generation() < document.scene_generation());
+        copy.keep_scene_of(&document);
+        assert_eq!(copy.scene_generation(), document.scene_generation());
+        assert!(!copy.is_current() && copy.generation() > document.generation());
+        copy.compile();
+        let generation = copy.scene_generation();
+        copy.keep_scene_of(&document);
+        assert_eq!(copy.scene_generation(), generation);
+        assert!(copy.undo() && copy.undo() && !copy.undo());
+        assert_eq!(copy.text(), TEXT);
     }
 
     #[test]

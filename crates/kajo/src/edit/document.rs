@@ -40,7 +40,10 @@ pub enum DocumentError {
 }
 
 /// A scene that is being edited.
-#[derive(Debug)]
+///
+/// A clone shares all that is large, until one of the two is changed. So another thread can edit a copy of a long text, and
+/// that take the place of the original; see [`Document::keep_scene_of`].
+#[derive(Clone, Debug)]
 pub struct Document {
     path: Option<PathBuf>,
     pub(super) options: LoadOptions,
@@ -61,7 +64,7 @@ pub struct Document {
 type Stamp = (SystemTime, u64);
 
 /// Edits that will be one step: each starts from the same text.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Gesture {
     label: String,
     /// Texts and tree before the first edit; `None` until there is one.

@@ -26,7 +26,7 @@ impl Step {
 }
 
 /// Steps done and undone, each without limit.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct History {
     /// Steps that lead back, the latest last.
     undo: Vec<Step>,

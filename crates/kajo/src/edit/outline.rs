@@ -115,7 +115,7 @@ impl Outline {
 }
 
 /// Hands out identities.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Identities {
     used: u32,
 }
