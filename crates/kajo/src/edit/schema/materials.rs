@@ -13,6 +13,12 @@ const DISTRIBUTION: FieldSpec =
 const PRIORITY: FieldSpec =
     field("priority", whole(-1000.0, 1000.0), "0", "of bodies that overlap, the one with the highest counts");
 const OPACITY: FieldSpec = option("opacity", SHARE, "the share of it that is there, between holes");
+const NORMAL_MAP: FieldSpec =
+    option("normalMap", Text, "a picture of normals that dents it, such as hammered.png");
+const BUMP: FieldSpec = option("bump", Text, "a picture of heights that dents it, such as bricks.png");
+const ANISOTROPY: FieldSpec =
+    field("anisotropy", SHARE, "0", "how far the highlight of a brushed surface is drawn out");
+const ROTATION: FieldSpec = field("rotation", SHARE, "0", "by how many full turns the brushing is turned");
 const FIRST: FieldSpec = required("materialIndex", Material, "the two materials that it mixes");
 const OCTAVES: FieldSpec = field("octaves", whole(1.0, 32.0), "1", "levels of detail");
 const FREQUENCY: FieldSpec = field("frequency", number(), "1", "rings or veins per length");
@@ -34,6 +40,8 @@ const PHONG: &[FieldSpec] = &[
     EMITS,
     LIGHT_GROUP,
     OPACITY,
+    NORMAL_MAP,
+    BUMP,
 ];
 
 const WOODY: &[FieldSpec] = &[FIRST, FIRST, OCTAVES, FREQUENCY, AMPLITUDE];
@@ -51,6 +59,8 @@ pub(super) const BLOCKS: &[Block] = &[
             EMITS,
             LIGHT_GROUP,
             OPACITY,
+            NORMAL_MAP,
+            BUMP,
         ],
     ),
     block(
@@ -61,10 +71,14 @@ pub(super) const BLOCKS: &[Block] = &[
             field("color", Reflectance, "0.9 0.9 0.9", "its colour, where no metal is named"),
             DISTRIBUTION,
             field("roughness", SHARE, "0", "0 is a mirror"),
+            ANISOTROPY,
+            ROTATION,
             EMISSION,
             EMITS,
             LIGHT_GROUP,
             OPACITY,
+            NORMAL_MAP,
+            BUMP,
         ],
     ),
     block(
@@ -79,11 +93,15 @@ pub(super) const BLOCKS: &[Block] = &[
             option("thin", Flag, "a pane, whose surface stands for both its sides"),
             DISTRIBUTION,
             field("roughness", SHARE, "0", "0 is clear, more is frosted"),
+            ANISOTROPY,
+            ROTATION,
             PRIORITY,
             EMISSION,
             EMITS,
             LIGHT_GROUP,
             OPACITY,
+            NORMAL_MAP,
+            BUMP,
         ],
     ),
     block(
@@ -93,6 +111,8 @@ pub(super) const BLOCKS: &[Block] = &[
             field("color", Reflectance, "0.8 0.8 0.8", "its colour"),
             field("metalness", SHARE, "0", "from plastic to metal"),
             field("roughness", SHARE, "0.3", "of the highlight"),
+            ANISOTROPY,
+            ROTATION,
             field("specularColor", Reflectance, "1 1 1", "tints the highlight"),
             field("indexOfRefraction", INDEX, "1.5", "strength of the highlight"),
             field("transmission", SHARE, "0", "from plastic to glass"),
@@ -109,6 +129,8 @@ pub(super) const BLOCKS: &[Block] = &[
             EMITS,
             LIGHT_GROUP,
             OPACITY,
+            NORMAL_MAP,
+            BUMP,
         ],
     ),
     block("Checkerboard", Kind::Material, &[FIRST, FIRST]),
