@@ -126,6 +126,8 @@ pub struct Scene {
     pub fog: Option<Fog>,
     /// The camera.
     pub camera: Camera,
+    /// In which share of the shutter's time its rows open one after the other, from the top; 0 where all open at once.
+    pub readout: f32,
     /// What the file itself says about how to render it.
     pub settings: Settings,
     /// The conventions of the file's dialect.

@@ -45,9 +45,10 @@ impl Compiler<'_> {
         };
         let raw_up = self.rules.raw_up;
         let (mut lens_keys, mut moves) = (None, None);
-        let mut shutter = Shutter::default();
+        let (mut shutter, mut readout) = (Shutter::default(), 0.0);
         let camera = self.read(item, |params| {
             shutter = motion::shutter(params);
+            readout = params.or("rollingShutter", 0.0, |args| args.number_in(0.0..=1.0));
             moves = params.block("Motion");
             let frame = frame(params, raw_up);
             let eyes = |params: &mut Params<'_, '_>| {
@@ -81,7 +82,7 @@ impl Compiler<'_> {
             })
         });
         let lens = lens_keys.and_then(|keys| self.lens(keys));
-        self.shutter = shutter;
+        (self.shutter, self.readout) = (shutter, readout);
         let moves = moves.and_then(|item| self.camera_motion(item));
         let camera = camera?.with_lens(lens);
         Some(match moves {

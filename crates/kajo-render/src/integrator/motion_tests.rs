@@ -79,6 +79,42 @@ fn a_moving_bar_is_a_trapezoid_everywhere() {
     }
 }
 
+/// Each row sees a trapezoid of its own: the bar has come so far when the row opens, and moves on for the rest of the time.
+#[test]
+fn rows_of_a_rolling_shutter_open_one_after_the_other() {
+    let (w, d) = (0.5, 1.5);
+    let bar = "Transform { Motion { key 0 { } key 1 { Translate 1.5 0 0 } }
+        Quad { corner -1.4 -2 0  edge1 0.5 0 0  edge2 0 4 0 } }";
+    for readout in [0.25, 0.8, 1.0] {
+        let scene = scene(&format!("rollingShutter {readout}"), bar);
+        let layers = LayerSet::of(&[]);
+        let integrators: [Box<dyn PixelIntegrator + '_>; 2] = [
+            Box::new(classic(&scene, layers)),
+            Box::new(Path::new(&scene, PathSettings::default(), SIZE, layers)),
+        ];
+        let samples = 1 << 12;
+        let sampler = Sampler::new(SamplerKind::Sobol, samples);
+        for (integrator, light) in integrators.iter().zip([2.0, 1.0]) {
+            let mut ctx = SampleContext::new(&sampler, 5);
+            for (column, row) in (0..SIZE[0]).zip([2, 11, 17].into_iter().cycle()) {
+                let middle = Vec2::new(column as f32 + 0.52, row as f32 + 0.5);
+                let radiance = |k: u32| {
+                    ctx.begin([column, row], k);
+                    f64::from(integrator.sample(&mut ctx, [column, row], middle).radiance[0])
+                };
+                let found = (0..samples).map(radiance).sum::<f64>() / (light * f64::from(samples));
+                let opens = readout * f64::from(middle.y) / 20.0;
+                let (x, moved) = (f64::from(middle.x) / 10.0 - 2.0 + 1.4 - d * opens, d * (1.0 - readout));
+                let expected = match moved > 0.0 {
+                    true => share((x - w) / moved, x / moved),
+                    false => f64::from(u8::from(x > 0.0 && x < w)),
+                };
+                assert!((found - expected).abs() < 2e-3, "{readout}, {column} {row}: {found} for {expected}");
+            }
+        }
+    }
+}
+
 #[test]
 fn layers_record_the_motion_in_pixels() {
     let wall = "Quad { corner -9 -9 0  edge1 18 0 0  edge2 0 18 0 }";

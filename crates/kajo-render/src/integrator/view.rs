@@ -59,7 +59,23 @@ impl<'a> View<'a> {
         let lens = draws.pair_if(self.camera.has_lens());
         let time = draws.number_if(self.moves);
         let film = self.film();
-        self.camera.ray(film.picture(raster), film.aspect(), lens, time)
+        let at = film.picture(raster);
+        self.camera.ray(at, film.aspect(), lens, self.moment(at.y, time))
+    }
+
+    /// The moment of a ray within the shutter's interval. Rows open one after the other in the share `readout` of it, and
+    /// each is open for the rest.
+    ///
+    /// * `y`: of picture coordinates, 1 at the top
+    /// * `u`: uniform in [0, 1)
+    #[inline]
+    fn moment(&self, y: f32, u: f32) -> f32 {
+        let readout = self.scene.readout;
+        if readout == 0.0 {
+            return u;
+        }
+        let row = (0.5 - 0.5 * y).clamp(0.0, 1.0);
+        readout * row + (1.0 - readout) * u
     }
 
     #[inline]
@@ -73,7 +89,7 @@ impl<'a> View<'a> {
     /// * `lens`: uniform in [0, 1)²
     pub fn connect(&self, p: Vec3, lens: Vec2, time: f32) -> Option<(Connection, Vec2)> {
         let film = self.film();
-        let way = self.camera.connect(p, lens, film.aspect(), time).filter(|_| !film.corner_samples)?;
+        let way = self.camera.connect(p, lens, film.aspect(), time).filter(|_| self.is_joined(&film))?;
         Some((way, film.place(way.at.as_dvec2()).as_vec2()))
     }
 
@@ -81,8 +97,14 @@ impl<'a> View<'a> {
     pub fn pdf_across(&self, ray: &Ray, p: Vec3) -> Option<f32> {
         let film = self.film();
         let pdf = self.camera.pdf_across(ray, p.distance(ray.o), film.aspect());
-        // Samples that lie on the picture's corners cover more than the film.
-        pdf.filter(|pdf| pdf.is_finite() && *pdf > 0.0 && !film.corner_samples)
+        pdf.filter(|pdf| pdf.is_finite() && *pdf > 0.0 && self.is_joined(&film))
+    }
+
+    /// Whether points can be connected with the camera, as far as that is not up to the camera.
+    fn is_joined(&self, film: &Raster) -> bool {
+        // Samples that lie on the picture's corners cover more than the film. Where rows open one after the other, a place
+        // seen at the moment of a path is not open then.
+        !film.corner_samples && !(self.moves && self.scene.readout > 0.0)
     }
 
     /// Whether the layers record albedos.
