@@ -19,7 +19,7 @@ use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::material::PhongMaterial;
 use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, ShapeId, vertex_normals};
-use crate::texture::PictureMap;
+use crate::texture::{Encoding, PictureMap};
 
 /// Meshes read so far.
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
@@ -184,7 +184,7 @@ impl Compiler<'_> {
             let message = format!("`{map}` of the material `{name}` is not supported yet and left out");
             self.warn_of_file(path, &message, place);
         }
-        let picture = painted.last().and_then(|(_, file)| self.found_picture(file, mtl_path, place));
+        let picture = painted.last().and_then(|(_, file)| self.found_picture(file, mtl_path, None, place));
         let material = PhongMaterial::from(phong(mtl)).with_picture(picture);
         let Some(id) = material.store(&mut self.materials) else { return ABSENT };
         self.slots_transmit |= self.materials.may_transmit(id, &self.materials);
@@ -193,17 +193,31 @@ impl Compiler<'_> {
     }
 
     /// A picture that another file than the scene names; one that cannot be read is left out with a warning.
-    pub(super) fn found_picture(&mut self, name: &str, from: &str, place: Span) -> Option<PictureMap> {
+    ///
+    /// * `encoding`: what its colours mean; `None` leaves it to the file
+    pub(super) fn found_picture(
+        &mut self,
+        name: &str,
+        from: &str,
+        encoding: Option<Encoding>,
+        place: Span,
+    ) -> Option<PictureMap> {
         let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
         // Some programs write the separators of their own system.
-        let read = pictures.picture(&name.replace('\\', "/"), from, None);
+        let read = pictures.picture(&name.replace('\\', "/"), from, encoding);
         self.laid_or_left_out(read, name, from, place)
     }
 
     /// A picture within another file; `name` is its own and that of the file.
-    pub(super) fn held_picture(&mut self, bytes: &[u8], name: &str, place: Span) -> Option<PictureMap> {
+    pub(super) fn held_picture(
+        &mut self,
+        bytes: &[u8],
+        name: &str,
+        encoding: Option<Encoding>,
+        place: Span,
+    ) -> Option<PictureMap> {
         let mut pictures = PictureReader::new(self.assets, self.options, &mut self.pictures);
-        let read = pictures.held(bytes, name);
+        let read = pictures.held(bytes, name, encoding);
         self.laid_or_left_out(read, name, name, place)
     }
 

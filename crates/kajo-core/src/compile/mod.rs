@@ -280,7 +280,8 @@ impl<'a> Compiler<'a> {
         let numbers = self.material_list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
         let material_numbers = numbers.rev().collect();
         let known = self.material_list.iter().map(|&(id, _)| id).chain(self.slot_materials.iter().copied());
-        let has_orientations = known.into_iter().any(|id| self.materials.is_oriented(id, &self.materials));
+        let has_orientations = !self.materials.embossed.is_empty()
+            || known.into_iter().any(|id| self.materials.is_oriented(id, &self.materials));
         let mut scene = Scene {
             shapes: self.shapes,
             transforms: self.transforms,

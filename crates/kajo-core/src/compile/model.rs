@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use kajo_color::Spectrum;
+use kajo_color::{Reflectance, Spectrum};
 use kajo_math::{Motion, Vec2, Vec3};
 use kajo_scene::{
     Args, AssetFile, Item, ModelInstance, ModelMaterial, ModelPart, PictureSource, PictureUse, PictureWrap,
@@ -15,14 +15,13 @@ use kajo_scene::{
 use super::Compiler;
 use super::definition::{Part, Parts};
 use super::group::{Place, Walk};
-use super::materials::absorption_of;
 use super::mesh::{corner_values, file_name};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
-use crate::material::{MaterialId, PhongMaterial};
+use crate::material::{Embossed, LayeredMaterial, Layers, MaterialId, Perforated, PhongMaterial, Relief};
 use crate::nested::Content;
 use crate::shape::{MeshData, ShapeId};
-use crate::texture::{PictureMap, TexelFilter, Wrap};
+use crate::texture::{Channel, Encoding, Paint, PictureMap, Share, TexelFilter, Wrap};
 
 /// Models read so far.
 pub(super) type ModelCache = HashMap<ModelKey, Option<Parts>>;
@@ -82,11 +81,7 @@ impl Compiler<'_> {
             true => model
                 .materials
                 .iter()
-                .map(|material| {
-                    let picture = self.model_picture(material, &model.pictures, &key.path, at);
-                    let material = PhongMaterial::from(phong(material)).with_picture(picture);
-                    material.store(&mut self.materials)
-                })
+                .map(|material| self.model_material(material, &model.pictures, &key.path, at))
                 .collect(),
             false => Vec::new(),
         };
@@ -105,18 +100,64 @@ impl Compiler<'_> {
         Some(parts)
     }
 
-    /// The picture of a material's colour.
-    fn model_picture(
+    /// A material of layers, with relief and holes where the file has them; the classic integrator sees its colour.
+    fn model_material(
         &mut self,
         material: &ModelMaterial,
         pictures: &[Option<PictureSource>],
         path: &str,
         at: Span,
+    ) -> Option<MaterialId> {
+        let mut map = |shown: Option<PictureUse>, encoding| {
+            shown.and_then(|shown| self.model_picture(shown, encoding, pictures, path, at))
+        };
+        let amounts = Some(Encoding::Linear);
+        let color = map(material.picture, None);
+        let metal_and_rough = map(material.metal_and_roughness, amounts);
+        let normals = material.normals.and_then(|(shown, scale)| Some((map(Some(shown), amounts)?, scale)));
+
+        let ModelMaterial { base_color: base @ [r, g, b], metallic, roughness, opacity, .. } = *material;
+        let paint = match &color {
+            Some(map) => Paint::Picture(PictureMap { factor: [r, g, b, 1.0], ..map.clone() }),
+            None => Reflectance::from_rgb(base).into(),
+        };
+        let share = |channel: Channel, value: f32| match &metal_and_rough {
+            Some(map) => Share::Picture(PictureMap { factor: [value; 4], ..map.clone() }, channel),
+            None => value.into(),
+        };
+        let layers = Layers {
+            color: paint,
+            metalness: share(Channel::Blue, metallic),
+            roughness: share(Channel::Green, roughness),
+            ..Layers::default()
+        };
+        let look = PhongMaterial::from(phong(material)).with_picture(color);
+        let mut id = LayeredMaterial::from(layers).with_look(look).store(&mut self.materials)?;
+        if let Some((map, scale)) = normals {
+            let relief = Relief::Normals { map, scale };
+            id = Embossed { material: id, relief }.store(&mut self.materials)?;
+        }
+        if opacity < 1.0 {
+            id = Perforated { material: id, opacity: opacity.into() }.store(&mut self.materials)?;
+        }
+        Some(id)
+    }
+
+    /// A picture that a material shows; one that cannot be read is left out.
+    fn model_picture(
+        &mut self,
+        shown: PictureUse,
+        encoding: Option<Encoding>,
+        pictures: &[Option<PictureSource>],
+        path: &str,
+        at: Span,
     ) -> Option<PictureMap> {
-        let PictureUse { picture: number, wrap, nearest } = material.picture?;
+        let PictureUse { picture: number, wrap, nearest } = shown;
         let map = match pictures.get(number)?.as_ref()? {
-            PictureSource::File(name) => self.found_picture(name, path, at),
-            PictureSource::Bytes(bytes) => self.held_picture(bytes, &format!("{path}#images[{number}]"), at),
+            PictureSource::File(name) => self.found_picture(name, path, encoding, at),
+            PictureSource::Bytes(bytes) => {
+                self.held_picture(bytes, &format!("{path}#images[{number}]"), encoding, at)
+            }
         }?;
         let wrap = match wrap {
             PictureWrap::Repeat => Wrap::Repeat,
@@ -167,19 +208,9 @@ fn mesh_data(part: ModelPart, smooth: bool) -> MeshData {
     }
 }
 
-/// The Phong material with the same colour and opacity.
+/// The opaque Phong material with the same colour.
 fn phong(material: &ModelMaterial) -> Phong {
     let [r, g, b] = material.base_color;
-    let diffuse = Spectrum::rgb(r, g, b) * material.opacity;
-    let transparent = Spectrum::WHITE * (1.0 - material.opacity);
-    Phong {
-        ambient: diffuse,
-        diffuse,
-        specular: Spectrum::BLACK,
-        exponent: 1.0,
-        reflective: Spectrum::BLACK,
-        transparent,
-        absorption: transparent.map(absorption_of),
-        eta: 1.0,
-    }
+    let diffuse = Spectrum::rgb(r, g, b);
+    Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
 }

@@ -212,7 +212,7 @@ impl PictureReader<'_> {
         let more = more(&mut params);
         params.finish();
         let picture = self.named(item, &name?, encoding, diagnostics)?;
-        Some((PictureMap { picture, wrap, filter, repeat, offset }, more))
+        Some((PictureMap { wrap, filter, repeat, offset, ..PictureMap::new(picture) }, more))
     }
 
     /// The picture of a name in the scene; one that cannot be read is an error.
@@ -257,8 +257,8 @@ impl PictureReader<'_> {
     }
 
     /// The picture of bytes that another file holds, under a name of its own.
-    pub fn held(&mut self, bytes: &[u8], name: &str) -> ReadPicture {
-        self.cached((name.to_owned(), None), || decode(bytes, None))
+    pub fn held(&mut self, bytes: &[u8], name: &str, encoding: Option<Encoding>) -> ReadPicture {
+        self.cached((name.to_owned(), encoding), || decode(bytes, None))
     }
 
     fn cached(
@@ -320,7 +320,7 @@ mod tests {
     use kajo_scene::{MemoryAssets, SceneDesc};
 
     use super::*;
-    use crate::bsdf::Phong;
+    use crate::bsdf::{Base, Bsdf, Phong};
     use crate::compile::compile;
     use crate::scene::{Interaction, Scene};
 
@@ -501,7 +501,8 @@ mod tests {
                 "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},
                 {{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}}],
                 "textures":[{{"source":0}}],"images":[{{{image}}}],
-                "materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[0.5,1,1,1],"baseColorTexture":{{"index":0}}}}}}],
+                "materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[0.5,1,1,1],"baseColorTexture":{{"index":0}},
+                "roughnessFactor":0.5,"metallicRoughnessTexture":{{"index":0}}}},"normalTexture":{{"index":0,"scale":0.5}}}}],
                 "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],
                 "nodes":[{{"mesh":0}}]}}"#
             )
@@ -519,13 +520,26 @@ mod tests {
             let at = event.surface().expect("the ray meets the model");
             let place = scene.material_point(at);
             let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, &place);
-            (phong.diffuse.to_rgb(), said)
+            let bsdf = scene.bsdf(at, &Wavelengths::RGB, 1.0, 0.5);
+            (phong.diffuse.to_rgb(), said, scene.shading(at, 0.5), bsdf)
         };
-        let (found, said) = color(r#""uri":"colors.png""#);
+        let (found, said, shading, bsdf) = color(r#""uri":"colors.png""#);
         assert_near(found, [0.5, 0.0, 0.0]);
         assert!(said.is_empty(), "{said:?}");
-        let (found, said) = color(r#""uri":"data:image/png;base64,Zm9v""#);
+        // Red is no green of roughness and no blue of metalness, and as a normal it points to the lower right, and inwards.
+        assert!(
+            shading.leans && shading.n.distance(Vec3::new(0.5, -0.5, -1.0).normalize()) < 1e-4,
+            "{shading:?}"
+        );
+        let Bsdf::Principled(layers) = bsdf else { panic!("{bsdf:?}") };
+        assert!(layers.base == Base::Diffuse && layers.alpha.x == 0.0, "{layers:?}");
+        assert_near(layers.color.to_rgb(), [0.5, 0.0, 0.0]);
+        let (found, said, shading, bsdf) = color(r#""uri":"data:image/png;base64,Zm9v""#);
         assert_near(found, [0.5, 1.0, 1.0]);
+        assert!(
+            !shading.leans && matches!(bsdf, Bsdf::Principled(layers) if layers.base == Base::Metal),
+            "{bsdf:?}"
+        );
         assert!(said[0].contains("skins/a.gltf#images[0]` is left out: "), "{said:?}");
     }
 

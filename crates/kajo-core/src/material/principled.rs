@@ -6,10 +6,12 @@
 //!
 //! Scene: `Principled { color 0.8 0.1 0.05  roughness 0.3  coat 1 }`
 
-use kajo_color::Spectrum;
+use kajo_color::{Reflectance, Spectrum};
 use kajo_math::Vec2;
 
-use super::{Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint};
+use super::{
+    Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, PhongMaterial, ShadingPoint,
+};
 use crate::bsdf::{Base, Bsdf, Microfacets, Phong, Principled, microfacet::Shape};
 use crate::texture::{Paint, Share, Textures};
 
@@ -50,10 +52,37 @@ pub struct Layers {
     pub priority: i32,
 }
 
+impl Default for Layers {
+    /// A grey pigment under a gloss.
+    fn default() -> Layers {
+        let grey = |value: f32| Paint::from(Reflectance::constant(value));
+        Layers {
+            color: grey(0.8),
+            specular_color: grey(1.0),
+            metalness: 0.0.into(),
+            transmission: 0.0.into(),
+            roughness: 0.3.into(),
+            grain: Grain::default(),
+            diffuse_roughness: 0.0.into(),
+            eta: 1.5,
+            coat: 0.0.into(),
+            coat_color: grey(1.0),
+            coat_roughness: 0.0.into(),
+            coat_eta: 1.6,
+            fuzz: 0.0.into(),
+            fuzz_color: grey(1.0),
+            fuzz_roughness: 0.5.into(),
+            priority: 0,
+        }
+    }
+}
+
 /// A layered material.
 #[derive(Clone, Debug)]
 pub struct LayeredMaterial {
     layers: Layers,
+    /// What the classic integrator sees in place of these.
+    look: Option<Box<PhongMaterial>>,
     /// Where it is the same everywhere.
     constant: Option<Phong>,
 }
@@ -61,7 +90,14 @@ pub struct LayeredMaterial {
 impl From<Layers> for LayeredMaterial {
     fn from(layers: Layers) -> LayeredMaterial {
         let constant = (!layers.vary()).then(|| layers.classic(Vec2::ZERO));
-        LayeredMaterial { layers, constant }
+        LayeredMaterial { layers, look: None, constant }
+    }
+}
+
+impl LayeredMaterial {
+    /// The same material, which looks like another one to the classic integrator.
+    pub fn with_look(self, look: PhongMaterial) -> LayeredMaterial {
+        LayeredMaterial { look: Some(Box::new(look)), ..self }
     }
 }
 
@@ -112,12 +148,15 @@ fn squared(roughness: &Share, uv: Vec2) -> f32 {
 }
 
 impl Appearance for LayeredMaterial {
-    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
+        if let Some(look) = &self.look {
+            return look.phong(materials, textures, at);
+        }
         self.constant.unwrap_or_else(|| self.layers.classic(at.uv))
     }
 
     fn constant(&self) -> Option<&Phong> {
-        self.constant.as_ref()
+        self.look.as_ref().map_or(self.constant.as_ref(), |look| look.constant())
     }
 
     fn needs_uv(&self, _materials: &Materials) -> bool {

@@ -138,13 +138,15 @@ pub struct PictureMap {
     pub repeat: Vec2,
     /// By how much of itself it is moved, to the left and down.
     pub offset: Vec2,
+    /// What its channels are multiplied by, in [0, 1].
+    pub factor: [f32; 4],
 }
 
 impl PictureMap {
     /// A picture that fills the unit square.
     pub fn new(picture: Arc<Picture>) -> PictureMap {
         let (wrap, filter) = (Wrap::default(), TexelFilter::default());
-        PictureMap { picture, wrap, filter, repeat: Vec2::ONE, offset: Vec2::ZERO }
+        PictureMap { picture, wrap, filter, repeat: Vec2::ONE, offset: Vec2::ZERO, factor: [1.0; 4] }
     }
 
     /// How far it is from a texel to the next in surface coordinates.
@@ -154,6 +156,12 @@ impl PictureMap {
 
     /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].
     pub fn at(&self, uv: Vec2) -> [f32; 4] {
+        let texel = self.unscaled(uv);
+        std::array::from_fn(|c| self.factor[c] * texel[c])
+    }
+
+    /// The picture's own numbers there.
+    fn unscaled(&self, uv: Vec2) -> [f32; 4] {
         let s = uv * self.repeat + self.offset;
         let (w, h) = (self.picture.width, self.picture.height);
         let x = self.wrap.coordinate(s.x) * w as f32;

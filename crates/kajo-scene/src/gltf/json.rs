@@ -178,11 +178,19 @@ pub(super) struct Sampler {
     pub mag_filter: Option<u32>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct TextureInfo {
     pub index: usize,
     pub tex_coord: u32,
+    /// Of normals only.
+    pub scale: f32,
+}
+
+impl Default for TextureInfo {
+    fn default() -> Self {
+        TextureInfo { index: 0, tex_coord: 0, scale: 1.0 }
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -190,7 +198,8 @@ pub(super) struct TextureInfo {
 pub(super) struct Material {
     pub name: Option<String>,
     pub pbr_metallic_roughness: MetallicRoughness,
-    pub normal_texture: Option<IgnoredAny>,
+    pub normal_texture: Option<TextureInfo>,
+    pub occlusion_texture: Option<IgnoredAny>,
     pub emissive_texture: Option<IgnoredAny>,
     pub emissive_factor: [f32; 3],
     pub alpha_mode: AlphaMode,
@@ -203,7 +212,7 @@ pub(super) struct MetallicRoughness {
     pub base_color_texture: Option<TextureInfo>,
     pub metallic_factor: f32,
     pub roughness_factor: f32,
-    pub metallic_roughness_texture: Option<IgnoredAny>,
+    pub metallic_roughness_texture: Option<TextureInfo>,
 }
 
 impl Default for MetallicRoughness {
@@ -228,44 +237,47 @@ pub(super) enum AlphaMode {
 }
 
 impl Material {
-    /// Whether there are textures besides that of the base colour, or that one has coordinates of its own.
+    /// Whether there are textures that are not shown: of emission and occlusion, and those with other coordinates.
     pub fn has_unused_textures(&self) -> bool {
         let pbr = &self.pbr_metallic_roughness;
-        pbr.base_color_texture.as_ref().is_some_and(|texture| texture.tex_coord != 0)
-            || pbr.metallic_roughness_texture.is_some()
-            || self.normal_texture.is_some()
+        let shown = [&pbr.base_color_texture, &pbr.metallic_roughness_texture, &self.normal_texture];
+        shown.into_iter().flatten().any(|texture| texture.tex_coord != 0)
             || self.emissive_texture.is_some()
+            || self.occlusion_texture.is_some()
     }
 
-    /// The material with the texture of its base colour.
+    /// The material with its textures.
     pub fn understood(&self, textures: &[Texture], samplers: &[Sampler]) -> ModelMaterial {
         let pbr = &self.pbr_metallic_roughness;
         let [r, g, b, a] = pbr.base_color_factor.map(|x| x.clamp(0.0, 1.0));
+        let picture = |info: &Option<TextureInfo>| picture(info.as_ref()?, textures, samplers);
+        let scale = self.normal_texture.as_ref().map_or(1.0, |info| info.scale);
         ModelMaterial {
             name: self.name.clone(),
             base_color: [r, g, b],
-            picture: self.picture(textures, samplers),
+            picture: picture(&pbr.base_color_texture),
+            metal_and_roughness: picture(&pbr.metallic_roughness_texture),
+            normals: picture(&self.normal_texture).map(|picture| (picture, scale)),
             opacity: if self.alpha_mode == AlphaMode::Blend { a } else { 1.0 },
             metallic: pbr.metallic_factor.clamp(0.0, 1.0),
             roughness: pbr.roughness_factor.clamp(0.0, 1.0),
             emissive: self.emissive_factor.map(|x| x.max(0.0)),
         }
     }
+}
 
-    fn picture(&self, textures: &[Texture], samplers: &[Sampler]) -> Option<PictureUse> {
-        // The numbers of OpenGL.
-        const CLAMP: u32 = 33071;
-        const MIRROR: u32 = 33648;
-        const NEAREST: u32 = 9728;
-        let info = self.pbr_metallic_roughness.base_color_texture.as_ref()?;
-        let texture = textures.get(info.index).filter(|_| info.tex_coord == 0)?;
-        let sampler = texture.sampler.and_then(|i| samplers.get(i));
-        let wrap = match sampler.and_then(|sampler| sampler.wrap_s) {
-            Some(CLAMP) => PictureWrap::Clamp,
-            Some(MIRROR) => PictureWrap::Mirror,
-            _ => PictureWrap::Repeat,
-        };
-        let nearest = sampler.and_then(|sampler| sampler.mag_filter) == Some(NEAREST);
-        Some(PictureUse { picture: texture.source?, wrap, nearest })
-    }
+fn picture(info: &TextureInfo, textures: &[Texture], samplers: &[Sampler]) -> Option<PictureUse> {
+    // The numbers of OpenGL.
+    const CLAMP: u32 = 33071;
+    const MIRROR: u32 = 33648;
+    const NEAREST: u32 = 9728;
+    let texture = textures.get(info.index).filter(|_| info.tex_coord == 0)?;
+    let sampler = texture.sampler.and_then(|i| samplers.get(i));
+    let wrap = match sampler.and_then(|sampler| sampler.wrap_s) {
+        Some(CLAMP) => PictureWrap::Clamp,
+        Some(MIRROR) => PictureWrap::Mirror,
+        _ => PictureWrap::Repeat,
+    };
+    let nearest = sampler.and_then(|sampler| sampler.mag_filter) == Some(NEAREST);
+    Some(PictureUse { picture: texture.source?, wrap, nearest })
 }

@@ -59,6 +59,10 @@ pub struct ModelMaterial {
     pub base_color: [f32; 3],
     /// What the base colour is multiplied by over the surface.
     pub picture: Option<PictureUse>,
+    /// What roughness, by its green, and metalness, by its blue channel, are multiplied by.
+    pub metal_and_roughness: Option<PictureUse>,
+    /// Normals of a fine relief, and the factor of their components across the surface.
+    pub normals: Option<(PictureUse, f32)>,
     /// How much the surface covers what is behind it, in [0, 1].
     pub opacity: f32,
     /// 1 for metals, 0 for everything else.
@@ -169,8 +173,11 @@ fn pictures(
     buffers: &Buffers<'_>,
     budget: &mut Budget,
 ) -> Result<Vec<Option<PictureSource>>, String> {
-    let used: BTreeSet<usize> =
-        materials.iter().filter_map(|material| material.picture).map(|p| p.picture).collect();
+    let shown = |material: &ModelMaterial| {
+        let normals = material.normals.map(|(picture, _)| picture);
+        [material.picture, material.metal_and_roughness, normals].into_iter().flatten()
+    };
+    let used: BTreeSet<usize> = materials.iter().flat_map(shown).map(|p| p.picture).collect();
     let mut read = |(i, image): (usize, &json::Image)| {
         if !used.contains(&i) {
             return Ok(None);
@@ -237,7 +244,7 @@ fn left_out(document: &json::Document) -> Vec<String> {
         (lights, "lights"),
         (document.animations.len(), "animations"),
         (document.skins.len(), "skins"),
-        (textured, "materials with textures besides that of their colour"),
+        (textured, "materials with textures that are not shown"),
         (glowing, "materials that give off light"),
     ];
     let used = list.into_iter().filter(|&(count, _)| count > 0);

@@ -239,8 +239,8 @@ fn what_is_left_out_is_said() {
     for expected in ["2 cameras", "1 lights", "1 animations", "1 skins"] {
         assert!(said.iter().any(|s| s == &format!("left out: {expected}")), "{expected}: {said:?}");
     }
-    let textured =
-        MESH.replace("\"metallicFactor\"", "\"metallicRoughnessTexture\":{\"index\":0},\"metallicFactor\"");
+    let textured = MESH
+        .replace("\"pbrMetallicRoughness\"", "\"occlusionTexture\":{\"index\":0},\"pbrMetallicRoughness\"");
     let said = read_square(&format!("{textured},\"nodes\":[{{\"mesh\":0}}]")).unwrap().left_out;
     assert!(said[0].contains("1 materials with textures"), "{said:?}");
 }
@@ -270,6 +270,21 @@ fn pictures_of_colours_are_found() {
 }
 
 #[test]
+fn pictures_of_normals_and_roughness_are_found() {
+    let mesh = MESH.replace(
+        "\"pbrMetallicRoughness\":{",
+        r#""normalTexture":{"index":0,"scale":0.5},"pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":1},"#,
+    );
+    let textures = r#""textures":[{"source":1},{"source":0}],"images":[{"uri":"mr.png"},{"uri":"n.png"}]"#;
+    let model = read_square(&format!("{mesh},\"nodes\":[{{\"mesh\":0}}],{textures}")).unwrap();
+    let shown = |picture| PictureUse { picture, wrap: PictureWrap::Repeat, nearest: false };
+    let material = &model.materials[0];
+    assert_eq!(material.normals, Some((shown(1), 0.5)));
+    assert_eq!(material.metal_and_roughness, Some(shown(0)));
+    assert!(model.pictures.iter().all(Option::is_some) && model.left_out.is_empty(), "{:?}", model.left_out);
+}
+
+#[test]
 fn pictures_that_are_nowhere_are_told_or_left_out() {
     for texture in ["\"index\":1", "\"index\":2", "\"index\":99"] {
         let model = painted(texture, "").unwrap();
@@ -277,7 +292,11 @@ fn pictures_that_are_nowhere_are_told_or_left_out() {
     }
     let other = painted("\"index\":0,\"texCoord\":1", "").unwrap();
     assert!(other.materials.iter().all(|material| material.picture.is_none()));
-    assert!(other.left_out.iter().any(|said| said.contains("textures besides")), "{:?}", other.left_out);
+    assert!(
+        other.left_out.iter().any(|said| said.contains("textures that are not shown")),
+        "{:?}",
+        other.left_out
+    );
     for (image, expected) in [
         ("{}", "images[1]: it has neither a `uri` nor a `bufferView`"),
         (r#"{"bufferView":99}"#, "images[1]: there is no such `bufferView`"),
