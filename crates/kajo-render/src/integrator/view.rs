@@ -104,7 +104,8 @@ impl<'a> View<'a> {
     fn is_joined(&self, film: &Raster) -> bool {
         // Samples that lie on the picture's corners cover more than the film. Where rows open one after the other, a place
         // seen at the moment of a path is not open then.
-        !film.corner_samples && !(self.moves && self.scene.readout > 0.0)
+        let rolls = self.moves && self.scene.readout > 0.0;
+        !film.corner_samples && !rolls
     }
 
     /// Whether the layers record albedos.
