@@ -6,8 +6,8 @@ use kajo_core::settings::{Dialect, Directions, IntegratorKind, Technique};
 
 use super::FieldKind::{Angle, Choice, ChoiceAndNumber, Color, Emission, File, Flag, Numbers, Point, Vector};
 use super::{
-    ANY, Block, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, at_least, between, block, field, number, option,
-    required, whole,
+    ANY, Block, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, SHARE, at_least, between, block, field, number,
+    option, required, whole,
 };
 
 const CENTER: FieldSpec = required("center", Point, "where it is");
@@ -22,6 +22,8 @@ const BLADE_ROTATION: FieldSpec =
     field("bladeRotation", Angle { min: -ANY, max: ANY }, "0", "turns the polygon");
 const BOKEH: FieldSpec = option("bokeh", File, "a picture of the opening");
 const SHUTTER: FieldSpec = field("shutter", Numbers(2), "0 1", "from when to when light is gathered");
+const ROLLING_SHUTTER: FieldSpec =
+    field("rollingShutter", SHARE, "0", "the share of that time in which rows open one after the other");
 const EYES: FieldSpec = field("eyeSeparation", at_least(0.0), "0.065", "distance between the eyes");
 
 const FILTERS: &[&str] = &["none", "box", "tent", "gaussian", "mitchell", "lanczos"];
@@ -52,6 +54,7 @@ pub(super) const BLOCKS: &[Block] = &[
             DIRECTION,
             UP,
             SHUTTER,
+            ROLLING_SHUTTER,
             required("angle", Angle { min: -ANY, max: ANY }, "field of view from bottom to top"),
             APERTURE,
             FOCUS,
@@ -70,6 +73,7 @@ pub(super) const BLOCKS: &[Block] = &[
             DIRECTION,
             UP,
             SHUTTER,
+            ROLLING_SHUTTER,
             required("size", number(), "height of the picture in the world"),
             APERTURE,
             FOCUS,
@@ -88,6 +92,7 @@ pub(super) const BLOCKS: &[Block] = &[
             DIRECTION,
             UP,
             SHUTTER,
+            ROLLING_SHUTTER,
             field("angle", Angle { min: 1e-3, max: 360.0 }, "180", "width of the disk"),
             field(
                 "projection",
@@ -106,6 +111,7 @@ pub(super) const BLOCKS: &[Block] = &[
             DIRECTION,
             UP,
             SHUTTER,
+            ROLLING_SHUTTER,
             EYES,
             field("stereo", Choice(&["none", "omnidirectional"]), "none", "one eye or two"),
         ],
@@ -118,6 +124,7 @@ pub(super) const BLOCKS: &[Block] = &[
             DIRECTION,
             UP,
             SHUTTER,
+            ROLLING_SHUTTER,
             EYES,
             field("stereo", Choice(&["twin", "omnidirectional"]), "twin", "how eyes turn"),
         ],
