@@ -139,6 +139,10 @@ impl RenderSettings {
                 "light from lamps does not find this camera, only perspective and orthographic ones",
             ),
             (
+                self.integrator == IntegratorKind::Light && scene.moves() && scene.readout > 0.0,
+                "light from lamps does not find a camera whose rows open one after the other while things move",
+            ),
+            (
                 shaded && unfading,
                 "a lamp here does not fade with the square of the distance, as real ones do; give it an `intensity`",
             ),
@@ -295,6 +299,25 @@ mod tests {
         assert!(expected.iter().all(|word| path.contains(word)) && !path.contains("black"), "{path}");
         assert!(!left_out(IntegratorKind::Light, false).contains("does not find"));
         assert_eq!(left_out(IntegratorKind::Occlusion, false).matches("left out").count(), 1);
+    }
+
+    #[test]
+    fn light_from_lamps_finds_no_rolling_shutter_while_things_move() {
+        let found = |keys: &str, motion: &str| {
+            let camera = format!(
+                "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30  shutter 0 1  {keys} }}"
+            );
+            let world = format!(
+                "Materials {{ Matte grey {{ color 0.5 0.5 0.5 }} }}
+                Group {{ MaterialIndex grey Transform {{ {motion} Sphere {{ center 0 0 0 radius 1 }} }} }}"
+            );
+            let scene = scene(&format!("{camera} {world}"));
+            let asked = Settings { integrator: Some(IntegratorKind::Light), ..Settings::default() };
+            !resolve(&scene, &asked, Defaults::Modern).left_out(&scene).join("; ").contains("does not find")
+        };
+        let motion = "Motion { key 0 { } key 1 { Translate 1 0 0 } }";
+        assert!(!found("rollingShutter 0.5", motion));
+        assert!(found("rollingShutter 0.5", "") && found("", motion));
     }
 
     #[test]
