@@ -62,10 +62,10 @@ impl Shading {
     }
 
     /// The frame for light that goes to the viewer in the unit direction `wo`.
-    #[inline]
+    #[inline(always)]
     pub fn frame(&self, wo: Vec3) -> Frame {
         let n = self.normal(wo);
-        if self.tangent == Vec3::ZERO { Frame::from_normal(n) } else { Frame::from_tangent(n, self.tangent) }
+        if self.tangent == Vec3::ZERO { Frame::from_normal(n) } else { along(n, self.tangent) }
     }
 }
 
@@ -106,6 +106,12 @@ impl Scene {
     }
 }
 
+/// A frame with grain, out of the way of those without: they are made at every surface that a path meets.
+#[inline(never)]
+fn along(n: Vec3, tangent: Vec3) -> Frame {
+    Frame::from_tangent(n, tangent)
+}
+
 /// The normal of a surface that rises by `slope` for each unit of its coordinates [Mikkelsen 2010, eq. 4].
 fn raised(n: Vec3, tangents: &Tangents, slope: Vec2) -> Vec3 {
     let Tangents { dpdu, dpdv } = *tangents;
@@ -125,6 +131,7 @@ fn raised(n: Vec3, tangents: &Tangents, slope: Vec2) -> Vec3 {
 /// ```
 ///
 /// a quadratic in `nz²`, as in Cycles.
+#[inline(never)]
 fn held_up(n: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
     /// Mirror directions rise so far at least, or nearly as far as the viewer does.
     const RISE: f32 = 0.01;

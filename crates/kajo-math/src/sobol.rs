@@ -27,7 +27,16 @@ pub fn point(index: u32) -> [u32; 2] {
 /// Point `index`, each coordinate scrambled with a seed of its own.
 #[inline]
 pub fn scrambled_point(index: u32, seeds: [u32; 2]) -> [u32; 2] {
-    [scramble_reversed(index, seeds[0]), scramble_reversed(pascal(index), seeds[1])]
+    let (x, y) = (scramble_reversed(index, seeds[0]), scramble_reversed(pascal(index), seeds[1]));
+    // Both turned round by what turns one.
+    let both = (u64::from(y) << 32 | u64::from(x)).reverse_bits();
+    [(both >> 32) as u32, both as u32]
+}
+
+/// The first coordinate of [`scrambled_point`].
+#[inline]
+pub fn scrambled_number(index: u32, seed: u32) -> u32 {
+    scramble_reversed(index, seed).reverse_bits()
 }
 
 /// The product of Pascal's matrix modulo 2 with the bits of `i`.
@@ -49,24 +58,29 @@ fn pascal(mut i: u32) -> u32 {
 /// constants are those of [Vegdahl 2021].
 #[inline]
 pub fn owen_scramble(x: u32, seed: u32) -> u32 {
-    scramble_reversed(x.reverse_bits(), seed)
+    scramble_reversed(x.reverse_bits(), seed).reverse_bits()
 }
 
-/// The same of a fraction whose bits stand in reverse order.
+/// The same of a fraction whose bits stand in reverse order; so do those of the result.
 #[inline]
 fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3D20_ADEA);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6C56);
-    x ^= x.wrapping_mul(0x53A2_2864);
-    x.reverse_bits()
+    x ^ x.wrapping_mul(0x53A2_2864)
 }
 
 /// A permutation of indices that keeps aligned blocks of `2^m` together.
 #[inline]
 pub fn shuffle(index: u32, seed: u32) -> u32 {
     owen_scramble(index, seed)
+}
+
+/// [`shuffle`] of an index whose bits stand in reverse order, for those who shuffle one index many times.
+#[inline]
+pub fn shuffle_reversed(reversed: u32, seed: u32) -> u32 {
+    scramble_reversed(reversed, seed).reverse_bits()
 }
 
 #[cfg(test)]
@@ -120,8 +134,11 @@ mod tests {
             let seeds = [hash(3 * seed + 1), hash(3 * seed + 2)];
             let points: Vec<_> =
                 (0..1024).map(|i| scrambled_point(shuffle(i, hash(3 * seed)), seeds)).collect();
-            let [x, y] = point(shuffle(9, hash(3 * seed)));
+            let ninth = shuffle(9, hash(3 * seed));
+            let [x, y] = point(ninth);
             assert_eq!(points[9], [owen_scramble(x, seeds[0]), owen_scramble(y, seeds[1])]);
+            assert_eq!(scrambled_number(ninth, seeds[0]), points[9][0]);
+            assert_eq!(shuffle_reversed(9u32.reverse_bits(), hash(3 * seed)), ninth);
             for m in 0..=10 {
                 assert!(is_net(&points[..1 << m]), "seed {seed}, 2^{m} points");
             }

@@ -65,6 +65,10 @@ pub struct Rectangle {
     /// Unit vectors along the edges, and across: the first times the second.
     axes: [DVec3; 3],
     lengths: [f64; 2],
+    middle: DVec3,
+    /// The square of a diagonal.
+    extent2: f64,
+    area: f64,
 }
 
 impl Rectangle {
@@ -79,7 +83,20 @@ impl Rectangle {
             edges,
             axes: [x, y, x.cross(y)],
             lengths,
+            middle: corner + 0.5 * (edges[0] + edges[1]),
+            extent2: edges[0].length_squared() + edges[1].length_squared(),
+            area: lengths[0] * lengths[1],
         })
+    }
+
+    /// The point where the diagonals cross.
+    pub fn middle(&self) -> DVec3 {
+        self.middle
+    }
+
+    /// The square of the diagonals' length, for edges that are exactly perpendicular.
+    pub fn extent2(&self) -> f64 {
+        self.extent2
     }
 
     /// The corner where both edges start.
@@ -99,7 +116,7 @@ impl Rectangle {
 
     /// Area of one side.
     pub fn area(&self) -> f64 {
-        self.lengths[0] * self.lengths[1]
+        self.area
     }
 }
 

@@ -118,8 +118,8 @@ impl<const N: usize> Histogram<N> {
         }
     }
 
-    #[inline(always)]
     /// Adds another.
+    #[inline(always)]
     pub(super) fn merge(&mut self, simd: impl Simd, other: &Histogram<N>) {
         for bin in 0..N {
             for axis in 0..3 {

@@ -32,15 +32,21 @@ impl Lambert {
     /// Probability of reflection.
     #[inline]
     fn reflects(&self) -> f32 {
-        let (r, t) = (self.reflectance.max_lane(), self.transmittance.max_lane());
-        if t > 0.0 { r / (r + t) } else { 1.0 }
+        let t = self.transmittance.max_lane();
+        if t > 0.0 {
+            let r = self.reflectance.max_lane();
+            return r / (r + t);
+        }
+        1.0
     }
 
+    #[inline]
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Spectrum {
         let share = if same_side(wo, wi) { self.reflectance } else { self.transmittance };
         share * (wi.z.abs() * FRAC_1_PI)
     }
 
+    #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         let p = self.reflects();
         wi.z.abs() * FRAC_1_PI * if same_side(wo, wi) { p } else { 1.0 - p }

@@ -160,10 +160,20 @@ impl Bsdf {
         }
     }
 
+    /// Whether [`Bsdf::sample`] chooses among lobes, so that it needs a number for it.
+    #[inline]
+    pub fn is_choosy(&self) -> bool {
+        match self {
+            Bsdf::Lambert(_) => self.transmits(),
+            Bsdf::Conductor(_) | Bsdf::Null => false,
+            _ => true,
+        }
+    }
+
     /// Chooses a direction for `wo`, or none: then the path ends, its light lost.
     ///
     /// * `u`: uniform in [0, 1)²
-    /// * `uc`: uniform in [0, 1), chooses among lobes
+    /// * `uc`: uniform in [0, 1), chooses among lobes; any such number where [`Bsdf::is_choosy`] is false
     #[inline]
     pub fn sample(&self, wo: Vec3, u: Vec2, uc: f32, mode: Transport) -> Option<BsdfSample> {
         match self {

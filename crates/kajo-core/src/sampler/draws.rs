@@ -35,6 +35,8 @@ pub struct Draws<'a> {
     /// Random bits of the pixel.
     hash: u64,
     sample: u32,
+    /// The number of the sample, its bits in reverse order.
+    reversed: u32,
     /// Samples that share the pixel, at least 1.
     count: u32,
     dimension: u32,
@@ -54,7 +56,8 @@ impl<'a> Draws<'a> {
     fn with_count(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32, count: u32) -> Draws<'a> {
         let hash = pixel_hash(seed, pixel);
         let stream = Stream::of_pixel(hash, sample);
-        Draws { sampler, seed, pixel, hash, sample, count: count.max(1), dimension: 0, stream }
+        let reversed = sample.reverse_bits();
+        Draws { sampler, seed, pixel, hash, sample, reversed, count: count.max(1), dimension: 0, stream }
     }
 
     /// The place of the sample relative to the top left corner of its pixel, in pixels; to be asked for first.
@@ -81,7 +84,10 @@ impl<'a> Draws<'a> {
         let d = self.take(1);
         match self.sampler.kind {
             SamplerKind::Uniform => self.stream.uniform(d),
-            SamplerKind::Sobol | SamplerKind::ZSobol => unit(self.sobol(d)[0]),
+            SamplerKind::Sobol | SamplerKind::ZSobol => {
+                let (index, hash) = self.place_in_sequence(d);
+                unit(sobol::scrambled_number(index, hash as u32))
+            }
             _ => self.stratum(d),
         }
     }
@@ -192,13 +198,18 @@ impl<'a> Draws<'a> {
     /// A scrambled point of the (0, 2)-sequence.
     #[inline]
     fn sobol(&self, d: u32) -> [u32; 2] {
-        let (index, hash) = if self.sampler.kind == SamplerKind::ZSobol {
-            zorder::index(self.seed, self.pixel, self.sample, self.count, d)
-        } else {
-            let hash = self.pattern(d, 0);
-            (sobol::shuffle(self.sample, mix(hash) as u32), hash)
-        };
+        let (index, hash) = self.place_in_sequence(d);
         sobol::scrambled_point(index, [hash as u32, (hash >> 32) as u32])
+    }
+
+    /// Which point of the (0, 2)-sequence is this sample's, and random bits for scrambling it.
+    #[inline]
+    fn place_in_sequence(&self, d: u32) -> (u32, u64) {
+        if self.sampler.kind == SamplerKind::ZSobol {
+            return zorder::index(self.seed, self.pixel, self.sample, self.count, d);
+        }
+        let hash = self.pattern(d, 0);
+        (sobol::shuffle_reversed(self.reversed, mix(hash) as u32), hash)
     }
 
     /// A point of the progressive set, with random digits flipped, which leaves each stratum its one point.

@@ -293,10 +293,7 @@ impl Patch {
             Patch::Triangle([a, b, c]) => {
                 ((a + b + c) / 3.0, (b - a).length_squared().max((c - a).length_squared()))
             }
-            Patch::Rectangle(rectangle) => {
-                let [a, b] = rectangle.edges();
-                (rectangle.corner() + 0.5 * (a + b), a.length_squared() + b.length_squared())
-            }
+            Patch::Rectangle(rectangle) => (rectangle.middle(), rectangle.extent2()),
             Patch::Quad(QuadPatch { corner, edges: [a, b] }) => {
                 (corner + 0.5 * (a + b), a.length_squared() + b.length_squared())
             }

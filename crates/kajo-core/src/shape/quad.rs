@@ -43,11 +43,11 @@ impl Surface for Quad {
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let r = Ray64::new(ray);
         let t = self.normal.dot(self.corner - r.o) / self.normal.dot(r.d);
+        let stored = in_range(ray, t)?;
         let w = r.at(t) - self.corner;
         let [u, v] = self.dual.map(|e| e.dot(w));
         let inside = (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v);
-        let t = in_range(ray, t).filter(|_| inside)?;
-        Some(Hit { t, u: u as f32, v: v as f32, part: 0 })
+        inside.then_some(Hit { t: stored, u: u as f32, v: v as f32, part: 0 })
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, visit: F) {

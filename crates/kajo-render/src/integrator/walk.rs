@@ -294,7 +294,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         boundary: Option<&Boundary>,
         part: Part,
     ) -> bool {
-        let (u, choice) = (self.draws.next_2d(), self.draws.next_1d());
+        let (u, choice) = (self.draws.next_2d(), self.draws.number_if(bsdf.is_choosy()));
         let drawn = match (part, self.settings.directions) {
             (Part::Diffuse, Directions::Cosine | Directions::Uniform) => {
                 self.hemisphere(bsdf, local.wo, u, choice)

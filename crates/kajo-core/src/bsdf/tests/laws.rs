@@ -56,6 +56,29 @@ fn weights_are_values_over_densities() {
     }
 }
 
+/// Paths leave out the number where a lobe says that it needs none.
+#[test]
+fn a_lobe_that_is_not_choosy_does_as_well_without_a_number() {
+    let lobes =
+        families().into_iter().flat_map(|family| ROUGHNESSES.map(|r| (family.name, (family.lobe)(r))));
+    let (mut choosy, mut plain) = (0, 0);
+    for (name, lobe) in lobes.chain(mirrors()) {
+        let differs = |i: u32| {
+            let (wo, _, u, uc) = random(&Stream::new(5, [i, 0], 0), 0);
+            let [with, without] = [uc, 0.0].map(|uc| lobe.sample(wo, u, uc, Transport::Radiance));
+            with.map(|sample| sample.wi) != without.map(|sample| sample.wi)
+        };
+        match lobe.is_choosy() {
+            true => choosy += u32::from((0..200).any(differs)),
+            false => {
+                plain += 1;
+                assert!(!(0..200).any(differs), "{name}: {lobe:?}");
+            }
+        }
+    }
+    assert!(choosy > 10 && plain > 5, "{choosy} and {plain} in the list");
+}
+
 /// The light that goes from `wi` to `wo` is the same, whichever end a path begins at.
 #[test]
 fn both_ways_are_one() {
