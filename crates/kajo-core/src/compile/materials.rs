@@ -46,7 +46,15 @@ const OPAQUE: f32 = 1e30;
 enum Draft<'t> {
     Phong(PhongMaterial, Extras),
     Physical(Physical, Extras),
-    Blend { pattern: TextureId, pattern_from_world: Affine3A, parts: [Reference<'t>; 2], place: Span },
+    Blend(BlendDraft<'t>),
+}
+
+/// A blend before the references to its parts are followed.
+struct BlendDraft<'t> {
+    pattern: TextureId,
+    pattern_from_world: Affine3A,
+    parts: [Reference<'t>; 2],
+    place: Span,
 }
 
 /// What any material of its own may have besides.
@@ -73,6 +81,17 @@ impl<'t> Reference<'t> {
         }
         Ok(Reference::Number(args.int_in(0..=i64::from(u32::MAX))? as usize, place))
     }
+}
+
+/// A blend whose parts are being resolved.
+struct Opened<'d, 't> {
+    /// The number of its draft.
+    number: usize,
+    draft: &'d BlendDraft<'t>,
+    /// The drafts of its parts, `None` for one that there is none for.
+    parts: [Option<usize>; 2],
+    /// How many of them have been looked at.
+    seen: usize,
 }
 
 /// How far the resolution of a draft has come.
@@ -186,10 +205,13 @@ impl Compiler<'_> {
                 Wood { octaves, frequency, amplitude }.store(textures)
             }
         };
-        Some(Draft::Blend { pattern: pattern?, pattern_from_world, parts, place: item.head_span() })
+        let place = item.head_span();
+        Some(Draft::Blend(BlendDraft { pattern: pattern?, pattern_from_world, parts, place }))
     }
 
     /// Puts draft `i` and everything it refers to into the pools.
+    ///
+    /// The blends on the way are in a list, since a thread's stack may be too small for them.
     fn resolve(
         &mut self,
         i: usize,
@@ -197,10 +219,36 @@ impl Compiler<'_> {
         names: &HashMap<String, usize>,
         states: &mut [State],
     ) -> State {
-        if let State::Done(..) | State::Failed = states[i] {
-            return states[i];
+        let mut opened = Vec::new();
+        self.begin(i, drafts, states, &mut opened);
+        while let Some(blend) = opened.last_mut() {
+            if let Some(part) = blend.draft.parts.get(blend.seen) {
+                let j = self.draft_number(part, drafts.len(), names);
+                blend.parts[blend.seen] = j;
+                blend.seen += 1;
+                if let Some(j) = j {
+                    self.begin(j, drafts, states, &mut opened);
+                }
+                continue;
+            }
+            states[blend.number] = self.blended(blend, states);
+            opened.pop();
         }
-        let state = match &drafts[i].0 {
+        states[i]
+    }
+
+    /// Resolves a draft that has no parts, and adds one that has to the list of those being resolved.
+    fn begin<'d, 't>(
+        &mut self,
+        i: usize,
+        drafts: &'d [(Option<Draft<'t>>, Option<String>)],
+        states: &mut [State],
+        opened: &mut Vec<Opened<'d, 't>>,
+    ) {
+        if let State::Done(..) | State::Failed = states[i] {
+            return;
+        }
+        states[i] = match &drafts[i].0 {
             None => State::Failed,
             Some(Draft::Phong(phong, extras)) => {
                 let id = phong.clone().store(&mut self.materials);
@@ -210,49 +258,41 @@ impl Compiler<'_> {
                 let id = physical.store(&mut self.materials);
                 self.with_extras(id, extras)
             }
-            Some(Draft::Blend { pattern, pattern_from_world, parts, place }) => {
-                if matches!(states[i], State::Open) {
-                    let error = Diagnostic::error("this material is made of itself");
-                    self.diagnostics.push(error.label(*place, "leads back here"));
-                    State::Failed
-                } else {
-                    states[i] = State::Open;
-                    let open = states.iter().filter(|s| matches!(s, State::Open)).count();
-                    let resolved = parts.each_ref().map(|part| {
-                        let j = self.draft_number(part, drafts.len(), names)?;
-                        if open as u32 > MAX_PARTS {
-                            self.report_too_many_parts(*place);
-                            return None;
-                        }
-                        match self.resolve(j, drafts, names, states) {
-                            State::Done(id, cost) => Some((id, cost)),
-                            _ => None,
-                        }
-                    });
-                    match resolved {
-                        [Some((a, cost_a)), Some((b, cost_b))] => {
-                            let cost = cost_a.saturating_add(cost_b).saturating_add(1);
-                            let materials = [a, b];
-                            if materials.iter().any(|part| self.glows.contains_key(part)) {
-                                let warning =
-                                    Diagnostic::warning("a mixture gives no light, whatever its parts say");
-                                self.diagnostics
-                                    .push(warning.label(*place, "a part of this has an `emission`"));
-                            }
-                            let blend = Blend {
-                                pattern: *pattern,
-                                pattern_from_world: *pattern_from_world,
-                                materials,
-                            };
-                            self.priced(blend, cost, *place)
-                        }
-                        _ => State::Failed,
-                    }
+            Some(Draft::Blend(draft)) if matches!(states[i], State::Open) => {
+                let error = Diagnostic::error("this material is made of itself");
+                self.diagnostics.push(error.label(draft.place, "leads back here"));
+                State::Open
+            }
+            Some(Draft::Blend(draft)) => {
+                if let Some(deepest) = opened.last().filter(|_| opened.len() >= MAX_PARTS as usize) {
+                    return self.report_too_many_parts(deepest.draft.place);
                 }
+                opened.push(Opened { number: i, draft, parts: [None; 2], seen: 0 });
+                State::Open
             }
         };
-        states[i] = state;
-        state
+    }
+
+    /// Puts a blend whose parts have been resolved into the pools; one of whose parts there is nothing fails.
+    fn blended(&mut self, blend: &Opened<'_, '_>, states: &[State]) -> State {
+        let resolved = blend.parts.map(|part| match states[part?] {
+            State::Done(id, cost) => Some((id, cost)),
+            State::Untouched | State::Open | State::Failed => None,
+        });
+        let [Some((a, cost_a)), Some((b, cost_b))] = resolved else { return State::Failed };
+        let cost = cost_a.saturating_add(cost_b).saturating_add(1);
+        let (materials, place) = ([a, b], blend.draft.place);
+        if materials.iter().any(|part| self.glows.contains_key(part)) {
+            let warning = Diagnostic::warning("a mixture gives no light, whatever its parts say");
+            self.diagnostics.push(warning.label(place, "a part of this has an `emission`"));
+        }
+        if cost > MAX_PARTS {
+            self.report_too_many_parts(place);
+            return State::Failed;
+        }
+        let BlendDraft { pattern, pattern_from_world, .. } = *blend.draft;
+        let id = Blend { pattern, pattern_from_world, materials }.store(&mut self.materials);
+        id.map_or(State::Failed, |id| State::Done(id, cost))
     }
 
     /// A material with its light and its holes.
@@ -280,14 +320,6 @@ impl Compiler<'_> {
         }
         self.glows.extend(extras.glow.clone().map(|glow| (id, glow)));
         State::Done(id, 1)
-    }
-
-    fn priced(&mut self, blend: Blend, cost: u32, place: Span) -> State {
-        if cost > MAX_PARTS {
-            self.report_too_many_parts(place);
-            return State::Failed;
-        }
-        blend.store(&mut self.materials).map_or(State::Failed, |id| State::Done(id, cost))
     }
 
     fn report_too_many_parts(&mut self, place: Span) {

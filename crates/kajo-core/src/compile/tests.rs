@@ -214,6 +214,15 @@ fn circles_and_towers_of_blends_are_refused() {
     }
     let (none, said) = blend(&(chain + "Material { }"));
     assert!(none.is_none() && !said.is_empty(), "a long chain of forward references");
+    // As deep as is allowed: 511 levels, each of the one below and a plain one. Threads' stacks may be small.
+    let mut allowed = String::new();
+    for i in 0..511 {
+        allowed += &format!("Mix {{ materialIndex {} materialIndex plain }}", i + 1);
+    }
+    allowed += "Material plain { diffuseColor 1 0.5 0 }";
+    let deep = std::thread::Builder::new().stack_size(256 << 10);
+    let some = deep.spawn(move || blend(&allowed).0.is_some()).unwrap().join();
+    assert!(some.unwrap(), "a chain within the limits");
     let (some, _) = blend("Checkerboard { materialIndex late materialIndex 1 } Material late { }");
     assert!(some.is_some(), "forward references by name and number");
 }
