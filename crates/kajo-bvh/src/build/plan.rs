@@ -51,7 +51,9 @@ impl Plan {
     fn over(bounds: Box4, as_leaf: f32, left: &Costs, right: &Costs) -> (Plan, Costs) {
         let (cost, k) = share(left, right, WIDTH);
         let as_node = bounds.half_area() + cost;
-        let plan = if as_leaf <= as_node { Plan::LEAF } else { Plan(0) };
+        // Surfaces of huge boxes are infinite, and so is the cost of what is too much for a leaf.
+        let is_leaf = as_leaf <= as_node && as_leaf < f32::INFINITY;
+        let plan = if is_leaf { Plan::LEAF } else { Plan(0) };
         let (mut plan, mut costs) = (plan.with(WIDTH, k), [as_leaf.min(as_node); WIDTH - 1]);
         for slots in 2..WIDTH {
             let (cost, k) = share(left, right, slots);

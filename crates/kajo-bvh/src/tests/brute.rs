@@ -163,7 +163,7 @@ fn slivers() {
 
 #[test]
 fn scales_from_tiny_to_huge() {
-    for scale in [1e-12, 1e-4, 1e6, 1e12] {
+    for scale in [1e-12, 1e-4, 1e6, 1e12, 1e25] {
         check(&Mesh::soup(1000, 0.2, 8).moved(|p| p * scale), rays(), "scaled soup");
     }
     check(&Mesh::soup(1000, 0.2, 8).moved(|p| p + 1e6), rays(), "far soup");
