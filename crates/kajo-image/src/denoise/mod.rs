@@ -5,6 +5,7 @@
 
 pub mod nlm;
 pub mod oidn;
+mod spikes;
 
 use crate::{Image, ImageError};
 

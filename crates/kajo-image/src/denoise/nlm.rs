@@ -19,6 +19,8 @@
 //! afterwards, so that patterns of surfaces do not count as differences of light. Where a picture has
 //! converged its variance is next to nothing, and it stays as it is.
 //!
+//! Before all that, [single pixels that are far too bright](super::spikes) are held down.
+//!
 //! Rows are worked on in bands of a fixed height, so the result does not depend on the number of threads.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -27,7 +29,7 @@ use std::thread;
 
 use kajo_math::fmath;
 
-use super::Guided;
+use super::{Guided, spikes};
 use crate::{Image, ImageError};
 
 /// The window reaches this far to each side.
@@ -117,14 +119,17 @@ impl Planes {
         let [width, height] = [picture.color.width(), picture.color.height()].map(|n| n as usize);
         let albedo: Vec<[f32; 3]> = triples(picture.albedo).map(|a| a.map(|v| v.max(LEAST_ALBEDO))).collect();
         let over = |(values, albedo): ([f32; 3], &[f32; 3])| [0, 1, 2].map(|c| values[c] / albedo[c]);
-        let light = triples(picture.color).zip(&albedo).map(over).collect();
-        let variance: Vec<[f32; 3]> =
+        let mut light: Vec<[f32; 3]> = triples(picture.color).zip(&albedo).map(over).collect();
+        let mut variance: Vec<[f32; 3]> =
             triples(picture.variance).zip(&albedo).map(over).zip(&albedo).map(over).collect();
         let feature = |(a, n): ([f32; 3], [f32; 3])| {
             let (a, n) = (a.map(|v| v / K_ALBEDO), n.map(|v| v / K_NORMAL));
             [a[0], a[1], a[2], n[0], n[1], n[2]]
         };
-        let features = triples(picture.albedo).zip(triples(picture.normal)).map(feature).collect();
+        let features: Vec<_> = triples(picture.albedo).zip(triples(picture.normal)).map(feature).collect();
+        if width > 0 {
+            spikes::hold_down(width, &mut light, &mut variance, &features);
+        }
         let variance = smoothed(&variance, width, height);
         Planes { width, height, light, variance, albedo, features }
     }
@@ -308,6 +313,20 @@ mod tests {
         assert!(before > 5.0 * after, "{before} to {after}");
         let mean = |image: &Image| image.data().iter().map(|&v| f64::from(v)).sum::<f64>();
         assert!((mean(&smooth) / mean(&layers.color) - 1.0).abs() < 0.02, "no light is lost");
+    }
+
+    #[test]
+    fn fireflies_leave_no_squares() {
+        let mut layers = noisy(16);
+        let calm = layers.error(&denoise(&layers.guided(), 2).unwrap());
+        for (x, y) in [(8, 9), (20, 50), (36, 28), (50, 12), (51, 12), (60, 45)] {
+            let i = (y * SIZE[0] as usize + x) * 3;
+            layers.color.data_mut()[i..i + 3].fill(60.0);
+            layers.variance.data_mut()[i..i + 3].fill(3600.0);
+        }
+        let smooth = denoise(&layers.guided(), 2).unwrap();
+        let error = layers.error(&smooth);
+        assert!(error < 20.0 * calm, "{calm} without fireflies, {error} with them");
     }
 
     #[test]
