@@ -23,6 +23,13 @@ pub(super) struct Glow {
     group: u8,
 }
 
+impl Glow {
+    /// The light of a surface of which only this share is there; `None` where nothing is left.
+    pub(super) fn weakened(self, share: f32) -> Option<Glow> {
+        (share > 0.0).then(|| Glow { emission: self.emission.scaled(share), ..self })
+    }
+}
+
 /// Reads `emission`, `emits` and `group` of a material.
 pub(super) fn read_glow(
     params: &mut Params<'_, '_>,

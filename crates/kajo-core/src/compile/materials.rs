@@ -303,6 +303,7 @@ impl Compiler<'_> {
             let Some(embossed) = Embossed { material: inner, relief }.store(&mut self.materials) else {
                 return State::Failed;
             };
+        let mut glow = extras.glow.clone();
             id = embossed;
         }
         if let Some((opacity, place)) = extras.opacity.clone().filter(|(opacity, _)| opacity.range()[0] < 1.0)
@@ -317,8 +318,15 @@ impl Compiler<'_> {
                 return State::Failed;
             };
             id = perforated;
+            if let (Some(_), true) = (&glow, opacity.varies()) {
+                let message = "a picture of `opacity` makes no holes in the light that a surface gives off";
+                let warning = Diagnostic::warning(message).label(place, "its `emission` stays as it is");
+                self.diagnostics.push(warning);
+            } else {
+                glow = glow.and_then(|glow| glow.weakened(opacity.range()[0]));
+            }
         }
-        self.glows.extend(extras.glow.clone().map(|glow| (id, glow)));
+        self.glows.extend(glow.map(|glow| (id, glow)));
         State::Done(id, 1)
     }
 

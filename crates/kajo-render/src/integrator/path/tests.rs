@@ -104,6 +104,32 @@ fn a_square_lamp_lights_a_floor_as_lambert_says() {
 }
 
 #[test]
+fn holes_do_not_glow() {
+    let text = |opacity: f32| {
+        format!(
+            "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }}
+                 Matte lamp {{ color 0 0 0  emission 3  emits front  opacity {opacity} }} }}
+             Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
+                      MaterialIndex lamp Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}",
+            camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0])
+        )
+    };
+    for technique in TECHNIQUES {
+        let settings = PathSettings { bounces: 1, technique, ..PathSettings::default() };
+        let expected = 0.4 * 0.7 / std::f64::consts::PI * 3.0 * 0.752_275;
+        check(&scene(&text(0.4)), settings, 2000, expected);
+        assert_eq!(mean(&scene(&text(0.0)), settings, 50, 0).mean, 0.0);
+    }
+    // A black body as warm as the world around it is not to be seen, with holes or without.
+    let warm = format!(
+        "{} Materials {{ Matte warm {{ color 0 0 0  emission 1  opacity 0.3 }} }}
+         Group {{ MaterialIndex warm Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.0, 0.0, 4.0], [0.3, 0.5, 0.0]).replace("color 0 0 0", "color 1 1 1")
+    );
+    check(&scene(&warm), PathSettings::default(), 4000, 1.0);
+}
+
+#[test]
 fn a_point_lamp_in_a_white_ball_lights_it_evenly() {
     // Direct light and what all bounces add: I (cos/d^2 + rho/(1-rho)/R^2) rho/pi.
     let view = camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0]);
