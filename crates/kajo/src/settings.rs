@@ -197,6 +197,8 @@ fn path_settings(integrator: IntegratorKind, asked: &Settings, own: &Settings) -
     let is_distribution = integrator == IntegratorKind::Distribution;
     PathSettings {
         bounces: bounces.unwrap_or(if is_distribution { 1 } else { default.bounces }),
+        // What is behind glass has its indirect light too.
+        free_mirrors: if is_distribution { default.bounces } else { 0 },
         only_mirrors: integrator == IntegratorKind::Direct,
         technique: asked.technique.or(own.technique).unwrap_or(default.technique),
         light_choice: asked.light_choice.or(own.light_choice).unwrap_or(default.light_choice),

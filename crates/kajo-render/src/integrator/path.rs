@@ -34,6 +34,8 @@ use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 pub struct PathSettings {
     /// How often light is scattered on its way from one surface to another; 0 shows what lamps light themselves.
     pub bounces: u32,
+    /// Mirrors and clear boundaries that a path may meet before any other surface without a bounce being counted.
+    pub free_mirrors: u32,
     /// Whether paths go on from mirrors and glass only, so that nothing but direct light is seen.
     pub only_mirrors: bool,
     /// How direct light is estimated.
@@ -55,6 +57,7 @@ impl Default for PathSettings {
     fn default() -> PathSettings {
         PathSettings {
             bounces: 16,
+            free_mirrors: 0,
             only_mirrors: false,
             technique: Technique::Combined,
             light_choice: LightChoice::Tree,

@@ -47,6 +47,8 @@ pub(super) struct Walk<'a, 'b, W> {
     groups: Option<&'a LightGroups>,
     bodies: Bodies,
     bounces: u32,
+    /// Mirrors that may still be met before the first bounce without counting as one.
+    free_mirrors: u32,
     /// How the present ray was found.
     origin: Origin,
     /// Whether the present ray is followed for lamps that it may meet, and no further.
@@ -95,6 +97,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             groups: None,
             bodies: view.bodies_around(&ray, &wavelengths),
             bounces: 0,
+            free_mirrors: settings.free_mirrors,
             origin: Origin { receiver: Receiver::default(), pdf: None },
             ends_at_lamps: false,
             is_branch: false,
@@ -268,7 +271,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
 
     /// Goes straight on, as if there were no surface.
     fn pass(&mut self, at: &Interaction) {
-        if self.bounces == 0 {
+        if self.bounces == 0 && self.free_mirrors == self.settings.free_mirrors {
             self.first = None;
         }
         self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
@@ -309,8 +312,12 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         let Some(sample) = drawn.filter(wanted) else { return false };
         let Some(wi) = local.outgoing(&sample) else { return false };
         let settings = self.settings;
+        let is_free = sample.kind.delta && self.bounces == 0 && self.free_mirrors > 0;
+        if is_free {
+            self.free_mirrors -= 1;
+        }
         self.ends_at_lamps =
-            self.bounces == settings.bounces || (settings.only_mirrors && !sample.kind.delta);
+            (self.bounces == settings.bounces && !is_free) || (settings.only_mirrors && !sample.kind.delta);
         if self.ends_at_lamps && settings.technique == Technique::Lamps && !sample.kind.delta {
             return false;
         }
@@ -330,7 +337,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             pdf: (!sample.kind.delta).then_some(sample.pdf),
         };
         self.ray = at.point.ray_towards(wi, f32::INFINITY, self.ray.time, RayOffset::Auto);
-        self.bounces += 1;
+        self.bounces += u32::from(!is_free);
         self.survives()
     }
 

@@ -104,6 +104,26 @@ fn a_square_lamp_lights_a_floor_as_lambert_says() {
 }
 
 #[test]
+fn mirrors_before_the_first_surface_may_be_free() {
+    let text = format!(
+        "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }}  Glass pane {{ thin on  indexOfRefraction 1 }}
+                         Matte lamp {{ color 0 0 0  emission 3  emits front }} }}
+         Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
+                  MaterialIndex lamp Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }}
+                  MaterialIndex pane Quad {{ corner -1 0.01 1 edge1 2 0 0 edge2 0 0.8 0 }}
+                  Quad {{ corner -1 0.01 1.2 edge1 2 0 0 edge2 0 0.8 0 }} }}",
+        camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0])
+    );
+    let expected = 0.7 / std::f64::consts::PI * 3.0 * 0.752_275;
+    for branches in [1, 4] {
+        let settings = PathSettings { bounces: 0, free_mirrors: 2, branches, ..PathSettings::default() };
+        check(&scene(&text), settings, 2000, expected);
+        let too_few = PathSettings { free_mirrors: 1, ..settings };
+        assert_eq!(mean(&scene(&text), too_few, 50, 0).mean, 0.0);
+    }
+}
+
+#[test]
 fn holes_do_not_glow() {
     let text = |opacity: f32| {
         format!(
