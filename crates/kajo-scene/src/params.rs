@@ -138,6 +138,42 @@ impl<'a, 'd> Params<'a, 'd> {
         self.children.iter().any(|child| !child.used && child.item.keyword() == key)
     }
 
+    /// Warns of the items among `keys` that are there, asked for or not: for this reason they have no effect.
+    pub fn idle(&mut self, keys: &[&str], reason: &str) {
+        for child in self.children.iter().filter(|child| keys.contains(&child.item.keyword())) {
+            let warning = Diagnostic::warning(format!("`{}` has no effect {reason}", child.item.keyword()));
+            self.diagnostics.push(warning.label(child.item.head_span(), "left aside"));
+        }
+    }
+
+    /// Warns at the last item called `key`, asked for or not.
+    pub fn warn(&mut self, key: &str, message: impl Into<String>, label: &str) {
+        let warning = Diagnostic::warning(message);
+        let place = self.children.iter().rev().find(|child| child.item.keyword() == key);
+        self.diagnostics.push(match place {
+            Some(child) => warning.label(child.item.head_span(), label),
+            None => warning,
+        });
+    }
+
+    /// Reports when more than one of `keys` is there, which are words for the same thing; what they say is still to be
+    /// asked for.
+    pub fn either(&mut self, keys: &[&str], what: &str) {
+        let mut first: Option<Item<'a>> = None;
+        for child in self.children.iter_mut().filter(|child| keys.contains(&child.item.keyword())) {
+            let other = first.filter(|first| first.keyword() != child.item.keyword());
+            if let Some(other) = other {
+                let error =
+                    Diagnostic::error(format!("{what} has {}, not both", one_of(keys.iter().copied())));
+                let error = error.label(child.item.head_span(), "one too many");
+                self.diagnostics.push(error.label(other.head_span(), "the other one"));
+            }
+            first.get_or_insert(child.item);
+            // Unknown it is not.
+            child.used = true;
+        }
+    }
+
     /// The one block called `key`, or `None`; when repeated the last wins, with a warning.
     pub fn block(&mut self, key: &'static str) -> Option<Item<'a>> {
         self.take_last(key)
@@ -288,6 +324,31 @@ mod tests {
 
     fn error<T: PartialEq + std::fmt::Debug>(text: &str) -> Result<T, String> {
         Err(text.to_owned())
+    }
+
+    #[test]
+    fn keys_without_effect_are_warned_of_and_words_for_the_same_refused() {
+        let said = |text: &str| {
+            let reader = |params: &mut Params<'static, '_>| {
+                params.either(&["color", "power"], "a light");
+                let power = params.optional("power", Args::number);
+                let color = params.optional("color", Args::number);
+                params.optional("focus", Args::number);
+                params.idle(&["focus", "blades"], "here");
+                params.warn("color", "odd", "so it is");
+                power.or(color)
+            };
+            read(text, reader)
+        };
+        assert_eq!(said("B { power 2 }"), (Some(2.0), vec!["warning: odd".to_owned()]));
+        let odd = |column: u32| format!("scene:1:{column}: warning: odd");
+        assert_eq!(said("B { color 3 }"), (Some(3.0), vec![odd(5)]));
+        let (_, both) = said("B { color 3  power 2 }");
+        let message = "scene:1:14: error: a light has `color` or `power`, not both";
+        assert_eq!(both, [message.to_owned(), odd(5)]);
+        let (_, idle) = said("B { color 1  focus 3 }");
+        let message = "scene:1:14: warning: `focus` has no effect here";
+        assert_eq!(idle, [message.to_owned(), odd(5)]);
     }
 
     #[test]

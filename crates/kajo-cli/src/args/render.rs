@@ -53,7 +53,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", help_heading = "Quality")]
     pub seed: Option<u64>,
 
-    /// How light is followed: classic, path, direct, distribution or occlusion
+    /// How light is followed: classic is for the course, path for right pictures
     #[arg(long, value_name = "NAME", help_heading = "Light",
         value_parser = values::choice(IntegratorKind::NAMES))]
     pub integrator: Option<IntegratorKind>,

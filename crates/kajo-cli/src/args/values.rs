@@ -37,12 +37,12 @@ impl FromStr for Samples {
     fn from_str(text: &str) -> Result<Samples, String> {
         let (pattern, number) = text.split_once(':').unwrap_or(("jittered", text));
         let pattern = SamplerKind::from_name(pattern);
-        let number = number.parse().ok().filter(|&n: &u32| i64::from(n) <= MAX_SAMPLES);
+        let number = number.parse().ok().filter(|&n: &u32| (1..=MAX_SAMPLES).contains(&n.into()));
         match (pattern, number) {
             (Some(pattern), Some(number)) => Ok(Samples(pattern, number)),
             _ => {
                 let names = SamplerKind::NAMES.map(|(name, _)| name).join(", ");
-                Err(format!("expected a number up to {MAX_SAMPLES}, or a number behind one of {names}"))
+                Err(format!("expected a number from 1 to {MAX_SAMPLES}, or a number behind one of {names}"))
             }
         }
     }
@@ -207,7 +207,7 @@ mod tests {
         assert_eq!("16".parse(), Ok(Samples(SamplerKind::Jittered, 16)));
         assert_eq!("regular:4".parse(), Ok(Samples(SamplerKind::Regular, 4)));
         assert_eq!("bluenoise:4".parse(), Ok(Samples(SamplerKind::ZSobol, 4)));
-        for wrong in ["regular", "random:4", "-1", "1048577", "4:regular", "1.5", ""] {
+        for wrong in ["regular", "random:4", "-1", "0", "sobol:0", "1048577", "4:regular", "1.5", ""] {
             assert!(wrong.parse::<Samples>().is_err(), "{wrong}");
         }
     }

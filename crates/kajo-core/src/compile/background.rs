@@ -31,6 +31,9 @@ impl Compiler<'_> {
         {
             let error = Diagnostic::error("a background is one of `cubeMap`, `environment` and `sky`");
             params.diagnostics().push(error.label(second.head_span(), "one too many"));
+        } else if environment.is_some() || sky.is_some() {
+            // Scenes of the classic format have a colour beside their cube map.
+            params.idle(&["color"], "beside an `environment` or a `sky`");
         }
         params.finish();
         let picture = match (sky, environment, cube_map) {

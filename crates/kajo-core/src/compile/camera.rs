@@ -116,5 +116,13 @@ fn frame(params: &mut Params<'_, '_>, raw_up: bool) -> Option<Frame> {
     let [center, direction, up] = ["center", "direction", "up"].map(|key| params.required(key, Args::vec3));
     let (center, direction, up) = (center?.as_dvec3(), direction?.as_dvec3(), up?.as_dvec3());
     let frame = Frame::new(center, direction, up);
+    if frame.right == DVec3::ZERO {
+        let (key, why) = if direction == DVec3::ZERO {
+            ("direction", "a camera without a `direction` looks nowhere")
+        } else {
+            ("up", "with `up` along `direction`, or without a length, every pixel sees the same")
+        };
+        params.warn(key, why, "says too little");
+    }
     Some(if raw_up { frame.with_raw_up(up) } else { frame })
 }

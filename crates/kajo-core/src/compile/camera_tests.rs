@@ -83,5 +83,6 @@ fn every_pattern_of_samples_has_its_name() {
     }
     let text = format!("PerspectiveCamera {{ {BASIS} angle 30 }} Settings {{ samples sobel 9 }}");
     assert_eq!(scene(&text).err().map(|errors| errors.len()), Some(1));
+    assert!(scene(&text.replace("sobel 9", "sobol 0")).is_err(), "nothing would be seen");
     assert_eq!(SamplerKind::from_name("sobel"), None);
 }

@@ -40,6 +40,11 @@ impl<'a> LensKeys<'a> {
             }
             (None, None) => Opening::Round,
         };
+        if diameter.is_none() {
+            params.idle(&["focus", "blades", "bladeRotation", "bokeh"], "without an `aperture`");
+        } else if matches!(opening, Opening::Picture(..)) {
+            params.idle(&["blades", "bladeRotation"], "beside `bokeh`");
+        }
         let diameter = diameter.filter(|&d| d > 0.0)?;
         Some(LensKeys { diameter, focus: focus?.into(), opening })
     }

@@ -73,6 +73,7 @@ impl Compiler<'_> {
 fn read_directional(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<DirectionalLight> {
     params.name();
     let direction = params.required("direction", unit_vector);
+    params.either(&["color", "irradiance"], "a light");
     let (intensity, emission) = match params.optional("irradiance", |args| spectra.emission(args)) {
         Some(irradiance) => physical(irradiance),
         None => classic(params.required("color", |args| spectra.classic_light(args))?),
@@ -135,6 +136,9 @@ fn read_spot(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option
     let outer = params.required("angle", |args| args.number_in(0.0..=360.0));
     let widest = outer.unwrap_or(0.0);
     let inner = params.or("innerAngle", 0.75 * widest, |args| args.number_in(0.0..=360.0));
+    if outer.is_some_and(|outer| inner > outer) {
+        params.idle(&["innerAngle"], "beyond `angle`: the edge is sharp");
+    }
     let cos_of_half = |degrees: f32| fmath::cos(0.5 * degrees.to_radians());
     let (cos_outer, cos_inner) = (cos_of_half(widest), cos_of_half(inner.min(widest)));
     let share = 0.5 * (1.0 - 0.5 * (cos_inner + cos_outer));
@@ -163,6 +167,7 @@ fn read_position_and_brightness(
         let error = Diagnostic::error("a light has either `attenuation` or `falloff`, not both");
         params.diagnostics().push(error.label(item.head_span(), "the other one is above or below"));
     }
+    params.either(&["color", "intensity", "power"], "a light");
     let power = params.optional("power", |args| spectra.emission(args));
     let intensity = match power {
         Some(power) => Some(power.scaled(share_of_each(4.0 * PI * share))),
@@ -181,6 +186,10 @@ fn read_position_and_brightness(
     let (intensity, emission) = classic(params.required("color", |args| spectra.classic_light(args))?);
     let coefficients = attenuation.map(|(c, _)| c).or(falloff.map(|(f, _)| [0.0, 0.0, f]));
     let attenuation = coefficients.unwrap_or([1.0, 0.0, 0.0]);
+    if attenuation == [0.0; 3] {
+        let key = if falloff.is_some() { "falloff" } else { "attenuation" };
+        params.warn(key, "light divided by zero is no number, so this lamp gives none", "only zeros");
+    }
     Some(PointLight { position: position?, intensity, emission, attenuation })
 }
 

@@ -114,6 +114,8 @@ impl Compiler<'_> {
         params.finish();
         // A misspelt material was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();
+        let misspelt = item.children().filter(|item| item.has_block() && !KEYWORDS.contains(&item.keyword()));
+        self.failed_materials.extend(misspelt.map(|item| item.word().map(|word| word.text().into_owned())));
         self.check_count("numMaterials", count, n_blocks, "material");
 
         let mut names = HashMap::new();
@@ -134,6 +136,8 @@ impl Compiler<'_> {
                 let name = drafts[i].1.clone();
                 self.material_names.extend(name.clone().map(|name| (name, id)));
                 self.material_list.push((id, name));
+            } else {
+                self.failed_materials.push(drafts[i].1.clone());
             }
         }
     }
@@ -299,11 +303,11 @@ impl Compiler<'_> {
     fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras) -> State {
         let Some(inner) = id else { return State::Failed };
         let mut id = inner;
+        let mut glow = extras.glow.clone();
         if let Some(relief) = extras.relief.clone() {
             let Some(embossed) = Embossed { material: inner, relief }.store(&mut self.materials) else {
                 return State::Failed;
             };
-        let mut glow = extras.glow.clone();
             id = embossed;
         }
         if let Some((opacity, place)) = extras.opacity.clone().filter(|(opacity, _)| opacity.range()[0] < 1.0)
@@ -314,10 +318,6 @@ impl Compiler<'_> {
                 self.diagnostics.push(error.label(place, "`opacity` is for opaque materials"));
                 return State::Failed;
             }
-            let Some(perforated) = Perforated { material: id, opacity }.store(&mut self.materials) else {
-                return State::Failed;
-            };
-            id = perforated;
             if let (Some(_), true) = (&glow, opacity.varies()) {
                 let message = "a picture of `opacity` makes no holes in the light that a surface gives off";
                 let warning = Diagnostic::warning(message).label(place, "its `emission` stays as it is");
@@ -325,6 +325,10 @@ impl Compiler<'_> {
             } else {
                 glow = glow.and_then(|glow| glow.weakened(opacity.range()[0]));
             }
+            let Some(perforated) = Perforated { material: id, opacity }.store(&mut self.materials) else {
+                return State::Failed;
+            };
+            id = perforated;
         }
         self.glows.extend(glow.map(|glow| (id, glow)));
         State::Done(id, 1)
@@ -359,7 +363,12 @@ impl Compiler<'_> {
         place: Span,
         near: Option<String>,
     ) -> Option<T> {
-        if found.is_none() {
+        let failed = &self.failed_materials;
+        let is_news = match reference {
+            Reference::Number(..) => failed.is_empty(),
+            Reference::Name(name, _) => !failed.iter().flatten().any(|failed| failed == name),
+        };
+        if found.is_none() && is_news {
             let message = match reference {
                 Reference::Number(i, _) => format!("there is no material number {i}"),
                 Reference::Name(name, _) => format!("there is no material named `{name}`"),

@@ -171,6 +171,8 @@ struct Compiler<'a> {
     materials: Materials,
     material_list: Vec<(MaterialId, Option<String>)>,
     material_names: HashMap<String, MaterialId>,
+    /// The names, where they have any, of materials that could not be made, which has been reported.
+    failed_materials: Vec<Option<String>>,
     slot_materials: Vec<MaterialId>,
     /// Whether light may pass through any of those.
     slots_transmit: bool,
@@ -219,6 +221,7 @@ impl<'a> Compiler<'a> {
             materials: Materials::default(),
             material_list: Vec::new(),
             material_names: HashMap::new(),
+            failed_materials: Vec::new(),
             slot_materials: Vec::new(),
             slots_transmit: false,
             glows: HashMap::new(),

@@ -79,6 +79,9 @@ fn by_name<T>(
 fn metal(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<Metal> {
     let measured = params.optional("metal", |args| by_name(args, named::metal, named::METALS.into_iter()));
     let color = paints.paint(params, "color", 0.9);
+    if measured.is_some() {
+        params.idle(&["color"], "beside `metal`");
+    }
     let substance = measured.map_or(Substance::Color(color), Substance::Measured);
     let (shape, roughness) = (shape(params), paints.share(params, "roughness", 0.0));
     Some(Metal::new(substance, shape, roughness).brushed(grain(params, paints)))
@@ -104,6 +107,15 @@ fn glass(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<Gl
     });
     let thickness = params.optional("thickness", |args| args.number_in(0.0..));
     let thin = params.or("thin", thickness.is_some(), Args::flag);
+    if named.is_some() {
+        params.idle(&["indexOfRefraction", "abbeNumber"], "beside `glass`");
+    }
+    if thin {
+        let polished = ["roughness", "anisotropy", "rotation", "distribution"];
+        params.idle(&polished, "here: a pane is always polished");
+    } else {
+        params.idle(&["thickness"], "with `thin off`");
+    }
     Some(GlassSettings {
         index: named.unwrap_or(plain),
         shape: shape(params),

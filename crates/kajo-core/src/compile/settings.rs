@@ -34,7 +34,7 @@ pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
         shadow_attenuation: params.optional("transparentShadows", |a| a.choice(&ATTENUATIONS)),
         shade_back: params.optional("shadeBack", Args::flag),
         samples: params
-            .optional("samples", |a| Ok((a.choice(&SamplerKind::NAMES)?, a.int_in(0..=MAX_SAMPLES)? as u32))),
+            .optional("samples", |a| Ok((a.choice(&SamplerKind::NAMES)?, a.int_in(1..=MAX_SAMPLES)? as u32))),
         filter: params.optional("filter", filter),
         seed: params.optional("seed", |a| a.int_in(0..=1 << 53).map(|n| n as u64)),
         fresnel: params.optional("fresnel", Args::flag),

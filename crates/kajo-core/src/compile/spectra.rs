@@ -64,6 +64,9 @@ impl SpectrumReader<'_> {
             return Ok(light.scaled(factor(args)?));
         }
         if let Some(table) = self.table(&word, args, Outside::Zero)? {
+            if let Some(v) = table.values().iter().find(|&&v| v < 0.0) {
+                return Err(args.error(format!("the light of a spectrum is not negative, but here is {v}")));
+            }
             return Ok(Emission::from_spectrum(table, 1.0));
         }
         let near = nearest(&word, ILLUMINANTS.into_iter().chain(["blackbody", "spectrum"]));
@@ -224,6 +227,7 @@ mod tests {
         assert!(error("emission spectrum 500 1 400 1").contains("must increase"));
         assert!(error("emission spectrum").contains("at least one pair"));
         assert!(error("emission D65 1 2").contains("found 2"));
+        assert!(error("emission spectrum 400 1 500 -2 600 1").contains("here is -2"));
         let error = |line: &str| read(line, reflectance).unwrap_err();
         assert_eq!(error("diffuseColor lamp.spd"), "a reflectance lies between 0 and 1, but here is 3");
         assert_eq!(error("diffuseColor D65"), "there is no reflectance named `D65`");

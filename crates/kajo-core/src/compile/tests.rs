@@ -378,6 +378,54 @@ fn what_a_flattened_transform_holds_is_read_but_never_seen() {
 }
 
 #[test]
+fn what_has_no_effect_is_said() {
+    let said = |text: &str| -> Vec<String> {
+        let (scene, said) = compiled(text);
+        assert!(scene.is_some(), "{said:?}");
+        said.into_iter().map(|(_, message)| message).collect()
+    };
+    let materials = |text: &str| said(&format!("{CAMERA}Materials {{ {text} }}"));
+    for (text, key) in [
+        ("Metal { metal gold  color 1 0 0 }", "color"),
+        ("Glass { glass water  indexOfRefraction 1.4 }", "indexOfRefraction"),
+        ("Glass { abbeNumber 30  glass water }", "abbeNumber"),
+        ("Glass { thin on  roughness 0.3 }", "roughness"),
+        ("Glass { thin off  thickness 0.3 }", "thickness"),
+    ] {
+        let messages = materials(text);
+        assert!(
+            messages.len() == 1 && messages[0].starts_with(&format!("`{key}` has no effect")),
+            "{messages:?}"
+        );
+    }
+    for text in ["Glass { thickness 0.1 }", "Glass { glass water  roughness 0.2 }", "Metal { color 1 0 0 }"] {
+        assert_eq!(materials(text), [""; 0]);
+    }
+    let camera = |keys: &str| said(&format!("PerspectiveCamera {{ center 0 0 5  angle 30  {keys} }}"));
+    let (ahead, up) = ("direction 0 0 -1", "up 0 1 0");
+    assert_eq!(camera(&format!("{ahead} {up}")), [""; 0]);
+    for keys in ["direction 0 0 0 up 0 1 0", "direction 0 2 0 up 0 -1 0", "direction 0 0 -1 up 0 0 0"] {
+        assert_eq!(camera(keys).len(), 1, "{keys}");
+    }
+    for keys in ["focus 5", "blades 5"] {
+        assert!(camera(&format!("{ahead} {up} {keys}"))[0].contains("without an `aperture`"));
+    }
+    assert_eq!(
+        camera(&format!("{ahead} {up} aperture 0  focus 5  blades 6")),
+        [""; 0],
+        "a lens that is shut for now"
+    );
+    let lights = |text: &str| said(&format!("{CAMERA}Lights {{ {text} }}"));
+    let spot = "SpotLight { position 0 1 0  direction 0 -1 0  intensity 1  angle 30";
+    assert_eq!(lights(&format!("{spot}  innerAngle 30 }}")), [""; 0]);
+    assert!(lights(&format!("{spot}  innerAngle 31 }}"))[0].contains("`innerAngle` has no effect"));
+    assert!(lights("PointLight { position 0 1 0  color 1 1 1  falloff 0 }")[0].contains("divided by zero"));
+    assert!(
+        said(&format!("{CAMERA}Background {{ sky {{ }}  color 1 }}"))[0].contains("`color` has no effect")
+    );
+}
+
+#[test]
 fn one_mistake_is_reported_once() {
     let errors = |text: &str| -> Vec<String> {
         let (_, said) = compiled(&format!("{CAMERA}{text}"));
@@ -391,6 +439,23 @@ fn one_mistake_is_reported_once() {
     assert_eq!(clear, ["light passes this material anyway, so that it can have no holes"]);
     let misspelt = errors("Materials { numMaterials 1 Matarial { } }");
     assert_eq!(misspelt, ["unknown word `Matarial` in `Materials`"]);
+    for two in ["color 1 1 1  intensity 1", "power 3  intensity 1", "power 3  color 1 1 1"] {
+        let twice = errors(&format!("Lights {{ PointLight {{ position 0 0 0  {two} }} }}"));
+        assert_eq!(twice, ["a light has `color`, `intensity` or `power`, not both"]);
+    }
+    let ball = |index: &str| format!("Group {{ MaterialIndex {index} Sphere {{ center 0 0 0 radius 1 }} }}");
+    for (materials, index) in [
+        ("Matte { roughness 2  color 1.5 0 0 }", "0"),
+        ("Matte one { color 1.5 0 0 } Matte two { }", "1"),
+        ("Matte one { } Matte two { color 1.5 0 0 }", "two"),
+        ("Matt two { }", "two"),
+        ("Mix two { materialIndex one } Matte one { }", "two"),
+    ] {
+        let wrong = errors(&format!("Materials {{ {materials} }} {}", ball(index)));
+        assert!(!wrong.iter().any(|message| message.contains("no material")), "{wrong:?}");
+    }
+    let other = errors(&format!("Materials {{ Matte one {{ color 1.5 0 0 }} }} {}", ball("nobody")));
+    assert!(other.len() == 2 && other[1] == "there is no material named `nobody`", "{other:?}");
     for index in ["7", "nobody", "-1"] {
         let wrong =
             errors(&format!("{RED}Group {{ MaterialIndex {index} Sphere {{ center 0 0 0 radius 1 }} }}"));
