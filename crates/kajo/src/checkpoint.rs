@@ -150,15 +150,38 @@ impl Identity {
 
     /// The first line in which another identity differs: its line, and that of this one.
     fn difference(&self, other: &str) -> Option<(String, String)> {
-        let short = |line: Option<&str>| line.unwrap_or("nothing").trim().to_owned();
         let (mut mine, mut others) = (self.text.lines(), other.lines());
+        // The lines around the present one that have begun something, each with its depth.
+        let mut around: Vec<(usize, &str)> = Vec::new();
+        let depth = |line: &str| line.len() - line.trim_start().len();
         loop {
             match (others.next(), mine.next()) {
                 (None, None) => return None,
-                (then, now) if then != now => return Some((short(then), short(now))),
+                (then, now) if then != now => {
+                    return Some((with_its_name(then, &around), with_its_name(now, &around)));
+                }
+                (Some(line), _) => {
+                    around.retain(|&(outer, _)| outer < depth(line));
+                    around.push((depth(line), line));
+                }
                 _ => {}
             }
         }
+    }
+}
+
+/// A line of a description, behind the name of what it is a part of where it has none of its own.
+///
+/// * `around`: the lines before it that are no deeper than it is
+fn with_its_name(line: Option<&str>, around: &[(usize, &str)]) -> String {
+    let Some(line) = line else { return "nothing".to_owned() };
+    let value = line.trim().trim_end_matches(',');
+    let depth = line.len() - line.trim_start().len();
+    let outer = around.iter().rev().filter(|&&(outer, _)| outer < depth);
+    let name = outer.filter_map(|(_, line)| line.split_once(':')).map(|(name, _)| name.trim()).next();
+    match name {
+        Some(name) if !value.contains(": ") => format!("{name} {value}"),
+        _ => value.to_owned(),
     }
 }
 
@@ -312,6 +335,19 @@ mod tests {
         let pair = |a: &str, b: &str| Some((a.to_owned(), b.to_owned()));
         assert_eq!(identity.difference("kajo 1\n  size 5\nseed 8"), pair("size 5", "size 4"));
         assert_eq!(identity.difference("kajo 1\nsize 4"), pair("nothing", "seed 7"));
+    }
+
+    #[test]
+    fn a_difference_says_what_it_is_of() {
+        let text = "Settings {\n    size: [\n        40,\n        30,\n    ],\n    samples: (\n        Sobol,\n        \
+                    64,\n    ),\n    seed: 7,\n}";
+        let mine = identity("kajo 1", text);
+        let pair = |a: &str, b: &str| Some((a.to_owned(), b.to_owned()));
+        assert_eq!(mine.difference(&text.replace("30", "31")), pair("size 31", "size 30"));
+        assert_eq!(mine.difference(&text.replace("64", "128")), pair("samples 128", "samples 64"));
+        assert_eq!(mine.difference(&text.replace("Sobol", "Pmj")), pair("samples Pmj", "samples Sobol"));
+        assert_eq!(mine.difference(&text.replace(": 7", ": 8")), pair("seed: 8", "seed: 7"));
+        assert_eq!(mine.difference(text), None);
     }
 
     #[test]
