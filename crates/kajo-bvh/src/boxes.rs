@@ -38,7 +38,9 @@ impl Bvh {
     pub fn build(boxes: &[Aabb], settings: &BuildSettings) -> Bvh {
         let prims = Prims::new(boxes.len().min(Child::LIMIT), |id| usable(boxes, id).map(Into::into));
         let leaf = |ids: &[u32], _: &mut [()], _: usize| ids[0];
-        let Some(built) = build::build(prims, SHAPE, settings.quality, leaf) else { return Bvh::default() };
+        let Some(built) = build::build(prims, SHAPE, settings.quality, build::NO_CORNERS, leaf) else {
+            return Bvh::default();
+        };
         Bvh { tree: built.tree, leaves: built.leaves, dropped: boxes.len() - built.leaves }
     }
 

@@ -46,7 +46,7 @@ impl MovingBvh {
         let prims =
             Prims::new(boxes.len().min(Child::LIMIT), |id| middle(boxes[id as usize]).map(Into::into));
         let leaf = |ids: &[u32], _: &mut [()], _: usize| ids[0];
-        let Some(built) = build::build(prims, SHAPE, settings.quality, leaf) else {
+        let Some(built) = build::build(prims, SHAPE, settings.quality, build::NO_CORNERS, leaf) else {
             return MovingBvh::default();
         };
         let tree = built.tree.moving(|id| boxes[id as usize]);

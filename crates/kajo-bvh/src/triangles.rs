@@ -1,5 +1,7 @@
 //! A tree over triangles.
 
+use std::collections::BTreeSet;
+
 use kajo_math::{Aabb, DVec3, Ray, Vec3, Vec3A};
 use rayon::prelude::*;
 
@@ -28,11 +30,13 @@ pub struct TriangleBvh {
     pub(crate) groups: Array<Group>,
     leaves: usize,
     dropped: usize,
+    /// Whether a triangle may stand in several leaves.
+    pub(crate) cut: bool,
 }
 
 impl Default for TriangleBvh {
     fn default() -> TriangleBvh {
-        TriangleBvh { tree: Tree::EMPTY, groups: Array::EMPTY, leaves: 0, dropped: 0 }
+        TriangleBvh { tree: Tree::EMPTY, groups: Array::EMPTY, leaves: 0, dropped: 0, cut: false }
     }
 }
 
@@ -61,11 +65,11 @@ impl TriangleBvh {
             }
             (first << MORE_BITS) as u32 | (groups.len() - 1) as u32
         };
-        let built = build::build(prims, SHAPE, settings.quality, leaf);
-        let Some(Built { tree, blocks, leaves }) = built else {
+        let built = build::build(prims, SHAPE, settings.quality, Some(corners), leaf);
+        let Some(Built { tree, blocks, leaves, cut }) = built else {
             return Err(BuildError::TooMany(triangles.len()));
         };
-        Ok(TriangleBvh { tree, groups: blocks, leaves, dropped })
+        Ok(TriangleBvh { tree, groups: blocks, leaves, dropped, cut })
     }
 
     /// Takes new corners for the same triangles and keeps the shape of the tree: fast, and fine
@@ -185,9 +189,16 @@ impl TriangleBvh {
     #[inline(always)]
     pub(crate) fn all_on<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(TriangleHit)) {
         let (shear, groups) = (Shear::new(ray), &*self.groups);
+        // A cut triangle is met in several leaves and counts in the first.
+        let mut seen = BTreeSet::new();
+        let mut once = |hit: TriangleHit| {
+            if !self.cut || seen.insert(hit.triangle) {
+                visit(hit);
+            }
+        };
         self.tree.any(simd, ray, Vec3::ZERO, |payload| {
             for group in leaf(groups, payload) {
-                group.all(simd, &shear, ray.t_max, &mut visit);
+                group.all(simd, &shear, ray.t_max, &mut once);
             }
             false
         });

@@ -55,6 +55,10 @@ impl Twig {
     pub(super) fn len(&self) -> usize {
         usize::from(self.len)
     }
+
+    pub(super) fn set_len(&mut self, len: usize) {
+        self.len = len as u16;
+    }
 }
 
 /// A part of the binary tree, parents before children. It knows the twigs of its own spots only.
@@ -63,6 +67,8 @@ pub(super) struct Grove {
     pub(super) twigs: Vec<Twig>,
     /// Primitives from left to right.
     pub(super) ids: Vec<u32>,
+    /// Whether a primitive may stand in the tree more than once.
+    pub(super) cut: bool,
 }
 
 /// A node above the groves.
@@ -145,6 +151,11 @@ impl Forest {
         }
     }
 
+    /// Whether a primitive may stand in it more than once.
+    pub(super) fn is_cut(&self) -> bool {
+        self.groves.iter().any(|grove| grove.cut)
+    }
+
     /// The grove of a twig.
     pub(super) fn grove(&self, spot: Spot) -> &Grove {
         &self.groves[spot.grove as usize]
@@ -210,7 +221,7 @@ pub(super) struct Set<'a> {
 }
 
 /// The upper part of the tree while it is built.
-enum Upper {
+pub(super) enum Upper {
     Grove(Grove),
     Node(Box4, Box<[Upper; 2]>),
 }
@@ -225,7 +236,7 @@ pub(super) fn build(set: Set<'_>, shape: LeafShape) -> Forest {
 fn upper(set: Set<'_>, shape: LeafShape, depth: usize) -> Upper {
     if set.prims.len() <= TASK {
         let n = set.prims.len();
-        let mut grove = Grove { twigs: Vec::with_capacity(n), ids: Vec::with_capacity(n) };
+        let mut grove = Grove { twigs: Vec::with_capacity(n), ids: Vec::with_capacity(n), cut: false };
         grove.grow(set, shape, 0);
         grove.twigs.shrink_to_fit();
         return Upper::Grove(grove);
@@ -236,7 +247,7 @@ fn upper(set: Set<'_>, shape: LeafShape, depth: usize) -> Upper {
     Upper::Node(bounds, Box::new([left, right]))
 }
 
-fn flatten(upper: Upper, forest: &mut Forest) {
+pub(super) fn flatten(upper: Upper, forest: &mut Forest) {
     match upper {
         Upper::Grove(grove) => forest.push(grove),
         Upper::Node(bounds, children) => {

@@ -104,6 +104,11 @@ impl Prim {
         bits(3) | bits(7) << ID_BITS
     }
 
+    /// The same primitive with another box.
+    pub(super) fn with_bounds(&self, bounds: Box4) -> Prim {
+        Prim::new(bounds, self.id())
+    }
+
     fn is_none(&self) -> bool {
         self.id() == u32::MAX
     }

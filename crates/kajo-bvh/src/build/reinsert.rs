@@ -78,7 +78,9 @@ pub(super) fn improve(forest: &mut Forest) {
     };
     let sizes = links.sizes(|node| leaf(node).len());
     let mut out = Forest::default();
+    let is_cut = forest.is_cut();
     links.emit_stem(ROOT, &sizes, &mut out, &leaf);
+    out.groves.iter_mut().for_each(|grove| grove.cut = is_cut);
     *forest = out;
 }
 

@@ -142,7 +142,7 @@ impl Forest {
         above.iter_mut().flat_map(Node::children_mut).for_each(|child| *child = place(*child));
         let bounds = self.bounds(self.root()).aabb();
         let tree = Tree { nodes, root: Some(place(root)), bounds, depth: size.depth };
-        Some(Built { tree, blocks, leaves: size.leaves })
+        Some(Built { tree, blocks, leaves: size.leaves, cut: self.is_cut() })
     }
 
     /// Adds nodes for all stems that become nodes. What lies below is added to `roots` with
@@ -163,10 +163,34 @@ impl Forest {
 }
 
 impl Grove {
+    /// The primitives of a leaf, each once, in ascending order.
+    fn sorted<'a>(&self, spot: Spot, sorted: &'a mut [u32; MOST]) -> &'a [u32] {
+        let ids = self.ids(spot);
+        let sorted = &mut sorted[..ids.len()];
+        sorted.copy_from_slice(ids);
+        sorted.sort_unstable();
+        if !self.cut {
+            return sorted;
+        }
+        let mut len = 0;
+        for i in 0..sorted.len() {
+            if i == 0 || sorted[i] != sorted[len - 1] {
+                sorted[len] = sorted[i];
+                len += 1;
+            }
+        }
+        &sorted[..len]
+    }
+
+    /// How many primitives a leaf holds.
+    fn leaf_len(&self, spot: Spot) -> usize {
+        if self.cut { self.sorted(spot, &mut [0; MOST]).len() } else { self.twig(spot).len() }
+    }
+
     /// What a subtree takes whose root lies below `depth` nodes.
     fn measure(&self, spot: Spot, depth: usize, shape: LeafShape) -> Size {
         let Some(slots) = Slots::new(self, spot) else {
-            return Size { nodes: 0, leaves: 1, blocks: shape.blocks(self.twig(spot).len()), depth };
+            return Size { nodes: 0, leaves: 1, blocks: shape.blocks(self.leaf_len(spot)), depth };
         };
         let below = slots.all().iter().map(|&spot| self.measure(spot, depth + 1, shape));
         below.fold(Size { nodes: 1, ..Size::default() }, Size::and)
@@ -181,11 +205,9 @@ impl Grove {
         leaf: &impl Fn(&[u32], &mut [B], usize) -> u32,
     ) -> Child {
         let Some(slots) = Slots::new(self, spot) else {
-            let (ids, mut sorted) = (self.ids(spot), [0; MOST]);
-            let sorted = &mut sorted[..ids.len()];
-            sorted.copy_from_slice(ids);
-            sorted.sort_unstable();
-            let own = room.take(Size { blocks: shape.blocks(ids.len()), ..Size::default() });
+            let mut sorted = [0; MOST];
+            let sorted = self.sorted(spot, &mut sorted);
+            let own = room.take(Size { blocks: shape.blocks(sorted.len()), ..Size::default() });
             return Child::leaf(leaf(sorted, own.blocks, own.first_block));
         };
         let own = room.take(Size { nodes: 1, ..Size::default() });

@@ -144,6 +144,9 @@ fn a_handful_of_triangles() {
 fn shared_edges() {
     assert!(check(&Mesh::grid(24, 0.1, 1), rays(), "hills") > rays() / 4);
     assert!(check(&Mesh::sphere(3), rays(), "sphere") > rays() / 4);
+    // Long triangles, of which many are cut.
+    let long = Mesh::sphere(4).moved(|p| p + Vec3::ONE * (10.0 * p.element_sum()));
+    assert!(check(&long, rays(), "long sphere") > rays() / 4);
 }
 
 #[test]

@@ -4,10 +4,15 @@ use kajo_math::{Aabb, Ray, Vec3};
 
 use super::meshes::Mesh;
 use crate::build::MAX_LEVELS;
-use crate::{BuildError, BuildSettings, Bvh, TriangleBvh};
+use crate::{BuildError, BuildSettings, Bvh, Quality, TriangleBvh};
 
 fn build(mesh: &Mesh) -> TriangleBvh {
     TriangleBvh::build(&mesh.positions, &mesh.triangles, &BuildSettings::default()).unwrap()
+}
+
+fn build_high(mesh: &Mesh) -> TriangleBvh {
+    let settings = BuildSettings { quality: Quality::High };
+    TriangleBvh::build(&mesh.positions, &mesh.triangles, &settings).unwrap()
 }
 
 #[test]
@@ -26,6 +31,32 @@ fn triangles_without_area_or_number_are_dropped_and_counted() {
     let mut tiny = Mesh::default();
     tiny.push([Vec3::ZERO, Vec3::X * 1e-30, Vec3::Y * 1e-30]);
     assert_eq!(build(&tiny).stats().dropped, 0, "small is not degenerate");
+}
+
+#[test]
+fn cutting_is_bounded_whatever_the_triangles() {
+    // Long triangles through one point, all boxes alike, at all sizes; the same ones over and over;
+    // one that is longer than all others by far.
+    let star = Mesh::slivers(400, 6).moved(|p| p * p.length_squared().powi(9));
+    let mut spear = Mesh::soup(3000, 0.01, 7);
+    spear.push([Vec3::splat(-1e30), Vec3::splat(1e30), Vec3::new(1e30, 1e30, -1e30)]);
+    let stack = Mesh::soup(100, 0.3, 8).repeated(60);
+    for mut mesh in [star, spear, stack, Mesh::soup(200, 2.0, 9).repeated(40)] {
+        mesh.push([Vec3::X, Vec3::X, Vec3::Y]);
+        mesh.push([Vec3::X, Vec3::splat(f32::NAN), Vec3::Y]);
+        let (tree, n) = (build_high(&mesh), mesh.triangles.len());
+        let references = tree.groups.iter().map(|g| {
+            let mut ids = g.triangles.to_vec();
+            ids.dedup();
+            ids.len()
+        });
+        let references: usize = references.sum();
+        assert!(tree.stats().dropped == 2 && references <= n + n * 3 / 10, "{references} of {n}");
+        assert!(tree.stats().depth <= MAX_LEVELS);
+        // What one triangle takes in a group of its own, with a node for every two leaves, is the most.
+        assert!(tree.stats().bytes <= references * (160 + 256), "{:?}", tree.stats());
+        assert_eq!(tree.bounds(), build(&mesh).bounds());
+    }
 }
 
 #[test]
@@ -50,8 +81,9 @@ fn an_index_out_of_range_is_an_error() {
 fn sizes_at_the_end_of_the_number_range() {
     for scale in [1e-38, 1e-30, 1e18, 1e30, f32::MAX] {
         let mesh = Mesh::soup(500, 0.3, 2).moved(|p| p * scale);
-        let tree = build(&mesh);
-        for ray in mesh.rays(200, 4) {
+        let trees = [build(&mesh), build_high(&mesh)];
+        for (ray, tree) in mesh.rays(200, 4).iter().flat_map(|ray| trees.each_ref().map(|tree| (*ray, tree)))
+        {
             let (hit, any) = (tree.closest(&ray), tree.any(&ray));
             assert!(hit.is_none_or(|h| !h.t.is_nan()));
             assert_eq!(hit.is_some(), any);

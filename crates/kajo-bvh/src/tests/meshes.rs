@@ -5,56 +5,56 @@ use kajo_math::{Ray, Vec3};
 
 /// Positions and triangles.
 #[derive(Clone, Default)]
-pub(super) struct Mesh {
-    pub(super) positions: Vec<Vec3>,
-    pub(super) triangles: Vec<[u32; 3]>,
+pub(crate) struct Mesh {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 /// Uniform numbers, one after the other.
-pub(super) struct Random {
+pub(crate) struct Random {
     stream: Stream,
     next: u32,
 }
 
 impl Random {
-    pub(super) fn new(seed: u64) -> Random {
+    pub(crate) fn new(seed: u64) -> Random {
         Random { stream: Stream::new(seed, [0, 0], 0), next: 0 }
     }
 
-    pub(super) fn unit(&mut self) -> f32 {
+    pub(crate) fn unit(&mut self) -> f32 {
         self.next += 1;
         self.stream.uniform(self.next)
     }
 
-    pub(super) fn below(&mut self, n: usize) -> usize {
+    pub(crate) fn below(&mut self, n: usize) -> usize {
         ((self.unit() * n as f32) as usize).min(n - 1)
     }
 
     /// Uniform in the cube from -1 to 1.
-    pub(super) fn cube(&mut self) -> Vec3 {
+    pub(crate) fn cube(&mut self) -> Vec3 {
         Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
     }
 }
 
 impl Mesh {
-    pub(super) fn push(&mut self, corners: [Vec3; 3]) {
+    pub(crate) fn push(&mut self, corners: [Vec3; 3]) {
         let first = self.positions.len() as u32;
         self.positions.extend(corners);
         self.triangles.push([first, first + 1, first + 2]);
     }
 
-    pub(super) fn corners(&self, triangle: usize) -> [Vec3; 3] {
+    pub(crate) fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|i| self.positions[i as usize])
     }
 
     /// Every position `p` moved to `f(p)`.
-    pub(super) fn moved(mut self, f: impl Fn(Vec3) -> Vec3) -> Mesh {
+    pub(crate) fn moved(mut self, f: impl Fn(Vec3) -> Vec3) -> Mesh {
         self.positions.iter_mut().for_each(|p| *p = f(*p));
         self
     }
 
     /// Scattered triangles; `size` is relative to the cube they fill.
-    pub(super) fn soup(n: usize, size: f32, seed: u64) -> Mesh {
+    pub(crate) fn soup(n: usize, size: f32, seed: u64) -> Mesh {
         let (mut random, mut mesh) = (Random::new(seed), Mesh::default());
         for _ in 0..n {
             let p = random.cube();
@@ -64,7 +64,7 @@ impl Mesh {
     }
 
     /// Long and thin triangles in all directions.
-    pub(super) fn slivers(n: usize, seed: u64) -> Mesh {
+    pub(crate) fn slivers(n: usize, seed: u64) -> Mesh {
         let (mut random, mut mesh) = (Random::new(seed), Mesh::default());
         for _ in 0..n {
             let p = random.cube();
@@ -75,7 +75,7 @@ impl Mesh {
     }
 
     /// A sheet over the unit square with `n` by `n` cells and heights up to `height`.
-    pub(super) fn grid(n: usize, height: f32, seed: u64) -> Mesh {
+    pub(crate) fn grid(n: usize, height: f32, seed: u64) -> Mesh {
         let (mut random, mut mesh) = (Random::new(seed), Mesh::default());
         for y in 0..=n {
             for x in 0..=n {
@@ -94,7 +94,7 @@ impl Mesh {
     }
 
     /// A closed sphere of radius 1 with `20 * 4^level` triangles.
-    pub(super) fn sphere(level: usize) -> Mesh {
+    pub(crate) fn sphere(level: usize) -> Mesh {
         let g = 0.5 * (1.0 + 5.0f32.sqrt());
         let mut positions: Vec<Vec3> = Vec::new();
         for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
@@ -137,14 +137,14 @@ impl Mesh {
     }
 
     /// Every triangle `n` times.
-    pub(super) fn repeated(mut self, n: usize) -> Mesh {
+    pub(crate) fn repeated(mut self, n: usize) -> Mesh {
         self.triangles = self.triangles.repeat(n);
         self
     }
 
     /// Rays of every kind at this mesh: scattered, along the axes through its vertices,
     /// aimed at vertices and edges, with all sorts of ranges.
-    pub(super) fn rays(&self, n: usize, seed: u64) -> Vec<Ray> {
+    pub(crate) fn rays(&self, n: usize, seed: u64) -> Vec<Ray> {
         let mut random = Random::new(seed);
         let (lo, hi) = self
             .positions

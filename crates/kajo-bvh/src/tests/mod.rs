@@ -3,7 +3,7 @@
 mod boxes;
 mod brute;
 mod hostile;
-mod meshes;
+pub(crate) mod meshes;
 mod moving;
 mod refit;
 mod steps;

@@ -5,7 +5,7 @@ use kajo_math::{Aabb, Ray, Vec3};
 use super::brute::{Loop, check_on};
 use super::meshes::Mesh;
 use crate::simd::Portable;
-use crate::{BuildError, BuildSettings, Bvh, TriangleBvh};
+use crate::{BuildError, BuildSettings, Bvh, Quality, TriangleBvh};
 
 fn bent(mesh: &Mesh) -> Mesh {
     mesh.clone().moved(|p| Vec3::new(p.x + 0.3 * p.y * p.y, 1.5 * p.y, p.z - 0.4 * p.x + 7.0))
@@ -13,12 +13,22 @@ fn bent(mesh: &Mesh) -> Mesh {
 
 #[test]
 fn triangles_with_new_corners_are_hit_where_they_are() {
-    for mesh in [Mesh::soup(1, 1.0, 4), Mesh::soup(2000, 0.2, 5), Mesh::sphere(4), Mesh::default()] {
+    for mesh in [
+        Mesh::soup(1, 1.0, 4),
+        Mesh::soup(2000, 0.2, 5),
+        Mesh::slivers(900, 5),
+        Mesh::sphere(4),
+        Mesh::default(),
+    ] {
         let (mut tree, bent) = (build(&mesh), bent(&mesh));
         tree.refit(&bent.positions, &bent.triangles).unwrap();
         check_on(Portable, &tree, &Loop::over(&bent), &bent.rays(1000, 6), "bent");
         let bounds = Aabb::around(bent.triangles.iter().flatten().map(|&i| bent.positions[i as usize]));
         assert_eq!(tree.bounds(), bounds);
+        let settings = BuildSettings { quality: Quality::High };
+        let mut cut = TriangleBvh::build(&mesh.positions, &mesh.triangles, &settings).unwrap();
+        cut.refit(&bent.positions, &bent.triangles).unwrap();
+        check_on(Portable, &cut, &Loop::over(&bent), &bent.rays(1000, 6), "bent and cut");
         // Back again, and everything is as it was.
         tree.refit(&mesh.positions, &mesh.triangles).unwrap();
         let new = build(&mesh);

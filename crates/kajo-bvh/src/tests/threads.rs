@@ -8,7 +8,11 @@ use crate::{BuildSettings, Bvh, Quality, TriangleBvh};
 #[test]
 fn any_number_of_threads_builds_the_same_tree() {
     // Large enough for sets that all threads share.
-    let mesh = Mesh::grid(220, 0.3, 1);
+    same_for_all(&Mesh::grid(220, 0.3, 1));
+    same_for_all(&Mesh::soup(40_000, 0.05, 2));
+}
+
+fn same_for_all(mesh: &Mesh) {
     let boxes: Vec<Aabb> = (0..mesh.triangles.len()).map(|t| Aabb::around(mesh.corners(t))).collect();
     for quality in [Quality::Linear, Quality::Fast, Quality::High] {
         let settings = BuildSettings { quality };

@@ -3,7 +3,7 @@
 use kajo_math::{Ray, Vec3};
 
 use super::meshes::{Mesh, Random};
-use crate::{BuildSettings, TriangleBvh};
+use crate::{BuildSettings, Quality, TriangleBvh};
 
 /// A million rays over all cases; with `KAJO_DEEP` set, ten million.
 fn rays_each() -> usize {
@@ -32,15 +32,24 @@ fn aim(mesh: &Mesh, scale: f32, offset: f32, from: f32, mut check: impl FnMut(&R
 
 fn each_place(from: f32, check: impl Fn(&TriangleBvh, &Ray) -> Result<(), String>) {
     for (name, scale, offset) in PLACES {
-        let mesh = Mesh::sphere(4).moved(|p| p * scale + offset);
-        let tree = TriangleBvh::build(&mesh.positions, &mesh.triangles, &BuildSettings::default()).unwrap();
-        let mut failures = Vec::new();
-        aim(&mesh, scale, offset, from, |ray| {
-            if let Err(message) = check(&tree, ray) {
-                failures.push(format!("{message}: {ray:?}"));
-            }
-        });
-        assert!(failures.is_empty(), "{name}: {} failures, first {}", failures.len(), failures[0]);
+        // The same stretched along no axis: its triangles are long, and many are cut.
+        let stretched = |p: Vec3| p + Vec3::ONE * (10.0 * p.element_sum());
+        for (quality, stretch) in [(Quality::Fast, false), (Quality::High, false), (Quality::High, true)] {
+            let shape = |p: Vec3| if stretch { stretched(p) } else { p };
+            let mesh = Mesh::sphere(4).moved(|p| shape(p) * scale + offset);
+            let tree =
+                TriangleBvh::build(&mesh.positions, &mesh.triangles, &BuildSettings { quality }).unwrap();
+            assert!(tree.cut || !stretch, "{name}: nothing is cut");
+            let mut failures = Vec::new();
+            // From outside, from where that still is outside.
+            let from = if stretch && from > 1.0 { 31.0 * from } else { from };
+            aim(&mesh, scale, offset, from, |ray| {
+                if let Err(message) = check(&tree, ray) {
+                    failures.push(format!("{message}: {ray:?}"));
+                }
+            });
+            assert!(failures.is_empty(), "{name}: {} failures, first {}", failures.len(), failures[0]);
+        }
     }
 }
 
