@@ -4,9 +4,15 @@
 //! its ancestors shrink, and put beside another node makes that node's ancestors grow; the
 //! best new place is found by branch and bound, walking up from the old one
 //! [Bittner, Hapala and Havran 2013], [Meister and Bittner 2018, alg. 2].
+//!
+//! Places for many subtrees of a whole tree are looked for side by side, in the tree as it is;
+//! then one after the other is moved if its place is still better than where it is. So the tree
+//! does not depend on the number of threads.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+
+use rayon::prelude::*;
 
 use super::binary::{At, Binary, Forest, Grove, MAX_LEVELS, Next, Spot, Stem, TASK, TOP_LEVELS, Twig};
 use super::prim::Box4;
@@ -16,6 +22,8 @@ const PASSES: usize = 2;
 /// One in so many subtrees of a whole tree is tried, the largest first, but at least [`FEW`].
 const SHARE: usize = 4;
 const FEW: usize = 1 << 16;
+/// Subtrees of a whole tree whose places are looked for side by side: at first, and at most.
+const TOGETHER: (usize, usize) = (16, 1024);
 /// How many subtrees of the top of a tree are moved around, if there are no more stems.
 const TOP: usize = 1 << 9;
 
@@ -67,7 +75,7 @@ pub(super) fn improve(forest: &mut Forest) {
     let mut links = Links::new(forest, usize::MAX);
     for _ in 0..PASSES {
         let largest = links.largest();
-        links.improve(&largest[..(largest.len() / SHARE).max(FEW).min(largest.len())]);
+        links.improve_together(&largest[..(largest.len() / SHARE).max(FEW).min(largest.len())]);
     }
     if links.depth() > MAX_LEVELS {
         return;
@@ -137,6 +145,65 @@ impl Links {
         let mut nodes: Vec<u32> = (1..self.bounds.len() as u32).collect();
         nodes.sort_by(|&a, &b| self.area(b).total_cmp(&self.area(a)).then(a.cmp(&b)));
         nodes
+    }
+
+    /// Moves `nodes` to better places, found by all threads.
+    fn improve_together(&mut self, mut nodes: &[u32]) {
+        let (mut count, most) = TOGETHER;
+        while !nodes.is_empty() {
+            let (now, later) = nodes.split_at(count.min(nodes.len()));
+            let place = |waiting: &mut Vec<_>, &node: &u32| self.better_place(node, waiting);
+            let places: Vec<_> = now.par_iter().with_min_len(16).map_init(Vec::new, place).collect();
+            for (&node, place) in now.iter().zip(places) {
+                if let Some(place) = place.filter(|&place| self.gain(node, place) > 0.0) {
+                    self.reinsert(node, place);
+                }
+            }
+            (nodes, count) = (later, most.min(2 * count));
+        }
+    }
+
+    /// How much less the tree costs with `node` beside `place`; nothing where it cannot go there.
+    fn gain(&self, node: u32, place: u32) -> f32 {
+        let (parent, bounds) = (self.parent(node), self.bounds[node as usize]);
+        let Some(sibling) = self.sibling(node).filter(|_| parent != ROOT) else { return 0.0 };
+        if [node, parent, sibling].contains(&place) {
+            return 0.0;
+        }
+        // Up to the lowest node that is above both, boxes shrink on one side and grow on the other.
+        let (mut from, mut to) = (parent, place);
+        let (mut depth_from, mut depth_to) = (self.depth_of(parent), self.depth_of(place));
+        let mut rest = self.bounds[sibling as usize];
+        let mut gain = self.area(parent) - self.bounds[place as usize].union(bounds).half_area();
+        while from != to {
+            if depth_to >= depth_from {
+                if to == node {
+                    return 0.0;
+                }
+                if to != place {
+                    let grown = self.bounds[to as usize].union(bounds);
+                    gain -= grown.half_area() - self.area(to);
+                }
+                (to, depth_to) = (self.parent(to), depth_to - 1);
+            } else {
+                if from != parent {
+                    gain += self.area(from) - rest.half_area();
+                }
+                let above = self.parent(from);
+                let other = self.sibling(from).unwrap_or(from);
+                rest = rest.union(self.bounds[other as usize]);
+                (from, depth_from) = (above, depth_from - 1);
+            }
+        }
+        gain
+    }
+
+    fn depth_of(&self, mut node: u32) -> usize {
+        let mut depth = 0;
+        while node != ROOT {
+            (node, depth) = (self.parent(node), depth + 1);
+        }
+        depth
     }
 
     /// Moves each of `nodes` to a better place if there is one.
@@ -367,6 +434,32 @@ mod tests {
         let mut ids = ids(&forest);
         ids.sort_unstable();
         assert!(ids.into_iter().eq(0..20_000));
+    }
+
+    #[test]
+    fn gains_are_what_a_move_saves() {
+        let sum = |links: &Links| {
+            (0..links.bounds.len() as u32).map(|node| f64::from(links.area(node))).sum::<f64>()
+        };
+        let mut links = Links::new(&forest(600), usize::MAX);
+        let (n, mut moved) = (links.bounds.len() as u32, 0);
+        for i in 0..20_000u32 {
+            let (node, place) = (i.wrapping_mul(2_654_435_761) % n, i.wrapping_mul(40_503) / 7 % n);
+            if node == ROOT || place == ROOT {
+                continue;
+            }
+            let gain = links.gain(node, place);
+            if gain > 0.0 {
+                let before = sum(&links);
+                links.reinsert(node, place);
+                let saved = before - sum(&links);
+                // Beside a node above it, at least so much.
+                assert!(saved > 0.999 * f64::from(gain) - 1e-6 * before, "{saved} instead of {gain}");
+                moved += 1;
+            }
+        }
+        check(&links);
+        assert!(moved > 20, "{moved}");
     }
 
     #[test]
