@@ -56,10 +56,11 @@ impl PhongLobes {
         self.diffuse.is_black() && self.specular.is_black()
     }
 
-    /// `max(0, r·wi)^q`.
+    /// `max(0, r·wi)^q`, zero behind the mirror direction for `q = 0` too.
     fn lobe(&self, wo: Vec3, wi: Vec3) -> f32 {
         let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
-        fmath::pow(mirror.dot(wi).clamp(0.0, 1.0), self.exponent)
+        let cos = mirror.dot(wi).min(1.0);
+        if cos > 0.0 { fmath::pow(cos, self.exponent) } else { 0.0 }
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Spectrum {

@@ -639,8 +639,9 @@ fn many_instances_take_little_memory_and_are_all_hit() {
         "{CAMERA}{RED}Group {{ Define ball {{ Sphere {{ center 0 0 0 radius 0.25 }} }} Define row {{ {row} }}
          MaterialIndex 0 {block} }}"
     ));
-    assert_eq!((s.primitives.len(), s.shapes.spheres.len()), (side * side, 1));
-    let each = s.bytes() / s.primitives.len();
+    let objects = s.object_count() as usize;
+    assert_eq!((objects, s.shapes.spheres.len()), (side * side, 1));
+    let each = s.bytes() / objects;
     assert!(each < 250, "{each} bytes an object");
     for i in 0..side {
         let (x, y) = (i as f32, (i * 7 % side) as f32);

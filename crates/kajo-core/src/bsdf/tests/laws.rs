@@ -5,7 +5,7 @@ use kajo_math::{Vec2, Vec3, rng::Stream, warp};
 use kajo_testkit::sphere;
 
 use super::super::*;
-use super::list::{ROUGHNESSES, directions, families, mirrors};
+use super::list::{ROUGHNESSES, directions, families, mirrors, phong};
 
 fn random(s: &Stream, k: u32) -> (Vec3, Vec3, Vec2, f32) {
     let v2 = |k| Vec2::new(s.uniform(k), s.uniform(k + 1));
@@ -54,6 +54,22 @@ fn weights_are_values_over_densities() {
             }
         }
     }
+}
+
+/// A highlight as wide as the half space around the mirror direction: it is drawn there and nowhere else.
+#[test]
+fn a_highlight_of_exponent_zero_ends_at_a_right_angle() {
+    let lobe = phong(0.0, 0.8, 0.0, 0.0, 1.0);
+    let mut behind = 0;
+    for i in 0..200 {
+        let (mut wo, mut wi, ..) = random(&Stream::new(6, [i, 0], 0), 0);
+        (wo.z, wi.z) = (wo.z.abs(), wi.z.abs());
+        let is_behind = Vec3::new(-wo.x, -wo.y, wo.z).dot(wi) < 0.0;
+        behind += u32::from(is_behind);
+        assert_eq!(lobe.pdf(wo, wi) == 0.0, is_behind);
+        assert_eq!(lobe.eval(wo, wi, Transport::Radiance).is_black(), is_behind);
+    }
+    assert!(behind > 20, "{behind}");
 }
 
 /// Paths leave out the number where a lobe says that it needs none.

@@ -39,7 +39,8 @@ fn glass(eta: f32, microfacets: Microfacets) -> Bsdf {
     Bsdf::Dielectric(Dielectric::new(eta, microfacets))
 }
 
-fn phong(diffuse: f32, specular: f32, reflective: f32, transparent: f32, alpha: f32) -> Bsdf {
+/// The classic model, its highlight as wide as a roughness of `alpha`.
+pub fn phong(diffuse: f32, specular: f32, reflective: f32, transparent: f32, alpha: f32) -> Bsdf {
     let grey = Spectrum::grey;
     let classic = Phong {
         ambient: Spectrum::WHITE,
