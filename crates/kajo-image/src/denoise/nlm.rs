@@ -19,7 +19,7 @@
 //! afterwards, so that patterns of surfaces do not count as differences of light. Where a picture has
 //! converged its variance is next to nothing, and it stays as it is.
 //!
-//! Before all that, [single pixels that are far too bright](super::spikes) are held down.
+//! Before all that, single pixels that are far too bright are held down.
 //!
 //! Rows are worked on in bands of a fixed height, so the result does not depend on the number of threads.
 

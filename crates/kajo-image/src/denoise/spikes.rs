@@ -74,8 +74,10 @@ mod tests {
 
     const SIDE: usize = 40;
 
+    type Layer<const N: usize> = Vec<[f32; N]>;
+
     /// Grey light of 1 with little variance on one surface.
-    fn even() -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<[f32; 6]>) {
+    fn even() -> (Layer<3>, Layer<3>, Layer<6>) {
         (vec![[1.0; 3]; SIDE * SIDE], vec![[0.01; 3]; SIDE * SIDE], vec![[0.0; 6]; SIDE * SIDE])
     }
 
