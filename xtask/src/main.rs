@@ -20,7 +20,7 @@ Usage: cargo xtask <CHORE>
   check            the quick part of it: format, lints, floors, words
   floors           only the floors: which crate and which module may import which
   words            only the words that no file may hold
-  deep             all tests in release, the slow ones in full, and instructions
+  deep             all tests with fast code, the slow ones in full, and instructions
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
   instructions     counts what rays take in instructions, where valgrind is installed; with --bless keeps the figures
   mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
@@ -106,9 +106,9 @@ fn no_banned_words(root: &Path, report: &mut Report) {
 
 fn deep(root: &Path, report: &mut Report) {
     packages::provide(report);
-    let tests = Cargo::new(root, "test --workspace --release --no-fail-fast -- --include-ignored");
+    let tests = Cargo::new(root, "test --workspace --profile deep --no-fail-fast -- --include-ignored");
     // What takes long runs in full where this is set.
-    report.run("all tests in release, in full", tests.env("KAJO_DEEP", "1"));
+    report.run("all tests with fast code, in full", tests.env("KAJO_DEEP", "1"));
     instructions::check(root, report, false);
 }
 
