@@ -185,6 +185,16 @@ impl<'a, 'd> Params<'a, 'd> {
         self.take_if(|item| keys.contains(&item.keyword()))
     }
 
+    /// Reports items that nobody has asked for and that `error` knows, instead of calling them unknown.
+    pub fn elsewhere(&mut self, error: impl Fn(Item<'a>) -> Option<Diagnostic>) {
+        for child in self.children.iter_mut().filter(|child| !child.used) {
+            if let Some(error) = error(child.item) {
+                child.used = true;
+                self.diagnostics.push(error);
+            }
+        }
+    }
+
     /// Every item not asked for yet that has a block, in the order of the text.
     pub fn blocks(&mut self) -> Vec<Item<'a>> {
         self.take_if(|item| item.has_block())

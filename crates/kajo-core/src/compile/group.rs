@@ -5,6 +5,7 @@ use kajo_scene::{Args, Diagnostic, Item, Params, not_supported_yet, unknown_word
 
 use super::definition::Part;
 use super::materials::Reference;
+use super::places::misplaced;
 use super::{Compiler, motion, transform};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
@@ -13,7 +14,7 @@ use crate::scene::Primitive;
 use crate::shape::{Cone, Cuboid, Disk, Plane, Quad, ShapeId, Sphere, Triangle};
 
 /// Words for objects, groups and transforms included.
-const OBJECTS: [&str; 13] = [
+pub(super) const OBJECTS: [&str; 13] = [
     "Box",
     "Cone",
     "Cylinder",
@@ -141,7 +142,9 @@ impl Compiler<'_> {
             word if LATER.contains(&word) => self.diagnostics.push(not_supported_yet(item)),
             _ => {
                 let allowed = OBJECTS.into_iter().chain(["Define", "MaterialIndex", "numObjects"]);
-                self.diagnostics.push(unknown_word(item, Some(parent), allowed));
+                let error = misplaced(item, Some("Group"));
+                let error = error.unwrap_or_else(|| unknown_word(item, Some(parent), allowed));
+                self.diagnostics.push(error);
             }
         }
     }

@@ -8,11 +8,12 @@ use kajo_math::{Frame, Vec3, fmath};
 use kajo_scene::{Args, Assets, Diagnostic, Item, Params, read_ies, read_limited};
 
 use super::Compiler;
+use super::places::misplaced;
 use super::spectra::{SpectrumReader, Written};
 use crate::family::Pooled;
 use crate::light::{DirectionalLight, LightId, Lights, PhotometricLight, Photometry, PointLight, SpotLight};
 
-const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
+pub(super) const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
 /// Words of other programs for lights that are written elsewhere here, and where that is.
 const ELSEWHERE: [(&str, &str); 3] = [
     ("AreaLight", "any object gives light whose material has an emission: `Matte lamp { emission 5 }`"),
@@ -28,14 +29,8 @@ impl Compiler<'_> {
         let mut params = Params::new(item, self.diagnostics);
         let count = params.block("numLights");
         let lights = params.take(&KEYWORDS);
-        for (word, place) in ELSEWHERE {
-            for item in params.take(&[word]) {
-                let error = Diagnostic::error(format!("`{word}` is no word of this language"));
-                params
-                    .diagnostics()
-                    .push(error.label(item.keyword_span(), "not a light of its own").help(place));
-            }
-        }
+        params.elsewhere(written_elsewhere);
+        params.elsewhere(|item| misplaced(item, Some("Lights")));
         params.finish();
         // A misspelt light was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();
@@ -68,6 +63,13 @@ impl Compiler<'_> {
             self.groups_of_lights.push(group);
         }
     }
+}
+
+/// The error for a light of other programs.
+fn written_elsewhere(item: Item<'_>) -> Option<Diagnostic> {
+    let (word, place) = ELSEWHERE.iter().find(|(word, _)| *word == item.keyword())?;
+    let error = Diagnostic::error(format!("`{word}` is no word of this language"));
+    Some(error.label(item.keyword_span(), "not a light of its own").help(*place))
 }
 
 fn read_directional(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<DirectionalLight> {

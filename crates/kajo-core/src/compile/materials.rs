@@ -15,6 +15,7 @@ use super::emitters::{Glow, read_glow};
 use super::light_groups::LightGroups;
 use super::physical::{PHYSICAL, Physical};
 use super::pictures::PaintReader;
+use super::places::misplaced;
 use super::spectra::Written;
 use super::{Compiler, transform};
 use crate::bsdf::Phong;
@@ -22,7 +23,7 @@ use crate::family::Pooled;
 use crate::material::{Blend, Embossed, MaterialId, Perforated, PhongMaterial, Relief};
 use crate::texture::{Checker, Constant, Marble, Noise, Share, TextureId, Wood};
 
-const KEYWORDS: [&str; 11] = [
+pub(super) const KEYWORDS: [&str; 11] = [
     "Checkerboard",
     "Glass",
     "Marble",
@@ -111,6 +112,7 @@ impl Compiler<'_> {
         let mut params = Params::new(item, self.diagnostics);
         let count = params.block("numMaterials");
         let items = params.take(&KEYWORDS);
+        params.elsewhere(|item| misplaced(item, Some("Materials")));
         params.finish();
         // A misspelt material was meant to be one.
         let n_blocks = item.children().filter(Item::has_block).count();

@@ -119,8 +119,12 @@ impl Compiler<'_> {
         self.put_mesh(mesh, path, item, place)
     }
 
-    /// Builds the tree of a mesh.
+    /// Builds the tree of a mesh, unless the scene has failed already: nobody should wait for that to hear of a
+    /// misspelt word.
     fn built(&mut self, data: MeshData, path: &str, place: Span) -> Option<Mesh> {
+        if self.has_failed() {
+            return None;
+        }
         self.assets.progress(LoadStep::Building { path, triangles: data.faces.len() });
         let built = Mesh::new(data, &self.options.build);
         built.map_err(|error| self.cannot_read(path, &error.to_string(), place)).ok()

@@ -20,6 +20,7 @@ mod motion;
 mod nesting;
 mod physical;
 mod pictures;
+mod places;
 mod settings;
 mod spectra;
 mod transform;
@@ -36,6 +37,7 @@ use kajo_math::{Aabb, Transform};
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
 
 use self::definition::Definition;
+use self::places::misplaced;
 use crate::background::Background;
 use crate::family::Pooled;
 use crate::light::{LightId, Lights};
@@ -102,6 +104,7 @@ fn compile_tree(
     let lights = root.block("Lights");
     let materials = root.block("Materials");
     let group = root.block("Group");
+    root.elsewhere(|item| misplaced(item, None));
     root.finish();
 
     let settings = settings.map(|item| settings::read(item, diagnostics)).unwrap_or_default();
@@ -121,7 +124,7 @@ fn compile_tree(
         compiler.objects(item);
     }
     compiler.glowing_objects();
-    if compiler.diagnostics.has_errors() || !compiler.file_errors.is_empty() {
+    if compiler.has_failed() {
         return None;
     }
     // Classic rule: a scene without lights is fully lit by ambient light.
@@ -235,6 +238,11 @@ impl<'a> Compiler<'a> {
             meshes: mesh::MeshCache::default(),
             models: model::ModelCache::default(),
         }
+    }
+
+    /// Whether there was a mistake, so that no scene will come of it.
+    fn has_failed(&self) -> bool {
+        self.diagnostics.has_errors() || !self.file_errors.is_empty()
     }
 
     /// Reads the block of `item`; everything in it that `read` does not ask for is an error.
