@@ -13,6 +13,10 @@
 //! another build may draw another picture, be it by a single bit. The others name the scene by a digest of its files
 //! and hold every setting that decides a bit of the picture. A checkpoint whose text differs is refused with the first
 //! line that does.
+//!
+//! One thing may differ: the number of samples, where each of them is the same for any number
+//! ([`SamplerKind::is_open_ended`](kajo_core::sampler::SamplerKind::is_open_ended)) and it does not decide where
+//! they go. A render then goes on to more samples, to the bits of one that was asked for them at once.
 
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -80,6 +84,45 @@ pub enum CheckpointError {
         /// The line of this render's.
         now: String,
     },
+    /// It was made with another number of samples, and they depend on that number.
+    #[error(
+        "the checkpoint `{}` is of {then}, and this render of {now}: {}",
+        path.display(), in_words(*adaptive)
+    )]
+    OtherNumber {
+        /// The file.
+        path: PathBuf,
+        /// "16 jittered samples a pixel".
+        then: String,
+        /// The same of this render.
+        now: String,
+        /// Whether the number decided how many samples go where, and not where in a pixel they lie.
+        adaptive: bool,
+    },
+    /// It has more samples already than are asked for.
+    #[error(
+        "the checkpoint `{}` has {found} samples a pixel already, more than the {asked} of this render; \
+         ask for {found} or more",
+        path.display()
+    )]
+    MoreSamples {
+        /// The file.
+        path: PathBuf,
+        /// Those it has, with those of a pass that was begun.
+        found: u32,
+        /// Those of this render.
+        asked: u32,
+    },
+}
+
+/// Why a render cannot go on to another number of samples, and what to do.
+fn in_words(adaptive: bool) -> &'static str {
+    if adaptive {
+        "adaptive sampling decided by the number where samples go; go on with that number, or start afresh"
+    } else {
+        "where they lie depends on their number; go on with that number, or start afresh with sobol or uniform ones, \
+         which can be continued"
+    }
 }
 
 /// What a scene was read from, as one number.
@@ -124,6 +167,8 @@ pub(crate) struct Identity {
     text: String,
     /// See [`build`], once somebody asks.
     build: OnceLock<String>,
+    /// Whether noise decides where samples go.
+    adaptive: bool,
 }
 
 impl Identity {
@@ -134,14 +179,23 @@ impl Identity {
         spec: &FilmSpec,
         goal: &Goal,
     ) -> Identity {
-        // A picture may be developed otherwise when its render goes on.
-        let settings = RenderSettings { development: Development::default(), ..*settings };
+        // A picture may be developed otherwise when its render goes on, and the number of samples has a line of its own.
+        let (kind, number) = settings.samples;
+        let development = Development::default();
+        let settings = RenderSettings { development, samples: (kind, 0), ..*settings };
+        let number = if kind.is_open_ended() && !goal.adaptive {
+            "any number of samples".to_owned()
+        } else {
+            format!("{number} {} samples a pixel", kind.name())
+        };
         let digest = blake3::Hash::from_bytes(digest.0).to_hex();
         let adaptive = goal.adaptive.then_some(goal.noise);
         // The derived texts of numbers say all their digits.
-        let text =
-            format!("scene {digest}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n", scene.rules);
-        Identity { text, build: OnceLock::new() }
+        let text = format!(
+            "scene {digest}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
+            scene.rules
+        );
+        Identity { text, build: OnceLock::new(), adaptive: goal.adaptive }
     }
 
     fn build(&self) -> &str {
@@ -241,10 +295,19 @@ pub(crate) fn restore(
         return Err(CheckpointError::OtherBuild { path: path.into(), then, now });
     }
     if let Some((then, now)) = identity.difference(text) {
+        if [&then, &now].iter().all(|line| line.ends_with(" samples a pixel")) {
+            let adaptive = identity.adaptive;
+            return Err(CheckpointError::OtherNumber { path: path.into(), then, now, adaptive });
+        }
         return Err(CheckpointError::OtherRender { path: path.into(), then, now });
     }
     let film = Film::restore(spec, u64::MAX, &mut input).map_err(failed)?;
     let position = Position::restore(&film, schedule, &mut input).map_err(failed)?;
+    let (found, asked) = (position.samples_begun(), schedule.sampler.samples());
+    // Adaptive renders take more than that in noisy places.
+    if found > asked && !identity.adaptive {
+        return Err(CheckpointError::MoreSamples { path: path.into(), found, asked });
+    }
     Ok((film, position))
 }
 
@@ -298,7 +361,7 @@ mod tests {
     use kajo_core::sampler::{Sampler, SamplerKind};
 
     fn identity(build: &str, text: &str) -> Identity {
-        Identity { text: text.to_owned(), build: OnceLock::from(build.to_owned()) }
+        Identity { text: text.to_owned(), build: OnceLock::from(build.to_owned()), adaptive: false }
     }
 
     #[test]

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use kajo::output::Target;
 use kajo::{
-    BitDepth, CheckpointError, Defaults, Format, Goal, LoadOptions, MemoryAssets, Passes, Picture,
-    RenderError, RenderSettings, Resources, SamplerKind, Scene, SceneDigest, Settings, Silent, Snapshot,
-    View,
+    BitDepth, CheckpointError, Defaults, Format, Goal, IntegratorKind, LoadOptions, MemoryAssets, Passes,
+    Picture, RenderError, RenderSettings, Resources, SamplerKind, Scene, SceneDigest, Settings, Silent,
+    Snapshot, View,
 };
 
 const BALL: &str = "
@@ -94,6 +94,71 @@ fn a_checkpoint_continues_to_the_same_bytes() {
 }
 
 #[test]
+fn a_render_goes_on_to_more_samples() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.checkpoint");
+    let target = Target::check(&path, &[]).unwrap();
+    let without_end = &mut |_: Snapshot<'_>| ControlFlow::Continue(());
+    for kind in [SamplerKind::Sobol, SamplerKind::Uniform] {
+        for integrator in [IntegratorKind::Path, IntegratorKind::Bidirectional, IntegratorKind::Distribution]
+        {
+            let of = |n| RenderSettings { integrator, ..settings((kind, n)) };
+            let at_once = kajo::render(&scene(), &of(64), &OUTPUTS, &Resources::default(), &Silent).unwrap();
+            // Finished with a number that is no power of two, and begun only.
+            let finished = run(&of(19), &Passes::default(), without_end).unwrap();
+            finished.snapshot().unwrap().save(&target).unwrap();
+            let resumed_whole = resumed(&of(64), &path, Passes::default()).unwrap();
+            checkpoint(&of(40), &Passes::default(), &path);
+            let resumed_part = resumed(&of(64), &path, Passes::default()).unwrap();
+            assert_eq!(exr(&resumed_whole), exr(&at_once), "{kind:?}, {integrator:?}");
+            assert_eq!(exr(&resumed_part), exr(&at_once), "{kind:?}, {integrator:?}");
+            assert_eq!(resumed_whole.stats.samples, 60 * 40 * (64 - 19));
+        }
+    }
+}
+
+#[test]
+fn numbers_of_samples_that_cannot_be_reached_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.checkpoint");
+    for (name, kind) in SamplerKind::NAMES.into_iter().filter(|(_, kind)| !kind.is_open_ended()) {
+        checkpoint(&settings((kind, 16)), &Passes::default(), &path);
+        let error = refusal(&settings((kind, 64)), &path, Passes::default());
+        let CheckpointError::OtherNumber { then, now, .. } = &error else { panic!("{name}: {error}") };
+        assert_eq!(then.replacen("16", "64", 1), *now);
+        assert!(error.to_string().contains("sobol"), "{error}");
+    }
+    let sobol = |n| settings((SamplerKind::Sobol, n));
+    let adaptive = Goal { adaptive: true, ..Goal::default() };
+    let passes = Passes { goal: adaptive, ..Passes::default() };
+    checkpoint(&sobol(64), &passes, &path);
+    let error = refusal(&sobol(128), &path, passes);
+    assert!(matches!(error, CheckpointError::OtherNumber { adaptive: true, .. }), "{error}");
+    checkpoint(&sobol(16), &Passes::default(), &path);
+    assert!(resumed(&sobol(4), &path, Passes::default()).is_ok());
+    let error = refusal(&sobol(3), &path, Passes::default());
+    assert!(matches!(error, CheckpointError::MoreSamples { found: 4, asked: 3, .. }), "{error}");
+}
+
+#[test]
+fn a_goal_for_noise_can_be_raised() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.checkpoint");
+    let target = Target::check(&path, &[]).unwrap();
+    let settings = settings((SamplerKind::Uniform, 10_000));
+    let until = |noise| Passes { goal: Goal { noise: Some(noise), ..Goal::default() }, ..Passes::default() };
+    let without_end = &mut |_: Snapshot<'_>| ControlFlow::Continue(());
+    let coarse = run(&settings, &until(0.05), without_end).unwrap();
+    coarse.snapshot().unwrap().save(&target).unwrap();
+    let again = resumed(&settings, &path, until(0.05)).unwrap();
+    assert_eq!(again.stats.samples, 0, "it was good enough");
+    let fine = resumed(&settings, &path, until(0.02)).unwrap();
+    let at_once = run(&settings, &until(0.02), without_end).unwrap();
+    assert!(coarse.mean_samples() < fine.mean_samples() && fine.mean_samples() < 10_000.0);
+    assert_eq!(exr(&fine), exr(&at_once));
+}
+
+#[test]
 fn checkpoints_of_other_renders_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.checkpoint");
@@ -102,7 +167,7 @@ fn checkpoints_of_other_renders_are_refused() {
     let others = [
         (RenderSettings { seed: 7, ..settings }, "seed: 0"),
         (RenderSettings { size: [61, 40], ..settings }, "60"),
-        (RenderSettings { samples: (SamplerKind::Sobol, 17), ..settings }, "16"),
+        (RenderSettings { samples: (SamplerKind::Uniform, 16), ..settings }, "Sobol"),
     ];
     for (other, told) in others {
         let error = refusal(&other, &path, Passes::default());

@@ -63,6 +63,17 @@ impl SamplerKind {
         SamplerKind::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, kind)| kind)
     }
 
+    /// The first of its names.
+    pub fn name(self) -> &'static str {
+        SamplerKind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether sample `k` of a pixel is the same one whatever the number of samples, so that more of them can be
+    /// added to those that were taken. Otherwise the number says how the pixel, or the picture, is divided.
+    pub fn is_open_ended(self) -> bool {
+        matches!(self, SamplerKind::Uniform | SamplerKind::Sobol)
+    }
+
     /// Whether positions in the pixel are those of the classic program.
     fn is_classic(self) -> bool {
         matches!(self, SamplerKind::Uniform | SamplerKind::Regular | SamplerKind::Jittered)

@@ -96,6 +96,23 @@ fn random_positions_are_uniform_over_the_pixel() {
 }
 
 #[test]
+fn samples_of_open_ended_kinds_do_not_depend_on_their_number() {
+    let numbers = |kind, n| {
+        let sampler = Sampler::new(kind, n);
+        let of_sample = |k| {
+            let mut draws = Draws::new(&sampler, 3, [5, 9], k);
+            let mut split = draws.split(1, 2, 3);
+            let pairs = [draws.film_position(), draws.next_2d(), split.next_2d()];
+            (pairs, [draws.next_1d(), split.next_1d()])
+        };
+        (0..16).map(of_sample).collect::<Vec<_>>()
+    };
+    for (name, kind) in SamplerKind::NAMES {
+        assert_eq!(kind.is_open_ended(), numbers(kind, 16) == numbers(kind, 61), "{name}");
+    }
+}
+
+#[test]
 fn positions_depend_on_the_seed_only_where_they_are_random() {
     for kind in KINDS {
         let sampler = Sampler::new(kind, 4);

@@ -87,6 +87,10 @@ pub fn render_passes<I: PixelIntegrator + ?Sized>(
     let start = Instant::now();
     let mut stats = RenderStats::default();
     let mut quota = u32::MAX;
+    // A render that goes on may have been good enough before.
+    if position.unfinished.is_none() && is_quiet_enough(film, goal, position.done) {
+        return Ok(stats);
+    }
     while let Some(samples) = position.next_samples(settings, goal, quota) {
         let plan = position.plan(film, settings, samples.clone());
         // Beyond what the clock can tell there is no end.
@@ -129,6 +133,11 @@ impl Position {
     /// Samples of each pixel that the film has; those in noisy places may have more, see [`Goal::adaptive`].
     pub fn samples(&self) -> u32 {
         self.done
+    }
+
+    /// Samples of each pixel that the film has once the pass at hand is complete.
+    pub fn samples_begun(&self) -> u32 {
+        self.unfinished.as_ref().map_or(self.done, |unfinished| unfinished.samples.end)
     }
 
     /// Writes the position.
