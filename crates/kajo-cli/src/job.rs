@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use kajo::output::{OutputError, Target};
 use kajo::{
-    BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, Format, Highlight, LoadOptions, Loaded, Passes, Picture,
-    Progress, RenderError, RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings,
-    Severity, View,
+    BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, Format, Highlight, IntegratorKind, LoadOptions, Loaded,
+    Passes, Picture, Progress, RenderError, RenderSettings, RenderStats, Resources, SamplerKind, Scene,
+    SceneDigest, Settings, Severity, View,
 };
 
 use crate::args::{DevelopArgs, PassArgs};
@@ -226,6 +226,16 @@ impl Job {
         let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, uv)?;
         for note in settings.left_out(scene) {
             (voice.say)(&format!("warning: {note}\n"));
+        }
+        let splats = matches!(settings.integrator, IntegratorKind::Bidirectional | IntegratorKind::Light);
+        if splats && self.passes.adaptive {
+            let plan = match self.passes.noise {
+                Some(_) => "; leave out `--adaptive` to reach that `--noise`",
+                None => "",
+            };
+            (voice.say)(&format!(
+                "warning: adaptive sampling goes by what paths from the camera find, and not by light from lamps{plan}\n"
+            ));
         }
         let Some(words) = self.classic else { return Ok(settings) };
         let is_2004 = scene.rules.dialect == Dialect::Mit2004;

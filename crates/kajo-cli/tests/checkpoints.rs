@@ -123,6 +123,16 @@ fn goals_end_renders() {
 }
 
 #[test]
+fn noise_of_light_from_lamps_counts() {
+    let folder = Folder::new();
+    let light = "ball.txt --size 40 30 --samples uniform 512 --integrator light -o a.png --noise 0.05";
+    let ran = folder.succeed(light);
+    assert!(!ran.stderr.contains(", 16 samples a pixel"), "it is noisy at first: {}", ran.stderr);
+    let ran = folder.succeed(&format!("{light} --adaptive"));
+    assert!(ran.stderr.contains("not by light from lamps; leave out `--adaptive`"), "{}", ran.stderr);
+}
+
+#[test]
 fn a_render_leaves_its_state_however_it_ends() {
     let folder = Folder::new();
     let first = "ball.txt --size 150 100 --samples sobol 100000 -o a.exr --time 0.3 --checkpoint state";

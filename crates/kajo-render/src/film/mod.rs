@@ -166,11 +166,22 @@ impl Film {
             self.non_finite.fetch_add(1, Ordering::Relaxed);
         }
         let terms = terms.map(|term| term.unwrap_or(Term::ZERO));
-        part::splat(&self.spec, splat.raster, taps, |x, y, weight| {
+        let spreads = self.spec.layers.has(Layer::Variance);
+        let to_pixel = |x: u32, y: u32, add: &mut dyn FnMut(&mut SplatSums)| {
             let mut block = self.block(x / BLOCK, y / BLOCK);
-            let new = || Box::new(SplatSums::new(self.grid.cell(x / BLOCK, y / BLOCK)));
-            block.splats.get_or_insert_with(new).add(x, y, weight, &terms);
+            let new = || Box::new(SplatSums::new(self.grid.cell(x / BLOCK, y / BLOCK), spreads));
+            add(block.splats.get_or_insert_with(new));
+        };
+        part::splat(&self.spec, splat.raster, taps, |x, y, weight| {
+            to_pixel(x, y, &mut |sums| sums.add(x, y, weight, &terms));
         });
+        if let Some([x, y]) = part::pixel_at(&self.spec, splat.raster).filter(|_| spreads) {
+            to_pixel(x, y, &mut |sums| sums.add_square(x, y, &terms));
+        }
+    }
+
+    fn samples_per_pixel(&self) -> f64 {
+        self.samples() as f64 / self.spec.rect().area() as f64
     }
 
     fn new_camera(&self, rect: Rect) -> Camera {
@@ -265,10 +276,13 @@ impl Film {
             Camera::Open(sums) => sums.row(&self.spec, layer, rect.index(rect.x0, y), row),
             Camera::Finished(pixels) => pixels.row(&self.spec, layer, rect.index(rect.x0, y), row),
         }
-        if let Some(splats) = block.splats.as_ref().filter(|_| layer == Layer::Color) {
-            let samples_per_pixel = self.samples() as f64 / self.spec.rect().area() as f64;
-            let areas = areas.get_or_insert_with(|| Areas::new(&self.spec));
-            splats.add_to_row(areas, samples_per_pixel, y, row);
+        match (&block.splats, layer) {
+            (Some(splats), Layer::Color) => {
+                let areas = areas.get_or_insert_with(|| Areas::new(&self.spec));
+                splats.add_to_row(areas, self.samples_per_pixel(), y, row);
+            }
+            (Some(splats), Layer::Variance) => splats.add_variance_to_row(self.samples_per_pixel(), y, row),
+            _ => {}
         }
     }
 

@@ -10,9 +10,13 @@
 //!
 //! where `ε` is a tenth of the mean of the picture, so that dark blocks need not be better than anybody can
 //! see. It is a relative error, free of the picture's scale. The variance of independent samples is assumed;
-//! stratified ones do better than it says. Splats are not part of it.
+//! stratified ones do better than it says. Where light comes by splats, `V` is the sum of the variances of both.
 
-use super::{Camera, Film, Layer, sums::Spread};
+use super::{
+    Camera, Film, Layer,
+    splats::{Areas, SplatSpread},
+    sums::Spread,
+};
 
 /// Share of the picture's mean that is added to the mean of a block.
 const EPSILON: f64 = 0.1;
@@ -26,14 +30,34 @@ impl Film {
             return None;
         }
         let halves = self.spec.parts().halves;
-        let each: Vec<Vec<Spread>> = (0..halves).map(|half| self.spreads(half)).collect();
+        let splats = self.splat_spreads();
+        // Light that came by splats is part of what the error is relative to.
+        let with_splats = |half: usize| -> Vec<Spread> {
+            let add =
+                |(block, splats): (Spread, &SplatSpread)| Spread { mean: block.mean + splats.mean, ..block };
+            self.spreads(half).into_iter().zip(&splats).map(add).collect()
+        };
+        let each: Vec<Vec<Spread>> = (0..halves).map(with_splats).collect();
         let errors = each.iter().map(|blocks| relative_error(blocks, |_, block| block.variance_of_mean));
-        // The mean of two halves has a quarter of the sum of their variances.
+        let of_splats = relative_error(&each[0], |i, _| splats[i].variance)?;
+        // The mean of two halves has a quarter of the sum of their variances. Splats belong to both.
         let sum: f64 = errors.map(|error| error.map(|e| e * e)).sum::<Option<f64>>()?;
-        Some((sum / (halves * halves) as f64).sqrt())
+        Some((sum / (halves * halves) as f64 + of_splats * of_splats).sqrt())
     }
 
-    /// The spread of the samples of one half, or of all, in each block, row by row.
+    /// How splats spread in each block, row by row.
+    fn splat_spreads(&self) -> Vec<SplatSpread> {
+        let samples_per_pixel = self.samples_per_pixel();
+        let (mut areas, mut spreads) = (None, Vec::new());
+        self.for_each_block(|_, block| {
+            spreads.push(block.splats.as_ref().map_or_else(SplatSpread::default, |splats| {
+                splats.spread(areas.get_or_insert_with(|| Areas::new(&self.spec)), samples_per_pixel)
+            }));
+        });
+        spreads
+    }
+
+    /// The spread of the camera's samples of one half, or of all, in each block, row by row.
     pub(crate) fn spreads(&self, half: usize) -> Vec<Spread> {
         let mut spreads = Vec::new();
         self.for_each_block(|_, block| {

@@ -192,18 +192,23 @@ impl Taps {
     }
 }
 
+/// The pixel that a place of the film lies in; `None` beside the picture.
+///
+/// * `raster`: in pixels from the top left corner
+pub(crate) fn pixel_at(spec: &FilmSpec, raster: Vec2) -> Option<[u32; 2]> {
+    let inside = |at: f32, n: u32| at >= 0.0 && at < n as f32;
+    // Where the picture's width is no `f32`, the comparison lets one place too many through.
+    (inside(raster.x, spec.width) && inside(raster.y, spec.height))
+        .then(|| [(raster.x as u32).min(spec.width - 1), (raster.y as u32).min(spec.height - 1)])
+}
+
 /// Calls `add` with every pixel that light at a place of the film reaches, and its weight there; not at all
 /// beside the picture.
 ///
 /// * `raster`: in pixels from the top left corner
 /// * `taps`: memory to work with
 pub(crate) fn splat(spec: &FilmSpec, raster: Vec2, taps: &mut Taps, mut add: impl FnMut(u32, u32, Weight)) {
-    let inside = |at: f32, n: u32| at >= 0.0 && at < n as f32;
-    if !inside(raster.x, spec.width) || !inside(raster.y, spec.height) {
-        return;
-    }
-    // Where the picture's width is no `f32`, the comparison above lets one place too many through.
-    let own = [(raster.x as u32).min(spec.width - 1), (raster.y as u32).min(spec.height - 1)];
+    let Some(own) = pixel_at(spec, raster) else { return };
     let Some(radius) = spec.filter.radius() else {
         add(own[0], own[1], Weight::ONE);
         return;

@@ -7,6 +7,16 @@
 //! with `S` samples in all and `P` pixels; the integral runs over the part of the filter's support around pixel
 //! `j` that lies in the pixel's cell. It is the product of two integrals along the axes. Where samples count for
 //! their own pixel only, the filter is the pixel itself and the integral 1.
+//!
+//! Where the variance is wanted the squares `s²` of the splats that fall into a pixel are summed as well. Without a filter
+//! the pixel is the sum of `S` independent draws, most of them zero, so that its variance is
+//!
+//! ```text
+//! V_j = (P/S)² (Σ s² - (Σ s)²/S),
+//! ```
+//!
+//! of which the second term is smaller than the first by the number of pixels and is left out. Splats of one
+//! sample that fall into the same pixel are taken for independent, too. As for camera rays, filters are left aside.
 
 use std::io::{self, Read, Write};
 
@@ -18,6 +28,15 @@ use super::{
 };
 use crate::rect::Rect;
 
+/// How splats spread in a region.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SplatSpread {
+    /// Mean of what they bring.
+    pub mean: f64,
+    /// Mean over the pixels of its variance.
+    pub variance: f64,
+}
+
 /// Panels of the midpoint rule for one integral of a filter.
 const PANELS: u32 = 4096;
 
@@ -26,12 +45,55 @@ const PANELS: u32 = 4096;
 pub(crate) struct SplatSums {
     pub rect: Rect,
     values: Vec<[i128; 3]>,
+    /// Sums of the squares of those that fell into the pixel; empty where nobody wants the variance.
+    squares: Vec<[i128; 3]>,
 }
 
 impl SplatSums {
     /// Nothing, over the pixels of `rect`.
-    pub fn new(rect: Rect) -> SplatSums {
-        SplatSums { rect, values: vec![[0; 3]; rect.area() as usize] }
+    ///
+    /// * `spreads`: whether the variance is wanted
+    pub fn new(rect: Rect, spreads: bool) -> SplatSums {
+        let none = || vec![[0; 3]; rect.area() as usize];
+        SplatSums { rect, values: none(), squares: if spreads { none() } else { Vec::new() } }
+    }
+
+    /// Records how far a value, which fell into this pixel of the rectangle, makes the pixel spread.
+    pub fn add_square(&mut self, x: u32, y: u32, value: &[Term; 3]) {
+        let index = self.rect.index(x, y);
+        let Some(sums) = self.squares.get_mut(index) else { return };
+        for (sum, term) in sums.iter_mut().zip(value) {
+            *sum += term.squared();
+        }
+    }
+
+    /// Adds the variance of what the splats bring to a row of pixels; see [`SplatSums::add_to_row`].
+    pub fn add_variance_to_row(&self, samples_per_pixel: f64, y: u32, out: &mut [f32]) {
+        let row = self.rect.index(self.rect.x0, y);
+        for (sums, out) in self.squares.iter().skip(row).zip(out.chunks_exact_mut(3)) {
+            for (out, &sum) in out.iter_mut().zip(sums) {
+                *out += fixed::average(sum, samples_per_pixel * samples_per_pixel);
+            }
+        }
+    }
+
+    /// Means over the pixels and the three channels of what the splats bring and of its variance.
+    pub fn spread(&self, areas: &Areas, samples_per_pixel: f64) -> SplatSpread {
+        let mut spread = SplatSpread::default();
+        for y in self.rect.y0..self.rect.y1 {
+            let row = |values: &[[i128; 3]], sum: &mut f64, divisor: &dyn Fn(u32) -> f64| {
+                for (x, sums) in (self.rect.x0..self.rect.x1).zip(&values[self.rect.index(self.rect.x0, y)..])
+                {
+                    *sum += sums.iter().map(|&sum| f64::from(fixed::average(sum, divisor(x)))).sum::<f64>();
+                }
+            };
+            row(&self.values, &mut spread.mean, &|x| samples_per_pixel * areas.of(x, y));
+            if !self.squares.is_empty() {
+                row(&self.squares, &mut spread.variance, &|_| samples_per_pixel * samples_per_pixel);
+            }
+        }
+        let n = 3.0 * self.rect.area() as f64;
+        SplatSpread { mean: spread.mean / n, variance: spread.variance / n }
     }
 
     /// Adds a value to a pixel of the rectangle.
@@ -59,12 +121,14 @@ impl SplatSums {
 impl SplatSums {
     /// Writes the sums.
     pub fn save(&self, out: &mut dyn Write) -> io::Result<()> {
-        save_numbers(self.values.as_flattened().iter().copied(), out)
+        save_numbers(self.values.as_flattened().iter().copied(), out)?;
+        save_numbers(self.squares.as_flattened().iter().copied(), out)
     }
 
     /// Reads what [`SplatSums::save`] wrote of a rectangle of this size.
     pub fn restore(&mut self, input: &mut dyn Read) -> io::Result<()> {
-        restore_array(self.values.as_flattened_mut(), input)
+        restore_array(self.values.as_flattened_mut(), input)?;
+        restore_array(self.squares.as_flattened_mut(), input)
     }
 }
 

@@ -8,7 +8,7 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::sync::atomic::Ordering;
 
-use super::{Block, Camera, Film, FilmError, FilmSpec, splats::SplatSums, sums::Sums};
+use super::{Block, Camera, Film, FilmError, FilmSpec, Layer, splats::SplatSums, sums::Sums};
 
 impl Film {
     /// Writes all sums.
@@ -49,7 +49,7 @@ impl Film {
                     block.camera = Camera::Open(Box::new(sums));
                 }
                 if flag(input)? {
-                    let mut splats = SplatSums::new(rect);
+                    let mut splats = SplatSums::new(rect, spec.layers.has(Layer::Variance));
                     splats.restore(input)?;
                     block.splats = Some(Box::new(splats));
                 }

@@ -405,6 +405,51 @@ fn splats_beside_the_picture_are_lost_and_bad_ones_counted() {
     assert!(film.develop(Layer::Color).expect("colour").data().iter().all(|&v| v == 0.0));
 }
 
+/// Splats of random value at random places: a film, and the picture that many of them have on average.
+#[test]
+fn the_spread_of_splats_is_known() {
+    const FILMS: u64 = 400;
+    let sampler = sampler(SamplerKind::Uniform, 8);
+    for filter in [Filter::None, Filter::Box { radius: 0.5 }] {
+        let layers = LayerSet::of(&[Layer::Color, Layer::Variance]);
+        let spec = FilmSpec { filter, layers, ..FilmSpec::new(6, 5) };
+        let (mut values, mut squares, mut variance, mut noise) = (0.0, 0.0, 0.0, 0.0);
+        for seed in 0..FILMS {
+            let film = splat(spec, &sampler, |_, _, _| 0.0);
+            let mut splats = Splats::default();
+            // One of the film's 240 samples in three brings light, and each pixel is as likely as the next.
+            for k in 0..240 / 3 {
+                let stream = Stream::new(seed, [0, 0], k);
+                let raster = Vec2::new(6.0 * stream.uniform(0), 5.0 * stream.uniform(1));
+                splats.add(raster, [3.0 * stream.uniform(2); 3]);
+            }
+            let mut part = FilmPart::new(&spec, &sampler);
+            part.reset(&spec.rect());
+            part.take_splats(&mut splats);
+            film.merge(&part).expect("a part of this film");
+            let mean = |layer| {
+                let image = film.develop(layer).expect("the film has it");
+                let data = image.data();
+                let n = data.len() as f64;
+                let sum = |power| data.iter().map(|&v| f64::from(v).powi(power)).sum::<f64>() / n;
+                (sum(1), sum(2))
+            };
+            let (value, square) = mean(Layer::Color);
+            values += value / FILMS as f64;
+            squares += square / FILMS as f64;
+            variance += mean(Layer::Variance).0 / FILMS as f64;
+            noise += film.noise().expect("the variance is kept") / FILMS as f64;
+        }
+        // 1/8 Σ s over a pixel: 80/30 splats on average, whose values have the mean 1.5 and the mean square 3.
+        assert!((values / (80.0 / 30.0 * 1.5 / 8.0) - 1.0).abs() < 0.02, "{values}");
+        assert!((variance / (80.0 / 30.0 * 3.0 / 64.0) - 1.0).abs() < 0.02, "{variance}");
+        let found = squares - values * values;
+        assert!((found / variance - 1.0).abs() < 0.06, "spread {found}, estimated {variance}");
+        let expected = (variance / (1.01 * values * values)).sqrt();
+        assert!((noise / expected - 1.0).abs() < 0.02, "noise {noise}, and not {expected}");
+    }
+}
+
 /// The tiles of a cut of a picture in two directions, each with its samples cut in two.
 fn units(spec: &FilmSpec, x: u32, y: u32, k: u32, n: u32) -> Vec<(Rect, std::ops::Range<u32>)> {
     let (w, h) = (spec.width, spec.height);
