@@ -224,7 +224,8 @@ impl Job {
     fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
         let uv = self.classic.is_some_and(|words| words.uv);
         let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, uv)?;
-        for note in settings.left_out(scene) {
+        let left_out = settings.left_out(scene).into_iter().map(str::to_owned);
+        for note in left_out.chain(settings.without_effect(&self.asked, &scene.settings)) {
             (voice.say)(&format!("warning: {note}\n"));
         }
         let splats = matches!(settings.integrator, IntegratorKind::Bidirectional | IntegratorKind::Light);

@@ -42,6 +42,8 @@ fn noise_is_taken_out_by_what_is_there() {
     folder.succeed(&format!("{BALL} -o noisy.exr"));
     let ran = folder.succeed(&format!("{BALL} -o smooth.exr --denoise builtin"));
     assert!(ran.stderr.contains("denoised by non-local means"), "{}", ran.stderr);
+    let once = folder.succeed(&format!("{BALL} --samples 1 -o once.exr --denoise builtin"));
+    assert!(once.stderr.contains("is not denoised") && once.stderr.contains("only one"), "{}", once.stderr);
     let quiet = folder.succeed(&format!("{BALL} -o smooth.exr --denoise builtin --quiet --threads 1"));
     assert_eq!(quiet.stderr, "");
     let (noisy, smooth) = (values(&folder, "noisy.exr"), values(&folder, "smooth.exr"));

@@ -28,6 +28,12 @@ pub enum DenoiseError {
     /// The picture was not rendered with what guides a denoiser; see [`DENOISE_OUTPUTS`].
     #[error("the picture has no layer of albedo, normals or variance to denoise it by")]
     NoGuides,
+    /// The built-in denoiser goes by how much the samples of a pixel differ.
+    #[error(
+        "the built-in denoiser goes by how much the samples of a pixel differ, and each has only one; take \
+         `--samples 4` or more, or Intel Open Image Denoise"
+    )]
+    OneSample,
     /// The library did not do it.
     #[error(transparent)]
     Oidn(#[from] OidnError),
@@ -69,6 +75,9 @@ pub(crate) fn denoise(
         Ok((smooth, "by Intel Open Image Denoise".to_owned()))
     };
     let built_in = |why: &str| {
+        if film.samples() < 2 * film.spec().rect().area() {
+            return Err(DenoiseError::OneSample);
+        }
         let threads = match threads {
             0 => thread::available_parallelism().map_or(1, |n| n.get()),
             n => n,

@@ -11,6 +11,8 @@ use kajo_render::{DepthMap, Filter, NormalMap};
 
 use crate::Development;
 
+mod idle;
+
 /// Where a render starts from when neither the scene nor the user says anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Defaults {
@@ -151,8 +153,8 @@ impl RenderSettings {
                 "groups of lights are not told apart here: only integrators that follow paths do so",
             ),
             (
-                !traced && self.path.spectral,
-                "`spectral` is left out: the classic integrator knows colours only",
+                self.path.spectral && !shaded,
+                "`spectral` is left out: only integrators that follow paths know wavelengths",
             ),
         ];
         notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()

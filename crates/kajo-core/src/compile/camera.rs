@@ -58,11 +58,13 @@ impl Compiler<'_> {
             Some(match item.keyword() {
                 "OrthographicCamera" => {
                     let size = params.required("size", Args::number);
+                    warn_of_size(params, size);
                     lens_keys = LensKeys::read(params);
                     Camera::Orthographic(OrthographicCamera { frame: frame?, size: size?.into(), lens: None })
                 }
                 "PerspectiveCamera" => {
                     let angle = params.required("angle", Args::number);
+                    warn_of_angle(params, angle);
                     lens_keys = LensKeys::read(params);
                     Camera::Perspective(PerspectiveCamera::new(frame?, f64::from(angle?).to_radians()))
                 }
@@ -100,6 +102,45 @@ impl Compiler<'_> {
             return None;
         }
         Some(MovingTransform::new(Motion::keyed(keys), self.shutter))
+    }
+}
+
+/// Angles of view that the formula has an answer for, as the course's program, but nobody means.
+fn warn_of_angle(params: &mut Params<'_, '_>, degrees: Option<f32>) {
+    let Some(degrees) = degrees else { return };
+    // The width of the picture at the distance 1 is twice the tangent of half of it.
+    let message = match degrees.rem_euclid(360.0) {
+        0.0 => {
+            "a camera with an angle of 0 sees nothing but a point; write how much it sees, such as `angle 40`"
+        }
+        180.0 => {
+            "a plane picture cannot hold half of all directions; write less than 180, or a `FisheyeCamera`"
+        }
+        angle if angle > 180.0 => {
+            "with an angle below 0 or above 180 the picture stands on its head; write one between them"
+        }
+        _ if !(0.0..180.0).contains(&degrees) => {
+            "angles of view lie between 0 and 180; whole turns have no effect"
+        }
+        _ => return,
+    };
+    params.warn("angle", message, "no angle of view");
+}
+
+/// The same of the heights of views without perspective.
+fn warn_of_size(params: &mut Params<'_, '_>, size: Option<f32>) {
+    match size {
+        Some(0.0) => params.warn(
+            "size",
+            "a view of no size sees nothing but a point; write how much of the scene it sees, such as `size 5`",
+            "no size",
+        ),
+        Some(size) if size < 0.0 => params.warn(
+            "size",
+            "with a size below 0 the picture stands on its head; write one above 0",
+            "below 0",
+        ),
+        _ => {}
     }
 }
 

@@ -141,6 +141,20 @@ fn read_spot(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option
     if outer.is_some_and(|outer| inner > outer) {
         params.idle(&["innerAngle"], "beyond `angle`: the edge is sharp");
     }
+    if outer == Some(0.0) {
+        params.warn(
+            "angle",
+            "a cone of 0 degrees holds no light; `angle` is that of the whole cone",
+            "no cone",
+        );
+    } else if outer == Some(360.0) {
+        let message = "a cone of 360 degrees is no cone: `PointLight` shines in all directions";
+        params.warn("angle", message, "all around");
+    } else if widest > 180.0 {
+        let message =
+            "a cone of more than 180 degrees shines backwards too; `angle` is that of the whole cone";
+        params.warn("angle", message, "beyond a half space");
+    }
     let cos_of_half = |degrees: f32| fmath::cos(0.5 * degrees.to_radians());
     let (cos_outer, cos_inner) = (cos_of_half(widest), cos_of_half(inner.min(widest)));
     let share = 0.5 * (1.0 - 0.5 * (cos_inner + cos_outer));

@@ -415,10 +415,38 @@ fn what_has_no_effect_is_said() {
         [""; 0],
         "a lens that is shut for now"
     );
+    let angle = |angle: f32| {
+        let view = format!("center 0 0 5  {ahead} {up}  angle {angle}");
+        said(&format!("PerspectiveCamera {{ {view} }}"))
+    };
+    let as_wide =
+        |size: f32| said(&format!("OrthographicCamera {{ center 0 0 5  {ahead} {up}  size {size} }}"));
+    for wide in [1e-3, 30.0, 179.0] {
+        assert_eq!((angle(wide), as_wide(wide)), (vec![], vec![]));
+    }
+    for (degrees, told) in [
+        (0.0, "sees nothing"),
+        (180.0, "FisheyeCamera"),
+        (-30.0, "on its head"),
+        (200.0, "on its head"),
+        (360.0, "sees nothing"),
+        (400.0, "whole turns"),
+    ] {
+        assert!(
+            angle(degrees).len() == 1 && angle(degrees)[0].contains(told),
+            "{degrees}: {:?}",
+            angle(degrees)
+        );
+    }
+    assert!(as_wide(0.0)[0].contains("sees nothing") && as_wide(-1.0)[0].contains("on its head"));
     let lights = |text: &str| said(&format!("{CAMERA}Lights {{ {text} }}"));
     let spot = "SpotLight { position 0 1 0  direction 0 -1 0  intensity 1  angle 30";
     assert_eq!(lights(&format!("{spot}  innerAngle 30 }}")), [""; 0]);
     assert!(lights(&format!("{spot}  innerAngle 31 }}"))[0].contains("`innerAngle` has no effect"));
+    for (degrees, told) in [(0, "holds no light"), (181, "shines backwards"), (360, "`PointLight`")] {
+        let light = format!("SpotLight {{ position 0 1 0  direction 0 -1 0  intensity 1  angle {degrees} }}");
+        assert!(lights(&light).len() == 1 && lights(&light)[0].contains(told), "{:?}", lights(&light));
+    }
     assert!(lights("PointLight { position 0 1 0  color 1 1 1  falloff 0 }")[0].contains("divided by zero"));
     assert!(
         said(&format!("{CAMERA}Background {{ sky {{ }}  color 1 }}"))[0].contains("`color` has no effect")

@@ -1,0 +1,138 @@
+//! Settings that the integrator has no use for.
+
+use kajo_core::settings::{IntegratorKind, Settings, Shadows};
+
+use super::RenderSettings;
+
+use IntegratorKind::{Bidirectional, Classic, Direct, Distribution, Light, Occlusion, Path};
+
+/// A key of the settings, whether it says anything, and the integrators that listen.
+type Key = (&'static str, fn(&Settings) -> bool, &'static [IntegratorKind]);
+
+/// Keys that only some integrators have a use for. What happens anyway, such as shadows where paths are followed, may
+/// be said to any of them.
+const KEYS: [Key; 14] = [
+    ("bounces", |s| s.bounces.is_some(), &[Classic, Path, Direct, Distribution, Bidirectional, Light]),
+    ("weight", |s| s.weight.is_some(), &[Classic]),
+    ("shadows off", |s| s.shadows == Some(Shadows::Off), &[Classic]),
+    ("shadows transparent", |s| s.shadows == Some(Shadows::Transparent), &[Classic]),
+    ("transparentShadows", |s| s.shadow_attenuation.is_some(), &[Classic]),
+    ("shadeBack", |s| s.shade_back.is_some(), &[Classic]),
+    ("fresnel", |s| s.fresnel.is_some(), &[Classic]),
+    ("totalReflection", |s| s.total_reflection.is_some(), &[Classic]),
+    ("rayOffset", |s| s.ray_offset.is_some(), &[Classic]),
+    ("branches", |s| s.branches.is_some(), &[Distribution]),
+    ("directions", |s| s.directions.is_some(), &[Path, Direct, Distribution]),
+    ("technique", |s| s.technique.is_some(), &[Path, Direct, Distribution]),
+    ("roulette", |s| s.roulette.is_some(), &[Path, Direct, Distribution, Bidirectional, Light]),
+    ("reach", |s| s.reach.is_some(), &[Occlusion]),
+];
+
+impl RenderSettings {
+    /// What was said to no effect, a sentence each: keys that are for other integrators, ranges without an extent.
+    ///
+    /// A scene that was written for one integrator may be rendered by another: then only `asked` is looked at.
+    ///
+    /// * `asked`, `own`: as in [`RenderSettings::resolve`]
+    pub fn without_effect(&self, asked: &Settings, own: &Settings) -> Vec<String> {
+        let name = |kind: IntegratorKind| {
+            IntegratorKind::NAMES.iter().find(|(_, known)| *known == kind).map_or("", |(name, _)| name)
+        };
+        let is_own = own.integrator.unwrap_or_default() == self.integrator;
+        let is_said = |says: fn(&Settings) -> bool| says(asked) || (is_own && says(own));
+        let idle = KEYS.iter().filter(|(_, says, users)| is_said(*says) && !users.contains(&self.integrator));
+        let mut notes: Vec<String> = idle
+            .map(|(key, _, users)| {
+                let users: Vec<_> = users.iter().map(|&user| format!("`{}`", name(user))).collect();
+                format!(
+                    "`{key}` has no effect with `integrator {}`; it is for {}",
+                    name(self.integrator),
+                    users.join(", ")
+                )
+            })
+            .collect();
+        let attenuates = |s: &Settings| s.shadow_attenuation.is_some();
+        if self.integrator == Classic && is_said(attenuates) && self.classic.shadows != Shadows::Transparent {
+            notes.push("`transparentShadows` has no effect without `shadows transparent`".to_owned());
+        }
+        if let Some([near, far]) = self.depth_range.filter(|[near, far]| near == far) {
+            notes.push(format!(
+                "`depthRange` from {near} to {far} is no range, so the depth picture is black; write two distances"
+            ));
+        }
+        notes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Defaults, LoadOptions, MemoryAssets, load_from};
+
+    /// What is said when a scene has these settings and others are asked for.
+    fn said(own: &str, asked: Settings) -> Vec<String> {
+        let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+        let assets = MemoryAssets::new().with("scene.txt", format!("{camera} Settings {{ {own} }}"));
+        let loaded = load_from("scene.txt", &assets, &LoadOptions::default());
+        assert!(loaded.diagnostics.is_empty(), "{}", loaded.report(false));
+        let scene = loaded.scene.unwrap();
+        let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
+        settings.without_effect(&asked, &scene.settings)
+    }
+
+    #[test]
+    fn keys_for_other_integrators_are_told() {
+        let key = |text: &str| text.split_whitespace().next().unwrap().to_owned();
+        for (text, users) in [
+            ("bounces 3", "classic path direct distribution bidirectional light"),
+            ("weight 0.1", "classic"),
+            ("shadows off", "classic"),
+            ("shadows transparent", "classic"),
+            ("shadeBack on", "classic"),
+            ("fresnel on", "classic"),
+            ("totalReflection on", "classic"),
+            ("rayOffset reference", "classic"),
+            ("branches 4", "distribution"),
+            ("directions cosine", "path direct distribution"),
+            ("technique lamps", "path direct distribution"),
+            ("roulette off", "path direct distribution bidirectional light"),
+            ("reach 2", "occlusion"),
+        ] {
+            for (name, kind) in IntegratorKind::NAMES {
+                let notes = said(&format!("integrator {name}  {text}"), Settings::default());
+                let is_used = users.split(' ').any(|user| user == name);
+                assert_eq!(notes.is_empty(), is_used, "{text} with {name}: {notes:?}");
+                let told = notes.iter().all(|note| note.contains(&format!("with `integrator {name}`")));
+                assert!(told && notes.iter().all(|note| note.starts_with(&format!("`{}", key(text)))));
+                // Another integrator on the command line is no mistake of the scene's.
+                let other = if kind == Classic { "path" } else { "classic" };
+                let asked = Settings { integrator: Some(kind), ..Settings::default() };
+                assert_eq!(said(&format!("integrator {other}  {text}"), asked), [""; 0]);
+            }
+        }
+        let asked = Settings { integrator: Some(Path), branches: Some(4), ..Settings::default() };
+        assert_eq!(
+            said("", asked),
+            ["`branches` has no effect with `integrator path`; it is for `distribution`"]
+        );
+        assert_eq!(said("integrator path  shadows on", Settings::default()), [""; 0]);
+    }
+
+    #[test]
+    fn ways_of_shadows_need_shadows() {
+        let transparent = "shadows transparent  transparentShadows surface";
+        assert_eq!(said(transparent, Settings::default()), [""; 0]);
+        let notes = said("transparentShadows surface", Settings::default());
+        assert!(notes.len() == 1 && notes[0].contains("without `shadows transparent`"), "{notes:?}");
+    }
+
+    #[test]
+    fn depths_need_a_range() {
+        assert_eq!(
+            said("depthRange 9 3", Settings::default()),
+            [""; 0],
+            "the other way round it is inverted"
+        );
+        assert!(said("depthRange 9 9", Settings::default())[0].contains("is no range"));
+    }
+}
