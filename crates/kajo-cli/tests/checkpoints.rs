@@ -49,7 +49,7 @@ fn kill_often(kills: u32) {
         let more = if folder.path("state").exists() { "--resume state" } else { "" };
         resumed += u32::from(!more.is_empty());
         // A busy machine may not have come to a checkpoint yet.
-        patience *= if more.is_empty() { 2 } else { 1 };
+        patience = if more.is_empty() { 64.min(2 * patience) } else { patience };
         let wait = Duration::from_millis((20 + millis) * patience);
         let (code, said) = disturbed(&folder, RENDER, more, "KILL", wait);
         assert!(code.is_none() || code == Some(0), "{said}");
