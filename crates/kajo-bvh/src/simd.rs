@@ -41,10 +41,6 @@ pub(crate) trait Simd: Copy {
     /// Of two halves.
     fn join(self, halves: [Vec4; 2]) -> Self::F32x8;
 
-    /// Asks for the memory of `items[index]` ahead of its use; whatever the index, only speed depends on it.
-    #[inline(always)]
-    fn fetch<T>(self, _items: &[T], _index: usize) {}
-
     /// Four doubles; every operation rounds once, the same on all machines.
     type F64x4: Copy;
 
@@ -253,7 +249,6 @@ mod avx {
             let avx2 = is_x86_feature_detected!("avx2")
                 && is_x86_feature_detected!("fma")
                 && is_x86_feature_detected!("bmi1")
-                && is_x86_feature_detected!("bmi2")
                 && is_x86_feature_detected!("lzcnt")
                 && is_x86_feature_detected!("popcnt");
             let avx512 = is_x86_feature_detected!("avx512f")
@@ -284,12 +279,12 @@ mod avx {
         }
     }
 
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
     fn run<R>(f: impl FnOnce() -> R) -> R {
         f()
     }
 
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt,avx512f,avx512vl,avx512bw,avx512dq")]
     fn run_wide<R>(f: impl FnOnce() -> R) -> R {
         f()
     }
@@ -379,15 +374,6 @@ mod avx {
         fn join(self, [a, b]: [Vec4; 2]) -> __m256 {
             // SAFETY: as above.
             unsafe { _mm256_set_m128(b.into(), a.into()) }
-        }
-
-        #[inline(always)]
-        fn fetch<T>(self, items: &[T], index: usize) {
-            let start = items.as_ptr().wrapping_add(index).cast::<i8>();
-            for line in 0..size_of::<T>().div_ceil(64) {
-                // SAFETY: every x86-64 has the instruction, and it does nothing where there is no memory.
-                unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line)) };
-            }
         }
 
         type F64x4 = __m256d;

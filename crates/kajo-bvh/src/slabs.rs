@@ -51,9 +51,9 @@ impl<S: Simd> Slabs<S> {
     #[inline(always)]
     pub(crate) fn new<N: Wide>(simd: S, ray: &Ray, reach: Vec3) -> Option<Slabs<S>> {
         let (o, d) = (Vec3A::from(ray.o), Vec3A::from(ray.d));
+        // A direction along a slab would divide by zero; the tilt is within the error bound.
         let least = Vec3A::splat(d.abs().max_element() * LEAST_SLOPE);
-        // Almost every ray takes the first way, which does not wait for the largest direction.
-        let rd = if d.abs().cmpge(least).all() { d.recip() } else { tilted(d, least).recip() };
+        let rd = d.abs().max(least).copysign(d).recip();
         let s = o.abs() + Vec3A::from(reach);
         let error = ((OWN_ERROR + N::ERROR) * U) * s + Vec3A::splat((LARGEST_ERROR * U) * s.max_element());
         let (base, slack) = (-o * rd, error * rd.abs());
@@ -89,12 +89,4 @@ impl<S: Simd> Slabs<S> {
         let far = simd.min(simd.min(leave(0), leave(1)), simd.min(leave(2), simd.splat(t_max)));
         (simd.le(near, far), near)
     }
-}
-
-/// The direction of a ray along a slab, which would divide by zero, with a tilt that is within the error
-/// bound. Not inlined, so that it stays behind a branch.
-#[cold]
-#[inline(never)]
-fn tilted(d: Vec3A, least: Vec3A) -> Vec3A {
-    d.abs().max(least).copysign(d)
 }

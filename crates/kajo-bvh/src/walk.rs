@@ -102,21 +102,7 @@ impl<N: Wide> Tree<N> {
                     current = if mask & (mask - 1) == 0 {
                         node.child(mask.trailing_zeros() as usize)
                     } else {
-                        let child = descend(
-                            mask,
-                            &simd.store(near),
-                            &mut stack,
-                            #[inline(always)]
-                            |slot| {
-                                let child = node.child(slot);
-                                // In a large tree it may be far away, and sorting takes a while.
-                                if !child.is_leaf() {
-                                    simd.fetch(nodes, child.index() as usize);
-                                }
-                                child.0
-                            },
-                        );
-                        Child(child)
+                        Child(descend(mask, &simd.store(near), &mut stack, |slot| node.child(slot).0))
                     };
                     continue;
                 }
