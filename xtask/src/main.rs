@@ -78,10 +78,10 @@ fn test(root: &Path, report: &mut Report) {
         Cargo::new(root, "doc --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"),
     );
     if steps::has_cargo_command("nextest") {
-        report.run("tests", Cargo::new(root, "nextest run --workspace"));
+        report.run("tests", Cargo::new(root, "nextest run --workspace --no-fail-fast"));
         report.run("examples in the documentation", Cargo::new(root, "test --workspace --doc"));
     } else {
-        report.run("tests", Cargo::new(root, "test --workspace"));
+        report.run("tests", Cargo::new(root, "test --workspace --no-fail-fast"));
     }
     if !root.join("../shared/course").is_dir() {
         report.skip("course set", "the course's files are not at ../shared/course");

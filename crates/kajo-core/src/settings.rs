@@ -154,6 +154,11 @@ impl IntegratorKind {
         ("occlusion", IntegratorKind::Occlusion),
         ("path", IntegratorKind::Path),
     ];
+
+    /// Its name among them.
+    pub fn name(self) -> &'static str {
+        IntegratorKind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
 }
 
 /// Which estimates of direct light are made.

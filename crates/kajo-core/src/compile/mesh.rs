@@ -308,3 +308,43 @@ fn phong(mtl: &MtlMaterial) -> Phong {
         eta: mtl.index_of_refraction.filter(|&eta| eta > 0.0).unwrap_or(1.0),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use kajo_scene::{AssetError, Assets, MemoryAssets, SceneDesc};
+
+    use super::*;
+    use crate::compile::{CompileOptions, compile};
+
+    /// Counts the trees that are built.
+    struct Counting(MemoryAssets, AtomicUsize);
+
+    impl Assets for Counting {
+        fn open(&self, name: &str, from: &str) -> Result<AssetFile, AssetError> {
+            self.0.open(name, from)
+        }
+
+        fn progress(&self, step: LoadStep<'_>) {
+            if let LoadStep::Building { .. } = step {
+                self.1.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+    }
+
+    #[test]
+    fn no_tree_is_built_for_a_scene_that_has_failed() {
+        let scene = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
+            Materials { Matte { color 1 1 1 } }
+            Group { MaterialIndex 0 TriangleMesh { obj_file a.obj } }";
+        for (text, trees) in [(scene.to_owned(), 1), (format!("{scene} Lihgts {{ }}"), 0)] {
+            let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+            let assets = Counting(MemoryAssets::new().with("a.obj", triangle), AtomicUsize::new(0));
+            let mut parsed = SceneDesc::parse_str(&text);
+            let mut diagnostics = parsed.diagnostics;
+            let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+            assert_eq!((scene.is_some(), assets.1.into_inner()), (trees == 1, trees), "{text}");
+        }
+    }
+}

@@ -35,20 +35,14 @@ impl RenderSettings {
     ///
     /// * `asked`, `own`: as in [`RenderSettings::resolve`]
     pub fn without_effect(&self, asked: &Settings, own: &Settings) -> Vec<String> {
-        let name = |kind: IntegratorKind| {
-            IntegratorKind::NAMES.iter().find(|(_, known)| *known == kind).map_or("", |(name, _)| name)
-        };
         let is_own = own.integrator.unwrap_or_default() == self.integrator;
         let is_said = |says: fn(&Settings) -> bool| says(asked) || (is_own && says(own));
         let idle = KEYS.iter().filter(|(_, says, users)| is_said(*says) && !users.contains(&self.integrator));
         let mut notes: Vec<String> = idle
             .map(|(key, _, users)| {
-                let users: Vec<_> = users.iter().map(|&user| format!("`{}`", name(user))).collect();
-                format!(
-                    "`{key}` has no effect with `integrator {}`; it is for {}",
-                    name(self.integrator),
-                    users.join(", ")
-                )
+                let users: Vec<_> = users.iter().map(|user| format!("`{}`", user.name())).collect();
+                let (own, users) = (self.integrator.name(), users.join(", "));
+                format!("`{key}` has no effect with `integrator {own}`; it is for {users}")
             })
             .collect();
         let attenuates = |s: &Settings| s.shadow_attenuation.is_some();
