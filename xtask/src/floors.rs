@@ -47,7 +47,7 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 25] = [
+const CORE_MODULES: [(&str, &[&str]); 26] = [
     ("family", &[]),
     ("interaction", &[]),
     ("motion", &[]),
@@ -55,6 +55,7 @@ const CORE_MODULES: [(&str, &[&str]); 25] = [
     ("bsdf", &["interaction"]),
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "bsdf"]),
+    ("glow", &["texture", "material"]),
     ("shape", &["family", "interaction"]),
     (
         "light",
@@ -80,6 +81,7 @@ const CORE_MODULES: [(&str, &[&str]); 25] = [
             "settings",
             "texture",
             "material",
+            "glow",
             "shape",
             "light",
             "item_buffer",
@@ -93,7 +95,7 @@ const CORE_MODULES: [(&str, &[&str]); 25] = [
             "background",
         ],
     ),
-    ("lighting", &["interaction", "bsdf", "light", "material", "scene"]),
+    ("lighting", &["interaction", "bsdf", "glow", "light", "material", "scene"]),
     ("shading", &["interaction", "material", "scene"]),
     // Tests only: what holds for all families.
     (
@@ -120,6 +122,7 @@ const CORE_MODULES: [(&str, &[&str]); 25] = [
             "settings",
             "texture",
             "material",
+            "glow",
             "shape",
             "light",
             "medium",

@@ -10,6 +10,7 @@ pub mod compile;
 pub mod daylight;
 pub mod environment;
 mod family;
+pub mod glow;
 pub mod interaction;
 mod item_buffer;
 #[cfg(test)]

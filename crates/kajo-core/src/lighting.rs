@@ -4,10 +4,11 @@ use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
+use crate::glow::VariedEmission;
 use crate::interaction::SurfacePoint;
 use crate::light::{AreaLight, Departures, EmissionPdf, Emitted, LightChoice, LightSample, Target};
-use crate::material::{Interior, ShadingPoint};
-use crate::scene::{Interaction, Scene};
+use crate::material::{Interior, MaterialPoint, ShadingPoint};
+use crate::scene::{Interaction, Scene, rarely};
 
 /// A disc in the sky that a ray meets.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +89,10 @@ impl Scene {
             return None;
         }
         let (number, light) = self.emitters.area(&self.lights, at.primitive, at.hit.part)?;
-        let radiance = light.emission.at(wavelengths);
+        let radiance = match light.varied {
+            None => light.emission.at(wavelengths),
+            Some(varied) => rarely(|| self.varied_radiance(varied, at, wavelengths)),
+        };
         let glow = || Glow { radiance, group: self.emitters.group(number), number, light };
         light.sides.emit(-d.dot(at.point.ng)).then(glow)
     }
@@ -126,7 +130,39 @@ impl Scene {
         wavelengths: &Wavelengths,
         choice: LightChoice,
     ) -> Option<LightSample> {
-        self.emitters.sample(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice)
+        let mut drawn =
+            self.emitters.sample(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice);
+        if let Some(sample) = &mut drawn
+            && let Some(varied) = self.emitters.varied(&self.lights, sample.lamp)
+        {
+            sample.radiance = self.radiance_of_place(varied, &sample.target, to.time, wavelengths);
+        }
+        drawn
+    }
+
+    /// The radiance of a place of a piece whose places differ.
+    #[inline(never)]
+    fn radiance_of_place(
+        &self,
+        (light, varied): (&AreaLight, u32),
+        place: &Target,
+        time: f32,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        let Target::Surface { p, .. } = *place else { return light.emission.at(wavelengths) };
+        let primitive = &self.primitives[light.primitive as usize];
+        let own = self.place(primitive, time).object_from_world.transform_point3(p);
+        let hit = self.shapes.hit_at(primitive.shape, light.part, own);
+        let point = SurfacePoint { p, ..SurfacePoint::default() };
+        let at = Interaction { point, hit, primitive: light.primitive, time, ..Interaction::default() };
+        self.varied_radiance(varied, &at, wavelengths)
+    }
+
+    /// The light of this number at a place.
+    fn varied_radiance(&self, varied: u32, at: &Interaction, wavelengths: &Wavelengths) -> Spectrum {
+        let varied: &VariedEmission = &self.varied_emissions[varied as usize];
+        let uv = if varied.needs_uv() { self.uv(at) } else { Vec2::ZERO };
+        varied.at(&self.textures, &MaterialPoint { p: self.pattern_point(at), uv }, wavelengths)
     }
 
     /// Density per solid angle with which [`Scene::light_towards`] draws this lamp and the way to a place of it; for a
@@ -162,8 +198,11 @@ impl Scene {
         wavelengths: &Wavelengths,
     ) -> Option<(Emitted, u32, f32)> {
         let lamp = departures.choose(u)?;
-        let emitted =
+        let mut emitted =
             self.lights.emit(self.emitters.id(lamp), time, ways, wavelengths, departures.world())?;
+        if let Some(varied) = self.emitters.varied(&self.lights, lamp) {
+            emitted.radiance = self.radiance_of_place(varied, &emitted.origin, time, wavelengths);
+        }
         let density = emitted.pdf.place * emitted.pdf.direction;
         let usable = density > 0.0 && density.is_finite();
         // A plane without bounds may hide the disk that light from infinitely far passes before the scene.

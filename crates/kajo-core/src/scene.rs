@@ -13,6 +13,7 @@ use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3};
 use crate::background::Background;
 use crate::camera::Camera;
 use crate::family::Pooled;
+use crate::glow::VariedEmission;
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 use crate::item_buffer::{Body, ItemBuffer};
 use crate::light::{Emitters, LightId, Lights};
@@ -109,6 +110,8 @@ pub struct Scene {
     pub slot_materials: Vec<MaterialId>,
     /// Patterns that materials use.
     pub textures: Textures,
+    /// Light of surfaces that differs from place to place; see [`crate::light::AreaLight::varied`].
+    pub varied_emissions: Vec<VariedEmission>,
     /// Lights.
     pub lights: Lights,
     /// The lights in the order of the file, and then the pieces of glowing objects.
@@ -272,7 +275,7 @@ impl Scene {
     /// Where patterns in world space are evaluated for an interaction: at the point itself, or where that was at
     /// time 0 if it belongs to something that moves.
     #[inline]
-    fn pattern_point(&self, at: &Interaction) -> Vec3 {
+    pub(crate) fn pattern_point(&self, at: &Interaction) -> Vec3 {
         if self.motions.is_empty() {
             return at.point.p;
         }
@@ -415,6 +418,6 @@ impl Scene {
 /// `f` of nothing, out of the way of those who do not need it.
 #[cold]
 #[inline(never)]
-fn rarely<T>(f: impl FnOnce() -> T) -> T {
+pub(crate) fn rarely<T>(f: impl FnOnce() -> T) -> T {
     f()
 }

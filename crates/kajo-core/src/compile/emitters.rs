@@ -4,39 +4,110 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use kajo_color::Emission;
-use kajo_math::{DAffine3, DMat3};
+use kajo_math::{Affine3A, DAffine3, DMat3};
 use kajo_scene::{Diagnostic, Params};
 
 use super::Compiler;
 use super::light_groups::LightGroups;
-use super::spectra::SpectrumReader;
+use super::pictures::PaintReader;
 use crate::background::Background;
 use crate::family::Pooled;
+use crate::glow::{EmissionFactor, EmissionTerm, VariedEmission};
 use crate::light::{AreaLight, Emitters, LightId, Sides, SkyLight};
+use crate::material::MaterialId;
 use crate::motion::MovingTransform;
+use crate::texture::{PictureMap, Share, TextureId};
 
 /// What a material says about giving light.
 #[derive(Clone, Debug)]
 pub(super) struct Glow {
-    emission: Emission,
+    /// Its light, which is that of several materials where it mixes them.
+    terms: Vec<EmissionTerm>,
     sides: Sides,
     group: u8,
 }
 
 impl Glow {
-    /// The light of a surface of which only this share is there; `None` where nothing is left.
-    pub(super) fn weakened(self, share: f32) -> Option<Glow> {
-        (share > 0.0).then(|| Glow { emission: self.emission.scaled(share), ..self })
+    /// The same light everywhere, on all sides.
+    pub(super) fn even(emission: Emission) -> Option<Glow> {
+        let terms = vec![EmissionTerm { emission, factors: Vec::new() }];
+        Glow { terms, sides: Sides::Both, group: 0 }.if_any()
+    }
+
+    /// The light where it leaves the surface on these sides only.
+    pub(super) fn from(self, sides: Sides) -> Glow {
+        Glow { sides, ..self }
+    }
+
+    /// The light as it shines through a picture.
+    pub(super) fn through(mut self, slide: PictureMap) -> Glow {
+        self.terms.iter_mut().for_each(|term| term.factors.push(EmissionFactor::Slide(slide.clone())));
+        self
+    }
+
+    /// The light of which a share is left at each place; `None` where nothing is.
+    pub(super) fn weakened(mut self, share: &Share) -> Option<Glow> {
+        for term in &mut self.terms {
+            match share {
+                Share::Plain(value) => term.emission = term.emission.clone().scaled(*value),
+                Share::Picture(..) | Share::Cut(..) => {
+                    term.factors.push(EmissionFactor::Share(share.clone()))
+                }
+            }
+        }
+        self.if_any()
+    }
+
+    /// The light of one of two materials that a pattern mixes.
+    ///
+    /// * `pattern`: where it is, and the share of the second material if that is the same everywhere
+    pub(super) fn mixed(
+        mut self,
+        (pattern, pattern_from_world): (TextureId, Affine3A),
+        even: Option<f32>,
+        is_second: bool,
+    ) -> Option<Glow> {
+        if let Some(t) = even {
+            return self.weakened(&Share::Plain(if is_second { t } else { 1.0 - t }));
+        }
+        let share = EmissionFactor::Pattern { pattern, pattern_from_world, is_second };
+        self.terms.iter_mut().for_each(|term| term.factors.push(share.clone()));
+        self.if_any()
+    }
+
+    /// The light of both, on the sides and in the group of this one.
+    pub(super) fn with(mut self, other: Glow) -> Glow {
+        self.terms.extend(other.terms);
+        self
+    }
+
+    /// Whether both shine from the same sides and belong to the same group.
+    pub(super) fn agrees_with(&self, other: &Glow) -> bool {
+        self.sides == other.sides && self.group == other.group
+    }
+
+    /// What there is of it.
+    fn if_any(mut self) -> Option<Glow> {
+        self.terms.retain(|term| !term.emission.is_black());
+        (!self.terms.is_empty()).then_some(self)
+    }
+
+    /// The light, where it is the same everywhere.
+    fn constant(&self) -> Option<&Emission> {
+        match &*self.terms {
+            [EmissionTerm { emission, factors }] if factors.is_empty() => Some(emission),
+            _ => None,
+        }
     }
 }
 
 /// Reads `emission`, `emits` and `group` of a material.
 pub(super) fn read_glow(
     params: &mut Params<'_, '_>,
-    spectra: SpectrumReader<'_>,
+    paints: &mut PaintReader<'_>,
     groups: &mut LightGroups,
 ) -> Option<Glow> {
-    let emission = params.optional("emission", |args| spectra.emission(args));
+    let emission = paints.emission(params);
     let names = [("back", Sides::Back), ("both", Sides::Both), ("front", Sides::Front)];
     let sides = params.optional("emits", |args| Ok((args.choice(&names)?, args.item())));
     let group = params.optional("group", |args| Ok((groups.number(args)?, args.item())));
@@ -45,9 +116,21 @@ pub(super) fn read_glow(
         let message = format!("`{}` says nothing without an `emission`", item.keyword());
         params.diagnostics().push(Diagnostic::warning(message).label(item.head_span(), "has no effect"));
     }
-    let emission = emission.filter(|emission| !emission.is_black())?;
+    let (lamp, slide) = emission?;
+    let even = Glow::even(lamp)?;
+    let glow = slide.into_iter().fold(even, Glow::through);
     let sides = sides.map_or(Sides::Both, |(sides, _)| sides);
-    Some(Glow { emission, sides, group: group.map_or(0, |(group, _)| group) })
+    Some(Glow { sides, group: group.map_or(0, |(group, _)| group), ..glow })
+}
+
+/// What lamps have to know of the light of their material.
+struct Shining {
+    /// The light, or its mean.
+    emission: Emission,
+    /// The number of light that varies.
+    varied: Option<u32>,
+    sides: Sides,
+    group: u8,
 }
 
 impl Compiler<'_> {
@@ -58,19 +141,19 @@ impl Compiler<'_> {
         }
         let mut unbounded = false;
         let mut drifts = HashMap::new();
+        let glows = self.shining();
         for i in 0..self.primitives.len() {
             let primitive = self.primitives[i];
-            let is_lamp = self.glows.contains_key(&primitive.material);
-            if !is_lamp {
+            if !glows.contains_key(&primitive.material) && !self.brings_lamps(primitive.shape) {
                 continue;
             }
-            unbounded |= is_lamp && !self.shapes.bounds(primitive.shape).is_finite();
+            unbounded |= !self.shapes.bounds(primitive.shape).is_finite();
             let mut lights = Vec::new();
             let (map, drift) = self.start(primitive.transform, &mut drifts);
             self.shapes.patches(primitive.shape, |part, patch| {
                 let slot = self.shapes.material_slot(primitive.shape, part);
                 let material = slot.map_or(primitive.material, |slot| self.slot_materials[slot as usize]);
-                let Some(Glow { emission, sides, group }) = self.glows.get(&material) else { return };
+                let Some(Shining { emission, varied, sides, group }) = glows.get(&material) else { return };
                 let patch = if primitive.transform == 0 { Some(patch) } else { patch.transformed(&map) };
                 let patch = match &drift {
                     Some(drift) => patch.and_then(|patch| patch.movable(drift.sampled_maps())),
@@ -80,6 +163,7 @@ impl Compiler<'_> {
                     patch,
                     drift: drift.clone(),
                     emission: emission.clone(),
+                    varied: *varied,
                     sides: *sides,
                     primitive: i as u32,
                     part,
@@ -99,6 +183,22 @@ impl Compiler<'_> {
                 Diagnostic::warning("a plane without bounds gives no light, whatever its material says");
             self.diagnostics.push(warning.help("a `Quad` or a `Disk` can be a lamp"));
         }
+    }
+
+    /// Puts light that varies into its list, and says what lamps have to know of each material's.
+    fn shining(&mut self) -> HashMap<MaterialId, Shining> {
+        let varied = &mut self.varied_emissions;
+        let shining = |(&id, glow): (&MaterialId, &Glow)| {
+            let &Glow { sides, group, ref terms } = glow;
+            if let Some(emission) = glow.constant() {
+                return (id, Shining { emission: emission.clone(), varied: None, sides, group });
+            }
+            let light = VariedEmission { terms: terms.clone() };
+            let emission = light.mean();
+            varied.push(light);
+            (id, Shining { emission, varied: Some(varied.len() as u32 - 1), sides, group })
+        };
+        self.glows.iter().map(shining).collect()
     }
 
     /// The map of an object as the shutter opens, and how it moves from there if it does; `drifts` has those of the
@@ -133,7 +233,7 @@ impl Compiler<'_> {
 }
 
 /// The same map in double precision.
-fn double(m: &kajo_math::Affine3A) -> DAffine3 {
+fn double(m: &Affine3A) -> DAffine3 {
     let column = |v: kajo_math::Vec3A| kajo_math::Vec3::from(v).as_dvec3();
     let matrix3 =
         DMat3::from_cols(column(m.matrix3.x_axis), column(m.matrix3.y_axis), column(m.matrix3.z_axis));

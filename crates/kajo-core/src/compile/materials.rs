@@ -288,17 +288,35 @@ impl Compiler<'_> {
         let [Some((a, cost_a)), Some((b, cost_b))] = resolved else { return State::Failed };
         let cost = cost_a.saturating_add(cost_b).saturating_add(1);
         let (materials, place) = ([a, b], blend.draft.place);
-        if materials.iter().any(|part| self.glows.contains_key(part)) {
-            let warning = Diagnostic::warning("a mixture gives no light, whatever its parts say");
-            self.diagnostics.push(warning.label(place, "a part of this has an `emission`"));
-        }
         if cost > MAX_PARTS {
             self.report_too_many_parts(place);
             return State::Failed;
         }
         let BlendDraft { pattern, pattern_from_world, .. } = *blend.draft;
-        let id = Blend { pattern, pattern_from_world, materials }.store(&mut self.materials);
-        id.map_or(State::Failed, |id| State::Done(id, cost))
+        let Some(id) = Blend { pattern, pattern_from_world, materials }.store(&mut self.materials) else {
+            return State::Failed;
+        };
+        let glow = self.mixed_glow(blend.draft, materials);
+        self.glows.extend(glow.map(|glow| (id, glow)));
+        State::Done(id, cost)
+    }
+
+    /// The light of a mixture, if any of its parts gives light.
+    fn mixed_glow(&mut self, blend: &BlendDraft<'_>, parts: [MaterialId; 2]) -> Option<Glow> {
+        let even = Constant::find(&self.textures, blend.pattern).map(|constant| constant.value);
+        let pattern = (blend.pattern, blend.pattern_from_world);
+        let glow = |i: usize| self.glows.get(&parts[i])?.clone().mixed(pattern, even, i == 1);
+        match [glow(0), glow(1)] {
+            [Some(first), Some(second)] => {
+                if !first.agrees_with(&second) {
+                    let message = "the parts of a mixture shine from the same sides and in the same group";
+                    let warning = Diagnostic::warning(message).label(blend.place, "its two parts differ");
+                    self.diagnostics.push(warning.help("`emits` and `group` of the first one count"));
+                }
+                Some(first.with(second))
+            }
+            [first, second] => first.or(second),
+        }
     }
 
     /// A material with its light and its holes.
@@ -320,13 +338,7 @@ impl Compiler<'_> {
                 self.diagnostics.push(error.label(place, "`opacity` is for opaque materials"));
                 return State::Failed;
             }
-            if let (Some(_), true) = (&glow, opacity.varies()) {
-                let message = "a picture of `opacity` makes no holes in the light that a surface gives off";
-                let warning = Diagnostic::warning(message).label(place, "its `emission` stays as it is");
-                self.diagnostics.push(warning);
-            } else {
-                glow = glow.and_then(|glow| glow.weakened(opacity.range()[0]));
-            }
+            glow = glow.and_then(|glow| glow.weakened(&opacity));
             let Some(perforated) = Perforated { material: id, opacity }.store(&mut self.materials) else {
                 return State::Failed;
             };
@@ -388,7 +400,7 @@ impl Compiler<'_> {
 
 impl Extras {
     fn read(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>, groups: &mut LightGroups) -> Extras {
-        let glow = read_glow(params, paints.spectra, groups);
+        let glow = read_glow(params, paints, groups);
         let opacity = paints.optional_share(params, "opacity");
         Extras { glow, opacity, relief: paints.relief(params) }
     }

@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use kajo_color::Spectrum;
+use kajo_color::{Emission, Spectrum};
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{
     Args, AssetFile, Corners, Diagnostic, Item, LoadStep, MtlMaterial, Params, Span, TriMesh, read_mesh,
@@ -12,6 +12,7 @@ use kajo_scene::{
 };
 
 use super::Compiler;
+use super::emitters::Glow;
 use super::materials::absorption_of;
 use super::mesh_store::{Kept, StoreKey};
 use super::pictures::{PictureReader, ReadPicture};
@@ -183,14 +184,23 @@ impl Compiler<'_> {
             self.warn_of_file(path, &message, place);
             return ABSENT;
         };
-        let (painted, others): (Vec<_>, Vec<_>) = mtl.maps.iter().partition(|(map, _)| map == "map_Kd");
-        if let Some((map, _)) = others.first() {
+        let is_shown = |map: &str| matches!(map, "map_Kd" | "map_Ke");
+        if let Some((map, _)) = mtl.maps.iter().find(|(map, _)| !is_shown(map)) {
             let message = format!("`{map}` of the material `{name}` is not supported yet and left out");
             self.warn_of_file(path, &message, place);
         }
-        let picture = painted.last().and_then(|(_, file)| self.found_picture(file, mtl_path, None, place));
-        let material = PhongMaterial::from(phong(mtl)).with_picture(picture);
+        let mut picture = |key: &str| {
+            let (_, file) = mtl.maps.iter().rev().find(|(map, _)| map == key)?;
+            self.found_picture(file, mtl_path, None, place)
+        };
+        let (color, slide) = (picture("map_Kd"), picture("map_Ke"));
+        let material = PhongMaterial::from(phong(mtl)).with_picture(color);
         let Some(id) = material.store(&mut self.materials) else { return ABSENT };
+        // Of a lamp of which only the picture is written the picture is all there is.
+        let lamp = mtl.emission.unwrap_or(if slide.is_some() { [1.0; 3] } else { [0.0; 3] });
+        let glow =
+            Glow::even(Emission::from_rgb(lamp)).map(|even| slide.into_iter().fold(even, Glow::through));
+        self.glows.extend(glow.map(|glow| (id, glow)));
         self.slots_transmit |= self.materials.may_transmit(id, &self.materials);
         self.slot_materials.push(id);
         self.slot_materials.len() as u32 - 1

@@ -40,6 +40,7 @@ use self::definition::Definition;
 use self::places::misplaced;
 use crate::background::Background;
 use crate::family::Pooled;
+use crate::glow::VariedEmission;
 use crate::light::{LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::motion::{MovingTransform, Shutter};
@@ -180,6 +181,7 @@ struct Compiler<'a> {
     /// Whether light may pass through any of those.
     slots_transmit: bool,
     glows: HashMap<MaterialId, emitters::Glow>,
+    varied_emissions: Vec<VariedEmission>,
     textures: Textures,
     pictures: pictures::PictureCache,
     lights: Lights,
@@ -228,6 +230,7 @@ impl<'a> Compiler<'a> {
             slot_materials: Vec::new(),
             slots_transmit: false,
             glows: HashMap::new(),
+            varied_emissions: Vec::new(),
             textures: Textures::default(),
             pictures: pictures::PictureCache::default(),
             lights: Lights::default(),
@@ -307,6 +310,7 @@ impl<'a> Compiler<'a> {
             material_list: self.material_list,
             slot_materials: self.slot_materials,
             textures: self.textures,
+            varied_emissions: self.varied_emissions,
             lights: self.lights,
             light_list: self.light_list,
             light_groups: self.light_groups.into_names(),
@@ -352,6 +356,8 @@ impl<'a> Compiler<'a> {
 
 #[cfg(test)]
 mod camera_tests;
+#[cfg(test)]
+mod emission_tests;
 #[cfg(test)]
 mod motion_tests;
 #[cfg(test)]

@@ -5,19 +5,21 @@
 
 use std::collections::HashMap;
 
-use kajo_color::{Reflectance, Spectrum};
+use kajo_color::{Emission, Reflectance, Spectrum};
 use kajo_math::{Motion, Vec2, Vec3};
 use kajo_scene::{
-    Args, AssetFile, Item, ModelInstance, ModelMaterial, ModelPart, PictureSource, PictureUse, PictureWrap,
-    Span, read_gltf,
+    Args, AssetFile, Item, ModelCover, ModelInstance, ModelMaterial, ModelPart, PictureSource, PictureUse,
+    PictureWrap, Span, read_gltf,
 };
 
 use super::Compiler;
 use super::definition::{Part, Parts};
+use super::emitters::Glow;
 use super::group::{Place, Walk};
 use super::mesh::{corner_values, file_name};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
+use crate::light::Sides;
 use crate::material::{Embossed, LayeredMaterial, Layers, MaterialId, Perforated, PhongMaterial, Relief};
 use crate::nested::Content;
 use crate::shape::{MeshData, ShapeId};
@@ -114,9 +116,11 @@ impl Compiler<'_> {
         let amounts = Some(Encoding::Linear);
         let color = map(material.picture, None);
         let metal_and_rough = map(material.metal_and_roughness, amounts);
+        let slide = map(material.emissive_picture, None);
         let normals = material.normals.and_then(|(shown, scale)| Some((map(Some(shown), amounts)?, scale)));
 
-        let ModelMaterial { base_color: base @ [r, g, b], metallic, roughness, opacity, .. } = *material;
+        let ModelMaterial { base_color: base @ [r, g, b], metallic, roughness, .. } = *material;
+        let opacity = opacity(material, color.as_ref());
         let paint = match &color {
             Some(map) => Paint::Picture(PictureMap { factor: [r, g, b, 1.0], ..map.clone() }),
             None => Reflectance::from_rgb(base).into(),
@@ -137,9 +141,14 @@ impl Compiler<'_> {
             let relief = Relief::Normals { map, scale };
             id = Embossed { material: id, relief }.store(&mut self.materials)?;
         }
-        if opacity < 1.0 {
-            id = Perforated { material: id, opacity: opacity.into() }.store(&mut self.materials)?;
+        let even = Glow::even(Emission::from_rgb(material.emissive));
+        let sides = if material.two_sided { Sides::Both } else { Sides::Front };
+        let mut glow = even.map(|glow| slide.into_iter().fold(glow.from(sides), Glow::through));
+        if let Some(opacity) = opacity {
+            glow = glow.and_then(|glow| glow.weakened(&opacity));
+            id = Perforated { material: id, opacity }.store(&mut self.materials)?;
         }
+        self.glows.extend(glow.map(|glow| (id, glow)));
         Some(id)
     }
 
@@ -206,6 +215,24 @@ fn mesh_data(part: ModelPart, smooth: bool) -> MeshData {
         uvs: corner_values(mesh.uvs, mesh.face_uvs, Vec2::from),
         material_slots: None,
     }
+}
+
+/// The share of a surface that is there, where that is not all of it.
+///
+/// * `color`: the picture of its colour
+fn opacity(material: &ModelMaterial, color: Option<&PictureMap>) -> Option<Share> {
+    let value = material.opacity;
+    // Most pictures have no holes, whatever the material says of them.
+    let map = color.filter(|map| map.mean()[Channel::Alpha as usize] < 1.0);
+    let map = map.map(|map| PictureMap { factor: [1.0, 1.0, 1.0, value], ..map.clone() });
+    let share = match (material.cover, map) {
+        (ModelCover::Everything, _) => return None,
+        (ModelCover::Share, None) => Share::Plain(value),
+        (ModelCover::Share, Some(map)) => Share::Picture(map, Channel::Alpha),
+        (ModelCover::FromOn(least), None) => Share::Plain(if value < least { 0.0 } else { 1.0 }),
+        (ModelCover::FromOn(least), Some(map)) => Share::Cut(map, Channel::Alpha, least),
+    };
+    (share.range()[0] < 1.0).then_some(share)
 }
 
 /// The opaque Phong material with the same colour.

@@ -110,7 +110,7 @@ impl Compiler<'_> {
     }
 
     /// Whether a shape has materials of its own, and any such material of the scene gives light.
-    fn brings_lamps(&self, shape: ShapeId) -> bool {
+    pub(super) fn brings_lamps(&self, shape: ShapeId) -> bool {
         let has_slots =
             Mesh::find(&self.shapes, shape).is_some() && self.shapes.material_slot(shape, 0).is_some();
         has_slots && self.slot_materials.iter().any(|material| self.glows.contains_key(material))

@@ -4,6 +4,7 @@
 //! color planks.png
 //! color planks.png { repeat 4 2  offset 0.5 0  wrap mirror  filter nearest  encoding linear }
 //! roughness scratches.png { channel green }
+//! emission slide.png { light blackbody 3200 5 }
 //! ```
 //!
 //! A name that ends as those of pictures do is one. Whole numbers of a colour are values for a screen unless `encoding`
@@ -14,7 +15,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
-use kajo_color::Reflectance;
+use kajo_color::{Emission, Reflectance};
 use kajo_image::{DecodeLimits, Decoded, Format};
 use kajo_math::Vec2;
 use kajo_scene::{Args, Assets, Diagnostic, Diagnostics, Item, Params, Span, read_limited};
@@ -111,6 +112,18 @@ impl PaintReader<'_> {
             (None, Some((map, (Height(height), channel)))) => Some(Relief::Heights { map, channel, height }),
             (None, None) => None,
         }
+    }
+
+    /// The light of a surface, and the picture that it shines through like a slide, if there is one.
+    pub fn emission(&mut self, params: &mut Params<'_, '_>) -> Option<(Emission, Option<PictureMap>)> {
+        let (item, spectra) = (params.block("emission")?, self.spectra);
+        if !is_picture(item) {
+            return Args::read(item, params.diagnostics(), |args| spectra.emission(args))
+                .map(|lamp| (lamp, None));
+        }
+        let lamp = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
+        let (map, lamp) = self.pictures.map(item, None, params.diagnostics(), lamp)?;
+        Some((lamp.unwrap_or_else(|| Emission::from_rgb([1.0; 3])), Some(map)))
     }
 
     /// The colours of a picture, if there is the key.
@@ -457,7 +470,7 @@ mod tests {
             let (n, mut sum) = (4000, Vec3::ZERO);
             for i in 0..n {
                 let lambda = Wavelengths::sample((i as f32 + 0.5) / n as f32);
-                let light = kajo_color::Emission::from_rgb([1.0; 3]).at(&lambda);
+                let light = Emission::from_rgb([1.0; 3]).at(&lambda);
                 sum += Vec3::from(kajo_color::sensor::to_rgb(albedo(&lambda) * light, &lambda)) / n as f32;
             }
             assert!(sum.distance(RED.into()) < 0.02, "{material}: {sum}");

@@ -57,7 +57,8 @@ fn leaving(lights: &Arc<Lights>, id: LightId, number: usize) -> Option<Draw> {
 fn towards_a_square() -> Draw {
     let patch = Patch::parallelogram(DVec3::new(-0.5, 1.0, -0.5), [DVec3::X, DVec3::Z]);
     let emission = Emission::from_rgb([2.0; 3]);
-    let light = AreaLight { patch, drift: None, emission, sides: Sides::Front, primitive: 0, part: 0 };
+    let light =
+        AreaLight { patch, drift: None, varied: None, emission, sides: Sides::Front, primitive: 0, part: 0 };
     let from = Vec3::new(0.3, 0.2, -0.7);
     let same = light.clone();
     Draw {

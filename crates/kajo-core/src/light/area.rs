@@ -1,4 +1,4 @@
-//! Surfaces that give light: every place of a piece sends the same radiance into all directions of its side.
+//! Surfaces that give light: a place of a piece sends the same radiance into all directions of its side.
 //!
 //! Such a light exists for each piece of every object whose material has an `emission`; it is not written on its
 //! own. The power of one side is `pi A L`.
@@ -49,8 +49,11 @@ pub struct AreaLight {
     pub patch: Patch,
     /// How it has moved since then, if it does; a sphere must stay one.
     pub drift: Option<Arc<MovingTransform>>,
-    /// Radiance.
+    /// Radiance; of a piece whose places differ their mean.
     pub emission: Emission,
+    /// The number of the radiance of each place, where they differ. That of [`Emitter::sample`] and [`Emitter::emit`] is
+    /// the mean, and it is for the scene, which knows what is at a place, to put the true one there.
+    pub varied: Option<u32>,
     /// Which sides give light.
     pub sides: Sides,
     /// The object it belongs to, an index into [`crate::Scene::primitives`].

@@ -18,6 +18,8 @@ pub struct Emitters {
     sky: Option<u32>,
     /// Directional lights that are wide enough to be met.
     discs: Vec<u32>,
+    /// Whether any piece of a glowing object gives not the same light everywhere.
+    varies: bool,
     tree: LightTree,
 }
 
@@ -36,7 +38,8 @@ impl Emitters {
         let is_disc =
             |&id: &LightId| DirectionalLight::find(lights, id).is_some_and(|light| light.disc().is_some());
         let discs = (0..).zip(&list).filter_map(|(number, id)| is_disc(id).then_some(number)).collect();
-        Emitters { list, groups, first_area, sky, discs, tree: LightTree::build(&bounds) }
+        let varies = lights.areas.iter().any(|light| light.varied.is_some());
+        Emitters { list, groups, first_area, sky, discs, varies, tree: LightTree::build(&bounds) }
     }
 
     /// Number of lights that can be drawn.
@@ -77,6 +80,17 @@ impl Emitters {
             let disc = light.disc().filter(|disc| disc.covers(d))?;
             Some((number, light.radiance(&disc, wavelengths)))
         })
+    }
+
+    /// A light, if it is a piece of a glowing object that gives not the same light everywhere, and the number of what it
+    /// gives.
+    #[inline]
+    pub fn varied<'a>(&self, lights: &'a Lights, number: u32) -> Option<(&'a AreaLight, u32)> {
+        if !self.varies {
+            return None;
+        }
+        let light = AreaLight::find(lights, self.id(number))?;
+        Some((light, light.varied?))
     }
 
     /// Bytes of the tree and the list.

@@ -173,6 +173,7 @@ fn lamps_without_extent_follow_their_laws() {
 fn a_lamp_shines_from_its_sides_only() {
     let lamp = |sides| AreaLight {
         drift: None,
+        varied: None,
         patch: square(1.0),
         emission: Emission::from_rgb([1.0; 3]),
         sides,

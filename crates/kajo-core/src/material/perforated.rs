@@ -7,8 +7,7 @@
 //! ```
 //!
 //! Shadow rays are weakened by `1 - opacity` at every crossing, which is the mean of that. The classic integrator mixes
-//! the material with a clear one. What a surface of even opacity emits is weakened by `opacity` when the scene is read; a
-//! picture of it leaves the emission as it is.
+//! the material with a clear one. What the surface emits is weakened by `opacity` place by place.
 //!
 //! Scene: `Matte { color 0.2 0.5 0.1  opacity 0.6 }`
 

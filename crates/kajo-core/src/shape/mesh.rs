@@ -12,7 +12,7 @@ use std::sync::Arc;
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
 
-use super::{Patch, Surface, Tessellation};
+use super::{Patch, Surface, Tessellation, hit_of_triangle};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
 /// A corner of a face that has no normal or no texture coordinates of its own.
@@ -149,6 +149,10 @@ impl Surface for Mesh {
         let p = (a + u * (b - a) + v * (c - a)).as_vec3();
         let size = corners[0].abs().max(corners[1].abs()).max(corners[2].abs());
         SurfacePoint { p, p_error: gamma(8) * size, n: self.smooth_normal(hit).unwrap_or(ng), ng }
+    }
+
+    fn hit_at(&self, part: u32, p: Vec3) -> Hit {
+        hit_of_triangle(self.triangle(part).map(|v| v.as_dvec3()), part, p)
     }
 
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {

@@ -52,6 +52,11 @@ pub trait Surface: Sized {
     /// Position and normals at a hit of this shape by this ray.
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint;
 
+    /// What [`Surface::hit`] would have said of a point `p` of a part, but for the ray's parameter.
+    fn hit_at(&self, part: u32, _p: Vec3) -> Hit {
+        Hit { part, ..Hit::default() }
+    }
+
     /// Surface coordinates, in [0, 1]^2 where the shape is finite.
     fn uv_at(&self, hit: &Hit, p: Vec3) -> Vec2;
 
@@ -110,6 +115,8 @@ family! {
         fn crossings<F: FnMut(Hit)>(ray: &Ray, visit: F);
         /// See [`Surface::surface_at`].
         fn surface_at(ray: &Ray, hit: &Hit) -> SurfacePoint;
+        /// See [`Surface::hit_at`].
+        fn hit_at(part: u32, p: Vec3) -> Hit;
         /// See [`Surface::uv_at`].
         fn uv_at(hit: &Hit, p: Vec3) -> Vec2;
         /// See [`Surface::tangents_at`].
@@ -161,6 +168,15 @@ pub(crate) fn nearest_crossing(shape: &impl Surface, ray: &Ray) -> Option<Hit> {
         }
     });
     nearest
+}
+
+/// The hit of a triangle's point `p`.
+pub(crate) fn hit_of_triangle([a, b, c]: [DVec3; 3], part: u32, p: Vec3) -> Hit {
+    let (ab, ac, w) = (b - a, c - a, p.as_dvec3() - a);
+    let n = ab.cross(ac);
+    let area = n.length_squared();
+    let [u, v] = [w.cross(ac), ab.cross(w)].map(|part| if area > 0.0 { part.dot(n) / area } else { 0.0 });
+    Hit { t: 0.0, u: u as f32, v: v as f32, part }
 }
 
 /// A point that was computed in double precision, in single, and a bound on the error of each coordinate.

@@ -61,6 +61,12 @@ impl Surface for Quad {
         SurfacePoint::flat(p, p_error, self.normal.as_vec3())
     }
 
+    fn hit_at(&self, part: u32, p: Vec3) -> Hit {
+        let w = p.as_dvec3() - self.corner;
+        let [u, v] = self.dual.map(|e| e.dot(w) as f32);
+        Hit { t: 0.0, u, v, part }
+    }
+
     fn uv_at(&self, hit: &Hit, _p: Vec3) -> Vec2 {
         Vec2::new(hit.u, hit.v)
     }

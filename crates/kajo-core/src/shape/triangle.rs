@@ -8,7 +8,7 @@
 
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
-use super::{Patch, Ray64, Surface, in_range, stored};
+use super::{Patch, Ray64, Surface, hit_of_triangle, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// A two-sided triangle; counter-clockwise vertices face outward.
@@ -73,6 +73,10 @@ impl Surface for Triangle {
         let (onto, first) = (Ray64::new(ray).at(hit.t.into()), self.vertices[0].as_dvec3());
         let (p, p_error) = stored(onto - (onto - first).dot(n) * n, first.abs().max_element());
         SurfacePoint::flat(p, p_error, n.as_vec3())
+    }
+
+    fn hit_at(&self, part: u32, p: Vec3) -> Hit {
+        hit_of_triangle(self.vertices.map(|v| v.as_dvec3()), part, p)
     }
 
     /// The corners' coordinates, interpolated.

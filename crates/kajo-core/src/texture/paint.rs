@@ -74,6 +74,8 @@ pub enum Share {
     Plain(f32),
     /// A channel of a picture.
     Picture(PictureMap, Channel),
+    /// 1 where a channel of a picture is this much or more, and 0 elsewhere.
+    Cut(PictureMap, Channel, f32),
 }
 
 impl From<f32> for Share {
@@ -89,19 +91,28 @@ impl Share {
         match self {
             Share::Plain(value) => *value,
             Share::Picture(map, channel) => map.at(uv)[*channel as usize],
+            Share::Cut(map, channel, least) => f32::from(u8::from(map.at(uv)[*channel as usize] >= *least)),
         }
     }
 
     /// Whether it differs between places.
     pub fn varies(&self) -> bool {
-        matches!(self, Share::Picture(..))
+        !matches!(self, Share::Plain(_))
+    }
+
+    /// Its mean over all texels, about that for a picture that is cut.
+    pub fn mean(&self) -> f32 {
+        match self {
+            Share::Plain(value) => *value,
+            Share::Picture(map, channel) | Share::Cut(map, channel, _) => map.mean()[*channel as usize],
+        }
     }
 
     /// The least and the largest number that it may be anywhere.
     pub fn range(&self) -> [f32; 2] {
         match self {
             Share::Plain(value) => [*value; 2],
-            Share::Picture(..) => [0.0, 1.0],
+            Share::Picture(..) | Share::Cut(..) => [0.0, 1.0],
         }
     }
 }

@@ -69,6 +69,15 @@ impl Picture {
         (Picture { width: image.width(), height: image.height(), texels }, outside)
     }
 
+    /// The mean of all texels.
+    fn mean(&self) -> [f32; 4] {
+        let mut sums = [0u64; 4];
+        for texel in &self.texels {
+            (0..4).for_each(|c| sums[c] += u64::from(texel[c]));
+        }
+        sums.map(|sum| (sum as f64 / (65535.0 * self.texels.len() as f64)) as f32)
+    }
+
     #[inline]
     fn texel(&self, x: usize, y: usize) -> [f32; 4] {
         self.texels[y * self.width as usize + x].map(|v| f32::from(v) * (1.0 / 65535.0))
@@ -152,6 +161,12 @@ impl PictureMap {
     /// How far it is from a texel to the next in surface coordinates.
     pub fn texel(&self) -> Vec2 {
         1.0 / (self.repeat.abs() * Vec2::new(self.picture.width as f32, self.picture.height as f32))
+    }
+
+    /// The mean of all texels, however much of the picture is shown.
+    pub fn mean(&self) -> [f32; 4] {
+        let mean = self.picture.mean();
+        std::array::from_fn(|c| self.factor[c] * mean[c])
     }
 
     /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].

@@ -1,6 +1,6 @@
 //! The JSON of a glTF file, as far as it is read. Names are those of the specification.
 
-use super::{ModelMaterial, PictureUse, PictureWrap};
+use super::{ModelCover, ModelMaterial, PictureUse, PictureWrap};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
@@ -200,9 +200,31 @@ pub(super) struct Material {
     pub pbr_metallic_roughness: MetallicRoughness,
     pub normal_texture: Option<TextureInfo>,
     pub occlusion_texture: Option<IgnoredAny>,
-    pub emissive_texture: Option<IgnoredAny>,
+    pub emissive_texture: Option<TextureInfo>,
     pub emissive_factor: [f32; 3],
+    pub double_sided: bool,
     pub alpha_mode: AlphaMode,
+    pub alpha_cutoff: Option<f32>,
+    pub extensions: MaterialExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_emissive_strength")]
+    pub emissive_strength: EmissiveStrength,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct EmissiveStrength {
+    pub emissive_strength: f32,
+}
+
+impl Default for EmissiveStrength {
+    fn default() -> Self {
+        EmissiveStrength { emissive_strength: 1.0 }
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -237,12 +259,12 @@ pub(super) enum AlphaMode {
 }
 
 impl Material {
-    /// Whether there are textures that are not shown: of emission and occlusion, and those with other coordinates.
+    /// Whether there are textures that are not shown: of occlusion, and those with other coordinates.
     pub fn has_unused_textures(&self) -> bool {
         let pbr = &self.pbr_metallic_roughness;
-        let shown = [&pbr.base_color_texture, &pbr.metallic_roughness_texture, &self.normal_texture];
-        shown.into_iter().flatten().any(|texture| texture.tex_coord != 0)
-            || self.emissive_texture.is_some()
+        let of_base = [&pbr.base_color_texture, &pbr.metallic_roughness_texture];
+        let others = [&self.normal_texture, &self.emissive_texture];
+        of_base.into_iter().chain(others).flatten().any(|texture| texture.tex_coord != 0)
             || self.occlusion_texture.is_some()
     }
 
@@ -251,6 +273,7 @@ impl Material {
         let pbr = &self.pbr_metallic_roughness;
         let [r, g, b, a] = pbr.base_color_factor.map(|x| x.clamp(0.0, 1.0));
         let picture = |info: &Option<TextureInfo>| picture(info.as_ref()?, textures, samplers);
+        let strength = self.extensions.emissive_strength.emissive_strength;
         let scale = self.normal_texture.as_ref().map_or(1.0, |info| info.scale);
         ModelMaterial {
             name: self.name.clone(),
@@ -258,10 +281,17 @@ impl Material {
             picture: picture(&pbr.base_color_texture),
             metal_and_roughness: picture(&pbr.metallic_roughness_texture),
             normals: picture(&self.normal_texture).map(|picture| (picture, scale)),
-            opacity: if self.alpha_mode == AlphaMode::Blend { a } else { 1.0 },
+            opacity: a,
+            cover: match self.alpha_mode {
+                AlphaMode::Opaque => ModelCover::Everything,
+                AlphaMode::Mask => ModelCover::FromOn(self.alpha_cutoff.unwrap_or(0.5)),
+                AlphaMode::Blend => ModelCover::Share,
+            },
             metallic: pbr.metallic_factor.clamp(0.0, 1.0),
             roughness: pbr.roughness_factor.clamp(0.0, 1.0),
-            emissive: self.emissive_factor.map(|x| x.max(0.0)),
+            emissive: self.emissive_factor.map(|x| (x * strength).max(0.0)),
+            emissive_picture: picture(&self.emissive_texture),
+            two_sided: self.double_sided,
         }
     }
 }

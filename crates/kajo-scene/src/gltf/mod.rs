@@ -63,14 +63,32 @@ pub struct ModelMaterial {
     pub metal_and_roughness: Option<PictureUse>,
     /// Normals of a fine relief, and the factor of their components across the surface.
     pub normals: Option<(PictureUse, f32)>,
-    /// How much the surface covers what is behind it, in [0, 1].
+    /// How much the surface covers what is behind it, in [0, 1], where [`ModelMaterial::cover`] is not
+    /// [`ModelCover::Everything`]. The alpha of the picture is another factor.
     pub opacity: f32,
+    /// What that means.
+    pub cover: ModelCover,
     /// 1 for metals, 0 for everything else.
     pub metallic: f32,
     /// 0 for a mirror, 1 for chalk.
     pub roughness: f32,
     /// Light that the surface gives off, linear.
     pub emissive: [f32; 3],
+    /// What that is multiplied by over the surface.
+    pub emissive_picture: Option<PictureUse>,
+    /// Whether that leaves it on its inner side too.
+    pub two_sided: bool,
+}
+
+/// How much of what is behind a surface it covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModelCover {
+    /// All of it.
+    Everything,
+    /// All of it where the opacity is this much or more, and nothing elsewhere.
+    FromOn(f32),
+    /// The share that is its opacity.
+    Share,
 }
 
 /// A picture as a material shows it.
@@ -175,7 +193,9 @@ fn pictures(
 ) -> Result<Vec<Option<PictureSource>>, String> {
     let shown = |material: &ModelMaterial| {
         let normals = material.normals.map(|(picture, _)| picture);
-        [material.picture, material.metal_and_roughness, normals].into_iter().flatten()
+        [material.picture, material.metal_and_roughness, normals, material.emissive_picture]
+            .into_iter()
+            .flatten()
     };
     let used: BTreeSet<usize> = materials.iter().flat_map(shown).map(|p| p.picture).collect();
     let mut read = |(i, image): (usize, &json::Image)| {
@@ -238,14 +258,12 @@ fn check_extensions(document: &json::Document) -> Result<(), String> {
 fn left_out(document: &json::Document) -> Vec<String> {
     let lights = document.extensions.as_ref().and_then(|e| e.lights.as_ref()).map_or(0, |l| l.lights.len());
     let textured = document.materials.iter().filter(|material| material.has_unused_textures()).count();
-    let glowing = document.materials.iter().filter(|m| m.emissive_factor.iter().any(|&x| x > 0.0)).count();
     let list = [
         (document.cameras.len(), "cameras"),
         (lights, "lights"),
         (document.animations.len(), "animations"),
         (document.skins.len(), "skins"),
         (textured, "materials with textures that are not shown"),
-        (glowing, "materials that give off light"),
     ];
     let used = list.into_iter().filter(|&(count, _)| count > 0);
     used.map(|(count, what)| format!("left out: {count} {what}")).collect()

@@ -285,6 +285,30 @@ fn pictures_of_normals_and_roughness_are_found() {
 }
 
 #[test]
+fn light_and_cover_are_read() {
+    let material = |more: &str| {
+        let mesh = MESH.replace("\"alphaMode\":\"BLEND\"", more);
+        let textures = r#""textures":[{"source":0}],"images":[{"uri":"glow.png"}]"#;
+        let model = read_square(&format!("{mesh},\"nodes\":[{{\"mesh\":0}}],{textures}")).unwrap();
+        assert!(model.left_out.is_empty(), "{:?}", model.left_out);
+        (model.materials[0].clone(), model.pictures)
+    };
+    let (plain, _) = material("\"emissiveFactor\":[0.5,0,-1]");
+    assert_eq!((plain.emissive, plain.emissive_picture, plain.two_sided), ([0.5, 0.0, 0.0], None, false));
+    assert_eq!((plain.cover, plain.opacity), (ModelCover::Everything, 0.25));
+    let (strong, pictures) = material(
+        r#""emissiveFactor":[0.5,0.25,1],"emissiveTexture":{"index":0},"doubleSided":true,
+        "extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}"#,
+    );
+    let shown = PictureUse { picture: 0, wrap: PictureWrap::Repeat, nearest: false };
+    assert_eq!((strong.emissive, strong.emissive_picture), ([4.0, 2.0, 8.0], Some(shown)));
+    assert_eq!((strong.two_sided, pictures), (true, vec![Some(PictureSource::File("glow.png".to_owned()))]));
+    assert_eq!(material("\"alphaMode\":\"BLEND\"").0.cover, ModelCover::Share);
+    assert_eq!(material("\"alphaMode\":\"MASK\"").0.cover, ModelCover::FromOn(0.5));
+    assert_eq!(material("\"alphaMode\":\"MASK\",\"alphaCutoff\":0.1").0.cover, ModelCover::FromOn(0.1));
+}
+
+#[test]
 fn pictures_that_are_nowhere_are_told_or_left_out() {
     for texture in ["\"index\":1", "\"index\":2", "\"index\":99"] {
         let model = painted(texture, "").unwrap();

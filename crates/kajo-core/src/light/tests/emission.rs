@@ -20,7 +20,15 @@ fn point(attenuation: [f32; 3]) -> PointLight {
 }
 
 fn area(patch: Patch, sides: Sides) -> AreaLight {
-    AreaLight { patch, drift: None, emission: Emission::from_rgb([2.0; 3]), sides, primitive: 0, part: 0 }
+    AreaLight {
+        patch,
+        drift: None,
+        varied: None,
+        emission: Emission::from_rgb([2.0; 3]),
+        sides,
+        primitive: 0,
+        part: 0,
+    }
 }
 
 /// One lamp of each kind with the power it has.

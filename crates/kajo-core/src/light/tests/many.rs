@@ -13,7 +13,15 @@ fn grid() -> (Lights, Emitters) {
         if i.is_multiple_of(3) {
             let patch = Patch::parallelogram(at, [0.1 * DVec3::X, 0.1 * DVec3::Z]);
             let emission = Emission::from_rgb([100.0 * strength; 3]);
-            let area = AreaLight { patch, emission, drift: None, sides: Sides::Both, primitive: i, part: 0 };
+            let area = AreaLight {
+                patch,
+                emission,
+                drift: None,
+                varied: None,
+                sides: Sides::Both,
+                primitive: i,
+                part: 0,
+            };
             areas.extend(area.store(&mut lights));
         } else {
             let point = PointLight {

@@ -3,15 +3,20 @@
 use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::settings::Directions;
+use kajo_math::DVec3;
+use kajo_math::solid_angle::polygon_irradiance;
 use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
 
 use super::*;
 
+/// Black on the left, white on the right.
+const HALF: &[u8] = b"Pf\n2 1\n-1\n\0\0\0\0\0\0\x80\x3f";
+
 fn scene(text: &str) -> Scene {
     let mut parsed = SceneDesc::parse_str(text);
-    let scene =
-        compile(&mut parsed.desc, &MemoryAssets::new(), &CompileOptions::default(), &mut parsed.diagnostics);
+    let assets = MemoryAssets::new().with("half.pfm", HALF);
+    let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut parsed.diagnostics);
     scene.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
 }
 
@@ -94,6 +99,28 @@ fn a_square_lamp_lights_a_floor_as_lambert_says() {
     for technique in TECHNIQUES {
         let settings = PathSettings { bounces: 1, technique, ..PathSettings::default() };
         check(&scene(&text), settings, 2000, expected);
+    }
+    // The half of it that a picture, holes or a mixture leave, by every way of saying so.
+    let half = [
+        DVec3::new(0.0, 1.0, -0.5),
+        DVec3::new(0.5, 1.0, -0.5),
+        DVec3::new(0.5, 1.0, 0.5),
+        DVec3::new(0.0, 1.0, 0.5),
+    ];
+    let expected_of_half =
+        0.7 / std::f64::consts::PI * 3.0 * polygon_irradiance(DVec3::ZERO, DVec3::Y, &half).abs();
+    let even = "Material lamp { diffuseColor 0 0 0  emission 3 3 3 emits front }";
+    let half_of = |lamp: &str| text.replace(even, lamp);
+    for lamp in [
+        "Matte lamp { color 0 0 0  emission half.pfm { filter nearest  light 3 } emits front }",
+        "Matte lamp { color 0 0 0  emission 3  emits front  opacity half.pfm { filter nearest } }",
+        "Matte off { color 0 0 0 } Matte on { color 0 0 0  emission 3  emits front }
+         Checkerboard lamp { Transform { Translate 0 0.5 0.5 Scale 1 0.1 0.1 } materialIndex on materialIndex off }",
+    ] {
+        for technique in TECHNIQUES {
+            let settings = PathSettings { bounces: 1, technique, ..PathSettings::default() };
+            check(&scene(&half_of(lamp)), settings, 8000, expected_of_half);
+        }
     }
     // Its back gives no light.
     let dark = text.replace("emits front", "emits back");

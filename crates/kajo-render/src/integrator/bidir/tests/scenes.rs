@@ -44,6 +44,16 @@ fn random_scene(i: u32) -> String {
             "Transform { Translate 0 1.3 0 Scale 0.6 0.2 0.4 Sphere { center 0 0 0  radius 1 } }",
         ],
     );
+    let glow = pick(
+        u(8),
+        &[
+            "Material lamp { diffuseColor 0.2 0.2 0.2  emission 2 2 2 }",
+            "Matte lamp { color 0.2 0.2 0.2  emission dents.pfm { repeat 2  light blackbody 4000 3 } }",
+            "Matte lamp { color 0.2 0.2 0.2  emission 4  emits front  opacity dents.pfm { channel green } }",
+            "Matte dark { color 0.2 0.2 0.2 }  Matte warm { color 0.5 0.2 0.1  emission 9 3 1 }
+             Noise lamp { materialIndex dark  materialIndex warm  Transform { UniformScale 3 } }",
+        ],
+    );
     // What mirrors send on from lamps that no ray can meet is light that no path from the camera can find.
     let rough = ["white", "red", "gold", "frosted", "paint", "flint", "dented"];
     let all = ["white", "red", "gold", "mirror", "frosted", "clear", "paint", "gloss", "flint", "dented"];
@@ -71,7 +81,7 @@ fn random_scene(i: u32) -> String {
             Glass flint {{ glass N-SF10  roughness 0.2 }}
             Principled paint {{ color 0.2 0.5 0.3  coat 0.7  roughness 0.5 }}
             Material gloss {{ diffuseColor 0.3 0.2 0.1  specularColor 0.3 0.3 0.3  exponent 20  reflectiveColor 0.2 0.2 0.2 }}
-            Material lamp {{ diffuseColor 0.2 0.2 0.2  emission 2 2 2 }} }}
+            {glow} }}
          Group {{ MaterialIndex white {ground}  MaterialIndex lamp {lamp}
             MaterialIndex {a} Sphere {{ center -0.5 -0.5 0  radius 0.5 }}  MaterialIndex {b} {thing} }}"
     )

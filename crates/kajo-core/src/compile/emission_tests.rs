@@ -1,0 +1,212 @@
+//! Light that differs from place to place is the same whichever way a place is found.
+
+use std::collections::BTreeSet;
+
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_image::{EncodeOptions, Format, Image, encode};
+use kajo_math::{Ray, Vec2, Vec3, rng::Stream};
+use kajo_scene::{MemoryAssets, SceneDesc};
+
+use super::{CompileOptions, compile};
+use crate::light::{LightChoice, Target};
+use crate::lighting::Receiver;
+use crate::scene::Scene;
+
+/// A picture of 2 x 2 colours.
+const SLIDE: &[u8] = b"P6\n2 2\n255\n\xff\x40\x20\x30\xe0\x90\x10\x50\xff\xc0\xc0\x60";
+
+const TILE: &str = "mtllib a.mtl\nusemtl neon\nv -1 0 0\nv 1 0 0\nv 1 1 0.3\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+    f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+
+fn read(text: &str) -> (Option<Scene>, Vec<String>) {
+    let assets = MemoryAssets::new().with("slide.ppm", SLIDE).with("tile.obj", TILE);
+    let assets = assets.with("a.mtl", "newmtl neon\nKe 4 2 1\nmap_Ke slide.ppm\n");
+    let mut parsed = SceneDesc::parse_str(text);
+    let mut diagnostics = parsed.diagnostics;
+    let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+    (scene, diagnostics.iter().map(|d| d.message.clone()).collect())
+}
+
+/// These things of these materials, whose last is their own.
+fn lit(materials: &str, things: &str) -> Scene {
+    let text = format!(
+        "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30  shutter 0 1 }} Background {{ color 0 0 0 }}
+         Materials {{ {materials} }} Group {{ MaterialIndex lamp {things} }}"
+    );
+    let (scene, said) = read(&text);
+    scene.unwrap_or_else(|| panic!("{text}\n{said:?}"))
+}
+
+const MATERIALS: [&str; 5] = [
+    "Matte lamp { emission slide.ppm { filter nearest  light blackbody 3000 4 } }",
+    "Matte lamp { emission 3 2 1  opacity slide.ppm { channel green } }",
+    "Matte lamp { emission slide.ppm { repeat 3  wrap mirror }  opacity slide.ppm  emits front }",
+    "Matte a { emission 5 1 1 } Matte b { emission slide.ppm { light 0 4 9 } }
+     Marble lamp { materialIndex a  materialIndex b  Transform { UniformScale 2 } frequency 3 }",
+    "Matte a { color 0 0 0 } Matte b { emission 1 4 2  opacity 0.5 } Mix m { materialIndex a  materialIndex b  amount 0.25 }
+     Checkerboard lamp { materialIndex m  materialIndex b  Transform { UniformScale 3 } }",
+];
+
+const THINGS: [&str; 10] = [
+    "Quad { corner -1 -1 0  edge1 2 0 0  edge2 0.3 2 0 }",
+    "Triangle { vertex0 -1 0 0  vertex1 1 0 0  vertex2 0 1 0  textCoord0 0 0  textCoord1 2 0  textCoord2 0 1 }",
+    "TriangleMesh { file tile.obj }",
+    "TriangleMesh { file tile.obj  materials on }",
+    "Sphere { center 0.2 0 0  radius 0.8 }",
+    "Disk { center 0 0 0  normal 0 1 1  radius 1 }",
+    "Cylinder { base 0 -1 0  top 0 1 0  radius 0.5 }",
+    "Cone { base 0 -1 0  top 0 1 0  radius 1 }",
+    "Transform { Translate 1 0 0 YRotate 40 Scale 1 2 0.5 Box { min -1 -1 -1  max 1 1 1 } }",
+    "Transform { Motion { key 0 { } key 1 { Translate 1 0 0 ZRotate 60 } } TriangleMesh { file tile.obj } }",
+];
+
+/// What a ray from `from` to `p` sees give light there, if nothing is in front of it.
+fn seen(scene: &Scene, from: Vec3, p: Vec3, time: f32) -> Option<Spectrum> {
+    let d = (p - from).normalize();
+    let event = scene.trace(&Ray { time, ..Ray::new(from, d) });
+    let at = event.surface().filter(|at| at.point.p.distance(p) < 1e-4)?;
+    Some(scene.glow(at, d, &Wavelengths::RGB)?.radiance)
+}
+
+/// Whether two values are the same, and not on both sides of the edge of a texel or of a pattern.
+fn agree(a: Spectrum, b: Spectrum) -> bool {
+    (a - b).to_rgb().iter().all(|d| d.abs() < 2e-3 * (1.0 + a.luminance()))
+}
+
+#[test]
+fn places_give_the_light_that_is_seen_of_them() {
+    for materials in MATERIALS {
+        for things in THINGS {
+            let scene = lit(materials, things);
+            let departures = scene.departures();
+            let (mut same, mut other, mut values) = (0, 0, BTreeSet::new());
+            let mut count = |drawn: Spectrum, seen: Option<Spectrum>| {
+                let Some(seen) = seen else { return };
+                values.insert((1000.0 * drawn.luminance()) as u32);
+                if agree(drawn, seen) { same += 1 } else { other += 1 }
+            };
+            for k in 0..400 {
+                let s = Stream::new(31, [k, 0], 0);
+                let u = |d: u32| s.uniform(d);
+                let time = u(0);
+                let to = Receiver { p: 8.0 * Vec3::new(u(1), u(2), u(3)) - 4.0, n: Vec3::ZERO, time };
+                let place = Vec2::new(u(4), u(5));
+                let drawn = scene.light_towards(&to, u(6), place, &Wavelengths::RGB, LightChoice::Tree);
+                if let Some(sample) = drawn
+                    && let Target::Surface { p, .. } = sample.target
+                {
+                    count(sample.radiance, seen(&scene, to.p, p, time));
+                }
+                let ways = [Vec2::new(u(7), u(8)), Vec2::new(u(9), u(10))];
+                if let Some((emitted, ..)) = scene.emit(&departures, time, u(11), ways, &Wavelengths::RGB) {
+                    count(emitted.radiance, seen(&scene, emitted.p + 0.1 * emitted.d, emitted.p, time));
+                }
+            }
+            assert!(same > 200 && other * 50 < same, "{materials} {things}: {same} {other}");
+            assert!(values.len() > 1, "{materials} {things} is the same everywhere");
+        }
+    }
+}
+
+/// What lamps are chosen by is the mean of their places.
+#[test]
+fn lamps_are_as_strong_as_the_mean_of_their_places() {
+    for materials in ["Matte lamp { emission slide.ppm { light 3 2 1 } }", MATERIALS[1], MATERIALS[4]] {
+        let scene = lit(materials, THINGS[0]);
+        let departures = scene.departures();
+        let n = 4000;
+        let sum = (0..n).fold(Spectrum::BLACK, |sum, k| {
+            let s = Stream::new(32, [k, 0], 0);
+            let ways = [Vec2::new(s.uniform(0), s.uniform(1)), Vec2::new(s.uniform(2), s.uniform(3))];
+            let emitted = scene.emit(&departures, 0.0, 0.5, ways, &Wavelengths::RGB);
+            sum + emitted.map_or(Spectrum::BLACK, |(emitted, ..)| emitted.radiance)
+        });
+        let mean = sum * (1.0 / n as f32);
+        let known = Spectrum::from(Vec3::from(scene.lights.areas[0].emission.rgb()));
+        let off = (mean - known).to_rgb().map(f32::abs);
+        // The pattern is not even over the piece.
+        assert!(off.iter().all(|&d| d < 0.1 * known.luminance()), "{materials}: {mean:?} {known:?}");
+    }
+}
+
+/// A triangle whose material has these words more, as a lamp without any other.
+fn model(words: &str) -> Scene {
+    let floats = [-1.0f32, -1.0, 0.0, 3.0, -1.0, 0.0, -1.0, 3.0, 0.0, 0.0, 1.0, 2.0, 1.0, 0.0, -1.0];
+    let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"a.bin","byteLength":60}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,"byteLength":24}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},
+            {{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}}],
+        "textures":[{{"source":0}},{{"source":1}}],"images":[{{"uri":"slide.ppm"}},{{"uri":"veil.pam"}}],
+        "materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0,{words}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],
+        "nodes":[{{"mesh":0}}]}}"#
+    );
+    let image = Image::from_fn(2, 1, |x, _| [1.0, 0.0, 0.5, if x == 0 { 0.25 } else { 0.75 }]).unwrap();
+    let veil = encode(&image, Format::Png, &EncodeOptions::default()).unwrap();
+    let assets = MemoryAssets::new().with("a.gltf", json).with("a.bin", bytes);
+    let assets = assets.with("slide.ppm", SLIDE).with("veil.pam", veil);
+    let text =
+        "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 } Background { color 0 0 0 }
+        Group { Model { file a.gltf } }";
+    let mut parsed = SceneDesc::parse_str(text);
+    let mut diagnostics = parsed.diagnostics;
+    let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+    scene.unwrap_or_else(|| panic!("{words}\n{diagnostics:?}"))
+}
+
+#[test]
+fn models_glow_and_have_holes() {
+    let ray =
+        |x: f32, y: f32, from: f32| Ray::new(Vec3::new(x, y, from), Vec3::new(0.0, 0.0, -from.signum()));
+    let seen = |scene: &Scene, ray: Ray| {
+        let event = scene.trace(&ray);
+        let glow = event.surface().and_then(|at| scene.glow(at, ray.d, &Wavelengths::RGB));
+        glow.map(|glow| glow.radiance.to_rgb())
+    };
+    let dark = model("\"roughnessFactor\":1}");
+    assert_eq!(seen(&dark, ray(0.0, 0.0, 5.0)), None);
+    let even = model("\"roughnessFactor\":1},\"emissiveFactor\":[3,2,1]");
+    assert_eq!(seen(&even, ray(0.0, 0.0, 5.0)), Some([3.0, 2.0, 1.0]));
+    assert_eq!(seen(&even, ray(0.0, 0.0, -5.0)), None);
+    let slide = "\"roughnessFactor\":1},\"emissiveFactor\":[3,2,1],\"emissiveTexture\":{\"index\":0},\"doubleSided\":true";
+    let slide = model(slide);
+    // At a quarter of the way to the right and three up, the middle of the first texel.
+    let texel = [0xffu8, 0x40, 0x20].map(|v| kajo_color::srgb::decode(f32::from(v) / 255.0));
+    for from in [5.0, -5.0] {
+        let found = seen(&slide, ray(-0.5, 0.5, from)).unwrap();
+        let expected = [3.0 * texel[0], 2.0 * texel[1], texel[2]];
+        assert!(std::iter::zip(found, expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?} {expected:?}");
+    }
+    // Alpha of 1/4 on the left and 3/4 on the right.
+    let veil = "\"baseColorTexture\":{\"index\":1},\"baseColorFactor\":[1,1,1,0.8]}";
+    for (cover, expected) in [
+        ("", [0.0, 0.0]),
+        (",\"alphaMode\":\"BLEND\"", [0.8, 0.4]),
+        (",\"alphaMode\":\"MASK\"", [1.0, 0.0]),
+        (",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.1", [0.0, 0.0]),
+    ] {
+        let scene = model(&format!("{veil}{cover}"));
+        let found = [-0.5, 0.5].map(|x| scene.visibility(&ray(x, 0.0, 5.0)));
+        assert!(std::iter::zip(found, expected).all(|(a, b)| (a - b).abs() < 1e-3), "{cover}: {found:?}");
+    }
+}
+
+#[test]
+fn parts_of_a_mixture_shine_alike() {
+    let scene = |second: &str| {
+        read(&format!(
+            "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
+             Materials {{ Matte a {{ emission 1 }} Matte b {{ emission 2 {second} }} Mix m {{ materialIndex a materialIndex b }} }}
+             Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}"
+        ))
+    };
+    let (even, said) = scene("");
+    assert!(said.is_empty(), "{said:?}");
+    assert_eq!(even.unwrap().lights.areas[0].emission.rgb(), [1.5; 3]);
+    assert_eq!(
+        scene("emits front").1,
+        ["the parts of a mixture shine from the same sides and in the same group"]
+    );
+}
