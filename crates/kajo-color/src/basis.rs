@@ -13,7 +13,7 @@
 
 use crate::data::primaries::{BLUE, RED};
 use crate::observer::locate;
-use crate::{Spectrum, Wavelengths, illuminant};
+use crate::{Spectrum, Wavelengths};
 
 /// Distance of the nodes in nm.
 const STEP_NM: f64 = 5.0;
@@ -46,10 +46,7 @@ impl RgbBasis {
         };
         let lanes = nm.map(primaries_at);
         let primary = |c: usize| Spectrum::from([lanes[0][c], lanes[1][c], lanes[2][c], lanes[3][c]]);
-        RgbBasis {
-            primaries: [primary(0), primary(1), primary(2)],
-            white: Spectrum::from(nm.map(illuminant::d65)),
-        }
+        RgbBasis { primaries: [primary(0), primary(1), primary(2)], white: lambda.daylight() }
     }
 
     /// The reflectance, or another factor, of linear sRGB; in [0, 1] where the colour is.
@@ -76,7 +73,7 @@ fn primaries_at(nm: f32) -> [f32; 3] {
 mod tests {
     use super::*;
     use crate::matrix::apply;
-    use crate::{observer, sensor};
+    use crate::{illuminant, observer, sensor};
 
     #[test]
     fn each_primary_looks_like_itself_under_d65() {

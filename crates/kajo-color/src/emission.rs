@@ -17,7 +17,7 @@ use kajo_math::fmath;
 use crate::reflectance::{non_negative, scaled_colour};
 use crate::tabulated::Tabulated;
 use crate::uplift::Uplift;
-use crate::{Spectrum, Wavelengths, illuminant, observer, sensor};
+use crate::{Spectrum, Wavelengths, observer, sensor};
 
 /// Radiance, or what becomes radiance by a factor: non-negative at every wavelength.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,9 +100,7 @@ impl Emission {
     pub fn at(&self, lambda: &Wavelengths) -> Spectrum {
         let Some(nm) = lambda.nm() else { return Spectrum::rgb(self.rgb[0], self.rgb[1], self.rgb[2]) };
         let shape: Spectrum = match &self.shape {
-            Shape::Filtered(filter) => {
-                Spectrum::from(filter.at(nm)) * Spectrum::from(nm.map(illuminant::d65))
-            }
+            Shape::Filtered(filter) => filter.at(nm) * lambda.daylight(),
             Shape::Table(table) => nm.map(|nm| table.at(nm)).into(),
             Shape::BlackBody(kelvin) => nm.map(|nm| black_body_shape(nm, *kelvin)).into(),
         };
@@ -151,6 +149,7 @@ fn black_body_shape(nm: f32, kelvin: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::gamut::xy_of;
+    use crate::illuminant;
     use crate::tabulated::Outside;
 
     #[test]

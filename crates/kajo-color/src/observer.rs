@@ -9,6 +9,8 @@
 //! exactly.
 //! [CIE 018:2019]
 
+use kajo_math::Vec4;
+
 use crate::data::observer::{X, Y, Z};
 use crate::tabulated::Tabulated;
 
@@ -35,11 +37,11 @@ pub(crate) const LUMINANCE_NM: f64 = {
     sum * STEP_NM
 };
 
-/// The colour matching functions, node by node, as the inner loop reads them.
-static MATCHING: [[f32; 3]; NODES] = {
-    let (mut table, mut i) = ([[0.0; 3]; NODES], 0);
+/// The colour matching functions, node by node, as the inner loop reads them, and nothing.
+static MATCHING: [Vec4; NODES] = {
+    let (mut table, mut i) = ([Vec4::ZERO; NODES], 0);
     while i < NODES {
-        table[i] = [X[i] as f32, Y[i] as f32, Z[i] as f32];
+        table[i] = Vec4::new(X[i] as f32, Y[i] as f32, Z[i] as f32, 0.0);
         i += 1;
     }
     table
@@ -53,16 +55,22 @@ pub(crate) fn locate(nm: f32, step: f64, nodes: usize) -> Option<(usize, f32)> {
     if !(0.0..=(nodes - 1) as f32).contains(&at) {
         return None;
     }
-    let node = (at as usize).min(nodes - 2);
-    Some((node, at - node as f32))
+    let node = (at as i32).min(nodes as i32 - 2);
+    Some((node as usize, at - node as f32))
 }
 
 /// `x̄, ȳ, z̄` at a wavelength in nm; zero outside the visible range.
 #[inline]
 pub fn matching(nm: f32) -> [f32; 3] {
-    let Some((node, t)) = locate(nm, STEP_NM, NODES) else { return [0.0; 3] };
+    matching_lanes(nm).truncate().to_array()
+}
+
+/// The same, and a zero.
+#[inline]
+pub(crate) fn matching_lanes(nm: f32) -> Vec4 {
+    let Some((node, t)) = locate(nm, STEP_NM, NODES) else { return Vec4::ZERO };
     let (a, b) = (MATCHING[node], MATCHING[node + 1]);
-    [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])]
+    a + t * (b - a)
 }
 
 /// A table of values every `step` nm at a wavelength inside the visible range.

@@ -28,10 +28,10 @@ enum Shape {
 impl Shape {
     #[inline]
     fn at(&self, nm: [f32; 4]) -> Spectrum {
-        Spectrum::from(match self {
+        match self {
             Shape::Colour(uplift) => uplift.at(nm),
-            Shape::Table(table) => nm.map(|nm| table.at(nm)),
-        })
+            Shape::Table(table) => nm.map(|nm| table.at(nm)).into(),
+        }
     }
 }
 

@@ -11,10 +11,12 @@
 //! both modes to the last digit.
 //! [Pharr, Jakob and Humphreys 2023, 4.6]
 
+use kajo_math::Vec4;
+
 use crate::gamut::{SRGB, xyz_from_primaries};
 use crate::illuminant::D65_XYZ;
 use crate::matrix::{Matrix3, apply_f32, inverse};
-use crate::observer::{LUMINANCE_NM, matching};
+use crate::observer::{LUMINANCE_NM, matching_lanes};
 use crate::{Spectrum, Wavelengths};
 
 /// CIE XYZ of linear RGB as the sensor sees it.
@@ -26,16 +28,13 @@ pub const RGB_FROM_XYZ: Matrix3 = inverse(&XYZ_FROM_RGB);
 /// CIE XYZ of radiance, one sample of it in spectral mode. `Y` is 1 for a white of 1.
 pub fn to_xyz(s: Spectrum, lambda: &Wavelengths) -> [f32; 3] {
     let Some(nm) = lambda.nm() else { return apply_f32(&XYZ_FROM_RGB, s.to_rgb()) };
-    let (pdf, mut sum) = (lambda.pdf(), [0.0; 3]);
+    let (pdf, mut sum) = (lambda.pdf(), Vec4::ZERO);
     for i in 0..4 {
         if pdf[i] > 0.0 {
-            let (estimate, seen) = (s[i] / pdf[i], matching(nm[i]));
-            for (sum, seen) in sum.iter_mut().zip(seen) {
-                *sum += estimate * seen;
-            }
+            sum += s[i] / pdf[i] * matching_lanes(nm[i]);
         }
     }
-    sum.map(|x| x * (0.25 / LUMINANCE_NM) as f32)
+    (sum * (0.25 / LUMINANCE_NM) as f32).truncate().to_array()
 }
 
 /// Linear RGB of radiance, one sample of it in spectral mode, where single samples may be negative.

@@ -92,7 +92,7 @@ impl Spectrum {
     /// Square root of every lane.
     #[inline]
     pub fn sqrt(self) -> Spectrum {
-        self.map(f32::sqrt)
+        Spectrum(self.0.sqrt())
     }
 
     /// Every lane held between `low` and `high`.
@@ -117,6 +117,13 @@ impl Spectrum {
 impl From<Vec3> for Spectrum {
     fn from(v: Vec3) -> Spectrum {
         Spectrum::rgb(v.x, v.y, v.z)
+    }
+}
+
+impl From<Vec4> for Spectrum {
+    #[inline]
+    fn from(lanes: Vec4) -> Spectrum {
+        Spectrum(lanes)
     }
 }
 

@@ -14,8 +14,8 @@
 
 use kajo_math::fmath;
 
-use crate::Spectrum;
 use crate::observer::{FIRST_NM, LAST_NM};
+use crate::{Spectrum, illuminant};
 
 /// Where the density is greatest, in nm.
 const CENTER_NM: f64 = 538.0;
@@ -34,11 +34,14 @@ pub struct Wavelengths {
     lambda: [f32; 4],
     /// Per nm; zero for a wavelength that is no longer followed.
     pdf: [f32; 4],
+    /// D65 of luminance 1 there, which every light given as a colour shines with; 1 in RGB mode.
+    daylight: Spectrum,
 }
 
 impl Wavelengths {
     /// No wavelengths: lanes 0 to 2 are linear red, green and blue.
-    pub const RGB: Wavelengths = Wavelengths { lambda: [0.0; 4], pdf: [1.0, 1.0, 1.0, 0.0] };
+    pub const RGB: Wavelengths =
+        Wavelengths { lambda: [0.0; 4], pdf: [1.0, 1.0, 1.0, 0.0], daylight: Spectrum::WHITE };
 
     /// Four wavelengths of the visible range for a uniform `u` in [0, 1).
     pub fn sample(u: f32) -> Wavelengths {
@@ -47,7 +50,7 @@ impl Wavelengths {
             let turned = u + 0.25 * i as f32;
             (lambda[i], pdf[i]) = visible(if turned < 1.0 { turned } else { turned - 1.0 });
         }
-        Wavelengths { lambda, pdf }
+        Wavelengths { lambda, pdf, daylight: Spectrum::from(lambda.map(illuminant::d65)) }
     }
 
     /// Whether lanes are wavelengths.
@@ -60,6 +63,12 @@ impl Wavelengths {
     #[inline]
     pub fn nm(&self) -> Option<[f32; 4]> {
         self.is_spectral().then_some(self.lambda)
+    }
+
+    /// D65 of luminance 1, the spectrum of a light of colour 1 1 1; 1 in RGB mode.
+    #[inline]
+    pub fn daylight(&self) -> Spectrum {
+        self.daylight
     }
 
     /// The density per nm of each wavelength; zero for one that is no longer followed.
