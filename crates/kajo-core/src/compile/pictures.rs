@@ -4,6 +4,7 @@
 //! color planks.png
 //! color planks.png { repeat 4 2  offset 0.5 0  wrap mirror  filter nearest  encoding linear }
 //! roughness scratches.png { channel green }
+//! emission slide.png 5
 //! emission slide.png { light blackbody 3200 5 }
 //! ```
 //!
@@ -21,7 +22,7 @@ use kajo_math::Vec2;
 use kajo_scene::{Args, Assets, Diagnostic, Diagnostics, Item, Params, Span, read_limited};
 
 use super::CompileOptions;
-use super::spectra::{SpectrumReader, Written};
+use super::spectra::{SpectrumReader, Written, factor};
 use crate::material::Relief;
 use crate::texture::{Channel, Encoding, Paint, Picture, PictureMap, Share, TexelFilter, Wrap};
 
@@ -122,8 +123,9 @@ impl PaintReader<'_> {
                 .map(|lamp| (lamp, None));
         }
         let lamp = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
-        let (map, lamp) = self.pictures.map(item, None, params.diagnostics(), lamp)?;
-        Some((lamp.unwrap_or_else(|| Emission::from_rgb([1.0; 3])), Some(map)))
+        let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
+        let ((map, factor), lamp) = self.pictures.map_and(item, None, params.diagnostics(), name, lamp)?;
+        Some((lamp.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor), Some(map)))
     }
 
     /// The colours of a picture, if there is the key.
@@ -201,11 +203,24 @@ impl PictureReader<'_> {
         diagnostics: &mut Diagnostics,
         more: impl FnOnce(&mut Params<'_, '_>) -> T,
     ) -> Option<(PictureMap, T)> {
-        let read_name = |args: &mut Args<'_>| args.text().map(|name| name.into_owned());
+        let read_name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), ()));
+        let ((map, ()), more) = self.map_and(item, encoding, diagnostics, read_name, more)?;
+        Some((map, more))
+    }
+
+    /// As [`PictureReader::map`], and what stands after the name.
+    fn map_and<U, T: Default>(
+        &mut self,
+        item: Item<'_>,
+        encoding: Option<Encoding>,
+        diagnostics: &mut Diagnostics,
+        read_name: impl FnOnce(&mut Args<'_>) -> Result<(String, U), Diagnostic>,
+        more: impl FnOnce(&mut Params<'_, '_>) -> T,
+    ) -> Option<((PictureMap, U), T)> {
         if !item.has_block() {
-            let name = Args::read(item, diagnostics, read_name)?;
+            let (name, after) = Args::read(item, diagnostics, read_name)?;
             let picture = self.named(item, &name, encoding, diagnostics)?;
-            return Some((PictureMap::new(picture), T::default()));
+            return Some(((PictureMap::new(picture), after), T::default()));
         }
         let mut params = Params::new(item, diagnostics);
         let name = params.own(read_name);
@@ -224,8 +239,10 @@ impl PictureReader<'_> {
         let offset = params.or("offset", Vec2::ZERO, Args::vec2);
         let more = more(&mut params);
         params.finish();
-        let picture = self.named(item, &name?, encoding, diagnostics)?;
-        Some((PictureMap { wrap, filter, repeat, offset, ..PictureMap::new(picture) }, more))
+        let (name, after) = name?;
+        let picture = self.named(item, &name, encoding, diagnostics)?;
+        let map = PictureMap { wrap, filter, repeat, offset, ..PictureMap::new(picture) };
+        Some(((map, after), more))
     }
 
     /// The picture of a name in the scene; one that cannot be read is an error.

@@ -125,7 +125,8 @@ impl SpectrumReader<'_> {
     }
 }
 
-fn factor(args: &mut Args<'_>) -> Result<f32, Diagnostic> {
+/// The factor that may stand after a name.
+pub(super) fn factor(args: &mut Args<'_>) -> Result<f32, Diagnostic> {
     if args.numbers_left() == 0 { Ok(1.0) } else { args.number_in(0.0..) }
 }
 

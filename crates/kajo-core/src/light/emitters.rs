@@ -3,7 +3,9 @@
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
-use super::{AreaLight, DirectionalLight, LightChoice, LightId, LightSample, LightTree, Lights, SkyLight};
+use super::{
+    AreaLight, DirectionalLight, Emitter, LightChoice, LightId, LightSample, LightTree, Lights, SkyLight,
+};
 use crate::family::Pooled;
 
 /// The lights of a scene, in one list: those of the file, then the pieces of glowing objects, then the sky.
@@ -60,6 +62,36 @@ impl Emitters {
     /// The light of that number.
     pub fn id(&self, number: u32) -> LightId {
         self.list[number as usize]
+    }
+
+    /// The lights of the file, and pieces that stand for all of each glowing object, with the factor of their light.
+    ///
+    /// * `most`: pieces of an object; of one that has more so many are taken, by their power, that stand for equal parts
+    ///   of it
+    pub fn representatives(&self, lights: &Lights, most: usize) -> Vec<(LightId, f32)> {
+        let first_area = self.first_area as usize;
+        let mut taken: Vec<_> = self.list[..first_area].iter().map(|&id| (id, 1.0)).collect();
+        let mut pieces = self.list[first_area..].iter().copied();
+        for object in lights.areas.chunk_by(|a, b| a.primitive == b.primitive) {
+            let ids = pieces.by_ref().take(object.len());
+            if object.len() <= most {
+                taken.extend(ids.map(|id| (id, 1.0)));
+                continue;
+            }
+            let power = |light: &AreaLight| light.bounds().map_or(0.0, |bounds| f64::from(bounds.power));
+            let share = object.iter().map(power).sum::<f64>() / most as f64;
+            let (mut sum, mut parts_before) = (0.0, 0.0);
+            for (id, light) in ids.zip(object) {
+                sum += power(light);
+                // The middles of equal parts that lie on this piece.
+                let parts = (sum / share + 0.5).floor();
+                if parts > parts_before {
+                    taken.push((id, ((parts - parts_before) * share / power(light)) as f32));
+                    parts_before = parts;
+                }
+            }
+        }
+        taken
     }
 
     /// The number of the background, if it gives light.

@@ -18,9 +18,10 @@
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::{Highlight, Phong, fresnel};
 use kajo_core::camera::Camera;
+use kajo_core::light::{Illumination, LightId};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::{ShadowAttenuation, Shadows};
-use kajo_core::{ItemBuffer, RayOffset, light::Illumination};
+use kajo_core::{ItemBuffer, RayOffset};
 use kajo_math::{Ray, Vec2, Vec3};
 
 use super::shadow;
@@ -63,7 +64,9 @@ pub struct Classic<'a> {
     view: View<'a>,
     /// What camera rays may meet.
     camera_items: Option<ItemBuffer>,
-    /// What may be in front of each light of the scene's list; for lights beyond its end it is not known.
+    /// Who gives light, with the factor of it.
+    lamps: Vec<(LightId, f32)>,
+    /// What may be in front of each of them; for those beyond its end it is not known.
     light_items: Vec<Option<ItemBuffer>>,
 }
 
@@ -75,6 +78,9 @@ const PIXELS_PER_CELL: u64 = 32;
 
 /// Lights that get an item buffer; each takes up to some megabytes.
 const LIGHTS_WITH_ITEMS: usize = 16;
+
+/// Pieces of a glowing object that are asked for light; those of a mesh may be a million.
+const PIECES_OF_OBJECT: usize = 16;
 
 /// Where a ray is on its way: what later light is multiplied by, and through what it travels.
 #[derive(Clone, Copy)]
@@ -108,14 +114,14 @@ impl<'a> Classic<'a> {
         let items =
             |apex: Option<Vec3>| apex.filter(|_| pays).and_then(|apex| scene.item_buffer(apex, cells));
         let camera_items = items(camera.apex());
-        let lights = match settings.shadows {
-            Shadows::Off => &[],
-            Shadows::Opaque | Shadows::Transparent => scene.light_list.as_slice(),
+        let lamps = scene.emitters.representatives(&scene.lights, PIECES_OF_OBJECT);
+        let hidden = match settings.shadows {
+            Shadows::Off => 0,
+            Shadows::Opaque | Shadows::Transparent => LIGHTS_WITH_ITEMS,
         };
-        let light_items =
-            lights.iter().take(LIGHTS_WITH_ITEMS).map(|&id| items(scene.lights.apex(id))).collect();
+        let light_items = lamps.iter().take(hidden).map(|&(id, _)| items(scene.lights.apex(id))).collect();
         let view = View::new(scene, size, layers).through(camera);
-        Classic { scene, settings, view, camera_items, light_items }
+        Classic { scene, settings, view, camera_items, lamps, light_items }
     }
 
     /// Light along a ray that leaves the surface at `from`.
@@ -228,10 +234,10 @@ impl<'a> Classic<'a> {
         }
         let n = if from_behind { -at.point.n } else { at.point.n };
         let wo = -ray.d;
-        for (number, &id) in self.scene.light_list.iter().enumerate() {
+        for (number, &(id, factor)) in self.lamps.iter().enumerate() {
             let Illumination { wi, distance, intensity } =
                 self.scene.lights.illuminate(id, at.point.p, at.time);
-            let shaded = phong.shade(n, wo, wi, intensity, self.settings.highlight);
+            let shaded = phong.shade(n, wo, wi, intensity * factor, self.settings.highlight);
             if !shaded.is_black() {
                 let shadow_ray = at.point.ray_towards(wi, distance, ray.time, self.settings.ray_offset);
                 let arriving = shaded * self.visibility(number, &shadow_ray, witness.counters());

@@ -69,3 +69,43 @@ fn the_tree_gives_the_mean_of_a_uniform_choice_with_a_twentieth_of_the_variance(
         assert!(20.0 * tree_variance < uniform_variance, "{p}: {tree_variance} {uniform_variance}");
     }
 }
+
+/// Of an object of many pieces a few stand for all, with the same power, and none of those that have none.
+#[test]
+fn a_few_pieces_stand_for_those_of_a_large_object() {
+    let mut lights = Lights::default();
+    let mut list = Vec::new();
+    let mut powers = [0.0; 2];
+    for (primitive, pieces) in [(0, 16), (1, 5000u32)] {
+        for part in 0..pieces {
+            let u = |k| Stream::new(51, [part, primitive], 0).uniform(k);
+            let corner = 9.0 * DVec3::new(u(0).into(), u(1).into(), u(2).into());
+            let patch = Patch::parallelogram(corner, [f64::from(u(3)) * DVec3::X, DVec3::Z]);
+            let emission = Emission::from_rgb([if part % 4 == 3 { 0.0 } else { 1.0 }; 3]);
+            let sides = Sides::Both;
+            let area = AreaLight { patch, emission, drift: None, varied: None, sides, primitive, part };
+            powers[primitive as usize] += area.bounds().unwrap().power;
+            list.extend(area.store(&mut lights).map(|id| (id, 0)));
+        }
+    }
+    let emitters = Emitters::new(list, 0, None, &lights);
+    let taken = emitters.representatives(&lights, 16);
+    let (few, many) = taken.split_at(16);
+    assert!(few.iter().all(|&(_, factor)| factor == 1.0) && many.len() == 16);
+    let power = |&(id, factor): &(LightId, f32)| lights.bounds(id).unwrap().power * factor;
+    let sum: f32 = many.iter().map(power).sum();
+    assert!((sum / powers[1] - 1.0).abs() < 1e-3, "{sum} {}", powers[1]);
+    assert!(many.iter().all(|piece| (power(piece) / (powers[1] / 16.0) - 1.0).abs() < 1e-3));
+    // From far away they are as bright as all of them.
+    let far = Vec3::new(300.0, 500.0, -400.0);
+    let light = |pieces: &[(LightId, f32)]| -> f32 {
+        pieces.iter().map(|&(id, factor)| factor * lights.illuminate(id, far, 0.0).intensity[0]).sum()
+    };
+    let all: Vec<_> = emitters.list()[16..].iter().map(|&id| (id, 1.0)).collect();
+    assert!((light(many) / light(&all) - 1.0).abs() < 0.05, "{} {}", light(many), light(&all));
+    // Without light there is nobody to ask.
+    for area in &mut lights.areas {
+        area.emission = Emission::BLACK;
+    }
+    assert_eq!(emitters.representatives(&lights, 16).len(), 16);
+}
