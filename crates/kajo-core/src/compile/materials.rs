@@ -319,11 +319,11 @@ impl Compiler<'_> {
         }
     }
 
-    /// A material with its light and its holes.
+    /// A material with its relief, its light and its holes.
     fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras) -> State {
         let Some(inner) = id else { return State::Failed };
         let mut id = inner;
-        let mut glow = extras.glow.clone();
+        let mut share = None;
         if let Some(relief) = extras.relief.clone() {
             let Some(embossed) = Embossed { material: inner, relief }.store(&mut self.materials) else {
                 return State::Failed;
@@ -338,14 +338,26 @@ impl Compiler<'_> {
                 self.diagnostics.push(error.label(place, "`opacity` is for opaque materials"));
                 return State::Failed;
             }
+            share = Some(opacity);
+        }
+        self.lit_and_cut(id, extras.glow.clone(), share).map_or(State::Failed, |id| State::Done(id, 1))
+    }
+
+    /// A material with its light and its holes.
+    ///
+    /// * `opacity`: of a material that lets no light through, where it has holes
+    pub(super) fn lit_and_cut(
+        &mut self,
+        mut id: MaterialId,
+        mut glow: Option<Glow>,
+        opacity: Option<Share>,
+    ) -> Option<MaterialId> {
+        if let Some(opacity) = opacity {
             glow = glow.and_then(|glow| glow.weakened(&opacity));
-            let Some(perforated) = Perforated { material: id, opacity }.store(&mut self.materials) else {
-                return State::Failed;
-            };
-            id = perforated;
+            id = Perforated { material: id, opacity }.store(&mut self.materials)?;
         }
         self.glows.extend(glow.map(|glow| (id, glow)));
-        State::Done(id, 1)
+        Some(id)
     }
 
     fn report_too_many_parts(&mut self, place: Span) {
@@ -401,7 +413,7 @@ impl Compiler<'_> {
 impl Extras {
     fn read(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>, groups: &mut LightGroups) -> Extras {
         let glow = read_glow(params, paints, groups);
-        let opacity = paints.optional_share(params, "opacity");
+        let opacity = paints.opacity(params);
         Extras { glow, opacity, relief: paints.relief(params) }
     }
 }

@@ -18,9 +18,9 @@ use super::mesh_store::{Kept, StoreKey};
 use super::pictures::{PictureReader, ReadPicture};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
-use crate::material::PhongMaterial;
+use crate::material::{Embossed, PhongMaterial, Relief};
 use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, ShapeId, vertex_normals};
-use crate::texture::{Encoding, PictureMap};
+use crate::texture::{Channel, Encoding, PictureMap, Share};
 
 /// Meshes read so far.
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
@@ -184,23 +184,42 @@ impl Compiler<'_> {
             self.warn_of_file(path, &message, place);
             return ABSENT;
         };
-        let is_shown = |map: &str| matches!(map, "map_Kd" | "map_Ke");
+        let is_shown = |map: &str| matches!(map, "map_Kd" | "map_Ke" | "map_d" | "norm");
         if let Some((map, _)) = mtl.maps.iter().find(|(map, _)| !is_shown(map)) {
             let message = format!("`{map}` of the material `{name}` is not supported yet and left out");
             self.warn_of_file(path, &message, place);
         }
-        let mut picture = |key: &str| {
+        let mut picture = |key: &str, encoding| {
             let (_, file) = mtl.maps.iter().rev().find(|(map, _)| map == key)?;
-            self.found_picture(file, mtl_path, None, place)
+            self.found_picture(file, mtl_path, encoding, place)
         };
-        let (color, slide) = (picture("map_Kd"), picture("map_Ke"));
+        let amounts = Some(Encoding::Linear);
+        let (color, slide) = (picture("map_Kd", None), picture("map_Ke", None));
+        let (cover, normals) = (picture("map_d", amounts), picture("norm", amounts));
         let material = PhongMaterial::from(phong(mtl)).with_picture(color);
-        let Some(id) = material.store(&mut self.materials) else { return ABSENT };
+        let Some(mut id) = material.store(&mut self.materials) else { return ABSENT };
+        let is_clear = self.materials.may_transmit(id, &self.materials);
+        if is_clear && cover.is_some() {
+            let message = format!("`map_d` of the material `{name}` is left out: light passes it anyway");
+            self.warn_of_file(path, &message, place);
+        }
+        if let Some(map) = normals {
+            let embossed = Embossed { material: id, relief: Relief::Normals { map, scale: 1.0 } };
+            let Some(embossed) = embossed.store(&mut self.materials) else { return ABSENT };
+            id = embossed;
+        }
+        // Where a picture has an alpha channel, that is what programs mean.
+        let cover = cover.filter(|_| !is_clear).map(|map| {
+            let channel =
+                if map.mean()[Channel::Alpha as usize] < 1.0 { Channel::Alpha } else { Channel::Red };
+            Share::Picture(map, channel)
+        });
+        let cover = cover.filter(|share| share.mean() < 1.0);
         // Of a lamp of which only the picture is written the picture is all there is.
         let lamp = mtl.emission.unwrap_or(if slide.is_some() { [1.0; 3] } else { [0.0; 3] });
         let glow =
             Glow::even(Emission::from_rgb(lamp)).map(|even| slide.into_iter().fold(even, Glow::through));
-        self.glows.extend(glow.map(|glow| (id, glow)));
+        let Some(id) = self.lit_and_cut(id, glow, cover) else { return ABSENT };
         self.slots_transmit |= self.materials.may_transmit(id, &self.materials);
         self.slot_materials.push(id);
         self.slot_materials.len() as u32 - 1

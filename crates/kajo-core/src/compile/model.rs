@@ -20,7 +20,7 @@ use super::mesh::{corner_values, file_name};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::light::Sides;
-use crate::material::{Embossed, LayeredMaterial, Layers, MaterialId, Perforated, PhongMaterial, Relief};
+use crate::material::{Embossed, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief};
 use crate::nested::Content;
 use crate::shape::{MeshData, ShapeId};
 use crate::texture::{Channel, Encoding, Paint, PictureMap, Share, TexelFilter, Wrap};
@@ -143,13 +143,8 @@ impl Compiler<'_> {
         }
         let even = Glow::even(Emission::from_rgb(material.emissive));
         let sides = if material.two_sided { Sides::Both } else { Sides::Front };
-        let mut glow = even.map(|glow| slide.into_iter().fold(glow.from(sides), Glow::through));
-        if let Some(opacity) = opacity {
-            glow = glow.and_then(|glow| glow.weakened(&opacity));
-            id = Perforated { material: id, opacity }.store(&mut self.materials)?;
-        }
-        self.glows.extend(glow.map(|glow| (id, glow)));
-        Some(id)
+        let glow = even.map(|glow| slide.into_iter().fold(glow.from(sides), Glow::through));
+        self.lit_and_cut(id, glow, opacity)
     }
 
     /// A picture that a material shows; one that cannot be read is left out.

@@ -87,12 +87,37 @@ impl PaintReader<'_> {
         key: &'static str,
     ) -> Option<(Share, Span)> {
         let item = params.block(key)?;
+        self.share_of(item, params.diagnostics(), read_channel, Share::Picture)
+    }
+
+    /// The share of a surface that is there, and where that is said.
+    pub fn opacity(&mut self, params: &mut Params<'_, '_>) -> Option<(Share, Span)> {
+        let item = params.block("opacity")?;
+        let read = |params: &mut Params<'_, '_>| {
+            (read_channel(params), params.optional("cutoff", |args| args.number_in(0.0..=1.0)))
+        };
+        self.share_of(item, params.diagnostics(), read, |map, (channel, cutoff)| match cutoff {
+            None => Share::Picture(map, channel),
+            Some(least) => Share::Cut(map, channel, least),
+        })
+    }
+
+    /// A number in [0, 1], or a picture of such.
+    ///
+    /// * `more`: reads what of the picture's block is for `of`
+    fn share_of<T: Default>(
+        &mut self,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        more: impl FnOnce(&mut Params<'_, '_>) -> T,
+        of: impl FnOnce(PictureMap, T) -> Share,
+    ) -> Option<(Share, Span)> {
         let place = item.head_span();
         if is_picture(item) {
-            let map = self.pictures.map(item, Some(Encoding::Linear), params.diagnostics(), read_channel);
-            return map.map(|(map, channel)| (Share::Picture(map, channel), place));
+            let (map, said) = self.pictures.map(item, Some(Encoding::Linear), diagnostics, more)?;
+            return Some((of(map, said), place));
         }
-        Args::read(item, params.diagnostics(), |args| args.number_in(0.0..=1.0))
+        Args::read(item, diagnostics, |args| args.number_in(0.0..=1.0))
             .map(|value| (Share::Plain(value), place))
     }
 
@@ -571,6 +596,47 @@ mod tests {
             "{bsdf:?}"
         );
         assert!(said[0].contains("skins/a.gltf#images[0]` is left out: "), "{said:?}");
+    }
+
+    /// The alpha of the four texels is 1 and 0 above 1 and 1/2, the red of the grey picture 1/2 and 1 from left to right.
+    #[test]
+    fn holes_come_from_alpha_from_red_and_from_cuts() {
+        let through = |(scene, said): (Option<Scene>, Vec<String>)| {
+            let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
+            let visible = |x, y| scene.visibility(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z));
+            [visible(-0.5, 0.5), visible(0.5, 0.5), visible(-0.5, -0.5), visible(0.5, -0.5)]
+        };
+        let of_scene = |opacity: &str| through(compiled(&format!("Matte {{ opacity {opacity} }}"), SQUARE));
+        let near = |found: [f32; 4], expected: [f32; 4]| {
+            assert!(
+                std::iter::zip(found, expected).all(|(a, b)| (a - b).abs() < 3e-3),
+                "{found:?} {expected:?}"
+            );
+        };
+        near(of_scene("colors.png { channel alpha }"), [0.0, 1.0, 0.0, 0.5]);
+        near(of_scene("colors.png { channel alpha  cutoff 0.4 }"), [0.0, 1.0, 0.0, 0.0]);
+        near(of_scene("colors.png { channel alpha  cutoff 0.6 }"), [0.0, 1.0, 0.0, 1.0]);
+        near(of_scene("grey.png { cutoff 0.6 }"), [1.0, 0.0, 1.0, 0.0]);
+
+        let of_mesh = |mtl: &str| {
+            let obj = "mtllib a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                       usemtl a\nf 1/1 2/2 3/3 4/4\n";
+            let assets = assets().with("a.obj", obj).with("a.mtl", format!("newmtl a\n{mtl}"));
+            let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
+                        Materials { Matte { } } Group { MaterialIndex 0 TriangleMesh { file a.obj  materials on } }";
+            let mut diagnostics = Diagnostics::default();
+            let mut parsed = SceneDesc::parse_str(text);
+            let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+            (scene, diagnostics.iter().map(|d| d.message.clone()).collect::<Vec<_>>())
+        };
+        near(through(of_mesh("map_d colors.png\n")), [0.0, 1.0, 0.0, 0.5]);
+        near(through(of_mesh("map_d grey.png\n")), [0.5, 0.0, 0.5, 0.0]);
+        let (clear, said) = of_mesh("d 0.5\nmap_d colors.png\n");
+        assert!(clear.is_some() && said[0].contains("light passes it anyway"), "{said:?}");
+        let (bumpy, said) = of_mesh("norm colors.png\n");
+        let (bumpy, ray) = (bumpy.unwrap(), Ray::new(Vec3::new(-0.5, 0.5, 5.0), Vec3::NEG_Z));
+        let event = bumpy.trace(&ray);
+        assert!(bumpy.shading(event.surface().unwrap(), 0.5).leans && said.is_empty(), "{said:?}");
     }
 
     #[test]
