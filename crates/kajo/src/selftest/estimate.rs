@@ -15,7 +15,7 @@ use crate::{Defaults, LoadOptions, RenderSettings, Resources, SamplerKind, Scene
 /// Independent renders of a scene; fewer would make the standard error itself too uncertain.
 pub const BATCHES: u64 = 32;
 
-/// Samples of a picture in the first round; each further round takes four times as many.
+/// Samples of a picture in the first round; each further round takes four times as many, or what is missing.
 const FIRST_SAMPLES: u32 = 64;
 
 /// Memory that a picture may take: they are tiny.
@@ -94,10 +94,10 @@ impl Exposure {
             let estimate = Estimate::of(&sums, samples_each, sigma);
             // A few samples may agree with each other by chance.
             let settled = estimate.is_sharp && (round > 0 || estimate.standard_error == 0.0);
-            if settled || estimate.samples * 5 > most_samples {
+            samples = next_round(samples, samples_each / pixels, estimate.standard_error / sigma);
+            if settled || estimate.samples + BATCHES * pixels * u64::from(samples) > most_samples {
                 return Ok(estimate);
             }
-            samples *= 4;
         }
         unreachable!("the rounds grow until one of them is the last")
     }
@@ -142,6 +142,20 @@ impl Exposure {
     }
 }
 
+/// Samples of a pixel in the next round: those that are missing by what is known, as a power of two, which patterns are
+/// best at; from a quarter to four times as many as in the last round, `samples`.
+///
+/// * `taken`: in all rounds
+/// * `noise`: standard error over what is asked for
+fn next_round(samples: u32, taken: u64, noise: f64) -> u32 {
+    /// The noise is an estimate too.
+    const MARGIN: f64 = 1.2;
+    let missing = MARGIN * taken as f64 * (noise * noise - 1.0);
+    let most = samples.saturating_mul(4);
+    // Not a number where neither noise nor light is expected; large ones are held to the largest.
+    (missing as u32).checked_next_power_of_two().unwrap_or(most).clamp(samples.div_ceil(4), most)
+}
+
 /// `work(0)` to `work(n - 1)`, in order, on several threads; or the first error.
 fn on_threads<T: Send>(
     n: u64,
@@ -169,4 +183,17 @@ fn on_threads<T: Send>(
     let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
     done.sort_by_key(|(i, _)| *i);
     done.into_iter().map(|(_, result)| result).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_take_what_is_missing() {
+        assert_eq!(next_round(16, 21, 1e3), 64, "far from sharp");
+        assert_eq!(next_round(1 << 12, 5461, 1.07), 1 << 10, "1.2 * 791 samples are missing");
+        assert_eq!(next_round(16, 21, 0.5), 4, "sharp by chance");
+        assert_eq!([f64::NAN, f64::INFINITY].map(|noise| next_round(8, 10, noise)), [2, 32]);
+    }
 }
