@@ -193,6 +193,36 @@ fn models_glow_and_have_holes() {
     }
 }
 
+/// Of a mesh on which a picture is black here and there the bright triangles are the strong lamps.
+#[test]
+fn pieces_are_as_strong_as_what_is_on_them() {
+    // A strip of twelve squares; the picture is white from 1/4 to 1/2.
+    let mut obj = String::new();
+    for i in 0..=12 {
+        let x = f64::from(i);
+        obj += &format!("v {x} 0 0\nv {x} 1 0\nvt {} 0\nvt {} 1\n", x / 12.0, x / 12.0);
+    }
+    for i in 0..12 {
+        let a = 2 * i + 1;
+        obj += &format!("f {a}/{a} {0}/{0} {1}/{1}\nf {a}/{a} {1}/{1} {2}/{2}\n", a + 2, a + 3, a + 1);
+    }
+    let assets = MemoryAssets::new().with("strip.obj", obj).with("bar.pgm", "P2 4 1 255 0 255 0 0\n");
+    let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
+        Materials { Matte m { emission bar.pgm 8 { filter nearest } } }
+        Group { MaterialIndex m TriangleMesh { file strip.obj } }";
+    let mut parsed = SceneDesc::parse_str(text);
+    let mut diagnostics = parsed.diagnostics;
+    let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+    let scene = scene.unwrap_or_else(|| panic!("{diagnostics:?}"));
+    let light = |part: u32| scene.lights.areas[part as usize].emission.luminance();
+    assert_eq!(scene.lights.areas.len(), 24);
+    // The mean is 2: a tenth of it is left to the dark ones.
+    for part in 0..24 {
+        let expected = if (6..12).contains(&part) { 0.9 * 8.0 + 0.2 } else { 0.2 };
+        assert!((light(part) - expected).abs() < 1e-3, "{part}: {} {expected}", light(part));
+    }
+}
+
 #[test]
 fn parts_of_a_mixture_shine_alike() {
     let scene = |second: &str| {

@@ -49,7 +49,7 @@ pub struct AreaLight {
     pub patch: Patch,
     /// How it has moved since then, if it does; a sphere must stay one.
     pub drift: Option<Arc<MovingTransform>>,
-    /// Radiance; of a piece whose places differ their mean.
+    /// Radiance; of a piece whose places differ about their mean.
     pub emission: Emission,
     /// The number of the radiance of each place, where they differ. That of [`Emitter::sample`] and [`Emitter::emit`] is
     /// the mean, and it is for the scene, which knows what is at a place, to put the true one there.
