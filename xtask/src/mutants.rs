@@ -23,12 +23,13 @@ const fn mutant(name: &'static str, file: &'static str, right: &'static str, wro
 const AREA: &str = "crates/kajo-core/src/light/area.rs";
 const LAMBERT: &str = "crates/kajo-core/src/bsdf/lambert.rs";
 const PHONG: &str = "crates/kajo-core/src/bsdf/phong_lobes.rs";
+const LIGHTING: &str = "crates/kajo-core/src/lighting.rs";
 const EMITTERS: &str = "crates/kajo-core/src/light/emitters.rs";
 const VIEW: &str = "crates/kajo-render/src/integrator/view.rs";
 const CONNECT: &str = "crates/kajo-render/src/integrator/bidir/connect.rs";
 const WALK: &str = "crates/kajo-render/src/integrator/walk.rs";
 
-const MUTANTS: [Mutant; 12] = [
+const MUTANTS: [Mutant; 13] = [
     mutant("no squared index at refraction", PHONG, "color * mode.scale(eta), p", "color, p"),
     mutant("no pi in diffuse reflection", LAMBERT, "share * (wi.z.abs() * FRAC_1_PI)", "share * wi.z.abs()"),
     mutant(
@@ -54,6 +55,12 @@ const MUTANTS: [Mutant; 12] = [
         WALK,
         "power_heuristic(lamp.pdf, self.direction_pdf(bsdf, local.wo, wi))",
         "power_heuristic(lamp.pdf, 0.5 * self.direction_pdf(bsdf, local.wo, wi))",
+    ),
+    mutant(
+        "a place of a lamp gives the light of the whole",
+        LIGHTING,
+        "self.radiance_of_place(varied, &sample.target, to.time, wavelengths)",
+        "self.radiance_of_place(varied, &Target::Infinity, to.time, wavelengths)",
     ),
     mutant("branches are added, not averaged", WALK, "self.throughput * (1.0 / n as f32)", "self.throughput"),
     mutant("survivors do not count more", WALK, "self.throughput *= 1.0 / chance;", ""),

@@ -9,7 +9,8 @@
 //!
 //! with `Theta_i` the angle between the two corners, once the part below the horizon has been cut off. What an
 //! opaque half-plane hides is cut off in the same way, by the plane through its edge and the point. A floor of albedo
-//! `rho` has the radiance `rho E / pi`. Ambient occlusion is `1 - E / pi` for the polygon as what hides the sky.
+//! `rho` has the radiance `rho E / pi`. A lamp that is not the same all over, behind a picture, with holes, in stripes,
+//! is the sum of its parts. Ambient occlusion is `1 - E / pi` for the polygon as what hides the sky.
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,7 +23,71 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = vec![above(draw), setting(draw), half_hidden(draw), hides_the_sky(draw)];
     forms.extend(["sobol", "zsobol", "pmj", "uniform", "jittered", "poisson"].map(|s| sampled(draw, s)));
     forms.extend(["tree", "uniform"].map(|choice| many(draw, choice)));
+    forms.extend([painted(draw, "a picture"), painted(draw, "holes"), striped(draw)]);
     forms
+}
+
+/// A lamp each of whose quarters gives another light, by a picture that it shines through or one of its holes.
+fn painted(draw: &mut Parameters, by: &str) -> Form {
+    let centre = draw.between(1.0, 2.0) * (DVec3::Y + 0.4 * draw.direction(-1.0));
+    let (a, b) = (draw.between(0.5, 1.0) * DVec3::new(1.0, 0.3, 0.1), draw.between(0.5, 1.0) * DVec3::Z);
+    let corner = centre - 0.5 * (a + b);
+    let (rho, le) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0));
+    // Upper left, upper right, lower left, lower right.
+    let shares: [usize; 4] = std::array::from_fn(|_| draw.index(256));
+    let light = (0..4).map(|i| {
+        let from = corner + 0.5 * f64::from(i % 2) * a + if i < 2 { 0.5 * b } else { DVec3::ZERO };
+        let quarter = [from, from + 0.5 * a, from + 0.5 * (a + b), from + 0.5 * b];
+        shares[i as usize] as f64 / 255.0 * irradiance(&quarter, DVec3::Y)
+    });
+    let expected = rho / PI * le * light.sum::<f64>();
+    let lamp = match by {
+        "a picture" => format!("emission quarters.pgm {le} {{ filter nearest  encoding linear }}"),
+        _ => format!("emission {le}  opacity quarters.pgm {{ filter nearest }}"),
+    };
+    let object = format!("Quad {{ corner {}  edge1 {}  edge2 {} }}", text(corner), text(a), text(b));
+    let scene = over_floor(rho, &format!("Matte lamp {{ color 0 0 0  {lamp} }}"), &object);
+    let [c, d, e, f] = shares;
+    let form =
+        Form::new(format!("S3 lamp in quarters by {by}, {c} {d} {e} {f} of 255"), scene, expected, LAMPS);
+    form.bounces(0).file("quarters.pgm", format!("P2 2 2 255 {c} {d} {e} {f}\n"))
+}
+
+/// A lamp of stripes, a mixture of a material that glows and one that does not.
+fn striped(draw: &mut Parameters) -> Form {
+    let (x, width, height) = (draw.between(-1.0, 0.0), draw.between(1.0, 2.0), draw.between(0.6, 1.5));
+    let (rho, le, per_unit) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0), draw.between(2.0, 4.0));
+    let stripe = |i: i32| {
+        let [from, to] = [i, i + 1].map(|edge| (f64::from(edge) / per_unit).clamp(x, x + width));
+        let corner = |x: f64, z: f64| DVec3::new(x, height, z);
+        match i.rem_euclid(2) {
+            0 if from < to => irradiance(
+                &[corner(from, -0.5), corner(to, -0.5), corner(to, 0.5), corner(from, 0.5)],
+                DVec3::Y,
+            ),
+            _ => 0.0,
+        }
+    };
+    let expected = rho / PI * le * (-20..20).map(stripe).sum::<f64>();
+    // Along x only: elsewhere the lamp keeps to one cell.
+    let lamp = format!(
+        "Matte on {{ color 0 0 0  emission {le} }}  Matte off {{ color 0 0 0 }}\n  \
+         Checkerboard lamp {{ Transform {{ Translate 0 0.5 0.5  Scale {per_unit} 0.1 0.1 }}  materialIndex on  materialIndex off }}"
+    );
+    let object = format!("Quad {{ corner {x} {height} -0.5  edge1 {width} 0 0  edge2 0 0 1 }}");
+    let scene = over_floor(rho, &lamp, &object);
+    Form::new(format!("S3 lamp of stripes, {width} wide, {per_unit} to the unit"), scene, expected, LAMPS)
+        .bounces(0)
+}
+
+/// A matt floor at the origin under an object of the material `lamp`, which `material` describes.
+fn over_floor(rho: f64, material: &str, object: &str) -> String {
+    format!(
+        "{}Materials {{\n  Matte floor {{ color {rho} {rho} {rho} }}\n  {material}\n}}\n\
+         Group {{\n  {}\n  MaterialIndex lamp {object}\n}}",
+        spot_meter(DVec3::new(0.01, 0.02, 0.0), DVec3::ZERO),
+        floor(DVec3::Y)
+    )
 }
 
 /// Irradiance at the origin from a flat polygon of radiance 1.
