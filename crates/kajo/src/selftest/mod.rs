@@ -41,7 +41,7 @@ impl Effort {
     pub const QUICK: Effort = Effort { noise: 5e-3, most_samples: 1 << 24 };
 
     /// To a twentieth of a per cent: half an hour.
-    pub const FULL: Effort = Effort { noise: 5e-4, most_samples: 1 << 29 };
+    pub const FULL: Effort = Effort { noise: 5e-4, most_samples: 1 << 30 };
 }
 
 /// A row that is still to be measured.
