@@ -6,8 +6,7 @@
 //! L(p) = Σ_i  L_i Π_k f_ik(p)
 //! ```
 //!
-//! Places are still drawn as if the whole surface gave the same light, and the mean of the factors is what lamps are
-//! chosen by.
+//! Places are still drawn as if the whole surface gave the same light; which piece of it is asked goes by what is on it.
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::Affine3A;
@@ -16,10 +15,10 @@ use crate::material::MaterialPoint;
 use crate::texture::{PictureMap, Share, TextureId, Textures, picture_reflectance};
 
 /// The radiance of a surface, place by place.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct VariedEmission {
-    /// What is added up.
-    pub terms: Vec<EmissionTerm>,
+    terms: Vec<EmissionTerm>,
+    needs_uv: bool,
 }
 
 /// What one material adds to the light of a surface.
@@ -50,6 +49,16 @@ pub enum EmissionFactor {
 }
 
 impl VariedEmission {
+    /// The sum of these.
+    pub fn new(terms: Vec<EmissionTerm>) -> VariedEmission {
+        let needs_uv = terms.iter().flat_map(|term| &term.factors).any(|factor| match factor {
+            EmissionFactor::Share(share) => share.varies(),
+            EmissionFactor::Slide(_) => true,
+            EmissionFactor::Pattern { .. } => false,
+        });
+        VariedEmission { terms, needs_uv }
+    }
+
     /// The radiance at a place.
     ///
     /// * `at`: surface coordinates are of effect where [`VariedEmission::needs_uv`]
@@ -62,12 +71,9 @@ impl VariedEmission {
     }
 
     /// Whether it depends on surface coordinates.
+    #[inline]
     pub fn needs_uv(&self) -> bool {
-        self.terms.iter().flat_map(|term| &term.factors).any(|factor| match factor {
-            EmissionFactor::Share(share) => share.varies(),
-            EmissionFactor::Slide(_) => true,
-            EmissionFactor::Pattern { .. } => false,
-        })
+        self.needs_uv
     }
 
     /// The light of a surface whose places are all alike and each the mean of these, of pictures the mean of all their

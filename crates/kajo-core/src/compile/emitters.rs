@@ -36,7 +36,7 @@ impl Glow {
     }
 
     /// The light where it leaves the surface on these sides only.
-    pub(super) fn from(self, sides: Sides) -> Glow {
+    pub(super) fn on(self, sides: Sides) -> Glow {
         Glow { sides, ..self }
     }
 
@@ -169,7 +169,7 @@ impl Compiler<'_> {
                 let light = |patch| AreaLight {
                     patch,
                     drift: drift.clone(),
-                    emission: emission.clone(),
+                    emission,
                     varied: *varied,
                     sides: *sides,
                     primitive: i as u32,
@@ -233,7 +233,7 @@ impl Compiler<'_> {
             if let Some(emission) = glow.constant() {
                 return (id, Shining { emission: emission.clone(), varied: None, sides, group });
             }
-            let light = VariedEmission { terms: terms.clone() };
+            let light = VariedEmission::new(terms.clone());
             let emission = light.mean();
             varied.push(light);
             (id, Shining { emission, varied: Some(varied.len() as u32 - 1), sides, group })

@@ -143,7 +143,7 @@ impl Compiler<'_> {
         }
         let even = Glow::even(Emission::from_rgb(material.emissive));
         let sides = if material.two_sided { Sides::Both } else { Sides::Front };
-        let glow = even.map(|glow| slide.into_iter().fold(glow.from(sides), Glow::through));
+        let glow = even.map(|glow| slide.into_iter().fold(glow.on(sides), Glow::through));
         self.lit_and_cut(id, glow, opacity)
     }
 

@@ -37,6 +37,8 @@ pub struct Picture {
     width: u32,
     height: u32,
     texels: Vec<[u16; 4]>,
+    /// Of all texels.
+    mean: [f32; 4],
 }
 
 impl Picture {
@@ -65,17 +67,13 @@ impl Picture {
             let [r, g, b] = color.map(|v| stored(linear(v)));
             [r, g, b, stored(alpha)]
         };
-        let texels = image.pixels().map(texel).collect();
-        (Picture { width: image.width(), height: image.height(), texels }, outside)
-    }
-
-    /// The mean of all texels.
-    fn mean(&self) -> [f32; 4] {
+        let texels: Vec<_> = image.pixels().map(texel).collect();
         let mut sums = [0u64; 4];
-        for texel in &self.texels {
+        for texel in &texels {
             (0..4).for_each(|c| sums[c] += u64::from(texel[c]));
         }
-        sums.map(|sum| (sum as f64 / (65535.0 * self.texels.len() as f64)) as f32)
+        let mean = sums.map(|sum| (sum as f64 / (65535.0 * texels.len() as f64)) as f32);
+        (Picture { width: image.width(), height: image.height(), texels, mean }, outside)
     }
 
     #[inline]
@@ -165,8 +163,7 @@ impl PictureMap {
 
     /// The mean of all texels, however much of the picture is shown.
     pub fn mean(&self) -> [f32; 4] {
-        let mean = self.picture.mean();
-        std::array::from_fn(|c| self.factor[c] * mean[c])
+        std::array::from_fn(|c| self.factor[c] * self.picture.mean[c])
     }
 
     /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].
