@@ -57,8 +57,8 @@ pub use assets::{AssetError, AssetFile, Assets, LoadStep, MemoryAssets, read_lim
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
 pub use edit::{EditError, apply_edits, format_number};
 pub use gltf::{
-    Model, ModelCover, ModelInstance, ModelMaterial, ModelPart, PictureSource, PictureUse, PictureWrap,
-    read_gltf,
+    Model, ModelAmount, ModelCover, ModelInstance, ModelMaterial, ModelPart, ModelTint, PictureSource,
+    PictureUse, PictureWrap, read_gltf,
 };
 pub use ies::{IesError, IesFile, read_ies};
 pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};

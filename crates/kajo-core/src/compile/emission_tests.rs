@@ -8,9 +8,10 @@ use kajo_math::{Ray, Vec2, Vec3, rng::Stream};
 use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, compile};
+use crate::bsdf::{Base, Bsdf};
 use crate::light::{LightChoice, Target};
 use crate::lighting::Receiver;
-use crate::scene::Scene;
+use crate::scene::{Event, Scene};
 
 /// A picture of 2 x 2 colours.
 const SLIDE: &[u8] = b"P6\n2 2\n255\n\xff\x40\x20\x30\xe0\x90\x10\x50\xff\xc0\xc0\x60";
@@ -191,6 +192,48 @@ fn models_glow_and_have_holes() {
         let found = [-0.5, 0.5].map(|x| scene.visibility(&ray(x, 0.0, 5.0)));
         assert!(std::iter::zip(found, expected).all(|(a, b)| (a - b).abs() < 1e-3), "{cover}: {found:?}");
     }
+}
+
+/// The layers of models in the words of their extensions.
+#[test]
+fn models_are_of_glass_and_varnish() {
+    let down = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
+    let look = |words: &str, u: f32| {
+        let scene = model(&format!("\"roughnessFactor\":0.5}},\"extensions\":{{{words}}}"));
+        let Event::Surface(at) = scene.trace(&down) else { panic!("the triangle is met: {words}") };
+        let interior = scene.interior(&at, &Wavelengths::RGB, u);
+        (scene.bsdf(&at, &Wavelengths::RGB, 1.0, u), interior, scene.visibility(&down))
+    };
+    let layers = |words: &str| match look(words, 0.5) {
+        (Bsdf::Principled(layers), None, 0.0) => layers,
+        other => panic!("{words}: {other:?}"),
+    };
+    let plain = layers("");
+    assert_eq!((plain.base, plain.coat, plain.fuzz, plain.eta), (Base::Diffuse, 0.0, 0.0, 1.5));
+    let coat = layers(r#""KHR_materials_clearcoat":{"clearcoatFactor":0.5,"clearcoatRoughnessFactor":0.2}"#);
+    assert!(coat.coat == 0.5 && coat.coat_eta == 1.5 && (coat.coat_alpha - 0.04).abs() < 1e-6, "{coat:?}");
+    let velvet =
+        layers(r#""KHR_materials_sheen":{"sheenColorFactor":[0.5,0.25,0],"sheenRoughnessFactor":0.4}"#);
+    assert_eq!(
+        (velvet.fuzz, velvet.fuzz_color, velvet.fuzz_roughness),
+        (0.5, Spectrum::rgb(1.0, 0.5, 0.0), 0.4)
+    );
+    let dull = layers(r#""KHR_materials_specular":{"specularFactor":0.25},"KHR_materials_ior":{"ior":1.3}"#);
+    assert_eq!((dull.specular_color, dull.eta), (Spectrum::rgb(0.25, 0.25, 0.25), 1.3));
+    let brushed = layers(r#""KHR_materials_anisotropy":{"anisotropyStrength":0.5}"#);
+    // Across 1/4, along 1/4 + 3/4 1/4.
+    assert!((brushed.alpha - Vec2::new(0.4375, 0.25)).abs().max_element() < 1e-5, "{:?}", brushed.alpha);
+
+    // Without a volume glass is a pane: light goes straight on, and nothing is inside.
+    let clear = "\"KHR_materials_transmission\":{\"transmissionFactor\":0.75}";
+    let (pane, interior, _) = look(clear, 0.5);
+    assert!(matches!(pane, Bsdf::ThinDielectric(pane) if pane.eta == 1.5) && interior.is_none(), "{pane:?}");
+    assert!(matches!(look(clear, 0.9).0, Bsdf::Principled(layers) if layers.base == Base::Diffuse));
+    let volume = r#""KHR_materials_volume":{"thicknessFactor":1,"attenuationDistance":1,"attenuationColor":[1,0.5,1]}"#;
+    let (body, interior, _) = look(&format!("{clear},{volume}"), 0.5);
+    assert!(matches!(body, Bsdf::Principled(layers) if layers.base == Base::Glass), "{body:?}");
+    let [r, g, b] = interior.unwrap().absorption.to_rgb();
+    assert!(r == 0.0 && (g - 2f32.ln()).abs() < 1e-4 && b == 0.0, "{r} {g} {b}");
 }
 
 /// Of a mesh on which a picture is black here and there the bright triangles are the strong lamps.

@@ -16,6 +16,7 @@ mod materials;
 mod mesh;
 mod mesh_store;
 mod model;
+mod model_material;
 mod motion;
 mod nesting;
 mod physical;

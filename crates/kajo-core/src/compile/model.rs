@@ -5,25 +5,17 @@
 
 use std::collections::HashMap;
 
-use kajo_color::{Emission, Reflectance, Spectrum};
 use kajo_math::{Motion, Vec2, Vec3};
-use kajo_scene::{
-    Args, AssetFile, Item, ModelCover, ModelInstance, ModelMaterial, ModelPart, PictureSource, PictureUse,
-    PictureWrap, Span, read_gltf,
-};
+use kajo_scene::{Args, AssetFile, Item, ModelInstance, ModelPart, Span, read_gltf};
 
 use super::Compiler;
 use super::definition::{Part, Parts};
-use super::emitters::Glow;
 use super::group::{Place, Walk};
 use super::mesh::{corner_values, file_name};
-use crate::bsdf::Phong;
-use crate::family::Pooled;
-use crate::light::Sides;
-use crate::material::{Embossed, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief};
+use super::model_material::ModelPictures;
+use crate::material::MaterialId;
 use crate::nested::Content;
 use crate::shape::{MeshData, ShapeId};
-use crate::texture::{Channel, Encoding, Paint, PictureMap, Share, TexelFilter, Wrap};
 
 /// Models read so far.
 pub(super) type ModelCache = HashMap<ModelKey, Option<Parts>>;
@@ -79,14 +71,10 @@ impl Compiler<'_> {
         if model.instances.is_empty() {
             self.warn_of_file(&key.path, "it shows no meshes", at);
         }
-        let materials: Vec<Option<MaterialId>> = match key.own_materials {
-            true => model
-                .materials
-                .iter()
-                .map(|material| self.model_material(material, &model.pictures, &key.path, at))
-                .collect(),
-            false => Vec::new(),
-        };
+        let pictures = ModelPictures { list: &model.pictures, path: &key.path, at };
+        let own = model.materials.iter().filter(|_| key.own_materials);
+        let materials: Vec<Option<MaterialId>> =
+            own.map(|material| self.model_material(material, &pictures)).collect();
         let mut meshes: Vec<Vec<Stored>> = Vec::with_capacity(model.meshes.len());
         for parts in model.meshes {
             let mut stored = Vec::with_capacity(parts.len());
@@ -100,76 +88,6 @@ impl Compiler<'_> {
         let parts: Parts = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();
         Some(parts)
-    }
-
-    /// A material of layers, with relief and holes where the file has them; the classic integrator sees its colour.
-    fn model_material(
-        &mut self,
-        material: &ModelMaterial,
-        pictures: &[Option<PictureSource>],
-        path: &str,
-        at: Span,
-    ) -> Option<MaterialId> {
-        let mut map = |shown: Option<PictureUse>, encoding| {
-            shown.and_then(|shown| self.model_picture(shown, encoding, pictures, path, at))
-        };
-        let amounts = Some(Encoding::Linear);
-        let color = map(material.picture, None);
-        let metal_and_rough = map(material.metal_and_roughness, amounts);
-        let slide = map(material.emissive_picture, None);
-        let normals = material.normals.and_then(|(shown, scale)| Some((map(Some(shown), amounts)?, scale)));
-
-        let ModelMaterial { base_color: base @ [r, g, b], metallic, roughness, .. } = *material;
-        let opacity = opacity(material, color.as_ref());
-        let paint = match &color {
-            Some(map) => Paint::Picture(PictureMap { factor: [r, g, b, 1.0], ..map.clone() }),
-            None => Reflectance::from_rgb(base).into(),
-        };
-        let share = |channel: Channel, value: f32| match &metal_and_rough {
-            Some(map) => Share::Picture(PictureMap { factor: [value; 4], ..map.clone() }, channel),
-            None => value.into(),
-        };
-        let layers = Layers {
-            color: paint,
-            metalness: share(Channel::Blue, metallic),
-            roughness: share(Channel::Green, roughness),
-            ..Layers::default()
-        };
-        let look = PhongMaterial::from(phong(material)).with_picture(color);
-        let mut id = LayeredMaterial::from(layers).with_look(look).store(&mut self.materials)?;
-        if let Some((map, scale)) = normals {
-            let relief = Relief::Normals { map, scale };
-            id = Embossed { material: id, relief }.store(&mut self.materials)?;
-        }
-        let even = Glow::even(Emission::from_rgb(material.emissive));
-        let sides = if material.two_sided { Sides::Both } else { Sides::Front };
-        let glow = even.map(|glow| slide.into_iter().fold(glow.on(sides), Glow::through));
-        self.lit_and_cut(id, glow, opacity)
-    }
-
-    /// A picture that a material shows; one that cannot be read is left out.
-    fn model_picture(
-        &mut self,
-        shown: PictureUse,
-        encoding: Option<Encoding>,
-        pictures: &[Option<PictureSource>],
-        path: &str,
-        at: Span,
-    ) -> Option<PictureMap> {
-        let PictureUse { picture: number, wrap, nearest } = shown;
-        let map = match pictures.get(number)?.as_ref()? {
-            PictureSource::File(name) => self.found_picture(name, path, encoding, at),
-            PictureSource::Bytes(bytes) => {
-                self.held_picture(bytes, &format!("{path}#images[{number}]"), encoding, at)
-            }
-        }?;
-        let wrap = match wrap {
-            PictureWrap::Repeat => Wrap::Repeat,
-            PictureWrap::Mirror => Wrap::Mirror,
-            PictureWrap::Clamp => Wrap::Clamp,
-        };
-        let filter = if nearest { TexelFilter::Nearest } else { TexelFilter::Bilinear };
-        Some(PictureMap { wrap, filter, ..map })
     }
 
     fn model_parts(
@@ -210,29 +128,4 @@ fn mesh_data(part: ModelPart, smooth: bool) -> MeshData {
         uvs: corner_values(mesh.uvs, mesh.face_uvs, Vec2::from),
         material_slots: None,
     }
-}
-
-/// The share of a surface that is there, where that is not all of it.
-///
-/// * `color`: the picture of its colour
-fn opacity(material: &ModelMaterial, color: Option<&PictureMap>) -> Option<Share> {
-    let value = material.opacity;
-    // Most pictures have no holes, whatever the material says of them.
-    let map = color.filter(|map| map.mean()[Channel::Alpha as usize] < 1.0);
-    let map = map.map(|map| PictureMap { factor: [1.0, 1.0, 1.0, value], ..map.clone() });
-    let share = match (material.cover, map) {
-        (ModelCover::Everything, _) => return None,
-        (ModelCover::Share, None) => Share::Plain(value),
-        (ModelCover::Share, Some(map)) => Share::Picture(map, Channel::Alpha),
-        (ModelCover::FromOn(least), None) => Share::Plain(if value < least { 0.0 } else { 1.0 }),
-        (ModelCover::FromOn(least), Some(map)) => Share::Cut(map, Channel::Alpha, least),
-    };
-    (share.range()[0] < 1.0).then_some(share)
-}
-
-/// The opaque Phong material with the same colour.
-fn phong(material: &ModelMaterial) -> Phong {
-    let [r, g, b] = material.base_color;
-    let diffuse = Spectrum::rgb(r, g, b);
-    Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
 }

@@ -97,14 +97,7 @@ fn glass(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<Gl
         Some(abbe) => Dispersion::from_abbe(f64::from(index), f64::from(abbe)),
         None => Dispersion::Constant(f64::from(index)),
     };
-    let absorption = params.or("absorption", Vec3::ZERO, |args| {
-        let absorption = args.vec3()?;
-        if absorption.min_element() < 0.0 {
-            Err(args.error("absorption is not negative"))
-        } else {
-            Ok(absorption)
-        }
-    });
+    let absorption = absorption(params);
     let thickness = params.optional("thickness", |args| args.number_in(0.0..));
     let thin = params.or("thin", thickness.is_some(), Args::flag);
     if named.is_some() {
@@ -121,20 +114,39 @@ fn glass(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<Gl
         shape: shape(params),
         roughness: paints.share(params, "roughness", 0.0),
         grain: grain(params, paints),
-        absorption: absorption.to_array(),
+        absorption,
         pane: thin.then(|| thickness.unwrap_or(0.0)),
         priority: params.or("priority", 0, |args| args.int_in(-1000..=1000)) as i32,
     })
 }
 
+/// Absorption per unit length.
+fn absorption(params: &mut Params<'_, '_>) -> [f32; 3] {
+    let read = params.or("absorption", Vec3::ZERO, |args| {
+        let absorption = args.vec3()?;
+        if absorption.min_element() < 0.0 {
+            Err(args.error("absorption is not negative"))
+        } else {
+            Ok(absorption)
+        }
+    });
+    read.to_array()
+}
+
 fn layers(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Layers {
     let index =
         |params: &mut Params<'_, '_>, key, default| params.or(key, default, |args| args.number_in(1.0..=4.0));
+    let thin = params.or("thin", false, Args::flag);
+    if thin {
+        params.idle(&["absorption", "priority"], "with `thin on`: a pane has no inside");
+    }
     Layers {
         color: paints.paint(params, "color", 0.8),
         specular_color: paints.paint(params, "specularColor", 1.0),
         metalness: paints.share(params, "metalness", 0.0),
         transmission: paints.share(params, "transmission", 0.0),
+        absorption: absorption(params),
+        thin,
         roughness: paints.share(params, "roughness", 0.3),
         grain: grain(params, paints),
         diffuse_roughness: paints.share(params, "diffuseRoughness", 0.0),

@@ -2,7 +2,7 @@ use kajo_math::{Ray, Vec2, Vec3};
 use kajo_scene::{MemoryAssets, Severity};
 
 use super::*;
-use crate::bsdf::{Base, Bsdf, Dielectric};
+use crate::bsdf::{Base, Bsdf, Dielectric, ThinDielectric};
 use crate::camera::Camera;
 use crate::scene::Event;
 
@@ -795,6 +795,10 @@ fn physical_materials_scatter_as_they_are_written() {
     assert_eq!(base("Principled { metalness 0.4 }"), Base::Diffuse);
     assert_eq!(base("Principled { metalness 0.6 }"), Base::Metal);
     assert_eq!(base("Principled { metalness 0.4  transmission 0.5 }"), Base::Glass);
+    let pane = scatters("Principled { transmission 1  thin on  color 0.5 1 0  indexOfRefraction 1.4 }");
+    let Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth }) = pane else { panic!("{pane:?}") };
+    let [r, g, b] = optical_depth.to_rgb();
+    assert!(eta == 1.4 && (r - 2f32.ln()).abs() < 1e-6 && g == 0.0 && b > 50.0, "{optical_depth:?}");
 }
 
 #[test]
@@ -807,4 +811,6 @@ fn mistakes_in_physical_materials_are_told() {
     assert!(told("Glass { glass mud }").contains("N-BK7"));
     assert!(told("Matte { color 2 0 0 }").contains("between 0 and 1"));
     assert!(told("Glass { absorption -1 0 0 }").contains("not negative"));
+    assert!(told("Principled { absorption -1 0 0 }").contains("not negative"));
+    assert!(told("Principled { thin on  absorption 1 0 0 }").contains("a pane has no inside"));
 }

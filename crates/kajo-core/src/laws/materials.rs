@@ -73,6 +73,8 @@ fn white_layers() -> Layers {
         specular_color: white.clone(),
         metalness: 0.3.into(),
         transmission: 0.4.into(),
+        absorption: [0.0; 3],
+        thin: false,
         roughness: 0.6.into(),
         grain: Grain::default(),
         diffuse_roughness: 0.3.into(),
@@ -105,6 +107,7 @@ fn samples() -> Samples {
     all.add("knife", false, LayeredMaterial::from(Layers { grain: brushed, ..white_layers() }));
     all.add("pane", true, glass(0.0, Some(0.1)));
     all.add("layers", true, LayeredMaterial::from(white_layers()));
+    all.add("layers with a pane", true, LayeredMaterial::from(Layers { thin: true, ..white_layers() }));
     let red = Reflectance::from_rgb([0.8, 0.1, 0.1]);
     all.add("paint", false, LayeredMaterial::from(Layers { color: red.into(), ..white_layers() }));
     let classic = Phong { diffuse: grey(0.3), specular: grey(0.4), exponent: 20.0, ..Phong::BLACK };

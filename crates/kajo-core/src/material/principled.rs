@@ -2,18 +2,22 @@
 //!
 //! The parameters are the core of OpenPBR 1.1; [`Principled`](crate::bsdf::Principled) has the equations. At each
 //! hit the base is a metal with probability `metalness`, else glass with probability `transmission`, else pigment.
-//! Roughnesses are as they look: facets have their squares.
+//! Roughnesses are as they look: facets have their squares. Where the surface is thin, its glass is a polished pane that
+//! light crosses without being bent, and of which `color` is what one crossing lets through.
 //!
 //! Scene: `Principled { color 0.8 0.1 0.05  roughness 0.3  coat 1 }`
 
-use kajo_color::{Reflectance, Spectrum};
-use kajo_math::Vec2;
+use kajo_color::{Reflectance, Spectrum, Unbounded};
+use kajo_math::{Vec2, Vec3, fmath};
 
 use super::{
     Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, PhongMaterial, ShadingPoint,
 };
-use crate::bsdf::{Base, Bsdf, Microfacets, Phong, Principled, microfacet::Shape};
+use crate::bsdf::{Base, Bsdf, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape};
 use crate::texture::{Paint, Share, Textures};
+
+/// The least light that a pane lets through, black ones too.
+const LEAST_PASSED: f32 = 1e-30;
 
 /// What a layered surface is like; shares and roughnesses are in [0, 1], colours in linear RGB.
 #[derive(Clone, Debug)]
@@ -26,6 +30,10 @@ pub struct Layers {
     pub metalness: Share,
     /// Share of glass in what is not metal.
     pub transmission: Share,
+    /// Absorption of the glass per unit length in linear RGB.
+    pub absorption: [f32; 3],
+    /// Whether the glass is a pane with nothing inside.
+    pub thin: bool,
     /// Of the glossy surface.
     pub roughness: Share,
     /// Which way the facets of the glossy surface run.
@@ -61,6 +69,8 @@ impl Default for Layers {
             specular_color: grey(1.0),
             metalness: 0.0.into(),
             transmission: 0.0.into(),
+            absorption: [0.0; 3],
+            thin: false,
             roughness: 0.3.into(),
             grain: Grain::default(),
             diffuse_roughness: 0.0.into(),
@@ -81,6 +91,7 @@ impl Default for Layers {
 #[derive(Clone, Debug)]
 pub struct LayeredMaterial {
     layers: Layers,
+    absorption: Unbounded,
     /// What the classic integrator sees in place of these.
     look: Option<Box<PhongMaterial>>,
     /// Where it is the same everywhere.
@@ -90,7 +101,8 @@ pub struct LayeredMaterial {
 impl From<Layers> for LayeredMaterial {
     fn from(layers: Layers) -> LayeredMaterial {
         let constant = (!layers.vary()).then(|| layers.classic(Vec2::ZERO));
-        LayeredMaterial { layers, look: None, constant }
+        let absorption = Unbounded::from_rgb(layers.absorption);
+        LayeredMaterial { layers, absorption, look: None, constant }
     }
 }
 
@@ -124,8 +136,8 @@ impl Layers {
             reflective: color * metal,
             transparent: color * glass,
             exponent: self.facets(uv).exponent(),
-            eta: self.eta,
-            ..Phong::BLACK
+            absorption: Vec3::from(self.absorption).into(),
+            eta: if self.thin { 1.0 } else { self.eta },
         }
     }
 
@@ -190,6 +202,11 @@ impl Appearance for LayeredMaterial {
             _ => Base::Diffuse,
         };
         let eta = layers.eta / at.eta_outside;
+        if layers.thin && base == Base::Glass {
+            let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
+            let optical_depth = layers.color.at(uv, wavelengths).map(depth);
+            return Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth });
+        }
         let facets = layers.facets(uv);
         Bsdf::Principled(Principled {
             base,
@@ -208,12 +225,12 @@ impl Appearance for LayeredMaterial {
         })
     }
 
-    fn interior(&self, _: &Materials, _: &Textures, _: &ShadingPoint<'_>) -> Option<Interior> {
-        let Layers { eta, priority, .. } = self.layers;
-        self.layers.transmit().then_some(Interior {
+    fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {
+        let Layers { eta, priority, thin, .. } = self.layers;
+        (self.layers.transmit() && !thin).then(|| Interior {
             eta,
             is_dispersive: false,
-            absorption: Spectrum::BLACK,
+            absorption: self.absorption.at(at.wavelengths),
             priority,
         })
     }

@@ -1,8 +1,8 @@
-//! glTF 2.0 models: meshes, the nodes that place them, and the colours of their materials.
+//! glTF 2.0 models: meshes, the nodes that place them, and their materials.
 //!
 //! A file is JSON with buffers beside it or within (`.gltf`), or both in one (`.glb`). A mesh that several
 //! nodes show is read once [Khronos 2021, "glTF 2.0 Specification"]. Of extensions,
-//! `EXT_mesh_gpu_instancing` and `KHR_mesh_quantization` are read.
+//! `EXT_mesh_gpu_instancing`, `KHR_mesh_quantization`, `KHR_texture_transform` and most of those of materials are read.
 //!
 //! ```text
 //! scene -> nodes (a tree, each with a transform) -> mesh -> primitives -> accessors -> buffers
@@ -14,6 +14,7 @@
 mod accessor;
 mod container;
 mod json;
+mod material;
 mod nodes;
 mod primitive;
 
@@ -23,8 +24,10 @@ use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
 use crate::tri_mesh::TriMesh;
 use kajo_math::DAffine3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+
+pub use self::material::{ModelAmount, ModelCover, ModelMaterial, ModelTint, PictureUse, PictureWrap};
 
 /// What a glTF file describes, as far as it is read.
 #[derive(Debug, Default)]
@@ -48,69 +51,6 @@ pub struct ModelPart {
     pub mesh: TriMesh,
     /// An index into [`Model::materials`].
     pub material: Option<usize>,
-}
-
-/// A material.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ModelMaterial {
-    /// Its name in the file.
-    pub name: Option<String>,
-    /// Red, green and blue, linear.
-    pub base_color: [f32; 3],
-    /// What the base colour is multiplied by over the surface.
-    pub picture: Option<PictureUse>,
-    /// What roughness, by its green, and metalness, by its blue channel, are multiplied by.
-    pub metal_and_roughness: Option<PictureUse>,
-    /// Normals of a fine relief, and the factor of their components across the surface.
-    pub normals: Option<(PictureUse, f32)>,
-    /// How much the surface covers what is behind it, in [0, 1], where [`ModelMaterial::cover`] is not
-    /// [`ModelCover::Everything`]. The alpha of the picture is another factor.
-    pub opacity: f32,
-    /// What that means.
-    pub cover: ModelCover,
-    /// 1 for metals, 0 for everything else.
-    pub metallic: f32,
-    /// 0 for a mirror, 1 for chalk.
-    pub roughness: f32,
-    /// Light that the surface gives off, linear.
-    pub emissive: [f32; 3],
-    /// What that is multiplied by over the surface.
-    pub emissive_picture: Option<PictureUse>,
-    /// Whether that leaves it on its inner side too.
-    pub two_sided: bool,
-}
-
-/// How much of what is behind a surface it covers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ModelCover {
-    /// All of it.
-    Everything,
-    /// All of it where the opacity is this much or more, and nothing elsewhere.
-    FromOn(f32),
-    /// The share that is its opacity.
-    Share,
-}
-
-/// A picture as a material shows it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PictureUse {
-    /// An index into [`Model::pictures`], which may lead nowhere.
-    pub picture: usize,
-    /// What is beside the picture.
-    pub wrap: PictureWrap,
-    /// Whether texels have edges, instead of running into each other.
-    pub nearest: bool,
-}
-
-/// What is beside a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureWrap {
-    /// The same again.
-    Repeat,
-    /// Its mirror image.
-    Mirror,
-    /// Its last texels.
-    Clamp,
 }
 
 /// Where a picture is.
@@ -154,7 +94,8 @@ pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Resul
         let parts = primitive::read_mesh(&document, &buffers, mesh, &mut budget, &mut counts);
         model.meshes.push(parts.map_err(|said| wrong(format!("meshes[{mesh}]: {said}")))?);
     }
-    let understood = |material: &json::Material| material.understood(&document.textures, &document.samplers);
+    let understood =
+        |material: &material::Material| material.understood(&document.textures, &document.samplers);
     model.materials = document.materials.iter().map(understood).collect();
     model.pictures = pictures(&document, &model.materials, &buffers, &mut budget).map_err(wrong)?;
     model.left_out.extend(counts.sentences());
@@ -191,13 +132,8 @@ fn pictures(
     buffers: &Buffers<'_>,
     budget: &mut Budget,
 ) -> Result<Vec<Option<PictureSource>>, String> {
-    let shown = |material: &ModelMaterial| {
-        let normals = material.normals.map(|(picture, _)| picture);
-        [material.picture, material.metal_and_roughness, normals, material.emissive_picture]
-            .into_iter()
-            .flatten()
-    };
-    let used: BTreeSet<usize> = materials.iter().flat_map(shown).map(|p| p.picture).collect();
+    let used: BTreeSet<usize> =
+        materials.iter().flat_map(ModelMaterial::pictures).map(|p| p.picture).collect();
     let mut read = |(i, image): (usize, &json::Image)| {
         if !used.contains(&i) {
             return Ok(None);
@@ -266,7 +202,13 @@ fn left_out(document: &json::Document) -> Vec<String> {
         (textured, "materials with textures that are not shown"),
     ];
     let used = list.into_iter().filter(|&(count, _)| count > 0);
-    used.map(|(count, what)| format!("left out: {count} {what}")).collect()
+    let counted = used.map(|(count, what)| format!("left out: {count} {what}"));
+    let mut unknown = BTreeMap::<&str, usize>::new();
+    for name in document.materials.iter().flat_map(material::Material::unknown_extensions) {
+        *unknown.entry(name).or_default() += 1;
+    }
+    let unknown = unknown.into_iter().map(|(name, count)| format!("left out: `{name}` of {count} materials"));
+    counted.chain(unknown).collect()
 }
 
 #[cfg(test)]

@@ -239,10 +239,113 @@ fn what_is_left_out_is_said() {
     for expected in ["2 cameras", "1 lights", "1 animations", "1 skins"] {
         assert!(said.iter().any(|s| s == &format!("left out: {expected}")), "{expected}: {said:?}");
     }
-    let textured = MESH
-        .replace("\"pbrMetallicRoughness\"", "\"occlusionTexture\":{\"index\":0},\"pbrMetallicRoughness\"");
-    let said = read_square(&format!("{textured},\"nodes\":[{{\"mesh\":0}}]")).unwrap().left_out;
-    assert!(said[0].contains("1 materials with textures"), "{said:?}");
+    let said = |more: &str| material(more).unwrap().left_out;
+    assert!(said("\"occlusionTexture\":{\"index\":0}").is_empty(), "light that is followed needs none");
+    for texture in [
+        r#""normalTexture":{"index":0,"texCoord":1}"#,
+        r#""normalTexture":{"index":0,"extensions":{"KHR_texture_transform":{"texCoord":1}}}"#,
+        r#""normalTexture":{"index":0,"extensions":{"KHR_texture_transform":{"rotation":1}}}"#,
+        r#""extensions":{"KHR_materials_specular":{"specularTexture":{"index":0}}}"#,
+        r#""extensions":{"KHR_materials_pbrSpecularGlossiness":{"specularGlossinessTexture":{"index":0}}}"#,
+    ] {
+        assert_eq!(said(texture), ["left out: 1 materials with textures that are not shown"], "{texture}");
+    }
+    let rare = r#""extensions":{"KHR_materials_unlit":{},"KHR_materials_ior":{"ior":1.2}}"#;
+    assert_eq!(said(rare), ["left out: `KHR_materials_unlit` of 1 materials"]);
+}
+
+/// Picture `number` as it is.
+fn as_it_is(number: usize) -> PictureUse {
+    let (wrap, nearest) = (PictureWrap::Repeat, false);
+    PictureUse { picture: number, wrap, nearest, repeat: [1.0; 2], offset: [0.0; 2] }
+}
+
+/// The square with three pictures, and this of its material instead of its alpha mode.
+fn material(more: &str) -> Result<Model, String> {
+    let mesh = MESH.replace("\"alphaMode\":\"BLEND\"", more);
+    let textures = r#""textures":[{"source":0},{"source":1},{"source":2}],
+        "images":[{"uri":"a.png"},{"uri":"b.png"},{"uri":"c.png"}]"#;
+    read_square(&format!("{mesh},\"nodes\":[{{\"mesh\":0}}],{textures}"))
+}
+
+/// That material with these extensions.
+fn extended(extensions: &str) -> ModelMaterial {
+    let model = material(&format!("\"extensions\":{{{extensions}}}")).unwrap();
+    assert!(model.left_out.is_empty(), "{:?}", model.left_out);
+    let used = model.materials[0].pictures().map(|p| p.picture).collect::<BTreeSet<_>>();
+    let found = (0..3).filter(|&i| model.pictures[i].is_some()).collect();
+    assert_eq!(used, found, "pictures are read where they are shown");
+    model.materials[0].clone()
+}
+
+#[test]
+fn extensions_of_materials_are_read() {
+    let without = extended("");
+    assert_eq!((without.eta, without.specular.color, without.body), (1.5, [1.0; 3], None));
+    let amount = |value, picture: Option<usize>| ModelAmount { value, picture: picture.map(as_it_is) };
+    assert_eq!((without.transmission, without.coat), (amount(0.0, None), amount(0.0, None)));
+
+    let glass = extended(
+        r#""KHR_materials_transmission":{"transmissionFactor":0.75,"transmissionTexture":{"index":2}},
+        "KHR_materials_ior":{"ior":1.33},
+        "KHR_materials_volume":{"thicknessFactor":1,"attenuationDistance":2,"attenuationColor":[1,0.5,0]}"#,
+    );
+    assert_eq!((glass.eta, glass.transmission), (1.33, amount(0.75, Some(2))));
+    let [r, g, b] = glass.body.unwrap();
+    assert!(r == 0.0 && (g - 0.5 * 2f32.ln()).abs() < 1e-6 && b.is_finite() && b > 5.0, "{r} {g} {b}");
+    let clear = extended(r#""KHR_materials_volume":{"thicknessFactor":1,"attenuationColor":[0.5,0.5,0.5]}"#);
+    assert_eq!(clear.body, Some([0.0; 3]), "without a distance there is no absorption");
+    let pane = extended(r#""KHR_materials_volume":{"attenuationDistance":1,"attenuationColor":[0,0,0]}"#);
+    assert_eq!(pane.body, None);
+    for (ior, expected) in [("0", 1.5), ("-3", 1.5), ("1", 1.0), ("99", 4.0)] {
+        assert_eq!(extended(&format!(r#""KHR_materials_ior":{{"ior":{ior}}}"#)).eta, expected);
+    }
+
+    let varnished = extended(
+        r#""KHR_materials_clearcoat":{"clearcoatFactor":2,"clearcoatTexture":{"index":0},
+        "clearcoatRoughnessFactor":0.3,"clearcoatRoughnessTexture":{"index":1}},
+        "KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[1,0.5,4],"specularColorTexture":{"index":2}},
+        "KHR_materials_anisotropy":{"anisotropyStrength":0.6,"anisotropyRotation":1.5707964}"#,
+    );
+    assert_eq!((varnished.coat, varnished.coat_roughness), (amount(1.0, Some(0)), amount(0.3, Some(1))));
+    assert_eq!(varnished.specular, ModelTint { color: [0.5, 0.25, 1.0], picture: Some(as_it_is(2)) });
+    assert_eq!(varnished.anisotropy, (0.6, 0.25));
+    let velvet = extended(
+        r#""KHR_materials_sheen":{"sheenColorFactor":[0.5,0.25,0],"sheenColorTexture":{"index":1},
+        "sheenRoughnessFactor":0.4,"sheenRoughnessTexture":{"index":1}}"#,
+    );
+    assert_eq!(velvet.sheen, ModelTint { color: [0.5, 0.25, 0.0], picture: Some(as_it_is(1)) });
+    assert_eq!(velvet.sheen_roughness, amount(0.4, Some(1)));
+}
+
+#[test]
+fn materials_of_the_older_model_are_put_into_the_newer_terms() {
+    let older = |more: &str| extended(&format!("\"KHR_materials_pbrSpecularGlossiness\":{{{more}}}"));
+    let paint = older(
+        r#""diffuseFactor":[0.1,0.2,0.3,0.5],"diffuseTexture":{"index":1},"specularFactor":[0.04,0.02,0.04],
+        "glossinessFactor":0.75"#,
+    );
+    assert_eq!((paint.base_color, paint.picture, paint.opacity), ([0.1, 0.2, 0.3], Some(as_it_is(1)), 0.5));
+    assert_eq!((paint.metallic, paint.roughness, paint.specular.color), (0.0, 0.25, [1.0, 0.5, 1.0]));
+    assert!((paint.eta - 1.5).abs() < 1e-5, "{}", paint.eta);
+    let gold = older(r#""diffuseFactor":[0,0,0,1],"specularFactor":[1,0.8,0.3]"#);
+    assert_eq!((gold.metallic, gold.base_color, gold.roughness), (1.0, [1.0, 0.8, 0.3], 0.0));
+    let chalk = older(r#""specularFactor":[0,0,0],"glossinessFactor":0"#);
+    assert_eq!((chalk.eta, chalk.specular.color, chalk.roughness), (1.0, [0.0; 3], 1.0));
+}
+
+#[test]
+fn pictures_are_moved_and_scaled() {
+    let transform =
+        r#"{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.25,0.5],"scale":[2,3]}}}"#;
+    let model = material(&format!("\"normalTexture\":{transform}")).unwrap();
+    let (shown, _) = model.materials[0].normals.unwrap();
+    assert_eq!((shown.repeat, shown.offset), ([2.0, 3.0], [0.25, -2.5]));
+    // The same texel as by the rule of the extension, where the second coordinate points down.
+    let (u, v) = (0.4, 0.3);
+    let down = 3.0 * (1.0 - v) + 0.5;
+    let up = shown.repeat[1] * v + shown.offset[1];
+    assert!((1.0f32 - down - up).abs() < 1e-6 && shown.repeat[0] * u + shown.offset[0] == 2.0 * u + 0.25);
 }
 
 /// The square with a picture for its colour, and these images.
@@ -258,7 +361,7 @@ fn painted(texture: &str, images: &str) -> Result<Model, String> {
 fn pictures_of_colours_are_found() {
     let unused = r#"{"uri":"unused.png"}"#;
     let model = painted("\"index\":0", &format!(r#"{unused},{{"uri":"my%20skin.png"}}"#)).unwrap();
-    let shown = PictureUse { picture: 1, wrap: PictureWrap::Mirror, nearest: true };
+    let shown = PictureUse { wrap: PictureWrap::Mirror, nearest: true, ..as_it_is(1) };
     assert!(model.materials.iter().any(|material| material.picture == Some(shown)));
     assert_eq!(model.pictures, [None, Some(PictureSource::File("my skin.png".to_owned()))]);
     let data = r#"{"uri":"data:image/png;base64,Zm9v"}"#;
@@ -277,10 +380,9 @@ fn pictures_of_normals_and_roughness_are_found() {
     );
     let textures = r#""textures":[{"source":1},{"source":0}],"images":[{"uri":"mr.png"},{"uri":"n.png"}]"#;
     let model = read_square(&format!("{mesh},\"nodes\":[{{\"mesh\":0}}],{textures}")).unwrap();
-    let shown = |picture| PictureUse { picture, wrap: PictureWrap::Repeat, nearest: false };
     let material = &model.materials[0];
-    assert_eq!(material.normals, Some((shown(1), 0.5)));
-    assert_eq!(material.metal_and_roughness, Some(shown(0)));
+    assert_eq!(material.normals, Some((as_it_is(1), 0.5)));
+    assert_eq!(material.metal_and_roughness, Some(as_it_is(0)));
     assert!(model.pictures.iter().all(Option::is_some) && model.left_out.is_empty(), "{:?}", model.left_out);
 }
 
@@ -300,8 +402,7 @@ fn light_and_cover_are_read() {
         r#""emissiveFactor":[0.5,0.25,1],"emissiveTexture":{"index":0},"doubleSided":true,
         "extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}"#,
     );
-    let shown = PictureUse { picture: 0, wrap: PictureWrap::Repeat, nearest: false };
-    assert_eq!((strong.emissive, strong.emissive_picture), ([4.0, 2.0, 8.0], Some(shown)));
+    assert_eq!((strong.emissive, strong.emissive_picture), ([4.0, 2.0, 8.0], Some(as_it_is(0))));
     assert_eq!((strong.two_sided, pictures), (true, vec![Some(PictureSource::File("glow.png".to_owned()))]));
     assert_eq!(material("\"alphaMode\":\"BLEND\"").0.cover, ModelCover::Share);
     assert_eq!(material("\"alphaMode\":\"MASK\"").0.cover, ModelCover::FromOn(0.5));
