@@ -68,6 +68,11 @@ impl Parser<'_> {
         let from = span.map_or("", |span| self.desc.sources.get(span.source).path());
         let file = self.assets.open(name, from).map_err(|error| unreadable(name, span, &error))?;
         let path = file.path.clone();
+        if let Some(block) = block_of_shapes(&path) {
+            let shape = Diagnostic::error(format!("{} holds shapes, not a scene", quoted(name)));
+            let help = format!("a scene shows it: `Group {{ {block} {{ file {} }} }}`", file_name(&path));
+            return Err(at(span, "included here", shape).help(help));
+        }
         if let Some(first) = self.frames.iter().position(|f| self.desc.sources.get(f.source).path() == path) {
             let message = format!("a file includes itself: {}", self.chain(first, &path));
             return Err(at(span, "this include closes the circle", Diagnostic::error(message)));
@@ -139,6 +144,21 @@ impl Parser<'_> {
             .label(Span { source, start: start as u32, end: end as u32 }, "the first byte that is no text")
             .help("save the file as UTF-8")
     }
+}
+
+/// The block that shows a file of shapes, by the ending of its name.
+fn block_of_shapes(path: &str) -> Option<&'static str> {
+    let (_, ending) = path.rsplit_once('.')?;
+    match ending.to_ascii_lowercase().as_str() {
+        "glb" | "gltf" => Some("Model"),
+        "obj" | "ply" | "stl" => Some("TriangleMesh"),
+        _ => None,
+    }
+}
+
+/// A path without its folders.
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 fn unreadable(name: &str, span: Option<Span>, error: &AssetError) -> Diagnostic {

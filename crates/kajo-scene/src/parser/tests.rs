@@ -143,6 +143,23 @@ fn load_within(files: &[(&str, &str)], limits: &Limits) -> Parsed {
 }
 
 #[test]
+fn files_of_shapes_are_no_scenes() {
+    for (name, block) in [("a/Lantern.GLB", "Model"), ("a/x.gltf", "Model"), ("a/b.ply", "TriangleMesh")] {
+        let parsed = load(&[(name, "glTF")]);
+        assert_eq!(parsed.diagnostics.count(Severity::Error), 1);
+        let said = parsed.diagnostics.iter().next().unwrap();
+        assert_eq!(said.message, format!("`{name}` holds shapes, not a scene"));
+        let file = name.trim_start_matches("a/");
+        assert_eq!(
+            said.help.as_deref(),
+            Some(&*format!("a scene shows it: `Group {{ {block} {{ file {file} }} }}`"))
+        );
+    }
+    let parsed = load(&[("s.txt", "include \"hare.obj\" a 1"), ("hare.obj", "v 0 0 0")]);
+    assert_eq!(messages(&parsed), ["s.txt:1:9: error: `hare.obj` holds shapes, not a scene"]);
+}
+
+#[test]
 fn includes_put_items_in_their_place() {
     let parsed = load(&[
         ("s/main.txt", "a 1 g { include \"sub/x.txt\" b 2 } include ../y.txt include sub/x.txt z 0"),
