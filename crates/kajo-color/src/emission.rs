@@ -119,6 +119,21 @@ impl Emission {
         self.luminance
     }
 
+    /// The spectrum but for its scale, if it is a table.
+    pub(crate) fn table(&self) -> Option<&Arc<Tabulated>> {
+        match &self.shape {
+            Shape::Table(table) => Some(table),
+            Shape::Filtered(_) | Shape::BlackBody(_) => None,
+        }
+    }
+
+    /// The sum of red, green and blue over three times the luminance: how much of it the eye sees in all for the same
+    /// luminance, about 1 for white light and more for blue.
+    pub(crate) fn strength(&self) -> f64 {
+        let sum: f32 = self.rgb.iter().sum();
+        if self.luminance > 0.0 { f64::from(sum) / (3.0 * f64::from(self.luminance)) } else { 0.0 }
+    }
+
     /// Whether there is no light at any wavelength.
     pub fn is_black(&self) -> bool {
         self.scale == 0.0

@@ -26,6 +26,7 @@ pub mod srgb;
 pub mod tabulated;
 pub mod tone;
 mod uplift;
+mod wavelength_choice;
 pub mod wavelengths;
 pub mod white;
 
@@ -37,4 +38,5 @@ pub use reflectance::{Reflectance, Unbounded};
 pub use spectrum::Spectrum;
 pub use tabulated::{Outside, Tabulated};
 pub use tone::Tone;
+pub use wavelength_choice::WavelengthChoice;
 pub use wavelengths::Wavelengths;

@@ -10,6 +10,7 @@
 //! ```
 //!
 //! with `c` = 538 nm, `a` = 0.0072 / nm and `λ₀`, `λ₁` the ends of the visible range.
+//! Where lamps shine in lines, another `λ(u)` finds these: see [`WavelengthChoice`](crate::WavelengthChoice).
 //! [Wilkie et al. 2014], [Radziszewski et al. 2009], [Pharr, Jakob and Humphreys 2023, 4.5.4]
 
 use kajo_math::fmath;
@@ -45,10 +46,15 @@ impl Wavelengths {
 
     /// Four wavelengths of the visible range for a uniform `u` in [0, 1).
     pub fn sample(u: f32) -> Wavelengths {
+        Wavelengths::by_turns(u, visible)
+    }
+
+    /// Those that `draw` answers to four quarter turns of `u`, each with its density.
+    pub(crate) fn by_turns(u: f32, draw: impl Fn(f32) -> (f32, f32)) -> Wavelengths {
         let (mut lambda, mut pdf) = ([0.0; 4], [0.0; 4]);
         for i in 0..4 {
             let turned = u + 0.25 * i as f32;
-            (lambda[i], pdf[i]) = visible(if turned < 1.0 { turned } else { turned - 1.0 });
+            (lambda[i], pdf[i]) = draw(if turned < 1.0 { turned } else { turned - 1.0 });
         }
         Wavelengths { lambda, pdf, daylight: Spectrum::from(lambda.map(illuminant::d65)) }
     }

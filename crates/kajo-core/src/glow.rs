@@ -70,6 +70,11 @@ impl VariedEmission {
         self.terms.iter().map(radiance).fold(Spectrum::BLACK, |sum, light| sum + light)
     }
 
+    /// The light of each material.
+    pub fn emissions(&self) -> impl Iterator<Item = &Emission> {
+        self.terms.iter().map(|term| &term.emission)
+    }
+
     /// Whether it depends on surface coordinates.
     #[inline]
     pub fn needs_uv(&self) -> bool {

@@ -1,12 +1,13 @@
 //! What integrators that estimate integrals ask of a scene: how surfaces scatter, what glows, which lamp to ask.
 
-use kajo_color::{Spectrum, Wavelengths};
+use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
 use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
+use crate::family::Pooled;
 use crate::glow::VariedEmission;
 use crate::interaction::SurfacePoint;
-use crate::light::{AreaLight, Departures, EmissionPdf, Emitted, LightChoice, LightSample, Target};
+use crate::light::{AreaLight, Ball, Departures, EmissionPdf, Emitted, LightChoice, LightSample, Target};
 use crate::material::{Interior, MaterialPoint, ShadingPoint};
 use crate::scene::{Interaction, Scene, rarely};
 
@@ -182,6 +183,23 @@ impl Scene {
     /// The lamps for paths to begin at.
     pub fn departures(&self) -> Departures {
         Departures::new(&self.emitters, &self.lights, &self.bounds())
+    }
+
+    /// How wavelengths are drawn so that the lines of lamps are found: by the spectra of all light and its power.
+    pub fn wavelength_choice(&self) -> WavelengthChoice {
+        let (world, white) = (Ball::around(&self.bounds()), Emission::from_rgb([1.0; 3]));
+        let mut lamps = Vec::new();
+        for &id in self.emitters.list() {
+            let power = self.lights.power(id, &world);
+            let varied = AreaLight::find(&self.lights, id).and_then(|light| light.varied);
+            let Some(varied) = varied.map(|varied| &self.varied_emissions[varied as usize]) else {
+                lamps.push((power, self.lights.emission(id).unwrap_or(&white)));
+                continue;
+            };
+            let all: f32 = varied.emissions().map(Emission::luminance).sum();
+            lamps.extend(varied.emissions().map(|light| (power * light.luminance() / all, light)));
+        }
+        WavelengthChoice::by_lamps(lamps)
     }
 
     /// A ray of light that leaves a lamp drawn by its power, the number of the lamp, and the probability of its choice,

@@ -236,6 +236,51 @@ fn models_are_of_glass_and_varnish() {
     assert!(r == 0.0 && (g - 2f32.ln()).abs() < 1e-4 && b == 0.0, "{r} {g} {b}");
 }
 
+/// Wavelengths are drawn where lamps have lines, wherever their spectra are written.
+#[test]
+fn lines_of_lamps_are_found() {
+    let near_sodium = |materials: &str, rest: &str| {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }} {rest}
+             Materials {{ {materials} Matte plain {{}} }}
+             Group {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
+        );
+        let (scene, said) = read(&text);
+        let choice = scene.unwrap_or_else(|| panic!("{said:?}")).wavelength_choice();
+        let drawn = |i: u32| choice.sample((i as f32 + 0.5) / 1000.0).nm().unwrap();
+        let near = |nm: &f32| (584.0..595.0).contains(nm);
+        (0..1000).flat_map(drawn).filter(near).count() as f64 / 4000.0
+    };
+    let dark = "Background { color 0 0 0 }";
+    let without = near_sodium("Matte lamp { emission 5 }", dark);
+    assert!((0.02..0.06).contains(&without), "{without}");
+    for (materials, rest) in [
+        ("Matte lamp { emission sodium 5 }", dark),
+        ("Matte lamp { emission slide.ppm { light sodium 5 } }", dark),
+        ("Noise n { materialIndex a materialIndex plain } Matte a { emission sodium 5 }", dark),
+        ("Matte dark {}", "Background { color sodium 0.5 }"),
+        (
+            "Matte dark {}",
+            "Background { color 0 0 0 } Lights { PointLight { position 0 5 0 intensity sodium 5 } }",
+        ),
+        (
+            "Matte dark {}",
+            "Background { color 0 0 0 } Lights { SpotLight { position 0 5 0 direction 0 -1 0 angle 30 intensity sodium 5 } }",
+        ),
+        (
+            "Matte dark {}",
+            "Background { color 0 0 0 } Lights { DirectionalLight { direction 0 -1 0 irradiance sodium 5 } }",
+        ),
+    ] {
+        let found = near_sodium(materials, rest);
+        assert!(found > 0.85, "{materials} {rest}: {found}");
+    }
+    // Of two lamps each has its part: here the other one is as strong.
+    let other = "Background { color 5 5 5 }";
+    let half = near_sodium("Matte lamp { emission sodium 5 }", other);
+    assert!((0.2..0.8).contains(&half), "{half}");
+}
+
 /// Of a mesh on which a picture is black here and there the bright triangles are the strong lamps.
 #[test]
 fn pieces_are_as_strong_as_what_is_on_them() {

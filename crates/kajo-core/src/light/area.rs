@@ -185,4 +185,8 @@ impl Emitter for AreaLight {
     fn power(&self, _world: &Ball) -> f32 {
         self.bounds().map_or(0.0, |bounds| bounds.power)
     }
+
+    fn emission(&self) -> Option<&Emission> {
+        Some(&self.emission)
+    }
 }

@@ -92,4 +92,8 @@ impl Emitter for DirectionalLight {
         let widened = 2.0 / (2.0 - self.height);
         widened * self.emission.luminance() * world.cross_section()
     }
+
+    fn emission(&self) -> Option<&Emission> {
+        Some(&self.emission)
+    }
 }

@@ -55,7 +55,7 @@ impl Emitters {
     }
 
     /// All lights by their numbers.
-    pub(super) fn list(&self) -> &[LightId] {
+    pub(crate) fn list(&self) -> &[LightId] {
         &self.list
     }
 

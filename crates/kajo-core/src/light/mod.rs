@@ -25,7 +25,7 @@ pub use sky::SkyLight;
 pub use spot::SpotLight;
 pub use tree::{LightBounds, LightChoice, LightTree};
 
-use kajo_color::{Spectrum, Wavelengths};
+use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
 use crate::family::family;
@@ -113,6 +113,9 @@ pub trait Emitter {
 
     /// Luminous power, of light from infinitely far what reaches the `world`.
     fn power(&self, world: &Ball) -> f32;
+
+    /// The spectrum of all its light but for a factor, or of its mean; `None` where it is that of pictures.
+    fn emission(&self) -> Option<&Emission>;
 }
 
 family! {
@@ -144,6 +147,8 @@ family! {
         fn emission_pdf(time: f32, at: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf;
         /// See [`Emitter::power`].
         fn power(world: &Ball) -> f32;
+        /// See [`Emitter::emission`].
+        fn emission() -> Option<&Emission>;
     }
 }
 

@@ -248,6 +248,10 @@ impl Emitter for PhotometricLight {
     fn power(&self, _world: &Ball) -> f32 {
         self.bounds().map_or(0.0, |bounds| bounds.power)
     }
+
+    fn emission(&self) -> Option<&Emission> {
+        Some(&self.emission)
+    }
 }
 
 #[cfg(test)]

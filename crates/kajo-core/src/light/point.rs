@@ -105,4 +105,8 @@ impl Emitter for PointLight {
     fn power(&self, _world: &Ball) -> f32 {
         self.point_bounds().power
     }
+
+    fn emission(&self) -> Option<&Emission> {
+        Some(&self.emission)
+    }
 }

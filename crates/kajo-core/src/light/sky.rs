@@ -10,7 +10,7 @@
 use std::f32::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use kajo_color::Wavelengths;
+use kajo_color::{Emission, Wavelengths};
 use kajo_math::{Vec2, Vec3, warp};
 
 use super::emit::{INVERSE_SQUARE, power_by_samples};
@@ -107,5 +107,12 @@ impl Emitter for SkyLight {
 
     fn power(&self, world: &Ball) -> f32 {
         power_by_samples(self, world)
+    }
+
+    fn emission(&self) -> Option<&Emission> {
+        match &*self.background {
+            Background::Constant { emission, .. } => Some(emission),
+            Background::CubeMap(_) | Background::Environment(_) | Background::Sky(_) => None,
+        }
     }
 }

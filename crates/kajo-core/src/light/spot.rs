@@ -11,7 +11,7 @@
 
 use std::f32::consts::TAU;
 
-use kajo_color::Wavelengths;
+use kajo_color::{Emission, Wavelengths};
 use kajo_math::{Frame, Vec2, Vec3, warp};
 
 use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, PointLight};
@@ -87,6 +87,10 @@ impl Emitter for SpotLight {
 
     fn power(&self, _world: &Ball) -> f32 {
         self.bounds().map_or(0.0, |bounds| bounds.power)
+    }
+
+    fn emission(&self) -> Option<&Emission> {
+        self.point.emission()
     }
 }
 

@@ -17,7 +17,7 @@
 
 use std::cell::Cell;
 
-use kajo_color::{Spectrum, Wavelengths};
+use kajo_color::Spectrum;
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
@@ -78,7 +78,7 @@ pub struct Path<'a> {
 impl<'a> Path<'a> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub fn new(scene: &'a Scene, settings: PathSettings, size: [u32; 2], layers: LayerSet) -> Path<'a> {
-        Path { view: View::new(scene, size, layers), settings }
+        Path { view: View::new(scene, size, layers).spectral(settings.spectral), settings }
     }
 
     /// The same through another camera than the scene's.
@@ -91,8 +91,7 @@ impl Path<'_> {
     fn cast<W: Witness>(&self, ctx: &mut SampleContext<'_>, raster: Vec2, witness: W) -> (PixelSample, W) {
         let mut draws = ctx.draws;
         let Some(ray) = self.view.ray(raster, &mut draws) else { return (PixelSample::default(), witness) };
-        let u = draws.number_if(self.settings.spectral);
-        let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
+        let wavelengths = self.view.wavelengths(&mut draws);
         let groups = LightGroups::default();
         let wanted = self.view.wants_light_groups().then_some(&groups);
         let mut walk = Walk::new(&self.view, &self.settings, ray, wavelengths, draws, witness);

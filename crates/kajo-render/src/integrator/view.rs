@@ -1,7 +1,7 @@
 //! The camera's part of an integrator: rays through places of the picture, and what layers record of the first
 //! surface.
 
-use kajo_color::{RgbBasis, Spectrum, Wavelengths, sensor};
+use kajo_color::{RgbBasis, Spectrum, WavelengthChoice, Wavelengths, sensor};
 use kajo_core::camera::{Camera, Connection, Raster};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::Draws;
@@ -23,12 +23,28 @@ pub(super) struct View<'a> {
     moves: bool,
     /// Whether the camera is inside of a body.
     is_immersed: bool,
+    /// How wavelengths are drawn, where light is followed by wavelength.
+    spectral: Option<WavelengthChoice>,
 }
 
 impl<'a> View<'a> {
     pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> View<'a> {
         let camera = &scene.camera;
-        View { scene, camera, size, layers, moves: scene.moves(), is_immersed: false }.immersed()
+        let moves = scene.moves();
+        View { scene, camera, size, layers, moves, is_immersed: false, spectral: None }.immersed()
+    }
+
+    /// The same with light that is followed by wavelength, or in red, green and blue.
+    pub fn spectral(self, is_spectral: bool) -> View<'a> {
+        View { spectral: is_spectral.then(|| self.scene.wavelength_choice()), ..self }
+    }
+
+    /// What a path carries.
+    ///
+    /// Takes a dimension where light is followed by wavelength.
+    pub fn wavelengths(&self, draws: &mut Draws<'_>) -> Wavelengths {
+        let u = draws.number_if(self.spectral.is_some());
+        self.spectral.as_ref().map_or(Wavelengths::RGB, |choice| choice.sample(u))
     }
 
     /// The same through another camera than the scene's.

@@ -125,7 +125,11 @@ impl<'a> Bidirectional<'a> {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Bidirectional<'a> {
-        Bidirectional { view: View::new(scene, size, layers), settings, departures: scene.departures() }
+        Bidirectional {
+            view: View::new(scene, size, layers).spectral(settings.spectral),
+            settings,
+            departures: scene.departures(),
+        }
     }
 
     /// The same through another camera than the scene's.
@@ -160,8 +164,7 @@ impl<'a> Bidirectional<'a> {
         path.clear();
         let from_lamp = draws.split(0, 0, 1);
         let Some(ray) = self.view.ray(raster, &mut draws) else { return Seen::default() };
-        let u = draws.number_if(self.settings.spectral);
-        let wavelengths = if self.settings.spectral { Wavelengths::sample(u) } else { Wavelengths::RGB };
+        let wavelengths = self.view.wavelengths(&mut draws);
         let root = witness.mark();
         let mut from_lamp = self.follow_light(witness, path, from_lamp, ray.time, &wavelengths);
         let seen = if self.connects() { &path[..] } else { &[] };
