@@ -51,20 +51,24 @@ impl Scene {
         self.materials.is_mixture(at.material)
     }
 
-    /// The share of light that comes along a ray: less than 1 through materials with holes, and 0 behind anything else.
+    /// The share of light that comes straight along a ray: less than 1 through holes and panes, and 0 behind anything
+    /// else.
+    ///
+    /// * `eta_outside`: index of refraction of the medium that the ray runs in
     #[inline]
-    pub fn visibility(&self, ray: &Ray) -> f32 {
-        if !self.has_holes {
-            return if self.occluded(ray) { 0.0 } else { 1.0 };
+    pub fn visibility(&self, ray: &Ray, wavelengths: &Wavelengths, eta_outside: f32) -> Spectrum {
+        if !self.has_passages {
+            return if self.occluded(ray) { Spectrum::BLACK } else { Spectrum::WHITE };
         }
-        let mut visible = 1.0;
+        let mut visible = Spectrum::WHITE;
         let blocked = self.occluded_or(None, ray, |primitive, hit| {
             let at = self.interaction(ray, primitive, hit);
-            let place = self.material_point(&at);
-            visible *= 1.0 - self.materials.opacity(at.material, &self.materials, &self.textures, &place);
-            visible <= 0.0
+            let point = ShadingPoint { place: self.material_point(&at), wavelengths, eta_outside, u: 0.0 };
+            let cos = at.crossing_cosine(ray.d);
+            visible *= self.materials.passage(at.material, &self.materials, &self.textures, &point, cos);
+            visible.is_black()
         });
-        if blocked { 0.0 } else { visible }
+        if blocked { Spectrum::BLACK } else { visible }
     }
 
     /// What is behind a surface that lets light through.

@@ -24,6 +24,7 @@ use crate::moving_tree::MovingTree;
 use crate::nested::{Leaf, Nested, NestedPiece};
 use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
+use crate::shading::Shading;
 use crate::shape::{ShapeId, Shapes, Sphere, Surface};
 use crate::texture::Textures;
 
@@ -77,6 +78,15 @@ pub struct Interaction {
     pub time: f32,
 }
 
+impl Interaction {
+    /// The cosine of the angle between a ray of the direction `d`, of any length, and the normal of a pane: the shading
+    /// normal without any relief, the same for both directions of the light.
+    #[inline]
+    pub fn crossing_cosine(&self, d: Vec3) -> f32 {
+        (Shading::plain(&self.point).normal(d).dot(d) / d.length()).abs().min(1.0)
+    }
+}
+
 /// Primitives beyond which [`Scene::item_buffer`] would take longer than it saves.
 const MOST_ITEMS: usize = 1 << 16;
 
@@ -98,8 +108,9 @@ pub struct Scene {
     pub has_pictures: bool,
     /// Whether any material turns the frame in which it scatters, so that it has to be asked; see [`Scene::shading`].
     pub has_orientations: bool,
-    /// Whether any material has holes, so that what is behind is seen and lit through it.
-    pub has_holes: bool,
+    /// Whether light goes straight on through any material, so that what is behind is seen and lit through its holes or
+    /// panes.
+    pub has_passages: bool,
     /// The user's words for each primitive; see [`Scene::object`].
     pub objects: Objects,
     /// Materials.

@@ -38,7 +38,7 @@ pub use oren_nayar::OrenNayar;
 pub use phong::{Highlight, Phong};
 pub use phong_lobes::PhongLobes;
 pub use principled::{Base, Principled};
-pub use thin::ThinDielectric;
+pub use thin::{Crossing, ThinDielectric};
 
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};

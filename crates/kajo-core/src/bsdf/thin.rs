@@ -9,11 +9,15 @@
 //!
 //! which without absorption are `2r/(1 + r)` and `(1 - r)/(1 + r)` [Stokes 1862]. The direction does not change: light
 //! goes straight on, or to the mirror direction.
+//!
+//! What goes straight on reaches a lamp behind the pane as if there were a hole with the share `T`, so that paths treat it as
+//! one: at each pane they decide whether they pass, [`ThinDielectric::cross`], and shadow rays are weakened by `T`.
 
 use kajo_color::Spectrum;
 use kajo_math::Vec3;
 
-use super::{BsdfSample, ScatterKind, fresnel};
+use super::microfacet::Shape;
+use super::{BsdfSample, Conductor, MetalFresnel, Microfacets, ScatterKind, fresnel};
 
 /// A clear pane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +28,31 @@ pub struct ThinDielectric {
     pub optical_depth: Spectrum,
 }
 
+/// What a path does at a pane.
+#[derive(Clone, Copy, Debug)]
+pub enum Crossing {
+    /// It goes straight on, and counts so much.
+    Straight(Spectrum),
+    /// It meets a mirror, and nothing else.
+    Mirror(Conductor),
+}
+
 impl ThinDielectric {
+    /// Decides at random whether a path passes; the mean over `u` is the pane.
+    ///
+    /// * `cos`: of the angle with the normal
+    /// * `u`: uniform in [0, 1)
+    #[inline]
+    pub fn cross(&self, cos: f32, u: f32) -> Crossing {
+        let (r, t) = self.shares(cos);
+        let p = r.max_lane() / (r.max_lane() + t.max_lane());
+        if u >= p {
+            return Crossing::Straight(t * (1.0 / (1.0 - p)));
+        }
+        let fresnel = MetalFresnel::Constant(r * (1.0 / p));
+        Crossing::Mirror(Conductor { fresnel, microfacets: Microfacets::new(Shape::Ggx, 0.0) })
+    }
+
     /// Reflected and transmitted share at the cosine `cos` outside.
     pub fn shares(&self, cos: f32) -> (Spectrum, Spectrum) {
         let r = fresnel::dielectric(cos, self.eta);

@@ -189,7 +189,7 @@ fn models_glow_and_have_holes() {
         (",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.1", [0.0, 0.0]),
     ] {
         let scene = model(&format!("{veil}{cover}"));
-        let found = [-0.5, 0.5].map(|x| scene.visibility(&ray(x, 0.0, 5.0)));
+        let found = [-0.5, 0.5].map(|x| scene.visibility(&ray(x, 0.0, 5.0), &Wavelengths::RGB, 1.0)[0]);
         assert!(std::iter::zip(found, expected).all(|(a, b)| (a - b).abs() < 1e-3), "{cover}: {found:?}");
     }
 }
@@ -202,7 +202,11 @@ fn models_are_of_glass_and_varnish() {
         let scene = model(&format!("\"roughnessFactor\":0.5}},\"extensions\":{{{words}}}"));
         let Event::Surface(at) = scene.trace(&down) else { panic!("the triangle is met: {words}") };
         let interior = scene.interior(&at, &Wavelengths::RGB, u);
-        (scene.bsdf(&at, &Wavelengths::RGB, 1.0, u), interior, scene.visibility(&down))
+        (
+            scene.bsdf(&at, &Wavelengths::RGB, 1.0, u),
+            interior,
+            scene.visibility(&down, &Wavelengths::RGB, 1.0)[0],
+        )
     };
     let layers = |words: &str| match look(words, 0.5) {
         (Bsdf::Principled(layers), None, 0.0) => layers,

@@ -43,7 +43,7 @@ use crate::background::Background;
 use crate::family::Pooled;
 use crate::glow::VariedEmission;
 use crate::light::{LightId, Lights};
-use crate::material::{MaterialId, Materials};
+use crate::material::{Appearance, MaterialId, Materials};
 use crate::motion::{MovingTransform, Shutter};
 use crate::moving_tree::MovingTree;
 use crate::nested::Nested;
@@ -295,6 +295,9 @@ impl<'a> Compiler<'a> {
         let numbers = self.material_list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
         let material_numbers = numbers.rev().collect();
         let known = self.material_list.iter().map(|&(id, _)| id).chain(self.slot_materials.iter().copied());
+        let has_passages = !self.materials.perforated.is_empty()
+            || self.materials.glasses.iter().any(|glass| glass.has_passages(&self.materials))
+            || self.materials.layered.iter().any(|layered| layered.has_passages(&self.materials));
         let has_orientations = !self.materials.embossed.is_empty()
             || known.into_iter().any(|id| self.materials.is_oriented(id, &self.materials));
         let mut scene = Scene {
@@ -304,7 +307,7 @@ impl<'a> Compiler<'a> {
             transmits: self.nested_transmits || self.primitives.iter().any(|p| p.transmits),
             has_pictures: !self.pictures.is_empty(),
             has_orientations,
-            has_holes: !self.materials.perforated.is_empty(),
+            has_passages,
             primitives: self.primitives,
             objects: self.objects,
             materials: self.materials,

@@ -205,9 +205,20 @@ fn materials_are_what_they_say() {
             (0..1000).map(|i| all.bsdf(id, &Wavelengths::RGB, (i as f32 + 0.5) / 1000.0)).collect();
         let differs = |bsdf: &Bsdf| format!("{bsdf:?}") != format!("{:?}", parts[0]);
         assert!(materials.is_mixture(id) || !parts.iter().any(differs), "{name} has parts");
-        let holes = parts.iter().filter(|bsdf| matches!(bsdf, Bsdf::Null)).count() as f32 / 1000.0;
-        let opacity = materials.opacity(id, materials, textures, &PLACE);
-        assert!((1.0 - holes - opacity).abs() < 2e-3, "{name} has an opacity of {opacity} and {holes} holes");
+        let cos = 0.4;
+        let passed = |bsdf: &Bsdf| match bsdf {
+            Bsdf::Null => Spectrum::WHITE,
+            Bsdf::ThinDielectric(pane) => pane.shares(cos).1,
+            _ => Spectrum::BLACK,
+        };
+        let mean = parts.iter().map(passed).fold(Spectrum::BLACK, |sum, share| sum + share) * 1e-3;
+        let passage = materials.passage(id, materials, textures, &all.at(&Wavelengths::RGB, 0.5), cos);
+        let off = (passage - mean).to_rgb().map(f32::abs);
+        assert!(
+            off.iter().all(|&off| off < 2e-3),
+            "{name} lets {passage:?} pass straight on, its parts {mean:?}"
+        );
+        assert_eq!(!mean.is_black(), materials.has_passages(id, materials), "{name}");
         let crosses = parts.iter().any(|bsdf| {
             let samples = u
                 .iter()

@@ -6,6 +6,7 @@
 //! Scene: `Checkerboard { Transform { UniformScale 2 }  materialIndex 0  materialIndex 1 }`
 //! Scene: `Mix { amount 0.3  materialIndex 0  materialIndex 1 }`
 
+use kajo_color::Spectrum;
 use kajo_math::Affine3A;
 
 use super::{Appearance, Interior, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
@@ -55,10 +56,22 @@ impl Appearance for Blend {
         materials.bsdf(part, materials, textures, &at)
     }
 
-    fn opacity(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> f32 {
-        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p)).clamp(0.0, 1.0);
-        let [first, second] = self.materials.map(|m| materials.opacity(m, materials, textures, at));
-        first * (1.0 - t) + second * t
+    fn passage(
+        &self,
+        materials: &Materials,
+        textures: &Textures,
+        at: &ShadingPoint<'_>,
+        cos: f32,
+    ) -> Spectrum {
+        let t = textures
+            .value(self.pattern, self.pattern_from_world.transform_point3(at.place.p))
+            .clamp(0.0, 1.0);
+        let [first, second] = self.materials.map(|m| materials.passage(m, materials, textures, at, cos));
+        first.lerp(second, t)
+    }
+
+    fn has_passages(&self, materials: &Materials) -> bool {
+        self.materials.iter().any(|&m| materials.has_passages(m, materials))
     }
 
     fn interior(

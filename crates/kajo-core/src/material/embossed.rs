@@ -18,6 +18,7 @@
 //!
 //! Scene: `Matte { color 0.5 0.5 0.5  bump stones.png { height 0.02 } }`
 
+use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
 use super::{Appearance, Interior, Lean, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
@@ -108,8 +109,18 @@ impl Appearance for Embossed {
         true
     }
 
-    fn opacity(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> f32 {
-        materials.opacity(self.material, materials, textures, at)
+    fn passage(
+        &self,
+        materials: &Materials,
+        textures: &Textures,
+        at: &ShadingPoint<'_>,
+        cos: f32,
+    ) -> Spectrum {
+        materials.passage(self.material, materials, textures, at, cos)
+    }
+
+    fn has_passages(&self, materials: &Materials) -> bool {
+        materials.has_passages(self.material, materials)
     }
 
     fn interior(

@@ -60,6 +60,11 @@ impl Glass {
         self.settings.index.at(wavelengths)[0]
     }
 
+    fn pane(&self, at: &ShadingPoint<'_>) -> Option<ThinDielectric> {
+        let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?;
+        Some(ThinDielectric { eta: self.eta(at.wavelengths) / at.eta_outside, optical_depth })
+    }
+
     fn facets(&self, uv: Vec2) -> Microfacets {
         let roughness = self.settings.roughness.at(uv);
         self.settings.grain.facets(self.settings.shape, roughness * roughness, uv)
@@ -103,12 +108,19 @@ impl Appearance for Glass {
     }
 
     fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        let eta = self.eta(at.wavelengths) / at.eta_outside;
-        if let Some(thickness) = self.settings.pane {
-            let optical_depth = self.absorption.at(at.wavelengths) * thickness;
-            return Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth });
+        if let Some(pane) = self.pane(at) {
+            return Bsdf::ThinDielectric(pane);
         }
+        let eta = self.eta(at.wavelengths) / at.eta_outside;
         Bsdf::Dielectric(Dielectric::new(eta, self.facets(at.place.uv)))
+    }
+
+    fn passage(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        self.pane(at).map_or(Spectrum::BLACK, |pane| pane.shares(cos).1)
+    }
+
+    fn has_passages(&self, _materials: &Materials) -> bool {
+        self.settings.pane.is_some()
     }
 
     fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {

@@ -90,10 +90,24 @@ pub trait Appearance {
         false
     }
 
-    /// The share of the surface that is there at a point; the rest is holes, where [`Appearance::bsdf`] answers with
-    /// [`Bsdf::Null`].
-    fn opacity(&self, _materials: &Materials, _textures: &Textures, _at: &MaterialPoint) -> f32 {
-        1.0
+    /// The share of light that goes straight on at a point: through holes, where [`Appearance::bsdf`] answers with
+    /// [`Bsdf::Null`], and through panes, where it answers with [`Bsdf::ThinDielectric`]. Of a mixture it is the mean,
+    /// whatever `at.u` is.
+    ///
+    /// * `cos`: of the angle between light and normal
+    fn passage(
+        &self,
+        _materials: &Materials,
+        _textures: &Textures,
+        _at: &ShadingPoint<'_>,
+        _cos: f32,
+    ) -> Spectrum {
+        Spectrum::BLACK
+    }
+
+    /// Whether [`Appearance::passage`] is more than nothing anywhere.
+    fn has_passages(&self, _materials: &Materials) -> bool {
+        false
     }
 
     /// How the frame of [`Appearance::bsdf`] is to be turned.
@@ -151,8 +165,10 @@ family! {
         fn bsdf(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf;
         /// See [`Appearance::is_mixture`].
         fn is_mixture() -> bool;
-        /// See [`Appearance::opacity`].
-        fn opacity(materials: &Materials, textures: &Textures, at: &MaterialPoint) -> f32;
+        /// See [`Appearance::passage`].
+        fn passage(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>, cos: f32) -> Spectrum;
+        /// See [`Appearance::has_passages`].
+        fn has_passages(materials: &Materials) -> bool;
         /// See [`Appearance::orientation`].
         fn orientation(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation;
         /// See [`Appearance::is_oriented`].

@@ -21,7 +21,7 @@ use crate::texture::{Share, Textures};
 /// An opaque material that is not everywhere.
 #[derive(Clone, Debug)]
 pub struct Perforated {
-    /// The material between the holes; lets no light through.
+    /// The material between the holes; light enters no body there.
     pub material: MaterialId,
     /// The share of the surface that is there; less than 1 somewhere.
     pub opacity: Share,
@@ -77,7 +77,19 @@ impl Appearance for Perforated {
         self.opacity.varies() || materials.needs_uv(self.material, materials)
     }
 
-    fn opacity(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> f32 {
-        self.opacity.at(at.uv)
+    fn passage(
+        &self,
+        materials: &Materials,
+        textures: &Textures,
+        at: &ShadingPoint<'_>,
+        cos: f32,
+    ) -> Spectrum {
+        let opacity = self.opacity.at(at.place.uv);
+        let between = materials.passage(self.material, materials, textures, at, cos);
+        Spectrum::WHITE * (1.0 - opacity) + between * opacity
+    }
+
+    fn has_passages(&self, _materials: &Materials) -> bool {
+        true
     }
 }

@@ -146,6 +146,13 @@ impl Layers {
         self.grain.facets(Shape::Ggx, squared(&self.roughness, uv), uv)
     }
 
+    /// The glass of a thin surface.
+    fn pane(&self, at: &ShadingPoint<'_>) -> ThinDielectric {
+        let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
+        let optical_depth = self.color.at(at.place.uv, at.wavelengths).map(depth);
+        ThinDielectric { eta: self.eta / at.eta_outside, optical_depth }
+    }
+
     /// Whether light enters the material anywhere.
     fn transmit(&self) -> bool {
         self.metalness.range()[0] < 1.0 && self.transmission.range()[1] > 0.0
@@ -203,9 +210,7 @@ impl Appearance for LayeredMaterial {
         };
         let eta = layers.eta / at.eta_outside;
         if layers.thin && base == Base::Glass {
-            let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
-            let optical_depth = layers.color.at(uv, wavelengths).map(depth);
-            return Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth });
+            return Bsdf::ThinDielectric(layers.pane(at));
         }
         let facets = layers.facets(uv);
         Bsdf::Principled(Principled {
@@ -223,6 +228,19 @@ impl Appearance for LayeredMaterial {
             fuzz_color: layers.fuzz_color.at(uv, wavelengths),
             fuzz_roughness: layers.fuzz_roughness.at(uv),
         })
+    }
+
+    fn passage(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        let (layers, uv) = (&self.layers, at.place.uv);
+        let glass = (1.0 - layers.metalness.at(uv)) * layers.transmission.at(uv);
+        if !layers.thin || glass == 0.0 {
+            return Spectrum::BLACK;
+        }
+        layers.pane(at).shares(cos).1 * glass
+    }
+
+    fn has_passages(&self, _materials: &Materials) -> bool {
+        self.layers.thin && self.layers.transmit()
     }
 
     fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {

@@ -7,6 +7,7 @@
 //! with `V` 1 where nothing is nearer than a given distance along `w`. One direction a sample, drawn by the
 //! cosine, so that the estimate is the mean of `V` [Zhukov et al. 1998].
 
+use kajo_color::Wavelengths;
 use kajo_core::RayOffset;
 use kajo_core::camera::Camera;
 use kajo_core::scene::{Event, Scene};
@@ -55,7 +56,7 @@ impl AmbientOcclusion<'_> {
         // Below the true surface of a shading normal there is only that surface.
         let below = wi.dot(at.point.ng) * ray.d.dot(at.point.ng) > 0.0;
         let shadow = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
-        let open = if below { 0.0 } else { scene.visibility(&shadow) };
+        let open = if below { 0.0 } else { scene.visibility(&shadow, &Wavelengths::RGB, 1.0).luminance() };
         witness.joined(RayKind::Shadow, scene, &shadow, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];
         PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at, &mut ctx.aux)) }

@@ -6,7 +6,7 @@ use std::mem;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
-use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
+use kajo_core::bsdf::{Bsdf, BsdfSample, Crossing, ScatterKind, Transport};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::lighting::Receiver;
 use kajo_core::sampler::Draws;
@@ -146,8 +146,8 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
                 continue;
             }
             self.meet_lamp(&at);
-            // The last surface may be a hole.
-            let is_last = self.ends_at_lamps && !self.scene().has_holes;
+            // The last surface may be a hole or a pane.
+            let is_last = self.ends_at_lamps && !self.scene().has_passages;
             if is_last || !self.scatter(&at, boundary.as_ref(), u) {
                 return;
             }
@@ -233,11 +233,26 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             self.end_secondary_wavelengths();
         }
         let eta_outside = boundary.map_or_else(|| self.bodies.eta(), |boundary| boundary.eta_outside);
-        let bsdf = self.scene().bsdf(at, &self.wavelengths, eta_outside, u);
-        if let Bsdf::Null = bsdf {
-            self.pass(at);
-            return true;
-        }
+        let bsdf = match self.scene().bsdf(at, &self.wavelengths, eta_outside, u) {
+            Bsdf::Null => {
+                if self.bounces == 0 && self.free_mirrors == self.settings.free_mirrors {
+                    self.first = None;
+                }
+                self.pass(at);
+                return true;
+            }
+            Bsdf::ThinDielectric(pane) => {
+                match pane.cross(at.crossing_cosine(self.ray.d), self.draws.next_1d()) {
+                    Crossing::Straight(share) => {
+                        self.throughput *= share;
+                        self.pass(at);
+                        return true;
+                    }
+                    Crossing::Mirror(mirror) => Bsdf::Conductor(mirror),
+                }
+            }
+            bsdf => bsdf,
+        };
         if self.ends_at_lamps {
             return false;
         }
@@ -269,11 +284,8 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         self.go_on(at, &bsdf, &local, boundary, Part::Mirror)
     }
 
-    /// Goes straight on, as if there were no surface.
+    /// Goes straight on, as if there were no surface: shadow rays pass here too.
     fn pass(&mut self, at: &Interaction) {
-        if self.bounces == 0 && self.free_mirrors == self.settings.free_mirrors {
-            self.first = None;
-        }
         self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
     }
 
@@ -387,12 +399,13 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         self.witness.counters().shadow += 1;
         let shadow_ray = at.point.ray_to_light(&lamp, self.ray.time);
         let far = boundary.filter(|_| wi.z * local.wo.z < 0.0).map(|boundary| self.bodies.beyond(boundary));
-        let passed = far.as_ref().unwrap_or(&self.bodies).transmittance(shadow_ray.length());
+        let around = far.as_ref().unwrap_or(&self.bodies);
+        let passed = around.transmittance(shadow_ray.length());
         let weight_of_lamp = self.throughput * scattered * passed;
         let (bodies, wavelengths) = (&self.bodies, &self.wavelengths);
         let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight_of_lamp, wavelengths) };
-        let visible = self.scene().visibility(&shadow_ray);
-        if visible == 0.0 {
+        let visible = self.scene().visibility(&shadow_ray, wavelengths, around.eta());
+        if visible.is_black() {
             self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || [0.0; 3]);
             return;
         }
@@ -402,7 +415,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             }
             _ => 1.0,
         };
-        let light = weight_of_lamp * lamp.radiance * (visible * weight / lamp.pdf);
+        let light = weight_of_lamp * lamp.radiance * visible * (weight / lamp.pdf);
         self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || {
             sensor::to_rgb(light, wavelengths)
         });

@@ -105,8 +105,8 @@ impl Bidirectional<'_> {
         witness.counters().shadow += 1;
         let shadow_ray = z.at.ray_to_light(&sample, time);
         let carried = (z.beta * scattered, wavelengths);
-        let visible = scene.visibility(&shadow_ray);
-        if visible == 0.0 {
+        let visible = scene.visibility(&shadow_ray, wavelengths, z.eta(wi));
+        if visible.is_black() {
             self.tell(witness, RayKind::Shadow, &shadow_ray, carried, None);
             return None;
         }
@@ -122,7 +122,7 @@ impl Bidirectional<'_> {
         let before = square(end / drawn) * z.rivals.sum(rest * z.cosine(wi) * thinning, z.pdf(wi, z.back));
         let found = Found {
             way: [1, t],
-            light: z.beta * scattered * radiance * z.transmittance(wi, distance) * (visible / pdf),
+            light: z.beta * scattered * radiance * z.transmittance(wi, distance) * visible * pdf.recip(),
             weight: weight(met, before),
             is_single: z.is_single,
             group: scene.emitters.group(lamp),
@@ -155,8 +155,8 @@ impl Bidirectional<'_> {
         let target = Target::Surface { p: y.at.p, p_error: y.at.p_error, n: y.at.ng };
         let way_there = z.at.ray_to(&target, wi, time);
         let carried = (z.beta * scattered, wavelengths);
-        let visible = self.scene().visibility(&way_there);
-        if visible == 0.0 {
+        let visible = self.scene().visibility(&way_there, wavelengths, z.eta(wi));
+        if visible.is_black() {
             self.tell(witness, RayKind::Connection, &way_there, carried, None);
             return None;
         }
@@ -166,7 +166,7 @@ impl Bidirectional<'_> {
         let camera_side = z.rivals.sum(by_lamp, z.pdf(wi, z.back));
         let found = Found {
             way,
-            light: y.beta * scattered * z.beta * z.transmittance(wi, distance) * (visible / distance2),
+            light: y.beta * scattered * z.beta * z.transmittance(wi, distance) * visible * distance2.recip(),
             weight: weight(lamp_side, camera_side),
             is_single: y.is_single || z.is_single,
             group: y.group,
@@ -200,14 +200,14 @@ impl Bidirectional<'_> {
         let target = if is_parallel { Target::Infinity } else { Target::Point(y.at.p + to.distance * to.wi) };
         let way_there = y.at.ray_to(&target, to.wi, time);
         self.tell(witness, RayKind::Splat, &way_there, (y.beta * scattered, wavelengths), None);
-        let visible = self.scene().visibility(&way_there);
-        if visible == 0.0 {
+        let visible = self.scene().visibility(&way_there, wavelengths, y.eta(to.wi));
+        if visible.is_black() {
             return None;
         }
         let rivals = || y.rivals.sum(to.pdf_across * y.cosine(to.wi), y.pdf(to.wi, y.back));
         Some(Found {
             way,
-            light: y.beta * scattered * y.transmittance(to.wi, to.distance) * (visible * to.we / to.pdf),
+            light: y.beta * scattered * y.transmittance(to.wi, to.distance) * visible * (to.we / to.pdf),
             weight: if self.settings.only_from_lamps { 1.0 } else { weight(rivals(), 0.0) },
             is_single: y.is_single,
             group: y.group,

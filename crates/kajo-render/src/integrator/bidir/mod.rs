@@ -217,8 +217,8 @@ impl<'a> Bidirectional<'a> {
         walk.witness.counters().lamp += 1;
         walk.witness.next(RayKind::Lamp);
         let group = scene.emitters.group(lamp);
-        while let Some(met) = walk.trace() {
-            if walk.passes(&met) {
+        while let Some(mut met) = walk.trace() {
+            if walk.passes(&mut met) {
                 continue;
             }
             if path.is_empty() {
@@ -278,7 +278,7 @@ impl<'a> Bidirectional<'a> {
         let mut origin = None;
         let mut t = 2;
         loop {
-            let Some(met) = walk.trace() else {
+            let Some(mut met) = walk.trace() else {
                 let mut told = mem::take(&mut walk.witness);
                 self.leave(&walk, origin.as_ref(), |far| {
                     told.found(|| far.value(wavelengths));
@@ -297,7 +297,7 @@ impl<'a> Bidirectional<'a> {
                 walk.witness.found(|| glow.value(wavelengths));
                 found(glow, wavelengths);
             }
-            if walk.passes(&met) {
+            if walk.passes(&mut met) {
                 continue;
             }
             if t == self.longest() {

@@ -42,6 +42,8 @@ pub struct Vertex {
     pub rivals: Rivals,
     /// Absorption per unit length on the side of `back` and on the other.
     pub absorption: [Spectrum; 2],
+    /// Index of refraction on these sides.
+    pub eta: [f32; 2],
     /// Whether only one wavelength got here.
     pub is_single: bool,
     /// The group of the lamp of a path from there.
@@ -109,10 +111,19 @@ impl Vertex {
         if self.agrees(to, local) { self.bsdf.pdf(wo, local) } else { 0.0 }
     }
 
+    /// 0 for the side of `back`, 1 for the other.
+    fn side(&self, w: Vec3) -> usize {
+        usize::from(w.dot(self.at.ng) * self.back.dot(self.at.ng) < 0.0)
+    }
+
+    /// Index of refraction on the side of `w`.
+    pub fn eta(&self, w: Vec3) -> f32 {
+        self.eta[self.side(w)]
+    }
+
     /// The share of light that passes the body on the side of `w` over a distance.
     pub fn transmittance(&self, w: Vec3, distance: f32) -> Spectrum {
-        let beyond = w.dot(self.at.ng) * self.back.dot(self.at.ng) < 0.0;
-        let absorption = self.absorption[usize::from(beyond)];
+        let absorption = self.absorption[self.side(w)];
         if absorption.is_black() || distance.is_infinite() {
             Spectrum::WHITE
         } else {

@@ -2,7 +2,7 @@
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
-use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
+use kajo_core::bsdf::{Bsdf, BsdfSample, Conductor, Crossing, Transport};
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec3};
@@ -61,6 +61,8 @@ pub struct Met {
     boundary: Option<Boundary>,
     /// Chooses among the parts of a mixture.
     u: f32,
+    /// What is left of a pane that the path does not pass.
+    mirror: Option<Conductor>,
 }
 
 impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
@@ -113,7 +115,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             let enters = self.ray.d.dot(at.point.ng) < 0.0;
             let boundary = interior.map(|interior| self.bodies.meet(at.primitive, interior, enters));
             let Some(hidden) = boundary.filter(|boundary| !boundary.is_real) else {
-                return Some(Met { at, boundary, u });
+                return Some(Met { at, boundary, u, mirror: None });
             };
             // A connection would be held up here.
             self.step.joins = false;
@@ -123,19 +125,29 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         }
     }
 
-    /// Goes straight on where the surface has a hole; `false` where it has none.
+    /// Goes straight on where the surface has a hole, or a pane that the path is to pass; `false` where it is met.
     ///
-    /// The ray stays the same for the sums: connections pass holes too, weakened by their share. Chances of holes are left
-    /// out of the densities of all ways alike.
-    pub fn passes(&mut self, met: &Met) -> bool {
+    /// The ray stays the same for the sums: connections pass holes and panes too, weakened by their share. Chances of passing
+    /// are left out of the densities of all ways alike.
+    pub fn passes(&mut self, met: &mut Met) -> bool {
         let scene = self.scene;
-        let Met { at, boundary: None, u } = met else { return false };
-        if !scene.has_holes || !matches!(scene.bsdf(at, &self.wavelengths, self.bodies.eta(), *u), Bsdf::Null)
-        {
+        let Met { at, boundary: None, u, mirror } = met else { return false };
+        if !scene.has_passages {
             return false;
         }
-        if self.scatterings == 0 {
-            self.first = None;
+        match scene.bsdf(at, &self.wavelengths, self.bodies.eta(), *u) {
+            Bsdf::Null if self.scatterings == 0 => self.first = None,
+            Bsdf::Null => {}
+            Bsdf::ThinDielectric(pane) => {
+                match pane.cross(at.crossing_cosine(self.ray.d), self.draws.next_1d()) {
+                    Crossing::Straight(share) => self.beta *= share,
+                    Crossing::Mirror(left) => {
+                        *mirror = Some(left);
+                        return false;
+                    }
+                }
+            }
+            _ => return false,
         }
         self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
         true
@@ -166,23 +178,25 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
 
     /// The path's point on a surface.
     pub fn vertex(&mut self, met: &Met) -> Vertex {
-        let Met { at, boundary, u } = met;
+        let Met { at, boundary, u, mirror } = met;
         if boundary.is_some_and(|boundary| boundary.is_dispersive()) {
             self.wavelengths.terminate_secondary();
         }
         let eta_outside = boundary.map_or_else(|| self.bodies.eta(), |boundary| boundary.eta_outside);
         let back = -self.ray.d;
         let absorption = |bodies: &Bodies| bodies.absorption().unwrap_or(Spectrum::BLACK);
-        let near = absorption(&self.bodies);
-        let far = boundary.map_or(near, |boundary| absorption(&self.bodies.beyond(&boundary)));
+        let beyond = boundary.map_or(self.bodies, |boundary| self.bodies.beyond(&boundary));
+        let sides = [self.bodies, beyond];
         Vertex {
             at: at.point,
             shading: self.scene.shading(at, *u),
-            bsdf: self.scene.bsdf(at, &self.wavelengths, eta_outside, *u),
+            bsdf: mirror
+                .map_or_else(|| self.scene.bsdf(at, &self.wavelengths, eta_outside, *u), Bsdf::Conductor),
             back,
             beta: self.beta,
             rivals: self.rivals(at.point.p, at.point.ng.dot(back).abs()),
-            absorption: [near, far],
+            absorption: sides.each_ref().map(absorption),
+            eta: sides.each_ref().map(Bodies::eta),
             is_single: self.wavelengths.secondary_terminated(),
             group: 0,
         }

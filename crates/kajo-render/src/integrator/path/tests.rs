@@ -133,7 +133,7 @@ fn a_square_lamp_lights_a_floor_as_lambert_says() {
 #[test]
 fn mirrors_before_the_first_surface_may_be_free() {
     let text = format!(
-        "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }}  Glass pane {{ thin on  indexOfRefraction 1 }}
+        "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }}  Glass pane {{ indexOfRefraction 1 }}
                          Matte lamp {{ color 0 0 0  emission 3  emits front }} }}
          Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
                   MaterialIndex lamp Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }}
@@ -292,6 +292,65 @@ fn what_is_behind_holes_is_seen_in_proportion() {
         );
         let settings = PathSettings { bounces: 0, ..PathSettings::default() };
         check(&scene(&text), settings, 4000, passes);
+    }
+}
+
+/// The share of light that a pane of index 1.5 and the optical depth `depth` lets pass at the cosine `cos`.
+fn pane_share(cos: f64, depth: f64) -> f64 {
+    let cos_t = (1.0 - (1.0 - cos * cos) / 2.25).sqrt();
+    let rs = (cos - 1.5 * cos_t) / (cos + 1.5 * cos_t);
+    let rp = (1.5 * cos - cos_t) / (1.5 * cos + cos_t);
+    let (r, a) = (0.5 * (rs * rs + rp * rp), (-depth / cos_t).exp());
+    (1.0 - r) * (1.0 - r) * a / (1.0 - r * r * a * a)
+}
+
+#[test]
+fn lamps_shine_through_panes() {
+    // What stands above the floor and is between it and the lamps, and what it lets pass at a cosine.
+    type Passes = fn(f64) -> f64;
+    let panes: [(&str, Passes); 5] = [
+        ("Glass pane { thin on }", |cos| pane_share(cos, 0.0)),
+        ("Glass pane { thickness 0.2  absorption 3 1 1 }", |cos| pane_share(cos, 0.6)),
+        ("Principled pane { transmission 1  thin on  color 0.5 0.7 0.9 }", |cos| pane_share(cos, 2f64.ln())),
+        ("Principled pane { transmission 0.5  thin on  color 1 1 1  metalness 0.2 }", |cos| {
+            0.4 * pane_share(cos, 0.0)
+        }),
+        (
+            "Glass clear { thin on }  Matte none { opacity 0 }  Mix pane { amount 0.25  materialIndex clear  materialIndex none }",
+            |cos| 0.25 + 0.75 * pane_share(cos, 0.0),
+        ),
+    ];
+    for (pane, passes) in panes {
+        let text = |lamp: &str| {
+            format!(
+                "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }} {pane} Matte glow {{ color 0 0 0  emission 3  emits front }} }}
+                 Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
+                          MaterialIndex pane Quad {{ corner -9 0.6 -9 edge1 0 0 18 edge2 18 0 0 }} {lamp} }}",
+                camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0])
+            )
+        };
+        // A point lamp at (0.6, 1, 0): I/d^2 cos rho/pi of the share.
+        let point = text("")
+            .replace("Materials", "Lights { PointLight { position 0.6 1 0  intensity 3 3 3 } } Materials");
+        let cos = 1.0 / 1.36f64.sqrt();
+        let expected = 0.7 / std::f64::consts::PI * 3.0 * cos.powi(3) * passes(cos);
+        check(&scene(&point), PathSettings { bounces: 1, ..PathSettings::default() }, 200, expected);
+        // A square lamp, piece by piece.
+        let square = text("MaterialIndex glow Quad { corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }");
+        let n = 200;
+        let middle = |i: i32| (f64::from(i) + 0.5) / f64::from(n) - 0.5;
+        let pieces = (0..n * n).map(|i| {
+            let cos = 1.0 / (1.0 + middle(i / n).powi(2) + middle(i % n).powi(2)).sqrt();
+            cos.powi(4) * passes(cos) / f64::from(n * n)
+        });
+        let expected = 0.7 / std::f64::consts::PI * 3.0 * pieces.sum::<f64>();
+        for technique in TECHNIQUES {
+            let settings = PathSettings { bounces: 1, technique, ..PathSettings::default() };
+            check(&scene(&square), settings, 8000, expected);
+        }
+        // Where only direct light is asked for, panes are no hindrance either.
+        let settings = PathSettings { only_mirrors: true, bounces: 1, ..PathSettings::default() };
+        check(&scene(&square), settings, 8000, expected);
     }
 }
 

@@ -123,6 +123,48 @@ fn a_lamp_in_glass_shines_through_it() {
     assert!(sigma < 0.02 * path.mean, "{path:?} {found:?}");
 }
 
+/// A matt ball on the ground behind a pane and under another one, beside one of water that has a third in it.
+#[test]
+fn panes_let_as_much_light_through_as_by_path_tracing() {
+    let text = |lamp: &str, sky: f32| {
+        format!(
+            "PerspectiveCamera {{ center 0 0.4 4  direction 0 -0.1 -1  up 0 1 0  angle 40 }}
+             Background {{ color {sky} {sky} {sky} }} Lights {{ {lamp} }}
+             Materials {{ Matte white {{ color 0.7 0.7 0.7 }}  Glass pane {{ thickness 0.3  absorption 0.5 1 2 }}
+                Principled misty {{ color 0.9 0.6 0.3  transmission 0.6  thin on }}  Glass rough {{ thin on  bump dents.pfm {{ height 0.1 }} }}
+                Glass water {{ indexOfRefraction 1.33  absorption 0.3 0.2 0.1 }}
+                Material lamp {{ diffuseColor 0 0 0  emission 4 4 4 }} }}
+             Group {{ MaterialIndex white Plane {{ normal 0 1 0  offset -1 }} Sphere {{ center 0 -0.5 0  radius 0.5 }}
+                MaterialIndex pane Quad {{ corner -2 -1 1  edge1 4 0 0  edge2 0 2 0 }}
+                MaterialIndex misty Quad {{ corner -1 0.5 -1  edge1 0 0 2  edge2 2 0 0.1 }}
+                MaterialIndex rough Quad {{ corner 0.7 -0.9 -0.5  edge1 0.5 0 0.6  edge2 0 0.9 0 }}
+                MaterialIndex water Box {{ min -1.6 -0.99 -0.4  max -0.8 0 0.4 }}
+                MaterialIndex pane Quad {{ corner -1.5 -0.5 -0.3  edge1 0.6 0 0  edge2 0 0 0.6 }}
+                MaterialIndex lamp Sphere {{ center 0 1.6 0  radius 0.3 }} }}"
+        )
+    };
+    let lamps = [
+        "",
+        "PointLight { position 1 2 1  intensity 2 2 2 }",
+        "DirectionalLight { direction 0.2 -1 0.1  irradiance 2 2 2  angle 10 }",
+    ];
+    for (i, lamp) in lamps.into_iter().enumerate() {
+        // What mirrors send on from a point is for paths from the lamp alone.
+        let text = text(lamp, if i == 2 { 0.0 } else { 0.3 });
+        let scene =
+            scene(&if i == 1 { text.replace("MaterialIndex pane", "MaterialIndex white") } else { text });
+        for bounces in [0, 1, 4] {
+            let samples = 1500 * effort();
+            let path = PathSettings { bounces, ..PathSettings::default() };
+            let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), samples, 0);
+            let found = mean(&scene, BidirectionalSettings { bounces, ..both() }, samples);
+            let sigma = path.standard_error.hypot(found.standard_error);
+            assert!((path.mean - found.mean).abs() < 4.5 * sigma, "{lamp} {bounces}: {path:?} {found:?}");
+            assert!(sigma < 0.03 * path.mean, "{lamp} {bounces}: {path:?} {found:?}");
+        }
+    }
+}
+
 /// A matt ball on the ground behind gauze, lit by a lamp behind a screen, a window in a wall, a veil that glows, and a sky.
 /// Holes cost no bounce, and connections go through them.
 #[test]
