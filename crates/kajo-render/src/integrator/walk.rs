@@ -233,26 +233,10 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             self.end_secondary_wavelengths();
         }
         let eta_outside = boundary.map_or_else(|| self.bodies.eta(), |boundary| boundary.eta_outside);
-        let bsdf = match self.scene().bsdf(at, &self.wavelengths, eta_outside, u) {
-            Bsdf::Null => {
-                if self.bounces == 0 && self.free_mirrors == self.settings.free_mirrors {
-                    self.first = None;
-                }
-                self.pass(at);
-                return true;
-            }
-            Bsdf::ThinDielectric(pane) => {
-                match pane.cross(at.crossing_cosine(self.ray.d), self.draws.next_1d()) {
-                    Crossing::Straight(share) => {
-                        self.throughput *= share;
-                        self.pass(at);
-                        return true;
-                    }
-                    Crossing::Mirror(mirror) => Bsdf::Conductor(mirror),
-                }
-            }
-            bsdf => bsdf,
-        };
+        let mut bsdf = self.scene().bsdf(at, &self.wavelengths, eta_outside, u);
+        if self.scene().has_passages && self.passes(at, &mut bsdf) {
+            return true;
+        }
         if self.ends_at_lamps {
             return false;
         }
@@ -284,9 +268,28 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         self.go_on(at, &bsdf, &local, boundary, Part::Mirror)
     }
 
-    /// Goes straight on, as if there were no surface: shadow rays pass here too.
-    fn pass(&mut self, at: &Interaction) {
+    /// Goes straight on through a hole or a pane, as shadow rays do; `false` where the path meets the surface.
+    ///
+    /// * `bsdf`: scattering there; of a pane that is not passed a mirror is left
+    fn passes(&mut self, at: &Interaction, bsdf: &mut Bsdf) -> bool {
+        match bsdf {
+            Bsdf::Null if self.bounces == 0 && self.free_mirrors == self.settings.free_mirrors => {
+                self.first = None;
+            }
+            Bsdf::Null => {}
+            Bsdf::ThinDielectric(pane) => {
+                match pane.cross(at.crossing_cosine(self.ray.d), self.draws.next_1d()) {
+                    Crossing::Straight(share) => self.throughput *= share,
+                    Crossing::Mirror(mirror) => {
+                        *bsdf = Bsdf::Conductor(mirror);
+                        return false;
+                    }
+                }
+            }
+            _ => return false,
+        }
         self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
+        true
     }
 
     /// Path `i` of `n` like this one from here on.
