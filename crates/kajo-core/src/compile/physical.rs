@@ -137,7 +137,9 @@ fn layers(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Layers {
     let index =
         |params: &mut Params<'_, '_>, key, default| params.or(key, default, |args| args.number_in(1.0..=4.0));
     let thin = params.or("thin", false, Args::flag);
-    if thin {
+    if !params.has("transmission") {
+        params.idle(&["absorption", "priority", "thin"], "without `transmission`");
+    } else if thin {
         params.idle(&["absorption", "priority"], "with `thin on`: a pane has no inside");
     }
     Layers {

@@ -812,5 +812,8 @@ fn mistakes_in_physical_materials_are_told() {
     assert!(told("Matte { color 2 0 0 }").contains("between 0 and 1"));
     assert!(told("Glass { absorption -1 0 0 }").contains("not negative"));
     assert!(told("Principled { absorption -1 0 0 }").contains("not negative"));
-    assert!(told("Principled { thin on  absorption 1 0 0 }").contains("a pane has no inside"));
+    assert!(
+        told("Principled { transmission 1  thin on  absorption 1 0 0 }").contains("a pane has no inside")
+    );
+    assert_eq!(told("Principled { thin on }"), "`thin` has no effect without `transmission`");
 }
