@@ -116,6 +116,8 @@ pub(super) const BLOCKS: &[Block] = &[
             field("specularColor", Reflectance, "1 1 1", "tints the highlight"),
             field("indexOfRefraction", INDEX, "1.5", "strength of the highlight"),
             field("transmission", SHARE, "0", "from plastic to glass"),
+            field("absorption", Color, "0 0 0", "of the glass, per length inside"),
+            field("thin", Flag, "off", "its glass is a pane"),
             field("diffuseRoughness", SHARE, "0", "0 is as paper, 1 as plaster"),
             field("coat", SHARE, "0", "of clear varnish"),
             field("coatColor", Reflectance, "1 1 1", "tint of the varnish"),
