@@ -67,8 +67,8 @@ const MUTANTS: [Mutant; 13] = [
     mutant(
         "shadows are forgotten",
         WALK,
-        "let visible = self.scene().visibility(&shadow_ray);",
-        "let visible = 1.0_f32;",
+        "let visible = self.scene().visibility(&shadow_ray, wavelengths, around.eta());",
+        "let visible = Spectrum::WHITE;",
     ),
     mutant(
         "lamps stay where they were when the shutter opened",

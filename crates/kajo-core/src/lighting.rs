@@ -4,7 +4,6 @@ use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
 use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
-use crate::family::Pooled;
 use crate::glow::VariedEmission;
 use crate::interaction::SurfacePoint;
 use crate::light::{AreaLight, Ball, Departures, EmissionPdf, Emitted, LightChoice, LightSample, Target};
@@ -193,13 +192,13 @@ impl Scene {
     pub fn wavelength_choice(&self) -> WavelengthChoice {
         let (world, white) = (Ball::around(&self.bounds()), Emission::from_rgb([1.0; 3]));
         let mut lamps = Vec::new();
-        for &id in self.emitters.list() {
+        for (number, &id) in (0..).zip(self.emitters.list()) {
             let power = self.lights.power(id, &world);
-            let varied = AreaLight::find(&self.lights, id).and_then(|light| light.varied);
-            let Some(varied) = varied.map(|varied| &self.varied_emissions[varied as usize]) else {
+            let Some((_, varied)) = self.emitters.varied(&self.lights, number) else {
                 lamps.push((power, self.lights.emission(id).unwrap_or(&white)));
                 continue;
             };
+            let varied = &self.varied_emissions[varied as usize];
             let all: f32 = varied.emissions().map(Emission::luminance).sum();
             lamps.extend(varied.emissions().map(|light| (power * light.luminance() / all, light)));
         }

@@ -24,7 +24,6 @@ use crate::moving_tree::MovingTree;
 use crate::nested::{Leaf, Nested, NestedPiece};
 use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
-use crate::shading::Shading;
 use crate::shape::{ShapeId, Shapes, Sphere, Surface};
 use crate::texture::Textures;
 
@@ -76,15 +75,6 @@ pub struct Interaction {
     pub material: MaterialId,
     /// Moment within the shutter interval.
     pub time: f32,
-}
-
-impl Interaction {
-    /// The cosine of the angle between a ray of the direction `d`, of any length, and the normal of a pane: the shading
-    /// normal without any relief, the same for both directions of the light.
-    #[inline]
-    pub fn crossing_cosine(&self, d: Vec3) -> f32 {
-        (Shading::plain(&self.point).normal(d).dot(d) / d.length()).abs().min(1.0)
-    }
 }
 
 /// Primitives beyond which [`Scene::item_buffer`] would take longer than it saves.

@@ -69,6 +69,15 @@ impl Shading {
     }
 }
 
+impl Interaction {
+    /// The cosine of the angle between a ray of the direction `d`, of any length, and the normal of a pane: the shading
+    /// normal without any relief, the same for both directions of the light.
+    #[inline]
+    pub fn crossing_cosine(&self, d: Vec3) -> f32 {
+        (Shading::plain(&self.point).normal(d).dot(d) / d.length()).abs().min(1.0)
+    }
+}
+
 impl Scene {
     /// The directions by which light is scattered at an interaction.
     ///
