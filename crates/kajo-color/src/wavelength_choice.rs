@@ -15,8 +15,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use kajo_math::piecewise::Piecewise1D;
+
 use crate::observer::{self, FIRST_NM, GAUSS, LAST_NM, STEP_NM};
-use crate::wavelengths::{visible, visible_pdf};
+use crate::wavelengths::visible_pdf;
 use crate::{Emission, Tabulated, Wavelengths};
 
 /// The least share of paths whose wavelengths are drawn without regard to the lamps.
@@ -28,11 +30,16 @@ const MOST_BREAKS: usize = 1 << 14;
 /// How the wavelengths of paths are drawn.
 #[derive(Clone, Debug, Default)]
 pub struct WavelengthChoice {
-    /// Increasing, in nm, the visible range from end to end; empty where wavelengths are drawn as by
-    /// [`Wavelengths::sample`].
-    nm: Vec<f32>,
-    /// The probability of a wavelength below each of these.
-    below: Vec<f32>,
+    /// `None` where wavelengths are drawn as by [`Wavelengths::sample`].
+    cells: Option<Cells>,
+}
+
+/// A density that is constant between wavelengths of a list.
+#[derive(Clone, Debug)]
+struct Cells {
+    /// In nm, increasing, from one end of the visible range to the other.
+    ends: Vec<f32>,
+    density: Piecewise1D,
 }
 
 /// The light of all lamps of one spectrum.
@@ -90,47 +97,26 @@ impl WavelengthChoice {
             *mass += even * f64::from(visible_pdf(middle) * width);
         }
         let all: f64 = mass.iter().sum();
-        let mut below = Vec::with_capacity(nm.len());
-        below.push(0.0);
-        let mut sum = 0.0;
-        below.extend(mass.iter().map(|mass| {
-            sum += mass / all;
-            sum.min(1.0) as f32
-        }));
-        below[nm.len() - 1] = 1.0;
-        WavelengthChoice { nm, below }
+        let shares: Vec<f32> = mass.iter().map(|mass| (mass / all) as f32).collect();
+        WavelengthChoice { cells: Piecewise1D::new(&shares).map(|density| Cells { ends: nm, density }) }
     }
 
     /// Four wavelengths of the visible range for a uniform `u` in [0, 1).
     pub fn sample(&self, u: f32) -> Wavelengths {
-        if self.nm.is_empty() {
-            return Wavelengths::sample(u);
+        match &self.cells {
+            None => Wavelengths::sample(u),
+            Some(cells) => Wavelengths::by_turns(u, |u| cells.draw(u)),
         }
-        Wavelengths::by_turns(u, |u| self.draw(u))
     }
+}
 
+impl Cells {
     /// A wavelength in nm for a uniform `u` in [0, 1), and its density per nm.
     fn draw(&self, u: f32) -> (f32, f32) {
-        // The first of the list is at or below `u` and the last one is not.
-        let i = self.below.partition_point(|&below| below <= u).clamp(1, self.nm.len() - 1);
-        let (share, width) = (self.below[i] - self.below[i - 1], self.nm[i] - self.nm[i - 1]);
-        if share <= 0.0 {
-            return visible(u); // Not reached by numbers in [0, 1).
-        }
-        let t = ((u - self.below[i - 1]) / share).clamp(0.0, 1.0);
-        (self.nm[i - 1] + t * width, share / width)
-    }
-
-    /// The density per nm with which a wavelength is drawn, summed over the four of a path and divided by four.
-    pub fn pdf(&self, nm: f32) -> f32 {
-        if self.nm.is_empty() {
-            return visible_pdf(nm);
-        }
-        if !(FIRST_NM as f32..=LAST_NM as f32).contains(&nm) {
-            return 0.0;
-        }
-        let i = self.nm.partition_point(|&node| node <= nm).clamp(1, self.nm.len() - 1);
-        (self.below[i] - self.below[i - 1]) / (self.nm[i] - self.nm[i - 1])
+        let (cell, rest) = self.density.cell_of(u);
+        let [from, to] = [self.ends[cell], self.ends[cell + 1]];
+        // Where little of a probability is left to a cell, rounding may lead out of it.
+        ((from + rest * (to - from)).min(to), self.density.probability(cell) / (to - from))
     }
 }
 
@@ -198,14 +184,14 @@ mod tests {
     fn without_lines_nothing_changes() {
         let lights = [Emission::from_rgb([1.0, 0.5, 0.1]), Emission::blackbody(2700.0), Emission::BLACK];
         let choice = WavelengthChoice::by_lamps(lights.iter().map(|light| (1.0, light)));
-        assert!(choice.nm.is_empty());
+        assert!(choice.cells.is_none());
         for u in [0.0, 0.3, 0.999] {
             assert_eq!(choice.sample(u), Wavelengths::sample(u));
         }
         let dark = Emission::from_spectrum(Tabulated::new([(500.0, 0.0)], Outside::Zero).unwrap(), 1.0);
         for power in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             let choice = WavelengthChoice::by_lamps([(power, &lamp("sodium")), (1.0, &dark)]);
-            assert!(choice.nm.is_empty(), "{power}");
+            assert!(choice.cells.is_none(), "{power}");
         }
     }
 
@@ -216,22 +202,24 @@ mod tests {
         for nm in [589.3, 829.9, 360.0] {
             let light = Emission::from_spectrum(line(nm).unwrap(), 1.0);
             let choice = WavelengthChoice::by_lamps([(3.0, &light)]);
-            let sum: f64 = choice
-                .nm
-                .windows(2)
-                .map(|ends| f64::from(choice.pdf(0.5 * (ends[0] + ends[1])) * (ends[1] - ends[0])))
-                .sum();
+            let cells = choice.cells.as_ref().unwrap();
+            let pdf = |nm: f32| {
+                let i = cells.ends.partition_point(|&end| end <= nm).clamp(1, cells.ends.len() - 1);
+                cells.density.probability(i - 1) / (cells.ends[i] - cells.ends[i - 1])
+            };
+            let of_cell = |ends: &[f32]| f64::from(pdf(0.5 * (ends[0] + ends[1])) * (ends[1] - ends[0]));
+            let sum: f64 = cells.ends.windows(2).map(of_cell).sum();
             assert!((sum - 1.0).abs() < 1e-4, "{nm}: {sum}");
             for i in 0..10_000 {
                 let lambda = choice.sample(i as f32 / 10_000.0);
-                for (found, pdf) in lambda.nm().unwrap().into_iter().zip(lambda.pdf()) {
+                for (found, drawn) in lambda.nm().unwrap().into_iter().zip(lambda.pdf()) {
                     assert!(
-                        (360.0..=830.0).contains(&found) && pdf > 0.0 && pdf.is_finite(),
-                        "{found} {pdf}"
+                        (360.0..=830.0).contains(&found) && drawn > 0.0 && drawn.is_finite(),
+                        "{found} {drawn}"
                     );
                     // At a border between two wavelengths of the list it may be that of either.
-                    let near = [choice.pdf(found - 1e-4), choice.pdf(found), choice.pdf(found + 1e-4)];
-                    assert!(near.contains(&pdf), "{found}: {pdf} {near:?}");
+                    let near = [found - 1e-4, found, found + 1e-4].map(pdf);
+                    assert!(near.contains(&drawn), "{found}: {drawn} {near:?}");
                 }
             }
             let [r, g, b] = seen_of(&choice, &light.clone().normalized()).0;

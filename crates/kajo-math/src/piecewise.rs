@@ -53,14 +53,15 @@ impl Piecewise1D {
         }
     }
 
+    /// The probability of a cell, which [`Piecewise1D::cell_of`] answers or is less than the number of cells.
     #[inline]
-    fn probability(&self, cell: usize) -> f32 {
+    pub fn probability(&self, cell: usize) -> f32 {
         self.before[cell + 1] - self.before[cell]
     }
 
-    /// The cell that `u` falls into, none of probability zero, and where in it.
+    /// The cell that `u` in [0, 1) falls into, none of probability zero, and where in it.
     #[inline]
-    fn cell_of(&self, u: f32) -> (usize, f32) {
+    pub fn cell_of(&self, u: f32) -> (usize, f32) {
         let cell = self.before.partition_point(|&b| b <= u) - 1;
         let cell = cell.min(self.before.len() - 2);
         (cell, (u - self.before[cell]) / self.probability(cell))

@@ -38,7 +38,7 @@ pub use oren_nayar::OrenNayar;
 pub use phong::{Highlight, Phong};
 pub use phong_lobes::PhongLobes;
 pub use principled::{Base, Principled};
-pub use thin::{Crossing, ThinDielectric};
+pub use thin::ThinDielectric;
 
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
@@ -185,6 +185,22 @@ impl Bsdf {
             Bsdf::Phong(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Principled(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Null => BsdfSample::new(-wo, Spectrum::WHITE, 1.0, ScatterKind::STRAIGHT),
+        }
+    }
+
+    /// What a path counts that goes straight on here, through a hole or a pane, as shadow rays do; `None` where it is
+    /// scattered, of a pane by a mirror that is put in its place.
+    ///
+    /// * `at_pane`: the cosine of the angle with the normal and a uniform number in [0, 1), asked for at panes only
+    #[inline]
+    pub fn cross(&mut self, at_pane: impl FnOnce() -> (f32, f32)) -> Option<Spectrum> {
+        match self {
+            Bsdf::Null => Some(Spectrum::WHITE),
+            Bsdf::ThinDielectric(pane) => {
+                let (cos, u) = at_pane();
+                pane.cross(cos, u).map_err(|mirror| *self = Bsdf::Conductor(mirror)).ok()
+            }
+            _ => None,
         }
     }
 

@@ -28,29 +28,21 @@ pub struct ThinDielectric {
     pub optical_depth: Spectrum,
 }
 
-/// What a path does at a pane.
-#[derive(Clone, Copy, Debug)]
-pub enum Crossing {
-    /// It goes straight on, and counts so much.
-    Straight(Spectrum),
-    /// It meets a mirror, and nothing else.
-    Mirror(Conductor),
-}
-
 impl ThinDielectric {
-    /// Decides at random whether a path passes; the mean over `u` is the pane.
+    /// Decides at random whether a path passes: what it is multiplied by if it does, or else the mirror that it meets. The
+    /// mean over `u` is the pane.
     ///
     /// * `cos`: of the angle with the normal
     /// * `u`: uniform in [0, 1)
     #[inline]
-    pub fn cross(&self, cos: f32, u: f32) -> Crossing {
+    pub fn cross(&self, cos: f32, u: f32) -> Result<Spectrum, Conductor> {
         let (r, t) = self.shares(cos);
-        let p = r.max_lane() / (r.max_lane() + t.max_lane());
+        let p = chance_of_mirror(r, t);
         if u >= p {
-            return Crossing::Straight(t * (1.0 / (1.0 - p)));
+            return Ok(t * (1.0 / (1.0 - p)));
         }
         let fresnel = MetalFresnel::Constant(r * (1.0 / p));
-        Crossing::Mirror(Conductor { fresnel, microfacets: Microfacets::new(Shape::Ggx, 0.0) })
+        Err(Conductor { fresnel, microfacets: Microfacets::new(Shape::Ggx, 0.0) })
     }
 
     /// Reflected and transmitted share at the cosine `cos` outside.
@@ -73,7 +65,7 @@ impl ThinDielectric {
 
     pub(super) fn sample(&self, wo: Vec3, uc: f32) -> Option<BsdfSample> {
         let (r, t) = self.shares(wo.z.abs());
-        let p = r.max_lane() / (r.max_lane() + t.max_lane());
+        let p = chance_of_mirror(r, t);
         if uc < p {
             let wi = Vec3::new(-wo.x, -wo.y, wo.z);
             return BsdfSample::new(wi, r * (1.0 / p), p, ScatterKind::MIRROR);
@@ -85,4 +77,10 @@ impl ThinDielectric {
         let (r, t) = self.shares(wo.z.abs());
         r + t
     }
+}
+
+/// The probability of the mirror where one of the two is followed.
+#[inline]
+fn chance_of_mirror(r: Spectrum, t: Spectrum) -> f32 {
+    r.max_lane() / (r.max_lane() + t.max_lane())
 }

@@ -6,7 +6,7 @@ use std::mem;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
-use kajo_core::bsdf::{Bsdf, BsdfSample, Crossing, ScatterKind, Transport};
+use kajo_core::bsdf::{Bsdf, BsdfSample, ScatterKind, Transport};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::lighting::Receiver;
 use kajo_core::sampler::Draws;
@@ -272,23 +272,14 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     ///
     /// * `bsdf`: scattering there; of a pane that is not passed a mirror is left
     fn passes(&mut self, at: &Interaction, bsdf: &mut Bsdf) -> bool {
-        match bsdf {
-            Bsdf::Null if self.bounces == 0 && self.free_mirrors == self.settings.free_mirrors => {
-                self.first = None;
-            }
-            Bsdf::Null => {}
-            Bsdf::ThinDielectric(pane) => {
-                match pane.cross(at.crossing_cosine(self.ray.d), self.draws.next_1d()) {
-                    Crossing::Straight(share) => self.throughput *= share,
-                    Crossing::Mirror(mirror) => {
-                        *bsdf = Bsdf::Conductor(mirror);
-                        return false;
-                    }
-                }
-            }
-            _ => return false,
+        let (draws, d) = (&mut self.draws, self.ray.d);
+        let Some(share) = bsdf.cross(|| (at.crossing_cosine(d), draws.next_1d())) else { return false };
+        let is_first = self.bounces == 0 && self.free_mirrors == self.settings.free_mirrors;
+        if is_first && matches!(bsdf, Bsdf::Null) {
+            self.first = None;
         }
-        self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
+        self.throughput *= share;
+        self.ray = at.point.ray_towards(d, f32::INFINITY, self.ray.time, RayOffset::Auto);
         true
     }
 

@@ -2,7 +2,7 @@
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;
-use kajo_core::bsdf::{Bsdf, BsdfSample, Conductor, Crossing, Transport};
+use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec3};
@@ -61,8 +61,8 @@ pub struct Met {
     boundary: Option<Boundary>,
     /// Chooses among the parts of a mixture.
     u: f32,
-    /// What is left of a pane that the path does not pass.
-    mirror: Option<Conductor>,
+    /// Scattering there, where it is known already: [`Walk::passes`] asks for it where light may pass.
+    bsdf: Option<Bsdf>,
 }
 
 impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
@@ -115,7 +115,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             let enters = self.ray.d.dot(at.point.ng) < 0.0;
             let boundary = interior.map(|interior| self.bodies.meet(at.primitive, interior, enters));
             let Some(hidden) = boundary.filter(|boundary| !boundary.is_real) else {
-                return Some(Met { at, boundary, u, mirror: None });
+                return Some(Met { at, boundary, u, bsdf: None });
             };
             // A connection would be held up here.
             self.step.joins = false;
@@ -131,25 +131,18 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     /// are left out of the densities of all ways alike.
     pub fn passes(&mut self, met: &mut Met) -> bool {
         let scene = self.scene;
-        let Met { at, boundary: None, u, mirror } = met else { return false };
+        let Met { at, boundary: None, u, bsdf } = met else { return false };
         if !scene.has_passages {
             return false;
         }
-        match scene.bsdf(at, &self.wavelengths, self.bodies.eta(), *u) {
-            Bsdf::Null if self.scatterings == 0 => self.first = None,
-            Bsdf::Null => {}
-            Bsdf::ThinDielectric(pane) => {
-                match pane.cross(at.crossing_cosine(self.ray.d), self.draws.next_1d()) {
-                    Crossing::Straight(share) => self.beta *= share,
-                    Crossing::Mirror(left) => {
-                        *mirror = Some(left);
-                        return false;
-                    }
-                }
-            }
-            _ => return false,
+        let (draws, d) = (&mut self.draws, self.ray.d);
+        let bsdf = bsdf.insert(scene.bsdf(at, &self.wavelengths, self.bodies.eta(), *u));
+        let Some(share) = bsdf.cross(|| (at.crossing_cosine(d), draws.next_1d())) else { return false };
+        if self.scatterings == 0 && matches!(bsdf, Bsdf::Null) {
+            self.first = None;
         }
-        self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
+        self.beta *= share;
+        self.ray = at.point.ray_towards(d, f32::INFINITY, self.ray.time, RayOffset::Auto);
         true
     }
 
@@ -178,7 +171,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
 
     /// The path's point on a surface.
     pub fn vertex(&mut self, met: &Met) -> Vertex {
-        let Met { at, boundary, u, mirror } = met;
+        let Met { at, boundary, u, bsdf } = met;
         if boundary.is_some_and(|boundary| boundary.is_dispersive()) {
             self.wavelengths.terminate_secondary();
         }
@@ -190,8 +183,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         Vertex {
             at: at.point,
             shading: self.scene.shading(at, *u),
-            bsdf: mirror
-                .map_or_else(|| self.scene.bsdf(at, &self.wavelengths, eta_outside, *u), Bsdf::Conductor),
+            bsdf: bsdf.unwrap_or_else(|| self.scene.bsdf(at, &self.wavelengths, eta_outside, *u)),
             back,
             beta: self.beta,
             rivals: self.rivals(at.point.p, at.point.ng.dot(back).abs()),

@@ -9,6 +9,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
 
 use super::*;
+use crate::integrator::ambient_occlusion::AmbientOcclusion;
 
 /// Black on the left, white on the right.
 const HALF: &[u8] = b"Pf\n2 1\n-1\n\0\0\0\0\0\0\x80\x3f";
@@ -32,14 +33,17 @@ fn camera(from: [f32; 3], to: [f32; 3]) -> String {
 
 /// The mean of a lane of the picture's single pixel over batches of paths.
 fn mean(scene: &Scene, settings: PathSettings, paths: u32, lane: usize) -> Estimate {
-    let path = Path::new(scene, settings, [1, 1], LayerSet::of(&[]));
+    mean_of(&Path::new(scene, settings, [1, 1], LayerSet::of(&[])), paths, lane)
+}
+
+fn mean_of(integrator: &dyn PixelIntegrator, paths: u32, lane: usize) -> Estimate {
     let sampler = Sampler::new(SamplerKind::Uniform, paths);
     Estimate::of_batches(|batch| {
         let mut ctx = SampleContext::new(&sampler, 0);
         let sum: f64 = (0..paths)
             .map(|k| {
                 let place = ctx.begin([0, batch], k);
-                f64::from(path.sample(&mut ctx, [0, 0], place).radiance[lane])
+                f64::from(integrator.sample(&mut ctx, [0, 0], place).radiance[lane])
             })
             .sum();
         sum / f64::from(paths)
@@ -347,6 +351,16 @@ fn lamps_shine_through_panes() {
         for technique in TECHNIQUES {
             let settings = PathSettings { bounces: 1, technique, ..PathSettings::default() };
             check(&scene(&square), settings, 8000, expected);
+        }
+        // The share of the sky that a floor sees through the pane.
+        let wide = "corner -900 0.6 -900 edge1 0 0 1800 edge2 1800 0 0";
+        let below = scene(&text("").replace("corner -9 0.6 -9 edge1 0 0 18 edge2 18 0 0", wide));
+        let occlusion = AmbientOcclusion::new(&below, 1e5, [1, 1], LayerSet::of(&[]));
+        let seen = (0..1000).map(|i| (f64::from(i) + 0.5) / 1000.0).map(|cos| 2e-3 * cos * passes(cos));
+        let found = mean_of(&occlusion, 4000, 0);
+        // Of a coloured pane the luminance counts.
+        if !pane.contains("color 0.5") && !pane.contains("absorption 3") {
+            found.check(seen.sum(), 0.02).unwrap_or_else(|complaint| panic!("{pane}: {complaint}"));
         }
         // Where only direct light is asked for, panes are no hindrance either.
         let settings = PathSettings { only_mirrors: true, bounces: 1, ..PathSettings::default() };

@@ -123,6 +123,20 @@ fn a_lamp_in_glass_shines_through_it() {
     assert!(sigma < 0.02 * path.mean, "{path:?} {found:?}");
 }
 
+/// Compares with paths of no bounce, one and four.
+#[track_caller]
+fn looks_as_by_path_tracing(scene: &Scene, lamp: &str) {
+    for bounces in [0, 1, 4] {
+        let samples = 1500 * effort();
+        let path = PathSettings { bounces, ..PathSettings::default() };
+        let path = mean_of(&Path::new(scene, path, [1, 1], LayerSet::of(&[])), samples, 0);
+        let found = mean(scene, BidirectionalSettings { bounces, ..both() }, samples);
+        let sigma = path.standard_error.hypot(found.standard_error);
+        assert!((path.mean - found.mean).abs() < 4.5 * sigma, "{lamp} {bounces}: {path:?} {found:?}");
+        assert!(sigma < 0.03 * path.mean, "{lamp} {bounces}: {path:?} {found:?}");
+    }
+}
+
 /// A matt ball on the ground behind a pane and under another one, beside one of water that has a third in it.
 #[test]
 fn panes_let_as_much_light_through_as_by_path_tracing() {
@@ -153,15 +167,7 @@ fn panes_let_as_much_light_through_as_by_path_tracing() {
         let text = text(lamp, if i == 2 { 0.0 } else { 0.3 });
         let scene =
             scene(&if i == 1 { text.replace("MaterialIndex pane", "MaterialIndex white") } else { text });
-        for bounces in [0, 1, 4] {
-            let samples = 1500 * effort();
-            let path = PathSettings { bounces, ..PathSettings::default() };
-            let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), samples, 0);
-            let found = mean(&scene, BidirectionalSettings { bounces, ..both() }, samples);
-            let sigma = path.standard_error.hypot(found.standard_error);
-            assert!((path.mean - found.mean).abs() < 4.5 * sigma, "{lamp} {bounces}: {path:?} {found:?}");
-            assert!(sigma < 0.03 * path.mean, "{lamp} {bounces}: {path:?} {found:?}");
-        }
+        looks_as_by_path_tracing(&scene, lamp);
     }
 }
 
@@ -192,14 +198,6 @@ fn holes_let_as_much_light_through_as_by_path_tracing() {
     ];
     for (i, lamp) in lamps.into_iter().enumerate() {
         let scene = scene(&text(lamp, if i == 2 { 0.0 } else { 0.3 }));
-        for bounces in [0, 1, 4] {
-            let samples = 1500 * effort();
-            let path = PathSettings { bounces, ..PathSettings::default() };
-            let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), samples, 0);
-            let found = mean(&scene, BidirectionalSettings { bounces, ..both() }, samples);
-            let sigma = path.standard_error.hypot(found.standard_error);
-            assert!((path.mean - found.mean).abs() < 4.5 * sigma, "{lamp} {bounces}: {path:?} {found:?}");
-            assert!(sigma < 0.03 * path.mean, "{lamp} {bounces}: {path:?} {found:?}");
-        }
+        looks_as_by_path_tracing(&scene, lamp);
     }
 }
