@@ -9,6 +9,7 @@ use crate::interaction::SurfacePoint;
 use crate::light::{AreaLight, Ball, Departures, EmissionPdf, Emitted, LightChoice, LightSample, Target};
 use crate::material::{Interior, MaterialPoint, ShadingPoint};
 use crate::scene::{Interaction, Scene, rarely};
+use crate::shape::test_error;
 
 /// A disc in the sky that a ray meets.
 #[derive(Clone, Copy, Debug)]
@@ -283,7 +284,9 @@ impl SurfacePoint {
         let o = offset_origin(self.p, self.p_error, self.ng, wi);
         match *end {
             Target::Surface { p, p_error, n } => {
-                let end = offset_origin(p, p_error, n, -wi);
+                // Seen from here the surface is as uncertain as the distance is large.
+                let seen_error = Vec3::splat(test_error((p - o).abs().max_element()));
+                let end = offset_origin(p, p_error + seen_error, n, -wi);
                 Ray { o, t_min: 0.0, d: end - o, t_max: 1.0, time }
             }
             Target::Point(p) => Ray { o, t_min: 0.0, d: p - o, t_max: 1.0, time },

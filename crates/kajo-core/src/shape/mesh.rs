@@ -12,7 +12,7 @@ use std::sync::Arc;
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
 
-use super::{Patch, Surface, Tessellation, hit_of_triangle};
+use super::{Patch, Surface, Tessellation, hit_of_triangle, triangle_error};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
 /// A corner of a face that has no normal or no texture coordinates of its own.
@@ -147,8 +147,8 @@ impl Surface for Mesh {
         let (u, v) = (f64::from(hit.u), f64::from(hit.v));
         let ng = (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3();
         let p = (a + u * (b - a) + v * (c - a)).as_vec3();
-        let size = corners[0].abs().max(corners[1].abs()).max(corners[2].abs());
-        SurfacePoint { p, p_error: gamma(8) * size, n: self.smooth_normal(hit).unwrap_or(ng), ng }
+        let p_error = gamma(2) * p.abs() + Vec3::splat(triangle_error([a, b, c]));
+        SurfacePoint { p, p_error, n: self.smooth_normal(hit).unwrap_or(ng), ng }
     }
 
     fn hit_at(&self, part: u32, p: Vec3) -> Hit {

@@ -27,7 +27,7 @@ pub use sphere::Sphere;
 pub use tessellate::Tessellation;
 pub use triangle::Triangle;
 
-use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, robust::gamma};
 
 use crate::family::family;
 use crate::interaction::{Hit, SurfacePoint, Tangents};
@@ -189,7 +189,23 @@ pub(crate) fn stored(p: DVec3, scale: f64) -> (Vec3, Vec3) {
     const COMPUTED: f64 = 8.0 * f64::EPSILON;
     let single = p.as_vec3();
     let computed = (COMPUTED * (scale + p.abs().max_element())) as f32 + f32::MIN_POSITIVE;
-    (single, single.abs() * kajo_math::robust::gamma(2) + Vec3::splat(computed))
+    (single, single.abs() * gamma(2) + Vec3::splat(computed))
+}
+
+/// How far from a triangle a ray has to start so that the test in single precision does not find it again.
+///
+/// The watertight test shears the corners, relative to the origin, in single precision: some ten roundings of
+/// coordinates as large as the triangle. So it tests a triangle whose corners are moved by as much, in any direction:
+/// also across a plane in which all corners share a coordinate, even one of 0.
+pub(crate) fn triangle_error([a, b, c]: [DVec3; 3]) -> f32 {
+    let extent = (b - a).abs().max((c - b).abs()).max((a - c).abs()).max_element();
+    test_error(extent as f32)
+}
+
+/// The same for anything of this size as seen from the ray's origin.
+#[inline]
+pub(crate) fn test_error(extent: f32) -> f32 {
+    gamma(10) * extent + f32::MIN_POSITIVE
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ use std::f64::consts::{PI, TAU};
 use kajo_math::solid_angle::{Rectangle, SPHERE, SphericalCap, SphericalRectangle, SphericalTriangle};
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Vec2, Vec3, fmath, robust::gamma};
 
+use super::triangle_error;
+
 /// Below this solid angle area and direction differ by nothing that shows, and the area has more digits.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-5;
 
@@ -321,7 +323,9 @@ impl Patch {
             _ => self.normal().unwrap_or(DVec3::Z),
         };
         let single = p.as_vec3();
-        let p_error = gamma(4) * (single.abs() + self.reach());
+        // A triangle may be one of a mesh, which is tested in single precision.
+        let of_test = if let Patch::Triangle(corners) = *self { triangle_error(corners) } else { 0.0 };
+        let p_error = gamma(4) * (single.abs() + self.reach()) + Vec3::splat(of_test);
         PatchSample { p: single, p_error, n: n.as_vec3(), pdf }
     }
 

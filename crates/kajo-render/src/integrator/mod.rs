@@ -15,6 +15,8 @@ pub use classic::{Classic, ClassicSettings};
 pub use path::{Path, PathSettings};
 
 #[cfg(test)]
+mod flat_tests;
+#[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
 mod tests;
