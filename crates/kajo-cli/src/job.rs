@@ -306,6 +306,13 @@ fn warn_of_numbers(stats: &RenderStats, voice: &mut Voice<'_>) {
             stats.non_finite
         ));
     }
+    if stats.rays.left_out > 0 {
+        (voice.say)(&format!(
+            "warning: {} mirrored rays were left out: where surfaces mirror and let light through, paths of one sample \
+             double with each of the bounces; ask for fewer bounces or a larger --weight\n",
+            stats.rays.left_out
+        ));
+    }
 }
 
 fn write_to_standard_output(bytes: &[u8]) -> Result<(), Failure> {

@@ -15,6 +15,8 @@
 //! splats.
 
 use std::any::Any;
+use std::cell::Cell;
+use std::fmt;
 
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::{Draws, Sampler};
@@ -41,6 +43,8 @@ pub struct SampleContext<'a> {
     pub splats: Splats,
     /// Memory of the integrator's own, kept from sample to sample.
     pub scratch: Scratch,
+    /// Asked within samples that take long.
+    pub(crate) interrupt: Option<&'a Interrupt<'a>>,
 }
 
 impl<'a> SampleContext<'a> {
@@ -55,7 +59,18 @@ impl<'a> SampleContext<'a> {
             aux: Auxiliary::default(),
             splats: Splats::default(),
             scratch: Scratch::default(),
+            interrupt: None,
         }
+    }
+
+    /// The same, with samples that may be given up.
+    pub(crate) fn interruptible(self, interrupt: &'a Interrupt<'a>) -> SampleContext<'a> {
+        SampleContext { interrupt: Some(interrupt), ..self }
+    }
+
+    /// Whether the last sample was given up, so that it is to be thrown away.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        self.interrupt.is_some_and(Interrupt::is_raised)
     }
 
     /// Makes ready for sample `index` of `pixel`, and says where it lies relative to the pixel's top left corner.
@@ -70,6 +85,42 @@ impl<'a> SampleContext<'a> {
         self.index = index;
         self.draws = Draws::new(self.sampler, seed, pixel, index);
         self.draws.film_position()
+    }
+}
+
+/// Rays of any kind between two questions whether to go on, if they are cast before other reasons to ask: a few
+/// hundredths of a second.
+pub(crate) const RAYS_PER_CHECK: u64 = 8192;
+
+/// Lets a sample that takes long be given up.
+pub(crate) struct Interrupt<'a> {
+    wanted: &'a dyn Fn() -> bool,
+    raised: Cell<bool>,
+}
+
+impl<'a> Interrupt<'a> {
+    /// * `wanted`: whether to stop; asked now and then
+    pub fn new(wanted: &'a dyn Fn() -> bool) -> Interrupt<'a> {
+        Interrupt { wanted, raised: Cell::new(false) }
+    }
+
+    /// Asks whether to stop, and keeps the answer if it is yes.
+    pub fn ask(&self) {
+        if (self.wanted)() {
+            self.raised.set(true);
+        }
+    }
+
+    /// Whether an answer was yes.
+    #[inline]
+    pub fn is_raised(&self) -> bool {
+        self.raised.get()
+    }
+}
+
+impl fmt::Debug for Interrupt<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Interrupt").field("raised", &self.raised).finish_non_exhaustive()
     }
 }
 

@@ -60,10 +60,12 @@ pub struct RayCounters {
     pub reflected: u64,
     /// Refracted through a surface.
     pub refracted: u64,
+    /// Not cast, since paths of one sample had forked too often.
+    pub left_out: u64,
 }
 
 impl RayCounters {
-    /// Rays of every kind.
+    /// Rays of every kind that were cast.
     pub fn total(&self) -> u64 {
         self.camera + self.lamp + self.shadow + self.reflected + self.refracted
     }
@@ -76,5 +78,6 @@ impl AddAssign for RayCounters {
         self.shadow += other.shadow;
         self.reflected += other.reflected;
         self.refracted += other.refracted;
+        self.left_out += other.left_out;
     }
 }

@@ -22,7 +22,9 @@ use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_math::{Vec2, rng::mix};
 use thiserror::Error;
 
-use crate::{Auxiliary, Film, FilmPart, PixelIntegrator, RayCounters, Rect, SampleContext};
+use crate::{
+    Auxiliary, Film, FilmPart, PixelIntegrator, RayCounters, Rect, SampleContext, context::RAYS_PER_CHECK,
+};
 use pass::{Pass, Plan, Share};
 pub use passes::{Goal, Position, render_passes};
 
@@ -43,9 +45,6 @@ const STACK: usize = 8 << 20;
 
 /// Camera rays between two questions whether to go on.
 const SAMPLES_PER_CHECK: u64 = 256;
-
-/// Rays of any kind between two such questions, if they are cast sooner: a few hundredths of a second.
-const RAYS_PER_CHECK: u64 = 8192;
 
 /// How to render; nothing here but the sampler and the seed can change the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,8 +80,8 @@ pub trait Progress: Sync {
     /// cast so far. Reports of different threads may arrive out of order.
     fn done(&self, pixels_done: u64, pixels_total: u64, rays: u64);
 
-    /// Whether to stop. Asked by each thread after 256 camera rays or 8192 rays of any kind, and before each unit;
-    /// never within a sample.
+    /// Whether to stop. Asked by each thread after 256 camera rays or 8192 rays of any kind, and before each unit; within
+    /// a sample only where its paths fork. A sample that is given up so is not in the film.
     fn cancelled(&self) -> bool;
 }
 
@@ -284,6 +283,10 @@ fn take_samples<I: PixelIntegrator + ?Sized>(
                     ctx.aux = Auxiliary::default();
                 }
                 let sample = integrator.sample(ctx, [x, y], corner + offset);
+                if ctx.is_interrupted() {
+                    go_on(untold, &ctx.rays);
+                    return false;
+                }
                 part.add(x, y, k, offset, &sample, &ctx.aux);
                 untold += 1;
                 if untold == SAMPLES_PER_CHECK || ctx.rays.total() - rays_told >= RAYS_PER_CHECK {

@@ -1,6 +1,6 @@
 //! What becomes of one camera ray: every ray that follows from it, what that met, and the light it found.
 //!
-//! Integrators tell a `Witness` what they do. Where pictures are made that is [`RayCounters`], which counts rays
+//! Integrators tell a `Witness` what they do. Where pictures are made that is `Counting`, which counts rays
 //! and lets everything else be compiled away; a [`Trail`] keeps it all. The same code runs in both cases, and
 //!
 //! ```text
@@ -11,6 +11,7 @@ use kajo_core::scene::{Event, Interaction, Scene};
 use kajo_math::{Ray, Vec3};
 
 use crate::RayCounters;
+use crate::context::{Interrupt, RAYS_PER_CHECK, SampleContext};
 
 /// Segments beyond which no more are kept.
 const MOST_SEGMENTS: usize = 100_000;
@@ -86,6 +87,12 @@ pub(crate) trait Witness: Default {
     /// The counters of rays.
     fn counters(&mut self) -> &mut RayCounters;
 
+    /// Whether the sample is to be given up: asked wherever a path forks, since the rays of a sample may then be
+    /// very many.
+    fn interrupted(&mut self) -> bool {
+        false
+    }
+
     /// A ray of this kind comes next.
     fn next(&mut self, _kind: RayKind) {}
 
@@ -138,12 +145,38 @@ pub(crate) struct About {
     pub weight: [f32; 3],
 }
 
-impl Witness for RayCounters {
+/// Counts the rays of a sample, and may give it up.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Counting<'a> {
+    /// Rays of the thread so far.
+    pub rays: RayCounters,
+    interrupt: Option<&'a Interrupt<'a>>,
+    /// How many rays there were when the interrupt was last asked.
+    asked: u64,
+}
+
+impl<'a> Counting<'a> {
+    /// Goes on with the counters of a context.
+    pub fn new(ctx: &SampleContext<'a>) -> Counting<'a> {
+        Counting { rays: ctx.rays, interrupt: ctx.interrupt, asked: ctx.rays.total() }
+    }
+}
+
+impl Witness for Counting<'_> {
     type Mark = ();
 
     #[inline]
     fn counters(&mut self) -> &mut RayCounters {
-        self
+        &mut self.rays
+    }
+
+    fn interrupted(&mut self) -> bool {
+        let Some(interrupt) = self.interrupt else { return false };
+        if self.rays.total() - self.asked >= RAYS_PER_CHECK {
+            self.asked = self.rays.total();
+            interrupt.ask();
+        }
+        interrupt.is_raised()
     }
 
     #[inline]

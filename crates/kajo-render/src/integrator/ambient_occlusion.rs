@@ -14,7 +14,7 @@ use kajo_core::scene::{Event, Scene};
 use kajo_math::{Frame, Vec2, warp};
 
 use super::view::View;
-use crate::trail::{About, RayKind, Witness};
+use crate::trail::{About, Counting, RayKind, Witness};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 
 /// The ambient occlusion integrator over one scene and one picture size.
@@ -65,9 +65,9 @@ impl AmbientOcclusion<'_> {
 
 impl PixelIntegrator for AmbientOcclusion<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let mut rays = ctx.rays;
-        let sample = self.cast(ctx, raster, &mut rays);
-        ctx.rays = rays;
+        let mut counting = Counting::new(ctx);
+        let sample = self.cast(ctx, raster, &mut counting);
+        ctx.rays = counting.rays;
         sample
     }
 

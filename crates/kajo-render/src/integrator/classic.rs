@@ -26,7 +26,7 @@ use kajo_math::{Ray, Vec2, Vec3};
 
 use super::shadow;
 use super::view::View;
-use crate::trail::{About, RayKind, Witness};
+use crate::trail::{About, Counting, RayKind, Witness};
 use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext, Trail};
 
 /// The most mirror and refracted rays in a row that may be asked for.
@@ -82,10 +82,18 @@ const LIGHTS_WITH_ITEMS: usize = 16;
 /// Pieces of a glowing object that are asked for light; those of a mesh may be a million.
 const PIECES_OF_OBJECT: usize = 16;
 
+/// Paths into which one sample may fork, 2^18: all forks of eighteen in a row are followed.
+///
+/// Where each surface both mirrors and lets light through, `bounces` in a row make 2^bounces paths, which would not
+/// end within a lifetime.
+const MOST_PATHS: u32 = 1 << 18;
+
 /// Where a ray is on its way: what later light is multiplied by, and through what it travels.
 #[derive(Clone, Copy)]
 struct Path {
     bounces_left: u32,
+    /// Paths into which this one may still fork, itself included.
+    paths_left: u32,
     /// Product of the magnitudes of the colours so far.
     weight: f32,
     /// Index of refraction around the ray.
@@ -197,8 +205,19 @@ impl<'a> Classic<'a> {
                     witness.next(RayKind::Reflected);
                     (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
                 }
-                (mirrored, Some(branch)) => {
-                    if let Some(mirrored) = mirrored {
+                (Some(_), Some(branch)) if path.paths_left < 2 => {
+                    witness.counters().left_out += 1;
+                    witness.counters().refracted += 1;
+                    witness.next(RayKind::Transmitted);
+                    (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
+                }
+                (mirrored, Some(mut branch)) => {
+                    if let Some(mut mirrored) = mirrored {
+                        if witness.interrupted() {
+                            return light;
+                        }
+                        mirrored.path.paths_left = path.paths_left / 2;
+                        branch.path.paths_left = path.paths_left - mirrored.path.paths_left;
                         witness.counters().reflected += 1;
                         witness.next(RayKind::Reflected);
                         let here = witness.mark();
@@ -390,7 +409,13 @@ impl Classic<'_> {
     ) -> PixelSample {
         let Some(ray) = self.view.ray(raster, &mut ctx.draws) else { return PixelSample::default() };
         witness.counters().camera += 1;
-        let path = Path { bounces_left: self.settings.bounces, weight: 1.0, eta: 1.0, inside: false };
+        let path = Path {
+            bounces_left: self.settings.bounces,
+            paths_left: MOST_PATHS,
+            weight: 1.0,
+            eta: 1.0,
+            inside: false,
+        };
         let mut at = Interaction::default();
         let meets = self.scene.trace_into(self.camera_items.as_ref(), &ray, &mut at);
         let first = meets.then(|| self.view.first_hit(&at, &mut ctx.aux));
@@ -410,9 +435,9 @@ impl Classic<'_> {
 
 impl PixelIntegrator for Classic<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let mut rays = ctx.rays;
-        let sample = self.cast(ctx, pixel, raster, &mut rays);
-        ctx.rays = rays;
+        let mut counting = Counting::new(ctx);
+        let sample = self.cast(ctx, pixel, raster, &mut counting);
+        ctx.rays = counting.rays;
         sample
     }
 

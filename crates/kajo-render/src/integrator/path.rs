@@ -26,7 +26,7 @@ use kajo_math::Vec2;
 
 use super::view::{View, in_white_light};
 use super::walk::{LightGroups, Walk};
-use crate::trail::Witness;
+use crate::trail::{Counting, Witness};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 
 /// Options of [`Path`].
@@ -112,8 +112,8 @@ impl Path<'_> {
 
 impl PixelIntegrator for Path<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let (sample, rays) = self.cast(ctx, raster, ctx.rays);
-        ctx.rays = rays;
+        let (sample, counting) = self.cast(ctx, raster, Counting::new(ctx));
+        ctx.rays = counting.rays;
         sample
     }
 

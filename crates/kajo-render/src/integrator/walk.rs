@@ -26,6 +26,12 @@ pub(super) const SAFE_BOUNCES: u32 = 3;
 /// The largest chance to go on at random ends: a path between perfect mirrors must end some day.
 pub(super) const LARGEST_SURVIVAL: f32 = 0.98;
 
+/// Surfaces that one path may meet, those that it passes straight on included.
+///
+/// Bounces are counted on their own; but holes, panes and surfaces hidden in a body of higher priority cost none, and
+/// rounding may put a path in front of the same one for ever.
+pub(super) const MOST_SURFACES: u32 = 1 << 14;
+
 /// A path while it is being made.
 pub(super) struct Walk<'a, 'b, W> {
     view: &'a View<'a>,
@@ -118,7 +124,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     /// Follows the path to its end.
     pub fn run(&mut self) {
         let mut at = Interaction::default();
-        loop {
+        for _ in 0..MOST_SURFACES {
             let meets = self.scene().trace_into(None, &self.ray, &mut at);
             let (throughput, wavelengths, bodies) = (self.throughput, self.wavelengths, &self.bodies);
             self.witness.ended(self.view.scene, &self.ray, meets.then_some(&at), || About {
@@ -254,6 +260,9 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         let branches = if self.is_branch { 1 } else { self.settings.branches.max(1) };
         let surface = self.witness.mark();
         for i in 0..if bsdf.is_delta() { 0 } else { branches } {
+            if branches > 1 && self.witness.interrupted() {
+                return false;
+            }
             let mut branch = self.branch(i, branches);
             if branch.go_on(at, &bsdf, &local, boundary, Part::Diffuse) {
                 branch.run();

@@ -16,7 +16,10 @@ use super::{
     render_unit,
 };
 use crate::{
-    Film, FilmPart, PixelIntegrator, RayCounters, SampleContext, context::Scratch, order, rect::Grid,
+    Film, FilmPart, PixelIntegrator, RayCounters, SampleContext,
+    context::{Interrupt, Scratch},
+    order,
+    rect::Grid,
 };
 
 /// The units of a pass, numbered.
@@ -180,7 +183,10 @@ impl<'a, I: PixelIntegrator + ?Sized> Pass<'a, I> {
     /// Renders units until none is left.
     fn work(&self) {
         let mut part = FilmPart::new(self.film.spec(), &self.settings.sampler);
-        let mut ctx = SampleContext::new(&self.settings.sampler, self.settings.seed);
+        let stopped = || self.stopped();
+        let interrupt = Interrupt::new(&stopped);
+        let mut ctx =
+            SampleContext::new(&self.settings.sampler, self.settings.seed).interruptible(&interrupt);
         let mut failed = Vec::new();
         while !self.stopped() {
             let index = self.next.fetch_add(1, Ordering::Relaxed);

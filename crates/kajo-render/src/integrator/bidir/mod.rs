@@ -35,7 +35,7 @@ use kajo_math::{Ray, Vec2};
 
 use super::bodies::Bodies;
 use super::view::{View, in_white_light};
-use crate::trail::{RayKind, Witness};
+use crate::trail::{Counting, RayKind, Witness};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 use connect::{normal, parts, spread};
 use rivals::{Rivals, square};
@@ -365,9 +365,9 @@ impl Bidirectional<'_> {
 
 impl PixelIntegrator for Bidirectional<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let mut rays = ctx.rays;
-        let sample = self.cast(ctx, raster, &mut rays);
-        ctx.rays = rays;
+        let mut counting = Counting::new(ctx);
+        let sample = self.cast(ctx, raster, &mut counting);
+        ctx.rays = counting.rays;
         sample
     }
 

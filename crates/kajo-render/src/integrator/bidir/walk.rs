@@ -11,7 +11,7 @@ use super::Found;
 use super::rivals::{Growth, Rivals};
 use super::vertex::Vertex;
 use crate::integrator::bodies::{Bodies, Boundary};
-use crate::integrator::walk::{LARGEST_SURVIVAL, SAFE_BOUNCES};
+use crate::integrator::walk::{LARGEST_SURVIVAL, MOST_SURFACES, SAFE_BOUNCES};
 use crate::trail::{About, RayKind, Witness};
 
 /// How the present ray was found.
@@ -51,6 +51,8 @@ pub struct Walk<'a, 'b, W> {
     scale: f32,
     roulette: bool,
     scatterings: u32,
+    /// Surfaces met so far.
+    surfaces: u32,
     /// The first surface.
     pub first: Option<Interaction>,
 }
@@ -93,13 +95,20 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             scale: 1.0 / wavelengths.max_lane(beta).max(f32::MIN_POSITIVE),
             roulette,
             scatterings: 0,
+            surfaces: 0,
             first: None,
         }
     }
 
-    /// Follows the ray to the next surface that is there; `None` when it leaves the scene.
+    /// Follows the ray to the next surface that is there; `None` when it leaves the scene, or carries nothing since it has
+    /// met too many.
     pub fn trace(&mut self) -> Option<Met> {
         loop {
+            if self.surfaces == MOST_SURFACES {
+                self.beta = Spectrum::BLACK;
+                return None;
+            }
+            self.surfaces += 1;
             let mut at = Interaction::default();
             let meets = self.scene.trace_into(None, &self.ray, &mut at);
             let (bodies, weight) = (&self.bodies, self.beta);

@@ -1,6 +1,7 @@
 //! Every way to find paths of some length finds the same light.
 
 use super::*;
+use crate::trail::Counting;
 
 /// Sums over batches of the light of each way, and of all of them with their weights, by the number of points.
 struct Ways {
@@ -32,7 +33,7 @@ fn ways(scene: &Scene, settings: BidirectionalSettings, samples: u32) -> Ways {
                 sums.alone[s + t][s][batch as usize] += light;
                 sums.weighted[s + t][batch as usize] += f64::from(found.weight) * light;
             };
-            integrator.estimate(ctx.draws, &mut ctx.rays, place, &mut path, &mut add);
+            integrator.estimate(ctx.draws, &mut Counting::default(), place, &mut path, &mut add);
         }
     }
     sums

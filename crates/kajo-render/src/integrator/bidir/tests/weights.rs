@@ -1,6 +1,6 @@
 //! The weights of the sums that grow with the paths are those of the definition, term by term.
 
-use crate::RayCounters;
+use crate::trail::Counting;
 use kajo_core::bsdf::Transport;
 use kajo_math::Vec3;
 
@@ -64,7 +64,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
     let it = Bidirectional::new(&scene, both(), [1, 1], LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
     let wavelengths = Wavelengths::RGB;
-    let mut rays = RayCounters::default();
+    let mut rays = Counting::default();
     for k in 0..300 {
         let mut ctx = SampleContext::new(&sampler, 5);
         let place = ctx.begin([k, 0], 0);
@@ -92,7 +92,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             (ray, step),
             ((Spectrum::WHITE, wavelengths), Bodies::default()),
             false,
-            RayCounters::default(),
+            Counting::default(),
         );
         let mut pdf_camera = 0.0;
         while let Some(met) = walk.trace().filter(|_| views.len() < 4) {
