@@ -29,7 +29,9 @@ const VIEW: &str = "crates/kajo-render/src/integrator/view.rs";
 const CONNECT: &str = "crates/kajo-render/src/integrator/bidir/connect.rs";
 const WALK: &str = "crates/kajo-render/src/integrator/walk.rs";
 
-const MUTANTS: [Mutant; 13] = [
+const SHAPE: &str = "crates/kajo-core/src/shape/mod.rs";
+
+const MUTANTS: [Mutant; 15] = [
     mutant("no squared index at refraction", PHONG, "color * mode.scale(eta), p", "color, p"),
     mutant("no pi in diffuse reflection", LAMBERT, "share * (wi.z.abs() * FRAC_1_PI)", "share * wi.z.abs()"),
     mutant(
@@ -62,6 +64,13 @@ const MUTANTS: [Mutant; 13] = [
         "self.radiance_of_place(varied, &sample.target, to.time, wavelengths)",
         "self.radiance_of_place(varied, &Target::Infinity, to.time, wavelengths)",
     ),
+    mutant(
+        "rays start on the mesh that they leave",
+        SHAPE,
+        "gamma(10) * extent + f32::MIN_POSITIVE",
+        "0.0 * extent",
+    ),
+    mutant("rays end on the surface that they reach", LIGHTING, "p_error + seen_error", "p_error"),
     mutant("branches are added, not averaged", WALK, "self.throughput * (1.0 / n as f32)", "self.throughput"),
     mutant("survivors do not count more", WALK, "self.throughput *= 1.0 / chance;", ""),
     mutant(

@@ -3,6 +3,7 @@
 mod bodies;
 mod camera;
 mod caustic;
+mod flat;
 mod glass;
 mod lamps;
 mod materials;
@@ -119,7 +120,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 11] = [
+    let makers: [(&str, Maker); 12] = [
         ("rooms", rooms::forms),
         ("lamps", lamps::forms),
         ("bodies", bodies::forms),
@@ -128,6 +129,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("caustics", caustic::forms),
         ("rainbow", rainbow::forms),
         ("surfaces", surfaces::forms),
+        ("flat", flat::forms),
         ("materials", materials::forms),
         ("camera", camera::forms),
         ("motion", motion::forms),
