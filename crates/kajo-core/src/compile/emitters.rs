@@ -148,7 +148,8 @@ impl Compiler<'_> {
             if !glows.contains_key(&primitive.material) && !self.brings_lamps(primitive.shape) {
                 continue;
             }
-            unbounded |= !self.shapes.bounds(primitive.shape).is_finite();
+            let bounds = self.shapes.bounds(primitive.shape);
+            unbounded |= !bounds.is_finite() && !bounds.is_empty();
             let mut lights = Vec::new();
             let (map, drift) = self.start(primitive.transform, &mut drifts);
             self.shapes.patches(primitive.shape, |part, patch| {

@@ -363,6 +363,8 @@ mod camera_tests;
 #[cfg(test)]
 mod emission_tests;
 #[cfg(test)]
+mod empty_mesh_tests;
+#[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
 mod nesting_tests;

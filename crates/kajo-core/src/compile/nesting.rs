@@ -19,7 +19,7 @@ use super::group::{Place, Walk};
 use crate::family::Pooled;
 use crate::material::MaterialId;
 use crate::nested::{Content, MOST_LEVELS, Member, Placement};
-use crate::shape::{Mesh, ShapeId};
+use crate::shape::{ABSENT, Mesh, ShapeId};
 
 /// Definitions of fewer objects are never worth a tree of their own.
 const LEAST: usize = 64;
@@ -89,7 +89,9 @@ impl Compiler<'_> {
         let map = *part.map.constant()?;
         let takes_material = match part.content {
             Content::Shape(shape) => {
-                if !self.shapes.bounds(shape).is_finite() || self.brings_lamps(shape) {
+                let bounds = self.shapes.bounds(shape);
+                let is_unbounded = !bounds.is_finite() && !bounds.is_empty();
+                if is_unbounded || self.brings_lamps(shape) {
                     return None;
                 }
                 true
@@ -111,9 +113,10 @@ impl Compiler<'_> {
 
     /// Whether a shape has materials of its own, and any such material of the scene gives light.
     pub(super) fn brings_lamps(&self, shape: ShapeId) -> bool {
-        let has_slots =
-            Mesh::find(&self.shapes, shape).is_some() && self.shapes.material_slot(shape, 0).is_some();
-        has_slots && self.slot_materials.iter().any(|material| self.glows.contains_key(material))
+        // A mesh may have no triangles, and its first one none of its own materials.
+        let slots = Mesh::find(&self.shapes, shape).map_or(&[][..], Mesh::material_slots);
+        slots.iter().any(|&slot| slot != ABSENT)
+            && self.slot_materials.iter().any(|material| self.glows.contains_key(material))
     }
 
     /// An assembly as the only part of what is placed.

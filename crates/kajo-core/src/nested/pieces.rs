@@ -114,6 +114,9 @@ struct Whole {
 impl Gathering<'_> {
     fn hold(&mut self, assembly: u32, map: DAffine3, material: Option<MaterialId>, first: u32) {
         let bounds = self.nested.bounds(Content::Assembly(assembly), &map, self.shapes);
+        if bounds.is_empty() {
+            return;
+        }
         self.wholes.push(Whole { size: bounds.extent().length(), assembly, map, material, first });
     }
 

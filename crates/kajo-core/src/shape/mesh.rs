@@ -104,6 +104,11 @@ impl Mesh {
         &self.0.positions
     }
 
+    /// The mesh's own material number of each triangle, or [`ABSENT`]; none at all where it brings no materials.
+    pub fn material_slots(&self) -> &[u32] {
+        self.0.material_slots.as_deref().unwrap_or_default()
+    }
+
     /// The corners of a triangle.
     pub fn triangle(&self, face: u32) -> [Vec3; 3] {
         self.0.faces[face as usize].map(|i| self.0.positions[i as usize])
@@ -197,7 +202,7 @@ impl Surface for Mesh {
     }
 
     fn material_slot(&self, part: u32) -> Option<u32> {
-        self.0.material_slots.as_ref().map(|slots| slots[part as usize]).filter(|&slot| slot != ABSENT)
+        self.material_slots().get(part as usize).copied().filter(|&slot| slot != ABSENT)
     }
 
     fn heap_bytes(&self) -> usize {
