@@ -167,7 +167,7 @@ impl Scene {
     fn varied_radiance(&self, varied: u32, at: &Interaction, wavelengths: &Wavelengths) -> Spectrum {
         let varied: &VariedEmission = &self.varied_emissions[varied as usize];
         let uv = if varied.needs_uv() { self.uv(at) } else { Vec2::ZERO };
-        varied.at(&self.textures, &MaterialPoint { p: self.pattern_point(at), uv }, wavelengths)
+        varied.at(&self.textures, &MaterialPoint { p: self.pattern_point(at), uv, tint: None }, wavelengths)
     }
 
     /// Density per solid angle with which [`Scene::light_towards`] draws this lamp and the way to a place of it; for a

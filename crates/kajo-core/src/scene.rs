@@ -11,6 +11,7 @@ use kajo_color::Spectrum;
 use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3};
 
 use crate::background::Background;
+use crate::bsdf::Phong;
 use crate::camera::Camera;
 use crate::family::Pooled;
 use crate::glow::VariedEmission;
@@ -24,7 +25,7 @@ use crate::moving_tree::MovingTree;
 use crate::nested::{Leaf, Nested, NestedPiece};
 use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
-use crate::shape::{ShapeId, Shapes, Sphere, Surface};
+use crate::shape::{Mesh, ShapeId, Shapes, Sphere, Surface};
 use crate::texture::Textures;
 
 /// A shape at its place in the world, with its material.
@@ -96,6 +97,8 @@ pub struct Scene {
     pub transmits: bool,
     /// Whether any material shows a picture, so that it has to know surface coordinates.
     pub has_pictures: bool,
+    /// Whether any mesh has colours at its corners.
+    pub has_vertex_colors: bool,
     /// Whether any material turns the frame in which it scatters, so that it has to be asked; see [`Scene::shading`].
     pub has_orientations: bool,
     /// Whether light goes straight on through any material, so that what is behind is seen and lit through its holes or
@@ -291,7 +294,23 @@ impl Scene {
     pub fn material_point(&self, at: &Interaction) -> MaterialPoint {
         let needs_uv = || self.materials.needs_uv(at.material, &self.materials);
         let uv = if self.has_pictures && needs_uv() { rarely(|| self.uv(at)) } else { Vec2::ZERO };
-        MaterialPoint { p: self.pattern_point(at), uv }
+        let tint = if self.has_vertex_colors { rarely(|| self.tint(at)) } else { None };
+        MaterialPoint { p: self.pattern_point(at), uv, tint }
+    }
+
+    /// The colour of the corners around an interaction with a mesh that has some.
+    fn tint(&self, at: &Interaction) -> Option<Vec3> {
+        let shape = match self.primitives.get(at.primitive as usize) {
+            Some(primitive) => primitive.shape,
+            None => self.leaf(at.primitive)?.shape,
+        };
+        Mesh::find(&self.shapes, shape)?.color_at(&at.hit)
+    }
+
+    /// The classic reflection model of a material, where it is the same at every point whatever has the material.
+    #[inline]
+    pub fn constant(&self, material: MaterialId) -> Option<&Phong> {
+        if self.has_vertex_colors { None } else { self.materials.constant(material) }
     }
 
     /// Where the point of an interaction is at another moment within the shutter interval.
@@ -312,7 +331,7 @@ impl Scene {
             Some(placed) => self.material_at(placed.shape, placed.material, &hit),
             None => self.interaction(ray, primitive, hit).material,
         };
-        if let Some(phong) = self.materials.constant(material) {
+        if let Some(phong) = self.constant(material) {
             return phong.transparent;
         }
         let place = self.material_point(&self.interaction(ray, primitive, hit));

@@ -24,12 +24,18 @@ pub struct TriMesh {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates; zero where the file's are not finite.
     pub uvs: Vec<[f32; 2]>,
+    /// Colours, each component in [0, 1].
+    pub colors: Vec<[f32; 3]>,
+    /// Whether the colours are values for a screen, after the curve of sRGB, and not amounts.
+    pub colors_are_srgb: bool,
     /// The vertices of each triangle.
     pub faces: Vec<[u32; 3]>,
     /// The normals of each triangle's corners.
     pub face_normals: Corners,
     /// The texture coordinates of each triangle's corners.
     pub face_uvs: Corners,
+    /// The colours of each triangle's corners.
+    pub face_colors: Corners,
     /// The material of each triangle, an index into `material_names`, or
     /// [`NO_INDEX`] where the file names none; absent when it names none at all.
     pub face_materials: Option<Vec<u32>>,
@@ -64,7 +70,7 @@ impl TriMesh {
         let finite = |v: u32| self.positions[v as usize].iter().all(|x| x.is_finite());
         let keep: Vec<bool> = self.faces.iter().map(|face| face.iter().all(|&v| finite(v))).collect();
         retain(&mut self.faces, &keep);
-        for corners in [&mut self.face_uvs, &mut self.face_normals] {
+        for corners in [&mut self.face_uvs, &mut self.face_normals, &mut self.face_colors] {
             if let Corners::Own(list) = corners {
                 retain(list, &keep);
             }

@@ -217,6 +217,7 @@ impl Compiler<'_> {
             let place = MaterialPoint {
                 p: map.transform_point3(p.as_dvec3()).as_vec3(),
                 uv: self.shapes.uv_at(shape, &hit, p),
+                tint: None,
             };
             Some(varied.at(&self.textures, &place, &Wavelengths::RGB).luminance())
         };

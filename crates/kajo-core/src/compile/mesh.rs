@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use kajo_color::{Emission, Spectrum};
+use kajo_color::{Emission, Spectrum, srgb};
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{
     Args, AssetFile, Corners, Diagnostic, Item, LoadStep, MtlMaterial, Params, Span, TriMesh, read_mesh,
@@ -42,19 +42,21 @@ pub(super) struct MeshKey {
     path: String,
     shading: Shading,
     own_materials: bool,
+    colors: bool,
 }
 
 impl Compiler<'_> {
     pub(super) fn mesh(&mut self, item: Item<'_>) -> Option<ShapeId> {
         let unasked = if self.rules.smooth_meshes { Shading::Averaged } else { Shading::Flat };
-        let (name, place, shading, own_materials) = self.read(item, |params| {
+        let (name, place, shading, own_materials, colors) = self.read(item, |params| {
             params.name();
             let file = file_name(params, "obj_file");
             let smooth = params.optional("smooth", Args::flag);
             let shading = smooth.map_or(unasked, |on| if on { Shading::Smooth } else { Shading::Flat });
             let own_materials = params.or("materials", false, Args::flag);
+            let colors = params.or("colors", false, Args::flag);
             let (name, place) = file?;
-            Some((name, place, shading, own_materials))
+            Some((name, place, shading, own_materials, colors))
         })?;
         let file = match self.assets.open(&name, item.path()) {
             Ok(file) => file,
@@ -63,21 +65,22 @@ impl Compiler<'_> {
                 return None;
             }
         };
-        let key = MeshKey { path: file.path.clone(), shading, own_materials };
+        let key = MeshKey { path: file.path.clone(), shading, own_materials, colors };
         if let Some(&known) = self.meshes.get(&key) {
             return known;
         }
         // Materials of its own get numbers of this scene.
         let stamp = file.stamp.filter(|_| !own_materials);
         let store = self.options.meshes.as_deref().zip(stamp);
-        let store = store.map(|(store, stamp)| (store, StoreKey { path: key.path.clone(), stamp, shading }));
+        let store =
+            store.map(|(store, stamp)| (store, StoreKey { path: key.path.clone(), stamp, shading, colors }));
         let kept = store.as_ref().and_then(|(store, key)| store.get(key));
         let read = match kept {
             Some(kept) => {
                 kept.warnings.iter().for_each(|warning| self.warn_of_file(&key.path, warning, place));
                 Some(kept)
             }
-            None => self.read_mesh(file, shading, own_materials, place).inspect(|read| {
+            None => self.read_mesh(file, &key, place).inspect(|read| {
                 store.into_iter().for_each(|(store, key)| store.put(key, read.clone()));
             }),
         };
@@ -86,25 +89,27 @@ impl Compiler<'_> {
         shape
     }
 
-    fn read_mesh(
-        &mut self,
-        file: AssetFile,
-        shading: Shading,
-        own_materials: bool,
-        place: Span,
-    ) -> Option<Kept> {
-        let path = file.path.clone();
-        let (mesh, report) = match read_mesh(file, &self.options.limits) {
+    fn read_mesh(&mut self, file: AssetFile, key: &MeshKey, place: Span) -> Option<Kept> {
+        let path = &key.path;
+        let (mut mesh, report) = match read_mesh(file, &self.options.limits) {
             Ok(read) => read,
             Err(error) => {
                 self.file_errors.push((error, place));
                 return None;
             }
         };
-        let warnings = report.warnings();
-        warnings.iter().for_each(|warning| self.warn_of_file(&path, warning, place));
-        let slots = if own_materials { self.material_slots(&mesh, &path, place) } else { None };
-        let mesh = self.built(mesh_data(mesh, shading, slots), &path, place)?;
+        let mut warnings = report.warnings();
+        match (key.colors, mesh.face_colors == Corners::Absent) {
+            (true, true) => warnings.push("it has no colours for `colors on` to show".to_owned()),
+            (false, false) => {
+                warnings.push("its colours are not shown; `colors on` shows them".to_owned());
+                (mesh.colors, mesh.face_colors) = (Vec::new(), Corners::Absent);
+            }
+            _ => {}
+        }
+        warnings.iter().for_each(|warning| self.warn_of_file(path, warning, place));
+        let slots = if key.own_materials { self.material_slots(&mesh, path, place) } else { None };
+        let mesh = self.built(mesh_data(mesh, key.shading, slots), path, place)?;
         Some(Kept { mesh, warnings })
     }
 
@@ -301,7 +306,18 @@ fn mesh_data(mesh: TriMesh, shading: Shading, material_slots: Option<Vec<u32>>) 
         }
     };
     let uvs = corner_values(mesh.uvs, mesh.face_uvs, Vec2::from);
-    MeshData { positions, faces: mesh.faces, normals, uvs, material_slots }
+    let colors = corner_colors(mesh.colors, mesh.face_colors, mesh.colors_are_srgb);
+    MeshData { positions, faces: mesh.faces, normals, uvs, colors, material_slots }
+}
+
+/// Colours of corners in linear RGB.
+pub(super) fn corner_colors(
+    colors: Vec<[f32; 3]>,
+    corners: Corners,
+    are_srgb: bool,
+) -> Option<CornerValues<Vec3>> {
+    let linear = |v: f32| if are_srgb { srgb::decode(v) } else { v };
+    corner_values(colors, corners, |color| Vec3::from(color.map(|v| linear(v).clamp(0.0, 1.0))))
 }
 
 pub(super) fn corner_values<T, U>(

@@ -1,6 +1,6 @@
 //! Meshes kept from one compilation to the next, for whoever compiles a scene again and again while it is edited.
 //!
-//! A mesh is known by its file, by what tells the states of that file apart, and by its shading. What a compilation that
+//! A mesh is known by its file, by what tells the states of that file apart, and by what of it is shown. What a compilation that
 //! succeeded did not use is forgotten.
 
 use std::collections::HashMap;
@@ -17,6 +17,8 @@ pub(super) struct StoreKey {
     /// State of the file.
     pub stamp: u64,
     pub shading: Shading,
+    /// Whether the file's colours are kept.
+    pub colors: bool,
 }
 
 /// A mesh, and what was said when its file was read.

@@ -50,7 +50,7 @@ use crate::nested::Nested;
 use crate::objects::Objects;
 use crate::scene::{Primitive, Scene};
 use crate::settings::{Dialect, Rules, Settings};
-use crate::shape::{ShapeId, Shapes};
+use crate::shape::{Mesh, ShapeId, Shapes};
 use crate::texture::Textures;
 
 /// What the compiler is told besides the text.
@@ -300,12 +300,14 @@ impl<'a> Compiler<'a> {
             || self.materials.layered.iter().any(|layered| layered.has_passages(&self.materials));
         let has_orientations = !self.materials.embossed.is_empty()
             || known.into_iter().any(|id| self.materials.is_oriented(id, &self.materials));
+        let has_vertex_colors = self.shapes.meshes.iter().any(Mesh::has_colors);
         let mut scene = Scene {
             shapes: self.shapes,
             transforms: self.transforms,
             motions: self.motions,
             transmits: self.nested_transmits || self.primitives.iter().any(|p| p.transmits),
             has_pictures: !self.pictures.is_empty(),
+            has_vertex_colors,
             has_orientations,
             has_passages,
             primitives: self.primitives,

@@ -6,12 +6,12 @@
 use std::collections::HashMap;
 
 use kajo_math::{Motion, Vec2, Vec3};
-use kajo_scene::{Args, AssetFile, Item, ModelInstance, ModelPart, Span, read_gltf};
+use kajo_scene::{Args, AssetFile, Corners, Item, ModelInstance, ModelPart, Span, read_gltf};
 
 use super::Compiler;
 use super::definition::{Part, Parts};
 use super::group::{Place, Walk};
-use super::mesh::{corner_values, file_name};
+use super::mesh::{corner_colors, corner_values, file_name};
 use super::model_material::ModelPictures;
 use crate::material::MaterialId;
 use crate::nested::Content;
@@ -80,7 +80,7 @@ impl Compiler<'_> {
             let mut stored = Vec::with_capacity(parts.len());
             for part in parts {
                 let material = part.material.and_then(|m| materials.get(m).copied().flatten());
-                let shape = self.build_mesh(mesh_data(part, key.smooth), &key.path, item, at)?;
+                let shape = self.build_mesh(mesh_data(part, key), &key.path, item, at)?;
                 stored.push((shape, material));
             }
             meshes.push(stored);
@@ -117,15 +117,17 @@ impl Compiler<'_> {
     }
 }
 
-fn mesh_data(part: ModelPart, smooth: bool) -> MeshData {
+fn mesh_data(part: ModelPart, key: &ModelKey) -> MeshData {
     let mesh = part.mesh;
+    let colors = if key.own_materials { mesh.face_colors } else { Corners::Absent };
     let normal = |n: [f32; 3]| Vec3::from(n).normalize_or_zero();
-    let normals = if smooth { corner_values(mesh.normals, mesh.face_normals, normal) } else { None };
+    let normals = if key.smooth { corner_values(mesh.normals, mesh.face_normals, normal) } else { None };
     MeshData {
         positions: mesh.positions.into_iter().map(Vec3::from).collect(),
         faces: mesh.faces,
         normals,
         uvs: corner_values(mesh.uvs, mesh.face_uvs, Vec2::from),
+        colors: corner_colors(mesh.colors, colors, mesh.colors_are_srgb),
         material_slots: None,
     }
 }

@@ -20,7 +20,8 @@ use crate::texture::{Channel, Checker, Constant, Encoding, Paint, Picture, Pictu
 const TOLERANCE: f64 = 3e-3;
 
 /// Where materials are asked.
-const PLACE: MaterialPoint = MaterialPoint { p: Vec3::new(0.3, 0.2, 0.1), uv: Vec2::new(0.6, 0.3) };
+const PLACE: MaterialPoint =
+    MaterialPoint { p: Vec3::new(0.3, 0.2, 0.1), uv: Vec2::new(0.6, 0.3), tint: None };
 
 /// Numbers that choose among the parts of a mixture.
 const CHOICES: u32 = 16;

@@ -5,7 +5,7 @@
 //!
 //! Scene: `Matte { color 0.7 0.4 0.3  roughness 0.6 }`, `Matte { color planks.png { repeat 4 } }`
 
-use kajo_math::Vec2;
+use kajo_color::Wavelengths;
 
 use super::{Appearance, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, OrenNayar, Phong};
@@ -24,20 +24,20 @@ impl Matte {
     /// * `color`: albedo; `roughness`: in [0, 1]
     pub fn new(color: impl Into<Paint>, roughness: impl Into<Share>) -> Matte {
         let (color, roughness) = (color.into(), roughness.into());
-        let constant = (!color.varies()).then(|| classic(&color, Vec2::ZERO));
+        let constant = (!color.varies()).then(|| classic(&color, &MaterialPoint::default()));
         Matte { color, roughness, constant }
     }
 }
 
 /// The classic model: roughness is nothing to it.
-fn classic(color: &Paint, uv: Vec2) -> Phong {
-    let diffuse = color.rgb(uv);
+fn classic(color: &Paint, at: &MaterialPoint) -> Phong {
+    let diffuse = at.tinted(color.rgb(at.uv), &Wavelengths::RGB);
     Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
 }
 
 impl Appearance for Matte {
     fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
-        self.constant.unwrap_or_else(|| classic(&self.color, at.uv))
+        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| classic(&self.color, at))
     }
 
     fn constant(&self) -> Option<&Phong> {
@@ -53,7 +53,7 @@ impl Appearance for Matte {
     }
 
     fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        let reflectance = self.color.at(at.place.uv, at.wavelengths);
+        let reflectance = at.place.tinted(self.color.at(at.place.uv, at.wavelengths), at.wavelengths);
         let roughness = self.roughness.at(at.place.uv);
         if roughness == 0.0 {
             return Bsdf::Lambert(Lambert::new(reflectance));

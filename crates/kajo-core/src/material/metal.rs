@@ -5,7 +5,7 @@
 //!
 //! Scene: `Metal { metal gold  roughness 0.3  anisotropy 0.8 }`
 
-use kajo_color::{Spectrum, metal};
+use kajo_color::{Spectrum, Wavelengths, metal};
 use kajo_math::{Vec2, Vec3};
 
 use super::{Appearance, Grain, MaterialPoint, Materials, Orientation, ShadingPoint};
@@ -46,7 +46,7 @@ impl Metal {
 
     /// With what is the same everywhere worked out.
     fn known(self) -> Metal {
-        let constant = (!self.varies()).then(|| self.classic(Vec2::ZERO));
+        let constant = (!self.varies()).then(|| self.classic(&MaterialPoint::default()));
         Metal { constant, ..self }
     }
 
@@ -61,18 +61,18 @@ impl Metal {
         self.grain.facets(self.shape, roughness * roughness, uv)
     }
 
-    fn classic(&self, uv: Vec2) -> Phong {
+    fn classic(&self, at: &MaterialPoint) -> Phong {
         let f0 = match &self.substance {
             Substance::Measured(metal) => Spectrum::from(Vec3::from(metal.rgb())),
-            Substance::Color(color) => color.rgb(uv),
+            Substance::Color(color) => at.tinted(color.rgb(at.uv), &Wavelengths::RGB),
         };
-        Phong { specular: f0, reflective: f0, exponent: self.facets(uv).exponent(), ..Phong::BLACK }
+        Phong { specular: f0, reflective: f0, exponent: self.facets(at.uv).exponent(), ..Phong::BLACK }
     }
 }
 
 impl Appearance for Metal {
     fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
-        self.constant.unwrap_or_else(|| self.classic(at.uv))
+        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.classic(at))
     }
 
     fn constant(&self) -> Option<&Phong> {
@@ -103,7 +103,8 @@ impl Appearance for Metal {
                 MetalFresnel::Complex { eta: eta * outside, k: k * outside }
             }
             Substance::Color(color) => {
-                MetalFresnel::Tinted { f0: color.at(at.place.uv, at.wavelengths), f82: Spectrum::WHITE }
+                let f0 = at.place.tinted(color.at(at.place.uv, at.wavelengths), at.wavelengths);
+                MetalFresnel::Tinted { f0, f82: Spectrum::WHITE }
             }
         };
         Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets(at.place.uv) })

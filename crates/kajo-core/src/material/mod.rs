@@ -25,7 +25,7 @@ use kajo_math::{Vec2, Vec3};
 
 use crate::bsdf::{Bsdf, Phong};
 use crate::family::family;
-use crate::texture::Textures;
+use crate::texture::{Textures, rgb_reflectance};
 
 /// Where on a surface a material is asked.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,6 +34,16 @@ pub struct MaterialPoint {
     pub p: Vec3,
     /// Surface coordinates, where pictures are looked up; of effect where [`Appearance::needs_uv`].
     pub uv: Vec2,
+    /// Linear RGB in [0, 1] that the base colour of the material is multiplied by: the colours at the corners of a mesh.
+    pub tint: Option<Vec3>,
+}
+
+impl MaterialPoint {
+    /// A base colour as it is here.
+    #[inline]
+    pub(crate) fn tinted(&self, color: Spectrum, wavelengths: &Wavelengths) -> Spectrum {
+        self.tint.map_or(color, |tint| color * rgb_reflectance(tint.to_array(), wavelengths))
+    }
 }
 
 /// Where a material is asked how it scatters.
@@ -177,3 +187,6 @@ family! {
         fn interior(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Option<Interior>;
     }
 }
+
+#[cfg(test)]
+mod tint_tests;

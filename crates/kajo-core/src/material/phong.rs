@@ -7,7 +7,7 @@
 //!
 //! Scene: `Material { diffuseColor 0.8 0.3 0.2  specularColor 1 1 1  exponent 32 }`
 
-use kajo_color::{Reflectance, Wavelengths};
+use kajo_color::{Reflectance, Spectrum, Wavelengths};
 
 use super::{Appearance, Interior, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, Phong, PhongLobes};
@@ -41,17 +41,29 @@ impl PhongMaterial {
         PhongMaterial { picture, ..self }
     }
 
-    /// What light is scattered by where there is a picture.
+    /// What light is scattered by where there is a picture or the mesh has colours.
     #[inline(never)]
-    fn painted(&self, picture: &PictureMap, at: &ShadingPoint<'_>) -> Bsdf {
+    fn painted(&self, at: &ShadingPoint<'_>) -> Bsdf {
         let [diffuse, specular, reflective, transparent] =
             self.colors.each_ref().map(|color| color.at(at.wavelengths));
-        let diffuse = diffuse * picture_reflectance(picture, at.place.uv, at.wavelengths);
+        let diffuse = self.as_painted(diffuse, &at.place, at.wavelengths);
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(diffuse));
         }
         let phong = Phong { diffuse, specular, reflective, transparent, ..self.phong };
         Bsdf::Phong(PhongLobes::from(&phong).within(at.eta_outside))
+    }
+
+    /// A diffuse or ambient colour where it differs from place to place.
+    fn as_painted(&self, color: Spectrum, at: &MaterialPoint, wavelengths: &Wavelengths) -> Spectrum {
+        let picture = self.picture.as_ref();
+        let color = picture.map_or(color, |map| color * picture_reflectance(map, at.uv, wavelengths));
+        at.tinted(color, wavelengths)
+    }
+
+    #[inline]
+    fn varies_at(&self, at: &MaterialPoint) -> bool {
+        self.picture.is_some() || at.tint.is_some()
     }
 }
 
@@ -65,9 +77,12 @@ impl From<Phong> for PhongMaterial {
 impl Appearance for PhongMaterial {
     #[inline]
     fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
-        let Some(picture) = &self.picture else { return self.phong };
-        let color = picture_reflectance(picture, at.uv, &Wavelengths::RGB);
-        Phong { ambient: self.phong.ambient * color, diffuse: self.phong.diffuse * color, ..self.phong }
+        if !self.varies_at(at) {
+            return self.phong;
+        }
+        let [ambient, diffuse] = [self.phong.ambient, self.phong.diffuse]
+            .map(|color| self.as_painted(color, at, &Wavelengths::RGB));
+        Phong { ambient, diffuse, ..self.phong }
     }
 
     #[inline]
@@ -85,8 +100,8 @@ impl Appearance for PhongMaterial {
 
     #[inline]
     fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        if let Some(picture) = &self.picture {
-            return self.painted(picture, at);
+        if self.varies_at(&at.place) {
+            return self.painted(at);
         }
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(self.colors[0].at(at.wavelengths)));
@@ -101,7 +116,7 @@ impl Appearance for PhongMaterial {
     }
 
     fn interior(&self, _: &Materials, _: &Textures, _: &ShadingPoint<'_>) -> Option<Interior> {
-        let absorption = kajo_color::Spectrum::BLACK;
+        let absorption = Spectrum::BLACK;
         let interior = Interior { eta: self.phong.eta, is_dispersive: false, absorption, priority: 0 };
         (!self.phong.transparent.is_black()).then_some(interior)
     }

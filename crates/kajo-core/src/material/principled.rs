@@ -7,7 +7,7 @@
 //!
 //! Scene: `Principled { color 0.8 0.1 0.05  roughness 0.3  coat 1 }`
 
-use kajo_color::{Reflectance, Spectrum, Unbounded};
+use kajo_color::{Reflectance, Spectrum, Unbounded, Wavelengths};
 use kajo_math::{Vec2, Vec3, fmath};
 
 use super::{
@@ -100,7 +100,7 @@ pub struct LayeredMaterial {
 
 impl From<Layers> for LayeredMaterial {
     fn from(layers: Layers) -> LayeredMaterial {
-        let constant = (!layers.vary()).then(|| layers.classic(Vec2::ZERO));
+        let constant = (!layers.vary()).then(|| layers.classic(&MaterialPoint::default()));
         let absorption = Unbounded::from_rgb(layers.absorption);
         LayeredMaterial { layers, absorption, look: None, constant }
     }
@@ -124,8 +124,9 @@ impl Layers {
             || self.grain.varies()
     }
 
-    fn classic(&self, uv: Vec2) -> Phong {
-        let color = self.color.rgb(uv);
+    fn classic(&self, at: &MaterialPoint) -> Phong {
+        let uv = at.uv;
+        let color = at.tinted(self.color.rgb(uv), &Wavelengths::RGB);
         let metal = self.metalness.at(uv);
         let glass = (1.0 - metal) * self.transmission.at(uv);
         let gloss = Spectrum::rgb(0.04, 0.04, 0.04) * (1.0 - metal);
@@ -146,10 +147,14 @@ impl Layers {
         self.grain.facets(Shape::Ggx, squared(&self.roughness, uv), uv)
     }
 
+    fn color_at(&self, at: &ShadingPoint<'_>) -> Spectrum {
+        at.place.tinted(self.color.at(at.place.uv, at.wavelengths), at.wavelengths)
+    }
+
     /// The glass of a thin surface.
     fn pane(&self, at: &ShadingPoint<'_>) -> ThinDielectric {
         let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
-        let optical_depth = self.color.at(at.place.uv, at.wavelengths).map(depth);
+        let optical_depth = self.color_at(at).map(depth);
         ThinDielectric { eta: self.eta / at.eta_outside, optical_depth }
     }
 
@@ -171,7 +176,7 @@ impl Appearance for LayeredMaterial {
         if let Some(look) = &self.look {
             return look.phong(materials, textures, at);
         }
-        self.constant.unwrap_or_else(|| self.layers.classic(at.uv))
+        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.layers.classic(at))
     }
 
     fn constant(&self) -> Option<&Phong> {
@@ -215,7 +220,7 @@ impl Appearance for LayeredMaterial {
         let facets = layers.facets(uv);
         Bsdf::Principled(Principled {
             base,
-            color: layers.color.at(uv, wavelengths),
+            color: layers.color_at(at),
             specular_color: layers.specular_color.at(uv, wavelengths),
             diffuse_roughness: layers.diffuse_roughness.at(uv),
             alpha: Vec2::new(facets.alpha_x, facets.alpha_y),

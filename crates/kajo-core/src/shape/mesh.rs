@@ -53,6 +53,7 @@ struct Parts {
     faces: Vec<[u32; 3]>,
     normals: Option<CornerValues<Vec3>>,
     uvs: Option<CornerValues<Vec2>>,
+    colors: Option<CornerValues<Vec3>>,
     material_slots: Option<Vec<u32>>,
     bvh: TriangleBvh,
     closed: bool,
@@ -69,6 +70,9 @@ pub struct MeshData {
     pub normals: Option<CornerValues<Vec3>>,
     /// Texture coordinates at the corners.
     pub uvs: Option<CornerValues<Vec2>>,
+    /// Linear RGB in [0, 1] at the corners, a factor of the base colour of the material; see
+    /// [`crate::material::MaterialPoint::tint`].
+    pub colors: Option<CornerValues<Vec3>>,
     /// The mesh's own material number of each triangle.
     pub material_slots: Option<Vec<u32>>,
 }
@@ -83,10 +87,10 @@ impl Mesh {
     ///
     /// When a face names a vertex that does not exist, or there are too many faces.
     pub fn new(data: MeshData, settings: &BuildSettings) -> Result<Mesh, BuildError> {
-        let MeshData { positions, faces, normals, uvs, material_slots } = data;
+        let MeshData { positions, faces, normals, uvs, colors, material_slots } = data;
         let bvh = TriangleBvh::build(&positions, &faces, settings)?;
         let closed = is_closed(&positions, &faces);
-        Ok(Mesh(Arc::new(Parts { positions, faces, normals, uvs, material_slots, bvh, closed })))
+        Ok(Mesh(Arc::new(Parts { positions, faces, normals, uvs, colors, material_slots, bvh, closed })))
     }
 
     /// Number of triangles given.
@@ -112,6 +116,18 @@ impl Mesh {
     /// The corners of a triangle.
     pub fn triangle(&self, face: u32) -> [Vec3; 3] {
         self.0.faces[face as usize].map(|i| self.0.positions[i as usize])
+    }
+
+    /// Whether the corners have colours.
+    pub fn has_colors(&self) -> bool {
+        self.0.colors.is_some()
+    }
+
+    /// Interpolated colour, linear RGB, if the mesh has colours there.
+    pub fn color_at(&self, hit: &Hit) -> Option<Vec3> {
+        let [a, b, c] = self.0.colors.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])?;
+        // Coordinates that are rounded may lie a little outside.
+        Some(((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).clamp(Vec3::ZERO, Vec3::ONE))
     }
 
     /// Texture coordinates at the corners of the triangle, if the mesh has them there.
@@ -210,6 +226,7 @@ impl Surface for Mesh {
             + size_of_val(&*self.0.faces)
             + self.0.normals.as_ref().map_or(0, CornerValues::bytes)
             + self.0.uvs.as_ref().map_or(0, CornerValues::bytes)
+            + self.0.colors.as_ref().map_or(0, CornerValues::bytes)
             + self.0.material_slots.as_ref().map_or(0, |s| size_of_val(&**s))
             + self.0.bvh.stats().bytes
     }

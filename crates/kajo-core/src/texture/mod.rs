@@ -12,8 +12,8 @@ pub use checker::Checker;
 pub use constant::Constant;
 pub use marble::Marble;
 pub use noise::Noise;
-pub(crate) use paint::picture_reflectance;
 pub use paint::{Channel, Paint, Share};
+pub(crate) use paint::{picture_reflectance, rgb_reflectance};
 pub use picture::{Encoding, Picture, PictureMap, TexelFilter, Wrap};
 pub use wood::Wood;
 

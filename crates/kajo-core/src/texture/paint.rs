@@ -47,6 +47,11 @@ impl Paint {
 /// The colour of a picture as a reflectance.
 pub(crate) fn picture_reflectance(map: &PictureMap, uv: Vec2, wavelengths: &Wavelengths) -> Spectrum {
     let [r, g, b, _] = map.at(uv);
+    rgb_reflectance([r, g, b], wavelengths)
+}
+
+/// Linear RGB in [0, 1] as a reflectance.
+pub(crate) fn rgb_reflectance([r, g, b]: [f32; 3], wavelengths: &Wavelengths) -> Spectrum {
     if wavelengths.is_spectral() {
         return RgbBasis::new(wavelengths).reflectance([r, g, b]);
     }

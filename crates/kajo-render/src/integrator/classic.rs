@@ -170,7 +170,7 @@ impl<'a> Classic<'a> {
             };
             let Scene { materials, textures, .. } = self.scene;
             let mixed;
-            let phong = match materials.constant(at.material) {
+            let phong = match self.scene.constant(at.material) {
                 Some(phong) => phong,
                 None => {
                     let place = self.scene.material_point(at);

@@ -103,6 +103,7 @@ pub(super) const BLOCKS: &[Block] = &[
             option("obj_file", File, "the same, by its older name"),
             SMOOTH,
             field("materials", Flag, "off", "in the materials of its own file"),
+            field("colors", Flag, "off", "tinted by the colours of its vertices"),
         ],
     ),
     block(
