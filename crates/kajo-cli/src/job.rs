@@ -107,7 +107,7 @@ impl Destination {
         let is_device = extension.is_none() && path.starts_with("/dev");
         let format = extension.and_then(|extension| Format::from_extension(&extension));
         format.or(is_device.then_some(Format::Png)).ok_or_else(|| {
-            let message = "its ending says no format; known are .png, .exr, .tga, .ppm, .pfm and .hdr";
+            let message = "its ending says no format; known are .png, .exr, .tga, .bmp, .ppm, .pfm and .hdr";
             Failure::Input(format!("cannot write `{}`: {message}", path.display()))
         })
     }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::io::Cursor;
 
-use ::image::codecs::{hdr::HdrEncoder, pnm, tga::TgaEncoder};
+use ::image::codecs::{bmp::BmpEncoder, hdr::HdrEncoder, pnm, tga::TgaEncoder};
 use ::image::error::UnsupportedErrorKind;
 use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Rgb};
 
@@ -21,6 +21,8 @@ pub enum Format {
     Exr,
     /// Truevision TGA, 8 bits.
     Tga,
+    /// Windows bitmap, 8 bits, without alpha when written.
+    Bmp,
     /// Portable pixmap or greymap, 8 bits when written.
     Ppm,
     /// Portable float map.
@@ -29,11 +31,13 @@ pub enum Format {
     Hdr,
     /// JPEG, which is read and not written: it keeps no pixel as it is.
     Jpeg,
+    /// WebP, which is read and not written.
+    WebP,
 }
 
 impl Format {
     /// All formats that are written.
-    pub const ALL: [Self; 6] = [Self::Png, Self::Exr, Self::Tga, Self::Ppm, Self::Pfm, Self::Hdr];
+    pub const ALL: [Self; 7] = [Self::Png, Self::Exr, Self::Tga, Self::Bmp, Self::Ppm, Self::Pfm, Self::Hdr];
 
     /// The format of files that end in `.extension`, in any case, of those that are written.
     pub fn from_extension(extension: &str) -> Option<Self> {
@@ -41,6 +45,7 @@ impl Format {
             "png" => Self::Png,
             "exr" => Self::Exr,
             "tga" => Self::Tga,
+            "bmp" | "dib" => Self::Bmp,
             "ppm" | "pgm" | "pbm" | "pnm" => Self::Ppm,
             "pfm" => Self::Pfm,
             "hdr" | "pic" | "rgbe" => Self::Hdr,
@@ -54,10 +59,12 @@ impl Format {
             Self::Png => "png",
             Self::Exr => "exr",
             Self::Tga => "tga",
+            Self::Bmp => "bmp",
             Self::Ppm => "ppm",
             Self::Pfm => "pfm",
             Self::Hdr => "hdr",
             Self::Jpeg => "jpg",
+            Self::WebP => "webp",
         }
     }
 
@@ -68,6 +75,9 @@ impl Format {
             [0x76, 0x2f, 0x31, 0x01, ..] => Self::Exr,
             [b'#', b'?', ..] => Self::Hdr,
             [0xff, 0xd8, 0xff, ..] => Self::Jpeg,
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Self::WebP,
+            // Six bytes on there are two zeros.
+            [b'B', b'M', _, _, _, _, 0, 0, ..] => Self::Bmp,
             [b'P', b'F' | b'f', ..] => Self::Pfm,
             [b'P', b'1'..=b'7', ..] => Self::Ppm,
             _ => return None,
@@ -86,10 +96,12 @@ impl fmt::Display for Format {
             Self::Png => "PNG",
             Self::Exr => "OpenEXR",
             Self::Tga => "TGA",
+            Self::Bmp => "BMP",
             Self::Ppm => "PPM",
             Self::Pfm => "PFM",
             Self::Hdr => "Radiance HDR",
             Self::Jpeg => "JPEG",
+            Self::WebP => "WebP",
         })
     }
 }
@@ -158,10 +170,11 @@ pub fn encode(image: &Image, format: Format, options: &EncodeOptions) -> Result<
             attributes: options.text.clone(),
         }),
         Format::Tga => encode_tga(&*opaque(image, options)?, options),
+        Format::Bmp => encode_bmp(image, options),
         Format::Ppm => encode_ppm(image, options),
         Format::Pfm => pfm::encode(image),
         Format::Hdr => encode_hdr(image),
-        Format::Jpeg => Err(ImageError::parameter("JPEG is read, not written")),
+        Format::Jpeg | Format::WebP => Err(ImageError::parameter(format!("{format} is read, not written"))),
     }
 }
 
@@ -183,6 +196,8 @@ pub fn decode(bytes: &[u8], hint: Option<Format>, limits: &DecodeLimits) -> Resu
             Ok(Decoded { format, image: picture.main_image()?, depth: None, text: picture.attributes })
         }
         Format::Tga => decode_with(bytes, format, ::image::ImageFormat::Tga, limits),
+        Format::Bmp => decode_with(bytes, format, ::image::ImageFormat::Bmp, limits),
+        Format::WebP => decode_with(bytes, format, ::image::ImageFormat::WebP, limits),
         Format::Ppm => decode_with(bytes, format, ::image::ImageFormat::Pnm, limits),
         Format::Hdr => decode_with(bytes, format, ::image::ImageFormat::Hdr, limits),
         Format::Jpeg => decode_with(bytes, format, ::image::ImageFormat::Jpeg, limits),
@@ -207,6 +222,18 @@ fn encode_tga(image: &Image, options: &EncodeOptions) -> Result<Vec<u8>, ImageEr
     let mut bytes = Vec::new();
     TgaEncoder::new(&mut bytes)
         .write_image(&options.bytes(image), image.width(), image.height(), colour)
+        .map_err(ImageError::parameter)?;
+    Ok(bytes)
+}
+
+fn encode_bmp(image: &Image, options: &EncodeOptions) -> Result<Vec<u8>, ImageError> {
+    // Few programs understand an alpha channel in these files.
+    let (channels, colour) =
+        if image.channels() < 3 { (1, ExtendedColorType::L8) } else { (3, ExtendedColorType::Rgb8) };
+    let samples = options.bytes(&image.with_channels(channels)?);
+    let mut bytes = Vec::new();
+    BmpEncoder::new(&mut bytes)
+        .encode(&samples, image.width(), image.height(), colour)
         .map_err(ImageError::parameter)?;
     Ok(bytes)
 }
@@ -359,18 +386,41 @@ mod tests {
         assert!(matches!(decode(&jpeg(), None, &small), Err(ImageError::Limit { .. })));
     }
 
+    /// Three by two colours, some of which are seen through, as WebP without loss.
+    fn webp() -> Vec<u8> {
+        let samples: Vec<u8> = (0..6u8).flat_map(|i| [40 * i, 255 - i, 7, 255 - 50 * i]).collect();
+        let mut bytes = Vec::new();
+        ::image::codecs::webp::WebPEncoder::new_lossless(&mut bytes)
+            .encode(&samples, 3, 2, ExtendedColorType::Rgba8)
+            .unwrap();
+        bytes
+    }
+
     #[test]
-    fn damaged_jpeg_files_end_in_an_error_or_a_picture() {
-        let whole = jpeg();
-        for i in 0..whole.len() {
-            let _ = decode(&whole[..i], Some(Format::Jpeg), &DecodeLimits::default());
-            for value in [0x00, 0x7f, 0xff, whole[i] ^ 0x10] {
-                let mut damaged = whole.clone();
-                damaged[i] = value;
-                if let Ok(read) =
-                    decode(&damaged, Some(Format::Jpeg), &DecodeLimits { max_side: 4096, max_bytes: 1 << 26 })
-                {
-                    assert!(read.image.data().iter().all(|v| (0.0..=1.0).contains(v)));
+    fn webp_is_read_and_not_written() {
+        let decoded = decode(&webp(), None, &DecodeLimits::default()).unwrap();
+        assert_eq!((decoded.format, decoded.depth), (Format::WebP, Some(BitDepth::Eight)));
+        let image = decoded.image;
+        assert_eq!((image.width(), image.height(), image.channels()), (3, 2, 4));
+        let expected = [160.0, 251.0, 7.0, 55.0].map(|v: f32| v / 255.0);
+        assert_eq!(image.data()[4 * 4..5 * 4], expected);
+        let refused = encode(&picture::<3>(), Format::WebP, &EncodeOptions::default());
+        assert!(matches!(refused, Err(ImageError::Parameter(_))));
+    }
+
+    #[test]
+    fn damaged_files_end_in_an_error_or_a_picture() {
+        let bmp = encode(&picture::<3>(), Format::Bmp, &EncodeOptions::default()).unwrap();
+        let limits = DecodeLimits { max_side: 4096, max_bytes: 1 << 26 };
+        for (format, whole) in [(Format::Jpeg, jpeg()), (Format::WebP, webp()), (Format::Bmp, bmp)] {
+            for i in 0..whole.len() {
+                let _ = decode(&whole[..i], Some(format), &limits);
+                for value in [0x00, 0x7f, 0xff, whole[i] ^ 0x10] {
+                    let mut damaged = whole.clone();
+                    damaged[i] = value;
+                    if let Ok(read) = decode(&damaged, Some(format), &limits) {
+                        assert!(read.image.data().iter().all(|v| (0.0..=1.0).contains(v)));
+                    }
                 }
             }
         }
@@ -393,17 +443,20 @@ mod tests {
     #[test]
     fn whole_numbers_round_trip() {
         let options = EncodeOptions::default();
-        for format in [Format::Png, Format::Tga, Format::Ppm] {
-            assert_eq!(round_trip(&picture::<1>(), format, &options).image, picture::<1>(), "{format}");
+        for format in [Format::Png, Format::Tga, Format::Bmp, Format::Ppm] {
+            let grey = round_trip(&picture::<1>(), format, &options).image;
+            // A bitmap's greys are a palette.
+            let channels = if format == Format::Bmp { 3 } else { 1 };
+            assert_eq!(grey, picture::<1>().with_channels(channels).unwrap(), "{format}");
             assert_eq!(round_trip(&picture::<3>(), format, &options).image, picture::<3>(), "{format}");
         }
         for format in [Format::Png, Format::Tga] {
             assert_eq!(round_trip(&picture::<4>(), format, &options).image, picture::<4>(), "{format}");
         }
-        assert_eq!(
-            round_trip(&picture::<4>(), Format::Ppm, &options).image,
-            picture::<4>().with_channels(3).unwrap()
-        );
+        for format in [Format::Bmp, Format::Ppm] {
+            let opaque = picture::<4>().with_channels(3).unwrap();
+            assert_eq!(round_trip(&picture::<4>(), format, &options).image, opaque, "{format}");
+        }
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub enum ImageError {
         reason: String,
     },
     /// The bytes belong to no format this crate reads.
-    #[error("not a picture of a known format (PNG, OpenEXR, PFM, PPM, TGA or Radiance HDR)")]
+    #[error("not a picture of a known format (PNG, JPEG, OpenEXR, TGA, BMP, WebP, PPM, PFM or Radiance HDR)")]
     UnknownFormat,
     /// The file may be valid, but asks for something this crate lacks.
     #[error("this {format} picture is not supported: {feature}")]

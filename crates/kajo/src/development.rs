@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! linear   = balance · 2^stops · light
-//! display  = tone(linear)                 PNG, TGA, PPM
+//! display  = tone(linear)                 PNG, TGA, BMP, PPM
 //! file     = gamut · linear               EXR, PFM, HDR
 //! ```
 //!

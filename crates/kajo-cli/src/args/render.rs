@@ -19,7 +19,7 @@ use crate::job::{Destination, Job, Output};
 pub struct RenderArgs {
     /// Scene file
     pub scene: PathBuf,
-    /// The picture; its ending is the format: png, exr, tga, ppm, pfm or hdr. `-` is PNG to standard output.
+    /// The picture; its ending is the format: png, exr, tga, bmp, ppm, pfm or hdr. `-` is PNG to standard output.
     /// By default a PNG beside the scene
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,

@@ -30,10 +30,10 @@ use crate::texture::{Channel, Encoding, Paint, Picture, PictureMap, Share, Texel
 pub(super) type PictureCache = HashMap<(String, Option<Encoding>), Option<Arc<Picture>>>;
 
 /// Endings of pictures that people have and this program does not read.
-const FOREIGN: [&str; 6] = ["bmp", "dds", "gif", "tif", "tiff", "webp"];
+const FOREIGN: [&str; 7] = ["avif", "dds", "gif", "ktx", "ktx2", "tif", "tiff"];
 
 /// Endings of pictures that are read and not written.
-const READ_ONLY: [&str; 2] = ["jpeg", "jpg"];
+const READ_ONLY: [&str; 3] = ["jpeg", "jpg", "webp"];
 
 /// Reads pictures, each once.
 pub(super) struct PictureReader<'a> {

@@ -45,7 +45,7 @@ impl Purpose {
     fn endings(self) -> &'static [&'static str] {
         match self {
             Purpose::OpenScene | Purpose::SaveScene => &["txt", "kajo"],
-            Purpose::Export | Purpose::Turntable => &["png", "exr", "tga", "ppm", "pfm", "hdr", "jpg"],
+            Purpose::Export | Purpose::Turntable => &["png", "exr", "tga", "bmp", "ppm", "pfm", "hdr", "jpg"],
         }
     }
 
