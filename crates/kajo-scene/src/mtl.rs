@@ -1,10 +1,16 @@
 //! Wavefront MTL: the materials that OBJ files name.
 //!
-//! Colours and numbers are read with their places checked; maps are kept as
-//! file names; what is not known is counted.
+//! ```text
+//! newmtl NAME     Kd r g b     Ns e     d o     map_Kd [OPTIONS] FILE     ...
+//! Pr 0.3   Pm 1   Pc 0.5   Pcr 0.1   Ps 0.2   aniso 0.8   anisor 0.25
+//! ```
+//!
+//! Colours and numbers are read with their places checked; the case of keywords means nothing. What is not read is
+//! named with its line in [`MtlFile::skipped`].
 
 use crate::limits::Limits;
 use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
+use crate::skipped::Skipped;
 use std::io::Read;
 
 /// One `newmtl`; what the file does not say is `None`.
@@ -30,8 +36,66 @@ pub struct MtlMaterial {
     pub opacity: Option<f32>,
     /// `illum`, the number of the lighting model.
     pub illumination: Option<u32>,
-    /// Texture statements in order, such as `("map_Kd", "wood.png")`; their options are left out.
-    pub maps: Vec<(String, String)>,
+    /// `Pr`, roughness.
+    pub roughness: Option<f32>,
+    /// `Pm`, metalness.
+    pub metalness: Option<f32>,
+    /// `Ps`, sheen.
+    pub sheen: Option<f32>,
+    /// `Pc`, varnish.
+    pub coat: Option<f32>,
+    /// `Pcr`, roughness of the varnish.
+    pub coat_roughness: Option<f32>,
+    /// `aniso`, how far highlights are drawn out.
+    pub anisotropy: Option<f32>,
+    /// `anisor`, which way, in turns.
+    pub anisotropy_rotation: Option<f32>,
+    /// Pictures in the order of the file.
+    pub maps: Vec<MtlMap>,
+}
+
+/// What a picture is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MtlMapUse {
+    /// `map_Kd`.
+    Diffuse,
+    /// `map_Ke`.
+    Emission,
+    /// `map_d`.
+    Opacity,
+    /// `norm`.
+    Normals,
+    /// `bump` or `map_Bump`.
+    Bump,
+    /// `map_Pr`.
+    Roughness,
+    /// `map_Pm`.
+    Metalness,
+    /// `map_Ps`.
+    Sheen,
+    /// `map_Pc`.
+    Coat,
+    /// `map_Pcr`.
+    CoatRoughness,
+}
+
+/// A picture of a material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MtlMap {
+    /// What it is for.
+    pub shows: MtlMapUse,
+    /// As written, back slashes included.
+    pub file: String,
+    /// `-s`: how often it fits into the unit square, across and up.
+    pub repeat: [f32; 2],
+    /// `-o`: by how much of itself it is moved, to the left and down.
+    pub offset: [f32; 2],
+    /// `-clamp on`: its last row and column go on beside it.
+    pub clamps: bool,
+    /// `-bm`: factor of a relief.
+    pub bump: f32,
+    /// `-imfchan`: 0 for red, 1 green, 2 blue, 3 for what it covers.
+    pub channel: Option<u8>,
 }
 
 /// The materials of a file.
@@ -39,8 +103,15 @@ pub struct MtlMaterial {
 pub struct MtlFile {
     /// In the order of the file. Names may repeat; the last one counts.
     pub materials: Vec<MtlMaterial>,
-    /// Statements that are not known, or stand before the first `newmtl`.
-    pub unknown: usize,
+    /// What is not read.
+    pub skipped: Skipped,
+}
+
+impl MtlMaterial {
+    /// The last picture that is for this.
+    pub fn map(&self, shows: MtlMapUse) -> Option<&MtlMap> {
+        self.maps.iter().rev().find(|map| map.shows == shows)
+    }
 }
 
 /// Reads an MTL file; `path` is its name in messages.
@@ -59,7 +130,7 @@ pub fn read_mtl(reader: impl Read, path: &str, limits: &Limits) -> Result<MtlFil
     while let Some(line) = lines.next_line()? {
         let mut fields = line.fields();
         let Some(keyword) = fields.next() else { continue };
-        if keyword.bytes == b"newmtl" {
+        if keyword.bytes.eq_ignore_ascii_case(b"newmtl") {
             if file.materials.len() >= limits.materials {
                 let message = format!("the file has more than {} materials", limits.materials);
                 return Err(line.mistake(path, keyword, message));
@@ -67,12 +138,12 @@ pub fn read_mtl(reader: impl Read, path: &str, limits: &Limits) -> Result<MtlFil
             file.materials.push(MtlMaterial { name: text(fields.rest()), ..MtlMaterial::default() });
             continue;
         }
-        let statement = Statement { path, line, keyword, fields };
-        let known = match file.materials.last_mut() {
-            Some(material) => statement.apply(material)?,
-            None => false,
+        let Some(material) = file.materials.last_mut() else {
+            file.skipped.add("what stands before the first `newmtl`", line.number);
+            continue;
         };
-        file.unknown += usize::from(!known);
+        let statement = Statement { path, line, keyword, fields, skipped: &mut file.skipped };
+        statement.apply(material)?;
     }
     Ok(file)
 }
@@ -82,32 +153,51 @@ struct Statement<'a, 'b> {
     line: Line<'b>,
     keyword: Field<'b>,
     fields: Fields<'b>,
+    skipped: &'a mut Skipped,
 }
 
 impl Statement<'_, '_> {
-    /// Whether the statement is known.
-    fn apply(mut self, material: &mut MtlMaterial) -> Result<bool, MeshFileError> {
-        match self.keyword.bytes {
-            b"Ka" => material.ambient = self.color()?,
-            b"Kd" => material.diffuse = self.color()?,
-            b"Ks" => material.specular = self.color()?,
-            b"Ke" => material.emission = self.color()?,
-            b"Tf" => material.transmission = self.color()?,
-            b"Ns" => material.exponent = Some(self.number()?),
-            b"Ni" => material.index_of_refraction = Some(self.number()?),
+    fn apply(mut self, material: &mut MtlMaterial) -> Result<(), MeshFileError> {
+        match self.keyword.bytes.to_ascii_lowercase().as_slice() {
+            b"ka" => material.ambient = self.color()?,
+            b"kd" => material.diffuse = self.color()?,
+            b"ks" => material.specular = self.color()?,
+            b"ke" => material.emission = self.color()?,
+            b"tf" => material.transmission = self.color()?,
+            b"ns" => material.exponent = Some(self.number()?),
+            b"ni" => material.index_of_refraction = Some(self.number()?),
             b"d" => material.opacity = Some(self.opacity()?),
-            b"Tr" => material.opacity = Some(1.0 - self.number()?),
+            b"tr" => material.opacity = Some(1.0 - self.number()?),
             b"illum" => material.illumination = Some(self.number()? as u32),
-            b"bump" | b"disp" | b"decal" | b"norm" | b"refl" => self.map(material),
-            keyword if keyword.starts_with(b"map_") => self.map(material),
-            _ => return Ok(false),
+            b"pr" => material.roughness = Some(self.number()?),
+            b"pm" => material.metalness = Some(self.number()?),
+            b"ps" => material.sheen = Some(self.number()?),
+            b"pc" => material.coat = Some(self.number()?),
+            b"pcr" => material.coat_roughness = Some(self.number()?),
+            b"aniso" => material.anisotropy = Some(self.number()?),
+            b"anisor" => material.anisotropy_rotation = Some(self.number()?),
+            b"map_kd" => self.map(material, MtlMapUse::Diffuse),
+            b"map_ke" => self.map(material, MtlMapUse::Emission),
+            b"map_d" => self.map(material, MtlMapUse::Opacity),
+            b"norm" | b"map_norm" => self.map(material, MtlMapUse::Normals),
+            b"bump" | b"map_bump" => self.map(material, MtlMapUse::Bump),
+            b"map_pr" => self.map(material, MtlMapUse::Roughness),
+            b"map_pm" => self.map(material, MtlMapUse::Metalness),
+            b"map_ps" => self.map(material, MtlMapUse::Sheen),
+            b"map_pc" => self.map(material, MtlMapUse::Coat),
+            b"map_pcr" => self.map(material, MtlMapUse::CoatRoughness),
+            _ => self.skipped.word(self.keyword.bytes, self.line.number),
         }
-        Ok(true)
+        Ok(())
     }
 
     /// Three numbers, or one for all three; `None` for the forms `spectral` and `xyz`.
     fn color(&mut self) -> Result<Option<[f32; 3]>, MeshFileError> {
-        if matches!(self.fields.clone().next(), Some(Field { bytes: b"spectral" | b"xyz", .. })) {
+        if let Some(form) = self.fields.clone().next()
+            && matches!(form.bytes, b"spectral" | b"xyz")
+        {
+            let what = format!("`{} {}`", text(self.keyword), text(form));
+            self.skipped.add(&what, self.line.number);
             return Ok(None);
         }
         let red = self.number()?;
@@ -119,8 +209,9 @@ impl Statement<'_, '_> {
 
     /// A number, after `-halo` if that is there.
     fn opacity(&mut self) -> Result<f32, MeshFileError> {
-        if matches!(self.fields.clone().next(), Some(Field { bytes: b"-halo", .. })) {
+        if let Some(option) = self.fields.clone().next().filter(|field| field.bytes == b"-halo") {
             self.fields.next();
+            self.skipped.word(option.bytes, self.line.number);
         }
         self.number()
     }
@@ -137,28 +228,73 @@ impl Statement<'_, '_> {
         })
     }
 
-    fn map(self, material: &mut MtlMaterial) {
-        let file = text(without_options(self.fields).rest());
-        if !file.is_empty() {
-            material.maps.push((text(self.keyword), file));
+    fn map(mut self, material: &mut MtlMaterial, shows: MtlMapUse) {
+        let mut map = MtlMap {
+            shows,
+            file: String::new(),
+            repeat: [1.0; 2],
+            offset: [0.0; 2],
+            clamps: false,
+            bump: 1.0,
+            channel: None,
+        };
+        while let Some(option) = self.fields.clone().next().filter(|field| field.bytes.starts_with(b"-")) {
+            self.fields.next();
+            self.option(option, &mut map);
+        }
+        map.file = text(self.fields.rest());
+        if !map.file.is_empty() {
+            material.maps.push(map);
         }
     }
-}
 
-/// What follows the options of a texture statement, such as `-s 1 1 1 -clamp on`.
-fn without_options(mut fields: Fields<'_>) -> Fields<'_> {
-    while let Some(option) = fields.clone().next().filter(|field| field.bytes.starts_with(b"-")) {
-        fields.next();
-        if matches!(option.bytes, b"-imfchan" | b"-type") {
-            fields.next();
-            continue;
-        }
-        let is_value = |field: Field<'_>| matches!(field.bytes, b"on" | b"off") || field.float().is_some();
-        while fields.clone().next().is_some_and(is_value) {
-            fields.next();
+    /// An option of a picture with its values.
+    fn option(&mut self, option: Field<'_>, map: &mut MtlMap) {
+        match option.bytes {
+            b"-s" => map.repeat = self.pair(1.0).map(|v| if v == 0.0 { 1.0 } else { v }),
+            b"-o" => map.offset = self.pair(0.0),
+            b"-bm" => map.bump = self.values::<1>()[0].unwrap_or(1.0),
+            b"-clamp" => map.clamps = self.word() == b"on",
+            b"-imfchan" => {
+                let channels = [&b"r"[..], b"g", b"b", b"m"];
+                let named = self.word();
+                map.channel = channels.iter().position(|&name| name == named).map(|i| i as u8);
+                if map.channel.is_none() {
+                    self.skipped.word(option.bytes, self.line.number);
+                }
+            }
+            _ => {
+                match option.bytes {
+                    b"-blendu" | b"-blendv" | b"-cc" | b"-type" => drop(self.word()),
+                    _ => drop(self.values::<3>()),
+                }
+                self.skipped.word(option.bytes, self.line.number);
+            }
         }
     }
-    fields
+
+    fn word(&mut self) -> &[u8] {
+        self.fields.next().map_or(b"", |field| field.bytes)
+    }
+
+    /// The first two of up to three numbers.
+    fn pair(&mut self, default: f32) -> [f32; 2] {
+        let [u, v, _] = self.values::<3>();
+        [u.unwrap_or(default), v.unwrap_or(default)]
+    }
+
+    /// As many finite numbers as come next, at most `N`.
+    fn values<const N: usize>(&mut self) -> [Option<f32>; N] {
+        let mut values = [None; N];
+        for value in &mut values {
+            *value = self.fields.clone().next().and_then(Field::float).filter(|x| x.is_finite());
+            if value.is_none() {
+                break;
+            }
+            self.fields.next();
+        }
+        values
+    }
 }
 
 fn text(field: Field<'_>) -> String {
@@ -166,56 +302,4 @@ fn text(field: Field<'_>) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn read(text: &str) -> Result<MtlFile, String> {
-        read_mtl(text.as_bytes(), "m.mtl", &Limits::default()).map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn every_statement_reaches_its_field() {
-        let text = "newmtl red paint # x\nKa 1 2 3\nKd 0.5\nKs 4 5 6\nKe 7 8 9\nTf 1 0 1\nNs 10\nNi 1.5\n\
-                    Tr 0.25\nillum 2\nmap_Kd -s 1 1 1 -clamp on -imfchan r my wood.png\nbump -bm 0.5 b.png\n\
-                    newmtl glass\nTr 0.9\nd -halo 0.5\nKd spectral a.rfl\n";
-        let file = read(text).unwrap();
-        let red = MtlMaterial {
-            name: "red paint # x".to_owned(),
-            ambient: Some([1., 2., 3.]),
-            diffuse: Some([0.5; 3]),
-            specular: Some([4., 5., 6.]),
-            emission: Some([7., 8., 9.]),
-            transmission: Some([1., 0., 1.]),
-            exponent: Some(10.0),
-            index_of_refraction: Some(1.5),
-            opacity: Some(0.75),
-            illumination: Some(2),
-            maps: vec![
-                ("map_Kd".to_owned(), "my wood.png".to_owned()),
-                ("bump".to_owned(), "b.png".to_owned()),
-            ],
-        };
-        let glass = MtlMaterial { name: "glass".to_owned(), opacity: Some(0.5), ..MtlMaterial::default() };
-        assert_eq!(file, MtlFile { materials: vec![red, glass], unknown: 0 });
-    }
-
-    #[test]
-    fn unknown_and_early_statements_are_counted() {
-        let file = read("Kd 1 1 1\nnewmtl a\nsharpness 3\nhello\n").unwrap();
-        assert_eq!((file.materials.len(), file.unknown), (1, 3));
-    }
-
-    #[test]
-    fn mistakes_have_line_column_and_reason() {
-        for (text, expected) in [
-            ("newmtl a\nKd 1 2\n", "m.mtl:2:7: expected a number after `Kd`, found the end of the line"),
-            ("newmtl a\nNs x\n", "m.mtl:2:4: expected a finite number after `Ns`, found `x`"),
-            ("newmtl a\nKe 1 nan 0\n", "m.mtl:2:6: expected a finite number after `Ke`, found `nan`"),
-            ("newmtl a\nd 1e99\n", "m.mtl:2:3: expected a finite number after `d`, found `1e99`"),
-        ] {
-            assert_eq!(read(text).unwrap_err(), expected);
-        }
-        let limits = Limits { materials: 1, ..Limits::default() };
-        assert!(read_mtl(&b"newmtl a\nnewmtl b\n"[..], "m", &limits).is_err());
-    }
-}
+mod tests;

@@ -1,7 +1,7 @@
-//! Wavefront OBJ meshes: triangles with optional normals, texture coordinates and materials.
+//! Wavefront OBJ meshes: triangles with optional normals, texture coordinates, colours and materials.
 //!
 //! ```text
-//! v x y z [...]     vt u [v [w]]     vn x y z     usemtl NAME     mtllib FILE...
+//! v x y z [r g b]   vt u [v [w]]     vn x y z     usemtl NAME     mtllib FILE...
 //! f a b c ...       f a/t ...        f a//n ...   f a/t/n ...     1 is the first, -1 the latest
 //! ```
 //!
@@ -11,7 +11,10 @@
 //!
 //! A file may be used in spite of small faults: triangles with a vertex that is
 //! not finite are left out, statements that describe no triangles are skipped,
-//! and [`MeshReport`] counts both.
+//! and [`MeshReport`] tells of both. Names of groups and smoothing groups change nothing.
+//!
+//! Colours behind the coordinates are values for a screen, as programs write them, from 0 to 1; if any is larger, from
+//! 0 to 255. Vertices without one are white.
 
 use crate::limits::Limits;
 use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
@@ -65,6 +68,9 @@ impl List {
         }
     }
 }
+
+/// The colour of a vertex that has none.
+const WHITE: [f32; 3] = [1.0; 3];
 
 /// A corner of a face: its index in each [`List`], or [`NO_INDEX`].
 type Corner = [u32; 3];
@@ -134,17 +140,9 @@ impl<'l> Builder<'l> {
                 self.library(fields);
                 Ok(())
             }
-            b"o" | b"g" | b"s" | b"mg" | b"lod" | b"usemap" | b"maplib" => Ok(()),
-            b"l" | b"p" => {
-                self.report.lines_and_points += 1;
-                Ok(())
-            }
-            _ => {
-                self.report.unknown += 1;
-                if self.report.first_unknown.is_none() {
-                    let word = String::from_utf8_lossy(keyword.bytes).chars().take(40).collect();
-                    self.report.first_unknown = Some((word, line.number));
-                }
+            b"o" | b"g" | b"s" => Ok(()),
+            word => {
+                self.report.skipped.word(word, line.number);
                 Ok(())
             }
         }
@@ -154,11 +152,18 @@ impl<'l> Builder<'l> {
         &mut self,
         line: Line<'_>,
         keyword: Field<'_>,
-        fields: Fields<'_>,
+        mut fields: Fields<'_>,
     ) -> Result<(), MeshFileError> {
-        let position = self.floats::<3>(line, keyword, fields, 3)?;
+        let position = self.floats::<3>(line, keyword, &mut fields, 3)?;
         self.not_finite |= !position.iter().all(|x| x.is_finite());
         self.check_room(line, keyword, List::Vertex, self.mesh.positions.len())?;
+        // One more number is a weight, and a fourth of a colour an opacity.
+        if fields.clone().nth(2).is_some() {
+            let color = self.floats::<3>(line, keyword, &mut fields, 3)?;
+            let color = self.report.finite_or_zero(color);
+            self.mesh.colors.resize(self.mesh.positions.len(), WHITE);
+            self.mesh.colors.push(color);
+        }
         self.mesh.positions.push(position);
         Ok(())
     }
@@ -167,30 +172,34 @@ impl<'l> Builder<'l> {
         &mut self,
         line: Line<'_>,
         keyword: Field<'_>,
-        fields: Fields<'_>,
+        mut fields: Fields<'_>,
     ) -> Result<(), MeshFileError> {
-        let normal = self.floats::<3>(line, keyword, fields, 3)?;
+        let normal = self.floats::<3>(line, keyword, &mut fields, 3)?;
         self.check_room(line, keyword, List::Normal, self.mesh.normals.len())?;
         let normal = self.report.finite_or_zero(normal);
         self.mesh.normals.push(normal);
         Ok(())
     }
 
-    fn uv(&mut self, line: Line<'_>, keyword: Field<'_>, fields: Fields<'_>) -> Result<(), MeshFileError> {
-        let uv = self.floats::<2>(line, keyword, fields, 1)?;
+    fn uv(
+        &mut self,
+        line: Line<'_>,
+        keyword: Field<'_>,
+        mut fields: Fields<'_>,
+    ) -> Result<(), MeshFileError> {
+        let uv = self.floats::<2>(line, keyword, &mut fields, 1)?;
         self.check_room(line, keyword, List::Uv, self.mesh.uvs.len())?;
         let uv = self.report.finite_or_zero(uv);
         self.mesh.uvs.push(uv);
         Ok(())
     }
 
-    /// The first `N` numbers; at least `least` must be there, others are zero.
-    /// Further fields, such as weights and colours, mean nothing here.
+    /// The next `N` numbers; at least `least` must be there, others are zero.
     fn floats<const N: usize>(
         &self,
         line: Line<'_>,
         keyword: Field<'_>,
-        mut fields: Fields<'_>,
+        fields: &mut Fields<'_>,
         least: usize,
     ) -> Result<[f32; N], MeshFileError> {
         let mut out = [0.0; N];
@@ -414,7 +423,21 @@ impl<'l> Builder<'l> {
         if self.not_finite {
             self.report.dropped = self.mesh.drop_not_finite();
         }
+        self.settle_colors();
         Ok((self.mesh, self.report))
+    }
+
+    /// Brings the colours into [0, 1], and gives one to each vertex if there are any.
+    fn settle_colors(&mut self) {
+        let TriMesh { colors, positions, .. } = &mut self.mesh;
+        if colors.is_empty() {
+            return;
+        }
+        let most = if colors.as_flattened().iter().any(|&v| v > 1.0) { 255.0 } else { 1.0 };
+        colors.as_flattened_mut().iter_mut().for_each(|v| *v = (*v / most).clamp(0.0, 1.0));
+        colors.resize(positions.len(), WHITE);
+        self.mesh.colors_are_srgb = true;
+        self.mesh.face_colors = Corners::Vertices;
     }
 
     /// Replaces the fan that stood in for a polygon.

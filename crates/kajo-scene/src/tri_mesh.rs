@@ -1,5 +1,7 @@
 //! What every reader of mesh files makes: triangles with optional attributes.
 
+use crate::skipped::Skipped;
+
 /// Stands for "none" among the indices of a [`TriMesh`].
 pub const NO_INDEX: u32 = u32::MAX;
 
@@ -52,14 +54,10 @@ pub struct MeshReport {
     pub polygons: usize,
     /// Triangles left out for a vertex that is not finite.
     pub dropped: usize,
-    /// Normals and texture coordinates replaced by zero because they are not finite.
+    /// Normals, texture coordinates and colours replaced by zero because they are not finite.
     pub zeroed: usize,
-    /// Lines and points.
-    pub lines_and_points: usize,
-    /// Statements that are not known, or describe curves.
-    pub unknown: usize,
-    /// The first of those, with its line.
-    pub first_unknown: Option<(String, usize)>,
+    /// Statements that are not read: those of lines, points and curves, and unknown ones.
+    pub skipped: Skipped,
     /// What else the file has and nobody uses, one sentence each.
     pub left_out: Vec<String>,
 }
@@ -109,19 +107,11 @@ impl MeshReport {
         }
         if self.zeroed > 0 {
             list.push(format!(
-                "{} normals or texture coordinates are not finite; they were ignored",
+                "{} normals, texture coordinates or colours are not finite; they were ignored",
                 self.zeroed
             ));
         }
-        if self.lines_and_points > 0 {
-            list.push(format!("{} lines or points were skipped: only faces are read", self.lines_and_points));
-        }
-        if let Some((word, line)) = &self.first_unknown {
-            list.push(format!(
-                "{} unknown statements were skipped, the first `{word}` in line {line}",
-                self.unknown
-            ));
-        }
+        list.extend(self.skipped.sentences());
         list.extend(self.left_out.iter().cloned());
         list
     }

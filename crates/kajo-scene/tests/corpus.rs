@@ -60,8 +60,13 @@ fn check_mesh(result: Result<(TriMesh, MeshReport), MeshFileError>) {
         Ok((mesh, _)) => {
             let finite = |v: u32| mesh.positions[v as usize].iter().all(|x| x.is_finite());
             assert!(mesh.faces.iter().flatten().all(|&v| finite(v)));
-            for (corners, len) in [(&mesh.face_normals, mesh.normals.len()), (&mesh.face_uvs, mesh.uvs.len())]
-            {
+            let of_corners = [
+                (&mesh.face_normals, mesh.normals.len()),
+                (&mesh.face_uvs, mesh.uvs.len()),
+                (&mesh.face_colors, mesh.colors.len()),
+            ];
+            assert!(mesh.colors.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)));
+            for (corners, len) in of_corners {
                 match corners {
                     Corners::Absent => {}
                     Corners::Vertices => assert_eq!(len, mesh.positions.len()),

@@ -4,23 +4,15 @@
 
 use std::collections::HashMap;
 
-use kajo_color::{Emission, Spectrum, srgb};
+use kajo_color::srgb;
 use kajo_math::{Vec2, Vec3};
-use kajo_scene::{
-    Args, AssetFile, Corners, Diagnostic, Item, LoadStep, MtlMaterial, Params, Span, TriMesh, read_mesh,
-    read_mtl,
-};
+use kajo_scene::{Args, AssetFile, Corners, Diagnostic, Item, LoadStep, Params, Span, TriMesh, read_mesh};
 
 use super::Compiler;
-use super::emitters::Glow;
-use super::materials::absorption_of;
 use super::mesh_store::{Kept, StoreKey};
 use super::pictures::{PictureReader, ReadPicture};
-use crate::bsdf::Phong;
-use crate::family::Pooled;
-use crate::material::{Embossed, PhongMaterial, Relief};
-use crate::shape::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, ShapeId, vertex_normals};
-use crate::texture::{Channel, Encoding, PictureMap, Share};
+use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, vertex_normals};
+use crate::texture::{Encoding, PictureMap};
 
 /// Meshes read so far.
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
@@ -149,87 +141,6 @@ impl Compiler<'_> {
         self.shape(item, mesh)
     }
 
-    /// For each face the index of its material among the scene's slots.
-    fn material_slots(&mut self, mesh: &TriMesh, path: &str, place: Span) -> Option<Vec<u32>> {
-        let face_materials = mesh.face_materials.as_ref()?;
-        // With the path of the file that pictures are named in.
-        let mut known: HashMap<String, (MtlMaterial, String)> = HashMap::new();
-        for library in &mesh.libraries {
-            match self.assets.open(library, path) {
-                Ok(file) => {
-                    let (mtl_path, reader) = (file.path, file.reader);
-                    match read_mtl(reader, &mtl_path, &self.options.limits) {
-                        Ok(mtl) => {
-                            let placed = |m: MtlMaterial| (m.name.clone(), (m, mtl_path.clone()));
-                            known.extend(mtl.materials.into_iter().map(placed));
-                        }
-                        Err(error) => self.file_errors.push((error, place)),
-                    }
-                }
-                Err(error) => self.cannot_read(library, &error.to_string(), place),
-            }
-        }
-        let slots: Vec<u32> = mesh
-            .material_names
-            .iter()
-            .map(|name| self.material_slot(known.get(name), name, path, place))
-            .collect();
-        Some(face_materials.iter().map(|&m| slots.get(m as usize).copied().unwrap_or(ABSENT)).collect())
-    }
-
-    fn material_slot(
-        &mut self,
-        found: Option<&(MtlMaterial, String)>,
-        name: &str,
-        path: &str,
-        place: Span,
-    ) -> u32 {
-        let Some((mtl, mtl_path)) = found else {
-            let message = format!("it uses the material `{name}`, which none of its libraries has");
-            self.warn_of_file(path, &message, place);
-            return ABSENT;
-        };
-        let is_shown = |map: &str| matches!(map, "map_Kd" | "map_Ke" | "map_d" | "norm");
-        if let Some((map, _)) = mtl.maps.iter().find(|(map, _)| !is_shown(map)) {
-            let message = format!("`{map}` of the material `{name}` is not supported yet and left out");
-            self.warn_of_file(path, &message, place);
-        }
-        let mut picture = |key: &str, encoding| {
-            let (_, file) = mtl.maps.iter().rev().find(|(map, _)| map == key)?;
-            self.found_picture(file, mtl_path, encoding, place)
-        };
-        let amounts = Some(Encoding::Linear);
-        let (color, slide) = (picture("map_Kd", None), picture("map_Ke", None));
-        let (cover, normals) = (picture("map_d", amounts), picture("norm", amounts));
-        let material = PhongMaterial::from(phong(mtl)).with_picture(color);
-        let Some(mut id) = material.store(&mut self.materials) else { return ABSENT };
-        let is_clear = self.materials.may_transmit(id, &self.materials);
-        if is_clear && cover.is_some() {
-            let message = format!("`map_d` of the material `{name}` is left out: light passes it anyway");
-            self.warn_of_file(path, &message, place);
-        }
-        if let Some(map) = normals {
-            let embossed = Embossed { material: id, relief: Relief::Normals { map, scale: 1.0 } };
-            let Some(embossed) = embossed.store(&mut self.materials) else { return ABSENT };
-            id = embossed;
-        }
-        // Where a picture has an alpha channel, that is what programs mean.
-        let cover = cover.filter(|_| !is_clear).map(|map| {
-            let channel =
-                if map.mean()[Channel::Alpha as usize] < 1.0 { Channel::Alpha } else { Channel::Red };
-            Share::Picture(map, channel)
-        });
-        let cover = cover.filter(|share| share.mean() < 1.0);
-        // Of a lamp of which only the picture is written the picture is all there is.
-        let lamp = mtl.emission.unwrap_or(if slide.is_some() { [1.0; 3] } else { [0.0; 3] });
-        let glow =
-            Glow::even(Emission::from_rgb(lamp)).map(|even| slide.into_iter().fold(even, Glow::through));
-        let Some(id) = self.lit_and_cut(id, glow, cover) else { return ABSENT };
-        self.slots_transmit |= self.materials.may_transmit(id, &self.materials);
-        self.slot_materials.push(id);
-        self.slot_materials.len() as u32 - 1
-    }
-
     /// A picture that another file than the scene names; one that cannot be read is left out with a warning.
     ///
     /// * `encoding`: what its colours mean; `None` leaves it to the file
@@ -331,27 +242,6 @@ pub(super) fn corner_values<T, U>(
         Corners::Own(faces) => Some(faces),
     };
     Some(CornerValues { values: values.into_iter().map(convert).collect(), faces })
-}
-
-/// The Phong material that an MTL material describes.
-fn phong(mtl: &MtlMaterial) -> Phong {
-    let color = |c: Option<[f32; 3]>, default| c.map_or(default, |[r, g, b]| Spectrum::rgb(r, g, b));
-    let diffuse = color(mtl.diffuse, Spectrum::WHITE);
-    let specular = color(mtl.specular, Spectrum::BLACK);
-    let mirrors = matches!(mtl.illumination, Some(3 | 5..=7));
-    let through = 1.0 - mtl.opacity.unwrap_or(1.0).clamp(0.0, 1.0);
-    let transparent = color(mtl.transmission, Spectrum::WHITE) * through;
-    Phong {
-        // `Ka` is left aside: many programs write black or white there whatever the material is.
-        ambient: diffuse,
-        diffuse,
-        specular,
-        exponent: mtl.exponent.unwrap_or(1.0).max(0.0),
-        reflective: if mirrors { specular } else { Spectrum::BLACK },
-        transparent,
-        absorption: transparent.map(absorption_of),
-        eta: mtl.index_of_refraction.filter(|&eta| eta > 0.0).unwrap_or(1.0),
-    }
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ mod mesh_store;
 mod model;
 mod model_material;
 mod motion;
+mod mtl_material;
 mod nesting;
 mod physical;
 mod pictures;
@@ -366,6 +367,8 @@ mod camera_tests;
 mod emission_tests;
 #[cfg(test)]
 mod empty_mesh_tests;
+#[cfg(test)]
+mod mesh_file_tests;
 #[cfg(test)]
 mod motion_tests;
 #[cfg(test)]

@@ -139,7 +139,7 @@ fn opacity(material: &ModelMaterial, color: Option<&PictureMap>) -> Option<Share
 }
 
 /// A number or, where there is one, a channel of a picture times that.
-fn share(map: Option<PictureMap>, value: f32, channel: Channel) -> Share {
+pub(super) fn share(map: Option<PictureMap>, value: f32, channel: Channel) -> Share {
     match map {
         Some(map) if value > 0.0 => Share::Picture(PictureMap { factor: [value; 4], ..map }, channel),
         _ => value.into(),
@@ -147,7 +147,7 @@ fn share(map: Option<PictureMap>, value: f32, channel: Channel) -> Share {
 }
 
 /// A colour or, where there is one, a picture times that.
-fn paint(map: Option<PictureMap>, color @ [r, g, b]: [f32; 3]) -> Paint {
+pub(super) fn paint(map: Option<PictureMap>, color @ [r, g, b]: [f32; 3]) -> Paint {
     match map {
         Some(map) => Paint::Picture(PictureMap { factor: [r, g, b, 1.0], ..map }),
         None => Reflectance::from_rgb(color).into(),

@@ -101,11 +101,30 @@ fn triangles_that_are_not_finite_are_dropped_with_all_they_have() {
 
 #[test]
 fn what_is_no_triangle_is_counted() {
-    let (mesh, report) = read("o a\ng b c\ns off\nl 1 2\np 1\ncurv 1\nhello\n\0\n").unwrap();
+    let (mesh, report) = read("o a\ng b c\ns off\nl 1 2\np 1\nl 1 2\ncurv 1\nhello\n\0\n").unwrap();
     assert!(mesh.faces.is_empty());
-    assert_eq!((report.lines_and_points, report.unknown), (2, 2));
-    assert_eq!(report.first_unknown, Some(("curv".to_owned(), 6)));
+    let expected = [
+        "`l` is not read (line 4 and 1 more)",
+        "`p` is not read (line 5)",
+        "`curv` is not read (line 7)",
+        "`hello` is not read (line 8)",
+    ];
+    assert_eq!(report.warnings(), expected);
     assert_eq!(MeshReport::default().warnings(), [""; 0]);
+}
+
+#[test]
+fn colours_stand_behind_coordinates() {
+    let plain = mesh("v 1 2 3\nv 1 2 3 1\nv 4 5 6 0.5 7\n");
+    assert_eq!((plain.colors.len(), &plain.face_colors), (0, &Corners::Absent), "weights are no colours");
+    let some = mesh("v 0 0 0\nv 1 0 0 1 0.5 0\nv 0 1 0 0 0 1 0.3\nv 0 1 0\nf 1 2 3\n");
+    assert_eq!(some.colors, [[1.0; 3], [1.0, 0.5, 0.0], [0.0, 0.0, 1.0], [1.0; 3]]);
+    assert_eq!((some.face_colors, some.colors_are_srgb), (Corners::Vertices, true));
+    let bytes = mesh("v 0 0 0 255 51 -3\nv 1 0 0 0 1 1000\n");
+    assert_eq!(bytes.colors, [[1.0, 0.2, 0.0], [0.0, 1.0 / 255.0, 1.0]]);
+    let (odd, report) = read("v 0 0 0 nan 0 0\n").unwrap();
+    assert_eq!((odd.colors, report.zeroed), (vec![[0.0; 3]], 1));
+    assert_eq!(read("v 0 0 0 1 0 x\n").unwrap_err(), "m.obj:1:13: expected a number, found `x`");
 }
 
 #[test]

@@ -34,13 +34,20 @@ struct VertexLayout {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
     uv: Option<[usize; 2]>,
+    /// Where the bytes of a colour are.
+    color: Option<[usize; 3]>,
 }
 
 impl VertexLayout {
     fn of(element: &Element, columns: &VertexColumns) -> Option<VertexLayout> {
         fn float_at(column: Column) -> Option<usize> {
-            column.offset.filter(|_| column.is_f32)
+            column.offset.filter(|_| column.scalar == Scalar::F32)
         }
+        let byte_at = |column: &Column| column.offset.filter(|_| column.scalar == Scalar::U8);
+        let color = match &columns.color {
+            None => None,
+            Some([r, g, b]) => Some([byte_at(r)?, byte_at(g)?, byte_at(b)?]),
+        };
         fn floats_at<const N: usize>(columns: Option<[Column; N]>) -> Option<Option<[usize; N]>> {
             let Some(columns) = columns else { return Some(None) };
             columns
@@ -53,6 +60,7 @@ impl VertexLayout {
             position: floats_at(Some(columns.position))??,
             normal: floats_at(columns.normal)?,
             uv: floats_at(columns.uv)?,
+            color,
         })
     }
 
@@ -76,7 +84,11 @@ impl VertexLayout {
                 mesh.normals.extend(records.clone().map(|record| floats(record, at, &float)));
             }
             if let Some(at) = self.uv {
-                mesh.uvs.extend(records.map(|record| floats(record, at, &float)));
+                mesh.uvs.extend(records.clone().map(|record| floats(record, at, &float)));
+            }
+            if let Some(at) = self.color {
+                let share = |byte: u8| f32::from(byte) / 255.0;
+                mesh.colors.extend(records.map(|record| at.map(|i| share(record[i]))));
             }
             bytes.consume(n * self.stride);
             left -= n as u64;
@@ -93,10 +105,12 @@ fn floats<const N: usize>(record: &[u8], at: [usize; N], float: impl Fn([u8; 4])
 /// Reads the triangles that come next; answers how many faces that were.
 ///
 /// * `left`: faces that are still to come
+/// * `vertices`: how many vertices there are
 pub(super) fn triangles(
     element: &Element,
     left: u64,
     records: &mut Records<'_, impl Read>,
+    vertices: usize,
     mesh: &mut TriMesh,
     limits: &Limits,
 ) -> Result<u64, MeshFileError> {
@@ -104,8 +118,8 @@ pub(super) fn triangles(
     let most = left.min((limits.faces - mesh.faces.len()) as u64);
     match records {
         Records::Lines(..) => Ok(0),
-        Records::Little(bytes) => layout.read(bytes, most, u32::from_le_bytes, mesh),
-        Records::Big(bytes) => layout.read(bytes, most, u32::from_be_bytes, mesh),
+        Records::Little(bytes) => layout.read(bytes, most, u32::from_le_bytes, vertices, mesh),
+        Records::Big(bytes) => layout.read(bytes, most, u32::from_be_bytes, vertices, mesh),
     }
 }
 
@@ -142,9 +156,9 @@ impl FaceLayout {
         bytes: &mut ByteReader<'_, impl Read>,
         most: u64,
         index: impl Fn([u8; 4]) -> u32,
+        vertices: usize,
         mesh: &mut TriMesh,
     ) -> Result<u64, MeshFileError> {
-        let vertices = mesh.positions.len();
         let mut done = 0;
         while done < most {
             let unread = bytes.at_least(self.size)?;

@@ -17,7 +17,7 @@ pub(super) enum Format {
 }
 
 /// A type of number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Scalar {
     I8,
     U8,
@@ -25,6 +25,7 @@ pub(super) enum Scalar {
     U16,
     I32,
     U32,
+    #[default]
     F32,
     F64,
 }
@@ -54,7 +55,17 @@ impl Scalar {
         }
     }
 
-    fn is_integer(self) -> bool {
+    /// The number that stands for all of a colour.
+    pub fn whole_of_color(self) -> f32 {
+        match self {
+            Scalar::F32 | Scalar::F64 => 1.0,
+            Scalar::I16 | Scalar::U16 => 65535.0,
+            // Text files often call them `int`.
+            Scalar::I8 | Scalar::U8 | Scalar::I32 | Scalar::U32 => 255.0,
+        }
+    }
+
+    pub fn is_integer(self) -> bool {
         !matches!(self, Scalar::F32 | Scalar::F64)
     }
 }
@@ -79,7 +90,7 @@ pub(super) struct Column {
     pub property: usize,
     /// Where it begins in a binary record, if no list stands before it.
     pub offset: Option<usize>,
-    pub is_f32: bool,
+    pub scalar: Scalar,
 }
 
 #[derive(Debug)]
@@ -109,7 +120,7 @@ impl Element {
         let property = self.properties.iter().position(|p| p.name == name)?;
         let Kind::One(scalar) = self.properties[property].kind else { return None };
         let offset = self.properties[..property].iter().map(Property::fixed_bytes).sum();
-        Some(Column { property, offset, is_f32: scalar == Scalar::F32 })
+        Some(Column { property, offset, scalar })
     }
 
     /// What its numbers are for, once all properties are known.
@@ -156,6 +167,12 @@ pub(super) struct Header {
 }
 
 impl Header {
+    /// How many vertices there are, if the file is as long as it says.
+    pub fn vertex_count(&self) -> usize {
+        let vertices = self.elements.iter().find(|e| e.name == "vertex");
+        vertices.map_or(0, |e| usize::try_from(e.count).unwrap_or(usize::MAX))
+    }
+
     /// Reads up to and with `end_header`.
     pub fn read(
         lines: &mut LineReader<'_, impl Read>,
@@ -193,8 +210,8 @@ impl Header {
             self.elements.iter().any(|e| e.name == element && e.properties.iter().any(|p| p.name == property))
         };
         let mut list = Vec::new();
-        if ["red", "diffuse_red", "r"].into_iter().any(|name| has("vertex", name)) {
-            list.push("the colours of the vertices are not used".to_owned());
+        if ["red", "diffuse_red", "r"].into_iter().any(|name| has("face", name)) {
+            list.push("the colours of the faces are not used, only those of vertices".to_owned());
         }
         if has("face", "texcoord") {
             list.push("the texture coordinates of the faces are not used, only those of vertices".to_owned());
@@ -257,9 +274,6 @@ impl HeaderReader<'_> {
         let known = |name: &str| self.elements.iter().any(|e| e.name == name);
         if known(&name_text) {
             return Err(line.mistake(self.path, name, format!("there are two elements `{name_text}`")));
-        }
-        if matches!(name_text.as_str(), "face" | "tristrips") && !known("vertex") {
-            return Err(line.mistake(self.path, name, "the vertices must stand before the faces"));
         }
         if self.elements.len() == MOST {
             return Err(line.mistake(self.path, keyword, format!("there are more than {MOST} elements")));

@@ -14,9 +14,11 @@
 //! ```
 //!
 //! The header says which elements come, how many of each and what their
-//! properties are [Turk 1994]. Read are the positions, normals and texture
-//! coordinates of vertices, and faces and triangle strips, whatever the types
-//! and the order of their properties; everything else is stepped over.
+//! properties are [Turk 1994]. Read are the positions, normals, texture
+//! coordinates and colours of vertices, and faces and triangle strips, whatever the types
+//! and the order of their properties and their own; everything else is stepped over.
+//!
+//! Colours of whole numbers are values for a screen, floats are amounts.
 //!
 //! Counts of the header are never believed: memory grows with what is read.
 //! The layouts that programs write most, float vertices without lists and
@@ -59,7 +61,7 @@ pub fn read_ply(
         Format::LittleEndian => Records::Little(lines.into_bytes()),
         Format::BigEndian => Records::Big(lines.into_bytes()),
     };
-    let mut builder = Builder::new(limits);
+    let mut builder = Builder::new(limits, header.vertex_count());
     for element in &header.elements {
         builder.element(element, &mut records)?;
     }
@@ -68,6 +70,10 @@ pub fn read_ply(
 
 struct Builder<'l> {
     limits: &'l Limits,
+    /// As many as the header says; a file that has fewer is in error.
+    vertex_count: usize,
+    /// Polygons that came before the vertices: first triangle and corners.
+    unsplit: Vec<(usize, Vec<u32>)>,
     mesh: TriMesh,
     report: MeshReport,
     not_finite: bool,
@@ -78,9 +84,11 @@ struct Builder<'l> {
 }
 
 impl<'l> Builder<'l> {
-    fn new(limits: &'l Limits) -> Self {
+    fn new(limits: &'l Limits, vertex_count: usize) -> Self {
         Self {
             limits,
+            vertex_count,
+            unsplit: Vec::new(),
             mesh: TriMesh::default(),
             report: MeshReport::default(),
             not_finite: false,
@@ -110,6 +118,7 @@ impl<'l> Builder<'l> {
         self.mesh.positions.shrink_to_fit();
         self.mesh.normals.shrink_to_fit();
         self.mesh.uvs.shrink_to_fit();
+        self.mesh.colors.shrink_to_fit();
         self.mesh.faces.shrink_to_fit();
         Ok(())
     }
@@ -128,6 +137,8 @@ impl<'l> Builder<'l> {
                 self.mesh.positions.push(columns.position.map(float));
                 self.mesh.normals.extend(columns.normal.map(|c| c.map(float)));
                 self.mesh.uvs.extend(columns.uv.map(|c| c.map(float)));
+                let share = |column: Column| float(column) / column.scalar.whole_of_color();
+                self.mesh.colors.extend(columns.color.map(|c| c.map(share)));
             }
         }
         if columns.normal.is_some() {
@@ -136,10 +147,16 @@ impl<'l> Builder<'l> {
         if columns.uv.is_some() {
             self.mesh.face_uvs = Corners::Vertices;
         }
+        if let Some([red, ..]) = columns.color {
+            self.mesh.face_colors = Corners::Vertices;
+            self.mesh.colors_are_srgb = red.scalar.is_integer();
+        }
         self.not_finite = self.mesh.positions.iter().any(|p| !p.iter().all(|x| x.is_finite()));
         let Self { mesh, report, .. } = self;
         mesh.normals.iter_mut().for_each(|n| *n = report.finite_or_zero(*n));
         mesh.uvs.iter_mut().for_each(|uv| *uv = report.finite_or_zero(*uv));
+        let share = |report: &mut MeshReport, c| report.finite_or_zero(c).map(|v: f32| v.clamp(0.0, 1.0));
+        mesh.colors.iter_mut().for_each(|c| *c = share(report, *c));
         Ok(())
     }
 
@@ -154,7 +171,8 @@ impl<'l> Builder<'l> {
         let mut number = 0;
         while number < element.count {
             // Runs of triangles go the short way; what it does not know comes back here.
-            number += fast::triangles(element, element.count - number, records, &mut self.mesh, self.limits)?;
+            let (left, n) = (element.count - number, self.vertex_count);
+            number += fast::triangles(element, left, records, n, &mut self.mesh, self.limits)?;
             if number == element.count {
                 break;
             }
@@ -201,7 +219,7 @@ impl<'l> Builder<'l> {
     }
 
     fn vertex_index(&self, index: f64) -> Result<u32, String> {
-        let count = self.mesh.positions.len();
+        let count = self.vertex_count;
         if index >= 0.0 && index < count as f64 && index.fract() == 0.0 {
             return Ok(index as u32);
         }
@@ -220,14 +238,30 @@ impl<'l> Builder<'l> {
             return Ok(());
         }
         self.report.polygons += 1;
-        self.points.clear();
-        self.points.extend(corners.iter().map(|&v| self.mesh.positions[v as usize]));
-        triangulate(&self.points, &mut self.triangles);
+        if self.mesh.positions.len() < self.vertex_count {
+            // The places are not known yet: a fan for now.
+            self.unsplit.push((self.mesh.faces.len(), corners.to_vec()));
+            self.mesh.faces.extend(corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]));
+            return Ok(());
+        }
+        self.split(corners);
         self.mesh.faces.extend(self.triangles.iter().map(|t| t.map(|i| corners[i])));
         Ok(())
     }
 
+    fn split(&mut self, corners: &[u32]) {
+        self.points.clear();
+        self.points.extend(corners.iter().map(|&v| self.mesh.positions[v as usize]));
+        triangulate(&self.points, &mut self.triangles);
+    }
+
     fn finish(mut self, header: &Header) -> Result<(TriMesh, MeshReport), MeshFileError> {
+        for (first, corners) in std::mem::take(&mut self.unsplit) {
+            self.split(&corners);
+            for (face, triangle) in self.mesh.faces[first..].iter_mut().zip(&self.triangles) {
+                *face = triangle.map(|i| corners[i]);
+            }
+        }
         if self.not_finite {
             self.report.dropped = self.mesh.drop_not_finite();
         }
@@ -242,15 +276,19 @@ struct VertexColumns {
     position: [Column; 3],
     normal: Option<[Column; 3]>,
     uv: Option<[Column; 2]>,
+    color: Option<[Column; 3]>,
 }
 
 impl VertexColumns {
     fn of(element: &Element) -> VertexColumns {
+        let color_names =
+            [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
         let uv_names = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
         VertexColumns {
             position: element.position,
             normal: element.columns(["nx", "ny", "nz"]),
             uv: uv_names.into_iter().find_map(|names| element.columns(names)),
+            color: color_names.into_iter().find_map(|names| element.columns(names)),
         }
     }
 }

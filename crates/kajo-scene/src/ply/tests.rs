@@ -132,7 +132,8 @@ fn any_types_in_any_order_with_others_between() {
     assert_eq!(mesh.uvs[0], [-300.0, 0.25]);
     assert_eq!((&mesh.face_normals, &mesh.face_uvs), (&Corners::Vertices, &Corners::Vertices));
     assert_eq!(mesh.faces, [[2, 1, 0], [0, 1, 2]]);
-    assert_eq!(report.left_out.len(), 4, "colours, texture coordinates of faces, camera, edge: {report:?}");
+    assert_eq!(report.left_out.len(), 3, "texture coordinates of faces, camera, edge: {report:?}");
+    assert_eq!(mesh.face_colors, Corners::Absent, "red alone is no colour");
 }
 
 #[test]
@@ -158,6 +159,60 @@ fn strips_turn_every_other_triangle_round() {
     let (mesh, _) =
         read_all(&square("element tristrips 1\nproperty list int int vertex_indices\n"), &elements);
     assert_eq!(mesh.faces, [[0, 1, 3], [3, 1, 2]]);
+}
+
+#[test]
+fn faces_may_stand_before_vertices() {
+    // A dart, whose inner corner decides where it is cut.
+    let dart = [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.0, 2.0]];
+    let vertices = dart.map(|[x, y]| vec![Float(x), Float(y), Float(0.0)]).to_vec();
+    let faces = vec![
+        vec![Byte(3), Int(2), Int(1), Int(0)],
+        vec![Byte(4), Int(0), Int(1), Int(2), Int(3)],
+        vec![Byte(3), Int(0), Int(1), Int(2)],
+    ];
+    let strip = vec![[4, 0, 1, 3, 2].map(Int).to_vec()];
+    let header = |parts: [&str; 3]| parts.concat();
+    let vertex_lines = format!("element vertex 4\n{XYZ}");
+    let face_lines = format!("element face 3\n{FACES}");
+    let strip_lines = "element tristrips 1\nproperty list int int vertex_indices\n";
+    let after = read_all(
+        &header([&vertex_lines, &face_lines, strip_lines]),
+        &[vertices.clone(), faces.clone(), strip.clone()].concat(),
+    );
+    let before =
+        read_all(&header([&face_lines, strip_lines, &vertex_lines]), &[faces, strip, vertices].concat());
+    assert_eq!(before, after);
+    assert_eq!((after.0.faces.len(), after.1.polygons), (6, 1));
+}
+
+#[test]
+fn vertices_have_colours() {
+    let read = |kind: &str, names: [&str; 3], number: fn(u8) -> Number| {
+        let colors: String = names.map(|name| format!("property {kind} {name}\n")).concat();
+        let header = format!("element vertex 2\n{XYZ}{colors}property uchar alpha\n");
+        let vertex = |rgb: [u8; 3]| {
+            let mut vertex = vec![Float(1.0), Float(2.0), Float(3.0)];
+            vertex.extend(rgb.map(number));
+            vertex.push(Byte(255));
+            vertex
+        };
+        read_all(&header, &[vertex([0, 51, 255]), vertex([255, 0, 102])]).0
+    };
+    let expected = [[0.0, 0.2, 1.0], [1.0, 0.0, 0.4]];
+    let rgb = ["red", "green", "blue"];
+    for mesh in [
+        read("uchar", rgb, Byte),
+        read("ushort", ["diffuse_red", "diffuse_green", "diffuse_blue"], |v| Half(257 * u16::from(v))),
+        read("int", ["r", "g", "b"], |v| Int(v.into())),
+    ] {
+        assert_eq!((&*mesh.colors, mesh.colors_are_srgb), (&expected[..], true));
+        assert_eq!(mesh.face_colors, Corners::Vertices);
+    }
+    let floats = read("float", rgb, |v| Float(f32::from(v) / 255.0));
+    assert_eq!((&*floats.colors, floats.colors_are_srgb), (&expected[..], false));
+    let odd = read("double", rgb, |v| Double(f64::from(v) - 254.0));
+    assert_eq!(odd.colors, [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]], "held to [0, 1]");
 }
 
 #[test]
@@ -202,7 +257,15 @@ fn mistakes_are_told_with_their_place() {
             "m.ply:3:16: the file says it has 4000000000 `vertex`",
         ),
         (format!("{start}element vertex 3\n{XYZ}element vertex 3\n"), "there are two elements `vertex`"),
-        (format!("{start}element face 3\n"), "the vertices must stand before the faces"),
+        (
+            format!("{start}element face 1\n{FACES}element vertex 1\n{XYZ}end_header\n3 0 0 0\n"),
+            "the file ends in vertex 0 of 1",
+        ),
+        (
+            format!("{start}element face 1\n{FACES}element vertex 1\n{XYZ}end_header\n3 0 0 1\n0 0 0\n"),
+            "m.ply:10:1: face 0: there is no vertex 1: the file has 1, numbered from 0",
+        ),
+        (format!("{start}element face 1\n{FACES}end_header\n3 0 0 0\n"), "there is no `element vertex`"),
         (
             format!("{start}element vertex 3\nproperty flot x\n"),
             "m.ply:4:10: expected a type such as `float`",
