@@ -96,6 +96,9 @@ impl From<RenderError> for Failure {
 /// A panic is a bug of ours; it is shown as such and ends with code 4.
 pub fn guarded(program: impl FnOnce() -> Result<(), Failure>) -> u8 {
     panic::set_hook(Box::new(|info| {
+        if kajo::is_contained() {
+            return;
+        }
         console::error(&format!("this is a bug in kajo, not in your scene: {info}"));
     }));
     match panic::catch_unwind(AssertUnwindSafe(program)) {

@@ -8,6 +8,7 @@ use ::image::codecs::{bmp::BmpEncoder, hdr::HdrEncoder, pnm, tga::TgaEncoder};
 use ::image::error::UnsupportedErrorKind;
 use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Rgb};
 
+use crate::contained::contained;
 use crate::exr::{ExrLayer, ExrPicture};
 use crate::quantise::clamp_or_zero;
 use crate::{BitDepth, DecodeLimits, Image, ImageError, Quantiser, exr, pfm, png};
@@ -275,23 +276,28 @@ fn decode_with(
     limits: &DecodeLimits,
 ) -> Result<Decoded, ImageError> {
     let error = |error| by_fault(format, limits, error);
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), decoder);
-    let mut bounds = ::image::Limits::no_limits();
-    bounds.max_alloc = Some(limits.max_bytes);
-    reader.limits(bounds);
-    let decoder = reader.into_decoder().map_err(error)?;
-    let (width, height) = decoder.dimensions();
-    if width == 0 || height == 0 {
-        return Err(ImageError::malformed(format, "a picture without pixels"));
-    }
-    let colour = decoder.color_type();
-    let channels = u64::from(colour.channel_count());
-    limits.check(width.into(), height.into(), u64::from(colour.bytes_per_pixel()) + 4 * channels)?;
-
-    let pixels = DynamicImage::from_decoder(decoder).map_err(error)?;
+    let (size, channels, pixels) = contained(format, || {
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), decoder);
+        let mut bounds = ::image::Limits::no_limits();
+        bounds.max_alloc = Some(limits.max_bytes);
+        reader.limits(bounds);
+        let decoder = reader.into_decoder().map_err(error)?;
+        let (width, height) = decoder.dimensions();
+        if width == 0 || height == 0 {
+            return Err(ImageError::malformed(format, "a picture without pixels"));
+        }
+        let colour = decoder.color_type();
+        let channels = colour.channel_count();
+        // The decoder's own copy, be it the runs of TGA or the coefficients of a progressive JPEG, its result, and ours
+        // where that is another.
+        let decoding = 2 * u64::from(colour.bytes_per_pixel());
+        let converting = if format.is_float() { 0 } else { 4 * u64::from(channels) };
+        limits.check(width.into(), height.into(), decoding + converting)?;
+        Ok(([width, height], channels, DynamicImage::from_decoder(decoder).map_err(error)?))
+    })?;
     let (data, depth) =
         floats(pixels).ok_or_else(|| ImageError::unsupported(format, "an unknown kind of pixel"))?;
-    let image = Image::from_data(width, height, channels as usize, data)?;
+    let image = Image::from_data(size[0], size[1], channels.into(), data)?;
     Ok(Decoded { format, image, depth, text: Vec::new() })
 }
 

@@ -37,6 +37,12 @@ pub enum ImageError {
         /// How much the caller allows.
         limit: u64,
     },
+    /// The system has no memory left for the picture.
+    #[error("no memory for {needed} bytes of a picture")]
+    Memory {
+        /// Bytes asked for.
+        needed: u64,
+    },
     /// The caller's arguments contradict each other.
     #[error("{0}")]
     Parameter(String),
@@ -49,6 +55,10 @@ impl ImageError {
 
     pub(crate) fn unsupported(format: Format, feature: impl ToString) -> Self {
         Self::Unsupported { format, feature: feature.to_string() }
+    }
+
+    pub(crate) fn memory(needed: u64) -> Self {
+        Self::Memory { needed }
     }
 
     pub(crate) fn parameter(reason: impl ToString) -> Self {

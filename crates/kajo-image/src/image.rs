@@ -32,13 +32,12 @@ impl Image {
     /// A picture of zeros.
     ///
     /// # Errors
-    /// [`ImageError::Parameter`] when a side is zero, `channels` is not 1 to 4, or the
-    /// pixels would not fit into memory.
+    /// [`ImageError::Parameter`] when a side is zero or `channels` is not 1 to 4, and
+    /// [`ImageError::Memory`] when there is no memory for the pixels.
     pub fn new(width: u32, height: u32, channels: usize) -> Result<Self, ImageError> {
         let len = Self::checked_len(width, height, channels)?;
         let mut data = Vec::new();
-        data.try_reserve_exact(len)
-            .map_err(|_| ImageError::parameter(format!("no memory for a picture of {width} x {height}")))?;
+        data.try_reserve_exact(len).map_err(|_| ImageError::memory((len * size_of::<f32>()) as u64))?;
         data.resize(len, 0.0);
         Ok(Self { width, height, channels, data })
     }

@@ -10,6 +10,7 @@
 //! anywhere end in a typed [`ImageError`], never in a panic.
 
 mod codec;
+mod contained;
 mod error;
 mod image;
 mod limits;
@@ -24,6 +25,7 @@ pub mod pfm;
 pub mod png;
 
 pub use codec::{Decoded, EncodeOptions, Format, decode, encode};
+pub use contained::is_contained;
 pub use error::ImageError;
 pub use image::{Image, Rect};
 pub use limits::DecodeLimits;

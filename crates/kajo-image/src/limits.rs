@@ -27,14 +27,23 @@ impl DecodeLimits {
     /// # Errors
     /// [`ImageError::Limit`] names the first bound that is exceeded.
     pub fn check(&self, width: u64, height: u64, bytes_per_pixel: u64) -> Result<(), ImageError> {
-        let within = |what, needed: u64, limit: u64| {
-            if needed > limit { Err(ImageError::Limit { what, needed, limit }) } else { Ok(()) }
-        };
         within("width in pixels", width, self.max_side.into())?;
         within("height in pixels", height, self.max_side.into())?;
         // Two sides of 32 bits cannot overflow 64; the size of a pixel may.
-        within("memory in bytes", (width * height).saturating_mul(bytes_per_pixel), self.max_bytes)
+        self.check_bytes((width * height).saturating_mul(bytes_per_pixel))
     }
+
+    /// Checks a picture that takes `needed` bytes in all while it is decoded.
+    ///
+    /// # Errors
+    /// [`ImageError::Limit`].
+    pub fn check_bytes(&self, needed: u64) -> Result<(), ImageError> {
+        within("memory in bytes", needed, self.max_bytes)
+    }
+}
+
+fn within(what: &'static str, needed: u64, limit: u64) -> Result<(), ImageError> {
+    if needed > limit { Err(ImageError::Limit { what, needed, limit }) } else { Ok(()) }
 }
 
 #[cfg(test)]

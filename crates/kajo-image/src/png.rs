@@ -9,6 +9,7 @@ use std::io::Cursor;
 
 use ::png::text_metadata::ITXtChunk;
 
+use crate::contained::contained;
 use crate::{BitDepth, DecodeLimits, Decoded, EncodeOptions, Format, Image, ImageError, Transfer};
 
 /// Longest text that is unpacked, in bytes: a text may be packed a thousandfold.
@@ -67,17 +68,25 @@ pub fn encode(image: &Image, options: &EncodeOptions) -> Result<Vec<u8>, ImageEr
 /// # Errors
 /// [`ImageError::Malformed`] for damaged or truncated files and [`ImageError::Limit`].
 pub fn decode(bytes: &[u8], limits: &DecodeLimits) -> Result<Decoded, ImageError> {
+    contained(Format::Png, || unpack(bytes, limits))
+}
+
+fn unpack(bytes: &[u8], limits: &DecodeLimits) -> Result<Decoded, ImageError> {
     let memory = ::png::Limits { bytes: usize::try_from(limits.max_bytes).unwrap_or(usize::MAX) };
     let mut decoder = ::png::Decoder::new_with_limits(Cursor::new(bytes), memory);
     decoder.set_transformations(::png::Transformations::EXPAND);
     decoder.set_ignore_iccp_chunk(true);
     let info = decoder.read_header_info().map_err(malformed)?;
-    // At most 4 samples of 2 bytes in the file's form and 4 floats in ours.
-    limits.check(info.width.into(), info.height.into(), 4 * 2 + 4 * 4)?;
+    limits.check(info.width.into(), info.height.into(), 0)?;
 
     let mut reader = decoder.read_info().map_err(malformed)?;
     let size = reader.output_buffer_size().ok_or_else(|| malformed("the picture overflows memory"))?;
-    let mut samples = vec![0; size];
+    // The samples as bytes, and as floats.
+    let bytes_per_sample = if reader.output_color_type().1 == ::png::BitDepth::Sixteen { 2 } else { 1 };
+    limits.check_bytes(size as u64 + (size / bytes_per_sample) as u64 * 4)?;
+    let mut samples = Vec::new();
+    samples.try_reserve_exact(size).map_err(|_| ImageError::memory(size as u64))?;
+    samples.resize(size, 0);
     let frame = reader.next_frame(&mut samples).map_err(malformed)?;
     reader.finish().map_err(malformed)?;
     samples.truncate(frame.buffer_size());

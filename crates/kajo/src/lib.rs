@@ -71,7 +71,7 @@ pub use kajo_core::scene::Scene;
 pub use kajo_core::settings::{
     Dialect, Directions, FilterChoice, IntegratorKind, Settings, ShadowAttenuation, Shadows, Technique,
 };
-pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode};
+pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode, is_contained};
 pub use kajo_math;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};

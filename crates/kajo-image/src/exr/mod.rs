@@ -11,6 +11,7 @@
 //!
 //! The reader takes both conventions, and any compression the `exr` crate knows.
 
+mod dwa;
 mod read;
 #[cfg(test)]
 mod tests;

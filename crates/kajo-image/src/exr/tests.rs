@@ -133,8 +133,8 @@ fn images_round_trip_through_the_common_entry() {
 #[test]
 fn limits_count_every_channel() {
     let bytes = encode(render()).unwrap();
-    let pixels = 9 * 37;
-    let needed = pixels * 10 * 8;
+    // The picture, and the unpacking of a chunk of 16 lines.
+    let needed = 9 * 37 * 10 * 4 + 9 * 16 * (10 * 4 * 8 + 16);
     assert!(decode(&bytes, &DecodeLimits { max_bytes: needed, ..Default::default() }).is_ok());
     let short = decode(&bytes, &DecodeLimits { max_bytes: needed - 1, ..Default::default() });
     assert!(matches!(short, Err(ImageError::Limit { what: "memory in bytes", .. })), "{short:?}");
@@ -172,4 +172,84 @@ fn parts_of_different_sizes_are_not_supported() {
     let file = parts([3, 3, 4], [("a", "Y"), ("b", "Z"), ("c", "R")]);
     let result = decode(&file, &DecodeLimits::default());
     assert!(matches!(result, Err(ImageError::Unsupported { .. })), "{result:?}");
+}
+
+/// A file of one chunk of DWA compression whose channels are `Y`, `R`, `G`, `B` and `A` of 16-bit floats, or a whole
+/// number `id`, as the crate packs them.
+fn dwa(size: usize) -> Vec<u8> {
+    use ::exr::prelude::*;
+    let plane = || FlatSamples::F16((0..size * size).map(|i| f16::from_f32(i as f32 * 0.01)).collect());
+    let mut channels: SmallVec<[_; 4]> =
+        ["A", "B", "G", "R"].into_iter().map(|name| AnyChannel::new(name, plane())).collect();
+    channels.push(AnyChannel::new("id", FlatSamples::U32((0..(size * size) as u32).collect())));
+    let encoding = Encoding {
+        compression: Compression::DWAA(None),
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let layer = Layer::new((size, size), LayerAttributes::default(), encoding, AnyChannels::sort(channels));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    ::exr::image::Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+/// Where the eleven numbers of the first chunk stand: behind the header and the table, `y`, and the length.
+fn numbers_of_dwa(file: &[u8]) -> usize {
+    let version = 2_u64.to_le_bytes();
+    let place = file.windows(8).rposition(|bytes| bytes == version).expect("one chunk of version 2");
+    assert!(place > 100);
+    place
+}
+
+#[test]
+fn sizes_in_a_dwa_chunk_are_compared_with_its_pixels() {
+    let good = dwa(32);
+    let picture = decode(&good, &DecodeLimits::default()).unwrap();
+    let ids = picture.layer(None).and_then(|layer| layer.channel("id"));
+    assert_eq!(ids, Some(&ChannelData::U32((0..1024).collect())));
+    let numbers = numbers_of_dwa(&good);
+    for index in 1..10 {
+        for claimed in [1 << 18, 1 << 32, 1 << 40, i64::MAX as u64, u64::MAX] {
+            let mut bad = good.clone();
+            bad[numbers + 8 * index..][..8].copy_from_slice(&u64::to_le_bytes(claimed));
+            match decode(&bad, &DecodeLimits::default()) {
+                Err(ImageError::Malformed { reason, .. }) => {
+                    assert!(reason.contains("DWA chunk"), "{index}: {reason}");
+                }
+                other => panic!("{index} of {claimed}: {other:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn damaged_files_of_every_compression_end_in_an_error_or_a_picture() {
+    let zip = encode(render()).unwrap();
+    let limits = DecodeLimits { max_side: 4096, max_bytes: 1 << 26 };
+    for whole in [zip, dwa(16)] {
+        for i in 0..whole.len() {
+            let _ = decode(&whole[..i], &limits);
+            for value in [0x00, 0x7f, 0xff] {
+                let mut damaged = whole.clone();
+                damaged[i] = value;
+                let _ = decode(&damaged, &limits);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_chunk_that_comes_twice_is_refused() {
+    let mut file = encode(render()).unwrap();
+    // 37 lines are three chunks; the table of their places ends where the first one begins.
+    let first = (0..file.len())
+        .find(|&i| file[i..].starts_with(&(i as u64 + 24).to_le_bytes()))
+        .expect("a table of three");
+    let (table, place) = (first + 8, file[first..first + 8].to_vec());
+    file[table..table + 8].copy_from_slice(&place);
+    let result = decode(&file, &DecodeLimits::default());
+    assert!(
+        matches!(&result, Err(ImageError::Malformed { reason, .. }) if reason.contains("twice")),
+        "{result:?}"
+    );
 }
