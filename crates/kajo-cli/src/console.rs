@@ -1,12 +1,24 @@
 //! Words to the user. A closed pipe or terminal is no reason to stop: such errors are dropped.
+//!
+//! Words may quote a file, and a file may hold what a terminal obeys. So control characters are shown as symbols.
 
 use crate::failure::Failure;
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
 
-/// Writes a line to standard error.
+/// Writes lines to standard error.
 pub fn line(text: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    report(&printable(&text.to_string()));
+}
+
+/// Writes lines to standard error that are fit for a terminal already, and may be in colour.
+pub fn report(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", text.trim_end());
+}
+
+/// The text with symbols for control characters other than the ends of lines.
+pub fn printable(text: &str) -> String {
+    text.split('\n').map(kajo::printable).collect::<Vec<_>>().join("\n")
 }
 
 /// Writes an error to standard error.
@@ -21,8 +33,17 @@ pub fn warning(text: &str) {
 
 /// Writes an answer to standard output.
 ///
-/// A reader that has gone away, such as `head`, has all it wants: that is no failure.
+/// # Errors
+/// As [`data`].
 pub fn answer(text: &str) -> Result<(), Failure> {
+    data(&printable(text))
+}
+
+/// Writes an answer for programs to standard output, as it is.
+///
+/// # Errors
+/// When it cannot be written. A reader that has gone away, such as `head`, has all it wants: that is no failure.
+pub fn data(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -38,9 +59,24 @@ pub fn in_color() -> bool {
 }
 
 fn labelled(label: &str, style: &str, text: &str) {
+    let text = printable(text);
     if in_color() {
-        line(format_args!("\x1b[{style}m{label}\x1b[0m: {text}"));
+        report(&format!("\x1b[{style}m{label}\x1b[0m: {text}"));
     } else {
-        line(format_args!("{label}: {text}"));
+        report(&format!("{label}: {text}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_terminals_obey_is_shown() {
+        let text = printable("a\u{1b}[2J\r\n\tb\u{7}\u{9b}31m\u{202e}");
+        assert!(text.chars().all(|c| c == '\n' || !c.is_control()), "{text:?}");
+        assert!(!text.contains('\u{202e}') && text.starts_with("a␛[2J"), "{text:?}");
+        assert_eq!(text.lines().count(), 2);
+        assert_eq!(printable("two\nlines\n"), "two\nlines\n");
     }
 }

@@ -10,7 +10,7 @@ pub fn string(text: &str) -> String {
             '"' => quoted.push_str("\\\""),
             '\\' => quoted.push_str("\\\\"),
             '\n' => quoted.push_str("\\n"),
-            c if c.is_control() => {
+            c if c.is_control() || turns_writing(c) => {
                 let _ = write!(quoted, "\\u{:04x}", u32::from(c));
             }
             c => quoted.push(c),
@@ -18,6 +18,11 @@ pub fn string(text: &str) -> String {
     }
     quoted.push('"');
     quoted
+}
+
+/// Whether the character changes the direction of what follows, be it only on a screen.
+fn turns_writing(c: char) -> bool {
+    matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// A number, or `null` where JSON has none.
@@ -43,7 +48,7 @@ mod tests {
 
     #[test]
     fn texts_are_escaped() {
-        assert_eq!(string("a\"b\\c\nd\u{1}é"), r#""a\"b\\c\nd\u0001é""#);
+        assert_eq!(string("a\"b\\c\nd\u{1}é\u{202e}"), r#""a\"b\\c\nd\u0001é\u202e""#);
         assert_eq!(object([("x", number(1.5)), ("y", list([number(f64::NAN)]))]), r#"{"x":1.5,"y":[null]}"#);
     }
 }

@@ -51,7 +51,12 @@ fn run() -> Result<(), Failure> {
 
 /// Help and version are answers; everything else is a mistake in the command line.
 fn said_by_clap(error: &clap::Error) -> Result<(), Failure> {
-    // The reader may have gone away.
-    let _ = error.print();
+    let text = error.render().to_string();
+    if console::printable(&text) == text {
+        // The reader may have gone away.
+        let _ = error.print();
+    } else {
+        console::line(text);
+    }
     if error.use_stderr() { Err(Failure::Input(String::new())) } else { Ok(()) }
 }

@@ -121,13 +121,14 @@ impl LoadProgress for LoadBar {
         match step {
             LoadStep::Reading { path, done, total } if total >= Self::LONG_FILE => {
                 if self.bar.length() != Some(total) {
-                    self.bar.set_message(format!("reading {path}"));
+                    self.bar.set_message(format!("reading {}", kajo::printable(path)));
                     self.bar.set_length(total);
                 }
                 self.bar.set_position(done);
             }
             LoadStep::Building { path, triangles } if triangles >= Self::LARGE_MESH => {
                 let triangles = in_short(triangles as f64);
+                let path = kajo::printable(path);
                 self.bar.set_message(format!("{triangles} triangles of {path} are being sorted"));
                 self.bar.tick();
             }

@@ -73,7 +73,7 @@ pub use params::{Params, not_supported_yet, unknown_word};
 pub use parser::Parsed;
 pub use ply::read_ply;
 pub use print::print;
-pub use report::{SHOWN, one_line, render, render_one};
+pub use report::{SHOWN, one_line, printable, render, render_one};
 pub use skipped::Skipped;
 pub use source::{Position, Source, SourceId, Sources, Span};
 pub use stl::read_stl;

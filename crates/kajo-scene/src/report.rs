@@ -52,7 +52,7 @@ pub fn render_one(diagnostic: &Diagnostic, sources: &Sources, color: bool) -> St
         Severity::Warning => Level::WARNING,
         Severity::Note => Level::NOTE,
     };
-    let mut group = Group::with_title(level.primary_title(safe(&diagnostic.message)));
+    let mut group = Group::with_title(level.primary_title(printable(&diagnostic.message)));
     for excerpt in excerpts(&diagnostic.labels, sources) {
         group = excerpt.draw(group, sources);
     }
@@ -60,7 +60,7 @@ pub fn render_one(diagnostic: &Diagnostic, sources: &Sources, color: bool) -> St
         if !diagnostic.labels.is_empty() {
             group = group.element(Padding);
         }
-        group = group.element(Level::HELP.message(safe(help)));
+        group = group.element(Level::HELP.message(printable(help)));
     }
     renderer.decor_style(DecorStyle::Ascii).render(&[group])
 }
@@ -72,7 +72,7 @@ pub fn one_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
         let Position { line, column } = sources.position(span);
         format!("{}:{line}:{column}: ", sources.get(span.source).path())
     });
-    safe(&(place.unwrap_or_default() + &text))
+    printable(&(place.unwrap_or_default() + &text))
 }
 
 /// A piece of one line, and the labels on it.
@@ -135,11 +135,11 @@ impl<'a> Excerpt<'a> {
         let annotations = self.labels.iter().map(|&(label, primary)| {
             let kind = if primary { AnnotationKind::Primary } else { AnnotationKind::Context };
             let place = |at: u32| (at as usize).clamp(start, end) - start + cut_before.len();
-            let text = (!label.text.is_empty()).then(|| safe(&label.text));
+            let text = (!label.text.is_empty()).then(|| printable(&label.text));
             kind.span(place(label.span.start)..place(label.span.end)).label(text)
         });
         let snippet = Snippet::source(text).line_start(line).fold(false).annotations(annotations);
-        let path = safe(source.path());
+        let path = printable(source.path());
         if cut_before.is_empty() {
             return group.element(snippet.path(path));
         }
@@ -156,9 +156,14 @@ fn mask_c1(text: &str) -> Cow<'_, str> {
     if text.contains(is_c1) { Cow::Owned(text.replace(is_c1, "\u{b7}")) } else { Cow::Borrowed(text) }
 }
 
-/// A text that is safe to send to a terminal.
-fn safe(text: &str) -> String {
-    normalize_untrusted_str(&mask_c1(text))
+/// A line of text that is safe to send to a terminal: control characters and what turns the direction of writing are
+/// shown as symbols, tabs as blanks.
+///
+/// ```
+/// assert_eq!(kajo_scene::printable("a\u{1b}[2Jb"), "a␛[2Jb");
+/// ```
+pub fn printable(line: &str) -> String {
+    normalize_untrusted_str(&mask_c1(line))
 }
 
 #[cfg(test)]

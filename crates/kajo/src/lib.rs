@@ -77,5 +77,6 @@ pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
 pub use kajo_render::{Goal, Progress, RayCounters, RenderStats, Silent};
 pub use kajo_scene::{
-    Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, TokenKind, nearest, tokens,
+    AssetError, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, TokenKind,
+    nearest, printable, tokens,
 };

@@ -15,10 +15,10 @@ const SHOWN: usize = 100;
 pub fn info(args: &InfoArgs) -> Result<(), Failure> {
     let loaded = load(&args.scene, &args.scene_args.options());
     if !loaded.diagnostics.is_empty() {
-        console::line(loaded.report(console::in_color()).trim_end());
+        console::report(&loaded.report(console::in_color()));
     }
     let info = SceneInfo::of(&loaded).ok_or_else(|| has_errors(&args.scene, &loaded))?;
-    console::answer(&if args.json { as_json(&info) + "\n" } else { as_text(&info) })
+    if args.json { console::data(&(as_json(&info) + "\n")) } else { console::answer(&as_text(&info)) }
 }
 
 fn as_text(info: &SceneInfo) -> String {
@@ -61,7 +61,7 @@ struct Lines {
 
 impl Lines {
     fn field(&mut self, name: &str, value: impl std::fmt::Display) {
-        let _ = writeln!(self.text, "{name:<16}{value}");
+        let _ = writeln!(self.text, "{name:<16}{}", kajo::printable(&value.to_string()));
     }
 
     fn heading(&mut self, text: &str) {
@@ -71,7 +71,7 @@ impl Lines {
     /// The first [`SHOWN`] lines, and how many more there are.
     fn some(&mut self, mut lines: impl Iterator<Item = String>) {
         for line in lines.by_ref().take(SHOWN) {
-            let _ = writeln!(self.text, "{line}");
+            let _ = writeln!(self.text, "{}", kajo::printable(&line));
         }
         let more = lines.count();
         if more > 0 {

@@ -27,7 +27,7 @@ use crate::progress::{Meter, in_short};
 /// `kajo render` and `kajo classic`
 pub fn render(job: &Job, run: &RunArgs, interrupt: &Interrupt) -> Result<(), Failure> {
     let meter = Meter::new(run.quiet, run.show_progress);
-    let mut say = |text: &str| console::line(text.trim_end());
+    let mut say = |text: &str| console::report(text);
     let done = job.run(
         &meter,
         interrupt,
@@ -102,7 +102,7 @@ fn check_one(scene: &Path, args: &CheckArgs) -> Result<(), Failure> {
     if args.short {
         loaded.lines().for_each(console::line);
     } else if !loaded.diagnostics.is_empty() {
-        console::line(loaded.report(console::in_color()).trim_end());
+        console::report(&loaded.report(console::in_color()));
     }
     if loaded.scene.is_none() {
         return Err(has_errors(scene, &loaded));
@@ -120,6 +120,6 @@ fn check_one(scene: &Path, args: &CheckArgs) -> Result<(), Failure> {
 pub fn completions(shell: Shell) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::tree(), "kajo", &mut script);
-    console::answer(&String::from_utf8_lossy(&script))?;
+    console::data(&String::from_utf8_lossy(&script))?;
     Ok(())
 }

@@ -32,7 +32,7 @@ pub fn selftest(args: &SelftestArgs) -> Result<(), Failure> {
         rows.push(row);
     }
     if args.json {
-        console::answer(&(as_json(seed, effort, &rows) + "\n"))?;
+        console::data(&(as_json(seed, effort, &rows) + "\n"))?;
     }
     ended(&rows, args.json)
 }

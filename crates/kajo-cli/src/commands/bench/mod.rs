@@ -65,7 +65,7 @@ fn parse(args: &ParseArgs) -> Result<(), Failure> {
             ("parse", times_json(&report.parse)),
             ("load", times_json(&report.load)),
         ];
-        console::answer(&(json::object(fields) + "\n"))?;
+        console::data(&(json::object(fields) + "\n"))?;
         return Ok(());
     }
     let megabytes = report.bytes as f64 / 1e6;
@@ -94,7 +94,7 @@ fn memory(args: &MemoryArgs) -> Result<(), Failure> {
             ("kept_bytes", kept.to_string()),
             ("peak_bytes", peak.map_or("null".to_owned(), |peak| peak.to_string())),
         ];
-        console::answer(&(json::object(fields) + "\n"))?;
+        console::data(&(json::object(fields) + "\n"))?;
         return Ok(());
     }
     let megabytes = |bytes: f64| format!("{:.1} MB", bytes / 1e6);
