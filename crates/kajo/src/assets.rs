@@ -2,7 +2,8 @@
 //!
 //! A name is looked up beside the file that says it, then in each extra folder. What is found must lie in
 //! the scene's folder or in an extra one, by its real path, so that neither `..` nor a link leads out; the
-//! check comes before the disk is asked, so that a refusal does not tell what exists elsewhere.
+//! check comes before the disk is asked, so that a refusal does not tell what exists elsewhere. `a/../b` is `b`,
+//! be `a` a link or not.
 //! [`FsAssets::allow_outside`] lifts all of this. Pipes, devices and folders are refused before they are
 //! opened, since opening a pipe may wait for ever.
 
@@ -104,6 +105,14 @@ impl FsAssets {
         self.opened.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// The path of the file beside the scene that is called `name`, as it is shown.
+    ///
+    /// # Errors
+    /// As those of opening it by that name.
+    pub fn locate(&self, name: &str) -> Result<PathBuf, AssetError> {
+        self.find(name, &self.scene_name).map(|path| PathBuf::from(self.name_of(&path)))
+    }
+
     /// The real path of the file that `from` calls `name`.
     fn find(&self, name: &str, from: &str) -> Result<PathBuf, AssetError> {
         if let Err(refusal @ AssetError::BadName(_)) = relative_asset(from, name) {
@@ -114,21 +123,50 @@ impl FsAssets {
         let folders = std::iter::once(&beside).chain(self.roots.iter().map(|root| &root.folder));
         let mut refusal = AssetError::NotFound;
         for candidate in folders.map(|folder| folder.join(name)) {
-            if !(self.allow_outside || is_relative(name) && self.contains(&normalised(&candidate))) {
-                refusal = AssetError::Outside;
-                continue;
-            }
-            match fs::canonicalize(&candidate) {
-                Ok(path) if self.allow_outside || self.contains(&path) => return Ok(path),
-                Ok(_) => refusal = AssetError::Outside,
-                Err(error) if is_absence(&error) => {}
-                Err(error) => return Err(error.into()),
+            let found = match self.allow_outside {
+                true => fs::canonicalize(&candidate).map_err(AssetError::from),
+                false if is_relative(name) => self.find_inside(&normalised(&candidate)),
+                false => Err(AssetError::Outside),
+            };
+            match found {
+                Ok(path) => return Ok(path),
+                Err(AssetError::Outside) => refusal = AssetError::Outside,
+                Err(AssetError::NotFound) => {}
+                Err(AssetError::Io(error)) if is_absence(&error) => {}
+                Err(error) => return Err(error),
             }
         }
+        let wanted = normalised(&beside.join(name));
         Err(match refusal {
-            AssetError::NotFound => absent(&beside.join(name)),
+            AssetError::NotFound if self.allow_outside || self.folder_is_inside(&wanted) => absent(&wanted),
             refusal => refusal,
         })
+    }
+
+    /// The real path of a file, looked up name by name from a folder that may be read, so that nothing is asked, and
+    /// nothing told, about what links lead to outside.
+    ///
+    /// * `path`: without `.` and `..`
+    fn find_inside(&self, path: &Path) -> Result<PathBuf, AssetError> {
+        let root =
+            self.roots.iter().find(|root| path.starts_with(&root.folder)).ok_or(AssetError::Outside)?;
+        let mut real = root.folder.clone();
+        for name in path.strip_prefix(&root.folder).map_err(|_| AssetError::Outside)? {
+            let next = real.join(name);
+            let is_link = fs::symlink_metadata(&next)?.is_symlink();
+            real = match fs::canonicalize(&next) {
+                Ok(path) if self.contains(&path) => path,
+                // Whether there is something at the end of a link that leads out is not for the scene to know.
+                Err(error) if !is_link => return Err(error.into()),
+                Ok(_) | Err(_) => return Err(AssetError::Outside),
+            };
+        }
+        Ok(real)
+    }
+
+    /// Whether the folder that a file would be in may be read.
+    fn folder_is_inside(&self, path: &Path) -> bool {
+        path.parent().is_some_and(|folder| self.find_inside(folder).is_ok())
     }
 
     fn contains(&self, path: &Path) -> bool {
@@ -428,12 +466,54 @@ mod tests {
         assert!(matches!(open("link.obj"), Err(AssetError::Outside)));
         assert!(matches!(open("folder/x.obj"), Err(AssetError::Outside)));
         assert_eq!(open("fine.obj").unwrap(), "inside/bunny_200.obj");
+        assert_eq!(open("folder/../bunny_200.obj").unwrap(), "inside/bunny_200.obj");
 
         let assets = FsAssets::new(&folders.path("extra/scene.txt")).unwrap();
         let scene = assets.scene_name().to_owned();
         assert_eq!(content(&assets, &scene, "").unwrap(), "inside/scene.txt");
         assert_eq!(content(&assets, "e.obj", &scene).unwrap(), "extra/e.obj", "beside the link");
         assert!(assets.opened().contains(&fs::canonicalize(folders.path("inside/scene.txt")).unwrap()));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_refusal_does_not_tell_what_is_outside() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folders = Folders::new();
+        fs::create_dir_all(folders.path("outside/locked/x")).unwrap();
+        fs::set_permissions(folders.path("outside/locked"), fs::Permissions::from_mode(0o000)).unwrap();
+        for (link, target) in [
+            ("there.obj", "../outside/x.obj"),
+            ("absent.obj", "../outside/nothing.obj"),
+            ("folder", "../outside"),
+            ("no_folder", "../nowhere"),
+            ("locked", "../outside/locked/x"),
+        ] {
+            symlink(target, folders.path("inside").join(link)).unwrap();
+        }
+        let assets = folders.assets();
+        let refusal = |name: &str| content(&assets, name, assets.scene_name()).unwrap_err().to_string();
+        let expected = AssetError::Outside.to_string();
+        for name in [
+            "there.obj",
+            "absent.obj",
+            "folder/x.obj",
+            "folder/y.obj",
+            "folder/nowhere/y.obj",
+            "no_folder/x.obj",
+            "locked/x.obj",
+            "../outside/x.obj",
+            "../outside/nothing.obj",
+            "/etc/passwd",
+            "/nothing",
+        ] {
+            assert_eq!(refusal(name), expected, "{name}");
+        }
+        assert_eq!(refusal("folder/../y"), "there is no such file");
+        let extra = folders.assets().with_folder(&folders.path("extra")).unwrap();
+        let refusal = content(&extra, "folder/y.obj", extra.scene_name()).unwrap_err().to_string();
+        assert_eq!(refusal, expected, "another folder is looked into as well");
+        fs::set_permissions(folders.path("outside/locked"), fs::Permissions::from_mode(0o755)).unwrap();
     }
 
     #[cfg(unix)]
