@@ -2,13 +2,21 @@
 //!
 //! [`Target::check`] finds out before rendering whether a file can be written; [`Target::write`] fills a
 //! temporary file beside it, brings it to the disk and renames it. The file that stood there before is
-//! untouched until then, and after any failure.
+//! untouched until then, and after any failure. What cannot be written where it belongs can still be put
+//! elsewhere, by [`rescue`].
 
+mod obstacle;
+mod part;
+
+use std::env;
+use std::ffi::OsStr;
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{Builder, NamedTempFile};
+use tempfile::Builder;
+
+use part::Part;
 
 /// Why a file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -78,7 +86,7 @@ enum Kind {
 }
 
 impl Target {
-    /// Makes sure that `path` can be written.
+    /// Makes sure that `path` can be written, and removes what killed processes left of files in its folder.
     ///
     /// * `inputs`: real paths of files that must not be overwritten
     ///
@@ -132,6 +140,23 @@ impl Target {
         &self.path
     }
 
+    /// Whether it is a device or a pipe, which is written in place and may keep its writer waiting for a reader.
+    pub fn is_stream(&self) -> bool {
+        matches!(self.kind, Kind::Stream)
+    }
+
+    /// Whether its folder is there.
+    pub fn has_folder(&self) -> bool {
+        self.folder().is_dir()
+    }
+
+    /// Whether it is a file in this folder or one below it, by their real paths.
+    ///
+    /// * `folder`: a real path
+    pub fn is_file_within(&self, folder: &Path) -> bool {
+        !self.is_stream() && self.real.starts_with(folder)
+    }
+
     /// Writes the file, whole.
     ///
     /// # Errors
@@ -161,13 +186,13 @@ impl Target {
     }
 
     fn replace(&self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-        let file = self.temporary()?;
+        let part = Part::create(self.folder())?;
         if let Ok(existing) = fs::metadata(&self.real) {
-            file.as_file().set_permissions(existing.permissions())?;
+            part.file().set_permissions(existing.permissions())?;
         }
-        buffered(file.as_file(), write)?;
-        file.as_file().sync_all()?;
-        file.persist(&self.real).map_err(|error| error.error)?;
+        buffered(part.file(), write)?;
+        part.file().sync_all()?;
+        part.rename(&self.real)?;
         self.sync_folder();
         Ok(())
     }
@@ -180,33 +205,23 @@ impl Target {
         }
     }
 
-    /// Whether a file can be made there.
+    /// Whether a file can be made there, and take the place of what is there already.
     fn probe(&self) -> Result<(), OutputError> {
         let folder = self.folder();
         if !folder.is_dir() {
             return Err(OutputError::NoFolder { path: self.path.clone(), folder: folder.to_path_buf() });
         }
         let refused = |source| OutputError::Refused { path: self.path.clone(), source };
-        if fs::metadata(&self.real).is_ok_and(|metadata| metadata.permissions().readonly()) {
+        let existing = fs::metadata(&self.real).ok();
+        if existing.as_ref().is_some_and(|metadata| metadata.permissions().readonly()) {
             return Err(refused(io::Error::new(ErrorKind::PermissionDenied, "the file is write-protected")));
         }
-        self.temporary().map(drop).map_err(refused)
-    }
-
-    /// An empty file in the target's folder, gone when dropped, with the rights that new files have.
-    fn temporary(&self) -> io::Result<NamedTempFile> {
-        let mut builder = Builder::new();
-        builder.prefix(".kajo-").suffix(".part");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(fs::Permissions::from_mode(0o666));
+        if let Some(obstacle) = existing.and_then(|_| obstacle::obstacle(&self.real)) {
+            return Err(refused(obstacle));
         }
-        // The name that the error would carry is that of the temporary file, which means nothing to anybody.
-        builder.tempfile_in(self.folder()).map_err(|error| match error.raw_os_error() {
-            Some(code) => io::Error::from_raw_os_error(code),
-            None => io::Error::from(error.kind()),
-        })
+        let part = Part::create(folder).map_err(refused)?;
+        part::clear(folder, &part);
+        Ok(())
     }
 
     fn folder(&self) -> &Path {
@@ -221,6 +236,47 @@ fn buffered(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -
     let mut out = BufWriter::with_capacity(1 << 16, file);
     write(&mut out)?;
     out.flush()
+}
+
+/// Writes what cannot be put where it belongs into the first of these folders that takes it: the one it belongs to, the
+/// current one, and that for temporary files. Its name begins and ends as `path` does. Returns its path.
+///
+/// * `write`: called for each folder
+pub fn rescue(path: &Path, mut write: impl FnMut(&mut dyn Write) -> io::Result<()>) -> Option<PathBuf> {
+    let temporary = env::temp_dir();
+    let own = path.parent().unwrap_or(Path::new(""));
+    let is_device = own.starts_with("/dev");
+    let folders = [(!is_device).then_some(own), Some(Path::new("")), Some(&*temporary)];
+    folders.into_iter().flatten().find_map(|folder| {
+        let shared = folder == temporary;
+        write_under_new_name(folder, path, shared, &mut write).ok()
+    })
+}
+
+/// * `shared`: whether the file is to be its owner's alone
+fn write_under_new_name(
+    folder: &Path,
+    path: &Path,
+    shared: bool,
+    write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<PathBuf> {
+    let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let prefix = format!("{}.kajo-", part(path.file_stem()));
+    let suffix = path.extension().map(|extension| format!(".{}", part(Some(extension)))).unwrap_or_default();
+    let mut builder = Builder::new();
+    builder.prefix(&prefix).suffix(&suffix);
+    if !shared {
+        part::with_usual_rights(&mut builder);
+    }
+    let file = match folder.as_os_str().is_empty() {
+        true => builder.tempfile_in(".")?,
+        false => builder.tempfile_in(folder)?,
+    };
+    buffered(file.as_file(), write)?;
+    file.as_file().sync_all()?;
+    let (_, written) = file.keep().map_err(|error| error.error)?;
+    // The folder as it was named, not as it is found from the root.
+    Ok(written.file_name().map(|name| folder.join(name)).unwrap_or(written))
 }
 
 /// The path of a file to be made, by the real path of its folder where that exists: equal for equal files.
@@ -305,6 +361,45 @@ mod tests {
         File::create(path("usual.png")).unwrap();
         let mode = |name: &str| fs::metadata(path(name)).unwrap().permissions().mode();
         assert_eq!(mode("fresh.png"), mode("usual.png"), "the same rights as any new file");
+    }
+
+    #[test]
+    fn a_check_clears_what_killed_processes_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let left = Part::create(folder.path()).unwrap();
+        let name = names(folder.path()).remove(0);
+        drop(left);
+        fs::write(folder.path().join(&name), "half of a picture").unwrap();
+        Target::check(&folder.path().join("a.png"), &[]).unwrap();
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn what_has_lost_its_place_is_put_beside_it_or_elsewhere() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.png");
+        fs::write(&path, "old").unwrap();
+        let beside = rescue(&path, |out| out.write_all(b"new")).unwrap();
+        assert_eq!(
+            (fs::read(&path).unwrap(), fs::read(&beside).unwrap()),
+            (b"old".to_vec(), b"new".to_vec())
+        );
+        assert_eq!(beside.parent(), path.parent());
+        let name = beside.file_name().unwrap().to_str().unwrap();
+        assert!(name.starts_with("out.kajo-") && name.ends_with(".png"), "{name}");
+
+        let gone = folder.path().join("gone/out.png");
+        let mut attempts = 0;
+        let elsewhere = rescue(&gone, |out| {
+            attempts += 1;
+            // As if the current folder were full.
+            if attempts == 1 { Err(ErrorKind::StorageFull.into()) } else { out.write_all(b"new") }
+        });
+        let elsewhere = elsewhere.unwrap();
+        assert_eq!(elsewhere.parent(), Some(&*env::temp_dir()));
+        fs::remove_file(elsewhere).unwrap();
+        assert_eq!(rescue(&gone, |_| Err(ErrorKind::StorageFull.into())), None);
+        assert_eq!(names(folder.path()).len(), 2, "failures leave nothing");
     }
 
     #[cfg(unix)]
