@@ -70,6 +70,9 @@ fn window(scene: Option<PathBuf>) -> ExitCode {
             let layout = context.storage.and_then(|storage| eframe::get_value(storage, LAYOUT));
             let layout: Layout = layout.unwrap_or_default();
             let mut app = App::new(&context.egui_ctx, context.wgpu_render_state.as_ref(), layout);
+            if let Some(folder) = eframe::storage_dir("kajo-studio") {
+                app.studio.keep_edits_in(&folder.join("recovery"));
+            }
             if let Some(scene) = scene {
                 app.studio.apply(Action::Open(scene));
             }

@@ -10,6 +10,7 @@ mod outliner;
 mod picture;
 mod picture_panel;
 mod problems_panel;
+mod questions;
 mod rays_panel;
 mod render_panel;
 mod stage;

@@ -2,6 +2,7 @@
 //! them. Widgets read it and hand in [`Action`]s, so tests can do both.
 
 mod action;
+mod asking;
 mod editing;
 mod handling;
 mod histogram;
@@ -11,6 +12,7 @@ mod navigation;
 mod priority;
 mod problems;
 mod rays;
+mod recovery;
 mod render_options;
 mod selection;
 mod tracer;
@@ -32,17 +34,21 @@ use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View};
 use kajo_math::{Aabb, DVec3, Vec3};
 
 pub use action::Action;
+pub use asking::{Answer, Cause, Question};
 pub use handling::{GIZMOS, Grip, Handles};
 pub use histogram::{BINS, Histogram, stops_of};
 pub use navigation::{Held, Navigation};
 pub use problems::{Place, Problem, problems};
 pub use rays::{Rays, color as ray_color, kind_name as ray_kind};
+pub use recovery::LeftOver;
 pub use render_options::{Habits, PictureSize, RenderOptions};
 pub use selection::Selection;
 pub use tracer::{Request, Tracer, Wake};
 pub use watch::Watch;
 
+use asking::Asking;
 use long_texts::{LongTexts, Task};
+use selection::Chosen;
 use turntable::TurntableOrder;
 use worker::Worker;
 
@@ -144,6 +150,8 @@ pub struct Studio {
     wants_trace: bool,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
     watch: Watch,
+    asking: Asking,
+    wake: Wake,
     /// Whether a file was written while it was read.
     was_changed_meanwhile: bool,
 }
@@ -187,10 +195,12 @@ impl Studio {
             }),
             ordered: None,
             wants_trace: false,
-            previewer: Worker::new(wake, |(version, scene): (Version, Arc<Scene>)| {
+            previewer: Worker::new(Arc::clone(&wake), |(version, scene): (Version, Arc<Scene>)| {
                 (version, Arc::new(Preview::of(&scene)))
             }),
             watch: Watch::new(move || waker()),
+            asking: Asking::default(),
+            wake,
             was_changed_meanwhile: false,
         }
     }
@@ -198,14 +208,18 @@ impl Studio {
     /// Does what the user wants.
     pub fn apply(&mut self, action: Action) {
         match action {
-            Action::Open(path) => self.opener.order(path),
+            Action::Open(_) | Action::New | Action::Close | Action::Recover => self.leave(action),
+            Action::Answer(answer) => self.answer(answer),
             Action::Reload => self.reload(),
             Action::Trace => self.trace(),
             Action::Stop => {
                 self.tracer.cancel();
                 self.stop_turntable.store(true, Ordering::Relaxed);
             }
-            Action::Turntable(path) => self.turn(&path),
+            Action::Turntable(ref path) => {
+                let files = self.turntable_files(path);
+                self.write(action, &files);
+            }
             Action::Gizmo(_) | Action::Grab(_) | Action::DragTo(..) | Action::CancelDrag => {
                 self.handle_action(action);
             }
@@ -249,8 +263,9 @@ impl Studio {
         let is_changed =
             self.watch.changed() && self.document.as_ref().is_some_and(Document::changed_on_disk);
         if std::mem::take(&mut self.was_changed_meanwhile) || is_changed {
-            self.reload();
+            self.take_changes();
         }
+        self.save_aside();
         if self.shown == Shown::Traced && self.options.habits.live {
             let stale = self.request().is_some_and(|request| !self.tracer.was_asked_for(&request));
             if stale {
@@ -390,6 +405,8 @@ impl Studio {
 
     fn take(&mut self, Opened { path, document }: Opened) {
         match document {
+            // Something may have been edited while it was read.
+            Ok(_) if !self.may_go() => self.leave(Action::Open(path)),
             Ok(document) => {
                 self.begin(document);
                 match self.n_errors() {
@@ -402,27 +419,49 @@ impl Studio {
         }
     }
 
+    /// Reads the files again, once that may be.
     fn reload(&mut self) {
+        self.end_drag();
+        if !self.ask_about(Cause::Reloading) {
+            self.take_from_disk(Cause::Reloading);
+        }
+    }
+
+    /// Takes over what another program has written, or asks about it.
+    fn take_changes(&mut self) {
         if self.long_texts.is_busy() {
             // Once that is done.
             self.was_changed_meanwhile = true;
             return;
         }
-        if self.has_long_text() {
-            self.do_beside(Task::Reload);
-            return;
-        }
-        let Some(document) = &mut self.document else { return };
-        match document.reload() {
-            Ok(_) => {
-                self.compile();
-                self.was_reloaded();
-            }
-            Err(error) => self.say(&error.to_string(), true),
+        if !self.ask_about(Cause::Changed) {
+            self.take_from_disk(Cause::Changed);
         }
     }
 
-    fn was_reloaded(&mut self) {
+    /// Takes over what is on disk: everything to read it again, and what others have written otherwise.
+    fn take_from_disk(&mut self, cause: Cause) {
+        let task = if cause == Cause::Reloading { Task::Reload } else { Task::TakeTheirs };
+        if self.has_long_text() {
+            self.do_beside(task);
+            return;
+        }
+        self.end_drag();
+        let chosen = self.chosen();
+        let Some(document) = &mut self.document else { return };
+        match task.carry_out(document) {
+            Ok(()) => {
+                self.compile();
+                self.was_reloaded(&chosen);
+            }
+            Err(problem) => self.say(&problem, true),
+        }
+    }
+
+    fn was_reloaded(&mut self, chosen: &[Chosen]) {
+        if let Some(document) = &self.document {
+            self.selection.find_again(chosen, document);
+        }
         self.watch_files();
         self.say("Read again: the file has changed.", false);
     }

@@ -2,27 +2,12 @@
 
 mod common;
 
-use common::Window;
+use common::{Dice, Window};
 use kajo::edit::{Document, NodeId};
 use kajo::{BitDepth, Defaults, Format, LoadOptions, RenderSettings, SamplerKind, Settings, View};
-use kajo_math::rng;
 use kajo_studio::state::{Action, PictureSize, Studio};
 
 const SIZE: [u32; 2] = [32, 24];
-
-/// What is random in an edit: hashes of a seed and a count.
-struct Dice {
-    seed: u64,
-    rolled: u64,
-}
-
-impl Dice {
-    /// A number below `n`, which is not zero.
-    fn below(&mut self, n: usize) -> usize {
-        self.rolled += 1;
-        (rng::mix(rng::mix(self.seed) ^ self.rolled) % n as u64) as usize
-    }
-}
 
 /// A number of a block that can be a little larger or smaller: the field, which of several, and its new value.
 fn nudged(document: &Document, node: NodeId, dice: &mut Dice) -> Option<Action> {
@@ -71,7 +56,7 @@ fn a_saved_scene_renders_to_the_picture_that_the_window_showed() {
         let text = window.text();
         window.studio().options.habits.size = PictureSize::Fixed(SIZE);
         window.studio().options.asked = asked.clone();
-        let mut dice = Dice { seed, rolled: 0 };
+        let mut dice = Dice::new(seed);
         for _ in 0..24 {
             let Some(action) = any_action(window.studio(), &mut dice) else { continue };
             let nodes = window.studio().document.as_ref().unwrap().outline().nodes();

@@ -15,13 +15,14 @@ use super::chooser::{Answer, Chooser, Purpose};
 use super::keys::{self, Command};
 use super::outliner::Outliner;
 use super::picture;
+use super::questions::Questions;
 use super::stage::Stage;
 use super::text_panel::TextPanel;
 use super::viewport::{self, Area};
 use super::{
     help, menu, object_panel, picture_panel, problems_panel, rays_panel, render_panel, status, theme,
 };
-use crate::state::{Action, Habits, Histogram, Shown, Studio, Wake};
+use crate::state::{Action, Answer as Decision, Habits, Histogram, Question, Shown, Studio, Wake};
 
 /// The longest step of a flight, in seconds: after a pause the camera does not jump.
 const LONGEST_STEP: f32 = 0.1;
@@ -90,6 +91,7 @@ pub struct App {
     text: TextPanel,
     histogram: Option<(Arc<session::Frame>, Histogram)>,
     chooser: Option<Chooser>,
+    questions: Questions,
     help: bool,
     /// Where the picture was in the last frame.
     area: Option<Area>,
@@ -116,6 +118,7 @@ impl App {
             text: TextPanel::default(),
             histogram: None,
             chooser: None,
+            questions: Questions::default(),
             help: false,
             area: None,
         }
@@ -127,7 +130,8 @@ impl App {
         self.studio.update();
         let chosen = self.studio.selection.main();
         self.take_dropped_files(&ctx);
-        let mut commands = if self.chooser.is_some() { Vec::new() } else { keys::pressed(&ctx) };
+        self.close(&ctx);
+        let mut commands = if self.has_dialog() { Vec::new() } else { keys::pressed(&ctx) };
         let mut actions = Vec::new();
         self.fly(&ctx, &mut actions);
         self.on_ground(ui, |app, ui| {
@@ -135,6 +139,7 @@ impl App {
             app.viewport(ui, &mut actions);
         });
         self.ask(&ctx, &mut actions);
+        self.put_question(&ctx, &mut actions);
         help::show(&ctx, &mut self.help);
         for command in commands {
             self.obey(&ctx, command, &mut actions);
@@ -165,9 +170,46 @@ impl App {
         }
     }
 
+    /// Whether something is asked, so that keys mean nothing else.
+    fn has_dialog(&self) -> bool {
+        self.chooser.is_some() || self.studio.question().is_some()
+    }
+
+    /// Ends the program when that is wanted and nothing is lost by it.
+    fn close(&mut self, ctx: &egui::Context) {
+        let is_asked_to = ctx.input(|input| input.viewport().close_requested());
+        if is_asked_to && !self.studio.is_closing() {
+            self.studio.apply(Action::Close);
+            if !self.studio.is_closing() {
+                ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            }
+        } else if self.studio.is_closing() && !is_asked_to {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+    }
+
+    /// Shows the question that stands, below that for a file.
+    fn put_question(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        if self.chooser.is_some() {
+            return;
+        }
+        let (title, question) = (self.studio.title(), self.studio.question());
+        let notice = self.studio.notice.as_ref().filter(|notice| notice.is_error);
+        let problem = notice.map(|notice| notice.text.as_str());
+        let is_unsaved = matches!(question, Some(Question::Unsaved { .. }));
+        match self.questions.show(ctx, question, &title, problem) {
+            // A scene that never had a file needs a name.
+            Some(Decision::Save) if is_unsaved && self.path().is_none() => {
+                self.choose(Purpose::SaveScene, "scene.txt");
+            }
+            Some(answer) => actions.push(Action::Answer(answer)),
+            None => {}
+        }
+    }
+
     fn fly(&self, ctx: &egui::Context, actions: &mut Vec<Action>) {
         let held = keys::held(ctx);
-        if held.moves() && self.chooser.is_none() {
+        if held.moves() && !self.has_dialog() {
             let seconds = ctx.input(|input| input.stable_dt).min(LONGEST_STEP);
             actions.push(Action::Fly(held, seconds.into()));
         }

@@ -84,6 +84,7 @@ pub fn shortcuts() -> Vec<Shortcut> {
         (COMMAND, Key::R, Do(Action::Reload), "Read the file again"),
         (COMMAND, Key::S, Command::Save, "Save the scene"),
         (COMMAND.plus(Modifiers::SHIFT), Key::S, Command::SaveAs, "Save the scene to another file"),
+        (COMMAND, Key::Q, Do(Action::Close), "Quit"),
         (COMMAND, Key::E, Command::Export, "Write the picture to a file"),
         (COMMAND, Key::Z, Do(Action::Undo), "Take the last step back"),
         (COMMAND.plus(Modifiers::SHIFT), Key::Z, Do(Action::Redo), "Do it again"),

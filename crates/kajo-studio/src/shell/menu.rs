@@ -24,6 +24,9 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
             item(ui, "Save as...", "Ctrl+Shift+S", commands, Command::SaveAs);
             item(ui, "Write picture...", "Ctrl+E", commands, Command::Export);
             item(ui, "Write turntable...", "", commands, Command::Turntable);
+            ui.separator();
+            item(ui, "Recover edits...", "", commands, Command::Do(Action::Recover));
+            item(ui, "Quit", "Ctrl+Q", commands, Command::Do(Action::Close));
         });
         ui.menu_button("Edit", |ui| {
             let document = studio.document.as_ref();

@@ -7,7 +7,7 @@ use kajo::edit::{FieldValue, FileId, NodeId};
 use kajo::handles::Mode;
 use kajo_math::{DVec2, DVec3};
 
-use super::Held;
+use super::{Answer, Held};
 
 /// Something the user wants.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +19,12 @@ pub enum Action {
     New,
     /// Reads the file again.
     Reload,
+    /// Ends the program.
+    Close,
+    /// Offers edits that were left over once more.
+    Recover,
+    /// Answers the question that stands.
+    Answer(Answer),
     /// Writes the text to its file.
     Save,
     /// Writes the text to another file.

@@ -8,7 +8,7 @@ use kajo::{BitDepth, Format, LoadOptions, View};
 use kajo_math::DVec3;
 
 use super::long_texts::Task;
-use super::{Action, Selection, Studio};
+use super::{Action, Cause, Selection, Studio};
 
 /// What a new scene says.
 const NEW_SCENE: &str = "\
@@ -32,10 +32,17 @@ Group {
 impl Studio {
     pub(super) fn edit_action(&mut self, action: Action) {
         match action {
-            Action::New => self.begin_new(),
             Action::Save => self.save(None),
-            Action::SaveAs(path) => self.save(Some(&path)),
-            Action::Export(path) => self.export(&path),
+            Action::SaveAs(ref path) => {
+                // To save a scene to its own file replaces nothing.
+                let is_own = self.document.as_ref().is_some_and(|document| is_same(document.path(), path));
+                let files = if is_own { Vec::new() } else { vec![path.clone()] };
+                self.write(action, &files);
+            }
+            Action::Export(ref path) => {
+                let files = [path.clone()];
+                self.write(action, &files);
+            }
             Action::StoreCamera => self.store_camera(),
             Action::Select(nodes) => self.select(nodes),
             Action::SelectToo(node) => {
@@ -69,7 +76,7 @@ impl Studio {
         }
     }
 
-    fn begin_new(&mut self) {
+    pub(super) fn begin_new(&mut self) {
         let folder = std::env::current_dir().unwrap_or_default();
         match Document::untitled(&folder, NEW_SCENE, LoadOptions::default()) {
             Ok(mut document) => {
@@ -209,9 +216,17 @@ impl Studio {
         }
     }
 
-    fn save(&mut self, path: Option<&Path>) {
+    pub(super) fn save(&mut self, path: Option<&Path>) {
         self.end_drag();
+        if path.is_none() && self.ask_about(Cause::Saving) {
+            return;
+        }
         let Some(document) = &mut self.document else { return };
+        if path.is_none() && !document.is_dirty() && document.changed_on_disk() {
+            // There is nothing to save, and something to read.
+            self.take_changes();
+            return;
+        }
         let result = match path {
             Some(path) => document.save_as(path),
             None => document.save(),
@@ -222,12 +237,13 @@ impl Studio {
                 self.compile();
                 self.watch_files();
                 self.say(&format!("Saved {}.", self.title()), false);
+                self.go_on();
             }
             Err(error) => self.say(&error.to_string(), true),
         }
     }
 
-    fn export(&mut self, path: &Path) {
+    pub(super) fn export(&mut self, path: &Path) {
         match self.exported(path) {
             Ok(()) => self.say(&format!("Wrote {}.", path.display()), false),
             Err(problem) => self.say(&problem, true),
@@ -290,6 +306,12 @@ impl Studio {
         self.view_action(Action::ResetCamera);
         self.watch_files();
     }
+}
+
+/// Whether two names are of one file.
+fn is_same(own: Option<&Path>, other: &Path) -> bool {
+    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    own.is_some_and(|own| own == other || real(own).is_some_and(|own| Some(own) == real(other)))
 }
 
 /// The fields of a camera's block that a flight changes, rounded to what one can see.

@@ -22,6 +22,22 @@ pub enum Task {
     Apply(Edit),
     /// Reading its files again.
     Reload,
+    /// Reading again what other programs have written.
+    TakeTheirs,
+}
+
+impl Task {
+    /// Does it.
+    ///
+    /// # Errors
+    /// Why it cannot be done.
+    pub fn carry_out(&self, document: &mut Document) -> Result<(), String> {
+        match self {
+            Task::Apply(edit) => document.apply(edit).map(drop).map_err(|refused| refused.to_string()),
+            Task::Reload => document.reload().map(drop).map_err(|error| error.to_string()),
+            Task::TakeTheirs => document.take_theirs().map(drop).map_err(|error| error.to_string()),
+        }
+    }
 }
 
 /// A document and what is to be done to it, or was done.
@@ -53,10 +69,7 @@ impl LongTexts {
 
 impl Copied {
     fn carry_out(mut self) -> Copied {
-        self.problem = match &self.task {
-            Task::Apply(edit) => self.document.apply(edit).err().map(|refused| refused.to_string()),
-            Task::Reload => self.document.reload().err().map(|error| error.to_string()),
-        };
+        self.problem = self.task.carry_out(&mut self.document).err();
         self
     }
 }
@@ -94,6 +107,7 @@ impl Studio {
 
     fn take_over(&mut self, copied: Copied) {
         let next = self.long_texts.next.take();
+        let chosen = self.chosen();
         let Some(document) = self.document.as_mut().filter(|_| copied.opened == self.opened) else { return };
         let mut newer = copied.document;
         newer.keep_scene_of(document);
@@ -103,7 +117,7 @@ impl Studio {
         self.compile();
         match (copied.problem, copied.task) {
             (Some(problem), _) => self.say(&problem, true),
-            (None, Task::Reload) => self.was_reloaded(),
+            (None, Task::Reload | Task::TakeTheirs) => self.was_reloaded(&chosen),
             (None, Task::Apply(_)) => {}
         }
         if let Some(task) = next {

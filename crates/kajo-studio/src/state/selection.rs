@@ -9,6 +9,16 @@ use kajo_math::{Aabb, Vec3};
 use super::Studio;
 use crate::raster::is_within;
 
+/// What is known of a chosen node, to find it again in a text that was written anew.
+#[derive(Clone, Debug)]
+pub(super) struct Chosen {
+    id: NodeId,
+    keyword: Box<str>,
+    name: Option<Box<str>>,
+    /// Which of the nodes with this keyword and name it is.
+    nth: usize,
+}
+
 /// What is chosen.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
@@ -52,6 +62,16 @@ impl Selection {
         self.refresh(document);
     }
 
+    /// Chooses again what was chosen: where a node is gone, the one like it.
+    pub(super) fn find_again(&mut self, chosen: &[Chosen], document: &Document) {
+        let find = |chosen: &Chosen| {
+            let is_there = document.node(chosen.id).is_some();
+            let like = || alike(document, &chosen.keyword, chosen.name.as_deref()).nth(chosen.nth);
+            if is_there { Some(chosen.id) } else { like() }
+        };
+        self.set(chosen.iter().filter_map(find).collect(), document);
+    }
+
     /// Forgets nodes that are gone and finds the objects of the others.
     pub fn refresh(&mut self, document: &Document) {
         self.nodes.retain(|&node| document.node(node).is_some());
@@ -68,7 +88,29 @@ impl Selection {
     }
 }
 
+/// The nodes with a keyword and a name, in their order.
+fn alike<'a>(
+    document: &'a Document,
+    keyword: &'a str,
+    name: Option<&'a str>,
+) -> impl Iterator<Item = NodeId> + 'a {
+    let nodes = document.outline().nodes().iter();
+    let same = move |node: &&kajo::edit::Node| &*node.keyword == keyword && node.name.as_deref() == name;
+    nodes.filter(same).map(|node| node.id)
+}
+
 impl Studio {
+    /// What is known of the nodes that are chosen.
+    pub(super) fn chosen(&self) -> Vec<Chosen> {
+        let Some(document) = &self.document else { return Vec::new() };
+        let known = |&id: &NodeId| {
+            let node = document.node(id)?;
+            let nth = alike(document, &node.keyword, node.name.as_deref()).position(|other| other == id)?;
+            Some(Chosen { id, keyword: node.keyword.clone(), name: node.name.clone(), nth })
+        };
+        self.selection.nodes().iter().filter_map(known).collect()
+    }
+
     /// A box around the objects that are chosen; `None` without any.
     pub fn selection_bounds(&self) -> Option<Aabb> {
         let (_, preview) = self.preview.as_ref()?;

@@ -44,20 +44,31 @@ impl TurntableOrder {
 }
 
 impl Studio {
+    /// The files that [`Action::Turntable`](super::Action::Turntable) would write.
+    pub(super) fn turntable_files(&self, path: &Path) -> Vec<PathBuf> {
+        self.whole_turn().files(path)
+    }
+
+    fn whole_turn(&self) -> Turntable {
+        let selection = self.selection_bounds();
+        let center = selection.map_or(self.navigation.center, |bounds| bounds.center().as_dvec3());
+        let frames = self.options.habits.turntable_frames.max(1);
+        Turntable { start: self.camera.clone(), center, frames, view: self.view }
+    }
+
     /// Begins to write pictures from all around what the camera turns around.
     pub(super) fn turn(&mut self, path: &Path) {
         let (Some(scene), Some(Ok(settings))) = (self.scene().cloned(), self.settings()) else {
             self.say("Open a scene first.", false);
             return;
         };
-        let frames = self.options.habits.turntable_frames.max(1);
-        let selection = self.selection_bounds();
-        let center = selection.map_or(self.navigation.center, |bounds| bounds.center().as_dvec3());
+        let turntable = self.whole_turn();
+        let frames = turntable.frames;
         let stop = Arc::new(AtomicBool::new(false));
         self.stop_turntable = Arc::clone(&stop);
         let inputs = self.document.as_ref().and_then(|document| document.path()).map(Path::to_owned);
         self.turntable.order(TurntableOrder {
-            turntable: Turntable { start: self.camera.clone(), center, frames, view: self.view },
+            turntable,
             scene,
             settings,
             path: path.to_owned(),

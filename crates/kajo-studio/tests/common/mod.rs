@@ -9,6 +9,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use egui_wgpu::{RenderState, RendererOptions};
+use kajo_math::rng;
 use kajo_studio::shell::{App, Layout};
 use kajo_studio::state::{Action, Studio};
 
@@ -219,5 +220,23 @@ impl Window {
 
     pub fn text(&mut self) -> String {
         self.studio().document.as_ref().unwrap().text().to_owned()
+    }
+}
+
+/// What is random: hashes of a seed and a count.
+pub struct Dice {
+    seed: u64,
+    rolled: u64,
+}
+
+impl Dice {
+    pub fn new(seed: u64) -> Dice {
+        Dice { seed, rolled: 0 }
+    }
+
+    /// A number below `n`, which is not zero.
+    pub fn below(&mut self, n: usize) -> usize {
+        self.rolled += 1;
+        (rng::mix(rng::mix(self.seed) ^ self.rolled) % n as u64) as usize
     }
 }

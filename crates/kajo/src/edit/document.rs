@@ -45,11 +45,11 @@ pub enum DocumentError {
 /// that take the place of the original; see [`Document::keep_scene_of`].
 #[derive(Clone, Debug)]
 pub struct Document {
-    path: Option<PathBuf>,
+    pub(super) path: Option<PathBuf>,
     pub(super) options: LoadOptions,
     pub(super) disk: Arc<FsAssets>,
     pub(super) files: Vec<SceneFile>,
-    stamps: HashMap<FileId, Stamp>,
+    pub(super) stamps: HashMap<FileId, Stamp>,
     pub(super) tree: Arc<Tree>,
     identities: Identities,
     history: History,
@@ -94,7 +94,7 @@ impl Document {
         Document::start(&folder.join("untitled.txt"), options, text.into(), None)
     }
 
-    fn start(
+    pub(super) fn start(
         path: &Path,
         options: LoadOptions,
         text: Arc<str>,
@@ -189,6 +189,12 @@ impl Document {
     /// Whether any text differs from what is on disk.
     pub fn is_dirty(&self) -> bool {
         self.files.iter().any(SceneFile::is_dirty)
+    }
+
+    /// Whether there is anything that could be undone.
+    pub(super) fn is_edited(&self) -> bool {
+        let is_dragged = self.gesture.as_ref().is_some_and(|gesture| !gesture.change.is_empty());
+        is_dragged || self.undo_label().is_some()
     }
 
     #[cfg(test)]
@@ -363,10 +369,11 @@ impl Document {
         self.end_gesture();
         for index in 0..self.files.len() {
             let id = FileId(index as u32);
-            if !self.files[index].is_dirty() {
+            let Some(path) = self.real_path(id) else { return Err(DocumentError::Untitled) };
+            // What somebody took away is written again.
+            if !self.files[index].is_dirty() && path.exists() {
                 continue;
             }
-            let Some(path) = self.real_path(id) else { return Err(DocumentError::Untitled) };
             Target::check(&path, &[])?.write(self.files[index].text.as_bytes())?;
             self.files[index].saved = Some(self.files[index].text.clone());
         }
@@ -424,38 +431,64 @@ impl Document {
     /// # Errors
     /// When the scene's file cannot be read; then nothing has changed.
     pub fn reload(&mut self) -> Result<Applied, DocumentError> {
+        self.take_from_disk(|_, _| true)
+    }
+
+    /// Takes over what other programs have written, as one step that can be undone. Files that they left alone keep
+    /// the edits that were made in them here; where both have changed a file, theirs wins.
+    ///
+    /// # Errors
+    /// As [`Document::reload`].
+    pub fn take_theirs(&mut self) -> Result<Applied, DocumentError> {
+        self.take_from_disk(|file, on_disk| file.saved.as_deref() != Some(on_disk))
+    }
+
+    /// Takes over the texts on disk of files that are `wanted`.
+    fn take_from_disk(
+        &mut self,
+        wanted: impl Fn(&SceneFile, &str) -> bool,
+    ) -> Result<Applied, DocumentError> {
         self.end_gesture();
-        let mut edits = Vec::new();
+        let mut texts = Vec::new();
         for index in 0..self.files.len() {
             let id = FileId(index as u32);
             let Some(path) = self.real_path(id) else { continue };
-            let text = match read_text(&path) {
-                Ok(text) => text,
+            match read_text(&path) {
+                Ok(text) if wanted(&self.files[index], &text) => texts.push((id, text)),
                 Err(error) if index == 0 => return Err(error),
-                Err(_) => continue,
-            };
-            let change = Change::between(id, &self.files[index].text, &text);
-            edits.extend(change.edits());
-            self.files[index].saved = Some(text);
+                _ => {}
+            }
         }
+        for (id, text) in &texts {
+            self.files[id.0 as usize].saved = Some(text.clone());
+        }
+        let applied = self.replace("reload", &texts);
+        self.stamp();
+        Ok(applied)
+    }
+
+    /// Makes these the texts of files, as one step. Blocks whose keywords stay remain what they are.
+    pub(super) fn replace(&mut self, label: &str, texts: &[(FileId, Arc<str>)]) -> Applied {
+        let changes = texts.iter().flat_map(|(id, text)| {
+            Change::by_words(*id, &self.files[id.0 as usize].text, text).edits().collect::<Vec<_>>()
+        });
+        let change = Change::of(&self.files, changes.collect()).unwrap_or_default();
         let tree = std::mem::take(&mut self.tree);
-        let change = Change::of(&self.files, edits).unwrap_or_default();
         // Made of these very texts a moment ago, it fits them.
         let fits = change.apply(&mut self.files).is_ok();
         debug_assert!(fits);
         let new = self.parsed(&tree, &change, &[]);
         let changed = !change.is_empty();
         if changed {
-            self.history.push(step("reload".to_owned(), change, &tree, &new));
+            self.history.push(step(label.to_owned(), change, &tree, &new));
         }
         self.tree = Arc::new(new);
         // Meshes and pictures may have changed too.
         self.generation += 1;
-        self.stamp();
-        Ok(Applied { changed, created: None })
+        Applied { changed, created: None }
     }
 
-    fn real_path(&self, id: FileId) -> Option<PathBuf> {
+    pub(super) fn real_path(&self, id: FileId) -> Option<PathBuf> {
         if id == FileId(0) { self.path.clone() } else { self.disk.real_path(&self.files[id.0 as usize].name) }
     }
 
@@ -466,12 +499,12 @@ impl Document {
     }
 }
 
-fn stamp(path: &Path) -> Option<Stamp> {
+pub(super) fn stamp(path: &Path) -> Option<Stamp> {
     let metadata = fs::metadata(path).ok()?;
     Some((metadata.modified().ok()?, metadata.len()))
 }
 
-fn read_text(path: &Path) -> Result<Arc<str>, DocumentError> {
+pub(super) fn read_text(path: &Path) -> Result<Arc<str>, DocumentError> {
     let error = |reason: String| DocumentError::Read { path: path.to_path_buf(), reason };
     let bytes = fs::read(path).map_err(|e| error(e.to_string()))?;
     let text = String::from_utf8(bytes).map_err(|_| error("it is not text in UTF-8".to_owned()))?;

@@ -31,6 +31,7 @@
 
 mod command;
 mod compilation;
+mod difference;
 mod displace;
 mod document;
 mod fields;
@@ -49,9 +50,11 @@ mod structure;
 mod templates;
 mod texts;
 mod tree;
+mod unsaved;
 
 pub use command::{Applied, Edit, EditRefused};
 pub use compilation::{Compilation, Compiled};
+pub use difference::{Hunk, hunks};
 pub use document::{Document, DocumentError};
 pub use fields::{Field, FieldValue};
 pub use movement::Movement;
@@ -59,3 +62,4 @@ pub use outline::{Node, NodeId, Outline};
 pub use schema::{FieldKind, FieldSpec, Kind};
 pub use templates::template;
 pub use texts::{FileId, SceneFile, TextEdit};
+pub use unsaved::{Conflict, Unsaved, UnsavedText};

@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 use kajo_scene::{EditError, apply_edits};
 
+use super::difference::{hunks_of, lines};
+
 /// Which text of a document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FileId(pub(super) u32);
@@ -108,6 +110,18 @@ impl Change {
         Change { pieces: if old == new { Vec::new() } else { vec![piece] } }
     }
 
+    /// The change between two versions of a text, as other programs make them: a piece for each few words that differ,
+    /// among the lines that differ.
+    pub fn by_words(file: FileId, old: &str, new: &str) -> Change {
+        let mut pieces = Vec::new();
+        each_hunk(&lines(old), &lines(new), |start, old, new| {
+            each_hunk(&words(&old), &words(&new), |offset, old, new| {
+                pieces.push(Piece { file, at: start + offset, old, new });
+            });
+        });
+        Change { pieces }
+    }
+
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()
     }
@@ -184,6 +198,23 @@ impl Piece {
     }
 }
 
+/// Calls `take` with the byte where each hunk begins in the old text, and with the old and the new text of it.
+fn each_hunk(old: &[&str], new: &[&str], mut take: impl FnMut(usize, String, String)) {
+    let (mut at, mut start) = (0, 0);
+    for hunk in hunks_of(old, new) {
+        let bytes = |range: Range<usize>| old[range].iter().map(|part| part.len()).sum::<usize>();
+        start += bytes(at..hunk.old.start);
+        take(start, old[hunk.old.clone()].concat(), new[hunk.new].concat());
+        start += bytes(hunk.old.clone());
+        at = hunk.old.end;
+    }
+}
+
+/// The words of a text, each with the blank after it.
+fn words(text: &str) -> Vec<&str> {
+    text.split_inclusive(char::is_whitespace).collect()
+}
+
 fn common_prefix(a: &str, b: &str) -> usize {
     let equal = a.bytes().zip(b.bytes()).take_while(|(a, b)| a == b).count();
     (0..=equal).rev().find(|&i| a.is_char_boundary(i) && b.is_char_boundary(i)).unwrap_or(0)
@@ -248,5 +279,28 @@ mod tests {
             change.inverse().apply(&mut texts).unwrap();
             prop_assert_eq!(&*texts[0].text, &old);
         }
+
+        #[test]
+        fn so_does_the_change_by_words(old in "[aé \r\n]{0,12}", new in "[aé \r\n]{0,12}") {
+            let mut texts = files(&[&old]);
+            let change = Change::by_words(FileId(0), &old, &new);
+            change.apply(&mut texts).unwrap();
+            prop_assert_eq!(&*texts[0].text, &new);
+            change.inverse().apply(&mut texts).unwrap();
+            prop_assert_eq!(&*texts[0].text, &old);
+        }
+    }
+
+    #[test]
+    fn what_other_programs_change_leaves_the_rest_of_its_line() {
+        let (old, new) = ("x\nSphere { r 1 }\ny\nBox { a 2 }\n", "Sphere { r 5 }\ny\nz\nBox { a 3 }\n");
+        let change = Change::by_words(FileId(0), old, new);
+        let at = |text: &str, word: &str| text.find(word).unwrap();
+        for word in ["y\n", "Box"] {
+            assert_eq!(change.carry(FileId(0), at(old, word)), Some(at(new, word)), "{word}");
+        }
+        let change =
+            Change::by_words(FileId(0), "Sphere { r 1 }\nBox { a 2 }\n", "Sphere { r 5 }\nBox { a 3 }\n");
+        assert_eq!(change.pieces.len(), 2);
     }
 }
