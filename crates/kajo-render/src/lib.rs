@@ -22,4 +22,4 @@ pub use schedule::{
     FailedUnit, Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Silent, Unit, render,
     render_passes, render_unit,
 };
-pub use trail::{RayKind, Segment, Trail, TrailHit};
+pub use trail::{LightSource, RayKind, Segment, Trail, TrailHit};

@@ -7,6 +7,8 @@
 //! radiance of the sample = sum over all segments of their contributions
 //! ```
 
+use kajo_core::Pooled;
+use kajo_core::light::{AreaLight, LightId, SkyLight};
 use kajo_core::scene::{Event, Interaction, Scene};
 use kajo_math::{Ray, Vec3};
 
@@ -53,6 +55,29 @@ pub struct TrailHit {
     pub ng: Vec3,
 }
 
+/// What a light belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightSource {
+    /// A light of the file: its place in their order, from 0.
+    Listed(u32),
+    /// A glowing object: its number in the id layers, counted from 1.
+    Object(u32),
+    /// The background.
+    Background,
+}
+
+impl LightSource {
+    fn of(scene: &Scene, id: LightId) -> Option<LightSource> {
+        if let Some(piece) = AreaLight::find(&scene.lights, id) {
+            return Some(LightSource::Object(piece.primitive + 1));
+        }
+        if SkyLight::find(&scene.lights, id).is_some() {
+            return Some(LightSource::Background);
+        }
+        scene.light_list.iter().position(|&listed| listed == id).map(|at| LightSource::Listed(at as u32))
+    }
+}
+
 /// One ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
@@ -70,6 +95,8 @@ pub struct Segment {
     pub distance: f32,
     /// The surface that it met; for a ray that joins two points what is in the way.
     pub hit: Option<TrailHit>,
+    /// The light that a shadow ray is cast to; `None` for all other rays.
+    pub light: Option<LightSource>,
     /// Index of refraction of what it travels through.
     pub eta: f32,
     /// What light from its far end is multiplied by on its way to the sensor, linear RGB.
@@ -143,6 +170,8 @@ pub(crate) trait Witness: Default {
 pub(crate) struct About {
     pub eta: f32,
     pub weight: [f32; 3],
+    /// The light that the ray is cast to.
+    pub light: Option<LightId>,
 }
 
 /// Counts the rays of a sample, and may give it up.
@@ -228,7 +257,14 @@ impl Trail {
         self.counters
     }
 
-    fn push(&mut self, kind: RayKind, ray: &Ray, hit: Option<(TrailHit, f32)>, about: About) -> Option<u32> {
+    fn push(
+        &mut self,
+        kind: RayKind,
+        scene: &Scene,
+        ray: &Ray,
+        hit: Option<(TrailHit, f32)>,
+        about: About,
+    ) -> Option<u32> {
         let Place { segment: parent, factor } = self.place;
         let length = ray.d.length();
         let segment = Segment {
@@ -239,6 +275,7 @@ impl Trail {
             d: ray.d / length,
             distance: hit.map_or(ray.t_max, |(_, t)| t) * length,
             hit: hit.map(|(hit, _)| hit),
+            light: about.light.and_then(|id| LightSource::of(scene, id)),
             eta: about.eta,
             weight: product(factor, about.weight),
             contribution: [0.0; 3],
@@ -274,7 +311,7 @@ impl Witness for Trail {
     fn ended(&mut self, scene: &Scene, ray: &Ray, end: Option<&Interaction>, about: impl FnOnce() -> About) {
         let kind = self.next.take().unwrap_or(RayKind::Camera);
         let hit = end.map(|at| (TrailHit::of(scene, at), at.hit.t));
-        self.place.segment = self.push(kind, ray, hit, about()).or(self.place.segment);
+        self.place.segment = self.push(kind, scene, ray, hit, about()).or(self.place.segment);
     }
 
     fn found(&mut self, light: impl FnOnce() -> [f32; 3]) {
@@ -294,7 +331,7 @@ impl Witness for Trail {
             Event::Surface(at) if light == [0.0; 3] => Some((TrailHit::of(scene, &at), at.hit.t)),
             _ => None,
         };
-        let segment = self.push(kind, ray, in_the_way, about()).or(self.place.segment);
+        let segment = self.push(kind, scene, ray, in_the_way, about()).or(self.place.segment);
         self.add(segment, light);
     }
 
@@ -352,7 +389,7 @@ mod tests {
     }
 
     fn about() -> About {
-        About { eta: 1.5, weight: [0.5, 1.0, 2.0] }
+        About { eta: 1.5, weight: [0.5, 1.0, 2.0], light: None }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use kajo_math::{DVec2, Vec2, Vec3};
 use kajo_render::{Layer, LayerSet, RayCounters, SampleContext};
 
 use crate::{CameraPose, RenderSettings};
-pub use kajo_render::trail::{RayKind, Segment, TrailHit};
+pub use kajo_render::trail::{LightSource, RayKind, Segment, TrailHit};
 
 /// What is seen at a place of the picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -43,7 +43,7 @@ impl AmbientOcclusion<'_> {
         draws.skip(1); // There are no wavelengths.
         witness.counters().camera += 1;
         let end = scene.trace(&ray);
-        let about = || About { eta: 1.0, weight: [1.0; 3] };
+        let about = || About { eta: 1.0, weight: [1.0; 3], light: None };
         witness.ended(scene, &ray, end.surface(), about);
         let Event::Surface(at) = end else {
             witness.found(|| [1.0; 3]);

@@ -160,7 +160,7 @@ impl<'a> Classic<'a> {
         let mut throughput = Spectrum::WHITE;
         // Where only one branch goes on, it goes on in this loop; the other branch of a fork is a call.
         loop {
-            let about = || About { eta: path.eta, weight: throughput.to_rgb() };
+            let about = || About { eta: path.eta, weight: throughput.to_rgb(), light: None };
             witness.ended(self.scene, &ray, end.as_deref(), about);
             let Some(at) = end else {
                 let behind = self.scene.background.color(ray.d);
@@ -263,7 +263,7 @@ impl<'a> Classic<'a> {
                 let about = || {
                     let (eta, weight) = carried();
                     let white = phong.shade(n, wo, wi, Spectrum::WHITE, self.settings.highlight);
-                    About { eta, weight: (weight * white).to_rgb() }
+                    About { eta, weight: (weight * white).to_rgb(), light: Some(id) }
                 };
                 witness.joined(RayKind::Shadow, self.scene, &shadow_ray, about, || {
                     (carried().1 * arriving).to_rgb()

@@ -130,6 +130,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             self.witness.ended(self.view.scene, &self.ray, meets.then_some(&at), || About {
                 eta: bodies.eta(),
                 weight: sensor::to_rgb(throughput, &wavelengths),
+                light: None,
             });
             if !meets {
                 self.escape();
@@ -406,7 +407,11 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         let passed = around.transmittance(shadow_ray.length());
         let weight_of_lamp = self.throughput * scattered * passed;
         let (bodies, wavelengths) = (&self.bodies, &self.wavelengths);
-        let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight_of_lamp, wavelengths) };
+        let about = || About {
+            eta: bodies.eta(),
+            weight: sensor::to_rgb(weight_of_lamp, wavelengths),
+            light: Some(self.view.scene.emitters.id(lamp.lamp)),
+        };
         let visible = self.scene().visibility(&shadow_ray, wavelengths, around.eta());
         if visible.is_black() {
             self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || [0.0; 3]);

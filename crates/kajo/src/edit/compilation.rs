@@ -24,6 +24,7 @@ use kajo_core::scene::Scene;
 use kajo_scene::{Diagnostics, SceneDesc, Sources, one_line, render};
 
 use super::overlay::Overlay;
+use super::schema::Kind;
 use super::tree::Tree;
 use super::{Document, FileId, NodeId, SceneFile};
 use crate::{FsAssets, LoadOptions};
@@ -185,6 +186,14 @@ impl Document {
     /// * `number`: as in the id layer of [`Document::scene`], from 1
     pub fn part_of_object(&self, number: u32) -> Option<NodeId> {
         self.nodes_of_object(number)?[1]
+    }
+
+    /// The block of a light of [`Document::scene`], by its place in the order of the file, from 0.
+    pub fn node_of_light(&self, place: u32) -> Option<NodeId> {
+        let tree = &self.compiled.made.as_ref()?.tree;
+        let list = tree.root(Kind::Lights)?.id;
+        let mut lights = tree.outline.children(Some(list)).filter(|node| node.kind == Kind::Light);
+        lights.nth(place as usize).map(|node| node.id)
     }
 
     /// The nodes that place an object and that describe it.

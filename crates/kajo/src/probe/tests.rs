@@ -263,3 +263,52 @@ fn a_pick_knows_the_words_of_the_text() {
     assert!(right.normal.distance(Vec3::Z) < 0.2 && (right.t - 8.0).abs() < 0.2);
     assert!(pick(scene, &camera, DVec2::new(1.0, 1.0), size).is_none());
 }
+
+/// Shadow rays know the light they are cast to: that of the file, the glowing object, the background.
+#[test]
+fn shadow_rays_know_their_light() {
+    let text = |lights: &str, group: &str| {
+        scene(&format!(
+            "PerspectiveCamera {{ center 0 4 9 direction 0 -0.4 -1 up 0 1 0 angle 30 }}
+             Lights {{ {lights} }}
+             Background {{ color 0.4 0.4 0.4 }}
+             Materials {{ Matte floor {{ color 0.7 0.7 0.7 }} Matte lamp {{ color 0 0 0 emission 9 9 9 }} }}
+             Group {{ MaterialIndex floor Plane {{ normal 0 1 0 offset 0 }} {group} }}"
+        ))
+    };
+    let lights =
+        "DirectionalLight { direction 0 -1 0.1 color 1 1 1 } PointLight { position 0 3 0 color 1 1 1 }";
+    let block = "Box { min -9 2 -9 max 9 2.2 9 }";
+    let glowing = "MaterialIndex lamp Quad { corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }";
+    let scene = text(lights, &format!("{block} {glowing}"));
+    let camera = CameraPose::perspective(DVec3::new(0.0, 1.0, 6.0), DVec3::ZERO, DVec3::Y, 0.5);
+    for asked in ways() {
+        let settings = settings(&scene, asked);
+        let mut found = Vec::new();
+        for i in 0..64 {
+            let s = Stream::new(6, [i, 0], 0);
+            let place = DVec2::new(120.0 * f64::from(s.uniform(0)), 80.0 * f64::from(s.uniform(1)));
+            let ray = debug_ray(&scene, &settings, &camera, place, i % 4);
+            for segment in ray.segments {
+                let is_to_light =
+                    segment.kind == RayKind::Shadow && settings.integrator != IntegratorKind::Occlusion;
+                assert_eq!(segment.light.is_some(), is_to_light, "{segment:?}");
+                if segment.contribution == [0.0; 3] && segment.from.y.abs() < 1e-3 && is_to_light {
+                    let hit = segment.hit.map(|hit| hit.object);
+                    assert!(hit == Some(2) || hit.is_none(), "the slab is in the way: {segment:?}");
+                }
+                found.extend(segment.light);
+            }
+        }
+        if settings.integrator == IntegratorKind::Classic && settings.classic.shadows != Shadows::Off {
+            for light in [LightSource::Listed(0), LightSource::Listed(1), LightSource::Object(3)] {
+                assert!(found.contains(&light), "{light:?} of {found:?}");
+            }
+        }
+        if settings.integrator == IntegratorKind::Path && settings.path.technique == Technique::Lamps {
+            for light in [LightSource::Listed(0), LightSource::Listed(1), LightSource::Background] {
+                assert!(found.contains(&light), "{light:?} of {found:?}");
+            }
+        }
+    }
+}

@@ -107,7 +107,7 @@ impl Bidirectional<'_> {
         let carried = (z.beta * scattered, wavelengths);
         let visible = scene.visibility(&shadow_ray, wavelengths, z.eta(wi));
         if visible.is_black() {
-            self.tell(witness, RayKind::Shadow, &shadow_ray, carried, None);
+            self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(lamp), None);
             return None;
         }
         let (p, distance) = match target {
@@ -128,7 +128,7 @@ impl Bidirectional<'_> {
             group: scene.emitters.group(lamp),
             raster: None,
         };
-        self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(&found));
+        self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(lamp), Some(&found));
         Some(found)
     }
 
@@ -157,7 +157,7 @@ impl Bidirectional<'_> {
         let carried = (z.beta * scattered, wavelengths);
         let visible = self.scene().visibility(&way_there, wavelengths, z.eta(wi));
         if visible.is_black() {
-            self.tell(witness, RayKind::Connection, &way_there, carried, None);
+            self.tell(witness, RayKind::Connection, &way_there, carried, None, None);
             return None;
         }
         let by_camera = z.pdf(z.back, wi) * y.cosine(wi) / distance2;
@@ -172,7 +172,7 @@ impl Bidirectional<'_> {
             group: y.group,
             raster: None,
         };
-        self.tell(witness, RayKind::Connection, &way_there, carried, Some(&found));
+        self.tell(witness, RayKind::Connection, &way_there, carried, None, Some(&found));
         Some(found)
     }
 
@@ -199,7 +199,7 @@ impl Bidirectional<'_> {
         let is_parallel = to.distance.is_infinite();
         let target = if is_parallel { Target::Infinity } else { Target::Point(y.at.p + to.distance * to.wi) };
         let way_there = y.at.ray_to(&target, to.wi, time);
-        self.tell(witness, RayKind::Splat, &way_there, (y.beta * scattered, wavelengths), None);
+        self.tell(witness, RayKind::Splat, &way_there, (y.beta * scattered, wavelengths), None, None);
         let visible = self.scene().visibility(&way_there, wavelengths, y.eta(to.wi));
         if visible.is_black() {
             return None;
@@ -218,6 +218,7 @@ impl Bidirectional<'_> {
     /// Tells of a ray that joins two points.
     ///
     /// * `carried`: what light from its far end is multiplied by
+    /// * `lamp`: the light that it is cast to
     /// * `found`: what it adds to the sample
     fn tell(
         &self,
@@ -225,9 +226,14 @@ impl Bidirectional<'_> {
         kind: RayKind,
         ray: &Ray,
         (carried, wavelengths): (Spectrum, &Wavelengths),
+        lamp: Option<u32>,
         found: Option<&Found>,
     ) {
-        let about = || About { eta: 1.0, weight: sensor::to_rgb(carried, wavelengths) };
+        let about = || About {
+            eta: 1.0,
+            weight: sensor::to_rgb(carried, wavelengths),
+            light: lamp.map(|lamp| self.scene().emitters.id(lamp)),
+        };
         let light = || found.map_or([0.0; 3], |found| found.value(wavelengths));
         witness.joined(kind, self.scene(), ray, about, light);
     }

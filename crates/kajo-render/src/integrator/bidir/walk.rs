@@ -112,7 +112,11 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             let mut at = Interaction::default();
             let meets = self.scene.trace_into(None, &self.ray, &mut at);
             let (bodies, weight) = (&self.bodies, self.beta);
-            let about = || About { eta: bodies.eta(), weight: sensor::to_rgb(weight, &self.wavelengths) };
+            let about = || About {
+                eta: bodies.eta(),
+                weight: sensor::to_rgb(weight, &self.wavelengths),
+                light: None,
+            };
             self.witness.ended(self.scene, &self.ray, meets.then_some(&at), about);
             if !meets {
                 return None;
