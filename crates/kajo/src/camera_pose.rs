@@ -7,10 +7,16 @@
 //! perspective    (d/aspect a, d b, far/(far-near) (s - near), s)         (a, b, s) = B^-1 (p - eye)
 //! orthographic   (2/(size aspect) a, 2/size b, (s - near)/(far - near), 1)
 //! ```
+//!
+//! For angles beyond 180 degrees `d` is negative, such a camera sees what is behind it, and all three change their sign.
+
+mod strokes;
 
 use kajo_core::camera::{Camera, Frame, OrthographicCamera, PerspectiveCamera, Raster, ThinLens};
 use kajo_core::scene::Scene;
 use kajo_math::{Aabb, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4, Ray, Vec2, fmath};
+
+pub use strokes::Stroke;
 
 /// How near to straight up or down a turned camera may look, as a cosine.
 const STEEPEST: f64 = 0.9999;
@@ -192,6 +198,37 @@ impl CameraPose {
         self.set_eye(center - distance * self.forward());
     }
 
+    /// Which way a flat picture looks: 1 forward, -1 back, as with an angle beyond 180 degrees.
+    fn sense(&self) -> f64 {
+        match &self.still {
+            Camera::Perspective(camera) => camera.distance().signum(),
+            _ => 1.0,
+        }
+    }
+
+    /// Whether the picture is flat, so that [`CameraPose::projection`] makes it.
+    pub fn is_flat(&self) -> bool {
+        self.projection([1, 1], 1.0, 2.0).is_some()
+    }
+
+    /// Depths for [`CameraPose::projection`] between which all of a box lies, and of planes that are much larger what one
+    /// sees; no nearer than a small share of that.
+    pub fn depths(&self, bounds: &Aabb) -> [f64; 2] {
+        /// Places of planes are that far away, at most.
+        const HORIZON: f64 = 1e5;
+        let (center, radius) = (bounds.center().as_dvec3(), f64::from(bounds.extent().length()) / 2.0);
+        let ahead = self.sense() * (center - self.eye()).dot(self.forward());
+        let away = (center - self.eye()).length();
+        let reach = radius.max(1e-3).max(away);
+        if self.size().is_some() {
+            // Through a lens, rays begin at the camera.
+            let near = if self.lens().is_some() { 0.0 } else { ahead - 32.0 * reach };
+            return [near, (ahead + 32.0 * reach).max(1e-2 * reach)];
+        }
+        let far = (ahead + 8.0 * reach).max(8e-2 * reach);
+        [(1e-4 * far).max(1e-6), HORIZON * far]
+    }
+
     /// World space to clip space for a picture of `size` pixels, for cameras whose picture is flat.
     ///
     /// * `near`, `far`: distances along the direction that get depths 0 and 1; parallel rays may have a negative
@@ -209,11 +246,12 @@ impl CameraPose {
         let reach = raster.reach() / DVec2::new(aspect, 1.0);
         let clip = match &self.still {
             Camera::Perspective(camera) => {
-                let across = camera.distance() * reach;
+                let sense = self.sense();
+                let across = sense * camera.distance() * reach;
                 DMat4::from_cols(
                     across.x * DVec4::X,
                     across.y * DVec4::Y,
-                    DVec4::new(0.0, 0.0, far * depth, 1.0),
+                    sense * DVec4::new(0.0, 0.0, far * depth, 1.0),
                     -far * near * depth * DVec4::Z,
                 )
             }
@@ -251,10 +289,39 @@ impl CameraPose {
         Some(raster.place(self.still.project(p, raster.aspect().into(), 0.0)?))
     }
 
+    /// All places where the world-space point `p` appears: as [`CameraPose::project`], or for two eyes that of the left
+    /// one and that of the right one.
+    pub fn places(&self, p: DVec3, size: [u32; 2]) -> [Option<DVec2>; 2] {
+        let raster = self.raster(size);
+        self.still.places(p, raster.aspect().into(), 0.0).map(|at| Some(raster.place(at?)))
+    }
+
     /// The ray through a place of a picture of `size` pixels, from the middle of the lens.
     pub fn ray(&self, place: DVec2, size: [u32; 2]) -> Option<Ray> {
         let raster = self.raster(size);
         self.still.ray(raster.picture(place.as_vec2()), raster.aspect(), Vec2::splat(0.5), 0.0)
+    }
+
+    /// The place in a picture of another size where the camera looks the way it does at `place` in one of size `of`.
+    ///
+    /// Pictures of another shape show more or less at their sides. For two eyes, and where the camera sees nothing, it is
+    /// the same share of the picture.
+    pub fn place_in(&self, place: DVec2, of: [u32; 2], to: [u32; 2]) -> DVec2 {
+        if of == to {
+            return place;
+        }
+        let pixels = |size: [u32; 2]| DVec2::new(size[0].max(1).into(), size[1].max(1).into());
+        let ray = self.ray(place, of);
+        let seen = ray.and_then(|ray| self.project(ray.o.as_dvec3() + ray.d.as_dvec3(), to));
+        seen.unwrap_or(place * pixels(to) / pixels(of))
+    }
+
+    /// Whether another camera stands there, looks the same way and sees as much.
+    pub fn is_view_of(&self, other: &CameraPose) -> bool {
+        let of = |pose: &CameraPose| {
+            (pose.eye(), pose.forward(), pose.up(), pose.angle(), pose.size(), pose.keyword())
+        };
+        of(self) == of(other)
     }
 
     fn raster(&self, size: [u32; 2]) -> Raster {

@@ -50,14 +50,14 @@ pub mod turntable;
 mod view;
 
 pub use assets::{FsAssets, LoadProgress};
-pub use camera_pose::CameraPose;
+pub use camera_pose::{CameraPose, Stroke};
 pub use checkpoint::{CheckpointError, SceneDigest};
 pub use denoise::{DENOISE_OUTPUTS, DenoiseError, Denoiser};
 pub use development::Development;
 pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{LoadOptions, Loaded, load, load_from};
 pub use render::{Passes, Picture, RenderError, Resources, Snapshot, render, render_passes, render_through};
-pub use settings::{Defaults, RenderSettings, SettingsError};
+pub use settings::{Defaults, RenderSettings, SettingsError, suitable_size};
 pub use tev::Tev;
 pub use view::View;
 

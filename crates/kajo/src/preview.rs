@@ -2,7 +2,7 @@
 //!
 //! Shapes become triangles in world space, in one mesh. Meshes stay what they are and are drawn where each
 //! of their instances stands; spheres are instances of one unit sphere, so that a thousand of them are a thousand
-//! matrices. Infinite planes become squares around the scene. Lights and the scene's own camera are drawn
+//! matrices. Infinite planes become squares that reach to the horizon. Lights and the scene's own camera are drawn
 //! in lines. What moves is shown where it is when the shutter opens.
 //!
 //! Nested instances, of which there may be more than can be drawn, are shown from the largest to the smallest as
@@ -12,6 +12,7 @@
 
 mod color;
 mod lines;
+mod traced;
 
 use std::collections::HashMap;
 
@@ -22,6 +23,7 @@ use kajo_core::{NestedPiece, PieceContent, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
 pub use lines::{Line, LineKind};
+pub use traced::TracedPreview;
 
 /// Triangles of all curved surfaces together, about.
 const CURVED_TRIANGLES: u32 = 200_000;
@@ -37,6 +39,10 @@ const NESTED_TRIANGLES: usize = 400_000;
 
 /// Fewest and most segments of a full circle.
 const AROUND: [u32; 2] = [4, 64];
+
+/// How far the frames around the square of a plane reach, in sizes of that square. Each is so many times as large as the
+/// one before that numbers of single precision tell its corners from those of the triangles near the camera.
+const FRAMES: [f64; 5] = [1.0, 8.0, 64.0, 512.0, 4096.0];
 
 /// A corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -284,7 +290,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A square of a plane, large enough to hold the scene's shadow on it and the camera's.
+    /// A square of a plane, large enough to hold the scene's shadow on it and the camera's, and around it frames that go
+    /// as far as one can see.
     fn square(&self, plane: &Plane, to: &Transform, out: &mut Tessellation) {
         let n = plane.normal();
         if n == Vec3::ZERO {
@@ -299,7 +306,15 @@ impl<'a> Builder<'a> {
         let (s, t) = kajo_math::warp::basis(n);
         let reach = 2.0 * near.extent().length().max((near.center() - center).length()).max(1.0);
         let [center, s, t] = [center, reach * s, reach * t].map(Vec3::as_dvec3);
-        out.grid(0, [1, 1], |x, y| (center + (2.0 * x - 1.0) * s + (2.0 * y - 1.0) * t, n.as_dvec3()));
+        let cells = 2 * FRAMES.len() as u32 - 1;
+        let along = |share: f64| {
+            let line = (share * f64::from(cells)).round() as usize;
+            match line.checked_sub(FRAMES.len()) {
+                Some(outward) => FRAMES[outward],
+                None => -FRAMES[FRAMES.len() - 1 - line],
+            }
+        };
+        out.grid(0, [cells; 2], |x, y| (center + along(x) * s + along(y) * t, n.as_dvec3()));
     }
 
     fn finish(mut self, lines: Vec<Line>) -> Preview {
@@ -345,5 +360,7 @@ fn compact(mesh: PreviewMesh) -> PreviewMesh {
     PreviewMesh { vertices, indices }
 }
 
+#[cfg(test)]
+mod camera_tests;
 #[cfg(test)]
 mod tests;

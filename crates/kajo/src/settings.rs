@@ -228,6 +228,19 @@ fn default_size(camera: &Camera, defaults: Defaults) -> [u32; 2] {
     }
 }
 
+/// The size of a picture that suits a camera and is no larger than another size, if it can be.
+pub fn suitable_size(camera: &Camera, within: [u32; 2]) -> [u32; 2] {
+    let [width, height] = within.map(|pixels| pixels.max(1));
+    match camera.cells() {
+        [12, _] => {
+            let side = (width / 12).clamp(1, height);
+            [12 * side, side]
+        }
+        [_, 2] => [width, (height & !1).max(2)],
+        _ => [width, height],
+    }
+}
+
 fn check_size(camera: &Camera, size: [u32; 2]) -> Result<(), SettingsError> {
     let [width, height] = size;
     match camera.cells() {

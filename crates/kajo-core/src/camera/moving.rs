@@ -44,6 +44,11 @@ impl MovingCamera {
         self.camera.pdf_across(&ray, distance, aspect)
     }
 
+    /// See [`Camera::places`].
+    pub(super) fn places(&self, p: DVec3, aspect: f64, time: f32) -> [Option<DVec2>; 2] {
+        self.camera.places(self.map.map_at(time).inverse().transform_point3(p), aspect, time)
+    }
+
     /// See [`Camera::project`].
     pub(super) fn project(&self, p: DVec3, aspect: f64, time: f32) -> Option<DVec2> {
         self.camera.project(self.map.map_at(time).inverse().transform_point3(p), aspect, time)

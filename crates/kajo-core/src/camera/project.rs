@@ -10,13 +10,28 @@
 //! fisheye        (a, b) r(theta) / |(a, b)|              theta = atan2(|(a, b)|, s)
 //! ```
 //!
-//! Pictures for two eyes show a point twice and so have no such place.
+//! A camera whose angle is beyond 180 degrees has a negative `d`, and sees what is behind it.
+//!
+//! Pictures for two eyes show a point twice. Where an eye turns with the gaze `w`, its place follows from `w`, and `w` from
+//! its place:
+//!
+//! ```text
+//! w' = (p - eye(w)) / |p - eye(w)|
+//! ```
+//!
+//! comes nearer to the answer with each step, by the ratio of the eye's way to the distance.
 
 use std::f64::consts::PI;
 
 use kajo_math::{DMat3, DVec2, DVec3, fmath};
 
-use super::{Camera, FisheyeCamera, FisheyeProjection, Frame};
+use super::{
+    Camera, EyePair, FisheyeCamera, FisheyeProjection, Frame, PanoramaCamera, Stereo, StereoCubemapCamera,
+};
+
+/// Steps towards the gaze of an eye that turns, and what is near enough.
+const STEPS: u32 = 64;
+const NEAR_ENOUGH: f64 = 1e-12;
 
 impl Camera {
     /// Position and axes; for a camera that moves, before its motion.
@@ -67,17 +82,79 @@ impl Camera {
         let local = self.frame().local(p)?;
         let across = local.truncate();
         let at = match self {
-            Camera::Perspective(camera) if local.z > 0.0 => {
+            Camera::Perspective(camera) if local.z * camera.distance() > 0.0 => {
                 across * camera.distance() / (local.z * DVec2::new(aspect, 1.0))
             }
             Camera::Orthographic(camera) => across * 2.0 / (camera.size * DVec2::new(aspect, 1.0)),
-            Camera::Panorama(camera) if !camera.is_stereo() => {
-                let latitude = fmath::atan2_64(local.y, DVec2::new(local.x, local.z).length());
-                DVec2::new(fmath::atan2_64(local.x, local.z) / PI, 2.0 * latitude / PI)
-            }
+            Camera::Panorama(camera) if !camera.is_stereo() => longitude_latitude(local),
             Camera::Fisheye(camera) => camera.project(local, aspect)?,
             _ => return None,
         };
+        at.is_finite().then_some(at)
+    }
+
+    /// The places where the camera shows a point: as [`Camera::project`], or for two eyes that of the left one and that of
+    /// the right one.
+    pub fn places(&self, p: DVec3, aspect: f64, time: f32) -> [Option<DVec2>; 2] {
+        match self {
+            Camera::Moving(moving) => moving.places(p, aspect, time),
+            Camera::Panorama(camera) if camera.is_stereo() => [-1.0, 1.0].map(|side| camera.project(p, side)),
+            Camera::StereoCubemap(camera) => [-1.0, 1.0].map(|side| camera.project(p, side)),
+            _ => [self.project(p, aspect, time), None],
+        }
+    }
+}
+
+/// Longitude and latitude of a direction by right, up and forward, from -1 to 1 each.
+fn longitude_latitude(local: DVec3) -> DVec2 {
+    let latitude = fmath::atan2_64(local.y, DVec2::new(local.x, local.z).length());
+    DVec2::new(fmath::atan2_64(local.x, local.z) / PI, 2.0 * latitude / PI)
+}
+
+impl EyePair {
+    /// The unit direction in which an eye that turns sees the world-space point `p`; `None` where it is too near.
+    fn gaze(&self, frame: &Frame, p: DVec3, side: f64) -> Option<DVec3> {
+        let mut w = (p - frame.center).try_normalize()?;
+        for _ in 0..STEPS {
+            let next = (p - self.turned(frame, w, side)).try_normalize()?;
+            let step = next.distance_squared(w);
+            w = next;
+            if step < NEAR_ENOUGH * NEAR_ENOUGH {
+                return Some(w);
+            }
+        }
+        None
+    }
+}
+
+impl PanoramaCamera {
+    /// Where an eye of a stereo picture sees a point.
+    fn project(&self, p: DVec3, side: f64) -> Option<DVec2> {
+        let w = self.eyes?.gaze(&self.frame, p, side)?;
+        let at = longitude_latitude(self.frame.local(self.frame.center + w)?);
+        Some(DVec2::new(at.x, 0.5 * (at.y - side)))
+    }
+}
+
+impl StereoCubemapCamera {
+    /// Where an eye sees a point.
+    fn project(&self, p: DVec3, side: f64) -> Option<DVec2> {
+        let w = match self.stereo {
+            Stereo::Twin => p - self.eyes.ahead(&self.frame, side),
+            Stereo::Omnidirectional => self.eyes.gaze(&self.frame, p, side)?,
+        };
+        let DVec3 { x: a, y: b, z: s } = self.frame.local(self.frame.center + w)?;
+        let size = DVec3::new(a, b, s).abs();
+        // The faces as in `StereoCubemapCamera::direction`: which one, and right and up on it.
+        let (face, out, x, y) = if size.x >= size.y && size.x >= size.z {
+            (f64::from(a < 0.0), size.x, if a < 0.0 { s } else { -s }, b)
+        } else if size.y >= size.z {
+            (if b < 0.0 { 3.0 } else { 2.0 }, size.y, a, if b < 0.0 { s } else { -s })
+        } else {
+            (if s < 0.0 { 5.0 } else { 4.0 }, size.z, if s < 0.0 { -a } else { a }, b)
+        };
+        let of_eye = if side < 0.0 { 0.0 } else { 6.0 };
+        let at = DVec2::new((of_eye + face + 0.5 * (x / out + 1.0)) / 6.0 - 1.0, y / out);
         at.is_finite().then_some(at)
     }
 }
@@ -146,6 +223,33 @@ mod tests {
             }
         }
         assert!(projected > 1000, "{projected}");
+    }
+
+    /// Both eyes see a point of a ray, and one of them where the ray goes.
+    #[test]
+    fn eyes_see_points_where_their_rays_go() {
+        let aspect = 2.0;
+        let (mut seen, mut cameras) = (0, 0);
+        let two_eyed = |camera: &Camera| camera.cells() != [1, 1];
+        for camera in every_camera().into_iter().filter(two_eyed) {
+            cameras += 1;
+            for i in 0..500 {
+                let s = Stream::new(9, [i, 0], 0);
+                let at = 2.0 * Vec2::new(s.uniform(0), s.uniform(1)) - 1.0;
+                let ray = camera.ray(at, aspect, Vec2::splat(0.5), 0.0).unwrap();
+                let p = ray.o.as_dvec3() + f64::from(0.5 + 9.0 * s.uniform(2)) * ray.d.as_dvec3();
+                let places = camera.places(p, aspect.into(), 0.0).map(|place| place.unwrap());
+                let nearest = places.map(|place| place.distance(at.as_dvec2()));
+                assert!(nearest[0].min(nearest[1]) < 1e-4, "{camera:?}: {places:?} for {at}");
+                for place in places {
+                    let ray = camera.ray(place.as_vec2(), aspect, Vec2::splat(0.5), 0.0).unwrap();
+                    let beside = (p - ray.o.as_dvec3()).cross(ray.d.as_dvec3()).length();
+                    assert!(beside < 1e-4, "{camera:?}: {place} misses by {beside}");
+                    seen += 1;
+                }
+            }
+        }
+        assert!(cameras >= 3 && seen == 1000 * cameras, "{cameras} {seen}");
     }
 
     #[test]

@@ -31,6 +31,11 @@ pub(crate) fn every_camera() -> Vec<Camera> {
             eyes: EyePair { separation: 0.1 },
             stereo: Stereo::Twin,
         }),
+        Camera::StereoCubemap(StereoCubemapCamera {
+            frame,
+            eyes: EyePair { separation: 0.1 },
+            stereo: Stereo::Omnidirectional,
+        }),
     ];
     for (projection, angle) in [
         (FisheyeProjection::Equidistant, 5.0),

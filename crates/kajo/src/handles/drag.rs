@@ -25,6 +25,9 @@ pub struct Dragged {
     pub at: DVec3,
 }
 
+/// How often a curved line is followed along its tangent.
+const TANGENTS: u32 = 8;
+
 /// Values are rounded to a decimal digit that is no more than this share of a pixel.
 const ROUNDING: f64 = 0.05;
 
@@ -33,7 +36,7 @@ impl Handle {
     ///
     /// `None` where the handle cannot be seen, or cannot follow: its plane is seen edge on, or a shape would vanish.
     pub fn drag(&self, eye: &Eye<'_>, from: DVec2, to: DVec2, snap: &Snap) -> Option<Dragged> {
-        let there = eye.project(self.at)? + (to - from);
+        let there = eye.place_near(self.at, from)? + (to - from);
         if let Track::Circle { center, axis } = self.track {
             return self.turned(eye, from, to, center, axis, snap);
         }
@@ -46,9 +49,17 @@ impl Handle {
     /// The place on the handle's track that appears at `there`, or nearest to it.
     fn followed(&self, eye: &Eye<'_>, there: DVec2) -> Option<DVec3> {
         match self.track {
-            Track::Screen => eye.sight(there)?.meets(self.at, eye.pose.forward()),
+            Track::Screen if eye.pose.is_flat() => eye.sight(there)?.meets(self.at, eye.pose.forward()),
+            Track::Screen => {
+                let sight = eye.sight(there)?;
+                Some(sight.origin + sight.direction * self.at.distance(sight.origin))
+            }
             Track::Plane(normal) => eye.sight(there)?.meets(self.at, normal),
-            Track::Line(direction) => along(eye, self.at, direction, there),
+            Track::Line(direction) if eye.pose.is_flat() => along(eye, self.at, direction, there),
+            // The line is curved: from each point its tangent leads to a better one.
+            Track::Line(direction) => {
+                (0..TANGENTS).try_fold(self.at, |at, _| along(eye, at, direction, there))
+            }
             Track::Circle { .. } => None,
         }
     }
@@ -150,7 +161,7 @@ impl Handle {
             Some((a, b)) => axis.dot(a.cross(b)).atan2(a.dot(b)).to_degrees(),
             // Seen edge on, the ring is a line: what goes along it turns it.
             None => {
-                let across = eye.pose.forward().cross(axis).try_normalize()?;
+                let across = eye.axes_at(center).ahead.cross(axis).try_normalize()?;
                 let pixel = eye.pixel_at(center);
                 let radius = self.at.distance(center);
                 let a = eye.project(center)?;
@@ -171,12 +182,13 @@ impl Handle {
 
 /// The point of a line whose projection is nearest to `there`.
 ///
-/// The projection of a line is a line, on which places follow `(a t + b) / (c t + 1)`; the nearest point of that line is
+/// The projection of a line is a line, or follows one nearby, on which places follow `(a t + b) / (c t + 1)`; the nearest point of that line is
 /// found in the picture, and what is seen there is the point of the line in space that lies nearest to the sight.
 fn along(eye: &Eye<'_>, at: DVec3, direction: DVec3, there: DVec2) -> Option<DVec3> {
-    let here = eye.project(at)?;
+    let here = eye.place_near(at, there)?;
     let step = direction * eye.pixel_at(at);
-    let way = eye.project(at + step).or_else(|| eye.project(at - step).map(|back| 2.0 * here - back))? - here;
+    let ahead = eye.place_near(at + step, here);
+    let way = ahead.or_else(|| eye.place_near(at - step, here).map(|back| 2.0 * here - back))? - here;
     // Seen end on, no pixel moves it.
     if way.length() < 1e-3 {
         return None;

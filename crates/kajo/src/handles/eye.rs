@@ -35,9 +35,20 @@ impl Sight {
 }
 
 impl Eye<'_> {
-    /// Where a point appears, in pixels from the top left.
+    /// Where a point appears, in pixels from the top left; of two eyes, to the left one.
     pub fn project(&self, p: DVec3) -> Option<DVec2> {
-        self.pose.project(p, self.size).filter(|place| place.is_finite())
+        self.places(p).into_iter().flatten().next()
+    }
+
+    /// All places where a point appears: one, or one for each eye.
+    pub fn places(&self, p: DVec3) -> [Option<DVec2>; 2] {
+        self.pose.places(p, self.size).map(|place| place.filter(|place| place.is_finite()))
+    }
+
+    /// The place where a point appears that is nearest to another place.
+    pub(super) fn place_near(&self, p: DVec3, near: DVec2) -> Option<DVec2> {
+        let places = self.places(p).into_iter().flatten();
+        places.min_by(|a, b| a.distance_squared(near).total_cmp(&b.distance_squared(near)))
     }
 
     /// What a place of the picture sees.
@@ -53,9 +64,12 @@ impl Eye<'_> {
             Some(size) => 0.01 * size.abs(),
             None => 0.01 * (p - self.pose.eye()).length(),
         };
-        let across = self.pose.right() * step;
-        let pixels = self.project(p).zip(self.project(p + across)).map(|(a, b)| a.distance(b));
-        pixels.filter(|&pixels| pixels > 0.0).map_or(step, |pixels| step / pixels)
+        let across = self.axes_at(p).right * step;
+        let pixels = |to: DVec3| self.project(p).zip(self.project(to)).map(|(a, b)| a.distance(b));
+        // At the edge of a panorama one of the two neighbours is far away.
+        let pixels =
+            [pixels(p + across), pixels(p - across)].into_iter().flatten().fold(f64::INFINITY, f64::min);
+        if pixels > 0.0 && pixels.is_finite() { step / pixels } else { step }
     }
 
     /// The unit direction from the eye to `p`, or that of parallel rays.
@@ -65,4 +79,25 @@ impl Eye<'_> {
         }
         (p - self.pose.eye()).normalize_or(self.pose.forward())
     }
+
+    /// The directions of the picture around a point: those of the camera, or in a picture that is not flat those of one
+    /// that looks at the point.
+    pub(super) fn axes_at(&self, p: DVec3) -> PictureAxes {
+        let (right, up, ahead) = (self.pose.right(), self.pose.up(), self.pose.forward());
+        if self.pose.is_flat() {
+            return PictureAxes { right, up, ahead };
+        }
+        let ahead = self.towards(p);
+        // Straight above and below the camera the picture has no right of its own.
+        let right = ahead.cross(up).try_normalize().unwrap_or(right);
+        PictureAxes { right, up: right.cross(ahead), ahead }
+    }
+}
+
+/// Unit vectors to the right, up and ahead in a picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PictureAxes {
+    pub right: DVec3,
+    pub up: DVec3,
+    pub ahead: DVec3,
 }

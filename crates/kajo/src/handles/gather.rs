@@ -87,7 +87,7 @@ impl Gather<'_> {
     /// A unit direction in local space that points to the right in the picture, and across `line`.
     fn sideways(&self, from: DVec3, line: Option<DVec3>) -> Option<DVec3> {
         let into_local = self.world_from_local.inverse();
-        let right = into_local.transform_vector3(self.eye.pose.right());
+        let right = into_local.transform_vector3(self.eye.axes_at(self.world(from)).right);
         let Some(line) = line else { return right.try_normalize() };
         let sight = into_local.transform_vector3(self.eye.towards(self.world(from)));
         let silhouette = line.cross(sight);

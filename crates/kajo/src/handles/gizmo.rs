@@ -127,7 +127,8 @@ pub fn gizmo_of(document: &Document, node: NodeId, eye: &Eye<'_>, mode: Mode, ax
             .collect(),
         Mode::Scale => {
             let meaning = |axis| Meaning::Scale { center: pivot, axes, axis };
-            let all = pivot + 0.4 * arm * (eye.pose.right() + eye.pose.up()).normalize_or(DVec3::X);
+            let picture = eye.axes_at(pivot);
+            let all = pivot + 0.4 * arm * (picture.right + picture.up).normalize_or(DVec3::X);
             let way = (all - pivot).normalize_or(DVec3::X);
             let middle = handle(HandleKind::Middle, all, Track::Line(way), meaning(None), "scale");
             let boxes = each.map(|(i, axis)| {
@@ -150,17 +151,16 @@ fn own_axes(document: &Document, node: NodeId) -> DMat3 {
 /// The handle under the cursor: the nearest one within `reach` pixels, and of those the one in front.
 pub fn pick<'a>(handles: &'a [Handle], eye: &Eye<'_>, cursor: DVec2, reach: f64) -> Option<&'a Handle> {
     let distance = |handle: &Handle| -> Option<(f64, f64)> {
-        let depth = (handle.at - eye.pose.eye()).dot(eye.pose.forward());
+        let depth = (handle.at - eye.pose.eye()).dot(eye.axes_at(handle.at).ahead);
         let pixels = match handle.track {
             Track::Circle { center, axis } => {
-                let points: Vec<DVec2> =
-                    ring(handle.at, center, axis).filter_map(|p| eye.project(p)).collect();
-                points
-                    .windows(2)
-                    .map(|pair| to_segment(cursor, pair[0], pair[1]))
+                let points: Vec<DVec3> = ring(handle.at, center, axis).collect();
+                let strokes = points.windows(2).flat_map(|pair| eye.pose.strokes(pair[0], pair[1], eye.size));
+                strokes
+                    .map(|stroke| to_segment(cursor, stroke.ends[0], stroke.ends[1]))
                     .fold(f64::INFINITY, f64::min)
             }
-            _ => eye.project(handle.at)?.distance(cursor),
+            _ => eye.place_near(handle.at, cursor)?.distance(cursor),
         };
         (pixels <= reach).then_some((pixels, depth))
     };

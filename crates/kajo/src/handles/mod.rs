@@ -8,7 +8,8 @@
 //! cursor does, as far as its track allows. With `x` its place and `pi` the projection,
 //!
 //! ```text
-//! screen   x' on the plane through x parallel to the picture, pi(x') = pi(x) + to - from
+//! screen   x' on the plane through x parallel to the picture, pi(x') = pi(x) + to - from;
+//!          for a picture that is not flat on the sphere through x around the eye
 //! line     x' on a line, pi(x') as near to that point as the line comes
 //! plane    x' on a given plane, pi(x') = pi(x) + to - from
 //! circle   x' on a circle; what counts is the angle

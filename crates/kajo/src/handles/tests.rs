@@ -57,12 +57,27 @@ fn poses() -> Vec<CameraPose> {
     let mut pose = |i: i32| {
         let mut v = |scale: f64| DVec3::new(random(), random(), random()) * scale;
         let (eye, target, up) = (v(1.0).normalize() * 7.0, v(0.5), v(1.0) + DVec3::Y);
-        match i % 2 {
+        let of = |keyword: &str, keys: &str| {
+            let [eye, ahead, up] = [eye, target - eye, up].map(|v| format!("{} {} {}", v.x, v.y, v.z));
+            pose_of(&format!("{keyword} {{ center {eye} direction {ahead} up {up} {keys} }}"))
+        };
+        match i % 6 {
             0 => CameraPose::perspective(eye, target, up, 0.4 + 0.1 * f64::from(i)),
-            _ => CameraPose::orthographic(eye, target, up, 5.0),
+            1 => CameraPose::orthographic(eye, target, up, 5.0),
+            2 => of("PanoramaCamera", ""),
+            3 => of("FisheyeCamera", "angle 120  projection equisolid"),
+            4 => of("PanoramaCamera", "stereo omnidirectional"),
+            _ => of("StereoCubemapCamera", ""),
         }
     };
-    (0..8).map(&mut pose).collect()
+    (0..12).map(&mut pose).collect()
+}
+
+/// The camera of a text.
+fn pose_of(camera: &str) -> CameraPose {
+    let mut document = Document::untitled(Path::new("."), camera, LoadOptions::default()).unwrap();
+    document.compile();
+    CameraPose::of(document.scene().unwrap())
 }
 
 /// A place for the cursor that the handle can follow to.
@@ -80,6 +95,19 @@ fn goal(handle: &Handle, eye: &Eye<'_>, from: DVec2, random: &mut impl FnMut() -
     }
 }
 
+/// Whether the picture shows one thing after the other on the way between two places, as it does not at the edges of
+/// panoramas and of the faces of cubes.
+fn is_continuous(eye: &Eye<'_>, from: DVec2, to: DVec2) -> bool {
+    let inside = |place: DVec2| {
+        let [width, height] = eye.size.map(f64::from);
+        (0.0..width).contains(&place.x) && (0.0..height).contains(&place.y)
+    };
+    let ways: Option<Vec<DVec3>> =
+        (0..=16).map(|i| Some(eye.sight(from.lerp(to, f64::from(i) / 16.0))?.direction)).collect();
+    let is_smooth = |ways: Vec<DVec3>| ways.windows(2).all(|pair| pair[0].dot(pair[1]) > 0.99);
+    eye.pose.is_flat() || inside(from) && inside(to) && ways.is_some_and(is_smooth)
+}
+
 /// Drags every handle of every node by every camera; `check` sees each with what became of it.
 fn drag_all(
     handles_of: impl Fn(&Document, NodeId, &Eye<'_>) -> Vec<Handle>,
@@ -93,7 +121,8 @@ fn drag_all(
         for &node in &nodes {
             for (i, handle) in handles_of(&document, node, &eye).into_iter().enumerate() {
                 let Some(from) = eye.project(handle.at) else { continue };
-                let Some(to) = goal(&handle, &eye, from, &mut random) else { continue };
+                let to = goal(&handle, &eye, from, &mut random).filter(|to| is_continuous(&eye, from, *to));
+                let Some(to) = to else { continue };
                 let Some(dragged) = handle.drag(&eye, from, to, &Snap::default()) else {
                     assert!(!matches!(handle.track, Track::Screen), "{handle:?}");
                     continue;
