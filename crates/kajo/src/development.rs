@@ -43,10 +43,18 @@ impl Development {
         let gamut = (self.gamut != SRGB).then(|| self.gamut.from(&SRGB));
         let times = |matrix: &Option<Matrix3>, rgb| matrix.as_ref().map_or(rgb, |m| apply_f32(m, rgb));
         for pixel in light.data_mut().chunks_exact_mut(3) {
-            let linear = times(&balance, [pixel[0], pixel[1], pixel[2]].map(|v| v * exposure));
-            let value = if format.is_float() { times(&gamut, linear) } else { self.tone.display(linear) };
+            let exposed = [pixel[0], pixel[1], pixel[2]].map(|v| held(v * exposure));
+            let linear = times(&balance, exposed).map(held);
+            let value =
+                if format.is_float() { times(&gamut, linear).map(held) } else { self.tone.display(linear) };
             pixel.copy_from_slice(&value);
         }
+    }
+
+    /// How many values the exposure makes larger than any number; they become the largest one.
+    pub fn overflows(&self, light: &Image) -> usize {
+        let exposure = tone::exposure(self.exposure);
+        light.data().iter().filter(|v| v.is_finite() && (*v * exposure).is_infinite()).count()
     }
 
     /// Chromaticities of red, green, blue and white that an OpenEXR file names, where they are not the usual ones.
@@ -55,6 +63,12 @@ impl Development {
         let all = [red, green, blue, self.gamut.white];
         (self.gamut != SRGB).then(|| all.map(|xy| xy.map(|v| v as f32)))
     }
+}
+
+/// The value, and the largest number of its sign for an infinite one: differences of infinite values are no numbers, and
+/// would be black.
+fn held(v: f32) -> f32 {
+    if v.is_infinite() { f32::MAX.copysign(v) } else { v }
 }
 
 #[cfg(test)]
@@ -81,6 +95,21 @@ mod tests {
             assert!((found - srgb::encode(v)).abs() < 1e-6, "{found}");
         }
         assert_eq!(developed(encoded, Format::Exr, rgb), [0.2, 0.4, 0.8], "files of light stay linear");
+    }
+
+    #[test]
+    fn light_beyond_all_numbers_is_the_largest_one() {
+        let bright = [1e30, 1e30, 1.0];
+        let much = Development { exposure: 100.0, ..Development::default() };
+        assert_eq!(much.overflows(&Image::filled(2, 1, &bright).unwrap()), 4);
+        assert_eq!(much.overflows(&Image::filled(2, 1, &[1.0, -1.0, f32::INFINITY]).unwrap()), 0);
+        assert_eq!(developed(much, Format::Exr, bright)[..2], [f32::MAX; 2]);
+        let warm = Development { white: Some([3000.0, 0.0]), gamut: ACESCG, ..much };
+        assert!(developed(warm, Format::Exr, bright).iter().all(|v| v.is_finite()));
+        for tone in Tone::ALL {
+            let shown = developed(Development { tone, ..warm }, Format::Png, bright);
+            assert!(shown[0] >= 0.9, "{tone:?}: {shown:?}");
+        }
     }
 
     #[test]

@@ -200,11 +200,15 @@ fn read_position_and_brightness(
         return Some(PointLight { position: position?, intensity, emission, attenuation: [0.0, 0.0, 1.0] });
     }
     let (intensity, emission) = classic(params.required("color", |args| spectra.classic_light(args))?);
+    let (attenuation_key, falloff_key) = (attenuation.map(|(_, item)| item), falloff.map(|(_, item)| item));
     let coefficients = attenuation.map(|(c, _)| c).or(falloff.map(|(f, _)| [0.0, 0.0, f]));
     let attenuation = coefficients.unwrap_or([1.0, 0.0, 0.0]);
-    if attenuation == [0.0; 3] {
-        let key = if falloff.is_some() { "falloff" } else { "attenuation" };
-        params.warn(key, "light divided by zero is no number, so this lamp gives none", "only zeros");
+    let written = attenuation_key.or(falloff_key);
+    if let Some(key) = written.filter(|_| attenuation == [0.0; 3]) {
+        let error = Diagnostic::error(format!("`{}` of zero would divide the light by zero", key.keyword()));
+        let error = error.label(key.span(), "only zeros");
+        params.diagnostics().push(error.help("leave it out for light that does not fall off"));
+        return None;
     }
     Some(PointLight { position: position?, intensity, emission, attenuation })
 }

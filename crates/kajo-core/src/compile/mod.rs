@@ -23,6 +23,7 @@ mod nesting;
 mod physical;
 mod pictures;
 mod places;
+mod scale;
 mod settings;
 mod spectra;
 mod transform;
@@ -133,7 +134,10 @@ fn compile_tree(
     // Classic rule: a scene without lights is fully lit by ambient light.
     let ambient = if compiler.light_list.is_empty() { Spectrum::WHITE } else { ambient };
     let has_group = group.is_some();
-    Some(compiler.finish(Surroundings { camera: camera?, background, ambient, fog, settings, has_group }))
+    let scene =
+        compiler.finish(Surroundings { camera: camera?, background, ambient, fog, settings, has_group });
+    scale::check(&scene, diagnostics);
+    Some(scene)
 }
 
 /// What a scene has besides objects, materials and lights.

@@ -447,10 +447,19 @@ fn what_has_no_effect_is_said() {
         let light = format!("SpotLight {{ position 0 1 0  direction 0 -1 0  intensity 1  angle {degrees} }}");
         assert!(lights(&light).len() == 1 && lights(&light)[0].contains(told), "{:?}", lights(&light));
     }
-    assert!(lights("PointLight { position 0 1 0  color 1 1 1  falloff 0 }")[0].contains("divided by zero"));
     assert!(
         said(&format!("{CAMERA}Background {{ sky {{ }}  color 1 }}"))[0].contains("`color` has no effect")
     );
+}
+
+#[test]
+fn light_is_not_divided_by_zero() {
+    for zero in ["falloff 0", "falloff -0", "attenuation 0 0 0"] {
+        let light = format!("PointLight {{ position 0 1 0  color 1 1 1  {zero} }}");
+        let (scene, said) = compiled(&format!("{CAMERA}Lights {{ {light} }}"));
+        assert!(scene.is_none() && said.len() == 1, "{zero}: {said:?}");
+        assert!(said[0].1.contains("would divide the light by zero"), "{zero}: {said:?}");
+    }
 }
 
 #[test]
@@ -676,6 +685,23 @@ fn many_instances_take_little_memory_and_are_all_hit() {
         let (p, _, _) = look(&s, x, y).unwrap_or_else(|| panic!("nothing at {x} {y}"));
         assert!((p.z - 0.25).abs() < 1e-4 && look(&s, x + 0.5, y).is_none(), "{p}");
     }
+}
+
+#[test]
+fn a_mesh_is_stored_once_however_often_it_is_placed() {
+    let place = |n: usize| {
+        let instances: String = (0..n).map(|i| format!("Instance roof {{ Translate {i} 0 0 }} ")).collect();
+        let roof_block =
+            "Define roof { TriangleMesh { file roof.ply } } Define row { Instance roof Instance roof }";
+        let (scene, said) = with_files(
+            &format!("Group {{ MaterialIndex 0 {roof_block} {instances} Instance row }}"),
+            &roof(),
+        );
+        scene.unwrap_or_else(|| panic!("{said:?}"))
+    };
+    let (few, many) = (place(1), place(50));
+    assert_eq!((few.shapes.meshes.len(), many.shapes.meshes.len()), (1, 1));
+    assert_eq!((few.object_count(), many.object_count()), (3, 52));
 }
 
 #[test]
