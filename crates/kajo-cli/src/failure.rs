@@ -4,7 +4,7 @@ use std::panic::{self, AssertUnwindSafe};
 
 use kajo::compare::CompareError;
 use kajo::output::OutputError;
-use kajo::{ImageError, RenderError, SettingsError};
+use kajo::{CheckpointError, ImageError, Kept, RenderError, SettingsError};
 
 use crate::console;
 
@@ -39,6 +39,32 @@ impl Failure {
             Failure::Memory(_) => 6,
             Failure::Interrupted { signal } => 128_u8.saturating_add(*signal),
         }
+    }
+
+    /// The same with another text, where there is one.
+    pub fn with(self, say: impl FnOnce(&str) -> String) -> Failure {
+        match self {
+            Failure::Different(text) => Failure::Different(say(&text)),
+            Failure::Input(text) => Failure::Input(say(&text)),
+            Failure::Bug(text) => Failure::Bug(say(&text)),
+            Failure::Output(text) => Failure::Output(say(&text)),
+            Failure::Memory(text) => Failure::Memory(say(&text)),
+            Failure::Interrupted { signal } => Failure::Interrupted { signal },
+        }
+    }
+
+    /// All failures as one: the first says the code, and each its text, which become lines. That somebody said stop
+    /// comes last.
+    ///
+    /// # Errors
+    /// When there are any.
+    pub fn all(results: impl IntoIterator<Item = Result<(), Failure>>) -> Result<(), Failure> {
+        let mut failures: Vec<Failure> = results.into_iter().filter_map(Result::err).collect();
+        failures.sort_by_key(|failure| matches!(failure, Failure::Interrupted { .. }));
+        let mut failures = failures.into_iter();
+        let Some(first) = failures.next() else { return Ok(()) };
+        let more: String = failures.map(|failure| format!("\nerror: {}", failure.message())).collect();
+        Err(first.with(|text| format!("{text}{more}")))
     }
 
     /// What to tell the user.
@@ -85,6 +111,12 @@ impl From<RenderError> for Failure {
             RenderError::Film(_) => Failure::Input(error.to_string()),
             RenderError::Memory { .. } => Failure::Memory(error.to_string()),
             RenderError::Cancelled(_) => Failure::Interrupted { signal: 2 },
+            RenderError::Checkpoint(CheckpointError::Replaces { kept, .. }) => Failure::Input(match kept {
+                Kept::Farther => {
+                    format!("{error}, go on from it with --resume, or allow it with --overwrite-checkpoint")
+                }
+                _ => format!("{error}, or allow it with --overwrite-checkpoint"),
+            }),
             RenderError::Checkpoint(_) | RenderError::NotAdaptive(_) => Failure::Input(error.to_string()),
             RenderError::Panicked { .. } => Failure::Bug(error.to_string()),
         }
@@ -119,6 +151,16 @@ pub fn guarded(program: impl FnOnce() -> Result<(), Failure>) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn several_failures_become_one() {
+        assert_eq!(Failure::all([Ok(()), Ok(())]), Ok(()));
+        let all = Failure::all([Ok(()), Err(Failure::Output("a".into())), Err(Failure::Memory("b".into()))]);
+        assert_eq!(all, Err(Failure::Output("a\nerror: b".into())));
+        let stopped = || Err(Failure::Interrupted { signal: 2 });
+        assert_eq!(Failure::all([stopped(), Err(Failure::Output("a".into()))]).unwrap_err().code(), 5);
+        assert_eq!(Failure::all([stopped(), stopped()]), stopped());
+    }
 
     #[test]
     fn every_end_has_its_code() {

@@ -1,18 +1,19 @@
 //! One render from the scene's file to the pictures' files, whichever command asked for it.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use kajo::output::{OutputError, Target};
+use kajo::output::Target;
 use kajo::{
     BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, Format, Highlight, IntegratorKind, LoadOptions, Loaded,
-    Passes, Picture, Progress, RenderError, RenderSettings, RenderStats, Resources, SamplerKind, Scene,
-    SceneDigest, Settings, Severity, View,
+    Passes, Picture, RenderError, RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest,
+    Settings, Severity, Snapshot, View,
 };
 
 use crate::args::{DevelopArgs, PassArgs};
+use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, Work};
+use crate::keep::{self, Keeper};
 use crate::passes::Watcher;
 use crate::progress::Meter;
 
@@ -36,6 +37,8 @@ pub struct Job {
     pub passes: PassArgs,
     /// What happens to the picture afterwards.
     pub develop: DevelopArgs,
+    /// The only folder that files may be written to, by its real path, if there is such a bound.
+    pub confined_to: Option<PathBuf>,
 }
 
 /// Classic options whose meaning depends on the scene's dialect, or that no `Settings` block has.
@@ -68,8 +71,14 @@ pub struct Voice<'a> {
     pub color: bool,
     /// Whether only warnings and errors are wanted.
     pub quiet: bool,
-    /// Takes lines of text.
+    /// Takes lines of text that is fit for a terminal.
     pub say: &'a mut dyn FnMut(&str),
+}
+
+impl Voice<'_> {
+    fn warn(&mut self, text: impl std::fmt::Display) {
+        (self.say)(&format!("warning: {}\n", console::printable(&text.to_string())));
+    }
 }
 
 /// What a job did.
@@ -88,12 +97,6 @@ struct Targets {
     /// For each output that is no standard output.
     outputs: Vec<Target>,
     checkpoint: Option<Target>,
-}
-
-/// Why there is no complete picture.
-enum Stop {
-    Render(RenderError),
-    Other(Failure),
 }
 
 impl Destination {
@@ -127,7 +130,12 @@ impl Job {
         }
         let scene = loaded.scene.take().ok_or_else(|| has_errors(&self.scene, &loaded))?;
         let settings = self.settings(&scene, voice)?;
+        self.check_formats(settings.size)?;
         let targets = self.targets(&loaded.files)?;
+        let mut passes = match self.passes.are_wanted() {
+            true => Some(self.prepare_passes(&loaded.files, &targets, interrupt)?),
+            false => None,
+        };
         let outputs: Vec<(View, Format)> = self
             .outputs
             .iter()
@@ -136,48 +144,67 @@ impl Job {
             .collect();
         let (result, interrupted) = interrupt.during(Work::Render, || {
             let progress = meter.watched(interrupt);
-            let result = if self.passes.are_wanted() {
-                self.render_passes(&scene, &settings, &outputs, &loaded.files, &targets, &progress, interrupt)
-            } else {
-                kajo::render(&scene, &settings, &outputs, &self.resources, &progress).map_err(Stop::Render)
+            let result = match &mut passes {
+                None => kajo::render(&scene, &settings, &outputs, &self.resources, &progress),
+                Some((passes, watcher)) => {
+                    let look = &mut |snapshot: Snapshot<'_>| watcher.look(snapshot);
+                    kajo::render_passes(&scene, &settings, &outputs, &self.resources, passes, &progress, look)
+                }
             };
             meter.finish();
             result
         });
         let (mut picture, bug) = match result {
             Ok(picture) => (picture, None),
-            Err(Stop::Render(RenderError::Cancelled(partial))) => (*partial, None),
-            Err(Stop::Render(RenderError::Panicked { message, picture: Some(partial) })) => {
+            Err(RenderError::Cancelled(partial)) => (*partial, None),
+            Err(RenderError::Panicked { message, picture: Some(partial) }) => {
                 (*partial, Some(Failure::Bug(message)))
             }
-            Err(Stop::Render(error)) => return Err(error.into()),
-            Err(Stop::Other(failure)) => return Err(failure),
+            // Reading a long checkpoint was broken off.
+            Err(RenderError::Checkpoint(_)) if interrupted => return Err(interrupt.failure()),
+            Err(error) => return Err(error.into()),
         };
         // Before anything else can go wrong; a picture that cannot be continued is still worth writing.
-        let (saved, interrupted_meanwhile) = interrupt.during(Work::Write, || save(&picture, &targets));
+        let (saved, interrupted_meanwhile) =
+            interrupt.during(Work::Write, || save(&picture, &targets, interrupt));
         let interrupted = interrupted || interrupted_meanwhile;
         if let Some(bug) = bug {
             if let Err(error) = saved {
-                (voice.say)(&format!("warning: {error}\n"));
+                voice.warn(error.message());
             }
             return Err(bug);
         }
         let stopped = || interrupt.failure();
-        if interrupted && !self.keep_partial && targets.checkpoint.is_none() {
+        let keeps_partial = self.keep_partial || targets.checkpoint.is_some();
+        if interrupted && !keeps_partial {
             return Err(stopped());
         }
         warn_of_numbers(&picture.stats, voice);
         picture.development = self.develop.development(picture.development);
+        let mut interrupted = interrupted;
         if let Some(denoiser) = &self.develop.denoise {
-            match picture.denoise(denoiser) {
+            let mut denoise = || picture.denoise(denoiser);
+            let (denoised, interrupted_meanwhile) = match keeps_partial {
+                true => interrupt.during(Work::Write, denoise),
+                false => (denoise(), false),
+            };
+            interrupted |= interrupted_meanwhile;
+            match denoised {
                 Ok(_) if voice.quiet => {}
                 Ok(how) => (voice.say)(&format!("denoised {how}\n")),
                 // The noisy picture took long enough to be kept.
-                Err(error) => (voice.say)(&format!("warning: the picture is not denoised: {error}\n")),
+                Err(error) => voice.warn(format!("the picture is not denoised: {error}")),
             }
         }
-        self.write(&picture, &targets.outputs, interrupt)?;
-        saved?;
+        let overexposed = picture.overexposed();
+        if overexposed > 0 {
+            voice.warn(format!(
+                "the exposure makes {overexposed} values larger than any number; they become the largest"
+            ));
+        }
+        let keeper = Keeper { interrupt, stoppable: !keeps_partial, depth: self.depth, scene: &self.scene };
+        let written = keeper.pictures(&picture, &self.outputs, &targets.outputs);
+        Failure::all([written, saved])?;
         if interrupted {
             return Err(stopped());
         }
@@ -189,36 +216,19 @@ impl Job {
         })
     }
 
-    /// A render with somebody to look at it after each pass.
-    #[expect(clippy::too_many_arguments, reason = "they are what `run` has found out so far")]
-    fn render_passes(
+    /// What a render in passes goes by, and who looks at it after each.
+    fn prepare_passes<'a>(
         &self,
-        scene: &Scene,
-        settings: &RenderSettings,
-        outputs: &[(View, Format)],
         files: &[PathBuf],
-        targets: &Targets,
-        progress: &dyn Progress,
-        interrupt: &Interrupt,
-    ) -> Result<Picture, Stop> {
-        let digest = SceneDigest::of_files(files);
-        let digest = digest
-            .map_err(|error| Stop::Other(Failure::Input(format!("cannot read the scene again: {error}"))))?;
-        let passes = Passes { goal: self.passes.goal(), resume: self.passes.resume.clone(), scene: digest };
-        let mut watcher = Watcher::new(&self.passes, &self.scene, targets.checkpoint.as_ref(), interrupt);
-        let result = kajo::render_passes(
-            scene,
-            settings,
-            outputs,
-            &self.resources,
-            &passes,
-            progress,
-            &mut |snapshot| watcher.look(snapshot),
-        );
-        match watcher.failure {
-            Some(failure) => Err(Stop::Other(failure.into())),
-            None => result.map_err(Stop::Render),
-        }
+        targets: &'a Targets,
+        interrupt: &'a Interrupt,
+    ) -> Result<(Passes, Watcher<'a>), Failure> {
+        let scene = SceneDigest::of_files(files)
+            .map_err(|error| Failure::Input(format!("cannot read the scene again: {error}")))?;
+        let PassArgs { resume, checkpoint, overwrite_checkpoint, .. } = self.passes.clone();
+        let checkpoint = checkpoint.filter(|_| !overwrite_checkpoint);
+        let passes = Passes { goal: self.passes.goal(), resume, checkpoint, scene };
+        Ok((passes, Watcher::new(&self.passes, &self.scene, targets.checkpoint.as_ref(), interrupt)))
     }
 
     fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
@@ -226,7 +236,7 @@ impl Job {
         let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, uv)?;
         let left_out = settings.left_out(scene).into_iter().map(str::to_owned);
         for note in left_out.chain(settings.without_effect(&self.asked, &scene.settings)) {
-            (voice.say)(&format!("warning: {note}\n"));
+            voice.warn(note);
         }
         let splats = matches!(settings.integrator, IntegratorKind::Bidirectional | IntegratorKind::Light);
         if splats && self.passes.adaptive {
@@ -234,8 +244,8 @@ impl Job {
                 Some(_) => "; leave out `--adaptive` to reach that `--noise`",
                 None => "",
             };
-            (voice.say)(&format!(
-                "warning: adaptive sampling goes by what paths from the camera find, and not by light from lamps{plan}\n"
+            voice.warn(format!(
+                "adaptive sampling goes by what paths from the camera find, and not by light from lamps{plan}"
             ));
         }
         let Some(words) = self.classic else { return Ok(settings) };
@@ -245,42 +255,55 @@ impl Job {
         }
         match (words.specular_fix, is_2004) {
             (true, true) => settings.classic.highlight = Highlight::HalfTimesCosine,
-            (true, false) => (voice.say)("warning: `-specular_fix` works in dialect mit-2004 only\n"),
+            (true, false) => voice.warn("`-specular_fix` works in dialect mit-2004 only"),
             (false, _) => {}
         }
         Ok(settings)
     }
 
+    /// Makes sure that the formats can hold pictures of this size.
+    fn check_formats(&self, size: [u32; 2]) -> Result<(), Failure> {
+        let holds = |format| format != Format::Tga || size.iter().all(|&side| side <= u16::MAX.into());
+        match self.outputs.iter().all(|output| holds(output.format)) {
+            true => Ok(()),
+            false => Err(Failure::Input(
+                "a .tga file holds at most 65535 x 65535 pixels; take another format".to_owned(),
+            )),
+        }
+    }
+
     /// Makes sure that every file can be written.
-    fn targets(&self, inputs: &[PathBuf]) -> Result<Targets, OutputError> {
+    fn targets(&self, inputs: &[PathBuf]) -> Result<Targets, Failure> {
         let files = self.outputs.iter().filter_map(|output| match &output.destination {
             Destination::File(path) => Some(path.clone()),
             Destination::StandardOutput => None,
         });
         let files: Vec<PathBuf> = files.chain(self.passes.checkpoint.clone()).collect();
         let mut outputs = Target::check_all(&files, inputs)?;
-        let checkpoint = self.passes.checkpoint.as_ref().and_then(|_| outputs.pop());
-        Ok(Targets { outputs, checkpoint })
-    }
-
-    fn write(&self, picture: &Picture, targets: &[Target], interrupt: &Interrupt) -> Result<(), Failure> {
-        let mut targets = targets.iter();
-        for output in &self.outputs {
-            let bytes = picture.encode(&output.views, output.format, self.depth)?;
-            let (result, interrupted) = interrupt.during(Work::Write, || match &output.destination {
-                Destination::StandardOutput => write_to_standard_output(&bytes),
-                Destination::File(_) => match targets.next() {
-                    Some(target) => target.write(&bytes).map_err(Failure::from),
-                    None => Ok(()),
-                },
-            });
-            result?;
-            if interrupted {
-                return Err(interrupt.failure());
+        if let Some(folder) = &self.confined_to {
+            let outside = outputs.iter().find(|target| !target.is_file_within(folder));
+            if let Some(target) = outside {
+                return Err(outside_of(target.path(), folder));
             }
         }
-        Ok(())
+        let checkpoint = self.passes.checkpoint.as_ref().and_then(|_| outputs.pop());
+        match checkpoint {
+            Some(target) if target.is_stream() => Err(Failure::Output(format!(
+                "cannot keep a checkpoint in `{}`: it is a pipe or a device",
+                target.path().display()
+            ))),
+            checkpoint => Ok(Targets { outputs, checkpoint }),
+        }
     }
+}
+
+/// A file that a bound on what may be written does not allow.
+fn outside_of(path: &Path, folder: &Path) -> Failure {
+    Failure::Input(format!(
+        "`{}` is outside `{}`, the only folder that the list may write to; `@` stands for the place and name of its picture",
+        path.display(),
+        folder.display()
+    ))
 }
 
 /// "scene.txt has 3 errors", after they were shown; a single one speaks for itself.
@@ -292,19 +315,16 @@ pub fn has_errors(scene: &Path, loaded: &Loaded) -> Failure {
 }
 
 /// Saves the state of a render that is over, however it ended, if that is wanted.
-fn save(picture: &Picture, targets: &Targets) -> Result<(), OutputError> {
+fn save(picture: &Picture, targets: &Targets, interrupt: &Interrupt) -> Result<(), Failure> {
     match (&targets.checkpoint, picture.snapshot()) {
-        (Some(target), Some(state)) => state.save(target),
+        (Some(target), Some(state)) => keep::checkpoint(&state, target, interrupt),
         _ => Ok(()),
     }
 }
 
 fn warn_of_numbers(stats: &RenderStats, voice: &mut Voice<'_>) {
     if stats.non_finite > 0 {
-        (voice.say)(&format!(
-            "warning: {} samples were not finite numbers and count as black\n",
-            stats.non_finite
-        ));
+        voice.warn(format!("{} samples were not finite numbers and count as black", stats.non_finite));
     }
     if stats.rays.left_out > 0 {
         (voice.say)(&format!(
@@ -313,14 +333,4 @@ fn warn_of_numbers(stats: &RenderStats, voice: &mut Voice<'_>) {
             stats.rays.left_out
         ));
     }
-}
-
-fn write_to_standard_output(bytes: &[u8]) -> Result<(), Failure> {
-    let mut stdout = std::io::stdout().lock();
-    stdout.write_all(bytes).and_then(|()| stdout.flush()).map_err(|error| {
-        Failure::Output(format!(
-            "cannot write to standard output, which needs {} bytes: {error}",
-            bytes.len()
-        ))
-    })
 }

@@ -8,6 +8,7 @@ mod gallery;
 mod interrupt;
 mod job;
 mod json;
+mod keep;
 mod passes;
 mod progress;
 

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use kajo::output::{OutputError, Target};
+use kajo::output::Target;
 use kajo::{Snapshot, Tev};
 
 use crate::args::PassArgs;
@@ -17,9 +17,10 @@ pub struct Watcher<'a> {
     checkpoint: Option<Checkpoints<'a>>,
     tev: Option<Tev>,
     interrupt: &'a Interrupt,
-    /// What went wrong with a checkpoint. The render ends, since it cannot be kept as was asked.
-    pub failure: Option<OutputError>,
 }
+
+/// How long to wait at most before a checkpoint is tried again that could not be written.
+const SOON: Duration = Duration::from_secs(60);
 
 /// A file that is written again and again.
 struct Checkpoints<'a> {
@@ -28,14 +29,35 @@ struct Checkpoints<'a> {
     last: Instant,
     /// When the last pass ended.
     last_look: Instant,
+    /// Whether the last one could not be written.
+    failed: bool,
 }
 
-impl Checkpoints<'_> {
+impl<'a> Checkpoints<'a> {
+    fn new(target: &'a Target, every: Duration, now: Instant) -> Checkpoints<'a> {
+        Checkpoints { target, every, last: now, last_look: now, failed: false }
+    }
+
     /// Whether it is time for the next one: another pass as long as the last would end too late.
     fn is_due(&mut self, now: Instant) -> bool {
         let took = now.duration_since(self.last_look);
         self.last_look = now;
-        now.duration_since(self.last).saturating_add(took) >= self.every
+        let every = if self.failed { self.every.min(SOON) } else { self.every };
+        now.duration_since(self.last).saturating_add(took) >= every
+    }
+
+    /// Writes one. When that fails the render goes on: there will be another attempt, and the picture at the end.
+    fn write(&mut self, snapshot: Snapshot<'_>) {
+        let result = snapshot.save(self.target);
+        if let Err(error) = &result {
+            // Said once, not at each attempt.
+            if !self.failed {
+                console::warning(&format!("{error}; the render goes on and tries again"));
+            }
+        }
+        self.failed = result.is_err();
+        let now = Instant::now();
+        (self.last, self.last_look) = (now, now);
     }
 }
 
@@ -51,23 +73,24 @@ impl<'a> Watcher<'a> {
     ) -> Watcher<'a> {
         let every = args.checkpoint_every;
         let now = Instant::now();
-        let checkpoint = target.map(|target| Checkpoints { target, every, last: now, last_look: now });
+        let checkpoint = target.map(|target| Checkpoints::new(target, every, now));
         let name = scene.file_name().unwrap_or(scene.as_os_str()).to_string_lossy();
         let connect = |address: &String| {
             let connected = Tev::connect(address, &name);
             connected.map_err(|error| warn_of_tev(address, &error)).ok()
         };
-        Watcher { checkpoint, tev: args.tev.as_ref().and_then(connect), interrupt, failure: None }
+        Watcher { checkpoint, tev: args.tev.as_ref().and_then(connect), interrupt }
     }
 
     /// Looks at the picture so far.
     pub fn look(&mut self, snapshot: Snapshot<'_>) -> ControlFlow<()> {
         if let Some(tev) = &mut self.tev {
-            let show = || snapshot.light().map_err(io::Error::other).and_then(|light| tev.show(&light));
-            // A viewer that does not answer keeps us longer than an interrupted render may take.
-            let shown = self.interrupt.undisturbed(show);
-            if let Err(error) = shown {
-                warn_of_tev("tev", &error);
+            let stop = || self.interrupt.is_stopping();
+            let light = snapshot.light().map_err(io::Error::other);
+            if let Err(error) = light.and_then(|light| tev.show(&light, &stop)) {
+                if !stop() {
+                    warn_of_tev("tev", &error);
+                }
                 self.tev = None;
             }
         }
@@ -75,10 +98,8 @@ impl<'a> Watcher<'a> {
         if !checkpoint.is_due(Instant::now()) {
             return ControlFlow::Continue(());
         }
-        self.failure = self.interrupt.undisturbed(|| snapshot.save(checkpoint.target)).err();
-        let now = Instant::now();
-        (checkpoint.last, checkpoint.last_look) = (now, now);
-        if self.failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        self.interrupt.undisturbed(|| checkpoint.write(snapshot));
+        ControlFlow::Continue(())
     }
 }
 
@@ -95,7 +116,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let target = Target::check(&folder.path().join("state"), &[]).unwrap();
         let (start, every) = (Instant::now(), Duration::from_secs(60));
-        let mut checkpoints = Checkpoints { target: &target, every, last: start, last_look: start };
+        let mut checkpoints = Checkpoints::new(&target, every, start);
         let mut is_due = |seconds| checkpoints.is_due(start + Duration::from_secs(seconds));
         assert!(!is_due(10));
         assert!(!is_due(29), "another pass of 19 seconds ends in time");
@@ -103,10 +124,22 @@ mod tests {
     }
 
     #[test]
+    fn what_could_not_be_written_is_tried_again_soon() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = Target::check(&folder.path().join("state"), &[]).unwrap();
+        let (start, hour) = (Instant::now(), Duration::from_secs(3600));
+        let mut checkpoints = Checkpoints::new(&target, hour, start);
+        assert!(!checkpoints.is_due(start + Duration::from_secs(50)));
+        checkpoints.failed = true;
+        assert!(!checkpoints.is_due(start + Duration::from_secs(54)));
+        assert!(checkpoints.is_due(start + Duration::from_secs(60)));
+    }
+
+    #[test]
     fn without_an_interval_every_pass_is_saved() {
         let folder = tempfile::tempdir().unwrap();
         let target = Target::check(&folder.path().join("state"), &[]).unwrap();
         let (start, every) = (Instant::now(), Duration::ZERO);
-        assert!(Checkpoints { target: &target, every, last: start, last_look: start }.is_due(start));
+        assert!(Checkpoints::new(&target, every, start).is_due(start));
     }
 }

@@ -115,6 +115,59 @@ fn what_cannot_be_continued_is_refused() {
 }
 
 #[test]
+fn what_is_worth_more_is_not_replaced_by_a_checkpoint() {
+    let folder = Folder::new();
+    let render = "ball.txt --size 20 20 --samples sobol 4 -o out.png --checkpoint-every 0 --checkpoint";
+    folder.write("notes", "all I know");
+    folder.fail(
+        &format!("{render} notes"),
+        2,
+        &["`notes`, which is no checkpoint", "--overwrite-checkpoint"],
+    );
+    folder.succeed(&format!("{render} state"));
+    let before = folder.read("state");
+    folder.fail(
+        &format!("{render} state"),
+        2,
+        &["farther than this render begins", "--resume", "--overwrite-"],
+    );
+    folder.fail(&format!("{render} state --seed 7"), 2, &["checkpoint of another render", "--overwrite-"]);
+    assert!(folder.read("state") == before && folder.read("notes") == b"all I know");
+    folder.succeed(&format!("{render} state --resume state"));
+    folder.succeed(&format!("{render} state --seed 7 --overwrite-checkpoint"));
+    folder.succeed(&format!("{render} notes --overwrite-checkpoint"));
+    assert!(folder.read("notes").starts_with(b"kajofilm"));
+    folder.write("empty", "");
+    folder.succeed(&format!("{render} empty"));
+}
+
+#[test]
+fn a_checkpoint_is_a_file() {
+    let folder = Folder::new();
+    folder.pipe("pipe");
+    folder.fail("ball.txt --size 4 4 -o a.png --resume pipe", 2, &["`pipe`", "not a regular file"]);
+    folder.fail("ball.txt --size 4 4 -o a.png --checkpoint pipe", 5, &["`pipe`", "pipe or a device"]);
+}
+
+/// The state is far longer than the picture and than what a file may be here.
+#[test]
+fn a_checkpoint_that_cannot_be_written_does_not_lose_the_picture() {
+    let folder = Folder::new();
+    let render = "ball.txt --size 100 100 --samples sobol 16 -o out.png";
+    folder.succeed(render);
+    let expected = folder.read("out.png");
+    std::fs::remove_file(folder.path("out.png")).unwrap();
+    let ran =
+        folder.run_in_shell("ulimit -f 80", &format!("{render} --checkpoint state --checkpoint-every 0"));
+    assert_eq!(ran.code, Some(5), "{}", ran.stderr);
+    assert_eq!(ran.stderr.matches("the render goes on and tries again").count(), 1, "{}", ran.stderr);
+    let last = ran.stderr.lines().last().unwrap();
+    assert!(last.contains("error: cannot write `state`, which needs "), "{}", ran.stderr);
+    assert!(folder.read("out.png") == expected);
+    assert_eq!(folder.names(), ["ball.txt", "out.png"]);
+}
+
+#[test]
 fn goals_end_renders() {
     let folder = Folder::new();
     let ran = folder.succeed("ball.txt --size 40 30 --samples uniform 100000 --time 0 -o a.png");

@@ -11,6 +11,17 @@ fn values(folder: &Folder, name: &str) -> Vec<f32> {
 }
 
 #[test]
+fn an_exposure_beyond_all_numbers_is_warned_of() {
+    let folder = Folder::new();
+    folder.write("ball.txt", common::BALL.replace("color 0.9 0.9 0.9", "color 1e20 1e20 1e20"));
+    let ran = folder.succeed(&format!("{BALL} -o bright.exr --exposure 100"));
+    assert!(ran.stderr.contains("warning: the exposure makes"), "{}", ran.stderr);
+    assert!(values(&folder, "bright.exr").iter().all(|v| v.is_finite()));
+    let ran = folder.succeed(&format!("{BALL} -o bright.exr --exposure 50"));
+    assert!(!ran.stderr.contains("exposure"), "{}", ran.stderr);
+}
+
+#[test]
 fn light_is_developed_for_the_kind_of_file() {
     let folder = Folder::new();
     folder.succeed(&format!("{BALL} -o plain.exr"));

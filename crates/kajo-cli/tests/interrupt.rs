@@ -90,6 +90,24 @@ fn what_is_ignored_at_the_start_stays_ignored() {
     assert_eq!(code, Some(143), "{said}");
 }
 
+#[test]
+fn a_pipe_that_nobody_reads_is_waited_for_until_a_signal() {
+    let folder = Folder::new();
+    folder.pipe("pipe.png");
+    let line = "ball.txt -o pipe.png --size 8 8 --samples 1 --show_progress";
+    let mut child = folder.command().args(line.split(' ')).stderr(Stdio::piped()).spawn().unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut progress = String::new();
+    while !progress.starts_with("100 %") {
+        progress.clear();
+        assert!(said.read_line(&mut progress).unwrap() > 0);
+    }
+    // Any moment will do; after a while it waits.
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let (code, said) = Render { child, said }.end_by("TERM");
+    assert_eq!(code, Some(143), "{said}");
+}
+
 /// Each camera ray becomes thousands of rays, and the program waits two seconds for a render to stop.
 #[test]
 fn pixels_that_take_long_stop_too() {

@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::io::{BufRead, BufReader, Read};
+
 use common::Folder;
 
 #[test]
@@ -15,6 +17,7 @@ fn places_that_cannot_be_written_are_found_before_rendering() {
     folder.fail(&format!("scene.txt -o nowhere/a.png {huge}"), 5, &["no folder `nowhere`"]);
     folder.fail(&format!("scene.txt -o folder.png {huge}"), 5, &["folder.png", "is a folder"]);
     folder.fail("-input scene.txt -output a.png -normals a.png", 5, &["twice"]);
+    folder.fail("scene.txt -o a.tga --size 65536 20000 --samples 1000 --memory 1000000", 2, &["65535"]);
     assert_eq!(folder.names(), ["ball.txt", "folder.png", "part.txt", "scene.txt"]);
 }
 
@@ -81,6 +84,85 @@ fn a_limit_on_the_size_of_files_leaves_the_old_file_and_no_other() {
     assert!(ran.stderr.contains("cannot write `out.exr`, which needs "), "{}", ran.stderr);
     assert_eq!(folder.read("out.exr"), b"old");
     assert_eq!(folder.names(), ["ball.txt", "out.exr"]);
+}
+
+/// What a render that ends does when it cannot be written, its folder having gone meanwhile.
+#[cfg(unix)]
+#[test]
+fn a_finished_picture_is_put_elsewhere_when_its_folder_is_gone() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("renders")).unwrap();
+    let line = "ball.txt -o renders/out.png --aov depth=depth.png --size 20 20 --samples sobol 1000000 --time 1 --show_progress";
+    let mut child =
+        folder.command().args(line.split(' ')).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    stderr.read_line(&mut said).unwrap();
+    std::fs::remove_dir_all(folder.path("renders")).unwrap();
+    stderr.read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(5), "{said}");
+    let (_, after) = said.split_once("; it is in `").unwrap_or_else(|| panic!("{said}"));
+    let place = after.split('`').next().unwrap();
+    assert!(place.starts_with("out.kajo-") && place.ends_with(".png"), "{said}");
+    assert_eq!(common::picture(&folder.path(place)).width(), 20);
+    assert!(folder.path("depth.png").exists(), "the other picture is written all the same");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_picture_that_fits_nowhere_does_not_keep_others_from_being_written() {
+    let folder = Folder::new();
+    let line = "ball.txt --size 200 200 --samples 1 -o out.exr --aov object=small.png";
+    let ran = folder.run_in_shell("ulimit -f 40", line);
+    assert_eq!(ran.code, Some(5), "{}", ran.stderr);
+    assert!(ran.stderr.contains("nor can any other folder take it"), "{}", ran.stderr);
+    assert_eq!(folder.names(), ["ball.txt", "small.png"]);
+}
+
+/// Runs a script in which anything can be mounted; `None` where the system does not let one.
+#[cfg(target_os = "linux")]
+fn with_mounts(folder: &Folder, script: &str) -> Option<common::Ran> {
+    let unshare = |script: &str| {
+        let mut command = std::process::Command::new("unshare");
+        command.args(["-Urm", "sh", "-c", script]).current_dir(folder.path("")).env("NO_COLOR", "1");
+        command.env("KAJO", env!("CARGO_BIN_EXE_kajo")).output().ok().map(common::Ran::from)
+    };
+    let may_mount =
+        unshare("mkdir probe; mount -t tmpfs -o size=4k none probe").is_some_and(|ran| ran.code == Some(0));
+    if !may_mount {
+        println!("skipped: nothing can be mounted here");
+        return None;
+    }
+    unshare(script)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_mounted_file_is_found_before_rendering() {
+    let folder = Folder::new();
+    folder.write("real.png", "old");
+    folder.write("out.png", "");
+    let huge = "--size 20000 20000 --samples 1000 --memory 1000000";
+    let script = format!("mount --bind real.png out.png && exec $KAJO ball.txt -o out.png {huge}");
+    let Some(ran) = with_mounts(&folder, &script) else { return };
+    assert_eq!(ran.code, Some(5), "{}", ran.stderr);
+    assert!(ran.stderr.contains("`out.png`: it is mounted there"), "{}", ran.stderr);
+    assert_eq!(folder.read("real.png"), b"old");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_does_not_lose_the_picture() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("small")).unwrap();
+    let script = "mount -t tmpfs -o size=16k none small; echo old > small/out.exr
+        $KAJO ball.txt -o small/out.exr --size 200 200 --samples 1; echo code $?; cat small/out.exr; ls -A small";
+    let Some(ran) = with_mounts(&folder, script) else { return };
+    assert_eq!(ran.stdout, "code 5\nold\nout.exr\n", "{}", ran.stderr);
+    for part in ["No space left", "trying again", "bytes", "; it is in `out.kajo-"] {
+        assert!(ran.stderr.contains(part), "{part}: {}", ran.stderr);
+    }
+    assert!(folder.names().iter().any(|name| name.starts_with("out.kajo-") && name.ends_with(".exr")));
 }
 
 #[cfg(unix)]

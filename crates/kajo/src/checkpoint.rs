@@ -18,13 +18,13 @@
 //! ([`SamplerKind::is_open_ended`](kajo_core::sampler::SamplerKind::is_open_ended)) and it does not decide where
 //! they go. A render then goes on to more samples, to the bits of one that was asked for them at once.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use kajo_core::scene::Scene;
-use kajo_render::{Film, FilmSpec, Goal, Position};
+use kajo_render::{Film, FilmSpec, Goal, Position, Progress};
 
 use crate::{Development, RenderSettings};
 
@@ -113,6 +113,28 @@ pub enum CheckpointError {
         /// Those of this render.
         asked: u32,
     },
+    /// Checkpoints are to be written over a file that is worth more than they are.
+    #[error("the checkpoint would take the place of `{}`, which {kept}; choose another name", path.display())]
+    Replaces {
+        /// The file.
+        path: PathBuf,
+        /// What would be lost.
+        kept: Kept,
+    },
+}
+
+/// What a checkpoint is not written over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Kept {
+    /// A file of some other kind.
+    #[error("is no checkpoint of kajo")]
+    NoCheckpoint,
+    /// The state of a render of something else, or by another build of kajo.
+    #[error("is the checkpoint of another render")]
+    OtherRender,
+    /// The state of this render, farther than it begins.
+    #[error("is farther than this render begins")]
+    Farther,
 }
 
 /// Why a render cannot go on to another number of samples, and what to do.
@@ -202,6 +224,11 @@ impl Identity {
         self.build.get_or_init(build)
     }
 
+    /// The text with the program's own line.
+    fn whole_text(&self) -> String {
+        format!("{}\n{}", self.build(), self.text)
+    }
+
     /// The first line in which another identity differs: its line, and that of this one.
     fn difference(&self, other: &str) -> Option<(String, String)> {
         let (mut mine, mut others) = (self.text.lines(), other.lines());
@@ -249,7 +276,7 @@ pub(crate) fn save(
     let mut out = Hashing { inner: out, hasher: blake3::Hasher::new() };
     out.write_all(MAGIC)?;
     out.write_all(&VERSION.to_le_bytes())?;
-    let text = format!("{}\n{}", identity.build(), identity.text);
+    let text = identity.whole_text();
     out.write_all(&(text.len() as u32).to_le_bytes())?;
     out.write_all(text.as_bytes())?;
     film.save(&mut out)?;
@@ -260,6 +287,8 @@ pub(crate) fn save(
 
 /// Reads the state of a render that [`save`] wrote.
 ///
+/// * `progress`: may cancel the reading
+///
 /// # Errors
 /// [`CheckpointError`] when the file is not a whole checkpoint of this very render.
 pub(crate) fn restore(
@@ -267,14 +296,19 @@ pub(crate) fn restore(
     identity: &Identity,
     spec: FilmSpec,
     schedule: &kajo_render::RenderSettings,
+    progress: &dyn Progress,
 ) -> Result<(Film, Position), CheckpointError> {
     let failed = |source: io::Error| match source.kind() {
         ErrorKind::UnexpectedEof | ErrorKind::InvalidData => CheckpointError::Damaged { path: path.into() },
         _ => CheckpointError::Read { path: path.into(), source },
     };
+    // A pipe would keep us waiting for somebody to write to it.
+    if !fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(failed(io::Error::new(ErrorKind::InvalidInput, "it is not a regular file")));
+    }
     let file = File::open(path).map_err(failed)?;
     let length = file.metadata().map_err(failed)?.len();
-    let mut input = BufReader::with_capacity(1 << 16, &file);
+    let mut input = BufReader::with_capacity(1 << 16, Stoppable { inner: &file, progress });
     if bytes(&mut input).ok().as_ref() != Some(MAGIC) {
         return Err(CheckpointError::NoCheckpoint { path: path.into() });
     }
@@ -283,11 +317,12 @@ pub(crate) fn restore(
         return Err(CheckpointError::Version { path: path.into(), found });
     }
     // Nothing is believed before all of it is found whole.
-    if !is_whole(&file, length).map_err(failed)? {
+    if !is_whole(&file, length, progress).map_err(failed)? {
         return Err(CheckpointError::Damaged { path: path.into() });
     }
     (&file).seek(SeekFrom::Start(12)).map_err(failed)?;
-    let mut input = BufReader::with_capacity(1 << 16, (&file).take(length.saturating_sub(12 + HASH_BYTES)));
+    let body = Stoppable { inner: (&file).take(length.saturating_sub(12 + HASH_BYTES)), progress };
+    let mut input = BufReader::with_capacity(1 << 16, body);
     let text = text(&mut input).map_err(failed)?;
     let (then, text) = text.split_once('\n').unwrap_or((&text, ""));
     if then != identity.build() {
@@ -311,12 +346,61 @@ pub(crate) fn restore(
     Ok((film, position))
 }
 
+/// Makes sure that nothing is lost when checkpoints of a render are written over the file at `path`.
+///
+/// * `samples`: of all pixels together, that the render begins with
+/// * `resumed`: the checkpoint that it goes on from
+///
+/// # Errors
+/// [`CheckpointError::Replaces`], and [`CheckpointError::Read`] when there is no telling.
+pub(crate) fn check_replaced(
+    path: &Path,
+    identity: &Identity,
+    samples: u64,
+    resumed: Option<&Path>,
+) -> Result<(), CheckpointError> {
+    let is_same = |other| {
+        fs::canonicalize(path).is_ok_and(|path| fs::canonicalize(other).is_ok_and(|other| path == other))
+    };
+    let is_empty = |metadata: fs::Metadata| !metadata.is_file() || metadata.len() == 0;
+    if resumed.is_some_and(is_same) || fs::metadata(path).map_or(true, is_empty) {
+        return Ok(());
+    }
+    let read = |source| CheckpointError::Read { path: path.into(), source };
+    let mut input = BufReader::new(File::open(path).map_err(read)?);
+    let replaces = |kept| Err(CheckpointError::Replaces { path: path.into(), kept });
+    if bytes(&mut input).ok().as_ref() != Some(MAGIC) {
+        return replaces(Kept::NoCheckpoint);
+    }
+    match samples_in(&mut input) {
+        Ok((_, 0)) => Ok(()),
+        Ok((text, found)) if text == identity.whole_text() => {
+            if found > samples {
+                replaces(Kept::Farther)
+            } else {
+                Ok(())
+            }
+        }
+        // Another version's, or damaged: who knows.
+        Ok(_) | Err(_) => replaces(Kept::OtherRender),
+    }
+}
+
+/// What the rest of a checkpoint is of, and the number of all its samples, with which the film begins.
+fn samples_in(input: &mut dyn Read) -> io::Result<(String, u64)> {
+    if u32::from_le_bytes(bytes(input)?) != VERSION {
+        return Err(ErrorKind::InvalidData.into());
+    }
+    let text = text(input)?;
+    Ok((text, u64::from_le_bytes(bytes(input)?)))
+}
+
 /// Whether the last 32 bytes are the hash of all before them.
-fn is_whole(mut file: &File, length: u64) -> io::Result<bool> {
+fn is_whole(mut file: &File, length: u64, progress: &dyn Progress) -> io::Result<bool> {
     let Some(body) = length.checked_sub(HASH_BYTES) else { return Ok(false) };
     file.seek(SeekFrom::Start(0))?;
     let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(file.take(body))?;
+    hasher.update_reader(Stoppable { inner: file.take(body), progress })?;
     let hash: [u8; 32] = bytes(&mut file)?;
     Ok(hasher.finalize() == hash)
 }
@@ -335,6 +419,19 @@ fn bytes<const N: usize>(input: &mut dyn Read) -> io::Result<[u8; N]> {
     let mut bytes = [0; N];
     input.read_exact(&mut bytes)?;
     Ok(bytes)
+}
+
+/// A reader that fails when a render is to stop.
+struct Stoppable<'a, R> {
+    inner: R,
+    progress: &'a dyn Progress,
+}
+
+impl<R: Read> Read for Stoppable<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        // Not `Interrupted`, at which readers try again.
+        if self.progress.cancelled() { Err(io::Error::other("interrupted")) } else { self.inner.read(buffer) }
+    }
 }
 
 /// A writer that hashes what goes through.
@@ -359,6 +456,7 @@ impl Write for Hashing<'_> {
 mod tests {
     use super::*;
     use kajo_core::sampler::{Sampler, SamplerKind};
+    use kajo_render::Silent;
 
     fn identity(build: &str, text: &str) -> Identity {
         Identity { text: text.to_owned(), build: OnceLock::from(build.to_owned()), adaptive: false }
@@ -372,7 +470,7 @@ mod tests {
             .unwrap();
         let schedule = kajo_render::RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
         let restored = |build, text| {
-            restore(file.path(), &identity(build, text), FilmSpec::new(4, 3), &schedule)
+            restore(file.path(), &identity(build, text), FilmSpec::new(4, 3), &schedule, &Silent)
                 .map(|(_, position)| position)
                 .map_err(|error| error.to_string())
         };
@@ -381,6 +479,50 @@ mod tests {
         assert!(refused.contains("was written by kajo 1, build a, and this is kajo 1, build b"), "{refused}");
         let refused = restored("kajo 1, build a", "size 5").unwrap_err();
         assert!(refused.contains("it has `size 4` where this one has `size 5`"), "{refused}");
+    }
+
+    #[test]
+    fn what_is_worth_more_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let mine = identity("kajo 1, build a", "size 4");
+        let film = Film::new(FilmSpec::new(4, 3), u64::MAX).unwrap();
+        let mut state = Vec::new();
+        save(&mine, &film, &Position::default(), &mut state).unwrap();
+        fs::write(path("begun"), &state).unwrap();
+        let at = 16 + mine.whole_text().len();
+        state[at] = 12;
+        fs::write(path("state"), &state).unwrap();
+        fs::write(path("cut"), &state[..20]).unwrap();
+        state[8] += 1;
+        fs::write(path("newer"), &state).unwrap();
+        fs::write(path("notes"), "no checkpoint").unwrap();
+        fs::write(path("empty"), "").unwrap();
+        let check = |name: &str, identity: &Identity, samples, resumed: Option<&str>| match check_replaced(
+            &path(name),
+            identity,
+            samples,
+            resumed.map(path).as_deref(),
+        ) {
+            Ok(()) => None,
+            Err(CheckpointError::Replaces { kept, .. }) => Some(kept),
+            Err(other) => panic!("{other}"),
+        };
+        let other = identity("kajo 1, build a", "size 5");
+        let rebuilt = identity("kajo 1, build b", "size 4");
+        for free in ["nothing", "empty", "begun"] {
+            assert_eq!(check(free, &other, 0, None), None, "{free}");
+        }
+        assert_eq!(check("state", &mine, 11, None), Some(Kept::Farther));
+        assert_eq!(check("state", &mine, 11, Some("begun")), Some(Kept::Farther));
+        assert_eq!(check("state", &mine, 12, None), None);
+        assert_eq!(check("state", &other, 0, Some("./state")), None, "it goes on from it");
+        for identity in [&other, &rebuilt] {
+            assert_eq!(check("state", identity, 99, None), Some(Kept::OtherRender));
+        }
+        assert_eq!(check("cut", &mine, 0, None), Some(Kept::OtherRender));
+        assert_eq!(check("newer", &mine, 99, None), Some(Kept::OtherRender));
+        assert_eq!(check("notes", &mine, 99, None), Some(Kept::NoCheckpoint));
     }
 
     #[test]
@@ -418,7 +560,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str, content: &str| {
             let path = folder.path().join(name);
-            std::fs::write(&path, content).unwrap();
+            fs::write(&path, content).unwrap();
             path
         };
         let (a, b, c) = (path("a", "one"), path("b", "two"), path("c", "one"));

@@ -51,7 +51,7 @@ mod view;
 
 pub use assets::{FsAssets, LoadProgress};
 pub use camera_pose::{CameraPose, Stroke};
-pub use checkpoint::{CheckpointError, SceneDigest};
+pub use checkpoint::{CheckpointError, Kept, SceneDigest};
 pub use denoise::{DENOISE_OUTPUTS, DenoiseError, Denoiser};
 pub use development::Development;
 pub use info::{ObjectInfo, SceneInfo, TreeNode};

@@ -1,5 +1,6 @@
 //! From a scene to a picture.
 
+use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -42,6 +43,9 @@ pub struct Passes {
     pub goal: Goal,
     /// The checkpoint of an earlier render that is to be continued.
     pub resume: Option<PathBuf>,
+    /// Where checkpoints will be written, unless anything there may be replaced: a checkpoint that is farther, or a
+    /// file of another kind, is an error.
+    pub checkpoint: Option<PathBuf>,
     /// What the scene was read from, so that a checkpoint of another one is refused.
     pub scene: SceneDigest,
 }
@@ -199,11 +203,14 @@ pub fn render_passes(
     let identity = Identity::new(passes.scene, scene, settings, &spec, goal);
     let schedule = schedule(settings, resources);
     let (film, mut position) = match &passes.resume {
-        Some(path) => {
-            checkpoint::restore(path, &identity, spec, &schedule).map_err(RenderError::Checkpoint)?
-        }
+        Some(path) => checkpoint::restore(path, &identity, spec, &schedule, progress)
+            .map_err(RenderError::Checkpoint)?,
         None => (Film::new(spec, u64::MAX).map_err(RenderError::Film)?, Position::default()),
     };
+    if let Some(path) = &passes.checkpoint {
+        checkpoint::check_replaced(path, &identity, film.samples(), passes.resume.as_deref())
+            .map_err(RenderError::Checkpoint)?;
+    }
     let integrator = integrator(scene, &scene.camera, settings, layers);
     let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
         look(Snapshot { film, groups: &scene.light_groups, settings, position, identity: &identity, stats })
@@ -314,8 +321,20 @@ impl Snapshot<'_> {
     /// # Errors
     /// When the file cannot be written; the one that stood there before still does.
     pub fn save(&self, target: &Target) -> Result<(), OutputError> {
-        let bytes = usize::try_from(self.film.spec().bytes()).unwrap_or(usize::MAX);
-        target.fill(bytes, |out| checkpoint::save(self.identity, self.film, self.position, out))
+        target.fill(self.bytes(), |out| self.write(out))
+    }
+
+    /// Writes the bytes of a checkpoint.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        checkpoint::save(self.identity, self.film, self.position, out)
+    }
+
+    /// About how many bytes a checkpoint has.
+    pub fn bytes(&self) -> usize {
+        usize::try_from(self.film.spec().bytes()).unwrap_or(usize::MAX)
     }
 }
 
@@ -384,6 +403,17 @@ impl Picture {
     /// Samples that were left out because they were no finite numbers: each is a bug.
     pub fn non_finite(&self) -> u64 {
         self.film.non_finite()
+    }
+
+    /// How many values of the light the exposure makes larger than any number; they are written as the largest one.
+    pub fn overexposed(&self) -> usize {
+        if self.development.exposure <= 0.0 {
+            return 0;
+        }
+        match &self.light {
+            Some(light) => self.development.overflows(light),
+            None => self.light().map_or(0, |light| self.development.overflows(&light)),
+        }
     }
 
     /// Estimated relative error of the light, where it is known; see [`Goal::noise`].

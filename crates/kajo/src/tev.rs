@@ -11,9 +11,9 @@
 //!
 //! [Müller, tev, `Ipc.h`]
 
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::net::{TcpStream, ToSocketAddrs};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use kajo_image::Image;
 
@@ -25,6 +25,9 @@ const PORT: u16 = 14158;
 
 /// How long a viewer may keep us waiting.
 const PATIENCE: Duration = Duration::from_secs(3);
+
+/// How often somebody who waits looks whether to stop.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Values in one packet, about.
 const PACKET_VALUES: usize = 1 << 20;
@@ -47,7 +50,7 @@ impl Tev {
     /// When nobody answers within three seconds.
     pub fn connect(address: &str, name: &str) -> io::Result<Tev> {
         let addresses = address.to_socket_addrs().or_else(|_| (address, PORT).to_socket_addrs())?;
-        let mut result = Err(io::Error::new(io::ErrorKind::NotFound, "no such host"));
+        let mut result = Err(io::Error::new(ErrorKind::NotFound, "no such host"));
         for address in addresses {
             result = TcpStream::connect_timeout(&address, PATIENCE);
             if result.is_ok() {
@@ -55,26 +58,29 @@ impl Tev {
             }
         }
         let stream = result?;
-        stream.set_write_timeout(Some(PATIENCE))?;
+        stream.set_write_timeout(Some(LOOK))?;
         // A zero would end the name.
         Ok(Tev { stream, name: name.replace('\0', ""), size: None })
     }
 
     /// Shows a picture in place of the last one.
     ///
+    /// * `stop`: whether to wait no longer for a viewer that reads nothing
+    ///
     /// # Errors
-    /// When the viewer has gone, or reads nothing for three seconds.
-    pub fn show(&mut self, image: &Image) -> io::Result<()> {
+    /// When the viewer has gone, reads nothing for three seconds, or reads nothing when it is time to stop.
+    pub fn show(&mut self, image: &Image, stop: &dyn Fn() -> bool) -> io::Result<()> {
         let size = [image.width(), image.height()];
         let channels: &[&str] = if image.channels() == 1 { &["Y"] } else { &["R", "G", "B"] };
         if self.size != Some(size) {
-            self.send(&self.create(size, channels))?;
+            self.send(self.create(size, channels), stop)?;
             self.size = Some(size);
         }
         let per_row = size[0] as usize * image.channels();
         let rows = (PACKET_VALUES / per_row.max(1)).max(1);
         for (i, values) in image.data().chunks(rows * per_row).enumerate() {
-            self.send(&self.update((i * rows) as u32, size[0], channels, image.channels(), values))?;
+            let packet = self.update((i * rows) as u32, size[0], channels, image.channels(), values);
+            self.send(packet, stop)?;
         }
         Ok(())
     }
@@ -112,10 +118,28 @@ impl Tev {
         packet
     }
 
-    fn send(&self, packet: &[u8]) -> io::Result<()> {
-        let mut stream = &self.stream;
-        stream.write_all(&(packet.len() as u32).to_le_bytes())?;
-        stream.write_all(&packet[4..])
+    fn send(&self, mut packet: Vec<u8>, stop: &dyn Fn() -> bool) -> io::Result<()> {
+        let length = (packet.len() as u32).to_le_bytes();
+        packet[..4].copy_from_slice(&length);
+        let mut rest = &packet[..];
+        let mut last_read = Instant::now();
+        while !rest.is_empty() {
+            match (&self.stream).write(rest) {
+                Ok(0) => return Err(ErrorKind::WriteZero.into()),
+                Ok(n) => {
+                    rest = &rest[n..];
+                    last_read = Instant::now();
+                }
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+                    if stop() || last_read.elapsed() >= PATIENCE {
+                        return Err(ErrorKind::TimedOut.into());
+                    }
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
     }
 }
 
@@ -211,12 +235,25 @@ mod tests {
         });
         let picture = |shift: f32| Image::from_fn(700, 601, |x, y| [x as f32, y as f32, shift]).unwrap();
         let mut tev = Tev::connect(&address, "a ball").unwrap();
-        tev.show(&picture(1.0)).unwrap();
-        tev.show(&picture(2.5)).unwrap();
+        tev.show(&picture(1.0), &|| false).unwrap();
+        tev.show(&picture(2.5), &|| false).unwrap();
         drop(tev);
         let (name, shown) = viewer(&server.join().unwrap());
         assert_eq!(name, "a ball");
         assert!(shown == picture(2.5));
+    }
+
+    #[test]
+    fn a_viewer_that_reads_nothing_is_not_waited_for_when_it_is_time_to_stop() {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+        let mut tev = Tev::connect(&listener.local_addr().unwrap().to_string(), "x").unwrap();
+        let _connection = listener.accept().unwrap();
+        // More than any system keeps for a reader.
+        let image = Image::filled(4000, 4000, &[1.0; 3]).unwrap();
+        let asked = std::cell::Cell::new(0);
+        let stop = || asked.replace(asked.get() + 1) > 0;
+        assert!(tev.show(&image, &stop).is_err());
+        assert_eq!(asked.get(), 2, "it stops when it is told to");
     }
 
     #[test]

@@ -201,6 +201,7 @@ impl ClassicArgs {
             keep_partial: known.run.keep_partial,
             passes: PassArgs::default(),
             develop: DevelopArgs::default(),
+            confined_to: None,
         })
     }
 }

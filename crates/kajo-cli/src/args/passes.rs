@@ -24,6 +24,9 @@ pub struct PassArgs {
     /// Save the state of the render to this file now and then, and when it ends, be it by an interrupt
     #[arg(long, value_name = "FILE")]
     pub checkpoint: Option<PathBuf>,
+    /// Let checkpoints take the place of a file that is none, of that of another render or of a farther one
+    #[arg(long, requires = "checkpoint")]
+    pub overwrite_checkpoint: bool,
     /// Seconds from one checkpoint to the next
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = values::seconds)]
     pub checkpoint_every: Duration,
@@ -38,7 +41,7 @@ pub struct PassArgs {
 impl PassArgs {
     /// Whether any of these is wanted, so that one pass would not do.
     pub fn are_wanted(&self) -> bool {
-        let PassArgs { time, noise, adaptive, checkpoint, checkpoint_every: _, resume, tev } = self;
+        let PassArgs { time, noise, adaptive, checkpoint, resume, tev, .. } = self;
         *adaptive
             || time.is_some()
             || noise.is_some()

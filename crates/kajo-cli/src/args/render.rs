@@ -136,6 +136,7 @@ impl RenderArgs {
             keep_partial: self.run.keep_partial,
             passes: self.passes.clone(),
             develop: self.develop.clone(),
+            confined_to: None,
         })
     }
 

@@ -66,6 +66,24 @@ impl Folder {
         Ran::from(self.command().args(line.split_whitespace()).output().unwrap())
     }
 
+    /// Runs the words of `line` by the program, and it by a shell after `before`.
+    pub fn run_in_shell(&self, before: &str, line: &str) -> Ran {
+        let script = format!("{before}; exec {} {line}", env!("CARGO_BIN_EXE_kajo"));
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(script).current_dir(self.0.path()).stdin(Stdio::null()).env("NO_COLOR", "1");
+        Ran::from(shell.output().unwrap())
+    }
+
+    /// Makes a named pipe.
+    pub fn pipe(&self, name: &str) {
+        assert!(Command::new("mkfifo").arg(self.path(name)).status().unwrap().success());
+    }
+
+    /// Names of files in the making that were left behind.
+    pub fn parts(&self) -> Vec<String> {
+        self.names().into_iter().filter(|name| name.ends_with(".part")).collect()
+    }
+
     /// Runs the program and makes sure that it succeeds.
     pub fn succeed(&self, line: &str) -> Ran {
         let ran = self.run(line);
