@@ -85,7 +85,7 @@ fn a_gallery_shows_pictures_and_failures() {
          b+ll     ball.txt  -size 20 10 -depth 7 10 @.depth.png -normals @.normals.png\n\
          wrong    wrong.txt\n\
          typo     ball.txt  -szie 20 10\n\
-         elsewhere ball.txt -size 4 4 -output other.png\n",
+         elsewhere ball.txt -size 4 4 -output @.other.png\n",
     );
     let ran = folder.fail(
         "gallery scenes/list.txt out/deep",
@@ -106,6 +106,112 @@ fn a_gallery_shows_pictures_and_failures() {
     folder.fail("gallery scenes/broken.txt out", 2, &["line 1: `ball` needs a scene file"]);
     folder.fail("gallery missing.txt out", 2, &["missing.txt"]);
     folder.fail("gallery scenes/list.txt ball.txt", 5, &["ball.txt"]);
+}
+
+#[test]
+fn a_list_from_a_stranger_is_kept_in_its_place() {
+    let folder = Folder::new();
+    folder.write("lists/ball.txt", BALL);
+    folder.write("lists/needs_more.txt", "include \"../ball.txt\"");
+    let absolute = folder.path("x.png").to_string_lossy().into_owned();
+    std::fs::create_dir(folder.path("out")).unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(folder.path("lists"), folder.path("out/link")).unwrap();
+    let viewer = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let tev = format!("ball.txt render --size 4 4 --tev {}", viewer.local_addr().unwrap());
+    let outside = "the only folder that the list may write to";
+    let command_line = "belongs to the command line of `kajo gallery`";
+    for (line, said) in [
+        (format!("ball.txt -size 4 4 -output {absolute}"), outside),
+        ("ball.txt -size 4 4 -output x.png".to_owned(), outside),
+        ("ball.txt -size 4 4 -normals @/../../x.png".to_owned(), ""),
+        ("ball.txt -size 4 4 -normals out/../x.png".to_owned(), outside),
+        ("ball.txt render --size 4 4 --aov depth=lists/x.png".to_owned(), outside),
+        ("ball.txt render --size 4 4 --checkpoint state".to_owned(), outside),
+        (
+            "ball.txt render --size 4 4 --resume ball.txt".to_owned(),
+            "there is no checkpoint `ball.txt` in `out`",
+        ),
+        ("ball.txt render -o -".to_owned(), "standard output"),
+        ("ball.txt render -o /dev/null".to_owned(), outside),
+        ("needs_more.txt render --allow-outside".to_owned(), command_line),
+        ("needs_more.txt render --assets ..".to_owned(), command_line),
+        ("needs_more.txt".to_owned(), "outside the scene's folder"),
+        ("ball.txt -size 4 4 -memory 100000".to_owned(), command_line),
+        (tev, "opens a connection"),
+        ("../ball.txt -size 4 4".to_owned(), "outside the list's folder"),
+        ("/etc/passwd -size 4 4".to_owned(), "outside the list's folder"),
+        ("ball.txt -size 4 4 -input ball.txt".to_owned(), "one scene"),
+        #[cfg(unix)]
+        ("ball.txt -size 4 4 -output out/link/x.png".to_owned(), outside),
+    ] {
+        folder.write("lists/list.txt", format!("bad {line}\n"));
+        let ran = folder.run("gallery lists/list.txt out -q");
+        assert!(ran.code.is_some_and(|code| code == 2 || code == 5), "{line}: {}", ran.stderr);
+        assert!(ran.stderr.contains(said), "{line}: {}", ran.stderr);
+        assert_eq!(folder.names(), ["ball.txt", "lists", "out"], "{line}");
+    }
+    viewer.set_nonblocking(true).unwrap();
+    assert!(viewer.accept().is_err(), "nobody has connected");
+    let written = std::fs::read_dir(folder.path("lists")).unwrap().count();
+    assert_eq!(written, 3, "ball.txt, needs_more.txt, list.txt");
+
+    folder.write(
+        "lists/list.txt",
+        "a ../ball.txt render --size 4 4 --checkpoint @.state --aov depth=@.depth.png\n",
+    );
+    folder.succeed("gallery lists/list.txt out --allow-outside");
+    folder.write("lists/list.txt", "b needs_more.txt -size 4 4\n");
+    folder.succeed("gallery lists/list.txt out --assets .");
+    for name in ["a.png", "a.state", "a.depth.png", "b.png"] {
+        assert!(folder.path("out").join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+fn a_quiet_gallery_still_says_what_is_wrong() {
+    let folder = Folder::new();
+    folder.write("wrong.txt", "Grup {}");
+    folder.write("list.txt", "a ball.txt -size 4 4\nb wrong.txt\nc ball.txt -size 4 4 -specular_fix\n");
+    let ran = folder.fail("gallery list.txt out -q", 2, &["did you mean `Group`", "1 of 3 pictures failed"]);
+    assert!(ran.stderr.contains("warning: `-specular_fix` works"), "{}", ran.stderr);
+    assert!(!ran.stderr.contains("1/3 a"), "{}", ran.stderr);
+}
+
+/// What terminals obey is in names and texts of files, and what is said quotes them.
+#[test]
+fn control_characters_of_files_never_reach_the_terminal() {
+    let folder = Folder::new();
+    let evil = "x\u{1b}[2J\u{1b}]0;t\u{7}\u{9b}31m\u{202e}";
+    let named =
+        BALL.replace("Sphere ball", &format!("Sphere \"{evil}\"")).replace("gold", &format!("\"{evil}\""));
+    folder.write("named.txt", &named);
+    folder.write("wrong.txt", BALL.replace("radius 1", &format!("radius {evil}")));
+    folder.write("list.txt", format!("a ball.txt \"-{evil}\"\n\"b{evil}\" ball.txt\n"));
+    folder.write(&format!("{evil}.txt"), BALL);
+    let mut state = b"kajofilm\x01\0\0\0\x08\0\0\0evil\x1b[2J".to_vec();
+    state.extend([0; 40]);
+    folder.write("state", state);
+    let odd = format!("{evil}.txt");
+    for line in [
+        &["info", "named.txt"][..],
+        &["info", "--json", "named.txt"],
+        &["check", "named.txt", "wrong.txt", &odd],
+        &["check", "--short", "wrong.txt"],
+        &["wrong.txt"],
+        &["gallery", "list.txt", "out"],
+        &["ball.txt", "-o", "a.png", "--resume", "state", "--size", "4", "4"],
+        &["render", &odd, "--size", "4", "4"],
+        &["diff", &odd, &odd],
+        &[&odd, &odd],
+    ] {
+        let ran = common::Ran::from(folder.command().args(line).output().unwrap());
+        for text in [&ran.stdout, &ran.stderr] {
+            let found = text.chars().find(|&c| c.is_control() && c != '\n' || c == '\u{202e}');
+            assert_eq!(found, None, "{line:?}: {text:?}");
+        }
+        assert!(ran.stdout.len() + ran.stderr.len() > 0, "{line:?}");
+    }
 }
 
 #[test]

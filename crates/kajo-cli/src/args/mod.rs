@@ -145,7 +145,8 @@ Each line of the list is a name, a scene file beside the list, and arguments of 
   # name        scene                        arguments
   five_spheres  r1+r2_02_five_spheres.txt    -size 200 200 -depth 8 12 @.depth.png -normals @.normals.png
 `@` at the start of an argument stands for OUT/name; the picture itself goes to OUT/name.png unless -output says
-otherwise. Names with blanks stand in double quotes.")]
+otherwise. Names with blanks stand in double quotes. A list writes to OUT only and names scenes in its own folder;
+options that lift limits stand here, not in the list.")]
 pub struct GalleryArgs {
     /// The list of scenes
     pub manifest: PathBuf,

@@ -2,15 +2,19 @@
 //!
 //! One picture after the other, each on all threads. A scene that fails is shown with its message, and the
 //! others are rendered all the same.
+//!
+//! A list may come from a stranger, as a scene may: it reads scenes in its own folder, writes to the gallery's, and
+//! cannot lift a limit or reach the network. For more there is the command line.
 
 mod manifest;
 mod page;
 
 use std::ffi::OsString;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use kajo::output::Target;
+use kajo::{AssetError, FsAssets, Resources};
 
 use crate::args::{Cli, Command, GalleryArgs};
 use crate::console;
@@ -31,7 +35,7 @@ pub fn run(args: &GalleryArgs, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut failures = Vec::new();
     for (i, entry) in entries.iter().enumerate() {
         let result = render(entry, args, interrupt);
-        if !args.run.quiet {
+        if !args.run.quiet || !is_silent(&result) {
             console::line(progress_line(i + 1, entries.len(), entry, &result));
         }
         let result = match result {
@@ -77,6 +81,14 @@ fn read_manifest(path: &Path) -> Result<Vec<Entry>, Failure> {
     manifest::parse(&text).map_err(problem)
 }
 
+/// Whether there is neither an error nor a warning.
+fn is_silent(result: &Result<Rendered, (Failure, String)>) -> bool {
+    match result {
+        Ok(rendered) => rendered.said.is_empty(),
+        Err((failure, _)) => matches!(failure, Failure::Interrupted { .. }),
+    }
+}
+
 /// Renders one picture; a failure comes with everything there is to say about it.
 fn render(entry: &Entry, args: &GalleryArgs, interrupt: &Interrupt) -> Result<Rendered, (Failure, String)> {
     let mut said = String::new();
@@ -87,19 +99,21 @@ fn render(entry: &Entry, args: &GalleryArgs, interrupt: &Interrupt) -> Result<Re
             job.run(&meter, interrupt, &mut Voice { color: false, quiet: args.run.quiet, say: &mut say })?;
         Ok(rendered(&job, &done, &args.out))
     });
-    result.map_err(|failure| {
-        let message = format!("{said}{}", failure.message());
-        (failure, message)
-    })
+    match result {
+        Ok(rendered) => Ok(Rendered { said, ..rendered }),
+        Err(failure) => {
+            let message = format!("{said}{}", failure.message());
+            Err((failure, message))
+        }
+    }
 }
 
 /// The job that the command line of this entry asks for.
 fn job(entry: &Entry, args: &GalleryArgs) -> Result<Job, Failure> {
-    let scene = args.manifest.parent().unwrap_or(Path::new("")).join(&entry.scene);
-    let scene = scene.into_os_string();
+    let scene = scene(entry, args)?;
     let mut line: Vec<OsString> = match entry.is_modern {
-        true => vec!["kajo".into(), "render".into(), scene],
-        false => vec!["kajo".into(), "classic".into(), "--input".into(), scene],
+        true => vec!["kajo".into(), "render".into(), scene.clone().into()],
+        false => vec!["kajo".into(), "classic".into(), "--input".into(), scene.clone().into()],
     };
     if !entry.names_output() {
         line.extend(["--output".into(), args.out.join(format!("{}.png", entry.name)).into_os_string()]);
@@ -111,12 +125,71 @@ fn job(entry: &Entry, args: &GalleryArgs) -> Result<Job, Failure> {
         Command::Render(render) => render.job()?,
         _ => return Err(Failure::Input("these are no arguments that a picture is rendered by".to_owned())),
     };
+    if job.scene != scene {
+        return Err(Failure::Input("a line of a list has one scene, which stands after the name".to_owned()));
+    }
+    let out = confine(&job, args)?;
     job.load.dialect = job.load.dialect.or(args.scene_args.dialect);
     job.load.folders.extend(args.scene_args.assets.iter().cloned());
     job.load.allow_outside |= args.scene_args.allow_outside;
     job.resources = args.run.resources();
     job.keep_partial = args.run.keep_partial;
+    job.confined_to = Some(out);
     Ok(job)
+}
+
+/// The scene of this entry, which lies where a scene in the list's place could include it from.
+fn scene(entry: &Entry, args: &GalleryArgs) -> Result<PathBuf, Failure> {
+    let beside = args.manifest.parent().unwrap_or(Path::new("")).join(&entry.scene);
+    let mut files = FsAssets::new(&args.manifest).map_err(|error| Failure::Input(error.to_string()))?;
+    for folder in &args.scene_args.assets {
+        files = files.with_folder(folder).map_err(|error| {
+            Failure::Input(format!("cannot enter the folder `{}`: {error}", folder.display()))
+        })?;
+    }
+    match files.allow_outside(args.scene_args.allow_outside).locate(&entry.scene) {
+        Ok(path) => Ok(path),
+        Err(AssetError::Outside) => Err(Failure::Input(format!(
+            "`{}` lies outside the list's folder; --assets DIR or --allow-outside lets it be read",
+            entry.scene
+        ))),
+        // The loader says more about it.
+        Err(AssetError::NotFound | AssetError::Io(_)) => Ok(beside),
+        Err(error) => Err(Failure::Input(format!("`{}`: {error}", entry.scene))),
+    }
+}
+
+/// Refuses what a line of a list may not ask for. Returns the real path of the only folder it may write to.
+fn confine(job: &Job, args: &GalleryArgs) -> Result<PathBuf, Failure> {
+    let refuse =
+        |what: &str| Err(Failure::Input(format!("{what} belongs to the command line of `kajo gallery`")));
+    if job.load.allow_outside {
+        return refuse("`--allow-outside`");
+    }
+    if !job.load.folders.is_empty() {
+        return refuse("`--assets`");
+    }
+    if job.resources != Resources::default() {
+        return refuse("what a render may use (`--memory`, `--threads`, `--tile`)");
+    }
+    if job.passes.tev.is_some() {
+        return Err(Failure::Input("`--tev` opens a connection, which a list may not".to_owned()));
+    }
+    if job.outputs.iter().any(|output| matches!(output.destination, Destination::StandardOutput)) {
+        return Err(Failure::Input("a list may not write to standard output".to_owned()));
+    }
+    let out = fs::canonicalize(&args.out).map_err(|error| {
+        Failure::Output(format!("cannot enter the folder `{}`: {error}", args.out.display()))
+    })?;
+    let is_within = |path: &PathBuf| fs::canonicalize(path).is_ok_and(|path| path.starts_with(&out));
+    match &job.passes.resume {
+        Some(path) if !is_within(path) => Err(Failure::Input(format!(
+            "there is no checkpoint `{}` in `{}`; `@` stands for the place and name of the picture",
+            path.display(),
+            args.out.display()
+        ))),
+        _ => Ok(out),
+    }
 }
 
 fn rendered(job: &Job, done: &Done, out: &Path) -> Rendered {
@@ -135,6 +208,7 @@ fn rendered(job: &Job, done: &Done, out: &Path) -> Rendered {
         samples: done.samples.round() as u32,
         rays: done.stats.rays.total(),
         seconds: done.stats.seconds,
+        said: String::new(),
     }
 }
 
@@ -146,8 +220,10 @@ fn progress_line(
 ) -> String {
     let name = &entry.name;
     match result {
-        Ok(Rendered { size: [width, height], seconds, .. }) => {
-            format!("{number:>4}/{count} {name}: {width} x {height} in {seconds:.2} s")
+        Ok(Rendered { size: [width, height], seconds, said, .. }) => {
+            let said = said.trim_end();
+            let line_end = if said.is_empty() { "" } else { "\n" };
+            format!("{number:>4}/{count} {name}: {width} x {height} in {seconds:.2} s{line_end}{said}")
         }
         Err((_, message)) => format!("{number:>4}/{count} {name}: failed\n{}", message.trim_end()),
     }

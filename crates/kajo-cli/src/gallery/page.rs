@@ -22,6 +22,8 @@ pub struct Rendered {
     pub samples: u32,
     pub rays: u64,
     pub seconds: f64,
+    /// Warnings.
+    pub said: String,
 }
 
 const STYLE: &str = "
@@ -148,7 +150,8 @@ mod tests {
     #[test]
     fn pictures_and_failures_are_shown() {
         let files = vec!["r1+r2 é.png".to_owned(), "x.exr".to_owned()];
-        let rendered = Rendered { files, size: [2, 1], samples: 4, rays: 2500, seconds: 0.5 };
+        let rendered =
+            Rendered { files, size: [2, 1], samples: 4, rays: 2500, seconds: 0.5, said: String::new() };
         let html = page("<Ours>", &[card("a", Ok(rendered)), card("b", Err("`<x>` & more".into()))]);
         for part in [
             "<title>&lt;Ours&gt;</title>",
