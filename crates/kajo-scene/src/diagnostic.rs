@@ -1,5 +1,6 @@
 //! Messages about input, as values: what was found, what was expected, what to do.
 
+use crate::nearest::nearest;
 use crate::source::Span;
 
 /// How bad it is.
@@ -115,6 +116,9 @@ impl Diagnostics {
     /// Messages kept of each severity.
     pub const KEPT: usize = 1000;
 
+    /// Errors that get a suggestion, which takes a look at every name there is.
+    const SUGGESTED: usize = 20;
+
     /// No messages yet.
     pub fn new() -> Self {
         Self::default()
@@ -140,6 +144,12 @@ impl Diagnostics {
         for (count, dropped) in self.counts.iter_mut().zip(dropped) {
             *count += dropped;
         }
+    }
+
+    /// As [`nearest`], for the suggestion of the next error. After twenty errors there are none, so that many wrong
+    /// names among many right ones do not take the product of both.
+    pub fn nearest<'a>(&self, word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+        if self.count(Severity::Error) < Self::SUGGESTED { nearest(word, candidates) } else { None }
     }
 
     /// All messages kept.

@@ -7,7 +7,7 @@
 //! Where the list would be long, the instances of a definition are kept nested; see [`super::nesting`].
 
 use kajo_math::{DAffine3, Motion};
-use kajo_scene::{Diagnostic, Item, Params, Span, nearest};
+use kajo_scene::{Diagnostic, Item, Params, Span};
 
 use super::group::{Place, Walk};
 use super::{Compiler, transform};
@@ -67,7 +67,7 @@ impl Compiler<'_> {
             return;
         };
         let Some(definition) = self.definitions.get(&*name).cloned() else {
-            let near = nearest(&name, self.definitions.keys().map(String::as_str));
+            let near = self.diagnostics.nearest(&name, self.definitions.keys().map(String::as_str));
             let help = match near {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("write `Define {name} {{ ... }}` before it"),

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use kajo_color::{Reflectance, Spectrum};
 use kajo_math::Affine3A;
-use kajo_scene::{Args, Diagnostic, Item, Params, Span, nearest};
+use kajo_scene::{Args, Diagnostic, Item, Params, Span};
 
 use super::emitters::{Glow, read_glow};
 use super::light_groups::LightGroups;
@@ -139,7 +139,7 @@ impl Compiler<'_> {
                 self.material_names.extend(name.clone().map(|name| (name, id)));
                 self.material_list.push((id, name));
             } else {
-                self.failed_materials.push(drafts[i].1.clone());
+                self.failed_materials.insert(drafts[i].1.clone());
             }
         }
     }
@@ -153,7 +153,11 @@ impl Compiler<'_> {
             }
             Reference::Name(name, place) => {
                 let found = self.material_names.get(&**name).copied();
-                let near = nearest(name, self.material_names.keys().map(String::as_str)).map(str::to_owned);
+                // On success there is nothing to be sought.
+                let near = found
+                    .is_none()
+                    .then(|| self.diagnostics.nearest(name, self.material_names.keys().map(String::as_str)));
+                let near = near.flatten().map(str::to_owned);
                 self.report_missing(found, reference, self.material_list.len(), *place, near)
             }
         }
@@ -375,8 +379,11 @@ impl Compiler<'_> {
         match part {
             Reference::Number(i, place) => self.report_missing((*i < n).then_some(*i), part, n, *place, None),
             Reference::Name(name, place) => {
-                let near = nearest(name, names.keys().map(String::as_str)).map(str::to_owned);
-                self.report_missing(names.get(&**name).copied(), part, n, *place, near)
+                let found = names.get(&**name).copied();
+                let near =
+                    found.is_none().then(|| self.diagnostics.nearest(name, names.keys().map(String::as_str)));
+                let near = near.flatten().map(str::to_owned);
+                self.report_missing(found, part, n, *place, near)
             }
         }
     }
@@ -390,11 +397,12 @@ impl Compiler<'_> {
         near: Option<String>,
     ) -> Option<T> {
         let failed = &self.failed_materials;
-        let is_news = match reference {
-            Reference::Number(..) => failed.is_empty(),
-            Reference::Name(name, _) => !failed.iter().flatten().any(|failed| failed == name),
-        };
-        if found.is_none() && is_news {
+        let is_news = found.is_none()
+            && match reference {
+                Reference::Number(..) => failed.is_empty(),
+                Reference::Name(name, _) => !failed.contains(&Some(name.to_string())),
+            };
+        if is_news {
             let message = match reference {
                 Reference::Number(i, _) => format!("there is no material number {i}"),
                 Reference::Name(name, _) => format!("there is no material named `{name}`"),

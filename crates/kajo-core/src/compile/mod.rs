@@ -31,7 +31,7 @@ mod transform;
 pub use self::mesh_store::MeshStore;
 pub use self::transform::{OPERATIONS, operations_matrix};
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use kajo_bvh::{BuildSettings, Bvh};
@@ -182,7 +182,7 @@ struct Compiler<'a> {
     material_list: Vec<(MaterialId, Option<String>)>,
     material_names: HashMap<String, MaterialId>,
     /// The names, where they have any, of materials that could not be made, which has been reported.
-    failed_materials: Vec<Option<String>>,
+    failed_materials: HashSet<Option<String>>,
     slot_materials: Vec<MaterialId>,
     /// Whether light may pass through any of those.
     slots_transmit: bool,
@@ -232,7 +232,7 @@ impl<'a> Compiler<'a> {
             materials: Materials::default(),
             material_list: Vec::new(),
             material_names: HashMap::new(),
-            failed_materials: Vec::new(),
+            failed_materials: HashSet::new(),
             slot_materials: Vec::new(),
             slots_transmit: false,
             glows: HashMap::new(),

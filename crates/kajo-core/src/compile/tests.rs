@@ -666,6 +666,31 @@ fn exponential_nesting_is_refused_before_it_costs() {
     assert_eq!(said, ["with this there would be more objects than can be numbered, about 4 * 10^9"]);
 }
 
+/// A look at all names for each of them would take minutes.
+#[test]
+fn many_names_are_looked_up_one_by_one() {
+    let count = 20_000;
+    let named = |i: usize| format!("material_with_a_long_name_{i}");
+    let materials: String = (0..count).map(|i| format!("Material {} {{ }}\n", named(i))).collect();
+    let objects: String = (0..count).map(|i| format!("MaterialIndex {} {BALL}\n", named(i))).collect();
+    let mixtures: String = (1..count)
+        .step_by(2)
+        .map(|i| format!("Checkerboard {{ materialIndex {} materialIndex {} }}\n", named(i), named(i - 1)))
+        .collect();
+    let s = scene(&format!("{CAMERA}Materials {{ {materials}{mixtures} }} Group {{ {objects} }}"));
+    assert_eq!(s.object_count() as usize, count);
+    // As many wrong ones; suggestions are made for the first twenty.
+    let wrong = objects.replace("MaterialIndex material", "MaterialIndex Material");
+    let text = format!("{CAMERA}Materials {{ {materials} }} Group {{ {wrong} }}");
+    let mut parsed = SceneDesc::parse_str(&text);
+    let mut diagnostics = parsed.diagnostics;
+    let options = CompileOptions::default();
+    assert!(compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut diagnostics).is_none());
+    let helped =
+        diagnostics.iter().filter(|d| d.help.iter().any(|help| help.contains("did you mean"))).count();
+    assert_eq!((diagnostics.count(Severity::Error), helped), (count, 20));
+}
+
 /// Ten thousand objects; with `KAJO_DEEP` set, a million.
 #[test]
 fn many_instances_take_little_memory_and_are_all_hit() {
