@@ -35,7 +35,7 @@ const UNPACKING: [u64; 2] = [8, 16];
 /// [`ImageError::Malformed`], [`ImageError::Limit`], and [`ImageError::Unsupported`] for
 /// deep data, subsampled channels and parts of different sizes.
 pub fn decode(bytes: &[u8], limits: &DecodeLimits) -> Result<ExrPicture, ImageError> {
-    // Its arithmetic on sizes and offsets can trip over hostile headers.
+    // The arithmetic of the crate on sizes and offsets can trip over hostile headers.
     let (meta, parts) = contained(Format::Exr, || {
         let file = block::read(Cursor::new(bytes), false).map_err(by_fault)?;
         check(file.headers(), bytes.len(), limits)?;

@@ -174,8 +174,8 @@ fn parts_of_different_sizes_are_not_supported() {
     assert!(matches!(result, Err(ImageError::Unsupported { .. })), "{result:?}");
 }
 
-/// A file of one chunk of DWA compression whose channels are `Y`, `R`, `G`, `B` and `A` of 16-bit floats, or a whole
-/// number `id`, as the crate packs them.
+/// A file of one chunk of DWA compression, with the channels of a picture as 16-bit floats and a whole number `id`: samples
+/// of all three kinds of packing.
 fn dwa(size: usize) -> Vec<u8> {
     use ::exr::prelude::*;
     let plane = || FlatSamples::F16((0..size * size).map(|i| f16::from_f32(i as f32 * 0.01)).collect());
