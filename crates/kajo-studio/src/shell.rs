@@ -13,6 +13,7 @@ mod problems_panel;
 mod questions;
 mod rays_panel;
 mod render_panel;
+mod sight;
 mod stage;
 mod status;
 mod text_editor;

@@ -15,6 +15,7 @@ mod rays;
 mod recovery;
 mod render_options;
 mod selection;
+mod sight;
 mod tracer;
 mod turntable;
 mod typing;
@@ -30,7 +31,7 @@ use kajo::edit::{Compilation, Compiled, Document, DocumentError, FileId, NodeId}
 use kajo::handles::Mode;
 use kajo::preview::Preview;
 use kajo::session::{Frame, Job, Status};
-use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View};
+use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View, suitable_size};
 use kajo_math::{Aabb, DVec3, Vec3};
 
 pub use action::Action;
@@ -43,12 +44,14 @@ pub use rays::{Rays, color as ray_color, kind_name as ray_kind};
 pub use recovery::LeftOver;
 pub use render_options::{Habits, PictureSize, RenderOptions};
 pub use selection::Selection;
+pub use sight::BACKGROUND;
 pub use tracer::{Request, Tracer, Wake};
 pub use watch::Watch;
 
 use asking::Asking;
 use long_texts::{LongTexts, Task};
 use selection::Chosen;
+use sight::Sight;
 use turntable::TurntableOrder;
 use worker::Worker;
 
@@ -148,6 +151,7 @@ pub struct Studio {
     ordered: Option<Version>,
     /// Whether a trace is to begin once the scene is what the text says.
     wants_trace: bool,
+    sight: Sight,
     previewer: Worker<(Version, Arc<Scene>), (Version, Arc<Preview>)>,
     watch: Watch,
     asking: Asking,
@@ -195,6 +199,7 @@ impl Studio {
             }),
             ordered: None,
             wants_trace: false,
+            sight: Sight::new(Arc::clone(&wake)),
             previewer: Worker::new(Arc::clone(&wake), |(version, scene): (Version, Arc<Scene>)| {
                 (version, Arc::new(Preview::of(&scene)))
             }),
@@ -255,6 +260,7 @@ impl Studio {
         if let Some(preview) = self.previewer.take_latest().filter(|(version, _)| version.0 == self.opened) {
             self.preview = Some(preview);
         }
+        self.look();
         match self.turntable.take() {
             Some(Ok(text)) => self.say(&text, false),
             Some(Err(text)) => self.say(&text, true),
@@ -295,7 +301,7 @@ impl Studio {
     /// Columns and rows of the picture that the camera makes.
     pub fn picture_size(&self) -> [u32; 2] {
         match self.options.habits.size {
-            PictureSize::Window => self.window,
+            PictureSize::Window => suitable_size(self.camera.camera(), self.window),
             _ => self.settings().and_then(Result::ok).map_or(self.window, |settings| settings.size),
         }
     }

@@ -6,6 +6,7 @@ mod common;
 use common::Window;
 use egui::Key;
 use kajo::View;
+use kajo::kajo_math::DVec2;
 use kajo_studio::state::{Action, Shown};
 
 /// A window that is drawn, where that can be.
@@ -70,6 +71,46 @@ fn the_preview_shows_what_the_tracer_sees_and_the_window_what_was_traced() {
     assert!(seen.iter().all(|&n| n > 10_000), "{seen:?}");
     // Edges have a pixel to either side.
     assert!(f64::from(differ) < 0.004 * preview.len() as f64, "{differ} of {} pixels differ", preview.len());
+}
+
+/// Through every kind of camera: 1,000 pixels show the object that a click there selects.
+#[test]
+fn a_pixel_shows_the_object_that_is_picked_there() {
+    let Some(mut window) = window() else { return };
+    let basis = "center 0 1 6  direction 0 0 -1  up 0 1 0";
+    for camera in [
+        format!("PerspectiveCamera {{ {basis}  angle 70 }}"),
+        format!("OrthographicCamera {{ {basis}  size 7 }}"),
+        format!("FisheyeCamera {{ {basis}  angle 150 }}"),
+        format!("PanoramaCamera {{ {basis} }}"),
+        format!("PanoramaCamera {{ {basis}  stereo omnidirectional }}"),
+        format!("StereoCubemapCamera {{ {basis} }}"),
+    ] {
+        let home = "PerspectiveCamera { center 0 1 10  direction 0 0 -1  up 0 1 0  angle 40 }";
+        let path = window.path("camera.txt");
+        std::fs::write(&path, common::SCENE.replace(home, &camera)).unwrap();
+        window.studio().apply(Action::Open(path));
+        window.wait(|studio| !studio.is_loading() && studio.scene().is_some() && studio.preview_is_current());
+        window.wait(|studio| studio.camera.is_flat() || studio.sight_is_current());
+        window.frames(3);
+        let area = window.app().area().unwrap();
+        let (scene, pose) = (window.studio().scene().unwrap().clone(), window.studio().camera.clone());
+        let image = window.harness.render().unwrap();
+        let (mut differ, mut seen) = (0, [0; 3]);
+        for i in 0..1000 {
+            let pixel = [i * 7919 % area.size[0], i * 104_729 % area.size[1]];
+            let place = DVec2::from_array(pixel.map(|side| f64::from(side) + 0.5));
+            let picked = kajo::probe::pick(&scene, &pose, place, area.size).map_or(0, |seen| seen.object);
+            let object = if picked <= 2 { picked } else { 0 };
+            let [r, g, b, _] = image.get_pixel(area.point(place).x as u32, area.point(place).y as u32).0;
+            seen[object as usize] += 1;
+            differ += u32::from(object_of([r, g, b]) != object);
+        }
+        // Edges of what the card draws have a pixel to either side.
+        let most = if pose.is_flat() { 8 } else { 0 };
+        assert!(differ <= most, "{camera}: {differ} of 1000 pixels differ");
+        assert!(seen[1] > 3 && seen[2] > 3, "{camera}: {seen:?}");
+    }
 }
 
 #[test]

@@ -7,19 +7,19 @@ use egui_wgpu::RenderState;
 use kajo::{View, session};
 
 use super::picture::{self, TracedPicture};
+use super::sight::Seen;
 use super::theme;
 use super::viewport::Area;
 use crate::raster::{Raster, Sheet, Shot};
-use crate::state::{Studio, Version};
-
-/// Behind the scene in the preview, as shown.
-const BACKGROUND: [f32; 3] = [0.165, 0.172, 0.19];
+use crate::state::{BACKGROUND, Studio, Version};
 
 /// Everything that is on the card.
 pub struct Stage {
     raster: Raster,
     /// The version of the scene that the card has.
     on_card: Option<Version>,
+    /// The preview of cameras whose picture is not flat.
+    seen: Seen,
     picture: TracedPicture,
     kept_picture: TracedPicture,
     /// Colours that areas are filled with.
@@ -32,6 +32,7 @@ impl Stage {
         Stage {
             raster: Raster::new(card),
             on_card: None,
+            seen: Seen::default(),
             picture: TracedPicture::default(),
             kept_picture: TracedPicture::default(),
             plain: HashMap::new(),
@@ -45,8 +46,12 @@ impl Stage {
         painter.add(canvas.show(sheet, rect));
     }
 
-    /// Shows the scene as triangles and lines.
+    /// Shows the scene as triangles and lines, or as the camera's own rays see it.
     pub fn paint_preview(&mut self, ui: &Ui, studio: &Studio, area: Area) {
+        if !studio.camera.is_flat() {
+            self.seen.paint(ui, studio, area, self.raster.canvas());
+            return;
+        }
         if let Some((version, preview)) = &studio.preview
             && self.on_card != Some(*version)
         {
@@ -59,7 +64,8 @@ impl Stage {
         let Some(eye) = studio.eye(size) else { return };
         let lines = studio.lines();
         let selected = studio.selection.objects();
-        let shot = Shot { size, scale, eye, lines: &lines, selected, background: BACKGROUND };
+        let background = BACKGROUND.map(|v| f32::from(v) / 255.0);
+        let shot = Shot { size, scale, eye, lines: &lines, selected, background };
         let sheet = self.raster.draw(&shot);
         picture::paint(ui.painter(), self.raster.canvas().show(&sheet, area.rect), area.rect, 0.0, 1.0);
     }

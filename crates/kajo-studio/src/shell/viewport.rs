@@ -112,16 +112,18 @@ pub fn paint_handles(ui: &Ui, area: Area, studio: &Studio, handles: &Handles) {
     let painter = ui.painter().with_clip_rect(area.rect);
     let pointer = ui.input(|input| input.pointer.hover_pos()).and_then(|point| area.place(point));
     let hovered = pointer.and_then(|place| studio.handle_at(handles, place)).filter(|_| !studio.has_grip());
-    let point = |p| studio.camera.project(p, area.size).map(|place| area.point(place));
     for line in &handles.lines {
-        let (Some(from), Some(to)) = (point(line.from), point(line.to)) else { continue };
         let width = if hovered == Some(line.handle) { 3.0 } else { 1.5 };
-        painter.line_segment([from, to], Stroke::new(width, color(handles.all[line.handle].kind)));
+        let stroke = Stroke::new(width, color(handles.all[line.handle].kind));
+        for piece in studio.camera.strokes(line.from, line.to, area.size) {
+            painter.line_segment(piece.ends.map(|end| area.point(end)), stroke);
+        }
     }
-    for (index, handle) in handles.all.iter().enumerate() {
-        let Some(at) = point(handle.at).filter(|_| !matches!(handle.kind, HandleKind::Ring(_))) else {
-            continue;
-        };
+    let points = handles.all.iter().enumerate().flat_map(|(index, handle)| {
+        let places = studio.camera.places(handle.at, area.size).into_iter().flatten();
+        places.map(move |place| (index, handle, area.point(place)))
+    });
+    for (index, handle, at) in points.filter(|(_, handle, _)| !matches!(handle.kind, HandleKind::Ring(_))) {
         let r = if hovered == Some(index) { 6.5 } else { 4.5 };
         let fill = color(handle.kind);
         let edge = Stroke::new(1.0, Color32::from_black_alpha(200));

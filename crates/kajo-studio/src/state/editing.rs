@@ -300,6 +300,7 @@ impl Studio {
         self.preview = None;
         self.rays = None;
         self.tracer.clear();
+        self.sight.clear();
         self.comparison.kept = None;
         self.shown = super::Shown::Preview;
         self.after_compile();

@@ -1,6 +1,6 @@
 //! What the window asks of a trace, beyond what the scene says.
 
-use kajo::{Defaults, RenderSettings, Scene, Settings, SettingsError};
+use kajo::{Defaults, RenderSettings, Scene, Settings, SettingsError, suitable_size};
 use serde::{Deserialize, Serialize};
 
 /// How large traced pictures are.
@@ -67,20 +67,21 @@ impl Default for Habits {
 impl RenderOptions {
     /// What a trace is to do.
     ///
-    /// * `window`: pixels of the viewport
+    /// * `window`: pixels of the viewport, of which the picture takes as many as suit the camera
     ///
     /// # Errors
     /// When the size does not suit the camera.
     pub fn resolve(&self, scene: &Scene, window: [u32; 2]) -> Result<RenderSettings, SettingsError> {
         let mut asked = self.asked.clone();
         asked.size = match self.habits.size {
-            PictureSize::Window => Some(window.map(|pixels| pixels.max(1))),
+            PictureSize::Window => Some(suitable_size(&scene.camera, window)),
             PictureSize::Scene => None,
             PictureSize::Fixed(size) => Some(size.map(|pixels| pixels.max(1))),
         };
         let mut settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, self.uv)?;
         if !self.habits.progressive {
-            settings.size = settings.size.map(|pixels| pixels.div_ceil(self.habits.downscale.max(1)));
+            let coarse = settings.size.map(|pixels| pixels.div_ceil(self.habits.downscale.max(1)));
+            settings.size = suitable_size(&scene.camera, coarse);
         }
         Ok(settings)
     }
@@ -125,6 +126,20 @@ mod tests {
         assert_eq!(size(&options), Ok([81, 60]));
         options.habits.downscale = 0;
         assert_eq!(size(&options), Ok([641, 480]));
+    }
+
+    #[test]
+    fn pictures_of_two_eyes_fit_into_the_window() {
+        let basis = "center 0 0 0 direction 0 0 -1 up 0 1 0";
+        let cubes = scene(&format!("StereoCubemapCamera {{ {basis} }} Group {{}}"));
+        let panorama = scene(&format!("PanoramaCamera {{ {basis} stereo omnidirectional }} Group {{}}"));
+        let mut options = RenderOptions::default();
+        let size = |options: &RenderOptions, scene| options.resolve(scene, [641, 481]).map(|s| s.size);
+        assert_eq!(size(&options, &cubes), Ok([636, 53]));
+        assert_eq!(size(&options, &panorama), Ok([641, 480]));
+        options.habits.progressive = false;
+        assert_eq!(size(&options, &cubes), Ok([72, 6]));
+        assert_eq!(size(&options, &panorama), Ok([81, 60]));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use kajo::edit::{Document, Kind, NodeId};
-use kajo::preview::Preview;
+use kajo::preview::{Preview, Vertex};
 use kajo_math::{Aabb, Vec3};
 
 use super::Studio;
@@ -132,14 +132,17 @@ fn joined(mut ranges: Vec<Range<u32>>) -> Vec<Range<u32>> {
     joined
 }
 
-/// A box around objects.
+/// A box around objects; of planes around the part that the scene stands on.
 ///
 /// * `objects`: their numbers; see [`is_within`]
 fn bounds_of(preview: &Preview, objects: &[Range<u32>]) -> Aabb {
+    let margin = 0.5 * preview.bounds.extent();
+    let (least, most) = (preview.bounds.min - margin, preview.bounds.max + margin);
     let corners = preview.instances.iter().flat_map(|instance| {
         let vertices = &preview.meshes[instance.mesh as usize].vertices;
         let chosen = vertices.iter().filter(|vertex| is_within(vertex.object + instance.object, objects));
-        chosen.map(|vertex| instance.world_from_mesh.transform_point3(Vec3::from(vertex.position)))
+        let place = |vertex: &Vertex| instance.world_from_mesh.transform_point3(Vec3::from(vertex.position));
+        chosen.map(move |vertex| place(vertex).clamp(least, most))
     });
     Aabb::around(corners)
 }

@@ -1,37 +1,30 @@
 //! Actions that move the camera, and what the preview needs of it.
 
 use kajo::CameraPose;
+use kajo::preview::LineKind;
 
 use super::{Action, Navigation, Studio};
 use crate::raster::{Eye, Line};
 
 impl Studio {
-    /// From where the preview is seen, in a picture of `size` pixels; as if from a pinhole camera, where the camera
-    /// makes no flat picture.
+    /// From where the raster preview is seen, in a picture of `size` pixels; `None` for cameras whose picture is not flat,
+    /// for which there is [`Studio::sight`].
     pub fn eye(&self, size: [u32; 2]) -> Option<Eye> {
-        let camera = self.camera.flat();
-        let [near, far] = self.depths(&camera);
+        let camera = &self.camera;
+        let [near, far] = camera.depths(&self.bounds());
         let clip_from_world = camera.projection(size, near, far)?.as_mat4();
         let is_direction = camera.size().is_some();
         let place = if is_direction { -camera.forward() } else { camera.eye() };
         Some(Eye { clip_from_world, place: place.as_vec3(), is_direction })
     }
 
-    /// The depths that the preview shows: all of the scene, and no nearer than a small share of it.
-    fn depths(&self, camera: &CameraPose) -> [f64; 2] {
-        let bounds = self.bounds();
-        let (center, radius) = (bounds.center().as_dvec3(), f64::from(bounds.extent().length()) / 2.0);
-        let ahead = (center - camera.eye()).dot(camera.forward());
-        // Planes reach beyond the box.
-        let away = (center - camera.eye()).length();
-        let reach = 8.0 * radius.max(1e-3).max(away);
-        let far = (ahead + reach).max(1e-2 * reach);
-        if camera.size().is_some() { [ahead - reach, far] } else { [(1e-4 * far).max(1e-6), far] }
-    }
-
     /// Lines over the preview: lights, the scene's camera, the debug ray.
     pub fn lines(&self) -> Vec<Line> {
+        // Who looks all around from the scene's camera would see its own wires.
+        let is_inside = !self.camera.is_flat()
+            && self.scene().is_some_and(|scene| CameraPose::of(scene).eye() == self.camera.eye());
         let wires = self.preview.iter().flat_map(|(_, preview)| &preview.lines);
+        let wires = wires.filter(|wire| !(is_inside && wire.kind == LineKind::Camera));
         let wires = wires.map(|wire| Line {
             from: wire.ends[0].into(),
             to: wire.ends[1].into(),
