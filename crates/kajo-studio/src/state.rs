@@ -40,7 +40,7 @@ pub use handling::{GIZMOS, Grip, Handles};
 pub use histogram::{BINS, Histogram, stops_of};
 pub use navigation::{Held, Navigation};
 pub use problems::{Place, Problem, problems};
-pub use rays::{Rays, color as ray_color, kind_name as ray_kind};
+pub use rays::{Rays, color as ray_color, kind_name as ray_kind, legend as ray_legend};
 pub use recovery::LeftOver;
 pub use render_options::{Habits, PictureSize, RenderOptions};
 pub use selection::Selection;
@@ -232,9 +232,12 @@ impl Studio {
             Action::Show(view) => self.view = view,
             Action::KeepForComparison => self.comparison.kept = self.tracer.frame(),
             Action::EndComparison => self.comparison.kept = None,
-            Action::Pick(..) | Action::DebugRay(_) | Action::ClearDebugRay | Action::ChooseSegment(_) => {
-                self.probe_action(action);
-            }
+            Action::Pick(..)
+            | Action::DebugRay(_)
+            | Action::DebugSample(_)
+            | Action::ClearDebugRay
+            | Action::ChooseSegment(_)
+            | Action::HoverSegment(_) => self.probe_action(action),
             Action::Fly(..)
             | Action::Look(_)
             | Action::Orbit(_)

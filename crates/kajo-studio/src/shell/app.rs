@@ -95,7 +95,12 @@ pub struct App {
     help: bool,
     /// Where the picture was in the last frame.
     area: Option<Area>,
+    /// Where the pointer was when the last debug ray was shot.
+    shot_at: Option<egui::Pos2>,
 }
+
+/// The way in points that a pointer goes before a key that is held down shoots again.
+const STILL: f32 = 3.0;
 
 /// Pixels that the histogram looks at, at most about.
 const HISTOGRAM_PIXELS: usize = 100_000;
@@ -121,6 +126,7 @@ impl App {
             questions: Questions::default(),
             help: false,
             area: None,
+            shot_at: None,
         }
     }
 
@@ -141,6 +147,7 @@ impl App {
         self.ask(&ctx, &mut actions);
         self.put_question(&ctx, &mut actions);
         help::show(&ctx, &mut self.help);
+        self.shoot_while_held(&ctx, &mut actions);
         for command in commands {
             self.obey(&ctx, command, &mut actions);
         }
@@ -374,6 +381,7 @@ impl App {
                 (Some(stage), Shown::Traced) => stage.paint_trace(ui, &self.studio, area),
                 (None, _) => {}
             }
+            viewport::paint_debug_pixel(ui, area, &self.studio);
             viewport::paint_handles(ui, area, &self.studio, &handles);
         });
     }
@@ -405,8 +413,25 @@ impl App {
         let pointer = ctx.input(|input| input.pointer.hover_pos());
         let place = pointer.and_then(|point| area.place(point)).or_else(|| area.place(area.rect.center()));
         actions.extend(place.map(Action::DebugRay));
+        self.shot_at = pointer;
         self.layout.bottom = Some(Bottom::Rays);
         self.studio.shown = Shown::Preview;
+    }
+
+    /// Shoots again wherever the pointer goes while the key is held. Panels that open under a pointer that rests are no
+    /// reason to.
+    fn shoot_while_held(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        if !keys::shoots(ctx) {
+            self.shot_at = None;
+            return;
+        }
+        let (Some(shot_at), Some(area)) = (self.shot_at, self.area) else { return };
+        let pointer = ctx.input(|input| input.pointer.hover_pos());
+        let Some(pointer) = pointer.filter(|pointer| pointer.distance(shot_at) > STILL) else { return };
+        if let Some(place) = area.place(pointer) {
+            actions.push(Action::DebugRay(place));
+            self.shot_at = Some(pointer);
+        }
     }
 
     fn path(&self) -> Option<&Path> {

@@ -77,7 +77,7 @@ pub fn shortcuts() -> Vec<Shortcut> {
     let table = [
         (NONE, Key::Enter, Do(Action::Trace), "Trace from the current view"),
         (NONE, Key::Space, Do(Action::ToggleShown), "Switch between preview and traced picture"),
-        (NONE, Key::E, Command::DebugRay, "Shoot a debug ray at the pointer"),
+        (NONE, Key::E, Command::DebugRay, "Shoot a debug ray at the pointer; held, wherever it goes"),
         (NONE, Key::L, Command::ChooseScene, "Open a scene"),
         (COMMAND, Key::O, Command::ChooseScene, "Open a scene"),
         (COMMAND, Key::N, Do(Action::New), "Begin a new scene"),
@@ -128,11 +128,15 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
     let list = shortcuts().into_iter().filter(is_free);
     let commands = list
         .filter(|shortcut| {
-            ctx.input_mut(|input| {
-                let exact = input.modifiers.matches_exact(shortcut.modifiers)
-                    || input.modifiers.shift && shortcut.key == Key::Plus;
-                exact && input.consume_key(input.modifiers, shortcut.key)
-            })
+            // A key that is held down shoots where the pointer goes; see `shoots`.
+            let is_repeated =
+                shortcut.command == Command::DebugRay && ctx.input(|input| repeats(input, shortcut.key));
+            !is_repeated
+                && ctx.input_mut(|input| {
+                    let exact = input.modifiers.matches_exact(shortcut.modifiers)
+                        || input.modifiers.shift && shortcut.key == Key::Plus;
+                    exact && input.consume_key(input.modifiers, shortcut.key)
+                })
         })
         .map(|shortcut| shortcut.command);
     let clipboard = if types_scene { Vec::new() } else { clipboard(ctx) };
@@ -148,6 +152,17 @@ fn clipboard(ctx: &Context) -> Vec<Command> {
         _ => None,
     };
     ctx.input(|input| input.events.iter().filter_map(command).collect())
+}
+
+/// Whether a key is down for so long that the system presses it again and again.
+fn repeats(input: &egui::InputState, of: Key) -> bool {
+    let is_repeat = |event: &Event| matches!(event, Event::Key { key, repeat: true, .. } if *key == of);
+    input.events.iter().any(is_repeat)
+}
+
+/// Whether the key that shoots debug rays is down.
+pub fn shoots(ctx: &Context) -> bool {
+    !ctx.text_edit_focused() && ctx.input(|input| input.key_down(Key::E) && input.modifiers.is_none())
 }
 
 /// Which of the keys that fly are down.

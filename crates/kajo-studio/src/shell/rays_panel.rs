@@ -1,17 +1,17 @@
 //! The segments of the debug ray as a table.
 
-use egui::{Align2, Color32, FontId, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{Align2, Color32, DragValue, FontId, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2};
 use kajo::probe::Segment;
 
 use super::theme;
-use crate::state::{Action, Rays, Studio, ray_color, ray_kind};
+use crate::state::{Action, Rays, Studio, ray_color, ray_kind, ray_legend};
 
 const ROW: f32 = 18.0;
 
 /// Names and widths of the columns, in points.
 const COLUMNS: [(&str, f32); 9] = [
     ("Ray", 130.0),
-    ("Hit", 130.0),
+    ("Hit", 210.0),
     ("Material", 110.0),
     ("t", 70.0),
     ("Point", 170.0),
@@ -30,6 +30,8 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         return;
     };
     summary(ui, rays, actions);
+    legend(ui, rays);
+    let mut hovered = None;
     let width: f32 = COLUMNS.iter().map(|(_, width)| width).sum();
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
@@ -46,12 +48,15 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
             let label = format!("Segment {index} {}", ray_kind(segment.kind));
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
             let is_chosen = rays.chosen == Some(index);
+            if response.hovered() {
+                hovered = Some(index);
+            }
             if is_chosen {
                 ui.painter().rect_filled(row, 2.0, ui.visuals().selection.bg_fill);
             } else if response.hovered() {
                 ui.painter().rect_filled(row, 2.0, ui.visuals().faint_bg_color);
             }
-            let [r, g, b, _] = ray_color(segment, true);
+            let [r, g, b] = ray_color(segment);
             let texts = cells(studio, segment);
             for (i, ((x, (_, width)), text)) in columns(row.left()).zip(&texts).enumerate() {
                 let color = if i == 0 {
@@ -67,6 +72,23 @@ pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
             }
         }
     });
+    if rays.hovered != hovered {
+        actions.push(Action::HoverSegment(hovered));
+    }
+}
+
+/// What the colours of the rays stand for.
+fn legend(ui: &mut Ui, rays: &Rays) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        for ([r, g, b], text) in ray_legend(&rays.ray.segments) {
+            let (line, _) = ui.allocate_exact_size(vec2(16.0, ROW), Sense::hover());
+            let color = theme::legible(ui, Color32::from_rgb(r, g, b));
+            ui.painter().hline(line.x_range(), line.center().y, Stroke::new(3.0, color));
+            ui.label(RichText::new(text).small());
+            ui.add_space(8.0);
+        }
+    });
 }
 
 fn summary(ui: &mut Ui, rays: &Rays, actions: &mut Vec<Action>) {
@@ -76,6 +98,17 @@ fn summary(ui: &mut Ui, rays: &Rays, actions: &mut Vec<Action>) {
         ui.label(format!("{n} segments, radiance {r:.4} {g:.4} {b:.4}"));
         if rays.ray.left_out > 0 {
             ui.label(format!("and {} more", rays.ray.left_out));
+        }
+        if rays.samples > 1 {
+            let mut number = rays.sample + 1;
+            ui.separator();
+            ui.label("Sample");
+            let drag = DragValue::new(&mut number).range(1..=rays.samples).speed(0.1);
+            let hint = "Which of the pixel's samples is followed";
+            if ui.add(drag).on_hover_text(hint).changed() {
+                actions.push(Action::DebugSample(number - 1));
+            }
+            ui.label(format!("of {}", rays.samples));
         }
         if ui.small_button("Clear").clicked() {
             actions.push(Action::ClearDebugRay);

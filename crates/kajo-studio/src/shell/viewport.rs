@@ -107,6 +107,24 @@ fn handle_drag(
     Some(std::iter::once(Action::Grab(from)).chain(to).collect())
 }
 
+/// Marks the pixel that the debug ray was shot through.
+pub fn paint_debug_pixel(ui: &Ui, area: Area, studio: &Studio) {
+    let pixel = studio.rays.as_ref().and_then(|rays| rays.pixel(&studio.camera, area.size));
+    let Some([corner, sides]) = pixel else { return };
+    // A pixel may be too small to be seen.
+    let pixel = Rect::from_two_pos(area.point(corner), area.point(corner + sides));
+    let square = Rect::from_center_size(pixel.center(), pixel.size().max(Vec2::splat(5.0)));
+    let painter = ui.painter().with_clip_rect(area.rect);
+    for (width, color) in [(3.5, Color32::from_black_alpha(160)), (1.5, Color32::WHITE)] {
+        let stroke = Stroke::new(width, color);
+        painter.rect_stroke(square, 0.0, stroke, StrokeKind::Outside);
+        for way in [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y] {
+            let edge = square.center() + way * (0.5 * square.size() + Vec2::splat(3.0));
+            painter.line_segment([edge, edge + 7.0 * way], stroke);
+        }
+    }
+}
+
 /// Paints the handles of what is selected, the one under the pointer brighter.
 pub fn paint_handles(ui: &Ui, area: Area, studio: &Studio, handles: &Handles) {
     let painter = ui.painter().with_clip_rect(area.rect);

@@ -53,10 +53,14 @@ pub enum Action {
     Pick(DVec2, bool),
     /// Shoots a debug ray there.
     DebugRay(DVec2),
+    /// Shoots another sample of the debug ray's pixel, by its number from 0.
+    DebugSample(u32),
     /// Takes the debug ray away.
     ClearDebugRay,
     /// Lights up a segment of the debug ray, or none.
     ChooseSegment(Option<usize>),
+    /// Lights up the segment of the debug ray that is pointed at, or none.
+    HoverSegment(Option<usize>),
 
     // Camera.
     /// Flies for some seconds.

@@ -1,7 +1,8 @@
 //! Debug rays: all that becomes of one sample, as a list and as lines in the preview.
 
 use kajo::CameraPose;
-use kajo::probe::{DebugRay, RayKind, Segment, debug_ray, pick};
+use kajo::edit::NodeId;
+use kajo::probe::{DebugRay, LightSource, RayKind, Segment, debug_ray, pick};
 use kajo_math::DVec2;
 
 use super::{Action, Studio};
@@ -11,26 +12,80 @@ use crate::raster::Line;
 const NORMAL: f32 = 0.04;
 const FAR: f32 = 1.5;
 
+/// The colour of normals.
+const NORMALS: [u8; 4] = [255, 90, 220, 255];
+
 /// A sample whose rays are shown.
+///
+/// It belongs to a place of a picture of the size that the viewport had then. When panels open and the viewport has
+/// another size, or when the scene is edited, it is still the sample of that place.
 #[derive(Clone, Debug)]
 pub struct Rays {
     /// The rays.
     pub ray: DebugRay,
     /// The one that is lit up.
     pub chosen: Option<usize>,
+    /// The one whose row is under the pointer.
+    pub hovered: Option<usize>,
+    /// Which of the pixel's samples it is, from 0.
+    pub sample: u32,
+    /// How many samples the pixel has.
+    pub samples: u32,
+    shot: Shot,
+}
+
+/// Through which place of which picture a ray was shot.
+#[derive(Clone, Debug)]
+struct Shot {
     camera: CameraPose,
     place: DVec2,
+    /// Columns and rows of the picture.
+    size: [u32; 2],
+}
+
+impl Rays {
+    /// The pixel in the picture of that size which `camera` makes now, as its top left corner and its sides;
+    /// `None` when the ray was shot from elsewhere.
+    pub fn pixel(&self, camera: &CameraPose, size: [u32; 2]) -> Option<[DVec2; 2]> {
+        let Shot { camera: from, place, size: of } = &self.shot;
+        if !camera.is_view_of(from) {
+            return None;
+        }
+        let inside = |place: DVec2| place.max(DVec2::ZERO).min(DVec2::new(of[0].into(), of[1].into()) - 1e-6);
+        let corner = inside(*place).floor();
+        let [a, b] = [corner, corner + DVec2::ONE].map(|place| camera.place_in(place, *of, size));
+        Some([a, b - a])
+    }
+
+    /// The segments that are lit up, from the camera to the one chosen or pointed at.
+    fn lit(&self) -> Vec<usize> {
+        self.hovered.or(self.chosen).map(|index| self.ray.way_to(index)).unwrap_or_default()
+    }
 }
 
 impl Studio {
     pub(super) fn probe_action(&mut self, action: Action) {
         match action {
             Action::Pick(place, several) => self.pick(place, several),
-            Action::DebugRay(place) => self.shoot(place, self.camera.clone()),
+            Action::DebugRay(place) => {
+                let shot = Shot { camera: self.camera.clone(), place, size: self.picture_size() };
+                self.shoot(shot, 0);
+                self.say_of_rays();
+            }
+            Action::DebugSample(sample) => {
+                if let Some(Rays { shot, .. }) = self.rays.take() {
+                    self.shoot(shot, sample);
+                }
+            }
             Action::ClearDebugRay => self.rays = None,
             Action::ChooseSegment(index) => {
                 if let Some(rays) = &mut self.rays {
                     rays.chosen = index;
+                }
+            }
+            Action::HoverSegment(index) => {
+                if let Some(rays) = &mut self.rays {
+                    rays.hovered = index;
                 }
             }
             _ => {}
@@ -54,28 +109,32 @@ impl Studio {
         self.edit_action(action);
     }
 
-    fn shoot(&mut self, place: DVec2, camera: CameraPose) {
+    fn shoot(&mut self, shot: Shot, sample: u32) {
         let Some(scene) = self.scene() else {
             self.say("Open a scene first.", false);
             return;
         };
         let Some(Ok(mut settings)) = self.settings() else { return };
-        settings.size = self.picture_size();
-        let ray = debug_ray(scene, &settings, &camera, place, 0);
-        let text = match ray.segments.len() {
-            1 => "A debug ray of 1 segment.".to_owned(),
-            n => format!("A debug ray of {n} segments."),
+        settings.size = shot.size;
+        let samples = settings.samples.1.max(1);
+        let sample = sample.min(samples - 1);
+        let ray = debug_ray(scene, &settings, &shot.camera, shot.place, sample);
+        self.rays = Some(Rays { ray, chosen: None, hovered: None, sample, samples, shot });
+    }
+
+    fn say_of_rays(&mut self) {
+        let text = match self.rays.as_ref().map(|rays| rays.ray.segments.len()) {
+            None => return,
+            Some(1) => "A debug ray of 1 segment.".to_owned(),
+            Some(n) => format!("A debug ray of {n} segments."),
         };
-        self.rays = Some(Rays { ray, chosen: None, camera, place });
         self.say(&text, false);
     }
 
     /// Shoots the ray again where it was shot, after the scene has changed.
     pub(super) fn shoot_again(&mut self) {
-        if let Some(Rays { camera, place, .. }) = self.rays.take() {
-            let notice = self.notice.take();
-            self.shoot(place, camera);
-            self.notice = notice;
+        if let Some(Rays { shot, sample, .. }) = self.rays.take() {
+            self.shoot(shot, sample);
         }
     }
 
@@ -83,28 +142,67 @@ impl Studio {
     pub(super) fn ray_lines(&self) -> Vec<Line> {
         let Some(rays) = &self.rays else { return Vec::new() };
         let size = self.bounds().extent().length();
-        let way = rays.chosen.map(|index| rays.ray.way_to(index)).unwrap_or_default();
+        let lit = rays.lit();
         let segments = rays.ray.segments.iter();
         let lines = segments.clone().enumerate().map(|(index, segment)| {
-            let is_chosen = way.contains(&index);
-            let width = if is_chosen { 4.0 } else { 2.0 };
+            let (width, opacity) = match (lit.is_empty(), lit.contains(&index)) {
+                (true, _) => (2.0, 220),
+                (false, true) => (4.0, 255),
+                (false, false) => (1.5, 110),
+            };
             let to = segment.from + segment.d * segment.distance.min(FAR * size);
-            Line { from: segment.from, to, color: color(segment, is_chosen), width }
+            let [r, g, b] = color(segment);
+            Line { from: segment.from, to, color: [r, g, b, opacity], width }
         });
         // Over the rays, which may go the same way.
         let normals = segments.filter_map(|segment| segment.hit).map(|hit| Line {
             from: hit.p,
             to: hit.p + NORMAL * size * hit.n,
-            color: [255, 90, 220, 255],
+            color: NORMALS,
             width: 2.0,
         });
         lines.chain(normals).collect()
     }
 }
 
+/// The colours of these segments and of normals, each once, with what they stand for.
+pub fn legend(segments: &[Segment]) -> Vec<([u8; 3], &'static str)> {
+    let mut entries: Vec<([u8; 3], &'static str)> = Vec::new();
+    for segment in segments {
+        let entry = (color(segment), meaning(segment));
+        if !entries.contains(&entry) {
+            entries.push(entry);
+        }
+    }
+    if segments.iter().any(|segment| segment.hit.is_some()) {
+        let [r, g, b, _] = NORMALS;
+        entries.push(([r, g, b], "normal"));
+    }
+    entries
+}
+
+/// What the colour of a segment stands for.
+fn meaning(segment: &Segment) -> &'static str {
+    match segment.kind {
+        RayKind::Shadow if is_dark(segment) => "shadow ray that finds no light",
+        RayKind::Shadow => "shadow ray that finds light",
+        RayKind::Camera => "from the camera",
+        RayKind::Reflected => "reflected",
+        RayKind::Transmitted => "refracted",
+        RayKind::Scattered => "scattered",
+        RayKind::Lamp => "from a light",
+        RayKind::Connection => "between two paths",
+        RayKind::Splat => "to the camera",
+    }
+}
+
+fn is_dark(segment: &Segment) -> bool {
+    segment.contribution == [0.0; 3]
+}
+
 /// The colour of a kind of ray; of a shadow ray, whether the light arrives.
-pub fn color(segment: &Segment, is_chosen: bool) -> [u8; 4] {
-    let [r, g, b] = match segment.kind {
+pub fn color(segment: &Segment) -> [u8; 3] {
+    match segment.kind {
         RayKind::Camera => [255, 255, 255],
         RayKind::Reflected => [255, 205, 60],
         RayKind::Transmitted => [80, 220, 255],
@@ -112,10 +210,9 @@ pub fn color(segment: &Segment, is_chosen: bool) -> [u8; 4] {
         RayKind::Lamp => [255, 170, 90],
         RayKind::Connection => [190, 150, 255],
         RayKind::Splat => [255, 130, 190],
-        RayKind::Shadow if segment.contribution == [0.0; 3] => [235, 80, 70],
+        RayKind::Shadow if is_dark(segment) => [235, 80, 70],
         RayKind::Shadow => [255, 240, 160],
-    };
-    [r, g, b, if is_chosen { 255 } else { 220 }]
+    }
 }
 
 /// The kind of a ray in a word.
@@ -133,20 +230,46 @@ pub fn kind_name(kind: RayKind) -> &'static str {
 }
 
 impl Studio {
-    /// What a segment met, and the material of that, by name where they have one.
+    /// What a segment met, and the material of that, by name where they have one; of a shadow ray, which light it finds,
+    /// or what is in the way.
     pub fn names_of(&self, segment: &Segment) -> (String, String) {
-        let Some(hit) = segment.hit else {
-            let nothing = if segment.distance.is_finite() { "light" } else { "nothing" };
-            return (nothing.to_owned(), "-".to_owned());
-        };
         let document = self.document.as_ref();
-        let name = |node: Option<kajo::edit::NodeId>, number: u32| {
-            let node = node.and_then(|id| document?.node(id));
-            let named = node.map(|node| node.name.as_deref().unwrap_or(&node.keyword).to_owned());
-            named.map_or_else(|| format!("#{number}"), |name| format!("{name} #{number}"))
+        let object = segment.hit.map(|hit| self.object_name(hit.object));
+        let material = segment.hit.map_or_else(
+            || "-".to_owned(),
+            |hit| self.name_of(document.and_then(|d| d.node_of_material(hit.material)), hit.material),
+        );
+        let Some(light) = segment.light.map(|light| self.light_name(light)) else {
+            let nothing = if segment.distance.is_finite() { "light" } else { "nothing" };
+            return (object.unwrap_or_else(|| nothing.to_owned()), material);
         };
-        let object = name(document.and_then(|d| d.part_of_object(hit.object)), hit.object);
-        let material = name(document.and_then(|d| d.node_of_material(hit.material)), hit.material);
-        (object, material)
+        let end = match object {
+            Some(object) => format!("{light}: blocked by {object}"),
+            None if is_dark(segment) => format!("{light}: no light this way"),
+            None => format!("reaches {light}"),
+        };
+        (end, material)
+    }
+
+    fn light_name(&self, light: LightSource) -> String {
+        let document = self.document.as_ref();
+        match light {
+            LightSource::Listed(place) => {
+                self.name_of(document.and_then(|d| d.node_of_light(place)), place + 1)
+            }
+            LightSource::Object(number) => self.object_name(number),
+            LightSource::Background => "the background".to_owned(),
+        }
+    }
+
+    fn object_name(&self, number: u32) -> String {
+        self.name_of(self.document.as_ref().and_then(|d| d.part_of_object(number)), number)
+    }
+
+    /// The name of a block, or its word, and a number.
+    fn name_of(&self, node: Option<NodeId>, number: u32) -> String {
+        let node = node.and_then(|id| self.document.as_ref()?.node(id));
+        let named = node.map(|node| node.name.as_deref().unwrap_or(&node.keyword).to_owned());
+        named.map_or_else(|| format!("#{number}"), |name| format!("{name} #{number}"))
     }
 }
