@@ -149,12 +149,12 @@ impl Document {
     /// The fields of a node: those that its kind may have, and whatever else is written there. None for a node that
     /// is gone.
     pub fn fields(&self, id: NodeId) -> Vec<Field> {
-        self.node(id).map_or_else(Vec::new, |node| self.tree.fields(node))
+        self.node(id).map_or_else(Vec::new, |node| self.tree.fields(node, self.scene().map(Arc::as_ref)))
     }
 
     /// The value of a field that holds: the one written, or the default.
     pub fn value(&self, id: NodeId, key: &str) -> Option<FieldValue> {
-        self.tree.value(self.node(id)?, key)
+        self.tree.value(self.node(id)?, key, self.scene().map(Arc::as_ref))
     }
 
     /// The map to the world from the space that a node's own numbers are in: what the transforms it stands in do.

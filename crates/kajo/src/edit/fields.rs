@@ -6,9 +6,10 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use kajo_core::scene::Scene;
 use kajo_scene::{Item, TokenKind, format_number, tokens};
 
-use super::schema::{FieldKind, FieldSpec, Kind, fields_of};
+use super::schema::{Absent, Around, FieldKind, FieldSpec, Kind, fields_of};
 use super::tree::Tree;
 use super::{EditRefused, FileId, Node, TextEdit, layout};
 
@@ -59,7 +60,7 @@ impl FieldValue {
     /// The value that a text of the tables stands for.
     pub(super) fn parse(text: &str) -> FieldValue {
         let mut value = FieldValue::default();
-        for word in text.split(' ') {
+        for word in text.split_whitespace() {
             match word.parse() {
                 Ok(number) => value.numbers.push(number),
                 Err(_) => value.word = Some(word.to_owned()),
@@ -80,19 +81,32 @@ pub struct Field {
     pub kind: FieldKind,
     /// What it says, in a few words.
     pub about: &'static str,
-    /// What holds: the value written, or the default; `None` when there is neither.
+    /// What holds: the value written, or the default; `None` where no value says what holds.
     pub value: Option<FieldValue>,
     /// The bytes of its item; `None` while it is absent.
     pub span: Option<(FileId, Range<usize>)>,
-    /// What holds when it is absent.
-    pub default: Option<FieldValue>,
+    /// What its absence means where no value says that, in a word or two.
+    pub means: &'static str,
+    /// What a first change begins with: what holds, or else a usual value; nothing for text that has to be typed.
+    pub start: FieldValue,
+    /// Why it cannot be set as the block is now, in a few words; `None` where it is written, or can be.
+    pub idle: Option<String>,
     /// Whether the block is an error without it.
     pub required: bool,
 }
 
+impl Field {
+    /// Whether it is the one with this key, `nth` of several.
+    pub fn is(&self, key: &str, nth: usize) -> bool {
+        self.key == key && self.nth == nth
+    }
+}
+
 impl Tree {
     /// The fields of a node: those that its kind may have, and whatever else is written there.
-    pub(super) fn fields(&self, node: &Node) -> Vec<Field> {
+    ///
+    /// * `scene`: what the texts make, for defaults that depend on it
+    pub(super) fn fields(&self, node: &Node, scene: Option<&Scene>) -> Vec<Field> {
         let written: Vec<Item<'_>> = self.values_of(node).collect();
         if matches!(node.kind, Kind::Transform | Kind::Instance) {
             return self.written_in_order(node, &written);
@@ -105,15 +119,19 @@ impl Tree {
             let mut same = written.iter().filter(|item| item.keyword() == spec.key);
             // The last of a key that is given again counts.
             let item = if repeats { same.nth(nth) } else { same.next_back() };
-            fields.push(self.field(spec, nth, item.copied()));
+            fields.push(match item {
+                Some(item) => self.written(spec, nth, *item),
+                None => self.absent(node, spec, nth, scene),
+            });
         }
         let unknown = written.iter().filter(|item| !specs.iter().any(|spec| spec.key == item.keyword()));
         fields.extend(unknown.filter(|_| !node.kind.holds_objects()).map(|&item| {
             let value = FieldValue::of(item);
             let kind =
                 if value.word.is_some() { FieldKind::Text } else { FieldKind::Numbers(value.numbers.len()) };
-            let spec = FieldSpec { key: "", kind, default: None, required: false, about: "" };
-            Field { key: item.keyword().to_owned(), ..self.field(&spec, 0, Some(item)) }
+            let absent = Absent::Nothing { means: "", start: "" };
+            let spec = FieldSpec { key: "", kind, absent, needs: None, excludes: &[], about: "" };
+            Field { key: item.keyword().to_owned(), ..self.written(&spec, 0, item) }
         }));
         fields
     }
@@ -124,22 +142,70 @@ impl Tree {
         let field = |(i, item): (usize, &Item<'_>)| {
             let spec = specs.iter().find(|spec| spec.key == item.keyword())?;
             let nth = written[..i].iter().filter(|other| other.keyword() == spec.key).count();
-            Some(self.field(spec, nth, Some(*item)))
+            Some(self.written(spec, nth, *item))
         };
         written.iter().enumerate().filter_map(field).collect()
     }
 
-    fn field(&self, spec: &FieldSpec, nth: usize, item: Option<Item<'_>>) -> Field {
-        let default = spec.default.map(FieldValue::parse);
+    /// A field that is written.
+    fn written(&self, spec: &FieldSpec, nth: usize, item: Item<'_>) -> Field {
+        let value = FieldValue::of(item);
         Field {
             key: spec.key.to_owned(),
             nth,
             kind: spec.kind,
             about: spec.about,
-            value: item.map(FieldValue::of).or_else(|| default.clone()),
-            span: item.map(|item| self.place(item)),
-            default,
-            required: spec.required,
+            value: Some(value.clone()),
+            span: Some(self.place(item)),
+            means: "",
+            start: value,
+            idle: None,
+            required: matches!(spec.absent, Absent::Required),
+        }
+    }
+
+    /// A field that is not.
+    fn absent(&self, node: &Node, spec: &FieldSpec, nth: usize, scene: Option<&Scene>) -> Field {
+        let value = self.default(node, spec, scene);
+        let (means, start) = match spec.absent {
+            Absent::Nothing { means, start } if !start.is_empty() => (means, FieldValue::parse(start)),
+            Absent::Nothing { means, .. } | Absent::Rule { means, .. } => (means, spec.kind.plain()),
+            Absent::Required | Absent::Value(_) => ("", spec.kind.plain()),
+        };
+        Field {
+            key: spec.key.to_owned(),
+            nth,
+            kind: spec.kind,
+            about: spec.about,
+            span: None,
+            means,
+            start: value.clone().unwrap_or(start),
+            value,
+            idle: self.idle(node, spec),
+            required: matches!(spec.absent, Absent::Required),
+        }
+    }
+
+    /// Why a field that is absent cannot be set.
+    fn idle(&self, node: &Node, spec: &FieldSpec) -> Option<String> {
+        let is_written = |key: &str| self.value_item(node, key, None).is_some();
+        let missing = spec.needs.filter(|key| !is_written(key)).map(|key| format!("only with `{key}`"));
+        let clash =
+            || spec.excludes.iter().find(|key| is_written(key)).map(|key| format!("not with `{key}`"));
+        missing.or_else(clash)
+    }
+
+    /// What holds while a field is absent, where a value says that.
+    fn default(&self, node: &Node, spec: &FieldSpec, scene: Option<&Scene>) -> Option<FieldValue> {
+        match spec.absent {
+            _ if self.idle(node, spec).is_some() => None,
+            Absent::Value(text) => Some(FieldValue::parse(text)),
+            Absent::Rule { value, .. } => value(&Around {
+                value: &|key| self.value(node, key, scene),
+                is_written: &|key| self.value_item(node, key, None).is_some(),
+                scene,
+            }),
+            Absent::Required | Absent::Nothing { .. } => None,
         }
     }
 
@@ -198,12 +264,14 @@ impl Tree {
     }
 
     /// The value that holds for a key: the one written, or the default.
-    pub(super) fn value(&self, node: &Node, key: &str) -> Option<FieldValue> {
+    ///
+    /// * `scene`: as for [`Tree::fields`]
+    pub(super) fn value(&self, node: &Node, key: &str, scene: Option<&Scene>) -> Option<FieldValue> {
         if let Some(item) = self.value_item(node, key, None) {
             return Some(FieldValue::of(item));
         }
         let spec = fields_of(&node.keyword).iter().find(|spec| spec.key == key)?;
-        spec.default.map(FieldValue::parse)
+        self.default(node, spec, scene)
     }
 
     fn insert_field(&self, node: &Node, key: &str, value: &FieldValue) -> Result<Vec<TextEdit>, EditRefused> {

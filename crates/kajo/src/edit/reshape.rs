@@ -22,7 +22,7 @@ impl Tree {
 
     /// The numbers of a value, or of its default.
     pub(super) fn numbers_of(&self, node: &Node, key: &str) -> Option<Vec<f64>> {
-        self.value(node, key).map(|value| value.numbers)
+        self.value(node, key, None).map(|value| value.numbers)
     }
 
     /// Three numbers of a value, or of its default.

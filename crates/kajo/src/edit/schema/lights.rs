@@ -3,16 +3,28 @@
 use super::FieldKind::{Angle, Emission, File, Numbers, Point, Vector};
 use super::{
     ANY, Block, FieldKind, FieldSpec, Kind, LIGHT_GROUP, at_least, block, field, number, option, required,
+    ruled, rules, unlike,
 };
 
 const ANGLE: FieldKind = Angle { min: 0.0, max: 360.0 };
-const COLOR: FieldSpec = option("color", Emission, "brightness by the classic formula");
+const NONE: &str = "none";
+const COLOR: FieldSpec = unlike("color", Emission, NONE, "1 1 1", "brightness by the classic formula")
+    .not_beside(&["intensity", "power"]);
 const POSITION: FieldSpec = required("position", Point, "where it is");
-const INTENSITY: FieldSpec = option("intensity", Emission, "power per solid angle");
-const POWER: FieldSpec = option("power", Emission, "all the light it gives");
+const INTENSITY: FieldSpec = unlike("intensity", Emission, NONE, "1 1 1", "power per solid angle")
+    .not_beside(&["color", "power", "ies", "attenuation", "falloff"]);
+const POWER: FieldSpec = unlike("power", Emission, NONE, "10 10 10", "all the light it gives").not_beside(&[
+    "color",
+    "intensity",
+    "attenuation",
+    "falloff",
+]);
 const ATTENUATION: FieldSpec =
-    option("attenuation", Numbers(3), "divides the colour by c0 + c1 d + c2 d² at the distance d");
-const FALLOFF: FieldSpec = option("falloff", number(), "divides the colour by f d² at the distance d");
+    field("attenuation", Numbers(3), "1 0 0", "divides the colour by c0 + c1 d + c2 d² at the distance d")
+        .not_beside(&["falloff", "intensity", "power", "ies"]);
+const FALLOFF: FieldSpec =
+    unlike("falloff", number(), "by `attenuation`", "1", "divides the colour by f d² at the distance d")
+        .not_beside(&["attenuation", "intensity", "power", "ies"]);
 
 pub(super) const BLOCKS: &[Block] = &[
     block(
@@ -20,8 +32,10 @@ pub(super) const BLOCKS: &[Block] = &[
         Kind::Light,
         &[
             required("direction", Vector, "the way its light goes"),
-            COLOR,
-            option("irradiance", Emission, "light on a surface that faces it"),
+            unlike("color", Emission, NONE, "1 1 1", "brightness by the classic formula")
+                .not_beside(&["irradiance"]),
+            unlike("irradiance", Emission, NONE, "3 3 3", "light on a surface that faces it")
+                .not_beside(&["color"]),
             field("angle", Angle { min: 0.0, max: 180.0 }, "0", "how wide it is in the sky; the sun: 0.53"),
             LIGHT_GROUP,
         ],
@@ -31,16 +45,22 @@ pub(super) const BLOCKS: &[Block] = &[
         Kind::Light,
         &[
             POSITION,
-            COLOR,
+            ruled("color", Emission, rules::color_of_light, NONE, "brightness by the classic formula")
+                .not_beside(&["intensity", "power"]),
             INTENSITY,
             POWER,
             ATTENUATION,
             FALLOFF,
             LIGHT_GROUP,
-            option("ies", File, "measured intensities, in place of all these"),
-            option("direction", Vector, "where a measured luminaire points"),
-            option("rotate", Angle { min: -ANY, max: ANY }, "turns a measured luminaire about its axis"),
-            option("scale", at_least(0.0), "makes a measured luminaire brighter"),
+            option("ies", File, "measured intensities, in place of all these").not_beside(&[
+                "intensity",
+                "attenuation",
+                "falloff",
+            ]),
+            field("direction", Vector, "0 -1 0", "where a measured luminaire points").only_beside("ies"),
+            field("rotate", Angle { min: -ANY, max: ANY }, "0", "turns a measured luminaire about its axis")
+                .only_beside("ies"),
+            field("scale", at_least(0.0), "1", "makes a measured luminaire brighter").only_beside("ies"),
         ],
     ),
     block(
@@ -50,7 +70,7 @@ pub(super) const BLOCKS: &[Block] = &[
             POSITION,
             required("direction", Vector, "where it points"),
             required("angle", ANGLE, "full width of the cone"),
-            option("innerAngle", ANGLE, "width of the cone that is evenly bright"),
+            ruled("innerAngle", ANGLE, rules::inner_angle, NONE, "width of the cone that is evenly bright"),
             COLOR,
             INTENSITY,
             POWER,

@@ -2,17 +2,20 @@
 
 use super::FieldKind::{Choice, Color, Emission, Flag, Material, Reflectance, Text};
 use super::{
-    Block, FieldKind, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, SHARE, at_least, between, block, field, number,
-    option, required, whole,
+    Block, FieldKind, FieldSpec, Kind, POSITIVE, SHARE, at_least, between, block, field, number, option,
+    required, ruled, rules, unlike, whole,
 };
 
-const EMISSION: FieldSpec = option("emission", Emission, "light that it gives itself");
-const EMITS: FieldSpec = option("emits", Choice(&["front", "back", "both"]), "the side that gives light");
+const EMISSION: FieldSpec = field("emission", Emission, "0 0 0", "light that it gives itself");
+const EMITS: FieldSpec =
+    field("emits", Choice(&["front", "back", "both"]), "both", "the side that gives light")
+        .only_beside("emission");
+const LIGHT_GROUP: FieldSpec = super::LIGHT_GROUP.only_beside("emission");
 const DISTRIBUTION: FieldSpec =
     field("distribution", Choice(&["ggx", "beckmann"]), "ggx", "how the facets of a rough surface lie");
 const PRIORITY: FieldSpec =
     field("priority", whole(-1000.0, 1000.0), "0", "of bodies that overlap, the one with the highest counts");
-const OPACITY: FieldSpec = option("opacity", SHARE, "the share of it that is there, between holes");
+const OPACITY: FieldSpec = field("opacity", SHARE, "1", "the share of it that is there, between holes");
 const NORMAL_MAP: FieldSpec =
     option("normalMap", Text, "a picture of normals that dents it, such as hammered.png");
 const BUMP: FieldSpec = option("bump", Text, "a picture of heights that dents it, such as bricks.png");
@@ -29,13 +32,20 @@ const PHONG: &[FieldSpec] = &[
     field("diffuseColor", Reflectance, "1 1 1", "colour of matte reflection"),
     option("texture", Text, "a picture that tints it, such as wood.png"),
     field("specularColor", Reflectance, "0 0 0", "colour of the highlight"),
-    option("exponent", at_least(0.0), "sharpness of the highlight"),
-    option("shininess", at_least(0.0), "the same by another name"),
-    option("reflectiveColor", Reflectance, "colour of mirror reflection"),
+    ruled("exponent", at_least(0.0), rules::exponent, "", "sharpness of the highlight"),
+    ruled("shininess", at_least(0.0), rules::shininess, "", "the same by another name"),
+    ruled(
+        "reflectiveColor",
+        Reflectance,
+        rules::reflective_color,
+        "as `specularColor`",
+        "colour of mirror reflection",
+    ),
     field("transparentColor", Reflectance, "0 0 0", "colour of what shines through"),
     field("indexOfRefraction", POSITIVE, "1", "how strongly it bends light"),
-    option("ambientColor", Color, "colour under ambient light; the diffuse one when absent"),
-    option("absorption", Color, "per length inside; by the transparent colour when absent"),
+    ruled("ambientColor", Color, rules::ambient_color, "as `diffuseColor`", "colour under ambient light"),
+    ruled("absorption", Color, rules::absorption, "by `transparentColor`", "per length inside")
+        .only_beside("transparentColor"),
     EMISSION,
     EMITS,
     LIGHT_GROUP,
@@ -67,7 +77,7 @@ pub(super) const BLOCKS: &[Block] = &[
         "Metal",
         Kind::Material,
         &[
-            option("metal", Text, "a measured metal, such as gold"),
+            unlike("metal", Text, "by `color`", "", "a measured metal, such as gold"),
             field("color", Reflectance, "0.9 0.9 0.9", "its colour, where no metal is named"),
             DISTRIBUTION,
             field("roughness", SHARE, "0", "0 is a mirror"),
@@ -85,12 +95,12 @@ pub(super) const BLOCKS: &[Block] = &[
         "Glass",
         Kind::Material,
         &[
-            option("glass", Text, "a measured glass, such as BK7"),
+            unlike("glass", Text, "by `indexOfRefraction`", "", "a measured glass, such as N-BK7"),
             field("indexOfRefraction", INDEX, "1.5", "how strongly it bends light"),
-            option("abbeNumber", POSITIVE, "how little it splits colours"),
+            unlike("abbeNumber", POSITIVE, "all colours alike", "60", "how little it splits colours"),
             field("absorption", Color, "0 0 0", "per length inside"),
-            option("thickness", at_least(0.0), "of a pane"),
-            option("thin", Flag, "a pane, whose surface stands for both its sides"),
+            unlike("thickness", at_least(0.0), "a solid body", "0.01", "of a pane"),
+            ruled("thin", Flag, rules::thin, "", "a pane, whose surface stands for both its sides"),
             DISTRIBUTION,
             field("roughness", SHARE, "0", "0 is clear, more is frosted"),
             ANISOTROPY,

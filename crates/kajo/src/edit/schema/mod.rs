@@ -6,8 +6,12 @@
 
 mod lights;
 mod materials;
+mod rules;
 mod shapes;
 mod surroundings;
+
+use super::FieldValue;
+pub use rules::Around;
 
 /// What a block describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -104,37 +108,118 @@ pub enum FieldKind {
     Material,
 }
 
+impl FieldKind {
+    /// A value to begin with where nothing better is known; none for what has to be typed.
+    pub(super) fn plain(self) -> FieldValue {
+        match self {
+            FieldKind::Number { min, max }
+            | FieldKind::Whole { min, max }
+            | FieldKind::Angle { min, max } => FieldValue::numbers([1f64.clamp(min, max)]),
+            FieldKind::Point | FieldKind::Vector => FieldValue::numbers([0.0, 1.0, 0.0]),
+            FieldKind::Color | FieldKind::Reflectance | FieldKind::Emission => FieldValue::numbers([1.0; 3]),
+            FieldKind::Flag => FieldValue::flag(true),
+            FieldKind::Choice(words) | FieldKind::ChoiceAndNumber(words) => {
+                words.first().map_or_else(FieldValue::default, |word| FieldValue::word(*word))
+            }
+            FieldKind::Numbers(count) => FieldValue::numbers(std::iter::repeat_n(1.0, count)),
+            FieldKind::File | FieldKind::Text | FieldKind::Material => FieldValue::default(),
+        }
+    }
+}
+
+/// What holds while a field is absent.
+#[derive(Clone, Copy, Debug)]
+pub enum Absent {
+    /// Nothing does: the block is an error without it.
+    Required,
+    /// This value, as it would be written.
+    Value(&'static str),
+    /// A value that depends on the rest of the block, or on the scene.
+    Rule {
+        /// The value; `None` where no value says what holds.
+        value: fn(&Around<'_>) -> Option<FieldValue>,
+        /// What holds in that case, in a word or two.
+        means: &'static str,
+    },
+    /// Something that none of its values says.
+    Nothing {
+        /// What that is, in a word or two.
+        means: &'static str,
+        /// A usual value to begin with, as it would be written; empty for text that has to be typed.
+        start: &'static str,
+    },
+}
+
 /// What is known of a field before a scene is looked at.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct FieldSpec {
     /// The word it is written by.
     pub key: &'static str,
     /// The type of its value.
     pub kind: FieldKind,
-    /// What holds when it is absent, as it would be written; `None` when it must be there, or its absence means
-    /// something that no value says.
-    pub default: Option<&'static str>,
-    /// Whether the block is an error without it.
-    pub required: bool,
+    /// What holds while it is absent.
+    pub absent: Absent,
+    /// A field without which it says nothing, or is an error.
+    pub needs: Option<&'static str>,
+    /// Fields beside which it is an error.
+    pub excludes: &'static [&'static str],
     /// What it says, in a few words.
     pub about: &'static str,
+}
+
+impl FieldSpec {
+    const fn new(key: &'static str, kind: FieldKind, absent: Absent, about: &'static str) -> FieldSpec {
+        FieldSpec { key, kind, absent, needs: None, excludes: &[], about }
+    }
+
+    /// The same for a field that says nothing, or is an error, where `key` is not written.
+    const fn only_beside(self, key: &'static str) -> FieldSpec {
+        FieldSpec { needs: Some(key), ..self }
+    }
+
+    /// The same for a field that is an error where any of `keys` is written.
+    const fn not_beside(self, keys: &'static [&'static str]) -> FieldSpec {
+        FieldSpec { excludes: keys, ..self }
+    }
 }
 
 const ANY: f64 = f64::MAX;
 
 /// A field that may be absent, with its default.
 const fn field(key: &'static str, kind: FieldKind, default: &'static str, about: &'static str) -> FieldSpec {
-    FieldSpec { key, kind, default: Some(default), required: false, about }
+    FieldSpec::new(key, kind, Absent::Value(default), about)
 }
 
-/// A field that may be absent, which is another thing than any value.
+/// A field whose default depends on what is around it.
+const fn ruled(
+    key: &'static str,
+    kind: FieldKind,
+    value: fn(&Around<'_>) -> Option<FieldValue>,
+    means: &'static str,
+    about: &'static str,
+) -> FieldSpec {
+    FieldSpec::new(key, kind, Absent::Rule { value, means }, about)
+}
+
+/// A field whose absence is another thing than any value.
+const fn unlike(
+    key: &'static str,
+    kind: FieldKind,
+    means: &'static str,
+    start: &'static str,
+    about: &'static str,
+) -> FieldSpec {
+    FieldSpec::new(key, kind, Absent::Nothing { means, start }, about)
+}
+
+/// A field with a name that may be absent: then there is no such thing.
 const fn option(key: &'static str, kind: FieldKind, about: &'static str) -> FieldSpec {
-    FieldSpec { key, kind, default: None, required: false, about }
+    unlike(key, kind, "none", "", about)
 }
 
 /// A field that must be there.
 const fn required(key: &'static str, kind: FieldKind, about: &'static str) -> FieldSpec {
-    FieldSpec { key, kind, default: None, required: true, about }
+    FieldSpec::new(key, kind, Absent::Required, about)
 }
 
 const fn number() -> FieldKind {

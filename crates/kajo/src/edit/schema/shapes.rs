@@ -1,24 +1,28 @@
 //! Objects and what holds them.
 
 use super::FieldKind::{self, Angle, File, Flag, Numbers, Point, Vector};
-use super::{ANY, Block, FieldSpec, Kind, block, field, number, option, required};
+use super::{ANY, Block, FieldSpec, Kind, block, field, number, option, required, ruled, rules};
 
 const DEGREES: FieldKind = Angle { min: -ANY, max: ANY };
 
 const CAPPED: FieldSpec = field("capped", Flag, "on", "closed by disks at its ends");
-const SMOOTH: FieldSpec = option("smooth", Flag, "shaded by interpolated normals");
+const SMOOTH: FieldSpec =
+    ruled("smooth", Flag, rules::smooth, "by neighbouring faces", "shaded by interpolated normals");
+
+/// The map that leaves everything where it is.
+const IDENTITY: &str = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
 
 /// Operations of a transform; there may be several of each, and their order counts.
 const OPERATIONS: &[FieldSpec] = &[
-    option("Translate", Vector, "moves"),
-    option("XRotate", DEGREES, "turns about the x axis"),
-    option("YRotate", DEGREES, "turns about the y axis"),
-    option("ZRotate", DEGREES, "turns about the z axis"),
-    option("Rotate", Numbers(4), "turns about an axis: x y z degrees"),
-    option("Scale", Vector, "scales along the axes"),
-    option("UniformScale", number(), "scales equally"),
-    option("Matrix", Numbers(16), "any affine map"),
-    option("Matrix4f", Numbers(16), "any affine map"),
+    field("Translate", Vector, "0 0 0", "moves"),
+    field("XRotate", DEGREES, "0", "turns about the x axis"),
+    field("YRotate", DEGREES, "0", "turns about the y axis"),
+    field("ZRotate", DEGREES, "0", "turns about the z axis"),
+    field("Rotate", Numbers(4), "0 1 0 0", "turns about an axis: x y z degrees"),
+    field("Scale", Vector, "1 1 1", "scales along the axes"),
+    field("UniformScale", number(), "1", "scales equally"),
+    field("Matrix", Numbers(16), IDENTITY, "any affine map"),
+    field("Matrix4f", Numbers(16), IDENTITY, "any affine map"),
 ];
 
 pub(super) const BLOCKS: &[Block] = &[
@@ -99,8 +103,8 @@ pub(super) const BLOCKS: &[Block] = &[
         "TriangleMesh",
         Kind::Shape,
         &[
-            option("file", File, "OBJ, PLY or STL"),
-            option("obj_file", File, "the same, by its older name"),
+            option("file", File, "OBJ, PLY or STL").not_beside(&["obj_file"]),
+            option("obj_file", File, "the same, by its older name").not_beside(&["file"]),
             SMOOTH,
             field("materials", Flag, "off", "in the materials of its own file"),
             field("colors", Flag, "off", "tinted by the colours of its vertices"),

@@ -7,17 +7,23 @@ use kajo_core::settings::{Dialect, Directions, IntegratorKind, Technique};
 use super::FieldKind::{Angle, Choice, ChoiceAndNumber, Color, Emission, File, Flag, Numbers, Point, Vector};
 use super::{
     ANY, Block, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, SHARE, at_least, between, block, field, number,
-    option, required, whole,
+    option, required, ruled, rules, unlike, whole,
 };
 
 const CENTER: FieldSpec = required("center", Point, "where it is");
 const DIRECTION: FieldSpec = required("direction", Vector, "where it looks");
 const UP: FieldSpec = required("up", Vector, "which way is up in the picture");
-const APERTURE: FieldSpec = option("aperture", at_least(0.0), "diameter of the lens's opening");
-const FOCUS: FieldSpec = option("focus", POSITIVE, "distance of what is sharp");
-const F_NUMBER: FieldSpec = option("fNumber", POSITIVE, "focal length over diameter");
-const FOCAL_LENGTH: FieldSpec = option("focalLength", POSITIVE, "of the lens");
-const BLADES: FieldSpec = option("blades", whole(3.0, 64.0), "the opening is a polygon");
+const APERTURE: FieldSpec = field("aperture", at_least(0.0), "0", "diameter of the lens's opening")
+    .only_beside("focus")
+    .not_beside(&["fNumber", "focalLength"]);
+const FOCUS: FieldSpec = unlike("focus", POSITIVE, "all is sharp", "5", "distance of what is sharp");
+const F_NUMBER: FieldSpec = unlike("fNumber", POSITIVE, "none", "2.8", "focal length over diameter")
+    .only_beside("focalLength")
+    .not_beside(&["aperture"]);
+const FOCAL_LENGTH: FieldSpec = unlike("focalLength", POSITIVE, "none", "0.05", "of the lens")
+    .only_beside("focus")
+    .not_beside(&["aperture"]);
+const BLADES: FieldSpec = unlike("blades", whole(3.0, 64.0), "round", "6", "the opening is a polygon");
 const BLADE_ROTATION: FieldSpec =
     field("bladeRotation", Angle { min: -ANY, max: ANY }, "0", "turns the polygon");
 const BOKEH: FieldSpec = option("bokeh", File, "a picture of the opening");
@@ -135,10 +141,11 @@ pub(super) const BLOCKS: &[Block] = &[
         &[
             field("color", Emission, "0.5 0.5 0.5", "what rays see that hit nothing"),
             field("ambientLight", Color, "0 0 0", "light from everywhere, of the classic integrator"),
-            option("environment", File, "a picture of longitude and latitude"),
-            option("rotate", Angle { min: -ANY, max: ANY }, "turns the picture"),
-            option("scale", at_least(0.0), "makes the picture brighter"),
-            option("cubeMap", File, "a folder of six pictures"),
+            option("environment", File, "a picture of longitude and latitude").not_beside(&["cubeMap"]),
+            field("rotate", Angle { min: -ANY, max: ANY }, "0", "turns the picture")
+                .only_beside("environment"),
+            field("scale", at_least(0.0), "1", "makes the picture brighter").only_beside("environment"),
+            option("cubeMap", File, "a folder of six pictures").not_beside(&["environment"]),
             LIGHT_GROUP,
         ],
     ),
@@ -168,31 +175,37 @@ pub(super) const BLOCKS: &[Block] = &[
         "Settings",
         Kind::Settings,
         &[
-            option("size", Numbers(2), "columns and rows of the picture"),
-            option("integrator", Choice(INTEGRATORS), "how light is followed"),
-            option("samples", ChoiceAndNumber(SAMPLERS), "rays of each pixel"),
-            option("bounces", whole(0.0, 1000.0), "surfaces that light is followed over"),
-            option("shadows", Choice(&["off", "on", "transparent"]), "what casts them"),
-            option("transparentShadows", Choice(&["length", "surface"]), "how glass weakens light"),
-            option("shadeBack", Flag, "light reaches back sides"),
-            option("fresnel", Flag, "reflection grows towards grazing angles"),
-            option("totalReflection", Flag, "light that cannot leave is reflected"),
-            option("weight", at_least(0.0), "rays that count for less are not followed"),
-            option("filter", ChoiceAndNumber(FILTERS), "how samples become pixels"),
-            option("seed", whole(0.0, 9_007_199_254_740_992.0), "of the random numbers"),
-            option("spectral", Flag, "with wavelengths in place of red, green and blue"),
-            option("branches", whole(1.0, 65_536.0), "rays from one surface"),
-            option("directions", Choice(DIRECTIONS), "how directions are drawn"),
-            option("technique", Choice(TECHNIQUES), "how light is found"),
-            option("lightChoice", Choice(LIGHT_CHOICES), "how a light is drawn"),
-            option("roulette", Flag, "faint paths end by chance"),
-            option("reach", POSITIVE, "distance beyond which nothing occludes"),
-            option("rayOffset", Choice(&["auto", "reference"]), "how close to a surface rays start"),
-            option("depthRange", Numbers(2), "distances that are white and black"),
-            option("exposure", between(-100.0, 100.0), "in stops"),
-            option("tone", Choice(TONES), "curve from light to pixels"),
-            option("whiteBalance", Numbers(2), "kelvin and tint"),
-            option("dialect", Choice(&Dialect::NAMES), "conventions of the file"),
+            ruled("size", Numbers(2), rules::size, "", "columns and rows of the picture"),
+            ruled("integrator", Choice(INTEGRATORS), rules::integrator, "", "how light is followed"),
+            ruled("samples", ChoiceAndNumber(SAMPLERS), rules::samples, "", "rays of each pixel"),
+            ruled("bounces", whole(0.0, 1000.0), rules::bounces, "", "surfaces that light is followed over"),
+            field("shadows", Choice(&["off", "on", "transparent"]), "on", "what casts them"),
+            ruled(
+                "transparentShadows",
+                Choice(&["length", "surface"]),
+                rules::transparent_shadows,
+                "",
+                "how glass weakens light",
+            ),
+            field("shadeBack", Flag, "off", "light reaches back sides"),
+            field("fresnel", Flag, "off", "reflection grows towards grazing angles"),
+            field("totalReflection", Flag, "off", "light that cannot leave is reflected"),
+            field("weight", at_least(0.0), "0", "rays that count for less are not followed"),
+            field("filter", ChoiceAndNumber(FILTERS), "none", "how samples become pixels"),
+            field("seed", whole(0.0, 9_007_199_254_740_992.0), "0", "of the random numbers"),
+            field("spectral", Flag, "off", "with wavelengths in place of red, green and blue"),
+            ruled("branches", whole(1.0, 65_536.0), rules::branches, "", "rays from one surface"),
+            field("directions", Choice(DIRECTIONS), "scattering", "how directions are drawn"),
+            field("technique", Choice(TECHNIQUES), "combined", "how light is found"),
+            field("lightChoice", Choice(LIGHT_CHOICES), "tree", "how a light is drawn"),
+            ruled("roulette", Flag, rules::roulette, "", "faint paths end by chance"),
+            unlike("reach", POSITIVE, "any distance", "1", "distance beyond which nothing occludes"),
+            field("rayOffset", Choice(&["auto", "reference"]), "auto", "how close to a surface rays start"),
+            unlike("depthRange", Numbers(2), "by the picture", "0 10", "distances that are white and black"),
+            field("exposure", between(-100.0, 100.0), "0", "in stops"),
+            ruled("tone", Choice(TONES), rules::tone, "", "curve from light to pixels"),
+            unlike("whiteBalance", Numbers(2), "as it is", "6500 0", "kelvin and tint"),
+            ruled("dialect", Choice(&Dialect::NAMES), rules::dialect, "", "conventions of the file"),
         ],
     ),
 ];
