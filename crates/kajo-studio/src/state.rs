@@ -27,7 +27,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use kajo::edit::{Compilation, Compiled, Document, DocumentError, FileId, NodeId};
+use kajo::edit::{Compilation, Compiled, Document, DocumentError, FileId};
 use kajo::handles::Mode;
 use kajo::preview::Preview;
 use kajo::session::{Frame, Job, Status};
@@ -49,6 +49,7 @@ pub use tracer::{Request, Tracer, Wake};
 pub use watch::Watch;
 
 use asking::Asking;
+use editing::DraggedField;
 use long_texts::{LongTexts, Task};
 use selection::Chosen;
 use sight::Sight;
@@ -138,7 +139,7 @@ pub struct Studio {
     pub gizmo: Option<Mode>,
     grip: Option<Grip>,
     /// The field that is being dragged.
-    dragged: Option<(NodeId, String, usize)>,
+    dragged: Option<DraggedField>,
     /// The file that is being typed in.
     typing: Option<FileId>,
     turntable: Worker<TurntableOrder, Result<String, String>>,

@@ -249,7 +249,7 @@ impl App {
                 self.outliner.show(ui, document, &self.studio.selection, actions);
             });
         }
-        let panel = Panel::right("right").resizable(true).default_size(350.0).size_range(250.0..=560.0);
+        let panel = Panel::right("right").resizable(true).default_size(366.0).size_range(250.0..=560.0);
         panel.frame(frame_of_panel(ui)).show(ui, |ui| self.right_panel(ui, actions));
     }
 
@@ -298,9 +298,7 @@ impl App {
         });
         ui.separator();
         if self.layout.tab == Tab::Object {
-            if let Some(document) = &self.studio.document {
-                object_panel::show(ui, document, &self.studio.selection, actions);
-            }
+            object_panel::show(ui, &self.studio, actions);
             return;
         }
         let Some(own) = self.studio.scene().map(|scene| scene.settings.clone()) else {

@@ -1,28 +1,36 @@
-//! The fields of what is selected, each with a widget of its type.
+//! The fields of what is selected, each with a widget of its type: those that are set, and under *More* the others with
+//! what holds for them, dimmed.
 
-use egui::{DragValue, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui};
+use egui::{
+    CollapsingHeader, DragValue, Id, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui, UiBuilder,
+};
 use kajo::edit::{Document, Field, FieldKind, FieldValue, Kind, Node, NodeId};
 
 use super::theme;
 use super::widgets::{choice, rows};
-use crate::state::{Action, Selection};
+use crate::state::{Action, Selection, Studio};
+
+/// How strongly what is not set is painted.
+const DIM: f32 = 0.6;
 
 /// The whole panel; what it asks for goes into `actions`.
-pub fn show(ui: &mut Ui, document: &Document, selection: &Selection, actions: &mut Vec<Action>) {
+pub fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+    let Some(document) = &studio.document else { return };
+    let selection = &studio.selection;
     let Some(node) = selection.main().and_then(|id| document.node(id)) else {
         ui.label(RichText::new("Click on something to see what it is made of.").color(theme::quiet(ui)));
         return;
     };
     head(ui, node, selection, actions);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        fields(ui, document, node, actions);
+        fields(ui, studio, document, node, actions);
         if let Some(material) = document.material_of(node.id).and_then(|id| document.node(id))
             && material.id != node.id
         {
             ui.add_space(8.0);
             ui.separator();
             material_head(ui, document, material, actions);
-            ui.push_id("material", |ui| fields(ui, document, material, actions));
+            ui.push_id("material", |ui| fields(ui, studio, document, material, actions));
         }
     });
 }
@@ -71,28 +79,41 @@ fn material_head(ui: &mut Ui, document: &Document, material: &Node, actions: &mu
     ui.add_space(4.0);
 }
 
-fn fields(ui: &mut Ui, document: &Document, node: &Node, actions: &mut Vec<Action>) {
+fn fields(ui: &mut Ui, studio: &Studio, document: &Document, node: &Node, actions: &mut Vec<Action>) {
     let fields = document.fields(node.id);
     if fields.is_empty() {
         ui.label(RichText::new("It has no fields of its own.").color(theme::quiet(ui)));
+        return;
     }
-    rows(ui, "fields", |ui| {
-        for field in &fields {
-            row(ui, node.id, field, actions);
-        }
-    });
+    let (set, others): (Vec<Field>, Vec<Field>) =
+        fields.into_iter().partition(|field| studio.is_set(node.id, field));
+    let mut list = |ui: &mut Ui, name: &str, fields: &[Field]| {
+        rows(ui, name, |ui| fields.iter().for_each(|field| row(ui, node.id, field, actions)));
+    };
+    list(ui, "fields", &set);
+    if others.is_empty() {
+        return;
+    }
+    let title = RichText::new(format!("More ({})", others.len())).color(theme::quiet(ui));
+    let more = CollapsingHeader::new(title).id_salt(("more", &node.keyword)).default_open(set.is_empty());
+    more.show_unindented(ui, |ui| list(ui, "others", &others));
 }
 
 fn row(ui: &mut Ui, node: NodeId, field: &Field, actions: &mut Vec<Action>) {
-    let color = if field.span.is_some() { ui.visuals().strong_text_color() } else { theme::quiet(ui) };
+    let is_written = field.span.is_some();
+    let color = if is_written { ui.visuals().strong_text_color() } else { theme::quiet(ui) };
     let label = ui.label(RichText::new(spaced(&field.key)).color(color)).on_hover_text(field.about);
-    ui.push_id((&field.key, field.nth), |ui| {
+    // The same widget wherever the row is: a field that is set goes to another list, and what was opened from here stays.
+    let id = Id::unique(("field", node, &field.key, field.nth));
+    ui.scope_builder(UiBuilder::new().scope_id(id), |ui| {
         ui.horizontal(|ui| {
-            let value = field.value.clone().unwrap_or_default();
-            if let Some(value) = editor(ui, field.kind, &value, label.id) {
+            if !is_written {
+                ui.multiply_opacity(DIM);
+            }
+            if let Some(value) = value_of_row(ui, field, label.id) {
                 actions.push(Action::SetField { node, key: field.key.clone(), nth: field.nth, value });
             }
-            if field.span.is_some() && !field.required {
+            if is_written && !field.required {
                 let button = ui.small_button("×").on_hover_text("Take it out: the default holds again");
                 if button.accessible_name(format!("Reset {}", field.key)).clicked() {
                     actions.push(Action::UnsetField { node, key: field.key.clone(), nth: field.nth });
@@ -103,8 +124,30 @@ fn row(ui: &mut Ui, node: NodeId, field: &Field, actions: &mut Vec<Action>) {
     ui.end_row();
 }
 
+/// The widget of a field; where no value says what holds, what that is and a way to set one.
+fn value_of_row(ui: &mut Ui, field: &Field, label: Id) -> Option<FieldValue> {
+    if let Some(why) = &field.idle {
+        ui.label(RichText::new(in_words(why)).italics());
+        return None;
+    }
+    let is_typed = matches!(field.kind, FieldKind::File | FieldKind::Text | FieldKind::Material);
+    match &field.value {
+        Some(value) => editor(ui, field.kind, value, "", label),
+        None if is_typed || field.required => {
+            editor(ui, field.kind, &field.start, &in_words(field.means), label)
+        }
+        None => {
+            ui.label(in_words(field.means));
+            let button = ui.small_button("Set").on_hover_text(format!("To {}", field.start.text()));
+            button.accessible_name(format!("Set {}", field.key)).clicked().then(|| field.start.clone())
+        }
+    }
+}
+
 /// A widget for a value; the new value when it was changed.
-fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, label: egui::Id) -> Option<FieldValue> {
+///
+/// * `hint`: what an empty text stands for
+fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: Id) -> Option<FieldValue> {
     match kind {
         FieldKind::Number { min, max } => number(ui, value, label, min, max),
         FieldKind::Whole { min, max } => {
@@ -135,11 +178,11 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, label: egui::Id) -> 
         | FieldKind::Text
         | FieldKind::Material
         | FieldKind::Reflectance
-        | FieldKind::Emission => text(ui, value, label),
+        | FieldKind::Emission => text(ui, value, hint, label),
     }
 }
 
-fn number(ui: &mut Ui, value: &FieldValue, label: egui::Id, min: f64, max: f64) -> Option<FieldValue> {
+fn number(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Option<FieldValue> {
     let mut v = value.numbers.first().copied().unwrap_or(0.0);
     let response = if min >= 0.0 && max <= 1.0 {
         ui.add(Slider::new(&mut v, min..=max).clamping(SliderClamping::Edits).max_decimals(3))
@@ -150,7 +193,7 @@ fn number(ui: &mut Ui, value: &FieldValue, label: egui::Id, min: f64, max: f64) 
     response.labelled_by(label).changed().then(|| FieldValue::numbers([tidy(v)]))
 }
 
-fn angle(ui: &mut Ui, value: &FieldValue, label: egui::Id, min: f64, max: f64) -> Option<FieldValue> {
+fn angle(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Option<FieldValue> {
     let mut v = value.numbers.first().copied().unwrap_or(0.0);
     let drag = DragValue::new(&mut v)
         .range(min..=max)
@@ -162,7 +205,7 @@ fn angle(ui: &mut Ui, value: &FieldValue, label: egui::Id, min: f64, max: f64) -
 }
 
 /// Several numbers in a row, with names for three of them.
-fn numbers(ui: &mut Ui, value: &FieldValue, label: egui::Id, count: usize) -> Option<FieldValue> {
+fn numbers(ui: &mut Ui, value: &FieldValue, label: Id, count: usize) -> Option<FieldValue> {
     let mut all = value.numbers.clone();
     all.resize(count.clamp(1, 16), 0.0);
     let mut any = false;
@@ -182,7 +225,7 @@ fn numbers(ui: &mut Ui, value: &FieldValue, label: egui::Id, count: usize) -> Op
 }
 
 /// A swatch that opens a picker, and the three numbers, which may be above one.
-fn color(ui: &mut Ui, value: &FieldValue, label: egui::Id) -> Option<FieldValue> {
+fn color(ui: &mut Ui, value: &FieldValue, label: Id) -> Option<FieldValue> {
     let mut rgb = match value.numbers[..] {
         [r, g, b, ..] => [r, g, b],
         [grey] => [grey; 3],
@@ -211,7 +254,7 @@ fn color(ui: &mut Ui, value: &FieldValue, label: egui::Id) -> Option<FieldValue>
 fn words_choice(
     ui: &mut Ui,
     value: &FieldValue,
-    label: egui::Id,
+    label: Id,
     words: &'static [&'static str],
 ) -> Option<FieldValue> {
     let current = value.word.as_deref().unwrap_or_default();
@@ -223,11 +266,12 @@ fn words_choice(
 }
 
 /// A word, taken over when one has finished typing.
-fn text(ui: &mut Ui, value: &FieldValue, label: egui::Id) -> Option<FieldValue> {
+fn text(ui: &mut Ui, value: &FieldValue, hint: &str, label: Id) -> Option<FieldValue> {
     let id = ui.scope_id().with("typed");
     let written = value.text();
     let mut typed = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.clone());
-    let response = ui.add(TextEdit::singleline(&mut typed).desired_width(150.0)).labelled_by(label);
+    let response =
+        ui.add(TextEdit::singleline(&mut typed).hint_text(hint).desired_width(150.0)).labelled_by(label);
     if response.has_focus() {
         ui.data_mut(|data| data.insert_temp(id, typed));
         return None;
@@ -262,6 +306,14 @@ fn tidy(v: f64) -> f64 {
     (v * 1e6).round() / 1e6
 }
 
+/// A text with its keys, which stand between backticks, as the names that they have in the panel.
+fn in_words(text: &str) -> String {
+    text.split('`')
+        .enumerate()
+        .map(|(i, part)| if i % 2 == 1 { spaced(part) } else { part.to_owned() })
+        .collect()
+}
+
 /// `diffuseColor` as `Diffuse color`.
 fn spaced(key: &str) -> String {
     let mut text = String::with_capacity(key.len() + 4);
@@ -288,6 +340,7 @@ mod tests {
         assert_eq!(spaced("diffuseColor"), "Diffuse color");
         assert_eq!(spaced("shade_back"), "Shade back");
         assert_eq!(spaced("radius"), "Radius");
+        assert_eq!(in_words("only with `transparentColor`"), "only with Transparent color");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kajo::edit::{Document, Edit, FieldValue, Kind, NodeId, template};
+use kajo::edit::{Document, Edit, Field, FieldValue, Kind, NodeId, template};
 use kajo::output::Target;
 use kajo::{BitDepth, Format, LoadOptions, View};
 use kajo_math::DVec3;
@@ -195,14 +195,15 @@ impl Studio {
 
     /// Begins a drag of a field, unless it is under way.
     fn begin_drag(&mut self, node: NodeId, key: &str, nth: usize) {
-        let field = (node, key.to_owned(), nth);
-        if self.dragged.as_ref() == Some(&field) {
+        if self.dragged.as_ref().is_some_and(|dragged| dragged.is(node, key, nth)) {
             return;
         }
         self.end_drag();
         if let Some(document) = &mut self.document {
+            let mut fields = document.fields(node).into_iter();
+            let was_absent = fields.any(|field| field.is(key, nth) && field.span.is_none());
             document.begin_gesture(format!("set {key}"));
-            self.dragged = Some(field);
+            self.dragged = Some(DraggedField { node, key: key.to_owned(), nth, was_absent });
         }
     }
 
@@ -299,8 +300,8 @@ impl Studio {
         self.typing = None;
         self.preview = None;
         self.rays = None;
-        self.tracer.clear();
         self.sight.clear();
+        self.tracer.clear();
         self.comparison.kept = None;
         self.shown = super::Shown::Preview;
         self.after_compile();
@@ -313,6 +314,30 @@ impl Studio {
 fn is_same(own: Option<&Path>, other: &Path) -> bool {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     own.is_some_and(|own| own == other || real(own).is_some_and(|own| Some(own) == real(other)))
+}
+
+/// A field that is being dragged.
+pub(super) struct DraggedField {
+    node: NodeId,
+    key: String,
+    nth: usize,
+    /// Whether it was absent before.
+    was_absent: bool,
+}
+
+impl DraggedField {
+    fn is(&self, node: NodeId, key: &str, nth: usize) -> bool {
+        (self.node, self.key.as_str(), self.nth) == (node, key, nth)
+    }
+}
+
+impl Studio {
+    /// Whether a field counts as one that is set. One that a drag is just about to set does not: it stays where it is
+    /// under the pointer.
+    pub fn is_set(&self, node: NodeId, field: &Field) -> bool {
+        let is_new = self.dragged.as_ref().is_some_and(|d| d.was_absent && d.is(node, &field.key, field.nth));
+        field.required || field.span.is_some() && !is_new
+    }
 }
 
 /// The fields of a camera's block that a flight changes, rounded to what one can see.

@@ -1,0 +1,101 @@
+//! Fields that are absent, by script: they show what holds, dimmed, and the first nudge starts from there.
+
+mod common;
+
+use common::{SCENE, Window};
+use egui::{PointerButton, vec2};
+use egui_kittest::kittest::Queryable as _;
+use kajo::edit::FieldValue;
+
+/// What is written for a key in the block that begins with `head`.
+fn value_of(text: &str, head: &str, key: &str) -> Option<f64> {
+    let block = text.split(head).nth(1)?.split('}').next()?;
+    block.split(&format!(" {key} ")).nth(1)?.split_whitespace().next()?.parse().ok()
+}
+
+/// Whether there is a row of that name.
+fn has_row(window: &mut Window, name: &str) -> bool {
+    window.harness.query_all_by_label(name).next().is_some()
+}
+
+#[test]
+fn what_is_not_set_is_under_more() {
+    let mut window = Window::new();
+    window.select("red");
+    assert!(has_row(&mut window, "Diffuse color") && has_row(&mut window, "Reflective color"));
+    assert!(!has_row(&mut window, "Opacity"), "it is folded away");
+    window.press("More (14)");
+    window.frames(20);
+    assert!(has_row(&mut window, "Opacity") && has_row(&mut window, "Specular color"));
+    assert!(has_row(&mut window, "only with Emission"));
+    // What has to be there comes first, also in blocks of which nothing else is set.
+    window.select("sun");
+    assert!(has_row(&mut window, "Direction"));
+}
+
+#[test]
+fn the_first_nudge_starts_from_the_default() {
+    let mut window = Window::new();
+    window.select("red");
+    window.press("More (14)");
+    window.frames(20);
+    window.harness.get_all_by_label("Index of refraction").next().unwrap().scroll_to_me();
+    window.frames(20);
+    let widget = window.widget("Index of refraction");
+    // While it is dragged it stays where it is.
+    window.button(widget, PointerButton::Primary, true);
+    for step in 1..=10 {
+        window.harness.event(egui::Event::PointerMoved(widget + vec2(2.0 * step as f32, 0.0)));
+        window.frames(1);
+        let moved = window.widget("Index of refraction");
+        assert!(moved.distance(widget) < 2.0, "{moved:?} {widget:?}");
+    }
+    window.button(widget + vec2(20.0, 0.0), PointerButton::Primary, false);
+    window.frames(10);
+    let text = window.text();
+    let index = value_of(&text, "PhongMaterial red", "indexOfRefraction").expect("it is written");
+    assert!(index > 1.0 && index < 1.5, "from 1 upwards: {index}");
+    assert!(window.harness.query_by_label("More (13)").is_some(), "it is among those that are set");
+    window.studio().apply(kajo_studio::state::Action::Undo);
+    assert_eq!(window.text(), SCENE, "one step");
+}
+
+#[test]
+fn every_absent_field_shows_what_holds_or_says_it_in_words() {
+    let mut window = Window::new();
+    let document = window.studio().document.as_ref().unwrap();
+    let of = |name: &str| {
+        let node =
+            document.outline().nodes().iter().find(|node| node.name.as_deref() == Some(name)).unwrap().id;
+        document.fields(node)
+    };
+    let red = of("red");
+    let value = |key: &str| red.iter().find(|field| field.key == key).unwrap().value.clone();
+    assert_eq!(value("opacity"), Some(FieldValue::numbers([1.0])));
+    assert_eq!(value("ambientColor"), Some(FieldValue::numbers([0.9, 0.1, 0.1])), "the diffuse one");
+    assert_eq!(value("emission"), Some(FieldValue::numbers([0.0; 3])));
+    let all = document.outline().nodes().iter().flat_map(|node| document.fields(node.id));
+    for field in all.filter(|field| field.span.is_none()) {
+        assert!(field.value.is_some() || field.idle.is_some() || !field.means.is_empty(), "{field:?}");
+    }
+}
+
+#[test]
+fn what_no_value_says_is_set_to_a_usual_one() {
+    let scene = SCENE.replace("Group {", "Settings { samples regular 1 }\r\nGroup {");
+    let mut window = Window::with(&scene, false);
+    let document = window.studio().document.as_ref().unwrap();
+    let node = document.outline().nodes().iter().find(|node| &*node.keyword == "Settings").unwrap().id;
+    window.studio().apply(kajo_studio::state::Action::Select(vec![node]));
+    window.frames(3);
+    window.press("More (24)");
+    window.frames(20);
+    // Lists show the word that holds.
+    let integrator = window.harness.get_all_by_label("Integrator").last().unwrap();
+    assert_eq!(integrator.value().as_deref(), Some("Classic"));
+    assert!(window.harness.query_by_label_contains("Other").is_none());
+    window.harness.get_by_label("Set reach").scroll_to_me();
+    window.frames(20);
+    window.press("Set reach");
+    assert_eq!(value_of(&window.text(), "Settings", "reach"), Some(1.0));
+}
