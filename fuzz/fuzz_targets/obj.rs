@@ -19,6 +19,7 @@ fuzz_target!(|data: &[u8]| {
             };
             assert!(in_range(&mesh.face_normals, mesh.normals.len()));
             assert!(in_range(&mesh.face_uvs, mesh.uvs.len()));
+            assert!(in_range(&mesh.face_colors, mesh.colors.len()));
         }
         Err(error) => {
             let mut sources = Sources::default();

@@ -120,7 +120,7 @@ fn numbers_of_the_extension_become_layers() {
     assert!(near(Vec3::from(b.color.to_rgb()), Vec3::new(0.25, 0.5, 1.0)));
     assert_eq!(layers(-0.5, 0.5, 0.8).unwrap().base, Base::Diffuse);
     // Half of it is there, and of that the picture is black on the left and white on the right.
-    let found: Vec<_> = (0..16).map(|i| layers(0.6, -0.5, (i as f32 + 0.5) / 16.0)).collect();
+    let found: Vec<_> = (0..16).map(|i| layers(0.5, -0.5, (i as f32 + 0.5) / 16.0)).collect();
     assert_eq!(found.iter().filter(|layers| layers.is_none()).count(), 8);
     assert!(found.iter().flatten().all(|layers| layers.base == Base::Metal && layers.alpha.x == 0.25));
 }
@@ -138,7 +138,7 @@ fn reliefs_are_of_heights_or_of_normals() {
         assert_eq!(said, [""; 0]);
         let shading = scene.shading(&at(&scene, 0.0, -0.5), 0.5);
         assert!(shading.leans, "{mtl}: there is a relief");
-        assert_eq!(shading.n.distance(Vec3::Z) > 1e-3, leans, "{mtl}: {}", shading.n);
+        assert_eq!(shading.n.distance(Vec3::Z) > 8e-3, leans, "{mtl}: {}", shading.n);
     }
 }
 

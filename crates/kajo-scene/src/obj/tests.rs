@@ -45,7 +45,7 @@ fn lines_end_in_any_way_and_go_on_after_a_backslash() {
         "\u{feff}v 0 0 0\r\nv 1 0 0 # c\r\n\r\nv 0 1 0\r\nf 1 2 3",
         "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r",
         "v 0 \\\n 0 0\nv 1\\\r\n0 \\\r0\n\tv 0 1 0 1\nf 1\\\n\\\n 2 3\\\n",
-        "# c\n#c \\\nv 9 9 9\n\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # f 4 5 6\n",
+        "# c\n#c \\\nv 9 9 9\n\nv 0 0 0 1\nv 1 0 0\nv 0 1 0\nf 1 2 3 # f 4 5 6\n",
     ] {
         assert_eq!(mesh(text), expected, "{text:?}");
     }
