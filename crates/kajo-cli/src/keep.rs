@@ -2,10 +2,11 @@
 //!
 //! A write that fails is tried again where that may help, since disks become free and networks come back. What cannot be
 //! written where it belongs after all is put beside it, into the current folder or into that for temporary files,
-//! and the message says where.
+//! and the message says where. Where no folder takes it, there is a minute to make room.
 
+use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -19,6 +20,9 @@ use crate::job::{Destination, Output};
 
 /// How long to wait before another attempt.
 const PAUSES: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(2)];
+
+/// How long a file is kept in memory that no folder takes.
+const LAST_PAUSE: Duration = Duration::from_secs(60);
 
 /// Bytes written before somebody looks whether to stop.
 const CHUNK: usize = 1 << 20;
@@ -146,9 +150,22 @@ fn write(
         wait(pause, interrupt);
         result = target.fill(bytes, &mut fill);
     }
-    match result {
-        Err(_) if stoppable && interrupt.is_stopping() => Err(interrupt.failure()),
-        result => result.map_err(|error| put_elsewhere(&error, target.path(), fill)),
+    let Err(error) = result else { return Ok(()) };
+    let mut elsewhere = output::rescue(target.path(), &mut fill);
+    if elsewhere.is_none() && may_pass(&error, target) {
+        console::warning("no other folder can take it either; trying for another minute, or until a signal");
+        let start = Instant::now();
+        while elsewhere.is_none() && start.elapsed() < LAST_PAUSE && !interrupt.is_stopping() {
+            wait(PAUSES[1], interrupt);
+            if target.fill(bytes, &mut fill).is_ok() {
+                return Ok(());
+            }
+            elsewhere = output::rescue(target.path(), &mut fill);
+        }
+    }
+    match stoppable && interrupt.is_stopping() {
+        true => Err(interrupt.failure()),
+        false => Err(put_into(elsewhere, &error)),
     }
 }
 
@@ -178,11 +195,16 @@ fn wait(pause: Duration, interrupt: &Interrupt) {
 
 /// Writes what could not be written to a file into another one; the failure says where.
 fn put_elsewhere(
-    error: &dyn std::fmt::Display,
+    error: &dyn Display,
     path: &Path,
     fill: impl FnMut(&mut dyn Write) -> io::Result<()>,
 ) -> Failure {
-    Failure::Output(match output::rescue(path, fill) {
+    put_into(output::rescue(path, fill), error)
+}
+
+/// The failure of a file that was put into another one, if into any.
+fn put_into(place: Option<PathBuf>, error: &dyn Display) -> Failure {
+    Failure::Output(match place {
         Some(place) => format!("{error}; it is in `{}` instead", place.display()),
         None => format!("{error}; nor can any other folder take it"),
     })

@@ -165,6 +165,23 @@ fn a_full_disk_does_not_lose_the_picture() {
     assert!(folder.names().iter().any(|name| name.starts_with("out.kajo-") && name.ends_with(".exr")));
 }
 
+/// Neither the picture's folder nor any other has room, until somebody makes some.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_waits_for_room() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("small")).unwrap();
+    let script = "mount -t tmpfs -o size=400k none small; cp ball.txt small; cd small
+        head -c 1000000 /dev/zero > filler 2> ../full
+        TMPDIR=$PWD $KAJO ball.txt -o out.exr --size 200 200 --samples 1 2> ../said & kajo=$!
+        while kill -0 $kajo && ! grep -q minute ../said; do sleep 0.1; done
+        rm filler; wait $kajo; ls *.exr | wc -l";
+    let Some(ran) = with_mounts(&folder, script) else { return };
+    let said = String::from_utf8(folder.read("said")).unwrap();
+    assert!(said.contains("No space left") && said.contains("trying for another minute"), "{said}");
+    assert_eq!(ran.stdout.trim(), "1", "{said}{}", ran.stderr);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_read_only_folder_is_found_before_rendering() {
