@@ -42,6 +42,44 @@ fn includes_may_be_thirty_two_deep_and_no_deeper() {
     folder.succeed("check 9.txt");
 }
 
+/// The numbers of `errors.md` and `docs/src/language/instance.md`.
+#[test]
+fn bounds_are_those_of_the_manual() {
+    let limits = kajo::Limits::default();
+    assert_eq!((limits.nesting, limits.include_depth), (256, 32));
+    assert_eq!((limits.items, limits.objects, limits.objects / 16), (10_000_000, 10_000_000, 625_000));
+    let giga = 1 << 30;
+    assert_eq!(
+        (limits.picture_bytes, limits.model_bytes, limits.mesh_bytes),
+        (2 * giga, 8 * giga, 64 * giga)
+    );
+}
+
+/// `docs/src/language/instance.md`: a tree in two colours is two instances, and each object has its number.
+#[test]
+fn instances_are_numbered_in_the_order_of_the_file() {
+    let folder = Folder::new();
+    let group = "Group {
+        Define pair { Sphere { center -2 0 0 radius 1 } Sphere { center 2 0 0 radius 1 } }
+        MaterialIndex gold   Instance pair { Translate 0 1 0 }
+        MaterialIndex floor  Instance pair { Translate 0 -2 0 }
+    }";
+    folder.write("scene.txt", BALL.split("Group").next().unwrap().to_owned() + group);
+    folder.succeed(
+        "scene.txt --size 40 40 --samples 1 --layers object,material -o out.exr --aov object=ids.pfm",
+    );
+    folder.succeed("scene.txt --size 40 40 --samples 1 -o color.png --aov material=materials.pfm");
+    let numbers = |name: &str| {
+        let mut found: Vec<u32> =
+            common::picture(&folder.path(name)).data().iter().map(|&id| id as u32).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    };
+    assert_eq!(numbers("ids.pfm"), [0, 1, 2, 3, 4]);
+    assert_eq!(numbers("materials.pfm"), [0, 1, 2]);
+}
+
 /// Sparse files, which take no room.
 #[test]
 fn files_that_are_too_long_are_refused_before_they_are_read() {

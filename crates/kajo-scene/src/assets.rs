@@ -48,7 +48,8 @@ pub enum LoadStep<'a> {
 pub struct AssetFile {
     /// The resolved name: shown in messages, and equal for equal files.
     pub path: String,
-    /// Bytes in the file, where known beforehand. A hint only: readers never trust it.
+    /// Bytes in the file, where known beforehand. A hint only: a file that is said to be too long is not read, and nothing
+    /// else is made of it.
     pub len: Option<u64>,
     /// Differs when the content does, where that is known without reading it: made of the time of the last change.
     pub stamp: Option<u64>,
@@ -88,11 +89,14 @@ pub enum AssetError {
     Io(#[from] io::Error),
 }
 
-/// Reads a whole file, stopping as soon as it proves longer than `limit` bytes.
+/// Reads a whole file, unless it is known or proves to be longer than `limit` bytes.
 ///
 /// # Errors
 /// [`AssetError::TooLarge`] or what the reader reports.
 pub fn read_limited(file: AssetFile, limit: u64) -> Result<Vec<u8>, AssetError> {
+    if file.len.is_some_and(|len| len > limit) {
+        return Err(AssetError::TooLarge { limit });
+    }
     let mut bytes = Vec::new();
     file.reader.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
@@ -192,6 +196,26 @@ mod tests {
     /// Resolved from `s/t/scene.txt`, two folders below the root.
     fn resolve(name: &str) -> Result<String, AssetError> {
         relative_asset("s/t/scene.txt", name)
+    }
+
+    #[test]
+    fn a_file_that_is_known_to_be_too_long_is_not_read() {
+        struct Unread;
+        impl Read for Unread {
+            fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+                panic!("it is read");
+            }
+        }
+        let file = |len, reader| AssetFile { path: "a".to_owned(), len, stamp: None, reader };
+        let refused = read_limited(file(Some(11), Box::new(Unread)), 10);
+        assert!(matches!(refused, Err(AssetError::TooLarge { limit: 10 })));
+        for len in [None, Some(3)] {
+            let refused = read_limited(file(len, Box::new(io::repeat(0))), 10);
+            assert!(
+                matches!(refused, Err(AssetError::TooLarge { limit: 10 })),
+                "whatever is said of its length"
+            );
+        }
     }
 
     #[test]
