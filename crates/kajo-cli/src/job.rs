@@ -122,13 +122,20 @@ impl Job {
     /// # Errors
     /// [`Failure`]; then no file is written that was not finished before.
     pub fn run(&self, meter: &Meter, interrupt: &Interrupt, voice: &mut Voice<'_>) -> Result<Done, Failure> {
-        let load = LoadOptions { progress: meter.loading(), ..self.load.clone() };
+        let memory = self.resources.memory;
+        let load = LoadOptions { progress: meter.loading(), memory, ..self.load.clone() };
         let mut loaded = kajo::load(&self.scene, &load);
         drop(load);
         if !loaded.diagnostics.is_empty() {
             (voice.say)(&loaded.report(voice.color));
         }
-        let scene = loaded.scene.take().ok_or_else(|| has_errors(&self.scene, &loaded))?;
+        let scene = match loaded.scene.take() {
+            Some(scene) => scene,
+            None => return Err(has_errors(&self.scene, &loaded)),
+        };
+        // What the scene takes is not there for the film.
+        let memory = memory.map(|bytes| bytes.saturating_sub(loaded.memory.used()));
+        let resources = Resources { memory, ..self.resources };
         let settings = self.settings(&scene, voice)?;
         self.check_formats(settings.size)?;
         let targets = self.targets(&loaded.files)?;
@@ -145,10 +152,10 @@ impl Job {
         let (result, interrupted) = interrupt.during(Work::Render, || {
             let progress = meter.watched(interrupt);
             let result = match &mut passes {
-                None => kajo::render(&scene, &settings, &outputs, &self.resources, &progress),
+                None => kajo::render(&scene, &settings, &outputs, &resources, &progress),
                 Some((passes, watcher)) => {
                     let look = &mut |snapshot: Snapshot<'_>| watcher.look(snapshot);
-                    kajo::render_passes(&scene, &settings, &outputs, &self.resources, passes, &progress, look)
+                    kajo::render_passes(&scene, &settings, &outputs, &resources, passes, &progress, look)
                 }
             };
             meter.finish();
@@ -308,6 +315,9 @@ fn outside_of(path: &Path, folder: &Path) -> Failure {
 
 /// "scene.txt has 3 errors", after they were shown; a single one speaks for itself.
 pub fn has_errors(scene: &Path, loaded: &Loaded) -> Failure {
+    if loaded.is_out_of_memory() {
+        return Failure::Memory(format!("there is not enough memory for `{}`", scene.display()));
+    }
     match loaded.diagnostics.count(Severity::Error) {
         0 | 1 => Failure::Input(String::new()),
         count => Failure::Input(format!("`{}` has {count} errors", scene.display())),

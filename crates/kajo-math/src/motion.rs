@@ -155,6 +155,11 @@ impl Motion {
         Motion { links, still: inner.still }
     }
 
+    /// Bytes of the list of its keyed parts, which copies share.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.links())
+    }
+
     /// Whether the map is the same from `open` to `close`.
     pub fn is_still_over(&self, interval: [f64; 2]) -> bool {
         self.links().iter().all(|link| link.keys.is_still_over(interval))

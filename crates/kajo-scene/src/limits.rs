@@ -3,6 +3,8 @@
 //! Every reader of this crate takes a [`Limits`], so that no file, however
 //! short, can ask for unbounded time or memory.
 
+use crate::memory_budget::MemoryBudget;
+
 /// Upper bounds on what readers accept; exceeding one ends in an error that names it.
 ///
 /// ```
@@ -43,6 +45,8 @@ pub struct Limits {
     pub polygon_corners: usize,
     /// Materials of one mesh or material file.
     pub materials: usize,
+    /// Memory for all of the scene together.
+    pub memory: MemoryBudget,
 }
 
 impl Default for Limits {
@@ -63,6 +67,7 @@ impl Default for Limits {
             faces: 1 << 30,
             polygon_corners: 4096,
             materials: 1 << 20,
+            memory: MemoryBudget::default(),
         }
     }
 }

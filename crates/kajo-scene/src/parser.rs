@@ -20,6 +20,12 @@ use crate::source::{SourceId, Span};
 use crate::tree::{Node, Number, SceneDesc};
 use std::collections::HashMap;
 
+/// Memory is taken for so many items at a time.
+const ITEMS_AT_ONCE: usize = 1024;
+
+/// Memory of an item with three numbers, in lists that grow.
+const BYTES_PER_ITEM: usize = 2 * (size_of::<Node>() + 3 * size_of::<Number>());
+
 /// What came of reading a scene: always a tree, complete unless there are errors.
 #[derive(Debug, Default)]
 pub struct Parsed {
@@ -206,6 +212,13 @@ impl<'l> Parser<'l> {
                 .label(span, "this one is too many")
                 .help("use a mesh file for large geometry, and include files fewer times"),
             );
+            return Err(Stop);
+        }
+        if self.desc.nodes.len().is_multiple_of(ITEMS_AT_ONCE)
+            && let Err(over) = self.limits.memory.take((ITEMS_AT_ONCE * BYTES_PER_ITEM) as u64)
+        {
+            let error = Diagnostic::error(format!("there is no memory for the rest of the scene: {over}"));
+            self.damage(error.label(span, "from here on"));
             return Err(Stop);
         }
         let index = self.desc.nodes.len() as u32;

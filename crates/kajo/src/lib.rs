@@ -77,6 +77,6 @@ pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
 pub use kajo_render::{Goal, Progress, RayCounters, RenderStats, Silent};
 pub use kajo_scene::{
-    AssetError, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, Severity, Sources, TokenKind,
-    nearest, printable, tokens,
+    AssetError, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, MemoryBudget, Severity, Sources,
+    TokenKind, nearest, printable, tokens,
 };

@@ -7,9 +7,11 @@ use std::sync::Arc;
 use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::scene::Scene;
 use kajo_core::settings::Dialect;
-use kajo_scene::{Assets, Diagnostic, Diagnostics, Limits, Parsed, SceneDesc, Sources, one_line, render};
+use kajo_scene::{
+    Assets, Diagnostic, Diagnostics, Limits, MemoryBudget, Parsed, SceneDesc, Sources, one_line, render,
+};
 
-use crate::{FsAssets, LoadProgress};
+use crate::{FsAssets, LoadProgress, memory};
 
 /// What is known about a scene before it is read.
 #[derive(Clone, Debug, Default)]
@@ -20,10 +22,20 @@ pub struct LoadOptions {
     pub folders: Vec<PathBuf>,
     /// Whether it may name any file at all.
     pub allow_outside: bool,
-    /// Bounds on what it may demand.
+    /// Bounds on what it may demand; those on memory are the following.
     pub limits: Limits,
+    /// Bytes that all of the scene may take; `None` for what the system has left.
+    pub memory: Option<u64>,
     /// Who hears how far it is.
     pub progress: Option<Arc<dyn LoadProgress>>,
+}
+
+impl LoadOptions {
+    /// The bounds, with a budget of memory of which nothing is used.
+    pub(crate) fn budgeted(&self) -> Limits {
+        let memory = MemoryBudget::new(self.memory.unwrap_or_else(memory::available));
+        Limits { memory, ..self.limits.clone() }
+    }
 }
 
 /// What came of reading a scene.
@@ -37,9 +49,16 @@ pub struct Loaded {
     pub scene: Option<Scene>,
     /// Real paths of the files it was read from.
     pub files: Vec<PathBuf>,
+    /// The memory it takes, and what is left of that which it may take.
+    pub memory: MemoryBudget,
 }
 
 impl Loaded {
+    /// Whether there is no scene for want of memory.
+    pub fn is_out_of_memory(&self) -> bool {
+        self.scene.is_none() && self.memory.was_exceeded()
+    }
+
     /// The texts that the messages point into.
     pub fn sources(&self) -> &Sources {
         self.desc.sources()
@@ -68,7 +87,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
         Err(problem) => {
             let mut diagnostics = Diagnostics::new();
             diagnostics.push(Diagnostic::error(problem));
-            Loaded { desc: SceneDesc::default(), diagnostics, scene: None, files: Vec::new() }
+            let (desc, memory) = (SceneDesc::default(), MemoryBudget::default());
+            Loaded { desc, diagnostics, scene: None, files: Vec::new(), memory }
         }
     }
 }
@@ -84,18 +104,16 @@ pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
 /// assert!(loaded.lines().any(|line| line.starts_with("ball.txt:1:9: error: ")));
 /// ```
 pub fn load_from(name: &str, assets: &dyn Assets, options: &LoadOptions) -> Loaded {
-    let Parsed { mut desc, mut diagnostics, whole } = SceneDesc::load(name, assets, &options.limits);
-    let compile_options = CompileOptions {
-        dialect: options.dialect,
-        limits: options.limits.clone(),
-        ..CompileOptions::default()
-    };
+    let limits = options.budgeted();
+    let memory = limits.memory.clone();
+    let Parsed { mut desc, mut diagnostics, whole } = SceneDesc::load(name, assets, &limits);
+    let compile_options = CompileOptions { dialect: options.dialect, limits, ..CompileOptions::default() };
     // A text that could not be read whole would only give complaints about what is missing from it.
     let scene = match whole {
         true => compile(&mut desc, assets, &compile_options, &mut diagnostics),
         false => None,
     };
-    Loaded { desc, diagnostics, scene, files: Vec::new() }
+    Loaded { desc, diagnostics, scene, files: Vec::new(), memory }
 }
 
 /// The files that the scene at `path` may name.

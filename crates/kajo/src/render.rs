@@ -17,6 +17,7 @@ use kajo_render::{
     Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
     RenderError as PassError, RenderStats,
 };
+use kajo_scene::in_words;
 
 use crate::checkpoint::{self, CheckpointError, Identity, SceneDigest};
 use crate::denoise::{self, DENOISE_OUTPUTS, DenoiseError, Denoiser};
@@ -164,10 +165,12 @@ fn render_from(
     let layers = layers(scene, outputs, settings);
     let spec = FilmSpec { one_pass: true, ..film_spec(camera, settings, layers) };
     check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
-    let film = Film::new(spec, u64::MAX).map_err(RenderError::Film)?;
+    let film = new_film(spec)?;
+    let reserve = Reserve::new(&spec, to_finish(scene, outputs, settings))?;
     let integrator = integrator(scene, camera, settings, layers);
     let schedule = schedule(settings, resources);
     let result = kajo_render::render(&*integrator, &film, &schedule, progress);
+    drop(reserve);
     ended(result, |stats| Picture::new(film, scene, settings, None, resources, stats))
 }
 
@@ -205,18 +208,20 @@ pub fn render_passes(
     let (film, mut position) = match &passes.resume {
         Some(path) => checkpoint::restore(path, &identity, spec, &schedule, progress)
             .map_err(RenderError::Checkpoint)?,
-        None => (Film::new(spec, u64::MAX).map_err(RenderError::Film)?, Position::default()),
+        None => (new_film(spec)?, Position::default()),
     };
     if let Some(path) = &passes.checkpoint {
         checkpoint::check_replaced(path, &identity, film.samples(), passes.resume.as_deref())
             .map_err(RenderError::Checkpoint)?;
     }
+    let reserve = Reserve::new(&spec, to_finish(scene, outputs, settings))?;
     let integrator = integrator(scene, &scene.camera, settings, layers);
     let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
         look(Snapshot { film, groups: &scene.light_groups, settings, position, identity: &identity, stats })
     };
     let result =
         kajo_render::render_passes(&*integrator, &film, &schedule, goal, &mut position, progress, look);
+    drop(reserve);
     ended(result, |stats| Picture::new(film, scene, settings, Some((position, identity)), resources, stats))
 }
 
@@ -488,6 +493,36 @@ fn to_finish(scene: &Scene, outputs: &[(View, Format)], settings: &RenderSetting
     if is_denoised { denoise::BYTES_A_PIXEL.max(LIGHT + encoding) } else { encoding }
 }
 
+fn new_film(spec: FilmSpec) -> Result<Film, RenderError> {
+    let FilmSpec { width, height, .. } = spec;
+    let needed = spec.bytes();
+    Film::new(spec, u64::MAX).map_err(|error| match error {
+        FilmError::OutOfMemory { .. } => {
+            RenderError::Memory { width, height, needed, budget: memory::available() }
+        }
+        error => RenderError::Film(error),
+    })
+}
+
+/// Room for what is made of a film, kept free while it is rendered: where a process may have only so much address space,
+/// a picture that was rendered can also be encoded.
+struct Reserve {
+    _room: Vec<u8>,
+}
+
+impl Reserve {
+    /// * `to_finish`: bytes a pixel needed beside the film
+    fn new(spec: &FilmSpec, to_finish: u64) -> Result<Reserve, RenderError> {
+        let FilmSpec { width, height, .. } = *spec;
+        let needed = u128::from(width) * u128::from(height) * u128::from(to_finish);
+        let mut room = Vec::new();
+        match usize::try_from(needed).map(|bytes| room.try_reserve_exact(bytes)) {
+            Ok(Ok(())) => Ok(Reserve { _room: room }),
+            _ => Err(RenderError::Memory { width, height, needed, budget: memory::available() }),
+        }
+    }
+}
+
 /// Makes sure that a film and what is made of it fit.
 ///
 /// * `to_finish`: bytes a pixel needed beside the film
@@ -503,18 +538,6 @@ pub(crate) fn check_memory(
         return Err(RenderError::Memory { width, height, needed, budget });
     }
     Ok(())
-}
-
-/// 1536 as "1.5 kB".
-fn in_words(bytes: u128) -> String {
-    const UNITS: [&str; 6] = ["kB", "MB", "GB", "TB", "PB", "EB"];
-    let mut amount = bytes as f64 / 1000.0;
-    let mut unit = 0;
-    while amount >= 1000.0 && unit + 1 < UNITS.len() {
-        amount /= 1000.0;
-        unit += 1;
-    }
-    format!("{amount:.1} {}", UNITS[unit])
 }
 
 #[cfg(test)]

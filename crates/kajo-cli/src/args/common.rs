@@ -44,7 +44,7 @@ pub struct RunArgs {
     /// Side of the tiles that threads work on, in pixels, at most 512; 0 for the default
     #[arg(long, value_name = "PIXELS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=i64::from(LARGEST_TILE)))]
     pub tile: u32,
-    /// Memory a picture may take, in MB; what the system has left by default
+    /// Memory for the scene and the picture, in MB; what the system has left by default
     #[arg(long, value_name = "MB")]
     pub memory: Option<u32>,
     /// Say nothing but warnings and errors

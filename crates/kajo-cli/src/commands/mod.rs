@@ -91,7 +91,12 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
             if !failure.message().is_empty() {
                 console::error(failure.message());
             }
-            first_failure.get_or_insert(Failure::Input(String::new()));
+            // The scenes may be fine, for all that is known.
+            let said = match failure {
+                Failure::Memory(_) => Failure::Memory(String::new()),
+                _ => Failure::Input(String::new()),
+            };
+            first_failure.get_or_insert(said);
         }
     }
     first_failure.map_or(Ok(()), Err)

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 
 use kajo_color::{Spectrum, srgb};
 use kajo_image::{Decoded, Format, Image};
-use kajo_scene::{Args, Diagnostic, Item, Params, read_limited};
+use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::Compiler;
-use super::pictures::decode;
+use super::pictures::read_picture;
 use crate::background::{Background, CubeMap, FACE_NAMES};
 use crate::daylight::{Sky, SkySettings};
 use crate::environment::Environment;
@@ -93,9 +93,19 @@ impl Compiler<'_> {
     }
 
     fn decoded(&mut self, item: Item<'_>, name: &str, hint: Option<Format>) -> Option<Decoded> {
-        let limit = self.options.limits.picture_bytes;
-        let read = self.assets.open(name, item.path()).and_then(|file| read_limited(file, limit));
-        match read.map_err(|error| error.to_string()).and_then(|bytes| decode(&bytes, hint)) {
+        /// Memory for what is kept of a pixel: its colour, and how bright it is, for lamps to be chosen by.
+        const BYTES_PER_PIXEL: u64 = 3 * 4 + 4 * 4;
+        let (limit, memory) = (self.options.limits.picture_bytes, &self.options.limits.memory);
+        let file = self.assets.open(name, item.path()).map_err(|error| error.to_string());
+        let kept = |picture: &Decoded| {
+            let pixels = u64::from(picture.image.width()) * u64::from(picture.image.height());
+            size_of_val(picture.image.data()) as u64 + pixels * BYTES_PER_PIXEL
+        };
+        let read = file.and_then(|file| read_picture(file, hint, limit, memory)).and_then(|picture| {
+            memory.take(kept(&picture)).map_err(|over| over.to_string())?;
+            Ok(picture)
+        });
+        match read {
             Ok(picture) => Some(picture),
             Err(reason) => {
                 let error = Diagnostic::error(format!("cannot read `{name}`: {reason}"));

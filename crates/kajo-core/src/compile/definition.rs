@@ -28,6 +28,9 @@ pub(super) struct Part {
     pub brings_materials: bool,
 }
 
+/// Memory of an object: as a part of a definition, or as one of the scene's with its words and its share of a tree.
+pub(super) const BYTES_PER_OBJECT: usize = size_of::<Part>() + 96;
+
 /// What one thing is made of that can be placed many times.
 pub(super) type Parts = std::rc::Rc<[Part]>;
 
@@ -118,7 +121,11 @@ impl Compiler<'_> {
                 continue;
             }
             if latest.as_ref().is_none_or(|(map, _)| **map != part.map) {
-                latest = Some((&part.map, place.around(&part.map)));
+                let there = place.around(&part.map);
+                if !self.has_memory(there.world.bytes(), item.head_span()) {
+                    return;
+                }
+                latest = Some((&part.map, there));
             }
             if let Some((_, there)) = &mut latest {
                 self.put(part, item, there, walk);
@@ -131,12 +138,22 @@ impl Compiler<'_> {
         let most = self.options.limits.objects;
         let so_far = self.primitives.len() + self.nested.placements.len() + self.parts_defined + open;
         if so_far.saturating_add(more) <= most {
-            return true;
+            return self.has_memory(more.saturating_mul(BYTES_PER_OBJECT), at);
         }
         if !std::mem::replace(&mut self.too_many, true) {
             let message =
                 format!("with this there would be more than {most} objects, the most that a scene may have");
             self.diagnostics.push(Diagnostic::error(message).label(at, format!("adds {more} to {so_far}")));
+        }
+        false
+    }
+
+    /// Takes memory for what stands at `at`; if there is too little left, that is reported once.
+    pub(super) fn has_memory(&mut self, bytes: usize, at: Span) -> bool {
+        let Err(over) = self.options.limits.memory.take(bytes as u64) else { return true };
+        if !std::mem::replace(&mut self.too_many, true) {
+            let error = Diagnostic::error(format!("there is no memory for the objects of the scene: {over}"));
+            self.diagnostics.push(error.label(at, "from here on"));
         }
         false
     }

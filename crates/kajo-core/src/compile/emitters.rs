@@ -19,6 +19,9 @@ use crate::motion::MovingTransform;
 use crate::shape::{Patch, ShapeId};
 use crate::texture::{PictureMap, Share, TextureId};
 
+/// Memory of a lamp: itself, and its places in the lists and the tree by which lamps are chosen.
+const BYTES_PER_LAMP: usize = size_of::<AreaLight>() + 96;
+
 /// What a material says about giving light.
 #[derive(Clone, Debug)]
 pub(super) struct Glow {
@@ -178,6 +181,12 @@ impl Compiler<'_> {
                 };
                 lights.extend(patch.filter(|patch| patch.area() > 0.0).map(|patch| (light(patch), *group)));
             });
+            let bytes = lights.len() * BYTES_PER_LAMP;
+            if let Err(over) = self.options.limits.memory.take(bytes as u64) {
+                let error = Diagnostic::error(format!("there is no memory for so many lamps: {over}"));
+                self.diagnostics.push(error);
+                return;
+            }
             self.primitives[i].glows = !lights.is_empty();
             for (light, group) in lights {
                 if let Some(id) = light.store(&mut self.lights) {

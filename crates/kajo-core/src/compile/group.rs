@@ -3,7 +3,7 @@
 use kajo_math::{DAffine3, Motion, Transform, Vec2};
 use kajo_scene::{Args, Diagnostic, Item, Params, not_supported_yet, unknown_word};
 
-use super::definition::Part;
+use super::definition::{BYTES_PER_OBJECT, Part};
 use super::materials::Reference;
 use super::places::misplaced;
 use super::{Compiler, motion, transform};
@@ -237,6 +237,9 @@ impl Compiler<'_> {
             self.material_for(item, walk);
             return;
         };
+        if !self.has_memory(BYTES_PER_OBJECT, item.head_span()) {
+            return;
+        }
         let part = Part {
             content: Content::Shape(shape),
             map: Motion::still(DAffine3::IDENTITY),
@@ -263,7 +266,7 @@ impl Compiler<'_> {
             Content::Assembly(number) => return self.place_assembly(number, part.material, by, place, walk),
         };
         let material = part.material.or_else(|| self.material_for(by, walk));
-        let (Some(material), Some(transform)) = (material, self.transform_number(place)) else { return };
+        let (Some(material), Some(transform)) = (material, self.transform_number(place, by)) else { return };
         let transmits = part.brings_materials || self.materials.may_transmit(material, &self.materials);
         self.primitives.push(Primitive { shape, transform, material, transmits, glows: false });
         self.objects.push(part.label, by.index());
@@ -282,8 +285,15 @@ impl Compiler<'_> {
     }
 
     /// The number of a place's transform; `None` when it has none and nothing there can be hit.
-    fn transform_number(&mut self, place: &mut Place) -> Option<u32> {
+    fn transform_number(&mut self, place: &mut Place, by: Item<'_>) -> Option<u32> {
         let transform = place.transform?;
+        if place.index.is_none() {
+            let moves = place.world.constant().is_none();
+            let bytes = if moves { size_of::<MovingTransform>() } else { size_of::<Transform>() };
+            if !self.has_memory(bytes, by.head_span()) {
+                return None;
+            }
+        }
         let number = match (place.index, place.world.constant()) {
             (Some(number), _) => number,
             (None, Some(_)) => {

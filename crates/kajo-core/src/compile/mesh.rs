@@ -6,7 +6,9 @@ use std::collections::HashMap;
 
 use kajo_color::srgb;
 use kajo_math::{Vec2, Vec3};
-use kajo_scene::{Args, AssetFile, Corners, Diagnostic, Item, LoadStep, Params, Span, TriMesh, read_mesh};
+use kajo_scene::{
+    Args, AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Params, Span, TriMesh, read_mesh,
+};
 
 use super::Compiler;
 use super::mesh_store::{Kept, StoreKey};
@@ -83,6 +85,7 @@ impl Compiler<'_> {
 
     fn read_mesh(&mut self, file: AssetFile, key: &MeshKey, place: Span) -> Option<Kept> {
         let path = &key.path;
+        let _reading = self.memory_for_file(&file, place)?;
         let (mut mesh, report) = match read_mesh(file, &self.options.limits) {
             Ok(read) => read,
             Err(error) => {
@@ -105,6 +108,13 @@ impl Compiler<'_> {
         Some(Kept { mesh, warnings })
     }
 
+    /// Memory for reading a mesh, which takes about as much as its file; `None` where there is too little, which is
+    /// reported.
+    pub(super) fn memory_for_file(&mut self, file: &AssetFile, place: Span) -> Option<MemoryShare> {
+        let share = self.options.limits.memory.share(file.len.unwrap_or(0));
+        share.map_err(|over| self.cannot_read(&file.path, &over.to_string(), place)).ok()
+    }
+
     /// Builds the tree of a mesh and stores it, and says what is wrong with it.
     pub(super) fn build_mesh(
         &mut self,
@@ -123,6 +133,16 @@ impl Compiler<'_> {
         if self.has_failed() {
             return None;
         }
+        let memory = &self.options.limits.memory;
+        let (kept, building) = data.memory();
+        let taken = memory.take(kept as u64).and_then(|()| memory.share(building as u64));
+        let _building = match taken {
+            Ok(share) => share,
+            Err(over) => {
+                self.cannot_read(path, &over.to_string(), place);
+                return None;
+            }
+        };
         self.assets.progress(LoadStep::Building { path, triangles: data.faces.len() });
         let built = Mesh::new(data, &self.options.build);
         built.map_err(|error| self.cannot_read(path, &error.to_string(), place)).ok()

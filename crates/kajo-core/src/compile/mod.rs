@@ -124,7 +124,7 @@ fn compile_tree(
     if let Some(item) = materials {
         compiler.materials(item);
     }
-    if let Some(item) = group {
+    if let Some(item) = group.filter(|_| compiler.moving_fit(desc)) {
         compiler.objects(item);
     }
     compiler.glowing_objects();
@@ -251,7 +251,9 @@ impl<'a> Compiler<'a> {
 
     /// Whether there was a mistake, so that no scene will come of it.
     fn has_failed(&self) -> bool {
-        self.diagnostics.has_errors() || !self.file_errors.is_empty()
+        self.diagnostics.has_errors()
+            || !self.file_errors.is_empty()
+            || self.options.limits.memory.was_exceeded()
     }
 
     /// Reads the block of `item`; everything in it that `read` does not ask for is an error.

@@ -58,6 +58,7 @@ impl Compiler<'_> {
     }
 
     fn read_model(&mut self, file: AssetFile, key: &ModelKey, item: Item<'_>, at: Span) -> Option<Parts> {
+        let _reading = self.memory_for_file(&file, at)?;
         let model = match read_gltf(file, self.assets, &self.options.limits) {
             Ok(model) => model,
             Err(error) => {

@@ -11,11 +11,11 @@
 use std::collections::HashMap;
 
 use kajo_math::{DAffine3, Motion};
-use kajo_scene::{Diagnostic, Item, SceneDesc};
+use kajo_scene::{Diagnostic, Item, Limits, SceneDesc};
 
 use super::Compiler;
-use super::definition::{Definition, Part};
-use super::group::{Place, Walk};
+use super::definition::{BYTES_PER_OBJECT, Definition, Part};
+use super::group::{OBJECTS, Place, Walk};
 use crate::family::Pooled;
 use crate::material::MaterialId;
 use crate::nested::{Content, MOST_LEVELS, Member, Placement};
@@ -38,7 +38,80 @@ pub(super) fn uses(desc: &SceneDesc) -> HashMap<String, usize> {
     uses
 }
 
+/// What is known of a definition before it is read.
+#[derive(Clone, Copy, Default)]
+struct Outlook {
+    /// How many parts it has at least.
+    parts: usize,
+    /// Whether any of them moves, so that all are placed one by one wherever the definition is.
+    moves: bool,
+}
+
+/// Counts the parts of definitions that move, which cannot be kept nested, before any is made: a few lines can ask for as
+/// many as memory holds.
+///
+/// Returns the item with which they are more than `most`, and their number by then.
+fn too_many_moving<'t>(desc: &'t SceneDesc, most: usize) -> Option<(Item<'t>, usize)> {
+    let mut known: HashMap<String, Outlook> = HashMap::new();
+    let mut open: Vec<(Item<'t>, Outlook)> = Vec::new();
+    let mut sum = 0usize;
+    for item in desc.items() {
+        while let Some((define, outlook)) = open.pop_if(|(define, _)| define.next_index() <= item.index()) {
+            sum = sum.saturating_add(if outlook.moves { outlook.parts } else { 0 });
+            if sum > most {
+                return Some((define, sum));
+            }
+            known.extend(define.word().map(|word| (word.text().into_owned(), outlook)));
+        }
+        let mut more = Outlook::default();
+        match item.keyword() {
+            "Define" => {
+                open.push((item, Outlook::default()));
+                continue;
+            }
+            "Instance" => {
+                let outlook = item.word().and_then(|word| known.get(&*word.text())).copied();
+                more = outlook.unwrap_or_default();
+                more.moves |= moves(item);
+                more.parts = if more.moves { more.parts } else { more.parts.min(1) };
+            }
+            "Transform" => more.moves = moves(item) && item.children().any(|child| is_object(child)),
+            "Group" | "Model" => {}
+            _ if is_object(item) => more.parts = 1,
+            _ => {}
+        }
+        match open.last_mut() {
+            Some((_, outlook)) => {
+                outlook.parts = outlook.parts.saturating_add(more.parts);
+                outlook.moves |= more.moves;
+            }
+            None if more.moves => sum = sum.saturating_add(more.parts),
+            None => {}
+        }
+        if sum > most {
+            return Some((item, sum));
+        }
+    }
+    None
+}
+
+fn moves(item: Item<'_>) -> bool {
+    item.children().any(|child| child.keyword() == "Motion")
+}
+
+fn is_object(item: Item<'_>) -> bool {
+    OBJECTS.contains(&item.keyword())
+}
+
 impl Compiler<'_> {
+    /// Whether the objects of a scene that move may be made; if not, that is reported.
+    pub(super) fn moving_fit(&mut self, desc: &SceneDesc) -> bool {
+        let Limits { objects, memory, .. } = &self.options.limits;
+        let room = usize::try_from(memory.left()).unwrap_or(usize::MAX) / BYTES_PER_OBJECT;
+        let found = too_many_moving(desc, room.min(*objects));
+        found.is_none_or(|(item, count)| self.has_room(count, item.head_span(), 0))
+    }
+
     /// The number of the assembly that stands for a definition at a place; `None` where its parts are to be placed one by one.
     pub(super) fn assembly_of(
         &mut self,

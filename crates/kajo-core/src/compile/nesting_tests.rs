@@ -2,7 +2,7 @@
 
 use kajo_math::rng::Stream;
 use kajo_math::{Ray, Vec3};
-use kajo_scene::MemoryAssets;
+use kajo_scene::{MemoryAssets, MemoryBudget};
 
 use super::*;
 use crate::scene::{Event, Interaction};
@@ -286,4 +286,51 @@ fn numbers_of_nested_objects_are_known_by_what_places_them() {
     let expected: Vec<u32> = (3..).zip(&placed).filter(|(_, by)| **by == wanted).map(|(i, _)| i).collect();
     assert_eq!(found.into_iter().flatten().collect::<Vec<_>>(), expected);
     assert!(expected.len() > 1000);
+}
+
+/// Twenty-two definitions, each of two instances of the one before it; the innermost has something that moves.
+fn moving_levels() -> String {
+    let motion = "Motion { key 0 { } key 1 { Translate 1 0 0 } }";
+    let ball = "Sphere { center 0 0 0 radius 1 }";
+    let mut text = format!("MaterialIndex 0 Define d0 {{ Transform {{ {motion} {ball} }} }}\n");
+    for i in 1..=22 {
+        let (before, there) = (i - 1, format!("Translate {i} 0 0"));
+        text += &format!("Define d{i} {{ Instance d{before} Instance d{before} {{ {there} }} }}\n");
+    }
+    text + "Instance d22"
+}
+
+#[test]
+fn what_moves_is_counted_before_it_is_made() {
+    let compiled = |memory: MemoryBudget| {
+        let mut parsed = SceneDesc::parse_str(&format!("{CAMERA}{MATERIALS}Group {{ {} }}", moving_levels()));
+        let options = CompileOptions {
+            limits: Limits { memory: memory.clone(), ..Limits::default() },
+            ..CompileOptions::default()
+        };
+        let mut diagnostics = parsed.diagnostics;
+        assert!(compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut diagnostics).is_none());
+        let said: Vec<_> = diagnostics.iter().map(|d| d.message.clone()).collect();
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(memory.used() < 1_000_000, "{} bytes were taken", memory.used());
+        said[0].clone()
+    };
+    assert!(compiled(MemoryBudget::default()).contains("more than 10000000 objects"));
+    let little = MemoryBudget::new(100_000_000);
+    assert!(compiled(little.clone()).contains("there is no memory for the objects of the scene"));
+    assert!(little.was_exceeded());
+}
+
+#[test]
+fn what_moves_little_is_not_refused() {
+    let motion = "Motion { key 0 { } key 1 { Translate 1 0 0 } }";
+    let still = "Instance still ".repeat(100);
+    let group = format!(
+        "MaterialIndex 0 Define still {{ {} }} Define wood {{ {still} }}
+         Define one {{ Transform {{ {motion} Sphere {{ center 0 0 0 radius 1 }} }} }}
+         Define two {{ Instance one Instance one }} Instance two Instance two Instance wood",
+        "Sphere { center 0 0 0 radius 1 }".repeat(100)
+    );
+    let scene = scene(&group, 1000);
+    assert_eq!(scene.object_count(), 10_004);
 }

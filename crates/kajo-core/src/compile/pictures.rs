@@ -17,9 +17,11 @@ use std::fmt;
 use std::sync::Arc;
 
 use kajo_color::{Emission, Reflectance};
-use kajo_image::{DecodeLimits, Decoded, Format};
+use kajo_image::{DecodeLimits, Decoded, Format, ImageError};
 use kajo_math::Vec2;
-use kajo_scene::{Args, Assets, Diagnostic, Diagnostics, Item, Params, Span, read_limited};
+use kajo_scene::{
+    Args, AssetFile, Assets, Diagnostic, Diagnostics, Item, MemoryBudget, Params, Span, read_limited,
+};
 
 use super::CompileOptions;
 use super::spectra::{SpectrumReader, Written, factor};
@@ -40,6 +42,7 @@ pub(super) struct PictureReader<'a> {
     assets: &'a dyn Assets,
     /// Bytes of the largest file.
     limit: u64,
+    memory: &'a MemoryBudget,
     cache: &'a mut PictureCache,
 }
 
@@ -52,7 +55,7 @@ pub(super) struct PaintReader<'a> {
 impl<'a> PaintReader<'a> {
     pub fn new(
         assets: &'a dyn Assets,
-        options: &CompileOptions,
+        options: &'a CompileOptions,
         cache: &'a mut PictureCache,
     ) -> PaintReader<'a> {
         PaintReader {
@@ -209,10 +212,11 @@ fn read_channel(params: &mut Params<'_, '_>) -> Channel {
 impl<'a> PictureReader<'a> {
     pub fn new(
         assets: &'a dyn Assets,
-        options: &CompileOptions,
+        options: &'a CompileOptions,
         cache: &'a mut PictureCache,
     ) -> PictureReader<'a> {
-        PictureReader { assets, limit: options.limits.picture_bytes, cache }
+        let (limit, memory) = (options.limits.picture_bytes, &options.limits.memory);
+        PictureReader { assets, limit, memory, cache }
     }
 }
 
@@ -304,16 +308,14 @@ impl PictureReader<'_> {
     /// * `from`: the path of the file that names it
     pub fn picture(&mut self, name: &str, from: &str, encoding: Option<Encoding>) -> ReadPicture {
         let file = self.assets.open(name, from).map_err(|error| Problem::Unreadable(error.to_string()))?;
-        let (key, limit) = ((file.path.clone(), encoding), self.limit);
-        self.cached(key, || {
-            let bytes = read_limited(file, limit).map_err(|error| error.to_string())?;
-            decode(&bytes, format_of(name))
-        })
+        let (key, limit, memory) = ((file.path.clone(), encoding), self.limit, self.memory);
+        self.cached(key, || read_picture(file, format_of(name), limit, memory))
     }
 
     /// The picture of bytes that another file holds, under a name of its own.
     pub fn held(&mut self, bytes: &[u8], name: &str, encoding: Option<Encoding>) -> ReadPicture {
-        self.cached((name.to_owned(), encoding), || decode(bytes, None))
+        let memory = self.memory;
+        self.cached((name.to_owned(), encoding), || decode(bytes, None, memory))
     }
 
     fn cached(
@@ -327,7 +329,15 @@ impl PictureReader<'_> {
             None => {}
         }
         let encoding = key.1;
-        let read = read().map_err(Problem::Unreadable).map(|decoded| {
+        let read = read().and_then(|decoded| {
+            // The texels are kept; until they are made there are the floats of the file, too.
+            let pixels = u64::from(decoded.image.width()) * u64::from(decoded.image.height());
+            let floats = size_of_val(decoded.image.data()) as u64;
+            let _floats = self.memory.share(floats).map_err(|over| over.to_string())?;
+            self.memory.take(pixels * size_of::<[u16; 4]>() as u64).map_err(|over| over.to_string())?;
+            Ok(decoded)
+        });
+        let read = read.map_err(Problem::Unreadable).map(|decoded| {
             let whole = if decoded.depth.is_some() { Encoding::Srgb } else { Encoding::Linear };
             let (picture, outside) = Picture::new(&decoded.image, encoding.unwrap_or(whole));
             (Arc::new(picture), (outside > 0).then_some(Problem::Outside(outside)))
@@ -362,9 +372,29 @@ fn format_of(name: &str) -> Option<Format> {
     name.rsplit_once('.').and_then(|(_, ending)| Format::from_extension(ending))
 }
 
+/// The picture in a file of at most `limit` bytes.
+pub(super) fn read_picture(
+    file: AssetFile,
+    hint: Option<Format>,
+    limit: u64,
+    memory: &MemoryBudget,
+) -> Result<Decoded, String> {
+    let _file = memory.share(file.len.unwrap_or(0)).map_err(|over| over.to_string())?;
+    let bytes = read_limited(file, limit).map_err(|error| error.to_string())?;
+    decode(&bytes, hint, memory)
+}
+
 /// The picture in the bytes of a file; `hint` is its format where they do not say.
-pub(super) fn decode(bytes: &[u8], hint: Option<Format>) -> Result<Decoded, String> {
-    kajo_image::decode(bytes, hint, &DecodeLimits::default()).map_err(|error| error.to_string())
+pub(super) fn decode(bytes: &[u8], hint: Option<Format>, memory: &MemoryBudget) -> Result<Decoded, String> {
+    let usual = DecodeLimits::default();
+    let limits = DecodeLimits { max_bytes: usual.max_bytes.min(memory.left()), ..usual };
+    kajo_image::decode(bytes, hint, &limits).map_err(|error| match error {
+        ImageError::Limit { needed, limit, .. } if limit == limits.max_bytes && limit < usual.max_bytes => {
+            memory.exceeded(needed).to_string()
+        }
+        ImageError::Memory { needed } => memory.exceeded(needed).to_string(),
+        error => error.to_string(),
+    })
 }
 
 #[cfg(test)]
@@ -645,7 +675,8 @@ mod tests {
     #[test]
     fn a_file_is_read_once() {
         let (assets, mut cache) = (assets(), PictureCache::new());
-        let mut reader = PictureReader::new(&assets, &CompileOptions::default(), &mut cache);
+        let options = CompileOptions::default();
+        let mut reader = PictureReader::new(&assets, &options, &mut cache);
         let mut read = |name, from, encoding| reader.picture(name, from, encoding).map(|read| read.0).ok();
         let first = read("skins/colors.png", "s.txt", None).expect("a picture");
         let again = read("colors.png", "skins/a.mtl", None).expect("a picture");

@@ -77,6 +77,21 @@ pub struct MeshData {
     pub material_slots: Option<Vec<u32>>,
 }
 
+impl MeshData {
+    /// Bytes of the mesh with its tree, and more bytes while that is built.
+    pub(crate) fn memory(&self) -> (usize, usize) {
+        const TREE: usize = 64;
+        const BUILDING: usize = 128;
+        let corners = |bytes: Option<usize>| bytes.unwrap_or(0);
+        let lists = size_of_val(&*self.positions)
+            + size_of_val(&*self.faces)
+            + corners(self.normals.as_ref().map(CornerValues::bytes))
+            + corners(self.uvs.as_ref().map(CornerValues::bytes))
+            + self.material_slots.as_ref().map_or(0, |slots| size_of_val(&**slots));
+        (lists + TREE * self.faces.len(), BUILDING * self.faces.len())
+    }
+}
+
 impl Mesh {
     /// Builds the tree of a mesh.
     ///

@@ -96,6 +96,9 @@ impl Parser<'_> {
         span: Option<Span>,
     ) -> Result<SourceId, Diagnostic> {
         self.count_text(bytes.len(), span)?;
+        self.limits.memory.take(bytes.len() as u64).map_err(|over| {
+            at(span, "included here", Diagnostic::error(format!("there is no memory for `{path}`: {over}")))
+        })?;
         let text = match String::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => return Err(self.not_utf8(path, &error)),

@@ -69,7 +69,7 @@ impl Compilation {
         let Compilation { generation, tree, files, disk, options, meshes } = self;
         let compile_options = CompileOptions {
             dialect: options.dialect,
-            limits: options.limits,
+            limits: options.budgeted(),
             meshes: Some(meshes),
             ..CompileOptions::default()
         };
