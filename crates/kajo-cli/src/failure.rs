@@ -1,12 +1,16 @@
 //! How a run of the program can end other than well, and the exit code that says so.
 
+use std::io::ErrorKind;
 use std::panic::{self, AssertUnwindSafe};
+use std::process;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use kajo::compare::CompareError;
 use kajo::output::OutputError;
 use kajo::{CheckpointError, ImageError, Kept, RenderError, SettingsError};
 
-use crate::console;
+use crate::{console, shortage};
 
 /// Why the program ends early. The text, if any, is still to be shown.
 #[derive(Debug, PartialEq)]
@@ -94,14 +98,26 @@ impl From<SettingsError> for Failure {
 
 impl From<CompareError> for Failure {
     fn from(error: CompareError) -> Failure {
-        Failure::Input(error.to_string())
+        match error {
+            CompareError::Image(ImageError::Memory { .. })
+            | CompareError::Decode { source: ImageError::Memory { .. }, .. } => {
+                Failure::Memory(error.to_string())
+            }
+            CompareError::Read { ref source, .. } if source.kind() == ErrorKind::OutOfMemory => {
+                Failure::Memory(error.to_string())
+            }
+            _ => Failure::Input(error.to_string()),
+        }
     }
 }
 
 /// A picture that was rendered but cannot be put into its file.
 impl From<ImageError> for Failure {
     fn from(error: ImageError) -> Failure {
-        Failure::Output(error.to_string())
+        match error {
+            ImageError::Memory { .. } => Failure::Memory(error.to_string()),
+            _ => Failure::Output(error.to_string()),
+        }
     }
 }
 
@@ -125,12 +141,20 @@ impl From<RenderError> for Failure {
 
 /// Runs `program`, shows how it ended if it failed, and returns the exit code.
 ///
-/// A panic is a bug of ours; it is shown as such and ends with code 4.
+/// A panic is a bug of ours; it is shown as such and ends with code 4. But for those of decoders on the files of others,
+/// which become errors, and those for want of memory.
 pub fn guarded(program: impl FnOnce() -> Result<(), Failure>) -> u8 {
-    panic::set_hook(Box::new(|info| {
+    let panicked = Arc::new(AtomicBool::new(false));
+    shortage::exit_when_aborted(&panicked);
+    panic::set_hook(Box::new(move |info| {
         if kajo::is_contained() {
             return;
         }
+        if shortage::is_meant_by(info.payload_as_str().unwrap_or_default()) {
+            console::error("there is not enough memory to start a thread");
+            process::exit(Failure::Memory(String::new()).code().into());
+        }
+        panicked.store(true, Ordering::SeqCst);
         console::error(&format!("this is a bug in kajo, not in your scene: {info}"));
     }));
     match panic::catch_unwind(AssertUnwindSafe(program)) {

@@ -11,6 +11,7 @@ mod json;
 mod keep;
 mod passes;
 mod progress;
+mod shortage;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

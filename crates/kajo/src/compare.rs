@@ -8,6 +8,12 @@ use kajo_image::colormap::magma;
 use kajo_image::metrics::{self, Comparison, DEFAULT_PIXELS_PER_DEGREE, Exposures};
 use kajo_image::{DecodeLimits, Decoded, Format, Image, ImageError, decode, difference};
 
+use crate::memory;
+
+/// Bytes a pixel while two pictures are compared, beside the pictures: what an eye makes of one of them, and the planes
+/// that the other is blurred in.
+const BYTES_TO_COMPARE: u64 = 130;
+
 /// Two pictures and how far they are apart.
 #[derive(Debug)]
 pub struct Difference {
@@ -52,6 +58,11 @@ impl Difference {
     /// When one of them cannot be read, or they have different sizes.
     pub fn between(reference: &Path, test: &Path) -> Result<Difference, CompareError> {
         let (reference, test) = (read_picture(reference)?, read_picture(test)?);
+        let pixels = u64::from(reference.image.width()) * u64::from(reference.image.height());
+        let needed = pixels.saturating_mul(BYTES_TO_COMPARE);
+        if needed > memory::available() {
+            return Err(ImageError::Memory { needed }.into());
+        }
         let figures = metrics::compare(&reference.image, &test.image)?;
         let flip = match reference.format.is_float() || test.format.is_float() {
             false => metrics::flip(&reference.image, &test.image, DEFAULT_PIXELS_PER_DEGREE)?,
@@ -119,11 +130,22 @@ impl LightDifference {
 /// # Errors
 /// [`CompareError::Read`] and [`CompareError::Decode`].
 pub fn read_picture(path: &Path) -> Result<Decoded, CompareError> {
-    let limits = DecodeLimits::default();
-    let bytes = read_regular(path, limits.max_bytes)
+    let usual = DecodeLimits::default();
+    let limits = DecodeLimits { max_bytes: usual.max_bytes.min(memory::available()), ..usual };
+    let bytes = read_regular(path, usual.max_bytes)
         .map_err(|source| CompareError::Read { path: path.to_path_buf(), source })?;
     let hint = path.extension().and_then(|extension| Format::from_extension(&extension.to_string_lossy()));
-    decode(&bytes, hint, &limits).map_err(|source| CompareError::Decode { path: path.to_path_buf(), source })
+    decode(&bytes, hint, &limits).map_err(|source| {
+        let source = match source {
+            ImageError::Limit { needed, limit, .. }
+                if limit == limits.max_bytes && limit < usual.max_bytes =>
+            {
+                ImageError::Memory { needed }
+            }
+            source => source,
+        };
+        CompareError::Decode { path: path.to_path_buf(), source }
+    })
 }
 
 /// Reads a regular file of at most `limit` bytes.

@@ -205,15 +205,21 @@ pub(crate) fn picture(
 }
 
 pub(crate) fn develop(film: &Film, layer: Layer) -> Result<Image, ImageError> {
-    film.develop(layer).ok_or_else(|| missing(layer))
+    film.develop(layer).ok_or_else(|| missing(film, layer))
 }
 
 fn ids(film: &Film, layer: Layer) -> Result<ChannelData, ImageError> {
-    film.ids(layer).map(ChannelData::U32).ok_or_else(|| missing(layer))
+    film.ids(layer).map(ChannelData::U32).ok_or_else(|| missing(film, layer))
 }
 
-fn missing(layer: Layer) -> ImageError {
-    ImageError::Parameter(format!("the film has no layer {layer:?}, or there is no memory to show it"))
+/// Why there is no picture of a layer: it was not recorded, or else there is no memory.
+fn missing(film: &Film, layer: Layer) -> ImageError {
+    let spec = film.spec();
+    let bytes = u64::from(spec.width) * u64::from(spec.height) * layer.channels() as u64 * 4;
+    match spec.layers.has(layer) {
+        true => ImageError::Memory { needed: bytes },
+        false => ImageError::Parameter(format!("the film has no layer {layer:?}")),
+    }
 }
 
 fn mapped<const N: usize>(image: &Image, map: impl Fn(&[f32]) -> [f32; N]) -> Result<Image, ImageError> {
