@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use kajo::output::Target;
 use kajo::{
-    BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, Format, Highlight, IntegratorKind, LoadOptions, Loaded,
-    Passes, Picture, RenderError, RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest,
-    Settings, Severity, Snapshot, View,
+    BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, EncodeOptions, Format, Highlight, ImageError,
+    IntegratorKind, LoadOptions, Loaded, Passes, Picture, Reduction, RenderError, RenderSettings, RenderStats,
+    Resources, SamplerKind, Scene, SceneDigest, Settings, Severity, Snapshot, View, diagrams,
 };
 
 use crate::args::{DevelopArgs, PassArgs};
@@ -28,6 +28,8 @@ pub struct Job {
     /// What the classic command line says besides.
     pub classic: Option<ClassicWords>,
     pub outputs: Vec<Output>,
+    /// Pictures of how the picture is put together.
+    pub diagrams: Vec<Diagram>,
     /// Bits a channel in PNG files.
     pub depth: BitDepth,
     pub resources: Resources,
@@ -48,6 +50,39 @@ pub struct ClassicWords {
     pub specular_fix: bool,
     /// The samples were asked for by `-uniform_samples`.
     pub uniform_samples: bool,
+    /// Nine rays for a pixel, each anywhere in its ninth.
+    pub jitter: bool,
+    /// Nine rays for a pixel, weighed by 1 2 1 across and down.
+    pub filter: bool,
+}
+
+/// A picture of how the picture is put together.
+#[derive(Debug)]
+pub struct Diagram {
+    pub kind: DiagramKind,
+    /// Columns and rows for a pixel.
+    pub zoom: u32,
+    pub path: PathBuf,
+    pub format: Format,
+}
+
+/// What a diagram shows.
+#[derive(Clone, Copy, Debug)]
+pub enum DiagramKind {
+    /// Where samples lie.
+    Samples,
+    /// The weights of the filter.
+    Filter,
+}
+
+impl Diagram {
+    fn encode(&self, settings: &RenderSettings) -> Result<Vec<u8>, ImageError> {
+        let image = match self.kind {
+            DiagramKind::Samples => diagrams::sample_positions(settings, self.zoom),
+            DiagramKind::Filter => diagrams::filter_shape(settings, self.zoom),
+        };
+        kajo::encode(&image?, self.format, &EncodeOptions::default())
+    }
 }
 
 /// A file to be written and what it shows.
@@ -96,6 +131,8 @@ pub struct Done {
 struct Targets {
     /// For each output that is no standard output.
     outputs: Vec<Target>,
+    /// For each diagram.
+    diagrams: Vec<Target>,
     checkpoint: Option<Target>,
 }
 
@@ -143,6 +180,10 @@ impl Job {
             true => Some(self.prepare_passes(&loaded.files, &targets, interrupt)?),
             false => None,
         };
+        for (diagram, target) in self.diagrams.iter().zip(&targets.diagrams) {
+            let bytes = diagram.encode(&settings).map_err(|error| Failure::Input(error.to_string()))?;
+            target.write(&bytes)?;
+        }
         let outputs: Vec<(View, Format)> = self
             .outputs
             .iter()
@@ -260,6 +301,10 @@ impl Job {
         if words.uniform_samples && is_2004 {
             settings.samples.0 = SamplerKind::Regular;
         }
+        if words.jitter || words.filter {
+            let reduction = if words.filter { Reduction::Binomial } else { Reduction::Mean };
+            settings = settings.reduced(reduction, words.jitter);
+        }
         match (words.specular_fix, is_2004) {
             (true, true) => settings.classic.highlight = Highlight::HalfTimesCosine,
             (true, false) => voice.warn("`-specular_fix` works in dialect mit-2004 only"),
@@ -285,7 +330,8 @@ impl Job {
             Destination::File(path) => Some(path.clone()),
             Destination::StandardOutput => None,
         });
-        let files: Vec<PathBuf> = files.chain(self.passes.checkpoint.clone()).collect();
+        let diagrams = self.diagrams.iter().map(|diagram| diagram.path.clone());
+        let files: Vec<PathBuf> = files.chain(diagrams).chain(self.passes.checkpoint.clone()).collect();
         let mut outputs = Target::check_all(&files, inputs)?;
         if let Some(folder) = &self.confined_to {
             let outside = outputs.iter().find(|target| !target.is_file_within(folder));
@@ -294,12 +340,13 @@ impl Job {
             }
         }
         let checkpoint = self.passes.checkpoint.as_ref().and_then(|_| outputs.pop());
+        let diagrams = outputs.split_off(outputs.len() - self.diagrams.len());
         match checkpoint {
             Some(target) if target.is_stream() => Err(Failure::Output(format!(
                 "cannot keep a checkpoint in `{}`: it is a pipe or a device",
                 target.path().display()
             ))),
-            checkpoint => Ok(Targets { outputs, checkpoint }),
+            checkpoint => Ok(Targets { outputs, diagrams, checkpoint }),
         }
     }
 }

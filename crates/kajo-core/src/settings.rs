@@ -45,7 +45,11 @@ impl Dialect {
             raw_up: false,
             smooth_meshes: false,
             matrix_by_rows: false,
+            spans_width: false,
+            radial_tent: false,
             reflects_specular: false,
+            texture_is_diffuse: false,
+            mirrors_back_face: false,
             shadow_attenuation: ShadowAttenuation::Length,
             maps: MapRules::Inverted,
         };
@@ -54,6 +58,8 @@ impl Dialect {
             Dialect::Mit2004 => Rules {
                 highlight: Highlight::Half,
                 matrix_by_rows: true,
+                spans_width: true,
+                radial_tent: true,
                 shadow_attenuation: ShadowAttenuation::Surface,
                 ..handout
             },
@@ -62,6 +68,8 @@ impl Dialect {
                 raw_up: true,
                 smooth_meshes: true,
                 reflects_specular: true,
+                texture_is_diffuse: true,
+                mirrors_back_face: true,
                 maps: MapRules::Direct,
                 ..handout
             },
@@ -84,8 +92,16 @@ pub struct Rules {
     pub smooth_meshes: bool,
     /// `Matrix` is read row by row.
     pub matrix_by_rows: bool,
+    /// The angle and the size of a camera are those of the picture's width instead of its height.
+    pub spans_width: bool,
+    /// A tent filter is a cone.
+    pub radial_tent: bool,
     /// Mirror rays are weighted by the specular colour.
     pub reflects_specular: bool,
+    /// A `texture` stands in place of the diffuse colour instead of being a factor of it.
+    pub texture_is_diffuse: bool,
+    /// The back face of a cube map is mirrored.
+    pub mirrors_back_face: bool,
     /// How transparent things weaken light unless the scene or the user says otherwise.
     pub shadow_attenuation: ShadowAttenuation,
     /// How depth and normals become pictures.

@@ -14,6 +14,7 @@ mod strokes;
 
 use kajo_core::camera::{Camera, Frame, OrthographicCamera, PerspectiveCamera, Raster, ThinLens};
 use kajo_core::scene::Scene;
+use kajo_core::settings::Rules;
 use kajo_math::{Aabb, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4, Ray, Vec2, fmath};
 
 pub use strokes::Stroke;
@@ -33,6 +34,8 @@ pub struct CameraPose {
     still: Camera,
     /// Whether samples lie on the corners of the picture, as one dialect has it.
     corner_samples: bool,
+    /// Whether angles and sizes are those of the width, as one dialect has it.
+    spans_width: bool,
     /// The direction that stays up when the camera turns.
     level: DVec3,
 }
@@ -42,12 +45,18 @@ impl CameraPose {
     pub fn of(scene: &Scene) -> CameraPose {
         let still = still(&scene.camera);
         let level = nearest_axis(still.frame().up);
-        let corner_samples = scene.rules.corner_samples;
-        CameraPose { camera: scene.camera.clone(), still, corner_samples, level }
+        let Rules { corner_samples, spans_width, .. } = scene.rules;
+        CameraPose { camera: scene.camera.clone(), still, corner_samples, spans_width, level }
     }
 
     fn new(camera: Camera, up: DVec3) -> CameraPose {
-        CameraPose { still: camera.clone(), camera, corner_samples: false, level: nearest_axis(up) }
+        CameraPose {
+            still: camera.clone(),
+            camera,
+            corner_samples: false,
+            spans_width: false,
+            level: nearest_axis(up),
+        }
     }
 
     /// A pinhole camera at `eye` that looks at `target`.
@@ -325,7 +334,8 @@ impl CameraPose {
     }
 
     fn raster(&self, size: [u32; 2]) -> Raster {
-        Raster { size, corner_samples: self.corner_samples }
+        let spans_width = self.spans_width && self.still.has_extent();
+        Raster { size, corner_samples: self.corner_samples, spans_width }
     }
 
     fn set_frame(&mut self, frame: Frame) {

@@ -388,12 +388,12 @@ impl Picture {
 
     /// Columns and rows.
     pub fn size(&self) -> [u32; 2] {
-        self.settings.size
+        self.settings.picture_size()
     }
 
     /// Samples of a pixel on average, those of earlier runs included.
     pub fn mean_samples(&self) -> f64 {
-        let [width, height] = self.settings.size.map(f64::from);
+        let [width, height] = self.size().map(f64::from);
         self.film.samples() as f64 / (width * height)
     }
 

@@ -9,7 +9,8 @@ use kajo_core::settings::{FilterChoice, IntegratorKind, MapRules, Settings, Shad
 use kajo_render::integrator::{ClassicSettings, PathSettings};
 use kajo_render::{DepthMap, Filter, NormalMap};
 
-use crate::Development;
+use crate::reduction::SIDE;
+use crate::{Development, Reduction};
 
 mod idle;
 
@@ -51,6 +52,8 @@ pub struct RenderSettings {
     pub development: Development,
     /// Whether PNG and TGA files get an alpha channel of ones, as the course program writes them.
     pub opaque_alpha: bool,
+    /// Three by three pixels become one when a picture is written; `size` counts them before.
+    pub reduction: Option<Reduction>,
 }
 
 /// Why a scene cannot be rendered as asked.
@@ -95,7 +98,7 @@ impl RenderSettings {
         Ok(RenderSettings {
             size,
             samples: asked.samples.or(own.samples).unwrap_or(default_samples),
-            filter: film_filter(filter),
+            filter: film_filter(filter, scene.rules.radial_tent && !splats(integrator)),
             seed: asked.seed.or(own.seed).unwrap_or(0),
             integrator,
             path: path_settings(integrator, asked, own),
@@ -116,6 +119,7 @@ impl RenderSettings {
             maps: scene.rules.maps,
             development: development(integrator, asked, own),
             opaque_alpha: classic,
+            reduction: None,
         })
     }
 
@@ -137,7 +141,7 @@ impl RenderSettings {
                 "nothing in this scene gives light, so the picture is black",
             ),
             (
-                self.integrator == IntegratorKind::Light && !connects(scene),
+                self.integrator == IntegratorKind::Light && !connects(scene, self.size),
                 "light from lamps does not find this camera, only perspective and orthographic ones",
             ),
             (
@@ -158,6 +162,20 @@ impl RenderSettings {
             ),
         ];
         notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
+    }
+
+    /// The same for a picture whose pixels are made of three by three each, of one ray.
+    ///
+    /// * `at_random`: each ray anywhere in its pixel of those
+    pub fn reduced(self, reduction: Reduction, at_random: bool) -> RenderSettings {
+        let kind = if at_random { SamplerKind::Jittered } else { SamplerKind::Regular };
+        let size = self.size.map(|n| n.saturating_mul(SIDE));
+        RenderSettings { size, samples: (kind, 1), filter: Filter::None, reduction: Some(reduction), ..self }
+    }
+
+    /// Columns and rows of the picture when it is written.
+    pub fn picture_size(&self) -> [u32; 2] {
+        self.size.map(|n| if self.reduction.is_some() { n / SIDE } else { n })
     }
 
     /// Where samples lie within a pixel.
@@ -212,9 +230,10 @@ fn path_settings(integrator: IntegratorKind, asked: &Settings, own: &Settings) -
 }
 
 /// Whether points can be joined with the camera.
-fn connects(scene: &Scene) -> bool {
+fn connects(scene: &Scene, size: [u32; 2]) -> bool {
     let knows_places = matches!(scene.camera.at_rest(), Camera::Perspective(_) | Camera::Orthographic(_));
-    knows_places && !scene.rules.corner_samples
+    let [width, height] = size;
+    knows_places && !scene.rules.corner_samples && !(scene.rules.spans_width && width != height)
 }
 
 /// A size that the camera's picture looks right in.
@@ -250,8 +269,15 @@ fn check_size(camera: &Camera, size: [u32; 2]) -> Result<(), SettingsError> {
     }
 }
 
-fn film_filter(choice: FilterChoice) -> Filter {
+/// Whether an integrator brings light for any place of the picture, whose sums know products of profiles only.
+fn splats(integrator: IntegratorKind) -> bool {
+    matches!(integrator, IntegratorKind::Bidirectional | IntegratorKind::Light)
+}
+
+/// * `radial`: a tent is a cone
+fn film_filter(choice: FilterChoice, radial: bool) -> Filter {
     match choice {
+        FilterChoice::Tent(radius) if radial => Filter::Cone { radius },
         FilterChoice::None => Filter::None,
         FilterChoice::Box(radius) => Filter::Box { radius },
         FilterChoice::Tent(radius) => Filter::Tent { radius },

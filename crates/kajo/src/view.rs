@@ -147,6 +147,10 @@ pub(crate) fn encode(
     look: &Look<'_>,
 ) -> Result<Vec<u8>, ImageError> {
     let text = vec![("Software".to_owned(), concat!("kajo ", env!("CARGO_PKG_VERSION")).to_owned())];
+    if format == Format::Exr && settings.reduction.is_some() {
+        let message = "pictures whose pixels are made of several are no OpenEXR files; choose another format";
+        return Err(ImageError::Parameter(message.to_owned()));
+    }
     if format == Format::Exr {
         let layers = exr_layers(film, views, look)?;
         let chromaticities = look.development.chromaticities();
@@ -166,6 +170,10 @@ pub(crate) fn encode(
             groups
         }
         _ => picture(film, *view, format, settings)?,
+    };
+    let image = match settings.reduction {
+        Some(reduction) => reduction.reduce(&image)?,
+        None => image,
     };
     kajo_image::encode(&image, format, &options)
 }

@@ -3,34 +3,34 @@
 use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, FromArgMatches, parser::ValueSource};
-use kajo::{BitDepth, Defaults, FilterChoice, SamplerKind, Settings, Shadows, View};
+use kajo::{BitDepth, Defaults, FilterChoice, Format, SamplerKind, Settings, Shadows, View};
 
 use super::values::{self, MakeFilter, Size};
 use super::{DevelopArgs, PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
-use crate::job::{ClassicWords, Destination, Job, Output};
+use crate::job::{ClassicWords, Destination, Diagram, DiagramKind, Job, Output};
 
 /// Options of older programs that mean nothing here, and how many values each has.
-const MEANINGLESS: [(&str, usize); 19] = [
+const MEANINGLESS: [(&str, usize); 12] = [
     ("curve_tessellation", 1),
     ("draw_vectors", 1),
     ("dt", 1),
-    ("filter", 0),
     ("gouraud", 0),
     ("grid", 3),
     ("gui", 0),
     ("integrator_color", 0),
-    ("jitter", 0),
     ("motion_blur", 0),
-    ("output_bezier", 1),
-    ("output_bspline", 1),
     ("patch_tessellation", 1),
     ("refresh", 1),
-    ("render_filter", 2),
-    ("render_samples", 2),
     ("revolution_tessellation", 1),
     ("tessellation", 2),
-    ("visualize_grid", 0),
+];
+
+/// Options of older programs that ask for something that there is not here, with how many values each has and why not.
+const REFUSED: [(&str, usize, &str); 3] = [
+    ("output_bezier", 1, "there are no curves here to be written"),
+    ("output_bspline", 1, "there are no curves here to be written"),
+    ("visualize_grid", 0, "rays find their way by a tree of boxes here, and there is no grid to be shown"),
 ];
 
 const SAMPLE_OPTIONS: [&str; 4] =
@@ -44,6 +44,8 @@ pub struct ClassicArgs {
     known: KnownArgs,
     /// Meaningless options that were given.
     ignored: Vec<&'static str>,
+    /// The first of the refused ones that was given, and why it is refused.
+    refused: Option<(&'static str, &'static str)>,
 }
 
 /// The options that do something. Each may be written with one dash; the last of several wins.
@@ -110,6 +112,18 @@ struct KnownArgs {
     /// Weigh rays by a windowed sinc
     #[arg(long = "lanczos_filter", value_name = "R", overrides_with_all = FILTER_OPTIONS, value_parser = values::filter_width)]
     lanczos_filter: Option<f32>,
+    /// Three by three rays for each pixel, each anywhere in its ninth
+    #[arg(long)]
+    jitter: bool,
+    /// Three by three rays for each pixel, weighed by 1 2 1 across and down
+    #[arg(long)]
+    filter: bool,
+    /// A picture of where the samples lie, each pixel ZOOM times as large
+    #[arg(long = "render_samples", value_names = ["FILE", "ZOOM"], num_args = 2)]
+    render_samples: Option<Vec<std::ffi::OsString>>,
+    /// A picture of the filter's shape, each pixel ZOOM times as large
+    #[arg(long = "render_filter", value_names = ["FILE", "ZOOM"], num_args = 2)]
+    render_filter: Option<Vec<std::ffi::OsString>>,
     /// Weaken highlights at grazing light; dialect mit-2004 only
     #[arg(long = "specular_fix")]
     specular_fix: bool,
@@ -128,14 +142,15 @@ fn samples() -> clap::builder::RangedI64ValueParser<u32> {
 
 impl Args for ClassicArgs {
     fn augment_args(command: clap::Command) -> clap::Command {
-        let ignored = MEANINGLESS.map(|(name, values)| {
+        let refused = REFUSED.map(|(name, values, _)| (name, values));
+        let hidden = MEANINGLESS.into_iter().chain(refused).map(|(name, values)| {
             let arg = Arg::new(name).long(name).hide(true);
             match values {
                 0 => arg.action(clap::ArgAction::SetTrue),
                 n => arg.num_args(n).allow_negative_numbers(true),
             }
         });
-        KnownArgs::augment_args(command).args(ignored)
+        KnownArgs::augment_args(command).args(hidden)
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {
@@ -147,7 +162,8 @@ impl FromArgMatches for ClassicArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<ClassicArgs, clap::Error> {
         let given = |name: &&str| matches.value_source(name) == Some(ValueSource::CommandLine);
         let ignored = MEANINGLESS.into_iter().map(|(name, _)| name).filter(given).collect();
-        Ok(ClassicArgs { known: KnownArgs::from_arg_matches(matches)?, ignored })
+        let refused = REFUSED.into_iter().find(|(name, ..)| given(name)).map(|(name, _, why)| (name, why));
+        Ok(ClassicArgs { known: KnownArgs::from_arg_matches(matches)?, ignored, refused })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -172,8 +188,11 @@ impl ClassicArgs {
     /// The same as a job.
     ///
     /// # Errors
-    /// When a name says no format, or a depth is no number.
+    /// When a name says no format, a depth or a zoom is no number, or an option asks for what there is not.
     pub fn job(&self) -> Result<Job, Failure> {
+        if let Some((name, why)) = self.refused {
+            return Err(Failure::Input(format!("`-{name}` cannot be done: {why}")));
+        }
         let known = &self.known;
         let (depth_range, depth_file) = known.depth()?;
         let files =
@@ -185,6 +204,13 @@ impl ClassicArgs {
                 Ok(Output { format: destination.format()?, destination, views: vec![view] })
             })
             .collect();
+        let outputs = outputs?;
+        if (known.jitter || known.filter) && outputs.iter().any(|output| output.format == Format::Exr) {
+            let message = "pictures made of three by three rays for each pixel are no OpenEXR files";
+            return Err(Failure::Input(format!(
+                "{message}; choose another format for `-jitter` and `-filter`"
+            )));
+        }
         Ok(Job {
             scene: known.input.clone(),
             load: known.scene_args.options(),
@@ -194,8 +220,11 @@ impl ClassicArgs {
                 uv: known.uv,
                 specular_fix: known.specular_fix,
                 uniform_samples: known.uniform_samples.is_some(),
+                jitter: known.jitter,
+                filter: known.filter,
             }),
-            outputs: outputs?,
+            outputs,
+            diagrams: known.diagrams()?,
             depth: BitDepth::Eight,
             resources: known.run.resources(),
             keep_partial: known.run.keep_partial,
@@ -207,6 +236,27 @@ impl ClassicArgs {
 }
 
 impl KnownArgs {
+    fn diagrams(&self) -> Result<Vec<Diagram>, Failure> {
+        let asked = [
+            ("render_samples", &self.render_samples, DiagramKind::Samples),
+            ("render_filter", &self.render_filter, DiagramKind::Filter),
+        ];
+        let mut diagrams = Vec::new();
+        for (option, values, kind) in asked {
+            let Some([file, zoom]) = values.as_deref() else { continue };
+            let text = zoom.to_string_lossy();
+            let Some(zoom) = text.parse().ok().filter(|zoom| (1..=values::MAX_ZOOM).contains(zoom)) else {
+                let most = values::MAX_ZOOM;
+                let message = format!("expected a whole number from 1 to {most}, found `{text}`");
+                return Err(Failure::Input(format!("`-{option} FILE ZOOM`: {message}")));
+            };
+            let path = PathBuf::from(file);
+            let format = Destination::File(path.clone()).format()?;
+            diagrams.push(Diagram { kind, zoom, path, format });
+        }
+        Ok(diagrams)
+    }
+
     fn depth(&self) -> Result<(Option<[f32; 2]>, Option<PathBuf>), Failure> {
         let Some([min, max, file]) = self.depth.as_deref() else { return Ok((None, None)) };
         let number = |text: &std::ffi::OsString| {

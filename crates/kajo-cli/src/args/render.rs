@@ -131,6 +131,7 @@ impl RenderArgs {
             asked: self.settings(),
             classic: None,
             outputs: self.outputs()?,
+            diagrams: Vec::new(),
             depth: if self.bits == "16" { BitDepth::Sixteen } else { BitDepth::Eight },
             resources: self.run.resources(),
             keep_partial: self.run.keep_partial,

@@ -28,6 +28,9 @@ impl FromStr for Size {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Samples(pub SamplerKind, pub u32);
 
+/// The most columns and rows for a pixel of a diagram.
+pub const MAX_ZOOM: u32 = 1000;
+
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: i64 = 1 << 20;
 

@@ -51,6 +51,7 @@ fn summary(job: &Job, done: &Done) -> String {
             Destination::File(path) => path.display().to_string(),
             Destination::StandardOutput => "standard output".to_owned(),
         })
+        .chain(job.diagrams.iter().map(|diagram| diagram.path.display().to_string()))
         .collect();
     let names = if names.is_empty() { "nothing written".to_owned() } else { names.join(", ") };
     let [width, height] = done.size;

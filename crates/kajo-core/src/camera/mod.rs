@@ -116,6 +116,11 @@ impl Camera {
         }
     }
 
+    /// Whether the camera has an angle or a size that is that of the picture's height, or in one dialect its width.
+    pub fn has_extent(&self) -> bool {
+        matches!(self.at_rest(), Camera::Orthographic(_) | Camera::Perspective(_))
+    }
+
     /// Width over height that the picture should have, where the camera demands one.
     pub fn natural_aspect(&self) -> Option<f32> {
         match self.at_rest() {

@@ -9,6 +9,8 @@ pub struct Raster {
     pub size: [u32; 2],
     /// Whether the middles of the outermost pixels lie on the picture's edge, as one dialect has it.
     pub corner_samples: bool,
+    /// Whether what the camera sees spans the picture's width, as one dialect has it, and not its height.
+    pub spans_width: bool,
 }
 
 impl Raster {
@@ -19,9 +21,20 @@ impl Raster {
         w / h
     }
 
+    /// Picture coordinates at the upper edge: 1 where the camera spans the height. The rays of a picture as high as
+    /// wide, drawn together or apart on both axes, are those that span the width of any other.
+    #[inline]
+    pub fn scale(&self) -> f32 {
+        if self.spans_width { 1.0 / self.aspect() } else { 1.0 }
+    }
+
     /// The picture coordinates of a place on the film; see [`super::Camera::ray`].
     #[inline]
     pub fn picture(&self, raster: Vec2) -> Vec2 {
+        self.scale() * self.over_film(raster)
+    }
+
+    fn over_film(&self, raster: Vec2) -> Vec2 {
         let [w, h] = self.size.map(|n| n as f32);
         if self.corner_samples {
             let across = |x: f32, n: f32| if n > 1.0 { 2.0 * (x - 0.5) / (n - 1.0) - 1.0 } else { 0.0 };
@@ -34,6 +47,7 @@ impl Raster {
     /// The place on the film of picture coordinates.
     pub fn place(&self, at: DVec2) -> DVec2 {
         let [w, h] = self.size.map(f64::from);
+        let at = at / f64::from(self.scale());
         let [across, down] = [0.5 * (at.x + 1.0), 0.5 * (1.0 - at.y)];
         if self.corner_samples {
             DVec2::new(across * (w - 1.0) + 0.5, down * (h - 1.0) + 0.5)
@@ -46,7 +60,7 @@ impl Raster {
     pub fn reach(&self) -> DVec2 {
         let share =
             |n: u32| if self.corner_samples { f64::from(n - n.min(1)) / f64::from(n.max(1)) } else { 1.0 };
-        DVec2::new(share(self.size[0]), share(self.size[1]))
+        DVec2::new(share(self.size[0]), share(self.size[1])) / f64::from(self.scale())
     }
 }
 
@@ -56,8 +70,8 @@ mod tests {
 
     #[test]
     fn places_go_both_ways() {
-        for corner_samples in [false, true] {
-            let raster = Raster { size: [40, 30], corner_samples };
+        for (corner_samples, spans_width) in [(false, false), (true, false), (false, true), (true, true)] {
+            let raster = Raster { size: [40, 30], corner_samples, spans_width };
             for place in [Vec2::new(0.5, 0.5), Vec2::new(13.25, 29.0), Vec2::new(39.5, 2.0)] {
                 let at = raster.picture(place).as_dvec2();
                 assert!(raster.place(at).distance(place.as_dvec2()) < 1e-5);
@@ -67,7 +81,9 @@ mod tests {
                 assert!((at * raster.reach()).distance(over_film) < 1e-6);
             }
         }
-        let corners = Raster { size: [40, 30], corner_samples: true };
+        let corners = Raster { size: [40, 30], corner_samples: true, spans_width: false };
         assert_eq!(corners.picture(Vec2::new(0.5, 0.5)), Vec2::new(-1.0, 1.0));
+        let wide = Raster { size: [40, 20], corner_samples: false, spans_width: true };
+        assert_eq!(wide.picture(Vec2::new(0.0, 0.0)), Vec2::new(-0.5, 0.5));
     }
 }

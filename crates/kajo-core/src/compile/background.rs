@@ -83,8 +83,9 @@ impl Compiler<'_> {
     fn cube_map(&mut self, item: Item<'_>, folder: &str) -> Option<Box<CubeMap>> {
         let faces = FACE_NAMES
             .map(|face| self.picture(item, &format!("{}/{face}.png", folder.trim_end_matches('/'))));
-        let [a, b, c, d, e, f] = faces;
-        Some(Box::new(CubeMap::new([a?, b?, c?, d?, e?, f?])))
+        let [right, left, up, down, front, back] = faces;
+        let back = if self.rules.mirrors_back_face { mirrored(&back?) } else { back? };
+        Some(Box::new(CubeMap::new([right?, left?, up?, down?, front?, back])))
     }
 
     /// Reads a picture that the scene names.
@@ -125,6 +126,21 @@ impl Compiler<'_> {
             Some(Fog { color: color?.into(), density: density?, falloff, height })
         })
     }
+}
+
+/// A picture with left and right exchanged.
+fn mirrored(image: &Image) -> Image {
+    let mut result = image.clone();
+    let channels = image.channels();
+    for y in 0..image.height() {
+        let turned = image.row(y).chunks_exact(channels).rev();
+        result
+            .row_mut(y)
+            .chunks_exact_mut(channels)
+            .zip(turned)
+            .for_each(|(to, from)| to.copy_from_slice(from));
+    }
+    result
 }
 
 /// The keys of a picture of all directions.

@@ -45,6 +45,7 @@ impl Compiler<'_> {
         };
         let raw_up = self.rules.raw_up;
         let (mut lens_keys, mut moves) = (None, None);
+        let mut size = None;
         let (mut shutter, mut readout) = (Shutter::default(), 0.0);
         let camera = self.read(item, |params| {
             shutter = motion::shutter(params);
@@ -65,6 +66,7 @@ impl Compiler<'_> {
                 "PerspectiveCamera" => {
                     let angle = params.required("angle", Args::number);
                     warn_of_angle(params, angle);
+                    size = picture_size(params);
                     lens_keys = LensKeys::read(params);
                     Camera::Perspective(PerspectiveCamera::new(frame?, f64::from(angle?).to_radians()))
                 }
@@ -84,7 +86,7 @@ impl Compiler<'_> {
             })
         });
         let lens = lens_keys.and_then(|keys| self.lens(keys));
-        (self.shutter, self.readout) = (shutter, readout);
+        (self.shutter, self.readout, self.camera_size) = (shutter, readout, size);
         let moves = moves.and_then(|item| self.camera_motion(item));
         let camera = camera?.with_lens(lens);
         Some(match moves {
@@ -102,6 +104,23 @@ impl Compiler<'_> {
             return None;
         }
         Some(MovingTransform::new(Motion::keyed(keys), self.shutter))
+    }
+}
+
+/// Columns and rows of the picture, which scenes of one course have in their camera.
+fn picture_size(params: &mut Params<'_, '_>) -> Option<[u32; 2]> {
+    let mut side = |key, other: &str| {
+        let read = params.optional(key, |args| Ok((args.int_in(1..=1 << 24)? as u32, args.item())));
+        (read, other.to_owned())
+    };
+    match (side("width", "height"), side("height", "width")) {
+        ((Some((width, _)), _), (Some((height, _)), _)) => Some([width, height]),
+        ((Some((_, item)), other), (None, _)) | ((None, _), (Some((_, item)), other)) => {
+            let error = Diagnostic::error(format!("`{}` needs a `{other}` beside it", item.keyword()));
+            params.diagnostics().push(error.label(item.head_span(), "says half of a size"));
+            None
+        }
+        ((None, _), (None, _)) => None,
     }
 }
 

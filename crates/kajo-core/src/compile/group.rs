@@ -29,8 +29,19 @@ pub(super) const OBJECTS: [&str; 13] = [
     "Triangle",
     "TriangleMesh",
 ];
-const LATER: [&str; 8] =
-    ["Blob", "Difference", "HeightField", "Intersection", "Isosurface", "Quartic", "Torus", "Union"];
+const LATER: [&str; 11] = [
+    "BezierCurve",
+    "Blob",
+    "BsplineCurve",
+    "Difference",
+    "HeightField",
+    "Intersection",
+    "Isosurface",
+    "Quartic",
+    "RevSurface",
+    "Torus",
+    "Union",
+];
 
 /// The running state of a walk through groups.
 #[derive(Default)]

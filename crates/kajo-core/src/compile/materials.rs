@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use kajo_color::{Reflectance, Spectrum};
-use kajo_math::Affine3A;
+use kajo_math::{Affine3A, Vec3};
 use kajo_scene::{Args, Diagnostic, Item, Params, Span};
 
 use super::emitters::{Glow, read_glow};
@@ -21,6 +21,7 @@ use super::{Compiler, transform};
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::material::{Blend, Embossed, MaterialId, Perforated, PhongMaterial, Relief};
+use crate::settings::Rules;
 use crate::texture::{Checker, Constant, Marble, Noise, Share, TextureId, Wood};
 
 pub(super) const KEYWORDS: [&str; 11] = [
@@ -46,6 +47,8 @@ const OPAQUE: f32 = 1e30;
 /// A material as it is written, before its references are followed.
 enum Draft<'t> {
     Phong(PhongMaterial, Extras),
+    /// Two materials that differ in their colour, and the veins that mix them.
+    Veined(Box<[PhongMaterial; 2]>, TextureId, Extras),
     Physical(Physical, Extras),
     Blend(BlendDraft<'t>),
 }
@@ -166,13 +169,16 @@ impl Compiler<'_> {
     fn draft<'t>(&mut self, item: Item<'t>) -> Option<Draft<'t>> {
         let keyword = item.keyword();
         if let "Material" | "PhongMaterial" = keyword {
-            let reflects_specular = self.rules.reflects_specular;
             let mut paints = PaintReader::new(self.assets, self.options, &mut self.pictures);
             let mut params = Params::new(item, self.diagnostics);
-            let phong = read_phong(&mut params, &mut paints, reflects_specular);
+            let phong = read_phong(&mut params, &mut paints, &self.rules);
+            let veins = params.block("Noise");
             let extras = Extras::read(&mut params, &mut paints, &mut self.light_groups);
             params.finish();
-            return Some(Draft::Phong(phong, extras));
+            return match veins {
+                None => Some(Draft::Phong(phong, extras)),
+                Some(item) => self.veined(item, &phong, extras),
+            };
         }
         if PHYSICAL.contains(&keyword) {
             let mut paints = PaintReader::new(self.assets, self.options, &mut self.pictures);
@@ -189,7 +195,7 @@ impl Compiler<'_> {
         let parts = params.take(&["materialIndex"]);
         let amount = (keyword == "Mix").then(|| params.or("amount", 0.5, |args| args.number_in(0.0..=1.0)));
         let is_noisy = !matches!(keyword, "Checkerboard" | "Mix");
-        let shape = is_noisy.then(|| Turbulence::read(&mut params, keyword));
+        let shape = is_noisy.then(|| Turbulence::read(&mut params, keyword != "Noise"));
         params.finish();
         let parts: Vec<_> = parts
             .into_iter()
@@ -217,6 +223,25 @@ impl Compiler<'_> {
         };
         let place = item.head_span();
         Some(Draft::Blend(BlendDraft { pattern: pattern?, pattern_from_world, parts, place }))
+    }
+
+    /// A material whose diffuse colour goes from one to another in veins: a `Noise` block within it.
+    fn veined<'t>(&mut self, item: Item<'t>, phong: &PhongMaterial, extras: Extras) -> Option<Draft<'t>> {
+        let mut params = Params::new(item, self.diagnostics);
+        let colors = params.take(&["color"]);
+        let Turbulence { octaves, frequency, amplitude } = Turbulence::read(&mut params, true);
+        params.finish();
+        if let Some(third) = colors.get(2) {
+            let error = Diagnostic::error("veins go from one `color` to another, and there is a third");
+            self.diagnostics.push(error.label(third.head_span(), "one too many"));
+        }
+        let mut color = |i: usize, default| {
+            let read = colors.get(i).and_then(|&item| Args::read(item, self.diagnostics, Args::vec3));
+            phong.with_diffuse(read.unwrap_or(default).into())
+        };
+        let parts = [color(0, Vec3::ZERO), color(1, Vec3::ONE)];
+        let pattern = Marble { octaves, frequency, amplitude }.store(&mut self.textures)?;
+        Some(Draft::Veined(Box::new(parts), pattern, extras))
     }
 
     /// Puts draft `i` and everything it refers to into the pools.
@@ -262,6 +287,15 @@ impl Compiler<'_> {
             None => State::Failed,
             Some(Draft::Phong(phong, extras)) => {
                 let id = phong.clone().store(&mut self.materials);
+                self.with_extras(id, extras)
+            }
+            Some(Draft::Veined(parts, pattern, extras)) => {
+                let [first, second] = parts.each_ref().map(|part| part.clone().store(&mut self.materials));
+                let id = first.zip(second).and_then(|(first, second)| {
+                    let (pattern, pattern_from_world) = (*pattern, Affine3A::IDENTITY);
+                    let materials = [first, second];
+                    Blend { pattern, pattern_from_world, materials }.store(&mut self.materials)
+                });
                 self.with_extras(id, extras)
             }
             Some(Draft::Physical(physical, extras)) => {
@@ -426,11 +460,8 @@ impl Extras {
     }
 }
 
-fn read_phong(
-    params: &mut Params<'_, '_>,
-    paints: &mut PaintReader<'_>,
-    reflects_specular: bool,
-) -> PhongMaterial {
+fn read_phong(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>, rules: &Rules) -> PhongMaterial {
+    let reflects_specular = rules.reflects_specular;
     params.name();
     let picture = paints.picture(params, "texture");
     let spectra = paints.spectra;
@@ -438,19 +469,28 @@ fn read_phong(
     let mut color = |key, default: Written<Reflectance>| {
         params.optional(key, |args| spectra.reflectance(args)).unwrap_or(default)
     };
-    let diffuse = color("diffuseColor", plain(Spectrum::WHITE));
+    let mut diffuse = color("diffuseColor", plain(Spectrum::WHITE));
+    if rules.texture_is_diffuse && picture.is_some() {
+        diffuse = plain(Spectrum::rgb(1.0, 1.0, 1.0));
+    }
     let specular = color("specularColor", plain(Spectrum::BLACK));
     let black = plain(Spectrum::BLACK);
     let reflective =
         color("reflectiveColor", if reflects_specular { specular.clone() } else { black.clone() });
-    let transparent = color("transparentColor", black);
+    // In the programs that have this word a material with an index lets light through.
+    let index = params.optional("refractionIndex", |args| args.number_in(0.0..)).filter(|&eta| eta > 0.0);
+    let mut color = |key, default: Written<Reflectance>| {
+        params.optional(key, |args| spectra.reflectance(args)).unwrap_or(default)
+    };
+    let clear = index.is_some() && reflects_specular;
+    let transparent = color("transparentColor", if clear { specular.clone() } else { black });
     let mut number_color = |key, default| params.optional(key, Args::vec3).map_or(default, Spectrum::from);
     let ambient = number_color("ambientColor", diffuse.rgb);
     let absorption = number_color("absorption", transparent.rgb.map(absorption_of));
     let default_exponent = if reflects_specular { 0.0 } else { 1.0 };
     let exponent = params.or("exponent", default_exponent, |a| a.number_in(0.0..));
     let exponent = params.or("shininess", exponent, |a| a.number_in(0.0..));
-    let eta = params.or("indexOfRefraction", 1.0, Args::positive);
+    let eta = params.or("indexOfRefraction", index.unwrap_or(1.0), Args::positive);
     let colors = [diffuse, specular, reflective, transparent];
     let [diffuse, specular, reflective, transparent] = colors.each_ref().map(|color| color.rgb);
     let phong = Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta };
@@ -470,10 +510,11 @@ struct Turbulence {
 }
 
 impl Turbulence {
-    fn read(params: &mut Params<'_, '_>, keyword: &str) -> Turbulence {
-        let octaves = params.or("octaves", 1, |args| args.int_in(1..=32)) as u32;
+    /// * `has_veins`: whether the pattern has a frequency and an amplitude
+    fn read(params: &mut Params<'_, '_>, has_veins: bool) -> Turbulence {
+        let octaves = params.or("octaves", 1, |args| args.int_in(0..=32)) as u32;
         let (mut frequency, mut amplitude) = (1.0, 1.0);
-        if keyword != "Noise" {
+        if has_veins {
             frequency = params.or("frequency", 1.0, Args::number);
             amplitude = params.or("amplitude", 1.0, Args::number);
         }

@@ -134,6 +134,7 @@ fn compile_tree(
     // Classic rule: a scene without lights is fully lit by ambient light.
     let ambient = if compiler.light_list.is_empty() { Spectrum::WHITE } else { ambient };
     let has_group = group.is_some();
+    let settings = Settings { size: settings.size.or(compiler.camera_size), ..settings };
     let scene =
         compiler.finish(Surroundings { camera: camera?, background, ambient, fog, settings, has_group });
     scale::check(&scene, diagnostics);
@@ -162,6 +163,8 @@ struct Compiler<'a> {
     transforms: Vec<Transform>,
     shutter: Shutter,
     readout: f32,
+    /// Columns and rows of the picture, where the camera says them.
+    camera_size: Option<[u32; 2]>,
     motions: Vec<MovingTransform>,
     primitives: Vec<Primitive>,
     objects: Objects,
@@ -219,6 +222,7 @@ impl<'a> Compiler<'a> {
             transforms: vec![Transform::IDENTITY],
             shutter: Shutter::default(),
             readout: 0.0,
+            camera_size: None,
             motions: Vec::new(),
             primitives: Vec::new(),
             objects: Objects::default(),

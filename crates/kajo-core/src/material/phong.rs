@@ -41,6 +41,14 @@ impl PhongMaterial {
         PhongMaterial { picture, ..self }
     }
 
+    /// The same material with another diffuse colour, under ambient light as well.
+    pub fn with_diffuse(&self, diffuse: Spectrum) -> PhongMaterial {
+        let phong = Phong { diffuse, ambient: diffuse, ..self.phong };
+        let [_, specular, reflective, transparent] = self.colors.clone();
+        let colors = [Reflectance::from_rgb(diffuse.to_rgb()), specular, reflective, transparent];
+        PhongMaterial::new(phong, colors).with_picture(self.picture.clone())
+    }
+
     /// What light is scattered by where there is a picture or the mesh has colours.
     #[inline(never)]
     fn painted(&self, at: &ShadingPoint<'_>) -> Bsdf {

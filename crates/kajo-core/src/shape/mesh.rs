@@ -87,6 +87,7 @@ impl MeshData {
             + size_of_val(&*self.faces)
             + corners(self.normals.as_ref().map(CornerValues::bytes))
             + corners(self.uvs.as_ref().map(CornerValues::bytes))
+            + corners(self.colors.as_ref().map(CornerValues::bytes))
             + self.material_slots.as_ref().map_or(0, |slots| size_of_val(&**slots));
         (lists + TREE * self.faces.len(), BUILDING * self.faces.len())
     }

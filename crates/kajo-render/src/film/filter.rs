@@ -1,12 +1,13 @@
 //! Reconstruction filters: how much a sample counts for the pixels around it.
 //!
-//! Every filter is the product of one profile `f` in x and y, `w(dx, dy) = f(dx) f(dy)`, where `dx` is
+//! Every filter but the cone is the product of one profile `f` in x and y, `w(dx, dy) = f(dx) f(dy)`, where `dx` is
 //! the sample's position less the pixel centre's, in pixels. The support is the half-open square
 //! [-r, r)², so that a box of radius ½ is exactly the pixel. A picture is `Σ w v / Σ w`, so the scale
 //! of `f` does not matter.
 //!
 //! * box: 1
 //! * tent: `1 - |x|/r`
+//! * cone: `1 - sqrt(dx² + dy²)/r`, the tent of the course programs of 2004
 //! * Gaussian: `exp(-x²/2σ²)`, cut off at `r = 2σ` as in the course programs of 2004
 //! * Mitchell: the cubic with B = C = 1/3, its radius of 2 scaled to `r`
 //!   [Mitchell and Netravali 1988, eq. 8]
@@ -35,6 +36,11 @@ pub enum Filter {
     /// Falls linearly to zero at the radius.
     Tent {
         /// Half the side of the support.
+        radius: f32,
+    },
+    /// Falls linearly with the distance to zero at the radius.
+    Cone {
+        /// Radius of the support.
         radius: f32,
     },
     /// A bell, cut off at twice its standard deviation.
@@ -73,6 +79,7 @@ impl Filter {
             Filter::Gaussian { sigma } => Some(2.0 * sigma),
             Filter::Box { radius }
             | Filter::Tent { radius }
+            | Filter::Cone { radius }
             | Filter::Mitchell { radius }
             | Filter::Lanczos { radius } => Some(radius),
         }
@@ -87,10 +94,19 @@ impl Filter {
     ///
     /// Of magnitude at most 1. For [`Filter::None`] the weight in the sample's own pixel: 1.
     pub fn weight(&self, dx: f32, dy: f32) -> f32 {
-        self.profile(dx) * self.profile(dy)
+        match *self {
+            Filter::Cone { radius } => (1.0 - (dx * dx + dy * dy).sqrt() / radius).max(0.0),
+            _ => self.profile(dx) * self.profile(dy),
+        }
     }
 
-    /// One factor of the weight, `f(x)`; zero outside [-r, r).
+    /// Whether the weight is a product of profiles.
+    #[inline]
+    pub fn is_separable(&self) -> bool {
+        !matches!(self, Filter::Cone { .. })
+    }
+
+    /// One factor of the weight, `f(x)`; zero outside [-r, r). Of the cone it is its section.
     #[inline]
     pub fn profile(&self, x: f32) -> f32 {
         let Some(r) = self.radius() else { return 1.0 };
@@ -99,7 +115,7 @@ impl Filter {
         }
         match *self {
             Filter::None | Filter::Box { .. } => 1.0,
-            Filter::Tent { radius } => 1.0 - x.abs() / radius,
+            Filter::Tent { radius } | Filter::Cone { radius } => 1.0 - x.abs() / radius,
             Filter::Gaussian { sigma } => fmath::exp(-0.5 * (x / sigma) * (x / sigma)),
             Filter::Mitchell { radius } => mitchell(2.0 * x.abs() / radius),
             Filter::Lanczos { radius } => sinc(x) * sinc(x / radius),
@@ -128,7 +144,8 @@ fn sinc(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    const ALL: [Filter; 7] = [
+    const ALL: [Filter; 8] = [
+        Filter::Cone { radius: 1.5 },
         Filter::None,
         Filter::BOX,
         Filter::Box { radius: 1.3 },
@@ -143,6 +160,8 @@ mod tests {
         let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} is not {b}");
         close(Filter::Tent { radius: 2.0 }.weight(0.5, -1.0), 0.375);
         close(Filter::Gaussian { sigma: 0.5 }.weight(0.5, 0.5), 0.367_879_44);
+        close(Filter::Cone { radius: 2.0 }.weight(0.6, -0.8), 0.5);
+        close(Filter::Cone { radius: 1.0 }.weight(0.8, 0.8), 0.0);
         // Mitchell: 8/9 at 0, 1/18 at 1 and 0 at 2, with slopes that meet.
         close(Filter::MITCHELL.profile(0.0), 8.0 / 9.0);
         close(Filter::MITCHELL.profile(1.0), 1.0 / 18.0);

@@ -144,10 +144,11 @@ impl FilmPart {
                 self.terms.extend(values.iter().map(|&v| Term::new(v).unwrap_or(Term::ZERO)));
                 self.taps.surround(&self.spec, [x, y], offset, reach);
                 let [x0, y0] = self.taps.first;
-                for (y, &wy) in (y0..).zip(&self.taps.rows) {
+                for (j, y) in (y0..).take(self.taps.rows.len()).enumerate() {
                     let row = sums.slot(x0, y, k);
-                    for (slot, &wx) in (row..).step_by(sums.stride()).zip(&self.taps.columns) {
-                        sums.add_filtered(slot, Weight::new(wx * wy), &self.terms);
+                    for (i, slot) in (row..).step_by(sums.stride()).take(self.taps.columns.len()).enumerate()
+                    {
+                        sums.add_filtered(slot, self.taps.weight(&self.spec.filter, i, j), &self.terms);
                     }
                 }
                 finite & values.iter().all(|v| v.is_finite())
@@ -172,9 +173,20 @@ pub(crate) struct Taps {
     columns: Vec<f32>,
     /// None when there are no columns: then the first pixel need not even be in the film.
     rows: Vec<f32>,
+    /// From the middle of the first pixel to the place.
+    from_first: Vec2,
 }
 
 impl Taps {
+    /// The weight of the pixel in this column and row of those in the support.
+    #[inline]
+    fn weight(&self, filter: &super::Filter, column: usize, row: usize) -> Weight {
+        if filter.is_separable() {
+            return Weight::new(self.columns[column] * self.rows[row]);
+        }
+        Weight::new(filter.weight(self.from_first.x - column as f32, self.from_first.y - row as f32))
+    }
+
     /// Finds the pixels around a place.
     ///
     /// * `own`: the pixel whose cell they are confined to
@@ -186,6 +198,8 @@ impl Taps {
         let x0 = taps(filter, offset.x, own[0], (cell.x0, cell.x1), across, &mut self.columns);
         let y0 = taps(filter, offset.y, own[1], (cell.y0, cell.y1), down, &mut self.rows);
         self.first = [x0, y0];
+        let steps = Vec2::new(x0.wrapping_sub(own[0]) as i32 as f32, y0.wrapping_sub(own[1]) as i32 as f32);
+        self.from_first = offset - 0.5 - steps;
         if self.columns.is_empty() {
             self.rows.clear();
         }
@@ -215,9 +229,9 @@ pub(crate) fn splat(spec: &FilmSpec, raster: Vec2, taps: &mut Taps, mut add: imp
     };
     let offset = raster - Vec2::new(own[0] as f32, own[1] as f32);
     taps.surround(spec, own, offset, Reach::within_pixel(radius));
-    for (y, &wy) in (taps.first[1]..).zip(&taps.rows) {
-        for (x, &wx) in (taps.first[0]..).zip(&taps.columns) {
-            add(x, y, Weight::new(wx * wy));
+    for (j, y) in (taps.first[1]..).take(taps.rows.len()).enumerate() {
+        for (i, x) in (taps.first[0]..).take(taps.columns.len()).enumerate() {
+            add(x, y, taps.weight(&spec.filter, i, j));
         }
     }
 }

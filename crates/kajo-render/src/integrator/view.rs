@@ -6,6 +6,7 @@ use kajo_core::camera::{Camera, Connection, Raster};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
+use kajo_core::settings::Rules;
 use kajo_math::{Ray, Vec2, Vec3};
 
 use super::bodies::Bodies;
@@ -76,7 +77,7 @@ impl<'a> View<'a> {
         let time = draws.number_if(self.moves);
         let film = self.film();
         let at = film.picture(raster);
-        self.camera.ray(at, film.aspect(), lens, self.moment(at.y, time))
+        self.camera.ray(at, film.aspect(), lens, self.moment(at.y / film.scale(), time))
     }
 
     /// The moment of a ray within the shutter's interval. Rows open one after the other in the share `readout` of it, and
@@ -96,7 +97,8 @@ impl<'a> View<'a> {
 
     #[inline]
     fn film(&self) -> Raster {
-        Raster { size: self.size, corner_samples: self.scene.rules.corner_samples }
+        let Rules { corner_samples, spans_width, .. } = self.scene.rules;
+        Raster { size: self.size, corner_samples, spans_width: spans_width && self.camera.has_extent() }
     }
 
     /// A way from the world-space point `p` to the camera, and where in the picture it is seen; `None` where the camera
@@ -118,10 +120,10 @@ impl<'a> View<'a> {
 
     /// Whether points can be connected with the camera, as far as that is not up to the camera.
     fn is_joined(&self, film: &Raster) -> bool {
-        // Samples that lie on the picture's corners cover more than the film. Where rows open one after the other, a place
+        // Samples that lie on the picture's corners cover more than the film, as do picture coordinates of other scales. Where rows open one after the other, a place
         // seen at the moment of a path is not open then.
         let rolls = self.moves && self.scene.readout > 0.0;
-        !film.corner_samples && !rolls
+        !film.corner_samples && film.scale() == 1.0 && !rolls
     }
 
     /// Whether the layers record albedos.

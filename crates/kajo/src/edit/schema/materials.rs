@@ -23,7 +23,7 @@ const ANISOTROPY: FieldSpec =
     field("anisotropy", SHARE, "0", "how far the highlight of a brushed surface is drawn out");
 const ROTATION: FieldSpec = field("rotation", SHARE, "0", "by how many full turns the brushing is turned");
 const FIRST: FieldSpec = required("materialIndex", Material, "the two materials that it mixes");
-const OCTAVES: FieldSpec = field("octaves", whole(1.0, 32.0), "1", "levels of detail");
+const OCTAVES: FieldSpec = field("octaves", whole(0.0, 32.0), "1", "levels of detail");
 const FREQUENCY: FieldSpec = field("frequency", number(), "1", "rings or veins per length");
 const AMPLITUDE: FieldSpec = field("amplitude", number(), "1", "how strongly the noise bends them");
 const INDEX: FieldKind = between(1.0, 4.0);
@@ -43,6 +43,7 @@ const PHONG: &[FieldSpec] = &[
     ),
     field("transparentColor", Reflectance, "0 0 0", "colour of what shines through"),
     field("indexOfRefraction", POSITIVE, "1", "how strongly it bends light"),
+    option("refractionIndex", at_least(0.0), "the same by another name; 0 is opaque"),
     ruled("ambientColor", Color, rules::ambient_color, "as `diffuseColor`", "colour under ambient light"),
     ruled("absorption", Color, rules::absorption, "by `transparentColor`", "per length inside")
         .only_beside("transparentColor"),

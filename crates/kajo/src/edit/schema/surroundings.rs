@@ -62,6 +62,8 @@ pub(super) const BLOCKS: &[Block] = &[
             SHUTTER,
             ROLLING_SHUTTER,
             required("angle", Angle { min: -ANY, max: ANY }, "field of view from bottom to top"),
+            option("width", whole(1.0, 16_777_216.0), "columns of the picture, if nothing else says them"),
+            option("height", whole(1.0, 16_777_216.0), "rows of the picture, if nothing else says them"),
             APERTURE,
             FOCUS,
             F_NUMBER,

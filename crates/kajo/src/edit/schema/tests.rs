@@ -82,7 +82,7 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
         let here: BTreeSet<String> = block.fields.iter().map(|field| field.key.to_owned()).collect();
         // Blocks within are nodes of their own.
         let mut there = known_to_compiler(block);
-        there.retain(|key| !["sky", "Transform", "Motion"].contains(&&**key));
+        there.retain(|key| !["sky", "Transform", "Motion", "Noise"].contains(&&**key));
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {
             there.insert("obj_file".to_owned());
