@@ -75,7 +75,7 @@ pub(crate) fn denoise(
         Ok((smooth, "by Intel Open Image Denoise".to_owned()))
     };
     let built_in = |why: &str| {
-        if film.samples() < 2 * film.spec().rect().area() {
+        if film.samples() < 2 * film.spec().shown().area() {
             return Err(DenoiseError::OneSample);
         }
         let threads = match threads {

@@ -201,7 +201,10 @@ pub fn render_passes(
     if goal.adaptive || goal.noise.is_some() {
         layers = layers.with(Layer::Variance);
     }
-    let spec = FilmSpec { halves: goal.adaptive, ..film_spec(&scene.camera, settings, layers) };
+    let spec = film_spec(&scene.camera, settings, layers);
+    // Where the noise of the picture decides on its samples, all of it does so.
+    let samples_everywhere = spec.samples_everywhere || goal.noise.is_some();
+    let spec = FilmSpec { halves: goal.adaptive, samples_everywhere, ..spec };
     check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
     let identity = Identity::new(passes.scene, scene, settings, &spec, goal);
     let schedule = schedule(settings, resources);
@@ -388,13 +391,12 @@ impl Picture {
 
     /// Columns and rows.
     pub fn size(&self) -> [u32; 2] {
-        self.settings.picture_size()
+        self.settings.shown_size()
     }
 
     /// Samples of a pixel on average, those of earlier runs included.
     pub fn mean_samples(&self) -> f64 {
-        let [width, height] = self.size().map(f64::from);
-        self.film.samples() as f64 / (width * height)
+        self.film.samples() as f64 / self.film.spec().sampled(&self.settings.sampler()).area() as f64
     }
 
     /// The light, linear RGB.
@@ -455,6 +457,12 @@ pub(crate) fn film_spec(camera: &Camera, settings: &RenderSettings, layers: Laye
         cell,
         filter: settings.filter,
         layers,
+        shown: settings.crop,
+        // Light from lamps may appear anywhere in the picture.
+        samples_everywhere: matches!(
+            settings.integrator,
+            IntegratorKind::Bidirectional | IntegratorKind::Light
+        ),
         depth_map: settings.depth_map(),
         normal_map: settings.normal_map(),
         ..FilmSpec::new(width, height)
@@ -533,7 +541,7 @@ pub(crate) fn check_memory(
 ) -> Result<(), RenderError> {
     let FilmSpec { width, height, .. } = *spec;
     let budget = resources.memory.unwrap_or_else(memory::available);
-    let needed = spec.bytes() + u128::from(width) * u128::from(height) * u128::from(to_finish);
+    let needed = spec.bytes() + u128::from(spec.shown().area()) * u128::from(to_finish);
     if needed > u128::from(budget) {
         return Err(RenderError::Memory { width, height, needed, budget });
     }

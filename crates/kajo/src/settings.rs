@@ -7,7 +7,7 @@ use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_core::settings::{FilterChoice, IntegratorKind, MapRules, Settings, Shadows};
 use kajo_render::integrator::{ClassicSettings, PathSettings};
-use kajo_render::{DepthMap, Filter, NormalMap};
+use kajo_render::{DepthMap, Filter, NormalMap, Rect};
 
 use crate::reduction::SIDE;
 use crate::{Development, Reduction};
@@ -54,6 +54,8 @@ pub struct RenderSettings {
     pub opaque_alpha: bool,
     /// Three by three pixels become one when a picture is written; `size` counts them before.
     pub reduction: Option<Reduction>,
+    /// The part of the picture that is rendered and shown; its pixels have the same bits as in the whole.
+    pub crop: Option<Rect>,
 }
 
 /// Why a scene cannot be rendered as asked.
@@ -66,6 +68,15 @@ pub enum SettingsError {
     /// Two eyes above each other.
     #[error("a stereo panorama needs an even height, one half for each eye, not {}", .0[1])]
     OddHeight([u32; 2]),
+    /// A part of a picture lies outside of it.
+    #[error("the part of {} x {} pixels from ({}, {}) on reaches beyond the picture of {} x {}",
+        .part.width(), .part.height(), .part.x0, .part.y0, .size[0], .size[1])]
+    Outside {
+        /// The part that is to be rendered.
+        part: Rect,
+        /// Columns and rows of the picture.
+        size: [u32; 2],
+    },
 }
 
 impl RenderSettings {
@@ -120,7 +131,27 @@ impl RenderSettings {
             development: development(integrator, asked, own),
             opaque_alpha: classic,
             reduction: None,
+            crop: None,
         })
+    }
+
+    /// The same for a part of the picture alone.
+    ///
+    /// # Errors
+    /// [`SettingsError::Outside`] when it is not within the picture, or has no pixels.
+    pub fn cropped(self, part: Rect) -> Result<RenderSettings, SettingsError> {
+        let [width, height] = self.size;
+        let is_within = part.area() > 0 && part.intersection(&Rect::of_size(width, height)) == part;
+        match is_within {
+            true => Ok(RenderSettings { crop: Some(part), ..self }),
+            false => Err(SettingsError::Outside { part, size: self.size }),
+        }
+    }
+
+    /// Columns and rows of what is shown.
+    pub fn shown_size(&self) -> [u32; 2] {
+        let rendered = self.crop.map_or(self.size, |part| [part.width(), part.height()]);
+        rendered.map(|n| if self.reduction.is_some() { n / SIDE } else { n })
     }
 
     /// What of the scene and of the settings the integrator leaves out, a sentence each.
@@ -171,11 +202,6 @@ impl RenderSettings {
         let kind = if at_random { SamplerKind::Jittered } else { SamplerKind::Regular };
         let size = self.size.map(|n| n.saturating_mul(SIDE));
         RenderSettings { size, samples: (kind, 1), filter: Filter::None, reduction: Some(reduction), ..self }
-    }
-
-    /// Columns and rows of the picture when it is written.
-    pub fn picture_size(&self) -> [u32; 2] {
-        self.size.map(|n| if self.reduction.is_some() { n / SIDE } else { n })
     }
 
     /// Where samples lie within a pixel.

@@ -154,7 +154,8 @@ pub(crate) fn encode(
     if format == Format::Exr {
         let layers = exr_layers(film, views, look)?;
         let chromaticities = look.development.chromaticities();
-        let (width, height) = (film.spec().width, film.spec().height);
+        let shown = film.spec().shown();
+        let (width, height) = (shown.width(), shown.height());
         return exr::encode(ExrPicture { width, height, layers, chromaticities, attributes: text });
     }
     let [view] = views else {

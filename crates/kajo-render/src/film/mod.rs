@@ -201,7 +201,7 @@ impl Film {
         self.blocks[index].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The picture of a layer: `height × width ×` [`Layer::channels`], row 0 on top.
+    /// The picture of a layer: `height × width ×` [`Layer::channels`] of what is shown, row 0 on top.
     ///
     /// Pixels that no sample reached are zero, and infinite in [`Layer::Depth`]. Filters with negative
     /// lobes can give negative values. Numbers of objects and materials are exact up to 2^24; see
@@ -209,17 +209,26 @@ impl Film {
     pub fn develop(&self, layer: Layer) -> Option<Image> {
         let n = layer.channels();
         let background = if layer == Layer::Depth { f32::INFINITY } else { 0.0 };
+        let shown = self.spec.shown();
         let mut data = self.plane(layer, n, background)?;
-        let width = self.spec.width as usize;
         let mut areas = None;
+        let mut whole_row = vec![background; BLOCK as usize * n];
         self.for_each_block(|rect, block| {
-            for y in rect.y0..rect.y1 {
-                let start = (y as usize * width + rect.x0 as usize) * n;
-                let row = &mut data[start..start + rect.width() as usize * n];
+            let common = rect.intersection(&shown);
+            if common.width() == 0 {
+                return;
+            }
+            let row = &mut whole_row[..rect.width() as usize * n];
+            for y in common.y0..common.y1 {
+                row.fill(background);
                 self.block_row(block, rect, layer, y, &mut areas, row);
+                let from = (common.x0 - rect.x0) as usize * n;
+                let to = shown.index(common.x0, y) * n;
+                let len = common.width() as usize * n;
+                data[to..to + len].copy_from_slice(&row[from..from + len]);
             }
         });
-        Image::from_data(self.spec.width, self.spec.height, n, data).ok()
+        Image::from_data(shown.width(), shown.height(), n, data).ok()
     }
 
     /// The value of a layer at one pixel, with zeros for channels that it does not have; `None` outside of the
@@ -245,12 +254,13 @@ impl Film {
             return None;
         }
         let mut ids = self.plane(layer, 1, 0)?;
-        let width = self.spec.width as usize;
+        let shown = self.spec.shown();
         self.for_each_block(|rect, block| {
-            for y in rect.y0..rect.y1 {
-                for x in rect.x0..rect.x1 {
+            let common = rect.intersection(&shown);
+            for y in common.y0..common.y1 {
+                for x in common.x0..common.x1 {
                     let pixel = rect.index(x, y);
-                    ids[y as usize * width + x as usize] = match &block.camera {
+                    ids[shown.index(x, y)] = match &block.camera {
                         Camera::Empty => 0,
                         Camera::Open(sums) => sums.id(layer, pixel),
                         Camera::Finished(pixels) => pixels.id(&self.spec, layer, pixel),
@@ -288,7 +298,7 @@ impl Film {
 
     /// A plane of `n` numbers per pixel, if the film has the layer and the system the memory.
     fn plane<T: Clone>(&self, layer: Layer, n: usize, value: T) -> Option<Vec<T>> {
-        let len = usize::try_from(self.spec.rect().area()).ok()?.checked_mul(n)?;
+        let len = usize::try_from(self.spec.shown().area()).ok()?.checked_mul(n)?;
         let mut plane = Vec::new();
         plane.try_reserve_exact(if self.spec.layers.has(layer) { len } else { return None }).ok()?;
         plane.resize(len, value);

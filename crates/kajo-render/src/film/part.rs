@@ -46,7 +46,7 @@ pub(crate) enum Store {
 
 /// How far samples reach beyond their own pixel, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Reach {
+pub(super) struct Reach {
     /// To the left, to the right and upwards.
     side: i32,
     /// Downwards, where samples may overhang.
@@ -54,6 +54,16 @@ struct Reach {
 }
 
 impl Reach {
+    /// How far samples of a film reach.
+    pub fn of(spec: &FilmSpec, sampler: &Sampler) -> Reach {
+        spec.filter.radius().map_or(Reach { side: 0, below: 0 }, |radius| Reach::new(radius, sampler))
+    }
+
+    /// To whichever side they reach farthest.
+    pub fn widest(self) -> u32 {
+        self.side.max(self.below).max(0) as u32
+    }
+
     fn new(radius: f32, sampler: &Sampler) -> Reach {
         Reach { below: Reach::beyond(sampler.height(), radius), ..Reach::within_pixel(radius) }
     }

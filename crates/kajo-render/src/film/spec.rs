@@ -1,10 +1,12 @@
 //! What a film is asked to hold, and what that costs.
 
+use kajo_core::sampler::Sampler;
 use thiserror::Error;
 
 use super::{
     filter::Filter,
     layer::{DepthMap, Layer, LayerSet, NormalMap},
+    part::Reach,
 };
 use crate::rect::Rect;
 
@@ -41,6 +43,12 @@ pub struct FilmSpec {
     /// pictures unbiased whose samples are spread by what earlier ones showed; see
     /// [`adaptive`](crate::schedule::adaptive).
     pub halves: bool,
+    /// The pixels that are shown; all of them for `None`. Samples are taken only where they reach these, and what is
+    /// shown has the same bits as in the whole picture.
+    pub shown: Option<Rect>,
+    /// Samples are taken everywhere all the same: light splats from anywhere to anywhere, or the noise of the whole
+    /// picture decides.
+    pub samples_everywhere: bool,
 }
 
 impl FilmSpec {
@@ -56,7 +64,30 @@ impl FilmSpec {
             normal_map: NormalMap::default(),
             one_pass: false,
             halves: false,
+            shown: None,
+            samples_everywhere: false,
         }
+    }
+
+    /// The pixels that are shown.
+    pub fn shown(&self) -> Rect {
+        self.shown.map_or(self.rect(), |shown| shown.intersection(&self.rect()))
+    }
+
+    /// The pixels that samples are taken of: those shown, and those whose samples reach them.
+    pub fn sampled(&self, sampler: &Sampler) -> Rect {
+        if self.shown.is_none() || self.samples_everywhere || self.halves {
+            return self.rect();
+        }
+        let reach = Reach::of(self, sampler).widest();
+        let Rect { x0, y0, x1, y1 } = self.shown();
+        let around = Rect {
+            x0: x0.saturating_sub(reach),
+            y0: y0.saturating_sub(reach),
+            x1: x1.saturating_add(reach),
+            y1: y1.saturating_add(reach),
+        };
+        around.intersection(&self.rect())
     }
 
     /// The whole picture.
@@ -68,7 +99,8 @@ impl FilmSpec {
     pub fn bytes(&self) -> u128 {
         let channels: usize = self.layers.iter().map(Layer::channels).sum();
         let per_pixel = if self.keeps_sums() { self.parts().bytes_per_pixel() } else { 4 * channels };
-        u128::from(self.width) * u128::from(self.height) * per_pixel as u128
+        let area = if self.samples_everywhere || self.halves { self.rect() } else { self.shown() }.area();
+        u128::from(area) * per_pixel as u128
     }
 
     /// Whether the sums stay until the picture is developed.
@@ -110,6 +142,9 @@ impl FilmSpec {
     /// [`FilmError`] names the number that is out of range.
     pub fn check(&self, budget: u64) -> Result<(), FilmError> {
         let (width, height) = (self.width, self.height);
+        if self.shown.is_some() && self.shown().area() == 0 {
+            return Err(FilmError::NothingShown { width, height });
+        }
         if width == 0 || height == 0 || self.cell.is_some_and(|cell| cell.contains(&0)) {
             return Err(FilmError::Empty { width, height });
         }
@@ -175,6 +210,14 @@ pub enum FilmError {
         /// Columns asked for.
         width: u32,
         /// Rows asked for.
+        height: u32,
+    },
+    /// Of the picture nothing is to be shown.
+    #[error("this part lies outside of the picture of {width} x {height} pixels")]
+    NothingShown {
+        /// Columns of the picture.
+        width: u32,
+        /// Rows of the picture.
         height: u32,
     },
     /// More pixels than any picture may have.

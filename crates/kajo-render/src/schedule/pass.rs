@@ -19,7 +19,7 @@ use crate::{
     Film, FilmPart, PixelIntegrator, RayCounters, SampleContext,
     context::{Interrupt, Scratch},
     order,
-    rect::Grid,
+    rect::{Grid, Rect},
 };
 
 /// The units of a pass, numbered.
@@ -27,6 +27,8 @@ use crate::{
 pub(super) struct Plan {
     pub grid: Grid,
     pub samples: Range<u32>,
+    /// Pixels that samples are taken of.
+    pub sampled: Rect,
     /// Parts that the samples are split into.
     pub ranges: u32,
     /// [`Unit::limits`] of each tile, row by row; empty where there are none.
@@ -41,10 +43,12 @@ impl Plan {
         let spec = film.spec();
         let tile = if settings.tile == 0 { TILE } else { settings.tile.min(LARGEST_TILE) };
         let grid = if limits.is_empty() { film.grid().with_side(tile) } else { film.grid() };
-        let wanted = (UNITS_PER_THREAD * settings.thread_count() as u64).div_ceil(grid.len());
+        let sampled = spec.sampled(&settings.sampler);
+        let tiles = grid.cells_over(&sampled).area().max(1);
+        let wanted = (UNITS_PER_THREAD * settings.thread_count() as u64).div_ceil(tiles);
         let most = u64::from(samples.end - samples.start);
         let ranges = if spec.keeps_sums() { wanted.min(most).max(1) as u32 } else { 1 };
-        Plan { grid, samples, ranges, limits: limits.to_vec() }
+        Plan { grid, samples, sampled, ranges, limits: limits.to_vec() }
     }
 
     /// The same pass in tiles of this side, if it has no limits, and with its samples split into this many ranges.
@@ -85,7 +89,7 @@ impl Plan {
         let (column, row) = order::place(index, self.grid.columns(), self.grid.rows());
         let place = row as usize * self.grid.columns() as usize + column as usize;
         let limits = self.limits.get(place).copied().unwrap_or(Unit::UNLIMITED);
-        Unit { tile: self.grid.cell(column, row), samples, limits }
+        Unit { tile: self.grid.cell(column, row).intersection(&self.sampled), samples, limits }
     }
 }
 
@@ -208,14 +212,15 @@ impl<'a, I: PixelIntegrator + ?Sized> Pass<'a, I> {
     /// Renders a unit and adds it to the film, finished or not.
     fn render(&self, index: u64, unit: &Unit, part: &mut FilmPart, ctx: &mut SampleContext<'_>) {
         let mut told = ctx.rays.total();
-        let finished = unit.count() == 0
+        let is_empty = unit.count() == 0 || unit.tile.area() == 0;
+        let finished = is_empty
             || render_unit(self.integrator, ctx, unit, part, |samples, counters| {
                 let rays = counters.total() - told;
                 told += rays;
                 self.report(samples, rays);
                 !self.stopped()
             });
-        if unit.count() > 0 && (finished || !self.share.whole_units) {
+        if !is_empty && (finished || !self.share.whole_units) {
             self.film.add(part);
         }
         if finished {
@@ -226,7 +231,7 @@ impl<'a, I: PixelIntegrator + ?Sized> Pass<'a, I> {
     fn report(&self, samples: u64, rays: u64) {
         let samples = self.samples.fetch_add(samples, Ordering::Relaxed) + samples;
         let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
-        let pixels = self.film.spec().rect().area();
+        let pixels = self.plan.sampled.area();
         let part = (self.share.samples + samples) as f64 / self.share.samples_in_all.max(1) as f64;
         let done = (part * pixels as f64) as u64;
         self.progress.done(done.min(pixels), pixels, self.share.rays + rays);

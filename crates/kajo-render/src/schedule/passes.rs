@@ -221,7 +221,7 @@ impl Position {
     }
 
     fn share(&self, film: &Film, settings: &RenderSettings, plan: &Plan, stats: &RenderStats) -> Share {
-        let pixels = film.spec().rect().area();
+        let pixels = plan.sampled.area();
         Share {
             samples: film.samples(),
             rays: stats.rays.total(),

@@ -269,3 +269,46 @@ fn few_tiles_share_their_samples_among_threads() {
     let plan = Plan::new(&film(FilmSpec::new(1000, 1000)), &absurd, 0..u32::MAX, &[]);
     assert_eq!((plan.grid.len(), plan.len()), (4, 8 * 1024));
 }
+
+/// A part of a picture has the same bits as in the whole, with every filter and every way to split the work.
+#[test]
+fn a_part_is_the_same_as_in_the_whole() {
+    let noisy = Field(|p: Vec2, u: f32| u * (p.x * 0.37).sin().abs() + 1e-3 * p.y);
+    let shown = Rect { x0: 13, y0: 9, x1: 50, y1: 37 };
+    for (filter, kind) in [
+        (Filter::None, SamplerKind::Jittered),
+        (Filter::MITCHELL, SamplerKind::Sobol),
+        (Filter::Gaussian { sigma: 1.3 }, SamplerKind::Poisson),
+    ] {
+        let spec = FilmSpec {
+            filter,
+            layers: LayerSet::of(&[Layer::Color, Layer::ObjectId]),
+            ..FilmSpec::new(67, 41)
+        };
+        let rendered = |spec: FilmSpec, tile| {
+            let film = film(spec);
+            let settings = RenderSettings { tile, ..settings(kind, 5) };
+            let stats = render(&noisy, &film, &settings, &Silent).expect("rendered");
+            (film, stats.samples)
+        };
+        let (whole, all) = rendered(spec, 0);
+        for (tile, one_pass) in [(0, false), (8, true), (64, true)] {
+            let (part, some) = rendered(FilmSpec { shown: Some(shown), one_pass, ..spec }, tile);
+            assert!(some < all && some >= 5 * shown.area(), "{some} of {all}");
+            let (part_image, image) =
+                (part.develop(Layer::Color).expect("colour"), whole.develop(Layer::Color).expect("colour"));
+            assert_eq!([part_image.width(), part_image.height()], [37, 28]);
+            let (part_ids, ids) =
+                (part.ids(Layer::ObjectId).expect("ids"), whole.ids(Layer::ObjectId).expect("ids"));
+            for y in 0..28 {
+                for x in 0..37 {
+                    let (of_part, of_whole) = (part_image.pixel(x, y), image.pixel(x + 13, y + 9));
+                    assert_eq!(of_part, of_whole, "{filter:?} at {x}, {y}");
+                    assert_eq!(part_ids[(y * 37 + x) as usize], ids[((y + 9) * 67 + x + 13) as usize]);
+                }
+            }
+        }
+        let outside = FilmSpec { shown: Some(Rect { x0: 70, y0: 0, x1: 80, y1: 9 }), ..spec };
+        assert!(outside.check(u64::MAX).is_err());
+    }
+}
