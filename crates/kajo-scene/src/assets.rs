@@ -57,6 +57,20 @@ pub struct AssetFile {
     pub reader: Box<dyn Read + Send>,
 }
 
+impl AssetFile {
+    /// The first `most` bytes, or all there are; they are read again afterwards.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn head(&mut self, most: usize) -> Result<Vec<u8>, AssetError> {
+        let mut head = Vec::new();
+        self.reader.by_ref().take(most as u64).read_to_end(&mut head)?;
+        let rest = std::mem::replace(&mut self.reader, Box::new(io::empty()));
+        self.reader = Box::new(Cursor::new(head.clone()).chain(rest));
+        Ok(head)
+    }
+}
+
 impl std::fmt::Debug for AssetFile {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("AssetFile").field("path", &self.path).field("len", &self.len).finish_non_exhaustive()

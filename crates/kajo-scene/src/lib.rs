@@ -31,6 +31,7 @@ mod assets;
 mod byte_reader;
 mod diagnostic;
 mod edit;
+mod foreign;
 mod gltf;
 mod ies;
 mod lexer;
@@ -58,6 +59,7 @@ pub use args::Args;
 pub use assets::{AssetError, AssetFile, Assets, LoadStep, MemoryAssets, read_limited, relative_asset};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
 pub use edit::{EditError, apply_edits, format_number};
+pub use foreign::{ForeignFile, HEAD_BYTES, READ_FORMATS, foreign_file};
 pub use gltf::{
     Model, ModelAmount, ModelCover, ModelInstance, ModelMaterial, ModelPart, ModelTint, PictureSource,
     PictureUse, PictureWrap, read_gltf,

@@ -1,13 +1,13 @@
 //! Which reader a mesh file needs, told from its first bytes and its name.
 
 use crate::assets::AssetFile;
+use crate::foreign::{HEAD_BYTES, foreign_file};
 use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
 use crate::obj::read_obj;
 use crate::ply::read_ply;
 use crate::stl::read_stl;
 use crate::tri_mesh::{MeshReport, TriMesh};
-use std::io::{Cursor, Read};
 
 /// Formats of meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,10 +22,20 @@ pub enum MeshFormat {
     Gltf,
 }
 
-/// Bytes that tell one format from the other.
-const HEAD: u64 = 512;
-
 impl MeshFormat {
+    /// The format of a file that is a model and no scene; `None` where neither its beginning nor its name says so.
+    pub fn of_model(head: &[u8], path: &str) -> Option<MeshFormat> {
+        let ending = path.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase());
+        let is_named = |endings: &[&str]| ending.as_deref().is_some_and(|ending| endings.contains(&ending));
+        let begins = head.starts_with(b"glTF") || MeshFormat::of(head, "") == MeshFormat::Ply;
+        let is_model = begins || is_named(&["glb", "gltf", "vrm", "obj", "ply", "stl"]);
+        if !is_model || foreign_file(head, path).is_some() {
+            return None;
+        }
+        let is_gltf = !begins && is_named(&["glb", "gltf", "vrm"]);
+        Some(if is_gltf { MeshFormat::Gltf } else { MeshFormat::of(head, path) })
+    }
+
     /// The format of a file that begins so. What is found in it weighs more than the ending of its name.
     ///
     /// ```
@@ -57,12 +67,15 @@ impl MeshFormat {
 /// # Errors
 /// Those of the format's reader; and for glTF, which is no single mesh.
 pub fn read_mesh(file: AssetFile, limits: &Limits) -> Result<(TriMesh, MeshReport), MeshFileError> {
-    let AssetFile { path, mut reader, .. } = file;
-    let mut head = Vec::new();
-    let read = reader.by_ref().take(HEAD).read_to_end(&mut head);
-    read.map_err(|error| MeshFileError::Read { path: path.clone(), source: error.into() })?;
+    let mut file = file;
+    let head = file.head(HEAD_BYTES);
+    let AssetFile { path, reader: whole, .. } = file;
+    let head = head.map_err(|source| MeshFileError::Read { path: path.clone(), source })?;
+    if let Some(foreign) = foreign_file(&head, &path) {
+        let message = format!("this is {}, which is not read; {}", foreign.what, foreign.advice);
+        return Err(MeshFileError::Content { path, message });
+    }
     let format = MeshFormat::of(&head, &path);
-    let whole = Cursor::new(head).chain(reader);
     match format {
         MeshFormat::Obj => read_obj(whole, &path, limits),
         MeshFormat::Ply => read_ply(whole, &path, limits),
@@ -78,6 +91,22 @@ pub fn read_mesh(file: AssetFile, limits: &Limits) -> Result<(TriMesh, MeshRepor
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn models_are_told_from_scenes() {
+        for (head, path, format) in [
+            (&b"ply\nformat ascii 1.0"[..], "bunny.txt", Some(MeshFormat::Ply)),
+            (b"glTF\x02\0\0\0", "model", Some(MeshFormat::Gltf)),
+            (b"{}", "model.gltf", Some(MeshFormat::Gltf)),
+            (b"v 0 0 0", "a.OBJ", Some(MeshFormat::Obj)),
+            (b"", "a.stl", Some(MeshFormat::Stl)),
+            (b"Group { }", "scene.txt", None),
+            (b"solid Group", "scene.txt", None),
+            (b"Kaydara FBX Binary", "a.obj", None),
+        ] {
+            assert_eq!(MeshFormat::of_model(head, path), format, "{path}");
+        }
+    }
 
     #[test]
     fn content_comes_before_the_name() {

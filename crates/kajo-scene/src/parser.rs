@@ -11,9 +11,11 @@
 //! files are kept on explicit stacks: deep nesting costs no program stack.
 
 mod files;
+mod hex_color;
 
 use crate::assets::{Assets, MemoryAssets};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, quoted};
+use crate::foreign::READ_FORMATS;
 use crate::lexer::{LexError, TokenKind, Tokens, looks_like_number};
 use crate::limits::Limits;
 use crate::source::{SourceId, Span};
@@ -43,7 +45,10 @@ impl SceneDesc {
     pub fn load(name: &str, assets: &dyn Assets, limits: &Limits) -> Parsed {
         let mut parser = Parser::new(assets, limits);
         match parser.read_source(name, None) {
-            Ok(source) => parser.run(source),
+            Ok(source) => {
+                parser.run(source);
+                parser.refuse_nothing(name);
+            }
             Err(diagnostic) => parser.damage(diagnostic),
         }
         parser.finish()
@@ -144,6 +149,14 @@ impl<'l> Parser<'l> {
         }
     }
 
+    /// A file without a single word is no scene.
+    fn refuse_nothing(&mut self, name: &str) {
+        if self.desc.is_empty() && !self.diagnostics.has_errors() {
+            let error = Diagnostic::error(format!("{} holds no scene: there is no word in it", quoted(name)));
+            self.damage(error.help(format!("{READ_FORMATS}; what follows a `#` or `//` is a comment")));
+        }
+    }
+
     fn finish(mut self) -> Parsed {
         while let Some(block) = self.blocks.pop() {
             self.close(block, None);
@@ -168,7 +181,14 @@ impl<'l> Parser<'l> {
                     }
                     return self.include(span, name);
                 }
-                TokenKind::Word => self.word(span, word)?,
+                TokenKind::Word => {
+                    self.word(span, word)?;
+                    if self.expect == Expect::Value
+                        && let Some(end) = self.hex_color(span, &text)
+                    {
+                        tokens = Tokens::resume(&text, end);
+                    }
+                }
                 TokenKind::String => self.string(span),
                 TokenKind::Number(value) => self.number(span, word, value),
                 TokenKind::OpenBrace => self.open_brace(span)?,
