@@ -1,5 +1,6 @@
 //! The compiled scene: everything rays meet, immutable and shared by all threads.
 
+mod extent;
 mod rays;
 
 use std::collections::HashMap;
@@ -12,7 +13,7 @@ use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3};
 
 use crate::background::Background;
 use crate::bsdf::Phong;
-use crate::camera::Camera;
+use crate::camera::{Camera, NamedCamera};
 use crate::family::Pooled;
 use crate::glow::VariedEmission;
 use crate::interaction::{Hit, SurfacePoint, Tangents};
@@ -27,6 +28,8 @@ use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
 use crate::shape::{Mesh, ShapeId, Shapes, Sphere, Surface};
 use crate::texture::Textures;
+
+pub use extent::Extent;
 
 /// A shape at its place in the world, with its material.
 #[derive(Clone, Copy, Debug)]
@@ -132,6 +135,8 @@ pub struct Scene {
     pub fog: Option<Fog>,
     /// The camera.
     pub camera: Camera,
+    /// All cameras there are to choose from, in the order of the file.
+    pub cameras: Vec<NamedCamera>,
     /// In which share of the shutter's time its rows open one after the other, from the top; 0 where all open at once.
     pub readout: f32,
     /// What the file itself says about how to render it.

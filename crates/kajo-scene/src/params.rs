@@ -95,6 +95,17 @@ impl<'a, 'd> Params<'a, 'd> {
         Args::read(item, self.diagnostics, reader)
     }
 
+    /// As [`Params::optional`], of those items alone that `is_meant` knows; others are left to be asked for.
+    pub fn optional_where<T>(
+        &mut self,
+        key: &'static str,
+        is_meant: impl Fn(Item<'a>) -> bool,
+        reader: impl FnOnce(&mut Args<'a>) -> Result<T, Diagnostic>,
+    ) -> Option<T> {
+        let item = self.take_last_where(key, is_meant)?;
+        Args::read(item, self.diagnostics, reader)
+    }
+
     /// The value of `key`, or `default` when the key is absent or wrong.
     pub fn or<T>(
         &mut self,
@@ -240,9 +251,19 @@ impl<'a, 'd> Params<'a, 'd> {
 
     /// The last child called `key`; earlier ones are marked used, with a warning.
     fn take_last(&mut self, key: &'static str) -> Option<Item<'a>> {
+        self.take_last_where(key, |_| true)
+    }
+
+    /// The last child called `key` that is meant; earlier ones are marked used, with a warning.
+    fn take_last_where(
+        &mut self,
+        key: &'static str,
+        is_meant: impl Fn(Item<'a>) -> bool,
+    ) -> Option<Item<'a>> {
         self.asked.push(key);
         let mut last: Option<Item<'a>> = None;
-        for child in self.children.iter_mut().filter(|child| child.item.keyword() == key) {
+        let same = |child: &&mut Child<'a>| child.item.keyword() == key && is_meant(child.item);
+        for child in self.children.iter_mut().filter(same) {
             child.used = true;
             if let Some(earlier) = last.replace(child.item) {
                 self.diagnostics.push(

@@ -44,7 +44,7 @@ impl FisheyeProjection {
     }
 
     /// The angle from forward at a distance `r` in [0, 1] from the middle, for half a field of view `half`.
-    fn theta(self, r: f64, half: f64) -> f64 {
+    pub(super) fn theta(self, r: f64, half: f64) -> f64 {
         match self {
             FisheyeProjection::Equidistant => r * half,
             FisheyeProjection::Equisolid => 2.0 * fmath::asin64(r * fmath::sin64(0.5 * half)),
@@ -68,10 +68,15 @@ pub struct FisheyeCamera {
 }
 
 impl FisheyeCamera {
+    /// The radius of the disk, where half the height of the picture is 1.
+    pub(super) fn radius(&self, aspect: f64) -> f64 {
+        if self.to_corners { (aspect * aspect + 1.0).sqrt() } else { 1.0 }
+    }
+
     /// The ray through a place of the picture, `None` outside of the disk; see [`super::Camera::ray`].
     pub fn ray(&self, at: Vec2, aspect: f32) -> Option<Ray> {
         let aspect = f64::from(aspect);
-        let radius = if self.to_corners { (aspect * aspect + 1.0).sqrt() } else { 1.0 };
+        let radius = self.radius(aspect);
         let (x, y) = (f64::from(at.x) * aspect / radius, f64::from(at.y) / radius);
         let r = (x * x + y * y).sqrt();
         if r > 1.0 {

@@ -4,6 +4,7 @@
 
 mod aperture;
 mod fisheye;
+pub mod fit;
 mod frame;
 mod importance;
 mod lens;
@@ -28,6 +29,15 @@ pub use raster::Raster;
 pub use stereo_cubemap::{Stereo, StereoCubemapCamera};
 
 use kajo_math::{Ray, Vec2, Vec3};
+
+/// A camera of a scene, and the name that it is chosen by.
+#[derive(Clone, Debug)]
+pub struct NamedCamera {
+    /// Its name, if it has one.
+    pub name: Option<String>,
+    /// Where it stands, and what it sees.
+    pub camera: Camera,
+}
 
 /// Any camera.
 #[derive(Clone, Debug)]

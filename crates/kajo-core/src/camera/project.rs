@@ -169,7 +169,7 @@ impl FisheyeCamera {
             return None;
         }
         let r = self.projection.radius(theta, half);
-        let scale = if self.to_corners { (aspect * aspect + 1.0).sqrt() } else { 1.0 };
+        let scale = self.radius(aspect);
         let direction = if outward > 0.0 { across / outward } else { DVec2::ZERO };
         Some(direction * r * scale / DVec2::new(aspect, 1.0))
     }

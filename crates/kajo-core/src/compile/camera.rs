@@ -1,13 +1,16 @@
 //! Camera blocks.
 
+use std::borrow::Cow;
+
 use kajo_math::{DVec3, Motion};
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
-use super::lens::LensKeys;
+use super::aim::{Aim, Subject};
+use super::lens::{Focus, LensKeys};
 use super::{Compiler, motion};
 use crate::camera::{
-    Camera, EyePair, FisheyeCamera, FisheyeProjection, Frame, MovingCamera, OrthographicCamera,
-    PanoramaCamera, PerspectiveCamera, Stereo, StereoCubemapCamera,
+    Camera, EyePair, FisheyeCamera, FisheyeProjection, Frame, OrthographicCamera, PanoramaCamera,
+    PerspectiveCamera, Stereo, StereoCubemapCamera,
 };
 use crate::motion::{MovingTransform, Shutter};
 
@@ -23,48 +26,80 @@ const PROJECTIONS: [(&str, FisheyeProjection); 4] = [
     ("stereographic", FisheyeProjection::Stereographic),
 ];
 
+/// What the disk of a fisheye may fill.
+const DISK_FITS: [&str; 2] = ["corners", "height"];
+
+/// Angle of view of a camera that may stand where it likes, in degrees.
+const USUAL_ANGLE: f32 = 35.0;
+
 /// Distance between a grown person's eyes in metres.
 const EYE_SEPARATION: f32 = 0.065;
 
-impl Compiler<'_> {
-    /// The camera of the scene: the last of several. One must be there when there is something to see.
-    pub(super) fn camera(&mut self, items: &[Item<'_>], needed: bool) -> Option<Camera> {
-        for pair in items.windows(2) {
+/// A camera as the scene describes it, before what it names is looked up.
+pub(super) struct CameraRequest<'a> {
+    pub item: Item<'a>,
+    pub name: Option<String>,
+    /// The camera as far as it is known: where [`Aim::needs_scene`], without its place.
+    pub camera: Camera,
+    pub aim: Aim<'a>,
+    /// Whether its angle or size was written.
+    pub has_opening: bool,
+    /// What its lens is to focus on, unless that is a distance.
+    pub focus: Option<(Item<'a>, Focus<'a>)>,
+    pub motion: Option<MovingTransform>,
+    pub shutter: Shutter,
+    pub readout: f32,
+    /// Whether `up` is taken as it stands.
+    pub raw_up: bool,
+    /// Columns and rows of the picture, where the camera says them.
+    pub size: Option<[u32; 2]>,
+}
+
+impl<'a> Compiler<'_> {
+    /// The cameras of the scene. One must be there when there is something to see, here or in a model.
+    pub(super) fn cameras(&mut self, items: &[Item<'a>], chosen: Option<&str>) -> Vec<CameraRequest<'a>> {
+        let is_named = |item: &Item<'_>| item.word().is_some();
+        for pair in items.windows(2).filter(|pair| !is_named(&pair[0]) && chosen.is_none()) {
             let warning = Diagnostic::warning("the scene has several cameras; the last one counts");
-            let earlier = "this one has no effect";
+            let earlier = "this one has no effect, and no name to choose it by";
             self.diagnostics
                 .push(warning.label(pair[1].keyword_span(), "").label(pair[0].keyword_span(), earlier));
         }
-        let Some(&item) = items.last() else {
-            if needed {
-                let help = "add, for instance, `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
-                self.diagnostics.push(Diagnostic::error("the scene has no camera").help(help));
-            }
-            let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
-            return Some(Camera::Orthographic(OrthographicCamera { frame, size: 2.0, lens: None }));
-        };
+        items.iter().filter_map(|&item| self.camera(item)).collect()
+    }
+
+    fn camera(&mut self, item: Item<'a>) -> Option<CameraRequest<'a>> {
         let raw_up = self.rules.raw_up;
-        let (mut lens_keys, mut moves) = (None, None);
-        let mut size = None;
-        let (mut shutter, mut readout) = (Shutter::default(), 0.0);
+        let (mut lens_keys, mut moves, mut name) = (None, None, None);
+        let (mut shutter, mut readout, mut has_opening) = (Shutter::default(), 0.0, true);
+        let (mut aim, mut size) = (None, None);
         let camera = self.read(item, |params| {
+            name = params.name().map(Cow::into_owned);
             shutter = motion::shutter(params);
             readout = params.or("rollingShutter", 0.0, |args| args.number_in(0.0..=1.0));
             moves = params.block("Motion");
-            let frame = frame(params, raw_up);
+            let others: &[&str] = if item.keyword() == "FisheyeCamera" { &DISK_FITS } else { &[] };
+            aim = Aim::read(params, others);
+            let is_fitted = aim.as_ref().is_some_and(|aim| aim.fit.is_some());
+            let frame = aim.as_ref().map(|aim| known_frame(aim, params, raw_up));
             let eyes = |params: &mut Params<'_, '_>| {
                 let separation = params.or("eyeSeparation", EYE_SEPARATION, |a| a.number_in(0.0..));
                 EyePair { separation: separation.into() }
             };
+            // Without its opening a camera that stands somewhere is given it by what it fits.
+            let mut opening = |params: &mut Params<'_, '_>, key, usual: f32| {
+                has_opening = params.has(key);
+                if is_fitted && !has_opening { Some(usual) } else { params.required(key, Args::number) }
+            };
             Some(match item.keyword() {
                 "OrthographicCamera" => {
-                    let size = params.required("size", Args::number);
+                    let size = opening(params, "size", 1.0);
                     warn_of_size(params, size);
                     lens_keys = LensKeys::read(params);
                     Camera::Orthographic(OrthographicCamera { frame: frame?, size: size?.into(), lens: None })
                 }
                 "PerspectiveCamera" => {
-                    let angle = params.required("angle", Args::number);
+                    let angle = opening(params, "angle", USUAL_ANGLE);
                     warn_of_angle(params, angle);
                     size = picture_size(params);
                     lens_keys = LensKeys::read(params);
@@ -85,17 +120,29 @@ impl Compiler<'_> {
                 }
             })
         });
+        let focus = lens_keys.as_ref().and_then(LensKeys::subject);
         let lens = lens_keys.and_then(|keys| self.lens(keys));
-        (self.shutter, self.readout, self.camera_size) = (shutter, readout, size);
-        let moves = moves.and_then(|item| self.camera_motion(item));
+        // What moves with the camera does so while its own shutter is open.
+        let scenes = std::mem::replace(&mut self.shutter, shutter);
+        let motion = moves.and_then(|item| self.camera_motion(item));
+        self.shutter = scenes;
         let camera = camera?.with_lens(lens);
-        Some(match moves {
-            Some(map) => Camera::Moving(Box::new(MovingCamera { camera, map })),
-            None => camera,
+        Some(CameraRequest {
+            item,
+            name,
+            camera,
+            aim: aim?,
+            has_opening,
+            focus,
+            motion,
+            shutter,
+            readout,
+            raw_up,
+            size,
         })
     }
 
-    /// The motion of a camera, which keeps its size.
+    /// The motion of a camera, which keeps its size, while the compiler's shutter is open.
     fn camera_motion(&mut self, item: Item<'_>) -> Option<MovingTransform> {
         let keys = motion::read(item, self.rules.matrix_by_rows, self.diagnostics)?;
         if !keys.is_rigid() {
@@ -122,6 +169,19 @@ fn picture_size(params: &mut Params<'_, '_>) -> Option<[u32; 2]> {
         }
         ((None, _), (None, _)) => None,
     }
+}
+
+/// The error of a scene that nobody looks at.
+pub(super) fn missing() -> Diagnostic {
+    let help = "add, for instance, `PerspectiveCamera { fit scene }`, which sees everything, or one that says where it is: \
+                `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
+    Diagnostic::error("the scene has no camera").help(help)
+}
+
+/// The camera of scenes that have nothing to see.
+pub(super) fn none() -> Camera {
+    let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+    Camera::Orthographic(OrthographicCamera { frame, size: 2.0, lens: None })
 }
 
 /// Angles of view that the formula has an answer for, as the course's program, but nobody means.
@@ -167,22 +227,25 @@ fn fisheye(params: &mut Params<'_, '_>, frame: Frame) -> FisheyeCamera {
     let projection = params.or("projection", FisheyeProjection::Equidistant, |a| a.choice(&PROJECTIONS));
     let widest = projection.widest_angle().to_degrees();
     let angle = params.or("angle", 180.0, |a| a.number_in(1e-3..=widest));
-    let fits = [("corners", true), ("height", false)];
-    let to_corners = params.or("fit", false, |a| a.choice(&fits));
+    let [corners, height] = DISK_FITS;
+    let fits = [(corners, true), (height, false)];
+    let is_disk = |item: Item<'_>| item.word().is_some_and(|word| DISK_FITS.contains(&&*word.text()));
+    let to_corners = params.optional_where("fit", is_disk, |a| a.choice(&fits)).unwrap_or(false);
     FisheyeCamera { frame, angle: f64::from(angle).to_radians(), projection, to_corners }
 }
 
-fn frame(params: &mut Params<'_, '_>, raw_up: bool) -> Option<Frame> {
-    let [center, direction, up] = ["center", "direction", "up"].map(|key| params.required(key, Args::vec3));
-    let (center, direction, up) = (center?.as_dvec3(), direction?.as_dvec3(), up?.as_dvec3());
-    let frame = Frame::new(center, direction, up);
-    if frame.right == DVec3::ZERO {
-        let (key, why) = if direction == DVec3::ZERO {
-            ("direction", "a camera without a `direction` looks nowhere")
-        } else {
-            ("up", "with `up` along `direction`, or without a length, every pixel sees the same")
-        };
+/// The frame of a camera that asks for nothing of the scene; any other for one that does.
+fn known_frame(aim: &Aim<'_>, params: &mut Params<'_, '_>, raw_up: bool) -> Frame {
+    let (Some(center), false) = (aim.center, aim.needs_scene()) else {
+        return Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+    };
+    let direction = match aim.target {
+        Some((_, Subject::Point(target))) => target - center,
+        _ => aim.direction.unwrap_or(DVec3::NEG_Z),
+    };
+    let (frame, problem) = aim.frame(center, direction);
+    if let Some((key, why)) = problem {
         params.warn(key, why, "says too little");
     }
-    Some(if raw_up { frame.with_raw_up(up) } else { frame })
+    if raw_up { frame.with_raw_up(aim.up()) } else { frame }
 }

@@ -7,13 +7,22 @@ use kajo_math::piecewise::Piecewise2D;
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::Compiler;
+use super::aim::{Subject, subject};
 use crate::camera::{Aperture, ThinLens};
 
 /// A lens as the scene asks for it, its picture not read yet.
 pub(super) struct LensKeys<'a> {
     diameter: f64,
-    focus: f64,
+    focus: (Item<'a>, Focus<'a>),
     opening: Opening<'a>,
+}
+
+/// What a lens makes sharp.
+#[derive(Clone, Debug)]
+pub(super) enum Focus<'a> {
+    Distance(f64),
+    /// A point, or the middle of something.
+    On(Subject<'a>),
 }
 
 enum Opening<'a> {
@@ -27,8 +36,8 @@ impl<'a> LensKeys<'a> {
     pub(super) fn read(params: &mut Params<'a, '_>) -> Option<LensKeys<'a>> {
         let diameter = diameter(params);
         let focus = match diameter {
-            Some(_) => params.required("focus", Args::positive),
-            None => params.optional("focus", Args::positive),
+            Some(_) => params.required("focus", focus),
+            None => params.optional("focus", focus),
         };
         let blades = params.optional("blades", |a| a.int_in(3..=64));
         let rotation = params.or("bladeRotation", 0.0, Args::number);
@@ -46,8 +55,23 @@ impl<'a> LensKeys<'a> {
             params.idle(&["blades", "bladeRotation"], "beside `bokeh`");
         }
         let diameter = diameter.filter(|&d| d > 0.0)?;
-        Some(LensKeys { diameter, focus: focus?.into(), opening })
+        Some(LensKeys { diameter, focus: focus?, opening })
     }
+
+    /// What the lens is to focus on, unless that is a distance.
+    pub(super) fn subject(&self) -> Option<(Item<'a>, Focus<'a>)> {
+        Some(self.focus.clone()).filter(|(_, focus)| matches!(focus, Focus::On(_)))
+    }
+}
+
+/// A distance, a point, or the name of something.
+fn focus<'a>(args: &mut Args<'a>) -> Result<(Item<'a>, Focus<'a>), Diagnostic> {
+    let is_subject = args.is_word() || args.numbers_left() > 1;
+    let focus = match is_subject {
+        true => Focus::On(subject(args)?),
+        false => Focus::Distance(args.positive()?.into()),
+    };
+    Ok((args.item(), focus))
 }
 
 /// The diameter of the opening, said directly or as in photography.
@@ -84,6 +108,11 @@ impl Compiler<'_> {
                 Aperture::Picture(Arc::new(density))
             }
         };
-        Some(ThinLens { aperture, radius: 0.5 * keys.diameter, focus: keys.focus })
+        let focus = match keys.focus.1 {
+            Focus::Distance(distance) => distance,
+            // Until it is known where that is.
+            Focus::On(_) => 1.0,
+        };
+        Some(ThinLens { aperture, radius: 0.5 * keys.diameter, focus })
     }
 }

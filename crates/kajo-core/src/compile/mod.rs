@@ -4,8 +4,10 @@
 //! do not stop the reading: all of them are collected with their places, and a scene comes out
 //! only when there are none.
 
+mod aim;
 mod background;
 mod camera;
+mod cameras;
 mod definition;
 mod emitters;
 mod group;
@@ -42,6 +44,7 @@ use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, P
 use self::definition::Definition;
 use self::places::misplaced;
 use crate::background::Background;
+use crate::camera::NamedCamera;
 use crate::family::Pooled;
 use crate::glow::VariedEmission;
 use crate::light::{LightId, Lights};
@@ -64,6 +67,13 @@ pub struct CompileOptions {
     pub limits: Limits,
     /// How to build the trees over geometry.
     pub build: BuildSettings,
+    /// The name of the camera that is to take the picture; the last one without.
+    pub camera: Option<String>,
+    /// Whether a camera of a model, where one is there, comes before those of the scene unless one is asked for.
+    pub model_cameras_first: bool,
+    /// Width of the picture over its height, for cameras that fit something into it, where that is not to be the
+    /// scene's own choice.
+    pub aspect: Option<f64>,
     /// Meshes that need not be read again. The same store is for the same limits and the same way to build.
     pub meshes: Option<Arc<MeshStore>>,
 }
@@ -101,7 +111,7 @@ fn compile_tree(
     file_errors: &mut Vec<(MeshFileError, Span)>,
 ) -> Option<Scene> {
     let mut root = Params::root(desc, diagnostics);
-    let cameras = root.take(&camera::KEYWORDS);
+    let camera_items = root.take(&camera::KEYWORDS);
     let settings = root.block("Settings");
     let background = root.block("Background");
     let fog = root.block("Fog");
@@ -115,7 +125,11 @@ fn compile_tree(
     let dialect = options.dialect.or(settings.dialect).unwrap_or_default();
     let mut compiler = Compiler::new(assets, options, dialect.rules(), diagnostics, file_errors);
     compiler.uses = nesting::uses(desc);
-    let camera = compiler.camera(&cameras, group.is_some());
+    let camera_name = options.camera.as_deref();
+    let cameras = compiler.cameras(&camera_items, camera_name);
+    let chosen = cameras::chosen(&cameras, camera_name);
+    (compiler.shutter, compiler.readout) = cameras::shutter_of(&cameras, chosen);
+    let camera_size = chosen.and_then(|i| cameras[i].size);
     let (background, ambient) = compiler.background(background);
     let fog = fog.and_then(|item| compiler.fog(item));
     if let Some(item) = lights {
@@ -128,22 +142,24 @@ fn compile_tree(
         compiler.objects(item);
     }
     compiler.glowing_objects();
+    if group.is_some() && camera_items.is_empty() && compiler.model_cameras.is_empty() {
+        compiler.diagnostics.push(camera::missing());
+    }
     if compiler.has_failed() {
         return None;
     }
     // Classic rule: a scene without lights is fully lit by ambient light.
     let ambient = if compiler.light_list.is_empty() { Spectrum::WHITE } else { ambient };
     let has_group = group.is_some();
-    let settings = Settings { size: settings.size.or(compiler.camera_size), ..settings };
-    let scene =
-        compiler.finish(Surroundings { camera: camera?, background, ambient, fog, settings, has_group });
+    let settings = Settings { size: settings.size.or(camera_size), ..settings };
+    let mut scene = compiler.finish(Surroundings { background, ambient, fog, settings, has_group });
+    cameras::place(&mut scene, cameras, desc, options, diagnostics);
     scale::check(&scene, diagnostics);
-    Some(scene)
+    (!diagnostics.has_errors()).then_some(scene)
 }
 
 /// What a scene has besides objects, materials and lights.
 struct Surroundings {
-    camera: crate::camera::Camera,
     background: Background,
     ambient: Spectrum,
     fog: Option<crate::medium::Fog>,
@@ -163,8 +179,6 @@ struct Compiler<'a> {
     transforms: Vec<Transform>,
     shutter: Shutter,
     readout: f32,
-    /// Columns and rows of the picture, where the camera says them.
-    camera_size: Option<[u32; 2]>,
     motions: Vec<MovingTransform>,
     primitives: Vec<Primitive>,
     objects: Objects,
@@ -202,6 +216,8 @@ struct Compiler<'a> {
     light_groups: light_groups::LightGroups,
     meshes: mesh::MeshCache,
     models: model::ModelCache,
+    /// Cameras that models bring, in world space.
+    model_cameras: Vec<NamedCamera>,
 }
 
 impl<'a> Compiler<'a> {
@@ -222,7 +238,6 @@ impl<'a> Compiler<'a> {
             transforms: vec![Transform::IDENTITY],
             shutter: Shutter::default(),
             readout: 0.0,
-            camera_size: None,
             motions: Vec::new(),
             primitives: Vec::new(),
             objects: Objects::default(),
@@ -250,6 +265,7 @@ impl<'a> Compiler<'a> {
             light_groups: light_groups::LightGroups::default(),
             meshes: mesh::MeshCache::default(),
             models: model::ModelCache::default(),
+            model_cameras: Vec::new(),
         }
     }
 
@@ -335,7 +351,8 @@ impl<'a> Compiler<'a> {
             ambient: rest.ambient,
             background,
             fog: rest.fog,
-            camera: rest.camera,
+            camera: camera::none(),
+            cameras: self.model_cameras,
             readout: self.readout,
             settings: rest.settings,
             rules: self.rules,

@@ -149,7 +149,11 @@ fn value_of_row(ui: &mut Ui, field: &Field, label: Id) -> Option<FieldValue> {
 /// * `hint`: what an empty text stands for
 fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: Id) -> Option<FieldValue> {
     match kind {
-        FieldKind::Number { min, max } => number(ui, value, label, min, max),
+        // A point or a name may stand where a distance can.
+        FieldKind::Number { min, max } if value.word.is_none() && value.numbers.len() <= 1 => {
+            number(ui, value, label, min, max)
+        }
+        FieldKind::Number { .. } if value.word.is_none() => numbers(ui, value, label, value.numbers.len()),
         FieldKind::Whole { min, max } => {
             let mut v = value.numbers.first().copied().unwrap_or(0.0);
             let drag = DragValue::new(&mut v).range(min..=max).clamp_existing_to_range(false);
@@ -157,7 +161,7 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
             ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([v.round()]))
         }
         FieldKind::Angle { min, max } => angle(ui, value, label, min, max),
-        FieldKind::Point | FieldKind::Vector => numbers(ui, value, label, 3),
+        FieldKind::Point | FieldKind::Vector if value.word.is_none() => numbers(ui, value, label, 3),
         FieldKind::Color => color(ui, value, label),
         FieldKind::Reflectance | FieldKind::Emission if value.word.is_none() => color(ui, value, label),
         FieldKind::Flag => {
@@ -176,6 +180,9 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
         FieldKind::Numbers(count) => numbers(ui, value, label, count.max(value.numbers.len())),
         FieldKind::File
         | FieldKind::Text
+        | FieldKind::Number { .. }
+        | FieldKind::Point
+        | FieldKind::Vector
         | FieldKind::Material
         | FieldKind::Reflectance
         | FieldKind::Emission => text(ui, value, hint, label),

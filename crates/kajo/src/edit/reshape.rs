@@ -78,7 +78,8 @@ impl Block<'_> {
 
     /// A light or a camera: a place and directions, of whatever length.
     fn pointing(&self) -> Values {
-        let places = ["position", "center"].into_iter().filter_map(|key| self.point(key));
+        let keys = ["position", "center", "target", "focus", "lookAt"];
+        let places = keys.into_iter().filter_map(|key| self.points(key));
         places.chain(["direction", "up"].into_iter().filter_map(|key| self.turned(key))).collect()
     }
 
@@ -110,6 +111,20 @@ impl Block<'_> {
     fn point(&self, key: &'static str) -> Option<(&'static str, FieldValue)> {
         let p = self.tree.vec3_of(self.node, key)?;
         Some((key, vector(self.map.transform_point3(p))))
+    }
+
+    /// As many points as a value has, and then what is up, as a `lookAt` may say it.
+    fn points(&self, key: &'static str) -> Option<(&'static str, FieldValue)> {
+        let numbers = self.tree.numbers_of(self.node, key)?;
+        let (points, rest) = numbers.as_chunks::<3>();
+        if points.is_empty() || !rest.is_empty() {
+            return None;
+        }
+        let moved = points.iter().enumerate().map(|(i, &p)| match i {
+            0 | 1 => self.map.transform_point3(DVec3::from_array(p)),
+            _ => (self.map.matrix3 * DVec3::from_array(p)).normalize_or_zero(),
+        });
+        Some((key, FieldValue::numbers(moved.flat_map(|p| vector(p).numbers))))
     }
 
     fn edge(&self, key: &'static str) -> Option<(&'static str, FieldValue)> {

@@ -76,6 +76,12 @@ impl Handle {
                 let p = length.vector(local);
                 (set(key, vector(p)), world(p))
             }
+            Meaning::Part { key, first } => {
+                let p = length.vector(local);
+                let numbers = p.to_array().map(|x| Some(single(x)));
+                let numbers = std::iter::repeat_n(None, *first).chain(numbers).collect();
+                return Some((Edit::SetSome { node: self.node, key: (*key).to_owned(), numbers }, world(p)));
+            }
             Meaning::Vector { key, from } => {
                 let v = length.vector(local - *from);
                 (v.length() > 0.0).then(|| (set(key, vector(v)), world(*from + v)))?

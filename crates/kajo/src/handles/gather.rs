@@ -221,11 +221,33 @@ impl Gather<'_> {
         Some(())
     }
 
+    /// The point that a lens focuses on, where it is one.
+    fn focus_point(&mut self) -> Option<()> {
+        self.point("focus", "what is sharp").map(|_| ())
+    }
+
     fn camera(&mut self) -> Option<()> {
-        let center = self.point("center", "eye")?;
+        let line = self.document.value(self.node, "lookAt").filter(|line| line.numbers.len() >= 6);
+        if let Some(line) = line {
+            for (first, about) in [(0, "eye"), (3, "target")] {
+                let p = DVec3::from_slice(&line.numbers[first..first + 3]);
+                let meaning = Meaning::Part { key: "lookAt", first };
+                self.add(HandleKind::Point, self.world(p), Track::Screen, meaning, about);
+            }
+            return self.focus_point();
+        }
+        // One that fits something stands nowhere in particular, and may look at a point all the same.
+        let center = self.point("center", "eye");
+        let target = ["target", "lookAt"].into_iter().find_map(|key| self.point(key, "target"));
+        self.focus_point();
+        let center = center?;
+        if target.is_some() {
+            return Some(());
+        }
         let direction = self.vec3("direction")?;
         let forward = direction.try_normalize()?;
-        let focus = self.number("focus");
+        let focus = self.document.value(self.node, "focus").filter(|focus| focus.numbers.len() == 1);
+        let focus = focus.and_then(|focus| focus.numbers.first().copied());
         let distance = focus.unwrap_or_else(|| (self.middle() - center).dot(forward).max(direction.length()));
         let target = center + distance * forward;
         let meaning =

@@ -106,6 +106,8 @@ enum Track {
 enum Meaning {
     /// A point.
     Point { key: &'static str },
+    /// A point among the numbers of a value, from this one on.
+    Part { key: &'static str, first: usize },
     /// A vector from a point.
     Vector { key: &'static str, from: DVec3 },
     /// A direction from a point, or towards it, that keeps its length.

@@ -260,3 +260,38 @@ fn the_camera_follows_a_pose() {
     empty.compile();
     assert!(empty.is_current() && empty.text().starts_with("PerspectiveCamera {"), "{}", empty.report(false));
 }
+
+/// However a camera says where it looks, moving it by hand edits what is written, and the scene has the camera shown.
+#[test]
+fn cameras_that_look_at_things_are_moved_by_hand() {
+    for (keys, kept, gone) in [
+        ("center 0 1 9  target 1 1 0  angle 30", "target", "direction"),
+        ("lookAt 0 1 9  1 1 0  angle 30", "lookAt", "center"),
+        ("lookAt 0 1 9  1 1 0  0 1 0  angle 30", "lookAt", "center"),
+        ("center 0 1 9  target ball  angle 30", "direction", "target"),
+        ("fit scene", "center", "fit"),
+        ("fit ball 0.1  direction 1 -1 -3", "direction", "fit"),
+        ("fit ball  center 0 2 9", "angle", "fit"),
+    ] {
+        let text = format!(
+            "PerspectiveCamera {{ {keys} }} Materials {{ Matte {{ }} }}
+             Group {{ MaterialIndex 0  Sphere ball {{ center 1 1 0  radius 1 }} }}"
+        );
+        let mut document = Document::untitled(Path::new("."), &text, LoadOptions::default()).unwrap();
+        document.compile();
+        assert!(document.is_current(), "{}", document.report(false));
+        let mut pose = CameraPose::of(document.scene().unwrap());
+        pose.turn(0.3, -0.2);
+        pose.fly(DVec3::new(0.5, 0.25, -2.0));
+        document.apply(&Edit::Look(Box::new(pose.clone()))).unwrap();
+        document.compile();
+        assert!(document.is_current(), "{}\n{}", document.text(), document.report(false));
+        let found = CameraPose::of(document.scene().unwrap());
+        assert!(found.eye().distance(pose.eye()) < 1e-4, "{}", document.text());
+        assert!(found.forward().distance(pose.forward()) < 1e-5, "{}", document.text());
+        assert!(found.up().distance(pose.up()) < 1e-5, "{}", document.text());
+        assert!((found.angle().unwrap() - pose.angle().unwrap()).abs() < 1e-6, "{}", document.text());
+        let camera = document.text().split("Materials").next().unwrap().to_owned();
+        assert!(camera.contains(kept) && !camera.contains(&format!("{gone} ")), "{camera}");
+    }
+}

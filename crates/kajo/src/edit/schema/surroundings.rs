@@ -4,19 +4,24 @@ use kajo_core::light::LightChoice;
 use kajo_core::sampler::SamplerKind;
 use kajo_core::settings::{Dialect, Directions, IntegratorKind, Technique};
 
-use super::FieldKind::{Angle, Choice, ChoiceAndNumber, Color, Emission, File, Flag, Numbers, Point, Vector};
+use super::FieldKind::{
+    Angle, Choice, ChoiceAndNumber, Color, Emission, File, Flag, Numbers, Point, Text, Vector,
+};
 use super::{
     ANY, Block, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, SHARE, at_least, between, block, field, number,
     option, required, ruled, rules, unlike, whole,
 };
 
-const CENTER: FieldSpec = required("center", Point, "where it is");
-const DIRECTION: FieldSpec = required("direction", Vector, "where it looks");
-const UP: FieldSpec = required("up", Vector, "which way is up in the picture");
+const CENTER: FieldSpec = option("center", Point, "where it is");
+const DIRECTION: FieldSpec = option("direction", Vector, "where it looks");
+const TARGET: FieldSpec = option("target", Point, "the point it looks at, or the name of an object");
+const LOOK_AT: FieldSpec = option("lookAt", Numbers(9), "where it is, the point it looks at, and what is up");
+const UP: FieldSpec = option("up", Vector, "which way is up in the picture");
+const FIT: FieldSpec = option("fit", Text, "what fills the picture: scene, or the name of an object");
 const APERTURE: FieldSpec = field("aperture", at_least(0.0), "0", "diameter of the lens's opening")
     .only_beside("focus")
     .not_beside(&["fNumber", "focalLength"]);
-const FOCUS: FieldSpec = unlike("focus", POSITIVE, "all is sharp", "5", "distance of what is sharp");
+const FOCUS: FieldSpec = unlike("focus", POSITIVE, "all is sharp", "5", "distance of what is sharp; or a point, or the name of an object");
 const F_NUMBER: FieldSpec = unlike("fNumber", POSITIVE, "none", "2.8", "focal length over diameter")
     .only_beside("focalLength")
     .not_beside(&["aperture"]);
@@ -58,10 +63,13 @@ pub(super) const BLOCKS: &[Block] = &[
         &[
             CENTER,
             DIRECTION,
+            TARGET,
+            LOOK_AT,
             UP,
+            FIT,
             SHUTTER,
             ROLLING_SHUTTER,
-            required("angle", Angle { min: -ANY, max: ANY }, "field of view from bottom to top"),
+            option("angle", Angle { min: -ANY, max: ANY }, "field of view from bottom to top"),
             option("width", whole(1.0, 16_777_216.0), "columns of the picture, if nothing else says them"),
             option("height", whole(1.0, 16_777_216.0), "rows of the picture, if nothing else says them"),
             APERTURE,
@@ -79,10 +87,13 @@ pub(super) const BLOCKS: &[Block] = &[
         &[
             CENTER,
             DIRECTION,
+            TARGET,
+            LOOK_AT,
             UP,
+            FIT,
             SHUTTER,
             ROLLING_SHUTTER,
-            required("size", number(), "height of the picture in the world"),
+            option("size", number(), "height of the picture in the world"),
             APERTURE,
             FOCUS,
             F_NUMBER,
@@ -98,6 +109,8 @@ pub(super) const BLOCKS: &[Block] = &[
         &[
             CENTER,
             DIRECTION,
+            TARGET,
+            LOOK_AT,
             UP,
             SHUTTER,
             ROLLING_SHUTTER,
@@ -108,7 +121,12 @@ pub(super) const BLOCKS: &[Block] = &[
                 "equidistant",
                 "how angles become distances",
             ),
-            field("fit", Choice(&["height", "corners"]), "height", "what the disk fills"),
+            field(
+                "fit",
+                Choice(&["height", "corners"]),
+                "height",
+                "what the disk fills, or what fills the picture",
+            ),
         ],
     ),
     block(
@@ -117,7 +135,10 @@ pub(super) const BLOCKS: &[Block] = &[
         &[
             CENTER,
             DIRECTION,
+            TARGET,
+            LOOK_AT,
             UP,
+            FIT,
             SHUTTER,
             ROLLING_SHUTTER,
             EYES,
@@ -130,7 +151,10 @@ pub(super) const BLOCKS: &[Block] = &[
         &[
             CENTER,
             DIRECTION,
+            TARGET,
+            LOOK_AT,
             UP,
+            FIT,
             SHUTTER,
             ROLLING_SHUTTER,
             EYES,

@@ -64,7 +64,19 @@ fn needed(block: &Block) -> String {
     };
     let needed: String =
         block.fields.iter().filter(|field| matches!(field.absent, Absent::Required)).map(given).collect();
-    if block.kind == Kind::Light { needed + "color 1 1 1 " } else { needed }
+    match block.kind {
+        Kind::Light => needed + "color 1 1 1 ",
+        Kind::Camera => {
+            let aim = "center 0 1 0 direction 3 -2 4 up 0 1 0 ";
+            let opening = match block.keyword {
+                "PerspectiveCamera" => "angle 30 ",
+                "OrthographicCamera" => "size 30 ",
+                _ => "",
+            };
+            needed + aim + opening
+        }
+        _ => needed,
+    }
 }
 
 /// The keys that the compiler asks for in a block, by what it says when none of them is meant.

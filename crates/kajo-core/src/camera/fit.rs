@@ -1,0 +1,396 @@
+//! Where a camera has to stand, or how much it has to see, so that something just fits into its picture.
+//!
+//! What is to be seen answers one question: which of its points `p` lies farthest in a direction `n`, its support.
+//! With `(a, b, s)` the coordinates of a point to the right, up and forward and `x` the tangent of half the
+//! horizontal angle, the point is left of the right edge of a perspective picture taken from `(a', b', s')` where
+//!
+//! ```text
+//! a - a' <= (s - s') x      that is      s' x - a' <= s x - a
+//! ```
+//!
+//! so that all of them are where `s' x - a' <= min (s x - a)`, a support. Two edges opposite to each other give the largest
+//! `s'` of their direction, and the `a'` in the middle; the smaller of the two largest `s'` is the place. No search is
+//! needed, and the silhouette touches the edges exactly. How wide a picture from a given place has to be is the largest
+//! `a / s`, found by Dinkelbach's iteration [Dinkelbach 1967]: `x <- a/s` of the point with the largest `a - x s`.
+//!
+//! A fisheye sees the ball around the box of the points, which fills its disk.
+
+use kajo_math::{DMat3, DVec3, fmath};
+
+use super::{Camera, Frame, OrthographicCamera, PerspectiveCamera};
+
+/// How near a camera comes to what it fits into its picture, as a share of its diameter.
+const NEAREST: f64 = 0.05;
+
+/// The point of something that lies farthest in a direction of any length.
+pub type Support<'a> = dyn Fn(DVec3) -> DVec3 + 'a;
+
+/// What a camera may change so that something fits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Freedom {
+    /// Where it stands.
+    Place,
+    /// How far away it stands, on the line through its centre along its direction.
+    Distance,
+    /// How much it sees: the angle, or the height of its picture.
+    Opening,
+}
+
+/// Why nothing was fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FitError {
+    /// A part of it is beside or behind the camera.
+    Around,
+    /// The camera sees all around.
+    SeesAll,
+    /// The angle is none that a picture can have.
+    NoAngle,
+    /// Its direction and what is up are the same.
+    NoAxes,
+}
+
+/// How something is to fill the picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Fit {
+    /// What the camera may change.
+    pub freedom: Freedom,
+    /// Width of the picture over its height.
+    pub aspect: f64,
+    /// The share of the picture that stays free at each edge, in [0, 0.5).
+    pub margin: f64,
+}
+
+impl Fit {
+    /// The camera with what is free chosen such that what `support` describes fits.
+    ///
+    /// # Errors
+    /// [`FitError`].
+    pub fn apply(&self, camera: &Camera, support: &Support<'_>) -> Result<Camera, FitError> {
+        let space = Space::of(camera.frame(), support).ok_or(FitError::NoAxes)?;
+        let inside = 1.0 - 2.0 * self.margin;
+        match camera {
+            Camera::Perspective(camera) => {
+                let lens = camera.lens().cloned();
+                if self.freedom == Freedom::Opening {
+                    let height = space.widest(self.aspect).ok_or(FitError::Around)?;
+                    let angle = 2.0 * fmath::atan64(height / inside);
+                    let fitted = PerspectiveCamera::new(*camera.frame(), angle);
+                    return Ok(Camera::Perspective(fitted.with_lens(lens)));
+                }
+                let height = inside / camera.distance();
+                if !(1e-6..1e6).contains(&height) {
+                    return Err(FitError::NoAngle);
+                }
+                let center = self.eye(&space, [height * self.aspect, height]);
+                Ok(Camera::Perspective(camera.clone().with_frame(Frame { center, ..*camera.frame() })))
+            }
+            Camera::Orthographic(camera) => Ok(self.parallel(&space, camera, inside)),
+            Camera::Fisheye(fisheye) => {
+                let middle = space.middle();
+                let half = 0.5 * fisheye.angle;
+                let edge = inside * self.aspect.min(1.0) / fisheye.radius(self.aspect);
+                let theta = fisheye.projection.theta(edge.min(1.0), half);
+                let Frame { center, forward, .. } = fisheye.frame;
+                if self.freedom == Freedom::Opening {
+                    return Err(FitError::NoAngle);
+                }
+                let sin = if theta < 0.5 * std::f64::consts::PI { fmath::sin64(theta) } else { 1.0 };
+                let distance = space.radius() / sin.max(1e-6);
+                let middle = match self.freedom {
+                    Freedom::Distance => center + (middle - center).dot(forward) * forward,
+                    _ => middle,
+                };
+                let frame = Frame { center: middle - distance * forward, ..fisheye.frame };
+                Ok(Camera::Fisheye(*fisheye).with_frame(frame))
+            }
+            Camera::Panorama(_) | Camera::StereoCubemap(_) => Err(FitError::SeesAll),
+            Camera::Moving(moving) => self.apply(&moving.camera, support),
+        }
+    }
+
+    /// The place of a perspective camera.
+    ///
+    /// * `tangents`: of half the horizontal and vertical angle
+    fn eye(&self, space: &Space<'_>, tangents: [f64; 2]) -> DVec3 {
+        let here = space.coordinates(space.center);
+        // What points at the camera, or is seen edge on, would be met by its tip.
+        let mut forward = space.least(DVec3::Z) - NEAREST * space.diameter();
+        let mut across = [here.x, here.y];
+        for (axis, (unit, x)) in [DVec3::X, DVec3::Y].into_iter().zip(tangents).enumerate() {
+            let right = space.least(x * DVec3::Z - unit);
+            let left = space.least(x * DVec3::Z + unit);
+            match self.freedom {
+                Freedom::Distance => {
+                    let at = across[axis];
+                    forward = forward.min((right + at) / x).min((left - at) / x);
+                }
+                _ => {
+                    forward = forward.min(0.5 * (right + left) / x);
+                    across[axis] = 0.5 * (left - right);
+                }
+            }
+        }
+        space.point(DVec3::new(across[0], across[1], forward))
+    }
+
+    fn parallel(&self, space: &Space<'_>, camera: &OrthographicCamera, inside: f64) -> Camera {
+        let here = space.coordinates(camera.frame.center);
+        let mut middle = here;
+        let mut extent = [0.0; 2];
+        for (axis, unit) in [DVec3::X, DVec3::Y].into_iter().enumerate() {
+            let (low, high) = (space.least(unit), -space.least(-unit));
+            if self.freedom == Freedom::Place {
+                middle[axis] = 0.5 * (low + high);
+            }
+            extent[axis] = 2.0 * (high - middle[axis]).max(middle[axis] - low);
+        }
+        if self.freedom != Freedom::Opening {
+            // In front of all of it, where a lens has something to focus on.
+            middle.z = space.least(DVec3::Z) - space.diameter();
+        }
+        let size = extent[1].max(extent[0] / self.aspect) / inside;
+        let size = if size > 0.0 { size } else { 1.0 };
+        let frame = Frame { center: space.point(middle), ..camera.frame };
+        Camera::Orthographic(OrthographicCamera { frame, size, ..camera.clone() })
+    }
+}
+
+/// The direction from `center` in which a perspective picture shows something in its middle.
+///
+/// `None` where no picture from there holds it.
+pub fn centred(center: DVec3, up: DVec3, support: &Support<'_>) -> Option<DVec3> {
+    let [x, y, z] =
+        [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| 0.5 * (support(axis) + support(-axis)).dot(axis));
+    let mut forward = (DVec3::new(x, y, z) - center).try_normalize()?;
+    // The middle in the picture is not that of the box: what is near counts for more.
+    for _ in 0..4 {
+        let frame = Frame::new(center, forward, up);
+        let space = Space::of(&frame, support)?;
+        let [right, top, left, bottom] = space.tangents()?;
+        let way = frame.forward + 0.5 * (right - left) * frame.right + 0.5 * (top - bottom) * frame.up;
+        forward = way.try_normalize()?;
+    }
+    Some(forward)
+}
+
+/// What is to be seen in the coordinates of a camera.
+struct Space<'a> {
+    center: DVec3,
+    /// The camera's axes.
+    axes: DMat3,
+    /// Its inverse.
+    rows: DMat3,
+    support: &'a Support<'a>,
+}
+
+impl<'a> Space<'a> {
+    fn of(frame: &Frame, support: &'a Support<'a>) -> Option<Space<'a>> {
+        let axes = DMat3::from_cols(frame.right, frame.up, frame.forward);
+        let rows = axes.inverse();
+        (axes.determinant() != 0.0).then_some(Space { center: frame.center, axes, rows, support })
+    }
+
+    /// A point by right, up and forward, counted from the origin.
+    fn coordinates(&self, p: DVec3) -> DVec3 {
+        self.rows * p
+    }
+
+    fn point(&self, coordinates: DVec3) -> DVec3 {
+        self.axes * coordinates
+    }
+
+    /// The point for which a combination of coordinates is largest.
+    fn farthest(&self, combination: DVec3) -> DVec3 {
+        self.coordinates((self.support)(self.rows.transpose() * combination))
+    }
+
+    /// The least value of a combination of coordinates.
+    fn least(&self, combination: DVec3) -> f64 {
+        combination.dot(self.farthest(-combination))
+    }
+
+    fn extent(&self) -> [DVec3; 2] {
+        let low = DVec3::new(self.least(DVec3::X), self.least(DVec3::Y), self.least(DVec3::Z));
+        let high = -DVec3::new(self.least(-DVec3::X), self.least(-DVec3::Y), self.least(-DVec3::Z));
+        [low, high]
+    }
+
+    /// The diagonal of the box along the axes; 1 for a point.
+    fn diameter(&self) -> f64 {
+        let [low, high] = self.extent();
+        let diameter = low.distance(high);
+        if diameter > 0.0 { diameter } else { 1.0 }
+    }
+
+    fn radius(&self) -> f64 {
+        0.5 * self.diameter()
+    }
+
+    fn middle(&self) -> DVec3 {
+        let [low, high] = self.extent();
+        self.point(0.5 * (low + high))
+    }
+
+    /// The tangents of the angles from forward to the farthest points to the right, up, left and down; `None` unless all
+    /// points are ahead.
+    fn tangents(&self) -> Option<[f64; 4]> {
+        let here = self.coordinates(self.center);
+        if self.least(DVec3::Z) - here.z <= 0.0 {
+            return None;
+        }
+        Some([DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y].map(|side| {
+            let of = |p: DVec3| (p - here).dot(side) / (p.z - here.z);
+            let mut tangent = of(self.farthest(side));
+            // Each step is larger than the one before, and there are few.
+            for _ in 0..64 {
+                let next = of(self.farthest(side - tangent * DVec3::Z));
+                if next <= tangent {
+                    break;
+                }
+                tangent = next;
+            }
+            tangent
+        }))
+    }
+
+    /// The tangent of half the vertical angle that holds all; `None` unless all points are ahead.
+    fn widest(&self, aspect: f64) -> Option<f64> {
+        let [right, top, left, bottom] = self.tangents()?;
+        Some(top.max(bottom).max(right.max(left) / aspect).max(1e-6))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{FisheyeCamera, FisheyeProjection};
+    use kajo_math::rng::Stream;
+
+    fn points(i: u32) -> Vec<DVec3> {
+        let s = Stream::new(11, [i, 0], 0);
+        let scale = 10f64.powi(i as i32 % 7 - 3);
+        let point = |k: u32| DVec3::from([0, 1, 2].map(|c| f64::from(s.uniform(3 * k + c)))) * scale;
+        (0..20).map(|k| point(k) + DVec3::new(3.0, -2.0, 5.0)).collect()
+    }
+
+    fn farthest(points: &[DVec3], n: DVec3) -> DVec3 {
+        points.iter().copied().max_by(|a, b| a.dot(n).total_cmp(&b.dot(n))).unwrap()
+    }
+
+    fn frame(i: u32) -> Frame {
+        let s = Stream::new(5, [i, 0], 0);
+        let v = |k: u32| DVec3::from([0, 1, 2].map(|c| 2.0 * f64::from(s.uniform(k + c)) - 1.0));
+        Frame::new(v(0), v(3), v(6))
+    }
+
+    /// How far out the points reach in the picture, to the sides and up and down.
+    fn reach(camera: &Camera, points: &[DVec3], aspect: f64) -> [f64; 2] {
+        let at = |p: &DVec3| camera.project(*p, aspect, 0.0).expect("ahead");
+        let reach = |axis: usize| points.iter().map(|p| at(p)[axis].abs()).fold(0.0, f64::max);
+        [reach(0), reach(1)]
+    }
+
+    #[test]
+    fn everything_is_seen_and_touches_the_margin() {
+        let mut touched = 0;
+        for i in 0..60 {
+            let (points, frame) = (points(i), frame(i));
+            let support = |n: DVec3| farthest(&points, n);
+            for (aspect, margin) in [(1.5, 0.05), (0.4, 0.0), (4.0, 0.2)] {
+                let cameras = [
+                    Camera::Perspective(PerspectiveCamera::new(frame, 0.7)),
+                    Camera::Perspective(PerspectiveCamera::new(
+                        frame.with_raw_up(frame.up + 0.2 * frame.right),
+                        1.5,
+                    )),
+                    Camera::Orthographic(OrthographicCamera { frame, size: 2.0, lens: None }),
+                ];
+                for camera in cameras {
+                    let fit = Fit { freedom: Freedom::Place, aspect, margin };
+                    let fitted = fit.apply(&camera, &support).unwrap();
+                    let [x, y] = reach(&fitted, &points, aspect);
+                    let inside = 1.0 - 2.0 * margin;
+                    let ahead = |p: &DVec3| (p - fitted.frame().center).dot(frame.forward);
+                    let nearest = points.iter().map(ahead).fold(f64::INFINITY, f64::min);
+                    // The points lie in a cube of this side; no camera comes nearer than a part of it.
+                    let is_near = nearest < 0.15 * 10f64.powi(i as i32 % 7 - 3);
+                    assert!(x.max(y) < inside + 1e-9, "{i} {aspect}: {x} {y}");
+                    assert!(is_near || x.max(y) > inside - 1e-9, "{i} {aspect}: {x} {y}");
+                    touched += usize::from(!is_near);
+                    assert_eq!(fitted.frame().forward, frame.forward);
+                }
+            }
+        }
+        assert!(touched > 400, "{touched}");
+    }
+
+    #[test]
+    fn from_a_place_the_angle_is_what_fits() {
+        for i in 0..60 {
+            let points = points(i);
+            let support = |n: DVec3| farthest(&points, n);
+            let center = DVec3::new(-20.0, 8.0, 60.0);
+            let forward = centred(center, DVec3::Y, &support).unwrap();
+            let camera =
+                Camera::Perspective(PerspectiveCamera::new(Frame::new(center, forward, DVec3::Y), 1.0));
+            let fit = Fit { freedom: Freedom::Opening, aspect: 1.3, margin: 0.1 };
+            let fitted = fit.apply(&camera, &support).unwrap();
+            let [x, y] = reach(&fitted, &points, 1.3);
+            assert!((x.max(y) - 0.8).abs() < 1e-9, "{x} {y}");
+            // Both edges are as far away.
+            let across: Vec<f64> = points.iter().map(|p| fitted.project(*p, 1.3, 0.0).unwrap().y).collect();
+            let [low, high] =
+                [across.iter().copied().fold(1.0, f64::min), across.iter().copied().fold(-1.0, f64::max)];
+            assert!((low + high).abs() < 5e-3, "{low} {high}");
+        }
+    }
+
+    #[test]
+    fn along_the_line_of_sight_the_target_stays_in_the_middle() {
+        let points = points(3);
+        let support = |n: DVec3| farthest(&points, n);
+        let target = points[4];
+        let forward = DVec3::new(-1.0, -0.5, -2.0);
+        let camera = PerspectiveCamera::new(Frame::new(target, forward, DVec3::Y), 0.8);
+        let fit = Fit { freedom: Freedom::Distance, aspect: 1.0, margin: 0.05 };
+        let fitted = fit.apply(&Camera::Perspective(camera), &support).unwrap();
+        assert!(fitted.project(target, 1.0, 0.0).unwrap().length() < 1e-9);
+        let [x, y] = reach(&fitted, &points, 1.0);
+        assert!((x.max(y) - 0.9).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_fisheye_holds_all_and_what_sees_all_refuses() {
+        let (points, frame) = (points(3), frame(2));
+        let support = |n: DVec3| farthest(&points, n);
+        for (to_corners, aspect) in [(false, 1.0), (false, 0.5), (true, 1.5)] {
+            for angle in [1.0, 3.1] {
+                let projection = FisheyeProjection::Equisolid;
+                let camera = Camera::Fisheye(FisheyeCamera { frame, angle, projection, to_corners });
+                let fit = Fit { freedom: Freedom::Place, aspect, margin: 0.05 };
+                let [x, y] = reach(&fit.apply(&camera, &support).unwrap(), &points, aspect);
+                assert!(x.max(y) < 0.95, "{x} {y}");
+            }
+        }
+        let fit = Fit { freedom: Freedom::Opening, aspect: 1.0, margin: 0.0 };
+        let all = Camera::Panorama(crate::camera::PanoramaCamera { frame, eyes: None });
+        assert_eq!(fit.apply(&all, &support).unwrap_err(), FitError::SeesAll);
+        let within = Frame::new(points[0], DVec3::Z, DVec3::Y);
+        let within = Camera::Perspective(PerspectiveCamera::new(within, 1.0));
+        assert_eq!(fit.apply(&within, &support).unwrap_err(), FitError::Around);
+    }
+
+    #[test]
+    fn a_point_can_be_looked_at() {
+        let p = DVec3::new(1.0, 2.0, 3.0);
+        let support = |_: DVec3| p;
+        for camera in [
+            Camera::Perspective(PerspectiveCamera::new(frame(1), 0.7)),
+            Camera::Orthographic(OrthographicCamera { frame: frame(1), size: 2.0, lens: None }),
+        ] {
+            let fitted = Fit { freedom: Freedom::Place, aspect: 1.0, margin: 0.05 }.apply(&camera, &support);
+            let at = fitted.unwrap().project(p, 1.0, 0.0).expect("ahead");
+            assert!(at.length() < 1e-9);
+        }
+    }
+}
