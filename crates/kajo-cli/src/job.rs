@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use kajo::output::Target;
 use kajo::{
     BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, EncodeOptions, Format, Highlight, ImageError,
-    IntegratorKind, LoadOptions, Loaded, Passes, Picture, Reduction, RenderError, RenderSettings, RenderStats,
-    Resources, SamplerKind, Scene, SceneDigest, Settings, Severity, Snapshot, View, diagrams,
+    IntegratorKind, LoadOptions, Loaded, Passes, Picture, Rect, Reduction, RenderError, RenderSettings,
+    RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Severity, Snapshot, View, diagrams,
 };
 
 use crate::args::{DevelopArgs, PassArgs};
@@ -25,6 +25,8 @@ pub struct Job {
     pub defaults: Defaults,
     /// What the command line says about the picture.
     pub asked: Settings,
+    /// The part of the picture that is wanted.
+    pub crop: Option<Rect>,
     /// What the classic command line says besides.
     pub classic: Option<ClassicWords>,
     pub outputs: Vec<Output>,
@@ -282,6 +284,9 @@ impl Job {
     fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
         let uv = self.classic.is_some_and(|words| words.uv);
         let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, uv)?;
+        if let Some(part) = self.crop {
+            settings = settings.cropped(part)?;
+        }
         let left_out = settings.left_out(scene).into_iter().map(str::to_owned);
         for note in left_out.chain(settings.without_effect(&self.asked, &scene.settings)) {
             voice.warn(note);

@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use kajo_core::scene::Scene;
+use kajo_math::Vec2;
 use kajo_render::{Film, FilmSpec, Goal, Position, Progress};
 
 use crate::{Development, RenderSettings};
@@ -213,8 +214,11 @@ impl Identity {
         let digest = blake3::Hash::from_bytes(digest.0).to_hex();
         let adaptive = goal.adaptive.then_some(goal.noise);
         // The derived texts of numbers say all their digits.
+        // Which of its cameras takes the picture, by where it stands and what it sees in a corner.
+        let corner = scene.camera.ray(Vec2::ONE, 1.0, Vec2::splat(0.5), 0.0);
+        let camera = format!("{:?} {corner:?}", scene.camera.frame());
         let text = format!(
-            "scene {digest}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
+            "scene {digest}\ncamera {camera}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
             scene.rules
         );
         Identity { text, build: OnceLock::new(), adaptive: goal.adaptive }

@@ -39,6 +39,7 @@ pub mod handles;
 mod info;
 mod load;
 pub mod memory;
+mod model_scene;
 pub mod output;
 pub mod preview;
 pub mod probe;
@@ -58,6 +59,7 @@ pub use denoise::{DENOISE_OUTPUTS, DenoiseError, Denoiser};
 pub use development::Development;
 pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{LoadOptions, Loaded, load, load_from};
+pub use model_scene::{ConvertError, ModelOptions, ModelScene, UpAxis, model_scene};
 pub use reduction::Reduction;
 pub use render::{Passes, Picture, RenderError, Resources, Snapshot, render, render_passes, render_through};
 pub use settings::{Defaults, RenderSettings, SettingsError, suitable_size};
@@ -78,7 +80,7 @@ pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode,
 pub use kajo_math;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
-pub use kajo_render::{Goal, Progress, RayCounters, RenderStats, Silent};
+pub use kajo_render::{Goal, Progress, RayCounters, Rect, RenderStats, Silent};
 pub use kajo_scene::{
     AssetError, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, MemoryBudget, Severity, Sources,
     TokenKind, nearest, printable, tokens,

@@ -11,6 +11,7 @@ use kajo_scene::{
     Assets, Diagnostic, Diagnostics, Limits, MemoryBudget, Parsed, SceneDesc, Sources, one_line, render,
 };
 
+use crate::model_scene::{ModelFile, ModelOptions};
 use crate::{FsAssets, LoadProgress, memory};
 
 /// What is known about a scene before it is read.
@@ -26,6 +27,14 @@ pub struct LoadOptions {
     pub limits: Limits,
     /// Bytes that all of the scene may take; `None` for what the system has left.
     pub memory: Option<u64>,
+    /// The name of the camera that takes the picture; the last one of the scene without.
+    pub camera: Option<String>,
+    /// Width of the picture over its height, for cameras that fit something into it, where the scene is not to say it.
+    pub aspect: Option<f64>,
+    /// How a model that is no scene is shown.
+    pub model: ModelOptions,
+    /// Whether cameras of models come before those of the scene: so for a model that is no scene.
+    pub model_cameras_first: bool,
     /// Who hears how far it is.
     pub progress: Option<Arc<dyn LoadProgress>>,
 }
@@ -35,6 +44,18 @@ impl LoadOptions {
     pub(crate) fn budgeted(&self) -> Limits {
         let memory = MemoryBudget::new(self.memory.unwrap_or_else(memory::available));
         Limits { memory, ..self.limits.clone() }
+    }
+
+    /// The same for the compiler, within these bounds.
+    pub(crate) fn compile_options(&self, limits: Limits) -> CompileOptions {
+        CompileOptions {
+            dialect: self.dialect,
+            limits,
+            camera: self.camera.clone(),
+            aspect: self.aspect,
+            model_cameras_first: self.model_cameras_first,
+            ..CompileOptions::default()
+        }
     }
 }
 
@@ -81,7 +102,10 @@ impl Loaded {
 pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
     match assets(path, options) {
         Ok(assets) => {
-            let loaded = load_from(assets.scene_name(), &assets, options);
+            let loaded = match ModelFile::find(path, &assets) {
+                Some(model) => load_model(&model, &assets, options),
+                None => load_from(assets.scene_name(), &assets, options),
+            };
             Loaded { files: assets.opened(), ..loaded }
         }
         Err(problem) => {
@@ -105,9 +129,23 @@ pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
 /// ```
 pub fn load_from(name: &str, assets: &dyn Assets, options: &LoadOptions) -> Loaded {
     let limits = options.budgeted();
+    compiled(SceneDesc::load(name, assets, &limits), assets, options, limits)
+}
+
+/// A model with the scene around it.
+fn load_model(model: &ModelFile, assets: &FsAssets, options: &LoadOptions) -> Loaded {
+    let limits = options.budgeted();
+    let mut said = Diagnostics::new();
+    let scene = model.scene(model.name(), assets, options, &mut said);
+    let mut parsed = SceneDesc::parse(&model.scene_name(), scene.text, assets, &limits);
+    said.iter().for_each(|diagnostic| parsed.diagnostics.push(diagnostic.clone()));
+    compiled(parsed, assets, &LoadOptions { model_cameras_first: true, ..options.clone() }, limits)
+}
+
+fn compiled(parsed: Parsed, assets: &dyn Assets, options: &LoadOptions, limits: Limits) -> Loaded {
     let memory = limits.memory.clone();
-    let Parsed { mut desc, mut diagnostics, whole } = SceneDesc::load(name, assets, &limits);
-    let compile_options = CompileOptions { dialect: options.dialect, limits, ..CompileOptions::default() };
+    let Parsed { mut desc, mut diagnostics, whole } = parsed;
+    let compile_options = options.compile_options(limits);
     // A text that could not be read whole would only give complaints about what is missing from it.
     let scene = match whole {
         true => compile(&mut desc, assets, &compile_options, &mut diagnostics),

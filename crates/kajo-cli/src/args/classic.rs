@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, FromArgMatches, parser::ValueSource};
-use kajo::{BitDepth, Defaults, FilterChoice, Format, SamplerKind, Settings, Shadows, View};
+use kajo::{BitDepth, Defaults, FilterChoice, Format, LoadOptions, SamplerKind, Settings, Shadows, View};
 
 use super::values::{self, MakeFilter, Size};
 use super::{DevelopArgs, PassArgs, RunArgs, SceneArgs};
@@ -213,9 +213,10 @@ impl ClassicArgs {
         }
         Ok(Job {
             scene: known.input.clone(),
-            load: known.scene_args.options(),
+            load: LoadOptions { aspect: known.size.map(Size::aspect), ..known.scene_args.options() },
             defaults: Defaults::Classic,
             asked: known.settings(depth_range),
+            crop: None,
             classic: Some(ClassicWords {
                 uv: known.uv,
                 specular_fix: known.specular_fix,

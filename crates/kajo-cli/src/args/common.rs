@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use kajo::{Dialect, LARGEST_TILE, LoadOptions, MOST_THREADS, Resources};
+use kajo::{Dialect, LARGEST_TILE, LoadOptions, MOST_THREADS, ModelOptions, Resources, UpAxis};
 
 use super::values;
 
@@ -20,6 +20,23 @@ pub struct SceneArgs {
     /// Let the scene name files anywhere; only for scenes you trust
     #[arg(long)]
     pub allow_outside: bool,
+    /// The camera that takes the picture, by its name; the last one of the scene by default
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    #[command(flatten)]
+    pub model: ModelArgs,
+}
+
+/// How a model that is no scene is shown.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Models that are no scenes")]
+pub struct ModelArgs {
+    /// Which of its axes points up: x, y, z, or -y and so on; by default y, and z for STL
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = values::choice(UpAxis::NAMES))]
+    pub up: Option<UpAxis>,
+    /// Put it on a ground
+    #[arg(long)]
+    pub ground: bool,
 }
 
 impl SceneArgs {
@@ -29,6 +46,8 @@ impl SceneArgs {
             dialect: self.dialect,
             folders: self.assets.clone(),
             allow_outside: self.allow_outside,
+            camera: self.camera.clone(),
+            model: ModelOptions { up: self.model.up, ground: self.model.ground },
             ..LoadOptions::default()
         }
     }

@@ -22,7 +22,7 @@ use clap_complete::Shell;
 
 pub use bench::{BenchArgs, BenchCommand, MemoryArgs, ParseArgs, RaysArgs, WhittedArgs};
 pub use classic::ClassicArgs;
-pub use common::{RunArgs, SceneArgs};
+pub use common::{ModelArgs, RunArgs, SceneArgs};
 pub use develop::DevelopArgs;
 pub use normalise::normalise;
 pub use passes::PassArgs;
@@ -35,6 +35,8 @@ Examples:
   kajo render scene.txt -o out.png --size 1920 1080 --samples jittered 64
   kajo render scene.txt -o out.exr --aov depth --aov normals --aov object
   kajo -input scene.txt -output out.png -size 200 200 -depth 9 10 depth.png
+  kajo model.glb --ground                          the same of a model: framed, lit, on a ground
+  kajo convert model.glb scene.txt                 writes the scene that shows a model, to go on with
   kajo studio scene.txt                            opens the window
   kajo check scenes/*.txt                          reports every mistake, renders nothing
   kajo diff reference.png out.png --share 0.5      fails if more than 0.5 % of the pixels are off
@@ -73,6 +75,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Tell what is in a scene
     Info(InfoArgs),
+    /// Write the scene that shows a model, to go on with
+    Convert(ConvertArgs),
     /// Compare two pictures
     #[command(allow_negative_numbers = true)]
     Diff(DiffArgs),
@@ -118,6 +122,20 @@ pub struct InfoArgs {
     pub json: bool,
     #[command(flatten)]
     pub scene_args: SceneArgs,
+}
+
+/// `kajo convert`
+#[derive(Args, Debug)]
+pub struct ConvertArgs {
+    /// The model: glTF, OBJ, PLY or STL
+    pub model: PathBuf,
+    /// The scene; `-` is standard output. By default a file of the same name that ends in .txt
+    pub scene: Option<PathBuf>,
+    /// Write over a scene that is there already
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub model_args: ModelArgs,
 }
 
 /// `kajo diff`

@@ -1,12 +1,13 @@
 //! `kajo render`: the modern command line.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use kajo::{
-    BitDepth, Defaults, Directions, Format, IntegratorKind, LightChoice, RayOffset, Settings,
-    ShadowAttenuation, Shadows, Technique, View,
+    BitDepth, Defaults, Directions, Format, IntegratorKind, LightChoice, LoadOptions, RayOffset, Rect,
+    Settings, ShadowAttenuation, Shadows, Technique, View,
 };
 
 use super::values::{self, Aov, FilterArg, Samples, Size};
@@ -26,6 +27,9 @@ pub struct RenderArgs {
     /// Width and height in pixels: 800 600 or 800x600
     #[arg(long, value_name = "W H")]
     pub size: Option<Size>,
+    /// A part of the picture alone: the column and row of its first pixel, its width and its height
+    #[arg(long, value_names = ["X", "Y", "W", "H"], num_args = 4)]
+    pub crop: Option<Vec<u32>>,
     /// A further picture, or without FILE a further layer of the OpenEXR file: depth, normals, uv, object,
     /// material, samples, albedo, motion, variance, lights [may be repeated]
     #[arg(long, value_name = "NAME[=FILE]", value_parser = values::aov(), action = clap::ArgAction::Append)]
@@ -126,9 +130,10 @@ impl RenderArgs {
     pub fn job(&self) -> Result<Job, Failure> {
         Ok(Job {
             scene: self.scene.clone(),
-            load: self.scene_args.options(),
+            load: LoadOptions { aspect: self.size.map(Size::aspect), ..self.scene_args.options() },
             defaults: Defaults::Modern,
             asked: self.settings(),
+            crop: self.crop.as_deref().and_then(part),
             classic: None,
             outputs: self.outputs()?,
             diagrams: Vec::new(),
@@ -215,9 +220,23 @@ impl RenderArgs {
     }
 }
 
+/// The part of a picture that four numbers say.
+fn part(numbers: &[u32]) -> Option<Rect> {
+    let &[x0, y0, width, height] = numbers else { return None };
+    Some(Rect { x0, y0, x1: x0.saturating_add(width), y1: y0.saturating_add(height) })
+}
+
 /// `scene.png` for `scene.txt`.
 fn beside(scene: &Path) -> Result<PathBuf, Failure> {
     let png = scene.with_extension("png");
+    let is_scene = scene.extension().is_none_or(|ending| ending.eq_ignore_ascii_case("txt"));
+    if !is_scene && png.exists() && !is_ours(&png) {
+        // Textures and previews of models lie beside them, under the same name.
+        return Err(Failure::Input(format!(
+            "`{}` is there already, and not by kajo; name the picture with -o FILE",
+            png.display()
+        )));
+    }
     if scene.file_stem().is_none() || png == *scene {
         return Err(Failure::Input(format!(
             "`{}` is no scene; name the picture with -o FILE",
@@ -225,4 +244,12 @@ fn beside(scene: &Path) -> Result<PathBuf, Failure> {
         )));
     }
     Ok(png)
+}
+
+/// Whether a PNG file says that this program wrote it.
+fn is_ours(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(1024).read_to_end(&mut head));
+    let mark = b"Software\0kajo";
+    read.is_ok() && head.windows(mark.len()).any(|window| window == mark)
 }

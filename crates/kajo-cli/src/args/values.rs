@@ -12,6 +12,13 @@ use kajo::{Dialect, FilterChoice, SamplerKind, View};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub [u32; 2]);
 
+impl Size {
+    /// Width over height.
+    pub fn aspect(self) -> f64 {
+        f64::from(self.0[0]) / f64::from(self.0[1])
+    }
+}
+
 impl FromStr for Size {
     type Err = String;
 

@@ -1,6 +1,7 @@
 //! The commands but `gallery`, each from its arguments to its end.
 
 mod bench;
+mod convert;
 mod diff;
 mod info;
 mod selftest;
@@ -12,6 +13,7 @@ use clap_complete::Shell;
 use kajo::{Severity, load};
 
 pub use bench::bench;
+pub use convert::convert;
 pub use diff::diff;
 pub use info::info;
 pub use selftest::selftest;

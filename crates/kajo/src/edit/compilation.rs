@@ -67,12 +67,8 @@ impl Compilation {
     /// Makes a scene of the texts.
     pub fn run(self) -> Compiled {
         let Compilation { generation, tree, files, disk, options, meshes } = self;
-        let compile_options = CompileOptions {
-            dialect: options.dialect,
-            limits: options.budgeted(),
-            meshes: Some(meshes),
-            ..CompileOptions::default()
-        };
+        let compile_options =
+            CompileOptions { meshes: Some(meshes), ..options.compile_options(options.budgeted()) };
         let assets = Overlay { disk: &disk, files: &files };
         let mut diagnostics = tree.diagnostics.clone();
         let mut desc = tree.desc.clone();

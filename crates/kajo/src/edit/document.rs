@@ -8,6 +8,7 @@ use std::time::SystemTime;
 
 use kajo_core::compile::MeshStore;
 use kajo_math::DAffine3;
+use kajo_scene::{Diagnostics, HEAD_BYTES, foreign_file};
 
 use super::compilation::Compiled;
 use super::history::{History, Step};
@@ -17,6 +18,7 @@ use super::texts::Change;
 use super::tree::{Before, Tree};
 use super::{Applied, Edit, EditRefused, Field, FieldValue, FileId, Node, NodeId, Outline, SceneFile};
 use crate::load::assets;
+use crate::model_scene::ModelFile;
 use crate::output::{OutputError, Target};
 use crate::{FsAssets, LoadOptions};
 
@@ -73,11 +75,17 @@ struct Gesture {
 }
 
 impl Document {
-    /// Opens a scene. Mistakes in it are no errors here; see [`Document::diagnostics`].
+    /// Opens a scene; of a model, the scene that shows it, which has no file yet. Mistakes in it are no errors here; see
+    /// [`Document::diagnostics`].
     ///
     /// # Errors
     /// When the file cannot be read or is no text.
     pub fn open(path: &Path, options: LoadOptions) -> Result<Document, DocumentError> {
+        if let Some(text) = model_text(path, &options) {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let options = LoadOptions { model_cameras_first: true, ..options };
+            return Document::untitled(folder, &text, options);
+        }
         let text = read_text(path)?;
         let saved = Some(text.clone());
         let mut document = Document::start(path, options, text, saved)?;
@@ -504,9 +512,19 @@ pub(super) fn stamp(path: &Path) -> Option<Stamp> {
     Some((metadata.modified().ok()?, metadata.len()))
 }
 
+/// The text of the scene that shows a model; `None` when the file is none.
+fn model_text(path: &Path, options: &LoadOptions) -> Option<String> {
+    let assets = assets(path, options).ok()?;
+    let model = ModelFile::find(path, &assets)?;
+    Some(model.scene(model.name(), &assets, options, &mut Diagnostics::new()).text)
+}
+
 pub(super) fn read_text(path: &Path) -> Result<Arc<str>, DocumentError> {
     let error = |reason: String| DocumentError::Read { path: path.to_path_buf(), reason };
     let bytes = fs::read(path).map_err(|e| error(e.to_string()))?;
+    if let Some(foreign) = foreign_file(&bytes[..bytes.len().min(HEAD_BYTES)], &path.to_string_lossy()) {
+        return Err(error(format!("it is {}, which kajo does not read; {}", foreign.what, foreign.advice)));
+    }
     let text = String::from_utf8(bytes).map_err(|_| error("it is not text in UTF-8".to_owned()))?;
     Ok(text.into())
 }

@@ -1,0 +1,32 @@
+//! `kajo convert`: the scene that shows a model, as a file to go on with.
+
+use std::path::Path;
+
+use kajo::output::Target;
+use kajo::{LoadOptions, ModelOptions, model_scene};
+
+use crate::args::ConvertArgs;
+use crate::console;
+use crate::failure::Failure;
+
+pub fn convert(args: &ConvertArgs) -> Result<(), Failure> {
+    let path = args.scene.clone().unwrap_or_else(|| args.model.with_extension("txt"));
+    let is_standard_output = path.as_os_str() == "-";
+    let folder = if is_standard_output { args.model.parent() } else { path.parent() };
+    let model = ModelOptions { up: args.model_args.up, ground: args.model_args.ground };
+    let options = LoadOptions { model, ..LoadOptions::default() };
+    let converted = model_scene(&args.model, folder.unwrap_or(Path::new("")), &options);
+    let (scene, said) = converted.map_err(|error| Failure::Input(error.to_string()))?;
+    said.iter().for_each(|warning| console::warning(warning));
+    if is_standard_output {
+        return console::answer(&scene.text);
+    }
+    if path.exists() && !args.force {
+        let message = "is there already; `--force` writes over it, and another name beside it";
+        return Err(Failure::Input(format!("`{}` {message}", path.display())));
+    }
+    let targets = Target::check_all(std::slice::from_ref(&path), std::slice::from_ref(&args.model))?;
+    targets.iter().try_for_each(|target| target.write(scene.text.as_bytes()))?;
+    console::line(&format!("{}: shows {}; `kajo {0}` renders it", path.display(), args.model.display()));
+    Ok(())
+}
