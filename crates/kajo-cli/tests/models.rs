@@ -102,7 +102,7 @@ fn files_of_other_programs_are_told_from_scenes() {
     folder.fail("empty.txt", 2, &["`empty.txt` is empty"]);
     folder.fail("-input empty.txt -output a.png", 2, &["`empty.txt` is empty"]);
     folder.write("comments.txt", "# nothing\n// at all\n");
-    folder.fail("comments.txt", 2, &["holds no scene"]);
+    folder.fail("comments.txt", 2, &["`comments.txt` is empty"]);
     folder.write("hex.txt", common::BALL.replace("diffuseColor 0.5 0.5 0.5", "diffuseColor #ff0000"));
     folder.fail("hex.txt", 2, &["`#ff0000` is a comment", "`diffuseColor 1 0 0`"]);
 }

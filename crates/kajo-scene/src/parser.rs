@@ -15,7 +15,6 @@ mod hex_color;
 
 use crate::assets::{Assets, MemoryAssets};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, quoted};
-use crate::foreign::READ_FORMATS;
 use crate::lexer::{LexError, TokenKind, Tokens, looks_like_number};
 use crate::limits::Limits;
 use crate::source::{SourceId, Span};
@@ -45,10 +44,7 @@ impl SceneDesc {
     pub fn load(name: &str, assets: &dyn Assets, limits: &Limits) -> Parsed {
         let mut parser = Parser::new(assets, limits);
         match parser.read_source(name, None) {
-            Ok(source) => {
-                parser.run(source);
-                parser.refuse_nothing(name);
-            }
+            Ok(source) => parser.run(source),
             Err(diagnostic) => parser.damage(diagnostic),
         }
         parser.finish()
@@ -146,14 +142,6 @@ impl<'l> Parser<'l> {
             if let Err(Stop) = self.read_frame() {
                 break;
             }
-        }
-    }
-
-    /// A file without a single word is no scene.
-    fn refuse_nothing(&mut self, name: &str) {
-        if self.desc.is_empty() && !self.diagnostics.has_errors() {
-            let error = Diagnostic::error(format!("{} holds no scene: there is no word in it", quoted(name)));
-            self.damage(error.help(format!("{READ_FORMATS}; what follows a `#` or `//` is a comment")));
         }
     }
 

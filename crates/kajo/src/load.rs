@@ -8,7 +8,8 @@ use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::scene::Scene;
 use kajo_core::settings::Dialect;
 use kajo_scene::{
-    Assets, Diagnostic, Diagnostics, Limits, MemoryBudget, Parsed, SceneDesc, Sources, one_line, render,
+    Assets, Diagnostic, Diagnostics, Limits, MemoryBudget, Parsed, READ_FORMATS, SceneDesc, Sources,
+    one_line, render,
 };
 
 use crate::model_scene::{ModelFile, ModelOptions};
@@ -129,7 +130,14 @@ pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
 /// ```
 pub fn load_from(name: &str, assets: &dyn Assets, options: &LoadOptions) -> Loaded {
     let limits = options.budgeted();
-    compiled(SceneDesc::load(name, assets, &limits), assets, options, limits)
+    let mut parsed = SceneDesc::load(name, assets, &limits);
+    if parsed.desc.is_empty() && !parsed.diagnostics.has_errors() {
+        let error = Diagnostic::error(format!("`{name}` is empty: there is no scene in it"));
+        let help = format!("{READ_FORMATS}; what follows a `#` or `//` is a comment");
+        parsed.diagnostics.push(error.help(help));
+        parsed.whole = false;
+    }
+    compiled(parsed, assets, options, limits)
 }
 
 /// A model with the scene around it.

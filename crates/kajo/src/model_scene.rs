@@ -167,9 +167,10 @@ impl ModelFile {
 
     /// How high the lowest point of a scene lies; `None` when it cannot be read, of which its loading will tell.
     fn lowest(&self, text: &str, up: Vec3, assets: &dyn Assets, options: &LoadOptions) -> Option<f32> {
-        let Parsed { mut desc, .. } = SceneDesc::parse(&self.scene_name(), text, assets, &options.limits);
+        let limits = options.budgeted();
+        let Parsed { mut desc, .. } = SceneDesc::parse(&self.scene_name(), text, assets, &limits);
         let mut unsaid = Diagnostics::new();
-        let options = CompileOptions { camera: None, ..options.compile_options() };
+        let options = CompileOptions { camera: None, ..options.compile_options(limits) };
         let bounds = compile(&mut desc, assets, &options, &mut unsaid)?.bounds();
         (bounds.is_finite() && !bounds.is_empty()).then(|| lowest(&bounds, up))
     }

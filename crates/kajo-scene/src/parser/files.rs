@@ -3,7 +3,7 @@
 use super::{Frame, Parser, Stop};
 use crate::assets::{AssetError, read_limited};
 use crate::diagnostic::{Diagnostic, quoted};
-use crate::foreign::{HEAD_BYTES, READ_FORMATS, foreign_file};
+use crate::foreign::{HEAD_BYTES, foreign_file};
 use crate::source::{SourceId, Span};
 use crate::tree::Word;
 use std::string::FromUtf8Error;
@@ -73,12 +73,6 @@ impl Parser<'_> {
         let head = file.head(HEAD_BYTES).map_err(|error| unreadable(name, span, &error))?;
         if let Some(foreign) = foreign_file(&head, &path) {
             return Err(at(span, "included here", foreign.error(name)));
-        }
-        if head.is_empty() && span.is_none() {
-            let help = format!(
-                "a scene begins with a camera, such as `PerspectiveCamera {{ fit scene }}`; {READ_FORMATS}"
-            );
-            return Err(Diagnostic::error(format!("{} is empty", quoted(name))).help(help));
         }
         if let Some(block) = block_of_shapes(&path) {
             let shape = Diagnostic::error(format!("{} holds shapes, not a scene", quoted(name)));

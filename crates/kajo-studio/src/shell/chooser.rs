@@ -44,7 +44,8 @@ impl Purpose {
     /// Endings of the files that are listed; all, where there are none.
     fn endings(self) -> &'static [&'static str] {
         match self {
-            Purpose::OpenScene | Purpose::SaveScene => &["txt", "kajo"],
+            Purpose::OpenScene => &["txt", "kajo", "glb", "gltf", "obj", "ply", "stl"],
+            Purpose::SaveScene => &["txt", "kajo"],
             Purpose::Export | Purpose::Turntable => &["png", "exr", "tga", "bmp", "ppm", "pfm", "hdr", "jpg"],
         }
     }

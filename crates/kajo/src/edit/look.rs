@@ -38,8 +38,9 @@ impl Tree {
             }
         }
         // A point or an object in focus stays so.
-        let known =
-            self.value(camera, "focus").filter(|focus| focus.word.is_none() && focus.numbers.len() == 1);
+        let known = self
+            .value(camera, "focus", None)
+            .filter(|focus| focus.word.is_none() && focus.numbers.len() == 1);
         let focus = pose.lens().map(|lens| lens.focus).zip(known.map(|focus| focus.numbers[0]));
         if let Some((focus, known)) = focus
             && (known - focus).abs() > SAME_DIRECTION * focus.abs()

@@ -264,6 +264,7 @@ fn the_camera_follows_a_pose() {
 /// However a camera says where it looks, moving it by hand edits what is written, and the scene has the camera shown.
 #[test]
 fn cameras_that_look_at_things_are_moved_by_hand() {
+    use crate::CameraPose;
     for (keys, kept, gone) in [
         ("center 0 1 9  target 1 1 0  angle 30", "target", "direction"),
         ("lookAt 0 1 9  1 1 0  angle 30", "lookAt", "center"),

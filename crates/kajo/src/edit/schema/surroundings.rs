@@ -21,7 +21,13 @@ const FIT: FieldSpec = option("fit", Text, "what fills the picture: scene, or th
 const APERTURE: FieldSpec = field("aperture", at_least(0.0), "0", "diameter of the lens's opening")
     .only_beside("focus")
     .not_beside(&["fNumber", "focalLength"]);
-const FOCUS: FieldSpec = unlike("focus", POSITIVE, "all is sharp", "5", "distance of what is sharp; or a point, or the name of an object");
+const FOCUS: FieldSpec = unlike(
+    "focus",
+    POSITIVE,
+    "all is sharp",
+    "5",
+    "distance of what is sharp; or a point, or the name of an object",
+);
 const F_NUMBER: FieldSpec = unlike("fNumber", POSITIVE, "none", "2.8", "focal length over diameter")
     .only_beside("focalLength")
     .not_beside(&["aperture"]);
