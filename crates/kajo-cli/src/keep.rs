@@ -243,6 +243,7 @@ mod tests {
             asked: Settings { size: Some([4, 3]), ..Settings::default() },
             classic: None,
             outputs: vec![output, plain],
+            crop: None,
             diagrams: Vec::new(),
             depth: BitDepth::Eight,
             resources: Resources::default(),

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::thread;
 
 /// Assumed where the system does not tell, in bytes.
 const FALLBACK: u64 = 8 << 30;
@@ -12,10 +13,33 @@ const FALLBACK: u64 = 8 << 30;
 /// Asked of the system on Linux; 8 GiB elsewhere.
 pub fn available() -> u64 {
     let free = available_in(&read("/proc/meminfo")).unwrap_or(FALLBACK);
-    let limit = address_space_in(&read("/proc/self/limits")).unwrap_or(u64::MAX);
-    let used = pages_in(&read("/proc/self/statm")).unwrap_or(0).saturating_mul(4096);
     let of_groups = left_in_groups(&read("/proc/self/cgroup"), Path::new("/sys/fs/cgroup"));
-    free.min(limit.saturating_sub(used)).min(of_groups)
+    free.min(address_space_left().unwrap_or(u64::MAX)).min(of_groups)
+}
+
+/// How many threads to use of those that are asked for: fewer where they would take the address space that `needed` bytes are
+/// to lie in, and at least one.
+///
+/// * `asked`: 0 for one on each core; returned as it is where there is no bound
+pub fn threads_beside(needed: u64, asked: usize) -> usize {
+    match address_space_left() {
+        Some(left) => threads_within(left.saturating_sub(needed), asked),
+        None => asked,
+    }
+}
+
+fn threads_within(left: u64, asked: usize) -> usize {
+    /// A stack, and the 64 MiB that glibc reserves for what a thread allocates.
+    const EACH: u64 = 72 << 20;
+    let wanted = if asked == 0 { thread::available_parallelism().map_or(1, usize::from) } else { asked };
+    usize::try_from(left / EACH).unwrap_or(usize::MAX).clamp(1, wanted)
+}
+
+/// Bytes of address space that the process may still take; `None` where there is no bound.
+fn address_space_left() -> Option<u64> {
+    let limit = address_space_in(&read("/proc/self/limits"))?;
+    let used = pages_in(&read("/proc/self/statm")).unwrap_or(0).saturating_mul(4096);
+    Some(limit.saturating_sub(used))
 }
 
 /// The text of a file of the system; empty where there is none.
@@ -107,6 +131,15 @@ mod tests {
         assert_eq!(address_space_in(limits), Some(307_200_000));
         assert_eq!(address_space_in("Max address space  unlimited  unlimited  bytes"), None);
         assert_eq!(pages_in("1234 56 7"), Some(1234));
+    }
+
+    #[test]
+    fn threads_leave_room_for_the_rest() {
+        assert_eq!(threads_within(1 << 30, 4), 4);
+        assert_eq!(threads_within(200 << 20, 4), 2);
+        assert_eq!(threads_within(0, 4), 1, "the render must go on");
+        assert_eq!(threads_within(0, 0), 1);
+        assert!(threads_within(u64::MAX, 0) >= 1);
     }
 
     #[test]

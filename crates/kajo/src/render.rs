@@ -168,7 +168,7 @@ fn render_from(
     let film = new_film(spec)?;
     let reserve = Reserve::new(&spec, to_finish(scene, outputs, settings))?;
     let integrator = integrator(scene, camera, settings, layers);
-    let schedule = schedule(settings, resources);
+    let schedule = schedule(settings, &within_memory(resources, &spec));
     let result = kajo_render::render(&*integrator, &film, &schedule, progress);
     drop(reserve);
     ended(result, |stats| Picture::new(film, scene, settings, None, resources, stats))
@@ -207,7 +207,7 @@ pub fn render_passes(
     let spec = FilmSpec { halves: goal.adaptive, samples_everywhere, ..spec };
     check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
     let identity = Identity::new(passes.scene, scene, settings, &spec, goal);
-    let schedule = schedule(settings, resources);
+    let schedule = schedule(settings, &within_memory(resources, &spec));
     let (film, mut position) = match &passes.resume {
         Some(path) => checkpoint::restore(path, &identity, spec, &schedule, progress)
             .map_err(RenderError::Checkpoint)?,
@@ -499,6 +499,12 @@ fn to_finish(scene: &Scene, outputs: &[(View, Format)], settings: &RenderSetting
     let encoding = BYTES_TO_ENCODE.max(LIGHT + CHANNEL * channels as u64);
     let is_denoised = DENOISE_OUTPUTS.iter().all(|output| outputs.contains(output));
     if is_denoised { denoise::BYTES_A_PIXEL.max(LIGHT + encoding) } else { encoding }
+}
+
+/// The resources with no more threads than leave room for the film.
+fn within_memory(resources: &Resources, spec: &FilmSpec) -> Resources {
+    let film = u64::try_from(spec.bytes()).unwrap_or(u64::MAX);
+    Resources { threads: memory::threads_beside(film, resources.threads), ..*resources }
 }
 
 fn new_film(spec: FilmSpec) -> Result<Film, RenderError> {

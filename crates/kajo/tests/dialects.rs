@@ -107,7 +107,7 @@ fn noise_without_octaves_is_none() {
             close(pixel(&scene(material), dialect, MemoryAssets::new()), [1.0 - t, 0.0, t], material);
         }
     }
-    let white = "PhongMaterial { Noise { octaves 0  frequency 2 }  specularColor 1 1 1 }";
+    let white = "PhongMaterial { Noise { octaves 0  frequency 2 }  shininess 5 }";
     close(pixel(&scene(white), Dialect::MitA2, MemoryAssets::new()), [veins; 3], "from black to white");
     let three = scene("PhongMaterial { Noise { color 1 0 0  color 0 1 0  color 0 0 1 } }");
     let refused = loaded(&three, Dialect::MitA2, MemoryAssets::new());

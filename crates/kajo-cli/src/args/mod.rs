@@ -70,7 +70,7 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Render a scene with the classic command line; `kajo -input SCENE` is short for it
     #[command(allow_negative_numbers = true)]
-    Classic(ClassicArgs),
+    Classic(Box<ClassicArgs>),
     /// Read scenes and report every mistake, without rendering
     Check(CheckArgs),
     /// Tell what is in a scene

@@ -122,7 +122,12 @@ fn numbers_of_the_extension_become_layers() {
     // Half of it is there, and of that the picture is black on the left and white on the right.
     let found: Vec<_> = (0..16).map(|i| layers(0.5, -0.5, (i as f32 + 0.5) / 16.0)).collect();
     assert_eq!(found.iter().filter(|layers| layers.is_none()).count(), 8);
-    assert!(found.iter().flatten().all(|layers| layers.base == Base::Metal && layers.alpha.x == 0.25));
+    assert!(
+        found
+            .iter()
+            .flatten()
+            .all(|layers| layers.base == Base::Metal && (layers.alpha.x - 0.25).abs() < 1e-3)
+    );
 }
 
 #[test]
