@@ -99,3 +99,19 @@ fn what_no_value_says_is_set_to_a_usual_one() {
     window.press("Set reach");
     assert_eq!(value_of(&window.text(), "Settings", "reach"), Some(1.0));
 }
+
+#[test]
+fn whole_numbers_stay_whole_when_they_are_dragged() {
+    let mut window = Window::with(&SCENE.replace("Group {", "Settings { }\r\nGroup {"), false);
+    let document = window.studio().document.as_ref().unwrap();
+    let node = document.outline().nodes().iter().find(|node| &*node.keyword == "Settings").unwrap().id;
+    window.studio().apply(kajo_studio::state::Action::Select(vec![node]));
+    window.frames(3);
+    let widget = window.widget("Samples");
+    window.drag(PointerButton::Primary, widget, vec2(37.0, 0.0));
+    let text = window.text();
+    let samples =
+        text.split("samples jittered ").nth(1).expect("it is written").split_whitespace().next().unwrap();
+    assert!(samples.parse::<u32>().is_ok_and(|samples| samples > 16), "{samples}");
+    assert_eq!(window.studio().n_errors(), 0);
+}

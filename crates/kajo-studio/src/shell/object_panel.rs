@@ -161,7 +161,7 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
             ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([v.round()]))
         }
         FieldKind::Angle { min, max } => angle(ui, value, label, min, max),
-        FieldKind::Point | FieldKind::Vector if value.word.is_none() => numbers(ui, value, label, 3),
+        FieldKind::Point | FieldKind::Vector if value.word.is_none() => numbers(ui, value, label, 3, false),
         FieldKind::Color => color(ui, value, label),
         FieldKind::Reflectance | FieldKind::Emission if value.word.is_none() => color(ui, value, label),
         FieldKind::Flag => {
@@ -171,13 +171,16 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
             response.labelled_by(label).changed().then(|| FieldValue::flag(on))
         }
         FieldKind::Choice(words) => words_choice(ui, value, label, words),
-        FieldKind::ChoiceAndNumber(words) => {
+        FieldKind::ChoiceAndNumber(words) | FieldKind::ChoiceAndWhole(words) => {
+            let is_whole = matches!(kind, FieldKind::ChoiceAndWhole(_));
             let word = words_choice(ui, value, label, words)
                 .map(|new| FieldValue { numbers: value.numbers.clone(), ..new });
-            let number = (!value.numbers.is_empty()).then(|| numbers(ui, value, label, 1)).flatten();
+            let number =
+                (!value.numbers.is_empty()).then(|| numbers(ui, value, label, 1, is_whole)).flatten();
             word.or(number.map(|new| FieldValue { word: value.word.clone(), ..new }))
         }
-        FieldKind::Numbers(count) => numbers(ui, value, label, count.max(value.numbers.len())),
+        FieldKind::Numbers(count) => numbers(ui, value, label, count.max(value.numbers.len()), false),
+        FieldKind::Wholes(count) => numbers(ui, value, label, count, true),
         FieldKind::File
         | FieldKind::Text
         | FieldKind::Number { .. }
@@ -212,7 +215,7 @@ fn angle(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Opti
 }
 
 /// Several numbers in a row, with names for three of them.
-fn numbers(ui: &mut Ui, value: &FieldValue, label: Id, count: usize) -> Option<FieldValue> {
+fn numbers(ui: &mut Ui, value: &FieldValue, label: Id, count: usize, is_whole: bool) -> Option<FieldValue> {
     let mut all = value.numbers.clone();
     all.resize(count.clamp(1, 16), 0.0);
     let mut any = false;
@@ -220,11 +223,12 @@ fn numbers(ui: &mut Ui, value: &FieldValue, label: Id, count: usize) -> Option<F
     ui.spacing_mut().item_spacing.x = 3.0;
     ui.spacing_mut().interact_size.x = 52.0;
     for (i, v) in all.iter_mut().enumerate() {
-        let drag = DragValue::new(v).speed(step(size)).max_decimals(4);
+        let drag = DragValue::new(v).speed(step(size));
+        let drag = if is_whole { drag.fixed_decimals(0) } else { drag.max_decimals(4) };
         let hint = ["x", "y", "z"].get(i).copied().filter(|_| count == 3).unwrap_or("number");
         let response = ui.add(drag).on_hover_text(hint);
         if response.labelled_by(label).changed() {
-            *v = tidy(*v);
+            *v = if is_whole { v.round() } else { tidy(*v) };
             any = true;
         }
     }

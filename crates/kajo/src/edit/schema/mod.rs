@@ -98,8 +98,12 @@ pub enum FieldKind {
     Choice(&'static [&'static str]),
     /// One of these words, and then at most one number.
     ChoiceAndNumber(&'static [&'static str]),
+    /// One of these words, and then a whole number.
+    ChoiceAndWhole(&'static [&'static str]),
     /// This many numbers, or fewer.
     Numbers(usize),
+    /// This many whole numbers.
+    Wholes(usize),
     /// The name of a file.
     File,
     /// A word or some text.
@@ -118,10 +122,14 @@ impl FieldKind {
             FieldKind::Point | FieldKind::Vector => FieldValue::numbers([0.0, 1.0, 0.0]),
             FieldKind::Color | FieldKind::Reflectance | FieldKind::Emission => FieldValue::numbers([1.0; 3]),
             FieldKind::Flag => FieldValue::flag(true),
-            FieldKind::Choice(words) | FieldKind::ChoiceAndNumber(words) => {
+            FieldKind::Choice(words)
+            | FieldKind::ChoiceAndNumber(words)
+            | FieldKind::ChoiceAndWhole(words) => {
                 words.first().map_or_else(FieldValue::default, |word| FieldValue::word(*word))
             }
-            FieldKind::Numbers(count) => FieldValue::numbers(std::iter::repeat_n(1.0, count)),
+            FieldKind::Numbers(count) | FieldKind::Wholes(count) => {
+                FieldValue::numbers(std::iter::repeat_n(1.0, count))
+            }
             FieldKind::File | FieldKind::Text | FieldKind::Material => FieldValue::default(),
         }
     }

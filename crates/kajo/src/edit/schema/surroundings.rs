@@ -5,7 +5,8 @@ use kajo_core::sampler::SamplerKind;
 use kajo_core::settings::{Dialect, Directions, IntegratorKind, Technique};
 
 use super::FieldKind::{
-    Angle, Choice, ChoiceAndNumber, Color, Emission, File, Flag, Numbers, Point, Text, Vector,
+    Angle, Choice, ChoiceAndNumber, ChoiceAndWhole, Color, Emission, File, Flag, Numbers, Point, Text,
+    Vector, Wholes,
 };
 use super::{
     ANY, Block, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, SHARE, at_least, between, block, field, number,
@@ -207,9 +208,9 @@ pub(super) const BLOCKS: &[Block] = &[
         "Settings",
         Kind::Settings,
         &[
-            ruled("size", Numbers(2), rules::size, "", "columns and rows of the picture"),
+            ruled("size", Wholes(2), rules::size, "", "columns and rows of the picture"),
             ruled("integrator", Choice(INTEGRATORS), rules::integrator, "", "how light is followed"),
-            ruled("samples", ChoiceAndNumber(SAMPLERS), rules::samples, "", "rays of each pixel"),
+            ruled("samples", ChoiceAndWhole(SAMPLERS), rules::samples, "", "rays of each pixel"),
             ruled("bounces", whole(0.0, 1000.0), rules::bounces, "", "surfaces that light is followed over"),
             field("shadows", Choice(&["off", "on", "transparent"]), "on", "what casts them"),
             ruled(
