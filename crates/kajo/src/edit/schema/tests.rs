@@ -262,7 +262,7 @@ fn defaults_are_what_the_compiler_takes() {
             let plain = document(folder.path(), &text(""));
             let absent = made(&plain).unwrap_or_else(|| panic!("{}", plain.report(false)));
             let mut nodes = plain.outline().nodes().iter().filter(|node| &*node.keyword == block.keyword);
-            let node = if block.keyword == "key" { nodes.next() } else { nodes.last() }.unwrap().id;
+            let node = if block.keyword == "key" { nodes.next() } else { nodes.next_back() }.unwrap().id;
             for field in plain.fields(node).into_iter().filter(|field| field.span.is_none()) {
                 let with = |value: &str| document(folder.path(), &text(&format!("{} {value}", field.key)));
                 let place = || format!("{} {{ {body} }}: {}", block.keyword, field.key);
