@@ -58,7 +58,8 @@ fn window(scene: Option<PathBuf>) -> ExitCode {
         .with_title("kajo studio")
         .with_app_id("kajo-studio")
         .with_inner_size([1280.0, 800.0])
-        .with_min_inner_size([640.0, 400.0])
+        .with_min_inner_size([320.0, 240.0])
+        .with_clamp_size_to_monitor_size(true)
         .with_drag_and_drop(true);
     // Without dithering the pixels on show are those of the picture, and drawing on the processor is faster.
     let options =

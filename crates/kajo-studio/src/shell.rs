@@ -16,6 +16,7 @@ mod render_panel;
 mod sight;
 mod stage;
 mod status;
+mod strip;
 mod text_editor;
 mod text_panel;
 pub mod theme;

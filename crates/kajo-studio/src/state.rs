@@ -9,6 +9,7 @@ mod histogram;
 pub mod line_ends;
 mod long_texts;
 mod navigation;
+mod pictures;
 mod priority;
 mod problems;
 mod rays;
@@ -16,6 +17,7 @@ mod recovery;
 mod render_options;
 mod selection;
 mod sight;
+mod steps;
 mod tracer;
 mod turntable;
 mod typing;
@@ -30,7 +32,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use kajo::edit::{Compilation, Compiled, Document, DocumentError, FileId};
 use kajo::handles::Mode;
 use kajo::preview::Preview;
-use kajo::session::{Frame, Job, Status};
+use kajo::session::{Job, Status};
 use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View, suitable_size};
 use kajo_math::{Aabb, DVec3, Vec3};
 
@@ -39,12 +41,14 @@ pub use asking::{Answer, Cause, Question};
 pub use handling::{GIZMOS, Grip, Handles};
 pub use histogram::{BINS, Histogram, stops_of};
 pub use navigation::{Held, Navigation};
+pub use pictures::{Apart, Compare, Kept, Pictures, effort};
 pub use problems::{Place, Problem, problems};
 pub use rays::{Rays, color as ray_color, kind_name as ray_kind, legend as ray_legend};
 pub use recovery::LeftOver;
 pub use render_options::{Habits, PictureSize, RenderOptions};
 pub use selection::Selection;
 pub use sight::BACKGROUND;
+pub use steps::CameraPlace;
 pub use tracer::{Request, Tracer, Wake};
 pub use watch::Watch;
 
@@ -53,6 +57,7 @@ use editing::DraggedField;
 use long_texts::{LongTexts, Task};
 use selection::Chosen;
 use sight::Sight;
+use steps::CameraSteps;
 use turntable::TurntableOrder;
 use worker::Worker;
 
@@ -75,21 +80,9 @@ pub struct Notice {
     pub is_error: bool,
 }
 
-/// Two traces side by side in one picture.
-#[derive(Clone, Debug, Default)]
-pub struct Comparison {
-    /// The picture kept, shown left of the wipe.
-    pub kept: Option<Arc<Frame>>,
-    /// Where the wipe is, as a share of the width.
-    pub wipe: f32,
-}
-
-/// Layers that every trace records beside the light.
-const ALWAYS: [View; 2] = [View::Samples, View::Variance];
-
-/// Layers that are recorded while any of them is looked at, all together: they take a third to a half of the time that
-/// the light takes.
-const ON_REQUEST: [View; 5] = [View::Depth, View::Normals, View::Uv, View::Object, View::Material];
+/// Layers that every trace records beside the light: whoever looks at one of them traces nothing anew.
+const ALWAYS: [View; 7] =
+    [View::Samples, View::Variance, View::Depth, View::Normals, View::Uv, View::Object, View::Material];
 
 /// Tells one version of a scene from another: a count of documents, and one of versions of a document.
 pub type Version = (u64, u64);
@@ -117,6 +110,7 @@ pub struct Studio {
     /// From where one looks.
     pub camera: CameraPose,
     camera_version: u64,
+    steps: CameraSteps,
     /// Whether the camera stands where the scene says.
     is_home: bool,
     /// How one moves.
@@ -127,8 +121,8 @@ pub struct Studio {
     pub shown: Shown,
     /// Which layer of a traced picture it shows.
     pub view: View,
-    /// Comparison with an earlier trace.
-    pub comparison: Comparison,
+    /// The pictures traced last, and how two of them are compared.
+    pub pictures: Pictures,
     /// The trace.
     pub tracer: Tracer,
     /// The newest thing to say.
@@ -179,11 +173,12 @@ impl Studio {
             navigation: Navigation::of(None, &camera),
             camera,
             camera_version: 0,
+            steps: CameraSteps::default(),
             is_home: true,
             options: RenderOptions::default(),
             shown: Shown::Preview,
             view: View::Color,
-            comparison: Comparison { kept: None, wipe: 0.5 },
+            pictures: Pictures::default(),
             tracer: Tracer::new(Arc::clone(&wake)),
             notice: None,
             window: [800, 600],
@@ -231,8 +226,22 @@ impl Studio {
             }
             Action::ToggleShown => self.toggle_shown(),
             Action::Show(view) => self.view = view,
-            Action::KeepForComparison => self.comparison.kept = self.tracer.frame(),
-            Action::EndComparison => self.comparison.kept = None,
+            Action::KeepPicture
+            | Action::ForgetPicture(_)
+            | Action::ShowPicture(_)
+            | Action::CompareWith(_)
+            | Action::Compare(_)
+            | Action::Wipe(_)
+            | Action::LookAsIn(_) => self.picture_action(action),
+            Action::StepCamera(is_back) => {
+                if !self.step_camera(is_back) {
+                    self.say("The camera has made no such step.", false);
+                }
+            }
+            Action::EndDrag => {
+                self.rest_camera();
+                self.edit_action(action);
+            }
             Action::Pick(..)
             | Action::DebugRay(_)
             | Action::DebugSample(_)
@@ -276,11 +285,34 @@ impl Studio {
             self.take_changes();
         }
         self.save_aside();
-        if self.shown == Shown::Traced && self.options.habits.live {
-            let stale = self.request().is_some_and(|request| !self.tracer.was_asked_for(&request));
-            if stale {
-                self.trace();
+        self.keep_finished();
+        self.trace_if_stale();
+    }
+
+    /// Starts the trace anew where something has changed, but where there is such a picture already.
+    fn trace_if_stale(&mut self) {
+        if self.shown != Shown::Traced || !self.options.habits.live {
+            return;
+        }
+        let Some(request) = self.request().filter(|request| !self.tracer.was_asked_for(request)) else {
+            return;
+        };
+        let is_finished = self.tracer.finished().is_some_and(|(_, of)| of.is_like(&request));
+        if is_finished || self.pictures.shown.is_some() {
+            // It is only shown larger or smaller than it was asked for.
+            return;
+        }
+        if self.pictures.answer(&request).is_some() {
+            if self.progress().is_some() {
+                self.tracer.forget();
             }
+            return;
+        }
+        let before = self.finished_picture();
+        self.trace();
+        if let Some(letter) = before {
+            let way = if self.steps.can_undo() { "Ctrl+Z goes back to it" } else { "it stands below" };
+            self.say(&format!("The finished picture is kept as {letter}: {way}."), false);
         }
     }
 }
@@ -304,6 +336,9 @@ impl Studio {
 
     /// Columns and rows of the picture that the camera makes.
     pub fn picture_size(&self) -> [u32; 2] {
+        if let Some(size) = self.finished_size() {
+            return size;
+        }
         match self.options.habits.size {
             PictureSize::Window => suitable_size(self.camera.camera(), self.window),
             _ => self.settings().and_then(Result::ok).map_or(self.window, |settings| settings.size),
@@ -359,21 +394,16 @@ impl Studio {
             camera: self.camera_version,
             options: self.options.of_light(),
             window: if self.options.habits.size == PictureSize::Window { self.window } else { [0, 0] },
-            views: self.views(),
         })
     }
 
-    /// What a trace has to record for what is on show, and what may be written to a file.
+    /// What a trace records.
     fn views(&self) -> Vec<View> {
-        let is_plain = self.view == View::Color || ALWAYS.contains(&self.view);
-        let mut views = ALWAYS.to_vec();
-        if self.options.habits.all_layers || !is_plain {
-            views.extend(ON_REQUEST);
+        if self.options.habits.all_layers {
+            return View::ALL.into_iter().filter(|&view| view != View::Color).collect();
         }
-        if !is_plain && !views.contains(&self.view) {
-            views.push(self.view);
-        }
-        views
+        let is_more = self.view != View::Color && !ALWAYS.contains(&self.view);
+        ALWAYS.into_iter().chain(is_more.then_some(self.view)).collect()
     }
 }
 
@@ -389,15 +419,18 @@ impl Studio {
         if self.wants_trace {
             return;
         }
+        self.keep_dropped();
+        self.pictures.shown = None;
         match self.options.resolve(&scene, self.window) {
             Ok(settings) => {
                 let habits = &self.options.habits;
                 let mut job = Job::new(scene, settings).through(self.camera.clone());
                 job.downscale = if habits.progressive { habits.downscale.max(1) } else { 1 };
-                job.views.clone_from(&request.views);
+                job.views = self.views();
                 job.coarse_views = vec![self.view];
                 let job = if habits.endless { job.without_end() } else { job };
-                self.tracer.start(request, job);
+                let place = self.place();
+                self.tracer.start(request, job, place);
             }
             Err(error) => {
                 self.say(&error.to_string(), true);

@@ -119,7 +119,11 @@ fn check(folder: &Path, seed: u64) -> bool {
         }
     }
     for (name, hashes) in &on_disk {
-        let text = fs::read_to_string(folder.join(name)).unwrap();
+        // It may not have come to the first write of this one.
+        let Ok(text) = fs::read_to_string(folder.join(name)) else {
+            assert_eq!(name, "c.txt", "seed {seed}: a file is gone");
+            continue;
+        };
         assert!(
             hashes.contains(&hash(&text)),
             "seed {seed}: {name} is none of what was written:\n{text}\n{log}"

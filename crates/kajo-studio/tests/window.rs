@@ -277,9 +277,9 @@ fn settings_change_what_is_traced() {
     window.press("Render");
     window.press_in_row("Progressive");
     assert!(!window.studio().options.habits.progressive);
+    let size = window.studio().picture_size().map(|side| side.div_ceil(8));
     window.key(Key::Enter);
     window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
-    let size = window.studio().picture_size().map(|side| side.div_ceil(8));
     assert_eq!(window.studio().tracer.frame().unwrap().size(), size, "an eighth of the window");
     window.press_in_row("Fresnel");
     assert_eq!(window.studio().options.asked.fresnel, Some(true));
@@ -298,7 +298,7 @@ fn settings_change_what_is_traced() {
 }
 
 #[test]
-fn layers_histogram_pixel_and_comparison_are_shown() {
+fn layers_histogram_and_pixel_are_shown() {
     let mut window = Window::new();
     window.studio().options.habits.size = PictureSize::Fixed([60, 40]);
     window.key(Key::Enter);
@@ -315,44 +315,6 @@ fn layers_histogram_pixel_and_comparison_are_shown() {
     window.harness.hover_at(ball);
     window.frames(2);
     assert!(window.harness.query_by_label("Place").is_some(), "the pixel's numbers");
-    window.press("Keep as A");
-    assert!(window.studio().comparison.kept.is_some());
-    assert!(window.harness.query_by_label("Wipe").is_some());
-    window.press("End");
-    assert!(window.studio().comparison.kept.is_none());
-}
-
-#[test]
-fn layers_are_traced_when_they_are_looked_at() {
-    let mut window = Window::new();
-    window.studio().options.habits.size = PictureSize::Fixed([60, 40]);
-    let finished = |window: &mut Window| {
-        window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
-        let frame = window.studio().tracer.frame().unwrap();
-        (frame.job(), frame.has(View::Depth), frame.has(View::Normals), frame.has(View::Albedo))
-    };
-    window.key(Key::Enter);
-    let (first, ..) = finished(&mut window);
-    assert_eq!(finished(&mut window), (first, false, false, false));
-    assert!(window.studio().tracer.frame().unwrap().noise().is_some());
-    // A layer that is not there starts the trace anew, and brings others that may be looked at next.
-    window.studio().apply(Action::Show(View::Depth));
-    window.frames(1);
-    let (second, depth, normals, albedo) = finished(&mut window);
-    assert!(second > first && depth && normals && !albedo);
-    for view in [View::Normals, View::Color, View::Variance] {
-        window.studio().apply(Action::Show(view));
-        window.frames(3);
-        assert_eq!(finished(&mut window).0, second, "{view:?} is there");
-    }
-    window.studio().apply(Action::Show(View::Albedo));
-    window.frames(1);
-    let (third, .., albedo) = finished(&mut window);
-    assert!(third > second && albedo);
-    window.studio().apply(Action::Show(View::Color));
-    window.studio().options.habits.all_layers = true;
-    window.frames(3);
-    assert_eq!(finished(&mut window).0, third, "it has them all");
 }
 
 #[test]

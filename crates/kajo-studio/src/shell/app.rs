@@ -17,12 +17,15 @@ use super::outliner::Outliner;
 use super::picture;
 use super::questions::Questions;
 use super::stage::Stage;
+use super::strip::{self, Strip};
 use super::text_panel::TextPanel;
 use super::viewport::{self, Area};
 use super::{
     help, menu, object_panel, picture_panel, problems_panel, rays_panel, render_panel, status, theme,
 };
-use crate::state::{Action, Answer as Decision, Habits, Histogram, Question, Shown, Studio, Wake};
+use crate::state::{
+    Action, Answer as Decision, Apart, Compare, Habits, Histogram, Question, Shown, Studio, Wake,
+};
 
 /// The longest step of a flight, in seconds: after a pause the camera does not jump.
 const LONGEST_STEP: f32 = 0.1;
@@ -89,6 +92,9 @@ pub struct App {
     stage: Option<Stage>,
     outliner: Outliner,
     text: TextPanel,
+    strip: Strip,
+    /// Whether the wipe is being dragged.
+    is_wiping: bool,
     histogram: Option<(Arc<session::Frame>, Histogram)>,
     chooser: Option<Chooser>,
     questions: Questions,
@@ -101,6 +107,9 @@ pub struct App {
 
 /// The way in points that a pointer goes before a key that is held down shoots again.
 const STILL: f32 = 3.0;
+
+/// Windows of less width have narrow panels, in points.
+const SMALL: f32 = 900.0;
 
 /// Pixels that the histogram looks at, at most about.
 const HISTOGRAM_PIXELS: usize = 100_000;
@@ -121,6 +130,8 @@ impl App {
             stage: card.map(Stage::new),
             outliner: Outliner::default(),
             text: TextPanel::default(),
+            strip: Strip::default(),
+            is_wiping: false,
             histogram: None,
             chooser: None,
             questions: Questions::default(),
@@ -142,7 +153,9 @@ impl App {
         self.fly(&ctx, &mut actions);
         self.on_ground(ui, |app, ui| {
             app.panels(ui, &mut commands, &mut actions);
-            app.viewport(ui, &mut actions);
+            let apart = app.studio.apart();
+            app.strip(ui, &mut actions);
+            app.viewport(ui, apart.as_ref(), &mut actions);
         });
         self.ask(&ctx, &mut actions);
         self.put_question(&ctx, &mut actions);
@@ -242,18 +255,27 @@ impl App {
         if !self.layout.panels {
             return;
         }
-        self.bottom_panel(ui, actions);
+        // Of a small window the picture keeps a part.
+        let room = ui.ctx().content_rect().size();
+        let share = |small, large| if room.x < SMALL { small } else { large };
+        self.bottom_panel(ui, room, actions);
         if let Some(document) = &self.studio.document {
-            let panel = Panel::left("outliner").resizable(true).default_size(220.0).size_range(150.0..=480.0);
+            let panel = Panel::left("outliner")
+                .resizable(true)
+                .default_size((0.22 * room.x).min(220.0))
+                .size_range(100.0..=(share(0.24, 0.4) * room.x).min(480.0));
             panel.frame(frame_of_panel(ui)).show(ui, |ui| {
                 self.outliner.show(ui, document, &self.studio.selection, actions);
             });
         }
-        let panel = Panel::right("right").resizable(true).default_size(366.0).size_range(250.0..=560.0);
+        let panel = Panel::right("right")
+            .resizable(true)
+            .default_size((0.38 * room.x).min(350.0))
+            .size_range(150.0..=(share(0.4, 0.5) * room.x).min(560.0));
         panel.frame(frame_of_panel(ui)).show(ui, |ui| self.right_panel(ui, actions));
     }
 
-    fn bottom_panel(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    fn bottom_panel(&mut self, ui: &mut Ui, room: egui::Vec2, actions: &mut Vec<Action>) {
         let n = self.studio.problems.len();
         let problems = if n == 0 { "Problems".to_owned() } else { format!("Problems ({n})") };
         Panel::bottom("tabs").resizable(false).frame(frame_of_panel(ui)).show(ui, |ui| {
@@ -276,7 +298,10 @@ impl App {
             });
         });
         let Some(tab) = self.layout.bottom else { return };
-        let panel = Panel::bottom("bottom").resizable(true).default_size(170.0).size_range(60.0..=600.0);
+        let panel = Panel::bottom("bottom")
+            .resizable(true)
+            .default_size(170.0_f32.min(0.35 * room.y))
+            .size_range(50.0..=(0.6 * room.y).min(600.0));
         panel.frame(frame_of_panel(ui)).show(ui, |ui| match tab {
             Bottom::Problems => problems_panel::show(ui, &self.studio.problems),
             Bottom::Rays => rays_panel::show(ui, &self.studio, actions),
@@ -320,7 +345,7 @@ impl App {
                 render_panel::show(ui, &mut self.studio.options, &own, &settings);
             }
             Tab::Picture => {
-                let frame = self.studio.tracer.frame();
+                let frame = self.studio.picture();
                 self.count(frame.as_ref());
                 let shown = picture_panel::Picture {
                     frame: frame.as_deref(),
@@ -329,8 +354,7 @@ impl App {
                     view: self.studio.view,
                     settings: &settings,
                 };
-                let Studio { options, comparison, .. } = &mut self.studio;
-                picture_panel::show(ui, &shown, &mut options.asked, comparison, actions);
+                picture_panel::show(ui, &shown, &mut self.studio.options.asked, actions);
             }
         });
     }
@@ -356,7 +380,16 @@ impl App {
         area.pixel(ui.input(|input| input.pointer.hover_pos())?)
     }
 
-    fn viewport(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    /// The pictures traced last, below the one on show.
+    fn strip(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        // It is there from the beginning, so that all pictures have one size and can be compared.
+        if self.layout.panels && self.studio.document.is_some() {
+            let panel = Panel::bottom("strip").resizable(false).frame(frame_of_panel(ui));
+            panel.show(ui, |ui| self.strip.show(ui, &self.studio, actions));
+        }
+    }
+
+    fn viewport(&mut self, ui: &mut Ui, apart: Option<&Apart>, actions: &mut Vec<Action>) {
         CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
             let response = viewport::allocate(ui);
             if let Some(stage) = &mut self.stage {
@@ -373,13 +406,20 @@ impl App {
             let area = Area { rect: picture::fitted(response.rect, size, ui.pixels_per_point()), size };
             self.area = Some(area);
             let handles = self.studio.handles();
-            actions.extend(viewport::mouse(ui, &response, area, &self.studio, &handles));
+            let studio = &self.studio;
+            match strip::drag_wipe(ui, &response, area.rect, studio, &mut self.is_wiping) {
+                Some(action) => actions.push(action),
+                None => actions.extend(viewport::mouse(ui, &response, area, studio, &handles)),
+            }
             match (&mut self.stage, self.studio.shown) {
                 (Some(stage), Shown::Preview) => stage.paint_preview(ui, &self.studio, area),
-                (Some(stage), Shown::Traced) => stage.paint_trace(ui, &self.studio, area),
+                (Some(stage), Shown::Traced) => stage.paint_trace(ui, &self.studio, area, apart),
                 (None, _) => {}
             }
             viewport::paint_debug_pixel(ui, area, &self.studio);
+            if self.studio.shown == Shown::Traced {
+                strip::paint_comparison(ui, area.rect, &self.studio, apart);
+            }
             viewport::paint_handles(ui, area, &self.studio, &handles);
         });
     }
@@ -458,6 +498,17 @@ impl App {
         }
     }
 
+    /// Ends what goes on, or else closes what is open.
+    fn escape(&mut self, actions: &mut Vec<Action>) {
+        if self.studio.progress().is_some() || self.studio.is_writing() {
+            actions.push(Action::Stop);
+        } else if self.studio.pictures.compare != Compare::Off {
+            actions.push(Action::Compare(Compare::Off));
+        } else if self.layout.panels && self.layout.bottom.is_some() {
+            self.layout.bottom = None;
+        }
+    }
+
     fn obey(&mut self, ctx: &egui::Context, command: Command, actions: &mut Vec<Action>) {
         match command {
             Command::Do(action) => actions.push(action),
@@ -488,7 +539,7 @@ impl App {
             Command::Panels => self.layout.panels = !self.layout.panels,
             Command::Escape if self.help => self.help = false,
             Command::Escape if self.studio.has_grip() => actions.push(Action::CancelDrag),
-            Command::Escape => actions.push(Action::Stop),
+            Command::Escape => self.escape(actions),
         }
     }
 }
@@ -516,5 +567,8 @@ fn empty(ui: &Ui, rect: Rect, is_loading: bool, has_problems: bool) {
     let center = egui::Align2::CENTER_CENTER;
     let font = egui::FontId::proportional;
     painter.text(at - egui::vec2(0.0, 16.0), center, big, font(24.0), ui.visuals().text_color());
-    painter.text(at + egui::vec2(0.0, 16.0), center, small, font(14.0), theme::quiet(ui));
+    let words =
+        painter.layout(small.to_owned(), font(14.0), theme::quiet(ui), (rect.width() - 16.0).max(0.0));
+    let corner = at + egui::vec2(-words.size().x / 2.0, 8.0);
+    painter.galley(corner, words, theme::quiet(ui));
 }

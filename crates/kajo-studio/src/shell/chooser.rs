@@ -108,11 +108,13 @@ impl Chooser {
     pub fn show(&mut self, ctx: &Context) -> Answer {
         let mut answer = Answer::None;
         let modal = Modal::new(egui::Id::unique("chooser")).show(ctx, |ui| {
-            ui.set_width(520.0);
+            let room = ui.ctx().content_rect().size();
+            ui.set_width((room.x - 60.0).clamp(200.0, 520.0));
+            let height = (room.y - 210.0).clamp(60.0, 300.0);
             ui.heading(self.purpose.title());
             ui.add_space(4.0);
             self.folder_row(ui);
-            if let Some(path) = self.list_rows(ui) {
+            if let Some(path) = self.list_rows(ui, height) {
                 answer = self.enter(&path);
             }
             let entered = self.name_row(ui);
@@ -143,19 +145,20 @@ impl Chooser {
             {
                 self.go(parent);
             }
-            ui.label(RichText::new(self.folder.display().to_string()).color(theme::quiet(ui)));
+            let folder = RichText::new(self.folder.display().to_string()).color(theme::quiet(ui));
+            ui.add(egui::Label::new(folder).truncate());
         });
     }
 
     /// The files and folders; the path of the one that was double-clicked.
-    fn list_rows(&mut self, ui: &mut Ui) -> Option<PathBuf> {
+    fn list_rows(&mut self, ui: &mut Ui, height: f32) -> Option<PathBuf> {
         let mut entered = None;
         let mut typed = None;
         egui::Frame::new().fill(ui.visuals().extreme_bg_color).corner_radius(4.0).inner_margin(4.0).show(
             ui,
             |ui| {
-                ScrollArea::vertical().max_height(300.0).auto_shrink(false).show(ui, |ui| {
-                    ui.set_min_height(300.0);
+                ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
+                    ui.set_min_height(height);
                     for entry in &self.entries {
                         let chosen = self.typed == entry.name;
                         let row = ui.selectable_label(

@@ -1,34 +1,54 @@
 //! The list of keys.
 
-use egui::{Align2, Context, RichText, Ui, Window, vec2};
+use egui::{Align2, Context, RichText, ScrollArea, Ui, Window, vec2};
 
 use super::keys::{CLIPBOARD, MOVES, shortcuts};
 use super::theme;
 
-/// Shows the list while `open`.
+/// Points that the two columns take side by side.
+const WIDTHS: [f32; 2] = [290.0, 360.0];
+
+/// Shows the list while `open`, as large as the window allows.
 pub fn show(ctx: &Context, open: &mut bool) {
+    let room = ctx.content_rect().size() - vec2(40.0, 70.0);
+    let is_wide = room.x > WIDTHS[0] + WIDTHS[1] + 20.0;
     Window::new("Keys and mouse")
         .open(open)
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ctx, |ui| {
-            ui.columns_const(|[left, right]| {
-                left.set_min_width(270.0);
-                heading(left, "Moving");
-                list(left, "moves", MOVES.iter().map(|(keys, about)| (keys.to_string(), *about)));
-                right.set_min_width(330.0);
-                heading(right, "Doing");
-                let keys = shortcuts();
-                let words = keys.iter().map(|shortcut| {
-                    let keys = egui::KeyboardShortcut::new(shortcut.modifiers, shortcut.key);
-                    (right.ctx().format_shortcut(&keys), shortcut.about)
-                });
-                let clipboard = std::iter::once((CLIPBOARD.0.to_owned(), CLIPBOARD.1));
-                let words: Vec<_> = words.chain(clipboard).collect();
-                list(right, "keys", words.into_iter());
+            ScrollArea::vertical().max_height(room.y).show(ui, |ui| match is_wide {
+                true => ui.columns_const(|[left, right]| {
+                    left.set_min_width(WIDTHS[0]);
+                    moves(left);
+                    right.set_min_width(WIDTHS[1]);
+                    keys(right);
+                }),
+                false => {
+                    moves(ui);
+                    ui.add_space(8.0);
+                    keys(ui);
+                }
             });
         });
+}
+
+fn moves(ui: &mut Ui) {
+    heading(ui, "Moving");
+    list(ui, "moves", MOVES.iter().map(|(keys, about)| (keys.to_string(), *about)));
+}
+
+fn keys(ui: &mut Ui) {
+    heading(ui, "Doing");
+    let keys = shortcuts();
+    let words = keys.iter().map(|shortcut| {
+        let keys = egui::KeyboardShortcut::new(shortcut.modifiers, shortcut.key);
+        (ui.ctx().format_shortcut(&keys), shortcut.about)
+    });
+    let clipboard = std::iter::once((CLIPBOARD.0.to_owned(), CLIPBOARD.1));
+    let words: Vec<_> = words.chain(clipboard).collect();
+    list(ui, "keys", words.into_iter());
 }
 
 fn heading(ui: &mut Ui, text: &str) {

@@ -93,6 +93,8 @@ pub fn shortcuts() -> Vec<Shortcut> {
         (NONE, Key::Delete, Do(Action::Delete), "Take out what is selected"),
         (COMMAND.plus(Modifiers::SHIFT), Key::C, Do(Action::StoreCamera), "Write this view into the scene"),
         (NONE, Key::F, Do(Action::Frame), "Show what is selected, or all, as large as fits"),
+        (Modifiers::ALT, Key::ArrowLeft, Do(Action::StepCamera(true)), "Back to where the camera was before"),
+        (Modifiers::ALT, Key::ArrowRight, Do(Action::StepCamera(false)), "Forth again"),
         (NONE, Key::Home, Do(Action::ResetCamera), "Back to the scene's own camera"),
         (NONE, Key::ArrowDown, Do(Action::SelectNext(true)), "Select the next block of the scene"),
         (NONE, Key::ArrowUp, Do(Action::SelectNext(false)), "Select the block before"),
@@ -111,7 +113,7 @@ pub fn shortcuts() -> Vec<Shortcut> {
         .collect()
 }
 
-/// What the keys pressed since the last frame ask for. While text is typed they are letters and ask for nothing, but
+/// What the keys pressed since the last frame ask for, in their order. While text is typed they are letters and ask for nothing, but
 /// that those with Ctrl keep their meaning in the text of the scene; while a widget has the focus, Enter and Space
 /// belong to it.
 pub fn pressed(ctx: &Context) -> Vec<Command> {
@@ -125,33 +127,46 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
         Some(_) => !matches!(shortcut.key, Key::Enter | Key::Space | Key::ArrowUp | Key::ArrowDown),
         None => true,
     };
-    let list = shortcuts().into_iter().filter(is_free);
-    let commands = list
-        .filter(|shortcut| {
-            // A key that is held down shoots where the pointer goes; see `shoots`.
-            let is_repeated =
-                shortcut.command == Command::DebugRay && ctx.input(|input| repeats(input, shortcut.key));
-            !is_repeated
-                && ctx.input_mut(|input| {
-                    let exact = input.modifiers.matches_exact(shortcut.modifiers)
-                        || input.modifiers.shift && shortcut.key == Key::Plus;
-                    exact && input.consume_key(input.modifiers, shortcut.key)
-                })
-        })
-        .map(|shortcut| shortcut.command);
-    let clipboard = if types_scene { Vec::new() } else { clipboard(ctx) };
-    commands.chain(clipboard).collect()
+    let list: Vec<Shortcut> = shortcuts().into_iter().filter(is_free).collect();
+    let mut commands = Vec::new();
+    ctx.input_mut(|input| {
+        input.events.retain(|event| {
+            let command = match event {
+                // A key that is held down shoots where the pointer goes; see `shoots`.
+                Event::Key { key, pressed: true, repeat, modifiers, .. } => meaning(&list, *key, *modifiers)
+                    .filter(|&command| !(*repeat && command == Command::DebugRay)),
+                _ if types_scene => None,
+                // Systems tell of the keys of the clipboard in their own way. Widgets may want to know of them too.
+                _ => {
+                    commands.extend(of_clipboard(event));
+                    None
+                }
+            };
+            let is_taken = command.is_some();
+            commands.extend(command);
+            !is_taken
+        });
+    });
+    commands
 }
 
-/// What the keys of the clipboard ask for.
-fn clipboard(ctx: &Context) -> Vec<Command> {
-    let command = |event: &Event| match event {
+/// What a key asks for. Each event says what was held with it: at the end of the frame that may be up again.
+fn meaning(list: &[Shortcut], key: Key, modifiers: Modifiers) -> Option<Command> {
+    let is_meant = |shortcut: &&Shortcut| {
+        let is_plus = modifiers.shift && key == Key::Plus && !modifiers.command;
+        shortcut.key == key && (modifiers.matches_exact(shortcut.modifiers) || is_plus)
+    };
+    list.iter().find(is_meant).map(|shortcut| shortcut.command.clone())
+}
+
+/// What an event of the clipboard asks for.
+fn of_clipboard(event: &Event) -> Option<Command> {
+    match event {
         Event::Copy => Some(Command::Copy),
         Event::Cut => Some(Command::Cut),
         Event::Paste(text) => Some(Command::Do(Action::Paste(text.clone()))),
         _ => None,
-    };
-    ctx.input(|input| input.events.iter().filter_map(command).collect())
+    }
 }
 
 /// Whether a key is down for so long that the system presses it again and again.

@@ -46,6 +46,8 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
         });
         ui.menu_button("Camera", |ui| {
             item(ui, "Frame", "F", commands, Command::Do(Action::Frame));
+            item(ui, "Back a step", "Alt+Left", commands, Command::Do(Action::StepCamera(true)));
+            item(ui, "Forth a step", "Alt+Right", commands, Command::Do(Action::StepCamera(false)));
             item(ui, "Back to the scene's", "Home", commands, Command::Do(Action::ResetCamera));
             item(
                 ui,
@@ -58,6 +60,7 @@ pub fn show(ui: &mut Ui, studio: &Studio, recent: &[PathBuf], commands: &mut Vec
         ui.menu_button("Trace", |ui| {
             item(ui, "Trace", "Enter", commands, Command::Do(Action::Trace));
             item(ui, "Stop", "Esc", commands, Command::Do(Action::Stop));
+            item(ui, "Keep the picture", "", commands, Command::Do(Action::KeepPicture));
             item(ui, "Debug ray at the pointer", "E", commands, Command::DebugRay);
         });
         ui.menu_button("Window", |ui| {

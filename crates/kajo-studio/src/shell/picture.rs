@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use egui::{Painter, Pos2, Rect, Shape, pos2};
 use kajo::session::Frame;
-use kajo::{Development, View};
+use kajo::{Development, Image, View};
 
 use crate::raster::{Canvas, Sheet};
 
@@ -36,13 +36,24 @@ impl TracedPicture {
             return Ok(sheet.clone());
         }
         let bytes = frame.rgba(view, development).map_err(|error| error.to_string())?;
-        let (size, bytes) = reduced(frame.size(), bytes, canvas.largest_side());
+        self.shown = Some((Arc::clone(frame), view, *development));
+        Ok(self.written(canvas, frame.size(), bytes))
+    }
+
+    /// The sheet of a map, values as shown.
+    pub fn map(&mut self, canvas: &Canvas, map: &Image) -> Sheet {
+        let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
+        let bytes = map.rgb_pixels().flat_map(|[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect();
+        self.written(canvas, [map.width(), map.height()], bytes)
+    }
+
+    fn written(&mut self, canvas: &Canvas, size: [u32; 2], bytes: Vec<u8>) -> Sheet {
+        let (size, bytes) = reduced(size, bytes, canvas.largest_side());
         let fitting = self.sheet.take().filter(|sheet| sheet.size() == size);
         let sheet = fitting.unwrap_or_else(|| canvas.sheet(size));
         canvas.write(&sheet, &bytes);
-        self.shown = Some((Arc::clone(frame), view, *development));
         self.sheet = Some(sheet.clone());
-        Ok(sheet)
+        sheet
     }
 }
 

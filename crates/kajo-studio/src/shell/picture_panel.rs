@@ -6,8 +6,8 @@ use kajo::session::Frame;
 use kajo::{RenderSettings, Settings, Tone, View};
 
 use super::theme;
-use super::widgets::{capitalised, choice, option, row, rows, section};
-use crate::state::{Action, BINS, Comparison, Histogram, stops_of};
+use super::widgets::{capitalised, choice, option, rows, section};
+use crate::state::{Action, BINS, Histogram, stops_of};
 
 /// What the panel shows.
 pub struct Picture<'a> {
@@ -20,16 +20,9 @@ pub struct Picture<'a> {
 }
 
 /// All widgets; what they ask for goes into `actions`.
-pub fn show(
-    ui: &mut Ui,
-    picture: &Picture<'_>,
-    asked: &mut Settings,
-    comparison: &mut Comparison,
-    actions: &mut Vec<Action>,
-) {
+pub fn show(ui: &mut Ui, picture: &Picture<'_>, asked: &mut Settings, actions: &mut Vec<Action>) {
     section(ui, "Layer", true, |ui| layers(ui, picture, actions));
     section(ui, "Development", true, |ui| development(ui, asked, picture.settings));
-    section(ui, "Compare", true, |ui| compare(ui, picture, comparison, actions));
     section(ui, "Histogram", true, |ui| match picture.histogram {
         Some(histogram) => draw_histogram(ui, histogram),
         None => quiet(ui, "Trace a picture to see how its light is spread."),
@@ -96,27 +89,6 @@ fn development(ui: &mut Ui, asked: &mut Settings, settings: &RenderSettings) {
             ui.add(Slider::new(&mut white[0], 2000.0..=15000.0).suffix(" K").fixed_decimals(0))
         });
     });
-}
-
-fn compare(ui: &mut Ui, picture: &Picture<'_>, comparison: &mut Comparison, actions: &mut Vec<Action>) {
-    ui.horizontal(|ui| {
-        let keep = egui::Button::new("Keep as A");
-        let hint = "Keeps this picture, to compare the next ones with it";
-        if ui.add_enabled(picture.frame.is_some(), keep).on_hover_text(hint).clicked() {
-            actions.push(Action::KeepForComparison);
-        }
-        if comparison.kept.is_some() && ui.button("End").clicked() {
-            actions.push(Action::EndComparison);
-        }
-    });
-    match comparison.kept.is_some() {
-        true => rows(ui, "wipe", |ui| {
-            row(ui, "Wipe", "A is left of it, the newest picture right", |ui| {
-                ui.add(Slider::new(&mut comparison.wipe, 0.0..=1.0).show_value(false))
-            });
-        }),
-        false => quiet(ui, "Nothing kept yet."),
-    }
 }
 
 fn inspect(ui: &mut Ui, frame: &Frame, [x, y]: [u32; 2]) {

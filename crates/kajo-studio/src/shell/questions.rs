@@ -83,6 +83,8 @@ impl Questions {
         let name = if self.shows_difference { "Hide the difference" } else { "Show the difference" };
         if ui.button(name).clicked() {
             self.shows_difference = !self.shows_difference;
+            // The dialog has another size now, and is to be in the middle again.
+            ui.ctx().request_repaint();
         }
         if self.shows_difference {
             egui::Frame::new().fill(ui.visuals().extreme_bg_color).inner_margin(6.0).show(ui, |ui| {

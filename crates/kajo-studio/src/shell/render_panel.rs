@@ -57,8 +57,7 @@ fn picture(ui: &mut Ui, options: &mut RenderOptions, settings: &RenderSettings) 
         row(ui, "Endless", "Adds samples until you stop it", |ui| {
             ui.checkbox(&mut options.habits.endless, "No last sample")
         });
-        let hint =
-            "Depth, normals, objects and the like, for pixels and OpenEXR files; takes half as long again";
+        let hint = "Albedo, motion and groups of lights too, for pixels and OpenEXR files";
         row(ui, "Layers", hint, |ui| ui.checkbox(&mut options.habits.all_layers, "Record all"));
         row(ui, "Show uv", "Picture coordinates as red and green: the first exercise of the course", |ui| {
             ui.checkbox(&mut options.uv, "Coordinates only")

@@ -4,14 +4,15 @@ use std::collections::HashMap;
 
 use egui::{Align2, Color32, FontId, Painter, Rect, Ui};
 use egui_wgpu::RenderState;
-use kajo::{View, session};
+use kajo::View;
 
 use super::picture::{self, TracedPicture};
+use super::picture_panel::title;
 use super::sight::Seen;
 use super::theme;
 use super::viewport::Area;
 use crate::raster::{Raster, Sheet, Shot};
-use crate::state::{BACKGROUND, Studio, Version};
+use crate::state::{Apart, BACKGROUND, Compare, Studio, Version};
 
 /// Everything that is on the card.
 pub struct Stage {
@@ -22,6 +23,7 @@ pub struct Stage {
     seen: Seen,
     picture: TracedPicture,
     kept_picture: TracedPicture,
+    map: TracedPicture,
     /// Colours that areas are filled with.
     plain: HashMap<Color32, Sheet>,
 }
@@ -35,6 +37,7 @@ impl Stage {
             seen: Seen::default(),
             picture: TracedPicture::default(),
             kept_picture: TracedPicture::default(),
+            map: TracedPicture::default(),
             plain: HashMap::new(),
         }
     }
@@ -70,21 +73,30 @@ impl Stage {
         picture::paint(ui.painter(), self.raster.canvas().show(&sheet, area.rect), area.rect, 0.0, 1.0);
     }
 
-    /// Shows what was traced; left of the wipe what was kept to compare it with.
-    pub fn paint_trace(&mut self, ui: &Ui, studio: &Studio, area: Area) {
+    /// Shows what was traced; left of the wipe what it is compared with, or how far the two are apart.
+    pub fn paint_trace(&mut self, ui: &Ui, studio: &Studio, area: Area, apart: Option<&Apart>) {
         let Some(Ok(settings)) = studio.settings() else { return };
         let development = settings.development;
-        let Some(frame) = studio.tracer.frame() else { return };
-        let has_view = |frame: &session::Frame| frame.has(studio.view);
+        let Some(frame) = studio.picture() else { return };
         let canvas = self.raster.canvas();
-        // While a trace for the layer has begun, the light will do; if there is none, it should be known why.
-        let view = if has_view(&frame) || studio.progress().is_none() { studio.view } else { View::Color };
-        let shown = self.picture.sheet(canvas, &frame, view, &development);
-        let kept = studio.comparison.kept.as_ref().map(|kept| {
-            let view = if has_view(kept) { studio.view } else { View::Color };
-            self.kept_picture.sheet(canvas, kept, view, &development)
+        if let Some(Ok(difference)) = apart.map(|apart| apart.difference.as_ref()) {
+            let sheet = self.map.map(canvas, &difference.map);
+            picture::paint(ui.painter(), canvas.show(&sheet, area.rect), area.rect, 0.0, 1.0);
+            return;
+        }
+        // While the picture is still coarse the light will do; if it has not the layer, that should be known.
+        let is_coarse = frame.samples() == 0;
+        let view = if frame.has(studio.view) || !is_coarse { studio.view } else { View::Color };
+        let shown = if frame.has(view) {
+            self.picture.sheet(canvas, &frame, view, &development)
+        } else {
+            Err(format!("This trace has not recorded the layer {}: Enter traces anew, with it.", title(view)))
+        };
+        let kept = studio.reference().filter(|_| studio.pictures.compare == Compare::Wipe).map(|kept| {
+            let view = if kept.frame.has(studio.view) { studio.view } else { View::Color };
+            self.kept_picture.sheet(canvas, &kept.frame, view, &development)
         });
-        let wipe = if kept.is_some() { studio.comparison.wipe } else { 0.0 };
+        let wipe = if kept.is_some() { studio.pictures.wipe } else { 0.0 };
         for (sheet, from, to) in [(Some(shown), wipe, 1.0), (kept, 0.0, wipe)] {
             match sheet {
                 Some(Ok(sheet)) => {

@@ -50,7 +50,7 @@ fn is_long(ui: &Ui, is_going_on: bool) -> bool {
 }
 
 fn trace(ui: &mut Ui, studio: &Studio) {
-    let Some(frame) = studio.tracer.frame() else {
+    let Some(frame) = studio.picture() else {
         ui.label(RichText::new("Enter traces").color(theme::quiet(ui)));
         return;
     };

@@ -7,7 +7,7 @@ use kajo::edit::{FieldValue, FileId, NodeId};
 use kajo::handles::Mode;
 use kajo_math::{DVec2, DVec3};
 
-use super::{Answer, Held};
+use super::{Answer, Compare, Held};
 
 /// Something the user wants.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,10 +43,20 @@ pub enum Action {
     ToggleShown,
     /// Shows a layer of the trace.
     Show(View),
-    /// Keeps the picture on show, to compare the next ones with it.
-    KeepForComparison,
-    /// Ends the comparison.
-    EndComparison,
+    /// Keeps the newest picture as it is now.
+    KeepPicture,
+    /// Forgets the picture with this letter.
+    ForgetPicture(char),
+    /// Shows the picture with this letter, or the newest trace.
+    ShowPicture(Option<char>),
+    /// Compares with the picture with this letter, or with the newest of those that are not on show.
+    CompareWith(Option<char>),
+    /// Shows two pictures together, or one alone.
+    Compare(Compare),
+    /// Puts the wipe there, as a share of the width.
+    Wipe(f32),
+    /// Looks from where a picture was traced.
+    LookAsIn(char),
 
     // Questions about a place of the picture, in its pixels from the top left corner.
     /// Chooses what is seen there; beside what is chosen already, if so.
@@ -79,6 +89,8 @@ pub enum Action {
     Frame,
     /// Goes back to the scene's own camera.
     ResetCamera,
+    /// Takes the last step of the camera back, or does it again if not so.
+    StepCamera(bool),
     /// Writes the current view into the scene.
     StoreCamera,
     /// Puts the camera there.

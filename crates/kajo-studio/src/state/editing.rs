@@ -70,6 +70,8 @@ impl Studio {
             Action::Rename(node, name) => self.edit_and_say(&Edit::Rename { node, name }),
             Action::Paint(material) => self.edit_selected(|node| Edit::Paint { node, material }),
             Action::MoveInto(node, into) => self.edit_and_say(&Edit::MoveInto { node, into }),
+            Action::Undo if self.undo_camera(true) => self.say("Undid: a step of the camera.", false),
+            Action::Redo if self.undo_camera(false) => self.say("Did again: a step of the camera.", false),
             Action::Undo => self.step("Undid", Document::undo_label, Document::undo),
             Action::Redo => self.step("Did again", Document::redo_label, Document::redo),
             _ => {}
@@ -112,6 +114,8 @@ impl Studio {
 
     /// Does one thing and says so when it cannot be done. Returns the block it made.
     pub(super) fn edit(&mut self, edit: &Edit) -> Option<NodeId> {
+        self.steps.edited();
+        self.pictures.shown = None;
         let is_dragging = self.dragged.is_some() || self.grip.is_some();
         if is_dragging && self.has_long_text() {
             self.do_beside(Task::Apply(edit.clone()));
@@ -252,7 +256,7 @@ impl Studio {
     }
 
     fn exported(&self, path: &Path) -> Result<(), String> {
-        let frame = self.tracer.frame().ok_or("There is no picture yet: press Enter to trace one.")?;
+        let frame = self.picture().ok_or("There is no picture yet: press Enter to trace one.")?;
         let ending = path.extension().and_then(|ending| ending.to_str()).and_then(Format::from_extension);
         let format = ending.ok_or("Give the file a name that ends in .png, .exr, .tga or the like.")?;
         let is_there = |view: &View| frame.value(*view, 0, 0).is_some();
@@ -302,10 +306,10 @@ impl Studio {
         self.rays = None;
         self.sight.clear();
         self.tracer.clear();
-        self.comparison.kept = None;
         self.shown = super::Shown::Preview;
         self.after_compile();
         self.view_action(Action::ResetCamera);
+        self.steps.clear();
         self.watch_files();
     }
 }

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use kajo::View;
 use kajo::session::{Frame, Job, Session, Status};
 
-use super::{RenderOptions, Version, priority};
+use super::{CameraPlace, RenderOptions, Version, priority};
 
 /// Wakes the window up; may be called by any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -21,15 +20,12 @@ pub struct Request {
     pub options: RenderOptions,
     /// Pixels of the viewport.
     pub window: [u32; 2],
-    /// What is recorded beside the light.
-    pub views: Vec<View>,
 }
 
 impl Request {
-    /// Whether a trace for this one shows all that `other` asks for.
-    fn answers(&self, other: &Request) -> bool {
-        let alike = Request { views: self.views.clone(), ..other.clone() };
-        *self == alike && other.views.iter().all(|view| self.views.contains(view))
+    /// Whether the two ask for the same picture, larger or smaller.
+    pub fn is_like(&self, other: &Request) -> bool {
+        *self == Request { window: self.window, ..other.clone() }
     }
 }
 
@@ -39,17 +35,21 @@ pub struct Tracer {
     threads: usize,
     wake: Wake,
     last: Option<Request>,
+    /// Where the camera stood for it.
+    place: Option<CameraPlace>,
     job: u64,
 }
 
 impl Tracer {
     /// Nothing runs yet.
     pub fn new(wake: Wake) -> Tracer {
-        Tracer { session: session(0, &wake), threads: 0, wake, last: None, job: 0 }
+        Tracer { session: session(0, &wake), threads: 0, wake, last: None, place: None, job: 0 }
     }
 
     /// Drops what runs and traces this.
-    pub fn start(&mut self, request: Request, job: Job) {
+    ///
+    /// * `place`: where the camera stands
+    pub fn start(&mut self, request: Request, job: Job, place: CameraPlace) {
         let threads = request.options.habits.threads;
         if threads != self.threads {
             self.session = session(threads, &self.wake);
@@ -57,11 +57,12 @@ impl Tracer {
         }
         self.job = self.session.start(job);
         self.last = Some(request);
+        self.place = Some(place);
     }
 
-    /// Whether what was asked for last has all of this, whatever became of it.
+    /// Whether this was asked for last, whatever became of it.
     pub fn was_asked_for(&self, request: &Request) -> bool {
-        self.last.as_ref().is_some_and(|last| last.answers(request))
+        self.last.as_ref() == Some(request)
     }
 
     /// Remembers a request that could not even be begun, so that it is not tried again and again.
@@ -75,6 +76,12 @@ impl Tracer {
         self.session.cancel();
     }
 
+    /// Stops, and starts what was asked for anew when it is asked for once more.
+    pub fn forget(&mut self) {
+        self.session.cancel();
+        self.last = None;
+    }
+
     /// Forgets the picture, as for another scene.
     pub fn clear(&mut self) {
         self.session = session(self.threads, &self.wake);
@@ -84,6 +91,23 @@ impl Tracer {
     /// The newest picture; one of an earlier trace while there is none of this one.
     pub fn frame(&self) -> Option<Arc<Frame>> {
         self.session.frame()
+    }
+
+    /// The newest picture of the trace that was started last, and what it shows.
+    pub fn newest(&self) -> Option<(Arc<Frame>, Request)> {
+        let frame = self.frame().filter(|frame| self.is_of_last(frame))?;
+        Some((frame, self.last.clone()?))
+    }
+
+    /// The same once the trace has come to its end.
+    pub fn finished(&self) -> Option<(Arc<Frame>, Request)> {
+        // Only a finished trace leaves its last picture before it says so.
+        matches!(self.status(), Status::Finished).then(|| self.newest()).flatten()
+    }
+
+    /// Where the camera stood for the trace that was started last.
+    pub fn place(&self) -> Option<CameraPlace> {
+        self.place.clone()
     }
 
     /// Whether the picture belongs to the trace that was started last.

@@ -56,6 +56,11 @@ impl Studio {
         Turntable { start: self.camera.clone(), center, frames, view: self.view }
     }
 
+    /// Whether pictures from all around are being written.
+    pub fn is_writing(&self) -> bool {
+        self.turntable.is_busy()
+    }
+
     /// Begins to write pictures from all around what the camera turns around.
     pub(super) fn turn(&mut self, path: &Path) {
         let (Some(scene), Some(Ok(settings))) = (self.scene().cloned(), self.settings()) else {

@@ -54,16 +54,18 @@ impl Studio {
             Action::SetAngle(angle) => self.move_camera(|_, camera| camera.set_angle(angle)),
             Action::SetHeight(size) => self.move_camera(|_, camera| camera.set_size(size)),
             Action::Frame => {
+                self.begin_camera_step(true);
                 let [width, height] = self.picture_size().map(f64::from);
                 let bounds = self.selection_bounds().unwrap_or_else(|| self.bounds());
-                self.move_camera(|n, camera| n.frame(camera, &bounds, width / height));
+                self.navigation.frame(&mut self.camera, &bounds, width / height);
+                self.is_home = false;
             }
             Action::ResetCamera => {
-                if let Some(scene) = self.scene() {
-                    let camera = CameraPose::of(scene);
+                if let Some(scene) = self.scene().cloned() {
+                    self.begin_camera_step(true);
+                    let camera = CameraPose::of(&scene);
                     self.navigation = Navigation::of(Some(&scene.bounds()), &camera);
                     self.camera = camera;
-                    self.camera_version += 1;
                     self.is_home = true;
                 }
             }
@@ -72,8 +74,8 @@ impl Studio {
     }
 
     fn move_camera(&mut self, step: impl FnOnce(&mut Navigation, &mut CameraPose)) {
+        self.begin_camera_step(false);
         step(&mut self.navigation, &mut self.camera);
-        self.camera_version += 1;
         self.is_home = false;
     }
 }

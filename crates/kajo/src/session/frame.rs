@@ -69,6 +69,12 @@ impl Frame {
         self.stats.rays.total() as f64 / self.stats.seconds.max(1e-9)
     }
 
+    /// Memory that it takes, about; as much as a film of its size and views.
+    pub fn bytes(&self) -> u64 {
+        let light = 4 * self.light.data().len() as u128;
+        u64::try_from(self.film.spec().bytes() + light).unwrap_or(u64::MAX)
+    }
+
     /// Estimated relative error of the light over the whole picture, where [`View::Variance`] was asked for.
     pub fn noise(&self) -> Option<f64> {
         self.film.noise()
