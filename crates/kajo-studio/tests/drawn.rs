@@ -7,7 +7,7 @@ use common::Window;
 use egui::Key;
 use kajo::View;
 use kajo::kajo_math::DVec2;
-use kajo_studio::state::{Action, Shown};
+use kajo_studio::state::{Action, Compare, Shown};
 
 /// A window that is drawn, where that can be.
 fn window() -> Option<Window> {
@@ -145,14 +145,16 @@ fn a_kept_picture_is_left_of_the_wipe() {
     window.key(Key::Enter);
     window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
     let (size, before) = viewport(&mut window);
-    window.studio().apply(Action::KeepForComparison);
+    window.frames(3);
+    window.studio().apply(Action::Compare(Compare::Wipe));
     window.studio().options.uv = true;
     let job = window.studio().tracer.frame().unwrap().job();
     window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().unwrap().job() > job);
     window.frames(2);
     assert_eq!(window.studio().shown, Shown::Traced);
     let (_, after) = viewport(&mut window);
-    let row = (size[1] / 2 * size[0]) as usize;
+    // Neither where the pictures are named nor where the wipe has its grip.
+    let row = (size[1] / 4 * size[0]) as usize;
     let width = size[0] as usize;
     let same = |from: usize, to: usize| (from..to).filter(|x| before[row + x] == after[row + x]).count();
     assert_eq!(same(0, width / 2 - 2), width / 2 - 2, "the left half is the picture kept");

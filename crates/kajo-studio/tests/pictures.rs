@@ -16,7 +16,7 @@ use egui::{Key, vec2};
 use kajo::compare::Difference;
 use kajo::{EncodeOptions, Format, Image};
 use kajo_studio::shell::{Bottom, Tab};
-use kajo_studio::state::Action;
+use kajo_studio::state::{Action, Compare};
 
 /// Largest mean FLIP error of a picture. A panel that is missing makes 0.05 and more.
 const TOLERANCE: f64 = 0.012;
@@ -95,7 +95,8 @@ fn a_trace_with_its_histogram_beside_a_kept_one() {
     window.app().layout.tab = Tab::Picture;
     window.key(Key::Enter);
     window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().is_some());
-    window.studio().apply(Action::KeepForComparison);
+    window.frames(3);
+    window.studio().apply(Action::Compare(Compare::Wipe));
     window.studio().options.asked.shadows = Some(kajo::Shadows::Off);
     let job = window.studio().tracer.frame().unwrap().job();
     window.wait(|studio| studio.progress().is_none() && studio.tracer.frame().unwrap().job() > job);

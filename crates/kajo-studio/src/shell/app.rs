@@ -323,7 +323,12 @@ impl App {
         });
         ui.separator();
         if self.layout.tab == Tab::Object {
-            object_panel::show(ui, &self.studio, actions);
+            if self.studio.document.is_some() {
+                // In a small window the fields may be wider than the panel.
+                ScrollArea::horizontal().id_salt("fields").auto_shrink(false).show(ui, |ui| {
+                    object_panel::show(ui, &self.studio, actions);
+                });
+            }
             return;
         }
         let Some(own) = self.studio.scene().map(|scene| scene.settings.clone()) else {
@@ -338,7 +343,7 @@ impl App {
             }
             None => return,
         };
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match self.layout.tab {
+        ScrollArea::both().auto_shrink(false).show(ui, |ui| match self.layout.tab {
             Tab::Object => {}
             Tab::Render => {
                 render_panel::camera(ui, &self.studio.camera, actions);

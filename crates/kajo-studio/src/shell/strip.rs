@@ -21,6 +21,9 @@ const WIDTHS: [f32; 2] = [30.0, 100.0];
 const LOW: f32 = 520.0;
 const LOW_HEIGHT: f32 = 22.0;
 
+/// Strips of less width have fewer buttons.
+const NARROW: f32 = 360.0;
+
 /// Small pictures of those that are kept.
 #[derive(Default)]
 pub struct Strip {
@@ -141,14 +144,23 @@ fn reduced(frame: &Frame, scale: f32) -> ColorImage {
 /// How two pictures are shown together, from right to left.
 fn modes(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     let pictures = &studio.pictures;
+    let is_narrow = ui.available_width() < NARROW;
     for (how, name, hint) in [
-        (Compare::Difference, "Difference", "How far the picture is from another"),
+        (
+            Compare::Difference,
+            if is_narrow { "Diff" } else { "Difference" },
+            "How far the picture is from another",
+        ),
         (Compare::Wipe, "Wipe", "Another picture left of a line that can be dragged"),
     ] {
         let is_on = pictures.compare == how;
         if ui.selectable_label(is_on, name).on_hover_text(hint).clicked() {
             actions.push(Action::Compare(if is_on { Compare::Off } else { how }));
         }
+    }
+    if is_narrow {
+        // What is left out here is in the menus.
+        return;
     }
     if let Some(reference) = studio.reference() {
         let shown = reference.letter.to_string();
