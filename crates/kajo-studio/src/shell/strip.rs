@@ -50,16 +50,15 @@ impl Strip {
             ui.separator();
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ScrollArea::horizontal().id_salt("strip").auto_shrink([false, true]).show(ui, |ui| {
-                    ui.horizontal(|ui| {
-                        for kept in kept {
-                            self.entry(ui, studio, kept, is_low, actions);
-                        }
-                        let is_shown = studio.pictures.shown.is_none();
-                        let now = ui.selectable_label(is_shown, "Now").on_hover_text("The newest trace");
-                        if now.clicked() {
-                            actions.push(Action::ShowPicture(None));
-                        }
-                    });
+                    ui.set_min_height(size.y);
+                    for kept in kept {
+                        self.entry(ui, studio, kept, is_low, actions);
+                    }
+                    let is_shown = studio.pictures.shown.is_none();
+                    let now = ui.selectable_label(is_shown, "Now").on_hover_text("The newest trace");
+                    if now.clicked() {
+                        actions.push(Action::ShowPicture(None));
+                    }
                 });
             });
         });
