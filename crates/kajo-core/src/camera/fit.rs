@@ -329,7 +329,8 @@ mod tests {
         for i in 0..60 {
             let points = points(i);
             let support = |n: DVec3| farthest(&points, n);
-            let center = DVec3::new(-20.0, 8.0, 60.0);
+            let scale = 10f64.powi(i as i32 % 7 - 3);
+            let center = DVec3::new(3.0, -2.0, 5.0) + scale * DVec3::new(-2.0, 1.0, 4.0);
             let forward = centred(center, DVec3::Y, &support).unwrap();
             let camera =
                 Camera::Perspective(PerspectiveCamera::new(Frame::new(center, forward, DVec3::Y), 1.0));
