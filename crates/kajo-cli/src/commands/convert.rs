@@ -27,6 +27,6 @@ pub fn convert(args: &ConvertArgs) -> Result<(), Failure> {
     }
     let targets = Target::check_all(std::slice::from_ref(&path), std::slice::from_ref(&args.model))?;
     targets.iter().try_for_each(|target| target.write(scene.text.as_bytes()))?;
-    console::line(&format!("{}: shows {}; `kajo {0}` renders it", path.display(), args.model.display()));
+    console::line(format!("{}: shows {}; `kajo {0}` renders it", path.display(), args.model.display()));
     Ok(())
 }

@@ -134,7 +134,7 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
             let command = match event {
                 // A key that is held down shoots where the pointer goes; see `shoots`.
                 Event::Key { key, pressed: true, repeat, modifiers, .. } => meaning(&list, *key, *modifiers)
-                    .filter(|&command| !(*repeat && command == Command::DebugRay)),
+                    .filter(|command| !(*repeat && *command == Command::DebugRay)),
                 _ if types_scene => None,
                 // Systems tell of the keys of the clipboard in their own way. Widgets may want to know of them too.
                 _ => {
@@ -167,12 +167,6 @@ fn of_clipboard(event: &Event) -> Option<Command> {
         Event::Paste(text) => Some(Command::Do(Action::Paste(text.clone()))),
         _ => None,
     }
-}
-
-/// Whether a key is down for so long that the system presses it again and again.
-fn repeats(input: &egui::InputState, of: Key) -> bool {
-    let is_repeat = |event: &Event| matches!(event, Event::Key { key, repeat: true, .. } if *key == of);
-    input.events.iter().any(is_repeat)
 }
 
 /// Whether the key that shoots debug rays is down.

@@ -153,7 +153,9 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
         FieldKind::Number { min, max } if value.word.is_none() && value.numbers.len() <= 1 => {
             number(ui, value, label, min, max)
         }
-        FieldKind::Number { .. } if value.word.is_none() => numbers(ui, value, label, value.numbers.len()),
+        FieldKind::Number { .. } if value.word.is_none() => {
+            numbers(ui, value, label, value.numbers.len(), false)
+        }
         FieldKind::Whole { min, max } => {
             let mut v = value.numbers.first().copied().unwrap_or(0.0);
             let drag = DragValue::new(&mut v).range(min..=max).clamp_existing_to_range(false);
