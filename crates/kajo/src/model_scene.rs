@@ -134,23 +134,39 @@ impl ModelFile {
         ModelScene { text: scene.write(&self.name), has_own_lights }
     }
 
-    /// The word of the block that shows it, and its keys besides the file.
-    fn block(&self, assets: &dyn Assets) -> (&'static str, &'static str) {
+    /// The block that shows it.
+    fn block(&self, assets: &dyn Assets) -> Block {
+        let mut block = Block { keyword: "TriangleMesh", smooth: false, materials: false, colors: false };
         match self.format {
-            MeshFormat::Gltf => ("Model", ""),
+            MeshFormat::Gltf => block.keyword = "Model",
             // Programs for solid bodies write no normals, and mean what they write: flat faces.
-            MeshFormat::Stl => ("TriangleMesh", ""),
-            MeshFormat::Ply => ("TriangleMesh", "smooth on"),
+            MeshFormat::Stl => {}
+            MeshFormat::Ply => (block.smooth, block.colors) = (true, self.has_ply_colors()),
             MeshFormat::Obj => {
-                let has_normals = lines(&self.head).any(|line| line.starts_with(b"vn "));
-                match (has_normals || self.is_fine(), self.has_materials(assets)) {
-                    (true, true) => ("TriangleMesh", "smooth on  materials on"),
-                    (true, false) => ("TriangleMesh", "smooth on"),
-                    (false, true) => ("TriangleMesh", "materials on"),
-                    (false, false) => ("TriangleMesh", ""),
-                }
+                block.smooth = self.is_fine() || lines(&self.head).any(|line| line.starts_with(b"vn "));
+                block.materials = self.has_materials(assets);
+                block.colors = self.has_obj_colors();
             }
         }
+        block
+    }
+
+    /// Whether the header of a PLY file names a colour of its vertices.
+    fn has_ply_colors(&self) -> bool {
+        let header = lines(&self.head).take_while(|line| !line.starts_with(b"end_header"));
+        let of_vertices = header
+            .skip_while(|line| !line.starts_with(b"element vertex"))
+            .skip(1)
+            .take_while(|line| !line.starts_with(b"element"));
+        let mut names = of_vertices.filter_map(|line| line.split(u8::is_ascii_whitespace).next_back());
+        names.any(|name| matches!(name, b"red" | b"r" | b"diffuse_red"))
+    }
+
+    /// Whether the first vertex of an OBJ file has a colour behind its position.
+    fn has_obj_colors(&self) -> bool {
+        let vertex = lines(&self.head).find(|line| line.starts_with(b"v "));
+        let words = |line: &[u8]| line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count();
+        vertex.is_some_and(|line| words(line) >= 7)
     }
 
     /// Whether there are so many vertices that faces are too small to be meant as such.
@@ -190,11 +206,20 @@ fn lines(head: &[u8]) -> impl Iterator<Item = &[u8]> {
     head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii_start)
 }
 
+/// A block that shows a model: its keyword, and its keys besides the file.
+#[derive(Clone, Copy)]
+struct Block {
+    keyword: &'static str,
+    smooth: bool,
+    materials: bool,
+    colors: bool,
+}
+
 /// What the text is made of.
 struct Text<'a> {
     up: Vec3,
     called: &'a str,
-    block: (&'static str, &'static str),
+    block: Block,
     has_own_lights: bool,
     has_own_cameras: bool,
     /// Its height.
@@ -208,7 +233,7 @@ impl Text<'_> {
         let front = if up.z == 0.0 { Vec3::Z } else { Vec3::NEG_Y };
         let right = up.cross(front);
         let along = |x: f32, y: f32, z: f32| vector(x * right + y * up + z * front);
-        let (block, keys) = self.block;
+        let Block { keyword, smooth, materials, colors } = self.block;
         let file = quoted(self.called);
         let mut text = format!("# {name}, framed and lit. Everything here may be changed.\n\n");
         if self.has_own_cameras {
@@ -243,14 +268,18 @@ impl Text<'_> {
         let _ = write!(
             text,
             "# For what brings no material of its own.\nMaterials {{\n  \
-             Principled clay {{ color 0.58 0.55 0.51  roughness 0.55 }}\n"
+             Principled clay {{ color {}  roughness 0.55 }}\n",
+            // Colours of vertices are factors of it.
+            if colors { "0.95 0.95 0.95" } else { "0.58 0.55 0.51" }
         );
         if self.ground.is_some() {
             let _ = writeln!(text, "  Matte floor {{ color 0.46 0.46 0.46 }}");
         }
-        let _ = write!(text, "}}\n\nGroup {{\n  MaterialIndex clay\n  {block} model {{ file {file}");
-        if !keys.is_empty() {
-            let _ = write!(text, "  {keys}");
+        let _ = write!(text, "}}\n\nGroup {{\n  MaterialIndex clay\n  {keyword} model {{ file {file}");
+        for (_, key) in
+            [(smooth, "smooth"), (materials, "materials"), (colors, "colors")].iter().filter(|(on, _)| *on)
+        {
+            let _ = write!(text, "  {key} on");
         }
         let _ = writeln!(text, " }}");
         if let Some(height) = self.ground {
@@ -381,6 +410,13 @@ mod tests {
                 .contains("smooth on  materials on }")
         );
         assert!(of("a.obj", &format!("mtllib none.mtl\n{TETRAHEDRON}")).contains("\"a.obj\" }"));
+        assert!(
+            of("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n").contains("colors on }")
+        );
+        let ply =
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty uchar red\nend_header\n";
+        assert!(of("a.ply", ply).contains("smooth on  colors on }"));
+        assert!(!of("a.ply", &ply.replace("uchar red", "uchar quality")).contains("colors"));
         let stl = of("a \"b\".stl", "solid a\nendsolid a\n");
         assert!(stl.contains("up        0 0 1") && stl.contains(r#"file "a \"b\".stl" }"#), "{stl}");
         let lit =
