@@ -10,6 +10,7 @@ use crate::light::{AreaLight, Ball, Departures, EmissionPdf, Emitted, LightChoic
 use crate::material::{Interior, MaterialPoint, ShadingPoint};
 use crate::scene::{Interaction, Scene, rarely};
 use crate::shape::test_error;
+use crate::texture::SurfaceUv;
 
 /// A disc in the sky that a ray meets.
 #[derive(Clone, Copy, Debug)]
@@ -166,7 +167,7 @@ impl Scene {
     /// The light of this number at a place.
     fn varied_radiance(&self, varied: u32, at: &Interaction, wavelengths: &Wavelengths) -> Spectrum {
         let varied: &VariedEmission = &self.varied_emissions[varied as usize];
-        let uv = if varied.needs_uv() { self.uv(at) } else { Vec2::ZERO };
+        let uv = if varied.needs_uv() { self.surface_uv(at) } else { SurfaceUv::default() };
         varied.at(&self.textures, &MaterialPoint { p: self.pattern_point(at), uv, tint: None }, wavelengths)
     }
 

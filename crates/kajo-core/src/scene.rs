@@ -27,7 +27,7 @@ use crate::nested::{Leaf, Nested, NestedPiece};
 use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
 use crate::shape::{Mesh, ShapeId, Shapes, Sphere, Surface};
-use crate::texture::Textures;
+use crate::texture::{SurfaceUv, Textures};
 
 pub use extent::Extent;
 
@@ -135,7 +135,7 @@ pub struct Scene {
     pub fog: Option<Fog>,
     /// The camera.
     pub camera: Camera,
-    /// All cameras there are to choose from, in the order of the file.
+    /// All cameras there are to choose from: those of the file in their order, then those of its models.
     pub cameras: Vec<NamedCamera>,
     /// In which share of the shutter's time its rows open one after the other, from the top; 0 where all open at once.
     pub readout: f32,
@@ -298,18 +298,18 @@ impl Scene {
     #[inline]
     pub fn material_point(&self, at: &Interaction) -> MaterialPoint {
         let needs_uv = || self.materials.needs_uv(at.material, &self.materials);
-        let uv = if self.has_pictures && needs_uv() { rarely(|| self.uv(at)) } else { Vec2::ZERO };
+        let uv = if self.has_pictures && needs_uv() {
+            rarely(|| self.surface_uv(at))
+        } else {
+            SurfaceUv::default()
+        };
         let tint = if self.has_vertex_colors { rarely(|| self.tint(at)) } else { None };
         MaterialPoint { p: self.pattern_point(at), uv, tint }
     }
 
     /// The colour of the corners around an interaction with a mesh that has some.
     fn tint(&self, at: &Interaction) -> Option<Vec3> {
-        let shape = match self.primitives.get(at.primitive as usize) {
-            Some(primitive) => primitive.shape,
-            None => self.leaf(at.primitive)?.shape,
-        };
-        Mesh::find(&self.shapes, shape)?.color_at(&at.hit)
+        Mesh::find(&self.shapes, self.shape(at.primitive)?)?.color_at(&at.hit)
     }
 
     /// The classic reflection model of a material, where it is the same at every point whatever has the material.
@@ -347,6 +347,13 @@ impl Scene {
     fn material_at(&self, shape: ShapeId, own: MaterialId, hit: &Hit) -> MaterialId {
         let slot = self.shapes.material_slot(shape, hit.part);
         slot.map_or(own, |slot| self.slot_materials[slot as usize])
+    }
+
+    /// What the surface says of the place of an interaction.
+    pub(crate) fn surface_uv(&self, at: &Interaction) -> SurfaceUv {
+        let uv = self.uv(at);
+        let attributes = self.shape(at.primitive).and_then(|shape| self.shapes.attributes_at(shape, &at.hit));
+        attributes.map_or(uv.into(), |attributes| attributes.at(uv))
     }
 
     /// Surface coordinates at an interaction.

@@ -61,8 +61,9 @@ pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
 pub use edit::{EditError, apply_edits, format_number};
 pub use foreign::{ForeignFile, HEAD_BYTES, READ_FORMATS, foreign_file};
 pub use gltf::{
-    Model, ModelAmount, ModelCover, ModelInstance, ModelMaterial, ModelPart, ModelTint, PictureSource,
-    PictureUse, PictureWrap, read_gltf,
+    CoordinateSet, Model, ModelAmount, ModelCamera, ModelCover, ModelGlossiness, ModelInstance, ModelLight,
+    ModelLightKind, ModelMaterial, ModelPart, ModelTint, ModelView, PictureSource, PictureUse, PictureWrap,
+    VertexColors, read_gltf,
 };
 pub use ies::{IesError, IesFile, read_ies};
 pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};

@@ -223,9 +223,11 @@ impl Compiler<'_> {
             let u = Vec2::new((i % GRID).into(), (i / GRID).into()) + 0.5;
             let p = patch.sample_area(u / f32::from(GRID))?.p;
             let hit = self.shapes.hit_at(shape, part, p);
+            let uv = self.shapes.uv_at(shape, &hit, p);
+            let attributes = self.shapes.attributes_at(shape, &hit);
             let place = MaterialPoint {
                 p: map.transform_point3(p.as_dvec3()).as_vec3(),
-                uv: self.shapes.uv_at(shape, &hit, p),
+                uv: attributes.map_or(uv.into(), |attributes| attributes.at(uv)),
                 tint: None,
             };
             Some(varied.at(&self.textures, &place, &Wavelengths::RGB).luminance())

@@ -58,7 +58,14 @@ impl Compiler<'_> {
         let group = self.light_groups.read(&mut params);
         let light = read(&mut params, spectra);
         params.finish();
-        if let Some(id) = light.and_then(|light| light.store(&mut self.lights)) {
+        if let Some(light) = light {
+            self.add_light(light, group);
+        }
+    }
+
+    /// Puts a light into its pool and its group.
+    pub(super) fn add_light(&mut self, light: impl Pooled<Lights, Handle = LightId>, group: u8) {
+        if let Some(id) = light.store(&mut self.lights) {
             self.light_list.push(id);
             self.groups_of_lights.push(group);
         }
@@ -219,7 +226,7 @@ fn classic(color: Written<Emission>) -> (Spectrum, Emission) {
 }
 
 /// The same from the physical quantity: a white surface under the irradiance `pi` has the radiance 1.
-fn physical(quantity: Emission) -> (Spectrum, Emission) {
+pub(super) fn physical(quantity: Emission) -> (Spectrum, Emission) {
     (Spectrum::from(Vec3::from(quantity.rgb()) / PI), quantity)
 }
 

@@ -13,7 +13,7 @@ use kajo_scene::{
 use super::Compiler;
 use super::mesh_store::{Kept, StoreKey};
 use super::pictures::{PictureReader, ReadPicture};
-use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, vertex_normals};
+use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, VertexAttributes, vertex_normals};
 use crate::texture::{Encoding, PictureMap};
 
 /// Meshes read so far.
@@ -238,15 +238,12 @@ fn mesh_data(mesh: TriMesh, shading: Shading, material_slots: Option<Vec<u32>>) 
     };
     let uvs = corner_values(mesh.uvs, mesh.face_uvs, Vec2::from);
     let colors = corner_colors(mesh.colors, mesh.face_colors, mesh.colors_are_srgb);
-    MeshData { positions, faces: mesh.faces, normals, uvs, colors, material_slots }
+    let attributes = VertexAttributes::default();
+    MeshData { positions, faces: mesh.faces, normals, uvs, colors, attributes, material_slots }
 }
 
 /// Colours of corners in linear RGB.
-pub(super) fn corner_colors(
-    colors: Vec<[f32; 3]>,
-    corners: Corners,
-    are_srgb: bool,
-) -> Option<CornerValues<Vec3>> {
+fn corner_colors(colors: Vec<[f32; 3]>, corners: Corners, are_srgb: bool) -> Option<CornerValues<Vec3>> {
     let linear = |v: f32| if are_srgb { srgb::decode(v) } else { v };
     corner_values(colors, corners, |color| Vec3::from(color.map(|v| linear(v).clamp(0.0, 1.0))))
 }

@@ -18,7 +18,10 @@ mod materials;
 mod mesh;
 mod mesh_store;
 mod model;
+mod model_beads;
+mod model_light;
 mod model_material;
+mod model_picture;
 mod motion;
 mod mtl_material;
 mod nesting;
@@ -396,6 +399,8 @@ mod emission_tests;
 mod empty_mesh_tests;
 #[cfg(test)]
 mod mesh_file_tests;
+#[cfg(test)]
+mod model_tests;
 #[cfg(test)]
 mod motion_tests;
 #[cfg(test)]

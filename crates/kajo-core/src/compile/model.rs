@@ -4,21 +4,26 @@
 //! read once however often the model is placed.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
-use kajo_math::{Motion, Vec2, Vec3};
-use kajo_scene::{Args, AssetFile, Corners, Item, ModelInstance, ModelPart, Span, read_gltf};
+use kajo_math::{Motion, Vec2, Vec3, Vec4};
+use kajo_scene::{
+    Args, AssetFile, Diagnostic, Item, Model, ModelCamera, ModelInstance, ModelLight, ModelPart, Params,
+    Span, read_gltf,
+};
 
 use super::Compiler;
 use super::definition::{Part, Parts};
 use super::group::{Place, Walk};
-use super::mesh::{corner_colors, corner_values, file_name};
+use super::mesh::{corner_values, file_name};
+use super::model_beads::{BeadMaterials, BeadRadii};
 use super::model_material::ModelPictures;
 use crate::material::MaterialId;
 use crate::nested::Content;
-use crate::shape::{MeshData, ShapeId};
+use crate::shape::{MeshData, ShapeId, VertexAttributes};
 
 /// Models read so far.
-pub(super) type ModelCache = HashMap<ModelKey, Option<Parts>>;
+pub(super) type ModelCache = HashMap<ModelKey, Option<CompiledModel>>;
 
 /// What makes two models the same.
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -26,38 +31,87 @@ pub(super) struct ModelKey {
     path: String,
     smooth: bool,
     own_materials: bool,
+    /// Bits of the radii of points and lines.
+    radii: [Option<u32>; 2],
 }
 
-/// A part of a mesh: the triangles and their material.
-type Stored = (ShapeId, Option<MaterialId>);
+/// A model that has been read.
+#[derive(Clone)]
+pub(super) struct CompiledModel {
+    parts: Parts,
+    lights: Rc<[ModelLight]>,
+    cameras: Rc<[ModelCamera]>,
+}
+
+/// A part of a mesh: the shape and its material.
+pub(super) type Stored = (ShapeId, Option<MaterialId>);
+
+/// What a block says besides the file.
+struct ModelKeys {
+    smooth: bool,
+    own_materials: bool,
+    radii: BeadRadii,
+    lights: bool,
+    light_scale: f32,
+    group: u8,
+}
 
 impl Compiler<'_> {
     pub(super) fn model(&mut self, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
-        let read = self.read(item, |params| {
-            params.name();
-            let file = file_name(params, "file");
-            let smooth = params.or("smooth", true, Args::flag);
-            let own_materials = params.or("materials", true, Args::flag);
-            Some((file?, smooth, own_materials))
-        });
-        let Some(((name, at), smooth, own_materials)) = read else { return };
+        let mut params = Params::new(item, self.diagnostics);
+        params.name();
+        let file = file_name(&mut params, "file");
+        let radius = |args: &mut Args<'_>| args.number_in(0.0..);
+        let keys = ModelKeys {
+            smooth: params.or("smooth", true, Args::flag),
+            own_materials: params.or("materials", true, Args::flag),
+            radii: BeadRadii {
+                points: params.optional("points", radius),
+                lines: params.optional("lines", radius),
+            },
+            lights: params.or("lights", true, Args::flag),
+            light_scale: params.or("lightScale", 1.0, |args| args.number_in(0.0..)),
+            group: self.light_groups.read(&mut params),
+        };
+        params.finish();
+        let Some((name, at)) = file else { return };
         let file = match self.assets.open(&name, item.path()) {
             Ok(file) => file,
             Err(error) => return self.cannot_read(&name, &error.to_string(), at),
         };
-        let key = ModelKey { path: file.path.clone(), smooth, own_materials };
+        let key = ModelKey {
+            path: file.path.clone(),
+            smooth: keys.smooth,
+            own_materials: keys.own_materials,
+            radii: [keys.radii.points, keys.radii.lines].map(|radius| radius.map(f32::to_bits)),
+        };
         let known = self.models.get(&key).cloned();
-        let definition = known.unwrap_or_else(|| {
-            let definition = self.read_model(file, &key, item, at);
-            self.models.insert(key, definition.clone());
-            definition
+        let model = known.unwrap_or_else(|| {
+            let model = self.read_model(file, &key, keys.radii, item, at);
+            self.models.insert(key, model.clone());
+            model
         });
-        if let Some(definition) = definition {
-            self.place_parts(&definition, item, place, walk);
+        let Some(model) = model else { return };
+        self.place_parts(&model.parts, item, place, walk);
+        let lights = if keys.lights { &model.lights[..] } else { &[] };
+        if walk.parts.is_none() {
+            self.model_lights(lights, (keys.light_scale, keys.group), place, item);
+            self.list_model_cameras(&model.cameras, place);
+        } else if !lights.is_empty() {
+            let warning = Diagnostic::warning("the lights of a model within a `Define` block are left out");
+            let help = "write `lights off`, or the model outside of the definition";
+            self.diagnostics.push(warning.label(item.keyword_span(), "brings lights").help(help));
         }
     }
 
-    fn read_model(&mut self, file: AssetFile, key: &ModelKey, item: Item<'_>, at: Span) -> Option<Parts> {
+    fn read_model(
+        &mut self,
+        file: AssetFile,
+        key: &ModelKey,
+        radii: BeadRadii,
+        item: Item<'_>,
+        at: Span,
+    ) -> Option<CompiledModel> {
         let _reading = self.memory_for_file(&file, at)?;
         let model = match read_gltf(file, self.assets, &self.options.limits) {
             Ok(model) => model,
@@ -69,26 +123,48 @@ impl Compiler<'_> {
         for sentence in &model.left_out {
             self.warn_of_file(&key.path, sentence, at);
         }
-        if model.instances.is_empty() {
+        if model.instances.is_empty() && model.lights.is_empty() && model.cameras.is_empty() {
             self.warn_of_file(&key.path, "it shows no meshes", at);
         }
+        self.warn_of_beads(&model, radii, &key.path, at);
         let pictures = ModelPictures { list: &model.pictures, path: &key.path, at };
         let own = model.materials.iter().filter(|_| key.own_materials);
         let materials: Vec<Option<MaterialId>> =
             own.map(|material| self.model_material(material, &pictures)).collect();
+        let mut bead_materials = BeadMaterials::new();
         let mut meshes: Vec<Vec<Stored>> = Vec::with_capacity(model.meshes.len());
         for parts in model.meshes {
             let mut stored = Vec::with_capacity(parts.len());
             for part in parts {
                 let material = part.material.and_then(|m| materials.get(m).copied().flatten());
-                let shape = self.build_mesh(mesh_data(part, key), &key.path, item, at)?;
-                stored.push((shape, material));
+                if part.points.is_empty() && part.segments.is_empty() {
+                    let shape = self.build_mesh(mesh_data(part, key.smooth), &key.path, item, at)?;
+                    stored.push((shape, material));
+                    continue;
+                }
+                let said = part.material.and_then(|m| model.materials.get(m));
+                let beads =
+                    self.beads(&part, radii, material.zip(said), &mut bead_materials, (&pictures, item))?;
+                stored.extend(beads);
             }
             meshes.push(stored);
         }
         let parts: Parts = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();
-        Some(parts)
+        Some(CompiledModel { parts, lights: model.lights.into(), cameras: model.cameras.into() })
+    }
+
+    /// Says which points and lines are not shown because nobody asked for them.
+    fn warn_of_beads(&mut self, model: &Model, radii: BeadRadii, path: &str, at: Span) {
+        let parts = || model.meshes.iter().flatten();
+        let points: usize = parts().map(|part| part.points.len()).sum();
+        let lines: usize = parts().map(|part| part.segments.len()).sum();
+        let kinds = [(points, radii.points, "points"), (lines, radii.lines, "lines")];
+        for (count, _, what) in kinds.into_iter().filter(|(count, radius, _)| *count > 0 && radius.is_none())
+        {
+            let message = format!("left out: {count} {what}; `{what} RADIUS` shows them");
+            self.warn_of_file(path, &message, at);
+        }
     }
 
     fn model_parts(
@@ -118,17 +194,24 @@ impl Compiler<'_> {
     }
 }
 
-fn mesh_data(part: ModelPart, key: &ModelKey) -> MeshData {
+fn mesh_data(part: ModelPart, smooth: bool) -> MeshData {
+    let whole = |color: [f32; 4]| color.map(|c| (c * 65535.0).round() as u16);
+    let attributes = VertexAttributes {
+        second_uvs: part.second_uvs.into_iter().map(Vec2::from).collect(),
+        colors: part.colors.into_iter().map(whole).collect(),
+        tangents: part.tangents.into_iter().map(Vec4::from).collect(),
+    };
     let mesh = part.mesh;
-    let colors = if key.own_materials { mesh.face_colors } else { Corners::Absent };
     let normal = |n: [f32; 3]| Vec3::from(n).normalize_or_zero();
-    let normals = if key.smooth { corner_values(mesh.normals, mesh.face_normals, normal) } else { None };
+    let normals = if smooth { corner_values(mesh.normals, mesh.face_normals, normal) } else { None };
     MeshData {
         positions: mesh.positions.into_iter().map(Vec3::from).collect(),
         faces: mesh.faces,
         normals,
         uvs: corner_values(mesh.uvs, mesh.face_uvs, Vec2::from),
-        colors: corner_colors(mesh.colors, colors, mesh.colors_are_srgb),
+        // The colours of vertices, with their opacity, are among the attributes.
+        colors: None,
+        attributes,
         material_slots: None,
     }
 }

@@ -3,17 +3,18 @@
 //! Layers of the same numbers: base colour, metalness, roughness and gloss, glass, varnish, fibres. Glass without a
 //! volume is a pane.
 
-use kajo_color::{Emission, Reflectance, Spectrum};
+use kajo_color::{Dispersion, Emission, Reflectance, Spectrum};
 use kajo_math::Vec3;
-use kajo_scene::{ModelAmount, ModelCover, ModelMaterial, PictureSource, PictureUse, PictureWrap, Span};
+use kajo_scene::{ModelAmount, ModelCover, ModelMaterial, PictureSource, Span, VertexColors};
 
 use super::Compiler;
 use super::emitters::Glow;
+use super::model_picture::mixed;
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::light::Sides;
 use crate::material::{Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief};
-use crate::texture::{Channel, Encoding, Paint, PictureMap, Share, TexelFilter, Wrap};
+use crate::texture::{Channel, Encoding, Paint, PictureMap, Share};
 
 /// The index of refraction of glTF's varnish.
 const COAT_ETA: f32 = 1.5;
@@ -38,11 +39,34 @@ impl Compiler<'_> {
         material: &ModelMaterial,
         pictures: &ModelPictures<'_>,
     ) -> Option<MaterialId> {
-        let color = self.model_picture(material.picture, None, pictures);
-        let layers = self.model_layers(material, color.as_ref(), pictures);
+        let older = material.glossiness.as_ref().and_then(|older| self.from_glossiness(older, pictures));
+        let (color, metal, plain) = match older {
+            // The pictures are all there is.
+            Some([color, metal]) => {
+                let plain =
+                    ModelMaterial { base_color: [1.0; 3], metallic: 1.0, roughness: 1.0, ..material.clone() };
+                (Some(color), Some(metal), Some(plain))
+            }
+            None => {
+                let metal = self.model_picture(material.metal_and_roughness, AMOUNTS, pictures);
+                (self.model_picture(material.picture, None, pictures), metal, None)
+            }
+        };
+        let material = plain.as_ref().unwrap_or(material);
+        let color = match material.vertex_colors {
+            VertexColors::None => color,
+            VertexColors::Color | VertexColors::ColorAndOpacity => {
+                let map = color.unwrap_or_else(|| self.vertex_picture());
+                Some(PictureMap { tinted: true, ..map })
+            }
+        };
+        let layers = match material.unlit {
+            true => black(),
+            false => self.model_layers(material, color.as_ref(), metal, pictures),
+        };
         let is_body = layers.transmission.range()[1] > 0.0 && !layers.thin;
         let opacity = opacity(material, color.as_ref()).filter(|_| !is_body);
-        let look = PhongMaterial::from(phong(material)).with_picture(color);
+        let look = PhongMaterial::from(phong(material)).with_picture(color.clone());
         let mut id = LayeredMaterial::from(layers).with_look(look).store(&mut self.materials)?;
         if let Some((shown, scale)) = material.normals
             && let Some(map) = self.model_picture(Some(shown), AMOUNTS, pictures)
@@ -50,41 +74,49 @@ impl Compiler<'_> {
             let relief = Relief::Normals { map, scale };
             id = Embossed { material: id, relief }.store(&mut self.materials)?;
         }
-        let slide = self.model_picture(material.emissive_picture, None, pictures);
-        let even = Glow::even(Emission::from_rgb(material.emissive));
+        let (slide, light) = match material.unlit {
+            true => (color, material.base_color),
+            false => (self.model_picture(material.emissive_picture, None, pictures), material.emissive),
+        };
+        let even = Glow::even(Emission::from_rgb(light));
         let sides = if material.two_sided { Sides::Both } else { Sides::Front };
         let glow = even.map(|glow| slide.into_iter().fold(glow.on(sides), Glow::through));
         self.lit_and_cut(id, glow, opacity)
     }
 
-    /// * `color`: the picture of the base colour
+    /// * `color`, `metal`: the pictures of the base colour, and of roughness and metalness
     fn model_layers(
         &mut self,
         material: &ModelMaterial,
         color: Option<&PictureMap>,
+        metal: Option<PictureMap>,
         pictures: &ModelPictures<'_>,
     ) -> Layers {
+        let roughness = share(metal.clone(), material.roughness, Channel::Green);
+        let metalness = share(metal, material.metallic, Channel::Blue);
         let mut amount = |ModelAmount { value, picture }, channel| {
             share(self.model_picture(picture, AMOUNTS, pictures), value, channel)
         };
-        let part = |value| ModelAmount { value, picture: material.metal_and_roughness };
-        let roughness = amount(part(material.roughness), Channel::Green);
-        let metalness = amount(part(material.metallic), Channel::Blue);
         let transmission = amount(material.transmission, Channel::Red);
         let coat = amount(material.coat, Channel::Red);
         let coat_roughness = amount(material.coat_roughness, Channel::Green);
         let fuzz_roughness = amount(material.sheen_roughness, Channel::Alpha);
+        let specular = self.specular_picture(material, pictures);
         let mut tint = |picture, color| paint(self.model_picture(picture, None, pictures), color);
         let fuzz = material.sheen.color.into_iter().fold(0.0, f32::max);
         let fuzz_color = material.sheen.color.map(|c| if fuzz > 0.0 { c / fuzz } else { 0.0 });
         Layers {
             color: paint(color.cloned(), material.base_color),
-            specular_color: tint(material.specular.picture, material.specular.color),
+            specular_color: paint(specular, material.specular.color),
             metalness,
             transmission,
             absorption: material.body.unwrap_or_default(),
             thin: material.body.is_none(),
             eta: material.eta,
+            dispersion: material
+                .abbe
+                .is_finite()
+                .then(|| Dispersion::from_abbe(material.eta.into(), material.abbe.into())),
             coat,
             coat_roughness,
             coat_eta: COAT_ETA,
@@ -95,29 +127,25 @@ impl Compiler<'_> {
         }
     }
 
-    /// A picture that a material shows; one that cannot be read is left out.
-    fn model_picture(
+    /// The picture of a gloss, whose share may be in the alpha of another one.
+    fn specular_picture(
         &mut self,
-        shown: Option<PictureUse>,
-        encoding: Option<Encoding>,
+        material: &ModelMaterial,
         pictures: &ModelPictures<'_>,
     ) -> Option<PictureMap> {
-        let PictureUse { picture: number, wrap, nearest, repeat, offset } = shown?;
-        let &ModelPictures { list, path, at } = pictures;
-        let map = match list.get(number)?.as_ref()? {
-            PictureSource::File(name) => self.found_picture(name, path, encoding, at),
-            PictureSource::Bytes(bytes) => {
-                self.held_picture(bytes, &format!("{path}#images[{number}]"), encoding, at)
-            }
-        }?;
-        let wrap = match wrap {
-            PictureWrap::Repeat => Wrap::Repeat,
-            PictureWrap::Mirror => Wrap::Mirror,
-            PictureWrap::Clamp => Wrap::Clamp,
-        };
-        let filter = if nearest { TexelFilter::Nearest } else { TexelFilter::Bilinear };
-        Some(PictureMap { wrap, filter, repeat: repeat.into(), offset: offset.into(), ..map })
+        let color = self.model_picture(material.specular.picture, None, pictures);
+        let Some(share) = self.model_picture(material.gloss, AMOUNTS, pictures) else { return color };
+        let color =
+            color.unwrap_or_else(|| PictureMap { picture: PictureMap::white().picture, ..share.clone() });
+        let both = mixed(&color, &share, |[r, g, b, _], [.., share]| [r * share, g * share, b * share, 1.0]);
+        Some(both.unwrap_or(color))
     }
+}
+
+/// A surface that reflects nothing.
+fn black() -> Layers {
+    let black = || Paint::from(Reflectance::constant(0.0));
+    Layers { color: black(), specular_color: black(), ..Layers::default() }
 }
 
 /// The share of a surface that is there, where that is not all of it.
@@ -126,7 +154,8 @@ impl Compiler<'_> {
 fn opacity(material: &ModelMaterial, color: Option<&PictureMap>) -> Option<Share> {
     let value = material.opacity;
     // Most pictures have no holes, whatever the material says of them.
-    let map = color.filter(|map| map.mean()[Channel::Alpha as usize] < 1.0);
+    let is_clear = material.vertex_colors == VertexColors::ColorAndOpacity;
+    let map = color.filter(|map| is_clear || map.mean()[Channel::Alpha as usize] < 1.0);
     let map = map.map(|map| PictureMap { factor: [1.0, 1.0, 1.0, value], ..map.clone() });
     let share = match (material.cover, map) {
         (ModelCover::Everything, _) => return None,

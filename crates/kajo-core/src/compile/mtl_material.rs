@@ -209,7 +209,7 @@ impl Compiler<'_> {
         let shown = described.mtl.map(shows)?;
         let name = self.name_beside(&shown.file, described.path);
         let map = self.found_picture(&name, described.path, encoding, described.place)?;
-        let wrap = if shown.clamps { Wrap::Clamp } else { map.wrap };
+        let wrap = if shown.clamps { [Wrap::Clamp; 2] } else { map.wrap };
         Some(PictureMap { wrap, repeat: shown.repeat.into(), offset: shown.offset.into(), ..map })
     }
 }

@@ -153,6 +153,7 @@ fn layers(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Layers {
         grain: grain(params, paints),
         diffuse_roughness: paints.share(params, "diffuseRoughness", 0.0),
         eta: index(params, "indexOfRefraction", 1.5),
+        dispersion: None,
         coat: paints.share(params, "coat", 0.0),
         coat_color: paints.paint(params, "coatColor", 1.0),
         coat_roughness: paints.share(params, "coatRoughness", 0.0),

@@ -270,7 +270,7 @@ impl PictureReader<'_> {
         params.finish();
         let (name, after) = name?;
         let picture = self.named(item, &name, encoding, diagnostics)?;
-        let map = PictureMap { wrap, filter, repeat, offset, ..PictureMap::new(picture) };
+        let map = PictureMap { wrap: [wrap; 2], filter, repeat, offset, ..PictureMap::new(picture) };
         Some(((map, after), more))
     }
 

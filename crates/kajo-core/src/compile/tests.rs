@@ -759,7 +759,7 @@ fn flag() -> MemoryAssets {
     let json = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"flag.bin","byteLength":36}],
         "bufferViews":[{"buffer":0,"byteLength":36}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
-        "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,1,1]}}],"cameras":[{"type":"perspective"}],
+        "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,1,1]}}],"animations":[{}],
         "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
         "nodes":[{"mesh":0,"name":"near"},{"mesh":0,"translation":[2,0,-1]}]}"#;
     MemoryAssets::new().with("models/flag.gltf", json).with("models/flag.bin", bytes)
@@ -788,7 +788,7 @@ fn models_are_placed_with_their_materials_or_without() {
     }
     let names: Vec<_> = scene.objects.iter().map(|o| (o.keyword, o.name)).collect();
     assert_eq!(names[..2], [("Model", Some("near")), ("Model", None)]);
-    assert_eq!(said, ["`models/flag.gltf`: left out: 1 cameras"; 2]);
+    assert_eq!(said, ["`models/flag.gltf`: left out: 1 animations"; 2]);
 }
 
 #[test]

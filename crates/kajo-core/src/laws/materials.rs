@@ -14,14 +14,19 @@ use crate::material::{
     Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, MaterialPoint,
     Materials, Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Substance,
 };
-use crate::texture::{Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, Textures};
+use crate::texture::{
+    Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, SurfaceUv, Textures,
+};
 
 /// How far off the energy of a material without losses may be.
 const TOLERANCE: f64 = 3e-3;
 
 /// Where materials are asked.
-const PLACE: MaterialPoint =
-    MaterialPoint { p: Vec3::new(0.3, 0.2, 0.1), uv: Vec2::new(0.6, 0.3), tint: None };
+const PLACE: MaterialPoint = MaterialPoint {
+    p: Vec3::new(0.3, 0.2, 0.1),
+    uv: SurfaceUv { first: Vec2::new(0.6, 0.3), second: Vec2::new(0.6, 0.3), color: [1.0; 4] },
+    tint: None,
+};
 
 /// Numbers that choose among the parts of a mixture.
 const CHOICES: u32 = 16;
@@ -80,6 +85,7 @@ fn white_layers() -> Layers {
         grain: Grain::default(),
         diffuse_roughness: 0.3.into(),
         eta: 1.5,
+        dispersion: None,
         coat: 0.5.into(),
         coat_color: white.clone(),
         coat_roughness: 0.4.into(),

@@ -23,7 +23,7 @@ use kajo_math::{Vec2, Vec3};
 
 use super::{Appearance, Interior, Lean, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
-use crate::texture::{Channel, PictureMap, Textures};
+use crate::texture::{Channel, PictureMap, SurfaceUv, Textures};
 
 /// A relief.
 #[derive(Clone, Debug)]
@@ -48,18 +48,18 @@ pub enum Relief {
 
 impl Relief {
     /// How the normal leans at surface coordinates.
-    fn lean(&self, uv: Vec2) -> Lean {
+    fn lean(&self, uv: SurfaceUv) -> Lean {
         match self {
             Relief::Normals { map, scale } => {
                 let [r, g, b, _] = map.at(uv);
                 let m = 2.0 * Vec3::new(r, g, b) - 1.0;
-                let across = *scale * m.truncate() * map.repeat.map(f32::signum);
+                let across = *scale * along(map, m.truncate());
                 Lean::Tangent(across.extend(m.z))
             }
             Relief::Heights { map, channel, height } => {
                 let half = 0.5 * map.texel();
                 let rise = |step: Vec2| {
-                    let [there, back] = [uv + step, uv - step].map(|uv| map.at(uv)[*channel as usize]);
+                    let [there, back] = [step, -step].map(|step| map.at(uv.moved(step))[*channel as usize]);
                     there - back
                 };
                 let rises = Vec2::new(rise(Vec2::new(half.x, 0.0)), rise(Vec2::new(0.0, half.y)));
@@ -67,6 +67,16 @@ impl Relief {
             }
         }
     }
+}
+
+/// A direction of the picture as one of the coordinates that place it.
+fn along(map: &PictureMap, m: Vec2) -> Vec2 {
+    if map.cross == Vec2::ZERO {
+        return m * map.repeat.map(f32::signum);
+    }
+    let right = Vec2::new(map.repeat.x, map.cross.x).normalize_or_zero();
+    let up = Vec2::new(map.cross.y, map.repeat.y).normalize_or_zero();
+    m.x * right + m.y * up
 }
 
 /// Another material with a relief.

@@ -7,11 +7,11 @@
 //! Scene: `Glass { glass N-SF10  absorption 0.1 0.02 0.05 }`
 
 use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
-use kajo_math::{Vec2, Vec3};
+use kajo_math::Vec3;
 
 use super::{Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
-use crate::texture::{Share, Textures};
+use crate::texture::{Share, SurfaceUv, Textures};
 
 /// What glass is like.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl From<GlassSettings> for Glass {
     fn from(settings: GlassSettings) -> Glass {
         let absorption = Unbounded::from_rgb(settings.absorption);
         let mut glass = Glass { settings, absorption, constant: None };
-        glass.constant = (!glass.varies()).then(|| glass.classic(Vec2::ZERO));
+        glass.constant = (!glass.varies()).then(|| glass.classic(SurfaceUv::default()));
         glass
     }
 }
@@ -65,12 +65,12 @@ impl Glass {
         Some(ThinDielectric { eta: self.eta(at.wavelengths) / at.eta_outside, optical_depth })
     }
 
-    fn facets(&self, uv: Vec2) -> Microfacets {
+    fn facets(&self, uv: SurfaceUv) -> Microfacets {
         let roughness = self.settings.roughness.at(uv);
         self.settings.grain.facets(self.settings.shape, roughness * roughness, uv)
     }
 
-    fn classic(&self, uv: Vec2) -> Phong {
+    fn classic(&self, uv: SurfaceUv) -> Phong {
         Phong {
             transparent: Spectrum::rgb(1.0, 1.0, 1.0),
             specular: Spectrum::rgb(0.04, 0.04, 0.04),

@@ -6,11 +6,11 @@
 //! Scene: `Metal { metal gold  roughness 0.3  anisotropy 0.8 }`
 
 use kajo_color::{Spectrum, Wavelengths, metal};
-use kajo_math::{Vec2, Vec3};
+use kajo_math::Vec3;
 
 use super::{Appearance, Grain, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::Shape};
-use crate::texture::{Paint, Share, Textures};
+use crate::texture::{Paint, Share, SurfaceUv, Textures};
 
 /// What a metal is made of.
 #[derive(Clone, Debug)]
@@ -56,7 +56,7 @@ impl Metal {
             || matches!(&self.substance, Substance::Color(color) if color.varies())
     }
 
-    fn facets(&self, uv: Vec2) -> Microfacets {
+    fn facets(&self, uv: SurfaceUv) -> Microfacets {
         let roughness = self.roughness.at(uv);
         self.grain.facets(self.shape, roughness * roughness, uv)
     }

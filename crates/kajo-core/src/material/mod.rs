@@ -21,11 +21,11 @@ pub use phong::PhongMaterial;
 pub use principled::{LayeredMaterial, Layers};
 
 use kajo_color::{Spectrum, Wavelengths};
-use kajo_math::{Vec2, Vec3};
+use kajo_math::Vec3;
 
 use crate::bsdf::{Bsdf, Phong};
 use crate::family::family;
-use crate::texture::{Textures, rgb_reflectance};
+use crate::texture::{SurfaceUv, Textures, rgb_reflectance};
 
 /// Where on a surface a material is asked.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,7 +33,7 @@ pub struct MaterialPoint {
     /// World-space point, where patterns are evaluated.
     pub p: Vec3,
     /// Surface coordinates, where pictures are looked up; of effect where [`Appearance::needs_uv`].
-    pub uv: Vec2,
+    pub uv: SurfaceUv,
     /// Linear RGB in [0, 1] that the base colour of the material is multiplied by: the colours at the corners of a mesh.
     pub tint: Option<Vec3>,
 }

@@ -6,7 +6,7 @@
 use kajo_math::{Vec2, Vec3};
 
 use crate::bsdf::{Microfacets, microfacet::Shape};
-use crate::texture::Share;
+use crate::texture::{Share, SurfaceUv};
 
 /// What a material asks of its frame at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,7 +45,7 @@ impl Default for Grain {
 impl Grain {
     /// The facets of a surface with the roughness `alpha` on the whole.
     #[inline]
-    pub fn facets(&self, shape: Shape, alpha: f32, uv: Vec2) -> Microfacets {
+    pub fn facets(&self, shape: Shape, alpha: f32, uv: SurfaceUv) -> Microfacets {
         match self.anisotropy {
             Share::Plain(0.0) => Microfacets::new(shape, alpha),
             _ => Microfacets::brushed(shape, alpha, self.anisotropy.at(uv)),
@@ -53,7 +53,7 @@ impl Grain {
     }
 
     /// The frame that the facets need.
-    pub fn orientation(&self, uv: Vec2) -> Orientation {
+    pub fn orientation(&self, uv: SurfaceUv) -> Orientation {
         Orientation { turn: self.exists().then(|| self.rotation.at(uv)), lean: None }
     }
 

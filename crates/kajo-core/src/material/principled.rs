@@ -7,14 +7,14 @@
 //!
 //! Scene: `Principled { color 0.8 0.1 0.05  roughness 0.3  coat 1 }`
 
-use kajo_color::{Reflectance, Spectrum, Unbounded, Wavelengths};
+use kajo_color::{Dispersion, Reflectance, Spectrum, Unbounded, Wavelengths};
 use kajo_math::{Vec2, Vec3, fmath};
 
 use super::{
     Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, PhongMaterial, ShadingPoint,
 };
 use crate::bsdf::{Base, Bsdf, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape};
-use crate::texture::{Paint, Share, Textures};
+use crate::texture::{Paint, Share, SurfaceUv, Textures};
 
 /// The least light that a pane lets through, black ones too.
 const LEAST_PASSED: f32 = 1e-30;
@@ -42,6 +42,8 @@ pub struct Layers {
     pub diffuse_roughness: Share,
     /// Index of refraction of pigment and glass.
     pub eta: f32,
+    /// That of the glass where it differs between wavelengths.
+    pub dispersion: Option<Dispersion>,
     /// Share of varnish.
     pub coat: Share,
     /// Light that varnish lets through in and out again.
@@ -75,6 +77,7 @@ impl Default for Layers {
             grain: Grain::default(),
             diffuse_roughness: 0.0.into(),
             eta: 1.5,
+            dispersion: None,
             coat: 0.0.into(),
             coat_color: grey(1.0),
             coat_roughness: 0.0.into(),
@@ -143,12 +146,17 @@ impl Layers {
     }
 
     /// The facets of the glossy surface.
-    fn facets(&self, uv: Vec2) -> Microfacets {
+    fn facets(&self, uv: SurfaceUv) -> Microfacets {
         self.grain.facets(Shape::Ggx, squared(&self.roughness, uv), uv)
     }
 
     fn color_at(&self, at: &ShadingPoint<'_>) -> Spectrum {
         at.place.tinted(self.color.at(at.place.uv, at.wavelengths), at.wavelengths)
+    }
+
+    /// The index of refraction of the glass at the first wavelength.
+    fn glass_eta(&self, wavelengths: &Wavelengths) -> f32 {
+        self.dispersion.as_ref().map_or(self.eta, |dispersion| dispersion.at(wavelengths)[0])
     }
 
     /// The glass of a thin surface.
@@ -166,7 +174,7 @@ impl Layers {
 
 /// The facets' `α` of a roughness.
 #[inline]
-fn squared(roughness: &Share, uv: Vec2) -> f32 {
+fn squared(roughness: &Share, uv: SurfaceUv) -> f32 {
     let roughness = roughness.at(uv);
     roughness * roughness
 }
@@ -213,7 +221,11 @@ impl Appearance for LayeredMaterial {
             u if u < glass => Base::Glass,
             _ => Base::Diffuse,
         };
-        let eta = layers.eta / at.eta_outside;
+        let eta = match base {
+            Base::Glass => layers.glass_eta(wavelengths),
+            Base::Diffuse | Base::Metal => layers.eta,
+        };
+        let eta = eta / at.eta_outside;
         if layers.thin && base == Base::Glass {
             return Bsdf::ThinDielectric(layers.pane(at));
         }
@@ -249,10 +261,10 @@ impl Appearance for LayeredMaterial {
     }
 
     fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {
-        let Layers { eta, priority, thin, .. } = self.layers;
+        let Layers { priority, thin, ref dispersion, .. } = self.layers;
         (self.layers.transmit() && !thin).then(|| Interior {
-            eta,
-            is_dispersive: false,
+            eta: self.layers.glass_eta(at.wavelengths),
+            is_dispersive: dispersion.as_ref().is_some_and(Dispersion::is_dispersive),
             absorption: self.absorption.at(at.wavelengths),
             priority,
         })

@@ -62,7 +62,7 @@ fn a_tint_is_a_factor_of_the_base_colour() {
             let b = other.bsdf(own, &other, &textures, &at(MaterialPoint::default()));
             near(a, b.eval(wo, wi, Transport::Radiance));
         }
-        let untinted = MaterialPoint { uv: Vec2::ONE, ..MaterialPoint::default() };
+        let untinted = MaterialPoint { uv: Vec2::ONE.into(), ..MaterialPoint::default() };
         assert_eq!(plain.constant(id), Some(&plain.phong(id, &plain, &textures, &untinted)), "{name}");
     }
 }

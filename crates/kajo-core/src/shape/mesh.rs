@@ -12,7 +12,7 @@ use std::sync::Arc;
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
 
-use super::{Patch, Surface, Tessellation, hit_of_triangle, triangle_error};
+use super::{Patch, Surface, Tessellation, VertexAttributes, VertexValues, hit_of_triangle, triangle_error};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
 /// A corner of a face that has no normal or no texture coordinates of its own.
@@ -54,6 +54,7 @@ struct Parts {
     normals: Option<CornerValues<Vec3>>,
     uvs: Option<CornerValues<Vec2>>,
     colors: Option<CornerValues<Vec3>>,
+    attributes: Option<Box<VertexAttributes>>,
     material_slots: Option<Vec<u32>>,
     bvh: TriangleBvh,
     closed: bool,
@@ -73,6 +74,8 @@ pub struct MeshData {
     /// Linear RGB in [0, 1] at the corners, a factor of the base colour of the material; see
     /// [`crate::material::MaterialPoint::tint`].
     pub colors: Option<CornerValues<Vec3>>,
+    /// What else vertices have.
+    pub attributes: VertexAttributes,
     /// The mesh's own material number of each triangle.
     pub material_slots: Option<Vec<u32>>,
 }
@@ -88,6 +91,7 @@ impl MeshData {
             + corners(self.normals.as_ref().map(CornerValues::bytes))
             + corners(self.uvs.as_ref().map(CornerValues::bytes))
             + corners(self.colors.as_ref().map(CornerValues::bytes))
+            + self.attributes.bytes()
             + self.material_slots.as_ref().map_or(0, |slots| size_of_val(&**slots));
         (lists + TREE * self.faces.len(), BUILDING * self.faces.len())
     }
@@ -103,10 +107,12 @@ impl Mesh {
     ///
     /// When a face names a vertex that does not exist, or there are too many faces.
     pub fn new(data: MeshData, settings: &BuildSettings) -> Result<Mesh, BuildError> {
-        let MeshData { positions, faces, normals, uvs, colors, material_slots } = data;
+        let MeshData { positions, faces, normals, uvs, colors, attributes, material_slots } = data;
+        let attributes = (!attributes.is_empty()).then(|| Box::new(attributes));
         let bvh = TriangleBvh::build(&positions, &faces, settings)?;
         let closed = is_closed(&positions, &faces);
-        Ok(Mesh(Arc::new(Parts { positions, faces, normals, uvs, colors, material_slots, bvh, closed })))
+        let parts = Parts { positions, faces, normals, uvs, colors, attributes, material_slots, bvh, closed };
+        Ok(Mesh(Arc::new(parts)))
     }
 
     /// Number of triangles given.
@@ -196,9 +202,20 @@ impl Surface for Mesh {
         self.corner_uvs(hit).map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
     }
 
+    fn attributes_at(&self, hit: &Hit) -> Option<VertexValues> {
+        let attributes = self.0.attributes.as_ref()?;
+        Some(attributes.values(self.0.faces[hit.part as usize], hit))
+    }
+
     fn tangents_at(&self, hit: &Hit, _p: Vec3) -> Tangents {
         let corners = self.triangle(hit.part).map(|p| p.as_dvec3());
-        self.corner_uvs(hit).map_or_else(Tangents::default, |uvs| Tangents::of_triangle(corners, uvs))
+        let own =
+            self.corner_uvs(hit).map_or_else(Tangents::default, |uvs| Tangents::of_triangle(corners, uvs));
+        let Some(attributes) = &self.0.attributes else { return own };
+        let [a, b, c] = corners;
+        let flat = || (b - a).cross(c - a).normalize_or(DVec3::Z).as_vec3();
+        let n = self.smooth_normal(hit).unwrap_or_else(flat);
+        attributes.tangents(self.0.faces[hit.part as usize], hit, n, own)
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
@@ -243,6 +260,7 @@ impl Surface for Mesh {
             + self.0.normals.as_ref().map_or(0, CornerValues::bytes)
             + self.0.uvs.as_ref().map_or(0, CornerValues::bytes)
             + self.0.colors.as_ref().map_or(0, CornerValues::bytes)
+            + self.0.attributes.as_ref().map_or(0, |attributes| attributes.bytes())
             + self.0.material_slots.as_ref().map_or(0, |s| size_of_val(&**s))
             + self.0.bvh.stats().bytes
     }

@@ -15,6 +15,7 @@ mod quad;
 mod sphere;
 mod tessellate;
 mod triangle;
+mod vertex_attributes;
 
 pub use cone::Cone;
 pub use cuboid::Cuboid;
@@ -26,6 +27,7 @@ pub use quad::Quad;
 pub use sphere::Sphere;
 pub use tessellate::Tessellation;
 pub use triangle::Triangle;
+pub use vertex_attributes::{VertexAttributes, VertexValues};
 
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, robust::gamma};
 
@@ -59,6 +61,11 @@ pub trait Surface: Sized {
 
     /// Surface coordinates, in [0, 1]^2 where the shape is finite.
     fn uv_at(&self, hit: &Hit, p: Vec3) -> Vec2;
+
+    /// What else the vertices say of the place of a hit, if they do.
+    fn attributes_at(&self, _hit: &Hit) -> Option<VertexValues> {
+        None
+    }
 
     /// How the position changes with surface coordinates at the point `p` of a hit.
     fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents;
@@ -119,6 +126,8 @@ family! {
         fn hit_at(part: u32, p: Vec3) -> Hit;
         /// See [`Surface::uv_at`].
         fn uv_at(hit: &Hit, p: Vec3) -> Vec2;
+        /// See [`Surface::attributes_at`].
+        fn attributes_at(hit: &Hit) -> Option<VertexValues>;
         /// See [`Surface::tangents_at`].
         fn tangents_at(hit: &Hit, p: Vec3) -> Tangents;
         /// See [`Surface::is_closed`].

@@ -2,6 +2,7 @@
 
 mod checker;
 mod constant;
+mod coordinates;
 mod marble;
 mod noise;
 mod paint;
@@ -10,6 +11,7 @@ mod wood;
 
 pub use checker::Checker;
 pub use constant::Constant;
+pub use coordinates::{SurfaceUv, UvSet};
 pub use marble::Marble;
 pub use noise::Noise;
 pub use paint::{Channel, Paint, Share};

@@ -1,9 +1,9 @@
 //! Parameters of materials that may vary over a surface: the same everywhere, or taken from a picture.
 
 use kajo_color::{Reflectance, RgbBasis, Spectrum, Wavelengths};
-use kajo_math::{Vec2, Vec3};
+use kajo_math::Vec3;
 
-use super::PictureMap;
+use super::{PictureMap, SurfaceUv};
 
 /// A colour of a surface.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ impl From<Reflectance> for Paint {
 impl Paint {
     /// The reflectance at surface coordinates.
     #[inline]
-    pub fn at(&self, uv: Vec2, wavelengths: &Wavelengths) -> Spectrum {
+    pub fn at(&self, uv: SurfaceUv, wavelengths: &Wavelengths) -> Spectrum {
         match self {
             Paint::Plain(color) => color.at(wavelengths),
             Paint::Picture(map) => picture_reflectance(map, uv, wavelengths),
@@ -31,7 +31,7 @@ impl Paint {
     }
 
     /// Linear RGB at surface coordinates.
-    pub fn rgb(&self, uv: Vec2) -> Spectrum {
+    pub fn rgb(&self, uv: SurfaceUv) -> Spectrum {
         match self {
             Paint::Plain(color) => Spectrum::from(Vec3::from(color.rgb())),
             Paint::Picture(map) => picture_reflectance(map, uv, &Wavelengths::RGB),
@@ -45,7 +45,7 @@ impl Paint {
 }
 
 /// The colour of a picture as a reflectance.
-pub(crate) fn picture_reflectance(map: &PictureMap, uv: Vec2, wavelengths: &Wavelengths) -> Spectrum {
+pub(crate) fn picture_reflectance(map: &PictureMap, uv: SurfaceUv, wavelengths: &Wavelengths) -> Spectrum {
     let [r, g, b, _] = map.at(uv);
     rgb_reflectance([r, g, b], wavelengths)
 }
@@ -92,7 +92,7 @@ impl From<f32> for Share {
 impl Share {
     /// The number at surface coordinates.
     #[inline]
-    pub fn at(&self, uv: Vec2) -> f32 {
+    pub fn at(&self, uv: SurfaceUv) -> f32 {
         match self {
             Share::Plain(value) => *value,
             Share::Picture(map, channel) => map.at(uv)[*channel as usize],

@@ -3,7 +3,7 @@
 //! A picture of `w x h` texels fills the unit square of surface coordinates, its first row on top. With
 //!
 //! ```text
-//! s = repeat u + offset        x = w s_x - 1/2        y = h (1 - s_y) - 1/2
+//! s = repeat u + cross u' + offset        x = w s_x - 1/2        y = h (1 - s_y) - 1/2        u' = (u_y, u_x)
 //! ```
 //!
 //! the value is that of the nearest texel, or the bilinear mean of the four around `(x, y)`:
@@ -21,6 +21,8 @@ use std::sync::Arc;
 use kajo_color::srgb;
 use kajo_image::Image;
 use kajo_math::Vec2;
+
+use super::{SurfaceUv, UvSet};
 
 /// What the colours of a file mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -74,6 +76,27 @@ impl Picture {
         }
         let mean = sums.map(|sum| (sum as f64 / (65535.0 * texels.len() as f64)) as f32);
         (Picture { width: image.width(), height: image.height(), texels, mean }, outside)
+    }
+
+    /// The picture of linear numbers in [0, 1].
+    ///
+    /// * `texel`: by column and row from above; sizes are at least 1
+    pub(crate) fn from_fn(width: u32, height: u32, mut texel: impl FnMut(u32, u32) -> [f32; 4]) -> Picture {
+        let stored = |v: f32| (v.clamp(0.0, 1.0) * 65535.0).round() as u16;
+        let mut sums = [0u64; 4];
+        let mut texels = Vec::new();
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let texel = texel(x, y).map(stored);
+            (0..4).for_each(|c| sums[c] += u64::from(texel[c]));
+            texels.push(texel);
+        }
+        let mean = sums.map(|sum| (sum as f64 / (65535.0 * texels.len() as f64)) as f32);
+        Picture { width, height, texels, mean }
+    }
+
+    /// Width and height in texels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
     }
 
     #[inline]
@@ -137,48 +160,82 @@ pub enum TexelFilter {
 pub struct PictureMap {
     /// The texels, shared by all that use them.
     pub picture: Arc<Picture>,
-    /// What is beside it.
-    pub wrap: Wrap,
+    /// What is beside it: to its sides, and above and below.
+    pub wrap: [Wrap; 2],
     /// What is between its texels.
     pub filter: TexelFilter,
+    /// Which coordinates of the surface place it.
+    pub set: UvSet,
     /// How often it fits into the unit square.
     pub repeat: Vec2,
+    /// How much its own coordinates grow with the other one of the surface, where it is turned.
+    pub cross: Vec2,
     /// By how much of itself it is moved, to the left and down.
     pub offset: Vec2,
     /// What its channels are multiplied by, in [0, 1].
     pub factor: [f32; 4],
+    /// Whether colours at vertices are another factor.
+    pub tinted: bool,
 }
 
 impl PictureMap {
     /// A picture that fills the unit square.
     pub fn new(picture: Arc<Picture>) -> PictureMap {
-        let (wrap, filter) = (Wrap::default(), TexelFilter::default());
-        PictureMap { picture, wrap, filter, repeat: Vec2::ONE, offset: Vec2::ZERO, factor: [1.0; 4] }
+        PictureMap {
+            picture,
+            wrap: [Wrap::default(); 2],
+            filter: TexelFilter::default(),
+            set: UvSet::default(),
+            repeat: Vec2::ONE,
+            cross: Vec2::ZERO,
+            offset: Vec2::ZERO,
+            factor: [1.0; 4],
+            tinted: false,
+        }
     }
 
-    /// How far it is from a texel to the next in surface coordinates.
+    /// A picture of one white texel, as a carrier of other factors.
+    pub(crate) fn white() -> PictureMap {
+        PictureMap::new(Arc::new(Picture::from_fn(1, 1, |_, _| [1.0; 4])))
+    }
+
+    /// Whether both pictures lie in the same place.
+    pub(crate) fn lies_like(&self, other: &PictureMap) -> bool {
+        let place = |map: &PictureMap| (map.wrap, map.set, map.repeat, map.cross, map.offset);
+        place(self) == place(other)
+    }
+
+    /// How far it is from a texel to the next in surface coordinates, for a picture that is not turned.
     pub fn texel(&self) -> Vec2 {
         1.0 / (self.repeat.abs() * Vec2::new(self.picture.width as f32, self.picture.height as f32))
     }
 
-    /// The mean of all texels, however much of the picture is shown.
+    /// The mean of all texels, however much of the picture is shown, and colours at vertices left out.
     pub fn mean(&self) -> [f32; 4] {
         std::array::from_fn(|c| self.factor[c] * self.picture.mean[c])
     }
 
     /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].
-    pub fn at(&self, uv: Vec2) -> [f32; 4] {
-        let texel = self.unscaled(uv);
-        std::array::from_fn(|c| self.factor[c] * texel[c])
+    #[inline]
+    pub fn at(&self, uv: impl Into<SurfaceUv>) -> [f32; 4] {
+        let uv = uv.into();
+        let place = match self.set {
+            UvSet::First => uv.first,
+            UvSet::Second => uv.second,
+        };
+        let texel =
+            self.unscaled(place * self.repeat + self.cross * Vec2::new(place.y, place.x) + self.offset);
+        let tint = if self.tinted { uv.color } else { [1.0; 4] };
+        std::array::from_fn(|c| self.factor[c] * texel[c] * tint[c])
     }
 
-    /// The picture's own numbers there.
-    fn unscaled(&self, uv: Vec2) -> [f32; 4] {
-        let s = uv * self.repeat + self.offset;
+    /// The picture's own numbers at a place of its own.
+    pub(crate) fn unscaled(&self, s: Vec2) -> [f32; 4] {
+        let [across, up] = self.wrap;
         let (w, h) = (self.picture.width, self.picture.height);
-        let x = self.wrap.coordinate(s.x) * w as f32;
-        let y = (1.0 - self.wrap.coordinate(s.y)) * h as f32;
-        let texel = |i: i64, j: i64| self.picture.texel(self.wrap.index(i, w), self.wrap.index(j, h));
+        let x = across.coordinate(s.x) * w as f32;
+        let y = (1.0 - up.coordinate(s.y)) * h as f32;
+        let texel = |i: i64, j: i64| self.picture.texel(across.index(i, w), up.index(j, h));
         if self.filter == TexelFilter::Nearest {
             return texel(x as i64, y as i64);
         }
@@ -230,8 +287,8 @@ mod tests {
         let near = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
         for filter in [TexelFilter::Bilinear, TexelFilter::Nearest] {
             let tiled = PictureMap { filter, ..map(&ramp(), Encoding::Linear) };
-            let mirrored = PictureMap { wrap: Wrap::Mirror, ..tiled.clone() };
-            let clamped = PictureMap { wrap: Wrap::Clamp, ..tiled.clone() };
+            let mirrored = PictureMap { wrap: [Wrap::Mirror; 2], ..tiled.clone() };
+            let clamped = PictureMap { wrap: [Wrap::Clamp; 2], ..tiled.clone() };
             for i in 0..500 {
                 let s = Stream::new(5, [i, 0], 0);
                 let uv = 20.0 * Vec2::new(s.uniform(0), s.uniform(1)) - 10.0;
@@ -249,7 +306,7 @@ mod tests {
         // Across its edge a tiled picture is the mean of its first and last column.
         let tiled = map(&ramp(), Encoding::Linear);
         assert!((tiled.at(Vec2::new(0.0, 0.5))[0] - 0.5).abs() < 1e-4);
-        let mirrored = PictureMap { wrap: Wrap::Mirror, ..tiled };
+        let mirrored = PictureMap { wrap: [Wrap::Mirror; 2], ..tiled };
         assert!((mirrored.at(Vec2::new(0.0, 0.5))[0] - 0.0625).abs() < 1e-4);
     }
 
@@ -262,6 +319,22 @@ mod tests {
         let laid = PictureMap { repeat, offset, ..nearest.clone() };
         let uv = Vec2::new(0.31, 0.17);
         assert_eq!(laid.at(uv), nearest.at(uv * repeat + offset));
+        let turned = PictureMap { cross: Vec2::new(-0.5, 0.25), ..laid };
+        let place = uv * repeat + Vec2::new(-0.5 * uv.y, 0.25 * uv.x) + offset;
+        assert_eq!(turned.at(uv), nearest.at(place));
+    }
+
+    #[test]
+    fn coordinates_colours_and_wraps_are_chosen() {
+        let nearest = PictureMap { filter: TexelFilter::Nearest, ..map(&ramp(), Encoding::Linear) };
+        let (first, second) = (Vec2::new(0.3, 0.4), Vec2::new(0.8, 0.1));
+        let uv = SurfaceUv { first, second, color: [0.5, 1.0, 0.25, 0.0] };
+        assert_eq!(nearest.at(uv), nearest.at(first));
+        assert_eq!(PictureMap { set: UvSet::Second, ..nearest.clone() }.at(uv), nearest.at(second));
+        let [r, g, b, a] = nearest.at(first);
+        assert_eq!(PictureMap { tinted: true, ..nearest.clone() }.at(uv), [0.5 * r, g, 0.25 * b, 0.0 * a]);
+        let strip = PictureMap { wrap: [Wrap::Repeat, Wrap::Clamp], ..nearest.clone() };
+        assert_eq!(strip.at(Vec2::new(2.3, 5.0)), nearest.at(Vec2::new(0.3, 0.999)));
     }
 
     #[test]
@@ -287,7 +360,7 @@ mod tests {
     fn hostile_coordinates_give_shares() {
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
             for filter in [TexelFilter::Nearest, TexelFilter::Bilinear] {
-                let map = PictureMap { wrap, filter, ..map(&ramp(), Encoding::Linear) };
+                let map = PictureMap { wrap: [wrap; 2], filter, ..map(&ramp(), Encoding::Linear) };
                 for v in
                     [f32::NAN, f32::INFINITY, -f32::MAX, 1e30, -1e-30, -0.0, 1.0, 0.999_999_94, 2.0, -7.0]
                 {

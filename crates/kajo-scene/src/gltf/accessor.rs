@@ -99,6 +99,7 @@ impl<'b, const N: usize> View<'b, N> {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
+            "MAT4" => 16,
             _ => 0,
         };
         if columns != N {
@@ -184,23 +185,14 @@ fn strip<'b, const N: usize>(
     component: Component,
     count: usize,
 ) -> Result<Strip<'b>, String> {
-    let view =
-        document.buffer_views.get(number).ok_or_else(|| format!("there is no bufferViews[{number}]"))?;
-    let buffer = buffers.get(view.buffer).ok_or_else(|| format!("there is no buffers[{}]", view.buffer))?;
-    let within = |bytes: &'b [u8], start: usize, len: Option<usize>| {
-        let end = len.map_or(Some(bytes.len()), |len| start.checked_add(len))?;
-        bytes.get(start..end)
-    };
-    let bytes = within(buffer, view.byte_offset, Some(view.byte_length))
-        .ok_or_else(|| format!("bufferViews[{number}] reaches beyond its buffer"))?;
+    let (bytes, stride) = buffers.view(document, number)?;
     let size = N * component.bytes();
-    let stride = view.byte_stride.filter(|&stride| stride > 0).unwrap_or(size);
+    let stride = stride.filter(|&stride| stride > 0).unwrap_or(size);
     if stride < size {
         return Err(format!("the elements of bufferViews[{number}] overlap"));
     }
     let needed = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
-    let bytes =
-        within(bytes, offset, None).filter(|bytes| needed.is_some_and(|needed| needed <= bytes.len()));
+    let bytes = bytes.get(offset..).filter(|bytes| needed.is_some_and(|needed| needed <= bytes.len()));
     let bytes = bytes.ok_or_else(|| format!("{count} elements do not fit into bufferViews[{number}]"))?;
     Ok(Strip { bytes, stride, component })
 }

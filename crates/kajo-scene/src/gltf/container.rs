@@ -5,11 +5,14 @@
 //! ```
 
 use super::json::Document;
+use super::{Budget, meshopt};
 use crate::assets::{AssetError, AssetFile, Assets, read_limited};
 use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
-use std::collections::HashMap;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 /// A file in memory, and where its parts are.
@@ -33,8 +36,13 @@ pub(super) fn read(file: AssetFile, limits: &Limits) -> Result<Container, MeshFi
         byte: byte as u64,
         message: message.to_owned(),
     };
-    if word(&bytes, 4) != Some(2) {
-        return Err(wrong(4, "this is no GLB file of version 2"));
+    match word(&bytes, 4) {
+        Some(2) => {}
+        Some(1) => return Err(wrong(4, &unread_version("1.0"))),
+        Some(other) => {
+            return Err(wrong(4, &format!("this is a GLB file of version {other}; version 2 is read")));
+        }
+        None => return Err(wrong(4, "this is no GLB file: it ends after four bytes")),
     }
     let (kind, json) = chunk(&bytes, 12).ok_or_else(|| wrong(12, "the file ends in its first chunk"))?;
     if kind != u32::from_le_bytes(*b"JSON") {
@@ -69,9 +77,35 @@ impl Container {
         let json = &self.bytes[self.json.clone()];
         let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
         serde_json::from_slice(json).map_err(|error| {
-            let message = format!("in the JSON: {error}");
+            let message = match is_of_version_1(json) {
+                true => unread_version("1.0"),
+                false => format!("in the JSON: {error}"),
+            };
             MeshFileError::Content { path: path.to_owned(), message }
         })
+    }
+}
+
+/// Whether things have names instead of numbers, as in the first version of the format.
+fn is_of_version_1(json: &[u8]) -> bool {
+    #[derive(Default, Deserialize)]
+    #[serde(default)]
+    struct Lists {
+        meshes: Option<BTreeMap<String, IgnoredAny>>,
+        nodes: Option<BTreeMap<String, IgnoredAny>>,
+    }
+    serde_json::from_slice(json).is_ok_and(|lists: Lists| lists.meshes.is_some() || lists.nodes.is_some())
+}
+
+/// What is said of a version of glTF that is not read.
+pub(super) fn unread_version(version: &str) -> String {
+    match version.split('.').next() {
+        Some("") | None => "it does not say which version of glTF it is; version 2 is read".to_owned(),
+        Some("1") => format!(
+            "this is glTF {version}, an older format of another structure; version 2 is read: \
+             `gltf-pipeline -i OLD -o NEW` converts it"
+        ),
+        Some(_) => format!("this is glTF {version}; version 2 is read"),
     }
 }
 
@@ -79,6 +113,8 @@ impl Container {
 pub(super) struct Buffers<'c> {
     container: &'c Container,
     list: Vec<Source>,
+    /// Buffer views that were compressed.
+    decoded: HashMap<usize, Vec<u8>>,
     bytes_read: u64,
 }
 
@@ -87,6 +123,8 @@ enum Source {
     Own(Vec<u8>),
     /// The same file as that of an earlier buffer.
     Shared(usize),
+    /// Nothing is left of it but compressed views.
+    Absent,
 }
 
 impl<'c> Buffers<'c> {
@@ -97,7 +135,8 @@ impl<'c> Buffers<'c> {
         assets: &dyn Assets,
         limits: &Limits,
     ) -> Result<Buffers<'c>, MeshFileError> {
-        let mut buffers = Buffers { container, list: Vec::new(), bytes_read: container.bytes.len() as u64 };
+        let bytes_read = container.bytes.len() as u64;
+        let mut buffers = Buffers { container, list: Vec::new(), decoded: HashMap::new(), bytes_read };
         // The first buffer of each file.
         let mut files = HashMap::new();
         for (i, buffer) in document.buffers.iter().enumerate() {
@@ -107,6 +146,10 @@ impl<'c> Buffers<'c> {
             };
             let source = match (&buffer.uri, &container.binary) {
                 (None, Some(range)) if i == 0 => Source::SameFile(range.clone()),
+                (None, _) if buffer.extensions.meshopt.as_ref().is_some_and(|said| said.fallback) => {
+                    buffers.list.push(Source::Absent);
+                    continue;
+                }
                 (None, _) => return Err(wrong("it has no `uri`, and the file holds no buffer")),
                 (Some(uri), _) => match uri.strip_prefix("data:") {
                     Some(data) => Source::Own(
@@ -145,7 +188,38 @@ impl<'c> Buffers<'c> {
             Source::SameFile(range) => self.container.bytes.get(range.clone()),
             Source::Own(bytes) => Some(bytes),
             &Source::Shared(first) => self.get(first),
+            Source::Absent => None,
         }
+    }
+
+    /// Decodes the views that are compressed.
+    pub fn decode(&mut self, document: &Document, budget: &mut Budget) -> Result<(), String> {
+        for (i, view) in document.buffer_views.iter().enumerate() {
+            let Some(said) = &view.extensions.meshopt else { continue };
+            let named = |message: String| format!("bufferViews[{i}]: {message}");
+            let end = said.byte_offset.checked_add(said.byte_length);
+            let data = end.and_then(|end| self.get(said.buffer)?.get(said.byte_offset..end));
+            let data =
+                data.ok_or_else(|| named("its compressed data reaches beyond its buffer".to_owned()))?;
+            budget.take::<u8>(said.count.saturating_mul(said.byte_stride)).map_err(named)?;
+            let decoded = meshopt::decode(said, data).map_err(named)?;
+            self.decoded.insert(i, decoded);
+        }
+        Ok(())
+    }
+
+    /// The bytes of a buffer view, and from where to where in them elements step if it says so.
+    pub fn view(&self, document: &Document, number: usize) -> Result<(&[u8], Option<usize>), String> {
+        let view =
+            document.buffer_views.get(number).ok_or_else(|| format!("there is no bufferViews[{number}]"))?;
+        if let Some(decoded) = self.decoded.get(&number) {
+            return Ok((decoded, view.byte_stride));
+        }
+        let buffer = self.get(view.buffer).ok_or_else(|| format!("there is no buffers[{}]", view.buffer))?;
+        let end = view.byte_offset.checked_add(view.byte_length);
+        let bytes = end.and_then(|end| buffer.get(view.byte_offset..end));
+        let bytes = bytes.ok_or_else(|| format!("bufferViews[{number}] reaches beyond its buffer"))?;
+        Ok((bytes, view.byte_stride))
     }
 
     /// Bytes of all files.

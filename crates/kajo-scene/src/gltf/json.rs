@@ -1,5 +1,7 @@
 //! The JSON of a glTF file, as far as it is read. Names are those of the specification.
 
+use super::camera::Camera;
+use super::light::Light;
 use super::material::Material;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -23,9 +25,9 @@ pub(super) struct Document {
     pub textures: Vec<Texture>,
     pub images: Vec<Image>,
     pub samplers: Vec<Sampler>,
-    pub cameras: Vec<IgnoredAny>,
+    pub cameras: Vec<Camera>,
     pub animations: Vec<IgnoredAny>,
-    pub skins: Vec<IgnoredAny>,
+    pub skins: Vec<Skin>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -44,7 +46,7 @@ pub(super) struct DocumentExtensions {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Lights {
-    pub lights: Vec<IgnoredAny>,
+    pub lights: Vec<Light>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -59,6 +61,10 @@ pub(super) struct Node {
     pub name: Option<Arc<str>>,
     pub children: Vec<usize>,
     pub mesh: Option<usize>,
+    pub camera: Option<usize>,
+    pub skin: Option<usize>,
+    /// Of the targets of its mesh, in place of the mesh's own.
+    pub weights: Option<Vec<f64>>,
     /// Column by column.
     pub matrix: Option<Box<[f64; 16]>>,
     pub translation: Option<[f64; 3]>,
@@ -73,6 +79,32 @@ pub(super) struct Node {
 pub(super) struct NodeExtensions {
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     pub instancing: Option<Instancing>,
+    #[serde(rename = "KHR_lights_punctual")]
+    pub light: Option<LightOfNode>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Visibility,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Visibility {
+    /// Whether the node and what hangs on it are shown.
+    #[serde(default = "yes")]
+    pub visible: bool,
+}
+
+impl Default for Visibility {
+    fn default() -> Visibility {
+        Visibility { visible: true }
+    }
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct LightOfNode {
+    pub light: usize,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -85,6 +117,9 @@ pub(super) struct Instancing {
 pub(super) struct Mesh {
     pub name: Option<Arc<str>>,
     pub primitives: Vec<Primitive>,
+    /// Of the targets of its primitives.
+    #[serde(default)]
+    pub weights: Vec<f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -95,7 +130,7 @@ pub(super) struct Primitive {
     #[serde(default = "triangles")]
     pub mode: u32,
     #[serde(default)]
-    pub targets: Vec<IgnoredAny>,
+    pub targets: Vec<BTreeMap<String, usize>>,
 }
 
 fn triangles() -> u32 {
@@ -148,6 +183,33 @@ pub(super) struct BufferView {
     pub byte_offset: usize,
     pub byte_length: usize,
     pub byte_stride: Option<usize>,
+    #[serde(default)]
+    pub extensions: ViewExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
+    pub meshopt: Option<Box<Meshopt>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Meshopt {
+    pub buffer: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub byte_length: usize,
+    pub byte_stride: usize,
+    pub count: usize,
+    pub mode: String,
+    #[serde(default = "no_filter")]
+    pub filter: String,
+}
+
+fn no_filter() -> String {
+    "NONE".to_owned()
 }
 
 #[derive(Debug, Deserialize)]
@@ -155,13 +217,55 @@ pub(super) struct BufferView {
 pub(super) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
+    #[serde(default)]
+    pub extensions: BufferExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct BufferExtensions {
+    #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
+    pub meshopt: Option<MeshoptBuffer>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct MeshoptBuffer {
+    /// Whether its content can be had from the compressed views that stand for it, and need not be there.
+    pub fallback: bool,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Texture {
-    pub source: Option<usize>,
+    source: Option<usize>,
     pub sampler: Option<usize>,
+    extensions: TextureExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct TextureExtensions {
+    #[serde(rename = "KHR_texture_basisu")]
+    basisu: Option<OtherSource>,
+    #[serde(rename = "EXT_texture_webp")]
+    webp: Option<OtherSource>,
+    #[serde(rename = "EXT_texture_avif")]
+    avif: Option<OtherSource>,
+}
+
+#[derive(Debug, Deserialize)]
+struct OtherSource {
+    source: usize,
+}
+
+impl Texture {
+    /// Its image: one in PNG or JPEG where there is a choice.
+    pub fn source(&self) -> Option<usize> {
+        let TextureExtensions { basisu, webp, avif } = &self.extensions;
+        let others = [webp, basisu, avif].into_iter().flatten().map(|other| other.source);
+        self.source.into_iter().chain(others).next()
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -175,5 +279,14 @@ pub(super) struct Image {
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct Sampler {
     pub wrap_s: Option<u32>,
+    pub wrap_t: Option<u32>,
     pub mag_filter: Option<u32>,
+    pub min_filter: Option<u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Skin {
+    pub joints: Vec<usize>,
+    pub inverse_bind_matrices: Option<usize>,
 }

@@ -5,6 +5,7 @@
 //! newer ones: with `f` the reflectance straight on, the index of refraction is `(1 + √f) / (1 - √f)`.
 
 use super::json::{Sampler, Texture};
+use kajo_math::fmath;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
@@ -19,6 +20,10 @@ pub struct ModelMaterial {
     pub base_color: [f32; 3],
     /// What the base colour is multiplied by over the surface.
     pub picture: Option<PictureUse>,
+    /// What colours at vertices are another factor of.
+    pub vertex_colors: VertexColors,
+    /// Whether it has its base colour in any light.
+    pub unlit: bool,
     /// What roughness, by its green, and metalness, by its blue channel, are multiplied by.
     pub metal_and_roughness: Option<PictureUse>,
     /// Normals of a fine relief, and the factor of their components across the surface.
@@ -37,8 +42,12 @@ pub struct ModelMaterial {
     pub anisotropy: (f32, f32),
     /// Index of refraction, at least 1.
     pub eta: f32,
+    /// Abbe's number of the index, infinite where it is the same for all wavelengths.
+    pub abbe: f32,
     /// Factor of the gloss of what is no metal.
     pub specular: ModelTint,
+    /// Another factor of that gloss, by the alpha channel.
+    pub gloss: Option<PictureUse>,
     /// Share of light that goes in where the surface is no metal, by the red channel.
     pub transmission: ModelAmount,
     /// What is behind the surface when light does: absorption per unit length in a body, or nothing, since the surface
@@ -58,6 +67,35 @@ pub struct ModelMaterial {
     pub emissive_picture: Option<PictureUse>,
     /// Whether that leaves it on its inner side too.
     pub two_sided: bool,
+    /// A surface in older terms, which stands in place of base colour, metalness, roughness and gloss.
+    pub glossiness: Option<ModelGlossiness>,
+}
+
+/// A surface in terms of a pigment and of what it reflects straight on, where the latter is a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelGlossiness {
+    /// Of the pigment, linear.
+    pub diffuse: [f32; 3],
+    /// Its factor.
+    pub diffuse_picture: Option<PictureUse>,
+    /// Straight on, linear.
+    pub specular: [f32; 3],
+    /// 1 for a mirror, 0 for chalk.
+    pub glossiness: f32,
+    /// Factors of the two: of what is reflected the colours, of the glossiness alpha.
+    pub picture: PictureUse,
+}
+
+/// What colours at vertices are a factor of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum VertexColors {
+    /// There are none.
+    #[default]
+    None,
+    /// The base colour.
+    Color,
+    /// The base colour and the opacity.
+    ColorAndOpacity,
 }
 
 impl ModelMaterial {
@@ -65,9 +103,10 @@ impl ModelMaterial {
     pub fn pictures(&self) -> impl Iterator<Item = PictureUse> {
         let normals = self.normals.map(|(picture, _)| picture);
         let amounts = [self.transmission, self.coat, self.coat_roughness, self.sheen_roughness];
-        let shown = [self.picture, self.metal_and_roughness, normals, self.emissive_picture];
+        let shown = [self.picture, self.metal_and_roughness, normals, self.emissive_picture, self.gloss];
+        let older = self.glossiness.map_or([None; 2], |older| [older.diffuse_picture, Some(older.picture)]);
         let tints = [self.specular, self.sheen].map(|tint| tint.picture);
-        shown.into_iter().chain(tints).chain(amounts.map(|amount| amount.picture)).flatten()
+        shown.into_iter().chain(older).chain(tints).chain(amounts.map(|amount| amount.picture)).flatten()
     }
 }
 
@@ -105,14 +144,28 @@ pub enum ModelCover {
 pub struct PictureUse {
     /// An index into [`Model::pictures`](super::Model::pictures), which may lead nowhere.
     pub picture: usize,
-    /// What is beside the picture.
-    pub wrap: PictureWrap,
+    /// What is beside the picture, to its sides, and above and below.
+    pub wrap: [PictureWrap; 2],
     /// Whether texels have edges, instead of running into each other.
     pub nearest: bool,
+    /// Which of the two sets of coordinates of a part place it.
+    pub set: CoordinateSet,
     /// How often it fits into the unit square of texture coordinates.
     pub repeat: [f32; 2],
+    /// By how much the picture's own coordinates grow with the other one of the surface, for pictures that are turned.
+    pub cross: [f32; 2],
     /// By how much of itself it is moved, to the left and down.
     pub offset: [f32; 2],
+}
+
+/// A set of texture coordinates of a part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CoordinateSet {
+    /// That of its mesh.
+    #[default]
+    First,
+    /// [`ModelPart::second_uvs`](super::ModelPart::second_uvs).
+    Second,
 }
 
 /// What is beside a picture.
@@ -171,7 +224,7 @@ enum AlphaMode {
     Blend,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 struct TextureInfo {
     index: usize,
@@ -187,14 +240,14 @@ impl Default for TextureInfo {
     }
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 struct TextureExtensions {
     #[serde(rename = "KHR_texture_transform")]
     transform: TextureTransform,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 struct TextureTransform {
     offset: [f32; 2],
@@ -216,6 +269,8 @@ struct Extensions {
     anisotropy: Anisotropy,
     #[serde(rename = "KHR_materials_clearcoat")]
     clearcoat: Clearcoat,
+    #[serde(rename = "KHR_materials_dispersion")]
+    dispersion: Dispersion,
     #[serde(rename = "KHR_materials_emissive_strength")]
     emissive_strength: EmissiveStrength,
     #[serde(rename = "KHR_materials_ior")]
@@ -228,6 +283,8 @@ struct Extensions {
     specular: Specular,
     #[serde(rename = "KHR_materials_transmission")]
     transmission: Transmission,
+    #[serde(rename = "KHR_materials_unlit")]
+    unlit: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_volume")]
     volume: Volume,
     #[serde(flatten)]
@@ -251,6 +308,13 @@ struct Clearcoat {
     clearcoat_roughness_factor: f32,
     clearcoat_roughness_texture: Option<TextureInfo>,
     clearcoat_normal_texture: Option<IgnoredAny>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Dispersion {
+    /// 20 over Abbe's number.
+    dispersion: f32,
 }
 
 #[derive(Debug, Deserialize)]
@@ -284,7 +348,7 @@ struct SpecularGlossiness {
     diffuse_texture: Option<TextureInfo>,
     specular_factor: [f32; 3],
     glossiness_factor: f32,
-    specular_glossiness_texture: Option<IgnoredAny>,
+    specular_glossiness_texture: Option<TextureInfo>,
 }
 
 impl Default for SpecularGlossiness {
@@ -312,7 +376,7 @@ struct Sheen {
 #[serde(rename_all = "camelCase", default)]
 struct Specular {
     specular_factor: f32,
-    specular_texture: Option<IgnoredAny>,
+    specular_texture: Option<TextureInfo>,
     specular_color_factor: [f32; 3],
     specular_color_texture: Option<TextureInfo>,
 }
@@ -352,6 +416,9 @@ impl Default for Volume {
 /// The largest index of refraction that a reflectance straight on may stand for.
 const LARGEST_ETA: f32 = 4.0;
 
+/// Abbe's number of the dispersion 1.
+const ABBE_AT_1: f32 = 20.0;
+
 /// The least share of light that a body's colour leaves after its distance.
 const LEAST_COLOR: f32 = 1e-6;
 
@@ -361,46 +428,57 @@ impl Material {
         self.extensions.unknown.keys().map(String::as_str)
     }
 
-    /// Whether there are textures that are not shown: those of other coordinates, turned ones, and a few rare ones.
+    /// Whether there are textures that are not shown: those of a third set of coordinates, and a few rare ones.
     ///
     /// Textures of occlusion are none of them: what they are drawn for comes of itself where light is followed.
     pub fn has_unused_textures(&self) -> bool {
+        let sets = self.sets();
         let extensions = &self.extensions;
-        let rare = [
-            &extensions.anisotropy.anisotropy_texture,
-            &extensions.clearcoat.clearcoat_normal_texture,
-            &extensions.specular.specular_texture,
-        ];
-        let of_gloss =
-            extensions.specular_glossiness.as_ref().and_then(|g| g.specular_glossiness_texture.as_ref());
-        self.textures().flatten().any(|texture| !texture.is_shown())
+        let rare =
+            [&extensions.anisotropy.anisotropy_texture, &extensions.clearcoat.clearcoat_normal_texture];
+        self.textures().flatten().any(|texture| sets.find(texture.set()).is_none())
             || rare.into_iter().any(Option::is_some)
-            || of_gloss.is_some()
     }
 
     fn textures(&self) -> impl Iterator<Item = Option<&TextureInfo>> {
         let (pbr, extensions) = (&self.pbr_metallic_roughness, &self.extensions);
-        let diffuse = extensions.specular_glossiness.as_ref().and_then(|g| g.diffuse_texture.as_ref());
+        let older = extensions.specular_glossiness.as_ref();
         [
+            // Their set is the one that tangents come from.
+            self.normal_texture.as_ref(),
             pbr.base_color_texture.as_ref(),
             pbr.metallic_roughness_texture.as_ref(),
-            self.normal_texture.as_ref(),
             self.emissive_texture.as_ref(),
             extensions.clearcoat.clearcoat_texture.as_ref(),
             extensions.clearcoat.clearcoat_roughness_texture.as_ref(),
             extensions.sheen.sheen_color_texture.as_ref(),
             extensions.sheen.sheen_roughness_texture.as_ref(),
+            extensions.specular.specular_texture.as_ref(),
             extensions.specular.specular_color_texture.as_ref(),
             extensions.transmission.transmission_texture.as_ref(),
-            diffuse,
+            older.and_then(|older| older.diffuse_texture.as_ref()),
+            older.and_then(|older| older.specular_glossiness_texture.as_ref()),
         ]
         .into_iter()
+    }
+
+    /// The sets of coordinates that its textures ask for.
+    pub fn sets(&self) -> Sets {
+        let mut asked = self.textures().flatten().map(TextureInfo::set);
+        let first = asked.next().unwrap_or(0);
+        Sets { first, second: asked.find(|&set| set != first) }
+    }
+
+    /// Whether it asks for the directions in which its coordinates grow.
+    pub fn needs_tangents(&self) -> bool {
+        self.normal_texture.is_some() || self.extensions.anisotropy.anisotropy_strength > 0.0
     }
 
     /// The material with its textures.
     pub fn understood(&self, textures: &[Texture], samplers: &[Sampler]) -> ModelMaterial {
         let (pbr, extensions) = (&self.pbr_metallic_roughness, &self.extensions);
-        let picture = |info: &Option<TextureInfo>| info.as_ref()?.shown(textures, samplers);
+        let sets = self.sets();
+        let picture = |info: &Option<TextureInfo>| info.as_ref()?.shown(&sets, textures, samplers);
         let amount = |value: f32, info| ModelAmount { value: share(value), picture: picture(info) };
         let tint = |color: [f32; 3], info| ModelTint { color: color.map(share), picture: picture(info) };
         let Extensions { anisotropy, clearcoat, sheen, specular, transmission, volume, .. } = extensions;
@@ -411,6 +489,8 @@ impl Material {
             name: self.name.clone(),
             base_color: [r, g, b],
             picture: picture(&pbr.base_color_texture),
+            vertex_colors: VertexColors::None,
+            unlit: extensions.unlit.is_some(),
             metal_and_roughness: picture(&pbr.metallic_roughness_texture),
             normals: picture(&self.normal_texture).map(|picture| (picture, scale)),
             opacity: a,
@@ -424,10 +504,15 @@ impl Material {
             anisotropy: (share(anisotropy.anisotropy_strength), anisotropy.anisotropy_rotation / TAU),
             // An index of 0 is for materials made for an older model, which this one cannot show.
             eta: if extensions.ior.ior >= 1.0 { extensions.ior.ior.min(LARGEST_ETA) } else { 1.5 },
+            abbe: match extensions.dispersion.dispersion {
+                dispersion if dispersion > 0.0 => ABBE_AT_1 / dispersion,
+                _ => f32::INFINITY,
+            },
             specular: tint(
                 specular.specular_color_factor.map(|x| x * specular.specular_factor),
                 &specular.specular_color_texture,
             ),
+            gloss: picture(&specular.specular_texture),
             transmission: amount(transmission.transmission_factor, &transmission.transmission_texture),
             body: volume.absorption(),
             coat: amount(clearcoat.clearcoat_factor, &clearcoat.clearcoat_texture),
@@ -440,15 +525,61 @@ impl Material {
             emissive: self.emissive_factor.map(|x| (x * strength).max(0.0)),
             emissive_picture: picture(&self.emissive_texture),
             two_sided: self.double_sided,
+            glossiness: None,
         };
-        match &extensions.specular_glossiness {
-            Some(older) => older.put_into(material, picture(&older.diffuse_texture)),
-            None => material,
+        let Some(older) = &extensions.specular_glossiness else { return material };
+        let diffuse = picture(&older.diffuse_texture);
+        match picture(&older.specular_glossiness_texture) {
+            Some(picture) => older.kept_in(material, diffuse, picture),
+            None => older.put_into(material, diffuse),
+        }
+    }
+}
+
+/// Two sets of texture coordinates, as numbers of the file.
+pub(super) struct Sets {
+    pub first: u32,
+    pub second: Option<u32>,
+}
+
+impl Sets {
+    fn find(&self, set: u32) -> Option<CoordinateSet> {
+        match set {
+            _ if set == self.first => Some(CoordinateSet::First),
+            _ if Some(set) == self.second => Some(CoordinateSet::Second),
+            _ => None,
         }
     }
 }
 
 impl SpecularGlossiness {
+    /// The material in these terms, as far as pictures do not say which of the newer ones they mean.
+    fn kept_in(
+        &self,
+        material: ModelMaterial,
+        diffuse_picture: Option<PictureUse>,
+        picture: PictureUse,
+    ) -> ModelMaterial {
+        let [r, g, b, a] = self.diffuse_factor.map(share);
+        let older = ModelGlossiness {
+            diffuse: [r, g, b],
+            diffuse_picture,
+            specular: self.specular_factor.map(share),
+            glossiness: share(self.glossiness_factor),
+            picture,
+        };
+        ModelMaterial {
+            base_color: older.diffuse,
+            picture: diffuse_picture,
+            metal_and_roughness: None,
+            opacity: a,
+            metallic: 0.0,
+            roughness: 1.0 - older.glossiness,
+            glossiness: Some(older),
+            ..material
+        }
+    }
+
     fn put_into(&self, material: ModelMaterial, picture: Option<PictureUse>) -> ModelMaterial {
         let [r, g, b, a] = self.diffuse_factor.map(share);
         let specular = self.specular_factor.map(share);
@@ -484,28 +615,40 @@ impl Volume {
 }
 
 impl TextureInfo {
-    fn is_shown(&self) -> bool {
-        let transform = &self.extensions.transform;
-        transform.tex_coord.unwrap_or(self.tex_coord) == 0 && transform.rotation == 0.0
+    /// The number of its set of coordinates.
+    fn set(&self) -> u32 {
+        self.extensions.transform.tex_coord.unwrap_or(self.tex_coord)
     }
 
-    fn shown(&self, textures: &[Texture], samplers: &[Sampler]) -> Option<PictureUse> {
+    fn shown(&self, sets: &Sets, textures: &[Texture], samplers: &[Sampler]) -> Option<PictureUse> {
         // The numbers of OpenGL.
         const CLAMP: u32 = 33071;
         const MIRROR: u32 = 33648;
-        const NEAREST: u32 = 9728;
-        let texture = textures.get(self.index).filter(|_| self.is_shown())?;
+        const NEAREST: [u32; 3] = [9728, 9984, 9986];
+        let texture = textures.get(self.index)?;
         let sampler = texture.sampler.and_then(|i| samplers.get(i));
-        let wrap = match sampler.and_then(|sampler| sampler.wrap_s) {
+        let wrap = |code: Option<u32>| match code {
             Some(CLAMP) => PictureWrap::Clamp,
             Some(MIRROR) => PictureWrap::Mirror,
             _ => PictureWrap::Repeat,
         };
-        let nearest = sampler.and_then(|sampler| sampler.mag_filter) == Some(NEAREST);
-        let TextureTransform { offset: [x, y], scale: [across, down], .. } = self.extensions.transform;
-        // Here the second coordinate points upwards.
-        let offset = [x, 1.0 - down - y];
-        Some(PictureUse { picture: texture.source?, wrap, nearest, repeat: [across, down], offset })
+        let wrap = [sampler.and_then(|s| s.wrap_s), sampler.and_then(|s| s.wrap_t)].map(wrap);
+        // There are no smaller copies of pictures here, so the filter for those counts where there is no other.
+        let filter = sampler.and_then(|sampler| sampler.mag_filter.or(sampler.min_filter));
+        let nearest = filter.is_some_and(|filter| NEAREST.contains(&filter));
+        let TextureTransform { offset: [x, y], rotation, scale: [across, down], .. } =
+            self.extensions.transform;
+        // The extension turns about the upper left corner. Here the second coordinate points upwards.
+        let (sin, cos) = fmath::sin_cos(rotation);
+        Some(PictureUse {
+            picture: texture.source()?,
+            wrap,
+            nearest,
+            set: sets.find(self.set())?,
+            repeat: [cos * across, cos * down],
+            cross: [-sin * down, sin * across],
+            offset: [x + sin * down, 1.0 - cos * down - y],
+        })
     }
 }
 

@@ -1,8 +1,9 @@
 //! glTF 2.0 models: meshes, the nodes that place them, and their materials.
 //!
 //! A file is JSON with buffers beside it or within (`.gltf`), or both in one (`.glb`). A mesh that several
-//! nodes show is read once [Khronos 2021, "glTF 2.0 Specification"]. Of extensions,
-//! `EXT_mesh_gpu_instancing`, `KHR_mesh_quantization`, `KHR_texture_transform` and most of those of materials are read.
+//! nodes show is read once [Khronos 2021, "glTF 2.0 Specification"]; one with a skin or targets of morphs has the shape
+//! that it has at rest. Of extensions, `EXT_mesh_gpu_instancing`, `EXT_meshopt_compression`, `KHR_lights_punctual`,
+//! `KHR_mesh_quantization`, `KHR_texture_transform` and most of those of materials are read.
 //!
 //! ```text
 //! scene -> nodes (a tree, each with a transform) -> mesh -> primitives -> accessors -> buffers
@@ -12,13 +13,18 @@
 //! that meshes may take is bounded by the bytes that were really read ([`Budget`]).
 
 mod accessor;
+mod camera;
 mod container;
 mod json;
+mod light;
 mod material;
+mod meshopt;
 mod nodes;
 mod primitive;
+mod skin;
 
 use self::container::Buffers;
+use self::skin::Poses;
 use crate::assets::{AssetFile, Assets};
 use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
@@ -27,7 +33,12 @@ use kajo_math::DAffine3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-pub use self::material::{ModelAmount, ModelCover, ModelMaterial, ModelTint, PictureUse, PictureWrap};
+pub use self::camera::{ModelCamera, ModelView};
+pub use self::light::{ModelLight, ModelLightKind};
+pub use self::material::{
+    CoordinateSet, ModelAmount, ModelCover, ModelGlossiness, ModelMaterial, ModelTint, PictureUse,
+    PictureWrap, VertexColors,
+};
 
 /// What a glTF file describes, as far as it is read.
 #[derive(Debug, Default)]
@@ -40,17 +51,32 @@ pub struct Model {
     pub pictures: Vec<Option<PictureSource>>,
     /// Where the meshes stand.
     pub instances: Vec<ModelInstance>,
+    /// Lights, in the order in which nodes are met.
+    pub lights: Vec<ModelLight>,
+    /// Cameras, likewise.
+    pub cameras: Vec<ModelCamera>,
     /// What the file has and nobody uses, one sentence each.
     pub left_out: Vec<String>,
 }
 
-/// Triangles of one material.
-#[derive(Debug)]
+/// Triangles, lines or points of one material.
+#[derive(Debug, Default)]
 pub struct ModelPart {
     /// The triangles. Texture coordinates have their origin at the lower left, unlike in the file.
     pub mesh: TriMesh,
+    /// Ends of lines, as vertices of the mesh.
+    pub segments: Vec<[u32; 2]>,
+    /// Vertices of the mesh that are points.
+    pub points: Vec<u32>,
     /// An index into [`Model::materials`].
     pub material: Option<usize>,
+    /// A second set of texture coordinates, one for each vertex; empty where the material asks for none.
+    pub second_uvs: Vec<[f32; 2]>,
+    /// Linear red, green, blue and opacity of each vertex, in [0, 1]; empty where all are 1.
+    pub colors: Vec<[f32; 4]>,
+    /// For each vertex the direction in which the first texture coordinate grows, and the sign of the cross product of normal
+    /// and that as a direction in which the second one does; empty where the file has none or the material asks for none.
+    pub tangents: Vec<[f32; 4]>,
 }
 
 /// Where a picture is.
@@ -85,21 +111,31 @@ pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Resul
     let wrong = |message: String| MeshFileError::Content { path: path.clone(), message };
     check_version(&document).map_err(wrong)?;
     check_extensions(&document).map_err(wrong)?;
-    let buffers = Buffers::load(&document, &container, &path, assets, limits)?;
+    let mut buffers = Buffers::load(&document, &container, &path, assets, limits)?;
     let mut budget = Budget::new(buffers.bytes_read());
-    let mut model = nodes::read(&document, &buffers, limits, &mut budget).map_err(wrong)?;
-    let shown = nodes::renumber(&mut model.instances);
+    buffers.decode(&document, &mut budget).map_err(wrong)?;
+    let tree = nodes::read(&document, &buffers, limits, &mut budget).map_err(wrong)?;
+    let mut poses = Poses::new(&document, &buffers);
     let mut counts = primitive::Skipped::default();
-    for mesh in shown {
-        let parts = primitive::read_mesh(&document, &buffers, mesh, &mut budget, &mut counts);
-        model.meshes.push(parts.map_err(|said| wrong(format!("meshes[{mesh}]: {said}")))?);
+    let mut meshes = Vec::new();
+    for &shown in &tree.shown {
+        let pose = poses.of(shown, &tree, &mut budget).map_err(wrong)?;
+        let mesh = shown.mesh;
+        let parts = primitive::read_mesh(&document, &buffers, mesh, &pose, &mut budget, &mut counts);
+        meshes.push(parts.map_err(|said| wrong(format!("meshes[{mesh}]: {said}")))?);
     }
+    let failed = poses.failed();
+    let mut model = Model { meshes, ..tree.model };
     let understood =
         |material: &material::Material| material.understood(&document.textures, &document.samplers);
     model.materials = document.materials.iter().map(understood).collect();
+    color_materials(&mut model);
     model.pictures = pictures(&document, &model.materials, &buffers, &mut budget).map_err(wrong)?;
     model.left_out.extend(counts.sentences());
     model.left_out.extend(left_out(&document));
+    if failed > 0 {
+        model.left_out.push(format!("left out: {failed} skins with joints that are not in the scene"));
+    }
     Ok(model)
 }
 
@@ -163,44 +199,62 @@ fn picture(
         };
     }
     let view = image.buffer_view.ok_or("it has neither a `uri` nor a `bufferView`")?;
-    let view = document.buffer_views.get(view).ok_or("there is no such `bufferView`")?;
-    let end = view.byte_offset.checked_add(view.byte_length);
-    let bytes = buffers.get(view.buffer).and_then(|buffer| buffer.get(view.byte_offset..end?));
-    let bytes = bytes.ok_or("its `bufferView` reaches beyond its buffer")?;
+    let (bytes, _) = buffers.view(document, view)?;
     budget.take::<u8>(bytes.len())?;
     Ok(PictureSource::Bytes(bytes.to_vec()))
+}
+
+/// Tells materials of the colours at the vertices that they are seen on, and gives the standard's own one to coloured parts
+/// without any.
+fn color_materials(model: &mut Model) {
+    let plain = model.materials.len();
+    let mut needs_plain = false;
+    for part in model.meshes.iter_mut().flatten().filter(|part| !part.colors.is_empty()) {
+        let number = *part.material.get_or_insert(plain);
+        if number == plain && !std::mem::replace(&mut needs_plain, true) {
+            model.materials.push(material::Material::default().understood(&[], &[]));
+        }
+        let is_clear = part.colors.iter().any(|color| color[3] < 1.0);
+        let found = if is_clear { VertexColors::ColorAndOpacity } else { VertexColors::Color };
+        let known = &mut model.materials[number].vertex_colors;
+        *known = found.max(*known);
+    }
 }
 
 fn check_version(document: &json::Document) -> Result<(), String> {
     let version = &document.asset.version;
     match version.split('.').next() {
         Some("2") => Ok(()),
-        _ => Err(format!("this is glTF {version}; version 2 is read")),
+        _ => Err(container::unread_version(version)),
     }
 }
 
 fn check_extensions(document: &json::Document) -> Result<(), String> {
     /// These change how things look or sound, not where they are.
-    const HARMLESS: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_audio"];
-    const KNOWN: [&str; 4] =
-        ["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_animation_pointer"];
+    const HARMLESS: [&str; 5] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_audio", "KHR_xmp"];
+    const KNOWN: [&str; 7] = [
+        "EXT_mesh_gpu_instancing",
+        "EXT_meshopt_compression",
+        "KHR_animation_pointer",
+        "KHR_lights_punctual",
+        "KHR_mesh_quantization",
+        "KHR_meshopt_compression",
+        "KHR_node_visibility",
+    ];
     let is_known = |name: &str| KNOWN.contains(&name) || HARMLESS.iter().any(|start| name.starts_with(start));
     match document.extensions_required.iter().find(|name| !is_known(name)) {
+        Some(name) if name == "KHR_draco_mesh_compression" => Err(format!(
+            "its meshes are compressed by `{name}`, which is not supported: `gltf-transform copy OLD NEW` writes them plainly"
+        )),
         Some(name) => Err(format!("it needs the extension `{name}`, which is not supported")),
         None => Ok(()),
     }
 }
 
 fn left_out(document: &json::Document) -> Vec<String> {
-    let lights = document.extensions.as_ref().and_then(|e| e.lights.as_ref()).map_or(0, |l| l.lights.len());
     let textured = document.materials.iter().filter(|material| material.has_unused_textures()).count();
-    let list = [
-        (document.cameras.len(), "cameras"),
-        (lights, "lights"),
-        (document.animations.len(), "animations"),
-        (document.skins.len(), "skins"),
-        (textured, "materials with textures that are not shown"),
-    ];
+    let list =
+        [(document.animations.len(), "animations"), (textured, "materials with textures that are not shown")];
     let used = list.into_iter().filter(|&(count, _)| count > 0);
     let counted = used.map(|(count, what)| format!("left out: {count} {what}"));
     let mut unknown = BTreeMap::<&str, usize>::new();

@@ -1,73 +1,89 @@
-//! The tree of nodes: which mesh stands where.
+//! The tree of nodes: which mesh, light and camera stands where.
 
 use super::accessor::View;
 use super::container::Buffers;
 use super::json::{Document, Instancing, Node};
-use super::{Budget, Model, ModelInstance};
+use super::skin::affine;
+use super::{Budget, Model, ModelInstance, camera, light};
 use crate::limits::Limits;
 use kajo_math::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 
-/// Walks the scene's nodes; meshes keep the numbers of the file.
+/// What the tree says.
+#[derive(Default)]
+pub(super) struct Tree {
+    /// Without meshes yet: those of instances are numbers in `shown`.
+    pub model: Model,
+    /// The meshes that are shown, in the order of their first instance.
+    pub shown: Vec<Shown>,
+    /// From the space of each node of the scene to the model's.
+    pub places: Vec<Option<DAffine3>>,
+}
+
+/// A mesh of the file in one of its shapes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Shown {
+    /// Its number in the file.
+    pub mesh: usize,
+    /// The node, where that has a say in the shape: by a skin or by weights of its own.
+    pub node: Option<usize>,
+}
+
+/// Walks the scene's nodes.
 pub(super) fn read(
     document: &Document,
     buffers: &Buffers<'_>,
     limits: &Limits,
     budget: &mut Budget,
-) -> Result<Model, String> {
-    let mut model = Model::default();
-    let mut seen = vec![false; document.nodes.len()];
+) -> Result<Tree, String> {
+    let mut tree = Tree { places: vec![None; document.nodes.len()], ..Tree::default() };
+    let mut numbers = HashMap::new();
     let mut open: Vec<(usize, DAffine3)> =
         roots(document)?.into_iter().rev().map(|root| (root, DAffine3::IDENTITY)).collect();
     while let Some((number, parent)) = open.pop() {
         let node = document.nodes.get(number).ok_or_else(|| format!("there is no nodes[{number}]"))?;
-        if std::mem::replace(&mut seen[number], true) {
+        let place = parent * local(node);
+        if tree.places[number].replace(place).is_some() {
             return Err(format!("nodes[{number}] hangs on two places of the tree"));
         }
-        let place = parent * local(node);
+        if node.extensions.as_ref().is_some_and(|extensions| !extensions.visibility.visible) {
+            continue;
+        }
+        let named = |said: String| format!("nodes[{number}]: {said}");
         if let Some(mesh) = node.mesh {
             let Some(shown) = document.meshes.get(mesh) else {
-                return Err(format!("nodes[{number}]: there is no meshes[{mesh}]"));
+                return Err(named(format!("there is no meshes[{mesh}]")));
             };
             let name = node.name.as_ref().or(shown.name.as_ref()).filter(|name| !name.is_empty()).cloned();
             let instancing = node.extensions.as_ref().and_then(|extensions| extensions.instancing.as_ref());
-            let many = match instancing {
-                None => None,
-                Some(instancing) => Some(
-                    Many::new(document, buffers, instancing)
-                        .map_err(|said| format!("nodes[{number}]: {said}"))?,
-                ),
-            };
+            let many = instancing.map(|instancing| Many::new(document, buffers, instancing));
+            let many = many.transpose().map_err(named)?;
             let count = many.as_ref().map_or(1, |many| many.count);
+            let model = &mut tree.model;
             if count > limits.objects - model.instances.len() {
                 return Err(format!("there are more than {} instances", limits.objects));
             }
             budget.take::<ModelInstance>(count)?;
-            let place_of = |i| many.as_ref().map_or(place, |many| place * many.get(i));
+            let has_a_say = node.skin.is_some() || node.weights.is_some();
+            let shown = Shown { mesh, node: has_a_say.then_some(number) };
+            let mesh = *numbers.entry(shown).or_insert_with(|| {
+                tree.shown.push(shown);
+                tree.shown.len() - 1
+            });
+            // The joints of a skin say where it is, whatever its own node does.
+            let base = if node.skin.is_some() { DAffine3::IDENTITY } else { place };
+            let place_of = |i| many.as_ref().map_or(base, |many| base * many.get(i));
             model.instances.extend((0..count).map(|i| ModelInstance {
                 name: name.clone(),
                 mesh,
                 model_from_mesh: place_of(i),
             }));
         }
+        tree.model.lights.extend(light::of_node(document, node, &place).map_err(named)?);
+        tree.model.cameras.extend(camera::of_node(document, node, &place).map_err(named)?);
         open.extend(node.children.iter().rev().map(|&child| (child, place)));
     }
-    Ok(model)
-}
-
-/// Numbers the meshes that are shown from 0 in the order of their first instance; answers their numbers in the
-/// file.
-pub(super) fn renumber(instances: &mut [ModelInstance]) -> Vec<usize> {
-    let mut shown = Vec::new();
-    let mut numbers = HashMap::new();
-    for instance in instances {
-        let number = *numbers.entry(instance.mesh).or_insert_with(|| {
-            shown.push(instance.mesh);
-            shown.len() - 1
-        });
-        instance.mesh = number;
-    }
-    shown
+    Ok(tree)
 }
 
 /// The nodes of the file's scene; in a file without scenes, those that hang on no other.
@@ -90,8 +106,7 @@ fn roots(document: &Document) -> Result<Vec<usize>, String> {
 
 fn local(node: &Node) -> DAffine3 {
     if let Some(m) = &node.matrix {
-        let column = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
-        return DAffine3::from_cols(column(0), column(1), column(2), column(3));
+        return affine(m);
     }
     placed(
         node.translation.unwrap_or([0.0; 3]),

@@ -166,9 +166,16 @@ fn strips_fans_and_bare_vertices() {
     assert_eq!(faces(6, ""), [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(faces(4, ""), [[0, 1, 2]]);
     assert_eq!(faces(5, ",\"indices\":3"), [[0, 1, 2], [2, 1, 0], [2, 0, 2], [2, 0, 3]]);
-    let points = part(0, "");
-    assert!(points.meshes[0].is_empty());
-    assert_eq!(points.left_out, ["left out: 1 parts made of lines or points"]);
+    let beads = |mode, indices| {
+        let model = part(mode, indices);
+        assert!(model.meshes[0][0].mesh.faces.is_empty() && model.left_out.is_empty());
+        (model.meshes[0][0].points.clone(), model.meshes[0][0].segments.clone())
+    };
+    assert_eq!(beads(0, ""), (vec![0, 1, 2, 3], vec![]));
+    assert_eq!(beads(1, ""), (vec![], vec![[0, 1], [2, 3]]));
+    assert_eq!(beads(2, ""), (vec![], vec![[0, 1], [1, 2], [2, 3], [3, 0]]));
+    assert_eq!(beads(3, ",\"indices\":3"), (vec![], vec![[0, 1], [1, 2], [2, 0], [0, 2], [2, 3]]));
+    assert_eq!(part(9, "").left_out, ["left out: 1 parts of an unknown kind"]);
 }
 
 #[test]
@@ -231,33 +238,25 @@ fn instances_of_the_extension_are_placed() {
 
 #[test]
 fn what_is_left_out_is_said() {
-    let model = read_square(&format!(
-        r#"{MESH},"nodes":[{{"mesh":0}}],"cameras":[{{}},{{}}],"animations":[{{}}],"skins":[{{"joints":[]}}],
-        "extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"point"}}]}}}}"#
-    ));
-    let said = model.unwrap().left_out;
-    for expected in ["2 cameras", "1 lights", "1 animations", "1 skins"] {
-        assert!(said.iter().any(|s| s == &format!("left out: {expected}")), "{expected}: {said:?}");
-    }
+    let model = read_square(&format!(r#"{MESH},"nodes":[{{"mesh":0}}],"animations":[{{}}]"#));
+    assert_eq!(model.unwrap().left_out, ["left out: 1 animations"]);
     let said = |more: &str| material(more).unwrap().left_out;
     assert!(said("\"occlusionTexture\":{\"index\":0}").is_empty(), "light that is followed needs none");
     for texture in [
-        r#""normalTexture":{"index":0,"texCoord":1}"#,
-        r#""normalTexture":{"index":0,"extensions":{"KHR_texture_transform":{"texCoord":1}}}"#,
-        r#""normalTexture":{"index":0,"extensions":{"KHR_texture_transform":{"rotation":1}}}"#,
-        r#""extensions":{"KHR_materials_specular":{"specularTexture":{"index":0}}}"#,
-        r#""extensions":{"KHR_materials_pbrSpecularGlossiness":{"specularGlossinessTexture":{"index":0}}}"#,
+        r#""normalTexture":{"index":0},"occlusionTexture":{"index":0,"texCoord":9},"emissiveTexture":{"index":1,"texCoord":1},
+            "extensions":{"KHR_materials_clearcoat":{"clearcoatTexture":{"index":0,"texCoord":2}}}"#,
+        r#""extensions":{"KHR_materials_anisotropy":{"anisotropyTexture":{"index":0}}}"#,
     ] {
         assert_eq!(said(texture), ["left out: 1 materials with textures that are not shown"], "{texture}");
     }
-    let rare = r#""extensions":{"KHR_materials_unlit":{},"KHR_materials_ior":{"ior":1.2}}"#;
-    assert_eq!(said(rare), ["left out: `KHR_materials_unlit` of 1 materials"]);
+    let rare = r#""extensions":{"KHR_materials_iridescence":{},"KHR_materials_ior":{"ior":1.2}}"#;
+    assert_eq!(said(rare), ["left out: `KHR_materials_iridescence` of 1 materials"]);
 }
 
 /// Picture `number` as it is.
 fn as_it_is(number: usize) -> PictureUse {
-    let (wrap, nearest) = (PictureWrap::Repeat, false);
-    PictureUse { picture: number, wrap, nearest, repeat: [1.0; 2], offset: [0.0; 2] }
+    let (wrap, nearest, set) = ([PictureWrap::Repeat; 2], false, CoordinateSet::First);
+    PictureUse { picture: number, wrap, nearest, set, repeat: [1.0; 2], cross: [0.0; 2], offset: [0.0; 2] }
 }
 
 /// The square with three pictures, and this of its material instead of its alpha mode.
@@ -346,6 +345,22 @@ fn pictures_are_moved_and_scaled() {
     let down = 3.0 * (1.0 - v) + 0.5;
     let up = shown.repeat[1] * v + shown.offset[1];
     assert!((1.0f32 - down - up).abs() < 1e-6 && shown.repeat[0] * u + shown.offset[0] == 2.0 * u + 0.25);
+
+    let turned = transform.replace("\"offset\"", "\"rotation\":0.5,\"offset\"");
+    let model = material(&format!("\"normalTexture\":{turned}")).unwrap();
+    let (shown, _) = model.materials[0].normals.unwrap();
+    // Counter-clockwise as the picture is seen: T R S with the rotation (c s, -s c) where the second coordinate points down.
+    let (sin, cos) = 0.5f32.sin_cos();
+    let (across, down) = (2.0 * u, 3.0 * (1.0 - v));
+    let expected = [cos * across + sin * down + 0.25, 1.0 - (cos * down - sin * across + 0.5)];
+    let found = [
+        shown.repeat[0] * u + shown.cross[0] * v + shown.offset[0],
+        shown.repeat[1] * v + shown.cross[1] * u + shown.offset[1],
+    ];
+    assert!(
+        (found[0] - expected[0]).abs() < 1e-5 && (found[1] - expected[1]).abs() < 1e-5,
+        "{found:?} {expected:?}"
+    );
 }
 
 /// The square with a picture for its colour, and these images.
@@ -353,7 +368,7 @@ fn painted(texture: &str, images: &str) -> Result<Model, String> {
     let base = format!("\"baseColorTexture\":{{{texture}}},\"metallicFactor\"");
     let mesh = MESH.replace("\"metallicFactor\"", &base);
     let samplers = r#""textures":[{"source":1,"sampler":0},{"source":7},{}],
-        "samplers":[{"wrapS":33648,"magFilter":9728}]"#;
+        "samplers":[{"wrapS":33648,"wrapT":33071,"magFilter":9728}]"#;
     read_square(&format!("{mesh},\"nodes\":[{{\"mesh\":0}}],{samplers},\"images\":[{images}]"))
 }
 
@@ -361,7 +376,8 @@ fn painted(texture: &str, images: &str) -> Result<Model, String> {
 fn pictures_of_colours_are_found() {
     let unused = r#"{"uri":"unused.png"}"#;
     let model = painted("\"index\":0", &format!(r#"{unused},{{"uri":"my%20skin.png"}}"#)).unwrap();
-    let shown = PictureUse { wrap: PictureWrap::Mirror, nearest: true, ..as_it_is(1) };
+    let wrap = [PictureWrap::Mirror, PictureWrap::Clamp];
+    let shown = PictureUse { wrap, nearest: true, ..as_it_is(1) };
     assert!(model.materials.iter().any(|material| material.picture == Some(shown)));
     assert_eq!(model.pictures, [None, Some(PictureSource::File("my skin.png".to_owned()))]);
     let data = r#"{"uri":"data:image/png;base64,Zm9v"}"#;
@@ -415,16 +431,9 @@ fn pictures_that_are_nowhere_are_told_or_left_out() {
         let model = painted(texture, "").unwrap();
         assert!(model.pictures.is_empty(), "{texture}");
     }
-    let other = painted("\"index\":0,\"texCoord\":1", "").unwrap();
-    assert!(other.materials.iter().all(|material| material.picture.is_none()));
-    assert!(
-        other.left_out.iter().any(|said| said.contains("textures that are not shown")),
-        "{:?}",
-        other.left_out
-    );
     for (image, expected) in [
         ("{}", "images[1]: it has neither a `uri` nor a `bufferView`"),
-        (r#"{"bufferView":99}"#, "images[1]: there is no such `bufferView`"),
+        (r#"{"bufferView":99}"#, "images[1]: there is no bufferViews[99]"),
         (r#"{"uri":"data:image/png,x"}"#, "images[1]: its `data:` uri is not in base64"),
         (r#"{"uri":"%ff"}"#, "images[1]: its name is not UTF-8"),
     ] {
@@ -485,7 +494,13 @@ fn mistakes_are_told_with_their_place() {
         ("5123", "5124", "there is no type of number 5124"),
         ("\"byteLength\":140", "\"byteLength\":141", "buffers[0]: it should have 141 bytes and has 140"),
         ("\"material\":0", "\"material\":1", "there is no materials[1]"),
-        ("\"2.0\"", "\"1.0\"", "this is glTF 1.0; version 2 is read"),
+        (
+            "\"2.0\"",
+            "\"1.0\"",
+            "this is glTF 1.0, an older format of another structure; version 2 is read: `gltf-pipeline",
+        ),
+        ("\"2.0\"", "\"3.1\"", "this is glTF 3.1; version 2 is read"),
+        ("\"version\":\"2.0\"", "", "it does not say which version of glTF it is"),
         (
             "\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"",
             "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"",
@@ -499,7 +514,17 @@ fn mistakes_are_told_with_their_place() {
     let outside = json(&bin, &accessors, "\"uri\":\"../../../secret\",", MESH);
     assert!(read(outside.as_bytes(), &MemoryAssets::new()).unwrap_err().contains("outside"));
     for (bytes, said) in [
-        (&b"glTF\x01\0\0\0"[..], "byte 4: this is no GLB file of version 2"),
+        (
+            &b"glTF\x01\0\0\0"[..],
+            "byte 4: this is glTF 1.0, an older format of another structure; version 2 is read",
+        ),
+        (b"glTF\x03\0\0\0", "byte 4: this is a GLB file of version 3; version 2 is read"),
+        (b"glTF", "byte 4: this is no GLB file: it ends after four bytes"),
+        (
+            br#"{"meshes":{"a":{"primitives":[]}},"asset":{"version":"1.0"}}"#,
+            "this is glTF 1.0, an older format",
+        ),
+        (br#"{"nodes":{"a":{}},"scene":"a"}"#, "this is glTF 1.0, an older format"),
         (b"glTF\x02\0\0\0\0\0\0\0\xff\xff\xff\xffJSON", "byte 12: the file ends in its first chunk"),
         (b"glTF\x02\0\0\0\0\0\0\0\0\0\0\0BIN\0", "byte 12: the first chunk is not JSON"),
         (b"", "in the JSON: EOF"),
@@ -544,4 +569,191 @@ proptest! {
             }
         }
     }
+}
+
+/// The square with these attributes besides its own, whose accessors begin at 4, and this of the file.
+fn with_attributes(
+    attributes: &str,
+    add: impl FnOnce(&mut Bin) -> Vec<String>,
+    rest: &str,
+) -> Result<Model, String> {
+    let (mut bin, mut accessors) = square();
+    accessors.extend(add(&mut bin));
+    let mesh = format!(
+        r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2{attributes}}},"indices":3,"material":0}}]}}]"#
+    );
+    read(&glb(&json(&bin, &accessors, "", &format!("{mesh},{rest}")), &bin.bytes), &MemoryAssets::new())
+}
+
+fn accessor(view: usize, kind: u32, count: usize, of: &str) -> String {
+    format!(
+        "{{\"bufferView\":{view},\"componentType\":{kind},\"count\":{count},\"type\":\"{of}\",\"normalized\":false}}"
+    )
+}
+
+#[test]
+fn vertices_bring_colours_second_coordinates_and_tangents() {
+    let rest = r#""nodes":[{"mesh":0}],"images":[{"uri":"a.png"}],"textures":[{"source":0}],
+        "materials":[{"normalTexture":{"index":0},"emissiveTexture":{"index":0,"texCoord":3}}]"#;
+    let attributes = r#","COLOR_0":4,"TEXCOORD_3":5,"TANGENT":6"#;
+    let add = |bin: &mut Bin| {
+        let colors = bin.add([255u8, 0, 51, 255].repeat(4));
+        let uvs = bin.floats(&[0.25, 0.5].repeat(4));
+        let tangents = bin.floats(&[1.0, 0.0, 0.0, -1.0].repeat(4));
+        vec![
+            accessor(colors, 5121, 4, "VEC4").replace("false", "true"),
+            accessor(uvs, 5126, 4, "VEC2"),
+            accessor(tangents, 5126, 4, "VEC4"),
+        ]
+    };
+    let model = with_attributes(attributes, add, rest).unwrap();
+    let part = &model.meshes[0][0];
+    assert_eq!(part.colors, [[1.0, 0.0, 0.2, 1.0]; 4]);
+    assert_eq!(part.second_uvs, [[0.25, 0.5]; 4]);
+    assert_eq!(part.tangents, [[1.0, 0.0, 0.0, -1.0]; 4]);
+    let material = &model.materials[0];
+    assert_eq!(material.vertex_colors, VertexColors::Color);
+    assert_eq!(material.normals.unwrap().0.set, CoordinateSet::First);
+    assert_eq!(material.emissive_picture.unwrap().set, CoordinateSet::Second);
+    assert!(model.left_out.is_empty(), "{:?}", model.left_out);
+
+    // What no picture asks for is not kept; a part without a material gets the one of the standard for its colours.
+    let bare = r#""nodes":[{"mesh":0}],"materials":[{}]"#;
+    let model = with_attributes(attributes, add, bare).unwrap();
+    let part = &model.meshes[0][0];
+    assert!(part.second_uvs.is_empty() && part.tangents.is_empty());
+    let colors = |bin: &mut Bin| vec![accessor(bin.floats(&[0.5, 2.0, f32::NAN].repeat(4)), 5126, 4, "VEC3")];
+    let plain =
+        r#""meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":4}}]}],"nodes":[{"mesh":0}]"#;
+    let (mut bin, mut accessors) = square();
+    accessors.extend(colors(&mut bin));
+    let model = read(&glb(&json(&bin, &accessors, "", plain), &bin.bytes), &MemoryAssets::new()).unwrap();
+    let part = &model.meshes[0][0];
+    assert_eq!((part.colors[0], part.material), ([0.5, 1.0, 0.0, 1.0], Some(0)));
+    assert_eq!((model.materials[0].metallic, model.materials[0].vertex_colors), (1.0, VertexColors::Color));
+    let white = |bin: &mut Bin| vec![accessor(bin.floats(&[1.0; 12]), 5126, 4, "VEC3")];
+    let model = with_attributes(r#","COLOR_0":4"#, white, bare).unwrap();
+    assert!(model.meshes[0][0].colors.is_empty() && model.materials[0].vertex_colors == VertexColors::None);
+    let few = |bin: &mut Bin| vec![accessor(bin.floats(&[1.0; 9]), 5126, 3, "VEC3")];
+    let said = with_attributes(r#","COLOR_0":4"#, few, bare).unwrap_err();
+    assert!(said.contains("there are 4 vertices, but 3 of `COLOR_0`"), "{said}");
+}
+
+#[test]
+fn lights_and_cameras_stand_where_their_nodes_do() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let rest = format!(
+        r#"{MESH},"nodes":[{{"translation":[1,2,3],"scale":[2,2,2],"children":[1,2,3,4,5]}},
+        {{"name":"lamp","translation":[1,0,0],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}},
+        {{"rotation":[{half},0,0,{half}],"extensions":{{"KHR_lights_punctual":{{"light":1}}}}}},
+        {{"extensions":{{"KHR_lights_punctual":{{"light":2}}}}}},
+        {{"name":"eye","camera":0,"rotation":[0,{half},0,{half}]}},{{"camera":1}}],
+        "cameras":[{{"type":"perspective","perspective":{{"yfov":0.5,"znear":0.1}}}},
+        {{"name":"plan","type":"orthographic","orthographic":{{"xmag":1,"ymag":2,"zfar":9,"znear":0}}}}],
+        "extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"point","color":[1,0.5,0],"intensity":8,"range":3}},
+        {{"name":"down","type":"directional"}},
+        {{"type":"spot","intensity":-4,"spot":{{"innerConeAngle":0.9,"outerConeAngle":0.5}}}}]}}}}"#
+    );
+    let model = read_square(&rest).unwrap();
+    assert!(model.left_out.is_empty(), "{:?}", model.left_out);
+    let [lamp, sun, spot] = &model.lights[..] else { panic!("{:?}", model.lights) };
+    assert_eq!((lamp.name.as_deref(), lamp.kind), (Some("lamp"), ModelLightKind::Point));
+    assert_eq!((lamp.intensity, lamp.position), ([8.0, 4.0, 0.0], DVec3::new(3.0, 2.0, 3.0)));
+    assert_eq!((sun.name.as_deref(), sun.kind), (Some("down"), ModelLightKind::Directional));
+    assert!(sun.direction.distance(DVec3::Y) < 1e-12, "{}", sun.direction);
+    assert_eq!((spot.intensity, spot.kind), ([0.0; 3], ModelLightKind::Spot { inner: 0.5, outer: 0.5 }));
+    let [eye, plan] = &model.cameras[..] else { panic!("{:?}", model.cameras) };
+    assert_eq!((eye.name.as_deref(), eye.view), (Some("eye"), ModelView::Perspective { angle: 0.5 }));
+    assert!(eye.direction.distance(DVec3::NEG_X) < 1e-12 && eye.up.distance(DVec3::Y) < 1e-12, "{eye:?}");
+    assert_eq!((plan.name.as_deref(), plan.view), (Some("plan"), ModelView::Orthographic { height: 4.0 }));
+    assert_eq!(plan.center, DVec3::new(1.0, 2.0, 3.0));
+    for (from, to, said) in [
+        ("\"light\":2", "\"light\":7", "nodes[3]: there is no light 7"),
+        ("\"point\"", "\"area\"", "nodes[1]: there is no type of light `area`"),
+        ("\"camera\":1", "\"camera\":2", "nodes[5]: there is no cameras[2]"),
+    ] {
+        let error = read_square(&rest.replace(from, to)).unwrap_err();
+        assert!(error.contains(said), "{error}");
+    }
+    assert_eq!(read_square(&rest.replace("\"yfov\":0.5", "\"yfov\":4")).unwrap().cameras.len(), 1);
+    let hidden = rest.replacen(
+        "\"scale\"",
+        "\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}},\"scale\"",
+        1,
+    );
+    assert!(read_square(&hidden).unwrap().lights.is_empty());
+}
+
+#[test]
+fn unlit_and_dispersive_materials_are_read() {
+    assert!(extended(r#""KHR_materials_unlit":{}"#).unlit && !extended("").unlit);
+    assert_eq!(extended(r#""KHR_materials_dispersion":{"dispersion":0.5}"#).abbe, 40.0);
+    assert_eq!(extended("").abbe, f32::INFINITY);
+    let gloss = extended(
+        r#""KHR_materials_specular":{"specularFactor":0.5,"specularTexture":{"index":1},"specularColorTexture":{"index":2}}"#,
+    );
+    assert_eq!((gloss.gloss, gloss.specular.picture), (Some(as_it_is(1)), Some(as_it_is(2))));
+    let older = extended(
+        r#""KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[0.5,1,1,1],"diffuseTexture":{"index":0},
+        "glossinessFactor":0.5,"specularGlossinessTexture":{"index":1}}"#,
+    );
+    let kept = older.glossiness.unwrap();
+    assert_eq!((kept.diffuse, kept.specular, kept.glossiness), ([0.5, 1.0, 1.0], [1.0; 3], 0.5));
+    assert_eq!((kept.diffuse_picture, kept.picture), (Some(as_it_is(0)), as_it_is(1)));
+}
+
+#[test]
+fn morphs_and_skins_have_the_shape_they_have_at_rest() {
+    let targets = |weights: &str, node: &str| {
+        let (mut bin, mut accessors) = square();
+        let moved = bin.floats(&[0.0, 0.0, 2.0].repeat(4));
+        accessors.push(accessor(moved, 5126, 4, "VEC3"));
+        let rest = format!(
+            r#""nodes":[{{"mesh":0}},{{"mesh":0{node}}},{{"mesh":0}}],"meshes":[{{{weights}"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1}},
+            "indices":3,"targets":[{{"POSITION":4}},{{"NORMAL":4}}]}}]}}]"#
+        );
+        read(&glb(&json(&bin, &accessors, "", &rest), &bin.bytes), &MemoryAssets::new()).unwrap()
+    };
+    let height = |model: &Model, mesh: usize| model.meshes[mesh][0].mesh.positions[2];
+    let plain = targets("", "");
+    assert_eq!((plain.meshes.len(), height(&plain, 0), plain.left_out.len()), (1, [1.0, 1.0, 0.0], 0));
+    let both = targets("\"weights\":[0.5,0.25],", ",\"weights\":[1,0]");
+    assert_eq!((both.meshes.len(), both.instances.len()), (2, 3));
+    assert_eq!((height(&both, 0), height(&both, 1)), ([1.0, 1.0, 1.0], [1.0, 1.0, 2.0]));
+    assert_eq!(both.meshes[0][0].mesh.normals[0], [0.0, 0.0, 1.5]);
+    assert_eq!([0, 1, 2].map(|i| both.instances[i].mesh), [0, 1, 0]);
+
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let skinned = |joints: &str, bound: &str| {
+        let (mut bin, mut accessors) = square();
+        let numbers = bin.add([0u8, 1, 0, 0].repeat(4));
+        let weights = bin.floats(&[0.5, 0.5, 0.0, 0.0].repeat(4));
+        let mut matrix = [0.0f32; 16];
+        (0..4).for_each(|i| matrix[5 * i] = 1.0);
+        matrix[12] = -5.0;
+        let matrices = bin.floats(&[matrix; 2].concat());
+        accessors.extend([
+            accessor(numbers, 5121, 4, "VEC4"),
+            accessor(weights, 5126, 4, "VEC4"),
+            accessor(matrices, 5126, 2, "MAT4"),
+        ]);
+        let rest = format!(
+            r#""nodes":[{{"mesh":0,"skin":0,"translation":[9,9,9]}},{{"translation":[5,0,1]}},
+            {{"translation":[5,0,3],"rotation":[0,0,{half},{half}]}}],"skins":[{{"joints":{joints}{bound}}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1,"JOINTS_0":4,"WEIGHTS_0":5}},"indices":3}}]}}]"#
+        );
+        read(&glb(&json(&bin, &accessors, "", &rest), &bin.bytes), &MemoryAssets::new())
+    };
+    let model = skinned("[1,1]", ",\"inverseBindMatrices\":6").unwrap();
+    assert_eq!(model.meshes[0][0].mesh.positions[2], [1.0, 1.0, 1.0]);
+    assert_eq!(model.instances[0].model_from_mesh, DAffine3::IDENTITY);
+    let turned = skinned("[2,2]", "").unwrap();
+    let [x, y, z] = turned.meshes[0][0].mesh.positions[1];
+    assert!((x - 5.0).abs() < 1e-6 && (y - 1.0).abs() < 1e-6 && z == 3.0, "{x} {y} {z}");
+    assert_eq!(turned.meshes[0][0].mesh.normals[1], [0.0, 0.0, 1.0]);
+    let lost = skinned("[1,77]", "").unwrap();
+    assert_eq!(lost.meshes[0][0].mesh.positions[0], [9.0, 9.0, 9.0]);
+    assert_eq!(lost.left_out, ["left out: 1 skins with joints that are not in the scene"]);
+    let error = skinned("[1,1,1]", ",\"inverseBindMatrices\":6").unwrap_err();
+    assert!(error.contains("skins[0]: there are fewer matrices than joints"), "{error}");
 }

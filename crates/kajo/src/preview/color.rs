@@ -13,7 +13,7 @@ pub(super) fn of(scene: &Scene, material: MaterialId, p: Vec3) -> [u8; 4] {
     let phong = match scene.materials.constant(material) {
         Some(phong) => *phong,
         None => {
-            let place = MaterialPoint { p, uv: Vec2::splat(0.5), tint: None };
+            let place = MaterialPoint { p, uv: Vec2::splat(0.5).into(), tint: None };
             scene.materials.phong(material, &scene.materials, &scene.textures, &place)
         }
     };

@@ -1,7 +1,9 @@
 //! Objects and what holds them.
 
 use super::FieldKind::{self, Angle, File, Flag, Numbers, Point, Vector};
-use super::{ANY, Block, FieldSpec, Kind, block, field, number, option, required, ruled, rules};
+use super::{
+    ANY, Block, FieldSpec, Kind, LIGHT_GROUP, at_least, block, field, number, option, required, ruled, rules,
+};
 
 const DEGREES: FieldKind = Angle { min: -ANY, max: ANY };
 
@@ -117,6 +119,11 @@ pub(super) const BLOCKS: &[Block] = &[
             required("file", File, "glTF"),
             field("smooth", Flag, "on", "shaded by interpolated normals"),
             field("materials", Flag, "on", "in the materials of its own file"),
+            field("lights", Flag, "on", "with the lights of its file"),
+            field("lightScale", at_least(0.0), "1", "factor of these lights"),
+            LIGHT_GROUP,
+            option("points", at_least(0.0), "radius of spheres in place of points"),
+            option("lines", at_least(0.0), "radius of tubes in place of lines"),
         ],
     ),
     block("Group", Kind::Group, &[]),

@@ -1,0 +1,212 @@
+//! What becomes of lights, cameras, colours, pictures, points and lines of models.
+
+use kajo_color::Wavelengths;
+use kajo_image::{EncodeOptions, Format, Image, encode};
+use kajo_math::{DVec3, Ray, Vec2, Vec3};
+use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+
+use crate::camera::Camera;
+use crate::compile::{CompileOptions, compile};
+use crate::light::Emitter;
+use crate::scene::{Interaction, Scene};
+
+/// The scene of these objects, which may name `a.gltf`, and what was said; the file has this content besides a triangle of
+/// the corners (-1, -1), (3, -1) and (-1, 3): positions in accessor 0, coordinates from (0, 0) to (2, 2) in 1, coordinates of
+/// (0.75, 0.75) in 2, red, green and blue in 3.
+fn compiled(objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
+    let floats: [&[f32]; 4] = [
+        &[-1.0, -1.0, 0.0, 3.0, -1.0, 0.0, -1.0, 3.0, 0.0],
+        &[0.0, 1.0, 2.0, 1.0, 0.0, -1.0],
+        &[0.75, 0.25, 0.75, 0.25, 0.75, 0.25],
+        &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+    ];
+    let (mut bytes, mut views, mut accessors) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, list) in floats.iter().enumerate() {
+        let (at, length) = (bytes.len(), 4 * list.len());
+        bytes.extend(list.iter().flat_map(|x| x.to_le_bytes()));
+        views.push(format!(r#"{{"buffer":0,"byteOffset":{at},"byteLength":{length}}}"#));
+        let of = if list.len() == 6 { "VEC2" } else { "VEC3" };
+        accessors.push(format!(r#"{{"bufferView":{i},"componentType":5126,"count":3,"type":"{of}"}}"#));
+    }
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"a.bin","byteLength":{}}}],"bufferViews":[{}],"accessors":[{}],
+        "textures":[{{"source":0}},{{"source":1}}],"images":[{{"uri":"a.png"}},{{"uri":"b.png"}}],{content}}}"#,
+        bytes.len(),
+        views.join(","),
+        accessors.join(",")
+    );
+    let png = |texel: fn(u32, u32) -> [f32; 4]| {
+        encode(&Image::from_fn(2, 2, texel).unwrap(), Format::Png, &EncodeOptions::default()).unwrap()
+    };
+    // Red and green above blue and white; and a metal on the left of a pigment, half as glossy.
+    let colors = png(|x, y| {
+        [[[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]], [[0.0, 0.0, 1.0, 1.0], [1.0; 4]]][y as usize]
+            [x as usize]
+    });
+    let gloss = png(|x, _| if x == 0 { [1.0, 1.0, 1.0, 1.0] } else { [0.0, 0.0, 0.0, 0.5] });
+    let assets = MemoryAssets::new()
+        .with("a.gltf", json)
+        .with("a.bin", bytes)
+        .with("a.png", colors)
+        .with("b.png", gloss);
+    let text = format!(
+        "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
+         Materials {{ Matte {{ color 0.5 0.5 0.5 }} }} Group {{ MaterialIndex 0 {objects} }}"
+    );
+    let mut parsed = SceneDesc::parse_str(&text);
+    let mut diagnostics = Diagnostics::default();
+    let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+    (scene, diagnostics.iter().map(|d| d.message.clone()).collect())
+}
+
+fn scene(objects: &str, content: &str) -> Scene {
+    let (scene, said) = compiled(objects, content);
+    assert!(said.is_empty(), "{said:?}");
+    scene.expect("a scene without mistakes")
+}
+
+/// Where a ray along the z axis meets the triangle.
+fn met(scene: &Scene, x: f32, y: f32) -> Interaction {
+    let event = scene.trace(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z));
+    *event.surface().expect("the ray meets the model")
+}
+
+/// The colour that the classic integrator sees there.
+fn color(scene: &Scene, x: f32, y: f32) -> Vec3 {
+    let at = met(scene, x, y);
+    let place = scene.material_point(&at);
+    scene.materials.phong(at.material, &scene.materials, &scene.textures, &place).diffuse.to_rgb().into()
+}
+
+/// A triangle with these attributes and this in its material.
+fn triangle(attributes: &str, material: &str) -> String {
+    format!(
+        r#""nodes":[{{"mesh":0}}],"materials":[{{{material}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0{attributes}}},"material":0}}]}}]"#
+    )
+}
+
+const LAMPS: &str = r#""nodes":[
+    {"name":"lamp","translation":[1,0,0],"camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}},
+    {"extensions":{"KHR_lights_punctual":{"light":1}}},{"extensions":{"KHR_lights_punctual":{"light":2}}}],
+    "cameras":[{"perspective":{"yfov":0.5}}],
+    "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","color":[1,0.5,0],"intensity":8},
+    {"type":"directional","intensity":3},{"type":"spot","intensity":2,"spot":{"outerConeAngle":0.5}}]}}"#;
+
+#[test]
+fn lights_shine_in_their_units_where_the_model_stands() {
+    let placed = |keys: &str| {
+        scene(
+            &format!("Transform {{ Translate 0 2 0  UniformScale 3  Model {{ file a.gltf {keys} }} }}"),
+            LAMPS,
+        )
+    };
+    let lit = placed("");
+    assert_eq!(lit.light_list.len(), 3);
+    let lamp = &lit.lights.point[0];
+    assert_eq!(lamp.position, Vec3::new(3.0, 2.0, 0.0));
+    // Illuminance is candela over the square of the distance.
+    let sample = lamp.sample(Vec3::new(3.0, 0.0, 0.0), 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
+    assert_eq!(sample.radiance.to_rgb(), [2.0, 1.0, 0.0]);
+    let sun = lit.lights.directional[0].sample(Vec3::ZERO, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
+    assert_eq!((sun.wi, sun.radiance.to_rgb()), (Vec3::Z, [3.0; 3]));
+    let spot = &lit.lights.spots[0];
+    assert_eq!((spot.axis, spot.cos_inner), (Vec3::NEG_Z, 1.0));
+    assert_eq!(placed("lightScale 0.25").lights.point[0].emission.rgb(), [2.0, 1.0, 0.0]);
+    assert!(placed("lights off").light_list.is_empty());
+    assert_eq!(placed("group key").light_groups[1], *"key");
+    let (_, said) = compiled("Define lamps { Model { file a.gltf } }  Instance lamps", LAMPS);
+    assert_eq!(said, ["the lights of a model within a `Define` block are left out"]);
+}
+
+#[test]
+fn cameras_are_listed_where_the_model_stands() {
+    let objects = "Transform { Translate 0 2 0  YRotate 90  Model { file a.gltf  lights off } }";
+    let scene = scene(objects, LAMPS);
+    let [_, camera] = &scene.cameras[..] else { panic!("{:?}", scene.cameras) };
+    let Camera::Perspective(view) = &camera.camera else { panic!("{camera:?}") };
+    assert_eq!(camera.name.as_deref(), Some("lamp"));
+    let frame = view.frame();
+    assert!(frame.center.distance(DVec3::new(0.0, 2.0, -1.0)) < 1e-9, "{frame:?}");
+    assert!(frame.forward.distance(DVec3::NEG_X) < 1e-9 && frame.up.distance(DVec3::Y) < 1e-9, "{frame:?}");
+    assert!((view.distance() * 0.25f64.tan() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn colours_at_vertices_are_factors() {
+    let model = "Model { file a.gltf }";
+    let pigment = r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1],"metallicFactor":0}"#;
+    let plain = scene(model, &triangle(r#","COLOR_0":3"#, pigment));
+    let near = |found: Vec3, expected: [f32; 3]| {
+        assert!(found.distance(expected.into()) < 1e-3, "{found} for {expected:?}");
+    };
+    near(color(&plain, 0.0, 0.0), [0.25, 0.25, 0.25]);
+    near(color(&plain, 1.0, 0.0), [0.125, 0.5, 0.25]);
+    let pictured = pigment.replace("{\"base", "{\"baseColorTexture\":{\"index\":0},\"base");
+    let pictured = scene(model, &triangle(r#","COLOR_0":3,"TEXCOORD_0":2"#, &pictured));
+    // The picture is green there.
+    near(color(&pictured, 0.0, 0.0), [0.0, 0.25, 0.0]);
+}
+
+#[test]
+fn pictures_are_laid_by_the_second_coordinates() {
+    let material = r#""normalTexture":{"index":0},"pbrMetallicRoughness":{"metallicFactor":0,
+        "baseColorTexture":{"index":0,"texCoord":1}}"#;
+    let laid = scene("Model { file a.gltf }", &triangle(r#","TEXCOORD_0":1,"TEXCOORD_1":2"#, material));
+    for (x, y) in [(-0.5, -0.5), (0.5, 0.5), (-0.5, 0.9)] {
+        assert!(color(&laid, x, y).distance(Vec3::Y) < 1e-3, "{}", color(&laid, x, y));
+    }
+}
+
+#[test]
+fn unlit_surfaces_have_their_colour_in_any_light() {
+    let material = r#""pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1]},"extensions":{"KHR_materials_unlit":{}}"#;
+    let unlit = scene("Model { file a.gltf }", &triangle("", material));
+    assert_eq!(unlit.lights.areas.len(), 1);
+    let at = met(&unlit, 0.0, 0.0);
+    let bsdf = unlit.bsdf(&at, &Wavelengths::RGB, 1.0, 0.5);
+    assert!(bsdf.albedo(Vec3::Z).to_rgb().iter().all(|&c| c < 1e-6));
+    assert_eq!(unlit.lights.areas[0].emission.rgb(), [0.25, 0.5, 0.75]);
+}
+
+#[test]
+fn glossiness_in_pictures_becomes_metalness() {
+    let material = r#""extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[0.5,0.5,0.5,1],
+        "specularFactor":[1,0.8,0.3],"specularGlossinessTexture":{"index":1}}}"#;
+    let older = scene("Model { file a.gltf }", &triangle(r#","TEXCOORD_0":1"#, material));
+    let layers = |x| {
+        let at = met(&older, x, 0.0);
+        let bsdf = older.bsdf(&at, &Wavelengths::RGB, 1.0, 0.5);
+        let crate::bsdf::Bsdf::Principled(layers) = bsdf else { panic!("{bsdf:?}") };
+        (layers.base, Vec3::from(layers.color.to_rgb()), layers.alpha.x)
+    };
+    let (base, gold, alpha) = layers(-0.5);
+    assert!(base == crate::bsdf::Base::Metal && alpha == 0.0, "{base:?} {alpha}");
+    assert!(gold.distance(Vec3::new(1.0, 0.8, 0.3)) < 0.01, "{gold}");
+    let (base, grey, alpha) = layers(0.5);
+    assert!(base == crate::bsdf::Base::Diffuse && (alpha - 0.25).abs() < 0.01, "{base:?} {alpha}");
+    assert!(grey.distance(Vec3::splat(0.5 / 0.96)) < 0.01, "{grey}");
+}
+
+#[test]
+fn points_and_lines_are_shown_on_request() {
+    let beads = |mode: u32| {
+        format!(
+            r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"COLOR_0":3}},"mode":{mode}}}]}}]"#
+        )
+    };
+    let (_, said) = compiled("Model { file a.gltf }", &beads(0));
+    assert_eq!(said, ["`a.gltf`: left out: 3 points; `points RADIUS` shows them"]);
+    let points = scene("Model { file a.gltf  points 0.25 }", &beads(0));
+    assert_eq!((points.primitives.len(), points.shapes.spheres.len()), (3, 3));
+    let at = met(&points, -1.0, -1.0);
+    assert!((at.hit.t - 4.75).abs() < 1e-4);
+    let point = points.material_point(&at);
+    let phong = points.materials.phong(at.material, &points.materials, &points.textures, &point);
+    assert_eq!(phong.diffuse.to_rgb(), [1.0, 0.0, 0.0]);
+    let (_, said) = compiled("Model { file a.gltf  points 1 }", &beads(2));
+    assert_eq!(said, ["`a.gltf`: left out: 3 lines; `lines RADIUS` shows them"]);
+    let lines = scene("Model { file a.gltf  lines 0.25 }", &beads(2));
+    assert_eq!((lines.shapes.spheres.len(), lines.shapes.cones.len()), (3, 3));
+    assert!((met(&lines, 1.0, -1.0).hit.t - 4.75).abs() < 1e-4);
+}
