@@ -209,6 +209,15 @@ fn check_gltf(data: &[u8]) {
                 let finite = |v: u32| part.mesh.positions[v as usize].iter().all(|x| x.is_finite());
                 assert!(part.mesh.faces.iter().flatten().all(|&v| finite(v)));
                 assert!(part.material.is_none_or(|material| material < model.materials.len()));
+                let beads = part.points.iter().chain(part.segments.iter().flatten());
+                assert!(beads.copied().all(finite));
+                let count = part.mesh.positions.len();
+                let lists = [part.second_uvs.len(), part.colors.len(), part.tangents.len()];
+                assert!(lists.iter().all(|&n| n == 0 || n == count));
+                assert!(part.colors.iter().flatten().all(|c| (0.0..=1.0).contains(c)));
+            }
+            for light in &model.lights {
+                assert!(light.intensity.iter().all(|c| *c >= 0.0 && c.is_finite()));
             }
             for shown in model.materials.iter().filter_map(|material| material.picture) {
                 assert!(model.pictures.get(shown.picture).is_none_or(Option::is_some));
