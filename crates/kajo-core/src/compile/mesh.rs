@@ -115,21 +115,9 @@ impl Compiler<'_> {
         share.map_err(|over| self.cannot_read(&file.path, &over.to_string(), place)).ok()
     }
 
-    /// Builds the tree of a mesh and stores it, and says what is wrong with it.
-    pub(super) fn build_mesh(
-        &mut self,
-        data: MeshData,
-        path: &str,
-        item: Item<'_>,
-        place: Span,
-    ) -> Option<ShapeId> {
-        let mesh = self.built(data, path, place)?;
-        self.put_mesh(mesh, path, item, place)
-    }
-
     /// Builds the tree of a mesh, unless the scene has failed already: nobody should wait for that to hear of a
     /// misspelt word.
-    fn built(&mut self, data: MeshData, path: &str, place: Span) -> Option<Mesh> {
+    pub(super) fn built(&mut self, data: MeshData, path: &str, place: Span) -> Option<Mesh> {
         if self.has_failed() {
             return None;
         }

@@ -132,14 +132,16 @@ impl Compiler<'_> {
         let materials: Vec<Option<MaterialId>> =
             own.map(|material| self.model_material(material, &pictures)).collect();
         let mut bead_materials = BeadMaterials::new();
+        let (mut triangles, mut flat) = (0, 0);
         let mut meshes: Vec<Vec<Stored>> = Vec::with_capacity(model.meshes.len());
         for parts in model.meshes {
             let mut stored = Vec::with_capacity(parts.len());
             for part in parts {
                 let material = part.material.and_then(|m| materials.get(m).copied().flatten());
                 if part.points.is_empty() && part.segments.is_empty() {
-                    let shape = self.build_mesh(mesh_data(part, key.smooth), &key.path, item, at)?;
-                    stored.push((shape, material));
+                    let mesh = self.built(mesh_data(part, key.smooth), &key.path, at)?;
+                    (triangles, flat) = (triangles + mesh.triangle_count(), flat + mesh.dropped());
+                    stored.push((self.shape(item, mesh)?, material));
                     continue;
                 }
                 let said = part.material.and_then(|m| model.materials.get(m));
@@ -148,6 +150,10 @@ impl Compiler<'_> {
                 stored.extend(beads);
             }
             meshes.push(stored);
+        }
+        if flat > 0 {
+            let message = format!("{flat} of its {triangles} triangles have no area and are left out");
+            self.warn_of_file(&key.path, &message, at);
         }
         let parts: Parts = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();

@@ -39,7 +39,7 @@ impl Compiler<'_> {
         material: &ModelMaterial,
         pictures: &ModelPictures<'_>,
     ) -> Option<MaterialId> {
-        let older = material.glossiness.as_ref().and_then(|older| self.from_glossiness(older, pictures));
+        let older = material.glossiness.as_ref().and_then(|older| self.glossiness_pictures(older, pictures));
         let (color, metal, plain) = match older {
             // The pictures are all there is.
             Some([color, metal]) => {

@@ -31,7 +31,20 @@ impl Compiler<'_> {
     ) -> Option<PictureMap> {
         let PictureUse { picture: number, wrap, nearest, set, repeat, cross, offset } = shown?;
         let &ModelPictures { list, path, at } = pictures;
-        let map = match list.get(number)?.as_ref()? {
+        let source = list.get(number)?.as_ref()?;
+        if is_ktx2(source) {
+            // Said once, however many materials show it.
+            let key = (format!("{path}#images[{number}]"), None);
+            if self.pictures.insert(key, None).is_none() {
+                let message = format!(
+                    "`images[{number}]` is left out: KTX2 pictures (`KHR_texture_basisu`) are not read; a program such as \
+                     `gltf-transform` writes PNG in their place"
+                );
+                self.warn_of_file(path, &message, at);
+            }
+            return None;
+        }
+        let map = match source {
             PictureSource::File(name) => self.found_picture(name, path, encoding, at),
             PictureSource::Bytes(bytes) => {
                 self.held_picture(bytes, &format!("{path}#images[{number}]"), encoding, at)
@@ -60,7 +73,7 @@ impl Compiler<'_> {
     }
 
     /// Base colour with opacity, and roughness in green with metalness in blue, of a surface in older terms.
-    pub(super) fn from_glossiness(
+    pub(super) fn glossiness_pictures(
         &mut self,
         older: &ModelGlossiness,
         pictures: &ModelPictures<'_>,
@@ -84,6 +97,14 @@ impl Compiler<'_> {
             [0.0, roughness, metalness, 1.0]
         })?;
         Some([color, metal])
+    }
+}
+
+/// Whether a picture is in the container of the extension `KHR_texture_basisu`.
+fn is_ktx2(source: &PictureSource) -> bool {
+    match source {
+        PictureSource::File(name) => name.to_ascii_lowercase().ends_with(".ktx2"),
+        PictureSource::Bytes(bytes) => bytes.starts_with(b"\xabKTX 20\xbb"),
     }
 }
 

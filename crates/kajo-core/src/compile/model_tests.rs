@@ -30,7 +30,8 @@ fn compiled(objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
     }
     let json = format!(
         r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"a.bin","byteLength":{}}}],"bufferViews":[{}],"accessors":[{}],
-        "textures":[{{"source":0}},{{"source":1}}],"images":[{{"uri":"a.png"}},{{"uri":"b.png"}}],{content}}}"#,
+        "textures":[{{"source":0}},{{"source":1}},{{"extensions":{{"KHR_texture_basisu":{{"source":2}}}}}}],
+        "images":[{{"uri":"a.png"}},{{"uri":"b.png"}},{{"uri":"c.ktx2"}}],{content}}}"#,
         bytes.len(),
         views.join(","),
         accessors.join(",")
@@ -186,6 +187,18 @@ fn glossiness_in_pictures_becomes_metalness() {
     let (base, grey, alpha) = layers(0.5);
     assert!(base == crate::bsdf::Base::Diffuse && (alpha - 0.25).abs() < 0.01, "{base:?} {alpha}");
     assert!(grey.distance(Vec3::splat(0.5 / 0.96)) < 0.01, "{grey}");
+}
+
+#[test]
+fn pictures_in_other_containers_are_named_once() {
+    let content =
+        triangle(r#","TEXCOORD_0":1"#, r#""normalTexture":{"index":2},"emissiveTexture":{"index":2}"#);
+    let content = format!(r#"{content},"extensionsUsed":["KHR_texture_basisu"]"#);
+    let (scene, said) = compiled("Model { file a.gltf }", &content);
+    assert!(
+        scene.is_some() && said.len() == 1 && said[0].contains("`images[2]` is left out: KTX2"),
+        "{said:?}"
+    );
 }
 
 #[test]

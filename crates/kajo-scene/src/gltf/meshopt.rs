@@ -78,7 +78,7 @@ fn attributes(data: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
     if first != 0xa0 {
         return None;
     }
-    let largest = (BLOCK_BYTES / stride & !15).min(LARGEST_BLOCK);
+    let largest = ((BLOCK_BYTES / stride) & !15).min(LARGEST_BLOCK);
     let mut bytes = Vec::new();
     let mut left = count;
     while left > 0 {

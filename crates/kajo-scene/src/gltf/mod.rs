@@ -232,7 +232,7 @@ fn check_version(document: &json::Document) -> Result<(), String> {
 fn check_extensions(document: &json::Document) -> Result<(), String> {
     /// These change how things look or sound, not where they are.
     const HARMLESS: [&str; 5] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_audio", "KHR_xmp"];
-    const KNOWN: [&str; 7] = [
+    const KNOWN: [&str; 9] = [
         "EXT_mesh_gpu_instancing",
         "EXT_meshopt_compression",
         "KHR_animation_pointer",
@@ -240,6 +240,9 @@ fn check_extensions(document: &json::Document) -> Result<(), String> {
         "KHR_mesh_quantization",
         "KHR_meshopt_compression",
         "KHR_node_visibility",
+        // Materials of converted files of version 1.
+        "KHR_technique_webgl",
+        "KHR_techniques_webgl",
     ];
     let is_known = |name: &str| KNOWN.contains(&name) || HARMLESS.iter().any(|start| name.starts_with(start));
     match document.extensions_required.iter().find(|name| !is_known(name)) {

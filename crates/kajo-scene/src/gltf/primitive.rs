@@ -191,7 +191,7 @@ impl Reader<'_, '_> {
         let has_alpha = self.document.accessors.get(number).is_some_and(|accessor| accessor.r#type == "VEC4");
         budget.take::<[f32; 4]>(used.len())?;
         // What is no number is no light.
-        let held = |x: f32| x.max(0.0).min(1.0);
+        let held = |x: f32| if x > 0.0 { x.min(1.0) } else { 0.0 };
         let colors: Vec<[f32; 4]> = if has_alpha {
             let view = self.attribute::<4>("COLOR_0", count)?;
             view.iter().flat_map(|view| used.iter().map(|v| view.floats(v).map(held))).collect()
