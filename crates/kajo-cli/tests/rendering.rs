@@ -86,18 +86,9 @@ fn no_samples_are_a_black_picture() {
 #[test]
 fn options_of_older_programs_are_accepted_with_a_warning() {
     let folder = Folder::new();
-    let old = "-gui -tessellation 10 5 -gouraud -grid 20 20 20 -visualize_grid -render_samples s.png 10 -filter -jitter";
+    let old = "-gui -tessellation 10 5 -gouraud -grid 20 20 20";
     let ran = folder.succeed(&format!("-input ball.txt {old} -output a.png -specular_fix"));
-    for name in [
-        "-gui",
-        "-tessellation",
-        "-gouraud",
-        "-grid",
-        "-visualize_grid",
-        "-render_samples",
-        "-filter",
-        "-jitter",
-    ] {
+    for name in ["-gui", "-tessellation", "-gouraud", "-grid"] {
         assert!(
             ran.stderr.contains(&format!("`{name}` belongs to an older program")),
             "{name}: {}",

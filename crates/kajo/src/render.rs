@@ -203,7 +203,7 @@ pub fn render_passes(
     }
     let spec = film_spec(&scene.camera, settings, layers);
     // Where the noise of the picture decides on its samples, all of it does so.
-    let samples_everywhere = spec.samples_everywhere || goal.noise.is_some();
+    let samples_everywhere = spec.samples_everywhere || spec.shown.is_some() && goal.noise.is_some();
     let spec = FilmSpec { halves: goal.adaptive, samples_everywhere, ..spec };
     check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
     let identity = Identity::new(passes.scene, scene, settings, &spec, goal);

@@ -43,7 +43,7 @@ const PHONG: &[FieldSpec] = &[
     ),
     field("transparentColor", Reflectance, "0 0 0", "colour of what shines through"),
     field("indexOfRefraction", POSITIVE, "1", "how strongly it bends light"),
-    option("refractionIndex", at_least(0.0), "the same by another name; 0 is opaque"),
+    field("refractionIndex", at_least(0.0), "0", "the same by another name; 0 is opaque"),
     ruled("ambientColor", Color, rules::ambient_color, "as `diffuseColor`", "colour under ambient light"),
     ruled("absorption", Color, rules::absorption, "by `transparentColor`", "per length inside")
         .only_beside("transparentColor"),
