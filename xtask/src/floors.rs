@@ -31,7 +31,7 @@ const CRATES: [(&str, &[&str]); 12] = [
 const TESTKIT: &str = "kajo-testkit";
 
 /// Third-party crates that one crate of ours hides from the others.
-const KEPT: [(&str, &str); 11] = [
+const KEPT: [(&str, &str); 10] = [
     ("annotate-snippets", "kajo-scene"),
     ("clap", "kajo-cli"),
     ("eframe", "kajo-studio"),
@@ -41,7 +41,6 @@ const KEPT: [(&str, &str); 11] = [
     ("glam", "kajo-math"),
     ("image", "kajo-image"),
     ("png", "kajo-image"),
-    ("serde_json", "kajo-scene"),
     ("wgpu", "kajo-studio"),
 ];
 

@@ -29,7 +29,7 @@ const VIEW: &str = "crates/kajo-render/src/integrator/view.rs";
 const CONNECT: &str = "crates/kajo-render/src/integrator/bidir/connect.rs";
 const WALK: &str = "crates/kajo-render/src/integrator/walk.rs";
 
-const SHAPE: &str = "crates/kajo-core/src/shape/mod.rs";
+const INTERACTION: &str = "crates/kajo-core/src/interaction.rs";
 
 const MUTANTS: [Mutant; 15] = [
     mutant("no squared index at refraction", PHONG, "color * mode.scale(eta), p", "color, p"),
@@ -66,7 +66,7 @@ const MUTANTS: [Mutant; 15] = [
     ),
     mutant(
         "rays start on the mesh that they leave",
-        SHAPE,
+        INTERACTION,
         "gamma(10) * extent + f32::MIN_POSITIVE",
         "0.0 * extent",
     ),

@@ -52,6 +52,36 @@ impl SurfacePoint {
     }
 }
 
+/// Where pictures are laid on a surface, and what its vertices multiply them by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceUv {
+    /// Surface coordinates.
+    pub first: Vec2,
+    /// A second set of them; those of the first where there is none.
+    pub second: Vec2,
+    /// Linear red, green, blue and opacity, in [0, 1]; all 1 where vertices have no colours.
+    pub color: [f32; 4],
+}
+
+impl Default for SurfaceUv {
+    fn default() -> SurfaceUv {
+        Vec2::ZERO.into()
+    }
+}
+
+impl From<Vec2> for SurfaceUv {
+    fn from(uv: Vec2) -> SurfaceUv {
+        SurfaceUv { first: uv, second: uv, color: [1.0; 4] }
+    }
+}
+
+impl SurfaceUv {
+    /// The place that is this step away in both sets of coordinates.
+    pub fn moved(self, step: Vec2) -> SurfaceUv {
+        SurfaceUv { first: self.first + step, second: self.second + step, ..self }
+    }
+}
+
 /// How the position changes with surface coordinates.
 ///
 /// Zero where there are no coordinates, and where a coordinate has no direction, as at the poles of a sphere.
@@ -101,6 +131,13 @@ impl SurfacePoint {
         };
         Ray { o: offset_origin(self.p, self.p_error, self.ng, d), t_min, d, t_max, time }
     }
+}
+
+/// How uncertain the test of a triangle in single precision is, for one that is as large as this seen from the ray's
+/// origin: ten roundings.
+#[inline]
+pub(crate) fn test_error(extent: f32) -> f32 {
+    gamma(10) * extent + f32::MIN_POSITIVE
 }
 
 /// Texture coordinates of a surface that has none of its own.

@@ -5,12 +5,10 @@ use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
 use crate::glow::VariedEmission;
-use crate::interaction::SurfacePoint;
+use crate::interaction::{SurfacePoint, SurfaceUv, test_error};
 use crate::light::{AreaLight, Ball, Departures, EmissionPdf, Emitted, LightChoice, LightSample, Target};
 use crate::material::{Interior, MaterialPoint, ShadingPoint};
 use crate::scene::{Interaction, Scene, rarely};
-use crate::shape::test_error;
-use crate::texture::SurfaceUv;
 
 /// A disc in the sky that a ray meets.
 #[derive(Clone, Copy, Debug)]

@@ -32,7 +32,7 @@ pub use vertex_attributes::{VertexAttributes, VertexValues};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, robust::gamma};
 
 use crate::family::family;
-use crate::interaction::{Hit, SurfacePoint, Tangents};
+use crate::interaction::{Hit, SurfacePoint, Tangents, test_error};
 
 /// What every shape can do. All in object space.
 pub trait Surface: Sized {
@@ -209,12 +209,6 @@ pub(crate) fn stored(p: DVec3, scale: f64) -> (Vec3, Vec3) {
 pub(crate) fn triangle_error([a, b, c]: [DVec3; 3]) -> f32 {
     let extent = (b - a).abs().max((c - b).abs()).max((a - c).abs()).max_element();
     test_error(extent as f32)
-}
-
-/// The same for anything of this size as seen from the ray's origin.
-#[inline]
-pub(crate) fn test_error(extent: f32) -> f32 {
-    gamma(10) * extent + f32::MIN_POSITIVE
 }
 
 #[cfg(test)]

@@ -2,8 +2,7 @@
 
 use kajo_math::{Vec2, Vec3, Vec4};
 
-use crate::interaction::{Hit, Tangents};
-use crate::texture::SurfaceUv;
+use crate::interaction::{Hit, SurfaceUv, Tangents};
 
 /// Lists of values, each empty or with one for every vertex.
 #[derive(Clone, Debug, Default)]

@@ -11,7 +11,7 @@ mod wood;
 
 pub use checker::Checker;
 pub use constant::Constant;
-pub use coordinates::{SurfaceUv, UvSet};
+pub use coordinates::UvSet;
 pub use marble::Marble;
 pub use noise::Noise;
 pub use paint::{Channel, Paint, Share};
@@ -22,6 +22,7 @@ pub use wood::Wood;
 use kajo_math::Vec3;
 
 use crate::family::family;
+pub use crate::interaction::SurfaceUv;
 
 /// What every pattern can do.
 pub trait Pattern {
