@@ -47,6 +47,7 @@ impl Dialect {
             matrix_by_rows: false,
             spans_width: false,
             radial_tent: false,
+            gaussian_of_whole_pixels: false,
             reflects_specular: false,
             texture_is_diffuse: false,
             mirrors_back_face: false,
@@ -60,6 +61,7 @@ impl Dialect {
                 matrix_by_rows: true,
                 spans_width: true,
                 radial_tent: true,
+                gaussian_of_whole_pixels: true,
                 shadow_attenuation: ShadowAttenuation::Surface,
                 ..handout
             },
@@ -96,6 +98,8 @@ pub struct Rules {
     pub spans_width: bool,
     /// A tent filter is a cone.
     pub radial_tent: bool,
+    /// A Gaussian filter ends where pixels end instead of at two standard deviations.
+    pub gaussian_of_whole_pixels: bool,
     /// Mirror rays are weighted by the specular colour.
     pub reflects_specular: bool,
     /// A `texture` stands in place of the diffuse colour instead of being a factor of it.

@@ -44,7 +44,7 @@ fn main() {
         ("plain, all layers", Filter::None, all, SamplerKind::Jittered, 16),
         ("box 0.5", Filter::BOX, color, SamplerKind::Jittered, 16),
         ("tent 1", Filter::Tent { radius: 1.0 }, color, SamplerKind::Jittered, 16),
-        ("gaussian 0.5", Filter::Gaussian { sigma: 0.5 }, color, SamplerKind::Jittered, 16),
+        ("gaussian 0.5", Filter::gaussian(0.5), color, SamplerKind::Jittered, 16),
         ("mitchell 2", Filter::MITCHELL, color, SamplerKind::Jittered, 16),
         ("lanczos 3", Filter::LANCZOS, color, SamplerKind::Jittered, 16),
     ];

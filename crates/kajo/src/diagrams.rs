@@ -122,7 +122,7 @@ mod tests {
         // 0.3 right and 0.4 below of the middle of the picture, less half a small pixel each.
         let expected = 1.0 - 0.35f32.hypot(0.45);
         assert!((bright(&cone, 18, 19) - expected).abs() < 1e-6);
-        let gaussian = shape(Filter::Gaussian { sigma: 0.5 });
+        let gaussian = shape(Filter::gaussian(0.5));
         assert!((bright(&gaussian, 19, 15) - (-2.0 * (0.45f32 * 0.45 + 0.05 * 0.05)).exp()).abs() < 1e-6);
         let lobes = shape(Filter::MITCHELL);
         let [r, g, b] = lobes.rgb(29, 15);

@@ -5,7 +5,7 @@ use kajo_core::RayOffset;
 use kajo_core::camera::Camera;
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_core::settings::{FilterChoice, IntegratorKind, MapRules, Settings, Shadows};
+use kajo_core::settings::{FilterChoice, IntegratorKind, MapRules, Rules, Settings, Shadows};
 use kajo_render::integrator::{ClassicSettings, PathSettings};
 use kajo_render::{DepthMap, Filter, NormalMap, Rect};
 
@@ -109,7 +109,7 @@ impl RenderSettings {
         Ok(RenderSettings {
             size,
             samples: asked.samples.or(own.samples).unwrap_or(default_samples),
-            filter: film_filter(filter, scene.rules.radial_tent && !splats(integrator)),
+            filter: film_filter(filter, &scene.rules, integrator),
             seed: asked.seed.or(own.seed).unwrap_or(0),
             integrator,
             path: path_settings(integrator, asked, own),
@@ -300,14 +300,16 @@ fn splats(integrator: IntegratorKind) -> bool {
     matches!(integrator, IntegratorKind::Bidirectional | IntegratorKind::Light)
 }
 
-/// * `radial`: a tent is a cone
-fn film_filter(choice: FilterChoice, radial: bool) -> Filter {
+fn film_filter(choice: FilterChoice, rules: &Rules, integrator: IntegratorKind) -> Filter {
     match choice {
-        FilterChoice::Tent(radius) if radial => Filter::Cone { radius },
+        FilterChoice::Tent(radius) if rules.radial_tent && !splats(integrator) => Filter::Cone { radius },
+        FilterChoice::Gaussian(sigma) if rules.gaussian_of_whole_pixels => {
+            Filter::gaussian_of_whole_pixels(sigma)
+        }
         FilterChoice::None => Filter::None,
         FilterChoice::Box(radius) => Filter::Box { radius },
         FilterChoice::Tent(radius) => Filter::Tent { radius },
-        FilterChoice::Gaussian(sigma) => Filter::Gaussian { sigma },
+        FilterChoice::Gaussian(sigma) => Filter::gaussian(sigma),
         FilterChoice::Mitchell(radius) => Filter::Mitchell { radius },
         FilterChoice::Lanczos(radius) => Filter::Lanczos { radius },
     }

@@ -85,6 +85,31 @@ fn tents_are_cones_in_mit_2004() {
 }
 
 #[test]
+fn gaussians_weigh_whole_pixels_in_mit_2004() {
+    // A sample in the middle of each pixel, and a bright one in the middle of the picture. Two standard deviations are 0.8,
+    // less than the way to the next sample, but the next pixels begin within them.
+    let spot = "Materials { Material { diffuseColor 4 4 4 } } Background { color 0 0 0 }
+        Settings { filter gaussian 0.4 } Group { MaterialIndex 0
+        Quad { corner -0.1 -0.1 0  edge1 0.2 0 0  edge2 0 0.2 0 } }";
+    let side = (-1.0f32 / (2.0 * 0.4 * 0.4)).exp();
+    let whole = 1.0 + 4.0 * side + 4.0 * side * side;
+    let middle_only = [(2, 2, 1.0), (1, 2, 0.0), (3, 3, 0.0), (0, 2, 0.0)];
+    let neighbours =
+        [(2, 2, 1.0 / whole), (1, 2, side / whole), (3, 3, side * side / whole), (0, 2, 0.0), (2, 4, 0.0)];
+    let cases = [
+        (Dialect::Handout, &middle_only[..]),
+        (Dialect::MitA2, &middle_only),
+        (Dialect::Mit2004, &neighbours),
+    ];
+    for (dialect, expected) in cases {
+        let image = picture(&format!("{FRONT} {spot}"), dialect, [5, 5], MemoryAssets::new());
+        for &(x, y, share) in expected {
+            close(image.rgb(x, y), [4.0 * share; 3], &format!("{dialect:?} {x} {y}"));
+        }
+    }
+}
+
+#[test]
 fn noise_without_octaves_is_none() {
     let scene = |material: &str| {
         format!(

@@ -8,7 +8,7 @@
 //! * box: 1
 //! * tent: `1 - |x|/r`
 //! * cone: `1 - sqrt(dx² + dy²)/r`, the tent of the course programs of 2004
-//! * Gaussian: `exp(-x²/2σ²)`, cut off at `r = 2σ` as in the course programs of 2004
+//! * Gaussian: `exp(-x²/2σ²)`, cut off at `r = 2σ`; the course programs of 2004 cut it off where whole pixels end
 //! * Mitchell: the cubic with B = C = 1/3, its radius of 2 scaled to `r`
 //!   [Mitchell and Netravali 1988, eq. 8]
 //! * Lanczos: `sinc(x) sinc(x/r)` with `sinc(x) = sin(πx)/πx` [Duchon 1979]
@@ -43,10 +43,12 @@ pub enum Filter {
         /// Radius of the support.
         radius: f32,
     },
-    /// A bell, cut off at twice its standard deviation.
+    /// A bell; see [`Filter::gaussian`].
     Gaussian {
-        /// Standard deviation; the support's radius is twice this.
+        /// Standard deviation.
         sigma: f32,
+        /// Half the side of the support, where the bell is cut off.
+        radius: f32,
     },
     /// The cubic of Mitchell and Netravali.
     Mitchell {
@@ -68,6 +70,17 @@ impl Filter {
     /// Lanczos with three lobes.
     pub const LANCZOS: Filter = Filter::Lanczos { radius: 3.0 };
 
+    /// A Gaussian that is cut off at twice its standard deviation.
+    pub const fn gaussian(sigma: f32) -> Filter {
+        Filter::Gaussian { sigma, radius: 2.0 * sigma }
+    }
+
+    /// A Gaussian that weighs whole pixels, as in the course programs of 2004: the pixel itself and those which begin within
+    /// twice the standard deviation of its centre, to their far borders.
+    pub fn gaussian_of_whole_pixels(sigma: f32) -> Filter {
+        Filter::Gaussian { sigma, radius: (2.0 * sigma - 0.5).ceil().max(0.0) + 0.5 }
+    }
+
     /// Largest radius that a film accepts, in pixels.
     pub const LARGEST_RADIUS: f32 = 64.0;
 
@@ -76,10 +89,10 @@ impl Filter {
     pub fn radius(&self) -> Option<f32> {
         match *self {
             Filter::None => None,
-            Filter::Gaussian { sigma } => Some(2.0 * sigma),
             Filter::Box { radius }
             | Filter::Tent { radius }
             | Filter::Cone { radius }
+            | Filter::Gaussian { radius, .. }
             | Filter::Mitchell { radius }
             | Filter::Lanczos { radius } => Some(radius),
         }
@@ -116,7 +129,7 @@ impl Filter {
         match *self {
             Filter::None | Filter::Box { .. } => 1.0,
             Filter::Tent { radius } | Filter::Cone { radius } => 1.0 - x.abs() / radius,
-            Filter::Gaussian { sigma } => fmath::exp(-0.5 * (x / sigma) * (x / sigma)),
+            Filter::Gaussian { sigma, .. } => fmath::exp(-0.5 * (x / sigma) * (x / sigma)),
             Filter::Mitchell { radius } => mitchell(2.0 * x.abs() / radius),
             Filter::Lanczos { radius } => sinc(x) * sinc(x / radius),
         }
@@ -144,13 +157,14 @@ fn sinc(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    const ALL: [Filter; 8] = [
+    const ALL: [Filter; 9] = [
         Filter::Cone { radius: 1.5 },
         Filter::None,
         Filter::BOX,
         Filter::Box { radius: 1.3 },
         Filter::Tent { radius: 1.0 },
-        Filter::Gaussian { sigma: 0.5 },
+        Filter::gaussian(0.5),
+        Filter::Gaussian { sigma: 0.4, radius: 1.5 },
         Filter::MITCHELL,
         Filter::LANCZOS,
     ];
@@ -159,7 +173,11 @@ mod tests {
     fn values_by_hand() {
         let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} is not {b}");
         close(Filter::Tent { radius: 2.0 }.weight(0.5, -1.0), 0.375);
-        close(Filter::Gaussian { sigma: 0.5 }.weight(0.5, 0.5), 0.367_879_44);
+        close(Filter::gaussian(0.5).weight(0.5, 0.5), 0.367_879_44);
+        // A pixel begins half a pixel before its middle: within 0.8 the first, within 1.6 the second, within 0.5 none.
+        for (sigma, radius) in [(0.4, 1.5), (0.8, 2.5), (0.25, 0.5), (0.1, 0.5), (1.0, 2.5)] {
+            assert_eq!(Filter::gaussian_of_whole_pixels(sigma), Filter::Gaussian { sigma, radius });
+        }
         close(Filter::Cone { radius: 2.0 }.weight(0.6, -0.8), 0.5);
         close(Filter::Cone { radius: 1.0 }.weight(0.8, 0.8), 0.0);
         // Mitchell: 8/9 at 0, 1/18 at 1 and 0 at 2, with slopes that meet.
@@ -187,7 +205,7 @@ mod tests {
             }
         }
         assert_eq!(Filter::BOX.profile(-0.5), 1.0);
-        assert_eq!(Filter::Gaussian { sigma: 0.5 }.profile(0.999_999), fmath::exp(-2.0 * 0.999_998));
+        assert_eq!(Filter::gaussian(0.5).profile(0.999_999), fmath::exp(-2.0 * 0.999_998));
     }
 
     #[test]
@@ -206,7 +224,7 @@ mod tests {
         }
         for radius in [0.0, -1.0, 64.1, f32::NAN, f32::INFINITY] {
             assert!(!Filter::Box { radius }.is_valid(), "{radius}");
-            assert!(!Filter::Gaussian { sigma: radius }.is_valid(), "{radius}");
+            assert!(!Filter::gaussian(radius).is_valid(), "{radius}");
         }
     }
 }

@@ -11,7 +11,7 @@ const FILTERS: [Filter; 8] = [
     Filter::Box { radius: 1.2 },
     Filter::Tent { radius: 1.0 },
     Filter::Tent { radius: 0.75 },
-    Filter::Gaussian { sigma: 0.5 },
+    Filter::gaussian(0.5),
     Filter::MITCHELL,
     Filter::LANCZOS,
 ];

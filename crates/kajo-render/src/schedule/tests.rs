@@ -46,7 +46,7 @@ fn row_of(filter: Filter, width: u32, f: impl Fn(f32) -> f32 + Sync) -> Vec<f32>
 #[test]
 fn the_picture_does_not_depend_on_threads_tiles_or_storage() {
     let noisy = Field(|p: Vec2, u: f32| u * (p.x * 0.37).sin().abs() + 1e-3 * p.y);
-    for filter in [Filter::None, Filter::Gaussian { sigma: 0.7 }, Filter::MITCHELL] {
+    for filter in [Filter::None, Filter::gaussian(0.7), Filter::MITCHELL] {
         let layers = LayerSet::of(&Layer::ALL);
         let spec = FilmSpec { filter, layers, ..FilmSpec::new(67, 41) };
         let mut first: Option<Vec<Vec<u32>>> = None;
@@ -116,7 +116,7 @@ fn an_edge_through_a_pixel_centre_is_a_half() {
         Filter::BOX,
         Filter::Box { radius: 1.5 },
         Filter::Tent { radius: 1.0 },
-        Filter::Gaussian { sigma: 0.5 },
+        Filter::gaussian(0.5),
         Filter::MITCHELL,
         Filter::LANCZOS,
     ] {
@@ -155,7 +155,7 @@ fn a_gaussian_attenuates_waves_by_its_transform() {
     for (f, expected) in [(0.25, 0.782_718), (0.5, 0.340_725), (1.0, -0.010_923)] {
         assert!((truncated_attenuation(f) - expected).abs() < 1e-5, "{f}: {}", truncated_attenuation(f));
         let wave = |x: f32| (2.0 * std::f64::consts::PI * f * (f64::from(x) - 8.5)).cos() as f32;
-        let row = row_of(Filter::Gaussian { sigma: 0.5 }, 17, wave);
+        let row = row_of(Filter::gaussian(0.5), 17, wave);
         assert!((f64::from(row[8]) - expected).abs() < 3e-4, "{f}: {} is not {expected}", row[8]);
     }
 }
@@ -278,7 +278,7 @@ fn a_part_is_the_same_as_in_the_whole() {
     for (filter, kind) in [
         (Filter::None, SamplerKind::Jittered),
         (Filter::MITCHELL, SamplerKind::Sobol),
-        (Filter::Gaussian { sigma: 1.3 }, SamplerKind::Poisson),
+        (Filter::gaussian(1.3), SamplerKind::Poisson),
     ] {
         let spec = FilmSpec {
             filter,

@@ -24,7 +24,7 @@ impl PixelIntegrator for Grey {
 
 fn spec() -> FilmSpec {
     let layers = LayerSet::of(&[Layer::Color, Layer::Depth, Layer::ObjectId, Layer::Variance]);
-    FilmSpec { filter: Filter::Gaussian { sigma: 0.6 }, layers, halves: true, ..FilmSpec::new(5, 3) }
+    FilmSpec { filter: Filter::gaussian(0.6), layers, halves: true, ..FilmSpec::new(5, 3) }
 }
 
 fn settings() -> RenderSettings {

@@ -132,7 +132,7 @@ impl Progress for StopAfter {
 
 #[test]
 fn a_render_that_is_interrupted_and_saved_often_ends_with_the_same_bits() {
-    for (halves, filter) in [(false, Filter::None), (true, Filter::Gaussian { sigma: 0.6 })] {
+    for (halves, filter) in [(false, Filter::None), (true, Filter::gaussian(0.6))] {
         let spec = spec(filter, halves);
         let settings = settings(SamplerKind::Uniform, 40);
         let goal = Goal { adaptive: halves, ..Goal::default() };
