@@ -153,12 +153,12 @@ impl FilmPart {
                 self.terms.clear();
                 self.terms.extend(values.iter().map(|&v| Term::new(v).unwrap_or(Term::ZERO)));
                 self.taps.surround(&self.spec, [x, y], offset, reach);
-                let [x0, y0] = self.taps.first;
-                for (j, y) in (y0..).take(self.taps.rows.len()).enumerate() {
-                    let row = sums.slot(x0, y, k);
-                    for (i, slot) in (row..).step_by(sums.stride()).take(self.taps.columns.len()).enumerate()
+                for (j, y) in self.taps.rows() {
+                    let row = sums.slot(self.taps.first[0], y, k);
+                    for (weight, slot) in
+                        self.taps.weights(&self.spec.filter, j).zip((row..).step_by(sums.stride()))
                     {
-                        sums.add_filtered(slot, self.taps.weight(&self.spec.filter, i, j), &self.terms);
+                        sums.add_filtered(slot, weight, &self.terms);
                     }
                 }
                 finite & values.iter().all(|v| v.is_finite())
@@ -188,13 +188,22 @@ pub(crate) struct Taps {
 }
 
 impl Taps {
-    /// The weight of the pixel in this column and row of those in the support.
+    /// Rows in the support, counted there and in the film.
     #[inline]
-    fn weight(&self, filter: &super::Filter, column: usize, row: usize) -> Weight {
-        if filter.is_separable() {
-            return Weight::new(self.columns[column] * self.rows[row]);
-        }
-        Weight::new(filter.weight(self.from_first.x - column as f32, self.from_first.y - row as f32))
+    fn rows(&self) -> impl Iterator<Item = (usize, u32)> {
+        (self.first[1]..).take(self.rows.len()).enumerate()
+    }
+
+    /// Weights of the pixels of one row, from the first column in the support on.
+    #[inline]
+    fn weights(&self, filter: &super::Filter, row: usize) -> impl Iterator<Item = Weight> {
+        let is_separable = filter.is_separable();
+        let (own, y) = (self.rows[row], self.from_first.y - row as f32);
+        self.columns.iter().enumerate().map(move |(i, &column)| {
+            let weight =
+                if is_separable { column * own } else { filter.weight(self.from_first.x - i as f32, y) };
+            Weight::new(weight)
+        })
     }
 
     /// Finds the pixels around a place.
@@ -239,9 +248,9 @@ pub(crate) fn splat(spec: &FilmSpec, raster: Vec2, taps: &mut Taps, mut add: imp
     };
     let offset = raster - Vec2::new(own[0] as f32, own[1] as f32);
     taps.surround(spec, own, offset, Reach::within_pixel(radius));
-    for (j, y) in (taps.first[1]..).take(taps.rows.len()).enumerate() {
-        for (i, x) in (taps.first[0]..).take(taps.columns.len()).enumerate() {
-            add(x, y, taps.weight(&spec.filter, i, j));
+    for (j, y) in taps.rows() {
+        for (weight, x) in taps.weights(&spec.filter, j).zip(taps.first[0]..) {
+            add(x, y, weight);
         }
     }
 }

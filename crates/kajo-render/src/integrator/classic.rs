@@ -198,41 +198,51 @@ impl<'a> Classic<'a> {
 
             let mirrored = self.mirrored(&ray, at, phong, &path);
             let refracted = self.refracted(&ray, at, phong, &path);
-            match (mirrored, refracted) {
+            let branch = match (mirrored, refracted) {
                 (None, None) => return light,
                 (Some(branch), None) => {
                     witness.counters().reflected += 1;
                     witness.next(RayKind::Reflected);
-                    (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
+                    branch
                 }
-                (Some(_), Some(branch)) if path.paths_left < 2 => {
-                    witness.counters().left_out += 1;
-                    witness.counters().refracted += 1;
-                    witness.next(RayKind::Transmitted);
-                    (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
-                }
-                (mirrored, Some(mut branch)) => {
+                (mirrored, Some(mut refracted)) => {
                     if let Some(mut mirrored) = mirrored {
-                        if witness.interrupted() {
+                        if path.paths_left < 2 {
+                            witness.counters().left_out += 1;
+                        } else if witness.interrupted() {
                             return light;
+                        } else {
+                            mirrored.path.paths_left = path.paths_left / 2;
+                            refracted.path.paths_left = path.paths_left - mirrored.path.paths_left;
+                            light += self.fork(mirrored, at, throughput, witness);
                         }
-                        mirrored.path.paths_left = path.paths_left / 2;
-                        branch.path.paths_left = path.paths_left - mirrored.path.paths_left;
-                        witness.counters().reflected += 1;
-                        witness.next(RayKind::Reflected);
-                        let here = witness.mark();
-                        witness.weaken(|| (throughput * mirrored.factor).to_rgb());
-                        let seen = self.li(mirrored.ray, at, mirrored.path, witness);
-                        witness.back_to(here);
-                        light += throughput * mirrored.factor * seen;
                     }
                     witness.counters().refracted += 1;
                     witness.next(RayKind::Transmitted);
-                    (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
+                    refracted
                 }
-            }
+            };
+            (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
             end = self.follow(&ray, at).then_some(at);
         }
+    }
+
+    /// Light that a mirrored branch brings to the path whose other branch goes on.
+    fn fork(
+        &self,
+        mirrored: Branch,
+        at: &Interaction,
+        throughput: Spectrum,
+        witness: &mut impl Witness,
+    ) -> Spectrum {
+        let weight = throughput * mirrored.factor;
+        witness.counters().reflected += 1;
+        witness.next(RayKind::Reflected);
+        let here = witness.mark();
+        witness.weaken(|| weight.to_rgb());
+        let seen = self.li(mirrored.ray, at, mirrored.path, witness);
+        witness.back_to(here);
+        weight * seen
     }
 
     /// Ambient light and every visible light, by the material's own model.

@@ -19,6 +19,8 @@ pub(super) struct View<'a> {
     pub camera: &'a Camera,
     /// Columns and rows of the picture.
     pub size: [u32; 2],
+    /// How places of the picture are counted.
+    film: Raster,
     layers: LayerSet,
     /// Whether rays need a time.
     moves: bool,
@@ -32,7 +34,8 @@ impl<'a> View<'a> {
     pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> View<'a> {
         let camera = &scene.camera;
         let moves = scene.moves();
-        View { scene, camera, size, layers, moves, is_immersed: false, spectral: None }.immersed()
+        let film = raster(scene, camera, size);
+        View { scene, camera, size, film, layers, moves, is_immersed: false, spectral: None }.immersed()
     }
 
     /// The same with light that is followed by wavelength, or in red, green and blue.
@@ -50,12 +53,13 @@ impl<'a> View<'a> {
 
     /// The same through another camera than the scene's.
     pub fn through(self, camera: &'a Camera) -> View<'a> {
-        View { camera, moves: self.scene.moves() || camera.moves(), ..self }.immersed()
+        let moves = self.scene.moves() || camera.moves();
+        View { camera, film: raster(self.scene, camera, self.size), moves, ..self }.immersed()
     }
 
     /// The same, aware of whether the ray through the middle of the picture starts in a body.
     fn immersed(self) -> View<'a> {
-        let film = self.film();
+        let film = &self.film;
         let middle = Vec2::from(self.size.map(|n| 0.5 * n as f32));
         let ray = self.camera.ray(film.picture(middle), film.aspect(), Vec2::splat(0.5), 0.0);
         let around = |ray: Ray| Bodies::around(self.scene, &ray, &Wavelengths::RGB);
@@ -75,7 +79,7 @@ impl<'a> View<'a> {
     pub fn ray(&self, raster: Vec2, draws: &mut Draws<'_>) -> Option<Ray> {
         let lens = draws.pair_if(self.camera.has_lens());
         let time = draws.number_if(self.moves);
-        let film = self.film();
+        let film = &self.film;
         let at = film.picture(raster);
         self.camera.ray(at, film.aspect(), lens, self.moment(at.y / film.scale(), time))
     }
@@ -95,35 +99,29 @@ impl<'a> View<'a> {
         readout * row + (1.0 - readout) * u
     }
 
-    #[inline]
-    fn film(&self) -> Raster {
-        let Rules { corner_samples, spans_width, .. } = self.scene.rules;
-        Raster { size: self.size, corner_samples, spans_width: spans_width && self.camera.has_extent() }
-    }
-
     /// A way from the world-space point `p` to the camera, and where in the picture it is seen; `None` where the camera
     /// cannot be connected with.
     ///
     /// * `lens`: uniform in [0, 1)²
     pub fn connect(&self, p: Vec3, lens: Vec2, time: f32) -> Option<(Connection, Vec2)> {
-        let film = self.film();
-        let way = self.camera.connect(p, lens, film.aspect(), time).filter(|_| self.is_joined(&film))?;
+        let film = &self.film;
+        let way = self.camera.connect(p, lens, film.aspect(), time).filter(|_| self.is_joined())?;
         Some((way, film.place(way.at.as_dvec2()).as_vec2()))
     }
 
     /// Density per area across a camera ray with which [`View::connect`] could have found it from `p`.
     pub fn pdf_across(&self, ray: &Ray, p: Vec3) -> Option<f32> {
-        let film = self.film();
+        let film = &self.film;
         let pdf = self.camera.pdf_across(ray, p.distance(ray.o), film.aspect());
-        pdf.filter(|pdf| pdf.is_finite() && *pdf > 0.0 && self.is_joined(&film))
+        pdf.filter(|pdf| pdf.is_finite() && *pdf > 0.0 && self.is_joined())
     }
 
     /// Whether points can be connected with the camera, as far as that is not up to the camera.
-    fn is_joined(&self, film: &Raster) -> bool {
-        // Samples that lie on the picture's corners cover more than the film, as do picture coordinates of other scales. Where rows open one after the other, a place
-        // seen at the moment of a path is not open then.
+    fn is_joined(&self) -> bool {
+        // Samples that lie on the picture's corners cover more than the film, as do picture coordinates of other scales.
+        // Where rows open one after the other, a place seen at the moment of a path is not open then.
         let rolls = self.moves && self.scene.readout > 0.0;
-        !film.corner_samples && film.scale() == 1.0 && !rolls
+        !self.film.corner_samples && self.film.scale() == 1.0 && !rolls
     }
 
     /// Whether the layers record albedos.
@@ -150,13 +148,19 @@ impl<'a> View<'a> {
     /// How far a point moves in the picture from the opening of the shutter to its closing, in pixels; none where
     /// the camera does not see it all the time.
     fn motion(&self, at: &Interaction) -> Option<Vec2> {
-        let film = self.film();
+        let film = &self.film;
         let place = |time: f32| {
             let p = self.scene.point_at(at, time).as_dvec3();
             self.camera.project(p, film.aspect().into(), time).map(|at| film.place(at))
         };
         Some((place(1.0)? - place(0.0)?).as_vec2())
     }
+}
+
+/// How a camera counts the places of a picture of this size.
+fn raster(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Raster {
+    let Rules { corner_samples, spans_width, .. } = scene.rules;
+    Raster { size, corner_samples, spans_width: spans_width && camera.has_extent() }
 }
 
 /// What the sensor has of white light that was weakened, in linear RGB; one in each channel for no weakening.
