@@ -15,14 +15,14 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use kajo_core::RayOffset;
-use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_core::settings::{ShadowAttenuation, Shadows, Technique};
+use kajo_core::settings::{Shadows, Technique};
 use kajo_math::solid_angle::polygon_irradiance;
 use kajo_math::{DVec3, Vec2};
-use kajo_scene::{MemoryAssets, SceneDesc};
+use kajo_scene::MemoryAssets;
 
+use super::tests::{plain, scene_with};
 use super::{
     AmbientOcclusion, Bidirectional, BidirectionalSettings, Classic, ClassicSettings, Path, PathSettings,
 };
@@ -186,10 +186,7 @@ fn camera(place: &Place, from: [f64; 3]) -> String {
 }
 
 fn scene(flat: Flat, place: &Place, text: &str) -> Scene {
-    let mut parsed = SceneDesc::parse_str(text);
-    let assets = flat.assets(place);
-    let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut parsed.diagnostics);
-    scene.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
+    scene_with(text, &flat.assets(place))
 }
 
 /// Steep and grazing.
@@ -284,15 +281,10 @@ fn the_classic_integrator_sees_the_sky_in_flat_mirrors_and_no_shadow_on_flat_thi
                 let scene = scene(flat, &place, &text);
                 let settings = ClassicSettings {
                     bounces: 2,
-                    weight: 0.0,
                     shadows: Shadows::Opaque,
-                    shadow_attenuation: ShadowAttenuation::Length,
                     shade_back: true,
-                    uv: false,
-                    fresnel: false,
-                    total_reflection: false,
                     ray_offset: RayOffset::Auto,
-                    highlight: scene.rules.highlight,
+                    ..plain(&scene)
                 };
                 let classic = Classic::new(&scene, settings, [4, 4], LayerSet::of(&[]));
                 let expected = to_light.dot(place.axes[1]) as f32 + 0.25;

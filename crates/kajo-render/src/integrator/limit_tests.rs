@@ -5,13 +5,12 @@ use std::fmt::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kajo_core::RayOffset;
-use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_core::settings::{ShadowAttenuation, Shadows};
 use kajo_math::Vec2;
-use kajo_scene::{MemoryAssets, SceneDesc};
+use kajo_scene::MemoryAssets;
 
+use super::tests::{plain, scene_with};
 use super::walk::MOST_SURFACES;
 use super::{Bidirectional, BidirectionalSettings, Classic, ClassicSettings, Path, PathSettings};
 use crate::{
@@ -20,12 +19,6 @@ use crate::{
 };
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 8 direction 0 0 -1 up 0 1 0 angle 20 }";
-
-fn scene(text: &str, assets: &MemoryAssets) -> Scene {
-    let mut parsed = SceneDesc::parse_str(text);
-    let scene = compile(&mut parsed.desc, assets, &CompileOptions::default(), &mut parsed.diagnostics);
-    scene.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
-}
 
 /// The sample in the middle of the picture's only pixel.
 fn sample(integrator: &dyn PixelIntegrator) -> ([f32; 3], RayCounters) {
@@ -47,7 +40,7 @@ fn behind_holes(sheets: u32) -> Scene {
         "{CAMERA} Background {{ color 1 1 1 }} Lights {{ }} Materials {{ Matte m {{ color 1 0 0 opacity 0 }} }}
          Group {{ MaterialIndex m TriangleMesh {{ file sheets.obj }} }}"
     );
-    scene(&text, &MemoryAssets::new().with("sheets.obj", obj))
+    scene_with(&text, &MemoryAssets::new().with("sheets.obj", obj))
 }
 
 #[test]
@@ -71,22 +64,11 @@ fn onion() -> Scene {
          Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} Sphere {{ center 0 0 0 radius 0.9 }}
                   Sphere {{ center 0 0 0 radius 0.8 }} }}"
     );
-    scene(&text, &MemoryAssets::new())
+    scene_with(&text, &MemoryAssets::new())
 }
 
 fn branching(scene: &Scene, bounces: u32) -> Classic<'_> {
-    let settings = ClassicSettings {
-        bounces,
-        weight: 0.0,
-        shadows: Shadows::Off,
-        shadow_attenuation: ShadowAttenuation::Length,
-        shade_back: false,
-        uv: false,
-        fresnel: false,
-        total_reflection: false,
-        ray_offset: RayOffset::Auto,
-        highlight: scene.rules.highlight,
-    };
+    let settings = ClassicSettings { bounces, ray_offset: RayOffset::Auto, ..plain(scene) };
     Classic::new(scene, settings, [1, 1], LayerSet::of(&[]))
 }
 
@@ -130,7 +112,7 @@ fn a_sample_of_many_rays_is_given_up_when_the_render_stops() {
         "{CAMERA} Background {{ color 1 1 1 }} Lights {{ }} Materials {{ Matte m {{ color 0.5 0.5 0.5 }} }}
          Group {{ MaterialIndex m Plane {{ normal 0 0 1 offset 0 }} }}"
     );
-    let floor = scene(&text, &MemoryAssets::new());
+    let floor = scene_with(&text, &MemoryAssets::new());
     let settings = PathSettings { branches: 1 << 16, ..PathSettings::default() };
     let distribution = Path::new(&floor, settings, [1, 1], LayerSet::of(&[]));
     for integrator in [&branching(&onion, 60) as &dyn PixelIntegrator, &distribution] {

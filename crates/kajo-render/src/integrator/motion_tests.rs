@@ -1,13 +1,12 @@
 //! What moves while the shutter is open, through every integrator.
 
-use kajo_core::compile::{CompileOptions, compile};
+use kajo_core::RayOffset;
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_core::settings::{ShadowAttenuation, Shadows};
-use kajo_core::{RayOffset, bsdf::Highlight};
 use kajo_math::Vec2;
-use kajo_scene::{MemoryAssets, SceneDesc};
+use kajo_scene::MemoryAssets;
 
+use super::tests::{plain, scene_with};
 use super::{AmbientOcclusion, Classic, ClassicSettings, Path, PathSettings};
 use crate::{Layer, LayerSet, PixelIntegrator, SampleContext};
 
@@ -22,25 +21,11 @@ fn scene(camera_motion: &str, group: &str) -> Scene {
          Materials {{ Material lamp {{ diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 }} }}
          Group {{ MaterialIndex lamp {group} }}"
     );
-    let mut parsed = SceneDesc::parse_str(&text);
-    let scene =
-        compile(&mut parsed.desc, &MemoryAssets::new(), &CompileOptions::default(), &mut parsed.diagnostics);
-    scene.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
+    scene_with(&text, &MemoryAssets::new())
 }
 
 fn classic(scene: &Scene, layers: LayerSet) -> Classic<'_> {
-    let settings = ClassicSettings {
-        bounces: 0,
-        weight: 0.0,
-        shadows: Shadows::Off,
-        shadow_attenuation: ShadowAttenuation::Length,
-        shade_back: true,
-        uv: false,
-        fresnel: false,
-        total_reflection: false,
-        ray_offset: RayOffset::Auto,
-        highlight: Highlight::Mirror,
-    };
+    let settings = ClassicSettings { shade_back: true, ray_offset: RayOffset::Auto, ..plain(scene) };
     Classic::new(scene, settings, SIZE, layers)
 }
 

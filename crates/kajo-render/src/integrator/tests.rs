@@ -18,13 +18,18 @@ const VIEW: &str = "OrthographicCamera { center 0 0 10 direction 0 0 -1 up 0 1 0
     Lights { DirectionalLight { direction 0 0 -1 color 0 0 0 } }";
 
 fn scene(text: &str) -> Scene {
+    scene_with(text, &MemoryAssets::new())
+}
+
+/// The scene that a text describes, with these files beside it.
+pub(super) fn scene_with(text: &str, assets: &MemoryAssets) -> Scene {
     let mut parsed = SceneDesc::parse_str(text);
-    let scene =
-        compile(&mut parsed.desc, &MemoryAssets::new(), &CompileOptions::default(), &mut parsed.diagnostics);
+    let scene = compile(&mut parsed.desc, assets, &CompileOptions::default(), &mut parsed.diagnostics);
     scene.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
 }
 
-fn plain(scene: &Scene) -> ClassicSettings {
+/// Camera rays and their shading, and nothing more.
+pub(super) fn plain(scene: &Scene) -> ClassicSettings {
     ClassicSettings {
         bounces: 0,
         weight: 0.0,
