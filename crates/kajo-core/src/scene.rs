@@ -1,6 +1,7 @@
 //! The compiled scene: everything rays meet, immutable and shared by all threads.
 
 mod extent;
+mod fitted;
 mod rays;
 
 use std::collections::HashMap;
@@ -30,6 +31,7 @@ use crate::shape::{Mesh, ShapeId, Shapes, Sphere, Surface};
 use crate::texture::{SurfaceUv, Textures};
 
 pub use extent::Extent;
+pub use fitted::{Fitted, FittedCamera};
 
 /// A shape at its place in the world, with its material.
 #[derive(Clone, Copy, Debug)]
@@ -135,6 +137,8 @@ pub struct Scene {
     pub fog: Option<Fog>,
     /// The camera.
     pub camera: Camera,
+    /// What the camera fits into its picture; see [`Scene::camera_for`].
+    pub fitted: Option<FittedCamera>,
     /// All cameras there are to choose from: those of the file in their order, then those of its models.
     pub cameras: Vec<NamedCamera>,
     /// In which share of the shutter's time its rows open one after the other, from the top; 0 where all open at once.

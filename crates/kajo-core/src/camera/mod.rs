@@ -28,7 +28,7 @@ pub use perspective::PerspectiveCamera;
 pub use raster::Raster;
 pub use stereo_cubemap::{Stereo, StereoCubemapCamera};
 
-use kajo_math::{Ray, Vec2, Vec3};
+use kajo_math::{DVec3, Ray, Vec2, Vec3};
 
 /// A camera of a scene, and the name that it is chosen by.
 #[derive(Clone, Debug)]
@@ -96,6 +96,18 @@ impl Camera {
             Camera::Perspective(camera) => Camera::Perspective(camera.with_lens(lens)),
             other => other,
         }
+    }
+
+    /// The same camera with its lens, if it has one, focused on a world-space point; `None` where that is not before it.
+    pub fn focused_on(self, p: DVec3) -> Option<Camera> {
+        let Frame { center, forward, .. } = *self.frame();
+        let focus = (p - center).dot(forward);
+        let lens = match &self {
+            Camera::Perspective(camera) => camera.lens().cloned(),
+            Camera::Orthographic(camera) => camera.lens.clone(),
+            _ => None,
+        };
+        (focus > 0.0).then(|| self.with_lens(lens.map(|lens| ThinLens { focus, ..lens })))
     }
 
     /// Whether the place on the lens matters, or there is a pinhole.

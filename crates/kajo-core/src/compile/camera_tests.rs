@@ -180,6 +180,36 @@ fn the_picture_that_is_asked_for_decides_what_fits() {
 }
 
 #[test]
+fn a_camera_is_fitted_to_another_picture_as_it_is_to_its_own() {
+    let fitted = |camera: &str, written: f64, shown: f64| {
+        let text = room(camera);
+        let mut parsed = SceneDesc::parse_str(&text);
+        let options = CompileOptions { aspect: Some(written), ..CompileOptions::default() };
+        let scene = compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut parsed.diagnostics);
+        scene.unwrap_or_else(|| panic!("{camera}")).camera_for(shown)
+    };
+    for camera in [
+        "PerspectiveCamera { fit scene }",
+        "PerspectiveCamera { fit pair 0.1 direction 1 -1 -1 angle 50 }",
+        "PerspectiveCamera { fit red center 0 2 30 }",
+        "PerspectiveCamera { fit row target red }",
+        "PerspectiveCamera { fit scene aperture 0.2 focus red }",
+        "PerspectiveCamera { fit scene Motion { key 0 { } key 1 { Translate 1 0 0 } } }",
+        "OrthographicCamera { fit scene direction 0 -1 0 up 0 0 -1 }",
+        "OrthographicCamera { fit scene size 3 }",
+        "FisheyeCamera { fit scene angle 150 fit corners }",
+    ] {
+        let debug = |camera: &Camera| format!("{camera:?}");
+        let own = debug(&fitted(camera, 0.5, 0.5));
+        assert_eq!(own, debug(&fitted(camera, 3.0, 0.5)), "{camera}");
+        let is_same = own == debug(&fitted(camera, 3.0, 3.0));
+        assert_eq!(is_same, camera.contains("size"), "{camera}");
+    }
+    let same = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
+    assert_eq!(format!("{:?}", fitted(same, 1.0, 1.0)), format!("{:?}", fitted(same, 1.0, 5.0)));
+}
+
+#[test]
 fn lenses_focus_on_points_and_objects() {
     let focus = |keys: &str| {
         let text = room(&format!(

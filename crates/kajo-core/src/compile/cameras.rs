@@ -10,9 +10,9 @@ use super::aim::{Aim, FitKey, Subject, usual_direction};
 use super::camera::CameraRequest;
 use super::lens::Focus;
 use crate::camera::fit::{Fit, FitError, Freedom, centred};
-use crate::camera::{Camera, Frame, MovingCamera, NamedCamera, OrthographicCamera, ThinLens};
+use crate::camera::{Camera, Frame, MovingCamera, NamedCamera};
 use crate::motion::Shutter;
-use crate::scene::{Extent, Scene};
+use crate::scene::{Extent, Fitted, FittedCamera, Scene};
 
 /// Width over height of a picture of which nothing is known.
 const USUAL_ASPECT: f64 = 4.0 / 3.0;
@@ -41,23 +41,31 @@ pub(super) fn place(
     let own = scene.settings.size.map(|[width, height]| f64::from(width) / f64::from(height.max(1)));
     let has_own = !requests.is_empty();
     let mut cameras = Vec::with_capacity(requests.len() + scene.cameras.len());
+    let mut fits = Vec::with_capacity(requests.len());
     for request in requests {
         let natural = request.camera.natural_aspect().map(f64::from);
         let aspect = options.aspect.or(own).or(natural).unwrap_or(USUAL_ASPECT);
         let name = request.name.clone();
         let resolver = Resolver { scene, desc, aspect, item: request.item, diagnostics };
-        cameras.extend(resolver.camera(request).map(|camera| NamedCamera { name, camera }));
+        if let Some((camera, fitted)) = resolver.camera(request) {
+            cameras.push(NamedCamera { name, camera });
+            fits.push(fitted);
+        }
     }
     let of_model = scene.cameras.first().filter(|_| options.model_cameras_first || !has_own);
-    let usual = of_model.or(cameras.last());
-    if let Some(NamedCamera { camera, .. }) = usual.cloned() {
+    let is_of_model = of_model.is_some();
+    if let Some(NamedCamera { camera, .. }) = of_model.or(cameras.last()).cloned() {
         scene.camera = camera;
+        scene.fitted = if is_of_model { None } else { fits.last().cloned().flatten() };
     }
     cameras.append(&mut scene.cameras);
     scene.cameras = cameras;
     let Some(name) = options.camera.as_deref() else { return };
-    match scene.cameras.iter().rfind(|camera| camera.name.as_deref() == Some(name)) {
-        Some(found) => scene.camera = found.camera.clone(),
+    match scene.cameras.iter().rposition(|camera| camera.name.as_deref() == Some(name)) {
+        Some(found) => {
+            scene.camera = scene.cameras[found].camera.clone();
+            scene.fitted = fits.get(found).cloned().flatten();
+        }
         None if diagnostics.has_errors() => {}
         None => diagnostics.push(no_such_camera(scene, name)),
     }
@@ -85,21 +93,34 @@ struct Resolver<'s, 't, 'd> {
 }
 
 impl<'s, 't> Resolver<'s, 't, '_> {
-    /// The camera as it stands in the scene; `None` when an error was reported.
-    fn camera(mut self, request: CameraRequest<'t>) -> Option<Camera> {
+    /// The camera as it stands in the scene, and what it fits into its picture; `None` when an error was reported.
+    fn camera(mut self, request: CameraRequest<'t>) -> Option<(Camera, Option<FittedCamera>)> {
         let CameraRequest { camera, aim, motion, focus, has_opening, raw_up, .. } = request;
-        let mut camera =
-            if aim.needs_scene() { self.aimed(camera, &aim, has_opening, raw_up)? } else { camera };
-        if let Some((item, focus)) = focus {
-            camera = self.focused(camera, &focus, item.head_span())?;
+        let (mut camera, mut fitted) = match aim.needs_scene() {
+            true => self.aimed(camera, &aim, has_opening, raw_up)?,
+            false => (camera, None),
+        };
+        if let Some((item, focus)) = focus
+            && let Some(p) = self.sharp_point(&focus, item.head_span())?
+        {
+            camera = self.focused(camera, p, item.head_span())?;
+            fitted.iter_mut().for_each(|fitted| fitted.focus = Some(p));
         }
-        Some(match motion {
+        fitted.iter_mut().for_each(|fitted| fitted.motion.clone_from(&motion));
+        let camera = match motion {
             Some(map) => Camera::Moving(Box::new(MovingCamera { camera, map })),
             None => camera,
-        })
+        };
+        Some((camera, fitted))
     }
 
-    fn aimed(&mut self, camera: Camera, aim: &Aim<'t>, has_opening: bool, raw_up: bool) -> Option<Camera> {
+    fn aimed(
+        &mut self,
+        camera: Camera,
+        aim: &Aim<'t>,
+        has_opening: bool,
+        raw_up: bool,
+    ) -> Option<(Camera, Option<FittedCamera>)> {
         let target = match &aim.target {
             None => None,
             Some((_, Subject::Point(p))) => Some(*p),
@@ -107,12 +128,9 @@ impl<'s, 't> Resolver<'s, 't, '_> {
         };
         let Some(fit) = &aim.fit else {
             let center = aim.center?;
-            return Some(self.framed(camera, aim, center, target? - center, raw_up));
+            return Some((self.framed(camera, aim, center, target? - center, raw_up), None));
         };
         let extent = self.extent(&fit.subject, fit.item.head_span())?;
-        let ball = |n: DVec3| n.normalize_or_zero();
-        let hull = |n: DVec3| extent.farthest(n);
-        let support: &dyn Fn(DVec3) -> DVec3 = if extent.is_empty() { &ball } else { &hull };
         let freedom = match (aim.center, target) {
             (Some(_), _) if has_opening => {
                 let error = Diagnostic::error("nothing is left to be found for `fit`");
@@ -125,6 +143,9 @@ impl<'s, 't> Resolver<'s, 't, '_> {
             (None, Some(_)) => Freedom::Distance,
             (None, None) => Freedom::Place,
         };
+        let ball = |n: DVec3| n.normalize_or_zero();
+        let hull = |n: DVec3| extent.farthest(n);
+        let support: &dyn Fn(DVec3) -> DVec3 = if extent.is_empty() { &ball } else { &hull };
         let direction = match (aim.center, target) {
             (Some(center), Some(target)) => target - center,
             (Some(center), None) if aim.direction.is_none() => {
@@ -134,14 +155,22 @@ impl<'s, 't> Resolver<'s, 't, '_> {
             _ => aim.direction.unwrap_or_else(|| usual_direction(aim.up())),
         };
         let center = aim.center.or(target).unwrap_or(DVec3::ZERO);
-        let camera = self.framed(camera, aim, center, direction, raw_up);
-        let fitted = Fit { freedom, aspect: self.aspect, margin: fit.margin }.apply(&camera, support);
-        match (fitted, camera) {
-            (Ok(Camera::Orthographic(fitted)), Camera::Orthographic(written)) if has_opening => {
-                Some(Camera::Orthographic(OrthographicCamera { size: written.size, ..fitted }))
-            }
-            (Ok(fitted), _) => Some(fitted),
-            (Err(error), _) => {
+        let fitted = FittedCamera {
+            written: self.framed(camera, aim, center, direction, raw_up),
+            fit: Fit { freedom, aspect: self.aspect, margin: fit.margin },
+            objects: match &fit.subject {
+                Subject::Named(name) => {
+                    Fitted::Named { name: name.clone().into_owned(), items: self.items_named(name) }
+                }
+                Subject::Point(_) | Subject::Scene => Fitted::All,
+            },
+            keeps_size: has_opening,
+            focus: None,
+            motion: None,
+        };
+        match fitted.framed(&extent) {
+            Ok(camera) => Some((camera, Some(fitted))),
+            Err(error) => {
                 self.diagnostics.push(explained(error, fit));
                 None
             }
@@ -164,26 +193,25 @@ impl<'s, 't> Resolver<'s, 't, '_> {
         camera.with_frame(if raw_up { frame.with_raw_up(aim.up()) } else { frame })
     }
 
-    /// The camera with its lens focused on a point or the middle of something.
-    fn focused(&mut self, camera: Camera, focus: &Focus<'t>, place: Span) -> Option<Camera> {
-        let p = match focus {
-            Focus::Distance(_) => return Some(camera),
-            Focus::On(Subject::Point(p)) => *p,
-            Focus::On(subject) => self.extent(subject, place)?.middle(),
-        };
-        let Frame { center, forward, .. } = *camera.frame();
-        let focus = (p - center).dot(forward);
-        if focus <= 0.0 {
-            let error = Diagnostic::error("the camera cannot focus on what is behind it");
-            self.diagnostics.push(error.label(place, format!("{} behind it", -focus as f32)));
-            return None;
+    /// The point that is to be sharp, where that is not a distance; the outer `None` when an error was reported.
+    fn sharp_point(&mut self, focus: &Focus<'t>, place: Span) -> Option<Option<DVec3>> {
+        match focus {
+            Focus::Distance(_) => Some(None),
+            Focus::On(Subject::Point(p)) => Some(Some(*p)),
+            Focus::On(subject) => Some(Some(self.extent(subject, place)?.middle())),
         }
-        let lens = match &camera {
-            Camera::Perspective(camera) => camera.lens().cloned(),
-            Camera::Orthographic(camera) => camera.lens.clone(),
-            _ => None,
-        };
-        Some(camera.with_lens(lens.map(|lens| ThinLens { focus, ..lens })))
+    }
+
+    /// The camera with its lens focused on a point.
+    fn focused(&mut self, camera: Camera, p: DVec3, place: Span) -> Option<Camera> {
+        let Frame { center, forward, .. } = *camera.frame();
+        let focused = camera.focused_on(p);
+        if focused.is_none() {
+            let error = Diagnostic::error("the camera cannot focus on what is behind it");
+            let behind = (center - p).dot(forward) as f32;
+            self.diagnostics.push(error.label(place, format!("{behind} behind it")));
+        }
+        focused
     }
 
     /// What is to be seen; empty, with a warning, where the scene has nothing.

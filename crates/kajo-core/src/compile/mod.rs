@@ -355,6 +355,7 @@ impl<'a> Compiler<'a> {
             background,
             fog: rest.fog,
             camera: camera::none(),
+            fitted: None,
             cameras: self.model_cameras,
             readout: self.readout,
             settings: rest.settings,
