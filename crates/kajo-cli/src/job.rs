@@ -1,6 +1,7 @@
 //! One render from the scene's file to the pictures' files, whichever command asked for it.
 
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use kajo::output::Target;
 use kajo::{
@@ -214,9 +215,10 @@ impl Job {
             Err(RenderError::Checkpoint(_)) if interrupted => return Err(interrupt.failure()),
             Err(error) => return Err(error.into()),
         };
+        picture.development = self.develop.development(picture.development);
         // Before anything else can go wrong; a picture that cannot be continued is still worth writing.
-        let (saved, interrupted_meanwhile) =
-            interrupt.during(Work::Write, || save(&picture, &targets, interrupt));
+        let ((saved, encoded), interrupted_meanwhile) =
+            interrupt.during(Work::Write, || self.save(&picture, &targets, interrupt));
         let interrupted = interrupted || interrupted_meanwhile;
         if let Some(bug) = bug {
             if let Err(error) = saved {
@@ -230,7 +232,6 @@ impl Job {
             return Err(stopped());
         }
         warn_of_numbers(&picture.stats, voice);
-        picture.development = self.develop.development(picture.development);
         let mut interrupted = interrupted;
         if let Some(denoiser) = &self.develop.denoise {
             let mut denoise = || picture.denoise(denoiser);
@@ -253,7 +254,7 @@ impl Job {
             ));
         }
         let keeper = Keeper { interrupt, stoppable: !keeps_partial, depth: self.depth, scene: &self.scene };
-        let written = keeper.pictures(&picture, &self.outputs, &targets.outputs);
+        let written = keeper.pictures(&picture, &self.outputs, &targets.outputs, encoded);
         Failure::all([written, saved])?;
         if interrupted {
             return Err(stopped());
@@ -279,6 +280,28 @@ impl Job {
         let checkpoint = checkpoint.filter(|_| !overwrite_checkpoint);
         let passes = Passes { goal: self.passes.goal(), resume, checkpoint, scene };
         Ok((passes, Watcher::new(&self.passes, &self.scene, targets.checkpoint.as_ref(), interrupt)))
+    }
+
+    /// Saves the state of a render that is over, however it ended, if that is wanted. Meanwhile another thread makes the first
+    /// picture into the bytes of its file, unless it is to be denoised: who interrupts a render does not like to wait.
+    fn save(
+        &self,
+        picture: &Picture,
+        targets: &Targets,
+        interrupt: &Interrupt,
+    ) -> (Result<(), Failure>, Option<Result<Vec<u8>, ImageError>>) {
+        let (Some(target), Some(state)) = (&targets.checkpoint, picture.snapshot()) else {
+            return (Ok(()), None);
+        };
+        let first = self.outputs.first().filter(|_| self.develop.denoise.is_none());
+        thread::scope(|scope| {
+            let encoding = first.and_then(|output| {
+                let encode = || picture.encode(&output.views, output.format, self.depth);
+                thread::Builder::new().spawn_scoped(scope, encode).ok()
+            });
+            let saved = keep::checkpoint(&state, target, interrupt);
+            (saved, encoding.and_then(|encoding| encoding.join().ok()))
+        })
     }
 
     fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
@@ -373,14 +396,6 @@ pub fn has_errors(scene: &Path, loaded: &Loaded) -> Failure {
     match loaded.diagnostics.count(Severity::Error) {
         0 | 1 => Failure::Input(String::new()),
         count => Failure::Input(format!("`{}` has {count} errors", scene.display())),
-    }
-}
-
-/// Saves the state of a render that is over, however it ended, if that is wanted.
-fn save(picture: &Picture, targets: &Targets, interrupt: &Interrupt) -> Result<(), Failure> {
-    match (&targets.checkpoint, picture.snapshot()) {
-        (Some(target), Some(state)) => keep::checkpoint(&state, target, interrupt),
-        _ => Ok(()),
     }
 }
 

@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use kajo::output::{self, OutputError, Target};
-use kajo::{BitDepth, Format, Picture, View};
+use kajo::{BitDepth, Format, ImageError, Picture, View};
 
 use crate::console;
 use crate::failure::Failure;
@@ -42,14 +42,22 @@ impl Keeper<'_> {
     /// Writes every picture, whether or not another one fails.
     ///
     /// * `targets`: for each output that is no standard output
+    /// * `encoded`: what [`Picture::encode`] made of the first output, if it did already
     ///
     /// # Errors
     /// [`Failure::Output`], which says where the picture is instead, and [`Failure::Interrupted`] when a signal came.
-    pub fn pictures(&self, picture: &Picture, outputs: &[Output], targets: &[Target]) -> Result<(), Failure> {
+    pub fn pictures(
+        &self,
+        picture: &Picture,
+        outputs: &[Output],
+        targets: &[Target],
+        mut encoded: Option<Result<Vec<u8>, ImageError>>,
+    ) -> Result<(), Failure> {
         let mut targets = targets.iter();
         let mut results = Vec::new();
         for output in outputs {
-            let encode = || picture.encode(&output.views, output.format, self.depth);
+            let mut encode =
+                || encoded.take().unwrap_or_else(|| picture.encode(&output.views, output.format, self.depth));
             let (encoded, interrupted) = match self.stoppable {
                 true => (encode(), false),
                 false => self.interrupt.during(Work::Write, encode),

@@ -21,7 +21,8 @@
 use std::fs::{self, File};
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
+use std::thread;
 
 use kajo_core::scene::Scene;
 use kajo_math::Vec2;
@@ -188,8 +189,8 @@ fn executable() -> io::Result<File> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Identity {
     text: String,
-    /// See [`build`], once somebody asks.
-    build: OnceLock<String>,
+    /// See [`build`], once it is known.
+    build: Arc<OnceLock<String>>,
     /// Whether noise decides where samples go.
     adaptive: bool,
 }
@@ -221,7 +222,16 @@ impl Identity {
             "scene {digest}\ncamera {camera}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
             scene.rules
         );
-        Identity { text, build: OnceLock::new(), adaptive: goal.adaptive }
+        Identity { text, build: Arc::default(), adaptive: goal.adaptive }
+    }
+
+    /// Finds out about the program in the background: it is a long file, and when a render is to stop there is no time.
+    pub fn prepare(&self) {
+        let known = Arc::clone(&self.build);
+        // Without a thread, it is found out when it is asked for.
+        let _ = thread::Builder::new().stack_size(1 << 18).spawn(move || {
+            known.get_or_init(build);
+        });
     }
 
     fn build(&self) -> &str {
@@ -463,7 +473,8 @@ mod tests {
     use kajo_render::Silent;
 
     fn identity(build: &str, text: &str) -> Identity {
-        Identity { text: text.to_owned(), build: OnceLock::from(build.to_owned()), adaptive: false }
+        let build = Arc::new(OnceLock::from(build.to_owned()));
+        Identity { text: text.to_owned(), build, adaptive: false }
     }
 
     #[test]

@@ -207,6 +207,7 @@ pub fn render_passes(
     let spec = FilmSpec { halves: goal.adaptive, samples_everywhere, ..spec };
     check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
     let identity = Identity::new(passes.scene, scene, settings, &spec, goal);
+    identity.prepare();
     let schedule = schedule(settings, &within_memory(resources, &spec));
     let (film, mut position) = match &passes.resume {
         Some(path) => checkpoint::restore(path, &identity, spec, &schedule, progress)

@@ -18,7 +18,7 @@
 //! of which the second term is smaller than the first by the number of pixels and is left out. Splats of one
 //! sample that fall into the same pixel are taken for independent, too. As for camera rays, filters are left aside.
 
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 
 use super::{
     filter::Filter,
@@ -120,9 +120,9 @@ impl SplatSums {
 
 impl SplatSums {
     /// Writes the sums.
-    pub fn save(&self, out: &mut dyn Write) -> io::Result<()> {
-        save_numbers(self.values.as_flattened().iter().copied(), out)?;
-        save_numbers(self.squares.as_flattened().iter().copied(), out)
+    pub fn save(&self, out: &mut Vec<u8>) {
+        save_numbers(self.values.as_flattened().iter().copied(), out);
+        save_numbers(self.squares.as_flattened().iter().copied(), out);
     }
 
     /// Reads what [`SplatSums::save`] wrote of a rectangle of this size.

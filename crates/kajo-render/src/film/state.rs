@@ -6,12 +6,21 @@
 //! what a file says.
 
 use std::io::{self, ErrorKind, Read, Write};
+use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread;
 
 use super::{Block, Camera, Film, FilmError, FilmSpec, Layer, splats::SplatSums, sums::Sums};
 
+/// Blocks that a thread makes into bytes before it hands these over.
+const RUN: usize = 8;
+
+/// Threads that do so at most, so that what waits to be written takes little memory.
+const MOST_ENCODERS: usize = 4;
+
 impl Film {
-    /// Writes all sums.
+    /// Writes all sums, which several threads make into bytes.
     ///
     /// # Errors
     /// Those of `out`; and `InvalidInput` for a film made for one pass, which has no sums.
@@ -21,13 +30,34 @@ impl Film {
         }
         out.write_all(&self.samples().to_le_bytes())?;
         out.write_all(&self.non_finite().to_le_bytes())?;
-        let mut result = Ok(());
-        self.for_each_block(|_, block| {
-            if result.is_ok() {
-                result = save_block(block, out);
-            }
-        });
-        result
+        let runs = self.blocks.len().div_ceil(RUN);
+        let encoders = thread::available_parallelism().map_or(1, |n| n.get()).min(MOST_ENCODERS).min(runs);
+        thread::scope(|scope| {
+            let start = |first: usize| {
+                let (to, from) = sync_channel(1);
+                let mut mine = (first..runs).step_by(encoders);
+                // Nobody listens once the writer has failed.
+                let encode = move || mine.try_for_each(|run| to.send(self.encoded(run)));
+                thread::Builder::new().spawn_scoped(scope, encode).ok().map(|_| from)
+            };
+            // In their order: those that the system gives no thread for are made here.
+            let encoders: Vec<Option<Receiver<Vec<u8>>>> = (0..encoders).map(start).collect();
+            (0..runs).try_for_each(|run| {
+                let encoder = encoders[run % encoders.len()].as_ref();
+                let bytes = encoder.and_then(|encoder| encoder.recv().ok());
+                out.write_all(&bytes.unwrap_or_else(|| self.encoded(run)))
+            })
+        })
+    }
+
+    /// The bytes of a run of blocks.
+    fn encoded(&self, run: usize) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let end = self.blocks.len().min((run + 1) * RUN);
+        for block in &self.blocks[run * RUN..end] {
+            save_block(&block.lock().unwrap_or_else(PoisonError::into_inner), &mut bytes);
+        }
+        bytes
     }
 
     /// Reads what [`Film::save`] wrote of a film of this kind.
@@ -59,36 +89,39 @@ impl Film {
     }
 }
 
-fn save_block(block: &Block, out: &mut dyn Write) -> io::Result<()> {
+fn save_block(block: &Block, out: &mut Vec<u8>) {
     match &block.camera {
         Camera::Open(sums) => {
-            out.write_all(&[1])?;
-            sums.save(out)?;
+            out.push(1);
+            sums.save(out);
         }
-        Camera::Empty | Camera::Finished(_) => out.write_all(&[0])?,
+        Camera::Empty | Camera::Finished(_) => out.push(0),
     }
     match &block.splats {
         Some(splats) => {
-            out.write_all(&[1])?;
-            splats.save(out)
+            out.push(1);
+            splats.save(out);
         }
-        None => out.write_all(&[0]),
+        None => out.push(0),
     }
 }
 
 /// Writes numbers in as few bytes each as the largest needs.
-pub(crate) fn save_numbers(
-    numbers: impl Iterator<Item = i128> + Clone,
-    out: &mut dyn Write,
-) -> io::Result<()> {
+pub(crate) fn save_numbers(numbers: impl Iterator<Item = i128> + Clone, out: &mut Vec<u8>) {
+    const WHOLE: usize = size_of::<i128>();
+    let (count, set) = numbers.clone().fold((0, 0), |(count, set), n| (count + 1, set | n ^ (n >> 127)));
     // The sign needs a bit too.
-    let bits = |n: i128| 129 - (n ^ (n >> 127)).leading_zeros();
-    let width = numbers.clone().map(bits).max().unwrap_or(0).div_ceil(8) as usize;
-    let mut buffer = vec![width as u8];
+    let bits = if count == 0 { 0 } else { 129 - set.leading_zeros() };
+    let width = bits.div_ceil(8) as usize;
+    out.push(width as u8);
+    // Each number is written whole, and the next one over what it has too much.
+    let mut at = out.len();
+    out.resize(at + count * width + WHOLE, 0);
     for number in numbers {
-        buffer.extend_from_slice(&number.to_le_bytes()[..width]);
+        out[at..at + WHOLE].copy_from_slice(&number.to_le_bytes());
+        at += width;
     }
-    out.write_all(&buffer)
+    out.truncate(at);
 }
 
 /// Reads `count` numbers that [`save_numbers`] wrote, and hands each with its index to `put`.
@@ -158,8 +191,9 @@ mod tests {
             (vec![i128::MAX, i128::MIN, -1], 16),
             (vec![], 0),
         ] {
-            let mut saved = Vec::new();
-            save_numbers(numbers.iter().copied(), &mut saved).expect("memory does not fail");
+            let mut saved = vec![7];
+            save_numbers(numbers.iter().copied(), &mut saved);
+            assert_eq!(saved.remove(0), 7, "what was there stays");
             assert_eq!(saved.len(), 1 + width * numbers.len(), "{numbers:?}");
             let mut restored = vec![7i128; numbers.len()];
             restore_array(&mut restored, &mut &saved[..]).expect("as it was written");

@@ -5,7 +5,7 @@
 //! together.
 
 use std::{
-    io::{self, Read, Write},
+    io::{self, Read},
     ops::Range,
 };
 
@@ -280,16 +280,16 @@ impl Sums {
     }
 
     /// Writes all arrays.
-    pub fn save(&self, out: &mut dyn Write) -> io::Result<()> {
-        save_numbers(self.values.iter().copied(), out)?;
-        save_numbers(self.weights.iter().map(|&n| n.into()), out)?;
-        save_numbers(self.counts.iter().map(|&n| n.into()), out)?;
-        save_numbers(self.distances.iter().copied(), out)?;
-        save_numbers(self.hits.iter().map(|&n| n.into()), out)?;
+    pub fn save(&self, out: &mut Vec<u8>) {
+        save_numbers(self.values.iter().copied(), out);
+        save_numbers(self.weights.iter().map(|&n| n.into()), out);
+        save_numbers(self.counts.iter().map(|&n| n.into()), out);
+        save_numbers(self.distances.iter().copied(), out);
+        save_numbers(self.hits.iter().map(|&n| n.into()), out);
         let firsts = self.firsts.iter().flat_map(|first| [first.sample, first.object, first.material]);
-        save_numbers(firsts.map(i128::from), out)?;
-        save_numbers(self.moments.iter().flat_map(|moments| moments.values), out)?;
-        save_numbers(self.moments.iter().flat_map(|moments| moments.squares), out)
+        save_numbers(firsts.map(i128::from), out);
+        save_numbers(self.moments.iter().flat_map(|moments| moments.values), out);
+        save_numbers(self.moments.iter().flat_map(|moments| moments.squares), out);
     }
 
     /// Reads what [`Sums::save`] wrote into arrays of the same lengths.

@@ -145,14 +145,18 @@ impl Position {
     /// # Errors
     /// Those of `out`.
     pub fn save(&self, out: &mut dyn Write) -> io::Result<()> {
-        save_numbers([self.done.into()].into_iter(), out)?;
-        out.write_all(&[u8::from(!self.limits.is_empty()), u8::from(self.unfinished.is_some())])?;
+        let mut bytes = Vec::new();
+        save_numbers([self.done.into()].into_iter(), &mut bytes);
+        bytes.extend([u8::from(!self.limits.is_empty()), u8::from(self.unfinished.is_some())]);
         if !self.limits.is_empty() {
-            save_numbers(self.limits.as_flattened().iter().map(|&n| n.into()), out)?;
+            save_numbers(self.limits.as_flattened().iter().map(|&n| n.into()), &mut bytes);
         }
-        let Some(Unfinished { samples, tile, ranges, finished }) = &self.unfinished else { return Ok(()) };
-        save_numbers([samples.start, samples.end, *tile, *ranges].into_iter().map(i128::from), out)?;
-        save_numbers(finished.iter().map(|&bits| bits.into()), out)
+        if let Some(Unfinished { samples, tile, ranges, finished }) = &self.unfinished {
+            let numbers = [samples.start, samples.end, *tile, *ranges];
+            save_numbers(numbers.into_iter().map(i128::from), &mut bytes);
+            save_numbers(finished.iter().map(|&bits| bits.into()), &mut bytes);
+        }
+        out.write_all(&bytes)
     }
 
     /// Reads what [`Position::save`] wrote about the render of `film`.
