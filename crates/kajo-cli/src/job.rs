@@ -42,6 +42,8 @@ pub struct Job {
     pub passes: PassArgs,
     /// What happens to the picture afterwards.
     pub develop: DevelopArgs,
+    /// Files that must not be overwritten, besides those that the scene is read from.
+    pub kept: Vec<PathBuf>,
     /// The only folder that files may be written to, by its real path, if there is such a bound.
     pub confined_to: Option<PathBuf>,
 }
@@ -360,7 +362,8 @@ impl Job {
         });
         let diagrams = self.diagrams.iter().map(|diagram| diagram.path.clone());
         let files: Vec<PathBuf> = files.chain(diagrams).chain(self.passes.checkpoint.clone()).collect();
-        let mut outputs = Target::check_all(&files, inputs)?;
+        let inputs = [inputs, &*self.kept].concat();
+        let mut outputs = Target::check_all(&files, &inputs)?;
         if let Some(folder) = &self.confined_to {
             let outside = outputs.iter().find(|target| !target.is_file_within(folder));
             if let Some(target) = outside {
@@ -368,6 +371,9 @@ impl Job {
             }
         }
         let checkpoint = self.passes.checkpoint.as_ref().and_then(|_| outputs.pop());
+        if let Some(resumed) = &self.passes.resume {
+            outputs.iter().try_for_each(|target| target.differs_from(resumed))?;
+        }
         let diagrams = outputs.split_off(outputs.len() - self.diagrams.len());
         match checkpoint {
             Some(target) if target.is_stream() => Err(Failure::Output(format!(

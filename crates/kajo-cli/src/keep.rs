@@ -258,6 +258,7 @@ mod tests {
             keep_partial: false,
             passes: PassArgs::default(),
             develop: DevelopArgs::default(),
+            kept: Vec::new(),
             confined_to: None,
         };
         let mut voice = Voice { color: false, quiet: true, say: &mut |_: &str| {} };

@@ -28,10 +28,108 @@ fn the_scene_and_its_files_are_not_overwritten() {
     let mesh = "TriangleMesh { obj_file mesh.png }";
     folder.write("scene.png", common::BALL.replace("Sphere ball { center 0 0 0  radius 1 }", mesh));
     let before = (folder.read("scene.png"), folder.read("mesh.png"));
-    folder.fail("render scene.png -o scene.png", 5, &["scene was read from it"]);
-    folder.fail("render scene.png -o ./mesh.png", 5, &["scene was read from it"]);
+    folder.fail(
+        "render scene.png -o scene.png",
+        5,
+        &["cannot write `scene.png`: it is `scene.png`, which is read"],
+    );
+    folder.fail(
+        "render scene.png -o ./mesh.png",
+        5,
+        &["cannot write `./mesh.png`: it is `mesh.png`, which is read"],
+    );
     folder.fail("scene.png", 2, &["-o FILE"]);
     assert_eq!((folder.read("scene.png"), folder.read("mesh.png")), before);
+}
+
+/// Names under which a file of the folder can be reached.
+fn names_of(folder: &Folder, file: &str) -> Vec<String> {
+    let mut names = vec![file.to_owned(), format!("./{file}"), format!("sub/../{file}")];
+    std::fs::create_dir_all(folder.path("sub")).unwrap();
+    #[cfg(unix)]
+    {
+        let ending = std::path::Path::new(file).extension().unwrap().to_str().unwrap();
+        let [symbolic, hard] = ["symbolic", "hard"].map(|kind| format!("{kind}.{ending}"));
+        let _ = std::fs::remove_file(folder.path(&symbolic));
+        let _ = std::fs::remove_file(folder.path(&hard));
+        std::os::unix::fs::symlink(file, folder.path(&symbolic)).unwrap();
+        std::fs::hard_link(folder.path(file), folder.path(&hard)).unwrap();
+        names.extend([symbolic, hard]);
+    }
+    names
+}
+
+/// Runs the program with each name of a file where `OUT` stands, and makes sure that it is refused and nothing changes.
+fn keeps(folder: &Folder, file: &str, line: &str) {
+    for name in names_of(folder, file) {
+        let before = (folder.names(), folder.read(file));
+        let said = [&*format!("cannot write `{name}`: it is `{file}`, which is read")];
+        folder.fail(&line.replace("OUT", &name), 5, &said);
+        assert!((folder.names(), folder.read(file)) == before, "{line}: {name}");
+    }
+}
+
+#[test]
+fn a_checkpoint_is_not_replaced_by_a_picture() {
+    let folder = Folder::new();
+    let render = "ball.txt --size 8 8 --samples sobol 4";
+    folder.succeed(&format!("{render} -o out.png --checkpoint state.png"));
+    keeps(&folder, "state.png", &format!("{render} --resume state.png -o OUT"));
+    keeps(&folder, "state.png", &format!("{render} --resume state.png -o out.png --aov depth=OUT"));
+    folder.succeed(&format!("{render} --resume state.png -o out.png --checkpoint ./state.png"));
+}
+
+#[test]
+fn a_model_and_its_files_are_not_replaced_by_its_scene() {
+    let folder = Folder::new();
+    folder.write("skin.ppm", "P3 1 1 255 255 0 0\n");
+    folder.write("paint.mtl", "newmtl red\nKd 1 0 0\nmap_Kd skin.ppm\n");
+    folder.write(
+        "thing.obj",
+        "mtllib paint.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\n",
+    );
+    let floats = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes).concat();
+    folder.write("points.bin", floats);
+    folder.write(
+        "leaf.gltf",
+        r#"{ "asset": { "version": "2.0" }, "scenes": [ { "nodes": [0] } ], "nodes": [ { "mesh": 0 } ],
+        "meshes": [ { "primitives": [ { "attributes": { "POSITION": 0 } } ] } ],
+        "accessors": [ { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" } ],
+        "bufferViews": [ { "buffer": 0, "byteLength": 36 } ],
+        "buffers": [ { "uri": "points.bin", "byteLength": 36 } ] }"#,
+    );
+    folder.succeed("leaf.gltf --size 4 4 --samples 1 -o leaf.png");
+    for (model, files) in [
+        ("thing.obj", &["thing.obj", "paint.mtl", "skin.ppm"][..]),
+        ("leaf.gltf", &["leaf.gltf", "points.bin"]),
+    ] {
+        for file in files {
+            keeps(&folder, file, &format!("convert {model} OUT --force"));
+            keeps(&folder, file, &format!("convert {model} OUT"));
+        }
+        folder.write("scene.txt", "old");
+        folder.succeed(&format!("convert {model} scene.txt --force"));
+    }
+}
+
+#[test]
+fn compared_pictures_are_not_replaced_by_their_difference() {
+    let folder = Folder::new();
+    folder.succeed("ball.txt --size 8 8 --samples 1 -o a.png");
+    folder.succeed("ball.txt --size 8 8 --samples 1 -o b.png --bounces 0");
+    keeps(&folder, "a.png", "diff a.png b.png -o OUT");
+    keeps(&folder, "b.png", "diff a.png b.png -o OUT");
+}
+
+#[test]
+fn a_list_and_its_scenes_are_not_replaced_by_pictures() {
+    let folder = Folder::new();
+    folder.write("scene.png", common::BALL);
+    folder.write("index.html", "a ball.txt -size 4 4\n");
+    folder.fail("gallery index.html .", 5, &["it is `index.html`, which is read"]);
+    folder.write("list.txt", "scene ball.txt -size 4 4\nother scene.png -size 4 4\n");
+    folder.fail("gallery list.txt .", 5, &["1 of 2 pictures failed", "it is `scene.png`, which is read"]);
+    assert!(folder.read("scene.png") == common::BALL.as_bytes());
 }
 
 #[test]

@@ -21,11 +21,13 @@ use part::Part;
 /// Why a file could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// It is the scene or something that the scene is made of.
-    #[error("cannot write `{}`: the scene was read from it; choose another name", path.display())]
+    /// It is the scene, something that the scene is made of, or another file that is read.
+    #[error("cannot write `{}`: it is `{}`, which is read; choose another name", path.display(), shown(input))]
     IsInput {
         /// The file.
         path: PathBuf,
+        /// The same file, by the name under which it is read.
+        input: PathBuf,
     },
     /// Two outputs have one name.
     #[error("cannot write `{}` twice in one run; choose another name for one of them", path.display())]
@@ -88,7 +90,7 @@ enum Kind {
 impl Target {
     /// Makes sure that `path` can be written, and removes what killed processes left of files in its folder.
     ///
-    /// * `inputs`: real paths of files that must not be overwritten
+    /// * `inputs`: files that must not be overwritten, by whatever names
     ///
     /// # Errors
     /// Every reason that can be known beforehand.
@@ -108,10 +110,8 @@ impl Target {
             Some(_) => (path.to_path_buf(), Kind::Stream),
             None => (in_real_folder(path), Kind::File),
         };
-        if inputs.contains(&real) {
-            return Err(OutputError::IsInput { path: path.to_path_buf() });
-        }
         let target = Target { path: path.to_path_buf(), real, kind };
+        inputs.iter().try_for_each(|input| target.differs_from(input))?;
         if let Kind::File = target.kind {
             target.probe()?;
         }
@@ -133,6 +133,17 @@ impl Target {
             targets.push(target);
         }
         Ok(targets)
+    }
+
+    /// Makes sure that it is not this file, be it by links.
+    ///
+    /// # Errors
+    /// [`OutputError::IsInput`].
+    pub fn differs_from(&self, input: &Path) -> Result<(), OutputError> {
+        match self.real == input || is_same(&self.real, input) {
+            true => Err(OutputError::IsInput { path: self.path.clone(), input: input.to_path_buf() }),
+            false => Ok(()),
+        }
     }
 
     /// The path as the user wrote it.
@@ -279,6 +290,26 @@ fn write_under_new_name(
     Ok(written.file_name().map(|name| folder.join(name)).unwrap_or(written))
 }
 
+/// Whether two paths lead to one file, which may have several names.
+#[cfg(unix)]
+fn is_same(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let number = |path| fs::metadata(path).map(|metadata| (metadata.dev(), metadata.ino())).ok();
+    number(a).is_some_and(|a| number(b) == Some(a))
+}
+
+/// Whether two paths lead to one file.
+#[cfg(not(unix))]
+fn is_same(a: &Path, b: &Path) -> bool {
+    fs::canonicalize(a).is_ok_and(|a| fs::canonicalize(b).is_ok_and(|b| a == b))
+}
+
+/// A path as one would write it in the current folder.
+fn shown(path: &Path) -> std::path::Display<'_> {
+    let folder = env::current_dir().and_then(fs::canonicalize).unwrap_or_default();
+    path.strip_prefix(folder).unwrap_or(path).display()
+}
+
 /// The path of a file to be made, by the real path of its folder where that exists: equal for equal files.
 fn in_real_folder(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -329,6 +360,16 @@ mod tests {
         let check = |name: &str| Target::check(&path(name), &inputs);
         assert!(matches!(check("scene.txt"), Err(OutputError::IsInput { .. })));
         assert!(matches!(check("./scene.txt"), Err(OutputError::IsInput { .. })));
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("scene.txt", path("symbolic")).unwrap();
+            fs::hard_link(path("scene.txt"), path("hard")).unwrap();
+            for link in ["symbolic", "hard"] {
+                let refused = check(link).unwrap_err().to_string();
+                let named = [link, "scene.txt"].iter().all(|name| refused.contains(&format!("{name}`")));
+                assert!(named && refused.contains("which is read"), "{refused}");
+            }
+        }
         assert!(matches!(check("nowhere/a.png"), Err(OutputError::NoFolder { .. })));
         assert!(matches!(
             check("scene.txt/a.png"),

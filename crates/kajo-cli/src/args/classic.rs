@@ -231,6 +231,7 @@ impl ClassicArgs {
             keep_partial: known.run.keep_partial,
             passes: PassArgs::default(),
             develop: DevelopArgs::default(),
+            kept: Vec::new(),
             confined_to: None,
         })
     }

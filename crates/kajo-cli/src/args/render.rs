@@ -142,6 +142,7 @@ impl RenderArgs {
             keep_partial: self.run.keep_partial,
             passes: self.passes.clone(),
             develop: self.develop.clone(),
+            kept: Vec::new(),
             confined_to: None,
         })
     }

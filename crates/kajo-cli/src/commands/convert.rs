@@ -1,9 +1,9 @@
 //! `kajo convert`: the scene that shows a model, as a file to go on with.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use kajo::output::Target;
-use kajo::{LoadOptions, ModelOptions, model_scene};
+use kajo::{LoadOptions, ModelOptions, load, model_scene};
 
 use crate::args::ConvertArgs;
 use crate::console;
@@ -21,12 +21,20 @@ pub fn convert(args: &ConvertArgs) -> Result<(), Failure> {
     if is_standard_output {
         return console::answer(&scene.text);
     }
-    if path.exists() && !args.force {
+    let is_there = path.exists();
+    let target = Target::check(&path, &if is_there { files_of(&args.model) } else { Vec::new() })?;
+    if is_there && !args.force {
         let message = "is there already; `--force` writes over it, and another name beside it";
         return Err(Failure::Input(format!("`{}` {message}", path.display())));
     }
-    let targets = Target::check_all(std::slice::from_ref(&path), std::slice::from_ref(&args.model))?;
-    targets.iter().try_for_each(|target| target.write(scene.text.as_bytes()))?;
+    target.write(scene.text.as_bytes())?;
     console::line(format!("{}: shows {}; `kajo {0}` renders it", path.display(), args.model.display()));
     Ok(())
+}
+
+/// The files that a model is read from.
+fn files_of(model: &Path) -> Vec<PathBuf> {
+    let mut files = load(model, &LoadOptions::default()).files;
+    files.push(model.to_path_buf());
+    files
 }

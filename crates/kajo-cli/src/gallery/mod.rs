@@ -30,11 +30,14 @@ pub fn run(args: &GalleryArgs, interrupt: &Interrupt) -> Result<(), Failure> {
     fs::create_dir_all(&args.out).map_err(|error| {
         Failure::Output(format!("cannot make the folder `{}`: {error}", args.out.display()))
     })?;
-    let page_file = Target::check(&args.out.join("index.html"), &[])?;
+    // What the list names is not overwritten, in whichever order it is read.
+    let mut read: Vec<PathBuf> = entries.iter().filter_map(|entry| scene(entry, args).ok()).collect();
+    read.push(args.manifest.clone());
+    let page_file = Target::check(&args.out.join("index.html"), &read)?;
     let mut cards = Vec::new();
     let mut failures = Vec::new();
     for (i, entry) in entries.iter().enumerate() {
-        let result = render(entry, args, interrupt);
+        let result = render(entry, args, &read, interrupt);
         if !args.run.quiet || !is_silent(&result) {
             console::line(progress_line(i + 1, entries.len(), entry, &result));
         }
@@ -90,9 +93,17 @@ fn is_silent(result: &Result<Rendered, (Failure, String)>) -> bool {
 }
 
 /// Renders one picture; a failure comes with everything there is to say about it.
-fn render(entry: &Entry, args: &GalleryArgs, interrupt: &Interrupt) -> Result<Rendered, (Failure, String)> {
+///
+/// * `read`: files that must not be overwritten
+fn render(
+    entry: &Entry,
+    args: &GalleryArgs,
+    read: &[PathBuf],
+    interrupt: &Interrupt,
+) -> Result<Rendered, (Failure, String)> {
     let mut said = String::new();
     let result = job(entry, args).and_then(|job| {
+        let job = Job { kept: read.to_vec(), ..job };
         let meter = Meter::new(args.run.quiet, args.run.show_progress);
         let mut say = |text: &str| said.push_str(text);
         let done =
