@@ -76,6 +76,32 @@ fn what_there_is_can_be_kept() {
     assert!(picture.data().iter().any(|&v| v > 0.0), "something was rendered");
 }
 
+#[test]
+fn a_gallery_that_is_stopped_or_killed_has_a_page_of_what_is_finished() {
+    for (signal, expected) in [("TERM", Some(143)), ("KILL", None)] {
+        let folder = Folder::new();
+        folder.write(
+            "list.txt",
+            "a ball.txt -size 20 10\nlong ball.txt -size 3000 3000 -jittered_samples 10000\nb ball.txt\n",
+        );
+        let mut command = folder.command();
+        let line = ["gallery", "list.txt", "out", "--show-progress"];
+        let mut child = command.args(line).stderr(Stdio::piped()).spawn().unwrap();
+        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        while !line.contains("1/3 a") {
+            line.clear();
+            assert!(said.read_line(&mut line).unwrap() > 0);
+        }
+        // The second picture has begun when it tells so, and the page is written by then.
+        said.read_line(&mut line).unwrap();
+        let (code, _) = Render { child, said }.end_by(signal);
+        assert_eq!(code, expected);
+        let page = String::from_utf8(folder.read("out/index.html")).unwrap();
+        assert!(page.contains("a.png") && page.contains("1 of 3 pictures, 0 failed"), "{page}");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn what_is_ignored_at_the_start_stays_ignored() {

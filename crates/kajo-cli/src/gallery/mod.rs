@@ -1,7 +1,7 @@
 //! `kajo gallery`: renders a list of scenes and writes a page that shows them.
 //!
 //! One picture after the other, each on all threads. A scene that fails is shown with its message, and the
-//! others are rendered all the same.
+//! others are rendered all the same. The page is written after each of them.
 //!
 //! A list may come from a stranger, as a scene may: it reads scenes in its own folder, writes to the gallery's, and
 //! cannot lift a limit or reach the network. For more there is the command line.
@@ -19,7 +19,7 @@ use kajo::{AssetError, FsAssets, Resources};
 use crate::args::{Cli, Command, GalleryArgs};
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, Work};
 use crate::job::{Destination, Done, Job, Voice};
 use crate::progress::Meter;
 use manifest::Entry;
@@ -34,6 +34,8 @@ pub fn run(args: &GalleryArgs, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut read: Vec<PathBuf> = entries.iter().filter_map(|entry| scene(entry, args).ok()).collect();
     read.push(args.manifest.clone());
     let page_file = Target::check(&args.out.join("index.html"), &read)?;
+    let title = title(&args.manifest);
+    let mut written = Ok(());
     let mut cards = Vec::new();
     let mut failures = Vec::new();
     for (i, entry) in entries.iter().enumerate() {
@@ -51,8 +53,15 @@ pub fn run(args: &GalleryArgs, interrupt: &Interrupt) -> Result<(), Failure> {
         };
         let arguments = entry.arguments.join(" ");
         cards.push(Card { name: entry.name.clone(), scene: entry.scene.clone(), arguments, result });
+        // After each picture, so that there is a page of what is finished however the gallery ends.
+        let html = page::page(&title, &cards, entries.len());
+        let (result, interrupted) = interrupt.during(Work::Write, || page_file.write(html.as_bytes()));
+        if interrupted {
+            return Err(interrupt.failure());
+        }
+        written = result;
     }
-    page_file.write(page::page(&title(&args.manifest), &cards).as_bytes())?;
+    written?;
     if !args.run.quiet {
         console::line(format_args!("{}", page_file.path().display()));
     }

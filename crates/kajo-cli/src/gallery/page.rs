@@ -40,18 +40,20 @@ pre { overflow-x: auto; color: var(--bad); font-size: .8rem }
 .failed { border-color: var(--bad) }
 ";
 
-/// The whole page.
-pub fn page(title: &str, cards: &[Card]) -> String {
+/// The page of those pictures that are done.
+///
+/// * `wanted`: how many there will be
+pub fn page(title: &str, cards: &[Card], wanted: usize) -> String {
     let failed = cards.iter().filter(|card| card.result.is_err()).count();
     let rendered = || cards.iter().filter_map(|card| card.result.as_ref().ok());
     let seconds: f64 = rendered().map(|picture| picture.seconds).sum();
     let rays: u64 = rendered().map(|picture| picture.rays).sum();
     let title = escaped(title);
+    let done = if cards.len() < wanted { format!("{} of {wanted}", cards.len()) } else { wanted.to_string() };
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{STYLE}</style>\n\
-         <h1>{title}</h1>\n<p>{} pictures, {failed} failed; {} rays in {seconds:.1} s</p>\n<main>\n",
-        cards.len(),
+         <h1>{title}</h1>\n<p>{done} pictures, {failed} failed; {} rays in {seconds:.1} s</p>\n<main>\n",
         in_short(rays as f64)
     );
     for card in cards {
@@ -152,7 +154,9 @@ mod tests {
         let files = vec!["r1+r2 é.png".to_owned(), "x.exr".to_owned()];
         let rendered =
             Rendered { files, size: [2, 1], samples: 4, rays: 2500, seconds: 0.5, said: String::new() };
-        let html = page("<Ours>", &[card("a", Ok(rendered)), card("b", Err("`<x>` & more".into()))]);
+        let cards = [card("a", Ok(rendered)), card("b", Err("`<x>` & more".into()))];
+        assert!(page("Ours", &cards[..1], 2).contains("1 of 2 pictures, 0 failed"));
+        let html = page("<Ours>", &cards, 2);
         for part in [
             "<title>&lt;Ours&gt;</title>",
             "2 pictures, 1 failed; 2.5 k rays in 0.5 s",
