@@ -207,11 +207,25 @@ impl Job {
             meter.finish();
             result
         });
+        self.finish(result, interrupted, &targets, interrupt, voice)
+    }
+
+    /// Saves and writes what came of a render.
+    ///
+    /// * `interrupted`: whether a signal came meanwhile
+    fn finish(
+        &self,
+        result: Result<Picture, RenderError>,
+        interrupted: bool,
+        targets: &Targets,
+        interrupt: &Interrupt,
+        voice: &mut Voice<'_>,
+    ) -> Result<Done, Failure> {
         let (mut picture, bug) = match result {
-            Ok(picture) => (picture, None),
-            Err(RenderError::Cancelled(partial)) => (*partial, None),
+            Ok(picture) => (picture, Ok(())),
+            Err(RenderError::Cancelled(partial)) => (*partial, Ok(())),
             Err(RenderError::Panicked { message, picture: Some(partial) }) => {
-                (*partial, Some(Failure::Bug(message)))
+                (*partial, Err(Failure::Bug(format!("{message}; the picture is what the other tiles show"))))
             }
             // Reading a long checkpoint was broken off.
             Err(RenderError::Checkpoint(_)) if interrupted => return Err(interrupt.failure()),
@@ -220,17 +234,12 @@ impl Job {
         picture.development = self.develop.development(picture.development);
         // Before anything else can go wrong; a picture that cannot be continued is still worth writing.
         let ((saved, encoded), interrupted_meanwhile) =
-            interrupt.during(Work::Write, || self.save(&picture, &targets, interrupt));
+            interrupt.during(Work::Write, || self.save(&picture, targets, interrupt));
         let interrupted = interrupted || interrupted_meanwhile;
-        if let Some(bug) = bug {
-            if let Err(error) = saved {
-                voice.warn(error.message());
-            }
-            return Err(bug);
-        }
         let stopped = || interrupt.failure();
         let keeps_partial = self.keep_partial || targets.checkpoint.is_some();
         if interrupted && !keeps_partial {
+            bug?;
             return Err(stopped());
         }
         warn_of_numbers(&picture.stats, voice);
@@ -257,7 +266,7 @@ impl Job {
         }
         let keeper = Keeper { interrupt, stoppable: !keeps_partial, depth: self.depth, scene: &self.scene };
         let written = keeper.pictures(&picture, &self.outputs, &targets.outputs, encoded);
-        Failure::all([written, saved])?;
+        Failure::all([bug, written, saved])?;
         if interrupted {
             return Err(stopped());
         }
@@ -415,5 +424,102 @@ fn warn_of_numbers(stats: &RenderStats, voice: &mut Voice<'_>) {
              double with each of the bounces; ask for fewer bounces or a larger --weight\n",
             stats.rays.left_out
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+
+    impl Job {
+        /// A job that asks for nothing in particular.
+        pub fn plain(scene: PathBuf, size: [u32; 2], outputs: Vec<Output>) -> Job {
+            Job {
+                scene,
+                load: LoadOptions::default(),
+                defaults: Defaults::Modern,
+                asked: Settings { size: Some(size), ..Settings::default() },
+                classic: None,
+                outputs,
+                crop: None,
+                diagrams: Vec::new(),
+                depth: BitDepth::Eight,
+                resources: Resources::default(),
+                keep_partial: false,
+                passes: PassArgs::default(),
+                develop: DevelopArgs::default(),
+                kept: Vec::new(),
+                confined_to: None,
+            }
+        }
+    }
+
+    /// Makes the first and the fourth tile fail, as a bug in kajo would: a tile tells from within how far it is, every
+    /// 256 samples and at its end.
+    #[derive(Default)]
+    struct Failing(AtomicU32);
+
+    impl kajo::Progress for Failing {
+        fn done(&self, _: u64, _: u64, _: u64) {
+            let told = self.0.fetch_add(1, Ordering::Relaxed);
+            assert!(![1, 12].contains(&told), "on purpose");
+        }
+
+        fn cancelled(&self) -> bool {
+            false
+        }
+    }
+
+    #[test]
+    fn tiles_that_fail_do_not_cost_the_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let camera = "OrthographicCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  size 1 }";
+        std::fs::write(path("scene.txt"), format!("{camera} Background {{ color 1 1 1 }} Group {{ }}"))
+            .unwrap();
+        for passes in [None, Some(path("state"))] {
+            let output = Output {
+                destination: Destination::File(path("out.png")),
+                format: Format::Png,
+                views: vec![View::Color],
+            };
+            let mut job = Job::plain(path("scene.txt"), [96, 64], vec![output]);
+            job.asked.samples = Some((SamplerKind::Uniform, 1));
+            job.passes.checkpoint = passes;
+            let loaded = kajo::load(&job.scene, &job.load);
+            let scene = loaded.scene.as_ref().unwrap();
+            let mut said = String::new();
+            let mut voice = Voice { color: false, quiet: true, say: &mut |text: &str| said.push_str(text) };
+            let settings = job.settings(scene, &mut voice).unwrap();
+            let targets = job.targets(&loaded.files).unwrap();
+            let interrupt = Interrupt::default();
+            let outputs = [(View::Color, Format::Png)];
+            let resources = Resources { threads: 1, tile: 32, memory: None };
+            let result = match targets.checkpoint {
+                None => kajo::render(scene, &settings, &outputs, &resources, &Failing::default()),
+                Some(_) => {
+                    let (passes, mut watcher) =
+                        job.prepare_passes(&loaded.files, &targets, &interrupt).unwrap();
+                    let look = &mut |snapshot: Snapshot<'_>| watcher.look(snapshot);
+                    let failing = Failing::default();
+                    kajo::render_passes(scene, &settings, &outputs, &resources, &passes, &failing, look)
+                }
+            };
+            let failure = job.finish(result, false, &targets, &interrupt, &mut voice).unwrap_err();
+            assert_eq!(failure.code(), 4);
+            let message = failure.message();
+            assert!(
+                message.contains("of the picture's tiles failed; the first is the one at ("),
+                "{message}"
+            );
+            assert!(message.contains("on purpose; the picture is what the other tiles show"), "{message}");
+            let picture = kajo::compare::read_picture(&path("out.png")).unwrap().image;
+            assert_eq!([picture.width(), picture.height()], [96, 64]);
+            let white = picture.pixels().filter(|pixel| pixel[0] == 1.0).count();
+            assert_eq!(white, 4 * 32 * 32, "the other four tiles");
+            assert_eq!(path("state").exists(), targets.checkpoint.is_some());
+        }
     }
 }

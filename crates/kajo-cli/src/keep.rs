@@ -220,10 +220,7 @@ fn put_into(place: Option<PathBuf>, error: &dyn Display) -> Failure {
 
 #[cfg(test)]
 mod tests {
-    use kajo::{Defaults, LoadOptions, Resources, Settings};
-
     use super::*;
-    use crate::args::{DevelopArgs, PassArgs};
     use crate::job::{Job, Voice};
     use crate::progress::Meter;
 
@@ -244,23 +241,7 @@ mod tests {
             format: Format::Ppm,
             views: vec![View::Color],
         };
-        let job = Job {
-            scene: path("scene.txt"),
-            load: LoadOptions::default(),
-            defaults: Defaults::Modern,
-            asked: Settings { size: Some([4, 3]), ..Settings::default() },
-            classic: None,
-            outputs: vec![output, plain],
-            crop: None,
-            diagrams: Vec::new(),
-            depth: BitDepth::Eight,
-            resources: Resources::default(),
-            keep_partial: false,
-            passes: PassArgs::default(),
-            develop: DevelopArgs::default(),
-            kept: Vec::new(),
-            confined_to: None,
-        };
+        let job = Job::plain(path("scene.txt"), [4, 3], vec![output, plain]);
         let mut voice = Voice { color: false, quiet: true, say: &mut |_: &str| {} };
         let failure = job.run(&Meter::Silent, &Interrupt::default(), &mut voice).unwrap_err();
         assert!(matches!(&failure, Failure::Output(text) if text.contains("; it is in `")), "{failure:?}");
