@@ -182,7 +182,7 @@ impl Job {
         self.check_formats(settings.size)?;
         let targets = self.targets(&loaded.files)?;
         let mut passes = match self.passes.are_wanted() {
-            true => Some(self.prepare_passes(&loaded.files, &targets, interrupt)?),
+            true => Some(self.prepare_passes(&loaded, &targets, interrupt)?),
             false => None,
         };
         for (diagram, target) in self.diagrams.iter().zip(&targets.diagrams) {
@@ -281,12 +281,14 @@ impl Job {
     /// What a render in passes goes by, and who looks at it after each.
     fn prepare_passes<'a>(
         &self,
-        files: &[PathBuf],
+        loaded: &Loaded,
         targets: &'a Targets,
         interrupt: &'a Interrupt,
     ) -> Result<(Passes, Watcher<'a>), Failure> {
-        let scene = SceneDigest::of_files(files)
+        let files = SceneDigest::of_files(&loaded.files)
             .map_err(|error| Failure::Input(format!("cannot read the scene again: {error}")))?;
+        // The text around a model, of which `--up` and `--ground` decide.
+        let scene = loaded.sources().iter().next().map_or(files, |(_, text)| files.with_text(text.text()));
         let PassArgs { resume, checkpoint, overwrite_checkpoint, .. } = self.passes.clone();
         let checkpoint = checkpoint.filter(|_| !overwrite_checkpoint);
         let passes = Passes { goal: self.passes.goal(), resume, checkpoint, scene };
@@ -500,8 +502,7 @@ mod tests {
             let result = match targets.checkpoint {
                 None => kajo::render(scene, &settings, &outputs, &resources, &Failing::default()),
                 Some(_) => {
-                    let (passes, mut watcher) =
-                        job.prepare_passes(&loaded.files, &targets, &interrupt).unwrap();
+                    let (passes, mut watcher) = job.prepare_passes(&loaded, &targets, &interrupt).unwrap();
                     let look = &mut |snapshot: Snapshot<'_>| watcher.look(snapshot);
                     let failing = Failing::default();
                     kajo::render_passes(scene, &settings, &outputs, &resources, &passes, &failing, look)

@@ -114,6 +114,152 @@ fn what_cannot_be_continued_is_refused() {
     folder.fail("ball.txt -o a.png --noise 0", 2, &["--noise", "above 0"]);
 }
 
+/// What an option is to a render that goes on.
+enum Role {
+    /// It decides bits of the picture: the checkpoint of a render with the first words is refused by one that has the second
+    /// ones as well.
+    Decides(&'static str, &'static str),
+    /// It decides bits of the picture of a model without a scene.
+    DecidesOfModel(&'static str),
+    /// A render with these words goes on to the picture of one that had them all along, for this reason.
+    Harmless(&'static str, &'static str),
+}
+
+use Role::{Decides, DecidesOfModel, Harmless};
+
+/// Every option of `kajo render`.
+const ROLES: [(&str, Role); 53] = [
+    ("output", Harmless("-o other.exr", "where the picture goes")),
+    ("size", Decides("", "--size 21 14")),
+    ("crop", Decides("", "--crop 1 1 5 5")),
+    ("aov", Decides("", "--aov depth")),
+    ("layers", Decides("", "--layers color,normals")),
+    ("depth-range", Decides("--aov depth=depth.png", "--depth-range 1 9")),
+    ("bits", Harmless("--bits 16", "of a PNG file, made of the film when it is finished")),
+    ("samples", Decides("", "--samples uniform 8")),
+    ("filter", Decides("", "--filter tent 2")),
+    ("seed", Decides("", "--seed 3")),
+    ("integrator", Decides("", "--integrator direct")),
+    ("spectral", Decides("--integrator path", "--spectral on")),
+    ("bounces", Decides("", "--bounces 2")),
+    ("weight", Decides("", "--weight 0.25")),
+    ("shadows", Decides("", "--shadows off")),
+    ("transparent-shadows", Decides("", "--transparent-shadows surface")),
+    ("shade-back", Decides("", "--shade-back on")),
+    ("fresnel", Decides("", "--fresnel on")),
+    ("total-reflection", Decides("", "--total-reflection on")),
+    ("ray-offset", Decides("", "--ray-offset reference")),
+    ("branches", Decides("--integrator distribution", "--branches 3")),
+    ("directions", Decides("--integrator path", "--directions uniform")),
+    ("technique", Decides("--integrator path", "--technique lamps")),
+    ("light-choice", Decides("--integrator path", "--light-choice uniform")),
+    ("roulette", Decides("--integrator path", "--roulette off")),
+    ("reach", Decides("--integrator occlusion", "--reach 2")),
+    ("denoise", Decides("", "--denoise builtin")),
+    ("exposure", Harmless("--exposure 1", "how the finished light is developed")),
+    ("white-balance", Harmless("--white-balance 5000", "how the finished light is developed")),
+    ("tone", Harmless("--tone aces", "how the finished light is developed")),
+    ("gamut", Harmless("--gamut rec2020", "how the finished light is developed")),
+    ("time", Harmless("--time 1000", "how long it goes on")),
+    ("noise", Decides("", "--noise 0.001")),
+    ("adaptive", Decides("", "--adaptive")),
+    ("checkpoint", Harmless("--checkpoint other.state", "where the state goes")),
+    (
+        "overwrite-checkpoint",
+        Harmless("--checkpoint other --overwrite-checkpoint", "whether it may go there"),
+    ),
+    ("checkpoint-every", Harmless("--checkpoint-every 0", "how often it goes there")),
+    ("resume", Harmless("", "each of these renders has it")),
+    ("tev", Harmless("--tev 127.0.0.1:1", "a viewer")),
+    ("dialect", Decides("", "--dialect mit-2004")),
+    ("assets", Harmless("--assets .", "where files are found; what they hold is in the digest of the scene")),
+    ("allow-outside", Harmless("--allow-outside", "where files are found, too")),
+    ("camera", Decides("", "--camera wide")),
+    ("up", DecidesOfModel("--up -z")),
+    ("ground", DecidesOfModel("--ground")),
+    ("threads", Harmless("--threads 3", "a picture has the same bits for any number")),
+    ("tile", Harmless("--tile 5", "a picture has the same bits for any tiles")),
+    ("memory", Harmless("--memory 1000", "a bound")),
+    ("quiet", Harmless("--quiet", "what is said")),
+    ("stats", Harmless("--stats", "what is said")),
+    ("show-progress", Harmless("--show-progress", "what is said")),
+    ("keep-partial", Harmless("--keep-partial", "what is written when it is interrupted")),
+    ("help", Harmless("", "no render")),
+];
+
+/// A new option fails here until somebody has said what it is to a checkpoint.
+#[test]
+fn every_option_that_decides_bits_is_in_the_identity_of_a_checkpoint() {
+    let folder = Folder::new();
+    let help = folder.succeed("render --help").stdout;
+    let is_option = |word: &&str| word.starts_with("--") && word.len() > 2;
+    let first_words = help.lines().filter(|line| line.trim_start().starts_with('-'));
+    let mut options: Vec<&str> = first_words
+        .filter_map(|line| line.split([' ', '[', '=']).find(is_option))
+        .map(|word| word.trim_start_matches('-'))
+        .collect();
+    let mut known: Vec<&str> = ROLES.iter().map(|&(option, _)| option).collect();
+    options.sort_unstable();
+    known.sort_unstable();
+    assert_eq!(options, known, "each has its line in this test");
+
+    // Two cameras in one place, of which one has a lens.
+    let lens = "aperture 0.5 focus 8";
+    let [sharp, wide] = ["sharp {", &*format!("wide {{ {lens}")]
+        .map(|begin| common::BALL.lines().next().unwrap().replace('{', begin));
+    folder.write(
+        "two.txt",
+        common::BALL.replace(common::BALL.lines().next().unwrap(), &format!("{wide}\n{sharp}")),
+    );
+    folder.write("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    let render = |scene: &str| format!("{scene} --size 20 14 --samples sobol 8 -o {scene}.exr --threads 2");
+    let (scene, model) = (render("two.txt"), render("model.obj"));
+    folder.succeed(&format!("{scene} --checkpoint two.state"));
+    folder.succeed(&format!("{model} --checkpoint model.state"));
+    for (option, role) in &ROLES {
+        match role {
+            Decides(base, words) => {
+                let before = again(&scene, base);
+                let (line, state) = (again(&before, words), format!("{option}.state"));
+                folder.succeed(&format!("{before} --checkpoint {state}"));
+                folder.fail(&format!("{line} --resume {state}"), 2, &["belongs to another render"]);
+                folder.succeed(&format!("{before} --resume {state}"));
+            }
+            DecidesOfModel(words) => {
+                folder.fail(
+                    &format!("{model} {words} --resume model.state"),
+                    2,
+                    &["belongs to another render"],
+                );
+            }
+            Harmless(words, reason) => {
+                let line = again(&scene, words);
+                let picture = if words.contains("-o ") { "other.exr" } else { "two.txt.exr" };
+                folder.succeed(&line);
+                let expected = folder.read(picture);
+                folder.succeed(&format!("{line} --resume two.state"));
+                assert!(folder.read(picture) == expected, "--{option}, though it is {reason}");
+            }
+        }
+    }
+    folder.succeed(&format!("{model} --resume model.state"));
+}
+
+/// A command line with other words for some of its options.
+fn again(line: &str, words: &str) -> String {
+    let mut kept: Vec<&str> = Vec::new();
+    let mut drops = false;
+    for word in line.split(' ') {
+        if word.starts_with('-') {
+            drops = words.split(' ').any(|other| other == word);
+        }
+        if !drops {
+            kept.push(word);
+        }
+    }
+    format!("{} {words}", kept.join(" "))
+}
+
 #[test]
 fn what_is_worth_more_is_not_replaced_by_a_checkpoint() {
     let folder = Folder::new();

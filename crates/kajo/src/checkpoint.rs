@@ -24,8 +24,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::thread;
 
+use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
-use kajo_math::Vec2;
+use kajo_math::{Vec2, rng::Stream};
 use kajo_render::{Film, FilmSpec, Goal, Position, Progress};
 
 use crate::{Development, RenderSettings};
@@ -167,6 +168,26 @@ impl SceneDigest {
         }
         Ok(SceneDigest(*all.finalize().as_bytes()))
     }
+
+    /// The digest of this and a text: the scene around a model is in no file.
+    pub fn with_text(self, text: &str) -> SceneDigest {
+        let mut both = blake3::Hasher::new();
+        both.update(&self.0).update(text.as_bytes());
+        SceneDigest(*both.finalize().as_bytes())
+    }
+}
+
+/// Which of its cameras takes a picture, by what it sees: the beginning of a digest of rays through places of the picture
+/// and of the lens, at moments while the shutter is open.
+fn camera_digest(camera: &Camera) -> String {
+    let mut all = blake3::Hasher::new();
+    for i in 0..64 {
+        let stream = Stream::new(0, [i, 0], 0);
+        let [x, y, u, v, time] = [0, 1, 2, 3, 4].map(|dimension| stream.uniform(dimension));
+        let at = 2.0 * Vec2::new(x, y) - Vec2::ONE;
+        all.update(format!("{:?}", camera.ray(at, 1.5, Vec2::new(u, v), time)).as_bytes());
+    }
+    all.finalize().to_hex()[..16].to_owned()
 }
 
 /// The version of kajo, and the beginning of the digest of the program that runs.
@@ -215,9 +236,7 @@ impl Identity {
         let digest = blake3::Hash::from_bytes(digest.0).to_hex();
         let adaptive = goal.adaptive.then_some(goal.noise);
         // The derived texts of numbers say all their digits.
-        // Which of its cameras takes the picture, by where it stands and what it sees in a corner.
-        let corner = scene.camera.ray(Vec2::ONE, 1.0, Vec2::splat(0.5), 0.0);
-        let camera = format!("{:?} {corner:?}", scene.camera.frame());
+        let camera = camera_digest(&scene.camera);
         let text = format!(
             "scene {digest}\ncamera {camera}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
             scene.rules
