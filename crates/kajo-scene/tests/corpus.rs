@@ -4,19 +4,7 @@ use kajo_scene::{
     Assets, Corners, Limits, MemoryAssets, MeshFileError, MeshReport, NO_INDEX, SceneDesc, Sources, TriMesh,
     print, read_gltf, read_ies, read_mtl, read_obj, read_ply, read_stl, render, render_one, tokens,
 };
-use std::path::Path;
-
-fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(name);
-    let mut seeds: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
-        .expect("the corpus is part of the repository")
-        .map(|entry| entry.expect("a readable folder").path())
-        .map(|path| (path.display().to_string(), std::fs::read(&path).expect("a readable seed")))
-        .collect();
-    seeds.sort();
-    assert!(seeds.len() >= 8, "the corpus is missing");
-    seeds
-}
+use kajo_testkit::corpus;
 
 fn check_scene(data: &[u8]) {
     if let Ok(text) = std::str::from_utf8(data) {

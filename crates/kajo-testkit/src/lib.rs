@@ -4,6 +4,7 @@
 //! change that makes a result wrong, and a number that is right by chance only.
 
 pub mod chi_square;
+pub mod corpus;
 pub mod delta_e;
 pub mod image;
 pub mod mean;
@@ -12,6 +13,7 @@ pub mod spectrum;
 pub mod sphere;
 
 pub use chi_square::ChiSquare;
+pub use corpus::corpus;
 pub use delta_e::{delta_e_2000, lab};
 pub use image::share_off_by;
 pub use mean::Estimate;

@@ -3,21 +3,8 @@
 #[path = "hostile/renders.rs"]
 mod renders;
 
-use std::path::Path;
-
 use kajo_math::rng::Stream;
-
-fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(name);
-    let mut seeds: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
-        .expect("the corpus is part of the repository")
-        .map(|entry| entry.expect("a readable folder").path())
-        .map(|path| (path.display().to_string(), std::fs::read(&path).expect("a readable seed")))
-        .collect();
-    seeds.sort();
-    assert!(seeds.len() >= 8, "the corpus is missing");
-    seeds
-}
+use kajo_testkit::corpus;
 
 /// Changed bytes, pieces that are gone or double, and numbers in place of others.
 fn mutate(seed: &[u8], stream: &Stream) -> Vec<u8> {
