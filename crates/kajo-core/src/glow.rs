@@ -33,8 +33,10 @@ pub struct EmissionTerm {
 /// What the light of a surface is multiplied by from place to place.
 #[derive(Clone, Debug)]
 pub enum EmissionFactor {
-    /// A share, as that of the surface between its holes.
+    /// The share of the surface between its holes.
     Share(Share),
+    /// The colours at the vertices.
+    Tint,
     /// The colours of a picture, through which light shines as through a slide.
     Slide(PictureMap),
     /// The share of a mixture that one of its two materials has.
@@ -54,7 +56,7 @@ impl VariedEmission {
         let needs_uv = terms.iter().flat_map(|term| &term.factors).any(|factor| match factor {
             EmissionFactor::Share(share) => share.varies(),
             EmissionFactor::Slide(_) => true,
-            EmissionFactor::Pattern { .. } => false,
+            EmissionFactor::Tint | EmissionFactor::Pattern { .. } => false,
         });
         VariedEmission { terms, needs_uv }
     }
@@ -96,7 +98,8 @@ impl VariedEmission {
 impl EmissionFactor {
     fn at(&self, textures: &Textures, at: &MaterialPoint, wavelengths: &Wavelengths) -> Spectrum {
         match self {
-            EmissionFactor::Share(share) => Spectrum::WHITE * share.at(at.uv),
+            EmissionFactor::Share(share) => Spectrum::WHITE * share.covered_at(at.uv, at.cover()),
+            EmissionFactor::Tint => at.tinted(Spectrum::WHITE, wavelengths),
             EmissionFactor::Slide(map) => picture_reflectance(map, at.uv, wavelengths),
             EmissionFactor::Pattern { pattern, pattern_from_world, is_second } => {
                 let t = textures.value(*pattern, pattern_from_world.transform_point3(at.p)).clamp(0.0, 1.0);
@@ -108,6 +111,7 @@ impl EmissionFactor {
     fn mean(&self) -> [f32; 3] {
         match self {
             EmissionFactor::Share(share) => [share.mean(); 3],
+            EmissionFactor::Tint => [1.0; 3],
             EmissionFactor::Slide(map) => {
                 let [r, g, b, _] = map.mean();
                 [r, g, b]

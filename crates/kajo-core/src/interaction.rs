@@ -52,33 +52,25 @@ impl SurfacePoint {
     }
 }
 
-/// Where pictures are laid on a surface, and what its vertices multiply them by.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Where pictures are laid on a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfaceUv {
     /// Surface coordinates.
     pub first: Vec2,
     /// A second set of them; those of the first where there is none.
     pub second: Vec2,
-    /// Linear red, green, blue and opacity, in [0, 1]; all 1 where vertices have no colours.
-    pub color: [f32; 4],
-}
-
-impl Default for SurfaceUv {
-    fn default() -> SurfaceUv {
-        Vec2::ZERO.into()
-    }
 }
 
 impl From<Vec2> for SurfaceUv {
     fn from(uv: Vec2) -> SurfaceUv {
-        SurfaceUv { first: uv, second: uv, color: [1.0; 4] }
+        SurfaceUv { first: uv, second: uv }
     }
 }
 
 impl SurfaceUv {
     /// The place that is this step away in both sets of coordinates.
     pub fn moved(self, step: Vec2) -> SurfaceUv {
-        SurfaceUv { first: self.first + step, second: self.second + step, ..self }
+        SurfaceUv { first: self.first + step, second: self.second + step }
     }
 }
 

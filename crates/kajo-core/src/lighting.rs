@@ -166,7 +166,8 @@ impl Scene {
     fn varied_radiance(&self, varied: u32, at: &Interaction, wavelengths: &Wavelengths) -> Spectrum {
         let varied: &VariedEmission = &self.varied_emissions[varied as usize];
         let uv = if varied.needs_uv() { self.surface_uv(at) } else { SurfaceUv::default() };
-        varied.at(&self.textures, &MaterialPoint { p: self.pattern_point(at), uv, tint: None }, wavelengths)
+        let place = MaterialPoint { p: self.pattern_point(at), uv, tint: self.tint(at) };
+        varied.at(&self.textures, &place, wavelengths)
     }
 
     /// Density per solid angle with which [`Scene::light_towards`] draws this lamp and the way to a place of it; for a

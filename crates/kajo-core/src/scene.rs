@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use kajo_bvh::Bvh;
 use kajo_color::Spectrum;
-use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3};
+use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3, Vec4};
 
 use crate::background::Background;
 use crate::bsdf::Phong;
@@ -27,7 +27,7 @@ use crate::moving_tree::MovingTree;
 use crate::nested::{Leaf, Nested, NestedPiece};
 use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
-use crate::shape::{Mesh, ShapeId, Shapes, Sphere, Surface};
+use crate::shape::{ShapeId, Shapes, Sphere, Surface};
 use crate::texture::{SurfaceUv, Textures};
 
 pub use extent::Extent;
@@ -307,13 +307,14 @@ impl Scene {
         } else {
             SurfaceUv::default()
         };
-        let tint = if self.has_vertex_colors { rarely(|| self.tint(at)) } else { None };
-        MaterialPoint { p: self.pattern_point(at), uv, tint }
+        MaterialPoint { p: self.pattern_point(at), uv, tint: self.tint(at) }
     }
 
     /// The colour of the corners around an interaction with a mesh that has some.
-    fn tint(&self, at: &Interaction) -> Option<Vec3> {
-        Mesh::find(&self.shapes, self.shape(at.primitive)?)?.color_at(&at.hit)
+    #[inline]
+    pub(crate) fn tint(&self, at: &Interaction) -> Option<Vec4> {
+        let of = |shape| self.shapes.color_at(shape, &at.hit);
+        if self.has_vertex_colors { rarely(|| self.shape(at.primitive).and_then(of)) } else { None }
     }
 
     /// The classic reflection model of a material, where it is the same at every point whatever has the material.
@@ -356,8 +357,8 @@ impl Scene {
     /// What the surface says of the place of an interaction.
     pub(crate) fn surface_uv(&self, at: &Interaction) -> SurfaceUv {
         let uv = self.uv(at);
-        let attributes = self.shape(at.primitive).and_then(|shape| self.shapes.attributes_at(shape, &at.hit));
-        attributes.map_or(uv.into(), |attributes| attributes.at(uv))
+        let second = self.shape(at.primitive).and_then(|shape| self.shapes.second_uv_at(shape, &at.hit));
+        SurfaceUv { first: uv, second: second.unwrap_or(uv) }
     }
 
     /// Surface coordinates at an interaction.

@@ -70,7 +70,7 @@ impl List {
 }
 
 /// The colour of a vertex that has none.
-const WHITE: [f32; 3] = [1.0; 3];
+const WHITE: [f32; 4] = [1.0; 4];
 
 /// A corner of a face: its index in each [`List`], or [`NO_INDEX`].
 type Corner = [u32; 3];
@@ -160,9 +160,9 @@ impl<'l> Builder<'l> {
         // One more number is a weight, and a fourth of a colour an opacity.
         if fields.clone().nth(2).is_some() {
             let color = self.floats::<3>(line, keyword, &mut fields, 3)?;
-            let color = self.report.finite_or_zero(color);
+            let [r, g, b] = self.report.finite_or_zero(color);
             self.mesh.colors.resize(self.mesh.positions.len(), WHITE);
-            self.mesh.colors.push(color);
+            self.mesh.colors.push([r, g, b, 1.0]);
         }
         self.mesh.positions.push(position);
         Ok(())
@@ -434,7 +434,8 @@ impl<'l> Builder<'l> {
             return;
         }
         let most = if colors.as_flattened().iter().any(|&v| v > 1.0) { 255.0 } else { 1.0 };
-        colors.as_flattened_mut().iter_mut().for_each(|v| *v = (*v / most).clamp(0.0, 1.0));
+        let share = |v: f32| (v / most).clamp(0.0, 1.0);
+        colors.iter_mut().for_each(|[r, g, b, _]| (*r, *g, *b) = (share(*r), share(*g), share(*b)));
         colors.resize(positions.len(), WHITE);
         self.mesh.colors_are_srgb = true;
         self.mesh.face_colors = Corners::Vertices;

@@ -26,9 +26,9 @@ pub struct TriMesh {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates; zero where the file's are not finite.
     pub uvs: Vec<[f32; 2]>,
-    /// Colours, each component in [0, 1].
-    pub colors: Vec<[f32; 3]>,
-    /// Whether the colours are values for a screen, after the curve of sRGB, and not amounts.
+    /// Red, green, blue and opacity, each in [0, 1].
+    pub colors: Vec<[f32; 4]>,
+    /// Whether red, green and blue are values for a screen, after the curve of sRGB, and not amounts.
     pub colors_are_srgb: bool,
     /// The vertices of each triangle.
     pub faces: Vec<[u32; 3]>,

@@ -200,9 +200,9 @@ fn check_gltf(data: &[u8]) {
                 let beads = part.points.iter().chain(part.segments.iter().flatten());
                 assert!(beads.copied().all(finite));
                 let count = part.mesh.positions.len();
-                let lists = [part.second_uvs.len(), part.colors.len(), part.tangents.len()];
+                let lists = [part.second_uvs.len(), part.mesh.colors.len(), part.tangents.len()];
                 assert!(lists.iter().all(|&n| n == 0 || n == count));
-                assert!(part.colors.iter().flatten().all(|c| (0.0..=1.0).contains(c)));
+                assert!(part.mesh.colors.iter().flatten().all(|c| (0.0..=1.0).contains(c)));
             }
             for light in &model.lights {
                 assert!(light.intensity.iter().all(|c| *c >= 0.0 && c.is_finite()));

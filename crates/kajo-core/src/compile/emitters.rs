@@ -17,7 +17,7 @@ use crate::light::{AreaLight, Emitters, LightId, Sides, SkyLight};
 use crate::material::{MaterialId, MaterialPoint};
 use crate::motion::MovingTransform;
 use crate::shape::{Patch, ShapeId};
-use crate::texture::{PictureMap, Share, TextureId};
+use crate::texture::{PictureMap, Share, SurfaceUv, TextureId};
 
 /// Memory of a lamp: itself, and its places in the lists and the tree by which lamps are chosen.
 const BYTES_PER_LAMP: usize = size_of::<AreaLight>() + 96;
@@ -46,6 +46,12 @@ impl Glow {
     /// The light as it shines through a picture.
     pub(super) fn through(mut self, slide: PictureMap) -> Glow {
         self.terms.iter_mut().for_each(|term| term.factors.push(EmissionFactor::Slide(slide.clone())));
+        self
+    }
+
+    /// The light of a surface that the colours at its vertices tint too.
+    pub(super) fn tinted(mut self) -> Glow {
+        self.terms.iter_mut().for_each(|term| term.factors.push(EmissionFactor::Tint));
         self
     }
 
@@ -224,11 +230,11 @@ impl Compiler<'_> {
             let p = patch.sample_area(u / f32::from(GRID))?.p;
             let hit = self.shapes.hit_at(shape, part, p);
             let uv = self.shapes.uv_at(shape, &hit, p);
-            let attributes = self.shapes.attributes_at(shape, &hit);
+            let second = self.shapes.second_uv_at(shape, &hit).unwrap_or(uv);
             let place = MaterialPoint {
                 p: map.transform_point3(p.as_dvec3()).as_vec3(),
-                uv: attributes.map_or(uv.into(), |attributes| attributes.at(uv)),
-                tint: None,
+                uv: SurfaceUv { first: uv, second },
+                tint: self.shapes.color_at(shape, &hit),
             };
             Some(varied.at(&self.textures, &place, &Wavelengths::RGB).luminance())
         };

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 
 use kajo_color::srgb;
-use kajo_math::{Vec2, Vec3};
+use kajo_math::{Vec2, Vec3, Vec4};
 use kajo_scene::{
     Args, AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Params, Span, TriMesh, read_mesh,
 };
@@ -230,10 +230,16 @@ fn mesh_data(mesh: TriMesh, shading: Shading, material_slots: Option<Vec<u32>>) 
     MeshData { positions, faces: mesh.faces, normals, uvs, colors, attributes, material_slots }
 }
 
-/// Colours of corners in linear RGB.
-fn corner_colors(colors: Vec<[f32; 3]>, corners: Corners, are_srgb: bool) -> Option<CornerValues<Vec3>> {
+/// Colours of corners in linear RGB, and their opacity.
+pub(super) fn corner_colors(
+    colors: Vec<[f32; 4]>,
+    corners: Corners,
+    are_srgb: bool,
+) -> Option<CornerValues<Vec4>> {
     let linear = |v: f32| if are_srgb { srgb::decode(v) } else { v };
-    corner_values(colors, corners, |color| Vec3::from(color.map(|v| linear(v).clamp(0.0, 1.0))))
+    corner_values(colors, corners, |[r, g, b, opacity]| {
+        Vec4::from([linear(r), linear(g), linear(b), opacity].map(|v| v.clamp(0.0, 1.0)))
+    })
 }
 
 pub(super) fn corner_values<T, U>(

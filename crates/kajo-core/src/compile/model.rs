@@ -8,14 +8,14 @@ use std::rc::Rc;
 
 use kajo_math::{Motion, Vec2, Vec3, Vec4};
 use kajo_scene::{
-    Args, AssetFile, Diagnostic, Item, Model, ModelCamera, ModelInstance, ModelLight, ModelPart, Params,
-    Span, read_gltf,
+    Args, AssetFile, Corners, Diagnostic, Item, Model, ModelCamera, ModelInstance, ModelLight, ModelPart,
+    Params, Span, read_gltf,
 };
 
 use super::Compiler;
 use super::definition::{Part, Parts};
 use super::group::{Place, Walk};
-use super::mesh::{corner_values, file_name};
+use super::mesh::{corner_colors, corner_values, file_name};
 use super::model_beads::{BeadMaterials, BeadRadii};
 use super::model_material::ModelPictures;
 use crate::material::MaterialId;
@@ -136,7 +136,10 @@ impl Compiler<'_> {
         let mut meshes: Vec<Vec<Stored>> = Vec::with_capacity(model.meshes.len());
         for parts in model.meshes {
             let mut stored = Vec::with_capacity(parts.len());
-            for part in parts {
+            for mut part in parts {
+                if !key.own_materials {
+                    (part.mesh.colors, part.mesh.face_colors) = (Vec::new(), Corners::Absent);
+                }
                 let material = part.material.and_then(|m| materials.get(m).copied().flatten());
                 if part.points.is_empty() && part.segments.is_empty() {
                     let mesh = self.built(mesh_data(part, key.smooth), &key.path, at)?;
@@ -201,10 +204,8 @@ impl Compiler<'_> {
 }
 
 fn mesh_data(part: ModelPart, smooth: bool) -> MeshData {
-    let whole = |color: [f32; 4]| color.map(|c| (c * 65535.0).round() as u16);
     let attributes = VertexAttributes {
         second_uvs: part.second_uvs.into_iter().map(Vec2::from).collect(),
-        colors: part.colors.into_iter().map(whole).collect(),
         tangents: part.tangents.into_iter().map(Vec4::from).collect(),
     };
     let mesh = part.mesh;
@@ -215,8 +216,7 @@ fn mesh_data(part: ModelPart, smooth: bool) -> MeshData {
         faces: mesh.faces,
         normals,
         uvs: corner_values(mesh.uvs, mesh.face_uvs, Vec2::from),
-        // The colours of vertices, with their opacity, are among the attributes.
-        colors: None,
+        colors: corner_colors(mesh.colors, mesh.face_colors, mesh.colors_are_srgb),
         attributes,
         material_slots: None,
     }

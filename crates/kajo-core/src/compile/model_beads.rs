@@ -70,7 +70,7 @@ impl Compiler<'_> {
         pictures: &ModelPictures<'_>,
     ) -> Option<MaterialId> {
         let (plain, said) = material?;
-        let Some(&[r, g, b, _]) = part.colors.get(vertex as usize) else { return Some(plain) };
+        let Some(&[r, g, b, _]) = part.mesh.colors.get(vertex as usize) else { return Some(plain) };
         // Levels are even to the eye, about.
         let levels = [r, g, b].map(|c| (c.sqrt() * LEVELS).round() as u8);
         *known.entry((part.material, levels)).or_insert_with(|| {

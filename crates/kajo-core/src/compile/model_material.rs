@@ -53,13 +53,6 @@ impl Compiler<'_> {
             }
         };
         let material = plain.as_ref().unwrap_or(material);
-        let color = match material.vertex_colors {
-            VertexColors::None => color,
-            VertexColors::Color | VertexColors::ColorAndOpacity => {
-                let map = color.unwrap_or_else(|| self.vertex_picture());
-                Some(PictureMap { tinted: true, ..map })
-            }
-        };
         let layers = match material.unlit {
             true => black(),
             false => self.model_layers(material, color.as_ref(), metal, pictures),
@@ -81,6 +74,8 @@ impl Compiler<'_> {
         let even = Glow::even(Emission::from_rgb(light));
         let sides = if material.two_sided { Sides::Both } else { Sides::Front };
         let glow = even.map(|glow| slide.into_iter().fold(glow.on(sides), Glow::through));
+        let is_tinted = material.unlit && material.vertex_colors > VertexColors::None;
+        let glow = if is_tinted { glow.map(Glow::tinted) } else { glow };
         self.lit_and_cut(id, glow, opacity)
     }
 
@@ -155,8 +150,10 @@ fn opacity(material: &ModelMaterial, color: Option<&PictureMap>) -> Option<Share
     let value = material.opacity;
     // Most pictures have no holes, whatever the material says of them.
     let is_clear = material.vertex_colors == VertexColors::ColorAndOpacity;
-    let map = color.filter(|map| is_clear || map.mean()[Channel::Alpha as usize] < 1.0);
-    let map = map.map(|map| PictureMap { factor: [1.0, 1.0, 1.0, value], ..map.clone() });
+    let map = color.filter(|map| is_clear || map.mean()[Channel::Alpha as usize] < 1.0).cloned();
+    // Vertices make holes of their own.
+    let map = map.or_else(|| is_clear.then(PictureMap::white));
+    let map = map.map(|map| PictureMap { factor: [1.0, 1.0, 1.0, value], ..map });
     let share = match (material.cover, map) {
         (ModelCover::Everything, _) => return None,
         (ModelCover::Share, None) => Share::Plain(value),

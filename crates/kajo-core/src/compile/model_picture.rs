@@ -64,14 +64,6 @@ impl Compiler<'_> {
         Some(PictureMap { wrap, filter, set, repeat, cross, offset, ..map })
     }
 
-    /// A picture of the colours at vertices alone.
-    pub(super) fn vertex_picture(&mut self) -> PictureMap {
-        // It counts among the pictures, so that surfaces are asked what pictures need.
-        let key = ("colours at vertices".to_owned(), None);
-        let white = self.pictures.entry(key).or_insert_with(|| Some(PictureMap::white().picture));
-        white.as_ref().map_or_else(PictureMap::white, |picture| PictureMap::new(Arc::clone(picture)))
-    }
-
     /// Base colour with opacity, and roughness in green with metalness in blue, of a surface in older terms.
     pub(super) fn glossiness_pictures(
         &mut self,

@@ -10,23 +10,24 @@ use crate::compile::{CompileOptions, compile};
 use crate::light::Emitter;
 use crate::scene::{Interaction, Scene};
 
-/// The scene of these objects, which may name `a.gltf`, and what was said; the file has this content besides a triangle of
+/// The scene of these objects, which may name `a.gltf`, `a.obj` and `a.ply`, and what was said; the file has this content besides a triangle of
 /// the corners (-1, -1), (3, -1) and (-1, 3): positions in accessor 0, coordinates from (0, 0) to (2, 2) in 1, coordinates of
-/// (0.75, 0.75) in 2, red, green and blue in 3.
+/// (0.75, 0.75) in 2, red, green and blue in 3, and the same with opacities of 1, 0.5 and 0 in 4.
 fn compiled(objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
-    let floats: [&[f32]; 4] = [
+    let floats: [&[f32]; 5] = [
         &[-1.0, -1.0, 0.0, 3.0, -1.0, 0.0, -1.0, 3.0, 0.0],
         &[0.0, 1.0, 2.0, 1.0, 0.0, -1.0],
         &[0.75, 0.25, 0.75, 0.25, 0.75, 0.25],
         &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        &[1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.0],
     ];
     let (mut bytes, mut views, mut accessors) = (Vec::new(), Vec::new(), Vec::new());
     for (i, list) in floats.iter().enumerate() {
         let (at, length) = (bytes.len(), 4 * list.len());
         bytes.extend(list.iter().flat_map(|x| x.to_le_bytes()));
         views.push(format!(r#"{{"buffer":0,"byteOffset":{at},"byteLength":{length}}}"#));
-        let of = if list.len() == 6 { "VEC2" } else { "VEC3" };
-        accessors.push(format!(r#"{{"bufferView":{i},"componentType":5126,"count":3,"type":"{of}"}}"#));
+        let width = list.len() / 3;
+        accessors.push(format!(r#"{{"bufferView":{i},"componentType":5126,"count":3,"type":"VEC{width}"}}"#));
     }
     let json = format!(
         r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"a.bin","byteLength":{}}}],"bufferViews":[{}],"accessors":[{}],
@@ -49,7 +50,15 @@ fn compiled(objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
         .with("a.gltf", json)
         .with("a.bin", bytes)
         .with("a.png", colors)
-        .with("b.png", gloss);
+        .with("b.png", gloss)
+        .with("a.obj", "v -1 -1 0 1 0 0\nv 3 -1 0 0 1 0\nv -1 3 0 0 0 1\nf 1 2 3\n")
+        .with(
+            "a.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n\
+             -1 -1 0 255 0 0\n3 -1 0 0 255 0\n-1 3 0 0 0 255\n3 0 1 2\n",
+        );
     let text = format!(
         "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
          Materials {{ Matte {{ color 0.5 0.5 0.5 }} }} Group {{ MaterialIndex 0 {objects} }}"
@@ -147,6 +156,65 @@ fn colours_at_vertices_are_factors() {
     let pictured = scene(model, &triangle(r#","COLOR_0":3,"TEXCOORD_0":2"#, &pictured));
     // The picture is green there.
     near(color(&pictured, 0.0, 0.0), [0.0, 0.25, 0.0]);
+    let (scene, said) =
+        compiled("Model { file a.gltf  materials off }", &triangle(r#","COLOR_0":3"#, pigment));
+    assert_eq!((color(&scene.unwrap(), 0.0, 0.0), said), (Vec3::splat(0.5), Vec::new()));
+}
+
+#[test]
+fn a_coloured_triangle_is_the_same_in_every_format() {
+    let pigment = r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,1],"metallicFactor":0}"#;
+    let content = triangle(r#","COLOR_0":3"#, pigment);
+    let blocks = [
+        "Model { file a.gltf }",
+        "TriangleMesh { file a.obj  colors on }",
+        "TriangleMesh { file a.ply  colors on }",
+    ];
+    let scenes = blocks.map(|block| scene(block, &content));
+    for (x, y) in [(-0.9, -0.9), (0.0, 0.0), (1.5, -0.5), (-0.5, 1.75)] {
+        // The corners are red, green and blue, at (-1, -1), (3, -1) and (-1, 3).
+        let (green, blue) = (0.25 * (x + 1.0), 0.25 * (y + 1.0));
+        let expected = 0.5 * Vec3::new(1.0 - green - blue, green, blue);
+        for (scene, block) in std::iter::zip(&scenes, blocks) {
+            let found = color(scene, x, y);
+            assert!(found.distance(expected) < 1e-5, "{block} at {x} {y}: {found} for {expected}");
+        }
+    }
+}
+
+#[test]
+fn opacities_at_vertices_are_factors_where_the_material_asks() {
+    let visible = |material: &str, x: f32, y: f32| {
+        let scene = scene("Model { file a.gltf }", &triangle(r#","COLOR_0":4"#, material));
+        let ray = Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z);
+        scene.visibility(&ray, &Wavelengths::RGB, 1.0).to_rgb()[1]
+    };
+    // Opacities of 1, 0.5 and 0 at the corners.
+    let opacity = |x: f32, y: f32| 1.0 - 0.125 * (x + 1.0) - 0.25 * (y + 1.0);
+    let half = r#""alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.5]}"#;
+    for (x, y) in [(-0.5, -0.5), (0.5, 0.5), (-0.5, 2.0)] {
+        let near = |found: f32, expected: f32| {
+            assert!((found - expected).abs() < 1e-5, "{found} for {expected} at {x} {y}");
+        };
+        near(visible("", x, y), 0.0);
+        near(visible(r#""alphaMode":"BLEND""#, x, y), 1.0 - opacity(x, y));
+        near(visible(half, x, y), 1.0 - 0.5 * opacity(x, y));
+        let cut = visible(r#""alphaMode":"MASK","alphaCutoff":0.4"#, x, y);
+        near(cut, if opacity(x, y) < 0.4 { 1.0 } else { 0.0 });
+    }
+}
+
+#[test]
+fn surfaces_without_lighting_shine_in_the_colours_of_their_vertices() {
+    let material =
+        r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1]},"extensions":{"KHR_materials_unlit":{}}"#;
+    let unlit = scene("Model { file a.gltf }", &triangle(r#","COLOR_0":3"#, material));
+    for (x, y) in [(-0.5, -0.5), (1.0, 0.5)] {
+        let glow = unlit.glow(&met(&unlit, x, y), Vec3::NEG_Z, &Wavelengths::RGB).unwrap();
+        let (green, blue) = (0.25 * (x + 1.0), 0.25 * (y + 1.0));
+        let expected = Vec3::new(0.5 * (1.0 - green - blue), green, blue);
+        assert!(Vec3::from(glow.radiance.to_rgb()).distance(expected) < 1e-5, "{glow:?} at {x} {y}");
+    }
 }
 
 #[test]

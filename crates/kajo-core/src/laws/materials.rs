@@ -24,7 +24,7 @@ const TOLERANCE: f64 = 3e-3;
 /// Where materials are asked.
 const PLACE: MaterialPoint = MaterialPoint {
     p: Vec3::new(0.3, 0.2, 0.1),
-    uv: SurfaceUv { first: Vec2::new(0.6, 0.3), second: Vec2::new(0.6, 0.3), color: [1.0; 4] },
+    uv: SurfaceUv { first: Vec2::new(0.6, 0.3), second: Vec2::new(0.6, 0.3) },
     tint: None,
 };
 

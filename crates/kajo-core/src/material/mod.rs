@@ -21,7 +21,7 @@ pub use phong::PhongMaterial;
 pub use principled::{LayeredMaterial, Layers};
 
 use kajo_color::{Spectrum, Wavelengths};
-use kajo_math::Vec3;
+use kajo_math::{Vec3, Vec4};
 
 use crate::bsdf::{Bsdf, Phong};
 use crate::family::family;
@@ -34,15 +34,22 @@ pub struct MaterialPoint {
     pub p: Vec3,
     /// Surface coordinates, where pictures are looked up; of effect where [`Appearance::needs_uv`].
     pub uv: SurfaceUv,
-    /// Linear RGB in [0, 1] that the base colour of the material is multiplied by: the colours at the corners of a mesh.
-    pub tint: Option<Vec3>,
+    /// Linear RGB in [0, 1] that the base colour of the material is multiplied by, and a factor of the opacity of
+    /// [`Perforated`]: the colours at the corners of a mesh.
+    pub tint: Option<Vec4>,
 }
 
 impl MaterialPoint {
     /// A base colour as it is here.
     #[inline]
     pub(crate) fn tinted(&self, color: Spectrum, wavelengths: &Wavelengths) -> Spectrum {
-        self.tint.map_or(color, |tint| color * rgb_reflectance(tint.to_array(), wavelengths))
+        self.tint.map_or(color, |tint| color * rgb_reflectance(tint.truncate().to_array(), wavelengths))
+    }
+
+    /// The factor of the opacity here.
+    #[inline]
+    pub(crate) fn cover(&self) -> f32 {
+        self.tint.map_or(1.0, |tint| tint.w)
     }
 }
 

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! Shadow rays are weakened by `1 - opacity` at every crossing, which is the mean of that. The classic integrator mixes
-//! the material with a clear one. What the surface emits is weakened by `opacity` place by place.
+//! the material with a clear one. What the surface emits is weakened by `opacity` place by place. Colours at the corners
+//! of a mesh may have an opacity too, which is another factor.
 //!
 //! Scene: `Matte { color 0.2 0.5 0.1  opacity 0.6 }`
 
@@ -28,9 +29,14 @@ pub struct Perforated {
 }
 
 impl Perforated {
+    /// The share of the surface that is there at a place.
+    fn opacity(&self, at: &MaterialPoint) -> f32 {
+        self.opacity.covered_at(at.uv, at.cover())
+    }
+
     /// What to ask the material there; `None` in a hole, by the number `at.u`.
     fn between_holes<'a>(&self, at: &ShadingPoint<'a>) -> Option<ShadingPoint<'a>> {
-        let opacity = self.opacity.at(at.place.uv);
+        let opacity = self.opacity(&at.place);
         // What is left of the number after the choice is uniform again.
         (at.u < opacity).then(|| ShadingPoint { u: (at.u / opacity).min(1.0f32.next_down()), ..*at })
     }
@@ -39,7 +45,7 @@ impl Perforated {
 impl Appearance for Perforated {
     fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
         let inner = materials.phong(self.material, materials, textures, at);
-        let opacity = self.opacity.at(at.uv);
+        let opacity = self.opacity(at);
         if opacity >= 1.0 {
             return inner;
         }
@@ -84,7 +90,7 @@ impl Appearance for Perforated {
         at: &ShadingPoint<'_>,
         cos: f32,
     ) -> Spectrum {
-        let opacity = self.opacity.at(at.place.uv);
+        let opacity = self.opacity(&at.place);
         let between = materials.passage(self.material, materials, textures, at, cos);
         Spectrum::WHITE * (1.0 - opacity) + between * opacity
     }

@@ -40,7 +40,7 @@ fn materials(by: Vec3) -> [(&'static str, Materials, MaterialId); 5] {
 #[test]
 fn a_tint_is_a_factor_of_the_base_colour() {
     let textures = Textures::default();
-    let tinted = MaterialPoint { tint: Some(TINT), ..MaterialPoint::default() };
+    let tinted = MaterialPoint { tint: Some(TINT.extend(1.0)), ..MaterialPoint::default() };
     let wo = Vec3::new(0.3, 0.1, 0.9).normalize();
     let wi = Vec3::new(-0.4, 0.2, 0.8).normalize();
     for ((name, plain, id), (_, other, own)) in std::iter::zip(materials(Vec3::ONE), materials(TINT)) {

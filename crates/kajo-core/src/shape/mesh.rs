@@ -10,9 +10,9 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
-use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, rng::mix, robust::gamma};
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, Vec4, rng::mix, robust::gamma};
 
-use super::{Patch, Surface, Tessellation, VertexAttributes, VertexValues, hit_of_triangle, triangle_error};
+use super::{Patch, Surface, Tessellation, VertexAttributes, hit_of_triangle, triangle_error};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
 /// A corner of a face that has no normal or no texture coordinates of its own.
@@ -53,7 +53,7 @@ struct Parts {
     faces: Vec<[u32; 3]>,
     normals: Option<CornerValues<Vec3>>,
     uvs: Option<CornerValues<Vec2>>,
-    colors: Option<CornerValues<Vec3>>,
+    colors: Option<CornerValues<Vec4>>,
     attributes: Option<Box<VertexAttributes>>,
     material_slots: Option<Vec<u32>>,
     bvh: TriangleBvh,
@@ -71,9 +71,9 @@ pub struct MeshData {
     pub normals: Option<CornerValues<Vec3>>,
     /// Texture coordinates at the corners.
     pub uvs: Option<CornerValues<Vec2>>,
-    /// Linear RGB in [0, 1] at the corners, a factor of the base colour of the material; see
+    /// Linear RGB and opacity in [0, 1] at the corners, factors of those of the material; see
     /// [`crate::material::MaterialPoint::tint`].
-    pub colors: Option<CornerValues<Vec3>>,
+    pub colors: Option<CornerValues<Vec4>>,
     /// What else vertices have.
     pub attributes: VertexAttributes,
     /// The mesh's own material number of each triangle.
@@ -145,13 +145,6 @@ impl Mesh {
         self.0.colors.is_some()
     }
 
-    /// Interpolated colour, linear RGB, if the mesh has colours there.
-    pub fn color_at(&self, hit: &Hit) -> Option<Vec3> {
-        let [a, b, c] = self.0.colors.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])?;
-        // Coordinates that are rounded may lie a little outside.
-        Some(((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).clamp(Vec3::ZERO, Vec3::ONE))
-    }
-
     /// Texture coordinates at the corners of the triangle, if the mesh has them there.
     fn corner_uvs(&self, hit: &Hit) -> Option<[Vec2; 3]> {
         self.0.uvs.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])
@@ -202,9 +195,14 @@ impl Surface for Mesh {
         self.corner_uvs(hit).map_or(NO_UV, |[a, b, c]| (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c)
     }
 
-    fn attributes_at(&self, hit: &Hit) -> Option<VertexValues> {
-        let attributes = self.0.attributes.as_ref()?;
-        Some(attributes.values(self.0.faces[hit.part as usize], hit))
+    fn second_uv_at(&self, hit: &Hit) -> Option<Vec2> {
+        self.0.attributes.as_ref()?.second_uv(self.0.faces[hit.part as usize], hit)
+    }
+
+    fn color_at(&self, hit: &Hit) -> Option<Vec4> {
+        let [a, b, c] = self.0.colors.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])?;
+        // Coordinates that are rounded may lie a little outside.
+        Some(((1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c).clamp(Vec4::ZERO, Vec4::ONE))
     }
 
     fn tangents_at(&self, hit: &Hit, _p: Vec3) -> Tangents {

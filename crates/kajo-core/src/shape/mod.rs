@@ -27,9 +27,9 @@ pub use quad::Quad;
 pub use sphere::Sphere;
 pub use tessellate::Tessellation;
 pub use triangle::Triangle;
-pub use vertex_attributes::{VertexAttributes, VertexValues};
+pub use vertex_attributes::VertexAttributes;
 
-use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, robust::gamma};
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, Vec4, robust::gamma};
 
 use crate::family::family;
 use crate::interaction::{Hit, SurfacePoint, Tangents, test_error};
@@ -62,8 +62,13 @@ pub trait Surface: Sized {
     /// Surface coordinates, in [0, 1]^2 where the shape is finite.
     fn uv_at(&self, hit: &Hit, p: Vec3) -> Vec2;
 
-    /// What else the vertices say of the place of a hit, if they do.
-    fn attributes_at(&self, _hit: &Hit) -> Option<VertexValues> {
+    /// A second set of texture coordinates, if there is one.
+    fn second_uv_at(&self, _hit: &Hit) -> Option<Vec2> {
+        None
+    }
+
+    /// The colour of the vertices, linear RGB and opacity in [0, 1], if they have one.
+    fn color_at(&self, _hit: &Hit) -> Option<Vec4> {
         None
     }
 
@@ -126,8 +131,10 @@ family! {
         fn hit_at(part: u32, p: Vec3) -> Hit;
         /// See [`Surface::uv_at`].
         fn uv_at(hit: &Hit, p: Vec3) -> Vec2;
-        /// See [`Surface::attributes_at`].
-        fn attributes_at(hit: &Hit) -> Option<VertexValues>;
+        /// See [`Surface::second_uv_at`].
+        fn second_uv_at(hit: &Hit) -> Option<Vec2>;
+        /// See [`Surface::color_at`].
+        fn color_at(hit: &Hit) -> Option<Vec4>;
         /// See [`Surface::tangents_at`].
         fn tangents_at(hit: &Hit, p: Vec3) -> Tangents;
         /// See [`Surface::is_closed`].

@@ -388,14 +388,14 @@ fn meshes_know_whether_they_are_closed() {
 fn colours_of_corners_are_interpolated() {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE];
     let faces = vec![[0, 1, 2], [1, 3, 2], [0, 1, 3]];
-    let values = vec![Vec3::X, Vec3::Y, Vec3::Z];
+    let values = vec![Vec4::X, Vec4::Y, Vec4::ONE];
     let own = vec![[0, 1, 2], [2, 2, 2], [ABSENT; 3]];
     let colors = Some(CornerValues { values, faces: Some(own) });
     let data = MeshData { positions, faces, colors, ..MeshData::default() };
     let mesh = Mesh::new(data, &BuildSettings::default()).unwrap();
     let at = |part, u, v| mesh.color_at(&Hit { t: 1.0, u, v, part });
-    assert_eq!(at(0, 0.5, 0.25), Some(Vec3::new(0.25, 0.5, 0.25)));
-    assert_eq!(at(1, 0.5, 0.25), Some(Vec3::Z));
-    assert_eq!((at(2, 0.5, 0.25), at(0, 1.5, 0.0)), (None, Some(Vec3::Y)));
-    assert!(mesh.has_colors() && mesh.heap_bytes() >= 3 * 24);
+    assert_eq!(at(0, 0.5, 0.25), Some(Vec4::new(0.5, 0.75, 0.25, 0.25)));
+    assert_eq!(at(1, 0.5, 0.25), Some(Vec4::ONE));
+    assert_eq!((at(2, 0.5, 0.25), at(0, 1.5, 0.0)), (None, Some(Vec4::Y)));
+    assert!(mesh.has_colors() && mesh.heap_bytes() >= 3 * 28);
 }

@@ -93,10 +93,20 @@ impl Share {
     /// The number at surface coordinates.
     #[inline]
     pub fn at(&self, uv: SurfaceUv) -> f32 {
+        self.covered_at(uv, 1.0)
+    }
+
+    /// The number at surface coordinates where it, or what is cut, has another factor.
+    ///
+    /// * `cover`: that factor, in [0, 1]
+    #[inline]
+    pub fn covered_at(&self, uv: SurfaceUv, cover: f32) -> f32 {
         match self {
-            Share::Plain(value) => *value,
-            Share::Picture(map, channel) => map.at(uv)[*channel as usize],
-            Share::Cut(map, channel, least) => f32::from(u8::from(map.at(uv)[*channel as usize] >= *least)),
+            Share::Plain(value) => *value * cover,
+            Share::Picture(map, channel) => map.at(uv)[*channel as usize] * cover,
+            Share::Cut(map, channel, least) => {
+                f32::from(u8::from(map.at(uv)[*channel as usize] * cover >= *least))
+            }
         }
     }
 

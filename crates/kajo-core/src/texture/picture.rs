@@ -174,8 +174,6 @@ pub struct PictureMap {
     pub offset: Vec2,
     /// What its channels are multiplied by, in [0, 1].
     pub factor: [f32; 4],
-    /// Whether colours at vertices are another factor.
-    pub tinted: bool,
 }
 
 impl PictureMap {
@@ -190,7 +188,6 @@ impl PictureMap {
             cross: Vec2::ZERO,
             offset: Vec2::ZERO,
             factor: [1.0; 4],
-            tinted: false,
         }
     }
 
@@ -210,7 +207,7 @@ impl PictureMap {
         1.0 / (self.repeat.abs() * Vec2::new(self.picture.width as f32, self.picture.height as f32))
     }
 
-    /// The mean of all texels, however much of the picture is shown, and colours at vertices left out.
+    /// The mean of all texels, however much of the picture is shown.
     pub fn mean(&self) -> [f32; 4] {
         std::array::from_fn(|c| self.factor[c] * self.picture.mean[c])
     }
@@ -225,8 +222,7 @@ impl PictureMap {
         };
         let texel =
             self.unscaled(place * self.repeat + self.cross * Vec2::new(place.y, place.x) + self.offset);
-        let tint = if self.tinted { uv.color } else { [1.0; 4] };
-        std::array::from_fn(|c| self.factor[c] * texel[c] * tint[c])
+        std::array::from_fn(|c| self.factor[c] * texel[c])
     }
 
     /// The picture's own numbers at a place of its own.
@@ -325,14 +321,12 @@ mod tests {
     }
 
     #[test]
-    fn coordinates_colours_and_wraps_are_chosen() {
+    fn coordinates_and_wraps_are_chosen() {
         let nearest = PictureMap { filter: TexelFilter::Nearest, ..map(&ramp(), Encoding::Linear) };
         let (first, second) = (Vec2::new(0.3, 0.4), Vec2::new(0.8, 0.1));
-        let uv = SurfaceUv { first, second, color: [0.5, 1.0, 0.25, 0.0] };
+        let uv = SurfaceUv { first, second };
         assert_eq!(nearest.at(uv), nearest.at(first));
         assert_eq!(PictureMap { set: UvSet::Second, ..nearest.clone() }.at(uv), nearest.at(second));
-        let [r, g, b, a] = nearest.at(first);
-        assert_eq!(PictureMap { tinted: true, ..nearest.clone() }.at(uv), [0.5 * r, g, 0.25 * b, 0.0 * a]);
         let strip = PictureMap { wrap: [Wrap::Repeat, Wrap::Clamp], ..nearest.clone() };
         assert_eq!(strip.at(Vec2::new(2.3, 5.0)), nearest.at(Vec2::new(0.3, 0.999)));
     }

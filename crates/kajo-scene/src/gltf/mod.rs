@@ -62,7 +62,8 @@ pub struct Model {
 /// Triangles, lines or points of one material.
 #[derive(Debug, Default)]
 pub struct ModelPart {
-    /// The triangles. Texture coordinates have their origin at the lower left, unlike in the file.
+    /// The triangles. Texture coordinates have their origin at the lower left, unlike in the file; colours are linear, and
+    /// there are none where all are white.
     pub mesh: TriMesh,
     /// Ends of lines, as vertices of the mesh.
     pub segments: Vec<[u32; 2]>,
@@ -72,8 +73,6 @@ pub struct ModelPart {
     pub material: Option<usize>,
     /// A second set of texture coordinates, one for each vertex; empty where the material asks for none.
     pub second_uvs: Vec<[f32; 2]>,
-    /// Linear red, green, blue and opacity of each vertex, in [0, 1]; empty where all are 1.
-    pub colors: Vec<[f32; 4]>,
     /// For each vertex the direction in which the first texture coordinate grows, and the sign of the cross product of normal
     /// and that as a direction in which the second one does; empty where the file has none or the material asks for none.
     pub tangents: Vec<[f32; 4]>,
@@ -209,12 +208,12 @@ fn picture(
 fn color_materials(model: &mut Model) {
     let plain = model.materials.len();
     let mut needs_plain = false;
-    for part in model.meshes.iter_mut().flatten().filter(|part| !part.colors.is_empty()) {
+    for part in model.meshes.iter_mut().flatten().filter(|part| !part.mesh.colors.is_empty()) {
         let number = *part.material.get_or_insert(plain);
         if number == plain && !std::mem::replace(&mut needs_plain, true) {
             model.materials.push(material::Material::default().understood(&[], &[]));
         }
-        let is_clear = part.colors.iter().any(|color| color[3] < 1.0);
+        let is_clear = part.mesh.colors.iter().any(|color| color[3] < 1.0);
         let found = if is_clear { VertexColors::ColorAndOpacity } else { VertexColors::Color };
         let known = &mut model.materials[number].vertex_colors;
         *known = found.max(*known);

@@ -166,7 +166,10 @@ impl Reader<'_, '_> {
             let uvs = used.iter().map(|v| skipped.report.finite_or_zero(upright(uvs.floats(v))));
             part.second_uvs = uvs.collect();
         }
-        part.colors = self.colors(&used, count, budget)?;
+        part.mesh.colors = self.colors(&used, count, budget)?;
+        if !part.mesh.colors.is_empty() {
+            part.mesh.face_colors = Corners::Vertices;
+        }
         if self.needs_tangents
             && let Some(tangents) = self.attribute::<4>("TANGENT", count)?
         {

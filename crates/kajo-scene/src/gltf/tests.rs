@@ -608,7 +608,7 @@ fn vertices_bring_colours_second_coordinates_and_tangents() {
     };
     let model = with_attributes(attributes, add, rest).unwrap();
     let part = &model.meshes[0][0];
-    assert_eq!(part.colors, [[1.0, 0.0, 0.2, 1.0]; 4]);
+    assert_eq!(part.mesh.colors, [[1.0, 0.0, 0.2, 1.0]; 4]);
     assert_eq!(part.second_uvs, [[0.25, 0.5]; 4]);
     assert_eq!(part.tangents, [[1.0, 0.0, 0.0, -1.0]; 4]);
     let material = &model.materials[0];
@@ -629,11 +629,13 @@ fn vertices_bring_colours_second_coordinates_and_tangents() {
     accessors.extend(colors(&mut bin));
     let model = read(&glb(&json(&bin, &accessors, "", plain), &bin.bytes), &MemoryAssets::new()).unwrap();
     let part = &model.meshes[0][0];
-    assert_eq!((part.colors[0], part.material), ([0.5, 1.0, 0.0, 1.0], Some(0)));
+    assert_eq!((part.mesh.colors[0], part.material), ([0.5, 1.0, 0.0, 1.0], Some(0)));
     assert_eq!((model.materials[0].metallic, model.materials[0].vertex_colors), (1.0, VertexColors::Color));
     let white = |bin: &mut Bin| vec![accessor(bin.floats(&[1.0; 12]), 5126, 4, "VEC3")];
     let model = with_attributes(r#","COLOR_0":4"#, white, bare).unwrap();
-    assert!(model.meshes[0][0].colors.is_empty() && model.materials[0].vertex_colors == VertexColors::None);
+    assert!(
+        model.meshes[0][0].mesh.colors.is_empty() && model.materials[0].vertex_colors == VertexColors::None
+    );
     let few = |bin: &mut Bin| vec![accessor(bin.floats(&[1.0; 9]), 5126, 3, "VEC3")];
     let said = with_attributes(r#","COLOR_0":4"#, few, bare).unwrap_err();
     assert!(said.contains("there are 4 vertices, but 3 of `COLOR_0`"), "{said}");

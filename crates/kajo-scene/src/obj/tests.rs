@@ -118,12 +118,12 @@ fn colours_stand_behind_coordinates() {
     let plain = mesh("v 1 2 3\nv 1 2 3 1\nv 4 5 6 0.5 7\n");
     assert_eq!((plain.colors.len(), &plain.face_colors), (0, &Corners::Absent), "weights are no colours");
     let some = mesh("v 0 0 0\nv 1 0 0 1 0.5 0\nv 0 1 0 0 0 1 0.3\nv 0 1 0\nf 1 2 3\n");
-    assert_eq!(some.colors, [[1.0; 3], [1.0, 0.5, 0.0], [0.0, 0.0, 1.0], [1.0; 3]]);
+    assert_eq!(some.colors, [[1.0; 4], [1.0, 0.5, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0], [1.0; 4]]);
     assert_eq!((some.face_colors, some.colors_are_srgb), (Corners::Vertices, true));
     let bytes = mesh("v 0 0 0 255 51 -3\nv 1 0 0 0 1 1000\n");
-    assert_eq!(bytes.colors, [[1.0, 0.2, 0.0], [0.0, 1.0 / 255.0, 1.0]]);
+    assert_eq!(bytes.colors, [[1.0, 0.2, 0.0, 1.0], [0.0, 1.0 / 255.0, 1.0, 1.0]]);
     let (odd, report) = read("v 0 0 0 nan 0 0\n").unwrap();
-    assert_eq!((odd.colors, report.zeroed), (vec![[0.0; 3]], 1));
+    assert_eq!((odd.colors, report.zeroed), (vec![[0.0, 0.0, 0.0, 1.0]], 1));
     assert_eq!(read("v 0 0 0 1 0 x\n").unwrap_err(), "m.obj:1:13: expected a number, found `x`");
 }
 

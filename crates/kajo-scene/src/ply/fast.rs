@@ -88,7 +88,8 @@ impl VertexLayout {
             }
             if let Some(at) = self.color {
                 let share = |byte: u8| f32::from(byte) / 255.0;
-                mesh.colors.extend(records.map(|record| at.map(|i| share(record[i]))));
+                let color = |record: &[u8]| at.map(|i| share(record[i]));
+                mesh.colors.extend(records.map(color).map(|[r, g, b]| [r, g, b, 1.0]));
             }
             bytes.consume(n * self.stride);
             left -= n as u64;

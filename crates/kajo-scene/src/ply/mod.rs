@@ -138,7 +138,7 @@ impl<'l> Builder<'l> {
                 self.mesh.normals.extend(columns.normal.map(|c| c.map(float)));
                 self.mesh.uvs.extend(columns.uv.map(|c| c.map(float)));
                 let share = |column: Column| float(column) / column.scalar.whole_of_color();
-                self.mesh.colors.extend(columns.color.map(|c| c.map(share)));
+                self.mesh.colors.extend(columns.color.map(|c| c.map(share)).map(|[r, g, b]| [r, g, b, 1.0]));
             }
         }
         if columns.normal.is_some() {
@@ -155,8 +155,8 @@ impl<'l> Builder<'l> {
         let Self { mesh, report, .. } = self;
         mesh.normals.iter_mut().for_each(|n| *n = report.finite_or_zero(*n));
         mesh.uvs.iter_mut().for_each(|uv| *uv = report.finite_or_zero(*uv));
-        let share = |report: &mut MeshReport, c| report.finite_or_zero(c).map(|v: f32| v.clamp(0.0, 1.0));
-        mesh.colors.iter_mut().for_each(|c| *c = share(report, *c));
+        let share = |v: f32| v.clamp(0.0, 1.0);
+        mesh.colors.iter_mut().for_each(|c| *c = report.finite_or_zero(*c).map(share));
         Ok(())
     }
 

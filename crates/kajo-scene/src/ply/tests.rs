@@ -199,7 +199,7 @@ fn vertices_have_colours() {
         };
         read_all(&header, &[vertex([0, 51, 255]), vertex([255, 0, 102])]).0
     };
-    let expected = [[0.0, 0.2, 1.0], [1.0, 0.0, 0.4]];
+    let expected = [[0.0, 0.2, 1.0, 1.0], [1.0, 0.0, 0.4, 1.0]];
     let rgb = ["red", "green", "blue"];
     for mesh in [
         read("uchar", rgb, Byte),
@@ -212,7 +212,7 @@ fn vertices_have_colours() {
     let floats = read("float", rgb, |v| Float(f32::from(v) / 255.0));
     assert_eq!((&*floats.colors, floats.colors_are_srgb), (&expected[..], false));
     let odd = read("double", rgb, |v| Double(f64::from(v) - 254.0));
-    assert_eq!(odd.colors, [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]], "held to [0, 1]");
+    assert_eq!(odd.colors, [[0.0, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 1.0]], "held to [0, 1]");
 }
 
 #[test]
