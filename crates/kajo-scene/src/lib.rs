@@ -50,6 +50,7 @@ mod report;
 mod skipped;
 mod source;
 mod stl;
+mod text_encoding;
 mod tree;
 mod tri_mesh;
 mod triangulate;

@@ -9,6 +9,7 @@ use crate::byte_reader::ByteReader;
 use crate::diagnostic::{Diagnostic, quoted};
 use crate::limits::Limits;
 use crate::source::{Sources, Span, floor_char_boundary};
+use crate::text_encoding::{UTF_16, is_utf16};
 use std::io::Read;
 
 /// A mesh or material file that could not be used.
@@ -242,6 +243,12 @@ impl<'l, R: Read> LineReader<'l, R> {
     /// The next line, or `None` at the end of the file.
     pub fn next_line(&mut self) -> Result<Option<Line<'_>>, MeshFileError> {
         let number = self.lines + 1;
+        if number == 1 && is_utf16(self.bytes.at_least(8)?) {
+            return Err(MeshFileError::Content {
+                path: self.bytes.path.to_owned(),
+                message: UTF_16.to_owned(),
+            });
+        }
         // Bytes of the line known to hold no end of it.
         let mut seen = 0;
         loop {

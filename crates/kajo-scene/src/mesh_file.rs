@@ -7,6 +7,7 @@ use crate::line_reader::MeshFileError;
 use crate::obj::read_obj;
 use crate::ply::read_ply;
 use crate::stl::read_stl;
+use crate::text_encoding::is_utf16;
 use crate::tri_mesh::{MeshReport, TriMesh};
 
 /// Formats of meshes.
@@ -56,6 +57,8 @@ impl MeshFormat {
             _ if named(".ply") => MeshFormat::Ply,
             _ if named(".stl") => MeshFormat::Stl,
             _ if named(".obj") => MeshFormat::Obj,
+            // Text, which is refused by name.
+            _ if is_utf16(head) => MeshFormat::Obj,
             _ if text.starts_with(b"solid") || head.contains(&0) => MeshFormat::Stl,
             _ => MeshFormat::Obj,
         }
@@ -91,6 +94,9 @@ pub fn read_mesh(file: AssetFile, limits: &Limits) -> Result<(TriMesh, MeshRepor
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::assets::{Assets, MemoryAssets};
+    use crate::mtl::read_mtl;
+    use crate::text_encoding::tests::in_utf16;
 
     #[test]
     fn models_are_told_from_scenes() {
@@ -105,6 +111,34 @@ mod tests {
             (b"Kaydara FBX Binary", "a.obj", None),
         ] {
             assert_eq!(MeshFormat::of_model(head, path), format, "{path}");
+        }
+    }
+
+    #[test]
+    fn text_in_utf_16_is_refused_by_name() {
+        let ply = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n";
+        let stl = "solid a\nendsolid a\n";
+        for (path, text) in [
+            ("a.obj", "v 0 0 0\n"),
+            ("a", "v 0 0 0\n"),
+            ("a.ply", ply),
+            ("a", ply),
+            ("a.stl", stl),
+            ("a.txt", stl),
+        ] {
+            for content in in_utf16(text) {
+                let assets = MemoryAssets::new().with(path, content);
+                let said =
+                    read_mesh(assets.open(path, "").unwrap(), &Limits::default()).unwrap_err().to_string();
+                assert_eq!(
+                    said,
+                    format!("{path}: this file is UTF-16 text, which is not read; save it as UTF-8")
+                );
+            }
+        }
+        for content in in_utf16("newmtl a\n") {
+            let said = read_mtl(&*content, "a.mtl", &Limits::default()).unwrap_err().to_string();
+            assert!(said.starts_with("a.mtl: this file is UTF-16"), "{said}");
         }
     }
 

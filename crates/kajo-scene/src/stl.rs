@@ -20,6 +20,7 @@
 use crate::byte_reader::ByteReader;
 use crate::limits::Limits;
 use crate::line_reader::{Fields, Line, LineReader, MeshFileError};
+use crate::text_encoding::is_utf16;
 use crate::tri_mesh::{MeshReport, NO_INDEX, TriMesh};
 use crate::triangulate::triangulate;
 use crate::weld::Weld;
@@ -57,9 +58,13 @@ pub fn read_stl(
     builder.finish()
 }
 
-/// Whether a file that begins so is the kind in text.
+/// Whether a file that begins so is the kind in text. One in UTF-16 is too, and then refused as such.
 fn is_text(head: &[u8]) -> bool {
     let head = &head[..head.len().min(HEADER)];
+    if is_utf16(head) {
+        let letters: Vec<u8> = head.iter().copied().filter(u8::is_ascii_graphic).take(5).collect();
+        return letters.eq_ignore_ascii_case(b"solid");
+    }
     let words = head.strip_prefix("\u{feff}".as_bytes()).unwrap_or(head).trim_ascii_start();
     words.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !head.contains(&0)
 }

@@ -5,6 +5,7 @@ use crate::assets::{AssetError, read_limited};
 use crate::diagnostic::{Diagnostic, quoted};
 use crate::foreign::{HEAD_BYTES, foreign_file};
 use crate::source::{SourceId, Span};
+use crate::text_encoding::{UTF_16, is_utf16};
 use crate::tree::Word;
 use std::string::FromUtf8Error;
 
@@ -113,7 +114,9 @@ impl Parser<'_> {
         let source = self.desc.sources.add(path, text);
         if let Some(nul) = nul {
             let span = Span { source, start: nul as u32, end: nul as u32 + 1 };
-            return Err(Diagnostic::error("the file is not text: it holds a zero byte").label(span, "here"));
+            let wide = is_utf16(self.desc.sources.get(source).text().as_bytes());
+            let message = if wide { UTF_16 } else { "the file is not text: it holds a zero byte" };
+            return Err(Diagnostic::error(message).label(span, "here"));
         }
         self.by_path.insert(path.to_owned(), source);
         Ok(source)
@@ -141,17 +144,16 @@ impl Parser<'_> {
     }
 
     fn not_utf8(&mut self, path: &str, error: &FromUtf8Error) -> Diagnostic {
-        let wide = error.as_bytes().starts_with(&[0xff, 0xfe]) || error.as_bytes().starts_with(&[0xfe, 0xff]);
-        let message = if wide { "the file is UTF-16, not UTF-8" } else { "the file is not UTF-8 text" };
+        let message = if is_utf16(error.as_bytes()) { UTF_16 } else { "the file is not UTF-8 text" };
         let start = error.utf8_error().valid_up_to();
         // The first bad byte is replaced by one character, at the same place.
         let shown = error.as_bytes().len().min(start + 200);
         let lossy = String::from_utf8_lossy(&error.as_bytes()[..shown]).into_owned();
         let source = self.desc.sources.add(path, lossy);
         let end = start + char::REPLACEMENT_CHARACTER.len_utf8();
-        Diagnostic::error(message)
-            .label(Span { source, start: start as u32, end: end as u32 }, "the first byte that is no text")
-            .help("save the file as UTF-8")
+        let error = Diagnostic::error(message)
+            .label(Span { source, start: start as u32, end: end as u32 }, "the first byte that is no text");
+        if message == UTF_16 { error } else { error.help("save the file as UTF-8") }
     }
 }
 

@@ -111,7 +111,10 @@ fn text_that_is_no_text_is_refused_with_its_place() {
     assert_eq!(read(b"\xef\xbb\xbfa 1"), [""; 0]);
     assert_eq!(read(b"a 1\nb\0 2"), ["s:2:2: error: the file is not text: it holds a zero byte"]);
     assert_eq!(read(b"a 1\r\nbc\xff 2"), ["s:2:3: error: the file is not UTF-8 text"]);
-    assert_eq!(read(b"\xff\xfea\0"), ["s:1:1: error: the file is UTF-16, not UTF-8"]);
+    assert_eq!(
+        read(b"\xff\xfea\0"),
+        ["s:1:1: error: this file is UTF-16 text, which is not read; save it as UTF-8"]
+    );
     let missing = SceneDesc::load("nowhere", &MemoryAssets::new(), &Limits::default());
     assert_eq!(messages(&missing), ["error: cannot read `nowhere`: there is no such file"]);
 }
