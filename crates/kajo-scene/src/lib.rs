@@ -46,6 +46,7 @@ mod params;
 mod parser;
 mod ply;
 mod print;
+mod read_memory;
 mod report;
 mod skipped;
 mod source;

@@ -8,6 +8,7 @@ use crate::assets::AssetError;
 use crate::byte_reader::ByteReader;
 use crate::diagnostic::{Diagnostic, quoted};
 use crate::limits::Limits;
+use crate::memory_budget::OverBudget;
 use crate::source::{Sources, Span, floor_char_boundary};
 use crate::text_encoding::{UTF_16, is_utf16};
 use std::io::Read;
@@ -22,6 +23,14 @@ pub enum MeshFileError {
         path: String,
         /// Why not.
         source: AssetError,
+    },
+    /// What it describes needs more memory than is left.
+    #[error("cannot read `{path}`: {source}")]
+    Memory {
+        /// The file.
+        path: String,
+        /// How much is asked for, and how much is left.
+        source: OverBudget,
     },
     /// The file could be read but holds a mistake.
     #[error(transparent)]
@@ -69,9 +78,10 @@ impl MeshFileError {
     /// `sources`; `named_at` is where the scene names the file.
     pub fn to_diagnostic(&self, sources: &mut Sources, named_at: Option<Span>) -> Diagnostic {
         let diagnostic = match self {
-            MeshFileError::Read { .. } | MeshFileError::Bytes { .. } | MeshFileError::Content { .. } => {
-                Diagnostic::error(self.to_string())
-            }
+            MeshFileError::Read { .. }
+            | MeshFileError::Memory { .. }
+            | MeshFileError::Bytes { .. }
+            | MeshFileError::Content { .. } => Diagnostic::error(self.to_string()),
             MeshFileError::Mistake(mistake) => {
                 let source = sources.add_excerpt(&mistake.path, &mistake.text, mistake.line);
                 let (start, end) = mistake.place;

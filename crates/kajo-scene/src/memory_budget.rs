@@ -45,6 +45,18 @@ pub struct MemoryShare {
     bytes: u64,
 }
 
+impl MemoryShare {
+    /// Takes more bytes for as long as these.
+    ///
+    /// # Errors
+    /// As [`MemoryBudget::take`].
+    pub fn grow(&mut self, bytes: u64) -> Result<(), OverBudget> {
+        self.budget.take(bytes)?;
+        self.bytes += bytes;
+        Ok(())
+    }
+}
+
 impl Drop for MemoryShare {
     fn drop(&mut self) {
         self.budget.shared.used.fetch_sub(self.bytes, Ordering::Relaxed);

@@ -95,6 +95,7 @@ pub fn read_mesh(file: AssetFile, limits: &Limits) -> Result<(TriMesh, MeshRepor
 mod tests {
     use super::*;
     use crate::assets::{Assets, MemoryAssets};
+    use crate::memory_budget::MemoryBudget;
     use crate::mtl::read_mtl;
     use crate::text_encoding::tests::in_utf16;
 
@@ -111,6 +112,65 @@ mod tests {
             (b"Kaydara FBX Binary", "a.obj", None),
         ] {
             assert_eq!(MeshFormat::of_model(head, path), format, "{path}");
+        }
+    }
+
+    #[test]
+    fn lists_take_memory_as_they_grow() {
+        let n = 20_000;
+        let lines = |line: &dyn Fn(usize) -> String| (0..n).map(line).collect::<String>();
+        let points = lines(&|i| format!("{i} 1 2 0.5 0.25 1\n"));
+        let fan = "1//1 2//1 3//1 4//1 ".repeat(50);
+        let ply = format!(
+            "ply\nformat ascii 1.0\nelement vertex {n}\nproperty float x\nproperty float y\nproperty float z\n\
+             property float nx\nproperty float ny\nproperty float nz\nelement face 4000\n\
+             property list uchar int vertex_indices\nend_header\n"
+        );
+        let face = |i: usize| format!("4 {i} {} {} {}\n", i + 1, i + 2, i + 3);
+        let faces: String = (0..4000).map(face).collect();
+        let stl = lines(&|i| {
+            format!(
+                "facet normal 0 0 1\nouter loop\nvertex {i} 0 0\nvertex 0 1 {i}\nvertex 1 {i} 1\nendloop\nendfacet\n"
+            )
+        });
+        let mut binary = vec![0; 80];
+        binary.extend((n as u32).to_le_bytes());
+        for i in 0..n {
+            let record: [f32; 12] = std::array::from_fn(|k| (i * k) as f32);
+            binary.extend(record.iter().flat_map(|x| x.to_le_bytes()).chain([0; 2]));
+        }
+        let mut swift = ply.replace("ascii", "binary_little_endian").into_bytes();
+        swift.extend((0..n * 6).flat_map(|i| (i as f32).to_le_bytes()));
+        swift.extend((0..4000u32).flat_map(|_| [&[3u8][..], &[0; 12]].concat()));
+        let files: [(&str, Vec<u8>); 7] = [
+            ("points.obj", lines(&|i| format!("v {i} 1 2\n")).into()),
+            ("colours.obj", lines(&|i| format!("v {i} 1 2 0 1 1\n")).into()),
+            (
+                "fans.obj",
+                format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n{}", format!("f {fan}\n").repeat(40))
+                    .into(),
+            ),
+            ("a.ply", [ply, points, faces].concat().into()),
+            ("swift.ply", swift),
+            ("a.stl", format!("solid a\n{stl}endsolid a\n").into()),
+            ("binary.stl", binary),
+        ];
+        for (path, content) in files {
+            let assets = MemoryAssets::new().with(path, content);
+            let read = |bytes: u64| {
+                let limits = Limits { memory: MemoryBudget::new(bytes), ..Limits::default() };
+                (read_mesh(assets.open(path, "").unwrap(), &limits), limits.memory)
+            };
+            let (refused, memory) = read(150_000);
+            assert!(matches!(refused, Err(MeshFileError::Memory { .. })), "{path}: {refused:?}");
+            assert!(memory.was_exceeded() && memory.used() == 0, "{path}");
+            let (mesh, memory) = read(8_000_000);
+            assert!(mesh.is_ok() && memory.used() == 0, "{path}: {mesh:?}");
+        }
+        let limits = Limits { memory: MemoryBudget::new(150_000), ..Limits::default() };
+        for mtl in ["newmtl a\n".repeat(n), format!("newmtl a\n{}", "map_Kd a\n".repeat(n))] {
+            let refused = read_mtl(mtl.as_bytes(), "a.mtl", &limits);
+            assert!(matches!(refused, Err(MeshFileError::Memory { .. })), "{refused:?}");
         }
     }
 

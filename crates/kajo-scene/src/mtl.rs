@@ -10,6 +10,7 @@
 
 use crate::limits::Limits;
 use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
+use crate::read_memory::ReadMemory;
 use crate::skipped::Skipped;
 use std::io::Read;
 
@@ -127,6 +128,7 @@ impl MtlMaterial {
 pub fn read_mtl(reader: impl Read, path: &str, limits: &Limits) -> Result<MtlFile, MeshFileError> {
     let mut lines = LineReader::new(reader, path, limits);
     let mut file = MtlFile::default();
+    let mut memory = ReadMemory::new(&limits.memory);
     while let Some(line) = lines.next_line()? {
         let mut fields = line.fields();
         let Some(keyword) = fields.next() else { continue };
@@ -135,7 +137,10 @@ pub fn read_mtl(reader: impl Read, path: &str, limits: &Limits) -> Result<MtlFil
                 let message = format!("the file has more than {} materials", limits.materials);
                 return Err(line.mistake(path, keyword, message));
             }
-            file.materials.push(MtlMaterial { name: text(fields.rest()), ..MtlMaterial::default() });
+            let material = MtlMaterial { name: text(fields.rest()), ..MtlMaterial::default() };
+            let taken = memory.take(material.name.len());
+            let pushed = taken.and_then(|()| memory.push(&mut file.materials, material));
+            pushed.map_err(|over| MeshFileError::memory(path, over))?;
             continue;
         }
         let Some(material) = file.materials.last_mut() else {
@@ -143,7 +148,12 @@ pub fn read_mtl(reader: impl Read, path: &str, limits: &Limits) -> Result<MtlFil
             continue;
         };
         let statement = Statement { path, line, keyword, fields, skipped: &mut file.skipped };
+        let maps = material.maps.len();
         statement.apply(material)?;
+        for map in &material.maps[maps..] {
+            let bytes = 2 * size_of::<MtlMap>() + map.file.len();
+            memory.take(bytes).map_err(|over| MeshFileError::memory(path, over))?;
+        }
     }
     Ok(file)
 }

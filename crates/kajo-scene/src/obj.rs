@@ -18,6 +18,8 @@
 
 use crate::limits::Limits;
 use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
+use crate::memory_budget::OverBudget;
+use crate::read_memory::ReadMemory;
 use crate::tri_mesh::{Corners, MeshReport, NO_INDEX, TriMesh};
 use crate::triangulate::triangulate;
 use std::collections::HashMap;
@@ -44,7 +46,9 @@ pub fn read_obj(
     let mut lines = LineReader::new(reader, path, limits);
     let mut builder = Builder::new(path, limits);
     while let Some(line) = lines.next_line()? {
-        builder.statement(line)?;
+        if let Some(statement) = Statement::of(line, path) {
+            builder.add(statement)?;
+        }
     }
     builder.finish()
 }
@@ -92,9 +96,51 @@ impl Forward {
     }
 }
 
+/// A line, its first word and what comes after that.
+#[derive(Clone)]
+struct Statement<'b> {
+    path: &'b str,
+    line: Line<'b>,
+    keyword: Field<'b>,
+    fields: Fields<'b>,
+}
+
+impl<'b> Statement<'b> {
+    /// What a line says; `None` where that is nothing.
+    fn of(line: Line<'b>, path: &'b str) -> Option<Statement<'b>> {
+        let mut fields = line.fields();
+        let keyword = fields.next()?;
+        Some(Statement { path, line, keyword, fields })
+    }
+
+    fn mistake(&self, place: Field<'_>, message: impl Into<String>) -> MeshFileError {
+        self.line.mistake(self.path, place, message)
+    }
+
+    /// The next `N` numbers; at least `least` must be there, others are zero.
+    fn floats<const N: usize>(&mut self, least: usize) -> Result<[f32; N], MeshFileError> {
+        let mut out = [0.0; N];
+        for (i, out) in out.iter_mut().enumerate() {
+            let Some(field) = self.fields.next() else {
+                if i >= least {
+                    break;
+                }
+                let key = String::from_utf8_lossy(self.keyword.bytes);
+                let plural = if least == 1 { "" } else { "s" };
+                let message = format!("expected {least} number{plural} after `{key}`, found {i}");
+                return Err(self.mistake(self.fields.end(), message));
+            };
+            let no_number = || self.mistake(field, format!("expected a number, found {}", field.quoted()));
+            *out = field.float().ok_or_else(no_number)?;
+        }
+        Ok(out)
+    }
+}
+
 struct Builder<'l> {
     path: &'l str,
     limits: &'l Limits,
+    memory: ReadMemory,
     mesh: TriMesh,
     report: MeshReport,
     material_ids: HashMap<String, u32>,
@@ -114,6 +160,7 @@ impl<'l> Builder<'l> {
         Self {
             path,
             limits,
+            memory: ReadMemory::new(&limits.memory),
             mesh: TriMesh::default(),
             report: MeshReport::default(),
             material_ids: HashMap::new(),
@@ -127,135 +174,122 @@ impl<'l> Builder<'l> {
         }
     }
 
-    fn statement(&mut self, line: Line<'_>) -> Result<(), MeshFileError> {
-        let mut fields = line.fields();
-        let Some(keyword) = fields.next() else { return Ok(()) };
-        match keyword.bytes {
-            b"v" => self.vertex(line, keyword, fields),
-            b"vt" => self.uv(line, keyword, fields),
-            b"vn" => self.normal(line, keyword, fields),
-            b"f" | b"fo" => self.face(line, keyword, fields),
-            b"usemtl" => self.use_material(line, &fields),
+    fn add(&mut self, statement: Statement<'_>) -> Result<(), MeshFileError> {
+        match statement.keyword.bytes {
+            b"v" => self.vertex(statement),
+            b"vt" => self.uv(statement),
+            b"vn" => self.normal(statement),
+            b"f" | b"fo" => self.face(&statement),
+            b"usemtl" => self.use_material(&statement),
             b"mtllib" => {
-                self.library(fields);
+                self.library(statement.fields);
                 Ok(())
             }
             b"o" | b"g" | b"s" => Ok(()),
             word => {
-                self.report.skipped.word(word, line.number);
+                self.report.skipped.word(word, statement.line.number);
                 Ok(())
             }
         }
     }
 
-    fn vertex(
-        &mut self,
-        line: Line<'_>,
-        keyword: Field<'_>,
-        mut fields: Fields<'_>,
-    ) -> Result<(), MeshFileError> {
-        let position = self.floats::<3>(line, keyword, &mut fields, 3)?;
+    fn over(&self) -> impl Fn(OverBudget) -> MeshFileError + use<'l> {
+        let path = self.path;
+        move |over| MeshFileError::memory(path, over)
+    }
+
+    fn vertex(&mut self, mut statement: Statement<'_>) -> Result<(), MeshFileError> {
+        let position = statement.floats::<3>(3)?;
         self.not_finite |= !position.iter().all(|x| x.is_finite());
-        self.check_room(line, keyword, List::Vertex, self.mesh.positions.len())?;
+        self.check_room(&statement, List::Vertex, self.mesh.positions.len())?;
         // One more number is a weight, and a fourth of a colour an opacity.
-        if fields.clone().nth(2).is_some() {
-            let color = self.floats::<3>(line, keyword, &mut fields, 3)?;
-            let [r, g, b] = self.report.finite_or_zero(color);
-            self.mesh.colors.resize(self.mesh.positions.len(), WHITE);
-            self.mesh.colors.push([r, g, b, 1.0]);
+        if statement.fields.clone().nth(2).is_some() {
+            let [r, g, b] = self.report.finite_or_zero(statement.floats::<3>(3)?);
+            let (colors, before) = (&mut self.mesh.colors, self.mesh.positions.len());
+            let room = self.memory.room(colors, before + 1 - colors.len());
+            room.map_err(|over| MeshFileError::memory(self.path, over))?;
+            colors.resize(before, WHITE);
+            colors.push([r, g, b, 1.0]);
         }
-        self.mesh.positions.push(position);
-        Ok(())
+        let over = self.over();
+        self.memory.push(&mut self.mesh.positions, position).map_err(over)
     }
 
-    fn normal(
-        &mut self,
-        line: Line<'_>,
-        keyword: Field<'_>,
-        mut fields: Fields<'_>,
-    ) -> Result<(), MeshFileError> {
-        let normal = self.floats::<3>(line, keyword, &mut fields, 3)?;
-        self.check_room(line, keyword, List::Normal, self.mesh.normals.len())?;
+    fn normal(&mut self, mut statement: Statement<'_>) -> Result<(), MeshFileError> {
+        let normal = statement.floats::<3>(3)?;
+        self.check_room(&statement, List::Normal, self.mesh.normals.len())?;
         let normal = self.report.finite_or_zero(normal);
-        self.mesh.normals.push(normal);
-        Ok(())
+        let over = self.over();
+        self.memory.push(&mut self.mesh.normals, normal).map_err(over)
     }
 
-    fn uv(
-        &mut self,
-        line: Line<'_>,
-        keyword: Field<'_>,
-        mut fields: Fields<'_>,
-    ) -> Result<(), MeshFileError> {
-        let uv = self.floats::<2>(line, keyword, &mut fields, 1)?;
-        self.check_room(line, keyword, List::Uv, self.mesh.uvs.len())?;
+    fn uv(&mut self, mut statement: Statement<'_>) -> Result<(), MeshFileError> {
+        let uv = statement.floats::<2>(1)?;
+        self.check_room(&statement, List::Uv, self.mesh.uvs.len())?;
         let uv = self.report.finite_or_zero(uv);
-        self.mesh.uvs.push(uv);
-        Ok(())
+        let over = self.over();
+        self.memory.push(&mut self.mesh.uvs, uv).map_err(over)
     }
 
-    /// The next `N` numbers; at least `least` must be there, others are zero.
-    fn floats<const N: usize>(
-        &self,
-        line: Line<'_>,
-        keyword: Field<'_>,
-        fields: &mut Fields<'_>,
-        least: usize,
-    ) -> Result<[f32; N], MeshFileError> {
-        let mut out = [0.0; N];
-        for (i, out) in out.iter_mut().enumerate() {
-            let Some(field) = fields.next() else {
-                if i >= least {
-                    break;
-                }
-                let key = String::from_utf8_lossy(keyword.bytes);
-                let plural = if least == 1 { "" } else { "s" };
-                let message = format!("expected {least} number{plural} after `{key}`, found {i}");
-                return Err(line.mistake(self.path, fields.end(), message));
-            };
-            *out = field.float().ok_or_else(|| {
-                line.mistake(self.path, field, format!("expected a number, found {}", field.quoted()))
-            })?;
-        }
-        Ok(out)
-    }
-
-    fn check_room(
-        &self,
-        line: Line<'_>,
-        keyword: Field<'_>,
-        list: List,
-        len: usize,
-    ) -> Result<(), MeshFileError> {
+    fn check_room(&self, statement: &Statement<'_>, list: List, len: usize) -> Result<(), MeshFileError> {
         // Indices are 32 bits, and the last one means "none".
         let most = self.limits.vertices.min(NO_INDEX as usize);
         if len < most {
             return Ok(());
         }
         let message = format!("the mesh has more than {most} of the kind {}", list.name());
-        Err(line.mistake(self.path, keyword, message))
+        Err(statement.mistake(statement.keyword, message))
     }
 
-    fn face(&mut self, line: Line<'_>, keyword: Field<'_>, fields: Fields<'_>) -> Result<(), MeshFileError> {
+    fn face(&mut self, statement: &Statement<'_>) -> Result<(), MeshFileError> {
         let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
-        for field in fields.clone() {
+        for field in statement.fields.clone() {
             if corners.len() == self.limits.polygon_corners {
                 let message = format!("the polygon has more than {} corners", self.limits.polygon_corners);
-                return Err(line.mistake(self.path, field, message));
+                return Err(statement.mistake(field, message));
             }
-            corners.push(self.corner(line, field)?);
+            corners.push(self.corner(statement, field)?);
         }
         if corners.len() < 3 {
             let message = format!("a face needs at least 3 corners, found {}", corners.len());
-            return Err(line.mistake(self.path, keyword, message));
+            return Err(statement.mistake(statement.keyword, message));
         }
         if self.mesh.faces.len() + corners.len() - 2 > self.limits.faces {
             let message = format!("the mesh has more than {} triangles", self.limits.faces);
-            return Err(line.mistake(self.path, keyword, message));
+            return Err(statement.mistake(statement.keyword, message));
         }
+        let over = self.over();
+        self.face_room(&corners).map_err(over)?;
         self.add_face(&corners);
         self.corners = corners;
+        Ok(())
+    }
+
+    /// Makes room for the triangles of a face in all the lists that get any.
+    fn face_room(&mut self, corners: &[Corner]) -> Result<(), OverBudget> {
+        let Self { mesh, memory, unsplit, .. } = self;
+        let (before, more) = (mesh.faces.len(), corners.len() - 2);
+        memory.room(&mut mesh.faces, more)?;
+        for (list, kind) in [(&mut mesh.face_uvs, List::Uv), (&mut mesh.face_normals, List::Normal)] {
+            let given = corners.iter().any(|corner| corner[kind as usize] != NO_INDEX);
+            if *list == Corners::Absent && given {
+                let mut own = Vec::new();
+                memory.room(&mut own, before + more)?;
+                own.resize(before, [NO_INDEX; 3]);
+                *list = Corners::Own(own);
+            }
+            if let Corners::Own(own) = list {
+                memory.room(own, more)?;
+            }
+        }
+        if let Some(materials) = &mut mesh.face_materials {
+            memory.room(materials, more)?;
+        }
+        if corners.len() > 3 && corners.iter().any(|corner| corner[0] as usize >= mesh.positions.len()) {
+            memory.room(unsplit, 1)?;
+            memory.take(size_of_val(corners))?;
+        }
         Ok(())
     }
 
@@ -290,17 +324,19 @@ impl<'l> Builder<'l> {
 
     fn push_triangle(&mut self, corners: [Corner; 3]) {
         let Self { mesh, material, .. } = self;
-        let before = mesh.faces.len();
         mesh.faces.push(corners.map(|corner| corner[0]));
-        push_attribute(&mut mesh.face_uvs, before, corners.map(|corner| corner[1]));
-        push_attribute(&mut mesh.face_normals, before, corners.map(|corner| corner[2]));
+        for (list, kind) in [(&mut mesh.face_uvs, List::Uv), (&mut mesh.face_normals, List::Normal)] {
+            if let Corners::Own(own) = list {
+                own.push(corners.map(|corner| corner[kind as usize]));
+            }
+        }
         if let Some(materials) = &mut mesh.face_materials {
             materials.push(*material);
         }
     }
 
     /// `a`, `a/t`, `a//n` or `a/t/n`.
-    fn corner(&mut self, line: Line<'_>, field: Field<'_>) -> Result<Corner, MeshFileError> {
+    fn corner(&mut self, statement: &Statement<'_>, field: Field<'_>) -> Result<Corner, MeshFileError> {
         let mut corner = [NO_INDEX; 3];
         let mut start = 0;
         for (i, part) in field.bytes.split(|&b| b == b'/').enumerate() {
@@ -308,11 +344,11 @@ impl<'l> Builder<'l> {
             start += part.len() + 1;
             match (List::ALL.get(i), part) {
                 (Some(List::Uv | List::Normal), b"") => {}
-                (Some(&list), _) => corner[i] = self.index(line, place, list)?,
+                (Some(&list), _) => corner[i] = self.index(statement, place, list)?,
                 (None, _) => {
                     let message =
                         format!("expected a corner such as 1, 1/2, 1//3 or 1/2/3, found {}", field.quoted());
-                    return Err(line.mistake(self.path, field, message));
+                    return Err(statement.mistake(field, message));
                 }
             }
         }
@@ -321,7 +357,12 @@ impl<'l> Builder<'l> {
 
     /// An index as written to one counted from zero.
     #[inline]
-    fn index(&mut self, line: Line<'_>, field: Field<'_>, list: List) -> Result<u32, MeshFileError> {
+    fn index(
+        &mut self,
+        statement: &Statement<'_>,
+        field: Field<'_>,
+        list: List,
+    ) -> Result<u32, MeshFileError> {
         let len = match list {
             List::Vertex => self.mesh.positions.len(),
             List::Uv => self.mesh.uvs.len(),
@@ -331,9 +372,9 @@ impl<'l> Builder<'l> {
             Some(index) if index > 0 && index <= len as i64 => Ok((index - 1) as u32),
             Some(index) if index < 0 && -index <= len as i64 => Ok((len as i64 + index) as u32),
             Some(index) if index > 0 && index < i64::from(NO_INDEX) => {
-                Ok(self.refer_forward(line, field, list, (index - 1) as u32))
+                Ok(self.refer_forward(statement.line, field, list, (index - 1) as u32))
             }
-            other => Err(self.bad_index(line, field, list, other, len)),
+            other => Err(statement.mistake(field, bad_index(field, list, other, len))),
         }
     }
 
@@ -355,44 +396,32 @@ impl<'l> Builder<'l> {
         index
     }
 
-    fn bad_index(
-        &self,
-        line: Line<'_>,
-        field: Field<'_>,
-        list: List,
-        index: Option<i64>,
-        len: usize,
-    ) -> MeshFileError {
-        let name = list.name();
-        let message = match index {
-            None => format!("expected the number of a {name}, found {}", field.quoted()),
-            Some(0) => format!("{name} 0 does not exist: the first one is 1"),
-            Some(index) if index < 0 => {
-                format!("{name} {index} does not exist: only {len} are defined before this line")
-            }
-            Some(index) => format!("there is no {name} {index}"),
-        };
-        line.mistake(self.path, field, message)
-    }
-
-    fn use_material(&mut self, line: Line<'_>, fields: &Fields<'_>) -> Result<(), MeshFileError> {
-        let name = fields.rest();
+    fn use_material(&mut self, statement: &Statement<'_>) -> Result<(), MeshFileError> {
+        let name = statement.fields.rest();
         let id = self.mesh.material_names.len() as u32;
         let text = String::from_utf8_lossy(name.bytes).into_owned();
         self.material = match self.material_ids.get(&text) {
             Some(&known) => known,
             None if id as usize >= self.limits.materials => {
                 let message = format!("the mesh has more than {} materials", self.limits.materials);
-                return Err(line.mistake(self.path, name, message));
+                return Err(statement.mistake(name, message));
             }
             None => {
+                // The name twice, and an entry of the table.
+                let bytes = 2 * text.len() + 128;
+                self.memory.take(bytes).map_err(|over| MeshFileError::memory(self.path, over))?;
                 self.mesh.material_names.push(text.clone());
                 self.material_ids.insert(text, id);
                 id
             }
         };
-        let before = self.mesh.faces.len();
-        self.mesh.face_materials.get_or_insert_with(|| vec![NO_INDEX; before]);
+        if self.mesh.face_materials.is_none() {
+            let (mut materials, before) = (Vec::new(), self.mesh.faces.len());
+            let room = self.memory.room(&mut materials, before);
+            room.map_err(|over| MeshFileError::memory(self.path, over))?;
+            materials.resize(before, NO_INDEX);
+            self.mesh.face_materials = Some(materials);
+        }
         Ok(())
     }
 
@@ -423,22 +452,25 @@ impl<'l> Builder<'l> {
         if self.not_finite {
             self.report.dropped = self.mesh.drop_not_finite();
         }
-        self.settle_colors();
+        let over = self.over();
+        self.settle_colors().map_err(over)?;
         Ok((self.mesh, self.report))
     }
 
     /// Brings the colours into [0, 1], and gives one to each vertex if there are any.
-    fn settle_colors(&mut self) {
+    fn settle_colors(&mut self) -> Result<(), OverBudget> {
         let TriMesh { colors, positions, .. } = &mut self.mesh;
         if colors.is_empty() {
-            return;
+            return Ok(());
         }
+        self.memory.room(colors, positions.len() - colors.len())?;
         let most = if colors.as_flattened().iter().any(|&v| v > 1.0) { 255.0 } else { 1.0 };
         let share = |v: f32| (v / most).clamp(0.0, 1.0);
         colors.iter_mut().for_each(|[r, g, b, _]| (*r, *g, *b) = (share(*r), share(*g), share(*b)));
         colors.resize(positions.len(), WHITE);
         self.mesh.colors_are_srgb = true;
         self.mesh.face_colors = Corners::Vertices;
+        Ok(())
     }
 
     /// Replaces the fan that stood in for a polygon.
@@ -459,13 +491,16 @@ impl<'l> Builder<'l> {
     }
 }
 
-/// Adds the indices of a face; the list begins to exist with the first that has any.
-fn push_attribute(corners: &mut Corners, faces_before: usize, indices: [u32; 3]) {
-    if *corners == Corners::Absent && indices != [NO_INDEX; 3] {
-        *corners = Corners::Own(vec![[NO_INDEX; 3]; faces_before]);
-    }
-    if let Corners::Own(list) = corners {
-        list.push(indices);
+/// What is said of an index that leads nowhere.
+fn bad_index(field: Field<'_>, list: List, index: Option<i64>, len: usize) -> String {
+    let name = list.name();
+    match index {
+        None => format!("expected the number of a {name}, found {}", field.quoted()),
+        Some(0) => format!("{name} 0 does not exist: the first one is 1"),
+        Some(index) if index < 0 => {
+            format!("{name} {index} does not exist: only {len} are defined before this line")
+        }
+        Some(index) => format!("there is no {name} {index}"),
     }
 }
 

@@ -20,6 +20,7 @@
 use crate::byte_reader::ByteReader;
 use crate::limits::Limits;
 use crate::line_reader::{Fields, Line, LineReader, MeshFileError};
+use crate::read_memory::ReadMemory;
 use crate::text_encoding::is_utf16;
 use crate::tri_mesh::{MeshReport, NO_INDEX, TriMesh};
 use crate::triangulate::triangulate;
@@ -49,7 +50,7 @@ pub fn read_stl(
     limits: &Limits,
 ) -> Result<(TriMesh, MeshReport), MeshFileError> {
     let mut lines = LineReader::new(reader, path, limits).without_continuations();
-    let mut builder = Builder::new(limits);
+    let mut builder = Builder::new(path, limits);
     if is_text(lines.at_least(HEADER)?) {
         builder.text(&mut lines, path)?;
     } else {
@@ -70,15 +71,18 @@ fn is_text(head: &[u8]) -> bool {
 }
 
 struct Builder<'l> {
+    path: &'l str,
     limits: &'l Limits,
+    memory: ReadMemory,
     weld: Weld,
     mesh: TriMesh,
     report: MeshReport,
 }
 
 impl<'l> Builder<'l> {
-    fn new(limits: &'l Limits) -> Self {
-        Self { limits, weld: Weld::new(), mesh: TriMesh::default(), report: MeshReport::default() }
+    fn new(path: &'l str, limits: &'l Limits) -> Self {
+        let (memory, weld) = (ReadMemory::new(&limits.memory), Weld::new());
+        Self { path, limits, memory, weld, mesh: TriMesh::default(), report: MeshReport::default() }
     }
 
     fn binary(&mut self, bytes: &mut ByteReader<'_, impl Read>) -> Result<(), MeshFileError> {
@@ -97,7 +101,7 @@ impl<'l> Builder<'l> {
                 f32::from_le_bytes(std::array::from_fn(|byte| record[12 + 4 * i + byte]))
             });
             let [ax, ay, az, bx, by, bz, cx, cy, cz] = floats;
-            self.polygon(&[[ax, ay, az], [bx, by, bz], [cx, cy, cz]]).map_err(|said| bytes.mistake(said))?;
+            self.polygon(&[[ax, ay, az], [bx, by, bz], [cx, cy, cz]], |said| bytes.mistake(said))?;
             bytes.consume(RECORD);
         }
         if !bytes.at_least(1)?.is_empty() {
@@ -124,7 +128,7 @@ impl<'l> Builder<'l> {
                 }
                 b"vertex" => corners.push(vertex(line, path, fields)?),
                 b"endloop" => {
-                    self.polygon(&corners).map_err(|said| line.mistake(path, keyword, said))?;
+                    self.polygon(&corners, |said| line.mistake(path, keyword, said))?;
                     corners.clear();
                 }
                 b"endfacet" => {}
@@ -143,21 +147,29 @@ impl<'l> Builder<'l> {
         }
     }
 
-    fn polygon(&mut self, corners: &[[f32; 3]]) -> Result<(), String> {
+    /// Adds a facet; `mistake` makes an error of what is wrong with it.
+    fn polygon(
+        &mut self,
+        corners: &[[f32; 3]],
+        mistake: impl Fn(String) -> MeshFileError,
+    ) -> Result<(), MeshFileError> {
         let Some(more) = corners.len().checked_sub(2).filter(|&more| more > 0) else {
-            return Err(format!("a facet needs at least 3 vertices, found {}", corners.len()));
+            return Err(mistake(format!("a facet needs at least 3 vertices, found {}", corners.len())));
         };
         if self.mesh.faces.len() + more > self.limits.faces {
-            return Err(format!("the mesh has more than {} triangles", self.limits.faces));
+            return Err(mistake(format!("the mesh has more than {} triangles", self.limits.faces)));
         }
         let most = self.limits.vertices.min(NO_INDEX as usize);
         if self.weld.positions.len() + corners.len() > most {
-            return Err(format!("the mesh has more than {most} vertices"));
+            return Err(mistake(format!("the mesh has more than {most} vertices")));
         }
         if !corners.iter().flatten().all(|x| x.is_finite()) {
             self.report.dropped += more;
             return Ok(());
         }
+        let over = |over| MeshFileError::memory(self.path, over);
+        self.memory.room(&mut self.mesh.faces, more).map_err(over)?;
+        self.weld.room(corners.len(), &mut self.memory).map_err(over)?;
         if let [a, b, c] = *corners {
             let face = [a, b, c].map(|p| self.weld.number(p));
             self.mesh.faces.push(face);

@@ -1,5 +1,7 @@
 //! Vertices that lie at the same place made one.
 
+use crate::memory_budget::OverBudget;
+use crate::read_memory::ReadMemory;
 use kajo_math::rng::mix;
 use std::collections::HashMap;
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -15,6 +17,21 @@ impl Weld {
         // A secret key: nobody can write a file whose points all fall into the same place of the table.
         let key = RandomState::new().hash_one(0);
         Weld { positions: Vec::new(), numbers: HashMap::with_hasher(Keyed { key }) }
+    }
+
+    /// Makes room for `more` points.
+    pub fn room(&mut self, more: usize, memory: &mut ReadMemory) -> Result<(), OverBudget> {
+        /// A key with its number, in a table that is between seven eighths and seven sixteenths full.
+        const BYTES_PER_POINT: usize = 2 * (size_of::<((u64, u32), u32)>() + 1);
+        memory.room(&mut self.positions, more)?;
+        let (len, capacity) = (self.numbers.len(), self.numbers.capacity());
+        if capacity - len < more {
+            // The old table stays while the new one is filled.
+            let wanted = more.max(len).max(16);
+            memory.take(wanted.saturating_mul(BYTES_PER_POINT))?;
+            self.numbers.reserve(wanted);
+        }
+        Ok(())
     }
 
     /// The number of the point at this position, a new one if there was none. The two zeros are one.

@@ -85,7 +85,6 @@ impl Compiler<'_> {
 
     fn read_mesh(&mut self, file: AssetFile, key: &MeshKey, place: Span) -> Option<Kept> {
         let path = &key.path;
-        let _reading = self.memory_for_file(&file, place)?;
         let (mut mesh, report) = match read_mesh(file, &self.options.limits) {
             Ok(read) => read,
             Err(error) => {
@@ -104,12 +103,35 @@ impl Compiler<'_> {
         }
         warnings.iter().for_each(|warning| self.warn_of_file(path, warning, place));
         let slots = if key.own_materials { self.material_slots(&mesh, path, place) } else { None };
-        let mesh = self.built(mesh_data(mesh, key.shading, slots), path, place)?;
+        let averaging = self.memory_for_normals(&mesh, key.shading, path, place)?;
+        let data = mesh_data(mesh, key.shading, slots);
+        // What of it is kept counts as part of the mesh.
+        drop(averaging);
+        let mesh = self.built(data, path, place)?;
         Some(Kept { mesh, warnings })
     }
 
-    /// Memory for reading a mesh, which takes about as much as its file; `None` where there is too little, which is
-    /// reported.
+    /// Memory for finding the normals of a mesh that brings none; `None` where there is too little, which is reported.
+    fn memory_for_normals(
+        &mut self,
+        mesh: &TriMesh,
+        shading: Shading,
+        path: &str,
+        place: Span,
+    ) -> Option<MemoryShare> {
+        /// The sum of the normals around, the number of the first vertex there, and a place in their order.
+        const BYTES_PER_VERTEX: usize = size_of::<Vec3>() + 2 * size_of::<u32>();
+        let averages = match shading {
+            Shading::Flat => false,
+            Shading::Averaged => true,
+            Shading::Smooth => mesh.face_normals == Corners::Absent,
+        };
+        let bytes = if averages { BYTES_PER_VERTEX * mesh.positions.len() } else { 0 };
+        let share = self.options.limits.memory.share(bytes as u64);
+        share.map_err(|over| self.cannot_read(path, &over.to_string(), place)).ok()
+    }
+
+    /// Memory for a file that is held while it is read; `None` where there is too little, which is reported.
     pub(super) fn memory_for_file(&mut self, file: &AssetFile, place: Span) -> Option<MemoryShare> {
         let share = self.options.limits.memory.share(file.len.unwrap_or(0));
         share.map_err(|over| self.cannot_read(&file.path, &over.to_string(), place)).ok()

@@ -9,6 +9,7 @@ use super::record::{Records, cut_off};
 use crate::byte_reader::ByteReader;
 use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
+use crate::read_memory::ReadMemory;
 use crate::tri_mesh::TriMesh;
 use std::io::Read;
 
@@ -18,12 +19,13 @@ pub(super) fn vertices(
     columns: &VertexColumns,
     records: &mut Records<'_, impl Read>,
     mesh: &mut TriMesh,
+    memory: &mut ReadMemory,
 ) -> Result<bool, MeshFileError> {
     let Some(layout) = VertexLayout::of(element, columns) else { return Ok(false) };
     match records {
         Records::Lines(..) => return Ok(false),
-        Records::Little(bytes) => layout.read(element, bytes, f32::from_le_bytes, mesh)?,
-        Records::Big(bytes) => layout.read(element, bytes, f32::from_be_bytes, mesh)?,
+        Records::Little(bytes) => layout.read(element, bytes, f32::from_le_bytes, (mesh, columns, memory))?,
+        Records::Big(bytes) => layout.read(element, bytes, f32::from_be_bytes, (mesh, columns, memory))?,
     }
     Ok(true)
 }
@@ -69,16 +71,18 @@ impl VertexLayout {
         element: &Element,
         bytes: &mut ByteReader<'_, impl Read>,
         float: impl Fn([u8; 4]) -> f32,
-        mesh: &mut TriMesh,
+        (mesh, columns, memory): (&mut TriMesh, &VertexColumns, &mut ReadMemory),
     ) -> Result<(), MeshFileError> {
         let mut left = element.count;
         while left > 0 {
+            let path = bytes.path;
             let unread = bytes.at_least(self.stride)?;
             let records = unread.chunks_exact(self.stride).take(usize::try_from(left).unwrap_or(usize::MAX));
             let n = records.len();
             if n == 0 {
                 return Err(bytes.mistake(cut_off(element, element.count - left)));
             }
+            columns.room(n, mesh, memory).map_err(|over| MeshFileError::memory(path, over))?;
             mesh.positions.extend(records.clone().map(|record| floats(record, self.position, &float)));
             if let Some(at) = self.normal {
                 mesh.normals.extend(records.clone().map(|record| floats(record, at, &float)));
@@ -113,14 +117,14 @@ pub(super) fn triangles(
     records: &mut Records<'_, impl Read>,
     vertices: usize,
     mesh: &mut TriMesh,
-    limits: &Limits,
+    (limits, memory): (&Limits, &mut ReadMemory),
 ) -> Result<u64, MeshFileError> {
     let Some(layout) = FaceLayout::of(element) else { return Ok(0) };
     let most = left.min((limits.faces - mesh.faces.len()) as u64);
     match records {
         Records::Lines(..) => Ok(0),
-        Records::Little(bytes) => layout.read(bytes, most, u32::from_le_bytes, vertices, mesh),
-        Records::Big(bytes) => layout.read(bytes, most, u32::from_be_bytes, vertices, mesh),
+        Records::Little(bytes) => layout.read(bytes, most, u32::from_le_bytes, vertices, (mesh, memory)),
+        Records::Big(bytes) => layout.read(bytes, most, u32::from_be_bytes, vertices, (mesh, memory)),
     }
 }
 
@@ -158,10 +162,11 @@ impl FaceLayout {
         most: u64,
         index: impl Fn([u8; 4]) -> u32,
         vertices: usize,
-        mesh: &mut TriMesh,
+        (mesh, memory): (&mut TriMesh, &mut ReadMemory),
     ) -> Result<u64, MeshFileError> {
         let mut done = 0;
         while done < most {
+            let path = bytes.path;
             let unread = bytes.at_least(self.size)?;
             let before = mesh.faces.len();
             let records =
@@ -173,6 +178,8 @@ impl FaceLayout {
                 let face = [*a, *b, *c].map(&index);
                 face.iter().all(|&v| (v as usize) < vertices).then_some(face)
             };
+            let room = memory.room(&mut mesh.faces, records.len());
+            room.map_err(|over| MeshFileError::memory(path, over))?;
             mesh.faces.extend(records.map_while(triangle));
             let run = mesh.faces.len() - before;
             if run == 0 {

@@ -33,6 +33,8 @@ use self::header::{Column, Element, Format, Header};
 use self::record::{Record, Records, Wanted};
 use crate::limits::Limits;
 use crate::line_reader::{LineReader, MeshFileError};
+use crate::memory_budget::OverBudget;
+use crate::read_memory::ReadMemory;
 use crate::tri_mesh::{Corners, MeshReport, NO_INDEX, TriMesh};
 use crate::triangulate::triangulate;
 use std::io::Read;
@@ -61,7 +63,7 @@ pub fn read_ply(
         Format::LittleEndian => Records::Little(lines.into_bytes()),
         Format::BigEndian => Records::Big(lines.into_bytes()),
     };
-    let mut builder = Builder::new(limits, header.vertex_count());
+    let mut builder = Builder::new(path, limits, header.vertex_count());
     for element in &header.elements {
         builder.element(element, &mut records)?;
     }
@@ -69,7 +71,9 @@ pub fn read_ply(
 }
 
 struct Builder<'l> {
+    path: &'l str,
     limits: &'l Limits,
+    memory: ReadMemory,
     /// As many as the header says; a file that has fewer is in error.
     vertex_count: usize,
     /// Polygons that came before the vertices: first triangle and corners.
@@ -84,9 +88,11 @@ struct Builder<'l> {
 }
 
 impl<'l> Builder<'l> {
-    fn new(limits: &'l Limits, vertex_count: usize) -> Self {
+    fn new(path: &'l str, limits: &'l Limits, vertex_count: usize) -> Self {
         Self {
+            path,
             limits,
+            memory: ReadMemory::new(&limits.memory),
             vertex_count,
             unsplit: Vec::new(),
             mesh: TriMesh::default(),
@@ -129,15 +135,18 @@ impl<'l> Builder<'l> {
         records: &mut Records<'_, impl Read>,
     ) -> Result<(), MeshFileError> {
         let columns = VertexColumns::of(element);
-        if !fast::vertices(element, &columns, records, &mut self.mesh)? {
+        let path = self.path;
+        let over = |over| MeshFileError::memory(path, over);
+        if !fast::vertices(element, &columns, records, &mut self.mesh, &mut self.memory)? {
             let mut record = Record::default();
             for number in 0..element.count {
                 records.read(element, number, Wanted::Scalars, &mut record)?;
                 let float = |column: Column| record.scalars[column.property] as f32;
+                let share = |column: Column| float(column) / column.scalar.whole_of_color();
+                columns.room(1, &mut self.mesh, &mut self.memory).map_err(over)?;
                 self.mesh.positions.push(columns.position.map(float));
                 self.mesh.normals.extend(columns.normal.map(|c| c.map(float)));
                 self.mesh.uvs.extend(columns.uv.map(|c| c.map(float)));
-                let share = |column: Column| float(column) / column.scalar.whole_of_color();
                 self.mesh.colors.extend(columns.color.map(|c| c.map(share)).map(|[r, g, b]| [r, g, b, 1.0]));
             }
         }
@@ -172,7 +181,8 @@ impl<'l> Builder<'l> {
         while number < element.count {
             // Runs of triangles go the short way; what it does not know comes back here.
             let (left, n) = (element.count - number, self.vertex_count);
-            number += fast::triangles(element, left, records, n, &mut self.mesh, self.limits)?;
+            number +=
+                fast::triangles(element, left, records, n, &mut self.mesh, (self.limits, &mut self.memory))?;
             if number == element.count {
                 break;
             }
@@ -183,9 +193,8 @@ impl<'l> Builder<'l> {
                 corners
                     .push(self.vertex_index(index).map_err(|said| records.mistake(element, number, &said))?);
             }
-            let added = self.polygon(&corners);
+            self.polygon(&corners, |said| records.mistake(element, number, &said))?;
             self.corners = corners;
-            added.map_err(|said| records.mistake(element, number, &said))?;
             number += 1;
         }
         Ok(())
@@ -202,17 +211,20 @@ impl<'l> Builder<'l> {
         let mut record = Record::default();
         for number in 0..element.count {
             records.read(element, number, wanted, &mut record)?;
-            let mut strip: Vec<u32> = Vec::new();
+            let mut strip: [Option<u32>; 2] = [None; 2];
+            let mut is_turned = false;
             for &index in &record.list {
                 if index == -1.0 {
-                    strip.clear();
+                    (strip, is_turned) = ([None; 2], false);
                     continue;
                 }
-                strip.push(self.vertex_index(index).map_err(|said| records.mistake(element, number, &said))?);
-                if let [.., a, b, c] = *strip {
-                    let triangle = if strip.len() % 2 == 1 { [a, b, c] } else { [b, a, c] };
-                    self.polygon(&triangle).map_err(|said| records.mistake(element, number, &said))?;
+                let c = self.vertex_index(index).map_err(|said| records.mistake(element, number, &said))?;
+                if let [Some(a), Some(b)] = strip {
+                    let triangle = if is_turned { [b, a, c] } else { [a, b, c] };
+                    is_turned = !is_turned;
+                    self.polygon(&triangle, |said| records.mistake(element, number, &said))?;
                 }
+                strip = [strip[1], Some(c)];
             }
         }
         Ok(())
@@ -226,13 +238,20 @@ impl<'l> Builder<'l> {
         Err(format!("there is no vertex {index}: the file has {count}, numbered from 0"))
     }
 
-    fn polygon(&mut self, corners: &[u32]) -> Result<(), String> {
+    /// Adds a face; `mistake` makes an error of what is wrong with it.
+    fn polygon(
+        &mut self,
+        corners: &[u32],
+        mistake: impl Fn(String) -> MeshFileError,
+    ) -> Result<(), MeshFileError> {
         let Some(more) = corners.len().checked_sub(2).filter(|&more| more > 0) else {
-            return Err(format!("a face needs at least 3 corners, found {}", corners.len()));
+            return Err(mistake(format!("a face needs at least 3 corners, found {}", corners.len())));
         };
         if self.mesh.faces.len() + more > self.limits.faces {
-            return Err(format!("the mesh has more than {} triangles", self.limits.faces));
+            return Err(mistake(format!("the mesh has more than {} triangles", self.limits.faces)));
         }
+        let over = |over| MeshFileError::memory(self.path, over);
+        self.memory.room(&mut self.mesh.faces, more).map_err(over)?;
         if let [a, b, c] = *corners {
             self.mesh.faces.push([a, b, c]);
             return Ok(());
@@ -240,6 +259,8 @@ impl<'l> Builder<'l> {
         self.report.polygons += 1;
         if self.mesh.positions.len() < self.vertex_count {
             // The places are not known yet: a fan for now.
+            self.memory.room(&mut self.unsplit, 1).map_err(over)?;
+            self.memory.take(size_of_val(corners)).map_err(over)?;
             self.unsplit.push((self.mesh.faces.len(), corners.to_vec()));
             self.mesh.faces.extend(corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]));
             return Ok(());
@@ -290,6 +311,18 @@ impl VertexColumns {
             uv: uv_names.into_iter().find_map(|names| element.columns(names)),
             color: color_names.into_iter().find_map(|names| element.columns(names)),
         }
+    }
+
+    /// Makes room for `more` vertices.
+    fn room(&self, more: usize, mesh: &mut TriMesh, memory: &mut ReadMemory) -> Result<(), OverBudget> {
+        memory.room(&mut mesh.positions, more)?;
+        if self.normal.is_some() {
+            memory.room(&mut mesh.normals, more)?;
+        }
+        if self.uv.is_some() {
+            memory.room(&mut mesh.uvs, more)?;
+        }
+        if self.color.is_some() { memory.room(&mut mesh.colors, more) } else { Ok(()) }
     }
 }
 
