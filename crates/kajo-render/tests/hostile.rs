@@ -29,3 +29,18 @@ fn damaged_states_are_refused_or_gone_on_from() {
     }
     assert!(read > 500, "hardly any damage passed the first look: {read}");
 }
+
+#[test]
+fn numbers_as_large_as_they_can_be_are_refused_or_gone_on_from() {
+    for passes in 1..4 {
+        let whole = state::saved(passes);
+        for at in 0..whole.len() {
+            for byte in [0xff, 0x7f] {
+                let mut data = whole.clone();
+                data.iter_mut().skip(at).take(8).for_each(|other| *other = 0xff);
+                data.iter_mut().skip(at + 7).take(1).for_each(|last| *last = byte);
+                state::go_on(&data);
+            }
+        }
+    }
+}

@@ -19,6 +19,9 @@ const RUN: usize = 8;
 /// Threads that do so at most, so that what waits to be written takes little memory.
 const MOST_ENCODERS: usize = 4;
 
+/// Samples that no render reaches: centuries at a billion a second. What goes on from them can still be counted.
+const MOST_COUNTED: u64 = 1 << 62;
+
 impl Film {
     /// Writes all sums, which several threads make into bytes.
     ///
@@ -66,8 +69,13 @@ impl Film {
     /// Those of `input`; `InvalidData` when it holds something else; and as [`Film::new`].
     pub fn restore(spec: FilmSpec, budget: u64, input: &mut dyn Read) -> io::Result<Film> {
         let film = Film::new(spec, budget).map_err(|error: FilmError| io::Error::other(error.to_string()))?;
-        film.samples.store(u64::from_le_bytes(bytes(input)?), Ordering::Relaxed);
-        film.non_finite.store(u64::from_le_bytes(bytes(input)?), Ordering::Relaxed);
+        for counter in [&film.samples, &film.non_finite] {
+            let count = u64::from_le_bytes(bytes(input)?);
+            if count > MOST_COUNTED {
+                return Err(invalid());
+            }
+            counter.store(count, Ordering::Relaxed);
+        }
         for row in 0..film.grid.rows() {
             for column in 0..film.grid.columns() {
                 let rect = film.grid.cell(column, row);
