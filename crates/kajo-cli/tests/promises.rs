@@ -80,6 +80,80 @@ fn instances_are_numbered_in_the_order_of_the_file() {
     assert_eq!(numbers("materials.pfm"), [0, 1, 2]);
 }
 
+/// A scene that shows the objects of a group.
+fn of_group(group: &str) -> String {
+    format!("{} Group {{ {group} }}", BALL.split("Group").next().unwrap())
+}
+
+const PEARL: &str = "Sphere { center 0 0 0  radius 0.1 }";
+
+/// `docs/src/language/instance.md`: `numObjects` counts an instance as one object and a definition as none.
+#[test]
+fn an_instance_counts_as_one_object_and_a_definition_as_none() {
+    let folder = Folder::new();
+    let pair = |inside: u32, outside: u32| {
+        let define = format!("Define pair {{ numObjects {inside} {PEARL} {PEARL} }}");
+        of_group(&format!(
+            "numObjects {outside} MaterialIndex gold {define} Instance pair Instance pair {PEARL}"
+        ))
+    };
+    folder.write("scene.txt", pair(2, 3));
+    folder.succeed("check scene.txt");
+    for (inside, outside) in [(2, 5), (2, 4), (1, 3)] {
+        folder.write("scene.txt", pair(inside, outside));
+        folder.fail("check scene.txt", 2, &["numObjects"]);
+    }
+}
+
+/// The same page: where the instances of a definition would be more than a sixteenth of all objects that there may be,
+/// the definition becomes a tree of its own.
+#[test]
+fn what_makes_many_objects_is_nested() {
+    let nested = |instances: usize| {
+        let define = format!("Define bush {{ {} }}", PEARL.repeat(100));
+        let text = of_group(&format!("MaterialIndex gold {define} {}", "Instance bush ".repeat(instances)));
+        let assets = kajo::MemoryAssets::new().with("scene.txt", text);
+        let limits = kajo::Limits { objects: 16 * 1000, ..kajo::Limits::default() };
+        let loaded =
+            kajo::load_from("scene.txt", &assets, &kajo::LoadOptions { limits, ..Default::default() });
+        let info = kajo::SceneInfo::of(&loaded).unwrap();
+        (info.objects.len(), info.nested_objects)
+    };
+    assert_eq!(nested(10), (1000, 0));
+    assert_eq!(nested(11), (0, 1100));
+}
+
+/// The same page: a thousand groves of a thousand trees of a thousand leaves, and what may not be nested.
+#[test]
+fn forests_take_little_memory_and_may_neither_shine_nor_move() {
+    let folder = Folder::new();
+    let row = |word: &str| format!("Instance {word} {{ Translate 1 0 0 }}\n").repeat(1000);
+    let tree = format!("Define tree {{ {} }}", PEARL.repeat(1000));
+    let grove = format!("Define grove {{ {} }}", row("tree"));
+    folder.write("scene.txt", of_group(&format!("{tree} {grove} MaterialIndex gold {}", row("grove"))));
+    let said = folder.succeed("info scene.txt").stdout;
+    let field = |name: &str| {
+        let line = said.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{said}"));
+        line.split_whitespace().find_map(|word| word.parse::<f64>().ok()).unwrap()
+    };
+    assert_eq!(field("nested objects"), 1e9);
+    assert!(field("geometry") < 2.0, "{said}");
+    let lamp = "Materials { Matte lamp { emission 1 1 1 }";
+    let motion = "Motion { key 0 { } key 1 { Translate 1 0 0 } }";
+    for (placed, message) in [
+        ("MaterialIndex lamp Instance grove", "make lamps of 1000000 objects"),
+        (&*format!("MaterialIndex gold Instance grove {{ {motion} }}"), "move 1000000 objects"),
+    ] {
+        let scene = of_group(&format!("{tree} {grove} {placed}"));
+        folder.write("scene.txt", scene.replace("Materials {", lamp));
+        folder.fail("check scene.txt", 2, &["error", message]);
+    }
+    let forests = "Instance forest ".repeat(5);
+    let forest = format!("Define forest {{ {} }}", row("grove"));
+    folder.write("scene.txt", of_group(&format!("{tree} {grove} {forest} MaterialIndex gold {forests}")));
+    folder.fail("check scene.txt", 2, &["more objects than can be numbered, about 4 * 10^9"]);
+}
+
 /// Sparse files, which take no room.
 #[test]
 fn files_that_are_too_long_are_refused_before_they_are_read() {
@@ -121,7 +195,44 @@ fn warnings_do_not_stop_a_render() {
     assert!(ran.stderr.contains("warning: "), "{}", ran.stderr);
 }
 
-/// `docs/src/program/checkpoints.md`, "More samples".
+/// `docs/src/program/checkpoints.md`, "Where samples go".
+#[test]
+fn patterns_of_a_fixed_number_are_not_adaptive() {
+    let folder = Folder::new();
+    for pattern in ["jittered", "regular", "poisson"] {
+        let line = format!("ball.txt --size 8 8 --samples {pattern} 16 --adaptive -o a.png");
+        folder.fail(&line, 2, &[pattern, "sobol"]);
+    }
+    for pattern in ["uniform", "sobol", "zsobol", "pmj"] {
+        folder.succeed(&format!("ball.txt --size 8 8 --samples {pattern} 16 --adaptive -o a.png"));
+    }
+}
+
+/// The same page, "Checkpoints": a state that cannot be written where it belongs is put elsewhere, whole.
+#[cfg(unix)]
+#[test]
+fn a_state_whose_folder_is_gone_is_put_elsewhere() {
+    use std::io::{BufRead, BufReader, Read};
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("states")).unwrap();
+    let render = "ball.txt --size 20 20 --samples sobol 1000000 -o a.exr";
+    let line = format!("{render} --checkpoint states/a.state --time 1 --show_progress");
+    let mut command = folder.command();
+    let mut child = command.args(line.split(' ')).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    stderr.read_line(&mut said).unwrap();
+    std::fs::remove_dir(folder.path("states")).unwrap();
+    stderr.read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(5), "{said}");
+    assert!(folder.path("a.exr").exists(), "the picture is written in any case");
+    let (_, after) = said.split_once("; it is in `").unwrap_or_else(|| panic!("{said}"));
+    let place = after.split('`').next().unwrap();
+    assert!(place.starts_with("a.kajo-") && place.ends_with(".state"), "{said}");
+    folder.succeed(&format!("{render} --time 0 --resume {place}"));
+}
+
+/// The same page, "More samples".
 #[test]
 fn what_the_scene_says_about_samples_is_part_of_the_scene() {
     let folder = Folder::new();

@@ -284,6 +284,44 @@ fn parts_of_other_films_and_of_finished_ones_are_refused() {
     assert_eq!(film(FilmSpec { one_pass: false, ..spec }).merge(&part), Err(FilmError::OtherFilm));
 }
 
+/// Takes so many bytes and no more.
+struct Full(usize);
+
+impl std::io::Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0 = self.0.checked_sub(bytes.len()).ok_or(std::io::ErrorKind::StorageFull)?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_film_of_many_blocks_is_saved_whole_or_not_at_all() {
+    let sampler = sampler(SamplerKind::Uniform, 2);
+    let spec = FilmSpec { layers: LayerSet::of(&Layer::ALL), ..FilmSpec::new(700, 70) };
+    let open = film(spec);
+    for column in 0..6 {
+        let tile = Rect { x0: column * 100, y0: 0, x1: column * 100 + 90, y1: 60 };
+        open.add(&random_part(&spec, &sampler, tile, 0..2));
+    }
+    let mut saved = Vec::new();
+    open.save(&mut saved).expect("memory does not fail");
+    let mut rest = &saved[..];
+    let restored = Film::restore(spec, u64::MAX, &mut rest).expect("as it was saved");
+    assert!(rest.is_empty());
+    assert_eq!(bits(&restored), bits(&open));
+    let mut again = Vec::new();
+    restored.save(&mut again).expect("memory does not fail");
+    assert!(again == saved);
+    for room in [0, 20, saved.len() / 2, saved.len() - 1] {
+        assert!(open.save(&mut Full(room)).is_err());
+    }
+    open.save(&mut Full(saved.len())).expect("there is room");
+}
+
 #[test]
 fn finished_pixels_are_what_the_sums_would_give() {
     let sampler = sampler(SamplerKind::Jittered, 3);
