@@ -113,6 +113,8 @@ pub struct Studio {
     steps: CameraSteps,
     /// Whether the camera stands where the scene says.
     is_home: bool,
+    /// The scene and the shape of the picture, width over height, to which it is fitted there.
+    fitted_to: Option<(Version, f64)>,
     /// How one moves.
     pub navigation: Navigation,
     /// What is asked of a trace.
@@ -175,6 +177,7 @@ impl Studio {
             camera_version: 0,
             steps: CameraSteps::default(),
             is_home: true,
+            fitted_to: None,
             options: RenderOptions::default(),
             shown: Shown::Preview,
             view: View::Color,
@@ -284,6 +287,7 @@ impl Studio {
         if std::mem::take(&mut self.was_changed_meanwhile) || is_changed {
             self.take_changes();
         }
+        self.fit_camera();
         self.save_aside();
         self.keep_finished();
         self.trace_if_stale();
@@ -550,6 +554,8 @@ impl Studio {
         self.selection.refresh(document);
         if let Some(scene) = document.scene().filter(|_| self.is_home) {
             self.camera = CameraPose::of(scene);
+            self.fitted_to = None;
+            self.fit_camera();
         }
         let version = self.version();
         if let Some(scene) = self.scene().cloned().filter(|_| !self.preview_is_current()) {

@@ -43,10 +43,21 @@ pub struct CameraPose {
 impl CameraPose {
     /// The scene's own camera.
     pub fn of(scene: &Scene) -> CameraPose {
-        let still = still(&scene.camera);
+        CameraPose::with(scene, scene.camera.clone())
+    }
+
+    /// The scene's own camera in a picture of another shape; see [`Scene::camera_for`].
+    ///
+    /// * `aspect`: width of the picture over its height
+    pub fn in_picture(scene: &Scene, aspect: f64) -> CameraPose {
+        CameraPose::with(scene, scene.camera_for(aspect))
+    }
+
+    fn with(scene: &Scene, camera: Camera) -> CameraPose {
+        let still = still(&camera);
         let level = nearest_axis(still.frame().up);
         let Rules { corner_samples, spans_width, .. } = scene.rules;
-        CameraPose { camera: scene.camera.clone(), still, corner_samples, spans_width, level }
+        CameraPose { camera, still, corner_samples, spans_width, level }
     }
 
     fn new(camera: Camera, up: DVec3) -> CameraPose {

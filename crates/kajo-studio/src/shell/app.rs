@@ -402,6 +402,7 @@ impl App {
             }
             let pixels = response.rect.size() * ui.pixels_per_point();
             self.studio.window = [pixels.x, pixels.y].map(|side| (side.round() as u32).max(1));
+            self.studio.fit_camera();
             if self.studio.scene().is_none() {
                 self.area = None;
                 empty(ui, response.rect, self.studio.is_loading(), !self.studio.problems.is_empty());

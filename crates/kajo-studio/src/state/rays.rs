@@ -138,6 +138,22 @@ impl Studio {
         }
     }
 
+    /// Shoots the ray again to the point that it has met, from where the camera stands now, if it came from where it stood
+    /// before.
+    ///
+    /// * `size`: columns and rows of the picture on show
+    pub(super) fn shoot_along(&mut self, before: &CameraPose, size: [u32; 2]) {
+        let Some(Rays { ray, sample, shot, .. }) =
+            self.rays.take_if(|rays| rays.shot.camera.is_view_of(before))
+        else {
+            return;
+        };
+        let met = ray.segments.first().and_then(|segment| segment.hit).map(|hit| hit.p.as_dvec3());
+        let [of, to] = [shot.size, size].map(|size| DVec2::new(size[0].into(), size[1].into()));
+        let place = met.and_then(|p| self.camera.project(p, size)).unwrap_or(shot.place / of * to);
+        self.shoot(Shot { camera: self.camera.clone(), place, size }, sample);
+    }
+
     /// The debug ray as lines: its segments, and the normals where they end.
     pub(super) fn ray_lines(&self) -> Vec<Line> {
         let Some(rays) = &self.rays else { return Vec::new() };

@@ -112,6 +112,7 @@ impl Studio {
         self.camera = place.camera;
         self.camera_version = place.version;
         self.is_home = place.is_home;
+        self.fitted_to = None;
         self.steps.is_moving = false;
     }
 

@@ -1,14 +1,16 @@
 //! Actions that move the camera, and what the preview needs of it.
 
-use kajo::CameraPose;
+use std::sync::Arc;
+
 use kajo::preview::LineKind;
+use kajo::{CameraPose, Scene};
 
 use super::{Action, Navigation, Studio};
 use crate::raster::{Eye, Line};
 
 impl Studio {
-    /// From where the raster preview is seen, in a picture of `size` pixels; `None` for cameras whose picture is not flat,
-    /// for which there is [`Studio::sight`].
+    /// From where the raster preview is seen, in a picture of `size` pixels; `None` for cameras whose picture is not flat.
+    /// Whether it is the preview on show, [`Studio::is_drawn`] says.
     pub fn eye(&self, size: [u32; 2]) -> Option<Eye> {
         let camera = &self.camera;
         let [near, far] = camera.depths(&self.bounds());
@@ -20,9 +22,11 @@ impl Studio {
 
     /// Lines over the preview: lights, the scene's camera, the debug ray.
     pub fn lines(&self) -> Vec<Line> {
-        // Who looks all around from the scene's camera would see its own wires.
-        let is_inside = !self.camera.is_flat()
-            && self.scene().is_some_and(|scene| CameraPose::of(scene).eye() == self.camera.eye());
+        // Who looks all around from the scene's camera would see its own wires, and those of a camera that is fitted to
+        // another picture stand elsewhere.
+        let is_fitted = self.is_home && self.scene().is_some_and(|scene| scene.fitted.is_some());
+        let is_there = || self.scene().is_some_and(|scene| CameraPose::of(scene).eye() == self.camera.eye());
+        let is_inside = is_fitted || !self.camera.is_flat() && is_there();
         let wires = self.preview.iter().flat_map(|(_, preview)| &preview.lines);
         let wires = wires.filter(|wire| !(is_inside && wire.kind == LineKind::Camera));
         let wires = wires.map(|wire| Line {
@@ -67,10 +71,29 @@ impl Studio {
                     self.navigation = Navigation::of(Some(&scene.bounds()), &camera);
                     self.camera = camera;
                     self.is_home = true;
+                    self.fitted_to = None;
+                    self.fit_camera();
                 }
             }
             _ => {}
         }
+    }
+
+    /// Fits the scene's own camera to the picture on show, where it is one that fits something.
+    ///
+    /// The debug ray stays with the point that it has met.
+    pub fn fit_camera(&mut self) {
+        let is_fitted = |scene: &&Arc<Scene>| self.is_home && scene.fitted.is_some();
+        let Some(scene) = self.scene().filter(is_fitted).cloned() else { return };
+        let size = self.picture_size();
+        let aspect = f64::from(size[0]) / f64::from(size[1]);
+        let fitted_to = Some((self.version(), aspect));
+        if self.fitted_to == fitted_to {
+            return;
+        }
+        let before = std::mem::replace(&mut self.camera, CameraPose::in_picture(&scene, aspect));
+        self.fitted_to = fitted_to;
+        self.shoot_along(&before, size);
     }
 
     fn move_camera(&mut self, step: impl FnOnce(&mut Navigation, &mut CameraPose)) {
