@@ -6,7 +6,7 @@
 //! in lines. What moves is shown where it is when the shutter opens.
 //!
 //! Nested instances, of which there may be more than can be drawn, are shown from the largest to the smallest as
-//! long as that takes not too many triangles, and as boxes from there on.
+//! long as that takes not too many triangles, and as boxes from there on: [`Preview::has_boxes`] says so.
 //!
 //! Every vertex and every instance has an object number, and their sum is the number of the id layers, counted from 1.
 
@@ -91,6 +91,9 @@ pub struct Preview {
     pub lines: Vec<Line>,
     /// A box around everything that has bounds; of unit size around the origin when nothing has.
     pub bounds: Aabb,
+    /// Whether boxes stand for nested instances of which there are too many. What is picked is not what is drawn then, and
+    /// a [`TracedPreview`] shows what is.
+    pub has_boxes: bool,
 }
 
 impl Preview {
@@ -130,6 +133,7 @@ struct Builder<'a> {
     single: PreviewMesh,
     unit_sphere: Option<u32>,
     unit_cube: Option<u32>,
+    has_boxes: bool,
     /// The pieces of a mesh that have a material in common, and that material where the mesh brings it.
     pieces: HashMap<ShapeId, Vec<(u32, Option<MaterialId>)>>,
     meshes: Vec<PreviewMesh>,
@@ -151,6 +155,7 @@ impl<'a> Builder<'a> {
             single: PreviewMesh::default(),
             unit_sphere: None,
             unit_cube: None,
+            has_boxes: false,
             pieces: HashMap::new(),
             meshes: Vec::new(),
             instances: Vec::new(),
@@ -191,6 +196,7 @@ impl<'a> Builder<'a> {
         match piece.content {
             PieceContent::Shape(shape) => self.add(object, shape, &piece.place, piece.material),
             PieceContent::Whole(bounds) => {
+                self.has_boxes = true;
                 let sized = Affine3A::from_scale(0.5 * bounds.extent());
                 let from_cube = Affine3A::from_translation(bounds.center()) * sized;
                 let mesh = self.unit_cube();
@@ -325,7 +331,8 @@ impl<'a> Builder<'a> {
             self.instances.push(PreviewInstance { mesh, world_from_mesh, color: [255; 4], object: 0 });
         }
         self.instances.sort_by_key(|instance| instance.mesh);
-        Preview { meshes: self.meshes, instances: self.instances, lines, bounds: self.bounds }
+        let Builder { meshes, instances, bounds, has_boxes, .. } = self;
+        Preview { meshes, instances, lines, bounds, has_boxes }
     }
 }
 

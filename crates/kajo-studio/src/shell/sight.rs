@@ -1,4 +1,4 @@
-//! The preview of cameras whose picture is not flat: what their rays see, with the lines over it.
+//! The preview that the camera's rays make, with the lines over it.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -62,7 +62,9 @@ fn paint_line(ui: &Ui, studio: &Studio, seen: &TracedPreview, area: Area, line: 
     let [from, to]: [DVec3; 2] = [line.from, line.to].map(|p| p.as_dvec3());
     for stroke in studio.camera.strokes(from, to, area.size) {
         let middle = 0.5 * (stroke.ends[0] + stroke.ends[1]);
-        let distance = (stroke.middle - studio.camera.eye()).length();
+        let ray = studio.camera.ray(middle, area.size);
+        let origin = ray.map_or(studio.camera.eye(), |ray| ray.o.as_dvec3());
+        let distance = (stroke.middle - origin).length();
         let is_hidden = distance > ON_SURFACE * f64::from(seen.distance(middle));
         let opacity = f32::from(opacity) * if is_hidden { HIDDEN } else { 1.0 };
         let color = Color32::from_rgba_unmultiplied(r, g, b, opacity as u8);

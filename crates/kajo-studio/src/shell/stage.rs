@@ -19,7 +19,7 @@ pub struct Stage {
     raster: Raster,
     /// The version of the scene that the card has.
     on_card: Option<Version>,
-    /// The preview of cameras whose picture is not flat.
+    /// The preview that rays make.
     seen: Seen,
     picture: TracedPicture,
     kept_picture: TracedPicture,
@@ -51,7 +51,7 @@ impl Stage {
 
     /// Shows the scene as triangles and lines, or as the camera's own rays see it.
     pub fn paint_preview(&mut self, ui: &Ui, studio: &Studio, area: Area) {
-        if !studio.camera.is_flat() {
+        if !studio.is_drawn() {
             self.seen.paint(ui, studio, area, self.raster.canvas());
             return;
         }

@@ -1,4 +1,5 @@
-//! The preview for cameras whose picture no matrix makes: their own rays, cast by another thread, from coarse to fine.
+//! The preview that the camera's own rays make, cast by another thread, from coarse to fine: for cameras whose picture no
+//! matrix makes, and for scenes of more nested instances than triangles can show.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -69,7 +70,12 @@ impl Sight {
 }
 
 impl Studio {
-    /// What the camera sees, where no matrix makes its picture; it may be coarse, or of a moment ago.
+    /// Whether the preview is what the graphics card draws, so that there is no [`Studio::sight`].
+    pub fn is_drawn(&self) -> bool {
+        self.camera.is_flat() && !self.preview.as_ref().is_some_and(|(_, preview)| preview.has_boxes)
+    }
+
+    /// What the camera sees, where the card cannot draw it; it may be coarse, or of a moment ago.
     pub fn sight(&self) -> Option<&Arc<TracedPreview>> {
         let is_of_scene = |wanted: &Wanted| wanted.scene.0 == self.opened;
         self.sight.seen.as_ref().filter(|(wanted, _)| is_of_scene(wanted)).map(|(_, seen)| seen)
@@ -82,7 +88,7 @@ impl Studio {
     }
 
     fn wanted_sight(&self, step: usize) -> Option<Wanted> {
-        self.scene().filter(|_| !self.camera.is_flat())?;
+        self.scene().filter(|_| !self.is_drawn())?;
         let picture = self.picture_size();
         let finest = [0, 1].map(|side| picture[side].min(self.window[side].max(1)));
         Some(Wanted { scene: self.version(), camera: self.camera_version(), picture, finest, step })

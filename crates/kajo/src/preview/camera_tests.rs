@@ -142,6 +142,67 @@ fn the_object_under_a_thousand_pixels_is_the_one_drawn_there() {
     }
 }
 
+/// Squares of a hundred balls each, on three sides of the origin: more than the preview draws one by one.
+fn nested_world() -> String {
+    let balls = |i: u32| format!("Sphere {{ center {} {} 0 radius 0.3 }}\n", i % 10, i / 10);
+    let square: String = (0..100).map(balls).collect();
+    let place = |i: u32| {
+        let turn = [0, 90, 200][(i % 3) as usize];
+        format!("Instance square {{ YRotate {turn} Translate -5 -5 {} }}\n", -6.0 - 0.3 * f64::from(i / 3))
+    };
+    let places: String = (0..400).map(place).collect();
+    format!(
+        "Materials {{ Matte {{ }} }} Group {{ MaterialIndex 0 Box {{ min 2 -1 -5 max 3 1 -4 }}
+         Define square {{ {square} }} {places} }}"
+    )
+}
+
+#[test]
+fn what_rays_show_of_nested_instances_is_picked_there_through_every_camera() {
+    let world = nested_world();
+    for camera in cameras() {
+        let assets = MemoryAssets::new().with("a.txt", format!("{camera} {world}"));
+        let mut options = LoadOptions::default();
+        options.limits.objects = 4_000;
+        let loaded = load_from("a.txt", &assets, &options);
+        let scene = loaded.scene.unwrap_or_else(|| panic!("{camera}: no scene"));
+        assert!(Preview::of(&scene).has_boxes && scene.primitives.len() == 1);
+        let pose = CameraPose::of(&scene);
+        let size = suitable_size(&scene.camera, [240, 160]);
+        let asked =
+            Settings { size: Some(size), samples: Some((SamplerKind::Regular, 1)), ..Settings::default() };
+        let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
+        let traced = TracedPreview::of(&scene, &pose, size, size, [0; 3], || true).unwrap();
+        let is_pinhole = !scene.camera.has_lens() && !scene.camera.moves();
+        let mut things = std::collections::BTreeSet::new();
+        for i in 0..1000 {
+            let s = Stream::new(22, [i, 0], 0);
+            let pixel = [0, 1].map(|k| (f64::from(s.uniform(k)) * f64::from(size[k as usize])).floor());
+            let place = DVec2::from_array(pixel) + 0.5;
+            let seen = pick(&scene, &pose, place, size);
+            assert_eq!(
+                traced.object(place),
+                seen.as_ref().map_or(0, |seen| seen.object),
+                "{camera}: at {place}"
+            );
+            let Some(seen) = seen else { continue };
+            things.insert(seen.object);
+            let ray = pose.ray(place, size).unwrap();
+            let distance = (seen.point - ray.o).length();
+            assert!((traced.distance(place) - distance).abs() < 1e-3 * distance, "{camera}: at {place}");
+            let places = pose.places(seen.point.as_dvec3(), size).into_iter().flatten();
+            let nearest = places.map(|found| found.distance(place)).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 0.05, "{camera}: {} is {nearest} from {place}", seen.point);
+            if is_pinhole {
+                let ray = debug_ray(&scene, &settings, &pose, place, 0);
+                let hit = ray.segments[0].hit.map(|hit| hit.object);
+                assert_eq!(hit, Some(seen.object), "{camera}: ray at {place}");
+            }
+        }
+        assert!(things.len() >= 20, "{camera}: {things:?}");
+    }
+}
+
 #[test]
 fn a_place_is_the_same_in_a_picture_of_another_shape() {
     for camera in cameras() {

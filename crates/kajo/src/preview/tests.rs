@@ -152,6 +152,7 @@ fn nested_instances_are_shown_as_far_as_that_is_not_too_much() {
         let n_spheres = preview.instances.len() - n_boxes;
         assert_eq!(100 * n_boxes + n_spheres, 100 * squares as usize);
         assert_eq!(n_boxes == 0, squares == 3, "{n_boxes}");
+        assert_eq!(preview.has_boxes, squares == 400);
         assert!(n_spheres > 200 && preview.triangle_count() < 1_000_000, "{}", preview.triangle_count());
         let mut all = Aabb::EMPTY;
         for (corners, object) in triangles(&preview) {
