@@ -368,3 +368,27 @@ fn a_small_window_has_room_for_everything() {
     let cancel = window.harness.get_by_label("Cancel").rect();
     assert!(cancel.bottom() < 400.0, "{cancel:?}");
 }
+
+#[test]
+fn letters_stay_with_their_pictures() {
+    let mut window = Window::new();
+    trace(&mut window);
+    let first = window.studio().pictures.get('A').unwrap().frame.clone();
+    let keep = |window: &mut Window, n: usize| {
+        for _ in 0..n {
+            let angle = 0.5 + 0.01 * window.studio().camera_version() as f64;
+            window.studio().apply(Action::SetAngle(angle));
+            trace(window);
+        }
+        window.studio().pictures.kept().iter().map(|kept| kept.letter).collect::<String>()
+    };
+    assert_eq!(keep(&mut window, 3), "ABCD");
+    window.studio().apply(Action::ForgetPicture('B'));
+    window.studio().apply(Action::CompareWith(Some('A')));
+    window.studio().apply(Action::Compare(Compare::Wipe));
+    assert_eq!(keep(&mut window, 2), "ACDEF", "no letter goes to another picture");
+    // Those that are compared stay when the oldest give way, even when all letters have been used once.
+    assert_eq!(keep(&mut window, 22), "AVWXYZBC");
+    assert!(std::sync::Arc::ptr_eq(&window.studio().pictures.get('A').unwrap().frame, &first));
+    assert_eq!(window.studio().reference().unwrap().letter, 'A');
+}

@@ -128,8 +128,7 @@ impl Pictures {
             alike.frame = frame;
             return;
         }
-        let letter = char::from(b'A' + (self.used % 26) as u8);
-        self.used += 1;
+        let letter = self.free_letter();
         self.kept.push(Kept { letter, frame, title, request, place });
         let room = memory::available() / SHARE;
         while self.kept.len() > 1 && (self.kept.len() > MOST || self.bytes() > room) {
@@ -139,6 +138,17 @@ impl Pictures {
                 self.kept[..self.kept.len() - 1].iter().position(|kept| !held.contains(&Some(kept.letter)));
             let Some(oldest) = oldest else { break };
             self.kept.remove(oldest);
+        }
+    }
+
+    /// The letter of a new picture: never one that another still has, and not soon again one that was dropped.
+    fn free_letter(&mut self) -> char {
+        loop {
+            let letter = char::from(b'A' + (self.used % 26) as u8);
+            self.used += 1;
+            if self.get(letter).is_none() {
+                return letter;
+            }
         }
     }
 
