@@ -9,6 +9,26 @@ use kajo::View;
 use kajo::edit::FieldValue;
 use kajo_studio::state::{Action, Compare, PictureSize, Question, Shown};
 
+/// What the window is called, as its frame says it.
+fn title(window: &mut Window) -> String {
+    window.frames(1);
+    window.app().title().to_owned()
+}
+
+#[test]
+fn the_window_is_named_after_its_scene() {
+    let mut window = Window::empty(false);
+    assert_eq!(title(&mut window), "kajo studio");
+    window.key_with(Modifiers::COMMAND, Key::N);
+    assert_eq!(title(&mut window), "untitled - kajo studio");
+    let mut window = Window::new();
+    assert_eq!(title(&mut window), "scene.txt - kajo studio");
+    set_radius(&mut window, 2.0);
+    assert_eq!(title(&mut window), "*scene.txt - kajo studio");
+    window.key_with(Modifiers::COMMAND, Key::S);
+    assert_eq!(title(&mut window), "scene.txt - kajo studio");
+}
+
 fn set_radius(window: &mut Window, radius: f64) {
     window.select("ball");
     let node = window.studio().selection.main().unwrap();

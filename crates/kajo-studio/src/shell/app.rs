@@ -103,6 +103,8 @@ pub struct App {
     area: Option<Area>,
     /// Where the pointer was when the last debug ray was shot.
     shot_at: Option<egui::Pos2>,
+    /// What the window is called.
+    title: String,
 }
 
 /// The way in points that a pointer goes before a key that is held down shoots again.
@@ -138,6 +140,7 @@ impl App {
             help: false,
             area: None,
             shot_at: None,
+            title: String::new(),
         }
     }
 
@@ -175,12 +178,33 @@ impl App {
             self.studio.apply(Action::EndDrag);
         }
         self.remember();
+        self.name_window(&ctx);
         self.layout.habits = self.studio.options.habits.clone();
     }
 
     /// Where the picture was in the last frame.
     pub fn area(&self) -> Option<Area> {
         self.area
+    }
+
+    /// Names the window after its scene, with a star while there are edits that are not saved.
+    fn name_window(&mut self, ctx: &egui::Context) {
+        let title = match &self.studio.document {
+            None => "kajo studio".to_owned(),
+            Some(_) => {
+                let star = if self.studio.has_unsaved_edits() { "*" } else { "" };
+                format!("{star}{} - kajo studio", self.studio.title())
+            }
+        };
+        if self.title != title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// What the window is called.
+    pub fn title(&self) -> &str {
+        &self.title
     }
 
     fn take_dropped_files(&mut self, ctx: &egui::Context) {
