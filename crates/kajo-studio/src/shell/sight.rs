@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui::{Color32, Stroke, Ui};
 use kajo::preview::TracedPreview;
-use kajo_math::DVec3;
+use kajo_math::{DVec3, Ray};
 
 use super::picture;
 use super::viewport::Area;
@@ -15,8 +15,8 @@ use crate::state::Studio;
 /// How much of a line is seen through what is before it.
 const HIDDEN: f32 = 0.3;
 
-/// A share by which a line may lie behind what is seen there and still be on it.
-const ON_SURFACE: f64 = 1.01;
+/// A share of the distance by which a line may lie behind what is seen there and still be on it.
+const ON_SURFACE: f64 = 0.01;
 
 /// What was seen, on the card.
 #[derive(Default)]
@@ -62,10 +62,11 @@ fn paint_line(ui: &Ui, studio: &Studio, seen: &TracedPreview, area: Area, line: 
     let [from, to]: [DVec3; 2] = [line.from, line.to].map(|p| p.as_dvec3());
     for stroke in studio.camera.strokes(from, to, area.size) {
         let middle = 0.5 * (stroke.ends[0] + stroke.ends[1]);
-        let ray = studio.camera.ray(middle, area.size);
-        let origin = ray.map_or(studio.camera.eye(), |ray| ray.o.as_dvec3());
-        let distance = (stroke.middle - origin).length();
-        let is_hidden = distance > ON_SURFACE * f64::from(seen.distance(middle));
+        // Parallel rays see what is behind the camera too, at distances below zero.
+        let along = |ray: Ray| (stroke.middle - ray.o.as_dvec3()).dot(ray.d.as_dvec3());
+        let distance = studio.camera.ray(middle, area.size).map_or(0.0, along);
+        let surface = f64::from(seen.distance(middle));
+        let is_hidden = distance > surface + ON_SURFACE * surface.abs();
         let opacity = f32::from(opacity) * if is_hidden { HIDDEN } else { 1.0 };
         let color = Color32::from_rgba_unmultiplied(r, g, b, opacity as u8);
         painter.line_segment(stroke.ends.map(|end| area.point(end)), Stroke::new(line.width, color));
