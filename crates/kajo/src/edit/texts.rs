@@ -88,6 +88,14 @@ impl Change {
                     last.new.push_str(&piece.new);
                     last.old = piece.old;
                 }
+                // What is taken out side by side is one piece: the way back has one place for all of it.
+                Some(last)
+                    if piece.at == last.at + last.old.len()
+                        && last.new.is_empty()
+                        && piece.new.is_empty() =>
+                {
+                    last.old.push_str(&piece.old);
+                }
                 Some(last) if piece.at < last.at + last.old.len() => {
                     return Err(EditError::Overlap(last.range(), piece.range()));
                 }
