@@ -24,7 +24,7 @@ fn what_is_not_set_is_under_more() {
     window.select("red");
     assert!(has_row(&mut window, "Diffuse color") && has_row(&mut window, "Reflective color"));
     assert!(!has_row(&mut window, "Opacity"), "it is folded away");
-    window.press("More (15)");
+    window.press("More (13)");
     window.frames(20);
     assert!(has_row(&mut window, "Opacity") && has_row(&mut window, "Specular color"));
     assert!(has_row(&mut window, "only with Emission"));
@@ -37,7 +37,7 @@ fn what_is_not_set_is_under_more() {
 fn the_first_nudge_starts_from_the_default() {
     let mut window = Window::new();
     window.select("red");
-    window.press("More (15)");
+    window.press("More (13)");
     window.frames(20);
     window.harness.get_all_by_label("Index of refraction").next().unwrap().scroll_to_me();
     window.frames(20);
@@ -55,7 +55,7 @@ fn the_first_nudge_starts_from_the_default() {
     let text = window.text();
     let index = value_of(&text, "PhongMaterial red", "indexOfRefraction").expect("it is written");
     assert!(index > 1.0 && index < 1.5, "from 1 upwards: {index}");
-    assert!(window.harness.query_by_label("More (14)").is_some(), "it is among those that are set");
+    assert!(window.harness.query_by_label("More (12)").is_some(), "it is among those that are set");
     window.studio().apply(kajo_studio::state::Action::Undo);
     assert_eq!(window.text(), SCENE, "one step");
 }

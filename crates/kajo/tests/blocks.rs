@@ -1,16 +1,42 @@
-//! Editing by blocks: what is removed side by side comes back.
+//! Editing by blocks: what is removed side by side comes back, and keys that belong together are set together.
 
 use std::path::Path;
 
 use kajo::LoadOptions;
-use kajo::edit::{Document, Edit, Kind, NodeId};
+use kajo::edit::{Document, Edit, FieldValue, Kind, NodeId};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+const SCENE: &str = "# A small scene.
+PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }
+Lights {
+  numLights 1
+  PointLight { position 1 2 3  color 1 1 1 } # the only one
+}
+Materials {
+  Matte red { color 0.8 0.1 0.1 }
+  Matte { color 0.1 0.8 0.1 }
+  Checkerboard { materialIndex red  materialIndex 1 }
+}
+Group {
+  numObjects 3
+  MaterialIndex red
+  Sphere ball { center 0 0 0  radius 1 }
+  MaterialIndex 1
+  Box { min 1 0 0  max 2 1 1 }
+  Transform { Translate 0 1 0  Disk { center 0 0 0  normal 0 1 0  radius 1 } }
+}
+";
 
 fn document(text: &str) -> Document {
     let mut document = Document::untitled(Path::new("."), text, LoadOptions::default()).unwrap();
     document.compile();
     document
+}
+
+fn find(document: &Document, keyword: &str) -> NodeId {
+    let node = document.outline().nodes().iter().find(|node| &*node.keyword == keyword);
+    node.unwrap_or_else(|| panic!("no {keyword}")).id
 }
 
 /// Blocks that stand side by side, one to a line or glued together, with and without counts.
@@ -89,4 +115,73 @@ fn neighbours_that_are_removed_come_back_where_they_were() {
             Ok(())
         })
         .unwrap();
+}
+
+#[test]
+fn a_key_of_two_spellings_is_one_field() {
+    let spellings = [
+        ("Material", "diffuseColor 1 0 0", ["exponent", "shininess"], "7"),
+        ("Material", "diffuseColor 1 0 0", ["indexOfRefraction", "refractionIndex"], "1.5"),
+        ("TriangleMesh", "smooth on", ["file", "obj_file"], "tent.obj"),
+    ];
+    for (keyword, rest, keys, value) in spellings {
+        let text = |written: &str| {
+            let block = format!("{keyword} {{ {rest}{written} }}");
+            match keyword {
+                "Material" => SCENE.replace("Materials {", &format!("Materials {{ {block}")),
+                _ => SCENE.replace("Sphere ball { center 0 0 0  radius 1 }", &block),
+            }
+        };
+        let shown = |d: &Document| -> Vec<(String, bool)> {
+            let node = find(d, keyword);
+            let fields = d.fields(node).into_iter().filter(|field| keys.contains(&&*field.key));
+            fields.map(|field| (field.key, field.span.is_some())).collect()
+        };
+        let absent = document(&text(""));
+        assert_eq!(shown(&absent), [(keys[0].to_owned(), false)], "the usual one");
+        for (key, other) in [(keys[0], keys[1]), (keys[1], keys[0])] {
+            let mut d = document(&text(&format!(" {key} {value}")));
+            assert_eq!(shown(&d), [(key.to_owned(), true)], "the one that is written");
+            let node = find(&d, keyword);
+            assert_eq!(d.value(node, other), d.value(node, key), "they say the same");
+            // Whoever asks for the other one changes this one.
+            let new =
+                if keyword == "Material" { FieldValue::numbers([2.5]) } else { FieldValue::word("b.obj") };
+            let expected = text(&format!(" {key} {}", new.text()));
+            d.apply(&Edit::set(node, other, new)).unwrap();
+            assert_eq!(d.text(), expected);
+            d.apply(&Edit::Unset { node, key: other.to_owned(), nth: None }).unwrap();
+            assert_eq!(d.text(), text(""));
+        }
+        // Who wrote both sees both.
+        let both = document(&text(&format!(" {} {value} {} {value}", keys[0], keys[1])));
+        assert_eq!(shown(&both).len(), 2);
+    }
+}
+
+#[test]
+fn what_says_nothing_alone_is_set_and_taken_out_together() {
+    for (written, gap) in [("focus 4", "  "), ("focus 4 // sharp\n ", "\n  ")] {
+        let camera = format!(
+            "PerspectiveCamera {{\n  center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30\n  {written}}}\n"
+        );
+        let rest = SCENE.split_once("PerspectiveCamera").unwrap().1.split_once('}').unwrap().1;
+        let mut d = document(&format!("{camera}{rest}"));
+        let before = d.text().to_owned();
+        let node = find(&d, "PerspectiveCamera");
+        for key in ["fNumber", "focalLength"] {
+            let field = d.fields(node).into_iter().find(|field| field.key == key).unwrap();
+            assert!(field.idle.is_none() && field.value.is_none(), "{field:?}");
+            d.apply(&Edit::set(node, key, field.start)).unwrap();
+            let text = d.text();
+            assert!(text.contains(&format!("{gap}fNumber 2.8")), "{text}");
+            assert!(text.contains(&format!("{gap}focalLength 0.05")), "{text}");
+            d.compile();
+            assert!(d.is_current(), "{}", d.report(false));
+            d.apply(&Edit::Unset { node, key: key.to_owned(), nth: None }).unwrap();
+            assert_eq!(d.text(), before);
+            assert!(d.undo() && d.undo());
+            assert_eq!(d.text(), before);
+        }
+    }
 }

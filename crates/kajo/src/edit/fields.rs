@@ -9,7 +9,7 @@ use std::ops::Range;
 use kajo_core::scene::Scene;
 use kajo_scene::{Item, TokenKind, format_number, tokens};
 
-use super::schema::{Absent, Around, FieldKind, FieldSpec, Kind, fields_of};
+use super::schema::{Absent, Around, FieldKind, FieldSpec, Kind, fields_of, spellings_of};
 use super::tree::Tree;
 use super::{EditRefused, FileId, Node, TextEdit, layout};
 
@@ -119,10 +119,12 @@ impl Tree {
             let mut same = written.iter().filter(|item| item.keyword() == spec.key);
             // The last of a key that is given again counts.
             let item = if repeats { same.nth(nth) } else { same.next_back() };
-            fields.push(match item {
-                Some(item) => self.written(spec, nth, *item),
-                None => self.absent(node, spec, nth, scene),
-            });
+            match item {
+                Some(item) => fields.push(self.written(spec, nth, *item)),
+                // Of several spellings there is the one that is written, or else the usual one.
+                None if spec.same_as.is_some() || self.other_spelling(node, spec.key).is_some() => {}
+                None => fields.push(self.absent(node, spec, nth, scene)),
+            }
         }
         let unknown = written.iter().filter(|item| !specs.iter().any(|spec| spec.key == item.keyword()));
         fields.extend(unknown.filter(|_| !node.kind.holds_objects()).map(|&item| {
@@ -130,7 +132,9 @@ impl Tree {
             let kind =
                 if value.word.is_some() { FieldKind::Text } else { FieldKind::Numbers(value.numbers.len()) };
             let absent = Absent::Nothing { means: "", start: "" };
-            let spec = FieldSpec { key: "", kind, absent, needs: None, excludes: &[], about: "" };
+            let (same_as, pair) = (None, None);
+            let spec =
+                FieldSpec { key: "", kind, absent, needs: None, excludes: &[], same_as, pair, about: "" };
             Field { key: item.keyword().to_owned(), ..self.written(&spec, 0, item) }
         }));
         fields
@@ -209,6 +213,12 @@ impl Tree {
         }
     }
 
+    /// Another spelling of a key that is written in a node's block.
+    fn other_spelling(&self, node: &Node, key: &str) -> Option<Item<'_>> {
+        let mut others = spellings_of(&node.keyword, key).filter(|other| *other != key);
+        others.find_map(|other| self.value_item(node, other, None))
+    }
+
     /// The items of a node's block that are no nodes themselves.
     pub(super) fn values_of(&self, node: &Node) -> impl Iterator<Item = Item<'_>> {
         let children = self.item(node).into_iter().flat_map(|item| item.children());
@@ -232,19 +242,43 @@ impl Tree {
         nth: Option<usize>,
         value: Option<&FieldValue>,
     ) -> Result<Vec<TextEdit>, EditRefused> {
-        let Some(item) = self.value_item(node, key, nth) else {
-            let Some(value) = value else { return Ok(Vec::new()) };
-            return self.insert_field(node, key, value);
-        };
-        let (file, span) = self.place(item);
-        match value {
-            Some(value) => Ok(self.replace_values(item, value)),
-            None => Ok(vec![TextEdit {
-                file,
-                range: layout::removal(self.text(file), &span),
-                new: String::new(),
-            }]),
+        let pair = fields_of(&node.keyword).iter().find(|spec| spec.key == key).and_then(|spec| spec.pair);
+        let item = self.value_item(node, key, nth).or_else(|| self.other_spelling(node, key));
+        let other = pair.and_then(|pair| self.value_item(node, pair, None));
+        match (item, value) {
+            (Some(item), Some(value)) => Ok(self.replace_values(item, value)),
+            (Some(item), None) => {
+                let mut items: Vec<Item<'_>> = [item].into_iter().chain(other).collect();
+                items.sort_by_key(|item| item.index());
+                Ok(self.without(&items))
+            }
+            (None, Some(value)) => {
+                let mut values = vec![(key, value.clone())];
+                values.extend(pair.filter(|_| other.is_none()).map(|pair| (pair, self.start(node, pair))));
+                self.insert_fields(node, &values)
+            }
+            (None, None) => Ok(Vec::new()),
         }
+    }
+
+    /// Takes out items that stand in this order.
+    fn without(&self, items: &[Item<'_>]) -> Vec<TextEdit> {
+        let mut edits: Vec<TextEdit> = Vec::new();
+        for item in items {
+            let (file, span) = self.place(*item);
+            let range = layout::removal(self.text(file), &span);
+            match edits.last_mut().filter(|last| last.file == file && last.range.end >= range.start) {
+                Some(last) => last.range.end = last.range.end.max(range.end),
+                None => edits.push(TextEdit { file, range, new: String::new() }),
+            }
+        }
+        edits
+    }
+
+    /// What a first change of an absent field begins with.
+    fn start(&self, node: &Node, key: &str) -> FieldValue {
+        let spec = fields_of(&node.keyword).iter().find(|spec| spec.key == key);
+        spec.map_or_else(FieldValue::default, |spec| self.absent(node, spec, 0, None).start)
     }
 
     /// Sets some of the numbers of a value that is there.
@@ -267,25 +301,36 @@ impl Tree {
     ///
     /// * `scene`: as for [`Tree::fields`]
     pub(super) fn value(&self, node: &Node, key: &str, scene: Option<&Scene>) -> Option<FieldValue> {
-        if let Some(item) = self.value_item(node, key, None) {
+        if let Some(item) = self.value_item(node, key, None).or_else(|| self.other_spelling(node, key)) {
             return Some(FieldValue::of(item));
         }
         let spec = fields_of(&node.keyword).iter().find(|spec| spec.key == key)?;
         self.default(node, spec, scene)
     }
 
-    fn insert_field(&self, node: &Node, key: &str, value: &FieldValue) -> Result<Vec<TextEdit>, EditRefused> {
-        let piece = format!("{key} {}", value.text());
+    /// Inserts values that are absent, one after the other.
+    fn insert_fields(
+        &self,
+        node: &Node,
+        values: &[(&str, FieldValue)],
+    ) -> Result<Vec<TextEdit>, EditRefused> {
+        let pieces: Vec<String> =
+            values.iter().map(|(key, value)| format!("{key} {}", value.text())).collect();
         let text = self.text(node.file);
         let is_operation = matches!(node.kind, Kind::Transform | Kind::Instance);
-        let last = self.values_of(node).last();
-        let (at, new) = match last {
-            Some(last) => layout::after(text, &self.place(last).1, &piece),
-            None => match layout::first_in(text, &node.span, &piece) {
-                Some(place) => place,
-                None if is_operation => (node.span.end, format!(" {{ {piece} }}")),
-                None => return Err(EditRefused::new(format!("`{}` has no block", node.keyword))),
-            },
+        if let Some(last) = self.values_of(node).last() {
+            let span = self.place(last).1;
+            let inserted = pieces.iter().map(|piece| {
+                let (at, new) = layout::after(text, &span, piece);
+                TextEdit::insert(node.file, at, new)
+            });
+            return Ok(inserted.collect());
+        }
+        let piece = pieces.join("  ");
+        let (at, new) = match layout::first_in(text, &node.span, &piece) {
+            Some(place) => place,
+            None if is_operation => (node.span.end, format!(" {{ {piece} }}")),
+            None => return Err(EditRefused::new(format!("`{}` has no block", node.keyword))),
         };
         Ok(vec![TextEdit::insert(node.file, at, new)])
     }

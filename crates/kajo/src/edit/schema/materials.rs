@@ -33,7 +33,8 @@ const PHONG: &[FieldSpec] = &[
     option("texture", Text, "a picture that tints it, such as wood.png"),
     field("specularColor", Reflectance, "0 0 0", "colour of the highlight"),
     ruled("exponent", at_least(0.0), rules::exponent, "", "sharpness of the highlight"),
-    ruled("shininess", at_least(0.0), rules::shininess, "", "the same by another name"),
+    ruled("shininess", at_least(0.0), rules::exponent, "", "sharpness of the highlight")
+        .spelling_of("exponent"),
     ruled(
         "reflectiveColor",
         Reflectance,
@@ -43,7 +44,8 @@ const PHONG: &[FieldSpec] = &[
     ),
     field("transparentColor", Reflectance, "0 0 0", "colour of what shines through"),
     field("indexOfRefraction", POSITIVE, "1", "how strongly it bends light"),
-    field("refractionIndex", at_least(0.0), "0", "the same by another name; 0 is opaque"),
+    field("refractionIndex", at_least(0.0), "0", "how strongly it bends light; 0 is opaque")
+        .spelling_of("indexOfRefraction"),
     ruled("ambientColor", Color, rules::ambient_color, "as `diffuseColor`", "colour under ambient light"),
     ruled("absorption", Color, rules::absorption, "by `transparentColor`", "per length inside")
         .only_beside("transparentColor"),

@@ -171,18 +171,37 @@ pub struct FieldSpec {
     pub needs: Option<&'static str>,
     /// Fields beside which it is an error.
     pub excludes: &'static [&'static str],
+    /// The key whose other spelling this is: the two are one field.
+    pub same_as: Option<&'static str>,
+    /// A field that is an error without this one, and this one without it: both are set, and taken out, together.
+    pub pair: Option<&'static str>,
     /// What it says, in a few words.
     pub about: &'static str,
 }
 
 impl FieldSpec {
     const fn new(key: &'static str, kind: FieldKind, absent: Absent, about: &'static str) -> FieldSpec {
-        FieldSpec { key, kind, absent, needs: None, excludes: &[], about }
+        FieldSpec { key, kind, absent, needs: None, excludes: &[], same_as: None, pair: None, about }
     }
 
     /// The same for a field that says nothing, or is an error, where `key` is not written.
     const fn only_beside(self, key: &'static str) -> FieldSpec {
         FieldSpec { needs: Some(key), ..self }
+    }
+
+    /// The same as another spelling of `key`.
+    const fn spelling_of(self, key: &'static str) -> FieldSpec {
+        FieldSpec { same_as: Some(key), ..self }
+    }
+
+    /// The same for a field that says nothing without the one called `key`, which says nothing without this one.
+    const fn together_with(self, key: &'static str) -> FieldSpec {
+        FieldSpec { pair: Some(key), ..self }
+    }
+
+    /// The key that stands for all spellings of this field.
+    pub(super) fn main_key(&self) -> &'static str {
+        self.same_as.unwrap_or(self.key)
     }
 
     /// The same for a field that is an error where any of `keys` is written.
@@ -283,6 +302,13 @@ pub(super) fn kind_of(keyword: &str, parent: Option<Kind>) -> Kind {
 /// The fields that a block with this keyword may have.
 pub fn fields_of(keyword: &str) -> &'static [FieldSpec] {
     blocks().find(|block| block.keyword == keyword).map_or(&[], |block| block.fields)
+}
+
+/// All spellings of a key in a block with this keyword, the usual one first.
+pub(super) fn spellings_of<'a>(keyword: &str, key: &'a str) -> impl Iterator<Item = &'static str> + use<'a> {
+    let specs = fields_of(keyword);
+    let main = specs.iter().find(|spec| spec.key == key).map(FieldSpec::main_key);
+    specs.iter().filter(move |spec| Some(spec.main_key()) == main).map(|spec| spec.key)
 }
 
 /// The words of all blocks of a kind, in the order in which they are offered.

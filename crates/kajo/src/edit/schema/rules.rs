@@ -71,14 +71,7 @@ pub(super) fn inner_angle(around: &Around<'_>) -> Option<FieldValue> {
 // ---- materials ---------------------------------------------------------------------------------------------------
 
 pub(super) fn exponent(around: &Around<'_>) -> Option<FieldValue> {
-    if (around.is_written)("shininess") {
-        return (around.value)("shininess");
-    }
     numbers([if around.rules().reflects_specular { 0.0 } else { 1.0 }])
-}
-
-pub(super) fn shininess(around: &Around<'_>) -> Option<FieldValue> {
-    (around.value)("exponent")
 }
 
 pub(super) fn reflective_color(around: &Around<'_>) -> Option<FieldValue> {

@@ -105,8 +105,8 @@ pub(super) const BLOCKS: &[Block] = &[
         "TriangleMesh",
         Kind::Shape,
         &[
-            option("file", File, "OBJ, PLY or STL").not_beside(&["obj_file"]),
-            option("obj_file", File, "the same, by its older name").not_beside(&["file"]),
+            option("file", File, "OBJ, PLY or STL"),
+            option("obj_file", File, "OBJ, PLY or STL").spelling_of("file"),
             SMOOTH,
             field("materials", Flag, "off", "in the materials of its own file"),
             field("colors", Flag, "off", "tinted by the colours of its vertices"),

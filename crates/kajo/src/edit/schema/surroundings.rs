@@ -15,8 +15,10 @@ use super::{
 
 const CENTER: FieldSpec = option("center", Point, "where it is");
 const DIRECTION: FieldSpec = option("direction", Vector, "where it looks");
-const TARGET: FieldSpec = option("target", Point, "the point it looks at, or the name of an object");
-const LOOK_AT: FieldSpec = option("lookAt", Numbers(9), "where it is, the point it looks at, and what is up");
+const TARGET: FieldSpec =
+    option("target", Point, "the point it looks at, or the name of an object").not_beside(&["lookAt"]);
+const LOOK_AT: FieldSpec = option("lookAt", Numbers(9), "where it is, the point it looks at, and what is up")
+    .not_beside(&["target"]);
 const UP: FieldSpec = option("up", Vector, "which way is up in the picture");
 const FIT: FieldSpec = option("fit", Text, "what fills the picture: scene, or the name of an object");
 const APERTURE: FieldSpec = field("aperture", at_least(0.0), "0", "diameter of the lens's opening")
@@ -30,10 +32,12 @@ const FOCUS: FieldSpec = unlike(
     "distance of what is sharp; or a point, or the name of an object",
 );
 const F_NUMBER: FieldSpec = unlike("fNumber", POSITIVE, "none", "2.8", "focal length over diameter")
-    .only_beside("focalLength")
+    .only_beside("focus")
+    .together_with("focalLength")
     .not_beside(&["aperture"]);
 const FOCAL_LENGTH: FieldSpec = unlike("focalLength", POSITIVE, "none", "0.05", "of the lens")
     .only_beside("focus")
+    .together_with("fNumber")
     .not_beside(&["aperture"]);
 const BLADES: FieldSpec = unlike("blades", whole(3.0, 64.0), "round", "6", "the opening is a polygon");
 const BLADE_ROTATION: FieldSpec =
