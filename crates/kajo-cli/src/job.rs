@@ -14,7 +14,7 @@ use crate::args::{DevelopArgs, PassArgs};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, Work};
-use crate::keep::{self, Keeper};
+use crate::keep::{self, Encoded, Keeper};
 use crate::passes::Watcher;
 use crate::progress::Meter;
 
@@ -302,7 +302,7 @@ impl Job {
         picture: &Picture,
         targets: &Targets,
         interrupt: &Interrupt,
-    ) -> (Result<(), Failure>, Option<Result<Vec<u8>, ImageError>>) {
+    ) -> (Result<(), Failure>, Option<Encoded>) {
         let (Some(target), Some(state)) = (&targets.checkpoint, picture.snapshot()) else {
             return (Ok(()), None);
         };

@@ -27,6 +27,9 @@ const LAST_PAUSE: Duration = Duration::from_secs(60);
 /// Bytes written before somebody looks whether to stop.
 const CHUNK: usize = 1 << 20;
 
+/// The bytes of a picture's file, or why there are none.
+pub type Encoded = Result<Vec<u8>, ImageError>;
+
 /// Writes the pictures of a render.
 pub struct Keeper<'a> {
     pub interrupt: &'a Interrupt,
@@ -51,7 +54,7 @@ impl Keeper<'_> {
         picture: &Picture,
         outputs: &[Output],
         targets: &[Target],
-        mut encoded: Option<Result<Vec<u8>, ImageError>>,
+        mut encoded: Option<Encoded>,
     ) -> Result<(), Failure> {
         let mut targets = targets.iter();
         let mut results = Vec::new();
