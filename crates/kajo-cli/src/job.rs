@@ -232,6 +232,7 @@ impl Job {
             Err(error) => return Err(error.into()),
         };
         picture.development = self.develop.development(picture.development);
+        picture.quick = interrupted;
         // Before anything else can go wrong; a picture that cannot be continued is still worth writing.
         let ((saved, encoded), interrupted_meanwhile) =
             interrupt.during(Work::Write, || self.save(&picture, targets, interrupt));

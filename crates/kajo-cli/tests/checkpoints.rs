@@ -79,9 +79,18 @@ fn a_signal_leaves_a_checkpoint_and_the_picture_so_far() {
         assert_eq!(code, Some(143), "{said}");
         let picture = common::picture(&folder.path("out.exr"));
         assert_eq!((picture.width(), picture.height()), (150, 100));
+        assert_eq!(compression(&folder.read("out.exr")), 1, "runs of equal bytes");
     }
     folder.succeed(&format!("{RENDER} --resume state --threads 1 --tile 20"));
+    assert_eq!(compression(&folder.read("out.exr")), 3, "ZIP, as always");
     assert!(folder.read("out.exr") == expected(RENDER));
+}
+
+/// The number of an OpenEXR file's kind of compression.
+fn compression(file: &[u8]) -> u8 {
+    let attribute = b"compression\0compression\0\x01\0\0\0";
+    let at = file.windows(attribute.len()).position(|bytes| bytes == attribute).unwrap();
+    file[at + attribute.len()]
 }
 
 #[test]

@@ -65,6 +65,8 @@ pub struct Picture {
     threads: usize,
     /// How the light becomes values.
     pub development: Development,
+    /// Whether files are made in little time rather than small, as for a picture that is not finished.
+    pub quick: bool,
     /// Rays, samples and time of this run.
     pub stats: RenderStats,
 }
@@ -308,7 +310,8 @@ impl Snapshot<'_> {
     /// # Errors
     /// As there.
     pub fn encode(&self, views: &[View], format: Format, depth: BitDepth) -> Result<Vec<u8>, ImageError> {
-        let look = Look { development: &self.settings.development, light: None, groups: self.groups };
+        let look =
+            Look { development: &self.settings.development, light: None, groups: self.groups, quick: false };
         view::encode(self.film, views, format, depth, self.settings, &look)
     }
 
@@ -364,6 +367,7 @@ impl Picture {
             light: None,
             threads: resources.threads,
             development: settings.development,
+            quick: false,
             stats,
         }
     }
@@ -386,7 +390,12 @@ impl Picture {
     /// # Errors
     /// When a view was not asked for in [`render`], or the format cannot hold the picture.
     pub fn encode(&self, views: &[View], format: Format, depth: BitDepth) -> Result<Vec<u8>, ImageError> {
-        let look = Look { development: &self.development, light: self.light.as_ref(), groups: &self.groups };
+        let look = Look {
+            development: &self.development,
+            light: self.light.as_ref(),
+            groups: &self.groups,
+            quick: self.quick,
+        };
         view::encode(&self.film, views, format, depth, &self.settings, &look)
     }
 

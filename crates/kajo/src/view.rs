@@ -121,6 +121,8 @@ pub(crate) struct Look<'a> {
     pub light: Option<&'a Image>,
     /// Names of the groups of lamps.
     pub groups: &'a [String],
+    /// Whether the file is made in little time rather than small.
+    pub quick: bool,
 }
 
 impl Look<'_> {
@@ -156,7 +158,8 @@ pub(crate) fn encode(
         let chromaticities = look.development.chromaticities();
         let shown = film.spec().shown();
         let (width, height) = (shown.width(), shown.height());
-        return exr::encode(ExrPicture { width, height, layers, chromaticities, attributes: text });
+        let encode = if look.quick { exr::encode_quickly } else { exr::encode };
+        return encode(ExrPicture { width, height, layers, chromaticities, attributes: text });
     }
     let [view] = views else {
         return Err(ImageError::Parameter(format!("a {format} file shows one thing, not {}", views.len())));

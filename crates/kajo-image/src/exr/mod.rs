@@ -7,7 +7,7 @@
 //! shows the first and hides the rest, whereas dotted names are read by all: Nuke and tev
 //! list them as layers, Blender opens them in its image nodes, and OpenImageIO returns
 //! every channel in the first subimage. Compression is ZIP over 16 lines, which is
-//! lossless and read everywhere.
+//! lossless and read everywhere; where there is no time for it, runs of equal bytes, which is both too.
 //!
 //! The reader takes both conventions, and any compression the `exr` crate knows.
 
@@ -18,7 +18,7 @@ mod tests;
 mod write;
 
 pub use read::decode;
-pub use write::encode;
+pub use write::{encode, encode_quickly};
 
 use crate::{Image, ImageError};
 

@@ -158,7 +158,7 @@ impl Frame {
         depth: BitDepth,
         development: &Development,
     ) -> Result<Vec<u8>, ImageError> {
-        let look = Look { development, light: None, groups: &self.groups };
+        let look = Look { development, light: None, groups: &self.groups, quick: false };
         view::encode(&self.film, views, format, depth, &self.settings, &look)
     }
 }
