@@ -210,6 +210,8 @@ pub(crate) struct LineReader<'l, R> {
     bytes: ByteReader<'l, R>,
     /// Whether a line that ends in `\\` goes on in the next.
     continues: bool,
+    /// Whether lines end in `\r` alone, so that a `\n` after one belongs to what comes next.
+    ends_in_cr: bool,
     /// Line ends passed so far.
     lines: usize,
     /// The number of the last line, its bytes, and how many of the file it took.
@@ -218,7 +220,13 @@ pub(crate) struct LineReader<'l, R> {
 
 impl<'l, R: Read> LineReader<'l, R> {
     pub fn new(reader: R, path: &'l str, limits: &'l Limits) -> Self {
-        Self { bytes: ByteReader::new(reader, path, limits), continues: true, lines: 0, last: (0, 0, 0) }
+        Self {
+            bytes: ByteReader::new(reader, path, limits),
+            continues: true,
+            ends_in_cr: false,
+            lines: 0,
+            last: (0, 0, 0),
+        }
     }
 
     /// The same for formats in which `\\` means nothing.
@@ -282,7 +290,11 @@ impl<'l, R: Read> LineReader<'l, R> {
                 self.fill()?;
                 continue;
             }
-            let end_len = if unread[len..].starts_with(b"\r\n") { 2 } else { 1 };
+            let is_pair = unread[len..].starts_with(b"\r\n") && !self.ends_in_cr;
+            let end_len = if is_pair { 2 } else { 1 };
+            if number == 1 && !self.continues {
+                self.ends_in_cr = unread[len] == b'\r' && !is_pair;
+            }
             self.lines += 1;
             if self.continues && len > 0 && unread[len - 1] == b'\\' {
                 self.bytes.unread_mut()[len - 1] = b' ';

@@ -204,7 +204,7 @@ impl<'l> Builder<'l> {
         self.check_room(&statement, List::Vertex, self.mesh.positions.len())?;
         // One more number is a weight, and a fourth of a colour an opacity.
         if statement.fields.clone().nth(2).is_some() {
-            let [r, g, b] = self.report.finite_or_zero(statement.floats::<3>(3)?);
+            let [r, g, b] = self.report.finite_or(statement.floats::<3>(3)?, 1.0);
             let (colors, before) = (&mut self.mesh.colors, self.mesh.positions.len());
             let room = self.memory.room(colors, before + 1 - colors.len());
             room.map_err(|over| MeshFileError::memory(self.path, over))?;

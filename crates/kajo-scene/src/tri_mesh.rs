@@ -54,7 +54,7 @@ pub struct MeshReport {
     pub polygons: usize,
     /// Triangles left out for a vertex that is not finite.
     pub dropped: usize,
-    /// Normals, texture coordinates and colours replaced by zero because they are not finite.
+    /// Normals and texture coordinates replaced by zero, and colours by white, because they are not finite.
     pub zeroed: usize,
     /// Statements that are not read: those of lines, points and curves, and unknown ones.
     pub skipped: Skipped,
@@ -89,11 +89,17 @@ impl MeshReport {
     /// The numbers, or zeros, counted, when one is not finite.
     #[inline]
     pub(crate) fn finite_or_zero<const N: usize>(&mut self, numbers: [f32; N]) -> [f32; N] {
+        self.finite_or(numbers, 0.0)
+    }
+
+    /// The numbers, or others, counted, when one is not finite.
+    #[inline]
+    pub(crate) fn finite_or<const N: usize>(&mut self, numbers: [f32; N], other: f32) -> [f32; N] {
         if numbers.iter().all(|x| x.is_finite()) {
             return numbers;
         }
         self.zeroed += 1;
-        [0.0; N]
+        [other; N]
     }
 
     /// What the user should hear about, one sentence each.

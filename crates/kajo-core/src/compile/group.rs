@@ -12,6 +12,7 @@ use crate::motion::MovingTransform;
 use crate::nested::Content;
 use crate::scene::Primitive;
 use crate::shape::{Cone, Cuboid, Disk, Plane, Quad, ShapeId, Sphere, Triangle};
+use crate::texture::{Channel, PictureMap, Share};
 
 /// Words for objects, groups and transforms included.
 pub(super) const OBJECTS: [&str; 13] = [
@@ -267,7 +268,8 @@ impl Compiler<'_> {
     pub(super) fn put(&mut self, part: &Part, by: Item<'_>, place: &mut Place, walk: &mut Walk) {
         if let Some(parts) = &mut walk.parts {
             if !place.is_flat() && self.may_stand(part, by, place) {
-                let material = part.material.or(walk.material);
+                let own = part.material.or(walk.material);
+                let material = own.map(|material| self.see_through(part.content, material));
                 parts.push(Part { map: place.world.clone(), material, ..part.clone() });
             }
             return;
@@ -278,9 +280,27 @@ impl Compiler<'_> {
         };
         let material = part.material.or_else(|| self.material_for(by, walk));
         let (Some(material), Some(transform)) = (material, self.transform_number(place, by)) else { return };
+        let material = self.see_through(part.content, material);
         let transmits = part.brings_materials || self.materials.may_transmit(material, &self.materials);
         self.primitives.push(Primitive { shape, transform, material, transmits, glows: false });
         self.objects.push(part.label, by.index());
+    }
+
+    /// The material of a part: one that is not everywhere, if the colours of a mesh say so.
+    fn see_through(&mut self, content: Content, material: MaterialId) -> MaterialId {
+        let is_clear = matches!(content, Content::Shape(shape) if self.clear_meshes.contains(&shape));
+        // Light passes such a material anyway, or it has the opacities of vertices as a factor already.
+        if !is_clear || self.materials.may_transmit(material, &self.materials) {
+            return material;
+        }
+        if let Some(&known) = self.see_through.get(&material) {
+            return known;
+        }
+        let opacity = Share::Picture(PictureMap::white(), Channel::Alpha);
+        let glow = self.glows.get(&material).cloned();
+        let id = self.lit_and_cut(material, glow, Some(opacity)).unwrap_or(material);
+        self.see_through.insert(material, id);
+        id
     }
 
     /// The material in force; its absence is reported.

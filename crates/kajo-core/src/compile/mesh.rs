@@ -78,7 +78,9 @@ impl Compiler<'_> {
                 store.into_iter().for_each(|(store, key)| store.put(key, read.clone()));
             }),
         };
+        let is_clear = read.as_ref().is_some_and(|read| read.mesh.has_opacities());
         let shape = read.and_then(|read| self.put_mesh(read.mesh, &key.path, item, place));
+        self.clear_meshes.extend(shape.filter(|_| is_clear));
         self.meshes.insert(key, shape);
         shape
     }

@@ -190,6 +190,17 @@ fn colours_of_vertices_tint_the_material_where_they_are_asked_for() {
             scene.materials.phong(met.material, &scene.materials, &scene.textures, &MaterialPoint::default());
         assert_eq!(phong(&scene, 0.0, 0.0), plain, "measured metal has no colour to be tinted");
     }
+    let clear = ply.replace("property uchar blue\n", "property uchar blue\nproperty uchar alpha\n");
+    let clear = clear.replace("188 0 0\n", "188 0 0 51\n").replace("0 255 0\n", "0 255 0 51\n");
+    let mesh = "TriangleMesh { file m.ply  colors on }";
+    for things in [mesh.to_owned(), format!("Define m {{ {mesh} }} Instance m {{ }}")] {
+        let (scene, said) = compiled(&things, MemoryAssets::new().with("m.ply", &clear));
+        let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
+        let seen =
+            scene.visibility(&Ray::new(Vec3::new(0.0, -0.5, 5.0), Vec3::NEG_Z), &Wavelengths::RGB, 1.0);
+        assert!((seen.to_rgb()[0] - 0.8).abs() < 1e-5, "{things}: {seen:?}");
+        assert_eq!(scene.material_number(at(&scene, 0.0, -0.5).material), 1, "{things}");
+    }
     let assets = MemoryAssets::new().with("m.obj", SQUARE);
     let (_, said) = compiled("TriangleMesh { file m.obj  colors on }", assets);
     assert_eq!(said, ["`m.obj`: it has no colours for `colors on` to show"]);

@@ -218,6 +218,10 @@ struct Compiler<'a> {
     sky_group: u8,
     light_groups: light_groups::LightGroups,
     meshes: mesh::MeshCache,
+    /// Those whose colours have opacities.
+    clear_meshes: HashSet<ShapeId>,
+    /// What materials are on these.
+    see_through: HashMap<MaterialId, MaterialId>,
     models: model::ModelCache,
     /// Cameras that models bring, in world space.
     model_cameras: Vec<NamedCamera>,
@@ -267,6 +271,8 @@ impl<'a> Compiler<'a> {
             sky_group: 0,
             light_groups: light_groups::LightGroups::default(),
             meshes: mesh::MeshCache::default(),
+            clear_meshes: HashSet::new(),
+            see_through: HashMap::new(),
             models: model::ModelCache::default(),
             model_cameras: Vec::new(),
         }
@@ -323,7 +329,10 @@ impl<'a> Compiler<'a> {
         let background = Arc::new(rest.background);
         let emitters = self.emitters(&background);
         let numbers = self.material_list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
-        let material_numbers = numbers.rev().collect();
+        let mut material_numbers: HashMap<MaterialId, u32> = numbers.rev().collect();
+        for (plain, seen) in &self.see_through {
+            material_numbers.extend(material_numbers.get(plain).copied().map(|number| (*seen, number)));
+        }
         let known = self.material_list.iter().map(|&(id, _)| id).chain(self.slot_materials.iter().copied());
         let has_passages = !self.materials.perforated.is_empty()
             || self.materials.glasses.iter().any(|glass| glass.has_passages(&self.materials))

@@ -145,6 +145,11 @@ impl Mesh {
         self.0.colors.is_some()
     }
 
+    /// Whether the colours of the corners let anything show through.
+    pub fn has_opacities(&self) -> bool {
+        self.0.colors.as_ref().is_some_and(|colors| colors.values.iter().any(|color| color.w < 1.0))
+    }
+
     /// Texture coordinates at the corners of the triangle, if the mesh has them there.
     fn corner_uvs(&self, hit: &Hit) -> Option<[Vec2; 3]> {
         self.0.uvs.as_ref()?.of(hit.part, self.0.faces[hit.part as usize])

@@ -123,7 +123,7 @@ fn colours_stand_behind_coordinates() {
     let bytes = mesh("v 0 0 0 255 51 -3\nv 1 0 0 0 1 1000\n");
     assert_eq!(bytes.colors, [[1.0, 0.2, 0.0, 1.0], [0.0, 1.0 / 255.0, 1.0, 1.0]]);
     let (odd, report) = read("v 0 0 0 nan 0 0\n").unwrap();
-    assert_eq!((odd.colors, report.zeroed), (vec![[0.0, 0.0, 0.0, 1.0]], 1));
+    assert_eq!((odd.colors, report.zeroed), (vec![[1.0; 4]], 1));
     assert_eq!(read("v 0 0 0 1 0 x\n").unwrap_err(), "m.obj:1:13: expected a number, found `x`");
 }
 

@@ -4,7 +4,7 @@
 //! corners or an index out of range, is left to the careful way.
 
 use super::VertexColumns;
-use super::header::{Column, Element, Kind, Scalar};
+use super::header::{ColorColumns, Column, Element, Kind, Scalar};
 use super::record::{Records, cut_off};
 use crate::byte_reader::ByteReader;
 use crate::limits::Limits;
@@ -36,8 +36,8 @@ struct VertexLayout {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
     uv: Option<[usize; 2]>,
-    /// Where the bytes of a colour are.
-    color: Option<[usize; 3]>,
+    /// Where the bytes of a colour are, and that of its opacity.
+    color: Option<([usize; 3], Option<usize>)>,
 }
 
 impl VertexLayout {
@@ -45,10 +45,16 @@ impl VertexLayout {
         fn float_at(column: Column) -> Option<usize> {
             column.offset.filter(|_| column.scalar == Scalar::F32)
         }
-        let byte_at = |column: &Column| column.offset.filter(|_| column.scalar == Scalar::U8);
-        let color = match &columns.color {
+        let byte_at = |column: Column| column.offset.filter(|_| column.scalar == Scalar::U8);
+        let color = match columns.color {
             None => None,
-            Some([r, g, b]) => Some([byte_at(r)?, byte_at(g)?, byte_at(b)?]),
+            Some(ColorColumns { rgb: [r, g, b], opacity }) => {
+                let opacity = match opacity {
+                    None => None,
+                    Some(column) => Some(byte_at(column)?),
+                };
+                Some(([byte_at(r)?, byte_at(g)?, byte_at(b)?], opacity))
+            }
         };
         fn floats_at<const N: usize>(columns: Option<[Column; N]>) -> Option<Option<[usize; N]>> {
             let Some(columns) = columns else { return Some(None) };
@@ -90,10 +96,13 @@ impl VertexLayout {
             if let Some(at) = self.uv {
                 mesh.uvs.extend(records.clone().map(|record| floats(record, at, &float)));
             }
-            if let Some(at) = self.color {
+            if let Some((at, opacity)) = self.color {
                 let share = |byte: u8| f32::from(byte) / 255.0;
-                let color = |record: &[u8]| at.map(|i| share(record[i]));
-                mesh.colors.extend(records.map(color).map(|[r, g, b]| [r, g, b, 1.0]));
+                let color = |record: &[u8]| {
+                    let [r, g, b] = at.map(|i| share(record[i]));
+                    [r, g, b, opacity.map_or(1.0, |i| share(record[i]))]
+                };
+                mesh.colors.extend(records.map(color));
             }
             bytes.consume(n * self.stride);
             left -= n as u64;

@@ -116,7 +116,8 @@ impl Element {
         Some(columns)
     }
 
-    fn column(&self, name: &str) -> Option<Column> {
+    /// The column of this name, if it is there.
+    pub fn column(&self, name: &str) -> Option<Column> {
         let property = self.properties.iter().position(|p| p.name == name)?;
         let Kind::One(scalar) = self.properties[property].kind else { return None };
         let offset = self.properties[..property].iter().map(Property::fixed_bytes).sum();
@@ -146,6 +147,40 @@ impl Element {
             _ => {}
         }
         Ok(())
+    }
+}
+
+/// Where an element has its colour.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ColorColumns {
+    pub rgb: [Column; 3],
+    pub opacity: Option<Column>,
+}
+
+impl ColorColumns {
+    pub fn of(element: &Element) -> Option<ColorColumns> {
+        let names = [
+            (["red", "green", "blue"], "alpha"),
+            (["diffuse_red", "diffuse_green", "diffuse_blue"], "diffuse_alpha"),
+            (["r", "g", "b"], "a"),
+        ];
+        let columns = |(rgb, opacity): ([&str; 3], &str)| {
+            let opacity = element.column(opacity).or_else(|| element.column("alpha"));
+            Some(ColorColumns { rgb: element.columns(rgb)?, opacity })
+        };
+        names.into_iter().find_map(columns)
+    }
+
+    /// Whether red, green and blue are values for a screen.
+    pub fn is_srgb(&self) -> bool {
+        self.rgb[0].scalar.is_integer()
+    }
+
+    /// The colour of an element, by the numbers of its properties.
+    pub fn color(&self, scalars: &[f64]) -> [f32; 4] {
+        let share = |column: Column| scalars[column.property] as f32 / column.scalar.whole_of_color();
+        let [r, g, b] = self.rgb.map(share);
+        [r, g, b, self.opacity.map_or(1.0, share)]
     }
 }
 
@@ -204,13 +239,19 @@ impl Header {
         }
     }
 
+    /// Whether elements of this name have colours.
+    pub fn has_colors(&self, element: &str) -> bool {
+        let element = self.elements.iter().find(|e| e.name == element);
+        element.is_some_and(|element| ColorColumns::of(element).is_some())
+    }
+
     /// What the file has and nobody uses.
     pub fn left_out(&self) -> Vec<String> {
         let has = |element: &str, property: &str| {
             self.elements.iter().any(|e| e.name == element && e.properties.iter().any(|p| p.name == property))
         };
         let mut list = Vec::new();
-        if ["red", "diffuse_red", "r"].into_iter().any(|name| has("face", name)) {
+        if self.has_colors("face") && self.has_colors("vertex") {
             list.push("the colours of the faces are not used, only those of vertices".to_owned());
         }
         if has("face", "texcoord") {

@@ -16,9 +16,10 @@
 //! The header says which elements come, how many of each and what their
 //! properties are [Turk 1994]. Read are the positions, normals, texture
 //! coordinates and colours of vertices, and faces and triangle strips, whatever the types
-//! and the order of their properties and their own; everything else is stepped over.
+//! and the order of their properties and their own; everything else is stepped over. Faces may have colours
+//! where vertices have none.
 //!
-//! Colours of whole numbers are values for a screen, floats are amounts.
+//! Colours of whole numbers are values for a screen, floats are amounts; opacities are amounts.
 //!
 //! Counts of the header are never believed: memory grows with what is read.
 //! The layouts that programs write most, float vertices without lists and
@@ -29,7 +30,7 @@ mod fast;
 mod header;
 mod record;
 
-use self::header::{Column, Element, Format, Header};
+use self::header::{ColorColumns, Column, Element, Format, Header};
 use self::record::{Record, Records, Wanted};
 use crate::limits::Limits;
 use crate::line_reader::{LineReader, MeshFileError};
@@ -63,7 +64,7 @@ pub fn read_ply(
         Format::LittleEndian => Records::Little(lines.into_bytes()),
         Format::BigEndian => Records::Big(lines.into_bytes()),
     };
-    let mut builder = Builder::new(path, limits, header.vertex_count());
+    let mut builder = Builder::new(path, limits, &header);
     for element in &header.elements {
         builder.element(element, &mut records)?;
     }
@@ -76,6 +77,7 @@ struct Builder<'l> {
     memory: ReadMemory,
     /// As many as the header says; a file that has fewer is in error.
     vertex_count: usize,
+    vertices_have_colors: bool,
     /// Polygons that came before the vertices: first triangle and corners.
     unsplit: Vec<(usize, Vec<u32>)>,
     mesh: TriMesh,
@@ -88,12 +90,13 @@ struct Builder<'l> {
 }
 
 impl<'l> Builder<'l> {
-    fn new(path: &'l str, limits: &'l Limits, vertex_count: usize) -> Self {
+    fn new(path: &'l str, limits: &'l Limits, header: &Header) -> Self {
         Self {
             path,
             limits,
             memory: ReadMemory::new(&limits.memory),
-            vertex_count,
+            vertex_count: header.vertex_count(),
+            vertices_have_colors: header.has_colors("vertex"),
             unsplit: Vec::new(),
             mesh: TriMesh::default(),
             report: MeshReport::default(),
@@ -142,12 +145,11 @@ impl<'l> Builder<'l> {
             for number in 0..element.count {
                 records.read(element, number, Wanted::Scalars, &mut record)?;
                 let float = |column: Column| record.scalars[column.property] as f32;
-                let share = |column: Column| float(column) / column.scalar.whole_of_color();
                 columns.room(1, &mut self.mesh, &mut self.memory).map_err(over)?;
                 self.mesh.positions.push(columns.position.map(float));
                 self.mesh.normals.extend(columns.normal.map(|c| c.map(float)));
                 self.mesh.uvs.extend(columns.uv.map(|c| c.map(float)));
-                self.mesh.colors.extend(columns.color.map(|c| c.map(share)).map(|[r, g, b]| [r, g, b, 1.0]));
+                self.mesh.colors.extend(columns.color.map(|c| c.color(&record.scalars)));
             }
         }
         if columns.normal.is_some() {
@@ -156,16 +158,18 @@ impl<'l> Builder<'l> {
         if columns.uv.is_some() {
             self.mesh.face_uvs = Corners::Vertices;
         }
-        if let Some([red, ..]) = columns.color {
+        if let Some(color) = columns.color {
             self.mesh.face_colors = Corners::Vertices;
-            self.mesh.colors_are_srgb = red.scalar.is_integer();
+            self.mesh.colors_are_srgb = color.is_srgb();
         }
         self.not_finite = self.mesh.positions.iter().any(|p| !p.iter().all(|x| x.is_finite()));
         let Self { mesh, report, .. } = self;
         mesh.normals.iter_mut().for_each(|n| *n = report.finite_or_zero(*n));
         mesh.uvs.iter_mut().for_each(|uv| *uv = report.finite_or_zero(*uv));
-        let share = |v: f32| v.clamp(0.0, 1.0);
-        mesh.colors.iter_mut().for_each(|c| *c = report.finite_or_zero(*c).map(share));
+        if columns.color.is_some() {
+            mesh.colors.iter_mut().for_each(|c| *c = held(*c, report));
+            settle_opacities(&mut mesh.colors);
+        }
         Ok(())
     }
 
@@ -175,14 +179,17 @@ impl<'l> Builder<'l> {
         records: &mut Records<'_, impl Read>,
     ) -> Result<(), MeshFileError> {
         let list = element.corner_list;
+        let colors = ColorColumns::of(element).filter(|_| !self.vertices_have_colors);
         let mut record = Record::default();
         let most = self.limits.polygon_corners;
         let mut number = 0;
         while number < element.count {
             // Runs of triangles go the short way; what it does not know comes back here.
             let (left, n) = (element.count - number, self.vertex_count);
-            number +=
-                fast::triangles(element, left, records, n, &mut self.mesh, (self.limits, &mut self.memory))?;
+            if colors.is_none() {
+                let sinks = (self.limits, &mut self.memory);
+                number += fast::triangles(element, left, records, n, &mut self.mesh, sinks)?;
+            }
             if number == element.count {
                 break;
             }
@@ -193,9 +200,34 @@ impl<'l> Builder<'l> {
                 corners
                     .push(self.vertex_index(index).map_err(|said| records.mistake(element, number, &said))?);
             }
+            let before = self.mesh.faces.len();
             self.polygon(&corners, |said| records.mistake(element, number, &said))?;
             self.corners = corners;
+            if let Some(columns) = colors {
+                self.mesh.colors_are_srgb = columns.is_srgb();
+                self.color_faces(before, columns.color(&record.scalars))?;
+            }
             number += 1;
+        }
+        Ok(())
+    }
+
+    /// Gives a colour to the triangles from `first` on.
+    fn color_faces(&mut self, first: usize, color: [f32; 4]) -> Result<(), MeshFileError> {
+        let Self { path, mesh, report, memory, .. } = self;
+        let color = held(color, report);
+        // Faces one after the other often have the same.
+        if mesh.colors.last() != Some(&color) {
+            memory.push(&mut mesh.colors, color).map_err(|over| MeshFileError::memory(path, over))?;
+        }
+        if mesh.face_colors == Corners::Absent {
+            mesh.face_colors = Corners::Own(Vec::new());
+        }
+        if let Corners::Own(own) = &mut mesh.face_colors {
+            let room = memory.room(own, mesh.faces.len() - own.len());
+            room.map_err(|over| MeshFileError::memory(path, over))?;
+            own.resize(first, [NO_INDEX; 3]);
+            own.resize(mesh.faces.len(), [mesh.colors.len() as u32 - 1; 3]);
         }
         Ok(())
     }
@@ -283,6 +315,11 @@ impl<'l> Builder<'l> {
                 *face = triangle.map(|i| corners[i]);
             }
         }
+        if let Corners::Own(own) = &mut self.mesh.face_colors {
+            let more = self.mesh.faces.len() - own.len();
+            self.memory.room(own, more).map_err(|over| MeshFileError::memory(self.path, over))?;
+            own.resize(self.mesh.faces.len(), [NO_INDEX; 3]);
+        }
         if self.not_finite {
             self.report.dropped = self.mesh.drop_not_finite();
         }
@@ -292,24 +329,40 @@ impl<'l> Builder<'l> {
     }
 }
 
+/// A colour within [0, 1], white where the file's is not finite.
+fn held(color: [f32; 4], report: &mut MeshReport) -> [f32; 4] {
+    report.finite_or(color, 1.0).map(|v| v.clamp(0.0, 1.0))
+}
+
+/// Makes sense of opacities: all zeros stand for a vertex without a colour, as Blender writes them for objects without
+/// colours beside others; and where no opacity is more than zero, nobody wrote any.
+fn settle_opacities(colors: &mut [[f32; 4]]) {
+    let is_unwritten = colors.iter().all(|color| color[3] == 0.0);
+    for color in colors {
+        if *color == [0.0; 4] {
+            *color = [1.0; 4];
+        } else if is_unwritten {
+            color[3] = 1.0;
+        }
+    }
+}
+
 /// Where a vertex has what is read of it.
 struct VertexColumns {
     position: [Column; 3],
     normal: Option<[Column; 3]>,
     uv: Option<[Column; 2]>,
-    color: Option<[Column; 3]>,
+    color: Option<ColorColumns>,
 }
 
 impl VertexColumns {
     fn of(element: &Element) -> VertexColumns {
-        let color_names =
-            [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
         let uv_names = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
         VertexColumns {
             position: element.position,
             normal: element.columns(["nx", "ny", "nz"]),
             uv: uv_names.into_iter().find_map(|names| element.columns(names)),
-            color: color_names.into_iter().find_map(|names| element.columns(names)),
+            color: ColorColumns::of(element),
         }
     }
 

@@ -21,7 +21,7 @@ pub(super) enum Wanted {
     Nothing,
     /// All that is not a list.
     Scalars,
-    /// One list, of at most so many items.
+    /// One list, of at most so many items, and all that is not a list.
     List {
         property: usize,
         most: usize,
@@ -118,7 +118,7 @@ fn read_properties(
     for (i, property) in element.properties.iter().enumerate() {
         let (Kind::One(scalar) | Kind::List { count: scalar, .. }) = property.kind;
         let value = values.number(scalar)?.ok_or_else(|| values.cut_off(element, number))?;
-        if let Wanted::Scalars = wanted {
+        if !matches!(wanted, Wanted::Nothing) {
             record.scalars.push(value);
         }
         let Kind::List { item, .. } = property.kind else { continue };

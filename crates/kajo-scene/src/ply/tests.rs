@@ -194,12 +194,12 @@ fn vertices_have_colours() {
         let vertex = |rgb: [u8; 3]| {
             let mut vertex = vec![Float(1.0), Float(2.0), Float(3.0)];
             vertex.extend(rgb.map(number));
-            vertex.push(Byte(255));
+            vertex.push(Byte(51));
             vertex
         };
         read_all(&header, &[vertex([0, 51, 255]), vertex([255, 0, 102])]).0
     };
-    let expected = [[0.0, 0.2, 1.0, 1.0], [1.0, 0.0, 0.4, 1.0]];
+    let expected = [[0.0, 0.2, 1.0, 0.2], [1.0, 0.0, 0.4, 0.2]];
     let rgb = ["red", "green", "blue"];
     for mesh in [
         read("uchar", rgb, Byte),
@@ -212,7 +212,74 @@ fn vertices_have_colours() {
     let floats = read("float", rgb, |v| Float(f32::from(v) / 255.0));
     assert_eq!((&*floats.colors, floats.colors_are_srgb), (&expected[..], false));
     let odd = read("double", rgb, |v| Double(f64::from(v) - 254.0));
-    assert_eq!(odd.colors, [[0.0, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 1.0]], "held to [0, 1]");
+    assert_eq!(odd.colors, [[0.0, 0.0, 1.0, 0.2], [1.0, 0.0, 0.0, 0.2]], "held to [0, 1]");
+    let header = format!("element vertex 2\n{XYZ}property float r\nproperty float g\nproperty float b\n");
+    let vertex = |rgb: [f32; 3]| [1.0, 2.0, 3.0].into_iter().chain(rgb).map(Float).collect::<Vec<_>>();
+    let elements = [vertex([0.5, f32::NAN, 0.0]), vertex([0.5, 0.25, 0.0])];
+    let (mesh, report) = read_all(&header, &elements);
+    assert_eq!(mesh.colors, [[1.0; 4], [0.5, 0.25, 0.0, 1.0]], "what is no number is white");
+    assert_eq!(report.warnings().len(), 1, "{report:?}");
+}
+
+#[test]
+fn opacities_that_mean_none_are_none() {
+    let rgba = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+    let header = format!("element vertex 3\n{XYZ}{rgba}");
+    let read = |colors: [[u8; 4]; 3]| {
+        let vertex = |rgba: [u8; 4]| {
+            [Float(0.0), Float(1.0), Float(2.0)].into_iter().chain(rgba.map(Byte)).collect::<Vec<_>>()
+        };
+        read_all(&header, &colors.map(vertex)).0.colors
+    };
+    let none = [0; 4];
+    assert_eq!(read([none, [255, 0, 0, 51], none]), [[1.0; 4], [1.0, 0.0, 0.0, 0.2], [1.0; 4]]);
+    assert_eq!(
+        read([[0, 0, 255, 0], [255, 0, 0, 0], none]),
+        [[0.0, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 1.0], [1.0; 4]]
+    );
+    assert_eq!(read([[0, 0, 255, 0], [255, 0, 0, 51], none])[0], [0.0, 0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn faces_have_colours_where_vertices_have_none() {
+    let colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    let header = square(&format!("{strips}element face 4\n{FACES}{colors}"));
+    let face = |corners: &[i32], rgb: [u8; 3]| {
+        let list = corners.iter().map(|&c| Int(c));
+        [Byte(corners.len() as u8)].into_iter().chain(list).chain(rgb.map(Byte)).collect::<Vec<_>>()
+    };
+    let mut elements = corners();
+    elements.push([3, 0, 1, 2].map(Int).to_vec());
+    elements.push(face(&[0, 1, 2], [255, 0, 0]));
+    elements.push(face(&[0, 1, 2, 3], [0, 51, 0]));
+    elements.push(face(&[3, 2, 1], [0, 51, 0]));
+    elements.push(face(&[0, 2, 1], [255, 255, 255]));
+    let (mesh, report) = read_all(&header, &elements);
+    assert_eq!(mesh.colors, [[1.0, 0.0, 0.0, 1.0], [0.0, 0.2, 0.0, 1.0], [1.0; 4]]);
+    let own = [[NO_INDEX; 3], [0; 3], [1; 3], [1; 3], [1; 3], [2; 3]];
+    assert_eq!((mesh.face_colors, mesh.colors_are_srgb), (Corners::Own(own.to_vec()), true));
+    assert!(report.left_out.is_empty(), "{report:?}");
+    // Those of vertices come first.
+    let both = format!("element vertex 1\n{XYZ}{colors}element face 0\n{FACES}{colors}");
+    let vertex = vec![Float(0.0), Float(0.0), Float(0.0), Byte(255), Byte(255), Byte(0)];
+    let (mesh, report) = read_all(&both, &[vertex]);
+    assert_eq!((mesh.colors, mesh.face_colors), (vec![[1.0, 1.0, 0.0, 1.0]], Corners::Vertices));
+    assert_eq!(report.left_out, ["the colours of the faces are not used, only those of vertices"]);
+}
+
+#[test]
+fn headers_end_their_lines_in_any_way() {
+    // Its first byte is that of a line end.
+    let x = f32::from_le_bytes([b'\n', 0, 0x80, 0x3f]);
+    let (header, elements) = (format!("element vertex 1\n{XYZ}"), [vec![Float(x), Float(2.0), Float(3.0)]]);
+    let whole = file("binary_little_endian", &header, &elements);
+    let (head, body) = whole.split_at(whole.len() - 12);
+    for end in ["\n", "\r\n", "\r"] {
+        let head = String::from_utf8(head.to_vec()).unwrap().replace('\n', end);
+        let (mesh, _) = read(&[head.as_bytes(), body].concat()).unwrap();
+        assert_eq!(mesh.positions, [[x, 2.0, 3.0]], "{end:?}");
+    }
 }
 
 #[test]
