@@ -44,3 +44,10 @@ fn numbers_as_large_as_they_can_be_are_refused_or_gone_on_from() {
         }
     }
 }
+
+#[test]
+fn states_that_fuzzing_found_are_refused_or_gone_on_from() {
+    for (_, data) in kajo_testkit::corpus("checkpoint") {
+        state::go_on(&data);
+    }
+}

@@ -371,9 +371,8 @@ pub(crate) fn restore(
     }
     let film = Film::restore(spec, u64::MAX, &mut input).map_err(failed)?;
     let position = Position::restore(&film, schedule, &mut input).map_err(failed)?;
-    let (found, asked) = (position.samples_begun(), schedule.sampler.samples());
-    // Adaptive renders take more than that in noisy places.
-    if found > asked && !identity.adaptive {
+    if position.exceeds(schedule) {
+        let (found, asked) = (position.samples_begun(), schedule.sampler.samples());
         return Err(CheckpointError::MoreSamples { path: path.into(), found, asked });
     }
     Ok((film, position))

@@ -33,6 +33,16 @@ pub fn pilot_samples(budget: u32) -> u32 {
     (budget / 4).clamp(8, 64) & !1
 }
 
+/// The most samples of one half that [`limits`] give a block.
+pub(super) fn largest_limit(budget: u32) -> u32 {
+    most_of(budget / 2, pilot_samples(budget) / 2)
+}
+
+/// * `least`, `budget`: samples of one half, at least and on average
+fn most_of(budget: u32, least: u32) -> u32 {
+    budget.saturating_mul(MOST_TIMES).max(least)
+}
+
 /// For each block of a film, how many samples of even and of odd index its pixels are to get in all.
 ///
 /// * `film`: with halves, [`Layer::Variance`](crate::Layer::Variance) and `pilot` samples in each pixel
@@ -54,7 +64,7 @@ fn counts(blocks: &[Spread], least: u32, budget: u32, noise: Option<f64>) -> Vec
         return vec![if noise.is_some() { least } else { budget }; blocks.len()];
     }
     let scores: Vec<f64> = raw.iter().map(|&s| s.max(LEAST_SCORE * mean)).collect();
-    let most = budget.saturating_mul(MOST_TIMES).max(least);
+    let most = most_of(budget, least);
     let at = |factor: f64| scores.iter().map(move |s| ((factor * s) as u32).clamp(least, most));
     // Both what is spent and the precision grow with the factor.
     let is_enough = |factor: f64| {

@@ -140,6 +140,17 @@ impl Position {
         self.unfinished.as_ref().map_or(self.done, |unfinished| unfinished.samples.end)
     }
 
+    /// Whether the film has more samples than such a render takes.
+    pub fn exceeds(&self, settings: &RenderSettings) -> bool {
+        let most = self.most_samples().unwrap_or(settings.sampler.samples());
+        self.samples_begun() > most
+    }
+
+    /// The most samples of any pixel, once noise has decided on them.
+    fn most_samples(&self) -> Option<u32> {
+        self.limits.iter().flatten().max().map(|&most| most.saturating_mul(2))
+    }
+
     /// Writes the position.
     ///
     /// # Errors
@@ -171,6 +182,10 @@ impl Position {
         if has_limits {
             position.limits = vec![[0; 2]; film.grid().len() as usize];
             restore_array(position.limits.as_flattened_mut(), input)?;
+            let most = adaptive::largest_limit(settings.sampler.samples());
+            if position.limits.iter().flatten().any(|&limit| limit > most) {
+                return Err(invalid());
+            }
         }
         if is_unfinished {
             let mut numbers = [0; 4];
@@ -209,8 +224,8 @@ impl Position {
     /// One past the last sample of any pixel, as far as one knows.
     fn end(&self, settings: &RenderSettings, goal: &Goal) -> u32 {
         let samples = settings.sampler.samples();
-        match self.limits.iter().flatten().max() {
-            Some(&most) => most.saturating_mul(2),
+        match self.most_samples() {
+            Some(most) => most,
             None if goal.adaptive => adaptive::pilot_samples(samples).min(samples),
             None => samples,
         }

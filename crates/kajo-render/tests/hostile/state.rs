@@ -57,6 +57,9 @@ pub fn saved(passes: u32) -> Vec<u8> {
 pub fn go_on(mut data: &[u8]) -> bool {
     let Ok(film) = Film::restore(spec(), 1 << 24, &mut data) else { return false };
     let Ok(mut position) = Position::restore(&film, &settings(), &mut data) else { return false };
+    if position.exceeds(&settings()) {
+        return false;
+    }
     run(&film, &mut position, 3);
     for layer in [Layer::Color, Layer::Depth, Layer::ObjectId, Layer::Variance] {
         film.develop(layer).expect("the film has it");
