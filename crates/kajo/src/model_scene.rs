@@ -74,6 +74,9 @@ pub struct ModelScene {
     pub has_own_lights: bool,
 }
 
+/// Watts in a lumen, as programs that write lights to glTF files count them: 1/683.
+const WATTS_PER_LUMEN: f32 = 0.001464;
+
 /// Bytes of a model that are looked at for what it has.
 const LOOKED_AT: usize = 4 << 20;
 
@@ -117,8 +120,7 @@ impl ModelFile {
         diagnostics: &mut Diagnostics,
     ) -> ModelScene {
         let model = &options.model;
-        let up =
-            model.up.unwrap_or(if self.format == MeshFormat::Stl { UpAxis::Z } else { UpAxis::Y }).vector();
+        let up = model.up.unwrap_or(if self.stands_along_z() { UpAxis::Z } else { UpAxis::Y }).vector();
         let is_gltf = self.format == MeshFormat::Gltf;
         let has_own_lights = is_gltf && contains(&self.head, b"KHR_lights_punctual");
         let has_own_cameras = is_gltf && contains(&self.head, b"\"camera\"");
@@ -136,9 +138,17 @@ impl ModelFile {
 
     /// The block that shows it.
     fn block(&self, assets: &dyn Assets) -> Block {
-        let mut block = Block { keyword: "TriangleMesh", smooth: false, materials: false, colors: false };
+        let mut block = Block {
+            keyword: "TriangleMesh",
+            smooth: false,
+            materials: false,
+            colors: false,
+            is_photometric: false,
+        };
         match self.format {
-            MeshFormat::Gltf => block.keyword = "Model",
+            MeshFormat::Gltf => {
+                (block.keyword, block.is_photometric) = ("Model", self.has_photometric_lights());
+            }
             // Programs for solid bodies write no normals, and mean what they write: flat faces.
             MeshFormat::Stl => {}
             MeshFormat::Ply => (block.smooth, block.colors) = (true, self.has_ply_colors()),
@@ -149,6 +159,30 @@ impl ModelFile {
             }
         }
         block
+    }
+
+    /// Whether up is z: in STL files, and in PLY files of Blender, which leaves its own axes in them.
+    fn stands_along_z(&self) -> bool {
+        let mut header = lines(&self.head).take_while(|line| !line.starts_with(b"end_header"));
+        match self.format {
+            MeshFormat::Stl => true,
+            MeshFormat::Ply => header.any(|line| line.starts_with(b"comment") && contains(line, b"Blender")),
+            MeshFormat::Obj | MeshFormat::Gltf => false,
+        }
+    }
+
+    /// Whether lights of a glTF file are told in the units of the standard, lumens per area or solid angle: a lamp at home
+    /// has tens of candela and the sun thousands of lux, where files that mean nothing of the kind have numbers near 1.
+    fn has_photometric_lights(&self) -> bool {
+        const LEAST: f32 = 100.0;
+        const KEY: &[u8] = b"\"intensity\"";
+        let found = self.head.windows(KEY.len()).enumerate().filter(|(_, window)| *window == KEY);
+        let mut numbers = found.filter_map(|(at, _)| {
+            let rest = self.head[at + KEY.len()..].trim_ascii_start().strip_prefix(b":")?.trim_ascii_start();
+            let len = rest.iter().position(|b| !b"0123456789+-.eE".contains(b)).unwrap_or(rest.len());
+            std::str::from_utf8(&rest[..len]).ok()?.parse::<f32>().ok()
+        });
+        numbers.any(|intensity| intensity >= LEAST)
     }
 
     /// Whether the header of a PLY file names a colour of its vertices.
@@ -162,11 +196,11 @@ impl ModelFile {
         names.any(|name| matches!(name, b"red" | b"r" | b"diffuse_red"))
     }
 
-    /// Whether the first vertex of an OBJ file has a colour behind its position.
+    /// Whether a vertex of an OBJ file has a colour behind its position; where there are several objects, the first of them
+    /// may have none.
     fn has_obj_colors(&self) -> bool {
-        let vertex = lines(&self.head).find(|line| line.starts_with(b"v "));
         let words = |line: &[u8]| line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count();
-        vertex.is_some_and(|line| words(line) >= 7)
+        lines(&self.head).any(|line| line.starts_with(b"v ") && words(line) >= 7)
     }
 
     /// Whether there are so many vertices that faces are too small to be meant as such.
@@ -213,6 +247,8 @@ struct Block {
     smooth: bool,
     materials: bool,
     colors: bool,
+    /// Whether its lights are told in lumens.
+    is_photometric: bool,
 }
 
 /// What the text is made of.
@@ -233,7 +269,7 @@ impl Text<'_> {
         let front = if up.z == 0.0 { Vec3::Z } else { Vec3::NEG_Y };
         let right = up.cross(front);
         let along = |x: f32, y: f32, z: f32| vector(x * right + y * up + z * front);
-        let Block { keyword, smooth, materials, colors } = self.block;
+        let Block { keyword, smooth, materials, colors, is_photometric } = self.block;
         let file = quoted(self.called);
         let mut text = format!("# {name}, framed and lit. Everything here may be changed.\n\n");
         if self.has_own_cameras {
@@ -252,8 +288,14 @@ impl Text<'_> {
         );
         let _ = write!(text, "# Even light from everywhere");
         if self.has_own_lights {
-            let _ =
-                write!(text, ", beside the lights of the model.\nBackground {{ color 0.25 0.25 0.25 }}\n\n");
+            let units = match is_photometric {
+                true => " These are told in lumens; `lightScale` makes watts of them, 683 lumens each.",
+                false => "",
+            };
+            let _ = write!(
+                text,
+                ", beside the lights of the model.{units}\nBackground {{ color 0.25 0.25 0.25 }}\n\n"
+            );
         } else {
             let _ = write!(
                 text,
@@ -280,6 +322,9 @@ impl Text<'_> {
             [(smooth, "smooth"), (materials, "materials"), (colors, "colors")].iter().filter(|(on, _)| *on)
         {
             let _ = write!(text, "  {key} on");
+        }
+        if is_photometric {
+            let _ = write!(text, "  lightScale {}", format_number(WATTS_PER_LUMEN));
         }
         let _ = writeln!(text, " }}");
         if let Some(height) = self.ground {
@@ -422,6 +467,26 @@ mod tests {
         let lit =
             of("a.gltf", "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\"]}");
         assert!(lit.contains("Model model") && !lit.contains("DirectionalLight"), "{lit}");
+    }
+
+    #[test]
+    fn files_of_blender_stand_upright_in_their_light_and_colours() {
+        let of = |name, content: &str| text(name, content, ModelOptions::default());
+        let ply = "ply\nformat ascii 1.0\ncomment Created in Blender version 5.0.1\nelement vertex 0\nproperty float x\nend_header\n";
+        assert!(of("a.ply", ply).contains("up        0 0 1"));
+        assert!(of("a.ply", &ply.replace("Blender", "MeshLab")).contains("up        0 1 0"));
+        let second = format!("o a\n{TETRAHEDRON}o b\nv 0 0 0 1 0 0\n");
+        assert!(of("a.obj", &second).contains("colors on"));
+        let lit = |lights: &str| {
+            let extension = format!(r#""extensions":{{"KHR_lights_punctual":{{"lights":[{lights}]}}}}"#);
+            of("a.gltf", &format!(r#"{{"asset":{{"version":"2.0"}},{extension}}}"#))
+        };
+        let sun = lit(
+            r#"{"type":"point","intensity":2},{"color":[1,1,1],"intensity" : 2049,"type":"directional"}"#,
+        );
+        assert!(sun.contains("lightScale 0.001464 ") && sun.contains("683 lumens"), "{sun}");
+        assert!(!lit(r#"{"type":"point","intensity":20}"#).contains("lightScale"));
+        assert!(!lit(r#"{"type":"point"}"#).contains("lightScale"));
     }
 
     #[test]
