@@ -1,5 +1,7 @@
 //! Whole documents: edits, steps back and forth, files.
 
+mod blocks;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,43 +1,6 @@
 //! Editing by blocks: what is removed side by side comes back, and keys that belong together are set together.
 
-use std::path::Path;
-
-use kajo::LoadOptions;
-use kajo::edit::{Document, Edit, FieldValue, Kind, NodeId};
-use proptest::prelude::*;
-use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-
-const SCENE: &str = "# A small scene.
-PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }
-Lights {
-  numLights 1
-  PointLight { position 1 2 3  color 1 1 1 } # the only one
-}
-Materials {
-  Matte red { color 0.8 0.1 0.1 }
-  Matte { color 0.1 0.8 0.1 }
-  Checkerboard { materialIndex red  materialIndex 1 }
-}
-Group {
-  numObjects 3
-  MaterialIndex red
-  Sphere ball { center 0 0 0  radius 1 }
-  MaterialIndex 1
-  Box { min 1 0 0  max 2 1 1 }
-  Transform { Translate 0 1 0  Disk { center 0 0 0  normal 0 1 0  radius 1 } }
-}
-";
-
-fn document(text: &str) -> Document {
-    let mut document = Document::untitled(Path::new("."), text, LoadOptions::default()).unwrap();
-    document.compile();
-    document
-}
-
-fn find(document: &Document, keyword: &str) -> NodeId {
-    let node = document.outline().nodes().iter().find(|node| &*node.keyword == keyword);
-    node.unwrap_or_else(|| panic!("no {keyword}")).id
-}
+use super::*;
 
 /// Blocks that stand side by side, one to a line or glued together, with and without counts.
 fn neighbours(newline: &str, gap: &str, counted: bool) -> String {
