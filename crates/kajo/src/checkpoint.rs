@@ -300,7 +300,10 @@ fn with_its_name(line: Option<&str>, around: &[(usize, &str)]) -> String {
 }
 
 /// Writes the state of a render.
+///
+/// * `threads`: to use at most; 0 for one on each core
 pub(crate) fn save(
+    threads: usize,
     identity: &Identity,
     film: &Film,
     position: &Position,
@@ -312,7 +315,7 @@ pub(crate) fn save(
     let text = identity.whole_text();
     out.write_all(&(text.len() as u32).to_le_bytes())?;
     out.write_all(text.as_bytes())?;
-    film.save(&mut out)?;
+    film.save(threads, &mut out)?;
     position.save(&mut out)?;
     let hash = out.hasher.finalize();
     out.inner.write_all(hash.as_bytes())
@@ -499,7 +502,7 @@ mod tests {
     fn a_checkpoint_of_another_build_is_refused() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let film = Film::new(FilmSpec::new(4, 3), u64::MAX).unwrap();
-        save(&identity("kajo 1, build a", "size 4"), &film, &Position::default(), &mut file.as_file())
+        save(0, &identity("kajo 1, build a", "size 4"), &film, &Position::default(), &mut file.as_file())
             .unwrap();
         let schedule = kajo_render::RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
         let restored = |build, text| {
@@ -521,7 +524,7 @@ mod tests {
         let mine = identity("kajo 1, build a", "size 4");
         let film = Film::new(FilmSpec::new(4, 3), u64::MAX).unwrap();
         let mut state = Vec::new();
-        save(&mine, &film, &Position::default(), &mut state).unwrap();
+        save(0, &mine, &film, &Position::default(), &mut state).unwrap();
         fs::write(path("begun"), &state).unwrap();
         let at = 16 + mine.whole_text().len();
         state[at] = 12;

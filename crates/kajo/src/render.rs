@@ -79,6 +79,8 @@ pub struct Snapshot<'a> {
     settings: &'a RenderSettings,
     position: &'a Position,
     identity: &'a Identity,
+    /// [`Resources::threads`] of the render.
+    threads: usize,
     /// Rays, samples and time of this run so far.
     pub stats: RenderStats,
 }
@@ -223,7 +225,8 @@ pub fn render_passes(
     let reserve = Reserve::new(&spec, to_finish(scene, outputs, settings))?;
     let integrator = integrator(scene, &scene.camera, settings, layers);
     let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
-        look(Snapshot { film, groups: &scene.light_groups, settings, position, identity: &identity, stats })
+        let (groups, identity, threads) = (&*scene.light_groups, &identity, resources.threads);
+        look(Snapshot { film, groups, settings, position, identity, threads, stats })
     };
     let result =
         kajo_render::render_passes(&*integrator, &film, &schedule, goal, &mut position, progress, look);
@@ -341,7 +344,7 @@ impl Snapshot<'_> {
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        checkpoint::save(self.identity, self.film, self.position, out)
+        checkpoint::save(self.threads, self.identity, self.film, self.position, out)
     }
 
     /// About how many bytes a checkpoint has.
@@ -440,9 +443,9 @@ impl Picture {
 
     /// What can be saved as a checkpoint: pictures rendered in passes.
     pub fn snapshot(&self) -> Option<Snapshot<'_>> {
-        let Picture { film, groups, settings, position, stats, .. } = self;
+        let Picture { film, groups, settings, position, stats, threads, .. } = self;
         let (position, identity) = position.as_ref()?;
-        Some(Snapshot { film, groups, settings, position, identity, stats: *stats })
+        Some(Snapshot { film, groups, settings, position, identity, threads: *threads, stats: *stats })
     }
 }
 

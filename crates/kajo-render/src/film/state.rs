@@ -25,16 +25,24 @@ const MOST_COUNTED: u64 = 1 << 62;
 impl Film {
     /// Writes all sums, which several threads make into bytes.
     ///
+    /// * `threads`: to use at most, this one included; 0 for one on each core
+    ///
     /// # Errors
     /// Those of `out`; and `InvalidInput` for a film made for one pass, which has no sums.
-    pub fn save(&self, out: &mut dyn Write) -> io::Result<()> {
+    pub fn save(&self, threads: usize, out: &mut dyn Write) -> io::Result<()> {
         if !self.spec.keeps_sums() {
             return Err(io::Error::new(ErrorKind::InvalidInput, "the film keeps no sums"));
         }
         out.write_all(&self.samples().to_le_bytes())?;
         out.write_all(&self.non_finite().to_le_bytes())?;
         let runs = self.blocks.len().div_ceil(RUN);
-        let encoders = thread::available_parallelism().map_or(1, |n| n.get()).min(MOST_ENCODERS).min(runs);
+        let cores = || thread::available_parallelism().map_or(1, |n| n.get());
+        let encoders = match threads {
+            0 => cores(),
+            // This one writes.
+            n => n - 1,
+        };
+        let encoders = encoders.min(MOST_ENCODERS).min(runs);
         thread::scope(|scope| {
             let start = |first: usize| {
                 let (to, from) = sync_channel(1);
@@ -46,7 +54,7 @@ impl Film {
             // In their order: those that the system gives no thread for are made here.
             let encoders: Vec<Option<Receiver<Vec<u8>>>> = (0..encoders).map(start).collect();
             (0..runs).try_for_each(|run| {
-                let encoder = encoders[run % encoders.len()].as_ref();
+                let encoder = encoders.get(run % encoders.len().max(1)).and_then(Option::as_ref);
                 let bytes = encoder.and_then(|encoder| encoder.recv().ok());
                 out.write_all(&bytes.unwrap_or_else(|| self.encoded(run)))
             })

@@ -308,18 +308,20 @@ fn a_film_of_many_blocks_is_saved_whole_or_not_at_all() {
         open.add(&random_part(&spec, &sampler, tile, 0..2));
     }
     let mut saved = Vec::new();
-    open.save(&mut saved).expect("memory does not fail");
+    open.save(0, &mut saved).expect("memory does not fail");
     let mut rest = &saved[..];
     let restored = Film::restore(spec, u64::MAX, &mut rest).expect("as it was saved");
     assert!(rest.is_empty());
     assert_eq!(bits(&restored), bits(&open));
-    let mut again = Vec::new();
-    restored.save(&mut again).expect("memory does not fail");
-    assert!(again == saved);
-    for room in [0, 20, saved.len() / 2, saved.len() - 1] {
-        assert!(open.save(&mut Full(room)).is_err());
+    for threads in [1, 2, 3, 40] {
+        let mut again = Vec::new();
+        restored.save(threads, &mut again).expect("memory does not fail");
+        assert!(again == saved, "by {threads} threads");
     }
-    open.save(&mut Full(saved.len())).expect("there is room");
+    for room in [0, 20, saved.len() / 2, saved.len() - 1] {
+        assert!(open.save(0, &mut Full(room)).is_err());
+    }
+    open.save(0, &mut Full(saved.len())).expect("there is room");
 }
 
 #[test]

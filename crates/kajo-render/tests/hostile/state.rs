@@ -48,7 +48,7 @@ pub fn saved(passes: u32) -> Vec<u8> {
     let mut position = Position::default();
     run(&film, &mut position, passes);
     let mut bytes = Vec::new();
-    film.save(&mut bytes).expect("memory");
+    film.save(0, &mut bytes).expect("memory");
     position.save(&mut bytes).expect("memory");
     bytes
 }

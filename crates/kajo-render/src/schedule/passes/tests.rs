@@ -153,7 +153,7 @@ fn a_render_that_is_interrupted_and_saved_often_ends_with_the_same_bits() {
             }
             interruptions += 1;
             let mut saved = Vec::new();
-            film.save(&mut saved).expect("memory does not fail");
+            film.save(0, &mut saved).expect("memory does not fail");
             position.save(&mut saved).expect("memory does not fail");
             let mut input = &saved[..];
             film = Film::restore(spec, u64::MAX, &mut input).expect("as it was saved");
@@ -175,7 +175,7 @@ fn states_that_make_no_sense_are_refused() {
     let mut position = in_passes(&film, &settings, &Goal::default());
     position.unfinished = Some(Unfinished { samples: 4..9, tile: 32, ranges: 2, finished: vec![5] });
     let (mut sums, mut place) = (Vec::new(), Vec::new());
-    film.save(&mut sums).expect("memory does not fail");
+    film.save(0, &mut sums).expect("memory does not fail");
     position.save(&mut place).expect("memory does not fail");
     for len in 0..sums.len().min(2000) {
         assert!(Film::restore(spec, u64::MAX, &mut &sums[..len]).is_err());
@@ -192,7 +192,7 @@ fn states_that_make_no_sense_are_refused() {
         }
     }
     let one_pass = self::film(FilmSpec { one_pass: true, ..FilmSpec::new(300, 300) });
-    assert!(one_pass.save(&mut Vec::new()).is_err());
+    assert!(one_pass.save(0, &mut Vec::new()).is_err());
 }
 
 #[test]
