@@ -248,6 +248,9 @@ fn the_program_traces_writes_pictures_and_saves_the_view() {
         Some([number(16)?, number(20)?])
     });
     assert!(size[0] > 400 && size[1] > 250, "as large as the viewport: {size:?}");
+    // The dialog takes what is done while it goes away.
+    desktop.wait_for_no_question();
+    desktop.rest();
     // A drag turns the camera, and the view goes into the scene, and that into its file.
     let ball = desktop.see("the ball", Screen::ball);
     let corner = [ball.min[0] - 100, ball.min[1]];

@@ -145,7 +145,9 @@ fn compile_tree(
         compiler.objects(item);
     }
     compiler.glowing_objects();
-    if group.is_some() && camera_items.is_empty() && compiler.model_cameras.is_empty() {
+    // A model that could not be read may have brought one.
+    let may_have_camera = compiler.lacks_a_model || !compiler.model_cameras.is_empty();
+    if group.is_some() && camera_items.is_empty() && !may_have_camera {
         compiler.diagnostics.push(camera::missing());
     }
     if compiler.has_failed() {
@@ -225,6 +227,8 @@ struct Compiler<'a> {
     models: model::ModelCache,
     /// Cameras that models bring, in world space.
     model_cameras: Vec<NamedCamera>,
+    /// Whether a model could not be read.
+    lacks_a_model: bool,
 }
 
 impl<'a> Compiler<'a> {
@@ -275,6 +279,7 @@ impl<'a> Compiler<'a> {
             see_through: HashMap::new(),
             models: model::ModelCache::default(),
             model_cameras: Vec::new(),
+            lacks_a_model: false,
         }
     }
 

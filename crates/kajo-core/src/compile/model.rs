@@ -77,7 +77,10 @@ impl Compiler<'_> {
         let Some((name, at)) = file else { return };
         let file = match self.assets.open(&name, item.path()) {
             Ok(file) => file,
-            Err(error) => return self.cannot_read(&name, &error.to_string(), at),
+            Err(error) => {
+                self.lacks_a_model = true;
+                return self.cannot_read(&name, &error.to_string(), at);
+            }
         };
         let key = ModelKey {
             path: file.path.clone(),
@@ -91,7 +94,10 @@ impl Compiler<'_> {
             self.models.insert(key, model.clone());
             model
         });
-        let Some(model) = model else { return };
+        let Some(model) = model else {
+            self.lacks_a_model = true;
+            return;
+        };
         self.place_parts(&model.parts, item, place, walk);
         let lights = if keys.lights { &model.lights[..] } else { &[] };
         if walk.parts.is_none() {

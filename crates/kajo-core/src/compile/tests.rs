@@ -182,6 +182,8 @@ fn mistakes_are_told_with_what_was_expected() {
     assert!(error_in_group(late).contains("after the object"));
     let (none, said) = compiled("Group { }");
     assert!(none.is_none() && said[0].1.contains("no camera"));
+    let (none, said) = compiled("Group { Model { file nowhere.glb } }");
+    assert!(none.is_none() && said.len() == 1, "what is not read may have a camera: {said:?}");
 }
 
 #[test]

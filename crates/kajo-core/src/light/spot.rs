@@ -61,15 +61,9 @@ impl Emitter for SpotLight {
     }
 
     fn bounds(&self) -> Option<LightBounds> {
-        let cone = 0.5 * (1.0 - 0.5 * (self.cos_inner + self.cos_outer));
+        // Within its cone it is as bright as the point light; that it is dark elsewhere is in the reach.
         let point = self.point.point_bounds();
-        Some(LightBounds {
-            axis: self.axis,
-            cos_spread: 1.0,
-            cos_reach: self.cos_outer,
-            power: point.power * cone,
-            ..point
-        })
+        Some(LightBounds { axis: self.axis, cos_spread: 1.0, cos_reach: self.cos_outer, ..point })
     }
 
     fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, _world: &Ball) -> Option<Emitted> {
@@ -86,7 +80,8 @@ impl Emitter for SpotLight {
     }
 
     fn power(&self, _world: &Ball) -> f32 {
-        self.bounds().map_or(0.0, |bounds| bounds.power)
+        let cone = 0.5 * (1.0 - 0.5 * (self.cos_inner + self.cos_outer));
+        self.point.point_bounds().power * cone
     }
 
     fn emission(&self) -> Option<&Emission> {
@@ -96,6 +91,7 @@ impl Emitter for SpotLight {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{LightChoice, LightTree};
     use super::*;
     use kajo_color::{Emission, Spectrum};
 
@@ -130,7 +126,20 @@ mod tests {
             let step = 2.0 / n as f32;
             let sum: f32 = (0..n).map(|i| light.profile(-1.0 + (i as f32 + 0.5) * step) * step).sum();
             let power = TAU * sum;
-            assert!((light.bounds().unwrap().power / power - 1.0).abs() < 1e-3, "{inner} {outer}");
+            let world = Ball { center: Vec3::ZERO, radius: 1.0 };
+            assert!((light.power(&world) / power - 1.0).abs() < 1e-3, "{inner} {outer}");
         }
+    }
+
+    /// Of two lamps that a place gets the same light from, each is chosen as often as the other.
+    #[test]
+    fn a_narrow_cone_is_chosen_for_what_arrives_from_it() {
+        let narrow = spot(4.0, 5.0);
+        let point = PointLight { position: Vec3::X, ..narrow.point.clone() };
+        let tree = LightTree::build(&[narrow.bounds(), point.bounds()]);
+        let chance = |p: Vec3| tree.probability(0, p, Vec3::Y, LightChoice::Tree);
+        let between = chance(Vec3::new(0.0, -30.0, 0.0));
+        assert!((between - 0.5).abs() < 0.01, "{between}");
+        assert_eq!(chance(Vec3::new(9.0, -30.0, 0.0)), 0.0, "outside its cone");
     }
 }

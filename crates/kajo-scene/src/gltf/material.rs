@@ -99,6 +99,11 @@ pub enum VertexColors {
 }
 
 impl ModelMaterial {
+    /// Whether it lets light through a rough surface without a body behind it.
+    pub(super) fn is_rough_pane(&self) -> bool {
+        self.transmission.value > 0.0 && self.body.is_none() && self.roughness > 0.1
+    }
+
     /// All pictures that it shows.
     pub fn pictures(&self) -> impl Iterator<Item = PictureUse> {
         let normals = self.normals.map(|(picture, _)| picture);

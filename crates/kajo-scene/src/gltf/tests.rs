@@ -251,6 +251,12 @@ fn what_is_left_out_is_said() {
     }
     let rare = r#""extensions":{"KHR_materials_iridescence":{},"KHR_materials_ior":{"ior":1.2}}"#;
     assert_eq!(said(rare), ["left out: `KHR_materials_iridescence` of 1 materials"]);
+
+    let pane = |volume: &str| {
+        said(&format!(r#""extensions":{{"KHR_materials_transmission":{{"transmissionFactor":1}}{volume}}}"#))
+    };
+    assert!(pane("").concat().contains("the roughness of what 1 materials let through"), "{:?}", pane(""));
+    assert!(pane(r#","KHR_materials_volume":{"thicknessFactor":1}"#).is_empty());
 }
 
 /// Picture `number` as it is.

@@ -237,11 +237,13 @@ impl Desktop {
         assert!(self.xdotool(&["click", "1"]).status.success());
     }
 
-    /// Drags with the left button, in steps as a hand makes them.
+    /// Drags with the left button, in steps as a hand makes them: over several frames, since what begins and ends within
+    /// one is a click.
     pub fn drag(&self, from: [u32; 2], to: [u32; 2]) {
         self.point_at(from);
         assert!(self.xdotool(&["mousedown", "1"]).status.success());
         for step in 1..=8 {
+            thread::sleep(Duration::from_millis(50));
             let between = |a: u32, b: u32| (a * (8 - step) + b * step) / 8;
             self.point_at([between(from[0], to[0]), between(from[1], to[1])]);
         }

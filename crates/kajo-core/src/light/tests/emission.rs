@@ -52,8 +52,8 @@ pub(crate) fn lamps() -> (Lights, Vec<(LightId, f64)>) {
     list.extend(point([0.0, 0.0, 1.0]).store(&mut lights).map(|id| (id, 8.0 * PI)));
     let axis = Vec3::new(0.6, -0.8, 0.0);
     let spot = SpotLight { point: point([0.0, 0.0, 1.0]), axis, cos_inner: 0.9, cos_outer: 0.5 };
-    let power = spot.bounds().expect("a place").power;
-    list.extend(spot.store(&mut lights).map(|id| (id, f64::from(power))));
+    // 2 pi I (1 - (cos inner + cos outer) / 2), of an intensity of 2.
+    list.extend(spot.store(&mut lights).map(|id| (id, 4.0 * PI * (1.0 - 0.7))));
     let shadow = PI * 6.25;
     for height in [0.0, 0.1] {
         let emission = Emission::from_rgb([2.0; 3]);
