@@ -15,6 +15,13 @@ pub fn cos(x: f32) -> f32 {
     libm::cosf(x)
 }
 
+/// `1 - cos x` of an angle in radians, with the digits that the cosine of a small angle has lost: `2 sin²(x/2)`.
+#[inline]
+pub fn one_minus_cos(x: f32) -> f32 {
+    let sin = sin(0.5 * x);
+    2.0 * sin * sin
+}
+
 /// Sine and cosine of an angle in radians.
 #[inline]
 pub fn sin_cos(x: f32) -> (f32, f32) {

@@ -11,7 +11,9 @@ use super::Compiler;
 use super::places::misplaced;
 use super::spectra::{SpectrumReader, Written};
 use crate::family::Pooled;
-use crate::light::{DirectionalLight, LightId, Lights, PhotometricLight, Photometry, PointLight, SpotLight};
+use crate::light::{
+    Cone, DirectionalLight, LightId, Lights, PhotometricLight, Photometry, PointLight, SpotLight,
+};
 
 pub(super) const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
 /// Words of other programs for lights that are written elsewhere here, and where that is.
@@ -89,8 +91,8 @@ fn read_directional(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) ->
     };
     // The sun is half a degree wide.
     let width = params.or("angle", 0.0, |args| args.number_in(0.0..=180.0));
-    let sin = fmath::sin(0.25 * width.to_radians());
-    Some(DirectionalLight { to_light: -direction?, height: 2.0 * sin * sin, intensity, emission })
+    let height = fmath::one_minus_cos(0.5 * width.to_radians());
+    Some(DirectionalLight { to_light: -direction?, height, intensity, emission })
 }
 
 fn read_point(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<PointLight> {
@@ -162,12 +164,11 @@ fn read_spot(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option
             "a cone of more than 180 degrees shines backwards too; `angle` is that of the whole cone";
         params.warn("angle", message, "beyond a half space");
     }
-    let cos_of_half = |degrees: f32| fmath::cos(0.5 * degrees.to_radians());
-    let (cos_outer, cos_inner) = (cos_of_half(widest), cos_of_half(inner.min(widest)));
-    let share = 0.5 * (1.0 - 0.5 * (cos_inner + cos_outer));
-    let point = read_position_and_brightness(params, spectra, share);
+    let half = |degrees: f32| 0.5 * degrees.to_radians();
+    let cone = Cone::new(half(inner.min(widest)), half(widest));
+    let point = read_position_and_brightness(params, spectra, cone.share_of_sphere());
     outer?;
-    Some(SpotLight { point: point?, axis: direction?, cos_inner, cos_outer })
+    Some(SpotLight { point: point?, axis: direction?, cone })
 }
 
 /// What each of so many units of solid angle or flux has of a whole; nothing where there are none.

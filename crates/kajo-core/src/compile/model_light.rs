@@ -4,14 +4,14 @@
 //! makes of a white surface is its illuminance over π.
 
 use kajo_color::Emission;
-use kajo_math::{DAffine3, fmath};
+use kajo_math::DAffine3;
 use kajo_scene::{Diagnostic, Item, ModelCamera, ModelLight, ModelLightKind, ModelView};
 
 use super::Compiler;
 use super::group::Place;
 use super::lights::physical;
 use crate::camera::{Camera, Frame, NamedCamera, OrthographicCamera, PerspectiveCamera};
-use crate::light::{DirectionalLight, PointLight, SpotLight};
+use crate::light::{Cone, DirectionalLight, PointLight, SpotLight};
 
 /// Falloff of a light given by its intensity.
 const INVERSE_SQUARE: [f32; 3] = [0.0, 0.0, 1.0];
@@ -49,8 +49,8 @@ impl Compiler<'_> {
                     self.add_light(light, group);
                 }
                 ModelLightKind::Spot { inner, outer } => {
-                    let (cos_inner, cos_outer) = (fmath::cos(inner), fmath::cos(outer));
-                    self.add_light(SpotLight { point, axis: direction, cos_inner, cos_outer }, group);
+                    let cone = Cone::new(inner, outer);
+                    self.add_light(SpotLight { point, axis: direction, cone }, group);
                 }
             }
         }

@@ -121,7 +121,7 @@ fn lights_shine_in_their_units_where_the_model_stands() {
     let sun = lit.lights.directional[0].sample(Vec3::ZERO, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
     assert_eq!((sun.wi, sun.radiance.to_rgb()), (Vec3::Z, [3.0; 3]));
     let spot = &lit.lights.spots[0];
-    assert_eq!((spot.axis, spot.cos_inner), (Vec3::NEG_Z, 1.0));
+    assert_eq!((spot.axis, spot.cone.inner), (Vec3::NEG_Z, 0.0));
     assert_eq!(placed("lightScale 0.25").lights.point[0].emission.rgb(), [2.0, 1.0, 0.0]);
     assert!(placed("lights off").light_list.is_empty());
     assert_eq!(placed("group key").light_groups[1], *"key");

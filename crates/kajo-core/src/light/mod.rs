@@ -22,7 +22,7 @@ pub use emitters::Emitters;
 pub use photometric::{PhotometricLight, Photometry};
 pub use point::PointLight;
 pub use sky::SkyLight;
-pub use spot::SpotLight;
+pub use spot::{Cone, SpotLight};
 pub use tree::{LightBounds, LightChoice, LightTree};
 
 use kajo_color::{Emission, Spectrum, Wavelengths};

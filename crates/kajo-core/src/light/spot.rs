@@ -7,12 +7,15 @@
 //! with `x` cut off to [0, 1]: full within the inner angle, nothing beyond the outer one. The power
 //! is `2 pi I (1 - (cos inner + cos outer) / 2)`.
 //!
+//! Cosines of small angles are near 1, and their differences have lost their digits. So a cone keeps `1 - cos`, which of
+//! unit vectors `d` and `a` is `|d - a|^2 / 2`.
+//!
 //! Scene: `SpotLight { position 0 5 0  direction 0 -1 0  color 1 1 1  angle 40  innerAngle 30 }`
 
 use std::f32::consts::TAU;
 
 use kajo_color::{Emission, Wavelengths};
-use kajo_math::{Frame, Vec2, Vec3, warp};
+use kajo_math::{Frame, Vec2, Vec3, fmath, warp};
 
 use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, PointLight};
 
@@ -23,26 +26,53 @@ pub struct SpotLight {
     pub point: PointLight,
     /// Unit direction of the axis, away from the light.
     pub axis: Vec3,
-    /// Cosine of the half angle within which the light is full.
-    pub cos_inner: f32,
-    /// Cosine of the half angle beyond which there is none; not above `cos_inner`.
-    pub cos_outer: f32,
+    /// Where it shines.
+    pub cone: Cone,
+}
+
+/// A cone with a soft edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// `1 - cos` of the half angle within which light is full.
+    pub inner: f32,
+    /// `1 - cos` of the half angle beyond which there is none; at least `inner`.
+    pub outer: f32,
+}
+
+impl Cone {
+    /// The cone of these half angles in radians, of which the first is not the larger one.
+    pub fn new(inner: f32, outer: f32) -> Cone {
+        Cone { inner: fmath::one_minus_cos(inner), outer: fmath::one_minus_cos(outer) }
+    }
+
+    /// The power of a light in the cone over that of one as bright in all directions.
+    pub fn share_of_sphere(self) -> f32 {
+        0.25 * (self.inner + self.outer)
+    }
+
+    /// Share of the intensity on the axis that there is in another direction.
+    ///
+    /// * `one_minus_cos`: `1 - cos` of the angle with the axis
+    #[inline]
+    pub fn profile(self, one_minus_cos: f32) -> f32 {
+        if one_minus_cos <= self.inner {
+            return 1.0;
+        }
+        let x = ((self.outer - one_minus_cos) / (self.outer - self.inner)).clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
+    }
 }
 
 impl SpotLight {
-    /// Share of the axis' intensity in a direction whose cosine with the axis is `cos`.
+    /// Share of the axis' intensity in the unit direction `d`, away from the light.
     #[inline]
-    pub fn profile(&self, cos: f32) -> f32 {
-        if cos >= self.cos_inner {
-            return 1.0;
-        }
-        let x = ((cos - self.cos_outer) / (self.cos_inner - self.cos_outer)).clamp(0.0, 1.0);
-        x * x * (3.0 - 2.0 * x)
+    pub fn profile(&self, d: Vec3) -> f32 {
+        self.cone.profile(0.5 * d.distance_squared(self.axis))
     }
 
     /// Density per solid angle of the directions into which light leaves.
     fn pdf(&self) -> f32 {
-        1.0 / (TAU * (1.0 - self.cos_outer))
+        1.0 / (TAU * self.cone.outer)
     }
 }
 
@@ -50,38 +80,35 @@ impl Emitter for SpotLight {
     #[inline]
     fn illuminate(&self, p: Vec3, time: f32) -> Illumination {
         let arriving = self.point.illuminate(p, time);
-        Illumination { intensity: arriving.intensity * self.profile(-arriving.wi.dot(self.axis)), ..arriving }
+        Illumination { intensity: arriving.intensity * self.profile(-arriving.wi), ..arriving }
     }
 
     #[inline]
     fn sample(&self, p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
         let sample = self.point.sample(p, time, u, wavelengths)?;
-        let share = self.profile(-sample.wi.dot(self.axis));
+        let share = self.profile(-sample.wi);
         (share > 0.0).then(|| LightSample { radiance: sample.radiance * share, ..sample })
     }
 
     fn bounds(&self) -> Option<LightBounds> {
         // Within its cone it is as bright as the point light; that it is dark elsewhere is in the reach.
         let point = self.point.point_bounds();
-        Some(LightBounds { axis: self.axis, cos_spread: 1.0, cos_reach: self.cos_outer, ..point })
+        Some(LightBounds { axis: self.axis, cos_spread: 1.0, cos_reach: 1.0 - self.cone.outer, ..point })
     }
 
     fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, _world: &Ball) -> Option<Emitted> {
-        let local = warp::uniform_cone(u[1], 1.0 - self.cos_outer);
-        let emitted =
-            self.point.emitted(Frame::from_normal(self.axis).to_world(local), self.pdf(), wavelengths);
-        let radiance = emitted.radiance * self.profile(local.z);
-        Some(Emitted { radiance, ..emitted })
+        let d = Frame::from_normal(self.axis).to_world(warp::uniform_cone(u[1], self.cone.outer));
+        let emitted = self.point.emitted(d, self.pdf(), wavelengths);
+        Some(Emitted { radiance: emitted.radiance * self.profile(d), ..emitted })
     }
 
     fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], d: Vec3, _world: &Ball) -> EmissionPdf {
-        let direction = if self.profile(d.dot(self.axis)) > 0.0 { self.pdf() } else { 0.0 };
+        let direction = if self.profile(d) > 0.0 { self.pdf() } else { 0.0 };
         EmissionPdf { place: 1.0, direction }
     }
 
     fn power(&self, _world: &Ball) -> f32 {
-        let cone = 0.5 * (1.0 - 0.5 * (self.cos_inner + self.cos_outer));
-        self.point.point_bounds().power * cone
+        self.point.point_bounds().power * self.cone.share_of_sphere()
     }
 
     fn emission(&self) -> Option<&Emission> {
@@ -102,20 +129,37 @@ mod tests {
             emission: Emission::from_rgb([1.0; 3]),
             attenuation: [0.0, 0.0, 1.0],
         };
-        let cos = |degrees: f32| kajo_math::fmath::cos(degrees.to_radians());
-        SpotLight { point, axis: Vec3::NEG_Y, cos_inner: cos(inner), cos_outer: cos(outer) }
+        SpotLight { point, axis: Vec3::NEG_Y, cone: Cone::new(inner.to_radians(), outer.to_radians()) }
+    }
+
+    /// A direction by the cosine of its angle with the axis.
+    fn at(cos: f64) -> Vec3 {
+        Vec3::new((1.0 - cos * cos).max(0.0).sqrt() as f32, -cos as f32, 0.0)
     }
 
     #[test]
     fn the_profile_is_full_then_smooth_then_nothing() {
         let light = spot(20.0, 40.0);
-        let middle = 0.5 * (light.cos_inner + light.cos_outer);
-        assert_eq!((light.profile(1.0), light.profile(light.cos_inner)), (1.0, 1.0));
-        assert!((light.profile(middle) - 0.5).abs() < 1e-5);
-        assert_eq!((light.profile(light.cos_outer), light.profile(-1.0)), (0.0, 0.0));
+        let [inner, outer] = [20.0f64, 40.0].map(|degrees| degrees.to_radians().cos());
+        assert_eq!((light.profile(at(1.0)), light.profile(at(inner + 1e-4))), (1.0, 1.0));
+        assert!((light.profile(at(0.5 * (inner + outer))) - 0.5).abs() < 1e-6);
+        assert_eq!((light.profile(at(outer - 1e-4)), light.profile(at(-1.0))), (0.0, 0.0));
         // A hard edge is allowed.
-        let hard = spot(30.0, 30.0);
-        assert_eq!((hard.profile(hard.cos_inner), hard.profile(hard.cos_inner - 1e-3)), (1.0, 0.0));
+        let (hard, edge) = (spot(30.0, 30.0), 30f64.to_radians().cos());
+        assert_eq!((hard.profile(at(edge + 1e-6)), hard.profile(at(edge - 1e-6))), (1.0, 0.0));
+    }
+
+    /// A cone of a degree keeps the digits that differences of its cosines, which are near 1, have not.
+    #[test]
+    fn the_edge_of_a_narrow_cone_has_all_its_digits() {
+        let (light, cos) = (spot(0.4, 0.5), |degrees: f64| degrees.to_radians().cos());
+        for i in 1..10 {
+            let c = cos(0.4 + 0.01 * f64::from(i));
+            let x = (c - cos(0.5)) / (cos(0.4) - cos(0.5));
+            let expected = x * x * (3.0 - 2.0 * x);
+            let found = f64::from(light.profile(at(c)));
+            assert!((found - expected).abs() < 2e-6, "{found} for {expected}");
+        }
     }
 
     #[test]
@@ -124,7 +168,8 @@ mod tests {
             let light = spot(inner, outer);
             let n = 20_000;
             let step = 2.0 / n as f32;
-            let sum: f32 = (0..n).map(|i| light.profile(-1.0 + (i as f32 + 0.5) * step) * step).sum();
+            let sum: f32 =
+                (0..n).map(|i| light.profile(at(f64::from(-1.0 + (i as f32 + 0.5) * step))) * step).sum();
             let power = TAU * sum;
             let world = Ball { center: Vec3::ZERO, radius: 1.0 };
             assert!((light.power(&world) / power - 1.0).abs() < 1e-3, "{inner} {outer}");

@@ -238,8 +238,8 @@ fn spots_send_their_profile_at_every_angle() {
         emission: Emission::from_rgb([3.0; 3]),
         attenuation: [0.0, 0.0, 1.0],
     };
-    let (cos_inner, cos_outer) = (cos(15.0) as f32, cos(35.0) as f32);
-    let spot = SpotLight { point, axis: Vec3::NEG_Y, cos_inner, cos_outer };
+    let cone = Cone::new(15f32.to_radians(), 35f32.to_radians());
+    let spot = SpotLight { point, axis: Vec3::NEG_Y, cone };
     for i in 0..20 {
         let angle = 2.0 * f64::from(i) + 0.5;
         let (sin, c) = angle.to_radians().sin_cos();

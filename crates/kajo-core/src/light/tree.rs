@@ -29,7 +29,8 @@ pub struct LightBounds {
     pub cos_reach: f32,
     /// Whether light leaves against the axes as well.
     pub two_sided: bool,
-    /// Power, in any unit that all lights share.
+    /// Power, in any unit that all lights share; of light that leaves into a narrow cone, that of a light as bright in all
+    /// directions, since the cone is in the angles.
     pub power: f32,
 }
 

@@ -71,8 +71,8 @@ impl Wires {
         } else if let Some(light) = SpotLight::find(lights, id) {
             let color = hue(light.point.intensity);
             self.star(kind, color, light.point.position);
-            for cosine in [light.cos_inner, light.cos_outer] {
-                self.cone(kind, color, light.point.position, light.axis, cosine);
+            for one_minus_cos in [light.cone.inner, light.cone.outer] {
+                self.cone(kind, color, light.point.position, light.axis, 1.0 - one_minus_cos);
             }
         } else if let Some(light) = DirectionalLight::find(lights, id) {
             self.sun(kind, hue(light.intensity), light.to_light);
