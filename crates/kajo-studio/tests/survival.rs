@@ -33,8 +33,12 @@ const SEED: &str = "KAJO_SURVIVAL_SEED";
 /// Most things that are done before the program ends by itself.
 const MOST_STEPS: usize = 40;
 
+/// Starts this very test anew, again and again, as the program that is killed.
 #[test]
 fn nothing_is_lost_in_random_sequences() {
+    if let Some(folder) = std::env::var_os(FOLDER) {
+        return do_random_things(PathBuf::from(folder));
+    }
     // All of them take minutes.
     sequences(if std::env::var_os("KAJO_DEEP").is_some() { 0..1000 } else { 0..25 });
 }
@@ -63,7 +67,7 @@ fn live(folder: &Path, seed: u64, dice: &mut Dice) -> bool {
     });
     fs::write(folder.join("log"), on_disk.collect::<String>()).unwrap();
     let mut program = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "does_random_things", "--ignored", "--nocapture"])
+        .args(["--exact", "nothing_is_lost_in_random_sequences", "--nocapture"])
         .env(FOLDER, folder)
         .env(SEED, seed.to_string())
         .stdout(Stdio::null())
@@ -169,10 +173,7 @@ fn state(studio: &Studio) -> (String, String) {
 }
 
 /// The program that is killed, or that ends by itself.
-#[test]
-#[ignore = "a part of the other tests"]
-fn does_random_things() {
-    let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
+fn do_random_things(folder: PathBuf) {
     let seed = std::env::var(SEED).unwrap().parse().unwrap();
     let log = fs::File::options().append(true).open(folder.join("log")).unwrap();
     let mut user = User { studio: studio(&folder), folder, log, dice: Dice::new(seed), written: 0 };
