@@ -122,7 +122,7 @@ impl ModelFile {
         let model = &options.model;
         let up = model.up.unwrap_or(if self.stands_along_z() { UpAxis::Z } else { UpAxis::Y }).vector();
         let is_gltf = self.format == MeshFormat::Gltf;
-        let has_own_lights = is_gltf && contains(&self.head, b"KHR_lights_punctual");
+        let has_own_lights = self.has_lights();
         let has_own_cameras = is_gltf && contains(&self.head, b"\"camera\"");
         let mut scene =
             Text { up, called, block: self.block(assets), has_own_lights, has_own_cameras, ground: None };
@@ -171,9 +171,17 @@ impl ModelFile {
         }
     }
 
+    /// Whether a glTF file brings lights.
+    fn has_lights(&self) -> bool {
+        self.format == MeshFormat::Gltf && contains(&self.head, b"KHR_lights_punctual")
+    }
+
     /// Whether lights of a glTF file are told in the units of the standard, lumens per area or solid angle: a lamp at home
     /// has tens of candela and the sun thousands of lux, where files that mean nothing of the kind have numbers near 1.
     fn has_photometric_lights(&self) -> bool {
+        if !self.has_lights() {
+            return false;
+        }
         const LEAST: f32 = 100.0;
         const KEY: &[u8] = b"\"intensity\"";
         let found = self.head.windows(KEY.len()).enumerate().filter(|(_, window)| *window == KEY);
@@ -487,6 +495,9 @@ mod tests {
         assert!(sun.contains("lightScale 0.001464 ") && sun.contains("683 lumens"), "{sun}");
         assert!(!lit(r#"{"type":"point","intensity":20}"#).contains("lightScale"));
         assert!(!lit(r#"{"type":"point"}"#).contains("lightScale"));
+        let unlit =
+            r#"{"asset":{"version":"2.0"},"extensions":{"EXT_lights_image_based":{"intensity":200}}}"#;
+        assert!(!of("a.gltf", unlit).contains("lightScale"), "other intensities are none of lights");
     }
 
     #[test]

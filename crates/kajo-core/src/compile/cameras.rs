@@ -143,14 +143,11 @@ impl<'s, 't> Resolver<'s, 't, '_> {
             (None, Some(_)) => Freedom::Distance,
             (None, None) => Freedom::Place,
         };
-        let ball = |n: DVec3| n.normalize_or_zero();
-        let hull = |n: DVec3| extent.farthest(n);
-        let support: &dyn Fn(DVec3) -> DVec3 = if extent.is_empty() { &ball } else { &hull };
         let direction = match (aim.center, target) {
             (Some(center), Some(target)) => target - center,
             (Some(center), None) if aim.direction.is_none() => {
                 let up = aim.up();
-                centred(center, up, support).unwrap_or_else(|| extent.middle() - center)
+                centred(center, up, &|n| extent.support(n)).unwrap_or_else(|| extent.middle() - center)
             }
             _ => aim.direction.unwrap_or_else(|| usual_direction(aim.up())),
         };

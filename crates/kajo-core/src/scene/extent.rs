@@ -120,6 +120,11 @@ impl Extent<'_> {
         }
         best.1
     }
+
+    /// What a camera is fitted to: these objects, or where there are none a ball of radius 1 around the origin.
+    pub fn support(&self, direction: DVec3) -> DVec3 {
+        if self.is_empty() { direction.normalize_or_zero() } else { self.farthest(direction) }
+    }
 }
 
 impl Form<'_> {

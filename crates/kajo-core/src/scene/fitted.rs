@@ -58,10 +58,7 @@ impl FittedCamera {
     /// # Errors
     /// [`FitError`].
     pub fn framed(&self, extent: &Extent<'_>) -> Result<Camera, FitError> {
-        // Where there is nothing, a ball around the origin is taken for it.
-        let ball = |n: DVec3| n.normalize_or_zero();
-        let hull = |n: DVec3| extent.farthest(n);
-        let fitted = self.fit.apply(&self.written, if extent.is_empty() { &ball } else { &hull })?;
+        let fitted = self.fit.apply(&self.written, &|n| extent.support(n))?;
         Ok(match (fitted, &self.written) {
             (Camera::Orthographic(fitted), Camera::Orthographic(written)) if self.keeps_size => {
                 Camera::Orthographic(OrthographicCamera { size: written.size, ..fitted })

@@ -335,11 +335,13 @@ fn held(color: [f32; 4], report: &mut MeshReport) -> [f32; 4] {
 }
 
 /// Makes sense of opacities: all zeros stand for a vertex without a colour, as Blender writes them for objects without
-/// colours beside others; and where no opacity is more than zero, nobody wrote any.
+/// colours beside others; and where no opacity is more than zero, nobody wrote any. Where vertices are half there, those that
+/// are not there at all are meant.
 fn settle_opacities(colors: &mut [[f32; 4]]) {
     let is_unwritten = colors.iter().all(|color| color[3] == 0.0);
+    let fades = colors.iter().any(|color| color[3] > 0.0 && color[3] < 1.0);
     for color in colors {
-        if *color == [0.0; 4] {
+        if *color == [0.0; 4] && !fades {
             *color = [1.0; 4];
         } else if is_unwritten {
             color[3] = 1.0;

@@ -232,7 +232,8 @@ fn opacities_that_mean_none_are_none() {
         read_all(&header, &colors.map(vertex)).0.colors
     };
     let none = [0; 4];
-    assert_eq!(read([none, [255, 0, 0, 51], none]), [[1.0; 4], [1.0, 0.0, 0.0, 0.2], [1.0; 4]]);
+    assert_eq!(read([none, [255, 0, 0, 255], none]), [[1.0; 4], [1.0, 0.0, 0.0, 1.0], [1.0; 4]]);
+    assert_eq!(read([none, [255, 0, 0, 51], none])[0], none.map(f32::from), "it fades away");
     assert_eq!(
         read([[0, 0, 255, 0], [255, 0, 0, 0], none]),
         [[0.0, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 1.0], [1.0; 4]]
