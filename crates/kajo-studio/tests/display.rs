@@ -17,6 +17,8 @@ fn delete_ball(desktop: &mut Desktop) {
     desktop.see("the selection", |screen| screen.outline());
     desktop.key("Delete");
     desktop.until("an edit", |desktop| desktop.title().starts_with('*').then_some(()));
+    // Else what comes next could be taken for seen before this is.
+    desktop.see("no ball", |screen| screen.ball().is_none().then_some(()));
 }
 
 /// Opens the dialog for a file with these keys, writes a path into it, and waits until it gives way.
