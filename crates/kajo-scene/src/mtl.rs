@@ -51,6 +51,8 @@ pub struct MtlMaterial {
     pub anisotropy: Option<f32>,
     /// `anisor`, which way, in turns.
     pub anisotropy_rotation: Option<f32>,
+    /// Whether Blender wrote the file, by its first comment: there `Tf` beside `Pr` is the share of light that goes in.
+    pub by_blender: bool,
     /// Pictures in the order of the file.
     pub maps: Vec<MtlMap>,
 }
@@ -129,7 +131,9 @@ pub fn read_mtl(reader: impl Read, path: &str, limits: &Limits) -> Result<MtlFil
     let mut lines = LineReader::new(reader, path, limits);
     let mut file = MtlFile::default();
     let mut memory = ReadMemory::new(&limits.memory);
+    let mut by_blender = false;
     while let Some(line) = lines.next_line()? {
+        by_blender |= line.bytes.starts_with(b"# Blender ");
         let mut fields = line.fields();
         let Some(keyword) = fields.next() else { continue };
         if keyword.bytes.eq_ignore_ascii_case(b"newmtl") {
@@ -137,7 +141,7 @@ pub fn read_mtl(reader: impl Read, path: &str, limits: &Limits) -> Result<MtlFil
                 let message = format!("the file has more than {} materials", limits.materials);
                 return Err(line.mistake(path, keyword, message));
             }
-            let material = MtlMaterial { name: text(fields.rest()), ..MtlMaterial::default() };
+            let material = MtlMaterial { name: text(fields.rest()), by_blender, ..MtlMaterial::default() };
             let taken = memory.take(material.name.len());
             let pushed = taken.and_then(|()| memory.push(&mut file.materials, material));
             pushed.map_err(|over| MeshFileError::memory(path, over))?;

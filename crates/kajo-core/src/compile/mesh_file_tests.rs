@@ -130,6 +130,34 @@ fn numbers_of_the_extension_become_layers() {
     );
 }
 
+/// What light goes into is a body of glass, as Blender writes it, and that is not done with opacity as well.
+#[test]
+fn bodies_of_blender_are_of_glass() {
+    let mtl = |head: &str, opacity: &str| {
+        format!("{head}\nnewmtl b\nnewmtl a\nKd 0.25 0.5 1\nNi 1.25\nPr 0.5\n{opacity}Tf 0.75 0.75 0.75\n")
+    };
+    let bases = |scene: &Scene| {
+        let met = at(scene, 0.5, -0.5);
+        let base = |u| {
+            let place = scene.material_point(&met);
+            let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+            match scene.materials.bsdf(met.material, &scene.materials, &scene.textures, &point) {
+                Bsdf::Principled(layers) => Some((layers.base, layers.eta)),
+                _ => None,
+            }
+        };
+        [base(0.74), base(0.76)]
+    };
+    let glass = [Some((Base::Glass, 1.25)), Some((Base::Diffuse, 1.25))];
+    let (scene, said) = square("mtllib a.mtl\n", &mtl("# Blender 5.0.1 MTL File: 'None'", "d 1\n"), "");
+    assert_eq!((bases(&scene), said), (glass, vec![]));
+    let (scene, said) = square("mtllib a.mtl\n", &mtl("# Blender 5.0.1 MTL File: 'None'", "d 0.5\n"), "");
+    assert_eq!(bases(&scene), glass);
+    assert_eq!(said, ["`a.mtl`: `d` of the material `a` is left out: light passes it anyway"]);
+    let (scene, said) = square("mtllib a.mtl\n", &mtl("# another program", ""), "");
+    assert_eq!((bases(&scene), said), ([Some((Base::Diffuse, 1.25)); 2], vec![]));
+}
+
 #[test]
 fn reliefs_are_of_heights_or_of_normals() {
     for (mtl, leans) in [

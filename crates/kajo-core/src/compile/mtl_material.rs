@@ -126,6 +126,7 @@ impl Compiler<'_> {
         let (mut id, mut share) = if is_physical(mtl) {
             let layers = self.mtl_layers(described, color);
             let opacity = cover.or(mtl.opacity.map(|d| Share::Plain(d.clamp(0.0, 1.0))));
+            let opacity = opacity.filter(|share| share.range()[0] < 1.0);
             (LayeredMaterial::from(layers).store(&mut self.materials)?, opacity)
         } else {
             let material = PhongMaterial::from(phong(mtl)).with_picture(color);
@@ -133,8 +134,9 @@ impl Compiler<'_> {
         };
         let is_clear = self.materials.may_transmit(id, &self.materials);
         if is_clear && share.is_some() {
+            let written = if mtl.map(MtlMapUse::Opacity).is_some() { "map_d" } else { "d" };
             let message =
-                format!("`map_d` of the material `{}` is left out: light passes it anyway", mtl.name);
+                format!("`{written}` of the material `{}` is left out: light passes it anyway", mtl.name);
             self.warn_of_file(described.path, &message, described.place);
             share = None;
         }
@@ -195,6 +197,7 @@ impl Compiler<'_> {
                 anisotropy: mtl.anisotropy.unwrap_or(0.0).clamp(0.0, 1.0).into(),
                 rotation: mtl.anisotropy_rotation.unwrap_or(0.0).rem_euclid(1.0).into(),
             },
+            transmission: transmission(mtl).into(),
             eta: mtl.index_of_refraction.filter(|&eta| eta >= 1.0).unwrap_or(defaults.eta),
             ..defaults
         }
@@ -233,6 +236,13 @@ fn is_physical(mtl: &MtlMaterial) -> bool {
         MtlMapUse::CoatRoughness,
     ];
     numbers.iter().any(Option::is_some) || pictures.iter().any(|&shows| mtl.map(shows).is_some())
+}
+
+/// The share of light that goes into a material that has anything of that extension. Other programs than Blender write `Tf`
+/// whether or not light does.
+fn transmission(mtl: &MtlMaterial) -> f32 {
+    let share = mtl.transmission.filter(|_| mtl.by_blender);
+    share.map_or(0.0, |share| share.into_iter().fold(0.0, f32::max).min(1.0))
 }
 
 /// The roughness whose facets, of `α = roughness²`, have about the highlight of the exponent `2/α² - 2`.

@@ -107,3 +107,10 @@ fn mistakes_have_line_column_and_reason() {
     let limits = Limits { materials: 1, ..Limits::default() };
     assert!(read_mtl(&b"newmtl a\nnewmtl b\n"[..], "m", &limits).is_err());
 }
+
+#[test]
+fn files_of_blender_are_known_by_their_first_line() {
+    let said = |head: &str| read(&format!("{head}newmtl a\nTf 1 1 1\n")).unwrap().materials[0].by_blender;
+    assert!(said("# Blender 5.0.1 MTL File: 'None'\n# www.blender.org\n\n"));
+    assert!(!said("") && !said("# made with another program, not Blender \n") && !said("# Blenders\n"));
+}
