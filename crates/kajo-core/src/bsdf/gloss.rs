@@ -6,10 +6,19 @@
 //!
 //! as in [`Dielectric`](super::Dielectric), whose transmission is left to the layers below: they get the share that
 //! [`Gloss::albedo`] does not reflect.
+//!
+//! Where `F` is told by another reflectance straight on, `f0` for the `F0` of the index, it goes from there to 1 as the other
+//! one does:
+//!
+//! ```text
+//! f0 + (1 - f0) (F - F0)/(1 - F0)  =  a F + b        a = (1 - f0)/(1 - F0),   b = (f0 - F0)/(1 - F0)
+//! ```
+//!
+//! which is `a` times this lobe and `b` times that of perfect mirrors, whose albedo is 1.
 
 use kajo_math::{Vec2, Vec3};
 
-use super::energy::Loss;
+use super::energy::{self, Loss};
 use super::{Microfacets, fresnel};
 
 /// Indices nearer to 1 than this do not reflect.
@@ -33,6 +42,27 @@ impl Gloss {
     /// Share of light reflected to `wo`.
     pub fn albedo(&self, wo: Vec3) -> f32 {
         if self.n < 1.0 + MATCHED { 0.0 } else { self.loss.reflected(wo.z) }
+    }
+
+    /// What the lobe and that of [`mirrors`](Self::mirrors) are multiplied by, where facets reflect the factor `factor` of
+    /// what they do straight on; see the top of this file.
+    pub fn ends(&self, factor: f32) -> [f32; 2] {
+        let root = (self.n - 1.0) / (self.n + 1.0);
+        let of_index = root * root;
+        let f0 = (of_index * factor).clamp(0.0, 1.0);
+        let rest = 1.0 / (1.0 - of_index);
+        [(1.0 - f0) * rest, (f0 - of_index) * rest]
+    }
+
+    /// Value, with the cosine of `wi`, of facets that reflect all light; both directions above. Zero where the layer does
+    /// not reflect.
+    pub fn mirrors(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if self.n < 1.0 + MATCHED {
+            return 0.0;
+        }
+        let m = (wo + wi).normalize_or_zero();
+        let again = energy::metal(&self.facets, wo) * energy::metal(&self.facets, wi);
+        again * self.facets.d(m) * self.facets.g2(wo, wi) / (4.0 * wo.z)
     }
 
     /// Share of what is reflected to `wo` that meets more than one facet.

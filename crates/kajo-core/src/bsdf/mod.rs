@@ -37,7 +37,8 @@ pub use microfacet::Microfacets;
 pub use oren_nayar::OrenNayar;
 pub use phong::{Highlight, Phong};
 pub use phong_lobes::PhongLobes;
-pub use principled::{Base, Principled};
+pub use principled::{Base, Principled, Specular};
+pub(crate) use thin::POLISHED;
 pub use thin::ThinDielectric;
 
 use kajo_color::Spectrum;
@@ -54,7 +55,7 @@ pub enum Bsdf {
     Conductor(Conductor),
     /// The boundary of two clear media.
     Dielectric(Dielectric),
-    /// A clear pane without thickness.
+    /// A pane without thickness, polished or frosted.
     ThinDielectric(ThinDielectric),
     /// Phong's model, normalised.
     Phong(PhongLobes),
@@ -139,7 +140,8 @@ impl Bsdf {
             Bsdf::Dielectric(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Phong(lobe) => lobe.eval(wo, wi),
             Bsdf::Principled(lobe) => lobe.eval(wo, wi, mode),
-            Bsdf::ThinDielectric(_) | Bsdf::Null => Spectrum::BLACK,
+            Bsdf::ThinDielectric(lobe) => lobe.eval(wo, wi),
+            Bsdf::Null => Spectrum::BLACK,
         }
     }
 
@@ -156,7 +158,8 @@ impl Bsdf {
             Bsdf::Dielectric(lobe) => lobe.pdf(wo, wi),
             Bsdf::Phong(lobe) => lobe.pdf(wo, wi),
             Bsdf::Principled(lobe) => lobe.pdf(wo, wi),
-            Bsdf::ThinDielectric(_) | Bsdf::Null => 0.0,
+            Bsdf::ThinDielectric(lobe) => lobe.pdf(wo, wi),
+            Bsdf::Null => 0.0,
         }
     }
 
@@ -181,7 +184,7 @@ impl Bsdf {
             Bsdf::OrenNayar(lobe) => lobe.sample(wo, u, uc),
             Bsdf::Conductor(lobe) => lobe.sample(wo, u),
             Bsdf::Dielectric(lobe) => lobe.sample(wo, u, uc, mode),
-            Bsdf::ThinDielectric(lobe) => lobe.sample(wo, uc),
+            Bsdf::ThinDielectric(lobe) => lobe.sample(wo, u, uc),
             Bsdf::Phong(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Principled(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Null => BsdfSample::new(-wo, Spectrum::WHITE, 1.0, ScatterKind::STRAIGHT),
@@ -196,7 +199,7 @@ impl Bsdf {
     pub fn cross(&mut self, at_pane: impl FnOnce() -> (f32, f32)) -> Option<Spectrum> {
         match self {
             Bsdf::Null => Some(Spectrum::WHITE),
-            Bsdf::ThinDielectric(pane) => {
+            Bsdf::ThinDielectric(pane) if pane.is_polished() => {
                 let (cos, u) = at_pane();
                 pane.cross(cos, u).map_err(|mirror| *self = Bsdf::Conductor(mirror)).ok()
             }
@@ -213,7 +216,8 @@ impl Bsdf {
             Bsdf::Conductor(lobe) => lobe.is_smooth(),
             Bsdf::Dielectric(lobe) => lobe.is_smooth(),
             Bsdf::Phong(lobe) => lobe.is_delta(),
-            Bsdf::ThinDielectric(_) | Bsdf::Null => true,
+            Bsdf::ThinDielectric(lobe) => lobe.is_polished(),
+            Bsdf::Null => true,
         }
     }
 
@@ -223,6 +227,7 @@ impl Bsdf {
         match self {
             Bsdf::Lambert(lobe) => !lobe.transmittance.is_black(),
             Bsdf::Dielectric(lobe) => !lobe.is_smooth(),
+            Bsdf::ThinDielectric(lobe) => !lobe.is_polished(),
             Bsdf::Principled(lobe) => lobe.base == Base::Glass,
             _ => false,
         }

@@ -40,6 +40,23 @@ pub enum Base {
     Glass,
 }
 
+/// How the gloss of a pigment differs from that of its index of refraction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Specular {
+    /// A factor at every angle, which metals have at 82 degrees and glass for what it reflects [OpenPBR 1.1, sec. 3.6].
+    Factor(Spectrum),
+    /// A factor straight on, of which nothing is left along the surface; that of metals is not touched
+    /// [Khronos glTF, KHR_materials_specular].
+    F0 {
+        /// The factor, at least 0. What is reflected straight on is held to 1.
+        factor: Spectrum,
+        /// The largest one at any wavelength: it decides how much reaches the pigment.
+        largest: f32,
+        /// Another factor at every angle, in [0, 1].
+        weight: f32,
+    },
+}
+
 /// A layered surface at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principled {
@@ -47,8 +64,8 @@ pub struct Principled {
     pub base: Base,
     /// Albedo of the pigment, reflectance of the metal straight on, or factor of light through the glass.
     pub color: Spectrum,
-    /// Factor of glossy reflection, of the metal at 82 degrees.
-    pub specular_color: Spectrum,
+    /// What differs in glossy reflection.
+    pub specular: Specular,
     /// Roughness of the pigment, in [0, 1].
     pub diffuse_roughness: f32,
     /// Roughness `α` along x and y.
@@ -77,7 +94,7 @@ impl Default for Principled {
         Principled {
             base: Base::Diffuse,
             color: Spectrum::grey(0.8),
-            specular_color: white,
+            specular: Specular::Factor(white),
             diffuse_roughness: 0.0,
             alpha: Vec2::splat(0.09),
             eta: 1.5,
@@ -127,14 +144,57 @@ impl Principled {
     }
 
     fn metal(&self) -> Conductor {
-        let fresnel = MetalFresnel::Tinted { f0: self.color, f82: self.specular_color };
+        let f82 = match self.specular {
+            Specular::Factor(color) => color,
+            Specular::F0 { .. } => Spectrum::WHITE,
+        };
+        let fresnel = MetalFresnel::Tinted { f0: self.color, f82 };
         Conductor { fresnel, microfacets: self.facets() }
     }
 
     fn glass(&self) -> Dielectric {
         let microfacets = self.facets();
-        let (reflection_tint, transmission_tint) = (self.specular_color, self.color);
-        Dielectric { eta: self.eta, microfacets, reflection_tint, transmission_tint }
+        let reflection_tint = match self.specular {
+            Specular::Factor(color) => color,
+            Specular::F0 { factor, weight, .. } => (factor * weight).clamp(0.0, 1.0),
+        };
+        Dielectric { eta: self.eta, microfacets, reflection_tint, transmission_tint: self.color }
+    }
+
+    /// What the gloss of a pigment reflects, with the cosine of `wi`; both directions above.
+    fn gloss_value(&self, gloss: &Gloss, wo: Vec3, wi: Vec3) -> Spectrum {
+        let by_index = gloss.eval(wo, wi).0;
+        match self.specular {
+            Specular::Factor(color) => color * by_index,
+            Specular::F0 { factor, weight, .. } => {
+                let mirrors = gloss.mirrors(wo, wi);
+                factor.map(|factor| {
+                    let [a, b] = gloss.ends(factor);
+                    // Where facets reflect hardly anything, what mirrors hide from one another is a little more.
+                    weight * (a * by_index + b * mirrors).max(0.0)
+                })
+            }
+        }
+    }
+
+    /// Share of light that the gloss of a pigment reflects to `wo`.
+    fn gloss_albedo(&self, gloss: &Gloss, wo: Vec3) -> Spectrum {
+        let by_index = gloss.albedo(wo);
+        match self.specular {
+            Specular::Factor(color) => color * by_index,
+            Specular::F0 { factor, weight, .. } => {
+                factor.map(|factor| weight * between(gloss, factor, by_index))
+            }
+        }
+    }
+
+    /// Share of light from or to `v` that the gloss keeps from the pigment, the same at all wavelengths.
+    fn gloss_kept(&self, gloss: &Gloss, v: Vec3) -> f32 {
+        let by_index = gloss.albedo(v);
+        match self.specular {
+            Specular::Factor(_) => by_index,
+            Specular::F0 { largest, weight, .. } => weight * between(gloss, largest, by_index),
+        }
     }
 
     /// Both directions with `wo` above, where it does not matter on which side it is.
@@ -177,8 +237,9 @@ impl Principled {
         let (gloss, base) = match self.base {
             Base::Metal | Base::Glass => (0.0, 1.0),
             Base::Diffuse => {
-                let e = self.gloss().albedo(wo);
-                (e * self.specular_color.max_lane(), (1.0 - e) * self.color.max_lane())
+                let gloss = self.gloss();
+                let below = 1.0 - self.gloss_kept(&gloss, wo);
+                (self.gloss_albedo(&gloss, wo).max_lane(), below * self.color.max_lane())
             }
         };
         let (gloss, base) = (seen.through * gloss, seen.through * base);
@@ -214,8 +275,8 @@ impl Principled {
             Base::Diffuse if !same_side(wo, wi) => Spectrum::BLACK,
             Base::Diffuse => {
                 let gloss = self.gloss();
-                let below = self.pigment().eval(wo, wi) * (1.0 - gloss.albedo(v));
-                self.specular_color * gloss.eval(wo, wi).0 + below
+                let below = self.pigment().eval(wo, wi) * (1.0 - self.gloss_kept(&gloss, v));
+                self.gloss_value(&gloss, wo, wi) + below
             }
         }
     }
@@ -284,11 +345,23 @@ impl Principled {
             Base::Metal => self.metal().albedo(wo),
             Base::Glass => self.glass().albedo(wo),
             Base::Diffuse => {
-                let e = self.gloss().albedo(wo);
-                self.specular_color * e + self.pigment().albedo(wo) * (1.0 - e)
+                let gloss = self.gloss();
+                let below = self.pigment().albedo(wo) * (1.0 - self.gloss_kept(&gloss, wo));
+                self.gloss_albedo(&gloss, wo) + below
             }
         };
         let passed = base * self.coat_tint(wo, wo, wo) * seen.through;
         self.fuzz_color * seen.fuzz + Spectrum::grey(seen.coat) + passed
     }
+}
+
+/// The albedo of a gloss whose facets reflect a factor of what they do straight on.
+///
+/// * `by_index`: its albedo without that
+fn between(gloss: &Gloss, factor: f32, by_index: f32) -> f32 {
+    if by_index <= 0.0 {
+        return 0.0;
+    }
+    let [a, b] = gloss.ends(factor);
+    (a * by_index + b).clamp(0.0, 1.0)
 }

@@ -12,20 +12,36 @@
 //!
 //! What goes straight on reaches a lamp behind the pane as if there were a hole with the share `T`, so that paths treat it as
 //! one: at each pane they decide whether they pass, [`ThinDielectric::cross`], and shadow rays are weakened by `T`.
+//!
+//! A rough pane is made of such panes as facets. One with the normal `m` sends the share `R` to the mirror direction, and
+//! `T` to that direction's image beyond the surface:
+//!
+//! ```text
+//! f(wo, wi) = (R or T)(wo·m) D(m) G2 / (4 |cos θo| |cos θi|),   m the half vector of wo and wi, which is mirrored if beyond
+//! ```
+//!
+//! [Khronos glTF, KHR_materials_transmission], times the factor for light that meets more than one facet, see `energy.rs`:
+//! where the pane absorbs nothing all light leaves it.
 
 use kajo_color::Spectrum;
-use kajo_math::Vec3;
+use kajo_math::{Vec2, Vec3};
 
 use super::microfacet::Shape;
-use super::{BsdfSample, Conductor, MetalFresnel, Microfacets, ScatterKind, fresnel};
+use super::{BsdfSample, Conductor, MetalFresnel, Microfacets, ScatterKind, energy, fresnel, same_side};
 
-/// A clear pane.
+/// Up to this `α`, which is a roughness of 0.1, a pane is taken as polished: light that is bent by less than a degree is
+/// worth less than shadow rays that pass.
+pub(crate) const POLISHED: f32 = 0.1 * 0.1;
+
+/// A pane, polished or frosted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinDielectric {
     /// Index of refraction of the pane over that of the medium around it.
     pub eta: f32,
     /// Absorption times thickness: straight across, light is attenuated by `exp(-optical_depth)`.
     pub optical_depth: Spectrum,
+    /// Its facets.
+    pub microfacets: Microfacets,
 }
 
 impl ThinDielectric {
@@ -63,7 +79,53 @@ impl ThinDielectric {
         (reflected, transmitted)
     }
 
-    pub(super) fn sample(&self, wo: Vec3, uc: f32) -> Option<BsdfSample> {
+    /// Whether light goes on straight or is mirrored, in single directions only.
+    #[inline]
+    pub fn is_polished(&self) -> bool {
+        self.microfacets.alpha_x.max(self.microfacets.alpha_y) <= POLISHED
+    }
+
+    /// Share of light at the cosine `cos` outside that goes straight on.
+    #[inline]
+    pub fn passage(&self, cos: f32) -> Spectrum {
+        if self.is_polished() { self.shares(cos).1 } else { Spectrum::BLACK }
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        if self.is_polished() || wo.z == 0.0 || wi.z == 0.0 {
+            return Spectrum::BLACK;
+        }
+        let facets = self.microfacets.held();
+        let (o, i) = (above(wo), above(wi));
+        let m = (o + i).normalize_or_zero();
+        self.scattered(&facets, o, i, m)[usize::from(!same_side(wo, wi))]
+            * (facets.d(m) * facets.g2(o, i) / (4.0 * o.z))
+    }
+
+    /// What the facet `m` reflects and lets through, times the factor for further bounces; all directions above.
+    fn scattered(&self, facets: &Microfacets, o: Vec3, i: Vec3, m: Vec3) -> [Spectrum; 2] {
+        let (r, t) = self.shares(o.dot(m).min(1.0));
+        let x = energy::metal(facets, o) * energy::metal(facets, i);
+        let again = (r + t).map(|f| energy::saturate(f, x));
+        [r * again, t * again]
+    }
+
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if self.is_polished() || wo.z == 0.0 || wi.z == 0.0 {
+            return 0.0;
+        }
+        let (o, i) = (above(wo), above(wi));
+        let m = (o + i).normalize_or_zero();
+        let (r, t) = self.shares(o.dot(m).min(1.0));
+        let mirrored = chance_of_mirror(r, t);
+        let share = if same_side(wo, wi) { mirrored } else { 1.0 - mirrored };
+        0.25 * share * self.microfacets.held().visible_over_cos(o, m)
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: Vec2, uc: f32) -> Option<BsdfSample> {
+        if !self.is_polished() {
+            return self.sample_facet(wo, u, uc);
+        }
         let (r, t) = self.shares(wo.z.abs());
         let p = chance_of_mirror(r, t);
         if uc < p {
@@ -73,10 +135,38 @@ impl ThinDielectric {
         BsdfSample::new(-wo, t * (1.0 / (1.0 - p)), 1.0 - p, ScatterKind::STRAIGHT)
     }
 
+    /// A direction by way of one facet.
+    fn sample_facet(&self, wo: Vec3, u: Vec2, uc: f32) -> Option<BsdfSample> {
+        let facets = self.microfacets.held();
+        let o = above(wo);
+        let m = facets.sample(o, u);
+        let i = fresnel::reflect(-o, m);
+        if i.z <= 0.0 {
+            return None;
+        }
+        let (r, t) = self.shares(o.dot(m).min(1.0));
+        let mirrored = chance_of_mirror(r, t);
+        let passes = uc >= mirrored;
+        let share = if passes { 1.0 - mirrored } else { mirrored };
+        let weight =
+            self.scattered(&facets, o, i, m)[usize::from(passes)] * (facets.g2_over_g1(o, i) / share);
+        let pdf = 0.25 * share * facets.visible_over_cos(o, m);
+        let is_above = (wo.z > 0.0) != passes;
+        let wi = if is_above { i } else { Vec3::new(i.x, i.y, -i.z) };
+        let kind = if passes { ScatterKind::TRANSMISSION } else { ScatterKind::REFLECTION };
+        BsdfSample::new(wi, weight, pdf, kind)
+    }
+
     pub(super) fn albedo(&self, wo: Vec3) -> Spectrum {
         let (r, t) = self.shares(wo.z.abs());
         r + t
     }
+}
+
+/// The direction, or its image on the side of positive z.
+#[inline]
+fn above(w: Vec3) -> Vec3 {
+    Vec3::new(w.x, w.y, w.z.abs())
 }
 
 /// The probability of the mirror where one of the two is followed.

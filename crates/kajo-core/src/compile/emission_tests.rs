@@ -8,7 +8,7 @@ use kajo_math::{Ray, Vec2, Vec3, rng::Stream};
 use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, compile};
-use crate::bsdf::{Base, Bsdf};
+use crate::bsdf::{Base, Bsdf, Specular, ThinDielectric};
 use crate::light::{LightChoice, Target};
 use crate::lighting::Receiver;
 use crate::scene::{Event, Scene};
@@ -223,7 +223,12 @@ fn models_are_of_glass_and_varnish() {
         (0.5, Spectrum::rgb(1.0, 0.5, 0.0), 0.4)
     );
     let dull = layers(r#""KHR_materials_specular":{"specularFactor":0.25},"KHR_materials_ior":{"ior":1.3}"#);
-    assert_eq!((dull.specular_color, dull.eta), (Spectrum::rgb(0.25, 0.25, 0.25), 1.3));
+    let white = Spectrum::rgb(1.0, 1.0, 1.0);
+    assert_eq!(plain.specular, Specular::Factor(white));
+    assert_eq!((dull.specular, dull.eta), (Specular::F0 { factor: white, largest: 1.0, weight: 0.25 }, 1.3));
+    let bright = layers(r#""KHR_materials_specular":{"specularColorFactor":[4,1,0]}"#);
+    let factor = Spectrum::rgb(4.0, 1.0, 0.0);
+    assert_eq!(bright.specular, Specular::F0 { factor, largest: 4.0, weight: 1.0 });
     let brushed = layers(r#""KHR_materials_anisotropy":{"anisotropyStrength":0.5}"#);
     // Across 1/4, along 1/4 + 3/4 1/4.
     assert!((brushed.alpha - Vec2::new(0.4375, 0.25)).abs().max_element() < 1e-5, "{:?}", brushed.alpha);
@@ -231,7 +236,9 @@ fn models_are_of_glass_and_varnish() {
     // Without a volume glass is a pane: light goes straight on, and nothing is inside.
     let clear = "\"KHR_materials_transmission\":{\"transmissionFactor\":0.75}";
     let (pane, interior, _) = look(clear, 0.5);
-    assert!(matches!(pane, Bsdf::ThinDielectric(pane) if pane.eta == 1.5) && interior.is_none(), "{pane:?}");
+    let is_frosted = |pane: &ThinDielectric| pane.eta == 1.5 && pane.microfacets.alpha_x == 0.25;
+    assert!(matches!(pane, Bsdf::ThinDielectric(pane) if is_frosted(&pane)), "{pane:?}");
+    assert!(interior.is_none());
     assert!(matches!(look(clear, 0.9).0, Bsdf::Principled(layers) if layers.base == Base::Diffuse));
     let volume = r#""KHR_materials_volume":{"thicknessFactor":1,"attenuationDistance":1,"attenuationColor":[1,0.5,1]}"#;
     let (body, interior, _) = look(&format!("{clear},{volume}"), 0.5);

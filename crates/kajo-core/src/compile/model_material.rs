@@ -5,15 +5,16 @@
 
 use kajo_color::{Dispersion, Emission, Reflectance, Spectrum};
 use kajo_math::Vec3;
-use kajo_scene::{ModelAmount, ModelCover, ModelMaterial, PictureSource, Span, VertexColors};
+use kajo_scene::{ModelAmount, ModelCover, ModelMaterial, ModelTint, PictureSource, Span, VertexColors};
 
 use super::Compiler;
 use super::emitters::Glow;
-use super::model_picture::mixed;
 use crate::bsdf::Phong;
 use crate::family::Pooled;
 use crate::light::Sides;
-use crate::material::{Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief};
+use crate::material::{
+    Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief, Specular,
+};
 use crate::texture::{Channel, Encoding, Paint, PictureMap, Share};
 
 /// The index of refraction of glTF's varnish.
@@ -96,13 +97,13 @@ impl Compiler<'_> {
         let coat = amount(material.coat, Channel::Red);
         let coat_roughness = amount(material.coat_roughness, Channel::Green);
         let fuzz_roughness = amount(material.sheen_roughness, Channel::Alpha);
-        let specular = self.specular_picture(material, pictures);
+        let specular = self.model_specular(material, pictures);
         let mut tint = |picture, color| paint(self.model_picture(picture, None, pictures), color);
         let fuzz = material.sheen.color.into_iter().fold(0.0, f32::max);
         let fuzz_color = material.sheen.color.map(|c| if fuzz > 0.0 { c / fuzz } else { 0.0 });
         Layers {
             color: paint(color.cloned(), material.base_color),
-            specular_color: paint(specular, material.specular.color),
+            specular,
             metalness,
             transmission,
             absorption: material.body.unwrap_or_default(),
@@ -122,25 +123,27 @@ impl Compiler<'_> {
         }
     }
 
-    /// The picture of a gloss, whose share may be in the alpha of another one.
-    fn specular_picture(
-        &mut self,
-        material: &ModelMaterial,
-        pictures: &ModelPictures<'_>,
-    ) -> Option<PictureMap> {
-        let color = self.model_picture(material.specular.picture, None, pictures);
-        let Some(share) = self.model_picture(material.gloss, AMOUNTS, pictures) else { return color };
-        let color =
-            color.unwrap_or_else(|| PictureMap { picture: PictureMap::white().picture, ..share.clone() });
-        let both = mixed(&color, &share, |[r, g, b, _], [.., share]| [r * share, g * share, b * share, 1.0]);
-        Some(both.unwrap_or(color))
+    /// How the gloss of what is no metal differs from that of its index.
+    fn model_specular(&mut self, material: &ModelMaterial, pictures: &ModelPictures<'_>) -> Specular {
+        let ModelTint { color, picture } = material.specular;
+        let weight = share(
+            self.model_picture(material.gloss.picture, AMOUNTS, pictures),
+            material.gloss.value,
+            Channel::Alpha,
+        );
+        let map = self.model_picture(picture, None, pictures);
+        if map.is_none() && color == [1.0; 3] && weight.range()[0] >= 1.0 {
+            return Specular::default();
+        }
+        let scale = color.into_iter().fold(1.0, f32::max);
+        Specular::F0 { factor: paint(map, color.map(|c| c / scale)), scale, weight }
     }
 }
 
 /// A surface that reflects nothing.
 fn black() -> Layers {
     let black = || Paint::from(Reflectance::constant(0.0));
-    Layers { color: black(), specular_color: black(), ..Layers::default() }
+    Layers { color: black(), specular: Specular::Factor(black()), ..Layers::default() }
 }
 
 /// The share of a surface that is there, where that is not all of it.

@@ -101,7 +101,7 @@ fn is_ktx2(source: &PictureSource) -> bool {
 }
 
 /// A picture of two that lie in the same place; `None` where they do not.
-pub(super) fn mixed(
+fn mixed(
     a: &PictureMap,
     b: &PictureMap,
     texel: impl Fn([f32; 4], [f32; 4]) -> [f32; 4],

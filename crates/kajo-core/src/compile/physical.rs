@@ -8,7 +8,8 @@ use super::pictures::PaintReader;
 use crate::bsdf::microfacet::Shape;
 use crate::family::Pooled;
 use crate::material::{
-    Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, Materials, Matte, Metal, Substance,
+    Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, Materials, Matte, Metal, Specular,
+    Substance,
 };
 
 /// The words of these materials.
@@ -103,10 +104,7 @@ fn glass(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Option<Gl
     if named.is_some() {
         params.idle(&["indexOfRefraction", "abbeNumber"], "beside `glass`");
     }
-    if thin {
-        let polished = ["roughness", "anisotropy", "rotation", "distribution"];
-        params.idle(&polished, "here: a pane is always polished");
-    } else {
+    if !thin {
         params.idle(&["thickness"], "with `thin off`");
     }
     Some(GlassSettings {
@@ -144,7 +142,7 @@ fn layers(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>) -> Layers {
     }
     Layers {
         color: paints.paint(params, "color", 0.8),
-        specular_color: paints.paint(params, "specularColor", 1.0),
+        specular: Specular::Factor(paints.paint(params, "specularColor", 1.0)),
         metalness: paints.share(params, "metalness", 0.0),
         transmission: paints.share(params, "transmission", 0.0),
         absorption: absorption(params),

@@ -391,7 +391,6 @@ fn what_has_no_effect_is_said() {
         ("Metal { metal gold  color 1 0 0 }", "color"),
         ("Glass { glass water  indexOfRefraction 1.4 }", "indexOfRefraction"),
         ("Glass { abbeNumber 30  glass water }", "abbeNumber"),
-        ("Glass { thin on  roughness 0.3 }", "roughness"),
         ("Glass { thin off  thickness 0.3 }", "thickness"),
     ] {
         let messages = materials(text);
@@ -835,10 +834,13 @@ fn physical_materials_scatter_as_they_are_written() {
     let prism = scatters("Glass { glass N-BK7 }");
     assert!(matches!(prism, Bsdf::Dielectric(l) if (l.eta - 1.5168).abs() < 1e-4), "{prism:?}");
     let pane = scatters("Glass { thickness 0.5  absorption 2 0 0 }");
+    let depth = Spectrum::rgb(1.0, 0.0, 0.0);
     assert!(
-        matches!(pane, Bsdf::ThinDielectric(l) if l.optical_depth == Spectrum::rgb(1.0, 0.0, 0.0)),
+        matches!(pane, Bsdf::ThinDielectric(l) if l.optical_depth == depth && l.is_polished()),
         "{pane:?}"
     );
+    let frosted = scatters("Glass { thin on  roughness 0.5 }");
+    assert!(matches!(frosted, Bsdf::ThinDielectric(l) if l.microfacets.alpha_y == 0.25), "{frosted:?}");
 
     let base = |text| match scatters(text) {
         Bsdf::Principled(layers) => layers.base,
@@ -849,7 +851,9 @@ fn physical_materials_scatter_as_they_are_written() {
     assert_eq!(base("Principled { metalness 0.6 }"), Base::Metal);
     assert_eq!(base("Principled { metalness 0.4  transmission 0.5 }"), Base::Glass);
     let pane = scatters("Principled { transmission 1  thin on  color 0.5 1 0  indexOfRefraction 1.4 }");
-    let Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth }) = pane else { panic!("{pane:?}") };
+    let Bsdf::ThinDielectric(pane) = pane else { panic!("{pane:?}") };
+    let ThinDielectric { eta, optical_depth, microfacets } = pane;
+    assert!((microfacets.alpha_x - 0.09).abs() < 1e-6 && !pane.is_polished(), "{microfacets:?}");
     let [r, g, b] = optical_depth.to_rgb();
     assert!(eta == 1.4 && (r - 2f32.ln()).abs() < 1e-6 && g == 0.0 && b > 50.0, "{optical_depth:?}");
 }

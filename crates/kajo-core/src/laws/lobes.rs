@@ -13,7 +13,7 @@ fn who(kind: &'static str, name: String) -> Who {
 }
 
 pub(super) fn census() -> Census {
-    Census { family: "lobe", kinds: KINDS.to_vec(), pointlike: &["ThinDielectric", "Null"], unpowered: &[] }
+    Census { family: "lobe", kinds: KINDS.to_vec(), pointlike: &["Null"], unpowered: &[] }
 }
 
 /// Every `step`th roughness of every family from `n` directions, with the tolerance of its energy.

@@ -12,7 +12,7 @@ use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
 use crate::material::{
     Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, MaterialPoint,
-    Materials, Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Substance,
+    Materials, Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular, Substance,
 };
 use crate::texture::{
     Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, SurfaceUv, Textures,
@@ -76,7 +76,7 @@ fn white_layers() -> Layers {
     let white = Paint::from(Reflectance::constant(1.0));
     Layers {
         color: white.clone(),
-        specular_color: white.clone(),
+        specular: Specular::Factor(white.clone()),
         metalness: 0.3.into(),
         transmission: 0.4.into(),
         absorption: [0.0; 3],
@@ -113,8 +113,20 @@ fn samples() -> Samples {
     all.add("tray", false, tray);
     all.add("knife", false, LayeredMaterial::from(Layers { grain: brushed, ..white_layers() }));
     all.add("pane", true, glass(0.0, Some(0.1)));
+    all.add("frosted pane", true, glass(0.5, Some(0.0)));
     all.add("layers", true, LayeredMaterial::from(white_layers()));
-    all.add("layers with a pane", true, LayeredMaterial::from(Layers { thin: true, ..white_layers() }));
+    let thin = || Layers { thin: true, ..white_layers() };
+    all.add("layers with a frosted pane", true, LayeredMaterial::from(thin()));
+    let polished = Layers { roughness: 0.1.into(), ..thin() };
+    all.add("layers with a pane", true, LayeredMaterial::from(polished));
+    let rims = Specular::F0 { factor: white().into(), scale: 3.0, weight: 1.0.into() };
+    all.add("bright gloss", true, LayeredMaterial::from(Layers { specular: rims, ..white_layers() }));
+    let rims = Specular::F0 {
+        factor: Reflectance::from_rgb([1.0, 0.2, 0.0]).into(),
+        scale: 1.0,
+        weight: 0.7.into(),
+    };
+    all.add("coloured gloss", false, LayeredMaterial::from(Layers { specular: rims, ..white_layers() }));
     let red = Reflectance::from_rgb([0.8, 0.1, 0.1]);
     all.add("paint", false, LayeredMaterial::from(Layers { color: red.into(), ..white_layers() }));
     let classic = Phong { diffuse: grey(0.3), specular: grey(0.4), exponent: 20.0, ..Phong::BLACK };
@@ -215,7 +227,7 @@ fn materials_are_what_they_say() {
         let cos = 0.4;
         let passed = |bsdf: &Bsdf| match bsdf {
             Bsdf::Null => Spectrum::WHITE,
-            Bsdf::ThinDielectric(pane) => pane.shares(cos).1,
+            Bsdf::ThinDielectric(pane) => pane.passage(cos),
             _ => Spectrum::BLACK,
         };
         let mean = parts.iter().map(passed).fold(Spectrum::BLACK, |sum, share| sum + share) * 1e-3;

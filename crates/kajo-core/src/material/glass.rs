@@ -1,15 +1,17 @@
 //! Glass, water and other clear matter: a body with a polished or rough surface, or a thin pane.
 //!
 //! A body bends light at its surface and absorbs inside. Where bodies overlap, the one of the higher priority is
-//! there. A pane has no inside: light goes straight through, weakened by `exp(-absorption thickness)` and
-//! by reflection to and fro. The classic integrator sees a clear transparent colour and the index of yellow light.
+//! there. A pane has no inside: light goes straight through, or is scattered by a rough one, weakened by
+//! `exp(-absorption thickness)` and by reflection to and fro. The classic integrator sees a clear transparent colour and the index of yellow light.
 //!
 //! Scene: `Glass { glass N-SF10  absorption 0.1 0.02 0.05 }`
 
 use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
 use kajo_math::Vec3;
 
-use super::{Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint};
+use super::{
+    Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint, may_be_polished,
+};
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
 use crate::texture::{Share, SurfaceUv, Textures};
 
@@ -62,7 +64,8 @@ impl Glass {
 
     fn pane(&self, at: &ShadingPoint<'_>) -> Option<ThinDielectric> {
         let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?;
-        Some(ThinDielectric { eta: self.eta(at.wavelengths) / at.eta_outside, optical_depth })
+        let eta = self.eta(at.wavelengths) / at.eta_outside;
+        Some(ThinDielectric { eta, optical_depth, microfacets: self.facets(at.place.uv) })
     }
 
     fn facets(&self, uv: SurfaceUv) -> Microfacets {
@@ -116,11 +119,11 @@ impl Appearance for Glass {
     }
 
     fn passage(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        self.pane(at).map_or(Spectrum::BLACK, |pane| pane.shares(cos).1)
+        self.pane(at).map_or(Spectrum::BLACK, |pane| pane.passage(cos))
     }
 
     fn has_passages(&self, _materials: &Materials) -> bool {
-        self.settings.pane.is_some()
+        self.settings.pane.is_some() && may_be_polished(&self.settings.roughness)
     }
 
     fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {

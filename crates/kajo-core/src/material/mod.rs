@@ -18,14 +18,14 @@ pub use metal::{Metal, Substance};
 pub use orientation::{Grain, Lean, Orientation};
 pub use perforated::Perforated;
 pub use phong::PhongMaterial;
-pub use principled::{LayeredMaterial, Layers};
+pub use principled::{LayeredMaterial, Layers, Specular};
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Vec3, Vec4};
 
-use crate::bsdf::{Bsdf, Phong};
+use crate::bsdf::{Bsdf, POLISHED, Phong};
 use crate::family::family;
-use crate::texture::{SurfaceUv, Textures, rgb_reflectance};
+use crate::texture::{Share, SurfaceUv, Textures, rgb_reflectance};
 
 /// Where on a surface a material is asked.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,6 +64,12 @@ pub struct ShadingPoint<'a> {
     pub eta_outside: f32,
     /// Uniform in [0, 1): chooses among the parts of a mixture.
     pub u: f32,
+}
+
+/// Whether a pane of a roughness lets light go straight on anywhere.
+fn may_be_polished(roughness: &Share) -> bool {
+    let least = roughness.range()[0];
+    least * least <= POLISHED
 }
 
 /// What fills a body whose surface lets light through.

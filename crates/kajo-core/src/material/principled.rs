@@ -2,8 +2,8 @@
 //!
 //! The parameters are the core of OpenPBR 1.1; [`Principled`](crate::bsdf::Principled) has the equations. At each
 //! hit the base is a metal with probability `metalness`, else glass with probability `transmission`, else pigment.
-//! Roughnesses are as they look: facets have their squares. Where the surface is thin, its glass is a polished pane that
-//! light crosses without being bent, and of which `color` is what one crossing lets through.
+//! Roughnesses are as they look: facets have their squares. Where the surface is thin, its glass is a pane that
+//! light crosses without being bent, or a frosted one, and of which `color` is what one crossing lets through.
 //!
 //! Scene: `Principled { color 0.8 0.1 0.05  roughness 0.3  coat 1 }`
 
@@ -12,20 +12,65 @@ use kajo_math::{Vec2, Vec3, fmath};
 
 use super::{
     Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, PhongMaterial, ShadingPoint,
+    may_be_polished,
 };
-use crate::bsdf::{Base, Bsdf, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape};
+use crate::bsdf::{self, Base, Bsdf, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape};
 use crate::texture::{Paint, Share, SurfaceUv, Textures};
 
 /// The least light that a pane lets through, black ones too.
 const LEAST_PASSED: f32 = 1e-30;
+
+/// How the gloss of a pigment differs from that of its index of refraction; see [`bsdf::Specular`].
+#[derive(Clone, Debug)]
+pub enum Specular {
+    /// A factor at every angle.
+    Factor(Paint),
+    /// A factor of what is reflected straight on.
+    F0 {
+        /// The factor, over the scale.
+        factor: Paint,
+        /// What that is multiplied by, at least 1.
+        scale: f32,
+        /// Another factor at every angle.
+        weight: Share,
+    },
+}
+
+impl Default for Specular {
+    /// No difference.
+    fn default() -> Specular {
+        Specular::Factor(Reflectance::constant(1.0).into())
+    }
+}
+
+impl Specular {
+    fn varies(&self) -> bool {
+        match self {
+            Specular::Factor(color) => color.varies(),
+            Specular::F0 { factor, weight, .. } => factor.varies() || weight.varies(),
+        }
+    }
+
+    fn at(&self, uv: SurfaceUv, wavelengths: &Wavelengths) -> bsdf::Specular {
+        match self {
+            Specular::Factor(color) => bsdf::Specular::Factor(color.at(uv, wavelengths)),
+            &Specular::F0 { ref factor, scale, ref weight } => bsdf::Specular::F0 {
+                factor: factor.at(uv, wavelengths) * scale,
+                // Of the colour, so that it does not depend on the wavelengths of a path.
+                largest: factor.rgb(uv).max_lane() * scale,
+                weight: weight.at(uv),
+            },
+        }
+    }
+}
 
 /// What a layered surface is like; shares and roughnesses are in [0, 1], colours in linear RGB.
 #[derive(Clone, Debug)]
 pub struct Layers {
     /// Albedo of the pigment, of the metal straight on, and factor of light that enters or leaves the glass.
     pub color: Paint,
-    /// Factor of glossy reflection.
-    pub specular_color: Paint,
+    /// What differs in glossy reflection.
+    pub specular: Specular,
     /// Share of metal.
     pub metalness: Share,
     /// Share of glass in what is not metal.
@@ -68,7 +113,7 @@ impl Default for Layers {
         let grey = |value: f32| Paint::from(Reflectance::constant(value));
         Layers {
             color: grey(0.8),
-            specular_color: grey(1.0),
+            specular: Specular::default(),
             metalness: 0.0.into(),
             transmission: 0.0.into(),
             absorption: [0.0; 3],
@@ -118,12 +163,13 @@ impl LayeredMaterial {
 
 impl Layers {
     fn vary(&self) -> bool {
-        let colors = [&self.color, &self.specular_color, &self.coat_color, &self.fuzz_color];
+        let colors = [&self.color, &self.coat_color, &self.fuzz_color];
         let kinds = [&self.metalness, &self.transmission, &self.coat, &self.fuzz];
         let roughnesses =
             [&self.roughness, &self.diffuse_roughness, &self.coat_roughness, &self.fuzz_roughness];
         colors.into_iter().any(Paint::varies)
             || kinds.into_iter().chain(roughnesses).any(Share::varies)
+            || self.specular.varies()
             || self.grain.varies()
     }
 
@@ -163,7 +209,8 @@ impl Layers {
     fn pane(&self, at: &ShadingPoint<'_>) -> ThinDielectric {
         let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
         let optical_depth = self.color_at(at).map(depth);
-        ThinDielectric { eta: self.eta / at.eta_outside, optical_depth }
+        let microfacets = self.facets(at.place.uv);
+        ThinDielectric { eta: self.eta / at.eta_outside, optical_depth, microfacets }
     }
 
     /// Whether light enters the material anywhere.
@@ -233,7 +280,7 @@ impl Appearance for LayeredMaterial {
         Bsdf::Principled(Principled {
             base,
             color: layers.color_at(at),
-            specular_color: layers.specular_color.at(uv, wavelengths),
+            specular: layers.specular.at(uv, wavelengths),
             diffuse_roughness: layers.diffuse_roughness.at(uv),
             alpha: Vec2::new(facets.alpha_x, facets.alpha_y),
             eta: if base == Base::Glass { eta } else { eta.max(1.0) },
@@ -253,11 +300,11 @@ impl Appearance for LayeredMaterial {
         if !layers.thin || glass == 0.0 {
             return Spectrum::BLACK;
         }
-        layers.pane(at).shares(cos).1 * glass
+        layers.pane(at).passage(cos) * glass
     }
 
     fn has_passages(&self, _materials: &Materials) -> bool {
-        self.layers.thin && self.layers.transmit()
+        self.layers.thin && self.layers.transmit() && may_be_polished(&self.layers.roughness)
     }
 
     fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {

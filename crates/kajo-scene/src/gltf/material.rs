@@ -44,10 +44,10 @@ pub struct ModelMaterial {
     pub eta: f32,
     /// Abbe's number of the index, infinite where it is the same for all wavelengths.
     pub abbe: f32,
-    /// Factor of the gloss of what is no metal.
+    /// Factor of what is reflected straight on by what is no metal; it may be above 1.
     pub specular: ModelTint,
-    /// Another factor of that gloss, by the alpha channel.
-    pub gloss: Option<PictureUse>,
+    /// Factor of that gloss at every angle, by the alpha channel.
+    pub gloss: ModelAmount,
     /// Share of light that goes in where the surface is no metal, by the red channel.
     pub transmission: ModelAmount,
     /// What is behind the surface when light does: absorption per unit length in a body, or nothing, since the surface
@@ -99,16 +99,11 @@ pub enum VertexColors {
 }
 
 impl ModelMaterial {
-    /// Whether it lets light through a rough surface without a body behind it.
-    pub(super) fn is_rough_pane(&self) -> bool {
-        self.transmission.value > 0.0 && self.body.is_none() && self.roughness > 0.1
-    }
-
     /// All pictures that it shows.
     pub fn pictures(&self) -> impl Iterator<Item = PictureUse> {
         let normals = self.normals.map(|(picture, _)| picture);
-        let amounts = [self.transmission, self.coat, self.coat_roughness, self.sheen_roughness];
-        let shown = [self.picture, self.metal_and_roughness, normals, self.emissive_picture, self.gloss];
+        let amounts = [self.gloss, self.transmission, self.coat, self.coat_roughness, self.sheen_roughness];
+        let shown = [self.picture, self.metal_and_roughness, normals, self.emissive_picture];
         let older = self.glossiness.map_or([None; 2], |older| [older.diffuse_picture, Some(older.picture)]);
         let tints = [self.specular, self.sheen].map(|tint| tint.picture);
         shown.into_iter().chain(older).chain(tints).chain(amounts.map(|amount| amount.picture)).flatten()
@@ -118,7 +113,7 @@ impl ModelMaterial {
 /// A colour, linear, and what it is multiplied by over the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelTint {
-    /// In [0, 1].
+    /// At least 0, and at most 1 where nothing else is said.
     pub color: [f32; 3],
     /// Its factor.
     pub picture: Option<PictureUse>,
@@ -418,6 +413,9 @@ impl Default for Volume {
     }
 }
 
+/// The largest factor of what is reflected straight on.
+const LARGEST_FACTOR: f32 = 1e6;
+
 /// The largest index of refraction that a reflectance straight on may stand for.
 const LARGEST_ETA: f32 = 4.0;
 
@@ -513,11 +511,11 @@ impl Material {
                 dispersion if dispersion > 0.0 => ABBE_AT_1 / dispersion,
                 _ => f32::INFINITY,
             },
-            specular: tint(
-                specular.specular_color_factor.map(|x| x * specular.specular_factor),
-                &specular.specular_color_texture,
-            ),
-            gloss: picture(&specular.specular_texture),
+            specular: ModelTint {
+                color: specular.specular_color_factor.map(|x| x.clamp(0.0, LARGEST_FACTOR)),
+                picture: picture(&specular.specular_color_texture),
+            },
+            gloss: amount(specular.specular_factor, &specular.specular_texture),
             transmission: amount(transmission.transmission_factor, &transmission.transmission_texture),
             body: volume.absorption(),
             coat: amount(clearcoat.clearcoat_factor, &clearcoat.clearcoat_texture),

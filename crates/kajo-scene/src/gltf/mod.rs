@@ -130,13 +130,6 @@ pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Resul
     model.materials = document.materials.iter().map(understood).collect();
     color_materials(&mut model);
     model.pictures = pictures(&document, &model.materials, &buffers, &mut budget).map_err(wrong)?;
-    let rough_panes = model.materials.iter().filter(|material| material.is_rough_pane()).count();
-    if rough_panes > 0 {
-        let why = "light passes through surfaces without `KHR_materials_volume` as through clear panes";
-        model
-            .left_out
-            .push(format!("left out: the roughness of what {rough_panes} materials let through; {why}"));
-    }
     model.left_out.extend(counts.sentences());
     model.left_out.extend(left_out(&document));
     if failed > 0 {

@@ -64,11 +64,12 @@ pub fn picture(text: &[u8], files: &[(&str, &[u8])], integrator: IntegratorKind)
 }
 
 /// What a mesh stands for in its scene.
-pub const PARTS: [&str; 8] = [
+pub const PARTS: [&str; 9] = [
     "Matte m { color 0.5 0.5 0.5 }",
     "Metal m { color 0.9 0.9 0.9  roughness 0.3 }",
     "Glass m { }",
     "Glass m { thin on }",
+    "Glass m { thin on  roughness 0.4 }",
     "Matte m { opacity 0.3 }",
     "Matte m { color 0 0 0  emission 3 3 3 }",
     "PhongMaterial m { reflectiveColor 0.5 0.5 0.5  transparentColor 0.5 0.5 0.5  indexOfRefraction 1.3 }",

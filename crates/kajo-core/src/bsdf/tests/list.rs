@@ -39,6 +39,10 @@ fn glass(eta: f32, microfacets: Microfacets) -> Bsdf {
     Bsdf::Dielectric(Dielectric::new(eta, microfacets))
 }
 
+fn pane(eta: f32, optical_depth: Spectrum, microfacets: Microfacets) -> Bsdf {
+    Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth, microfacets })
+}
+
 /// The classic model, its highlight as wide as a roughness of `alpha`.
 pub fn phong(diffuse: f32, specular: f32, reflective: f32, transparent: f32, alpha: f32) -> Bsdf {
     let grey = Spectrum::grey;
@@ -59,6 +63,13 @@ pub fn phong(diffuse: f32, specular: f32, reflective: f32, transparent: f32, alp
 fn layered(base: Base, alpha: f32, coat: f32, fuzz: f32) -> Bsdf {
     let (color, alpha, coat_alpha) = (Spectrum::WHITE, Vec2::splat(alpha), (0.3 * alpha).max(0.05));
     Bsdf::Principled(Principled { base, color, alpha, coat, coat_alpha, fuzz, ..Principled::default() })
+}
+
+/// A white pigment below a gloss whose facets reflect a factor of what they do straight on.
+fn glossy(alpha: f32, factor: f32, weight: f32) -> Bsdf {
+    let specular = Specular::F0 { factor: Spectrum::grey(factor), largest: factor, weight };
+    let (color, alpha) = (Spectrum::WHITE, Vec2::splat(alpha));
+    Bsdf::Principled(Principled { color, alpha, specular, ..Principled::default() })
 }
 
 /// A family without promises.
@@ -155,7 +166,28 @@ pub fn families() -> Vec<Family> {
             tolerance: 0.03,
             ..PLAIN
         },
+        Family {
+            name: "frosted pane",
+            lobe: |a| pane(1.5, Spectrum::BLACK, Microfacets::new(Shape::Ggx, a)),
+            lossless: true,
+            ..PLAIN
+        },
+        Family {
+            name: "frosted pane, Beckmann",
+            lobe: |a| pane(2.0, Spectrum::BLACK, Microfacets::new(Shape::Beckmann, a)),
+            lossless: true,
+            ..PLAIN
+        },
+        Family {
+            name: "brushed green pane",
+            lobe: |a| pane(1.5, Spectrum::rgb(0.8, 0.1, 1.2), anisotropic(Shape::Ggx, a)),
+            tolerance: 0.01,
+            ..PLAIN
+        },
         Family { name: "plastic", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.0), lossless: true, ..PLAIN },
+        Family { name: "plastic of a bright gloss", lobe: |a| glossy(a, 5.0, 1.0), lossless: true, ..PLAIN },
+        Family { name: "plastic of a dim gloss", lobe: |a| glossy(a, 0.3, 1.0), lossless: true, ..PLAIN },
+        Family { name: "plastic of rims only", lobe: |a| glossy(a, 0.0, 0.8), lossless: true, ..PLAIN },
         Family { name: "car paint", lobe: |a| layered(Base::Metal, a, 0.8, 0.0), lossless: true, ..PLAIN },
         Family { name: "peach", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.9), lossless: true, ..PLAIN },
         Family {
@@ -175,7 +207,7 @@ pub fn families() -> Vec<Family> {
             lobe: |a| {
                 Bsdf::Principled(Principled {
                     color: Spectrum::rgb(0.2, 0.5, 0.9),
-                    specular_color: Spectrum::rgb(1.0, 0.8, 0.6),
+                    specular: Specular::Factor(Spectrum::rgb(1.0, 0.8, 0.6)),
                     diffuse_roughness: a,
                     alpha: Vec2::new(a, 0.5 * a),
                     coat: 0.7,
@@ -197,12 +229,11 @@ pub fn families() -> Vec<Family> {
 /// Lobes that scatter into single directions.
 pub fn mirrors() -> Vec<(&'static str, Bsdf)> {
     let smooth = Microfacets::new(Shape::Ggx, 0.0);
-    let pane = ThinDielectric { eta: 1.5, optical_depth: Spectrum::BLACK };
     vec![
         ("mirror", conductor(MetalFresnel::Constant(Spectrum::WHITE), smooth)),
         ("smooth glass", glass(1.5, smooth)),
         ("smooth bubble", glass(1.0 / 1.33, smooth)),
-        ("pane", Bsdf::ThinDielectric(pane)),
+        ("pane", pane(1.5, Spectrum::BLACK, smooth)),
         ("nothing", Bsdf::Null),
         ("mirrors of Phong", phong(0.0, 0.0, 0.4, 0.6, 0.5)),
     ]

@@ -153,10 +153,11 @@ fn repeated_reflection_is_a_geometric_series() {
 
 #[test]
 fn a_pane_adds_up_its_echoes() {
-    let clear = ThinDielectric { eta: 1.5, optical_depth: Spectrum::BLACK };
+    let microfacets = Microfacets::new(Shape::Ggx, 0.0);
+    let clear = ThinDielectric { eta: 1.5, optical_depth: Spectrum::BLACK, microfacets };
     let (r, t) = clear.shares(1.0);
     assert!((r[0] - 0.076_923_1).abs() < 1e-6 && (t[0] - 0.923_076_9).abs() < 1e-6);
-    let tinted = ThinDielectric { eta: 1.5, optical_depth: Spectrum::rgb(0.1, 0.5, 2.0) };
+    let tinted = ThinDielectric { optical_depth: Spectrum::rgb(0.1, 0.5, 2.0), ..clear };
     for cos in [1.0f32, 0.7, 0.2] {
         let face = f64::from(fresnel::dielectric(cos, 1.5));
         let cos_t = (1.0 - (1.0 - f64::from(cos).powi(2)) / 2.25).sqrt();

@@ -18,17 +18,25 @@ fn share() -> impl Strategy<Value = f32> {
     prop_oneof![Just(0.0f32), Just(1.0), 0f32..=1.0]
 }
 
+fn specular() -> impl Strategy<Value = Specular> {
+    let ends = |(color, scale, weight): (Spectrum, f32, f32)| {
+        let factor = color * scale;
+        Specular::F0 { factor, largest: factor.max_lane(), weight }
+    };
+    prop_oneof![color().prop_map(Specular::Factor), (color(), 0f32..20.0, share()).prop_map(ends)]
+}
+
 fn layers() -> impl Strategy<Value = Principled> {
     let base = prop_oneof![Just(Base::Diffuse), Just(Base::Metal), Just(Base::Glass)];
-    let surface = (base, color(), color(), share(), share(), share(), 1f32..3.0);
+    let surface = (base, color(), specular(), share(), share(), share(), 1f32..3.0);
     let above = (share(), color(), share(), 1f32..3.0, share(), color(), share());
     (surface, above).prop_map(|(surface, above)| {
-        let (base, color, specular_color, diffuse_roughness, alpha_x, alpha_y, eta) = surface;
+        let (base, color, specular, diffuse_roughness, alpha_x, alpha_y, eta) = surface;
         let (coat, coat_color, coat_alpha, coat_eta, fuzz, fuzz_color, fuzz_roughness) = above;
         Principled {
             base,
             color,
-            specular_color,
+            specular,
             diffuse_roughness,
             alpha: Vec2::new(alpha_x, alpha_y),
             eta,

@@ -315,8 +315,10 @@ fn lamps_shine_through_panes() {
     let panes: [(&str, Passes); 5] = [
         ("Glass pane { thin on }", |cos| pane_share(cos, 0.0)),
         ("Glass pane { thickness 0.2  absorption 3 1 1 }", |cos| pane_share(cos, 0.6)),
-        ("Principled pane { transmission 1  thin on  color 0.5 0.7 0.9 }", |cos| pane_share(cos, 2f64.ln())),
-        ("Principled pane { transmission 0.5  thin on  color 1 1 1  metalness 0.2 }", |cos| {
+        ("Principled pane { transmission 1  thin on  roughness 0.1  color 0.5 0.7 0.9 }", |cos| {
+            pane_share(cos, 2f64.ln())
+        }),
+        ("Principled pane { transmission 0.5  thin on  roughness 0  color 1 1 1  metalness 0.2 }", |cos| {
             0.4 * pane_share(cos, 0.0)
         }),
         (

@@ -48,6 +48,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         ("clay", format!("Matte m {{ color 1 1 1  roughness {roughness} }}")),
         ("frosted glass", format!("Glass m {{ roughness {roughness} }}")),
         ("a clear pane", "Glass m { thin on }".to_owned()),
+        ("a frosted pane", format!("Glass m {{ thin on  roughness {roughness} }}")),
         ("plastic", format!("Principled m {{ color 1 1 1  roughness {roughness} }}")),
         (
             "varnish",
