@@ -122,3 +122,30 @@ fn instances_are_counted_before_they_are_made() {
     let said = &["levels.txt:", "no memory for the objects", "of memory", "not enough memory"];
     folder.fail("render levels.txt -o none.png --memory 200", 6, said);
 }
+
+#[test]
+fn materials_and_models_are_counted_as_they_are_read() {
+    let folder = Folder::new();
+    let [camera, _] = common::BALL.split_once("Materials").map(|(camera, rest)| [camera, rest]).unwrap();
+    let materials = "Principled { }\n".repeat(60_000);
+    let ball = "Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }";
+    folder.write("many.txt", format!("{camera} Materials {{\n{materials}}}\n{ball}"));
+    let said = &["many.txt:", "no memory for the materials", "not enough memory"];
+    folder.fail("render many.txt -o none.png --size 30 20 --samples 1 --memory 100", 6, said);
+    let libraries: String = (0..60_000).map(|i| format!("newmtl m{i}\nPr 1\n")).collect();
+    let uses: String = (0..60_000).map(|i| format!("usemtl m{i}\nf 1 2 3\n")).collect();
+    folder.write("many.mtl", libraries);
+    folder.write("many.obj", format!("mtllib many.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{uses}"));
+    folder.fail(
+        "render many.obj -o none.png --size 30 20 --samples 1 --memory 50",
+        6,
+        &["not enough memory"],
+    );
+    // Three bytes each in the file.
+    let nodes = vec!["{}"; 300_000].join(",");
+    folder.write("many.gltf", format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{nodes}]}}"#));
+    folder.fail("render many.gltf -o none.png --memory 100", 6, &["many.gltf", "needs", "not enough memory"]);
+    let materials = vec!["{}"; 300_000].join(",");
+    folder.write("many.gltf", format!(r#"{{"asset":{{"version":"2.0"}},"materials":[{materials}]}}"#));
+    folder.fail("render many.gltf -o none.png --memory 100", 6, &["many.gltf", "needs", "not enough memory"]);
+}

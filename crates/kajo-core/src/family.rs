@@ -78,6 +78,11 @@ macro_rules! family {
                 $Pools::KINDS[crate::family::split(id.0).0 as usize]
             }
 
+            /// Bytes of memory of all pools, room that is not used yet among them, without what members point to.
+            pub fn bytes(&self) -> usize {
+                0 $(+ self.$field.capacity() * size_of::<$Member>())+
+            }
+
             /// How many members there are of each kind that has any, by the name of the pool.
             pub fn counts(&self) -> Vec<(&'static str, usize)> {
                 let all = [$((stringify!($field), self.$field.len())),+];

@@ -43,7 +43,7 @@ pub struct Limits {
     pub faces: usize,
     /// Corners of one polygon.
     pub polygon_corners: usize,
-    /// Materials of one mesh or material file.
+    /// Materials of one mesh, material or model file.
     pub materials: usize,
     /// Memory for all of the scene together.
     pub memory: MemoryBudget,

@@ -124,6 +124,11 @@ impl Compiler<'_> {
         self.check_count("numMaterials", count, n_blocks, "material");
 
         let mut names = HashMap::new();
+        let bytes = items.len().saturating_mul(size_of::<(Option<Draft<'_>>, Option<String>)>());
+        let _drafts = match self.options.limits.memory.share(bytes as u64) {
+            Ok(share) => share,
+            Err(over) => return self.lacks_memory("materials", over, item.head_span()),
+        };
         let mut drafts = Vec::with_capacity(items.len());
         for (i, &item) in items.iter().enumerate() {
             let name = item.word().map(|word| word.text().into_owned());
@@ -143,6 +148,9 @@ impl Compiler<'_> {
                 self.material_list.push((id, name));
             } else {
                 self.failed_materials.insert(drafts[i].1.clone());
+            }
+            if !self.has_memory_for_materials(items[i].head_span()) {
+                return;
             }
         }
     }

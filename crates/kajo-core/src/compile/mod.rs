@@ -198,6 +198,8 @@ struct Compiler<'a> {
     parts_defined: usize,
     /// There are more objects than there may be, which has been reported.
     too_many: bool,
+    /// Memory taken for materials.
+    material_bytes: usize,
     /// Triangles without area, and where the first one stands.
     flat_triangles: Option<(usize, Span)>,
     materials: Materials,
@@ -258,6 +260,7 @@ impl<'a> Compiler<'a> {
             nested_transmits: false,
             parts_defined: 0,
             too_many: false,
+            material_bytes: 0,
             flat_triangles: None,
             materials: Materials::default(),
             material_list: Vec::new(),

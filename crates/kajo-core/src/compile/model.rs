@@ -134,9 +134,13 @@ impl Compiler<'_> {
         }
         self.warn_of_beads(&model, radii, &key.path, at);
         let pictures = ModelPictures { list: &model.pictures, path: &key.path, at };
-        let own = model.materials.iter().filter(|_| key.own_materials);
-        let materials: Vec<Option<MaterialId>> =
-            own.map(|material| self.model_material(material, &pictures)).collect();
+        let mut materials: Vec<Option<MaterialId>> = Vec::new();
+        for material in model.materials.iter().filter(|_| key.own_materials) {
+            materials.push(self.model_material(material, &pictures));
+            if !self.has_memory_for_materials(at) {
+                return None;
+            }
+        }
         let mut bead_materials = BeadMaterials::new();
         let (mut triangles, mut flat) = (0, 0);
         let mut meshes: Vec<Vec<Stored>> = Vec::with_capacity(model.meshes.len());

@@ -50,6 +50,9 @@ impl Compiler<'_> {
             slots.push(match known.get(name) {
                 Some((mtl, path)) => {
                     let id = self.mtl_material(&Described { mtl, path, place });
+                    if !self.has_memory_for_materials(place) {
+                        return None;
+                    }
                     self.slot(id)
                 }
                 None if all_read => {

@@ -5,10 +5,12 @@
 //! ```
 
 use super::json::Document;
+use super::material::Material;
 use super::{Budget, meshopt};
 use crate::assets::{AssetError, AssetFile, Assets, read_limited};
 use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
+use crate::read_memory::ReadMemory;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::hash_map::Entry;
@@ -73,9 +75,22 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 
 impl Container {
     /// The JSON, understood.
-    pub fn document(&self, path: &str) -> Result<Document, MeshFileError> {
+    ///
+    /// * `memory`: what it is going to be in memory is taken from there
+    pub fn document(
+        &self,
+        path: &str,
+        limits: &Limits,
+        memory: &mut ReadMemory,
+    ) -> Result<Document, MeshFileError> {
         let json = &self.bytes[self.json.clone()];
         let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
+        let materials = count_of_materials(json);
+        if materials > limits.materials {
+            let message = format!("the file has more than {} materials", limits.materials);
+            return Err(MeshFileError::Content { path: path.to_owned(), message });
+        }
+        memory.take(parsed_bytes(json, materials)).map_err(|over| MeshFileError::memory(path, over))?;
         serde_json::from_slice(json).map_err(|error| {
             let message = match is_of_version_1(json) {
                 true => unread_version("1.0"),
@@ -84,6 +99,32 @@ impl Container {
             MeshFileError::Content { path: path.to_owned(), message }
         })
     }
+}
+
+/// The number of materials in a JSON, none where it is malformed.
+fn count_of_materials(json: &[u8]) -> usize {
+    #[derive(Default, Deserialize)]
+    #[serde(default)]
+    struct Materials {
+        materials: Vec<IgnoredAny>,
+    }
+    serde_json::from_slice(json).map_or(0, |counted: Materials| counted.materials.len())
+}
+
+/// At least what the structures of a JSON take in memory, so that a short file of many empty ones is not read.
+fn parsed_bytes(json: &[u8], materials: usize) -> usize {
+    /// Of one of any other kind, in a list with as much room again, or in a map of names.
+    const OBJECT: usize = 600;
+    /// Of a number in such a list.
+    const NUMBER: usize = 2 * size_of::<usize>();
+    let (mut objects, mut numbers) = (0, 0);
+    for &byte in json {
+        objects += usize::from(byte == b'{');
+        numbers += usize::from(byte == b',');
+    }
+    let materials = materials.saturating_mul(2 * size_of::<Material>());
+    let rest = objects.saturating_mul(OBJECT).saturating_add(numbers.saturating_mul(NUMBER));
+    materials.saturating_add(rest).saturating_add(json.len())
 }
 
 /// Whether things have names instead of numbers, as in the first version of the format.
@@ -134,6 +175,7 @@ impl<'c> Buffers<'c> {
         path: &str,
         assets: &dyn Assets,
         limits: &Limits,
+        memory: &mut ReadMemory,
     ) -> Result<Buffers<'c>, MeshFileError> {
         let bytes_read = container.bytes.len() as u64;
         let mut buffers = Buffers { container, list: Vec::new(), decoded: HashMap::new(), bytes_read };
@@ -152,9 +194,12 @@ impl<'c> Buffers<'c> {
                 }
                 (None, _) => return Err(wrong("it has no `uri`, and the file holds no buffer")),
                 (Some(uri), _) => match uri.strip_prefix("data:") {
-                    Some(data) => Source::Own(
-                        decode_data(data).ok_or_else(|| wrong("its `data:` uri is not in base64"))?,
-                    ),
+                    Some(data) => {
+                        memory.take(data.len()).map_err(|over| MeshFileError::memory(path, over))?;
+                        Source::Own(
+                            decode_data(data).ok_or_else(|| wrong("its `data:` uri is not in base64"))?,
+                        )
+                    }
                     None => {
                         let file = open_beside(uri, path, assets)?;
                         match files.entry(file.path.clone()) {
@@ -162,6 +207,8 @@ impl<'c> Buffers<'c> {
                             Entry::Vacant(place) => {
                                 place.insert(i);
                                 let left = limits.model_bytes.saturating_sub(buffers.bytes_read);
+                                let len = usize::try_from(file.len.unwrap_or(0)).unwrap_or(usize::MAX);
+                                memory.take(len).map_err(|over| MeshFileError::memory(uri, over))?;
                                 Source::Own(
                                     read_limited(file, left).map_err(|source| unreadable(uri, source))?,
                                 )

@@ -28,6 +28,8 @@ use self::skin::Poses;
 use crate::assets::{AssetFile, Assets};
 use crate::limits::Limits;
 use crate::line_reader::MeshFileError;
+use crate::memory_budget::OverBudget;
+use crate::read_memory::ReadMemory;
 use crate::tri_mesh::TriMesh;
 use kajo_math::DAffine3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,22 +108,37 @@ pub struct ModelInstance {
 pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Result<Model, MeshFileError> {
     let path = file.path.clone();
     let container = container::read(file, limits)?;
-    let document = container.document(&path)?;
+    let mut memory = ReadMemory::new(&limits.memory);
+    let document = container.document(&path, limits, &mut memory)?;
     let wrong = |message: String| MeshFileError::Content { path: path.clone(), message };
     check_version(&document).map_err(wrong)?;
     check_extensions(&document).map_err(wrong)?;
-    let mut buffers = Buffers::load(&document, &container, &path, assets, limits)?;
-    let mut budget = Budget::new(buffers.bytes_read());
-    buffers.decode(&document, &mut budget).map_err(wrong)?;
-    let tree = nodes::read(&document, &buffers, limits, &mut budget).map_err(wrong)?;
-    let mut poses = Poses::new(&document, &buffers);
+    let mut buffers = Buffers::load(&document, &container, &path, assets, limits, &mut memory)?;
+    let mut budget = Budget::new(buffers.bytes_read(), memory);
+    let model = model(&document, &mut buffers, limits, &mut budget);
+    model.map_err(|message| match budget.over {
+        Some(over) => MeshFileError::memory(&path, over),
+        None => wrong(message),
+    })
+}
+
+fn model(
+    document: &json::Document,
+    buffers: &mut Buffers<'_>,
+    limits: &Limits,
+    budget: &mut Budget,
+) -> Result<Model, String> {
+    budget.take::<ModelMaterial>(document.materials.len())?;
+    buffers.decode(document, budget)?;
+    let tree = nodes::read(document, buffers, limits, budget)?;
+    let mut poses = Poses::new(document, buffers);
     let mut counts = primitive::Skipped::default();
     let mut meshes = Vec::new();
     for &shown in &tree.shown {
-        let pose = poses.of(shown, &tree, &mut budget).map_err(wrong)?;
+        let pose = poses.of(shown, &tree, budget)?;
         let mesh = shown.mesh;
-        let parts = primitive::read_mesh(&document, &buffers, mesh, &pose, &mut budget, &mut counts);
-        meshes.push(parts.map_err(|said| wrong(format!("meshes[{mesh}]: {said}")))?);
+        let parts = primitive::read_mesh(document, buffers, mesh, &pose, budget, &mut counts);
+        meshes.push(parts.map_err(|said| format!("meshes[{mesh}]: {said}"))?);
     }
     let failed = poses.failed();
     let mut model = Model { meshes, ..tree.model };
@@ -129,34 +146,43 @@ pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Resul
         |material: &material::Material| material.understood(&document.textures, &document.samplers);
     model.materials = document.materials.iter().map(understood).collect();
     color_materials(&mut model);
-    model.pictures = pictures(&document, &model.materials, &buffers, &mut budget).map_err(wrong)?;
+    model.pictures = pictures(document, &model.materials, buffers, budget)?;
     model.left_out.extend(counts.sentences());
-    model.left_out.extend(left_out(&document));
+    model.left_out.extend(left_out(document));
     if failed > 0 {
         model.left_out.push(format!("left out: {failed} skins with joints that are not in the scene"));
     }
     Ok(model)
 }
 
-/// Bytes that meshes may still take: a multiple of what was read, so that a short file that says the same
-/// thing over and over cannot take more.
+/// Bytes that a model may still take: a multiple of what was read, so that a short file that says the same
+/// thing over and over cannot take more, and what the scene has left.
 pub(crate) struct Budget {
     left: u64,
+    memory: ReadMemory,
+    /// What the scene had too little for.
+    over: Option<OverBudget>,
 }
 
 impl Budget {
     const FREE: u64 = 64 << 20;
     const FACTOR: u64 = 32;
 
-    fn new(bytes_read: u64) -> Budget {
-        Budget { left: Budget::FREE.saturating_add(bytes_read.saturating_mul(Budget::FACTOR)) }
+    /// * `memory`: taken for reading so far
+    fn new(bytes_read: u64, memory: ReadMemory) -> Budget {
+        let left = Budget::FREE.saturating_add(bytes_read.saturating_mul(Budget::FACTOR));
+        Budget { left, memory, over: None }
     }
 
     /// Takes room for `count` values of a type.
     fn take<T>(&mut self, count: usize) -> Result<(), String> {
         let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
-        self.left = self.left.checked_sub(bytes).ok_or("the meshes are out of all proportion to the file")?;
-        Ok(())
+        self.left =
+            self.left.checked_sub(bytes).ok_or("what it holds is out of all proportion to its length")?;
+        self.memory.take(usize::try_from(bytes).unwrap_or(usize::MAX)).map_err(|over| {
+            self.over = Some(over);
+            over.to_string()
+        })
     }
 }
 

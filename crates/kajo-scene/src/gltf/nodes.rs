@@ -4,7 +4,7 @@ use super::accessor::View;
 use super::container::Buffers;
 use super::json::{Document, Instancing, Node};
 use super::skin::affine;
-use super::{Budget, Model, ModelInstance, camera, light};
+use super::{Budget, Model, ModelCamera, ModelInstance, ModelLight, camera, light};
 use crate::limits::Limits;
 use kajo_math::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
@@ -36,6 +36,7 @@ pub(super) fn read(
     limits: &Limits,
     budget: &mut Budget,
 ) -> Result<Tree, String> {
+    budget.take::<Option<DAffine3>>(document.nodes.len())?;
     let mut tree = Tree { places: vec![None; document.nodes.len()], ..Tree::default() };
     let mut numbers = HashMap::new();
     let mut open: Vec<(usize, DAffine3)> =
@@ -79,8 +80,14 @@ pub(super) fn read(
                 model_from_mesh: place_of(i),
             }));
         }
-        tree.model.lights.extend(light::of_node(document, node, &place).map_err(named)?);
-        tree.model.cameras.extend(camera::of_node(document, node, &place).map_err(named)?);
+        if let Some(light) = light::of_node(document, node, &place).map_err(named)? {
+            budget.take::<ModelLight>(1)?;
+            tree.model.lights.push(light);
+        }
+        if let Some(camera) = camera::of_node(document, node, &place).map_err(named)? {
+            budget.take::<ModelCamera>(1)?;
+            tree.model.cameras.push(camera);
+        }
         open.extend(node.children.iter().rev().map(|&child| (child, place)));
     }
     Ok(tree)

@@ -551,6 +551,53 @@ fn saying_the_same_thing_over_and_over_takes_no_memory() {
     assert!(error.contains("out of all proportion"), "{error}");
 }
 
+/// A short file of many empty things is refused before it is read, and nothing stays taken.
+#[test]
+fn what_a_model_is_in_memory_is_taken_from_the_budget() {
+    let many = |head: &str, each: &str, count: usize, tail: &str| {
+        format!(r#"{{"asset":{{"version":"2.0"}},{head}{}{tail}}}"#, vec![each; count].join(","))
+    };
+    let read = |text: &str, bytes: u64| {
+        let limits = Limits { memory: crate::MemoryBudget::new(bytes), ..Limits::default() };
+        let assets = MemoryAssets::new().with("m.gltf", text);
+        let model = read_gltf(assets.open("m.gltf", "").unwrap(), &assets, &limits);
+        assert_eq!(limits.memory.used(), 0);
+        (model, limits.memory.was_exceeded())
+    };
+    let nodes = many(r#""nodes":["#, "{}", 30_000, "]");
+    let primitives =
+        many(r#""nodes":[{"mesh":0}],"meshes":[{"primitives":["#, r#"{"attributes":{}}"#, 30_000, "]}]");
+    let materials = many(r#""materials":["#, "{}", 30_000, "]");
+    for text in [&nodes, &primitives, &materials] {
+        let (refused, exceeded) = read(text, 10_000_000);
+        assert!(
+            matches!(refused, Err(MeshFileError::Memory { .. })) && exceeded,
+            "{:.60}: {refused:?}",
+            text
+        );
+        assert!(matches!(read(text, 300_000_000), (Ok(_), false)), "{text:.60}");
+    }
+    let limits = Limits { materials: 1000, ..Limits::default() };
+    let assets = MemoryAssets::new().with("m.gltf", &materials);
+    let refused = read_gltf(assets.open("m.gltf", "").unwrap(), &assets, &limits).unwrap_err();
+    assert_eq!(refused.to_string(), "m.gltf: the file has more than 1000 materials");
+
+    let (mut bin, mut accessors) = square();
+    let indices: Vec<u8> = (0..1_200_000u32).map(|i| (i % 4) as u8).collect();
+    let view = bin.add(indices);
+    accessors.push(format!(
+        "{{\"bufferView\":{view},\"componentType\":5121,\"count\":1200000,\"type\":\"SCALAR\"}}"
+    ));
+    let rest =
+        r#""nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":4}]}]"#;
+    let file = glb(&json(&bin, &accessors, "", rest), &bin.bytes);
+    let limits = |bytes| Limits { memory: crate::MemoryBudget::new(bytes), ..Limits::default() };
+    let assets = MemoryAssets::new().with("m.glb", &file);
+    let read = |limits: &Limits| read_gltf(assets.open("m.glb", "").unwrap(), &assets, limits);
+    assert!(matches!(read(&limits(8_000_000)), Err(MeshFileError::Memory { .. })));
+    assert!(read(&limits(40_000_000)).is_ok());
+}
+
 proptest! {
     /// Whatever is cut off or changed, there is an error or a model whose indices are in range.
     #[test]
