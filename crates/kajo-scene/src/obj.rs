@@ -252,8 +252,9 @@ impl<'l> Builder<'l> {
             corners.push(self.corner(statement, field)?);
         }
         if corners.len() < 3 {
-            let message = format!("a face needs at least 3 corners, found {}", corners.len());
-            return Err(statement.mistake(statement.keyword, message));
+            self.report.cornerless += 1;
+            self.corners = corners;
+            return Ok(());
         }
         if self.mesh.faces.len() + corners.len() - 2 > self.limits.faces {
             let message = format!("the mesh has more than {} triangles", self.limits.faces);

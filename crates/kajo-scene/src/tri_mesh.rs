@@ -52,6 +52,8 @@ pub struct TriMesh {
 pub struct MeshReport {
     /// Faces of more than three corners.
     pub polygons: usize,
+    /// Faces of fewer than three corners, which are left out.
+    pub cornerless: usize,
     /// Triangles left out for a vertex that is not finite.
     pub dropped: usize,
     /// Normals and texture coordinates replaced by zero, and colours by white, because they are not finite.
@@ -105,6 +107,10 @@ impl MeshReport {
     /// What the user should hear about, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut list = Vec::new();
+        if self.cornerless > 0 {
+            let count = self.cornerless;
+            list.push(format!("{count} faces have fewer than three corners; they were left out"));
+        }
         if self.dropped > 0 {
             list.push(format!(
                 "{} triangles have a vertex that is not finite; they were left out",

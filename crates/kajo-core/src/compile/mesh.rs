@@ -212,7 +212,10 @@ impl Compiler<'_> {
         match read {
             Ok((picture, _)) => Some(PictureMap::new(picture)),
             Err(problem) => {
-                self.warn_of_file(from, &format!("`{name}` is left out: {problem}"), place);
+                // Said once, however many materials show it.
+                if self.left_out_pictures.insert((from.to_owned(), name.to_owned())) {
+                    self.warn_of_file(from, &format!("`{name}` is left out: {problem}"), place);
+                }
                 None
             }
         }

@@ -198,6 +198,8 @@ struct Compiler<'a> {
     parts_defined: usize,
     /// There are more objects than there may be, which has been reported.
     too_many: bool,
+    /// Files that name pictures which cannot be read, each with its picture.
+    left_out_pictures: HashSet<(String, String)>,
     /// Memory taken for materials.
     material_bytes: usize,
     /// Triangles without area, and where the first one stands.
@@ -260,6 +262,7 @@ impl<'a> Compiler<'a> {
             nested_transmits: false,
             parts_defined: 0,
             too_many: false,
+            left_out_pictures: HashSet::new(),
             material_bytes: 0,
             flat_triangles: None,
             materials: Materials::default(),

@@ -31,8 +31,8 @@ fn compiled(objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
     }
     let json = format!(
         r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"a.bin","byteLength":{}}}],"bufferViews":[{}],"accessors":[{}],
-        "textures":[{{"source":0}},{{"source":1}},{{"extensions":{{"KHR_texture_basisu":{{"source":2}}}}}}],
-        "images":[{{"uri":"a.png"}},{{"uri":"b.png"}},{{"uri":"c.ktx2"}}],{content}}}"#,
+        "textures":[{{"source":0}},{{"source":1}},{{"extensions":{{"KHR_texture_basisu":{{"source":2}}}}}},{{"source":3}}],
+        "images":[{{"uri":"a.png"}},{{"uri":"b.png"}},{{"uri":"c.ktx2"}},{{"uri":"none.png"}}],{content}}}"#,
         bytes.len(),
         views.join(","),
         accessors.join(",")
@@ -255,6 +255,15 @@ fn glossiness_in_pictures_becomes_metalness() {
     let (base, grey, alpha) = layers(0.5);
     assert!(base == crate::bsdf::Base::Diffuse && (alpha - 0.25).abs() < 0.01, "{base:?} {alpha}");
     assert!(grey.distance(Vec3::splat(0.5 / 0.96)) < 0.01, "{grey}");
+}
+
+#[test]
+fn missing_pictures_are_named_once() {
+    let shown = r#""normalTexture":{"index":3},"emissiveTexture":{"index":3},"emissiveFactor":[1,1,1]"#;
+    let content = triangle(r#","TEXCOORD_0":1"#, shown);
+    let (scene, said) = compiled("Model { file a.gltf }", &content);
+    assert!(scene.is_some());
+    assert_eq!(said, ["`a.gltf`: `none.png` is left out: there is no such file"]);
 }
 
 #[test]

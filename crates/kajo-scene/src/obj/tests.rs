@@ -127,14 +127,24 @@ fn colours_stand_behind_coordinates() {
     assert_eq!(read("v 0 0 0 1 0 x\n").unwrap_err(), "m.obj:1:13: expected a number, found `x`");
 }
 
+/// Files of other programs have them, and no triangle could come of them.
+#[test]
+fn faces_of_two_corners_are_left_out() {
+    let (mesh, report) = read(&format!("{TRIANGLE}f 1 2\nf 3/1/1\nf 1 2 3\nf\n")).unwrap();
+    assert_eq!((mesh.faces, mesh.face_uvs), (vec![[0, 1, 2]], Corners::Absent));
+    assert_eq!(report.warnings(), ["3 faces have fewer than three corners; they were left out"]);
+    assert_eq!(
+        read("v 0 0 0\nf 1 0\n").unwrap_err(),
+        "m.obj:2:5: vertex 0 does not exist: the first one is 1"
+    );
+}
+
 #[test]
 fn mistakes_have_line_column_and_reason() {
     for (text, expected) in [
         ("v 1 2\n", "1:6: expected 3 numbers after `v`, found 2"),
         ("\n  v 1 2 x3\n", "2:9: expected a number, found `x3`"),
         ("vt\n", "1:3: expected 1 number after `vt`, found 0"),
-        ("f 1 2\n", "1:1: a face needs at least 3 corners, found 2"),
-        ("v 0 0 0\nf 1 1\n", "2:1: a face needs at least 3 corners, found 2"),
         ("v 0 0 0\nf 1 1 0\n", "2:7: vertex 0 does not exist: the first one is 1"),
         ("v 0 0 0\nf 1 1 -2\n", "2:7: vertex -2 does not exist: only 1 are defined before this line"),
         ("v 0 0 0\nf 1 1 9 \nf 1 1 2\n", "2:7: there is no vertex 9"),

@@ -203,7 +203,9 @@ impl<'l> Builder<'l> {
             let before = self.mesh.faces.len();
             self.polygon(&corners, |said| records.mistake(element, number, &said))?;
             self.corners = corners;
-            if let Some(columns) = colors {
+            if let Some(columns) = colors
+                && self.mesh.faces.len() > before
+            {
                 self.mesh.colors_are_srgb = columns.is_srgb();
                 self.color_faces(before, columns.color(&record.scalars))?;
             }
@@ -277,7 +279,8 @@ impl<'l> Builder<'l> {
         mistake: impl Fn(String) -> MeshFileError,
     ) -> Result<(), MeshFileError> {
         let Some(more) = corners.len().checked_sub(2).filter(|&more| more > 0) else {
-            return Err(mistake(format!("a face needs at least 3 corners, found {}", corners.len())));
+            self.report.cornerless += 1;
+            return Ok(());
         };
         if self.mesh.faces.len() + more > self.limits.faces {
             return Err(mistake(format!("the mesh has more than {} triangles", self.limits.faces)));
