@@ -14,7 +14,8 @@
 //! f0 + (1 - f0) (F - F0)/(1 - F0)  =  a F + b        a = (1 - f0)/(1 - F0),   b = (f0 - F0)/(1 - F0)
 //! ```
 //!
-//! which is `a` times this lobe and `b` times that of perfect mirrors, whose albedo is 1.
+//! which is `a` times this lobe and `b` times that of perfect mirrors, whose albedo is 1. With `f0` near 0 and rough facets that sum
+//! may be a little below 0 in places: there it is 0, and up to 0.6 % of the light is made.
 
 use kajo_math::{Vec2, Vec3};
 

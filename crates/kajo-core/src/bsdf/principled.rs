@@ -170,7 +170,7 @@ impl Principled {
                 let mirrors = gloss.mirrors(wo, wi);
                 factor.map(|factor| {
                     let [a, b] = gloss.ends(factor);
-                    // Where facets reflect hardly anything, what mirrors hide from one another is a little more.
+                    // Where facets reflect hardly anything the second lobe, which counts their echoes, is a little more.
                     weight * (a * by_index + b * mirrors).max(0.0)
                 })
             }

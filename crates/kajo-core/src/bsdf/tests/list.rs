@@ -187,7 +187,12 @@ pub fn families() -> Vec<Family> {
         Family { name: "plastic", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.0), lossless: true, ..PLAIN },
         Family { name: "plastic of a bright gloss", lobe: |a| glossy(a, 5.0, 1.0), lossless: true, ..PLAIN },
         Family { name: "plastic of a dim gloss", lobe: |a| glossy(a, 0.3, 1.0), lossless: true, ..PLAIN },
-        Family { name: "plastic of rims only", lobe: |a| glossy(a, 0.0, 0.8), lossless: true, ..PLAIN },
+        Family {
+            name: "plastic of rims only",
+            lobe: |a| glossy(a, 0.0, 0.8),
+            lossless: true,
+            tolerance: 0.006,
+        },
         Family { name: "car paint", lobe: |a| layered(Base::Metal, a, 0.8, 0.0), lossless: true, ..PLAIN },
         Family { name: "peach", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.9), lossless: true, ..PLAIN },
         Family {
