@@ -252,7 +252,7 @@ impl<'l> Builder<'l> {
             corners.push(self.corner(statement, field)?);
         }
         if corners.len() < 3 {
-            self.report.cornerless += 1;
+            self.report.degenerate += 1;
             self.corners = corners;
             return Ok(());
         }

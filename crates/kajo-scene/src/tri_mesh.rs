@@ -53,7 +53,7 @@ pub struct MeshReport {
     /// Faces of more than three corners.
     pub polygons: usize,
     /// Faces of fewer than three corners, which are left out.
-    pub cornerless: usize,
+    pub degenerate: usize,
     /// Triangles left out for a vertex that is not finite.
     pub dropped: usize,
     /// Normals and texture coordinates replaced by zero, and colours by white, because they are not finite.
@@ -107,8 +107,8 @@ impl MeshReport {
     /// What the user should hear about, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut list = Vec::new();
-        if self.cornerless > 0 {
-            let count = self.cornerless;
+        if self.degenerate > 0 {
+            let count = self.degenerate;
             list.push(format!("{count} faces have fewer than three corners; they were left out"));
         }
         if self.dropped > 0 {

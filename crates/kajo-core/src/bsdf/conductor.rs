@@ -120,7 +120,7 @@ impl Conductor {
         let (wo, wi) = upright(wo, wi);
         let facets = self.microfacets.held();
         let m = (wo + wi).normalize_or_zero();
-        self.reflected(&facets, wo, wi, m) * (facets.d(m) * facets.g2(wo, wi) / (4.0 * wo.z))
+        self.reflected(&facets, wo, wi, m) * facets.mirror_lobe(wo, wi, m)
     }
 
     /// What the facet `m` reflects, times the factor for further bounces.

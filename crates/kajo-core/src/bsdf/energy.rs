@@ -21,7 +21,9 @@
 //! on both sides: reciprocal, and it gives back just what was lost. This is the diffuse lobe of [Kulla and Conty 2017]
 //! for two sides at once.
 //!
-//! `s`, `l` and `L` are tabulated for isotropic roughness in `energy.bin`, made by the generator among the tests of
+//! Where no such light is wanted, the albedo of perfect mirrors that are met once is asked for, `∫ f(o, i) |cos θi| di`.
+//!
+//! `s`, `l`, `L` and that albedo are tabulated for isotropic roughness in `energy.bin`, made by the generator among the tests of
 //! these modules. Interpolated, they keep energy to 0.3 %. Brushed metals have tables of their own, see `brushed.rs`. Of two
 //! roughnesses clear media take the lesser one, so that hardly any light is made (3 % at most).
 
@@ -39,7 +41,8 @@ pub(super) const ALPHAS: usize = 32;
 pub(super) const INDICES: usize = 16;
 
 /// Bytes of the tables of one shape: `s`, then `l` of both sides and the share reflected above, as 16-bit numbers, then
-/// `L` of both sides in single precision; little endian, cosines fastest, then roughness, then index.
+/// `L` of both sides in single precision; little endian, cosines fastest, then roughness, then index. After both shapes the
+/// albedos of mirrors that are met once, of each shape as many as there are of `s`.
 const METAL: usize = 2 * METAL_ALPHAS * COSINES;
 const CLEAR: usize = 2 * INDICES * ALPHAS * COSINES;
 const AVERAGES: usize = 4 * INDICES * ALPHAS;
@@ -48,7 +51,7 @@ const OF_SHAPE: usize = METAL + 3 * CLEAR + 2 * AVERAGES;
 /// The largest value of `s`; all others are at most 1.
 pub(super) const LARGEST: f32 = 3.0;
 
-const TABLES: &[u8; 2 * OF_SHAPE] = include_bytes!("energy.bin");
+const TABLES: &[u8; 2 * OF_SHAPE + 2 * METAL] = include_bytes!("energy.bin");
 
 /// The largest `(n - 1)/(n + 1)` of the tables, of the index 4. Nodes go by its root, since near 1 the critical angle
 /// moves so fast.
@@ -114,6 +117,16 @@ pub(super) fn metal(facets: &Microfacets, w: Vec3) -> f32 {
     let (start, cosine) = (offset(facets.shape), Between::cosine(w.z));
     let alpha = Between::alpha(facets.alpha_x, METAL_ALPHAS);
     LARGEST * alpha.mix(|a| cosine.mix(|j| short(start + 2 * (a * COSINES + j))))
+}
+
+/// The share of light that facets which are perfect mirrors reflect to the cosine `cos` at once, of brushed ones that of
+/// the lesser roughness.
+#[inline]
+pub(super) fn mirrored_once(facets: &Microfacets, cos: f32) -> f32 {
+    let start = 2 * OF_SHAPE + offset(facets.shape) / OF_SHAPE * METAL;
+    let alpha = Between::alpha(facets.alpha_x.min(facets.alpha_y), METAL_ALPHAS);
+    let cosine = Between::cosine(cos);
+    alpha.mix(|a| cosine.mix(|j| short(start + 2 * (a * COSINES + j))))
 }
 
 /// The factor of a metal lobe whose facets reflect `f`, for `x = s(o) s(i)`.

@@ -7,15 +7,16 @@
 //! as in [`Dielectric`](super::Dielectric), whose transmission is left to the layers below: they get the share that
 //! [`Gloss::albedo`] does not reflect.
 //!
-//! Where `F` is told by another reflectance straight on, `f0` for the `F0` of the index, it goes from there to 1 as the other
-//! one does:
+//! Where another reflectance at normal incidence, `f0`, takes the place of `F0`, that of the index, Fresnel's term keeps its
+//! shape and goes from `f0` to 1:
 //!
 //! ```text
 //! f0 + (1 - f0) (F - F0)/(1 - F0)  =  a F + b        a = (1 - f0)/(1 - F0),   b = (f0 - F0)/(1 - F0)
 //! ```
 //!
-//! which is `a` times this lobe and `b` times that of perfect mirrors, whose albedo is 1. With `f0` near 0 and rough facets that sum
-//! may be a little below 0 in places: there it is 0, and up to 0.6 % of the light is made.
+//! The lobe is `a` times the one above and `b` times that of perfect mirrors: where `b` is positive with the light that
+//! meets more than one facet, so that its albedo is 1, and where it is negative without that light, so that no facet reflects less than
+//! nothing.
 
 use kajo_math::{Vec2, Vec3};
 
@@ -45,25 +46,32 @@ impl Gloss {
         if self.n < 1.0 + MATCHED { 0.0 } else { self.loss.reflected(wo.z) }
     }
 
-    /// What the lobe and that of [`mirrors`](Self::mirrors) are multiplied by, where facets reflect the factor `factor` of
-    /// what they do straight on; see the top of this file.
-    pub fn ends(&self, factor: f32) -> [f32; 2] {
+    /// The lobe of perfect mirrors in place of the facets, without and with light that meets more than one of them; both
+    /// directions above. Zero where the layer does not reflect.
+    pub fn mirror_values(&self, wo: Vec3, wi: Vec3) -> [f32; 2] {
+        if self.n < 1.0 + MATCHED {
+            return [0.0; 2];
+        }
+        let once = self.facets.mirror_lobe(wo, wi, (wo + wi).normalize_or_zero());
+        [once, once * energy::metal(&self.facets, wo) * energy::metal(&self.facets, wi)]
+    }
+
+    /// The albedos of [`mirror_values`](Self::mirror_values).
+    pub fn mirror_albedos(&self, wo: Vec3) -> [f32; 2] {
+        if self.n < 1.0 + MATCHED { [0.0; 2] } else { [energy::mirrored_once(&self.facets, wo.z), 1.0] }
+    }
+
+    /// A value or an albedo of facets that reflect `factor` times as much at normal incidence, held to 1 there; see the top
+    /// of this file.
+    ///
+    /// * `own`: the value or albedo without the factor
+    /// * `mirrors`: those of perfect mirrors
+    pub fn with_f0(&self, factor: f32, own: f32, mirrors: [f32; 2]) -> f32 {
         let root = (self.n - 1.0) / (self.n + 1.0);
         let of_index = root * root;
         let f0 = (of_index * factor).clamp(0.0, 1.0);
-        let rest = 1.0 / (1.0 - of_index);
-        [(1.0 - f0) * rest, (f0 - of_index) * rest]
-    }
-
-    /// Value, with the cosine of `wi`, of facets that reflect all light; both directions above. Zero where the layer does
-    /// not reflect.
-    pub fn mirrors(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if self.n < 1.0 + MATCHED {
-            return 0.0;
-        }
-        let m = (wo + wi).normalize_or_zero();
-        let again = energy::metal(&self.facets, wo) * energy::metal(&self.facets, wi);
-        again * self.facets.d(m) * self.facets.g2(wo, wi) / (4.0 * wo.z)
+        let [a, b] = [1.0 - f0, f0 - of_index].map(|x| x / (1.0 - of_index));
+        (a * own + b * mirrors[usize::from(b > 0.0)]).max(0.0)
     }
 
     /// Share of what is reflected to `wo` that meets more than one facet.
@@ -78,8 +86,7 @@ impl Gloss {
             return (0.0, 0.0);
         }
         let m = (wo + wi).normalize_or_zero();
-        let once =
-            self.facets.d(m) * self.facets.g2(wo, wi) / (4.0 * wo.z) * fresnel::dielectric(wo.dot(m), self.n);
+        let once = self.facets.mirror_lobe(wo, wi, m) * fresnel::dielectric(wo.dot(m), self.n);
         let again = self.loss.pdf(false, wi.z);
         let share = self.again(wo);
         // The density of directions on either side, given that they are on this one.

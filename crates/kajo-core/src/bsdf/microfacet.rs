@@ -94,6 +94,15 @@ impl Microfacets {
         }
     }
 
+    /// The lobe of facets that are perfect mirrors, with the cosine of `wi`: `D(m) G2 / (4 cos θo)`.
+    ///
+    /// * `wo`, `wi`: unit directions above the surface
+    /// * `m`: their half vector
+    #[inline]
+    pub(super) fn mirror_lobe(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
+        self.d(m) * self.g2(wo, wi) / (4.0 * wo.z)
+    }
+
     /// Smith's `Λ(w)`: how much more area is hidden from the unit direction `w` than it sees.
     #[inline]
     pub fn lambda(&self, w: Vec3) -> f32 {

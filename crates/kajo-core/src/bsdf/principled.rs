@@ -45,12 +45,12 @@ pub enum Base {
 pub enum Specular {
     /// A factor at every angle, which metals have at 82 degrees and glass for what it reflects [OpenPBR 1.1, sec. 3.6].
     Factor(Spectrum),
-    /// A factor straight on, of which nothing is left along the surface; that of metals is not touched
+    /// A factor at normal incidence, which fades to 1 at grazing angles; metals are left alone
     /// [Khronos glTF, KHR_materials_specular].
     F0 {
-        /// The factor, at least 0. What is reflected straight on is held to 1.
+        /// The factor, at least 0. The reflectance at normal incidence is held to 1.
         factor: Spectrum,
-        /// The largest one at any wavelength: it decides how much reaches the pigment.
+        /// The largest one at any wavelength: it decides how much light reaches the pigment.
         largest: f32,
         /// Another factor at every angle, in [0, 1].
         weight: f32,
@@ -167,12 +167,8 @@ impl Principled {
         match self.specular {
             Specular::Factor(color) => color * by_index,
             Specular::F0 { factor, weight, .. } => {
-                let mirrors = gloss.mirrors(wo, wi);
-                factor.map(|factor| {
-                    let [a, b] = gloss.ends(factor);
-                    // Where facets reflect hardly anything the second lobe, which counts their echoes, is a little more.
-                    weight * (a * by_index + b * mirrors).max(0.0)
-                })
+                let mirrors = gloss.mirror_values(wo, wi);
+                factor.map(|factor| weight * gloss.with_f0(factor, by_index, mirrors))
             }
         }
     }
@@ -183,17 +179,20 @@ impl Principled {
         match self.specular {
             Specular::Factor(color) => color * by_index,
             Specular::F0 { factor, weight, .. } => {
-                factor.map(|factor| weight * between(gloss, factor, by_index))
+                let mirrors = gloss.mirror_albedos(wo);
+                factor.map(|factor| weight * gloss.with_f0(factor, by_index, mirrors))
             }
         }
     }
 
-    /// Share of light from or to `v` that the gloss keeps from the pigment, the same at all wavelengths.
+    /// Share of light from or to `v` that does not pass the gloss to the pigment, the same at all wavelengths.
     fn gloss_kept(&self, gloss: &Gloss, v: Vec3) -> f32 {
         let by_index = gloss.albedo(v);
         match self.specular {
             Specular::Factor(_) => by_index,
-            Specular::F0 { largest, weight, .. } => weight * between(gloss, largest, by_index),
+            Specular::F0 { largest, weight, .. } => {
+                (weight * gloss.with_f0(largest, by_index, gloss.mirror_albedos(v))).min(1.0)
+            }
         }
     }
 
@@ -353,15 +352,4 @@ impl Principled {
         let passed = base * self.coat_tint(wo, wo, wo) * seen.through;
         self.fuzz_color * seen.fuzz + Spectrum::grey(seen.coat) + passed
     }
-}
-
-/// The albedo of a gloss whose facets reflect a factor of what they do straight on.
-///
-/// * `by_index`: its albedo without that
-fn between(gloss: &Gloss, factor: f32, by_index: f32) -> f32 {
-    if by_index <= 0.0 {
-        return 0.0;
-    }
-    let [a, b] = gloss.ends(factor);
-    (a * by_index + b).clamp(0.0, 1.0)
 }

@@ -29,8 +29,8 @@ use kajo_math::{Vec2, Vec3};
 use super::microfacet::Shape;
 use super::{BsdfSample, Conductor, MetalFresnel, Microfacets, ScatterKind, energy, fresnel, same_side};
 
-/// Up to this `α`, which is a roughness of 0.1, a pane is taken as polished: light that is bent by less than a degree is
-/// worth less than shadow rays that pass.
+/// Up to this `α`, which is a roughness of 0.1, a pane is taken as polished. It would scatter light by about a degree, and
+/// shadow rays that pass are worth more than that.
 pub(crate) const POLISHED: f32 = 0.1 * 0.1;
 
 /// A pane, polished or frosted.
@@ -98,8 +98,7 @@ impl ThinDielectric {
         let facets = self.microfacets.held();
         let (o, i) = (above(wo), above(wi));
         let m = (o + i).normalize_or_zero();
-        self.scattered(&facets, o, i, m)[usize::from(!same_side(wo, wi))]
-            * (facets.d(m) * facets.g2(o, i) / (4.0 * o.z))
+        self.scattered(&facets, o, i, m)[usize::from(!same_side(wo, wi))] * facets.mirror_lobe(o, i, m)
     }
 
     /// What the facet `m` reflects and lets through, times the factor for further bounces; all directions above.

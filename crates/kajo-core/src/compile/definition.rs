@@ -151,7 +151,7 @@ impl Compiler<'_> {
     /// Takes memory for objects at `at`; if there is too little left, that is reported once.
     pub(super) fn has_memory(&mut self, bytes: usize, at: Span) -> bool {
         let taken = self.options.limits.memory.take(bytes as u64);
-        taken.map_err(|over| self.lacks_memory("objects", over, at)).is_ok()
+        taken.map_err(|over| self.report_memory("objects", over, at)).is_ok()
     }
 
     /// Takes memory for the materials that have come since this was asked last, as [`has_memory`](Self::has_memory).
@@ -159,11 +159,11 @@ impl Compiler<'_> {
         let bytes = self.materials.bytes() + self.textures.bytes();
         let more = bytes.saturating_sub(std::mem::replace(&mut self.material_bytes, bytes));
         let taken = self.options.limits.memory.take(more as u64);
-        taken.map_err(|over| self.lacks_memory("materials", over, at)).is_ok()
+        taken.map_err(|over| self.report_memory("materials", over, at)).is_ok()
     }
 
     /// Reports once that there is too little memory for what stands at `at`.
-    pub(super) fn lacks_memory(&mut self, what: &str, over: OverBudget, at: Span) {
+    pub(super) fn report_memory(&mut self, what: &str, over: OverBudget, at: Span) {
         if !std::mem::replace(&mut self.too_many, true) {
             let error = Diagnostic::error(format!("there is no memory for the {what} of the scene: {over}"));
             self.diagnostics.push(error.label(at, "from here on"));

@@ -127,7 +127,7 @@ impl Compiler<'_> {
         let bytes = items.len().saturating_mul(size_of::<(Option<Draft<'_>>, Option<String>)>());
         let _drafts = match self.options.limits.memory.share(bytes as u64) {
             Ok(share) => share,
-            Err(over) => return self.lacks_memory("materials", over, item.head_span()),
+            Err(over) => return self.report_memory("materials", over, item.head_span()),
         };
         let mut drafts = Vec::with_capacity(items.len());
         for (i, &item) in items.iter().enumerate() {

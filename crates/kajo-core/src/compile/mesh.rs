@@ -212,12 +212,16 @@ impl Compiler<'_> {
         match read {
             Ok((picture, _)) => Some(PictureMap::new(picture)),
             Err(problem) => {
-                // Said once, however many materials show it.
-                if self.left_out_pictures.insert((from.to_owned(), name.to_owned())) {
-                    self.warn_of_file(from, &format!("`{name}` is left out: {problem}"), place);
-                }
+                self.picture_left_out(name, from, &problem.to_string(), place);
                 None
             }
+        }
+    }
+
+    /// Warns that a picture which a file names is left out, once, however many materials show it.
+    pub(super) fn picture_left_out(&mut self, name: &str, from: &str, why: &str, place: Span) {
+        if self.left_out_pictures.insert((from.to_owned(), name.to_owned())) {
+            self.warn_of_file(from, &format!("`{name}` is left out: {why}"), place);
         }
     }
 

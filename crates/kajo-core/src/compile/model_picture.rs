@@ -33,15 +33,9 @@ impl Compiler<'_> {
         let &ModelPictures { list, path, at } = pictures;
         let source = list.get(number)?.as_ref()?;
         if is_ktx2(source) {
-            // Said once, however many materials show it.
-            let key = (format!("{path}#images[{number}]"), None);
-            if self.pictures.insert(key, None).is_none() {
-                let message = format!(
-                    "`images[{number}]` is left out: KTX2 pictures (`KHR_texture_basisu`) are not read; a program such as \
-                     `gltf-transform` writes PNG in their place"
-                );
-                self.warn_of_file(path, &message, at);
-            }
+            let why = "KTX2 pictures (`KHR_texture_basisu`) are not read; a program such as `gltf-transform` writes \
+                       PNG in their place";
+            self.picture_left_out(&format!("images[{number}]"), path, why, at);
             return None;
         }
         let map = match source {

@@ -2,7 +2,8 @@
 //!
 //! A body bends light at its surface and absorbs inside. Where bodies overlap, the one of the higher priority is
 //! there. A pane has no inside: light goes straight through, or is scattered by a rough one, weakened by
-//! `exp(-absorption thickness)` and by reflection to and fro. The classic integrator sees a clear transparent colour and the index of yellow light.
+//! `exp(-absorption thickness)` and by reflection to and fro. The classic integrator sees a clear transparent colour and
+//! the index of yellow light.
 //!
 //! Scene: `Glass { glass N-SF10  absorption 0.1 0.02 0.05 }`
 

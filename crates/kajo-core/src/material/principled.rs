@@ -25,7 +25,7 @@ const LEAST_PASSED: f32 = 1e-30;
 pub enum Specular {
     /// A factor at every angle.
     Factor(Paint),
-    /// A factor of what is reflected straight on.
+    /// A factor at normal incidence.
     F0 {
         /// The factor, over the scale.
         factor: Paint,

@@ -85,45 +85,46 @@ impl Container {
     ) -> Result<Document, MeshFileError> {
         let json = &self.bytes[self.json.clone()];
         let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
-        let materials = count_of_materials(json);
-        if materials > limits.materials {
-            let message = format!("the file has more than {} materials", limits.materials);
-            return Err(MeshFileError::Content { path: path.to_owned(), message });
-        }
-        memory.take(parsed_bytes(json, materials)).map_err(|over| MeshFileError::memory(path, over))?;
-        serde_json::from_slice(json).map_err(|error| {
+        let wrong = |error: serde_json::Error| {
             let message = match is_of_version_1(json) {
                 true => unread_version("1.0"),
                 false => format!("in the JSON: {error}"),
             };
             MeshFileError::Content { path: path.to_owned(), message }
-        })
+        };
+        let materials = count_of_materials(json).map_err(wrong)?;
+        if materials > limits.materials {
+            let message = format!("the file has more than {} materials", limits.materials);
+            return Err(MeshFileError::Content { path: path.to_owned(), message });
+        }
+        memory.take(parsed_bytes(json, materials)).map_err(|over| MeshFileError::memory(path, over))?;
+        serde_json::from_slice(json).map_err(wrong)
     }
 }
 
-/// The number of materials in a JSON, none where it is malformed.
-fn count_of_materials(json: &[u8]) -> usize {
+/// The number of materials in a JSON, an error where it is malformed: then nothing of it is kept in memory.
+fn count_of_materials(json: &[u8]) -> serde_json::Result<usize> {
     #[derive(Default, Deserialize)]
     #[serde(default)]
     struct Materials {
         materials: Vec<IgnoredAny>,
     }
-    serde_json::from_slice(json).map_or(0, |counted: Materials| counted.materials.len())
+    serde_json::from_slice(json).map(|counted: Materials| counted.materials.len())
 }
 
-/// At least what the structures of a JSON take in memory, so that a short file of many empty ones is not read.
+/// About what the structures of a JSON take in memory, rather more, so that a short file of many empty ones is not read.
 fn parsed_bytes(json: &[u8], materials: usize) -> usize {
     /// Of one of any other kind, in a list with as much room again, or in a map of names.
     const OBJECT: usize = 600;
-    /// Of a number in such a list.
-    const NUMBER: usize = 2 * size_of::<usize>();
-    let (mut objects, mut numbers) = (0, 0);
+    /// Of a number or text in such a list.
+    const ITEM: usize = 2 * size_of::<String>();
+    let (mut objects, mut items) = (0, 0);
     for &byte in json {
         objects += usize::from(byte == b'{');
-        numbers += usize::from(byte == b',');
+        items += usize::from(byte == b',');
     }
     let materials = materials.saturating_mul(2 * size_of::<Material>());
-    let rest = objects.saturating_mul(OBJECT).saturating_add(numbers.saturating_mul(NUMBER));
+    let rest = objects.saturating_mul(OBJECT).saturating_add(items.saturating_mul(ITEM));
     materials.saturating_add(rest).saturating_add(json.len())
 }
 

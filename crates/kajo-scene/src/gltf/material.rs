@@ -44,7 +44,7 @@ pub struct ModelMaterial {
     pub eta: f32,
     /// Abbe's number of the index, infinite where it is the same for all wavelengths.
     pub abbe: f32,
-    /// Factor of what is reflected straight on by what is no metal; it may be above 1.
+    /// Factor of what is reflected at normal incidence by what is no metal; it may be above 1.
     pub specular: ModelTint,
     /// Factor of that gloss at every angle, by the alpha channel.
     pub gloss: ModelAmount,
@@ -113,7 +113,7 @@ impl ModelMaterial {
 /// A colour, linear, and what it is multiplied by over the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelTint {
-    /// At least 0, and at most 1 where nothing else is said.
+    /// In [0, 1], that of a gloss at least 0.
     pub color: [f32; 3],
     /// Its factor.
     pub picture: Option<PictureUse>,
@@ -413,7 +413,7 @@ impl Default for Volume {
     }
 }
 
-/// The largest factor of what is reflected straight on.
+/// The largest factor of what is reflected at normal incidence.
 const LARGEST_FACTOR: f32 = 1e6;
 
 /// The largest index of refraction that a reflectance straight on may stand for.

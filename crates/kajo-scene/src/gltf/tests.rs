@@ -568,6 +568,16 @@ fn what_a_model_is_in_memory_is_taken_from_the_budget() {
     let primitives =
         many(r#""nodes":[{"mesh":0}],"meshes":[{"primitives":["#, r#"{"attributes":{}}"#, 30_000, "]}]");
     let materials = many(r#""materials":["#, "{}", 30_000, "]");
+    let texts = many(r#""extensionsUsed":["a"],"extensionsRequired":["#, r#""""#, 200_000, "]");
+    assert!(matches!(read(&texts, 9_000_000).0, Err(MeshFileError::Memory { .. })));
+    // Cut short, or with a second list, it is malformed, and nothing of it is kept until that is found.
+    let limits = Limits { materials: 10, ..Limits::default() };
+    let cut = materials[..materials.len() - 2].to_owned();
+    for text in [cut, materials.replace("]}", r#"],"materials":[]}"#)] {
+        let assets = MemoryAssets::new().with("m.gltf", &text);
+        let said = read_gltf(assets.open("m.gltf", "").unwrap(), &assets, &limits).unwrap_err().to_string();
+        assert!(said.starts_with("m.gltf: in the JSON: "), "{said}");
+    }
     for text in [&nodes, &primitives, &materials] {
         let (refused, exceeded) = read(text, 10_000_000);
         assert!(

@@ -279,7 +279,7 @@ impl<'l> Builder<'l> {
         mistake: impl Fn(String) -> MeshFileError,
     ) -> Result<(), MeshFileError> {
         let Some(more) = corners.len().checked_sub(2).filter(|&more| more > 0) else {
-            self.report.cornerless += 1;
+            self.report.degenerate += 1;
             return Ok(());
         };
         if self.mesh.faces.len() + more > self.limits.faces {

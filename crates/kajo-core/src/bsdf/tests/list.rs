@@ -65,11 +65,11 @@ fn layered(base: Base, alpha: f32, coat: f32, fuzz: f32) -> Bsdf {
     Bsdf::Principled(Principled { base, color, alpha, coat, coat_alpha, fuzz, ..Principled::default() })
 }
 
-/// A white pigment below a gloss whose facets reflect a factor of what they do straight on.
-fn glossy(alpha: f32, factor: f32, weight: f32) -> Bsdf {
+/// A white pigment below a gloss whose facets reflect a factor of what they do at normal incidence.
+fn glossy(alpha: f32, eta: f32, factor: f32, weight: f32) -> Bsdf {
     let specular = Specular::F0 { factor: Spectrum::grey(factor), largest: factor, weight };
     let (color, alpha) = (Spectrum::WHITE, Vec2::splat(alpha));
-    Bsdf::Principled(Principled { color, alpha, specular, ..Principled::default() })
+    Bsdf::Principled(Principled { color, alpha, eta, specular, ..Principled::default() })
 }
 
 /// A family without promises.
@@ -185,14 +185,20 @@ pub fn families() -> Vec<Family> {
             ..PLAIN
         },
         Family { name: "plastic", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.0), lossless: true, ..PLAIN },
-        Family { name: "plastic of a bright gloss", lobe: |a| glossy(a, 5.0, 1.0), lossless: true, ..PLAIN },
-        Family { name: "plastic of a dim gloss", lobe: |a| glossy(a, 0.3, 1.0), lossless: true, ..PLAIN },
         Family {
-            name: "plastic of rims only",
-            lobe: |a| glossy(a, 0.0, 0.8),
+            name: "plastic of a bright gloss",
+            lobe: |a| glossy(a, 1.5, 5.0, 1.0),
             lossless: true,
-            tolerance: 0.006,
+            ..PLAIN
         },
+        Family {
+            name: "plastic of a dim gloss",
+            lobe: |a| glossy(a, 1.5, 0.3, 1.0),
+            lossless: true,
+            ..PLAIN
+        },
+        Family { name: "plastic of rims only", lobe: |a| glossy(a, 1.5, 0.0, 0.8), lossless: true, ..PLAIN },
+        Family { name: "lacquer of rims only", lobe: |a| glossy(a, 2.5, 0.0, 1.0), lossless: true, ..PLAIN },
         Family { name: "car paint", lobe: |a| layered(Base::Metal, a, 0.8, 0.0), lossless: true, ..PLAIN },
         Family { name: "peach", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.9), lossless: true, ..PLAIN },
         Family {

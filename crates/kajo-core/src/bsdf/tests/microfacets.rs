@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use kajo_color::Spectrum;
-use kajo_math::Vec3;
+use kajo_math::{Vec2, Vec3, rng::Stream};
 use kajo_testkit::sphere;
 
 use super::super::conductor::complex_polarised;
@@ -176,6 +176,66 @@ fn a_pane_adds_up_its_echoes() {
                 light *= face * a;
             }
             assert!((f64::from(r[lane]) - back).abs() < 1e-5 && (f64::from(t[lane]) - through).abs() < 1e-5);
+        }
+    }
+}
+
+/// The mean of what samples find for one direction: all of it, and what is beyond the surface.
+fn reflected_and_passed(lobe: &Bsdf, wo: Vec3) -> [Spectrum; 2] {
+    let n = 100_000;
+    let mut sums = [Spectrum::BLACK; 2];
+    for i in 0..n {
+        let s = Stream::new(3, [i, 0], 0);
+        let u = Vec2::new(s.uniform(0), s.uniform(1));
+        if let Some(sample) = lobe.sample(wo, u, s.uniform(2), Transport::Radiance) {
+            sums[usize::from(sample.wi.z * wo.z < 0.0)] += sample.weight;
+        }
+    }
+    sums.map(|sum| sum * (1.0 / n as f32))
+}
+
+fn towards(cos: f32) -> Vec3 {
+    Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)
+}
+
+/// A gloss that is nearly polished, above black: Fresnel's term between its factor at normal incidence and 1.
+#[test]
+fn a_factor_at_normal_incidence_fades_at_grazing_angles() {
+    let factor = Spectrum::rgb(4.0, 0.5, 0.0);
+    let specular = Specular::F0 { factor, largest: 4.0, weight: 0.75 };
+    let (color, alpha) = (Spectrum::BLACK, Vec2::splat(0.005));
+    let lobe = Bsdf::Principled(Principled { color, specular, alpha, ..Principled::default() });
+    for cos in [1.0, 0.6, 0.3, 0.12] {
+        let [found, _] = reflected_and_passed(&lobe, towards(cos));
+        for (lane, factor) in [4.0, 0.5, 0.0].into_iter().enumerate() {
+            let (f0, f) = (0.04 * factor, f64::from(fresnel::dielectric(cos, 1.5)));
+            let expected = 0.75 * (f0 + (1.0 - f0) * (f - 0.04) / 0.96);
+            let found = f64::from(found[lane]);
+            assert!((found - expected).abs() < 0.004 + 0.01 * expected, "{cos} {lane}: {found} {expected}");
+        }
+    }
+    // Metals have it from their colour alone.
+    let metal = |specular| Principled { base: Base::Metal, specular, ..Principled::default() };
+    let [with, without] = [specular, Specular::Factor(Spectrum::WHITE)]
+        .map(|specular| Bsdf::Principled(metal(specular)).albedo(towards(0.2)));
+    assert_eq!(with, without);
+}
+
+/// A frosted pane reflects as much as a polished one and lets as much through, into directions of its own.
+#[test]
+fn a_frosted_pane_divides_light_as_a_polished_one() {
+    let optical_depth = Spectrum::rgb(0.0, 0.3, 1.0);
+    let pane =
+        |alpha| ThinDielectric { eta: 1.5, optical_depth, microfacets: Microfacets::new(Shape::Ggx, alpha) };
+    assert!(pane(POLISHED).is_polished() && !pane(0.02).is_polished());
+    for cos in [1.0, 0.6, 0.3] {
+        let (r, t) = pane(0.0).shares(cos);
+        for side in [1.0, -1.0] {
+            let found = reflected_and_passed(&Bsdf::ThinDielectric(pane(0.02)), side * towards(cos));
+            for (found, expected) in found.into_iter().zip([r, t]) {
+                let off = (found - expected).map(f32::abs).max_lane();
+                assert!(off < 0.006, "{cos}: {found:?} {expected:?}");
+            }
         }
     }
 }

@@ -57,13 +57,22 @@ fn dot(a: &[f64; COSINES], b: &[f64; COSINES]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Where light goes from each cosine by facets that are perfect mirrors.
+fn mirrored(facets: Microfacets) -> Vec<[f64; COSINES]> {
+    (0..COSINES).map(|j| scatter(facets, None, j)[0]).collect()
+}
+
+/// How much of it goes anywhere.
+fn once(rows: &[[f64; COSINES]]) -> impl Iterator<Item = f64> {
+    rows.iter().map(|row| row.iter().sum::<f64>())
+}
+
 /// `s` with `s(o) ∫ f(o, i) s(i) di = 1`.
-fn metal(facets: Microfacets) -> [f64; COSINES] {
-    let rows: Vec<_> = (0..COSINES).map(|j| scatter(facets, None, j)[0]).collect();
+fn metal(rows: &[[f64; COSINES]]) -> [f64; COSINES] {
     let mut s = [1.0f64; COSINES];
     for _ in 0..200 {
         let old = s;
-        for (s, row) in s.iter_mut().zip(&rows) {
+        for (s, row) in s.iter_mut().zip(rows) {
             *s = (*s / dot(row, &old)).sqrt();
         }
     }
@@ -134,12 +143,20 @@ impl Clear {
     }
 }
 
-/// All values of one shape in the order of the file.
+/// The albedos of mirrors that are met once.
+fn mirrors(shape: Shape) -> Vec<u8> {
+    let rows = (0..METAL_ALPHAS).map(|a| mirrored(facets(shape, a, METAL_ALPHAS)));
+    rows.flat_map(|rows| once(&rows).map(short).collect::<Vec<u16>>()).flat_map(u16::to_le_bytes).collect()
+}
+
+/// All values of one shape in the order of the file but those.
 fn values(shape: Shape) -> Vec<u8> {
     let (metals, clears) = std::thread::scope(|scope| {
         let clears: Vec<_> = (0..INDICES).map(|n| scope.spawn(move || Clear::new(shape, n))).collect();
         let metals = (0..METAL_ALPHAS)
-            .flat_map(|a| metal(facets(shape, a, METAL_ALPHAS)).map(|s| short(s / f64::from(LARGEST))))
+            .flat_map(|a| {
+                metal(&mirrored(facets(shape, a, METAL_ALPHAS))).map(|s| short(s / f64::from(LARGEST)))
+            })
             .collect::<Vec<u16>>();
         (metals, clears.into_iter().map(|thread| thread.join().expect("generated")).collect::<Vec<Clear>>())
     });
@@ -155,15 +172,20 @@ fn values(shape: Shape) -> Vec<u8> {
 fn energy_tables_are_what_the_generator_makes() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/energy.bin");
     if std::env::var_os("KAJO_WRITE_TABLES").is_some() {
-        std::fs::write(path, [Shape::Ggx, Shape::Beckmann].map(values).concat())
-            .expect("the table is written");
+        let shapes = [Shape::Ggx, Shape::Beckmann];
+        let tables = [shapes.map(values).concat(), shapes.map(mirrors).concat()];
+        std::fs::write(path, tables.concat()).expect("the table is written");
         return;
     }
     let close = |a: f32, b: f64| (f64::from(a) - b).abs() < 1e-4;
     for (shape, a) in [(Shape::Ggx, 40), (Shape::Beckmann, METAL_ALPHAS - 1)] {
         let facets = facets(shape, a, METAL_ALPHAS);
-        for (j, s) in metal(facets).into_iter().enumerate() {
+        let rows = mirrored(facets);
+        for (j, s) in metal(&rows).into_iter().enumerate() {
             assert!(close(energy::metal(&facets, at(cosine_of(j))), s), "{shape:?} {a} {j}: {s}");
+        }
+        for (j, once) in once(&rows).enumerate() {
+            assert!(close(energy::mirrored_once(&facets, cosine_of(j)), once), "{shape:?} {a} {j}: {once}");
         }
     }
     for (shape, a, n) in [(Shape::Ggx, 11, 4), (Shape::Ggx, ALPHAS - 1, 8), (Shape::Beckmann, 20, 5)] {
