@@ -2,6 +2,7 @@
 
 mod extent;
 mod fitted;
+mod immersion;
 mod rays;
 
 use std::collections::HashMap;
@@ -32,6 +33,7 @@ use crate::texture::{SurfaceUv, Textures};
 
 pub use extent::Extent;
 pub use fitted::{Fitted, FittedCamera};
+pub use immersion::Immersion;
 
 /// A shape at its place in the world, with its material.
 #[derive(Clone, Copy, Debug)]

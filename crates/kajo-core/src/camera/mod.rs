@@ -9,6 +9,7 @@ mod frame;
 mod importance;
 mod lens;
 mod moving;
+mod origins;
 mod orthographic;
 mod panorama;
 mod perspective;

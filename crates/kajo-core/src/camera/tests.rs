@@ -2,7 +2,7 @@ mod fisheye;
 mod importance;
 mod lens;
 
-use kajo_math::{DVec3, Vec2, Vec3, rng::Stream};
+use kajo_math::{Aabb, DVec3, Vec2, Vec3, rng::Stream};
 
 use super::*;
 
@@ -48,6 +48,33 @@ pub(crate) fn every_camera() -> Vec<Camera> {
         }
     }
     cameras
+}
+
+#[test]
+fn rays_start_in_the_box_around_their_origins() {
+    let places = [Vec2::new(-1.0, 1.0), Vec2::new(1.0, -1.0)];
+    for camera in every_camera() {
+        let Some(origins) = camera.origins(places, 1.5) else {
+            let ray = camera.ray(Vec2::ZERO, 1.5, Vec2::ZERO, 0.0).expect("seen by any camera");
+            assert_eq!(ray.t_min, f32::NEG_INFINITY);
+            continue;
+        };
+        let share_one = origins.min == origins.max;
+        assert_eq!(
+            share_one,
+            camera.apex().is_some()
+                || matches!(camera, Camera::Fisheye(_))
+                || matches!(camera, Camera::Panorama(PanoramaCamera { eyes: None, .. })),
+            "{camera:?}"
+        );
+        let nearly = Aabb { min: origins.min - 1e-5, max: origins.max + 1e-5 };
+        for i in 0..500 {
+            let s = Stream::new(9, [i, 0], 0);
+            let at = Vec2::new(s.uniform(0), s.uniform(1)) * 2.0 - 1.0;
+            let Some(ray) = camera.ray(at, 1.5, Vec2::new(s.uniform(2), s.uniform(3)), 0.0) else { continue };
+            assert!(nearly.contains(ray.o), "{camera:?}: {} is not in {origins:?}", ray.o);
+        }
+    }
 }
 
 #[test]

@@ -17,6 +17,8 @@ pub use path::{Path, PathSettings};
 #[cfg(test)]
 mod flat_tests;
 #[cfg(test)]
+mod immersion_tests;
+#[cfg(test)]
 mod limit_tests;
 #[cfg(test)]
 mod motion_tests;

@@ -5,7 +5,7 @@ use kajo_color::{RgbBasis, Spectrum, WavelengthChoice, Wavelengths, sensor};
 use kajo_core::camera::{Camera, Connection, Raster};
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::Draws;
-use kajo_core::scene::{Interaction, Scene};
+use kajo_core::scene::{Immersion, Interaction, Scene};
 use kajo_core::settings::Rules;
 use kajo_math::{Ray, Vec2, Vec3};
 
@@ -24,7 +24,7 @@ pub(super) struct View<'a> {
     layers: LayerSet,
     /// Whether rays need a time.
     moves: bool,
-    /// Whether the camera is inside of a body.
+    /// Whether camera rays may start inside a body, so that each has to ask.
     is_immersed: bool,
     /// How wavelengths are drawn, where light is followed by wavelength.
     spectral: Option<WavelengthChoice>,
@@ -57,13 +57,30 @@ impl<'a> View<'a> {
         View { camera, film: raster(self.scene, camera, self.size), moves, ..self }.immersed()
     }
 
-    /// The same, aware of whether the ray through the middle of the picture starts in a body.
+    /// The same, aware of whether camera rays may start in a body.
+    ///
+    /// Where all start at one point, still as what is around it, one of them answers for all. Elsewhere each ray asks, but
+    /// only if the box around all origins touches that of anything that light passes.
     fn immersed(self) -> View<'a> {
+        let film = &self.film;
+        let size = Vec2::from(self.size.map(|n| n as f32));
+        // Patterns of samples may hang over by a pixel.
+        let corners = [Vec2::NEG_ONE, size + 1.0].map(|place| film.picture(place));
+        let Some(origins) = self.camera.origins(corners, film.aspect()) else { return self };
+        let is_immersed = match self.scene.immersion(&origins) {
+            Immersion::Moving => true,
+            _ if origins.min == origins.max && !self.camera.moves() => self.is_middle_immersed(),
+            immersion => immersion == Immersion::Still,
+        };
+        View { is_immersed, ..self }
+    }
+
+    /// Whether the ray through the middle of the picture starts in a body.
+    fn is_middle_immersed(&self) -> bool {
         let film = &self.film;
         let middle = Vec2::from(self.size.map(|n| 0.5 * n as f32));
         let ray = self.camera.ray(film.picture(middle), film.aspect(), Vec2::splat(0.5), 0.0);
-        let around = |ray: Ray| Bodies::around(self.scene, &ray, &Wavelengths::RGB);
-        View { is_immersed: ray.is_some_and(|ray| !around(ray).is_empty()), ..self }
+        ray.is_some_and(|ray| !Bodies::around(self.scene, &ray, &Wavelengths::RGB).is_empty())
     }
 
     /// The bodies around the start of a camera ray.
