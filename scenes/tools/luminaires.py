@@ -27,7 +27,7 @@ def batwing(v, h):
 
 
 def up_and_down(v, h):
-    """A wall lamp: a wide lobe down and a narrower one up."""
+    """A wall light: a wide lobe down and a narrower one up."""
     return 700 * bell(v, 17) + 1100 * bell(180 - v, 10) + 12
 
 

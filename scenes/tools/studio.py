@@ -13,7 +13,7 @@ import sys
 WIDTH, HEIGHT = 512, 256
 
 # Longitude and latitude of the middle in degrees, half width, half height, colour.
-LAMPS = [
+LIGHTS = [
     (-50, 42, 24, 16, (42.0, 30.0, 19.0)),
     (70, 25, 14, 26, (9.0, 14.0, 24.0)),
     (165, 12, 34, 2.5, (26.0, 25.0, 24.0)),
@@ -21,7 +21,7 @@ LAMPS = [
 
 
 def color(longitude, latitude):
-    for middle, height, half_width, half_height, light in LAMPS:
+    for middle, height, half_width, half_height, light in LIGHTS:
         aside = (longitude - middle + 180) % 360 - 180
         if abs(aside) < half_width and abs(latitude - height) < half_height:
             return light

@@ -1,4 +1,4 @@
-//! Chores of the workspace, each one word: `cargo xtask test`.
+//! Tasks of the workspace, each one word: `cargo xtask test`.
 
 mod floors;
 mod instructions;
@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use steps::{Cargo, Report};
 
 const HELP: &str = "\
-Usage: cargo xtask <CHORE>
+Usage: cargo xtask <TASK>
 
   test             everything a change must pass: format, lints, docs, floors, words, all tests
   check            the quick part of it: format, lints, floors, words
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
             println!("{HELP}");
             return ExitCode::SUCCESS;
         }
-        _ => return usage(&format!("there is no chore `{}`", words.join(" "))),
+        _ => return usage(&format!("there is no task `{}`", words.join(" "))),
     }
     report.print();
     if report.failed() { ExitCode::FAILURE } else { ExitCode::SUCCESS }

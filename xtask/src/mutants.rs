@@ -41,25 +41,25 @@ const MUTANTS: [Mutant; 15] = [
         "share * FRAC_1_PI",
     ),
     mutant(
-        "the density of a lamp without that of its choice",
+        "the density of a light without that of its choice",
         EMITTERS,
         "sample.pdf *= probability;",
         "sample.pdf *= 0.0 * probability + 1.0;",
     ),
     mutant(
-        "half the density of a lamp that was met",
+        "half the density of a light that was met",
         EMITTERS,
         "{ probability * light.pdf(from, p, n, time) }",
         "{ 0.5 * probability * light.pdf(from, p, n, time) }",
     ),
     mutant(
-        "half the density of a direction to a lamp that was drawn",
+        "half the density of a direction to a light that was drawn",
         WALK,
-        "power_heuristic(lamp.pdf, self.direction_pdf(bsdf, local.wo, wi))",
-        "power_heuristic(lamp.pdf, 0.5 * self.direction_pdf(bsdf, local.wo, wi))",
+        "power_heuristic(light.pdf, self.direction_pdf(bsdf, local.wo, wi))",
+        "power_heuristic(light.pdf, 0.5 * self.direction_pdf(bsdf, local.wo, wi))",
     ),
     mutant(
-        "a place of a lamp gives the light of the whole",
+        "a place of an emitter gives the light of the whole",
         LIGHTING,
         "self.radiance_of_place(varied, &sample.target, to.time, wavelengths)",
         "self.radiance_of_place(varied, &Target::Infinity, to.time, wavelengths)",
@@ -80,7 +80,7 @@ const MUTANTS: [Mutant; 15] = [
         "let visible = Spectrum::WHITE;",
     ),
     mutant(
-        "lamps stay where they were when the shutter opened",
+        "lights stay where they were when the shutter opened",
         AREA,
         "Some(drift) => self.patch.sample_moved(&drift.map_at(time), p, u)?,",
         "Some(_) => self.patch.sample(p, u)?,",
@@ -94,8 +94,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "joined paths count in full",
         CONNECT,
-        "weight: weight(lamp_side, camera_side)",
-        "weight: weight(0.0 * lamp_side, 0.0 * camera_side)",
+        "weight: weight(light_side, camera_side)",
+        "weight: weight(0.0 * light_side, 0.0 * camera_side)",
     ),
 ];
 

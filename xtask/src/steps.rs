@@ -1,4 +1,4 @@
-//! Runs the steps of a chore one after another and remembers how each ended.
+//! Runs the steps of a task one after another and remembers how each ended.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -38,7 +38,7 @@ impl Cargo {
 
     fn run(mut self) -> Result<(), Vec<String>> {
         if let Some(toolchain) = self.toolchain {
-            // The compiler running this chore is passed down by these; they would win over `+toolchain`.
+            // The compiler running this task is passed down by these; they would win over `+toolchain`.
             self.command.env_remove("RUSTUP_TOOLCHAIN").arg(format!("+{toolchain}"));
         }
         match self.command.args(&self.arguments).status() {

@@ -1,4 +1,5 @@
-//! Words that no file of ours may hold: unfinished work, and paths of one person's machine.
+//! Words that no file of ours may hold: unfinished work, paths of one person's machine, and names for which the field has
+//! a standard term.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,6 +9,31 @@ const BANNED: [&str; 8] = ["/home/", "/root/", "/Users/", "/work/", "TODO", "FIX
 
 /// Files that list the banned words themselves, or that other people wrote.
 const EXCEPT: [&str; 2] = ["xtask/src/words.rs", "Cargo.lock"];
+
+/// Words that were given up, with the standard terms of the field that stand in their place; `docs/src/glossary.md` says what
+/// they mean. Each is looked for as a word of prose and as a part of a name, in any case, in the singular and the plural.
+const RETIRED: [(&str, &str); 5] = [
+    ("chore", "task"),
+    ("fibre", "fuzz (the layer), fiber (one of its hairs)"),
+    ("lamp", "light, or emitter where `light` would be misread"),
+    ("pigment", "diffuse base"),
+    ("varnish", "coat"),
+];
+
+/// Files that need a retired word, and why.
+const STILL_NEEDED: [(&str, &str); 7] = [
+    // The word of the standard IES LM-63 for what gives light in a luminaire.
+    ("crates/kajo-scene/src/ies.rs", "lamp"),
+    ("crates/kajo-core/src/light/photometric.rs", "lamp"),
+    ("crates/kajo-core/src/light/tests/emission.rs", "lamp"),
+    // A keyword of scenes that exist.
+    ("crates/kajo-core/src/settings.rs", "lamp"),
+    ("docs/src/language/settings.md", "lamp"),
+    // It tells of the change.
+    ("CHANGELOG.md", "lamp"),
+    // A keyword of POV-Ray.
+    ("crates/kajo/src/bench/whitted/peers.rs", "pigment"),
+];
 
 /// Searches every text file that git would track.
 ///
@@ -22,6 +48,11 @@ pub fn check(root: &Path) -> Result<(), Vec<String>> {
         let Ok(text) = text else { continue };
         if !EXCEPT.contains(&&*name) {
             problems.extend(banned_lines(&text).map(|(line, word)| format!("{name}:{line}: `{word}`")));
+            let retired =
+                retired_lines(&text).filter(|(_, (word, _))| !STILL_NEEDED.contains(&(&name, word)));
+            let told =
+                |(line, (word, instead))| format!("{name}:{line}: `{word}` is retired, write {instead}");
+            problems.extend(retired.map(told));
         }
     }
     if problems.is_empty() { Ok(()) } else { Err(problems) }
@@ -32,6 +63,31 @@ fn banned_lines(text: &str) -> impl Iterator<Item = (usize, &'static str)> {
         let found = BANNED.iter().filter(move |word| line.contains(**word));
         found.map(move |word| (i + 1, *word))
     })
+}
+
+/// The lines with retired words, each with the word and what to write instead.
+fn retired_lines(text: &str) -> impl Iterator<Item = (usize, (&'static str, &'static str))> {
+    text.lines().enumerate().flat_map(|(i, line)| {
+        let found = RETIRED.iter().filter(move |(word, _)| names(line).any(|name| is_form_of(name, word)));
+        found.map(move |&retired| (i + 1, retired))
+    })
+}
+
+/// The words of a line, those of `snake_case` and `CamelCase` names one by one.
+fn names(line: &str) -> impl Iterator<Item = &str> {
+    line.split(|c: char| !c.is_alphabetic()).flat_map(|name| {
+        let humps = name
+            .char_indices()
+            .filter(move |&(i, c)| i > 0 && c.is_uppercase() && !name[..i].ends_with(char::is_uppercase));
+        let ends = humps.map(|(i, _)| i).chain([name.len()]);
+        ends.scan(0, move |start, end| Some(&name[std::mem::replace(start, end)..end]))
+    })
+}
+
+/// Whether a name is this word, in any case, in the singular or the plural, or a participle made of it.
+fn is_form_of(name: &str, word: &str) -> bool {
+    let name = name.to_lowercase();
+    name.strip_prefix(word).is_some_and(|rest| matches!(rest, "" | "s" | "es" | "ed"))
 }
 
 fn tracked(root: &Path) -> Result<Vec<PathBuf>, String> {
@@ -54,6 +110,21 @@ mod tests {
         let found: Vec<_> = banned_lines("fine\n// TODO: later\nsee /home/me/x\n").collect();
         assert_eq!(found, [(2, "TODO"), (3, "/home/")]);
         assert_eq!(banned_lines("a todo list at home/\n").count(), 0);
+    }
+
+    #[test]
+    fn retired_words_are_found_in_prose_and_in_names() {
+        let found = |text: &'static str| {
+            retired_lines(text).map(|(line, (word, _))| (line, word)).collect::<Vec<_>>()
+        };
+        assert_eq!(found("light\nThe lamp's light\n"), [(2, "lamp")]);
+        for text in ["LAMPS", "lamp_pdf", "PATH_LAMPS", "LampPath", "toLamps", "two lamps.", "Lamps"] {
+            assert_eq!(found(text), [(1, "lamp")], "{text}");
+        }
+        assert_eq!(found("a varnished top"), [(1, "varnish")]);
+        for text in ["clamp", "Clamped", "clamps", "lampoon", "CLAMP", "SliderClamping"] {
+            assert_eq!(found(text), [], "{text}");
+        }
     }
 
     #[test]

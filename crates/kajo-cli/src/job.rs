@@ -335,7 +335,7 @@ impl Job {
                 None => "",
             };
             voice.warn(format!(
-                "adaptive sampling goes by what paths from the camera find, and not by light from lamps{plan}"
+                "adaptive sampling goes by what paths from the camera find, and not by light from emitters{plan}"
             ));
         }
         let Some(words) = self.classic else { return Ok(settings) };

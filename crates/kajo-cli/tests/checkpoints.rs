@@ -160,7 +160,7 @@ const ROLES: [(&str, Role); 53] = [
     ("ray-offset", Decides("", "--ray-offset reference")),
     ("branches", Decides("--integrator distribution", "--branches 3")),
     ("directions", Decides("--integrator path", "--directions uniform")),
-    ("technique", Decides("--integrator path", "--technique lamps")),
+    ("technique", Decides("--integrator path", "--technique lights")),
     ("light-choice", Decides("--integrator path", "--light-choice uniform")),
     ("roulette", Decides("--integrator path", "--roulette off")),
     ("reach", Decides("--integrator occlusion", "--reach 2")),
@@ -334,13 +334,13 @@ fn goals_end_renders() {
 }
 
 #[test]
-fn noise_of_light_from_lamps_counts() {
+fn noise_of_light_from_lights_counts() {
     let folder = Folder::new();
     let light = "ball.txt --size 40 30 --samples uniform 512 --integrator light -o a.png --noise 0.05";
     let ran = folder.succeed(light);
     assert!(!ran.stderr.contains(", 16 samples a pixel"), "it is noisy at first: {}", ran.stderr);
     let ran = folder.succeed(&format!("{light} --adaptive"));
-    assert!(ran.stderr.contains("not by light from lamps; leave out `--adaptive`"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("not by light from emitters; leave out `--adaptive`"), "{}", ran.stderr);
 }
 
 #[test]

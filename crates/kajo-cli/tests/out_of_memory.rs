@@ -8,14 +8,14 @@ use std::process::{Command, Stdio};
 
 use common::{Folder, Ran};
 
-/// A scene with some of everything that takes memory: a picture, a mesh, instances, lamps.
+/// A scene with some of everything that takes memory: a picture, a mesh, instances, lights.
 const SCENE: &str = "\
 PerspectiveCamera { center 0 1 9  direction 0 -0.1 -1  up 0 1 0  angle 30 }
 Lights { DirectionalLight { direction -1 -1 -1  color 0.9 0.9 0.9 } }
-Materials { Matte skin { color skin.ppm }  Matte grey { color 0.5 0.5 0.5 }  Matte lamp { emission 1 1 1 } }
+Materials { Matte skin { color skin.ppm }  Matte grey { color 0.5 0.5 0.5 }  Matte emitter { emission 1 1 1 } }
 Group {
   MaterialIndex grey  TriangleMesh { file waves.obj }
-  MaterialIndex lamp  Transform { Translate 0 2 0  TriangleMesh { file waves.obj } }
+  MaterialIndex emitter  Transform { Translate 0 2 0  TriangleMesh { file waves.obj } }
   Define ball { MaterialIndex skin  Sphere { center 0 0 0  radius 0.1 } }
   Instance ball
   Transform { Translate 1 0 0  Instance ball }

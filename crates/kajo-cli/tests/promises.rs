@@ -138,14 +138,14 @@ fn forests_take_little_memory_and_may_neither_shine_nor_move() {
     };
     assert_eq!(field("nested objects"), 1e9);
     assert!(field("geometry") < 2.0, "{said}");
-    let lamp = "Materials { Matte lamp { emission 1 1 1 }";
+    let light = "Materials { Matte emitter { emission 1 1 1 }";
     let motion = "Motion { key 0 { } key 1 { Translate 1 0 0 } }";
     for (placed, message) in [
-        ("MaterialIndex lamp Instance grove", "make lamps of 1000000 objects"),
+        ("MaterialIndex emitter Instance grove", "make lights of 1000000 objects"),
         (&*format!("MaterialIndex gold Instance grove {{ {motion} }}"), "move 1000000 objects"),
     ] {
         let scene = of_group(&format!("{tree} {grove} {placed}"));
-        folder.write("scene.txt", scene.replace("Materials {", lamp));
+        folder.write("scene.txt", scene.replace("Materials {", light));
         folder.fail("check scene.txt", 2, &["error", message]);
     }
     let forests = "Instance forest ".repeat(5);

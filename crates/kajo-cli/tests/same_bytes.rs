@@ -30,9 +30,9 @@ fn threads_and_tiles_change_nothing() {
     }
 }
 
-/// Light from lamps falls on any pixel, whoever follows it.
+/// Light from emitters falls on any pixel, whoever follows it.
 #[test]
-fn threads_and_tiles_change_nothing_of_light_from_lamps() {
+fn threads_and_tiles_change_nothing_of_light_from_lights() {
     let folder = Folder::new();
     folder.write("scene.txt", common::BALL);
     for more in [

@@ -1,4 +1,4 @@
-//! What three numbers cannot know: paints under a sodium lamp, and filters one behind the other.
+//! What three numbers cannot know: paints under sodium light, and filters one behind the other.
 //!
 //! `cargo run -p kajo-color --example rgb_or_spectral`
 
@@ -13,7 +13,7 @@ const PAINTS: [(&str, [f32; 3]); 4] = [
 
 fn main() {
     let sodium = named::illuminant("sodium").expect("it is in the list");
-    println!("paint under a sodium lamp      as RGB                 as a spectrum");
+    println!("paint under sodium light        as RGB                 as a spectrum");
     for (name, rgb) in PAINTS {
         let paint = Reflectance::from_rgb(rgb);
         print(name, |lambda| sodium.at(lambda) * paint.at(lambda));

@@ -1,4 +1,4 @@
-//! Light as lamps and skies give it.
+//! Light as light sources and skies emit it.
 //!
 //! A colour `rgb` shines with the spectrum of D65 through a filter of that colour, so that a light of
 //! colour 1 1 1 on surfaces given as RGB makes the same picture in both modes. A black body shines by

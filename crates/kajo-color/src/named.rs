@@ -1,6 +1,6 @@
 //! Lights, metals and glasses that a scene asks for by name.
 
-use crate::data::{lamps, metals};
+use crate::data::{light_sources, metals};
 use crate::dispersion::{Dispersion, GLASSES};
 use crate::emission::Emission;
 use crate::illuminant;
@@ -9,12 +9,12 @@ use crate::tabulated::{Outside, Tabulated};
 
 /// The names of [`illuminant()`], in the order of the alphabet.
 ///
-/// * `A`: the standard incandescent lamp; `E`: equal energy
+/// * `A`: the standard incandescent light source; `E`: equal energy
 /// * `D50`, `D55`, `D65`, `D75`: phases of daylight
-/// * `F2`, `F7`, `F11`: fluorescent lamps, cool white, daylight, three-band
-/// * `HP1`, `HP5`: high-pressure lamps, sodium and metal halide
-/// * `LED-B3`: blue diodes and a phosphor; `mercury`: a clear mercury lamp
-/// * `sodium`: a low-pressure sodium lamp
+/// * `F2`, `F7`, `F11`: fluorescent light sources, cool white, daylight, three-band
+/// * `HP1`, `HP5`: high-pressure discharges, sodium and metal halide
+/// * `LED-B3`: blue diodes and a phosphor; `mercury`: a clear mercury discharge
+/// * `sodium`: a low-pressure sodium discharge
 pub const ILLUMINANTS: [&str; 14] =
     ["A", "D50", "D55", "D65", "D75", "E", "F11", "F2", "F7", "HP1", "HP5", "LED-B3", "mercury", "sodium"];
 
@@ -29,7 +29,7 @@ pub fn glasses() -> impl Iterator<Item = &'static str> {
 /// The light called `name`, with luminance 1. Case does not count.
 pub fn illuminant(name: &str) -> Option<Emission> {
     let name = ILLUMINANTS.into_iter().find(|known| known.eq_ignore_ascii_case(name))?;
-    let lamp = |values: &[f64]| Tabulated::regular(380.0, 5.0, values, Outside::Zero);
+    let table = |values: &[f64]| Tabulated::regular(380.0, 5.0, values, Outside::Zero);
     let table = match name {
         // Illuminant A is defined with a constant that has changed since: 2848 K * 1.43878 / 1.4350.
         "A" => return Some(Emission::blackbody(2855.496)),
@@ -38,13 +38,13 @@ pub fn illuminant(name: &str) -> Option<Emission> {
         "D65" => return Some(Emission::from_rgb([1.0; 3])),
         "D75" => illuminant::daylight(7504.17),
         "E" => Tabulated::regular(360.0, 470.0, &[1.0, 1.0], Outside::Zero),
-        "F11" => lamp(&lamps::FL11),
-        "F2" => lamp(&lamps::FL2),
-        "F7" => lamp(&lamps::FL7),
-        "HP1" => lamp(&lamps::HP1),
-        "HP5" => lamp(&lamps::HP5),
-        "LED-B3" => lamp(&lamps::LED_B3),
-        "mercury" => lamp(&lamps::MERCURY),
+        "F11" => table(&light_sources::FL11),
+        "F2" => table(&light_sources::FL2),
+        "F7" => table(&light_sources::FL7),
+        "HP1" => table(&light_sources::HP1),
+        "HP5" => table(&light_sources::HP5),
+        "LED-B3" => table(&light_sources::LED_B3),
+        "mercury" => table(&light_sources::MERCURY),
         // The lines D2 and D1 at 588.995 and 589.592 nm as a spectrometer of 5 nm shows them. Narrower, hardly
         // any path would meet them.
         "sodium" => Tabulated::regular(584.3, 5.0, &[0.0, 1.0, 0.0], Outside::Zero),
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn lamps_have_their_published_chromaticities() {
+    fn lights_have_their_published_chromaticities() {
         // [CIE 015:2018, tables 3 and 10 to 12]
         let published = [
             ("A", [0.4476, 0.4074]),

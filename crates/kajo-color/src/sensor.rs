@@ -7,7 +7,7 @@
 //! ```
 //!
 //! in RGB mode they are the colour. Linear RGB has the primaries of sRGB, with white where the table of
-//! D65 puts it, 3e-5 from the chromaticity in the standard: so a grey surface under a white lamp is grey in
+//! D65 puts it, 3e-5 from the chromaticity in the standard: so a grey surface under a white light is grey in
 //! both modes to the last digit.
 //! [Pharr, Jakob and Humphreys 2023, 4.6]
 

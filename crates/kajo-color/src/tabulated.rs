@@ -6,7 +6,7 @@
 /// What a table is beyond its ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outside {
-    /// Zero: right for lamps.
+    /// Zero: right for lights.
     Zero,
     /// The value at the nearest end: right for reflectances and indices.
     #[default]

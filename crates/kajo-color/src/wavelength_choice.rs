@@ -1,13 +1,13 @@
 //! Which wavelengths paths are drawn at, by the light of a scene.
 //!
-//! A lamp that shines in a few lines is noise where wavelengths are drawn without regard to it: of four wavelengths hardly
-//! one meets a line, and counts the more. Here they are drawn by what the eye sees of the lamps' light,
+//! A light whose spectrum has a few lines is noisy where wavelengths are drawn without regard to it: of four wavelengths hardly
+//! one meets a line, and counts the more. Here they are drawn by what the eye sees of the emitters' light,
 //!
 //! ```text
 //! p(λ) = w₀ p_visible(λ) + Σ wᵢ Eᵢ(λ) s(λ) / ∫ Eᵢ s dλ,     s = x̄ + ȳ + z̄
 //! ```
 //!
-//! with weights `w` in proportion to `∫ Eᵢ s` and to the power of the lamps. Lights without lines count to the first part,
+//! with weights `w` in proportion to `∫ Eᵢ s` and to the power of the emitters. Lights without lines count to the first part,
 //! which never vanishes, so that every wavelength is found however it comes about. The four wavelengths of a path are
 //! quarter turns of one uniform number as always [Wilkie et al. 2014], here mapped by the inverse of the sum of `p`,
 //! which is constant between the wavelengths of a list.
@@ -21,10 +21,10 @@ use crate::observer::{self, FIRST_NM, GAUSS, LAST_NM, STEP_NM};
 use crate::wavelengths::visible_pdf;
 use crate::{Emission, Tabulated, Wavelengths};
 
-/// The least share of paths whose wavelengths are drawn without regard to the lamps.
+/// The least share of paths whose wavelengths are drawn without regard to the lights.
 const LEAST_EVEN: f64 = 0.1;
 
-/// Wavelengths of lamps' own tables that are kept apart, at most.
+/// Wavelengths of lights' own tables that are kept apart, at most.
 const MOST_BREAKS: usize = 1 << 14;
 
 /// How the wavelengths of paths are drawn.
@@ -42,20 +42,20 @@ struct Cells {
     density: Piecewise1D,
 }
 
-/// The light of all lamps of one spectrum.
+/// The light of all emitters of one spectrum.
 struct Lines<'a> {
     table: &'a Tabulated,
     weight: f64,
 }
 
 impl WavelengthChoice {
-    /// The choice for lamps of these powers, in any unit.
+    /// The choice for lights of these powers, in any unit.
     ///
-    /// Lamps whose light is a colour or that of a black body have no lines; where no others are, wavelengths are drawn as
+    /// Emitters whose light is a colour or that of a black body have no lines; where no others are, wavelengths are drawn as
     /// by [`Wavelengths::sample`].
-    pub fn by_lamps<'a>(lamps: impl IntoIterator<Item = (f32, &'a Emission)>) -> WavelengthChoice {
+    pub fn by_lights<'a>(emitters: impl IntoIterator<Item = (f32, &'a Emission)>) -> WavelengthChoice {
         let (mut even, mut lines, mut known) = (0.0, Vec::<Lines<'a>>::new(), HashMap::new());
-        for (power, emission) in lamps {
+        for (power, emission) in emitters {
             let weight = f64::from(power) * emission.strength();
             if !(weight > 0.0 && weight.is_finite()) {
                 continue;
@@ -135,8 +135,8 @@ mod tests {
     use super::*;
     use crate::{Outside, Spectrum, named, sensor};
 
-    fn lamp(name: &str) -> Emission {
-        named::illuminant(name).expect("a known lamp").normalized()
+    fn emitter(name: &str) -> Emission {
+        named::illuminant(name).expect("a known light").normalized()
     }
 
     /// Mean and variance of what the sensor sees of a light, over paths.
@@ -153,12 +153,13 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_found_whatever_the_lamps_are() {
-        let lights = [lamp("sodium"), lamp("F11"), lamp("mercury"), Emission::from_rgb([0.2, 0.5, 0.9])];
+    fn colours_are_found_whatever_the_lights_are() {
+        let lights =
+            [emitter("sodium"), emitter("F11"), emitter("mercury"), Emission::from_rgb([0.2, 0.5, 0.9])];
         let plain = WavelengthChoice::default();
         for (i, own) in lights.iter().enumerate() {
             for weights in [vec![(1.0, own)], lights.iter().map(|light| (2.0, light)).collect()] {
-                let choice = WavelengthChoice::by_lamps(weights);
+                let choice = WavelengthChoice::by_lights(weights);
                 for light in &lights {
                     // 20,000 strata, evenly spaced: the error is that of a sum over the range.
                     let ((found, _), (expected, _)) = (seen_of(&choice, light), seen_of(&plain, light));
@@ -171,11 +172,11 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_no_noise_where_lamps_are_known() {
+    fn lines_are_no_noise_where_lights_are_known() {
         for (name, factor) in [("sodium", 300.0), ("mercury", 50.0), ("F11", 10.0), ("HP1", 8.0)] {
-            let light = lamp(name);
+            let light = emitter(name);
             let before = seen_of(&WavelengthChoice::default(), &light).1;
-            let after = seen_of(&WavelengthChoice::by_lamps([(1.0, &light)]), &light).1;
+            let after = seen_of(&WavelengthChoice::by_lights([(1.0, &light)]), &light).1;
             assert!(before > factor * after, "{name}: variance {before} and {after}");
         }
     }
@@ -183,14 +184,14 @@ mod tests {
     #[test]
     fn without_lines_nothing_changes() {
         let lights = [Emission::from_rgb([1.0, 0.5, 0.1]), Emission::blackbody(2700.0), Emission::BLACK];
-        let choice = WavelengthChoice::by_lamps(lights.iter().map(|light| (1.0, light)));
+        let choice = WavelengthChoice::by_lights(lights.iter().map(|light| (1.0, light)));
         assert!(choice.cells.is_none());
         for u in [0.0, 0.3, 0.999] {
             assert_eq!(choice.sample(u), Wavelengths::sample(u));
         }
         let dark = Emission::from_spectrum(Tabulated::new([(500.0, 0.0)], Outside::Zero).unwrap(), 1.0);
         for power in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            let choice = WavelengthChoice::by_lamps([(power, &lamp("sodium")), (1.0, &dark)]);
+            let choice = WavelengthChoice::by_lights([(power, &emitter("sodium")), (1.0, &dark)]);
             assert!(choice.cells.is_none(), "{power}");
         }
     }
@@ -201,7 +202,7 @@ mod tests {
         let line = |nm: f32| Tabulated::new([(nm - 0.25, 0.0), (nm, 1.0), (nm + 0.25, 0.0)], Outside::Zero);
         for nm in [589.3, 829.9, 360.0] {
             let light = Emission::from_spectrum(line(nm).unwrap(), 1.0);
-            let choice = WavelengthChoice::by_lamps([(3.0, &light)]);
+            let choice = WavelengthChoice::by_lights([(3.0, &light)]);
             let cells = choice.cells.as_ref().unwrap();
             let pdf = |nm: f32| {
                 let i = cells.ends.partition_point(|&end| end <= nm).clamp(1, cells.ends.len() - 1);

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! with `c` = 538 nm, `a` = 0.0072 / nm and `λ₀`, `λ₁` the ends of the visible range.
-//! Where lamps shine in lines, another `λ(u)` finds these: see [`WavelengthChoice`](crate::WavelengthChoice).
+//! Where lights shine in lines, another `λ(u)` finds these: see [`WavelengthChoice`](crate::WavelengthChoice).
 //! [Wilkie et al. 2014], [Radziszewski et al. 2009], [Pharr, Jakob and Humphreys 2023, 4.5.4]
 
 use kajo_math::fmath;

@@ -43,10 +43,10 @@ fn a_thousand_colours_come_back_from_their_spectra() {
         let paint = Reflectance::from_rgb(rgb);
         let on_paint = lab(seen(2000, |lambda| paint.at(lambda) * light.at(lambda)), white());
         let coloured = Emission::from_rgb(rgb);
-        let of_lamp = lab(seen(2000, |lambda| coloured.at(lambda)), white());
+        let of_light = lab(seen(2000, |lambda| coloured.at(lambda)), white());
         let of_picture = lab(seen(2000, |lambda| RgbBasis::new(lambda).emission(rgb)), white());
         let expected = lab_of_rgb(rgb.map(f64::from));
-        for found in [on_paint, of_lamp, of_picture] {
+        for found in [on_paint, of_light, of_picture] {
             let off = delta_e_2000(found, expected);
             assert!(off < 0.1, "{rgb:?} differs by {off}: {found:?} for {expected:?}");
         }
@@ -71,9 +71,9 @@ fn bright_lights_keep_their_strength() {
 /// Random heroes, all four lanes or the hero alone, estimate the integrals that the tables give.
 #[test]
 fn random_wavelengths_integrate_what_the_observer_sees() {
-    let lamps = ["A", "D65", "F11", "HP1", "LED-B3"].map(|name| named::illuminant(name).unwrap());
+    let lights = ["A", "D65", "F11", "HP1", "LED-B3"].map(|name| named::illuminant(name).unwrap());
     let paint = Reflectance::from_rgb([0.6, 0.3, 0.1]);
-    for (l, light) in lamps.iter().enumerate() {
+    for (l, light) in lights.iter().enumerate() {
         let expected = seen(200_000, |lambda| light.at(lambda) * paint.at(lambda));
         for terminate in [false, true] {
             for (channel, expected) in expected.into_iter().enumerate() {
@@ -95,7 +95,7 @@ fn random_wavelengths_integrate_what_the_observer_sees() {
     }
 }
 
-/// Two paints that match in daylight and part under a lamp.
+/// Two paints that match in daylight and part under a light.
 #[test]
 fn a_metameric_pair_matches_under_d65_and_parts_under_a() {
     // A measured-looking spectrum with a bump, and the smooth one of the same colour.
@@ -123,7 +123,7 @@ fn a_metameric_pair_matches_under_d65_and_parts_under_a() {
 const METAMERS_UNDER_A: f64 = 3.6505;
 
 #[test]
-fn lamps_of_the_observer_and_of_gamuts_agree() {
+fn lights_of_the_observer_and_of_gamuts_agree() {
     // The white of the sensor is that of sRGB, to the fifth digit of the chromaticity.
     let [x, y] = gamut::xy_of(seen(20_000, |lambda| Emission::from_rgb([1.0; 3]).at(lambda)));
     assert!((x - 0.3127).abs() < 5e-5 && (y - 0.3290).abs() < 5e-5, "{x} {y}");

@@ -1,4 +1,4 @@
-//! Light of a surface that differs from place to place: a slide before a lamp, holes, a mixture of which a part glows.
+//! Light of a surface that differs from place to place: a slide before an emitter, holes, a mixture of which a part glows.
 //!
 //! The radiance is a sum over the materials that the surface is made of, each times the factors of its place:
 //!

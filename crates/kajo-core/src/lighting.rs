@@ -1,4 +1,4 @@
-//! What integrators that estimate integrals ask of a scene: how surfaces scatter, what glows, which lamp to ask.
+//! What integrators that estimate integrals ask of a scene: how surfaces scatter, what glows, which light to ask.
 
 use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
 use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
@@ -15,10 +15,10 @@ use crate::scene::{Interaction, Scene, rarely};
 pub struct Sun {
     /// Radiance from there.
     pub radiance: Spectrum,
-    /// The lamp's group, an index into [`Scene::light_groups`].
+    /// The light's group, an index into [`Scene::light_groups`].
     pub group: u8,
-    /// The number of the lamp.
-    pub lamp: u32,
+    /// The number of the light.
+    pub light: u32,
 }
 
 /// A place of a surface that gives light.
@@ -26,9 +26,9 @@ pub struct Sun {
 pub struct Glow<'a> {
     /// Radiance towards the viewer.
     pub radiance: Spectrum,
-    /// The lamp's group, an index into [`Scene::light_groups`].
+    /// The light's group, an index into [`Scene::light_groups`].
     pub group: u8,
-    /// The number of the lamp.
+    /// The number of the light.
     number: u32,
     light: &'a AreaLight,
 }
@@ -119,12 +119,12 @@ impl Scene {
     #[inline]
     pub fn suns<'a>(&'a self, d: Vec3, wavelengths: &'a Wavelengths) -> impl Iterator<Item = Sun> {
         let met = self.emitters.discs(&self.lights, d, wavelengths);
-        met.map(|(lamp, radiance)| Sun { radiance, group: self.emitters.group(lamp), lamp })
+        met.map(|(light, radiance)| Sun { radiance, group: self.emitters.group(light), light })
     }
 
     /// Light drawn for a receiver, whether or not anything is in the way.
     ///
-    /// * `u`: uniform in [0, 1), chooses the lamp; `place`: chooses the place on it
+    /// * `u`: uniform in [0, 1), chooses the light; `place`: chooses the place on it
     #[inline]
     pub fn light_towards(
         &self,
@@ -137,7 +137,7 @@ impl Scene {
         let mut drawn =
             self.emitters.sample(&self.lights, [to.p, to.n], to.time, u, place, wavelengths, choice);
         if let Some(sample) = &mut drawn
-            && let Some(varied) = self.emitters.varied(&self.lights, sample.lamp)
+            && let Some(varied) = self.emitters.varied(&self.lights, sample.light)
         {
             sample.radiance = self.radiance_of_place(varied, &sample.target, to.time, wavelengths);
         }
@@ -170,47 +170,54 @@ impl Scene {
         varied.at(&self.textures, &place, wavelengths)
     }
 
-    /// Density per solid angle with which [`Scene::light_towards`] draws this lamp and the way to a place of it; for a
-    /// lamp without extent the probability of its choice.
+    /// Density per solid angle with which [`Scene::light_towards`] draws this light and the way to a place of it; for a
+    /// light without extent the probability of its choice.
     ///
-    /// * `at`: the place and its unit geometric normal, of effect where the lamp has a surface
+    /// * `at`: the place and its unit geometric normal, of effect where the light has a surface
     /// * `wi`: unit direction to it
-    pub fn lamp_pdf(&self, lamp: u32, to: &Receiver, at: [Vec3; 2], wi: Vec3, choice: LightChoice) -> f32 {
-        let probability = self.emitters.probability(lamp, [to.p, to.n], choice);
+    pub fn light_pdf(
+        &self,
+        emitter: u32,
+        to: &Receiver,
+        at: [Vec3; 2],
+        wi: Vec3,
+        choice: LightChoice,
+    ) -> f32 {
+        let probability = self.emitters.probability(emitter, [to.p, to.n], choice);
         if probability > 0.0 {
-            probability * self.emitters.way_pdf(&self.lights, lamp, (to.p, to.time), at, wi)
+            probability * self.emitters.way_pdf(&self.lights, emitter, (to.p, to.time), at, wi)
         } else {
             0.0
         }
     }
 
-    /// The lamps for paths to begin at.
+    /// The lights for paths to begin at.
     pub fn departures(&self) -> Departures {
         Departures::new(&self.emitters, &self.lights, &self.bounds())
     }
 
-    /// How wavelengths are drawn so that the lines of lamps are found: by the spectra of all light and its power.
+    /// How wavelengths are drawn so that the lines of emitters are found: by the spectra of all light and its power.
     pub fn wavelength_choice(&self) -> WavelengthChoice {
         let (world, white) = (Ball::around(&self.bounds()), Emission::from_rgb([1.0; 3]));
-        let mut lamps = Vec::new();
+        let mut emitters = Vec::new();
         for (number, &id) in (0..).zip(self.emitters.list()) {
             let power = self.lights.power(id, &world);
             let Some((_, varied)) = self.emitters.varied(&self.lights, number) else {
-                lamps.push((power, self.lights.emission(id).unwrap_or(&white)));
+                emitters.push((power, self.lights.emission(id).unwrap_or(&white)));
                 continue;
             };
             let varied = &self.varied_emissions[varied as usize];
             let all: f32 = varied.emissions().map(Emission::luminance).sum();
-            lamps.extend(varied.emissions().map(|light| (power * light.luminance() / all, light)));
+            emitters.extend(varied.emissions().map(|light| (power * light.luminance() / all, light)));
         }
-        WavelengthChoice::by_lamps(lamps)
+        WavelengthChoice::by_lights(emitters)
     }
 
-    /// A ray of light that leaves a lamp drawn by its power, the number of the lamp, and the probability of its choice,
+    /// A ray of light that leaves an emitter drawn by its power, the number of the emitter, and the probability of its choice,
     /// which the densities leave out.
     ///
     /// * `time`: moment within the shutter interval
-    /// * `u`: uniform in [0, 1), chooses the lamp; `ways`: choose place and direction
+    /// * `u`: uniform in [0, 1), chooses the light; `ways`: choose place and direction
     pub fn emit(
         &self,
         departures: &Departures,
@@ -219,10 +226,10 @@ impl Scene {
         ways: [Vec2; 2],
         wavelengths: &Wavelengths,
     ) -> Option<(Emitted, u32, f32)> {
-        let lamp = departures.choose(u)?;
+        let emitter = departures.choose(u)?;
         let mut emitted =
-            self.lights.emit(self.emitters.id(lamp), time, ways, wavelengths, departures.world())?;
-        if let Some(varied) = self.emitters.varied(&self.lights, lamp) {
+            self.lights.emit(self.emitters.id(emitter), time, ways, wavelengths, departures.world())?;
+        if let Some(varied) = self.emitters.varied(&self.lights, emitter) {
             emitted.radiance = self.radiance_of_place(varied, &emitted.origin, time, wavelengths);
         }
         let density = emitted.pdf.place * emitted.pdf.direction;
@@ -231,29 +238,29 @@ impl Scene {
         let hidden = emitted.is_infinite()
             && !self.unbounded.is_empty()
             && self.occluded(&Ray { time, ..Ray::new(emitted.p, -emitted.d) });
-        (usable && !hidden).then(|| (emitted, lamp, departures.probability(lamp)))
+        (usable && !hidden).then(|| (emitted, emitter, departures.probability(emitter)))
     }
 
-    /// Densities with which a lamp sends light along the unit vector `d`, once it is chosen.
+    /// Densities with which an emitter sends light along the unit vector `d`, once it is chosen.
     ///
     /// * `time`: moment within the shutter interval
     /// * `at`: where light leaves, or any point on its way from infinitely far; and the unit normal there, of effect where
-    ///   the lamp has a surface
+    ///   the light has a surface
     pub fn emission_pdf(
         &self,
         departures: &Departures,
-        lamp: u32,
+        emitter: u32,
         time: f32,
         at: [Vec3; 2],
         d: Vec3,
     ) -> EmissionPdf {
-        self.lights.emission_pdf(self.emitters.id(lamp), time, at, d, departures.world())
+        self.lights.emission_pdf(self.emitters.id(emitter), time, at, d, departures.world())
     }
 }
 
 impl Glow<'_> {
-    /// The number of the lamp.
-    pub fn lamp(&self) -> u32 {
+    /// The number of the light.
+    pub fn emitter(&self) -> u32 {
         self.number
     }
 }

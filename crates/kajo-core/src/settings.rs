@@ -151,15 +151,15 @@ pub enum IntegratorKind {
     Classic,
     /// Path tracing.
     Path,
-    /// Light that comes straight from lamps, and through mirrors and glass.
+    /// Light that comes straight from emitters, and through mirrors and glass.
     Direct,
     /// Distribution ray tracing: many rays from the first surface that is no mirror.
     Distribution,
     /// How open the surroundings are.
     Occlusion,
-    /// Paths from the camera and from lamps, joined.
+    /// Paths from the camera and from lights, joined.
     Bidirectional,
-    /// Paths from lamps alone.
+    /// Paths from lights alone.
     Light,
 }
 
@@ -187,18 +187,20 @@ pub enum Technique {
     /// Both of the following, weighed against each other.
     #[default]
     Combined,
-    /// Lamps are met by chance only.
+    /// Lights are met by chance only.
     Scattering,
-    /// Lamps are drawn; those met by chance count only where they cannot be drawn.
-    Lamps,
+    /// Lights are drawn; those met by chance count only where they cannot be drawn.
+    Lights,
 }
 
 impl Technique {
     /// Names on the command line and in `Settings`, with the techniques.
-    pub const NAMES: [(&'static str, Technique); 3] = [
+    pub const NAMES: [(&'static str, Technique); 4] = [
         ("combined", Technique::Combined),
-        ("lamps", Technique::Lamps),
+        ("lights", Technique::Lights),
         ("scattering", Technique::Scattering),
+        // An older word of the language for `lights`.
+        ("lamps", Technique::Lights),
     ];
 }
 
@@ -268,7 +270,7 @@ pub struct Settings {
     pub directions: Option<Directions>,
     /// How direct light is estimated.
     pub technique: Option<Technique>,
-    /// How lamps are chosen.
+    /// How lights are chosen.
     pub light_choice: Option<LightChoice>,
     /// Whether paths of little weight end at random.
     pub roulette: Option<bool>,

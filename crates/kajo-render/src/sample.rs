@@ -52,8 +52,8 @@ pub trait PixelIntegrator: Sync {
 pub struct RayCounters {
     /// From the camera.
     pub camera: u64,
-    /// From a lamp.
-    pub lamp: u64,
+    /// From a light.
+    pub light: u64,
     /// Towards a light, or between two paths.
     pub shadow: u64,
     /// Mirrored at a surface.
@@ -67,14 +67,14 @@ pub struct RayCounters {
 impl RayCounters {
     /// Rays of every kind that were cast.
     pub fn total(&self) -> u64 {
-        self.camera + self.lamp + self.shadow + self.reflected + self.refracted
+        self.camera + self.light + self.shadow + self.reflected + self.refracted
     }
 }
 
 impl AddAssign for RayCounters {
     fn add_assign(&mut self, other: RayCounters) {
         self.camera += other.camera;
-        self.lamp += other.lamp;
+        self.light += other.light;
         self.shadow += other.shadow;
         self.reflected += other.reflected;
         self.refracted += other.refracted;

@@ -31,11 +31,11 @@ pub enum RayKind {
     Scattered,
     /// Towards a light, or to find out whether anything is near.
     Shadow,
-    /// From a lamp.
-    Lamp,
-    /// Between a point of a path from the camera and one of a path from a lamp.
+    /// From a light.
+    Light,
+    /// Between a point of a path from the camera and one of a path from a light.
     Connection,
-    /// From a path from a lamp to the lens. Its light goes to the pixel where that is seen, and is no part of the
+    /// From a path from an emitter to the lens. Its light goes to the pixel where that is seen, and is no part of the
     /// sample.
     Splat,
 }
@@ -83,7 +83,7 @@ impl LightSource {
 pub struct Segment {
     /// What it was cast for.
     pub kind: RayKind,
-    /// Index of the segment at whose end it starts; `None` for those from the camera and from a lamp.
+    /// Index of the segment at whose end it starts; `None` for those from the camera and from a light.
     pub parent: Option<u32>,
     /// How many segments lie before it.
     pub depth: u32,

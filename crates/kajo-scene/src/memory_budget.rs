@@ -1,6 +1,6 @@
 //! One number of bytes for everything that a scene is made of.
 //!
-//! Texts, pictures, meshes, objects and lamps take what they are going to use before they use it, from a budget that
+//! Texts, pictures, meshes, objects and lights take what they are going to use before they use it, from a budget that
 //! they share; what is left of it is for the film. Whoever finds too little says what needed how much, with its place.
 
 use std::fmt;

@@ -43,9 +43,9 @@ pub struct MtlMaterial {
     pub metalness: Option<f32>,
     /// `Ps`, sheen.
     pub sheen: Option<f32>,
-    /// `Pc`, varnish.
+    /// `Pc`, coat.
     pub coat: Option<f32>,
-    /// `Pcr`, roughness of the varnish.
+    /// `Pcr`, roughness of the coat.
     pub coat_roughness: Option<f32>,
     /// `aniso`, how far highlights are drawn out.
     pub anisotropy: Option<f32>,

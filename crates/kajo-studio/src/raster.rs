@@ -1,6 +1,6 @@
 //! The raster preview: the scene as the graphics card (or its stand-in on the processor) draws it.
 //!
-//! Surfaces are lit by a lamp at the eye, `0.28 + 0.72 |n·v|`, which shows shape from every side and needs no
+//! Surfaces are lit by a light at the eye, `0.28 + 0.72 |n·v|`, which shows shape from every side and needs no
 //! lights in the scene. Meshes are stored once and drawn per instance. Lines have a width in pixels of the window;
 //! what surfaces hide of them shows faintly. What is selected has an outline, found in a mask of its pixels.
 //!

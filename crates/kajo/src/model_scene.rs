@@ -176,7 +176,7 @@ impl ModelFile {
         self.format == MeshFormat::Gltf && contains(&self.head, b"KHR_lights_punctual")
     }
 
-    /// Whether lights of a glTF file are told in the units of the standard, lumens per area or solid angle: a lamp at home
+    /// Whether lights of a glTF file are told in the units of the standard, lumens per area or solid angle: a light at home
     /// has tens of candela and the sun thousands of lux, where files that mean nothing of the kind have numbers near 1.
     fn has_photometric_lights(&self) -> bool {
         if !self.has_lights() {

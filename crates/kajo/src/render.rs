@@ -55,7 +55,7 @@ pub struct Passes {
 #[derive(Debug)]
 pub struct Picture {
     film: Film,
-    /// Names of the groups of lamps.
+    /// Names of the groups of lights.
     groups: Arc<[String]>,
     settings: RenderSettings,
     position: Option<(Position, Identity)>,
@@ -293,8 +293,8 @@ pub(crate) fn integrator<'a>(
 /// What path tracing and light from both ends have in common.
 fn bidirectional_settings(settings: &RenderSettings) -> BidirectionalSettings {
     let PathSettings { bounces, light_choice, roulette, spectral, .. } = settings.path;
-    let only_from_lamps = settings.integrator == IntegratorKind::Light;
-    BidirectionalSettings { bounces, only_from_lamps, light_choice, roulette, spectral }
+    let only_from_lights = settings.integrator == IntegratorKind::Light;
+    BidirectionalSettings { bounces, only_from_lights, light_choice, roulette, spectral }
 }
 
 /// The name of the pattern of samples, if it needs a fixed number of them.
@@ -471,7 +471,7 @@ pub(crate) fn film_spec(camera: &Camera, settings: &RenderSettings, layers: Laye
         filter: settings.filter,
         layers,
         shown: settings.crop,
-        // Light from lamps may appear anywhere in the picture.
+        // Light from emitters may appear anywhere in the picture.
         samples_everywhere: matches!(
             settings.integrator,
             IntegratorKind::Bidirectional | IntegratorKind::Light

@@ -158,9 +158,9 @@ impl RenderSettings {
     pub fn left_out(&self, scene: &Scene) -> Vec<&'static str> {
         let traced = self.integrator != IntegratorKind::Classic;
         let shaded = traced && self.integrator != IntegratorKind::Occlusion;
-        let lamps = &scene.lights;
-        let unfading = lamps.point.iter().any(|lamp| lamp.attenuation[2] == 0.0)
-            || lamps.spots.iter().any(|lamp| lamp.point.attenuation[2] == 0.0);
+        let emitters = &scene.lights;
+        let unfading = emitters.point.iter().any(|light| light.attenuation[2] == 0.0)
+            || emitters.spots.iter().any(|light| light.point.attenuation[2] == 0.0);
         let notes = [
             (traced && scene.fog.is_some(), "`Fog` is left out: only the classic integrator knows it"),
             (
@@ -173,15 +173,15 @@ impl RenderSettings {
             ),
             (
                 self.integrator == IntegratorKind::Light && !connects(scene, self.size),
-                "light from lamps does not find this camera, only perspective and orthographic ones",
+                "light from emitters does not find this camera, only perspective and orthographic ones",
             ),
             (
                 self.integrator == IntegratorKind::Light && scene.moves() && scene.readout > 0.0,
-                "light from lamps does not find a camera whose rows open one after the other while things move",
+                "light from emitters does not find a camera whose rows open one after the other while things move",
             ),
             (
                 shaded && unfading,
-                "a lamp here does not fade with the square of the distance, as real ones do; give it an `intensity`",
+                "a light here does not fade with the square of the distance, as real ones do; give it an `intensity`",
             ),
             (
                 !shaded && scene.light_groups.len() > 1,
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn light_from_lamps_finds_no_rolling_shutter_while_things_move() {
+    fn light_from_lights_finds_no_rolling_shutter_while_things_move() {
         let found = |keys: &str, motion: &str| {
             let camera = format!(
                 "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30  shutter 0 1  {keys} }}"

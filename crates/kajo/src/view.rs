@@ -34,7 +34,7 @@ pub enum View {
     Motion,
     /// Estimated variance of the light.
     Variance,
-    /// The light of each group of lamps.
+    /// The light of each group of emitters.
     Lights,
 }
 
@@ -72,7 +72,7 @@ impl View {
 
     /// What the film must record for it.
     ///
-    /// * `n_groups`: groups of lamps in the scene
+    /// * `n_groups`: groups of lights in the scene
     pub(crate) fn layers(
         self,
         format: Format,
@@ -119,7 +119,7 @@ pub(crate) struct Look<'a> {
     pub development: &'a Development,
     /// The light, where it is not what the film says.
     pub light: Option<&'a Image>,
-    /// Names of the groups of lamps.
+    /// Names of the groups of lights.
     pub groups: &'a [String],
     /// Whether the file is made in little time rather than small.
     pub quick: bool,

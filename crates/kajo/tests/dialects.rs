@@ -12,7 +12,7 @@ fn loaded(text: &str, dialect: Dialect, assets: MemoryAssets) -> Loaded {
     load_from("s.txt", &assets.with("s.txt", text), &options)
 }
 
-/// The light of a picture without lamps, where surfaces have their ambient colour.
+/// The light of a picture without emitters, where surfaces have their ambient colour.
 fn picture(text: &str, dialect: Dialect, size: [u32; 2], assets: MemoryAssets) -> Image {
     let loaded = loaded(text, dialect, assets);
     let scene = loaded.scene.as_ref().unwrap_or_else(|| panic!("{text}\n{}", loaded.report(false)));

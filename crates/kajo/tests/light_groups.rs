@@ -1,4 +1,4 @@
-//! The light of groups of lamps, seen apart.
+//! The light of groups of emitters, seen apart.
 
 use kajo::{
     BitDepth, Defaults, Format, IntegratorKind, LightChoice, LoadOptions, MemoryAssets, RenderSettings,
@@ -31,7 +31,7 @@ fn values<'a>(file: &'a ExrPicture, layer: Option<&str>, channel: &str) -> &'a [
 }
 
 #[test]
-fn each_group_has_the_light_of_its_lamps() {
+fn each_group_has_the_light_of_its_lights() {
     let scene = scene(
         "OrthographicCamera { center 0 3 0  direction 0 -1 0  up 0 0 1  size 0.001 }
          Background { color 0 0 0 }
@@ -75,12 +75,12 @@ fn the_groups_add_up_to_the_light() {
          Lights { PointLight { position 2 4 2  color 3 2 1  group key } }
          Materials {
            Matte floor { color 0.6 0.5 0.4 }  Glass glass { glass N-SF10 }
-           Material lamp { diffuseColor 0 0 0  emission 4 3 2  group lamp }
+           Material emitter { diffuseColor 0 0 0  emission 4 3 2  group emitter }
          }
          Group {
            MaterialIndex floor  Plane { normal 0 1 0  offset -1 }
            MaterialIndex glass  Sphere { center 0.5 0 0  radius 1 }
-           MaterialIndex lamp   Sphere { center -1.5 0.5 0  radius 0.5 }
+           MaterialIndex emitter   Sphere { center -1.5 0.5 0  radius 0.5 }
          }",
     );
     for (integrator, spectral) in [

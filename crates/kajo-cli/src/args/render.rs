@@ -99,10 +99,10 @@ pub struct RenderArgs {
     /// How directions of indirect light are drawn: scattering, cosine or uniform
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Directions::NAMES))]
     pub directions: Option<Directions>,
-    /// How direct light is estimated: combined, lamps or scattering
+    /// How direct light is estimated: combined, lights or scattering
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Technique::NAMES))]
     pub technique: Option<Technique>,
-    /// How lamps are chosen: tree or uniform
+    /// How lights are chosen: tree or uniform
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(LightChoice::NAMES))]
     pub light_choice: Option<LightChoice>,
     /// Whether paths of little weight end at random

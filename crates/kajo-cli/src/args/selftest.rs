@@ -7,7 +7,7 @@ Examples:
   kajo selftest --quick                    every row to half a per cent, in a minute or so
   kajo selftest                            every row to a twentieth of a per cent
   kajo selftest --seed 7 --only S3         the polygons of seed 7
-  kajo selftest --only 'path, lamps'       one method of the path integrator
+  kajo selftest --only 'path, lights'       one method of the path integrator
   kajo selftest --json > rows.json
 
 Each row is a scene whose light is known by a formula, with numbers drawn from the seed, rendered by one

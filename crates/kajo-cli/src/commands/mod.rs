@@ -74,7 +74,7 @@ fn statistics(done: &Done) -> String {
     let stats = &done.stats;
     let rays = [
         ("camera rays", stats.rays.camera),
-        ("rays from lamps", stats.rays.lamp),
+        ("rays from lights", stats.rays.light),
         ("shadow rays", stats.rays.shadow),
         ("mirror rays", stats.rays.reflected),
         ("refracted rays", stats.rays.refracted),

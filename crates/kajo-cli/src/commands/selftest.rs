@@ -63,7 +63,7 @@ fn heading(seed: u64, effort: Effort) -> String {
     )
 }
 
-/// `    1.131768     1.131801   0.00031    0.1 s pass   S2 point lamp in a ball, albedo 0.8 [path]`
+/// `    1.131768     1.131801   0.00031    0.1 s pass   S2 point light in a ball, albedo 0.8 [path]`
 fn line(row: &Row) -> String {
     let off = (row.measured - row.expected).abs() / row.sigma;
     let off = if off.is_finite() { format!("{off:.1} s") } else { "-".to_owned() };

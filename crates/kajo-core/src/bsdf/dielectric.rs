@@ -11,7 +11,7 @@
 //! ```
 //!
 //! [Walter et al. 2007, eq. 20 and 21]. The factor `1/η²` stands for radiance, which is squeezed into a narrower cone in
-//! a denser medium; paths from the lamps, which carry power, go without it [Veach 1997, sec. 5.2]. Refracted, `G2`
+//! a denser medium; paths from the lights, which carry power, go without it [Veach 1997, sec. 5.2]. Refracted, `G2`
 //! is the lesser of both `G1`. What is hidden all the same comes out in all directions, see `energy.rs`.
 //!
 //! A facet is drawn from those that `wo` sees, then reflection with probability F. Light that meets more than

@@ -1,6 +1,6 @@
-//! Microfibres on a surface: the sheen of velvet, dust and peach skin.
+//! Fuzz, microfibers on a surface: the sheen of velvet, dust and peach skin.
 //!
-//! The volume of fibres of [Zeltner, Burley and Chiang 2022], as rational fits to its directional albedo `R` and to a
+//! The volume of microfibers of [Zeltner, Burley and Chiang 2022], as rational fits to its directional albedo `R` and to a
 //! cosine lobe mapped by a matrix, whose inverse is `M⁻¹ = (a 0 b; 0 a 0; 0 0 1)` with x in the plane of `v`:
 //!
 //! ```text
@@ -14,7 +14,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use kajo_math::{Vec2, Vec3, fmath, warp};
 
-/// The fibres as seen from one direction.
+/// The fuzz as seen from one direction.
 #[derive(Clone, Copy)]
 pub(super) struct Fuzz {
     /// Share of light that is reflected.
@@ -27,7 +27,7 @@ pub(super) struct Fuzz {
 
 impl Fuzz {
     /// * `v`: to the viewer, above the surface
-    /// * `roughness`: from fibres that lie close, 0, to fibres that stand up, 1
+    /// * `roughness`: from fibers that lie close, 0, to fibers that stand up, 1
     pub fn new(v: Vec3, roughness: f32) -> Fuzz {
         let (x, y) = (v.z.clamp(0.0, 1.0), roughness.clamp(0.01, 1.0));
         let s = y * (0.020_660_7 + 1.584_91 * y) / (0.037_942_4 + y * (1.322_27 + y));

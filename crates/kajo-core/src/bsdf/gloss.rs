@@ -1,4 +1,4 @@
-//! The reflecting half of a rough dielectric boundary met from above: a varnish, whatever lies below it.
+//! The reflecting half of a rough dielectric boundary met from above: a coat, whatever lies below it.
 //!
 //! ```text
 //! f(wo, wi) = F D(m) G2 / (4 cos θo cos θi)  +  l(o) l(i) / (π (L₁ + n² L₂))

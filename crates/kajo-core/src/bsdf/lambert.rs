@@ -4,7 +4,7 @@
 //! f(wo, wi) = R/π  on the side of wo,   T/π  on the other
 //! ```
 //!
-//! [Lambert 1760]. `T` makes leaves, paper and lamp shades; reflection and transmission take their share of the
+//! [Lambert 1760]. `T` makes leaves, paper and light shades; reflection and transmission take their share of the
 //! samples in proportion to their largest lanes.
 
 use std::f32::consts::FRAC_1_PI;

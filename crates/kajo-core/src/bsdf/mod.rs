@@ -59,7 +59,7 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// Phong's model, normalised.
     Phong(PhongLobes),
-    /// Layers of varnish and fibres on a metal, a pigment or a glass.
+    /// Layers of coat and fuzz on a metal, a diffuse base or a glass.
     Principled(Principled),
     /// Nothing is there: light goes straight on.
     Null,
@@ -70,7 +70,7 @@ pub enum Bsdf {
 pub enum Transport {
     /// Paths from the camera, which gather radiance. Across a boundary it is scaled by the square of the index.
     Radiance,
-    /// Paths from the lamps, which carry power.
+    /// Paths from the lights, which carry power.
     Importance,
 }
 

@@ -1,4 +1,4 @@
-//! A layered surface in the terms of OpenPBR: fibres over a varnish over a metal, a pigment or a glass.
+//! A layered surface in the terms of OpenPBR: fuzz over a coat over a metal, a diffuse base or a glass.
 //!
 //! Each layer reflects its own light and lets the rest through to the one below. Seen from `v`:
 //!
@@ -10,13 +10,13 @@
 //! fbase  =  metal,   or clear glass,   or   fgloss + (1 - Egloss(v)) fdiffuse
 //! ```
 //!
-//! `R` and `E` are the shares that fibres and varnish reflect [OpenPBR 1.1, sec. 3 and 4]. What passes a layer depends
+//! `R` and `E` are the shares that fuzz and coat reflect [OpenPBR 1.1, sec. 3 and 4]. What passes a layer depends
 //! on the direction to the viewer only: so no light is lost, and white layers on a white base reflect all of it.
-//! The price is that the formula is not symmetric. Paths from the lamps use it with both directions
+//! The price is that the formula is not symmetric. Paths from the lights use it with both directions
 //! exchanged, so that they find the same picture.
 //!
 //! Left out: the darkening of a base by light that the coat throws back to it, thin films, subsurface scattering.
-//! From inside a glass base there are neither fibres nor varnish.
+//! From inside a glass base there is neither fuzz nor coat.
 
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3, fmath};
@@ -29,10 +29,10 @@ use super::{
     same_side, upright,
 };
 
-/// What lies below varnish and fibres.
+/// What lies below coat and fuzz.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
-    /// A pigment under a glossy surface.
+    /// A diffuse base under a glossy surface.
     Diffuse,
     /// A metal.
     Metal,
@@ -40,7 +40,7 @@ pub enum Base {
     Glass,
 }
 
-/// How the gloss of a pigment differs from that of its index of refraction.
+/// How the gloss of a diffuse base differs from that of its index of refraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Specular {
     /// A factor at every angle, which metals have at 82 degrees and glass for what it reflects [OpenPBR 1.1, sec. 3.6].
@@ -50,7 +50,7 @@ pub enum Specular {
     F0 {
         /// The factor, at least 0. The reflectance at normal incidence is held to 1.
         factor: Spectrum,
-        /// The largest one at any wavelength: it decides how much light reaches the pigment.
+        /// The largest one at any wavelength: it decides how much light reaches the diffuse base.
         largest: f32,
         /// Another factor at every angle, in [0, 1].
         weight: f32,
@@ -62,29 +62,29 @@ pub enum Specular {
 pub struct Principled {
     /// What lies below.
     pub base: Base,
-    /// Albedo of the pigment, reflectance of the metal straight on, or factor of light through the glass.
+    /// Albedo of the diffuse base, reflectance of the metal straight on, or factor of light through the glass.
     pub color: Spectrum,
     /// What differs in glossy reflection.
     pub specular: Specular,
-    /// Roughness of the pigment, in [0, 1].
+    /// Roughness of the diffuse base, in [0, 1].
     pub diffuse_roughness: f32,
     /// Roughness `α` along x and y.
     pub alpha: Vec2,
-    /// Index of refraction of pigment or glass over that of the medium above, at least 1.
+    /// Index of refraction of diffuse base or glass over that of the medium above, at least 1.
     pub eta: f32,
-    /// Share of the surface that is varnished.
+    /// Share of the surface that is coated.
     pub coat: f32,
-    /// Light that the varnish lets through, in and out again, straight on.
+    /// Light that the coat lets through, in and out again, straight on.
     pub coat_color: Spectrum,
-    /// Roughness `α` of the varnish.
+    /// Roughness `α` of the coat.
     pub coat_alpha: f32,
-    /// Index of refraction of the varnish over that of the medium above, at least 1.
+    /// Index of refraction of the coat over that of the medium above, at least 1.
     pub coat_eta: f32,
-    /// Share of the surface that is covered by fibres.
+    /// Share of the surface that is covered by fuzz.
     pub fuzz: f32,
-    /// Colour of the fibres.
+    /// Colour of the fuzz.
     pub fuzz_color: Spectrum,
-    /// Roughness of the fibres, in [0, 1].
+    /// Roughness of the fuzz, in [0, 1].
     pub fuzz_roughness: f32,
 }
 
@@ -114,7 +114,7 @@ struct Shares {
     fuzz: f32,
     coat: f32,
     gloss: f32,
-    /// The pigment, the metal or the glass.
+    /// The diffuse base, the metal or the glass.
     base: f32,
 }
 
@@ -122,7 +122,7 @@ struct Shares {
 struct Seen {
     fuzz: f32,
     coat: f32,
-    /// Share of light that passes fibres and varnish, their tint left out.
+    /// Share of light that passes fuzz and coat, their tint left out.
     through: f32,
 }
 
@@ -135,11 +135,11 @@ impl Principled {
         Gloss::new(self.eta, self.facets())
     }
 
-    fn varnish(&self) -> Gloss {
+    fn coat_lobe(&self) -> Gloss {
         Gloss::new(self.coat_eta, Microfacets::new(Shape::Ggx, self.coat_alpha))
     }
 
-    fn pigment(&self) -> OrenNayar {
+    fn diffuse_base(&self) -> OrenNayar {
         OrenNayar { reflectance: self.color, roughness: self.diffuse_roughness }
     }
 
@@ -161,7 +161,7 @@ impl Principled {
         Dielectric { eta: self.eta, microfacets, reflection_tint, transmission_tint: self.color }
     }
 
-    /// What the gloss of a pigment reflects, with the cosine of `wi`; both directions above.
+    /// What the gloss of a diffuse base reflects, with the cosine of `wi`; both directions above.
     fn gloss_value(&self, gloss: &Gloss, wo: Vec3, wi: Vec3) -> Spectrum {
         let by_index = gloss.eval(wo, wi).0;
         match self.specular {
@@ -173,7 +173,7 @@ impl Principled {
         }
     }
 
-    /// Share of light that the gloss of a pigment reflects to `wo`.
+    /// Share of light that the gloss of a diffuse base reflects to `wo`.
     fn gloss_albedo(&self, gloss: &Gloss, wo: Vec3) -> Spectrum {
         let by_index = gloss.albedo(wo);
         match self.specular {
@@ -185,7 +185,7 @@ impl Principled {
         }
     }
 
-    /// Share of light from or to `v` that does not pass the gloss to the pigment, the same at all wavelengths.
+    /// Share of light from or to `v` that does not pass the gloss to the diffuse base, the same at all wavelengths.
     fn gloss_kept(&self, gloss: &Gloss, v: Vec3) -> f32 {
         let by_index = gloss.albedo(v);
         match self.specular {
@@ -207,11 +207,11 @@ impl Principled {
             return Seen { fuzz: 0.0, coat: 0.0, through: 1.0 };
         }
         let fuzz = if self.fuzz > 0.0 { self.fuzz * Fuzz::new(v, self.fuzz_roughness).albedo } else { 0.0 };
-        let coat = if self.coat > 0.0 { self.coat * self.varnish().albedo(v) } else { 0.0 };
+        let coat = if self.coat > 0.0 { self.coat * self.coat_lobe().albedo(v) } else { 0.0 };
         Seen { fuzz, coat: (1.0 - fuzz) * coat, through: (1.0 - fuzz) * (1.0 - coat) }
     }
 
-    /// Factor of light that passes the tinted varnish from `wi` and back to `wo`, relative to clear varnish
+    /// Factor of light that passes the tinted coat from `wi` and back to `wo`, relative to clear coat
     /// that lets the share `1 - coat E` through.
     fn coat_tint(&self, wo: Vec3, wi: Vec3, v: Vec3) -> Spectrum {
         if self.coat <= 0.0 || v.z <= 0.0 || self.coat_color == Spectrum::WHITE {
@@ -222,7 +222,7 @@ impl Principled {
             1.0 / (1.0 - sin2).max(1e-4).sqrt()
         };
         let length = 0.5 * (inverse_cos(wo) + inverse_cos(wi));
-        let passed = self.coat * (1.0 - self.varnish().albedo(v));
+        let passed = self.coat * (1.0 - self.coat_lobe().albedo(v));
         let bare = 1.0 - self.coat;
         if passed + bare <= 0.0 {
             return Spectrum::WHITE;
@@ -256,7 +256,7 @@ impl Principled {
         let seen = self.seen(v);
         let mut value = self.base_value(wo, wi, v, mode) * self.coat_tint(wo, wi, v) * seen.through;
         if reflected_above && self.coat > 0.0 {
-            value += Spectrum::grey(self.varnish().eval(wo, wi).0 * self.coat * (1.0 - seen.fuzz));
+            value += Spectrum::grey(self.coat_lobe().eval(wo, wi).0 * self.coat * (1.0 - seen.fuzz));
         }
         if reflected_above && self.fuzz > 0.0 {
             let fuzz = Fuzz::new(v, self.fuzz_roughness);
@@ -274,7 +274,7 @@ impl Principled {
             Base::Diffuse if !same_side(wo, wi) => Spectrum::BLACK,
             Base::Diffuse => {
                 let gloss = self.gloss();
-                let below = self.pigment().eval(wo, wi) * (1.0 - self.gloss_kept(&gloss, v));
+                let below = self.diffuse_base().eval(wo, wi) * (1.0 - self.gloss_kept(&gloss, v));
                 self.gloss_value(&gloss, wo, wi) + below
             }
         }
@@ -287,14 +287,14 @@ impl Principled {
             * match self.base {
                 Base::Metal => self.metal().pdf(wo, wi),
                 Base::Glass => self.glass().pdf(wo, wi),
-                Base::Diffuse => self.pigment().pdf(wo, wi),
+                Base::Diffuse => self.diffuse_base().pdf(wo, wi),
             };
         if wo.z > 0.0 && wi.z > 0.0 {
             if shares.gloss > 0.0 {
                 pdf += shares.gloss * self.gloss().eval(wo, wi).1;
             }
             if shares.coat > 0.0 {
-                pdf += shares.coat * self.varnish().eval(wo, wi).1;
+                pdf += shares.coat * self.coat_lobe().eval(wo, wi).1;
             }
             if shares.fuzz > 0.0 {
                 pdf += shares.fuzz * Fuzz::new(wo, self.fuzz_roughness).shape(wi) * wi.z;
@@ -312,13 +312,13 @@ impl Principled {
         let wi = if uc < fuzz {
             Fuzz::new(wo, self.fuzz_roughness).sample(u)
         } else if uc < glossy {
-            self.varnish().sample(wo, u, (uc - fuzz) / coat)?
+            self.coat_lobe().sample(wo, u, (uc - fuzz) / coat)?
         } else if uc < matte {
             self.gloss().sample(wo, u, (uc - glossy) / gloss)?
         } else {
             let uc = ((uc - matte) / base).min(1.0 - f32::EPSILON);
             let sample = match self.base {
-                Base::Diffuse => self.pigment().sample(wo, u, uc),
+                Base::Diffuse => self.diffuse_base().sample(wo, u, uc),
                 Base::Metal => self.metal().sample(wo, u),
                 Base::Glass => self.glass().sample(wo, u, uc, mode),
             }?;
@@ -345,7 +345,7 @@ impl Principled {
             Base::Glass => self.glass().albedo(wo),
             Base::Diffuse => {
                 let gloss = self.gloss();
-                let below = self.pigment().albedo(wo) * (1.0 - self.gloss_kept(&gloss, wo));
+                let below = self.diffuse_base().albedo(wo) * (1.0 - self.gloss_kept(&gloss, wo));
                 self.gloss_albedo(&gloss, wo) + below
             }
         };

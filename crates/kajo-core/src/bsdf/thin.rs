@@ -10,7 +10,7 @@
 //! which without absorption are `2r/(1 + r)` and `(1 - r)/(1 + r)` [Stokes 1862]. The direction does not change: light
 //! goes straight on, or to the mirror direction.
 //!
-//! What goes straight on reaches a lamp behind the pane as if there were a hole with the share `T`, so that paths treat it as
+//! What goes straight on reaches a light behind the pane as if there were a hole with the share `T`, so that paths treat it as
 //! one: at each pane they decide whether they pass, [`ThinDielectric::cross`], and shadow rays are weakened by `T`.
 //!
 //! A rough pane is made of such panes as facets. One with the normal `m` sends the share `R` to the mirror direction, and

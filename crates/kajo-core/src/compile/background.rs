@@ -94,7 +94,7 @@ impl Compiler<'_> {
     }
 
     fn decoded(&mut self, item: Item<'_>, name: &str, hint: Option<Format>) -> Option<Decoded> {
-        /// Memory for what is kept of a pixel: its colour, and how bright it is, for lamps to be chosen by.
+        /// Memory for what is kept of a pixel: its colour, and how bright it is, for lights to be chosen by.
         const BYTES_PER_PIXEL: u64 = 3 * 4 + 4 * 4;
         let (limit, memory) = (self.options.limits.picture_bytes, &self.options.limits.memory);
         let file = self.assets.open(name, item.path()).map_err(|error| error.to_string());
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn backgrounds_are_colours_lamps_or_pictures() {
+    fn backgrounds_are_colours_lights_or_pictures() {
         let near = |a: [f32; 3], b: [f32; 3]| assert!(Vec3::from(a).distance(b.into()) < 1e-3, "{a:?} {b:?}");
         near(color(""), [0.5; 3]);
         near(color("color 0.1 0.2 0.3"), [0.1, 0.2, 0.3]);

@@ -32,20 +32,20 @@ fn read(text: &str) -> (Option<Scene>, Vec<String>) {
 fn lit(materials: &str, things: &str) -> Scene {
     let text = format!(
         "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30  shutter 0 1 }} Background {{ color 0 0 0 }}
-         Materials {{ {materials} }} Group {{ MaterialIndex lamp {things} }}"
+         Materials {{ {materials} }} Group {{ MaterialIndex emitter {things} }}"
     );
     let (scene, said) = read(&text);
     scene.unwrap_or_else(|| panic!("{text}\n{said:?}"))
 }
 
 const MATERIALS: [&str; 5] = [
-    "Matte lamp { emission slide.ppm { filter nearest  light blackbody 3000 4 } }",
-    "Matte lamp { emission 3 2 1  opacity slide.ppm { channel green } }",
-    "Matte lamp { emission slide.ppm { repeat 3  wrap mirror }  opacity slide.ppm  emits front }",
+    "Matte emitter { emission slide.ppm { filter nearest  light blackbody 3000 4 } }",
+    "Matte emitter { emission 3 2 1  opacity slide.ppm { channel green } }",
+    "Matte emitter { emission slide.ppm { repeat 3  wrap mirror }  opacity slide.ppm  emits front }",
     "Matte a { emission 5 1 1 } Matte b { emission slide.ppm 7 }
-     Marble lamp { materialIndex a  materialIndex b  Transform { UniformScale 2 } frequency 3 }",
+     Marble emitter { materialIndex a  materialIndex b  Transform { UniformScale 2 } frequency 3 }",
     "Matte a { color 0 0 0 } Matte b { emission 1 4 2  opacity 0.5 } Mix m { materialIndex a  materialIndex b  amount 0.25 }
-     Checkerboard lamp { materialIndex m  materialIndex b  Transform { UniformScale 3 } }",
+     Checkerboard emitter { materialIndex m  materialIndex b  Transform { UniformScale 3 } }",
 ];
 
 const THINGS: [&str; 10] = [
@@ -109,10 +109,12 @@ fn places_give_the_light_that_is_seen_of_them() {
     }
 }
 
-/// What lamps are chosen by is the mean of their places.
+/// What lights are chosen by is the mean of their places.
 #[test]
-fn lamps_are_as_strong_as_the_mean_of_their_places() {
-    for materials in ["Matte lamp { emission slide.ppm 2 { light 1.5 1 0.5 } }", MATERIALS[1], MATERIALS[4]] {
+fn lights_are_as_strong_as_the_mean_of_their_places() {
+    for materials in
+        ["Matte emitter { emission slide.ppm 2 { light 1.5 1 0.5 } }", MATERIALS[1], MATERIALS[4]]
+    {
         let scene = lit(materials, THINGS[0]);
         let departures = scene.departures();
         let n = 4000;
@@ -130,7 +132,7 @@ fn lamps_are_as_strong_as_the_mean_of_their_places() {
     }
 }
 
-/// A triangle whose material has these words more, as a lamp without any other.
+/// A triangle whose material has these words more, as a light without any other.
 fn model(words: &str) -> Scene {
     let floats = [-1.0f32, -1.0, 0.0, 3.0, -1.0, 0.0, -1.0, 3.0, 0.0, 0.0, 1.0, 2.0, 1.0, 0.0, -1.0];
     let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -196,7 +198,7 @@ fn models_glow_and_have_holes() {
 
 /// The layers of models in the words of their extensions.
 #[test]
-fn models_are_of_glass_and_varnish() {
+fn models_are_of_glass_and_coat() {
     let down = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
     let look = |words: &str, u: f32| {
         let scene = model(&format!("\"roughnessFactor\":0.5}},\"extensions\":{{{words}}}"));
@@ -247,9 +249,9 @@ fn models_are_of_glass_and_varnish() {
     assert!(r == 0.0 && (g - 2f32.ln()).abs() < 1e-4 && b == 0.0, "{r} {g} {b}");
 }
 
-/// Wavelengths are drawn where lamps have lines, wherever their spectra are written.
+/// Wavelengths are drawn where lights have lines, wherever their spectra are written.
 #[test]
-fn lines_of_lamps_are_found() {
+fn lines_of_lights_are_found() {
     let near_sodium = |materials: &str, rest: &str| {
         let text = format!(
             "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }} {rest}
@@ -263,11 +265,11 @@ fn lines_of_lamps_are_found() {
         (0..1000).flat_map(drawn).filter(near).count() as f64 / 4000.0
     };
     let dark = "Background { color 0 0 0 }";
-    let without = near_sodium("Matte lamp { emission 5 }", dark);
+    let without = near_sodium("Matte emitter { emission 5 }", dark);
     assert!((0.02..0.06).contains(&without), "{without}");
     for (materials, rest) in [
-        ("Matte lamp { emission sodium 5 }", dark),
-        ("Matte lamp { emission slide.ppm { light sodium 5 } }", dark),
+        ("Matte emitter { emission sodium 5 }", dark),
+        ("Matte emitter { emission slide.ppm { light sodium 5 } }", dark),
         ("Noise n { materialIndex a materialIndex plain } Matte a { emission sodium 5 }", dark),
         ("Matte dark {}", "Background { color sodium 0.5 }"),
         (
@@ -286,13 +288,13 @@ fn lines_of_lamps_are_found() {
         let found = near_sodium(materials, rest);
         assert!(found > 0.85, "{materials} {rest}: {found}");
     }
-    // Of two lamps each has its part: here the other one is as strong.
+    // Of two lights each has its part: here the other one is as strong.
     let other = "Background { color 5 5 5 }";
-    let half = near_sodium("Matte lamp { emission sodium 5 }", other);
+    let half = near_sodium("Matte emitter { emission sodium 5 }", other);
     assert!((0.2..0.8).contains(&half), "{half}");
 }
 
-/// Of a mesh on which a picture is black here and there the bright triangles are the strong lamps.
+/// Of a mesh on which a picture is black here and there the bright triangles are the strong lights.
 #[test]
 fn pieces_are_as_strong_as_what_is_on_them() {
     // A strip of twelve squares; the picture is white from 1/4 to 1/2.

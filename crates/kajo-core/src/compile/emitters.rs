@@ -19,8 +19,8 @@ use crate::motion::MovingTransform;
 use crate::shape::{Patch, ShapeId};
 use crate::texture::{PictureMap, Share, SurfaceUv, TextureId};
 
-/// Memory of a lamp: itself, and its places in the lists and the tree by which lamps are chosen.
-const BYTES_PER_LAMP: usize = size_of::<AreaLight>() + 96;
+/// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
+const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
 
 /// What a material says about giving light.
 #[derive(Clone, Debug)]
@@ -126,14 +126,14 @@ pub(super) fn read_glow(
         let message = format!("`{}` says nothing without an `emission`", item.keyword());
         params.diagnostics().push(Diagnostic::warning(message).label(item.head_span(), "has no effect"));
     }
-    let (lamp, slide) = emission?;
-    let even = Glow::even(lamp)?;
+    let (emitter, slide) = emission?;
+    let even = Glow::even(emitter)?;
     let glow = slide.into_iter().fold(even, Glow::through);
     let sides = sides.map_or(Sides::Both, |(sides, _)| sides);
     Some(Glow { sides, group: group.map_or(0, |(group, _)| group), ..glow })
 }
 
-/// What lamps have to know of the light of their material.
+/// What emitters have to know of the light of their material.
 struct Shining {
     /// The light, or its mean.
     emission: Emission,
@@ -154,7 +154,7 @@ impl Compiler<'_> {
         let glows = self.shining();
         for i in 0..self.primitives.len() {
             let primitive = self.primitives[i];
-            if !glows.contains_key(&primitive.material) && !self.brings_lamps(primitive.shape) {
+            if !glows.contains_key(&primitive.material) && !self.brings_lights(primitive.shape) {
                 continue;
             }
             let bounds = self.shapes.bounds(primitive.shape);
@@ -187,9 +187,9 @@ impl Compiler<'_> {
                 };
                 lights.extend(patch.filter(|patch| patch.area() > 0.0).map(|patch| (light(patch), *group)));
             });
-            let bytes = lights.len() * BYTES_PER_LAMP;
+            let bytes = lights.len() * BYTES_PER_LIGHT;
             if let Err(over) = self.options.limits.memory.take(bytes as u64) {
-                let error = Diagnostic::error(format!("there is no memory for so many lamps: {over}"));
+                let error = Diagnostic::error(format!("there is no memory for so many lights: {over}"));
                 self.diagnostics.push(error);
                 return;
             }
@@ -204,11 +204,11 @@ impl Compiler<'_> {
         if unbounded {
             let warning =
                 Diagnostic::warning("a plane without bounds gives no light, whatever its material says");
-            self.diagnostics.push(warning.help("a `Quad` or a `Disk` can be a lamp"));
+            self.diagnostics.push(warning.help("a `Quad` or a `Disk` can be a light"));
         }
     }
 
-    /// The light of a piece whose places differ, for lamps to be chosen by: nine tenths of it what some of the places give,
+    /// The light of a piece whose places differ, for emitters to be chosen by: nine tenths of it what some of the places give,
     /// and a tenth what the material does on the whole, lest light between them be left undrawn.
     ///
     /// * `mean`: of all places of the material
@@ -244,7 +244,7 @@ impl Compiler<'_> {
         mean.clone().scaled(share)
     }
 
-    /// Puts light that varies into its list, and says what lamps have to know of each material's.
+    /// Puts light that varies into its list, and says what emitters have to know of each material's.
     fn shining(&mut self) -> HashMap<MaterialId, Shining> {
         let varied = &mut self.varied_emissions;
         let shining = |(&id, glow): (&MaterialId, &Glow)| {

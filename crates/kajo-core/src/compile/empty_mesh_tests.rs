@@ -7,7 +7,7 @@ use super::{CompileOptions, compile};
 use crate::scene::{Event, Scene};
 
 const SCENE: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30  shutter 0 1 }
-    Materials { Matte grey { } Matte lamp { emission 5 5 5 } Glass glass { } Mix both { materialIndex grey  materialIndex lamp } }\n";
+    Materials { Matte grey { } Matte emitter { emission 5 5 5 } Glass glass { } Mix both { materialIndex grey  materialIndex emitter } }\n";
 
 /// Files without a triangle that could be hit.
 const FILES: [(&str, &[u8]); 9] = [
@@ -59,21 +59,21 @@ fn compiled(group: &str) -> (Option<Scene>, Vec<String>) {
 
 #[test]
 fn nothing_is_hit_and_nothing_shines() {
-    let lamp = "MaterialIndex lamp  Quad { corner -1 3 -1  edge1 2 0 0  edge2 0 0 2 }";
+    let emitter = "MaterialIndex emitter  Quad { corner -1 3 -1  edge1 2 0 0  edge2 0 0 2 }";
     let floor = "MaterialIndex grey  Plane { normal 0 1 0  offset -1 }";
-    let (plain, _) = compiled(&format!("{lamp} {floor}"));
+    let (plain, _) = compiled(&format!("{emitter} {floor}"));
     let plain = plain.unwrap();
     let ray = Ray::new(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.02, -1.0, 0.01));
     let look = |scene: &Scene| match scene.trace(&ray) {
         Event::Surface(at) => (at.point.p, at.hit.part),
-        Event::Escaped => panic!("there is a lamp below"),
+        Event::Escaped => panic!("there is a light below"),
     };
     for (file, _) in FILES {
         for (keys, place) in KEYS.iter().flat_map(|keys| PLACES.map(|place| (keys, place))) {
-            for material in ["grey", "lamp", "glass", "both"] {
+            for material in ["grey", "light", "glass", "both"] {
                 let mesh = format!("TriangleMesh {{ file {file}  {keys} }}");
                 let things = place.replace("MESH", &mesh).replace("MANY", &mesh.repeat(70));
-                let text = format!("{lamp} {floor} MaterialIndex {material} {things}");
+                let text = format!("{emitter} {floor} MaterialIndex {material} {things}");
                 let (scene, said) = compiled(&text);
                 let scene = scene.unwrap_or_else(|| panic!("{text}\n{said:?}"));
                 assert_eq!(look(&scene), look(&plain), "{text}");
@@ -89,7 +89,7 @@ fn nothing_is_hit_and_nothing_shines() {
     }
 }
 
-/// Lamps of a mesh whose first triangle has none of its own materials.
+/// Lights of a mesh whose first triangle has none of its own materials.
 #[test]
 fn any_triangle_of_a_mesh_may_shine() {
     let text = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n";

@@ -73,9 +73,9 @@ mod tests {
              Lights { PointLight { position 0 1 0 color 1 1 1 group key }
                       SpotLight { position 0 1 0 direction 0 -1 0 angle 9 color 1 1 1 }
                       DirectionalLight { direction 0 -1 0 color 1 1 1 group \"key\" } }
-             Materials { Matte lamp { emission 1 group rim } Material glow { emission 2 } }
+             Materials { Matte emitter { emission 1 group rim } Material glow { emission 2 } }
              Group { MaterialIndex glow Sphere { center 0 0 0 radius 1 }
-                     MaterialIndex lamp Sphere { center 3 0 0 radius 1 } }",
+                     MaterialIndex emitter Sphere { center 3 0 0 radius 1 } }",
         )
         .unwrap();
         assert_eq!(&*scene.light_groups, ["other", "sky", "key", "rim"]);
@@ -89,11 +89,11 @@ mod tests {
     #[test]
     fn mistakes_in_groups_are_named() {
         let error = |lights: &str| compiled(&format!("Lights {{ {lights} }}")).unwrap_err();
-        let lamp = |group: &str| format!("PointLight {{ position 0 1 0 color 1 1 1 group {group} }}\n");
-        let many = |n: u32| (0..n).map(|i| lamp(&format!("g{i}"))).collect::<String>();
+        let emitter = |group: &str| format!("PointLight {{ position 0 1 0 color 1 1 1 group {group} }}\n");
+        let many = |n: u32| (0..n).map(|i| emitter(&format!("g{i}"))).collect::<String>();
         assert!(compiled(&format!("Lights {{ {} }}", many(7))).is_ok());
         assert_eq!(error(&many(8)), "a scene has at most 7 groups of lights, and `other`");
-        assert!(error(&lamp("\"a b\"")).contains("letters, digits"));
+        assert!(error(&emitter("\"a b\"")).contains("letters, digits"));
         let dark = compiled("Materials { Matte { group key } }").unwrap_err();
         assert_eq!(dark, "`group` says nothing without an `emission`");
     }

@@ -18,7 +18,7 @@ use crate::light::{
 pub(super) const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
 /// Words of other programs for lights that are written elsewhere here, and where that is.
 const ELSEWHERE: [(&str, &str); 3] = [
-    ("AreaLight", "any object gives light whose material has an emission: `Matte lamp { emission 5 }`"),
+    ("AreaLight", "any object gives light whose material has an emission: `Matte emitter { emission 5 }`"),
     ("EnvironmentLight", "write it around the scene: `Background { environment \"sky.exr\" }`"),
     ("SunSky", "write it around the scene: `Background { sky { } }`"),
 ];
@@ -250,7 +250,7 @@ mod tests {
     fn compiled(light: &str) -> Result<Scene, String> {
         let head = "TILT=NONE\n1 -1 1  2 3 1 2  0 0 0\n1 1 60\n0 180\n";
         let assets = MemoryAssets::new()
-            .with("lamp.ies", format!("{head}0 90 180\n100 100\n200 200\n300 300\n"))
+            .with("luminaire.ies", format!("{head}0 90 180\n100 100\n200 200\n300 300\n"))
             .with("bad.ies", format!("{head}0 90 180\n100 100\n"));
         let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
         let mut parsed = SceneDesc::parse_str(&format!("{camera} Lights {{ {light} }}"));
@@ -262,7 +262,7 @@ mod tests {
 
     /// Irradiance at the point `p` from a luminaire at the origin.
     fn irradiance(keys: &str, p: Vec3) -> f32 {
-        let scene = compiled(&format!("PointLight {{ position 0 0 0  ies lamp.ies  {keys} }}")).unwrap();
+        let scene = compiled(&format!("PointLight {{ position 0 0 0  ies luminaire.ies  {keys} }}")).unwrap();
         scene.lights.photometric[0].sample(p, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap().radiance[0]
     }
 
@@ -289,8 +289,8 @@ mod tests {
         let error = |keys: &str| compiled(&format!("PointLight {{ position 0 0 0  {keys} }}")).unwrap_err();
         assert_eq!(error("ies none.ies"), "cannot read `none.ies`: there is no such file");
         assert!(error("ies bad.ies").starts_with("cannot read `bad.ies`: line 6: the file ends"));
-        assert!(error("ies lamp.ies  intensity 3").contains("unknown word `intensity`"));
-        assert!(error("ies lamp.ies  scale -1").contains("at least 0"));
-        assert!(error("ies lamp.ies  power 3  color 1 1 1").contains("not both"));
+        assert!(error("ies luminaire.ies  intensity 3").contains("unknown word `intensity`"));
+        assert!(error("ies luminaire.ies  scale -1").contains("at least 0"));
+        assert!(error("ies luminaire.ies  power 3  color 1 1 1").contains("not both"));
     }
 }

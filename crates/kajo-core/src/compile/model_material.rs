@@ -1,6 +1,6 @@
 //! What materials of glTF files become.
 //!
-//! Layers of the same numbers: base colour, metalness, roughness and gloss, glass, varnish, fibres. Glass without a
+//! Layers of the same numbers: base colour, metalness, roughness and gloss, glass, coat, fuzz. Glass without a
 //! volume is a pane.
 
 use kajo_color::{Dispersion, Emission, Reflectance, Spectrum};
@@ -17,7 +17,7 @@ use crate::material::{
 };
 use crate::texture::{Channel, Encoding, Paint, PictureMap, Share};
 
-/// The index of refraction of glTF's varnish.
+/// The index of refraction of glTF's coat.
 const COAT_ETA: f32 = 1.5;
 
 /// What the numbers of a picture mean that is none of colours.

@@ -7,7 +7,7 @@
 //! 0.04 m² + (|d| (1 - max s) / 0.96 + |s| - 0.08) m + 0.04 - |s| = 0
 //! ```
 //!
-//! which says that a mixture of a metal and of a pigment under a gloss of 4 % reflects as much [Khronos 2017, "Converting
+//! which says that a mixture of a metal and of a diffuse base under a gloss of 4 % reflects as much [Khronos 2017, "Converting
 //! between workflows"].
 
 use std::sync::Arc;
@@ -116,10 +116,10 @@ fn mixed(
 fn newer(d: [f32; 3], s: [f32; 3]) -> ([f32; 3], f32) {
     let left = 1.0 - s.into_iter().fold(0.0, f32::max);
     let metalness = metalness(brightness(d), brightness(s), left);
-    let pigment = d.map(|c| c * left / (1.0 - GLOSS) / (1.0 - metalness).max(1e-4));
+    let diffuse = d.map(|c| c * left / (1.0 - GLOSS) / (1.0 - metalness).max(1e-4));
     let metal = s.map(|c| (c - GLOSS * (1.0 - metalness)) / metalness.max(1e-4));
     let share = metalness * metalness;
-    let color = std::array::from_fn(|c| pigment[c] + (metal[c] - pigment[c]) * share);
+    let color = std::array::from_fn(|c| diffuse[c] + (metal[c] - diffuse[c]) * share);
     (color.map(|c: f32| c.clamp(0.0, 1.0)), metalness)
 }
 

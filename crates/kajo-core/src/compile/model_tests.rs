@@ -40,7 +40,7 @@ fn compiled(objects: &str, content: &str) -> (Option<Scene>, Vec<String>) {
     let png = |texel: fn(u32, u32) -> [f32; 4]| {
         encode(&Image::from_fn(2, 2, texel).unwrap(), Format::Png, &EncodeOptions::default()).unwrap()
     };
-    // Red and green above blue and white; and a metal on the left of a pigment, half as glossy.
+    // Red and green above blue and white; and a metal on the left of a diffuse base, half as glossy.
     let colors = png(|x, y| {
         [[[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]], [[0.0, 0.0, 1.0, 1.0], [1.0; 4]]][y as usize]
             [x as usize]
@@ -96,8 +96,8 @@ fn triangle(attributes: &str, material: &str) -> String {
     )
 }
 
-const LAMPS: &str = r#""nodes":[
-    {"name":"lamp","translation":[1,0,0],"camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}},
+const LIGHTS: &str = r#""nodes":[
+    {"name":"light","translation":[1,0,0],"camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}},
     {"extensions":{"KHR_lights_punctual":{"light":1}}},{"extensions":{"KHR_lights_punctual":{"light":2}}}],
     "cameras":[{"perspective":{"yfov":0.5}}],
     "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","color":[1,0.5,0],"intensity":8},
@@ -108,15 +108,15 @@ fn lights_shine_in_their_units_where_the_model_stands() {
     let placed = |keys: &str| {
         scene(
             &format!("Transform {{ Translate 0 2 0  UniformScale 3  Model {{ file a.gltf {keys} }} }}"),
-            LAMPS,
+            LIGHTS,
         )
     };
     let lit = placed("");
     assert_eq!(lit.light_list.len(), 3);
-    let lamp = &lit.lights.point[0];
-    assert_eq!(lamp.position, Vec3::new(3.0, 2.0, 0.0));
+    let emitter = &lit.lights.point[0];
+    assert_eq!(emitter.position, Vec3::new(3.0, 2.0, 0.0));
     // Illuminance is candela over the square of the distance.
-    let sample = lamp.sample(Vec3::new(3.0, 0.0, 0.0), 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
+    let sample = emitter.sample(Vec3::new(3.0, 0.0, 0.0), 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
     assert_eq!(sample.radiance.to_rgb(), [2.0, 1.0, 0.0]);
     let sun = lit.lights.directional[0].sample(Vec3::ZERO, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
     assert_eq!((sun.wi, sun.radiance.to_rgb()), (Vec3::Z, [3.0; 3]));
@@ -125,17 +125,17 @@ fn lights_shine_in_their_units_where_the_model_stands() {
     assert_eq!(placed("lightScale 0.25").lights.point[0].emission.rgb(), [2.0, 1.0, 0.0]);
     assert!(placed("lights off").light_list.is_empty());
     assert_eq!(placed("group key").light_groups[1], *"key");
-    let (_, said) = compiled("Define lamps { Model { file a.gltf } }  Instance lamps", LAMPS);
+    let (_, said) = compiled("Define emitters { Model { file a.gltf } }  Instance emitters", LIGHTS);
     assert_eq!(said, ["the lights of a model within a `Define` block are left out"]);
 }
 
 #[test]
 fn cameras_are_listed_where_the_model_stands() {
     let objects = "Transform { Translate 0 2 0  YRotate 90  Model { file a.gltf  lights off } }";
-    let scene = scene(objects, LAMPS);
+    let scene = scene(objects, LIGHTS);
     let [_, camera] = &scene.cameras[..] else { panic!("{:?}", scene.cameras) };
     let Camera::Perspective(view) = &camera.camera else { panic!("{camera:?}") };
-    assert_eq!(camera.name.as_deref(), Some("lamp"));
+    assert_eq!(camera.name.as_deref(), Some("light"));
     let frame = view.frame();
     assert!(frame.center.distance(DVec3::new(0.0, 2.0, -1.0)) < 1e-9, "{frame:?}");
     assert!(frame.forward.distance(DVec3::NEG_X) < 1e-9 && frame.up.distance(DVec3::Y) < 1e-9, "{frame:?}");
@@ -145,26 +145,26 @@ fn cameras_are_listed_where_the_model_stands() {
 #[test]
 fn colours_at_vertices_are_factors() {
     let model = "Model { file a.gltf }";
-    let pigment = r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1],"metallicFactor":0}"#;
-    let plain = scene(model, &triangle(r#","COLOR_0":3"#, pigment));
+    let diffuse = r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1],"metallicFactor":0}"#;
+    let plain = scene(model, &triangle(r#","COLOR_0":3"#, diffuse));
     let near = |found: Vec3, expected: [f32; 3]| {
         assert!(found.distance(expected.into()) < 1e-3, "{found} for {expected:?}");
     };
     near(color(&plain, 0.0, 0.0), [0.25, 0.25, 0.25]);
     near(color(&plain, 1.0, 0.0), [0.125, 0.5, 0.25]);
-    let pictured = pigment.replace("{\"base", "{\"baseColorTexture\":{\"index\":0},\"base");
+    let pictured = diffuse.replace("{\"base", "{\"baseColorTexture\":{\"index\":0},\"base");
     let pictured = scene(model, &triangle(r#","COLOR_0":3,"TEXCOORD_0":2"#, &pictured));
     // The picture is green there.
     near(color(&pictured, 0.0, 0.0), [0.0, 0.25, 0.0]);
     let (scene, said) =
-        compiled("Model { file a.gltf  materials off }", &triangle(r#","COLOR_0":3"#, pigment));
+        compiled("Model { file a.gltf  materials off }", &triangle(r#","COLOR_0":3"#, diffuse));
     assert_eq!((color(&scene.unwrap(), 0.0, 0.0), said), (Vec3::splat(0.5), Vec::new()));
 }
 
 #[test]
 fn a_coloured_triangle_is_the_same_in_every_format() {
-    let pigment = r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,1],"metallicFactor":0}"#;
-    let content = triangle(r#","COLOR_0":3"#, pigment);
+    let diffuse = r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,1],"metallicFactor":0}"#;
+    let content = triangle(r#","COLOR_0":3"#, diffuse);
     let blocks = [
         "Model { file a.gltf }",
         "TriangleMesh { file a.obj  colors on }",

@@ -12,10 +12,10 @@ use crate::scene::{Event, Interaction};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
 const MATERIALS: &str = "Materials { Material grey { diffuseColor 0.5 0.5 0.5 }
-    Material lamp { diffuseColor 0 0 0  emission 1 1 1 } }\n";
+    Material emitter { diffuseColor 0 0 0  emission 1 1 1 } }\n";
 
-/// One of each shape, lamps and not.
-const SHAPES: &str = "MaterialIndex lamp
+/// One of each shape, lights and not.
+const SHAPES: &str = "MaterialIndex emitter
     Sphere { center 0.4 0 0  radius 0.5 }
     Cone { base -1 0 0  top -1 0.8 0.1  radius 0.4  topRadius 0.1 }
     Disk { center 0 1 0  normal 0.2 1 0  radius 0.4  innerRadius 0.1 }
@@ -107,7 +107,7 @@ fn at_each_moment_things_are_where_they_would_be_at_rest() {
 }
 
 #[test]
-fn lamps_are_drawn_where_they_are() {
+fn lights_are_drawn_where_they_are() {
     let moving = moving();
     let mut drawn = 0;
     // Not at the very start, where a ball at rest is a sphere and is drawn as one.
@@ -141,10 +141,10 @@ fn lamps_are_drawn_where_they_are() {
 }
 
 #[test]
-fn the_choice_of_lamps_rules_none_out_at_any_time() {
+fn the_choice_of_lights_rules_none_out_at_any_time() {
     let spinning = group(
         "Transform { Motion { key 0 { } key 0.5 { YRotate 90 } key 1 { YRotate 180 } }
-         MaterialIndex lamp Quad { corner -1 -1 1  edge1 2 0 0  edge2 0 2 0 } }
+         MaterialIndex emitter Quad { corner -1 -1 1  edge1 2 0 0  edge2 0 2 0 } }
          Transform { Translate 9 0 0  Sphere { center 0 0 0  radius 1 } }",
     );
     for k in 0..500 {

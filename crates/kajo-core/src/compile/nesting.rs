@@ -5,7 +5,7 @@
 //! instance of it is one entry, whatever it holds. So a text of a few lines can place 10^9 objects in a few megabytes, and
 //! what is placed once or twice keeps the flat list, where rays are faster.
 //!
-//! Assemblies hold neither what moves, nor lamps, nor planes without bounds: definitions with such parts are flat. A
+//! Assemblies hold neither what moves, nor lights, nor planes without bounds: definitions with such parts are flat. A
 //! definition that holds assemblies is one too if it can be, however small, so that maps are multiplied in one order.
 
 use std::collections::HashMap;
@@ -123,8 +123,8 @@ impl Compiler<'_> {
     ) -> Option<u32> {
         let number = definition.assembly.or_else(|| self.assemble(name, definition, item))?;
         let assembly = &self.nested.assemblies[number as usize];
-        let lamp = walk.material.is_some_and(|material| self.glows.contains_key(&material));
-        let may_stand = place.world.constant().is_some() && !(lamp && assembly.inherits);
+        let light = walk.material.is_some_and(|material| self.glows.contains_key(&material));
+        let may_stand = place.world.constant().is_some() && !(light && assembly.inherits);
         // Where it may not, what holds assemblies cannot be taken apart either, and one error is enough.
         (may_stand || assembly.levels > 1).then_some(number)
     }
@@ -164,7 +164,7 @@ impl Compiler<'_> {
             Content::Shape(shape) => {
                 let bounds = self.shapes.bounds(shape);
                 let is_unbounded = !bounds.is_finite() && !bounds.is_empty();
-                if is_unbounded || self.brings_lamps(shape) {
+                if is_unbounded || self.brings_lights(shape) {
                     return None;
                 }
                 true
@@ -177,15 +177,15 @@ impl Compiler<'_> {
                 inner.inherits
             }
         };
-        let lamp = part.material.is_some_and(|material| self.glows.contains_key(&material));
+        let light = part.material.is_some_and(|material| self.glows.contains_key(&material));
         let (content, material, label) = (part.content, part.material, part.label);
         let brings_materials = part.brings_materials;
         let member = Member { content, map, material, first: 0, label, brings_materials };
-        (!lamp || !takes_material).then_some(member)
+        (!light || !takes_material).then_some(member)
     }
 
     /// Whether a shape has materials of its own, and any such material of the scene gives light.
-    pub(super) fn brings_lamps(&self, shape: ShapeId) -> bool {
+    pub(super) fn brings_lights(&self, shape: ShapeId) -> bool {
         // A mesh may have no triangles, and its first one none of its own materials.
         let slots = Mesh::find(&self.shapes, shape).map_or(&[][..], Mesh::material_slots);
         slots.iter().any(|&slot| slot != ABSENT)
@@ -238,7 +238,7 @@ impl Compiler<'_> {
             return;
         }
         if material.is_some_and(|material| self.glows.contains_key(&material)) {
-            let message = format!("this would make lamps of {count} objects, which are too many");
+            let message = format!("this would make lights of {count} objects, which are too many");
             let error = Diagnostic::error(message).label(by.head_span(), "nested instances give no light");
             self.diagnostics.push(error);
             return;

@@ -10,7 +10,7 @@ use crate::{NestedPiece, PieceContent};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
 const MATERIALS: &str = "Materials { Material grey { diffuseColor 0.5 0.5 0.5 }
-    Material { diffuseColor 0 1 0  transparentColor 0.5 0.6 0.7 }  Material lamp { diffuseColor 0 0 0  emission 1 1 1 } }\n";
+    Material { diffuseColor 0 1 0  transparentColor 0.5 0.6 0.7 }  Material emitter { diffuseColor 0 0 0  emission 1 1 1 } }\n";
 
 /// A scene of a group, or what is wrong with it, where instances are nested that make more than a sixteenth of `objects`.
 fn compiled(group: &str, objects: usize) -> (Option<Scene>, Vec<String>) {
@@ -206,18 +206,18 @@ fn nesting_without_end_is_refused_and_deep_nesting_is_not() {
 }
 
 #[test]
-fn lamps_and_motion_stay_flat_or_are_refused() {
+fn lights_and_motion_stay_flat_or_are_refused() {
     let twig: String = (0..70).map(|i| format!("Sphere {{ center {i} 0 0 radius 0.4 }} ")).collect();
-    let lit = format!("Define twig {{ {twig} MaterialIndex lamp Sphere {{ center 0 1 0 radius 0.1 }} }}");
+    let lit = format!("Define twig {{ {twig} MaterialIndex emitter Sphere {{ center 0 1 0 radius 0.1 }} }}");
     let s = scene(&format!("{lit} MaterialIndex 0 {}", "Instance twig ".repeat(4)), 1_000);
     assert_eq!((s.nested.is_none(), s.light_list.len()), (true, 4));
     let defined = format!("Define twig {{ {twig} }} Define tree {{ {} }}", "Instance twig ".repeat(4));
     let s =
-        scene(&format!("{defined} MaterialIndex 0 Instance tree MaterialIndex lamp Instance twig"), 1_000);
+        scene(&format!("{defined} MaterialIndex 0 Instance tree MaterialIndex emitter Instance twig"), 1_000);
     assert_eq!((s.primitives.len(), s.object_count(), s.light_list.len()), (70, 350, 70));
     let motion = "Motion { key 0 { Translate 0 0 0 } key 1 { Translate 1 0 0 } }";
     for (placed, words) in [
-        ("MaterialIndex lamp Instance tree", "make lamps of 280 objects"),
+        ("MaterialIndex emitter Instance tree", "make lights of 280 objects"),
         (&*format!("MaterialIndex 0 Instance tree {{ {motion} }}"), "move 280 objects"),
         (
             &*format!("Define wood {{ Instance tree {{ {motion} }} }} MaterialIndex 0 Instance wood"),

@@ -148,12 +148,13 @@ impl PaintReader<'_> {
         let (item, spectra) = (params.block("emission")?, self.spectra);
         if !is_picture(item) {
             return Args::read(item, params.diagnostics(), |args| spectra.emission(args))
-                .map(|lamp| (lamp, None));
+                .map(|emitter| (emitter, None));
         }
-        let lamp = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
+        let emitter = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
         let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
-        let ((map, factor), lamp) = self.pictures.map_and(item, None, params.diagnostics(), name, lamp)?;
-        Some((lamp.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor), Some(map)))
+        let ((map, factor), emitter) =
+            self.pictures.map_and(item, None, params.diagnostics(), name, emitter)?;
+        Some((emitter.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor), Some(map)))
     }
 
     /// The colours of a picture, if there is the key.

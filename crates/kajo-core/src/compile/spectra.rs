@@ -3,9 +3,9 @@
 //! ```text
 //! emission 10 9 7                      linear sRGB
 //! emission 10                          white: D65
-//! emission F11 10                      a lamp by its name, of luminance 10
+//! emission F11 10                      a light by its name, of luminance 10
 //! emission blackbody 3200 10           a black body of 3200 K, of luminance 10
-//! emission lamp.spd 10                 a file of wavelengths and values, times 10
+//! emission light.spd 10                 a file of wavelengths and values, times 10
 //! emission spectrum 400 0.1 700 1      wavelengths in nm and values
 //! ```
 //!
@@ -71,10 +71,10 @@ impl SpectrumReader<'_> {
         }
         let near = nearest(&word, ILLUMINANTS.into_iter().chain(["blackbody", "spectrum"]));
         let help = near.map_or_else(
-            || format!("lamps are {}; a name with a dot in it is a file", ILLUMINANTS.join(", ")),
+            || format!("lights are {}; a name with a dot in it is a file", ILLUMINANTS.join(", ")),
             |near| format!("did you mean `{near}`?"),
         );
-        Err(args.error(format!("there is no lamp named `{word}`")).help(help))
+        Err(args.error(format!("there is no light named `{word}`")).help(help))
     }
 
     /// The colour of a surface.
@@ -151,7 +151,7 @@ mod tests {
         read: impl FnOnce(SpectrumReader<'_>, &mut Args<'_>) -> Result<T, Diagnostic>,
     ) -> Result<T, String> {
         let assets = MemoryAssets::new()
-            .with("lamp.spd", "400 1\n700 3 # red\n")
+            .with("light.spd", "400 1\n700 3 # red\n")
             .with("percent.spd", "400 10\n700 30\n")
             .with("bad.spd", "400 1\nnm red\n")
             .with("binary.spd", [0xff, 0xfe, 0x00]);
@@ -185,7 +185,7 @@ mod tests {
         assert_eq!(light("emission d65"), Emission::from_rgb([1.0; 3]));
         assert_eq!(light("emission blackbody 3200 4"), Emission::blackbody(3200.0).scaled(4.0));
         let table = || Tabulated::new([(400.0, 2.0), (700.0, 6.0)], Outside::Zero).unwrap();
-        assert_eq!(light("emission lamp.spd 2"), Emission::from_spectrum(table(), 1.0));
+        assert_eq!(light("emission light.spd 2"), Emission::from_spectrum(table(), 1.0));
         assert_eq!(light("emission spectrum 400 2 700 6"), Emission::from_spectrum(table(), 1.0));
     }
 
@@ -213,7 +213,7 @@ mod tests {
     #[test]
     fn mistakes_are_named() {
         let error = |line: &str| read(line, emission).unwrap_err();
-        assert_eq!(error("emission sodum 2"), "there is no lamp named `sodum`");
+        assert_eq!(error("emission sodum 2"), "there is no light named `sodum`");
         assert_eq!(error("emission 1 -1 1"), "`emission` must not be negative");
         assert_eq!(error("emission D65 -1"), "`emission` must be at least 0, found -1");
         assert_eq!(
@@ -230,7 +230,7 @@ mod tests {
         assert!(error("emission D65 1 2").contains("found 2"));
         assert!(error("emission spectrum 400 1 500 -2 600 1").contains("here is -2"));
         let error = |line: &str| read(line, reflectance).unwrap_err();
-        assert_eq!(error("diffuseColor lamp.spd"), "a reflectance lies between 0 and 1, but here is 3");
+        assert_eq!(error("diffuseColor light.spd"), "a reflectance lies between 0 and 1, but here is 3");
         assert_eq!(error("diffuseColor D65"), "there is no reflectance named `D65`");
         assert!(error("diffuseColor 0.5").contains("expected 3 numbers"));
     }

@@ -126,10 +126,10 @@ fn a_flattened_object_is_invisible_and_said_to_be() {
 }
 
 #[test]
-fn a_plane_is_no_lamp_and_a_spot_without_its_angle_is_one_mistake() {
-    let lamp = "Materials { Material m { emission 1 1 1 } } Group { MaterialIndex m";
+fn a_plane_is_no_light_and_a_spot_without_its_angle_is_one_mistake() {
+    let emitter = "Materials { Material m { emission 1 1 1 } } Group { MaterialIndex m";
     let (scene, said) = compiled(&format!(
-        "{CAMERA} {lamp} Plane {{ normal 0 1 0 offset 0 }} Sphere {{ center 0 0 0 radius 1 }} }}"
+        "{CAMERA} {emitter} Plane {{ normal 0 1 0 offset 0 }} Sphere {{ center 0 0 0 radius 1 }} }}"
     ));
     assert_eq!(scene.unwrap().emitters.len(), 2, "the ball and the background");
     assert!(said.len() == 1 && said[0].1.contains("without bounds"), "{said:?}");

@@ -9,11 +9,11 @@ use super::{Census, Draw, Furnace, Who};
 use crate::background::Background;
 use crate::daylight::{Sky, SkySettings};
 use crate::light::tests::AFTERNOON;
-use crate::light::tests::emission::{WORLD, lamps};
+use crate::light::tests::emission::{WORLD, emitters};
 use crate::light::{AreaLight, Emitter, LightId, Lights, Sides, SkyLight, Target};
 use crate::shape::Patch;
 
-/// How far off the power is that lamps are chosen by, of those in the list.
+/// How far off the power is that lights are chosen by, of those in the list.
 const TOLERANCE: f64 = 3e-3;
 
 fn who(kind: &'static str, name: String) -> Who {
@@ -25,13 +25,13 @@ pub(super) fn census() -> Census {
 }
 
 pub(super) fn draws() -> Vec<Draw> {
-    let (lights, list) = lamps();
+    let (lights, list) = emitters();
     let lights = Arc::new(lights);
     let leaving = list.into_iter().enumerate().filter_map(|(i, (id, _))| leaving(&lights, id, i));
     leaving.chain([towards_a_square(), towards_a_sky()]).collect()
 }
 
-/// Directions in which light leaves one place of a lamp.
+/// Directions in which light leaves one place of an emitter.
 fn leaving(lights: &Arc<Lights>, id: LightId, number: usize) -> Option<Draw> {
     let place = Vec2::new(0.37, 0.61);
     let emit = move |lights: &Lights, u: Vec2| lights.emit(id, 0.0, [place, u], &Wavelengths::RGB, &WORLD);
@@ -84,9 +84,9 @@ fn towards_a_sky() -> Draw {
     }
 }
 
-/// What lamps send out, over the power that is known of them.
+/// What lights send out, over the power that is known of them.
 pub(super) fn furnaces() -> Vec<Furnace> {
-    let (lights, list) = lamps();
+    let (lights, list) = emitters();
     let lights = Arc::new(lights);
     let furnace = |(number, (id, power)): (usize, (LightId, f64))| {
         let lights = Arc::clone(&lights);

@@ -102,7 +102,7 @@ impl AreaLight {
             let then = self.outline(f32::from(i) / f32::from(TIMES)).1;
             then.is_some_and(|then| then.dot(n) > 1.0 - 1e-6)
         };
-        // One that turns may point anywhere for all that the choice of lamps needs to know.
+        // One that turns may point anywhere for all that the choice of lights needs to know.
         let turns = self.drift.is_some() && !(0..=TIMES).all(keeps);
         (bounds, n, if turns { -1.0 } else { 1.0 })
     }
@@ -141,7 +141,7 @@ impl Emitter for AreaLight {
         }
         let target = Target::Surface { p: at.p, p_error: at.p_error, n: at.n };
         let radiance = self.emission.at(wavelengths);
-        Some(LightSample { wi, radiance, pdf: at.pdf, is_delta: false, target, lamp: 0 })
+        Some(LightSample { wi, radiance, pdf: at.pdf, is_delta: false, target, light: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

@@ -62,7 +62,7 @@ impl Emitter for DirectionalLight {
             None => (self.to_light, self.emission.at(wavelengths), 1.0),
         };
         let is_delta = self.disc().is_none();
-        Some(LightSample { wi, radiance, pdf, is_delta, target: Target::Infinity, lamp: 0 })
+        Some(LightSample { wi, radiance, pdf, is_delta, target: Target::Infinity, light: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

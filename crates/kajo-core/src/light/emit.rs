@@ -1,6 +1,6 @@
-//! Light as it leaves its lamp: where paths from the lamps begin.
+//! Light as it leaves its emitter: where paths from the emitters begin.
 //!
-//! A lamp is drawn with a probability `c` in proportion to its power, then a place on it and a direction. What the ray
+//! A light is drawn with a probability `c` in proportion to its power, then a place on it and a direction. What the ray
 //! carries is its power over the density of all that,
 //!
 //! ```text
@@ -8,12 +8,12 @@
 //!
 //! surface             place by area                        direction by the cosine
 //! point, spot         one place, of density 1              all directions of its light alike
-//! infinitely far      a disk across the way, as            direction as drawn for a receiver; 1 for a lamp that
+//! infinitely far      a disk across the way, as            direction as drawn for a receiver; 1 for a light that
 //!                     wide as the scene                    no ray finds by chance
 //! ```
 //!
-//! [Veach 1997, 8.2], [Pharr, Jakob and Humphreys 2023, 12]. For a point lamp the radiance is its intensity and there is
-//! no cosine; for lamps infinitely far the cosine with the disk is 1.
+//! [Veach 1997, 8.2], [Pharr, Jakob and Humphreys 2023, 12]. For a point light the radiance is its intensity and there is
+//! no cosine; for lights infinitely far the cosine with the disk is 1.
 
 use std::f32::consts::PI;
 
@@ -22,7 +22,7 @@ use kajo_math::{Aabb, Frame, Ray, Vec2, Vec3, robust::offset_origin, warp};
 
 use super::{Emitter, Emitters, Lights, Target};
 
-/// A ball around everything that has bounds, for lamps infinitely far away to shine at.
+/// A ball around everything that has bounds, for lights infinitely far away to shine at.
 #[derive(Clone, Copy, Debug)]
 pub struct Ball {
     /// Its middle.
@@ -65,31 +65,31 @@ impl Ball {
     }
 }
 
-/// A ray of light that leaves a lamp, drawn at random.
+/// A ray of light that leaves an emitter, drawn at random.
 #[derive(Clone, Copy, Debug)]
 pub struct Emitted {
-    /// Where it starts: on the lamp, or before the scene.
+    /// Where it starts: on the light, or before the scene.
     pub p: Vec3,
-    /// What is there. Of a lamp infinitely far away only the direction belongs to it.
+    /// What is there. Of a light infinitely far away only the direction belongs to it.
     pub origin: Target,
     /// Unit direction of the light.
     pub d: Vec3,
-    /// Radiance; the intensity of a point, the irradiance of a lamp infinitely far away that no ray finds by chance.
+    /// Radiance; the intensity of a point, the irradiance of a light infinitely far away that no ray finds by chance.
     pub radiance: Spectrum,
     /// Coefficients `[c0, c1, c2]` of a falloff with distance `1 / (c0 + c1 d + c2 d^2)`.
     pub attenuation: [f32; 3],
     /// Densities of place and direction.
     pub pdf: EmissionPdf,
-    /// Whether no ray finds the lamp by chance.
+    /// Whether no ray finds the light by chance.
     pub is_delta: bool,
 }
 
-/// Densities of light that leaves a lamp.
+/// Densities of light that leaves an emitter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EmissionPdf {
     /// Of the place, per area; 1 for a point.
     pub place: f32,
-    /// Of the direction, per solid angle; 1 for a lamp infinitely far away that no ray finds by chance.
+    /// Of the direction, per solid angle; 1 for a light infinitely far away that no ray finds by chance.
     pub direction: f32,
 }
 
@@ -97,12 +97,12 @@ pub struct EmissionPdf {
 pub(super) const INVERSE_SQUARE: [f32; 3] = [0.0, 0.0, 1.0];
 
 impl Emitted {
-    /// Whether the lamp is infinitely far away.
+    /// Whether the light is infinitely far away.
     pub fn is_infinite(&self) -> bool {
         matches!(self.origin, Target::Infinity)
     }
 
-    /// Cosine at the lamp, where it has a surface.
+    /// Cosine at the light, where it has a surface.
     pub fn cosine(&self) -> f32 {
         match self.origin {
             Target::Surface { n, .. } => n.dot(self.d).abs(),
@@ -115,7 +115,7 @@ impl Emitted {
         self.radiance * (self.cosine() / (self.pdf.place * self.pdf.direction))
     }
 
-    /// Power at a distance over power at the start, for lamps whose falloff is none of nature's.
+    /// Power at a distance over power at the start, for lights whose falloff is none of nature's.
     pub fn share_at(&self, distance: f32) -> f32 {
         if self.attenuation == INVERSE_SQUARE {
             return 1.0;
@@ -124,7 +124,7 @@ impl Emitted {
         distance * distance / (c0 + distance * (c1 + distance * c2))
     }
 
-    /// The ray, clear of the lamp's own surface.
+    /// The ray, clear of the light's own surface.
     pub fn ray(&self, time: f32) -> Ray {
         let o = match self.origin {
             Target::Surface { p, p_error, n } => offset_origin(p, p_error, n, self.d),
@@ -134,11 +134,11 @@ impl Emitted {
     }
 }
 
-/// The lamps of a scene, for paths to begin at.
+/// The lights of a scene, for paths to begin at.
 #[derive(Debug)]
 pub struct Departures {
     world: Ball,
-    /// Sums of the powers of all lamps up to each.
+    /// Sums of the powers of all lights up to each.
     sums: Vec<f32>,
 }
 
@@ -154,19 +154,19 @@ impl Departures {
         Departures { world, sums: sums.collect() }
     }
 
-    /// The ball that lamps infinitely far away shine at.
+    /// The ball that lights infinitely far away shine at.
     pub fn world(&self) -> &Ball {
         &self.world
     }
 
-    /// Probability of choosing a lamp.
-    pub fn probability(&self, lamp: u32) -> f32 {
-        let i = lamp as usize;
+    /// Probability of choosing a light.
+    pub fn probability(&self, emitter: u32) -> f32 {
+        let i = emitter as usize;
         let before = i.checked_sub(1).map_or(0.0, |i| self.sums[i]);
         self.sums.last().map_or(0.0, |&all| if all > 0.0 { (self.sums[i] - before) / all } else { 0.0 })
     }
 
-    /// The number of a lamp for a uniform `u` in [0, 1); `None` when none gives light.
+    /// The number of an emitter for a uniform `u` in [0, 1); `None` when none gives light.
     pub fn choose(&self, u: f32) -> Option<u32> {
         let all = *self.sums.last()?;
         let i = self.sums.partition_point(|&sum| sum <= u * all);

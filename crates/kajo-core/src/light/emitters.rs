@@ -142,11 +142,11 @@ impl Emitters {
         self.sky.map_or(0, |number| self.group(number))
     }
 
-    /// Light drawn for a receiver; its density includes the choice of the lamp.
+    /// Light drawn for a receiver; its density includes the choice of the emitter.
     ///
     /// * `p`, `n`: point and unit normal of the receiver; the normal is zero where it has none
     /// * `time`: moment within the shutter interval
-    /// * `u`: uniform in [0, 1), chooses the lamp
+    /// * `u`: uniform in [0, 1), chooses the light
     #[inline]
     #[expect(
         clippy::too_many_arguments,
@@ -162,13 +162,13 @@ impl Emitters {
         wavelengths: &Wavelengths,
         choice: LightChoice,
     ) -> Option<LightSample> {
-        let (lamp, probability) = self.tree.choose(p, n, u, choice)?;
-        let mut sample = lights.sample(self.list[lamp as usize], p, time, place, wavelengths);
+        let (emitter, probability) = self.tree.choose(p, n, u, choice)?;
+        let mut sample = lights.sample(self.list[emitter as usize], p, time, place, wavelengths);
         // In place: a copy of what was just written in parts would have to wait for it.
         if let Some(sample) = &mut sample {
-            // The density of a lamp without extent is that of its choice.
+            // The density of a light without extent is that of its choice.
             sample.pdf *= probability;
-            sample.lamp = lamp;
+            sample.light = emitter;
         }
         sample
     }

@@ -57,8 +57,8 @@ pub struct LightSample {
     pub is_delta: bool,
     /// How far the way must be clear.
     pub target: Target,
-    /// The number of the lamp; [`Emitters::sample`] fills it in.
-    pub lamp: u32,
+    /// The number of the light; [`Emitters::sample`] fills it in.
+    pub light: u32,
 }
 
 /// The far end of the way to a light.

@@ -11,7 +11,7 @@
 //!
 //! A candela counts as one unit of `intensity`. The file's axis, straight down, lies along `direction`.
 //!
-//! Scene: `PointLight { position 0 3 0  ies "lamps/street.ies"  direction 0 -1 0  rotate 90 }`
+//! Scene: `PointLight { position 0 3 0  ies "luminaires/street.ies"  direction 0 -1 0  rotate 90 }`
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -203,7 +203,7 @@ impl Emitter for PhotometricLight {
         let (wi, _, share) = self.seen_from(p);
         let radiance = self.emission.at(wavelengths) * share;
         let target = Target::Point(self.position);
-        (share > 0.0).then_some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target, lamp: 0 })
+        (share > 0.0).then_some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target, light: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {
@@ -270,18 +270,18 @@ mod tests {
         (0..=((last - first) / step) as u32).map(|i| first + step * i as f32).collect()
     }
 
-    /// A lopsided lamp over the angles of a plane; linear within each cell of a grid of 10 by 30 degrees.
+    /// A lopsided light over the angles of a plane; linear within each cell of a grid of 10 by 30 degrees.
     fn lopsided(v: f32, h: f32) -> f32 {
         (180.0 - v) * (1.0 + (h - 180.0).abs() / 90.0)
     }
 
     #[test]
     fn tables_are_interpolated_in_both_angles() {
-        let lamp = photometry(&[0.0, 45.0, 90.0], &[0.0, 90.0], |v, h| 100.0 - v + 0.5 * h);
+        let emitter = photometry(&[0.0, 45.0, 90.0], &[0.0, 90.0], |v, h| 100.0 - v + 0.5 * h);
         for (v, h) in [(0.0, 0.0), (45.0, 90.0), (90.0, 30.0), (22.5, 45.0), (77.7, 11.1)] {
-            assert!((lamp.intensity(v, h) - (100.0 - v + 0.5 * h)).abs() < 1e-4, "{v} {h}");
+            assert!((emitter.intensity(v, h) - (100.0 - v + 0.5 * h)).abs() < 1e-4, "{v} {h}");
         }
-        assert_eq!((lamp.intensity(90.1, 0.0), lamp.intensity(180.0, 45.0)), (0.0, 0.0));
+        assert_eq!((emitter.intensity(90.1, 0.0), emitter.intensity(180.0, 45.0)), (0.0, 0.0));
         // Up only: what is below the first angle is dark.
         let up = photometry(&[90.0, 180.0], &[0.0], |v, _| v);
         assert_eq!((up.intensity(89.9, 7.0), up.intensity(135.0, 200.0)), (0.0, 135.0));
@@ -299,11 +299,11 @@ mod tests {
             let s = Stream::new(3, [i, 0], 0);
             let (v, h) = (180.0 * s.uniform(0), 360.0 * s.uniform(1));
             let expected = lopsided(v, h);
-            for lamp in [&whole, &open, &half] {
-                assert!((lamp.intensity(v, h) - expected).abs() < 2e-3 * expected + 1e-3, "{v} {h}");
+            for emitter in [&whole, &open, &half] {
+                assert!((emitter.intensity(v, h) - expected).abs() < 2e-3 * expected + 1e-3, "{v} {h}");
             }
-            let near = |lamp: &Photometry, to: f32| {
-                assert!((lamp.intensity(v, h) - v * to).abs() < 2e-3 * v * to + 1e-2, "{v} {h} for {to}");
+            let near = |emitter: &Photometry, to: f32| {
+                assert!((emitter.intensity(v, h) - v * to).abs() < 2e-3 * v * to + 1e-2, "{v} {h} for {to}");
             };
             near(&quarters, [h, 180.0 - h, h - 180.0, 360.0 - h][(h / 90.0) as usize % 4]);
             near(&sides, [180.0 - h, h, 540.0 - h][usize::from(h >= 90.0) + usize::from(h > 270.0)]);
@@ -313,44 +313,46 @@ mod tests {
     #[test]
     fn the_flux_is_the_integral_over_all_directions() {
         let vertical = every(10.0, 0.0, 180.0);
-        let lamps = [
+        let lights = [
             photometry(&[0.0, 180.0], &[0.0], |_, _| 3.0),
             photometry(&vertical, &every(30.0, 0.0, 180.0), lopsided),
             photometry(&[20.0, 50.0, 75.0], &[0.0, 20.0, 90.0], |v, h| 5.0 + v * h),
             photometry(&[90.0, 110.0], &[90.0, 110.0, 200.0, 270.0], |v, h| v + h),
             photometry(&[0.0, 30.0], &[0.0, 10.0, 200.0], |v, h| 40.0 - v + h),
         ];
-        for lamp in &lamps {
+        for emitter in &lights {
             // A grid in the two angles, by the midpoint rule.
             let (rows, columns) = (1800, 720);
             let mut sum = 0.0;
             for i in 0..rows {
                 let v = (f64::from(i) + 0.5) * 180.0 / f64::from(rows);
                 let ring: f64 = (0..columns)
-                    .map(|j| f64::from(lamp.intensity(v as f32, (j as f32 + 0.5) * 360.0 / columns as f32)))
+                    .map(|j| {
+                        f64::from(emitter.intensity(v as f32, (j as f32 + 0.5) * 360.0 / columns as f32))
+                    })
                     .sum();
                 sum += ring * v.to_radians().sin();
             }
             let expected = sum * (PI / f64::from(rows)) * (2.0 * PI / f64::from(columns));
-            assert!((lamp.flux() / expected - 1.0).abs() < 1e-3, "{} for {expected}", lamp.flux());
+            assert!((emitter.flux() / expected - 1.0).abs() < 1e-3, "{} for {expected}", emitter.flux());
         }
-        assert!((lamps[0].flux() / (12.0 * PI) - 1.0).abs() < 1e-6, "the same to all sides");
+        assert!((lights[0].flux() / (12.0 * PI) - 1.0).abs() < 1e-6, "the same to all sides");
     }
 
     #[test]
     fn the_intensity_of_a_cosine_gives_the_flux_of_a_matt_surface() {
         let cosine = |v: f32, _| 1000.0 * v.to_radians().cos().max(0.0);
-        let lamp = photometry(&every(1.0, 0.0, 90.0), &[0.0], cosine);
-        assert!((lamp.flux() / (1000.0 * PI) - 1.0).abs() < 1e-4);
+        let emitter = photometry(&every(1.0, 0.0, 90.0), &[0.0], cosine);
+        assert!((emitter.flux() / (1000.0 * PI) - 1.0).abs() < 1e-4);
     }
 
     #[test]
     fn angles_count_around_the_axis_seen_from_above() {
-        let lamp = photometry(&[0.0, 180.0], &[0.0, 90.0, 180.0, 270.0, 360.0], |_, h| 1.0 + h % 360.0);
+        let emitter = photometry(&[0.0, 180.0], &[0.0, 90.0, 180.0, 270.0, 360.0], |_, h| 1.0 + h % 360.0);
         // Straight down in a room with y up: x is 0 degrees, and -z, to the left of x from above, is 90.
         let frame = Frame::from_tangent(Vec3::NEG_Y, Vec3::X);
         for (d, expected) in [(Vec3::X, 1.0), (Vec3::NEG_Z, 91.0), (Vec3::NEG_X, 181.0), (Vec3::Z, 271.0)] {
-            let found = lamp.towards(frame.to_local(d));
+            let found = emitter.towards(frame.to_local(d));
             assert!((found - expected).abs() < 1e-3, "{d}: {found}");
         }
     }

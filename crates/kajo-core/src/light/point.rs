@@ -81,7 +81,7 @@ impl Emitter for PointLight {
             pdf: 1.0,
             is_delta: true,
             target: Target::Point(self.position),
-            lamp: 0,
+            light: 0,
         })
     }
 

@@ -81,7 +81,7 @@ impl Emitter for SkyLight {
     fn sample(&self, _p: Vec3, _time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
         let (wi, pdf) = self.draw(u)?;
         let radiance = self.background.radiance(wi, wavelengths);
-        Some(LightSample { wi, radiance, pdf, is_delta: false, target: Target::Infinity, lamp: 0 })
+        Some(LightSample { wi, radiance, pdf, is_delta: false, target: Target::Infinity, light: 0 })
     }
 
     fn bounds(&self) -> Option<LightBounds> {

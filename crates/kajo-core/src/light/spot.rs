@@ -176,7 +176,7 @@ mod tests {
         }
     }
 
-    /// Of two lamps that a place gets the same light from, each is chosen as often as the other.
+    /// Of two emitters that a place gets the same light from, each is chosen as often as the other.
     #[test]
     fn a_narrow_cone_is_chosen_for_what_arrives_from_it() {
         let narrow = spot(4.0, 5.0);

@@ -12,7 +12,7 @@ mod densities;
 pub(crate) mod emission;
 mod many;
 
-/// A clear sky with its sun, dim enough to be told from lamps.
+/// A clear sky with its sun, dim enough to be told from lights.
 pub(crate) const AFTERNOON: SkySettings = SkySettings {
     turbidity: 3.0,
     elevation_deg: 35.0,
@@ -154,24 +154,24 @@ fn mirrored_pieces_keep_their_outer_side() {
 }
 
 #[test]
-fn lamps_without_extent_follow_their_laws() {
+fn lights_without_extent_follow_their_laws() {
     let one = Emission::from_rgb([1.0; 3]);
-    let lamp = |attenuation| PointLight {
+    let emitter = |attenuation| PointLight {
         position: Vec3::new(0.0, 2.0, 0.0),
         intensity: Spectrum::WHITE,
         emission: one.clone(),
         attenuation,
     };
-    let at = |lamp: &PointLight| lamp.sample(Vec3::ZERO, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
-    let sample = at(&lamp([0.0, 0.0, 1.0]));
+    let at = |emitter: &PointLight| emitter.sample(Vec3::ZERO, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
+    let sample = at(&emitter([0.0, 0.0, 1.0]));
     assert!(sample.is_delta && sample.wi == Vec3::Y && sample.pdf == 1.0);
     assert!((sample.radiance[0] - 0.25).abs() < 1e-6);
-    assert!((at(&lamp([1.0, 0.0, 0.0])).radiance[0] - 1.0).abs() < 1e-6);
+    assert!((at(&emitter([1.0, 0.0, 0.0])).radiance[0] - 1.0).abs() < 1e-6);
 }
 
 #[test]
-fn a_lamp_shines_from_its_sides_only() {
-    let lamp = |sides| AreaLight {
+fn a_light_shines_from_its_sides_only() {
+    let emitter = |sides| AreaLight {
         drift: None,
         varied: None,
         patch: square(1.0),
@@ -181,14 +181,14 @@ fn a_lamp_shines_from_its_sides_only() {
         part: 0,
     };
     // The normal of the square is X x Z = -Y: its front looks down.
-    let lit = |sides, from| lamp(sides).sample(from, 0.0, Vec2::splat(0.5), &Wavelengths::RGB).is_some();
+    let lit = |sides, from| emitter(sides).sample(from, 0.0, Vec2::splat(0.5), &Wavelengths::RGB).is_some();
     let (below, above) = (Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0));
     assert!(lit(Sides::Front, below) && !lit(Sides::Front, above));
     assert!(!lit(Sides::Back, below) && lit(Sides::Back, above));
     assert!(lit(Sides::Both, below) && lit(Sides::Both, above));
-    assert!(lamp(Sides::Front).illuminate(above, 0.0).intensity.is_black());
-    let classic = lamp(Sides::Front).illuminate(Vec3::new(0.0, -9.0, 0.0), 0.0);
-    // Far away a lamp is a point: L A / d^2 / pi.
+    assert!(emitter(Sides::Front).illuminate(above, 0.0).intensity.is_black());
+    let classic = emitter(Sides::Front).illuminate(Vec3::new(0.0, -9.0, 0.0), 0.0);
+    // Far away a light is a point: L A / d^2 / pi.
     assert!((classic.intensity[0] * 100.0 * std::f32::consts::PI - 1.0).abs() < 1e-3);
 }
 

@@ -375,9 +375,9 @@ mod tests {
     use super::*;
     use kajo_math::{Vec2, rng::Stream, warp};
 
-    /// Lamps of different strength and direction in a box.
-    fn lamps(n: u32) -> Vec<Option<LightBounds>> {
-        let lamp = |i: u32| {
+    /// Lights of different strength and direction in a box.
+    fn emitters(n: u32) -> Vec<Option<LightBounds>> {
+        let emitter = |i: u32| {
             let s = Stream::new(3, [i, 0], 0);
             let at = 10.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
             let size = Vec3::splat(0.1 * s.uniform(3));
@@ -390,12 +390,12 @@ mod tests {
                 power: 0.1 + s.uniform(6),
             }
         };
-        (0..n).map(|i| (i % 97 != 96).then(|| lamp(i))).collect()
+        (0..n).map(|i| (i % 97 != 96).then(|| emitter(i))).collect()
     }
 
     #[test]
     fn probabilities_agree_with_the_walk_and_sum_to_one() {
-        let lights = lamps(200);
+        let lights = emitters(200);
         let tree = LightTree::build(&lights);
         assert_eq!((tree.len(), tree.infinite.len()), (200, 2));
         for k in 0..30 {
@@ -421,14 +421,14 @@ mod tests {
 
     #[test]
     fn what_can_send_light_is_never_ruled_out() {
-        let lights = lamps(150);
+        let lights = emitters(150);
         let tree = LightTree::build(&lights);
         for k in 0..40 {
             let s = Stream::new(6, [k, 0], 0);
             let p = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
             for (i, light) in (0..).zip(&lights) {
                 let Some(light) = light else { continue };
-                // From the middle of the lamp, straight along its axis or sideways within its reach.
+                // From the middle of the light, straight along its axis or sideways within its reach.
                 let w = (p - light.bounds.center()).normalize();
                 let sends = light.cos_spread < 0.0 || light.axis.dot(w) > 0.0 || light.two_sided;
                 let found = tree.probability(i, p, Vec3::ZERO, LightChoice::Tree) > 0.0;

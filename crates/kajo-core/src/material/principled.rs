@@ -1,7 +1,7 @@
-//! One material for most things: fibres over varnish over a mixture of pigment, metal and glass.
+//! One material for most things: fuzz over coat over a mixture of diffuse base, metal and glass.
 //!
 //! The parameters are the core of OpenPBR 1.1; [`Principled`](crate::bsdf::Principled) has the equations. At each
-//! hit the base is a metal with probability `metalness`, else glass with probability `transmission`, else pigment.
+//! hit the base is a metal with probability `metalness`, else glass with probability `transmission`, else diffuse base.
 //! Roughnesses are as they look: facets have their squares. Where the surface is thin, its glass is a pane that
 //! light crosses without being bent, or a frosted one, and of which `color` is what one crossing lets through.
 //!
@@ -20,7 +20,7 @@ use crate::texture::{Paint, Share, SurfaceUv, Textures};
 /// The least light that a pane lets through, black ones too.
 const LEAST_PASSED: f32 = 1e-30;
 
-/// How the gloss of a pigment differs from that of its index of refraction; see [`bsdf::Specular`].
+/// How the gloss of a diffuse base differs from that of its index of refraction; see [`bsdf::Specular`].
 #[derive(Clone, Debug)]
 pub enum Specular {
     /// A factor at every angle.
@@ -67,7 +67,7 @@ impl Specular {
 /// What a layered surface is like; shares and roughnesses are in [0, 1], colours in linear RGB.
 #[derive(Clone, Debug)]
 pub struct Layers {
-    /// Albedo of the pigment, of the metal straight on, and factor of light that enters or leaves the glass.
+    /// Albedo of the diffuse base, of the metal straight on, and factor of light that enters or leaves the glass.
     pub color: Paint,
     /// What differs in glossy reflection.
     pub specular: Specular,
@@ -83,32 +83,32 @@ pub struct Layers {
     pub roughness: Share,
     /// Which way the facets of the glossy surface run.
     pub grain: Grain,
-    /// Of the pigment.
+    /// Of the diffuse base.
     pub diffuse_roughness: Share,
-    /// Index of refraction of pigment and glass.
+    /// Index of refraction of diffuse base and glass.
     pub eta: f32,
     /// That of the glass where it differs between wavelengths.
     pub dispersion: Option<Dispersion>,
-    /// Share of varnish.
+    /// Amount of coat, in [0, 1].
     pub coat: Share,
-    /// Light that varnish lets through in and out again.
+    /// Light that the coat lets through in and out again.
     pub coat_color: Paint,
-    /// Of the varnish.
+    /// Of the coat.
     pub coat_roughness: Share,
-    /// Index of refraction of the varnish.
+    /// Index of refraction of the coat.
     pub coat_eta: f32,
-    /// Share of fibres.
+    /// Amount of fuzz, in [0, 1].
     pub fuzz: Share,
-    /// Of the fibres.
+    /// Of the fuzz.
     pub fuzz_color: Paint,
-    /// How far fibres stand up.
+    /// How far its fibers stand up.
     pub fuzz_roughness: Share,
     /// The body of the higher priority is there where several overlap.
     pub priority: i32,
 }
 
 impl Default for Layers {
-    /// A grey pigment under a gloss.
+    /// A grey diffuse base under a gloss.
     fn default() -> Layers {
         let grey = |value: f32| Paint::from(Reflectance::constant(value));
         Layers {

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! and [`Patch::pdf`] goes by the very rules of [`Patch::sample`]: two estimators combined by weights need
-//! one truth about the density, on the lamp itself and inside it too.
+//! one truth about the density, on the light itself and inside it too.
 
 mod moved;
 

@@ -244,7 +244,7 @@ mod tests {
 
     const SIZE: [u32; 2] = [72, 56];
 
-    /// A wall with a pattern, a ball before it and a lamp: light, albedo and normal at a pixel.
+    /// A wall with a pattern, a ball before it and an emitter: light, albedo and normal at a pixel.
     fn truth(x: u32, y: u32) -> ([f32; 3], [f32; 3], [f32; 3]) {
         let (u, v) = (x as f32 - 36.0, y as f32 - 28.0);
         if u > 22.0 && v.abs() < 8.0 {

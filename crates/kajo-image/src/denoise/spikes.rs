@@ -1,6 +1,6 @@
 //! Holding down pixels that a few samples made far too bright.
 //!
-//! A path that finds a tiny bright lamp by chance leaves one pixel with hundreds of times the light of those around it.
+//! A path that finds a tiny bright emitter by chance leaves one pixel with hundreds of times the light of those around it.
 //! Spread over the window of a denoiser that is a bright square. Such a pixel is known by its variance: of `n` samples of
 //! which `k` brought all its light, the variance of the mean is about `c²/k`. Where
 //!
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn what_is_known_well_or_seen_often_stays() {
-        // A small lamp that is seen by all samples, and light that finds one pixel in ten.
+        // A small emitter that is seen by all samples, and light that finds one pixel in ten.
         let (mut light, mut variance, features) = even();
         light[210] = [1000.0; 3];
         let before = light.clone();
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn other_surfaces_are_no_measure() {
-        // A firefly on a floor beside a lamp that fills half of the surroundings.
+        // A firefly on a floor beside a light that fills half of the surroundings.
         let (mut light, mut variance, mut features) = even();
         for i in (0..SIDE * SIDE).filter(|i| i % SIDE < 20) {
             (light[i], features[i]) = ([500.0; 3], [9.0, 0.0, 0.0, 0.0, 0.0, 0.0]);

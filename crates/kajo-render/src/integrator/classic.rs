@@ -65,7 +65,7 @@ pub struct Classic<'a> {
     /// What camera rays may meet.
     camera_items: Option<ItemBuffer>,
     /// Who gives light, with the factor of it.
-    lamps: Vec<(LightId, f32)>,
+    emitters: Vec<(LightId, f32)>,
     /// What may be in front of each of them; for those beyond its end it is not known.
     light_items: Vec<Option<ItemBuffer>>,
 }
@@ -122,14 +122,14 @@ impl<'a> Classic<'a> {
         let items =
             |apex: Option<Vec3>| apex.filter(|_| pays).and_then(|apex| scene.item_buffer(apex, cells));
         let camera_items = items(camera.apex());
-        let lamps = scene.emitters.representatives(&scene.lights, PIECES_OF_OBJECT);
+        let emitters = scene.emitters.representatives(&scene.lights, PIECES_OF_OBJECT);
         let hidden = match settings.shadows {
             Shadows::Off => 0,
             Shadows::Opaque | Shadows::Transparent => LIGHTS_WITH_ITEMS,
         };
-        let light_items = lamps.iter().take(hidden).map(|&(id, _)| items(scene.lights.apex(id))).collect();
+        let light_items = emitters.iter().take(hidden).map(|&(id, _)| items(scene.lights.apex(id))).collect();
         let view = View::new(scene, size, layers).through(camera);
-        Classic { scene, settings, view, camera_items, lamps, light_items }
+        Classic { scene, settings, view, camera_items, emitters, light_items }
     }
 
     /// Light along a ray that leaves the surface at `from`.
@@ -263,7 +263,7 @@ impl<'a> Classic<'a> {
         }
         let n = if from_behind { -at.point.n } else { at.point.n };
         let wo = -ray.d;
-        for (number, &(id, factor)) in self.lamps.iter().enumerate() {
+        for (number, &(id, factor)) in self.emitters.iter().enumerate() {
             let Illumination { wi, distance, intensity } =
                 self.scene.lights.illuminate(id, at.point.p, at.time);
             let shaded = phong.shade(n, wo, wi, intensity * factor, self.settings.highlight);
@@ -437,7 +437,7 @@ impl Classic<'_> {
             light = self.uv_picture(pixel);
             witness.shown_instead(|| light.to_rgb());
         }
-        // Groups of lamps are not told apart.
+        // Groups of lights are not told apart.
         ctx.aux.lights[0] = light.to_rgb();
         PixelSample { radiance: light.to_rgb(), first }
     }

@@ -316,7 +316,7 @@ fn flat_lights_reach(height: f64) {
             let scene = scene(flat, &place, &text);
             let (from, n) = (place.at([0.0, height, 0.0]), -place.axes[1]);
             let expected = (2.0 * 0.5 / PI * polygon_irradiance(from, n, &outline).abs()) as f32;
-            for technique in [Technique::Combined, Technique::Lamps] {
+            for technique in [Technique::Combined, Technique::Lights] {
                 let settings = PathSettings { technique, bounces: 1, ..PathSettings::default() };
                 let path = Path::new(&scene, settings, [1, 1], LayerSet::of(&[]));
                 let found = mean(&path, 256);

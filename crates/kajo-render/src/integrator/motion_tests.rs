@@ -18,8 +18,8 @@ fn scene(camera_motion: &str, group: &str) -> Scene {
     let text = format!(
         "OrthographicCamera {{ center 0 0 10 direction 0 0 -1 up 0 1 0 size 2 {camera_motion} }}
          Background {{ color 0 0 0 ambientLight 1 1 1 }}
-         Materials {{ Material lamp {{ diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 }} }}
-         Group {{ MaterialIndex lamp {group} }}"
+         Materials {{ Material emitter {{ diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 }} }}
+         Group {{ MaterialIndex emitter {group} }}"
     );
     scene_with(&text, &MemoryAssets::new())
 }

@@ -1,13 +1,13 @@
 //! Path tracing [Kajiya 1986].
 //!
-//! The radiance along a camera ray is the integral over all paths `x0 x1 ... xn` from the camera to a lamp,
+//! The radiance along a camera ray is the integral over all paths `x0 x1 ... xn` from the camera to a light,
 //!
 //! ```text
 //! L = sum over n of  Le(xn) prod over k of  f(xk) |cos| / p
 //! ```
 //!
-//! estimated by one path that is prolonged by the surfaces' own scattering. At every surface the light of one lamp is
-//! added as well, drawn by what it may contribute. A lamp that is met by chance and one that was drawn are two
+//! estimated by one path that is prolonged by the surfaces' own scattering. At every surface the light of one emitter is
+//! added as well, drawn by what it may contribute. A light that is met by chance and one that was drawn are two
 //! estimates of the same light; each counts with the weight `p^2 / (p^2 + q^2)` of its density against the other's
 //! [Veach and Guibas 1995]. Paths that carry little end at random, and the survivors count more [Arvo and
 //! Kirk 1990].
@@ -32,7 +32,7 @@ use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 /// Options of [`Path`].
 #[derive(Clone, Copy, Debug)]
 pub struct PathSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what lamps light themselves.
+    /// How often light is scattered on its way from one surface to another; 0 shows what emitters light themselves.
     pub bounces: u32,
     /// Mirrors and clear boundaries that a path may meet before any other surface without a bounce being counted.
     pub free_mirrors: u32,
@@ -40,7 +40,7 @@ pub struct PathSettings {
     pub only_mirrors: bool,
     /// How direct light is estimated.
     pub technique: Technique,
-    /// How lamps are chosen.
+    /// How lights are chosen.
     pub light_choice: LightChoice,
     /// How directions are drawn.
     pub directions: Directions,

@@ -146,7 +146,7 @@ impl<'a> View<'a> {
         self.layers.has(Layer::Albedo)
     }
 
-    /// Whether the layers tell the light of groups of lamps apart.
+    /// Whether the layers tell the light of groups of emitters apart.
     pub fn wants_light_groups(&self) -> bool {
         (0..MAX_LIGHT_GROUPS as u8).any(|group| self.layers.has(Layer::Light(group)))
     }

@@ -49,7 +49,7 @@ pub(super) struct Walk<'a, 'b, W> {
     light: Spectrum,
     /// What the sensor has of light found under earlier ones.
     seen: [f32; 3],
-    /// What the sensor has of the light of each group of lamps, where that is asked for.
+    /// What the sensor has of the light of each group of emitters, where that is asked for.
     groups: Option<&'a LightGroups>,
     bodies: Bodies,
     bounces: u32,
@@ -57,8 +57,8 @@ pub(super) struct Walk<'a, 'b, W> {
     free_mirrors: u32,
     /// How the present ray was found.
     origin: Origin,
-    /// Whether the present ray is followed for lamps that it may meet, and no further.
-    ends_at_lamps: bool,
+    /// Whether the present ray is followed for lights that it may meet, and no further.
+    ends_at_lights: bool,
     /// Whether the path has split up.
     is_branch: bool,
     /// The first surface.
@@ -67,7 +67,7 @@ pub(super) struct Walk<'a, 'b, W> {
     pub albedo: Option<Spectrum>,
 }
 
-/// Linear RGB of each group of lamps. All branches of a path add to one set.
+/// Linear RGB of each group of lights. All branches of a path add to one set.
 pub(super) type LightGroups = [Cell<[f32; 3]>; MAX_LIGHT_GROUPS];
 
 /// How a ray was found, to weigh what it meets.
@@ -75,7 +75,7 @@ pub(super) type LightGroups = [Cell<[f32; 3]>; MAX_LIGHT_GROUPS];
 struct Origin {
     /// Where it started.
     receiver: Receiver,
-    /// The density of its direction; `None` where lamps could not have been drawn.
+    /// The density of its direction; `None` where lights could not have been drawn.
     pdf: Option<f32>,
 }
 
@@ -105,14 +105,14 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             bounces: 0,
             free_mirrors: settings.free_mirrors,
             origin: Origin { receiver: Receiver::default(), pdf: None },
-            ends_at_lamps: false,
+            ends_at_lights: false,
             is_branch: false,
             first: None,
             albedo: None,
         }
     }
 
-    /// From here on the light of each group of lamps is added to `groups` as well.
+    /// From here on the light of each group of emitters is added to `groups` as well.
     pub fn tell_groups_apart(&mut self, groups: Option<&'a LightGroups>) {
         self.groups = groups;
     }
@@ -152,9 +152,9 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
                 self.ray = at.point.ray_towards(self.ray.d, f32::INFINITY, self.ray.time, RayOffset::Auto);
                 continue;
             }
-            self.meet_lamp(&at);
+            self.meet_light(&at);
             // The last surface may be a hole or a pane.
-            let is_last = self.ends_at_lamps && !self.scene().has_passages;
+            let is_last = self.ends_at_lights && !self.scene().has_passages;
             if is_last || !self.scatter(&at, boundary.as_ref(), u) {
                 return;
             }
@@ -188,12 +188,12 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
     fn weight_of_chance(&self, drawn: impl FnOnce(&Receiver) -> f32) -> f32 {
         match (self.origin.pdf, self.settings.technique) {
             (None, _) | (_, Technique::Scattering) => 1.0,
-            (Some(_), Technique::Lamps) => 0.0,
+            (Some(_), Technique::Lights) => 0.0,
             (Some(pdf), Technique::Combined) => power_heuristic(pdf, drawn(&self.origin.receiver)),
         }
     }
 
-    /// Adds light of a group of lamps.
+    /// Adds light of a group of emitters.
     fn add(&mut self, light: Spectrum, group: u8) {
         self.light += light;
         if let Some(groups) = self.groups {
@@ -214,7 +214,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         for sun in scene.suns(d, &wavelengths) {
             let choice = self.settings.light_choice;
             let weight =
-                self.weight_of_chance(|from| scene.lamp_pdf(sun.lamp, from, [Vec3::ZERO; 2], d, choice));
+                self.weight_of_chance(|from| scene.light_pdf(sun.light, from, [Vec3::ZERO; 2], d, choice));
             self.meet(self.throughput * sun.radiance * weight, sun.group);
         }
     }
@@ -225,7 +225,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         self.add(light, group);
     }
 
-    fn meet_lamp(&mut self, at: &Interaction) {
+    fn meet_light(&mut self, at: &Interaction) {
         let scene = self.scene();
         if let Some(glow) = scene.glow(at, self.ray.d, &self.wavelengths) {
             let choice = self.settings.light_choice;
@@ -234,7 +234,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         }
     }
 
-    /// Adds the light of a lamp and goes on from the surface; `false` when the path ends here.
+    /// Adds the light of an emitter and goes on from the surface; `false` when the path ends here.
     fn scatter(&mut self, at: &Interaction, boundary: Option<&Boundary>, u: f32) -> bool {
         if boundary.is_some_and(|boundary| boundary.is_dispersive()) {
             self.end_secondary_wavelengths();
@@ -244,7 +244,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         if self.scene().has_passages && self.passes(at, &mut bsdf) {
             return true;
         }
-        if self.ends_at_lamps {
+        if self.ends_at_lights {
             return false;
         }
         let local = Local::new(self.scene().shading(at, u), self.ray.d);
@@ -252,7 +252,7 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             self.albedo = Some(bsdf.albedo(local.wo));
         }
         if !bsdf.is_delta() && self.settings.technique != Technique::Scattering {
-            self.add_lamp(at, &bsdf, &local, boundary);
+            self.add_light(at, &bsdf, &local, boundary);
         }
         let splits = !self.is_branch && self.settings.branches > 1 && !bsdf.is_delta();
         if !splits && self.settings.directions == Directions::Scattering {
@@ -332,9 +332,9 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         if is_free {
             self.free_mirrors -= 1;
         }
-        self.ends_at_lamps =
+        self.ends_at_lights =
             (self.bounces == settings.bounces && !is_free) || (settings.only_mirrors && !sample.kind.delta);
-        if self.ends_at_lamps && settings.technique == Technique::Lamps && !sample.kind.delta {
+        if self.ends_at_lights && settings.technique == Technique::Lights && !sample.kind.delta {
             return false;
         }
         let kind = if sample.kind.transmission {
@@ -384,16 +384,16 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
         }
     }
 
-    /// Adds the light of one lamp, drawn for this surface.
-    fn add_lamp(&mut self, at: &Interaction, bsdf: &Bsdf, local: &Local, boundary: Option<&Boundary>) {
+    /// Adds the light of one emitter, drawn for this surface.
+    fn add_light(&mut self, at: &Interaction, bsdf: &Bsdf, local: &Local, boundary: Option<&Boundary>) {
         let u = self.draws.number_if(self.scene().emitters.len() > 1);
         let place = self.draws.next_2d();
         let settings = &self.settings;
         let receiver = Receiver { p: at.point.p, n: local.frame.n, time: at.time };
         let drawn = self.scene().light_towards(&receiver, u, place, &self.wavelengths, settings.light_choice);
-        let Some(lamp) = drawn.filter(|lamp| !lamp.radiance.is_black()) else { return };
-        let wi = local.frame.to_local(lamp.wi);
-        if !local.agrees(lamp.wi, wi) {
+        let Some(emitter) = drawn.filter(|emitter| !emitter.radiance.is_black()) else { return };
+        let wi = local.frame.to_local(emitter.wi);
+        if !local.agrees(emitter.wi, wi) {
             return;
         }
         let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
@@ -401,16 +401,16 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             return;
         }
         self.witness.counters().shadow += 1;
-        let shadow_ray = at.point.ray_to_light(&lamp, self.ray.time);
+        let shadow_ray = at.point.ray_to_light(&emitter, self.ray.time);
         let far = boundary.filter(|_| wi.z * local.wo.z < 0.0).map(|boundary| self.bodies.beyond(boundary));
         let around = far.as_ref().unwrap_or(&self.bodies);
         let passed = around.transmittance(shadow_ray.length());
-        let weight_of_lamp = self.throughput * scattered * passed;
+        let weight_of_light = self.throughput * scattered * passed;
         let (bodies, wavelengths) = (&self.bodies, &self.wavelengths);
         let about = || About {
             eta: bodies.eta(),
-            weight: sensor::to_rgb(weight_of_lamp, wavelengths),
-            light: Some(self.view.scene.emitters.id(lamp.lamp)),
+            weight: sensor::to_rgb(weight_of_light, wavelengths),
+            light: Some(self.view.scene.emitters.id(emitter.light)),
         };
         let visible = self.scene().visibility(&shadow_ray, wavelengths, around.eta());
         if visible.is_black() {
@@ -418,16 +418,16 @@ impl<'a, 'b, W: Witness> Walk<'a, 'b, W> {
             return;
         }
         let weight = match settings.technique {
-            Technique::Combined if !lamp.is_delta => {
-                power_heuristic(lamp.pdf, self.direction_pdf(bsdf, local.wo, wi))
+            Technique::Combined if !emitter.is_delta => {
+                power_heuristic(emitter.pdf, self.direction_pdf(bsdf, local.wo, wi))
             }
             _ => 1.0,
         };
-        let light = weight_of_lamp * lamp.radiance * visible * (weight / lamp.pdf);
+        let light = weight_of_light * emitter.radiance * visible * (weight / emitter.pdf);
         self.witness.joined(RayKind::Shadow, self.view.scene, &shadow_ray, about, || {
             sensor::to_rgb(light, wavelengths)
         });
-        self.add(light, self.scene().emitters.group(lamp.lamp));
+        self.add(light, self.scene().emitters.group(emitter.light));
     }
 
     /// Whether the path goes on, decided at random where it carries little.

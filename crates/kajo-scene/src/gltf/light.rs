@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub struct ModelLight {
     /// The name of the node, or else of the light.
     pub name: Option<Arc<str>>,
-    /// Red, green and blue, linear: for a lamp with a place in candela, for one infinitely far away in lux.
+    /// Red, green and blue, linear: for a light with a place in candela, for one infinitely far away in lux.
     pub intensity: [f32; 3],
     /// How it shines.
     pub kind: ModelLightKind,

@@ -53,13 +53,13 @@ pub struct ModelMaterial {
     /// What is behind the surface when light does: absorption per unit length in a body, or nothing, since the surface
     /// is a thin pane.
     pub body: Option<[f32; 3]>,
-    /// Share of varnish, by the red channel.
+    /// Share of coat, by the red channel.
     pub coat: ModelAmount,
-    /// Of the varnish, by the green channel.
+    /// Of the coat, by the green channel.
     pub coat_roughness: ModelAmount,
-    /// Colour of fibres, black where there are none.
+    /// Colour of fuzz, black where there are none.
     pub sheen: ModelTint,
-    /// Of the fibres, by the alpha channel.
+    /// Of the fuzz, by the alpha channel.
     pub sheen_roughness: ModelAmount,
     /// Light that the surface gives off, linear.
     pub emissive: [f32; 3],
@@ -71,10 +71,10 @@ pub struct ModelMaterial {
     pub glossiness: Option<ModelGlossiness>,
 }
 
-/// A surface in terms of a pigment and of what it reflects straight on, where the latter is a picture.
+/// A surface in terms of a diffuse base and of what it reflects straight on, where the latter is a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelGlossiness {
-    /// Of the pigment, linear.
+    /// Of the diffuse base, linear.
     pub diffuse: [f32; 3],
     /// Its factor.
     pub diffuse_picture: Option<PictureUse>,

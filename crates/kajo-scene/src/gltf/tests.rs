@@ -301,16 +301,16 @@ fn extensions_of_materials_are_read() {
         assert_eq!(extended(&format!(r#""KHR_materials_ior":{{"ior":{ior}}}"#)).eta, expected);
     }
 
-    let varnished = extended(
+    let coated = extended(
         r#""KHR_materials_clearcoat":{"clearcoatFactor":2,"clearcoatTexture":{"index":0},
         "clearcoatRoughnessFactor":0.3,"clearcoatRoughnessTexture":{"index":1}},
         "KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[1,0.5,4],"specularColorTexture":{"index":2}},
         "KHR_materials_anisotropy":{"anisotropyStrength":0.6,"anisotropyRotation":1.5707964}"#,
     );
-    assert_eq!((varnished.coat, varnished.coat_roughness), (amount(1.0, Some(0)), amount(0.3, Some(1))));
-    assert_eq!(varnished.specular, ModelTint { color: [1.0, 0.5, 4.0], picture: Some(as_it_is(2)) });
-    assert_eq!(varnished.gloss, ModelAmount { value: 0.5, picture: None });
-    assert_eq!(varnished.anisotropy, (0.6, 0.25));
+    assert_eq!((coated.coat, coated.coat_roughness), (amount(1.0, Some(0)), amount(0.3, Some(1))));
+    assert_eq!(coated.specular, ModelTint { color: [1.0, 0.5, 4.0], picture: Some(as_it_is(2)) });
+    assert_eq!(coated.gloss, ModelAmount { value: 0.5, picture: None });
+    assert_eq!(coated.anisotropy, (0.6, 0.25));
     let velvet = extended(
         r#""KHR_materials_sheen":{"sheenColorFactor":[0.5,0.25,0],"sheenColorTexture":{"index":1},
         "sheenRoughnessFactor":0.4,"sheenRoughnessTexture":{"index":1}}"#,
@@ -705,7 +705,7 @@ fn lights_and_cameras_stand_where_their_nodes_do() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let rest = format!(
         r#"{MESH},"nodes":[{{"translation":[1,2,3],"scale":[2,2,2],"children":[1,2,3,4,5]}},
-        {{"name":"lamp","translation":[1,0,0],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}},
+        {{"name":"light","translation":[1,0,0],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}},
         {{"rotation":[{half},0,0,{half}],"extensions":{{"KHR_lights_punctual":{{"light":1}}}}}},
         {{"extensions":{{"KHR_lights_punctual":{{"light":2}}}}}},
         {{"name":"eye","camera":0,"rotation":[0,{half},0,{half}]}},{{"camera":1}}],
@@ -717,9 +717,9 @@ fn lights_and_cameras_stand_where_their_nodes_do() {
     );
     let model = read_square(&rest).unwrap();
     assert!(model.left_out.is_empty(), "{:?}", model.left_out);
-    let [lamp, sun, spot] = &model.lights[..] else { panic!("{:?}", model.lights) };
-    assert_eq!((lamp.name.as_deref(), lamp.kind), (Some("lamp"), ModelLightKind::Point));
-    assert_eq!((lamp.intensity, lamp.position), ([8.0, 4.0, 0.0], DVec3::new(3.0, 2.0, 3.0)));
+    let [light, sun, spot] = &model.lights[..] else { panic!("{:?}", model.lights) };
+    assert_eq!((light.name.as_deref(), light.kind), (Some("light"), ModelLightKind::Point));
+    assert_eq!((light.intensity, light.position), ([8.0, 4.0, 0.0], DVec3::new(3.0, 2.0, 3.0)));
     assert_eq!((sun.name.as_deref(), sun.kind), (Some("down"), ModelLightKind::Directional));
     assert!(sun.direction.distance(DVec3::Y) < 1e-12, "{}", sun.direction);
     assert_eq!((spot.intensity, spot.kind), ([0.0; 3], ModelLightKind::Spot { inner: 0.5, outer: 0.5 }));

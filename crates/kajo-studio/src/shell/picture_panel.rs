@@ -68,7 +68,7 @@ fn about(view: View) -> &'static str {
         View::Albedo => "How much white light surfaces throw back",
         View::Motion => "Where surfaces move while the shutter is open",
         View::Variance => "How uncertain each pixel still is",
-        View::Lights => "The light of each lamp",
+        View::Lights => "The light of each emitter",
     }
 }
 

@@ -206,7 +206,7 @@ fn meaning(segment: &Segment) -> &'static str {
         RayKind::Reflected => "reflected",
         RayKind::Transmitted => "refracted",
         RayKind::Scattered => "scattered",
-        RayKind::Lamp => "from a light",
+        RayKind::Light => "from a light",
         RayKind::Connection => "between two paths",
         RayKind::Splat => "to the camera",
     }
@@ -223,7 +223,7 @@ pub fn color(segment: &Segment) -> [u8; 3] {
         RayKind::Reflected => [255, 205, 60],
         RayKind::Transmitted => [80, 220, 255],
         RayKind::Scattered => [120, 235, 120],
-        RayKind::Lamp => [255, 170, 90],
+        RayKind::Light => [255, 170, 90],
         RayKind::Connection => [190, 150, 255],
         RayKind::Splat => [255, 130, 190],
         RayKind::Shadow if is_dark(segment) => [235, 80, 70],
@@ -239,7 +239,7 @@ pub fn kind_name(kind: RayKind) -> &'static str {
         RayKind::Transmitted => "refracted",
         RayKind::Scattered => "scattered",
         RayKind::Shadow => "shadow",
-        RayKind::Lamp => "from lamp",
+        RayKind::Light => "from light",
         RayKind::Connection => "connection",
         RayKind::Splat => "to camera",
     }

@@ -14,7 +14,7 @@ fn scene(text: &str) -> Scene {
     loaded.scene.unwrap()
 }
 
-/// Everything that rays do: mirrors, glass in glass, fog, lamps of all kinds, transparent shadows, textures.
+/// Everything that rays do: mirrors, glass in glass, fog, lights of all kinds, transparent shadows, textures.
 fn rich() -> Scene {
     scene(
         "PerspectiveCamera { center 0 1.5 9 direction 0 -0.1 -1 up 0 1 0 angle 35 }
@@ -28,14 +28,14 @@ fn rich() -> Scene {
            Material mirror { reflectiveColor 0.9 0.9 0.8 diffuseColor 0.1 0.1 0.1 }
            Material glass { transparentColor 0.9 0.95 0.9 reflectiveColor 0.1 0.1 0.1 indexOfRefraction 1.5 }
            Glass crystal { indexOfRefraction 1.5 }
-           Matte lamp { color 0 0 0 emission 4 4 3 }
+           Matte emitter { color 0 0 0 emission 4 4 3 }
          }
          Group {
            MaterialIndex floor Plane { normal 0 1 0 offset -1 }
            MaterialIndex mirror Sphere { center -1.5 0 0 radius 1 }
            MaterialIndex glass Sphere { center 1.2 0 1 radius 0.9 }
            MaterialIndex crystal Sphere { center 0 -0.4 3 radius 0.5 }
-           MaterialIndex lamp Quad { corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }
+           MaterialIndex emitter Quad { corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }
          }",
     )
 }
@@ -59,7 +59,7 @@ fn ways() -> Vec<Settings> {
         },
         Settings { shadows: Some(Shadows::Off), shade_back: Some(true), ..of(Classic) },
         of(Path),
-        Settings { technique: Some(Technique::Lamps), ..of(Path) },
+        Settings { technique: Some(Technique::Lights), ..of(Path) },
         Settings { technique: Some(Technique::Scattering), ..of(Path) },
         Settings { spectral: Some(true), ..of(Path) },
         of(Direct),
@@ -113,12 +113,12 @@ fn contributions_add_up_to_the_sample() {
             }
             _ => vec![RayKind::Camera, RayKind::Reflected, RayKind::Transmitted, RayKind::Scattered],
         };
-        let from_lamps = match settings.integrator {
-            IntegratorKind::Bidirectional => vec![RayKind::Lamp, RayKind::Connection, RayKind::Splat],
-            IntegratorKind::Light => vec![RayKind::Lamp, RayKind::Splat],
+        let from_lights = match settings.integrator {
+            IntegratorKind::Bidirectional => vec![RayKind::Light, RayKind::Connection, RayKind::Splat],
+            IntegratorKind::Light => vec![RayKind::Light, RayKind::Splat],
             _ => vec![],
         };
-        assert!(expected.iter().chain(&from_lamps).all(|kind| kinds.contains(kind)), "{settings:?}");
+        assert!(expected.iter().chain(&from_lights).all(|kind| kinds.contains(kind)), "{settings:?}");
     }
 }
 
@@ -143,7 +143,9 @@ fn segments_hang_together() {
                 let way = debug.way_to(index);
                 assert_eq!((way.len() as u32, way.last()), (segment.depth + 1, Some(&index)));
                 let Some(parent) = segment.parent else {
-                    assert!(segment.kind == RayKind::Camera || (segment.kind == RayKind::Lamp && index == 0));
+                    assert!(
+                        segment.kind == RayKind::Camera || (segment.kind == RayKind::Light && index == 0)
+                    );
                     assert_eq!(way[0], index);
                     let is_camera = segment.kind == RayKind::Camera;
                     assert!(!is_camera || settings.path.spectral || segment.weight == [1.0; 3]);
@@ -272,14 +274,14 @@ fn shadow_rays_know_their_light() {
             "PerspectiveCamera {{ center 0 4 9 direction 0 -0.4 -1 up 0 1 0 angle 30 }}
              Lights {{ {lights} }}
              Background {{ color 0.4 0.4 0.4 }}
-             Materials {{ Matte floor {{ color 0.7 0.7 0.7 }} Matte lamp {{ color 0 0 0 emission 9 9 9 }} }}
+             Materials {{ Matte floor {{ color 0.7 0.7 0.7 }} Matte emitter {{ color 0 0 0 emission 9 9 9 }} }}
              Group {{ MaterialIndex floor Plane {{ normal 0 1 0 offset 0 }} {group} }}"
         ))
     };
     let lights =
         "DirectionalLight { direction 0 -1 0.1 color 1 1 1 } PointLight { position 0 3 0 color 1 1 1 }";
     let block = "Box { min -9 2 -9 max 9 2.2 9 }";
-    let glowing = "MaterialIndex lamp Quad { corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }";
+    let glowing = "MaterialIndex emitter Quad { corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }";
     let scene = text(lights, &format!("{block} {glowing}"));
     let camera = CameraPose::perspective(DVec3::new(0.0, 1.0, 6.0), DVec3::ZERO, DVec3::Y, 0.5);
     for asked in ways() {
@@ -305,7 +307,7 @@ fn shadow_rays_know_their_light() {
                 assert!(found.contains(&light), "{light:?} of {found:?}");
             }
         }
-        if settings.integrator == IntegratorKind::Path && settings.path.technique == Technique::Lamps {
+        if settings.integrator == IntegratorKind::Path && settings.path.technique == Technique::Lights {
             for light in [LightSource::Listed(0), LightSource::Listed(1), LightSource::Background] {
                 assert!(found.contains(&light), "{light:?} of {found:?}");
             }

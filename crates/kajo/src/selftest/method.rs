@@ -13,14 +13,14 @@ const fn method(name: &'static str, settings: &'static str) -> Method {
     Method { name, settings }
 }
 
-/// Path tracing with lamps drawn and met, weighed against each other.
+/// Path tracing with lights drawn and met, weighed against each other.
 pub const PATH: Method = method("path", "integrator path");
 
-/// Path tracing in which lamps are only met.
+/// Path tracing in which lights are only met.
 pub const PATH_SCATTERING: Method = method("path, scattering", "integrator path  technique scattering");
 
-/// Path tracing in which lamps are only drawn.
-pub const PATH_LAMPS: Method = method("path, lamps", "integrator path  technique lamps");
+/// Path tracing in which lights are only drawn.
+pub const PATH_LIGHTS: Method = method("path, lights", "integrator path  technique lights");
 
 /// Path tracing by wavelength.
 pub const PATH_SPECTRAL: Method = method("path, spectral", "integrator path  spectral on");
@@ -28,7 +28,7 @@ pub const PATH_SPECTRAL: Method = method("path, spectral", "integrator path  spe
 /// Path tracing whose paths end after the last bounce only.
 pub const PATH_NO_ROULETTE: Method = method("path, no roulette", "integrator path  roulette off");
 
-/// What lamps light themselves.
+/// What emitters light themselves.
 pub const DIRECT: Method = method("direct", "integrator direct");
 
 /// Distribution ray tracing with directions by the cosine.
@@ -39,14 +39,14 @@ pub const DISTRIBUTION_COSINE: Method =
 pub const DISTRIBUTION_UNIFORM: Method =
     method("distribution, uniform", "integrator distribution  directions uniform  branches 4");
 
-/// Paths from the camera and from lamps, joined.
+/// Paths from the camera and from lights, joined.
 pub const BIDIRECTIONAL: Method = method("bidirectional", "integrator bidirectional");
 
 /// The same by wavelength.
 pub const BIDIRECTIONAL_SPECTRAL: Method =
     method("bidirectional, spectral", "integrator bidirectional  spectral on");
 
-/// Paths from lamps alone.
+/// Paths from lights alone.
 pub const LIGHT: Method = method("light", "integrator light");
 
 /// Ambient occlusion.
@@ -57,13 +57,13 @@ pub const CLASSIC: Method = method("classic", "integrator classic");
 
 /// Everything that follows light through any number of bounces.
 pub const GLOBAL: &[Method] =
-    &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
+    &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
 
 /// Everything that takes a number of bounces.
 pub const BOUNCES: &[Method] = &[
     PATH,
     PATH_SCATTERING,
-    PATH_LAMPS,
+    PATH_LIGHTS,
     PATH_SPECTRAL,
     PATH_NO_ROULETTE,
     BIDIRECTIONAL,
@@ -71,11 +71,11 @@ pub const BOUNCES: &[Method] = &[
     DISTRIBUTION_UNIFORM,
 ];
 
-/// Everything that estimates the light of lamps of some size.
-pub const LAMPS: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
+/// Everything that estimates the light of emitters of some size.
+pub const LIGHTS: &[Method] = &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
 
-/// The same for lamps so small that they are hardly ever met.
-pub const SMALL_LAMPS: &[Method] = &[PATH, PATH_LAMPS, BIDIRECTIONAL, DIRECT];
+/// The same for lights so small that they are hardly ever met.
+pub const SMALL_LIGHTS: &[Method] = &[PATH, PATH_LIGHTS, BIDIRECTIONAL, DIRECT];
 
 /// Everything that follows mirrors and glass.
 pub const MIRRORS: &[Method] = &[PATH, BIDIRECTIONAL, DIRECT, CLASSIC];
@@ -85,4 +85,4 @@ pub const GLASS: &[Method] = &[PATH, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
 
 /// Everything that shows whole matt surfaces.
 pub const WHOLE: &[Method] =
-    &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, LIGHT, DIRECT];
+    &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL, LIGHT, DIRECT];

@@ -65,7 +65,7 @@ fn a_wrong_value_a_noisy_one_and_a_broken_scene_are_told_apart() {
     assert_eq!(verdict(Form { expected: 2.01, ..form.clone() }), Verdict::Wrong);
     let broken = Form { scene: form.scene.replace("Sphere", "Sphre"), ..form.clone() };
     assert!(matches!(verdict(broken), Verdict::Broken(why) if why.contains("Sphre")));
-    // A lamp that is hardly ever met.
+    // A light that is hardly ever met.
     let speck = form.scene.replace("radius 1", "radius 0.0001");
     let noisy = Form { scene: speck, expected: 1e-8, methods: &[method::PATH_SCATTERING], ..form };
     assert_ne!(verdict(noisy), Verdict::Pass);

@@ -88,7 +88,7 @@ mod tests {
             ("rayOffset reference", "classic"),
             ("branches 4", "distribution"),
             ("directions cosine", "path direct distribution"),
-            ("technique lamps", "path direct distribution"),
+            ("technique lights", "path direct distribution"),
             ("roulette off", "path direct distribution bidirectional light"),
             ("reach 2", "occlusion"),
         ] {

@@ -88,10 +88,10 @@ pub fn mesh(data: &[u8], extension: &str, part: usize, integrator: IntegratorKin
         "PerspectiveCamera {{ center 0.3 0.2 4  direction 0 0 -1  up 0 1 0  angle 40 }}
          Background {{ color 0.2 0.3 0.4 }}
          Lights {{ PointLight {{ position 3 3 3  intensity 5 5 5 }} }}
-         Materials {{ {}  Matte lamp {{ emission 5 5 5 }} }}
+         Materials {{ {}  Matte emitter {{ emission 5 5 5 }} }}
          Group {{
            {object}
-           MaterialIndex lamp Quad {{ corner -1 3 -1  edge1 2 0 0  edge2 0 0 2 }}
+           MaterialIndex emitter Quad {{ corner -1 3 -1  edge1 2 0 0  edge2 0 0 2 }}
            Transform {{ Rotate 1 1 0 40  Scale 1 1e-3 1  {object} }}
          }}",
         PARTS[part % PARTS.len()]

@@ -65,7 +65,7 @@ fn layered(base: Base, alpha: f32, coat: f32, fuzz: f32) -> Bsdf {
     Bsdf::Principled(Principled { base, color, alpha, coat, coat_alpha, fuzz, ..Principled::default() })
 }
 
-/// A white pigment below a gloss whose facets reflect a factor of what they do at normal incidence.
+/// A white diffuse base below a gloss whose facets reflect a factor of what they do at normal incidence.
 fn glossy(alpha: f32, eta: f32, factor: f32, weight: f32) -> Bsdf {
     let specular = Specular::F0 { factor: Spectrum::grey(factor), largest: factor, weight };
     let (color, alpha) = (Spectrum::WHITE, Vec2::splat(alpha));
@@ -201,18 +201,8 @@ pub fn families() -> Vec<Family> {
         Family { name: "lacquer of rims only", lobe: |a| glossy(a, 2.5, 0.0, 1.0), lossless: true, ..PLAIN },
         Family { name: "car paint", lobe: |a| layered(Base::Metal, a, 0.8, 0.0), lossless: true, ..PLAIN },
         Family { name: "peach", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.9), lossless: true, ..PLAIN },
-        Family {
-            name: "dusty varnish",
-            lobe: |a| layered(Base::Diffuse, a, 1.0, 0.5),
-            lossless: true,
-            ..PLAIN
-        },
-        Family {
-            name: "varnished glass",
-            lobe: |a| layered(Base::Glass, a, 0.5, 0.3),
-            lossless: true,
-            ..PLAIN
-        },
+        Family { name: "dusty coat", lobe: |a| layered(Base::Diffuse, a, 1.0, 0.5), lossless: true, ..PLAIN },
+        Family { name: "coated glass", lobe: |a| layered(Base::Glass, a, 0.5, 0.3), lossless: true, ..PLAIN },
         Family {
             name: "tinted layers",
             lobe: |a| {

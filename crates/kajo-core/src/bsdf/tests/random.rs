@@ -81,7 +81,7 @@ proptest! {
         prop_assert!(albedo.to_rgb().iter().all(|v| (0.0..=1.001).contains(v)), "{albedo:?}");
         let pdf = lobe.pdf(wo, wi);
         prop_assert!(pdf.is_finite() && pdf >= 0.0);
-        // What leaves to the camera from a lamp is what leaves to the lamp from the camera.
+        // What leaves to the camera from a light is what leaves to the light from the camera.
         let (there, back) = (lobe.eval(wo, wi, Transport::Radiance), lobe.eval(wi, wo, Transport::Importance));
         let (there, back) = (there * wo.z.abs(), back * wi.z.abs());
         let off = (there - back).map(f32::abs).max_lane();

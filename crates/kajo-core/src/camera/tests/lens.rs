@@ -109,11 +109,11 @@ fn the_blurred_disk_is_uniform() {
 fn highlights_behind_the_focus_are_upright() {
     let lens = ThinLens { aperture: Aperture::Polygon { blades: 3, rotation: 0.0 }, ..round(0.2, 5.0) };
     let camera = perspective(lens);
-    let lamp = DVec3::new(0.0, 0.0, -20.0);
-    // Of all rays to the lamp, the one through the corner on top of the lens appears highest.
+    let light = DVec3::new(0.0, 0.0, -20.0);
+    // Of all rays to the light, the one through the corner on top of the lens appears highest.
     let place = |u| {
         let o = camera.ray(Vec2::ZERO, 1.5, u, 0.0).expect("a ray").o;
-        let d = (lamp - o.as_dvec3()).normalize();
+        let d = (light - o.as_dvec3()).normalize();
         (camera.importance(o, d.as_vec3(), 1.5, 0.0).expect("in the picture").at.y, o.y)
     };
     let all: Vec<_> = grid(40).map(place).collect();

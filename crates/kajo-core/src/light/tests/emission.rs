@@ -1,4 +1,4 @@
-//! Light that leaves a lamp: as much as its power says, drawn with the density it names.
+//! Light that leaves an emitter: as much as its power says, drawn with the density it names.
 
 use std::sync::Arc;
 
@@ -31,8 +31,8 @@ fn area(patch: Patch, sides: Sides) -> AreaLight {
     }
 }
 
-/// One lamp of each kind with the power it has.
-pub(crate) fn lamps() -> (Lights, Vec<(LightId, f64)>) {
+/// One light of each kind with the power it has.
+pub(crate) fn emitters() -> (Lights, Vec<(LightId, f64)>) {
     let mut lights = Lights::default();
     let mut list = Vec::new();
     let ball = Patch::Sphere { center: DVec3::new(0.5, 0.0, 0.0), radius: 0.7 };
@@ -58,10 +58,10 @@ pub(crate) fn lamps() -> (Lights, Vec<(LightId, f64)>) {
     for height in [0.0, 0.1] {
         let emission = Emission::from_rgb([2.0; 3]);
         let to_light = Vec3::new(0.0, 0.6, 0.8);
-        let lamp = DirectionalLight { to_light, height, intensity: Spectrum::WHITE, emission };
+        let light = DirectionalLight { to_light, height, intensity: Spectrum::WHITE, emission };
         // Of a wide disc it is the irradiance across the middle that is given.
         let widened = 2.0 / (2.0 - f64::from(height));
-        list.extend(lamp.store(&mut lights).map(|id| (id, 2.0 * shadow * widened)));
+        list.extend(light.store(&mut lights).map(|id| (id, 2.0 * shadow * widened)));
     }
     let sky = SkyLight::new(Arc::new(Background::constant([2.0; 3])));
     list.extend(sky.store(&mut lights).map(|id| (id, 8.0 * PI * shadow)));
@@ -97,8 +97,8 @@ fn numbers(i: u32) -> [Vec2; 2] {
 }
 
 #[test]
-fn a_lamp_sends_out_its_power() {
-    let (lights, list) = lamps();
+fn a_light_sends_out_its_power() {
+    let (lights, list) = emitters();
     for (i, (id, power)) in list.into_iter().enumerate() {
         let n = 40_000;
         let (mut sum, mut squares) = (0.0, 0.0);
@@ -110,16 +110,16 @@ fn a_lamp_sends_out_its_power() {
         }
         let mean = sum / f64::from(n);
         let sigma = ((squares / f64::from(n) - mean * mean).max(0.0) / f64::from(n)).sqrt();
-        assert!((mean - power).abs() < 4.5 * sigma + 1e-5 * power, "lamp {i}: {mean} ± {sigma} for {power}");
-        // Power as lamps are chosen by.
+        assert!((mean - power).abs() < 4.5 * sigma + 1e-5 * power, "light {i}: {mean} ± {sigma} for {power}");
+        // Power as lights are chosen by.
         let told = f64::from(lights.power(id, &WORLD));
-        assert!((told / power - 1.0).abs() < 0.06, "lamp {i}: {told} for {power}");
+        assert!((told / power - 1.0).abs() < 0.06, "light {i}: {told} for {power}");
     }
 }
 
 #[test]
 fn densities_of_drawn_light_are_those_of_the_light() {
-    let (lights, list) = lamps();
+    let (lights, list) = emitters();
     for (i, (id, _)) in list.into_iter().enumerate() {
         for k in 0..500 {
             let Some(emitted) = lights.emit(id, 0.0, numbers(k), &Wavelengths::RGB, &WORLD) else { continue };
@@ -136,14 +136,14 @@ fn densities_of_drawn_light_are_those_of_the_light() {
             // On the very rim of the disk rounding decides.
             let rim =
                 emitted.is_infinite() && (p - WORLD.center).cross(emitted.d).length() > 0.999 * WORLD.radius;
-            assert!(same || rim, "lamp {i}: {again:?} {:?}", emitted.pdf);
+            assert!(same || rim, "light {i}: {again:?} {:?}", emitted.pdf);
         }
     }
 }
 
 #[test]
-fn light_leaves_no_lamp_where_it_has_none() {
-    let (lights, list) = lamps();
+fn light_leaves_no_light_where_it_has_none() {
+    let (lights, list) = emitters();
     let pdf = |i: usize, n: Vec3, d: Vec3| lights.emission_pdf(list[i].0, 0.0, [Vec3::Y, n], d, &WORLD);
     // The square's front looks down, as its edges say.
     let n = square(1.0).normal().unwrap().as_vec3();
@@ -171,12 +171,12 @@ fn a_falloff_of_its_own_is_made_up_for() {
 }
 
 #[test]
-fn lamps_are_drawn_by_their_power() {
-    let (lights, list) = lamps();
-    let ids: Vec<(LightId, u8)> = list.iter().map(|lamp| (lamp.0, 0)).collect();
+fn lights_are_drawn_by_their_power() {
+    let (lights, list) = emitters();
+    let ids: Vec<(LightId, u8)> = list.iter().map(|light| (light.0, 0)).collect();
     let emitters = Emitters::new(ids, list.len() as u32, None, &lights);
     let departures = Departures::new(&emitters, &lights, &world_box());
-    let all: f64 = list.iter().map(|lamp| lamp.1).sum();
+    let all: f64 = list.iter().map(|light| light.1).sum();
     for (i, (_, power)) in (0..).zip(&list) {
         let probability = f64::from(departures.probability(i));
         assert!((probability / (power / all) - 1.0).abs() < 0.08, "{i}: {probability} for {}", power / all);
@@ -184,8 +184,8 @@ fn lamps_are_drawn_by_their_power() {
     let n = 100_000;
     let mut counts = vec![0u32; list.len()];
     for k in 0..n {
-        let lamp = departures.choose((k as f32 + 0.5) / n as f32).expect("a lamp");
-        counts[lamp as usize] += 1;
+        let light = departures.choose((k as f32 + 0.5) / n as f32).expect("a light");
+        counts[light as usize] += 1;
     }
     for (i, count) in (0..).zip(counts) {
         let expected = departures.probability(i) * n as f32;

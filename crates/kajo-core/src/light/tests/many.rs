@@ -1,9 +1,9 @@
-//! Ten thousand lamps: the tree finds the same light as a uniform choice, with far less noise.
+//! Ten thousand emitters: the tree finds the same light as a uniform choice, with far less noise.
 
 use super::*;
 use crate::family::Pooled;
 
-/// A grid of 100 by 100 lamps at height 1, one apart; every third is a small square, the others are points.
+/// A grid of 100 by 100 lights at height 1, one apart; every third is a small square, the others are points.
 fn grid() -> (Lights, Emitters) {
     let mut lights = Lights::default();
     let (mut points, mut areas) = (Vec::new(), Vec::new());

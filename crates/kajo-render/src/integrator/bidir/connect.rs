@@ -12,7 +12,7 @@ use super::walk::Walk;
 use super::{Bidirectional, Found};
 use crate::trail::{About, RayKind, Witness};
 
-/// Densities of the lamp's end of a path and of the way to the next point, the geometry there left out. Of a lamp
+/// Densities of the light's end of a path and of the way to the next point, the geometry there left out. Of a light
 /// infinitely far away the direction is its end.
 pub fn parts(pdf: EmissionPdf, is_infinite: bool) -> (f32, f32) {
     if is_infinite { (pdf.direction, pdf.place) } else { (pdf.place, pdf.direction) }
@@ -48,9 +48,9 @@ impl Bidirectional<'_> {
         let weight = from.map_or(1.0, |from| {
             let (p, n, wi) = (at.point.p, at.point.ng, walk.ray.d);
             let cosine = n.dot(wi).abs();
-            let drawn = self.lamp_pdf(glow.lamp(), (from, walk.ray.time), [p, n], wi) * cosine
+            let drawn = self.light_pdf(glow.emitter(), (from, walk.ray.time), [p, n], wi) * cosine
                 / p.distance_squared(from.at.p);
-            let (end, rest) = self.emission_parts((glow.lamp(), walk.ray.time), [p, n], -wi, false);
+            let (end, rest) = self.emission_parts((glow.emitter(), walk.ray.time), [p, n], -wi, false);
             weight_of_chance(&walk.rivals(p, cosine), drawn, end, rest)
         });
         Some(walk.found(glow.radiance, glow.group, weight))
@@ -65,11 +65,11 @@ impl Bidirectional<'_> {
     ) {
         let scene = self.scene();
         let wi = walk.ray.d;
-        let mut meet = |radiance: Spectrum, group: u8, lamp: Option<u32>| {
-            let weight = from.zip(lamp).map_or(1.0, |(from, lamp)| {
-                let drawn = self.lamp_pdf(lamp, (from, walk.ray.time), [Vec3::ZERO; 2], wi);
+        let mut meet = |radiance: Spectrum, group: u8, light: Option<u32>| {
+            let weight = from.zip(light).map_or(1.0, |(from, light)| {
+                let drawn = self.light_pdf(light, (from, walk.ray.time), [Vec3::ZERO; 2], wi);
                 let place = [from.at.p, Vec3::ZERO];
-                let (end, rest) = self.emission_parts((lamp, walk.ray.time), place, -wi, true);
+                let (end, rest) = self.emission_parts((light, walk.ray.time), place, -wi, true);
                 weight_of_chance(&walk.rivals_at_infinity(), drawn, end, rest)
             });
             found(walk.found(radiance, group, weight));
@@ -79,11 +79,11 @@ impl Bidirectional<'_> {
             meet(radiance, scene.emitters.sky_group(), scene.emitters.sky());
         }
         for sun in scene.suns(wi, &walk.wavelengths) {
-            meet(sun.radiance, sun.group, Some(sun.lamp));
+            meet(sun.radiance, sun.group, Some(sun.light));
         }
     }
 
-    /// `s = 1`: a lamp drawn for a point of the camera's path.
+    /// `s = 1`: a light drawn for a point of the camera's path.
     pub(super) fn light(
         &self,
         witness: &mut impl Witness,
@@ -97,7 +97,7 @@ impl Bidirectional<'_> {
         let place = draws.next_2d();
         let choice = self.settings.light_choice;
         let sample = scene.light_towards(&z.receiver(time), u, place, wavelengths, choice)?;
-        let LightSample { wi, radiance, pdf, is_delta, target, lamp } = sample;
+        let LightSample { wi, radiance, pdf, is_delta, target, light } = sample;
         let scattered = z.gathered(wi);
         if radiance.is_black() || scattered.is_black() {
             return None;
@@ -107,7 +107,7 @@ impl Bidirectional<'_> {
         let carried = (z.beta * scattered, wavelengths);
         let visible = scene.visibility(&shadow_ray, wavelengths, z.eta(wi));
         if visible.is_black() {
-            self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(lamp), None);
+            self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(light), None);
             return None;
         }
         let (p, distance) = match target {
@@ -115,7 +115,7 @@ impl Bidirectional<'_> {
             Target::Infinity => (z.at.p, f32::INFINITY),
         };
         let is_infinite = distance.is_infinite();
-        let (end, rest) = self.emission_parts((lamp, time), [p, normal(&target)], -wi, is_infinite);
+        let (end, rest) = self.emission_parts((light, time), [p, normal(&target)], -wi, is_infinite);
         let thinning = if is_infinite { 1.0 } else { 1.0 / (distance * distance) };
         let drawn = pdf * spread(&target, wi, distance * distance);
         let met = if is_delta { 0.0 } else { square(z.pdf(z.back, wi) / pdf) };
@@ -125,10 +125,10 @@ impl Bidirectional<'_> {
             light: z.beta * scattered * radiance * z.transmittance(wi, distance) * visible * pdf.recip(),
             weight: weight(met, before),
             is_single: z.is_single,
-            group: scene.emitters.group(lamp),
+            group: scene.emitters.group(light),
             raster: None,
         };
-        self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(lamp), Some(&found));
+        self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(light), Some(&found));
         Some(found)
     }
 
@@ -161,13 +161,13 @@ impl Bidirectional<'_> {
             return None;
         }
         let by_camera = z.pdf(z.back, wi) * y.cosine(wi) / distance2;
-        let by_lamp = y.pdf(y.back, -wi) * z.cosine(wi) / distance2;
-        let lamp_side = y.rivals.sum(by_camera, y.pdf(-wi, y.back));
-        let camera_side = z.rivals.sum(by_lamp, z.pdf(wi, z.back));
+        let by_light = y.pdf(y.back, -wi) * z.cosine(wi) / distance2;
+        let light_side = y.rivals.sum(by_camera, y.pdf(-wi, y.back));
+        let camera_side = z.rivals.sum(by_light, z.pdf(wi, z.back));
         let found = Found {
             way,
             light: y.beta * scattered * z.beta * z.transmittance(wi, distance) * visible * distance2.recip(),
-            weight: weight(lamp_side, camera_side),
+            weight: weight(light_side, camera_side),
             is_single: y.is_single || z.is_single,
             group: y.group,
             raster: None,
@@ -176,7 +176,7 @@ impl Bidirectional<'_> {
         Some(found)
     }
 
-    /// `t = 1`: a point of the lamp's path that the camera sees.
+    /// `t = 1`: a point of the light's path that the camera sees.
     ///
     /// * `lens`: uniform in [0, 1)²
     pub(super) fn see(
@@ -208,7 +208,7 @@ impl Bidirectional<'_> {
         Some(Found {
             way,
             light: y.beta * scattered * y.transmittance(to.wi, to.distance) * visible * (to.we / to.pdf),
-            weight: if self.settings.only_from_lamps { 1.0 } else { weight(rivals(), 0.0) },
+            weight: if self.settings.only_from_lights { 1.0 } else { weight(rivals(), 0.0) },
             is_single: y.is_single,
             group: y.group,
             raster: Some(raster),
@@ -218,7 +218,7 @@ impl Bidirectional<'_> {
     /// Tells of a ray that joins two points.
     ///
     /// * `carried`: what light from its far end is multiplied by
-    /// * `lamp`: the light that it is cast to
+    /// * `emitter`: the light that it is cast to
     /// * `found`: what it adds to the sample
     fn tell(
         &self,
@@ -226,41 +226,41 @@ impl Bidirectional<'_> {
         kind: RayKind,
         ray: &Ray,
         (carried, wavelengths): (Spectrum, &Wavelengths),
-        lamp: Option<u32>,
+        light: Option<u32>,
         found: Option<&Found>,
     ) {
         let about = || About {
             eta: 1.0,
             weight: sensor::to_rgb(carried, wavelengths),
-            light: lamp.map(|lamp| self.scene().emitters.id(lamp)),
+            light: light.map(|light| self.scene().emitters.id(light)),
         };
         let light = || found.map_or([0.0; 3], |found| found.value(wavelengths));
         witness.joined(kind, self.scene(), ray, about, light);
     }
 
-    /// Density per solid angle with which [`Bidirectional::light`] draws a lamp and the way to a place of it.
-    fn lamp_pdf(&self, lamp: u32, (from, time): (&Vertex, f32), at: [Vec3; 2], wi: Vec3) -> f32 {
-        self.scene().lamp_pdf(lamp, &from.receiver(time), at, wi, self.settings.light_choice)
+    /// Density per solid angle with which [`Bidirectional::light`] draws an emitter and the way to a place of it.
+    fn light_pdf(&self, light: u32, (from, time): (&Vertex, f32), at: [Vec3; 2], wi: Vec3) -> f32 {
+        self.scene().light_pdf(light, &from.receiver(time), at, wi, self.settings.light_choice)
     }
 
-    /// [`parts`] of the light of a lamp along `d`, with the choice of the lamp.
+    /// [`parts`] of the light of an emitter along `d`, with the choice of the emitter.
     fn emission_parts(
         &self,
-        (lamp, time): (u32, f32),
+        (light, time): (u32, f32),
         at: [Vec3; 2],
         d: Vec3,
         is_infinite: bool,
     ) -> (f32, f32) {
-        let pdf = self.scene().emission_pdf(&self.departures, lamp, time, at, d);
+        let pdf = self.scene().emission_pdf(&self.departures, light, time, at, d);
         let (end, rest) = parts(pdf, is_infinite);
-        (end * self.departures.probability(lamp), rest)
+        (end * self.departures.probability(light), rest)
     }
 }
 
 /// The weight of light that was met by chance.
 ///
-/// * `drawn`: density of the lamp's end of the path among lamps drawn for a point
-/// * `end`, `rest`: densities of the end and of the way on among paths from lamps
+/// * `drawn`: density of the light's end of the path among lights drawn for a point
+/// * `end`, `rest`: densities of the end and of the way on among paths from lights
 fn weight_of_chance(rivals: &Rivals, drawn: f32, end: f32, rest: f32) -> f32 {
     weight(0.0, square(drawn) * rivals.last + square(end) * square(rest) * rivals.earlier)
 }

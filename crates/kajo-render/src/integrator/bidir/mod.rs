@@ -1,21 +1,21 @@
 //! Bidirectional path tracing [Lafortune and Willems 1993], [Veach and Guibas 1994], and light tracing.
 //!
-//! For each sample one path is followed from the camera and one from a lamp. Every point of the one is connected with
-//! every point of the other. A way to find a path is named by the points `s` that come from the lamp and `t` that come
-//! from the camera, lamp and lens counted:
+//! For each sample one path is followed from the camera and one from a light. Every point of the one is connected with
+//! every point of the other. A way to find a path is named by the points `s` that come from the light and `t` that come
+//! from the camera, light and lens counted:
 //!
 //! ```text
-//! s = 0           the path from the camera meets a lamp or leaves the scene
-//! s = 1           a point of the camera's path is lit by a lamp drawn for it
+//! s = 0           the path from the camera meets a light or leaves the scene
+//! s = 1           a point of the camera's path is lit by a light drawn for it
 //! s > 1, t > 1    two points are connected:  beta f G f' beta'
-//! t = 1           a point of the lamp's path is seen by the camera; its light is a splat
+//! t = 1           a point of the emitter's path is seen by the camera; its light is a splat
 //! ```
 //!
 //! What can be found in several ways counts with the weights of the power heuristic; see `rivals.rs`. Light on its way
 //! through glass to a matt surface, a caustic, is left to `t = 1`, which is where path tracing has no good way.
 //!
 //! Light tracing [Arvo 1986], [Dutré, Lafortune and Willems 1993] is what remains when `t = 1` alone is used, with weight
-//! one. Lamps and the background are then seen by the camera's own ray, and what is behind mirrors and glass
+//! one. Lights and the background are then seen by the camera's own ray, and what is behind mirrors and glass
 //! is not seen at all.
 
 mod connect;
@@ -45,11 +45,11 @@ use walk::{Step, Walk};
 /// Options of [`Bidirectional`].
 #[derive(Clone, Copy, Debug)]
 pub struct BidirectionalSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what lamps light themselves.
+    /// How often light is scattered on its way from one surface to another; 0 shows what emitters light themselves.
     pub bounces: u32,
-    /// Whether light is followed from lamps only.
-    pub only_from_lamps: bool,
-    /// How lamps are chosen for a point.
+    /// Whether light is followed from emitters only.
+    pub only_from_lights: bool,
+    /// How lights are chosen for a point.
     pub light_choice: LightChoice,
     /// Whether paths of little weight end at random.
     pub roulette: bool,
@@ -61,7 +61,7 @@ impl Default for BidirectionalSettings {
     fn default() -> BidirectionalSettings {
         BidirectionalSettings {
             bounces: 16,
-            only_from_lamps: false,
+            only_from_lights: false,
             light_choice: LightChoice::Tree,
             roulette: true,
             spectral: false,
@@ -76,14 +76,14 @@ pub struct Bidirectional<'a> {
     departures: Departures,
 }
 
-/// The points of a path from a lamp, kept from sample to sample.
+/// The points of a path from a light, kept from sample to sample.
 #[derive(Default)]
-struct LampPath(Vec<Vertex>);
+struct LightPath(Vec<Vertex>);
 
 /// Light that was found.
 #[derive(Clone, Copy, Debug)]
 struct Found {
-    /// Points drawn from the lamp and from the camera.
+    /// Points drawn from the light and from the camera.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each way by itself"))]
     way: [u32; 2],
     /// Its estimate by this way alone.
@@ -92,7 +92,7 @@ struct Found {
     weight: f32,
     /// Whether only one wavelength is followed.
     is_single: bool,
-    /// The group of the lamp.
+    /// The group of the light.
     group: u8,
     /// Where it is seen; with the camera's ray where absent.
     raster: Option<Vec2>,
@@ -141,13 +141,13 @@ impl<'a> Bidirectional<'a> {
         self.view.scene
     }
 
-    /// Whether points of the lamp's path are joined with the camera. The light of groups of lamps is recorded for each
+    /// Whether points of the emitter's path are joined with the camera. The light of groups of emitters is recorded for each
     /// sample's own pixel, so there all of it must come with the camera's ray.
     fn connects(&self) -> bool {
-        self.settings.only_from_lamps || !self.view.wants_light_groups()
+        self.settings.only_from_lights || !self.view.wants_light_groups()
     }
 
-    /// Most points of a path, lamp and lens included.
+    /// Most points of a path, light and lens included.
     fn longest(&self) -> u32 {
         self.settings.bounces.saturating_add(3)
     }
@@ -162,14 +162,14 @@ impl<'a> Bidirectional<'a> {
         found: &mut impl FnMut(Found, &Wavelengths),
     ) -> Seen {
         path.clear();
-        let from_lamp = draws.split(0, 0, 1);
+        let from_light = draws.split(0, 0, 1);
         let Some(ray) = self.view.ray(raster, &mut draws) else { return Seen::default() };
         let wavelengths = self.view.wavelengths(&mut draws);
         let root = witness.mark();
-        let mut from_lamp = self.follow_light(witness, path, from_lamp, ray.time, &wavelengths);
+        let mut from_light = self.follow_light(witness, path, from_light, ray.time, &wavelengths);
         let seen = if self.connects() { &path[..] } else { &[] };
         for (s, y) in (2..).zip(seen) {
-            let lens = from_lamp.pair_if(self.view.camera.has_lens());
+            let lens = from_light.pair_if(self.view.camera.has_lens());
             witness.back_to_noted(s - 2);
             if let Some(seen) = self.see(witness, y, [s, 1], lens, (&wavelengths, ray.time)) {
                 found(seen, &wavelengths);
@@ -179,7 +179,7 @@ impl<'a> Bidirectional<'a> {
         self.follow_view(witness, path, draws, ray, &wavelengths, found)
     }
 
-    /// Fills `path` with a path from a lamp.
+    /// Fills `path` with a path from a light.
     fn follow_light<'b, W: Witness>(
         &self,
         witness: &mut W,
@@ -191,7 +191,8 @@ impl<'a> Bidirectional<'a> {
         let u = draws.number_if(self.scene().emitters.len() > 1);
         let ways = [draws.next_2d(), draws.next_2d()];
         let scene = self.scene();
-        let Some((emitted, lamp, chance)) = scene.emit(&self.departures, time, u, ways, wavelengths) else {
+        let Some((emitted, emitter, chance)) = scene.emit(&self.departures, time, u, ways, wavelengths)
+        else {
             return draws;
         };
         let (end, rest) = parts(emitted.pdf, emitted.is_infinite());
@@ -214,9 +215,9 @@ impl<'a> Bidirectional<'a> {
         let roulette = self.settings.roulette;
         let told = mem::take(witness);
         let mut walk = Walk::new(scene, draws, Transport::Importance, ray, (carried, bodies), roulette, told);
-        walk.witness.counters().lamp += 1;
-        walk.witness.next(RayKind::Lamp);
-        let group = scene.emitters.group(lamp);
+        walk.witness.counters().light += 1;
+        walk.witness.next(RayKind::Light);
+        let group = scene.emitters.group(emitter);
         while let Some(mut met) = walk.trace() {
             if walk.passes(&mut met) {
                 continue;
@@ -227,10 +228,10 @@ impl<'a> Bidirectional<'a> {
             let mut vertex = walk.vertex(&met);
             vertex.group = group;
             if path.is_empty() {
-                // A connection with the lamp itself draws a place anew.
+                // A connection with the light itself draws a place anew.
                 let (place, wi) = ([emitted.p, normal(&emitted.origin)], -emitted.d);
                 let choice = self.settings.light_choice;
-                let drawn = scene.lamp_pdf(lamp, &vertex.receiver(time), place, wi, choice);
+                let drawn = scene.light_pdf(emitter, &vertex.receiver(time), place, wi, choice);
                 let spread = spread(&emitted.origin, wi, emitted.p.distance_squared(vertex.at.p));
                 vertex.rivals.last *= square(drawn * spread / end);
             }
@@ -307,7 +308,7 @@ impl<'a> Bidirectional<'a> {
             if seen.albedo.is_none() && self.view.wants_albedo() && !z.bsdf.is_delta() {
                 seen.albedo = Some(in_white_light(z.bsdf.albedo(z.local(z.back).wo), wavelengths));
             }
-            if self.settings.only_from_lamps {
+            if self.settings.only_from_lights {
                 break;
             }
             if !z.bsdf.is_delta() {
@@ -338,7 +339,7 @@ impl<'a> Bidirectional<'a> {
 impl Bidirectional<'_> {
     fn cast<W: Witness>(&self, ctx: &mut SampleContext<'_>, raster: Vec2, witness: &mut W) -> PixelSample {
         let SampleContext { draws, aux, splats, scratch, .. } = ctx;
-        let mut path = mem::take(&mut scratch.get::<LampPath>().0);
+        let mut path = mem::take(&mut scratch.get::<LightPath>().0);
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
         let seen = self.estimate(*draws, witness, raster, &mut path, &mut |found, wavelengths| {
@@ -352,7 +353,7 @@ impl Bidirectional<'_> {
                 }
             }
         });
-        scratch.get::<LampPath>().0 = path;
+        scratch.get::<LightPath>().0 = path;
         if self.view.wants_light_groups() {
             aux.lights = groups;
         }

@@ -1,6 +1,6 @@
 //! The other ways to find a path, and what they leave to this one.
 //!
-//! A path `x0 x1 .. xn` from a lamp to the lens can be found in several ways: `s` of its points are drawn from the lamp
+//! A path `x0 x1 .. xn` from a light to the lens can be found in several ways: `s` of its points are drawn from the light
 //! and the others from the camera. With the density `p_s` of each way it counts with the weight
 //!
 //! ```text
@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Two ways that differ in who drew `xi` differ by the factor `p>(xi) / p<(xi)`, the densities per area of drawing it
-//! from the side of the lamp and from that of the camera. So the sums over the ways on both sides of a
-//! connection grow with the paths. For the end `xi` of a path from the lamp,
+//! from the side of the light and from that of the camera. So the sums over the ways on both sides of a
+//! connection grow with the paths. For the end `xi` of a path from the light,
 //!
 //! ```text
 //! sum over j < s of (p_j / p_s)^2  =  p<(xi)^2 (last + b^2 earlier)                  i = s - 1
@@ -67,8 +67,8 @@ impl Rivals {
 }
 
 /// The weight of a way whose rivals have these sums.
-pub fn weight(lamp_side: f64, camera_side: f64) -> f32 {
-    let weight = (1.0 / (1.0 + lamp_side + camera_side)) as f32;
+pub fn weight(light_side: f64, camera_side: f64) -> f32 {
+    let weight = (1.0 / (1.0 + light_side + camera_side)) as f32;
     // Densities beyond all numbers belong to ways that find the path for certain.
     if weight.is_nan() { 0.0 } else { weight }
 }

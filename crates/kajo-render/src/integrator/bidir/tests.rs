@@ -92,8 +92,8 @@ fn both() -> BidirectionalSettings {
     BidirectionalSettings::default()
 }
 
-fn from_lamps() -> BidirectionalSettings {
-    BidirectionalSettings { only_from_lamps: true, ..both() }
+fn from_lights() -> BidirectionalSettings {
+    BidirectionalSettings { only_from_lights: true, ..both() }
 }
 
 #[test]
@@ -116,12 +116,12 @@ fn a_glowing_room_is_as_bright_as_its_series() {
         let view = camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5], 70.0);
         let material = "Materials { Material m { diffuseColor 0.5 0.5 0.5  emission 1 1 1 } }";
         let scene = scene(&format!("{view} {material} Group {{ MaterialIndex m {shell} }}"));
-        check(&scene, BidirectionalSettings { bounces: 1, ..from_lamps() }, 2000, 1.75);
+        check(&scene, BidirectionalSettings { bounces: 1, ..from_lights() }, 2000, 1.75);
     }
 }
 
 #[test]
-fn a_point_lamp_in_a_white_ball_lights_it_evenly() {
+fn a_point_light_in_a_white_ball_lights_it_evenly() {
     let text = |angle: f32| {
         format!(
             "{} Lights {{ PointLight {{ position 0.5 0 0  intensity 1 1 1 }} }}
@@ -135,13 +135,13 @@ fn a_point_lamp_in_a_white_ball_lights_it_evenly() {
 }
 
 #[test]
-fn a_square_lamp_lights_a_floor_as_lambert_says() {
+fn a_square_light_lights_a_floor_as_lambert_says() {
     let text = |from: [f32; 3], angle: f32| {
         format!(
             "{} Materials {{ Material floor {{ diffuseColor 0.7 0.7 0.7 }}
-                             Material lamp {{ diffuseColor 0 0 0  emission 3 3 3 emits front }} }}
+                             Material emitter {{ diffuseColor 0 0 0  emission 3 3 3 emits front }} }}
              Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
-                      MaterialIndex lamp Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}",
+                      MaterialIndex emitter Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}",
             camera(from, [0.0, 0.0, 0.0], angle)
         )
     };
@@ -152,7 +152,7 @@ fn a_square_lamp_lights_a_floor_as_lambert_says() {
     let down = scene(&text([0.0, 0.5, 0.0], 60.0));
     let path = PathSettings { bounces: 0, ..PathSettings::default() };
     let path = mean_of(&Path::new(&down, path, [1, 1], LayerSet::of(&[])), 500, 0);
-    check(&down, BidirectionalSettings { bounces: 0, ..from_lamps() }, 8000, path.mean);
+    check(&down, BidirectionalSettings { bounces: 0, ..from_lights() }, 8000, path.mean);
     let dark = aside.replace("emits front", "emits back");
     assert_eq!(mean(&scene(&dark), both(), 50).mean, 0.0);
 }
@@ -170,8 +170,8 @@ fn glass_in_an_even_world_is_not_to_be_seen() {
 }
 
 #[test]
-fn light_is_absorbed_from_the_lamp_on() {
-    // Lamp, floor and camera are inside of a body that bends nothing. The path tracer is held to a closed form.
+fn light_is_absorbed_from_the_light_on() {
+    // Light, floor and camera are inside of a body that bends nothing. The path tracer is held to a closed form.
     let view = camera([0.0, 0.5, 0.5], [0.0, 0.0, 0.0], 40.0);
     let text = format!(
         "{view} Lights {{ PointLight {{ position 0 1 0  intensity 3 3 3 }} }}
@@ -183,7 +183,7 @@ fn light_is_absorbed_from_the_lamp_on() {
     let scene = scene(&text);
     let path = PathSettings { bounces: 1, ..PathSettings::default() };
     let path = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 2000, 0);
-    for settings in [both(), from_lamps()] {
+    for settings in [both(), from_lights()] {
         let found = mean(&scene, BidirectionalSettings { bounces: 1, ..settings }, 40_000);
         let sigma = found.standard_error.hypot(path.standard_error);
         assert!((found.mean - path.mean).abs() < 4.5 * sigma, "{settings:?}: {found:?} {path:?}");

@@ -1,13 +1,13 @@
-//! A point of a path where light is scattered, met from the lamp or from the camera.
+//! A point of a path where light is scattered, met from the emitter or from the camera.
 //!
-//! With the direction `wo` to the camera and `wi` to the lamp the point contributes the factor
+//! With the direction `wo` to the camera and `wi` to the light the point contributes the factor
 //!
 //! ```text
 //! f(wo, wi) |wi . n| / |wi . ng|
 //! ```
 //!
 //! with the shading normal `n` where the geometric one is `ng`: so does path tracing, which has the cosine with `n`
-//! where light arrives. A path from the lamp scatters by `f |wo . n|` and needs the correction
+//! where light arrives. A path from the emitter scatters by `f |wo . n|` and needs the correction
 //!
 //! ```text
 //! |wi . n| |wo . ng| / (|wi . ng| |wo . n|)                             [Veach 1997, 5.3.2]
@@ -36,7 +36,7 @@ pub struct Vertex {
     pub bsdf: Bsdf,
     /// Unit direction to the point before.
     pub back: Vec3,
-    /// Light that arrives, for a path from the lamp; for one from the camera, what light from here is multiplied by.
+    /// Light that arrives, for a path from the emitter; for one from the camera, what light from here is multiplied by.
     pub beta: Spectrum,
     /// The other ways to find what is found here.
     pub rivals: Rivals,
@@ -46,7 +46,7 @@ pub struct Vertex {
     pub eta: [f32; 2],
     /// Whether only one wavelength got here.
     pub is_single: bool,
-    /// The group of the lamp of a path from there.
+    /// The group of the light of a path from there.
     pub group: u8,
 }
 
@@ -58,7 +58,7 @@ pub struct Local {
 }
 
 impl Vertex {
-    /// The frame for light that goes to `wo`, or from there for a path that comes from the lamp.
+    /// The frame for light that goes to `wo`, or from there for a path that comes from the emitter.
     pub fn local(&self, wo: Vec3) -> Local {
         let frame = self.shading.frame(wo);
         Local { wo: frame.to_local(wo), frame }
@@ -69,7 +69,7 @@ impl Vertex {
         world.dot(self.at.ng) * local.z > 0.0
     }
 
-    /// Who is lit, for the choice of a lamp: the same whichever end the path began at.
+    /// Who is lit, for the choice of a light: the same whichever end the path began at.
     pub fn receiver(&self, time: f32) -> Receiver {
         Receiver { p: self.at.p, n: self.shading.n, time }
     }
@@ -86,7 +86,7 @@ impl Vertex {
         if self.agrees(wi, local) { self.bsdf.eval(wo, local, Transport::Radiance) } else { Spectrum::BLACK }
     }
 
-    /// Scattering of light of a path from the lamp to `wo`, with the cosine of `wo`.
+    /// Scattering of light of a path from the emitter to `wo`, with the cosine of `wo`.
     pub fn passed_on(&self, wo: Vec3) -> Spectrum {
         let Local { frame, wo: local } = self.local(wo);
         let wi = frame.to_local(self.back);
@@ -96,9 +96,9 @@ impl Vertex {
         self.bsdf.eval(wi, local, Transport::Importance) * self.correction([wi, local], wo)
     }
 
-    /// The factor for shading normals of light that goes from the lamp to `wo`.
+    /// The factor for shading normals of light that goes from the emitter to `wo`.
     ///
-    /// * `local`: directions to the lamp and to the camera in the frame
+    /// * `local`: directions to the light and to the camera in the frame
     pub fn correction(&self, [wi, local]: [Vec3; 2], wo: Vec3) -> f32 {
         let factor = wi.z.abs() * self.cosine(wo) / (self.cosine(self.back) * local.z.abs());
         if factor.is_finite() { factor } else { 0.0 }

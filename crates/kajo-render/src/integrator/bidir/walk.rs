@@ -1,4 +1,4 @@
-//! One path while it grows, from the lamp or from the camera.
+//! One path while it grows, from the light or from the camera.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::RayOffset;

@@ -62,7 +62,7 @@ fn check(scene: &Scene, settings: PathSettings, paths: u32, expected: f64) {
     }
 }
 
-const TECHNIQUES: [Technique; 3] = [Technique::Combined, Technique::Lamps, Technique::Scattering];
+const TECHNIQUES: [Technique; 3] = [Technique::Combined, Technique::Lights, Technique::Scattering];
 
 #[test]
 fn a_glowing_room_is_as_bright_as_its_series() {
@@ -91,13 +91,13 @@ fn a_glowing_room_is_as_bright_as_its_series() {
 }
 
 #[test]
-fn a_square_lamp_lights_a_floor_as_lambert_says() {
+fn a_square_light_lights_a_floor_as_lambert_says() {
     let view = camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0]);
     let text = format!(
         "{view} Materials {{ Material floor {{ diffuseColor 0.7 0.7 0.7 }}
-                             Material lamp {{ diffuseColor 0 0 0  emission 3 3 3 emits front }} }}
+                             Material emitter {{ diffuseColor 0 0 0  emission 3 3 3 emits front }} }}
          Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
-                  MaterialIndex lamp Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}"
+                  MaterialIndex emitter Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}"
     );
     let expected = 0.7 / std::f64::consts::PI * 3.0 * 0.752_275;
     for technique in TECHNIQUES {
@@ -113,23 +113,23 @@ fn a_square_lamp_lights_a_floor_as_lambert_says() {
     ];
     let expected_of_half =
         0.7 / std::f64::consts::PI * 3.0 * polygon_irradiance(DVec3::ZERO, DVec3::Y, &half).abs();
-    let even = "Material lamp { diffuseColor 0 0 0  emission 3 3 3 emits front }";
-    let half_of = |lamp: &str| text.replace(even, lamp);
-    for lamp in [
-        "Matte lamp { color 0 0 0  emission half.pfm { filter nearest  light 3 } emits front }",
-        "Matte lamp { color 0 0 0  emission 3  emits front  opacity half.pfm { filter nearest } }",
+    let even = "Material emitter { diffuseColor 0 0 0  emission 3 3 3 emits front }";
+    let half_of = |emitter: &str| text.replace(even, emitter);
+    for emitter in [
+        "Matte emitter { color 0 0 0  emission half.pfm { filter nearest  light 3 } emits front }",
+        "Matte emitter { color 0 0 0  emission 3  emits front  opacity half.pfm { filter nearest } }",
         "Matte off { color 0 0 0 } Matte on { color 0 0 0  emission 3  emits front }
-         Checkerboard lamp { Transform { Translate 0 0.5 0.5 Scale 1 0.1 0.1 } materialIndex on materialIndex off }",
+         Checkerboard emitter { Transform { Translate 0 0.5 0.5 Scale 1 0.1 0.1 } materialIndex on materialIndex off }",
     ] {
         for technique in TECHNIQUES {
             let settings = PathSettings { bounces: 1, technique, ..PathSettings::default() };
-            check(&scene(&half_of(lamp)), settings, 8000, expected_of_half);
+            check(&scene(&half_of(emitter)), settings, 8000, expected_of_half);
         }
     }
     // Its back gives no light.
     let dark = text.replace("emits front", "emits back");
     assert_eq!(mean(&scene(&dark), PathSettings::default(), 50, 0).mean, 0.0);
-    // With direct light alone the lamp and the light it casts are there.
+    // With direct light alone the emitter and the light it casts are there.
     let settings = PathSettings { only_mirrors: true, ..PathSettings::default() };
     check(&scene(&text), settings, 2000, expected);
 }
@@ -138,9 +138,9 @@ fn a_square_lamp_lights_a_floor_as_lambert_says() {
 fn mirrors_before_the_first_surface_may_be_free() {
     let text = format!(
         "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }}  Glass pane {{ indexOfRefraction 1 }}
-                         Matte lamp {{ color 0 0 0  emission 3  emits front }} }}
+                         Matte emitter {{ color 0 0 0  emission 3  emits front }} }}
          Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
-                  MaterialIndex lamp Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }}
+                  MaterialIndex emitter Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }}
                   MaterialIndex pane Quad {{ corner -1 0.01 1 edge1 2 0 0 edge2 0 0.8 0 }}
                   Quad {{ corner -1 0.01 1.2 edge1 2 0 0 edge2 0 0.8 0 }} }}",
         camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0])
@@ -159,9 +159,9 @@ fn holes_do_not_glow() {
     let text = |opacity: f32| {
         format!(
             "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }}
-                 Matte lamp {{ color 0 0 0  emission 3  emits front  opacity {opacity} }} }}
+                 Matte emitter {{ color 0 0 0  emission 3  emits front  opacity {opacity} }} }}
              Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
-                      MaterialIndex lamp Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}",
+                      MaterialIndex emitter Quad {{ corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }} }}",
             camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0])
         )
     };
@@ -181,7 +181,7 @@ fn holes_do_not_glow() {
 }
 
 #[test]
-fn a_point_lamp_in_a_white_ball_lights_it_evenly() {
+fn a_point_light_in_a_white_ball_lights_it_evenly() {
     // Direct light and what all bounces add: I (cos/d^2 + rho/(1-rho)/R^2) rho/pi.
     let view = camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0]);
     let text = format!(
@@ -244,10 +244,10 @@ fn nested_bodies_of_one_index_are_one_body() {
 }
 
 /// A floor of albedo 0.6 lit from above through a black screen, seen from the side below the screen.
-fn below_a_screen(lamp: &str, screen: &str) -> Scene {
+fn below_a_screen(emitter: &str, screen: &str) -> Scene {
     scene(&format!(
         "{} {} Materials {{
-           Matte floor {{ color 0.6 0.6 0.6 }}  Material lamp {{ diffuseColor 0 0 0  emission 3 3 3 }}
+           Matte floor {{ color 0.6 0.6 0.6 }}  Material emitter {{ diffuseColor 0 0 0  emission 3 3 3 }}
            Matte solid {{ color 0 0 0 }}  Matte none {{ color 0 0 0  opacity 0 }}  Glass glass {{ }}
            {screen}
          }}
@@ -256,8 +256,8 @@ fn below_a_screen(lamp: &str, screen: &str) -> Scene {
            MaterialIndex screen Quad {{ corner -9 1 -9  edge1 18 0 0  edge2 0 0 18 }}
            {} }}",
         camera([3.0, 0.5, 0.0], [0.0, 0.0, 0.0]),
-        if lamp.starts_with("Point") { format!("Lights {{ {lamp} }}") } else { String::new() },
-        if lamp.starts_with("Point") { String::new() } else { format!("MaterialIndex lamp {lamp}") },
+        if emitter.starts_with("Point") { format!("Lights {{ {emitter} }}") } else { String::new() },
+        if emitter.starts_with("Point") { String::new() } else { format!("MaterialIndex emitter {emitter}") },
     ))
 }
 
@@ -274,8 +274,8 @@ fn light_comes_through_holes_in_proportion() {
         let expected = passes * 0.6 / std::f64::consts::PI * 5.0 / 4.0;
         check(&text, PathSettings::default(), 400, expected);
         // A square of unit area one above: Lambert's formula.
-        let lamp = "Quad { corner -0.5 2 -0.5  edge1 1 0 0  edge2 0 0 1 }";
-        let text = below_a_screen(lamp, screen);
+        let emitter = "Quad { corner -0.5 2 -0.5  edge1 1 0 0  edge2 0 0 1 }";
+        let text = below_a_screen(emitter, screen);
         let expected = passes * 0.6 / std::f64::consts::PI * 3.0 * 0.230_837;
         for technique in TECHNIQUES {
             let settings = PathSettings { technique, bounces: 1, ..PathSettings::default() };
@@ -309,8 +309,8 @@ fn pane_share(cos: f64, depth: f64) -> f64 {
 }
 
 #[test]
-fn lamps_shine_through_panes() {
-    // What stands above the floor and is between it and the lamps, and what it lets pass at a cosine.
+fn lights_shine_through_panes() {
+    // What stands above the floor and is between it and the lights, and what it lets pass at a cosine.
     type Passes = fn(f64) -> f64;
     let panes: [(&str, Passes); 5] = [
         ("Glass pane { thin on }", |cos| pane_share(cos, 0.0)),
@@ -327,21 +327,21 @@ fn lamps_shine_through_panes() {
         ),
     ];
     for (pane, passes) in panes {
-        let text = |lamp: &str| {
+        let text = |emitter: &str| {
             format!(
                 "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }} {pane} Matte glow {{ color 0 0 0  emission 3  emits front }} }}
                  Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
-                          MaterialIndex pane Quad {{ corner -9 0.6 -9 edge1 0 0 18 edge2 18 0 0 }} {lamp} }}",
+                          MaterialIndex pane Quad {{ corner -9 0.6 -9 edge1 0 0 18 edge2 18 0 0 }} {emitter} }}",
                 camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0])
             )
         };
-        // A point lamp at (0.6, 1, 0): I/d^2 cos rho/pi of the share.
+        // A point light at (0.6, 1, 0): I/d^2 cos rho/pi of the share.
         let point = text("")
             .replace("Materials", "Lights { PointLight { position 0.6 1 0  intensity 3 3 3 } } Materials");
         let cos = 1.0 / 1.36f64.sqrt();
         let expected = 0.7 / std::f64::consts::PI * 3.0 * cos.powi(3) * passes(cos);
         check(&scene(&point), PathSettings { bounces: 1, ..PathSettings::default() }, 200, expected);
-        // A square lamp, piece by piece.
+        // A square light, piece by piece.
         let square = text("MaterialIndex glow Quad { corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }");
         let n = 200;
         let middle = |i: i32| (f64::from(i) + 0.5) / f64::from(n) - 0.5;
@@ -383,7 +383,7 @@ fn a_mixture_is_as_bright_as_its_parts_in_their_shares() {
 }
 
 #[test]
-fn light_is_absorbed_on_its_way_from_a_lamp_and_to_the_camera() {
+fn light_is_absorbed_on_its_way_from_a_light_and_to_the_camera() {
     // Everything is inside of a body that bends nothing: rho/pi I/h^2 exp(-a (h + d)).
     let view = camera([0.0, 0.5, 0.5], [0.0, 0.0, 0.0]);
     let text = format!(
@@ -396,13 +396,13 @@ fn light_is_absorbed_on_its_way_from_a_lamp_and_to_the_camera() {
     let expected = 0.7 / std::f64::consts::PI * 3.0 * (-0.8 * (1.0 + 0.5f64.sqrt())).exp();
     let settings = PathSettings { bounces: 1, ..PathSettings::default() };
     check(&scene(&text), settings, 10, expected);
-    // A lamp with a surface is found in two ways, which must agree about the murk.
+    // A light with a surface is found in two ways, which must agree about the murk.
     let lit = text.replace("PointLight { position 0 1 0  intensity 3 3 3 }", "").replace(
         "MaterialIndex floor",
-        "MaterialIndex lamp Quad { corner -1 1 -1 edge1 2 0 0 edge2 0 0 2 } MaterialIndex floor",
+        "MaterialIndex emitter Quad { corner -1 1 -1 edge1 2 0 0 edge2 0 0 2 } MaterialIndex floor",
     );
-    let lit = lit.replace("Matte floor", "Material lamp { emission 3 3 3 } Matte floor");
-    let drawn = PathSettings { technique: Technique::Lamps, ..settings };
+    let lit = lit.replace("Matte floor", "Material emitter { emission 3 3 3 } Matte floor");
+    let drawn = PathSettings { technique: Technique::Lights, ..settings };
     let drawn = mean(&scene(&lit), drawn, 4000, 0);
     for technique in [Technique::Combined, Technique::Scattering] {
         check(&scene(&lit), PathSettings { technique, ..settings }, 8000, drawn.mean);
@@ -410,15 +410,15 @@ fn light_is_absorbed_on_its_way_from_a_lamp_and_to_the_camera() {
 }
 
 #[test]
-fn a_hidden_boundary_before_a_lamp_takes_nothing_away() {
+fn a_hidden_boundary_before_a_light_takes_nothing_away() {
     // The ball of lower priority is not there; shadow rays do not know that, so chance must count in full.
     let view = camera([0.0, 0.5, 0.5], [0.0, 0.0, 0.0]);
     let text = |ball: &str| {
         format!(
             "{view} Materials {{ Glass air {{ indexOfRefraction 1  priority 1 }}  Glass ball {{ }}
-                          Matte floor {{ color 0.7 0.7 0.7  roughness 0 }}  Material lamp {{ emission 3 3 3 }} }}
+                          Matte floor {{ color 0.7 0.7 0.7  roughness 0 }}  Material emitter {{ emission 3 3 3 }} }}
              Group {{ MaterialIndex air Box {{ min -5 -5 -5 max 5 5 5 }}
-                      MaterialIndex lamp Quad {{ corner -1 1 -1 edge1 2 0 0 edge2 0 0 2 }} {ball}
+                      MaterialIndex emitter Quad {{ corner -1 1 -1 edge1 2 0 0 edge2 0 0 2 }} {ball}
                       MaterialIndex floor Quad {{ corner -2 0 -2 edge1 0 0 4 edge2 4 0 0 }} }}"
         )
     };

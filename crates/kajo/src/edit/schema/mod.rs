@@ -90,7 +90,7 @@ pub enum FieldKind {
     Color,
     /// Linear red, green and blue; or a file or `spectrum` with its numbers.
     Reflectance,
-    /// Linear red, green and blue, one number for white, or a lamp's name with its factor.
+    /// Linear red, green and blue, one number for white, or a light's name with its factor.
     Emission,
     /// `on` or `off`.
     Flag,

@@ -141,10 +141,10 @@ fn every_word_that_begins_a_block_is_in_the_tables() {
 /// A folder with a luminaire and a mesh.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let lamp = "TILT=NONE\n1 -1 1  2 3 1 2  0 0 0\n1 1 60\n0 180\n0 90 180\n100 100\n200 200\n300 300\n";
+    let light = "TILT=NONE\n1 -1 1  2 3 1 2  0 0 0\n1 1 60\n0 180\n0 90 180\n100 100\n200 200\n300 300\n";
     let normals = "vn 1 0 0\nvn 0 1 0\nvn 0 0.6 0.8\n";
     let mesh = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n{normals}f 1//1 2//2 3//3\nf 1//2 3//3 4//1\n");
-    std::fs::write(folder.path().join("lamp.ies"), lamp).unwrap();
+    std::fs::write(folder.path().join("luminaire.ies"), light).unwrap();
     std::fs::write(folder.path().join("two.obj"), mesh).unwrap();
     folder
 }
@@ -232,7 +232,7 @@ fn variants(block: &Block) -> Vec<String> {
     };
     let mut bodies: Vec<String> = more.iter().map(|more| format!("{} {more}", needed(block))).collect();
     match block.keyword {
-        "PointLight" => bodies.push("position 0 1 0  ies lamp.ies".to_owned()),
+        "PointLight" => bodies.push("position 0 1 0  ies luminaire.ies".to_owned()),
         "TriangleMesh" => return bodies,
         _ => {}
     }

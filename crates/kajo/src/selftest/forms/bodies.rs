@@ -1,4 +1,4 @@
-//! Where mirrors and lenses send rays: a lamp with a straight edge stands where the rays arrive, and the share of the
+//! Where mirrors and lenses send rays: a light with a straight edge stands where the rays arrive, and the share of the
 //! picture that is lit tells on which side of the edge they pass.
 //!
 //! *Mirror.* A ray at height `h` over the axis of a spherical mirror of radius `R` crosses the axis at
@@ -33,17 +33,17 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms
 }
 
-/// Materials of this file. The lamp has an ambient colour for the classic integrator, to which nothing glows.
+/// Materials of this file. The light has an ambient colour for the classic integrator, to which nothing glows.
 fn materials(body: &str) -> String {
     format!(
         "Background {{ color 0 0 0 }}\nMaterials {{\n  Material body {{ diffuseColor 0 0 0  {body} }}\n  \
-         Material lamp {{ diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 }}\n}}\n"
+         Material emitter {{ diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 }}\n}}\n"
     )
 }
 
-/// A lamp in the plane x = 0 that begins at `edge` and goes on along z.
-fn lamp_behind(edge: f64) -> String {
-    format!("MaterialIndex lamp Quad {{ corner 0 -1 {edge}  edge1 0 2 0  edge2 0 0 20 }}")
+/// A light in the plane x = 0 that begins at `edge` and goes on along z.
+fn light_behind(edge: f64) -> String {
+    format!("MaterialIndex emitter Quad {{ corner 0 -1 {edge}  edge1 0 2 0  edge2 0 0 20 }}")
 }
 
 /// The share of the square `[-1, 1]^2` in which `place` lies beyond `edge`.
@@ -86,11 +86,11 @@ fn mirror(draw: &mut Parameters) -> Form {
         p.z - p.x * back.z / back.x
     };
     let edge = place(draw.between(-0.5, 0.5), 0.0);
-    // The lamp is within the mirror.
+    // The light is within the mirror.
     let scene = format!(
         "PerspectiveCamera {{ center {h} 0 0  direction 0 0 1  up 0 1 0  angle {} }}\n{}\
          Group {{ MaterialIndex body Sphere {{ center 0 0 0  radius 1 }}\n\
-         MaterialIndex lamp Quad {{ corner 0 -0.1 {edge}  edge1 0 0.2 0  edge2 0 0 0.2 }} }}",
+         MaterialIndex emitter Quad {{ corner 0 -0.1 {edge}  edge1 0 0.2 0  edge2 0 0 0.2 }} }}",
         2.0 * HALF_ANGLE,
         materials("reflectiveColor 1 1 1")
     );
@@ -118,7 +118,7 @@ fn ball(draw: &mut Parameters) -> Form {
          Group {{ MaterialIndex body Sphere {{ center 0 0 0  radius 1 }} {} }}",
         2.0 * HALF,
         materials(&format!("transparentColor 1 1 1  indexOfRefraction {n}")),
-        lamp_behind(edge)
+        light_behind(edge)
     );
     let name = format!("focus of a ball of index {n}, rays at height {h}");
     Form::new(name, scene, share(edge, place), MIRRORS).bounces(2).size(GRID).rounding(EDGE_ROUNDING)
@@ -173,7 +173,7 @@ const PRISM: &str = "v 1 -5 0\nv -0.5 -5 -0.8660254\nv -0.5 -5 0.8660254\n\
     f 1 3 2\nf 4 5 6\nf 1 5 4\nf 1 2 5\nf 1 6 3\nf 1 4 6\nf 2 6 5\nf 2 3 6\n";
 
 fn least_turn(draw: &mut Parameters, prism: &Prism) -> Form {
-    /// The lamp is so far away that 0.002 degrees are a thirtieth of the beam.
+    /// The light is so far away that 0.002 degrees are a thirtieth of the beam.
     const FAR: f64 = 100.0;
     const BEAM: f64 = 0.1;
     let Prism { glass, line, nm, degrees } = *prism;
@@ -189,7 +189,7 @@ fn least_turn(draw: &mut Parameters, prism: &Prism) -> Form {
     let scene = format!(
         "OrthographicCamera {{ center {}  direction {}  up 0 1 0  size {BEAM} }}\n{}\
          Group {{ MaterialIndex body TriangleMesh {{ file prism.obj }}\n\
-         MaterialIndex lamp Quad {{ corner {}  edge1 0 10 0  edge2 {} }} }}",
+         MaterialIndex emitter Quad {{ corner {}  edge1 0 10 0  edge2 {} }} }}",
         text(enters - 2.0 * towards),
         text(towards),
         materials(&format!("transparentColor 1 1 1  indexOfRefraction {index}")),

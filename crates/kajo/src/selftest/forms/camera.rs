@@ -1,7 +1,7 @@
 //! How a lens blurs.
 //!
 //! A thin lens of diameter `A` in focus at distance `s` spreads a point of the picture over a disk of diameter
-//! `A |z - s| / s` at distance `z`. Of an even lamp behind a straight edge, the pixel whose middle lies `t` radii of
+//! `A |z - s| / s` at distance `z`. Of an even light behind a straight edge, the pixel whose middle lies `t` radii of
 //! that disk inside of the edge sees the share
 //!
 //! ```text
@@ -30,8 +30,8 @@ fn blurred(draw: &mut Parameters, nearer: bool, parallel: bool) -> Form {
     let scene = format!(
         "{kind} {{ center 0 0 0  direction 0 0 -1  up 0 1 0  {extent}  aperture {aperture}  focus {focus} }}\n\
          Background {{ color 0 0 0 }}\n\
-         Materials {{ Material lamp {{ diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 }} }}\n\
-         Group {{ MaterialIndex lamp Quad {{ corner {} -9 -{z}  edge1 9 0 0  edge2 0 18 0 }} }}",
+         Materials {{ Material emitter {{ diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 }} }}\n\
+         Group {{ MaterialIndex emitter Quad {{ corner {} -9 -{z}  edge1 9 0 0  edge2 0 18 0 }} }}",
         -t * radius
     );
     let expected = 0.5 + (t.asin() + t * (1.0 - t * t).sqrt()) / PI;

@@ -14,11 +14,11 @@ use std::f64::consts::PI;
 
 use kajo_math::DVec3;
 
-use super::lamps::SKIES;
+use super::lights::SKIES;
 use super::polygon::irradiance;
-use super::{Form, Parameters, floor_and_lamp, spot_meter, text};
+use super::{Form, Parameters, floor_and_light, spot_meter, text};
 use crate::selftest::method::{
-    BIDIRECTIONAL, GLASS, LAMPS, MIRRORS, Method, PATH, PATH_SCATTERING, PATH_SPECTRAL, SMALL_LAMPS,
+    BIDIRECTIONAL, GLASS, LIGHTS, MIRRORS, Method, PATH, PATH_SCATTERING, PATH_SPECTRAL, SMALL_LIGHTS,
 };
 
 /// What follows paths through holes, bidirectional light included.
@@ -170,14 +170,14 @@ fn light(draw: &mut Parameters, shape: &str) -> Form {
     let (place, rho, le) = (Place::draw(draw), draw.between(0.3, 0.9), draw.between(0.5, 4.0));
     // Near or far, by the logarithm.
     let height = 10f64.powf(draw.between(-0.3, 2.0));
-    let methods = if height < 4.0 { LAMPS } else { SMALL_LAMPS };
+    let methods = if height < 4.0 { LIGHTS } else { SMALL_LIGHTS };
     let floor = place.at([0.0, height, 0.0]);
     let (thing, file) = place.shape(shape);
     let n = -place.axes[1];
     let scene = format!(
-        "{}{}Group {{\n  MaterialIndex floor Disk {{ center {}  normal {}  radius {} }}\n  MaterialIndex lamp {thing}\n}}",
+        "{}{}Group {{\n  MaterialIndex floor Disk {{ center {}  normal {}  radius {} }}\n  MaterialIndex emitter {thing}\n}}",
         spot_meter(floor + place.at([0.01, -0.02, 0.0]), floor),
-        floor_and_lamp(rho, le),
+        floor_and_light(rho, le),
         text(floor),
         text(n),
         0.001 * place.scale as f32,

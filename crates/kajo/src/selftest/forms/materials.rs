@@ -19,13 +19,13 @@
 use kajo_math::DVec3;
 
 use super::{Form, Parameters, spot_meter, text};
-use crate::selftest::method::{DIRECT, Method, PATH, PATH_LAMPS, PATH_SCATTERING, PATH_SPECTRAL};
+use crate::selftest::method::{DIRECT, Method, PATH, PATH_LIGHTS, PATH_SCATTERING, PATH_SPECTRAL};
 
-/// What follows glass, and lamps behind it that are met.
+/// What follows glass, and lights behind it that are met.
 const CLEAR: &[Method] = &[PATH, PATH_SPECTRAL, DIRECT];
 
 /// What follows light through a world of surfaces.
-const FURNACE: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL];
+const FURNACE: &[Method] = &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL];
 
 /// Error of tabulated energies.
 const OF_TABLES: f64 = 3e-3;
@@ -50,10 +50,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         ("a clear pane", "Glass m { thin on }".to_owned()),
         ("a frosted pane", format!("Glass m {{ thin on  roughness {roughness} }}")),
         ("plastic", format!("Principled m {{ color 1 1 1  roughness {roughness} }}")),
-        (
-            "varnish",
-            format!("Principled m {{ color 1 1 1  roughness {roughness}  coat 1  coatRoughness 0.3 }}"),
-        ),
+        ("coat", format!("Principled m {{ color 1 1 1  roughness {roughness}  coat 1  coatRoughness 0.3 }}")),
         ("velvet", format!("Principled m {{ color 1 1 1  roughness {roughness}  fuzz 1 }}")),
         ("gauze", "Matte m { color 1 1 1  opacity 0.4 }".to_owned()),
     ] {
@@ -69,7 +66,7 @@ fn fresnel(cos: f64, n: f64) -> (f64, f64) {
     (0.5 * (s * s + p * p), inside)
 }
 
-/// A pane at the origin across the y axis, with a lamp behind it or where it mirrors to.
+/// A pane at the origin across the y axis, with a light behind it or where it mirrors to.
 fn pane(draw: &mut Parameters, is_block: bool, reflected: bool) -> Form {
     let (n, sigma, le) = (draw.between(1.2, 2.0), draw.between(0.0, 20.0), draw.between(0.5, 4.0));
     let (thickness, degrees) = (0.02, draw.between(30.0, 65.0));
@@ -85,7 +82,7 @@ fn pane(draw: &mut Parameters, is_block: bool, reflected: bool) -> Form {
         let quad = "Quad { corner -40 0 -40  edge1 0 0 80  edge2 80 0 0 }".to_owned();
         (format!("{glass} thickness {thickness} }}"), quad)
     };
-    let lamp = if reflected {
+    let light = if reflected {
         // Across the mirrored ray, beside the one from the camera.
         let (middle, across) = (3.0 * DVec3::new(-sin, cos, 0.0), DVec3::new(cos, sin, 0.0));
         let corner = middle - across - DVec3::Z;
@@ -94,8 +91,8 @@ fn pane(draw: &mut Parameters, is_block: bool, reflected: bool) -> Form {
         "Quad { corner -90 -1 -90  edge1 0 0 180  edge2 180 0 0 }".to_owned()
     };
     let scene = format!(
-        "{}Materials {{ {glass}\nMaterial lamp {{ diffuseColor 0 0 0  emission {le} {le} {le} }} }}\n\
-         Group {{ MaterialIndex glass {object}\nMaterialIndex lamp {lamp} }}",
+        "{}Materials {{ {glass}\nMaterial light {{ diffuseColor 0 0 0  emission {le} {le} {le} }} }}\n\
+         Group {{ MaterialIndex glass {object}\nMaterialIndex light {light} }}",
         spot_meter(3.0 * DVec3::new(sin, cos, 0.0), DVec3::ZERO)
     );
     let (kind, way) =
@@ -114,8 +111,8 @@ fn before_a_wall(
 ) -> (String, f64) {
     let le = draw.between(0.5, 4.0);
     let scene = format!(
-        "{view}Materials {{ {materials}\nMaterial lamp {{ diffuseColor 0 0 0  emission {le} {le} {le} }} }}\n\
-         Group {{ {objects}\nMaterialIndex lamp Quad {{ corner -90 -90 -30  edge1 180 0 0  edge2 0 180 0 }} }}"
+        "{view}Materials {{ {materials}\nMaterial light {{ diffuseColor 0 0 0  emission {le} {le} {le} }} }}\n\
+         Group {{ {objects}\nMaterialIndex light Quad {{ corner -90 -90 -30  edge1 180 0 0  edge2 0 180 0 }} }}"
     );
     (scene, le * share)
 }

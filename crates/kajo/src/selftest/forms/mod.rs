@@ -5,7 +5,7 @@ mod camera;
 mod caustic;
 mod flat;
 mod glass;
-mod lamps;
+mod lights;
 mod materials;
 mod motion;
 mod polygon;
@@ -122,7 +122,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
     let makers: [(&str, Maker); 12] = [
         ("rooms", rooms::forms),
-        ("lamps", lamps::forms),
+        ("lights", lights::forms),
         ("bodies", bodies::forms),
         ("polygons", polygon::forms),
         ("glass", glass::forms),
@@ -160,12 +160,12 @@ fn spot_meter(from: DVec3, to: DVec3) -> String {
     )
 }
 
-/// Materials of a matt surface of albedo `floor` and of a lamp of radiance `le`.
-fn floor_and_lamp(floor: f64, le: f64) -> String {
+/// Materials of a matt surface of albedo `floor` and of a light of radiance `le`.
+fn floor_and_light(floor: f64, le: f64) -> String {
     format!(
         "Materials {{\n  Material floor {{ diffuseColor {floor} {floor} {floor} }}\n  \
          Material black {{ diffuseColor 0 0 0 }}\n  \
-         Material lamp {{ diffuseColor 0 0 0  emission {le} {le} {le} }}\n}}\n"
+         Material emitter {{ diffuseColor 0 0 0  emission {le} {le} {le} }}\n}}\n"
     )
 }
 

@@ -12,23 +12,24 @@
 //! Shares of time are measured with independent moments: strata that a moment's edges happen to match
 //! would agree with each other by chance and say nothing of their error.
 //!
-//! *Lamps* light a floor by the mean over time of the closed forms for lamps at rest, by quadrature.
+//! *Emitters* light a floor by the mean over time of the closed forms for emitters at rest, by quadrature.
 
 use std::f64::consts::{PI, TAU};
 
 use kajo_math::{DMat3, DVec3};
 
-use super::lamps::lit;
+use super::lights::lit;
 use super::polygon::irradiance;
 use super::quadrature::simpson;
 use super::{Form, Parameters, spot_meter, text, triangle};
-use crate::selftest::method::{CLASSIC, DIRECT, LAMPS, Method, PATH};
+use crate::selftest::method::{CLASSIC, DIRECT, LIGHTS, Method, PATH};
 
 /// What draws moments: everything.
 const MOMENTS: &[Method] = &[PATH, DIRECT, CLASSIC];
 
-/// A lamp that is seen, not what it lights.
-const GLOW: &str = "Materials { Material lamp { diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 } }\n";
+/// An emitter that is seen, not what it lights.
+const GLOW: &str =
+    "Materials { Material emitter { diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 } }\n";
 
 /// A full turn around the z axis.
 const SPIN: &str = "Motion { key 0 { }  key 0.333333333 { ZRotate 120 }  key 0.666666667 { ZRotate 240 }  key 1 { ZRotate 360 } }";
@@ -46,7 +47,7 @@ fn bar(draw: &mut Parameters, [w, d, start]: [f64; 3]) -> Form {
     let keys = [start - 0.5 * d, start + 1.5 * d];
     let meter = spot_meter(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO).replacen('{', "{ shutter 1 3 ", 1);
     let scene = format!(
-        "{meter}{GLOW}Group {{ MaterialIndex lamp Transform {{ ZRotate {}\n  \
+        "{meter}{GLOW}Group {{ MaterialIndex emitter Transform {{ ZRotate {}\n  \
          Motion {{ key 0 {{ Translate {} 0 0 }}  key 4 {{ Translate {} 0 0 }} }}\n  \
          Quad {{ corner 0 -1 0  edge1 {w} 0 0  edge2 0 2 0 }} }} }}",
         draw.between(0.0, 360.0),
@@ -90,7 +91,7 @@ fn sector(draw: &mut Parameters, together: bool) -> Form {
     let meter = spot_meter(DVec3::new(0.0, 0.0, 5.0), seen).replacen('{', &format!("{{ {along} "), 1);
     let blade = [DVec3::ZERO, DVec3::new(2.0 * cos, -2.0 * sin, 0.0), DVec3::new(2.0 * cos, 2.0 * sin, 0.0)];
     let scene = format!(
-        "{meter}{GLOW}Group {{ MaterialIndex lamp Transform {{ {along} {SPIN} {} }} }}",
+        "{meter}{GLOW}Group {{ MaterialIndex emitter Transform {{ {along} {SPIN} {} }} }}",
         triangle(blade)
     );
     let name = format!("spinning sector of {angle} rad{}", if together { ", camera goes along" } else { "" });
@@ -106,7 +107,7 @@ fn pan(draw: &mut Parameters, by_camera: bool) -> Form {
         if by_camera { (turn(-angle), String::new()) } else { (String::new(), turn(angle)) };
     let meter = spot_meter(DVec3::ZERO, DVec3::NEG_Z).replacen('{', &format!("{{ {camera} "), 1);
     let scene = format!(
-        "{meter}{GLOW}Group {{ MaterialIndex lamp Transform {{ {world}\n  \
+        "{meter}{GLOW}Group {{ MaterialIndex emitter Transform {{ {world}\n  \
          Quad {{ corner {} -9 -4  edge1 9 0 0  edge2 0 18 0 }} }} }}",
         4.0 * edge.to_radians().tan()
     );
@@ -145,39 +146,39 @@ fn moving_sphere(draw: &mut Parameters) -> Form {
     let (r, n) = (draw.between(0.2, 0.4), draw.direction(-1.0));
     let across = n.any_orthonormal_vector();
     let ends = [-1.5, 1.5].map(|x| (0.5 + draw.between(0.0, 1.0)) * n + draw.between(0.5, 1.0) * x * across);
-    let lamp = format!(
+    let emitter = format!(
         "Transform {{ Motion {{ key 0 {{ Translate {} }}  key 1 {{ Translate {} }} }}\n  \
          Sphere {{ center 0 0 0  radius {r} }} }}",
         text(ends[0]),
         text(ends[1])
     );
-    let (scene, factor) = lit(draw, &lamp, n);
+    let (scene, factor) = lit(draw, &emitter, n);
     let irradiance = |t: f64| {
         let c = ends[0].lerp(ends[1], t);
         PI * r * r * c.dot(n) / c.length().powi(3)
     };
     let expected = factor * simpson(0.0, 1.0, 500, irradiance);
-    Form::new(format!("moving sphere, radius {r}"), scene, expected, LAMPS).bounces(0)
+    Form::new(format!("moving sphere, radius {r}"), scene, expected, LIGHTS).bounces(0)
 }
 
 fn growing_disk(draw: &mut Parameters) -> Form {
     let n = draw.direction(-1.0);
     let (h, r) = ([0, 1].map(|_| draw.between(0.8, 2.0)), [0, 1].map(|_| draw.between(0.3, 1.2)));
     let key = |t: usize| format!("key {t} {{ Translate {}  UniformScale {} }}", text(h[t] * n), r[t]);
-    let lamp = format!(
+    let emitter = format!(
         "Transform {{ Motion {{ {}  {} }}\n  Disk {{ center 0 0 0  normal {}  radius 1 }} }}",
         key(0),
         key(1),
         text(-n)
     );
-    let (scene, factor) = lit(draw, &lamp, n);
+    let (scene, factor) = lit(draw, &emitter, n);
     let at = |ends: [f64; 2], t: f64| ends[0] + t * (ends[1] - ends[0]);
     let irradiance = |t: f64| {
         let (r2, h2) = (at(r, t).powi(2), at(h, t).powi(2));
         PI * r2 / (r2 + h2)
     };
     let expected = factor * simpson(0.0, 1.0, 200, irradiance);
-    Form::new(format!("growing disk, radius {} to {}", r[0], r[1]), scene, expected, LAMPS).bounces(0)
+    Form::new(format!("growing disk, radius {} to {}", r[0], r[1]), scene, expected, LIGHTS).bounces(0)
 }
 
 fn turning_triangle(draw: &mut Parameters) -> Form {
@@ -186,17 +187,17 @@ fn turning_triangle(draw: &mut Parameters) -> Form {
     let [axis, across] = [draw.direction(-1.0), draw.direction(-1.0)];
     let (u, v) = (across.any_orthonormal_vector(), across.cross(across.any_orthonormal_vector()));
     let corners = [u, -0.5 * u + 0.8 * v, -0.4 * u - 0.9 * v].map(|corner| 0.7 * corner);
-    let lamp = format!(
+    let emitter = format!(
         "Transform {{ Translate {}  Motion {{ key 0 {{ }}  key 1 {{ Rotate {} {angle} }} }}\n  {} }}",
         text(centre),
         text(axis),
         triangle(corners)
     );
-    let (scene, factor) = lit(draw, &lamp, n);
+    let (scene, factor) = lit(draw, &emitter, n);
     let seen = |t: f64| {
         let turned = DMat3::from_axis_angle(axis, t * angle.to_radians());
         irradiance(&corners.map(|corner| centre + turned * corner), n)
     };
     let expected = factor * simpson(0.0, 1.0, 2000, seen);
-    Form::new(format!("triangle turning by {angle} degrees"), scene, expected, LAMPS).bounces(0)
+    Form::new(format!("triangle turning by {angle} degrees"), scene, expected, LIGHTS).bounces(0)
 }

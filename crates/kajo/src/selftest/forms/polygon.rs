@@ -9,15 +9,15 @@
 //!
 //! with `Theta_i` the angle between the two corners, once the part below the horizon has been cut off. What an
 //! opaque half-plane hides is cut off in the same way, by the plane through its edge and the point. A floor of albedo
-//! `rho` has the radiance `rho E / pi`. A lamp that is not the same all over, behind a picture, with holes, in stripes,
+//! `rho` has the radiance `rho E / pi`. A light that is not the same all over, behind a picture, with holes, in stripes,
 //! is the sum of its parts. Ambient occlusion is `1 - E / pi` for the polygon as what hides the sky.
 
 use std::f64::consts::{PI, TAU};
 
 use kajo_math::DVec3;
 
-use super::{Form, Parameters, floor, floor_and_lamp, spot_meter, text, triangle};
-use crate::selftest::method::{LAMPS, OCCLUSION, PATH};
+use super::{Form, Parameters, floor, floor_and_light, spot_meter, text, triangle};
+use crate::selftest::method::{LIGHTS, OCCLUSION, PATH};
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = vec![above(draw), setting(draw), half_hidden(draw), hides_the_sky(draw)];
@@ -27,7 +27,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms
 }
 
-/// A lamp each of whose quarters gives another light, by a picture that it shines through or one of its holes.
+/// An emitter each of whose quarters gives another light, by a picture that it shines through or one of its holes.
 fn painted(draw: &mut Parameters, by: &str) -> Form {
     let centre = draw.between(1.0, 2.0) * (DVec3::Y + 0.4 * draw.direction(-1.0));
     let (a, b) = (draw.between(0.5, 1.0) * DVec3::new(1.0, 0.3, 0.1), draw.between(0.5, 1.0) * DVec3::Z);
@@ -41,19 +41,19 @@ fn painted(draw: &mut Parameters, by: &str) -> Form {
         shares[i as usize] as f64 / 255.0 * irradiance(&quarter, DVec3::Y)
     });
     let expected = rho / PI * le * light.sum::<f64>();
-    let lamp = match by {
+    let emitter = match by {
         "a picture" => format!("emission quarters.pgm {le} {{ filter nearest  encoding linear }}"),
         _ => format!("emission {le}  opacity quarters.pgm {{ filter nearest }}"),
     };
     let object = format!("Quad {{ corner {}  edge1 {}  edge2 {} }}", text(corner), text(a), text(b));
-    let scene = over_floor(rho, &format!("Matte lamp {{ color 0 0 0  {lamp} }}"), &object);
+    let scene = over_floor(rho, &format!("Matte emitter {{ color 0 0 0  {emitter} }}"), &object);
     let [c, d, e, f] = shares;
     let form =
-        Form::new(format!("S3 lamp in quarters by {by}, {c} {d} {e} {f} of 255"), scene, expected, LAMPS);
+        Form::new(format!("S3 light in quarters by {by}, {c} {d} {e} {f} of 255"), scene, expected, LIGHTS);
     form.bounces(0).file("quarters.pgm", format!("P2 2 2 255 {c} {d} {e} {f}\n"))
 }
 
-/// A lamp of stripes, a mixture of a material that glows and one that does not.
+/// A light of stripes, a mixture of a material that glows and one that does not.
 fn striped(draw: &mut Parameters) -> Form {
     let (x, width, height) = (draw.between(-1.0, 0.0), draw.between(1.0, 2.0), draw.between(0.6, 1.5));
     let (rho, le, per_unit) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0), draw.between(2.0, 4.0));
@@ -69,22 +69,22 @@ fn striped(draw: &mut Parameters) -> Form {
         }
     };
     let expected = rho / PI * le * (-20..20).map(stripe).sum::<f64>();
-    // Along x only: elsewhere the lamp keeps to one cell.
-    let lamp = format!(
+    // Along x only: elsewhere the light keeps to one cell.
+    let emitter = format!(
         "Matte on {{ color 0 0 0  emission {le} }}  Matte off {{ color 0 0 0 }}\n  \
-         Checkerboard lamp {{ Transform {{ Translate 0 0.5 0.5  Scale {per_unit} 0.1 0.1 }}  materialIndex on  materialIndex off }}"
+         Checkerboard emitter {{ Transform {{ Translate 0 0.5 0.5  Scale {per_unit} 0.1 0.1 }}  materialIndex on  materialIndex off }}"
     );
     let object = format!("Quad {{ corner {x} {height} -0.5  edge1 {width} 0 0  edge2 0 0 1 }}");
-    let scene = over_floor(rho, &lamp, &object);
-    Form::new(format!("S3 lamp of stripes, {width} wide, {per_unit} to the unit"), scene, expected, LAMPS)
+    let scene = over_floor(rho, &emitter, &object);
+    Form::new(format!("S3 light of stripes, {width} wide, {per_unit} to the unit"), scene, expected, LIGHTS)
         .bounces(0)
 }
 
-/// A matt floor at the origin under an object of the material `lamp`, which `material` describes.
+/// A matt floor at the origin under an object of the material `emitter`, which `material` describes.
 fn over_floor(rho: f64, material: &str, object: &str) -> String {
     format!(
         "{}Materials {{\n  Matte floor {{ color {rho} {rho} {rho} }}\n  {material}\n}}\n\
-         Group {{\n  {}\n  MaterialIndex lamp {object}\n}}",
+         Group {{\n  {}\n  MaterialIndex emitter {object}\n}}",
         spot_meter(DVec3::new(0.01, 0.02, 0.0), DVec3::ZERO),
         floor(DVec3::Y)
     )
@@ -150,18 +150,18 @@ impl Polygon {
     }
 }
 
-/// A polygon as the lamp over a floor with normal `n`, and perhaps more objects.
+/// A polygon as the light over a floor with normal `n`, and perhaps more objects.
 fn lit(draw: &mut Parameters, polygons: &[Polygon], n: DVec3, more: &str) -> (String, f64) {
     let (rho, le) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0));
     // From so near that nothing stands between.
     let from = 0.05 * (n + 0.5 * n.any_orthonormal_vector());
-    let lamps: Vec<String> = polygons.iter().map(Polygon::scene).collect();
+    let lights: Vec<String> = polygons.iter().map(Polygon::scene).collect();
     let scene = format!(
-        "{}{}Group {{\n  {}\n  {more}\n  MaterialIndex lamp\n  {}\n}}",
+        "{}{}Group {{\n  {}\n  {more}\n  MaterialIndex emitter\n  {}\n}}",
         spot_meter(from, DVec3::ZERO),
-        floor_and_lamp(rho, le),
+        floor_and_light(rho, le),
         floor(n),
-        lamps.join("\n  ")
+        lights.join("\n  ")
     );
     (scene, rho / PI * le)
 }
@@ -171,7 +171,7 @@ fn above(draw: &mut Parameters) -> Form {
     let polygon = Polygon::draw(draw, centre, 0.4);
     let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), DVec3::Y, "");
     let name = format!("S3 polygon of {} corners over a floor", polygon.corners.len());
-    Form::new(name, scene, factor * irradiance(&polygon.corners, DVec3::Y), LAMPS).bounces(0)
+    Form::new(name, scene, factor * irradiance(&polygon.corners, DVec3::Y), LIGHTS).bounces(0)
 }
 
 /// A place at a distance of one or two.
@@ -187,7 +187,7 @@ fn setting(draw: &mut Parameters) -> Form {
     let n = (along + draw.between(0.1, 0.3) * centre.normalize()).normalize();
     let (scene, factor) = lit(draw, std::slice::from_ref(&polygon), n, "");
     let expected = factor * irradiance(&polygon.corners, n);
-    Form::new("S3 polygon near the horizon", scene, expected, LAMPS).bounces(0)
+    Form::new("S3 polygon near the horizon", scene, expected, LIGHTS).bounces(0)
 }
 
 fn half_hidden(draw: &mut Parameters) -> Form {
@@ -208,7 +208,7 @@ fn half_hidden(draw: &mut Parameters) -> Form {
     let side = edge.cross(middle);
     let side = if side.dot(across) > 0.0 { -side } else { side };
     let expected = factor * irradiance(&cut(&polygon.corners, side), DVec3::Y);
-    Form::new("S3 polygon behind a half-plane", scene, expected, LAMPS).bounces(0)
+    Form::new("S3 polygon behind a half-plane", scene, expected, LIGHTS).bounces(0)
 }
 
 fn sampled(draw: &mut Parameters, pattern: &'static str) -> Form {
@@ -220,8 +220,8 @@ fn sampled(draw: &mut Parameters, pattern: &'static str) -> Form {
 }
 
 fn many(draw: &mut Parameters, choice: &str) -> Form {
-    const LAMPS: usize = 24;
-    let polygons: Vec<Polygon> = (0..LAMPS)
+    const LIGHTS: usize = 24;
+    let polygons: Vec<Polygon> = (0..LIGHTS)
         .map(|i| {
             // One to a place of a grid, so that none hides another.
             let (x, z) = ((i % 6) as f64 - 2.5, (i / 6) as f64 - 1.5);
@@ -232,7 +232,7 @@ fn many(draw: &mut Parameters, choice: &str) -> Form {
         .collect();
     let (scene, factor) = lit(draw, &polygons, DVec3::Y, "");
     let expected: f64 = polygons.iter().map(|p| irradiance(&p.corners, DVec3::Y)).sum();
-    let name = format!("S3 {LAMPS} polygons, lamps chosen by {choice}");
+    let name = format!("S3 {LIGHTS} polygons, lights chosen by {choice}");
     Form::new(name, scene, factor * expected, &[PATH]).bounces(0).settings(&format!("lightChoice {choice}"))
 }
 

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! For `k` = 1 no ray comes back further from the direction of the light than the bow's radius, and near it the light
-//! piles up; for `k` = 2 none comes back nearer. A ring-shaped lamp far away in that direction covers the bow's edge. The
-//! share of light that the picture of the drop gets from the lamp is the integral over `b` of all `k` whose rays meet
+//! piles up; for `k` = 2 none comes back nearer. A ring-shaped light far away in that direction covers the bow's edge. The
+//! share of light that the picture of the drop gets from the emitter is the integral over `b` of all `k` whose rays meet
 //! it. The drop lets half of the light through and mirrors half at each meeting, so that rays of order `k`
 //! carry `1/2^(k+2)`, and those mirrored outside `1/2`.
 //!
@@ -22,13 +22,13 @@ use kajo_color::named;
 use super::{Form, Parameters};
 use crate::selftest::method::{DIRECT, Method, PATH};
 
-/// What follows mirrors and glass, and can look at the lamp's light.
+/// What follows mirrors and glass, and can look at the emitter's light.
 const METHODS: &[Method] = &[PATH, DIRECT];
 
 /// Meetings of a ray with the surface that are followed.
 const BOUNCES: u32 = 12;
 
-/// How far away the lamp is, in radii of the drop.
+/// How far away the light is, in radii of the drop.
 const FAR: f64 = 1000.0;
 
 /// Side of the picture, in radii of the drop.
@@ -72,9 +72,9 @@ fn form(draw: &mut Parameters, bow: &Bow) -> Form {
          Background {{ color 0 0 0 }}\n\
          Materials {{\n  Material water {{ diffuseColor 0 0 0  reflectiveColor 0.5 0.5 0.5\n    \
          transparentColor 0.5 0.5 0.5  indexOfRefraction {water} }}\n  \
-         Material lamp {{ diffuseColor 0 0 0  emission 1 1 1 }}\n}}\n\
+         Material emitter {{ diffuseColor 0 0 0  emission 1 1 1 }}\n}}\n\
          Group {{ MaterialIndex water Sphere {{ center 0 0 0  radius 1 }}\n\
-         MaterialIndex lamp Disk {{ center 0 0 -{FAR}  normal 0 0 1  radius {}  innerRadius {} }} }}",
+         MaterialIndex emitter Disk {{ center 0 0 -{FAR}  normal 0 0 1  radius {}  innerRadius {} }} }}",
         ring[1], ring[0]
     );
     let name = format!(
@@ -97,7 +97,7 @@ fn share(n: f64, [inner, outer]: [f64; 2]) -> f64 {
     TAU / (FRAME * FRAME) * (0..STEPS).map(rays).sum::<f64>() / f64::from(STEPS)
 }
 
-/// Distance from the axis at which the ray of distance `b` meets the lamp's plane, after so many reflections
+/// Distance from the axis at which the ray of distance `b` meets the light's plane, after so many reflections
 /// within the drop, or one outside; `None` where it goes the other way.
 fn place(n: f64, b: f64, reflections: Option<u32>) -> Option<f64> {
     let (i, r) = (b.asin(), (b / n).asin());

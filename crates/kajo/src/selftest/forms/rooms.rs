@@ -9,9 +9,9 @@
 //!
 //! whatever the shape of the room.
 //!
-//! *A point lamp in a ball.* A wall of a sphere sends the same light to all of the sphere, since between two of its
-//! points `cos cos' / d^2 = 1 / 4 R^2`. So all but the lamp's own light is even: with intensity `I` the radiance
-//! where the lamp is at distance `d` under the angle `theta` is
+//! *A point emitter in a ball.* A wall of a sphere sends the same light to all of the sphere, since between two of its
+//! points `cos cos' / d^2 = 1 / 4 R^2`. So all but the emitter's own light is even: with intensity `I` the radiance
+//! where the light is at distance `d` under the angle `theta` is
 //!
 //! ```text
 //! L = rho/pi I (cos theta / d^2 + rho / ((1 - rho) R^2))
@@ -23,7 +23,7 @@ use kajo_math::DVec3;
 
 use super::{Form, Parameters, spot_meter, text};
 use crate::selftest::method::{
-    BIDIRECTIONAL, BOUNCES, DIRECT, GLOBAL, LIGHT, Method, PATH, PATH_LAMPS, PATH_SPECTRAL,
+    BIDIRECTIONAL, BOUNCES, DIRECT, GLOBAL, LIGHT, Method, PATH, PATH_LIGHTS, PATH_SPECTRAL,
 };
 
 /// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
@@ -40,15 +40,15 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         methods: SEEN_WIDELY,
         ..wide
     });
-    forms.push(lamp_in_ball(draw, GLOBAL_OF_POINTS, true));
-    forms.push(lamp_in_ball(draw, &[DIRECT], false));
+    forms.push(light_in_ball(draw, GLOBAL_OF_POINTS, true));
+    forms.push(light_in_ball(draw, &[DIRECT], false));
     forms
 }
 
-/// What solves a scene whose lamps have no size.
-const GLOBAL_OF_POINTS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL];
+/// What solves a scene whose lights have no size.
+const GLOBAL_OF_POINTS: &[Method] = &[PATH, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL];
 
-/// What solves a scene of which the camera sees so much that light from lamps comes across it.
+/// What solves a scene of which the camera sees so much that light from emitters comes across it.
 const SEEN_WIDELY: &[Method] = &[PATH, BIDIRECTIONAL, LIGHT];
 
 /// A closed surface around the origin.
@@ -96,24 +96,24 @@ fn glowing(draw: &mut Parameters, room: &Room, bounces: Option<u32>) -> Form {
     if room.mesh.is_empty() { form } else { form.file("room.obj", room.mesh.to_owned()) }
 }
 
-fn lamp_in_ball(draw: &mut Parameters, methods: &'static [Method], all_bounces: bool) -> Form {
+fn light_in_ball(draw: &mut Parameters, methods: &'static [Method], all_bounces: bool) -> Form {
     let (rho, intensity, radius) = (draw.between(0.2, 0.85), draw.between(0.5, 4.0), draw.between(0.8, 2.0));
-    let lamp = radius * draw.between(0.1, 0.7) * draw.direction(-1.0);
+    let light = radius * draw.between(0.1, 0.7) * draw.direction(-1.0);
     let seen = radius * draw.direction(-1.0);
-    let to_lamp = lamp - seen;
-    let cos = to_lamp.normalize().dot(-seen / radius);
-    let direct = cos / to_lamp.length_squared();
+    let to_light = light - seen;
+    let cos = to_light.normalize().dot(-seen / radius);
+    let direct = cos / to_light.length_squared();
     let indirect = if all_bounces { rho / (1.0 - rho) / (radius * radius) } else { 0.0 };
     let scene = format!(
         "{}Lights {{ PointLight {{ position {}  intensity {intensity} {intensity} {intensity} }} }}\n\
          Materials {{ Material m {{ diffuseColor {rho} {rho} {rho} }} }}\n\
          Group {{ MaterialIndex m  Sphere {{ center 0 0 0  radius {radius} }} }}",
         spot_meter(DVec3::ZERO, seen),
-        text(lamp)
+        text(light)
     );
     let name = match all_bounces {
-        true => format!("S2 point lamp in a ball, albedo {rho}"),
-        false => format!("S2 point lamp in a ball, albedo {rho}, its own light only"),
+        true => format!("S2 point light in a ball, albedo {rho}"),
+        false => format!("S2 point emitter in a ball, albedo {rho}, its own light only"),
     };
     let expected = rho / PI * intensity * (direct + indirect);
     Form::new(name, scene, expected, methods).bounces(WITHOUT_END)

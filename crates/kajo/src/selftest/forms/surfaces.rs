@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use kajo_math::DVec3;
 
-use super::lamps::SKIES;
+use super::lights::SKIES;
 use super::quadrature::simpson;
 use super::{Form, Parameters, spot_meter, text};
 

@@ -5,7 +5,7 @@ use crate::trail::Counting;
 
 /// Sums over batches of the light of each way, and of all of them with their weights, by the number of points.
 struct Ways {
-    /// By the points of the path and those from the lamp.
+    /// By the points of the path and those from the light.
     alone: Vec<Vec<Vec<f64>>>,
     weighted: Vec<Vec<f64>>,
 }
@@ -56,7 +56,7 @@ fn by_path(scene: &Scene, points: u32, samples: u32) -> Estimate {
     Estimate { mean: all.mean - less - direct, standard_error: all.standard_error.hypot(noise) }
 }
 
-/// Light of lamps that are seen themselves.
+/// Light of emitters that are seen themselves.
 fn mean_of_seen(scene: &Scene, samples: u32) -> f64 {
     let nothing = BidirectionalSettings { bounces: 0, ..both() };
     estimate(&ways(scene, nothing, samples).weighted[2]).mean
@@ -69,14 +69,14 @@ fn assert_same(one: &Estimate, other: &Estimate, what: &str) {
     assert!(sigma < 0.06 * other.mean.abs(), "{what} is too noisy: {one:?} {other:?}");
 }
 
-/// A room with a lamp on its ceiling, in the words of the scene language.
-fn room(camera: &str, lamp: &str, things: &str) -> String {
+/// A room with a light on its ceiling, in the words of the scene language.
+fn room(camera: &str, emitter: &str, things: &str) -> String {
     format!(
         "{camera} Background {{ color 0 0 0 }}
          Materials {{ Matte white {{ color 0.7 0.7 0.7 }}  Matte red {{ color 0.6 0.2 0.1 }}
             Metal gold {{ metal gold roughness 0.5 }}  Glass frosted {{ roughness 0.5 }}
-            Material lamp {{ diffuseColor 0.2 0.2 0.2  emission 2 2 2 }} }}
-         Group {{ MaterialIndex white  Box {{ min -1 -1 -1  max 1 1 1 }}  {lamp}  {things} }}"
+            Material emitter {{ diffuseColor 0.2 0.2 0.2  emission 2 2 2 }} }}
+         Group {{ MaterialIndex white  Box {{ min -1 -1 -1  max 1 1 1 }}  {emitter}  {things} }}"
     )
 }
 
@@ -86,7 +86,7 @@ const LENS: &str =
 const PARALLEL: &str = "OrthographicCamera { center 0 0 0.9  direction 0 -0.3 -1  up 0 1 0  size 0.8 }";
 const CORNER: &str =
     "Quad { corner -1 -1 -1  edge1 0 0 2  edge2 2 0 0 }  Quad { corner -1 -1 -1  edge1 2 0 0  edge2 0 2 0 }";
-const CEILING: &str = "MaterialIndex lamp Quad { corner -0.6 0.95 -0.6  edge1 1.2 0 0  edge2 0 0 1.2 }";
+const CEILING: &str = "MaterialIndex emitter Quad { corner -0.6 0.95 -0.6  edge1 1.2 0 0  edge2 0 0 1.2 }";
 
 #[track_caller]
 fn check_ways(text: &str, bounces: u32, samples: u32) {
@@ -100,7 +100,7 @@ fn check_ways(text: &str, bounces: u32, samples: u32) {
         assert_same(&all, &expected, &format!("{points} points, all ways"));
         for s in 0..points {
             let alone = estimate(&sums.alone[points as usize][s as usize]);
-            assert_same(&alone, &all, &format!("{points} points, {s} from the lamp"));
+            assert_same(&alone, &all, &format!("{points} points, {s} from the light"));
         }
     }
 }
@@ -116,7 +116,7 @@ fn all_ways_through_a_matt_room_are_one() {
 
 #[test]
 fn all_ways_of_a_glowing_ball_are_one() {
-    let ball = "MaterialIndex lamp Sphere { center 0.2 0.3 -0.2  radius 0.4 }";
+    let ball = "MaterialIndex emitter Sphere { center 0.2 0.3 -0.2  radius 0.4 }";
     check_ways(&room(WIDE, ball, ""), 1, 2000);
 }
 
@@ -137,7 +137,7 @@ fn all_ways_over_shading_normals_are_one() {
 /// Light passes one boundary on its way, where radiance is divided by the squared index and power is not.
 #[test]
 fn all_ways_out_of_frosted_glass_are_one() {
-    let lamp = "MaterialIndex lamp Sphere { center 0.1 0.1 -0.2  radius 0.3 }
+    let emitter = "MaterialIndex emitter Sphere { center 0.1 0.1 -0.2  radius 0.3 }
                 MaterialIndex frosted Sphere { center 0.1 0.1 -0.2  radius 0.5 }";
-    check_ways(&room(WIDE, lamp, ""), 0, 4000);
+    check_ways(&room(WIDE, emitter, ""), 0, 4000);
 }

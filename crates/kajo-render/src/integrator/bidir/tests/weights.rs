@@ -7,7 +7,7 @@ use kajo_math::Vec3;
 use super::*;
 use crate::integrator::bidir::rivals::weight;
 
-/// A point of a whole path, lamp first.
+/// A point of a whole path, light first.
 struct Place {
     p: Vec3,
     /// Zero where there is no surface.
@@ -15,11 +15,11 @@ struct Place {
     vertex: Option<Vertex>,
 }
 
-/// A path in the order from the lamp to the lens, and how it starts.
+/// A path in the order from the light to the lens, and how it starts.
 struct Whole {
     places: Vec<Place>,
-    /// Density of the lamp's end, of the way on, and of the lamp's end as it is drawn for the second point.
-    lamp: [f64; 3],
+    /// Density of the light's end, of the way on, and of the light's end as it is drawn for the second point.
+    light: [f64; 3],
     /// Density of the last but one point, of the camera's own rays.
     camera: f64,
 }
@@ -36,12 +36,12 @@ impl Whole {
     /// The densities of all ways but `t = 0`, which is none.
     fn densities(&self) -> Vec<f64> {
         let n = self.places.len();
-        let from_lamp = |i: usize| match i {
-            0 => self.lamp[0],
+        let from_light = |i: usize| match i {
+            0 => self.light[0],
             1 => {
                 let (a, b) = (&self.places[0], &self.places[1]);
                 let on = (b.p - a.p).normalize();
-                self.lamp[1] * f64::from(b.n.dot(on).abs() / a.p.distance_squared(b.p))
+                self.light[1] * f64::from(b.n.dot(on).abs() / a.p.distance_squared(b.p))
             }
             _ => self.density(i - 2, i - 1, i),
         };
@@ -51,14 +51,14 @@ impl Whole {
             _ => self.density(i + 2, i + 1, i),
         };
         let way = |s: usize| {
-            let lamp: f64 = if s == 1 { self.lamp[2] } else { (0..s).map(from_lamp).product() };
-            lamp * (s..n).map(from_camera).product::<f64>()
+            let light: f64 = if s == 1 { self.light[2] } else { (0..s).map(from_light).product() };
+            light * (s..n).map(from_camera).product::<f64>()
         };
         (0..n).map(way).collect()
     }
 }
 
-/// Draws paths from both ends, and hands all whole ones to `look` with the points from the lamp and the weight.
+/// Draws paths from both ends, and hands all whole ones to `look` with the points from the light and the weight.
 fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
     let scene = scene(text);
     let it = Bidirectional::new(&scene, both(), [1, 1], LayerSet::of(&[]));
@@ -73,7 +73,8 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
         it.follow_light(&mut rays, &mut path, again, 0.0, &wavelengths);
         let u = again.number_if(scene.emitters.len() > 1);
         let ways = [again.next_2d(), again.next_2d()];
-        let (emitted, lamp, chance) = scene.emit(&it.departures, 0.0, u, ways, &wavelengths).expect("a lamp");
+        let (emitted, light, chance) =
+            scene.emit(&it.departures, 0.0, u, ways, &wavelengths).expect("a light");
         let ray = it.view.ray(place, &mut draws).expect("a ray");
         let mut views: Vec<(Vertex, Vec3)> = Vec::new();
         let step = Step {
@@ -106,22 +107,23 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
                 break;
             }
         }
-        let normal_at_lamp = normal(&emitted.origin);
-        let whole = |from_lamp: &[Vertex], from_camera: &[Vertex]| {
-            let mut places = vec![Place { p: emitted.p, n: normal_at_lamp, vertex: None }];
-            let chain = from_lamp.iter().chain(from_camera.iter().rev());
+        let normal_at_light = normal(&emitted.origin);
+        let whole = |from_light: &[Vertex], from_camera: &[Vertex]| {
+            let mut places = vec![Place { p: emitted.p, n: normal_at_light, vertex: None }];
+            let chain = from_light.iter().chain(from_camera.iter().rev());
             places.extend(chain.map(|v| Place { p: v.at.p, n: v.at.ng, vertex: Some(*v) }));
             places.push(Place { p: ray.o, n: Vec3::ZERO, vertex: None });
             let first = &places[1];
             let wi = (emitted.p - first.p).normalize();
             let receiver = first.vertex.as_ref().expect("a surface").receiver(0.0);
-            let drawn = scene.lamp_pdf(lamp, &receiver, [emitted.p, normal_at_lamp], wi, LightChoice::Tree);
+            let drawn =
+                scene.light_pdf(light, &receiver, [emitted.p, normal_at_light], wi, LightChoice::Tree);
             let spread = spread(&emitted.origin, wi, emitted.p.distance_squared(first.p));
             let last = &places[places.len() - 2];
             let camera = pdf_camera_at(&it, &ray, last);
-            let pdf = scene.emission_pdf(&it.departures, lamp, 0.0, [emitted.p, normal_at_lamp], -wi);
+            let pdf = scene.emission_pdf(&it.departures, light, 0.0, [emitted.p, normal_at_light], -wi);
             let (end, rest) = (f64::from(chance * pdf.place), f64::from(pdf.direction));
-            Whole { places, lamp: [end, rest, f64::from(drawn * spread)], camera }
+            Whole { places, light: [end, rest, f64::from(drawn * spread)], camera }
         };
         let views: Vec<Vertex> = views.into_iter().map(|view| view.0).collect();
         for i in 1..=path.len() {
@@ -150,23 +152,23 @@ fn pdf_camera_at(it: &Bidirectional<'_>, ray: &Ray, last: &Place) -> f64 {
 
 const VIEW: &str = "PerspectiveCamera { center 0 0 0.95  direction 0 -0.2 -1  up 0 1 0  angle 70 }";
 
-/// A room with two matt lamps and things that scatter in all kinds of ways, but none into single directions.
+/// A room with two matt lights and things that scatter in all kinds of ways, but none into single directions.
 const ROOM: &str = "Background { color 0 0 0 }
     Materials { Matte white { color 0.7 0.7 0.7 }  Metal gold { metal gold roughness 0.5 }
         Glass frosted { roughness 0.6 }  Principled paint { color 0.2 0.5 0.3  coat 0.7  roughness 0.5 }
-        Material lamp { diffuseColor 0.2 0.2 0.2  emission 2 2 2 } }
+        Material emitter { diffuseColor 0.2 0.2 0.2  emission 2 2 2 } }
     Group { MaterialIndex white  Box { min -1 -1 -1  max 1 1 1 }
-        MaterialIndex lamp Quad { corner -0.6 0.95 -0.6  edge1 1.2 0 0  edge2 0 0 1.2 }
-        MaterialIndex lamp Sphere { center 0.5 0.3 -0.5  radius 0.2 }
+        MaterialIndex emitter Quad { corner -0.6 0.95 -0.6  edge1 1.2 0 0  edge2 0 0 1.2 }
+        MaterialIndex emitter Sphere { center 0.5 0.3 -0.5  radius 0.2 }
         MaterialIndex gold Sphere { center -0.5 -0.5 -0.3  radius 0.4 }
         MaterialIndex frosted Sphere { center 0.4 -0.6 -0.2  radius 0.35 }
         MaterialIndex paint Sphere { center -0.5 0.5 -0.6  radius 0.3 } }";
 
 #[test]
 fn weights_are_those_of_the_definition() {
-    for lamp in ["", "Lights { PointLight { position 0.3 0.6 0.2  intensity 1 1 1 } }"] {
+    for light in ["", "Lights { PointLight { position 0.3 0.6 0.2  intensity 1 1 1 } }"] {
         let mut counts = [0; 8];
-        each_path(&format!("{VIEW} {ROOM} {lamp}"), &mut |whole, s, weight| {
+        each_path(&format!("{VIEW} {ROOM} {light}"), &mut |whole, s, weight| {
             let is_point = whole.places[0].n == Vec3::ZERO;
             let mut densities = whole.densities();
             if is_point {

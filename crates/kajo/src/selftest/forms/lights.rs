@@ -1,4 +1,4 @@
-//! Lamps of simple shapes over a floor.
+//! Lights of simple shapes over a floor.
 //!
 //! A matt floor of albedo `rho` under the irradiance `E` has the radiance `rho E / pi`. For radiance 1, with `theta` the
 //! angle to the floor's normal,
@@ -10,7 +10,7 @@
 //! disc of angular radius r in the sky        E = pi sin^2 r cos theta      all of it above the horizon
 //! ```
 //!
-//! and for lamps of no size, `E = I cos theta / d^2` and `E = E0 cos theta`. A spot light of power `P` has on its axis
+//! and for emitters of no size, `E = I cos theta / d^2` and `E = E0 cos theta`. A spot light of power `P` has on its axis
 //! the intensity `P` over the integral of its profile.
 //!
 //! *Penumbra.* Half of a disk's plane is hidden by a blocker with a straight edge. What is left of the disk is
@@ -26,20 +26,20 @@ use std::f64::consts::{PI, TAU};
 use kajo_math::DVec3;
 
 use super::quadrature::simpson;
-use super::{Form, Parameters, floor, floor_and_lamp, spot_meter, text};
+use super::{Form, Parameters, floor, floor_and_light, spot_meter, text};
 use crate::selftest::method::{
-    BIDIRECTIONAL, CLASSIC, DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM, LAMPS, Method, OCCLUSION,
-    PATH, PATH_LAMPS, PATH_SCATTERING, PATH_SPECTRAL, SMALL_LAMPS, WHOLE,
+    BIDIRECTIONAL, CLASSIC, DIRECT, DISTRIBUTION_COSINE, DISTRIBUTION_UNIFORM, LIGHTS, Method, OCCLUSION,
+    PATH, PATH_LIGHTS, PATH_SCATTERING, PATH_SPECTRAL, SMALL_LIGHTS, WHOLE,
 };
 
-/// What solves scenes with lamps of no size.
-const POINTS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
+/// What solves scenes with lights of no size.
+const POINTS: &[Method] = &[PATH, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
 
-/// What solves scenes without lamps of no size in one bounce, at a floor that light reaches from the sky.
+/// What solves scenes without emitters of no size in one bounce, at a floor that light reaches from the sky.
 pub(super) const SKIES: &[Method] = &[
     PATH,
     PATH_SCATTERING,
-    PATH_LAMPS,
+    PATH_LIGHTS,
     PATH_SPECTRAL,
     BIDIRECTIONAL,
     DIRECT,
@@ -70,13 +70,13 @@ fn near(n: DVec3) -> String {
     spot_meter(0.02 * (n + 0.5 * n.any_orthonormal_vector()), DVec3::ZERO)
 }
 
-/// A lamp, as an object, over a floor with normal `n`; gives the scene and the radiance for irradiance 1.
-pub fn lit(draw: &mut Parameters, lamp: &str, n: DVec3) -> (String, f64) {
+/// A light, as an object, over a floor with normal `n`; gives the scene and the radiance for irradiance 1.
+pub fn lit(draw: &mut Parameters, emitter: &str, n: DVec3) -> (String, f64) {
     let (rho, le) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0));
     let scene = format!(
-        "{}{}Group {{\n  {}\n  MaterialIndex lamp {lamp}\n}}",
+        "{}{}Group {{\n  {}\n  MaterialIndex emitter {emitter}\n}}",
         near(n),
-        floor_and_lamp(rho, le),
+        floor_and_light(rho, le),
         floor(n)
     );
     (scene, rho / PI * le)
@@ -84,28 +84,28 @@ pub fn lit(draw: &mut Parameters, lamp: &str, n: DVec3) -> (String, f64) {
 
 fn disk(draw: &mut Parameters) -> Form {
     let (r, h, up) = (draw.between(0.3, 1.5), draw.between(0.8, 2.0), draw.direction(-1.0));
-    let lamp = format!("Disk {{ center {}  normal {}  radius {r} }}", text(h * up), text(-up));
-    let (scene, factor) = lit(draw, &lamp, up);
+    let emitter = format!("Disk {{ center {}  normal {}  radius {r} }}", text(h * up), text(-up));
+    let (scene, factor) = lit(draw, &emitter, up);
     let expected = factor * PI * r * r / (r * r + h * h);
-    Form::new(format!("S4 disk, radius {r}, height {h}"), scene, expected, LAMPS).bounces(0)
+    Form::new(format!("S4 disk, radius {r}, height {h}"), scene, expected, LIGHTS).bounces(0)
 }
 
 fn sphere(draw: &mut Parameters) -> Form {
     let (r, d, up) = (draw.between(0.3, 0.8), draw.between(1.5, 3.0), draw.direction(-1.0));
     // Its lowest point stays above the horizon.
     let towards = (up + 0.8 * up.any_orthonormal_vector()).normalize();
-    let lamp = format!("Sphere {{ center {}  radius {r} }}", text(d * towards));
-    let (scene, factor) = lit(draw, &lamp, up);
+    let emitter = format!("Sphere {{ center {}  radius {r} }}", text(d * towards));
+    let (scene, factor) = lit(draw, &emitter, up);
     let expected = factor * PI * (r / d).powi(2) * towards.dot(up);
-    Form::new(format!("S4 sphere, radius {r}, distance {d}"), scene, expected, LAMPS).bounces(0)
+    Form::new(format!("S4 sphere, radius {r}, distance {d}"), scene, expected, LIGHTS).bounces(0)
 }
 
 fn sphere_touched(draw: &mut Parameters) -> Form {
     let (r, gap) = (draw.between(0.5, 1.0), draw.between(0.1, 0.3));
-    let lamp = format!("Sphere {{ center 0 {} 0  radius {r} }}", r + gap);
-    let (scene, factor) = lit(draw, &lamp, DVec3::Y);
+    let emitter = format!("Sphere {{ center 0 {} 0  radius {r} }}", r + gap);
+    let (scene, factor) = lit(draw, &emitter, DVec3::Y);
     let expected = factor * PI * (r / (r + gap)).powi(2);
-    Form::new(format!("S4 sphere, radius {r}, {gap} above the floor"), scene, expected, LAMPS).bounces(0)
+    Form::new(format!("S4 sphere, radius {r}, {gap} above the floor"), scene, expected, LIGHTS).bounces(0)
 }
 
 /// * `t`: how far the edge's shadow is from the disk's middle, in radii; the rest is drawn
@@ -114,13 +114,13 @@ fn penumbra(draw: &mut Parameters, t: f64, size: f64) -> Form {
     let r = size * draw.between(0.5, 1.0) * h;
     let t = t + draw.between(-0.1, 0.1);
     // The blocker at half the height leaves `x < t r` of the disk.
-    let lamp = format!(
+    let emitter = format!(
         "Disk {{ center 0 {h} 0  normal 0 -1 0  radius {r} }}\n  \
          MaterialIndex black Quad {{ corner {} {} -50  edge1 0 0 100  edge2 100 0 0 }}",
         0.5 * t * r,
         0.5 * h
     );
-    let (scene, factor) = lit(draw, &lamp, DVec3::Y);
+    let (scene, factor) = lit(draw, &emitter, DVec3::Y);
     // With x = -r cos a the strips' ends are smooth.
     let strip = |a: f64| {
         let (x, half) = (-r * a.cos(), r * a.sin());
@@ -129,14 +129,14 @@ fn penumbra(draw: &mut Parameters, t: f64, size: f64) -> Form {
         h * h * across * r * a.sin()
     };
     let expected = factor * simpson(0.0, (-t).acos(), 500, strip);
-    let methods = if size < 0.1 { SMALL_LAMPS } else { LAMPS };
+    let methods = if size < 0.1 { SMALL_LIGHTS } else { LIGHTS };
     let name = format!("S6 penumbra of a disk, radius {r:.4}, height {h}, edge at {t:.3} radii");
     Form::new(name, scene, expected, methods).bounces(0)
 }
 
 /// A floor under the lights of a `Lights` block.
 fn under(rho: f64, n: DVec3, lights: &str) -> String {
-    format!("{}Lights {{ {lights} }}\n{}Group {{ {} }}", near(n), floor_and_lamp(rho, 1.0), floor(n))
+    format!("{}Lights {{ {lights} }}\n{}Group {{ {} }}", near(n), floor_and_light(rho, 1.0), floor(n))
 }
 
 fn point(draw: &mut Parameters) -> Form {
@@ -150,7 +150,7 @@ fn point(draw: &mut Parameters) -> Form {
 fn directional(draw: &mut Parameters) -> Form {
     let (rho, e, towards) = (draw.between(0.3, 0.9), draw.between(1.0, 9.0), draw.direction(0.2));
     let light = format!("DirectionalLight {{ direction {}  irradiance {e} {e} {e} }}", text(-towards));
-    const METHODS: &[Method] = &[PATH, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT, CLASSIC];
+    const METHODS: &[Method] = &[PATH, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT, CLASSIC];
     let expected = rho / PI * e * towards.y;
     Form::new("directional light", under(rho, DVec3::Y, &light), expected, METHODS).bounces(0)
 }
@@ -176,7 +176,7 @@ fn disc_seen(draw: &mut Parameters) -> Form {
     let (e, towards) = (draw.between(1.0, 9.0), draw.direction(0.5));
     let (light, sin) = sun(draw, e, towards);
     let scene = format!("{}Lights {{ {light} }}", spot_meter(DVec3::ZERO, towards));
-    const METHODS: &[Method] = &[PATH, PATH_SCATTERING, PATH_LAMPS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
+    const METHODS: &[Method] = &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
     Form::new("disc in the sky, seen", scene, e / (PI * sin * sin), METHODS).bounces(0)
 }
 
@@ -237,12 +237,12 @@ fn luminaire(draw: &mut Parameters, by_power: bool) -> Form {
     // The floor is at the origin, and the horizontal angle 0 at the side of +x, counted towards -z.
     let [(sv, cv), (sh, ch)] = [vertical, horizontal].map(|degrees| degrees.to_radians().sin_cos());
     let down = DVec3::new(sv * ch, -cv, -sv * sh);
-    let light = format!("PointLight {{ position {}  ies lamp.ies  {word} }}", text(-d * down));
+    let light = format!("PointLight {{ position {}  ies luminaire.ies  {word} }}", text(-d * down));
     let expected = rho / PI * factor * candela * cv / (d * d);
     let name = format!("luminaire of {word} at {vertical} and {horizontal} degrees");
     Form::new(name, under(rho, DVec3::Y, &light), expected, POINTS)
         .bounces(0)
-        .file("lamp.ies", file)
+        .file("luminaire.ies", file)
         .rounding(1e-4)
 }
 
@@ -252,7 +252,7 @@ fn wall(draw: &mut Parameters, methods: &'static [Method], name: &str) -> Form {
     let scene = format!(
         "{}Group {{ {}\n  MaterialIndex black Quad {{ corner {distance} 0 -2000  edge1 0 0 4000  edge2 0 {} 0 }} }}",
         near(DVec3::Y).replace("color 0 0 0", &format!("color {sky} {sky} {sky}"))
-            + &floor_and_lamp(rho, 1.0),
+            + &floor_and_light(rho, 1.0),
         floor(DVec3::Y),
         distance * phi.tan()
     );
@@ -262,7 +262,7 @@ fn wall(draw: &mut Parameters, methods: &'static [Method], name: &str) -> Form {
     Form::new(name, scene, expected, methods).bounces(0)
 }
 
-/// A whole rectangle, seen from the side along parallel rays, lit by a lamp that sends nothing to the camera.
+/// A whole rectangle, seen from the side along parallel rays, lit by a light that sends nothing to the camera.
 ///
 /// * `view`: direction of the rays
 /// * `center`: of the rectangle
@@ -274,7 +274,7 @@ fn seen_whole(view: DVec3, center: DVec3, frame: f64, objects: &str, rho: f64, l
         text(center - view),
         text(view),
         text(view.any_orthogonal_vector()),
-        floor_and_lamp(rho, le).replace("Material lamp {", "Material lamp { emits front ")
+        floor_and_light(rho, le).replace("Material emitter {", "Material emitter { emits front ")
     )
 }
 
@@ -286,9 +286,9 @@ fn facing(draw: &mut Parameters) -> Form {
     let [a, b, c] = [0; 3].map(|_| draw.between(0.5, 1.5));
     let objects = format!(
         "MaterialIndex floor Quad {{ corner 0 0 0  edge1 0 0 {b}  edge2 {a} 0 0 }}\n  \
-         MaterialIndex lamp Quad {{ corner 0 {c} 0  edge1 {a} 0 0  edge2 0 0 {b} }}"
+         MaterialIndex emitter Quad {{ corner 0 {c} 0  edge1 {a} 0 0  edge2 0 0 {b} }}"
     );
-    // So flat that the lamp does not stand in the way.
+    // So flat that the light does not stand in the way.
     let view = DVec3::new(0.0, -c, 1.3 * b).normalize();
     let frame = 1.2 * a.hypot(b);
     let scene = seen_whole(view, DVec3::new(0.5 * a, 0.0, 0.5 * b), frame, &objects, rho, le);
@@ -300,13 +300,13 @@ fn facing(draw: &mut Parameters) -> Form {
 
 fn adjacent(draw: &mut Parameters) -> Form {
     let (rho, le) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0));
-    // The floor is l by w, the lamp l by h, and they share the edge of length l.
+    // The floor is l by w, the light l by h, and they share the edge of length l.
     let [l, w, h] = [0; 3].map(|_| draw.between(0.5, 1.5));
     let objects = format!(
         "MaterialIndex floor Quad {{ corner 0 0 0  edge1 0 0 {w}  edge2 {l} 0 0 }}\n  \
-         MaterialIndex lamp Quad {{ corner 0 0 0  edge1 {l} 0 0  edge2 0 {h} 0 }}"
+         MaterialIndex emitter Quad {{ corner 0 0 0  edge1 {l} 0 0  edge2 0 {h} 0 }}"
     );
-    // Along the lamp, which is then a line.
+    // Along the light, which is then a line.
     let view = DVec3::new(1.0, -1.0, 0.0).normalize();
     let frame = 1.2 * l.hypot(w);
     let scene = seen_whole(view, DVec3::new(0.5 * l, 0.0, 0.5 * w), frame, &objects, rho, le);

@@ -1,7 +1,7 @@
-//! Spectra of lamps: 380 to 780 nm, every 5 nm, on the scale of their publishers.
+//! Spectra of light sources: 380 to 780 nm, every 5 nm, on the scale of their publishers.
 //! [CIE 015:2018, tables 10 to 12], [Davis and Ohno 2010]
 
-/// A cool white fluorescent lamp.
+/// A cool white fluorescent light source.
 #[rustfmt::skip]
 pub(crate) const FL2: [f64; 81] = [
     1.18, 1.48, 1.84, 2.15, 3.44, 15.69, 3.85, 3.74, 4.19, 4.62, 5.06, 34.98, 11.81, 6.27, 6.63, 6.93,
@@ -12,7 +12,7 @@ pub(crate) const FL2: [f64; 81] = [
     0.33, 0.27,
 ];
 
-/// A broad-band daylight fluorescent lamp.
+/// A broad-band daylight fluorescent light source.
 #[rustfmt::skip]
 pub(crate) const FL7: [f64; 81] = [
     2.56, 3.18, 3.84, 4.53, 6.15, 19.37, 7.37, 7.05, 7.71, 8.41, 9.15, 44.14, 17.52, 11.35, 12.0, 12.58,
@@ -23,7 +23,7 @@ pub(crate) const FL7: [f64; 81] = [
     1.45, 1.32, 1.17, 0.99, 0.81,
 ];
 
-/// A three-band fluorescent lamp.
+/// A three-band fluorescent light source.
 #[rustfmt::skip]
 pub(crate) const FL11: [f64; 81] = [
     0.91, 0.63, 0.46, 0.37, 1.29, 12.68, 1.59, 1.79, 2.46, 3.33, 4.49, 33.94, 12.13, 6.95, 7.19, 7.12,
@@ -34,7 +34,7 @@ pub(crate) const FL11: [f64; 81] = [
     0.09,
 ];
 
-/// A high-pressure sodium lamp.
+/// A high-pressure sodium discharge.
 #[rustfmt::skip]
 pub(crate) const HP1: [f64; 81] = [
     1.9, 2.2, 2.5, 2.7, 3.1, 4.3, 3.8, 4.2, 4.8, 5.19, 5.89, 7.39, 7.89, 5.69, 12.89, 6.69, 4.3, 20.78,
@@ -45,7 +45,7 @@ pub(crate) const HP1: [f64; 81] = [
     27.87, 5.89, 6.69,
 ];
 
-/// A metal halide lamp.
+/// A metal halide discharge.
 #[rustfmt::skip]
 pub(crate) const HP5: [f64; 81] = [
     0.34, 7.11, 11.49, 14.97, 14.95, 29.14, 38.08, 51.56, 62.56, 55.61, 41.98, 50.02, 42.14, 39.04,
@@ -56,7 +56,7 @@ pub(crate) const HP5: [f64; 81] = [
     18.69, 17.54, 19.58, 16.42, 23.77, 35.39, 21.37, 34.58, 30.21, 19.71, 15.61,
 ];
 
-/// A white lamp of blue diodes and a phosphor, 4103 K.
+/// A white light source of blue diodes and a phosphor, 4103 K.
 #[rustfmt::skip]
 pub(crate) const LED_B3: [f64; 81] = [
     0.0, 0.0, 0.01, 0.02, 0.05, 0.11, 0.25, 0.56, 1.2, 2.37, 4.24, 7.17, 12.11, 17.7, 18.87, 14.58, 9.9,
@@ -67,7 +67,7 @@ pub(crate) const LED_B3: [f64; 81] = [
     0.37, 0.32, 0.28,
 ];
 
-/// A clear mercury lamp, H38HT-100, as measured for the Colour Quality Scale.
+/// A clear mercury discharge, H38HT-100, as measured for the Colour Quality Scale.
 #[rustfmt::skip]
 pub(crate) const MERCURY: [f64; 81] = [
     0.0, 0.01167, 0.03037, 0.02597, 0.14334, 0.3488, 0.05299, 0.02501, 0.02653, 0.03998, 0.13948,
