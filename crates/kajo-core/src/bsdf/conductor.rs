@@ -20,7 +20,7 @@
 //! ```
 
 use kajo_color::Spectrum;
-use kajo_math::{Vec2, Vec3, fmath};
+use kajo_math::{Vec2, Vec3};
 
 use super::{BsdfSample, Microfacets, ScatterKind, energy, same_side, upright};
 
@@ -62,13 +62,17 @@ impl MetalFresnel {
 #[inline]
 fn tinted(cos: f32, f0: Spectrum, f82: Spectrum) -> Spectrum {
     const COS_82: f32 = 1.0 / 7.0;
+    let fifth_power = |x: f32| {
+        let x2 = x * x;
+        x2 * x2 * x
+    };
     let schlick = |cos: f32| {
-        let t = fmath::powi(1.0 - cos, 5);
+        let t = fifth_power(1.0 - cos);
         f0 * (1.0 - t) + Spectrum::grey(t)
     };
     let cos = cos.clamp(0.0, 1.0);
-    let depth = 1.0 / (COS_82 * fmath::powi(1.0 - COS_82, 6));
-    let dip = schlick(COS_82) * (Spectrum::WHITE - f82) * (depth * cos * fmath::powi(1.0 - cos, 6));
+    let dip = |cos: f32| cos * (1.0 - cos) * fifth_power(1.0 - cos);
+    let dip = schlick(COS_82) * (Spectrum::WHITE - f82) * (dip(cos) / dip(COS_82));
     (schlick(cos) - dip).clamp(0.0, 1.0)
 }
 
