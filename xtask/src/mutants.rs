@@ -25,9 +25,10 @@ const LAMBERT: &str = "crates/kajo-core/src/bsdf/lambert.rs";
 const PHONG: &str = "crates/kajo-core/src/bsdf/phong_lobes.rs";
 const LIGHTING: &str = "crates/kajo-core/src/lighting.rs";
 const EMITTERS: &str = "crates/kajo-core/src/light/emitters.rs";
-const VIEW: &str = "crates/kajo-render/src/integrator/view.rs";
+const VIEW: &str = "crates/kajo-render/src/integrator/camera_view.rs";
 const CONNECT: &str = "crates/kajo-render/src/integrator/bidir/connect.rs";
-const WALK: &str = "crates/kajo-render/src/integrator/walk.rs";
+const TRACER: &str = "crates/kajo-render/src/integrator/path/tracer.rs";
+const STEPS: &str = "crates/kajo-render/src/integrator/transport/steps.rs";
 
 const INTERACTION: &str = "crates/kajo-core/src/interaction.rs";
 
@@ -54,9 +55,9 @@ const MUTANTS: [Mutant; 15] = [
     ),
     mutant(
         "half the density of a direction to a light that was drawn",
-        WALK,
-        "power_heuristic(light.pdf, self.direction_pdf(bsdf, local.wo, wi))",
-        "power_heuristic(light.pdf, 0.5 * self.direction_pdf(bsdf, local.wo, wi))",
+        TRACER,
+        "power_heuristic(drawn.pdf, directions::pdf(settings.directions, bsdf, local.wo, wi))",
+        "power_heuristic(drawn.pdf, 0.5 * directions::pdf(settings.directions, bsdf, local.wo, wi))",
     ),
     mutant(
         "a place of an emitter gives the light of the whole",
@@ -71,13 +72,13 @@ const MUTANTS: [Mutant; 15] = [
         "0.0 * extent",
     ),
     mutant("rays end on the surface that they reach", LIGHTING, "p_error + seen_error", "p_error"),
-    mutant("branches are added, not averaged", WALK, "self.throughput * (1.0 / n as f32)", "self.throughput"),
-    mutant("survivors do not count more", WALK, "self.throughput *= 1.0 / chance;", ""),
+    mutant("branches are added, not averaged", TRACER, "path.state.beta *= 1.0 / n as f32;", ""),
+    mutant("survivors do not count more", STEPS, "path.beta *= 1.0 / q;", ""),
     mutant(
         "shadows are forgotten",
-        WALK,
-        "let visible = self.scene().visibility(&shadow_ray, wavelengths, around.eta());",
-        "let visible = Spectrum::WHITE;",
+        STEPS,
+        "scene.visibility(segment, wavelengths, eta)",
+        "scene.visibility(segment, wavelengths, eta) * 0.0 + Spectrum::WHITE",
     ),
     mutant(
         "lights stay where they were when the shutter opened",
@@ -94,8 +95,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "joined paths count in full",
         CONNECT,
-        "weight: weight(light_side, camera_side)",
-        "weight: weight(0.0 * light_side, 0.0 * camera_side)",
+        "distance2.recip(),\n            weight: mis_weight(w_light, w_camera)",
+        "distance2.recip(),\n            weight: mis_weight(0.0 * w_light, 0.0 * w_camera)",
     ),
 ];
 

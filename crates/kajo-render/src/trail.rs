@@ -1,6 +1,6 @@
 //! What becomes of one camera ray: every ray that follows from it, what that met, and the light it found.
 //!
-//! Integrators tell a `Witness` what they do. Where pictures are made that is `Counting`, which counts rays
+//! Integrators tell a `PathObserver` what they do. Where pictures are made that is `Counting`, which counts rays
 //! and lets everything else be compiled away; a [`Trail`] keeps it all. The same code runs in both cases, and
 //!
 //! ```text
@@ -107,9 +107,9 @@ pub struct Segment {
 }
 
 /// Who is told of the rays of a sample.
-pub(crate) trait Witness: Default {
+pub(crate) trait PathObserver: Default {
     /// A place in the tree of rays.
-    type Mark: Copy;
+    type Mark: Copy + 'static;
 
     /// The counters of rays.
     fn counters(&mut self) -> &mut RayCounters;
@@ -191,7 +191,7 @@ impl<'a> Counting<'a> {
     }
 }
 
-impl Witness for Counting<'_> {
+impl PathObserver for Counting<'_> {
     type Mark = ();
 
     #[inline]
@@ -297,7 +297,7 @@ impl Trail {
     }
 }
 
-impl Witness for Trail {
+impl PathObserver for Trail {
     type Mark = Place;
 
     fn counters(&mut self) -> &mut RayCounters {

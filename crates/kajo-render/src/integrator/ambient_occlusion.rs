@@ -10,23 +10,24 @@
 use kajo_color::Wavelengths;
 use kajo_core::RayOffset;
 use kajo_core::camera::Camera;
-use kajo_core::scene::{Event, Scene};
+use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Frame, Vec2, warp};
 
-use super::view::View;
-use crate::trail::{About, Counting, RayKind, Witness};
+use super::camera_view::CameraView;
+use super::transport::connect;
+use crate::trail::{About, Counting, PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 
 /// The ambient occlusion integrator over one scene and one picture size.
 pub struct AmbientOcclusion<'a> {
-    view: View<'a>,
+    view: CameraView<'a>,
     reach: f32,
 }
 
 impl<'a> AmbientOcclusion<'a> {
     /// * `reach`: distance beyond which nothing hides the light; may be infinite
     pub fn new(scene: &'a Scene, reach: f32, size: [u32; 2], layers: LayerSet) -> AmbientOcclusion<'a> {
-        AmbientOcclusion { view: View::new(scene, size, layers), reach }
+        AmbientOcclusion { view: CameraView::new(scene, size, layers), reach }
     }
 
     /// The same through another camera than the scene's.
@@ -36,28 +37,39 @@ impl<'a> AmbientOcclusion<'a> {
 }
 
 impl AmbientOcclusion<'_> {
-    fn cast<W: Witness>(&self, ctx: &mut SampleContext<'_>, raster: Vec2, witness: &mut W) -> PixelSample {
+    fn cast<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
         let mut draws = ctx.draws;
         let scene = self.view.scene;
         let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
         draws.skip(1); // There are no wavelengths.
-        witness.counters().camera += 1;
-        let end = scene.trace(&ray);
+        observer.counters().camera += 1;
+        let mut at = Interaction::default();
+        let meets = scene.trace_into(None, &ray, &mut at);
         let about = || About { eta: 1.0, weight: [1.0; 3], light: None };
-        witness.ended(scene, &ray, end.surface(), about);
-        let Event::Surface(at) = end else {
-            witness.found(|| [1.0; 3]);
+        observer.ended(scene, &ray, meets.then_some(&at), about);
+        if !meets {
+            observer.found(|| [1.0; 3]);
             ctx.aux.lights[0] = [1.0; 3];
             return PixelSample { radiance: [1.0; 3], first: None };
-        };
-        let towards_viewer = if ray.d.dot(at.point.n) > 0.0 { -at.point.n } else { at.point.n };
-        let wi = Frame::from_normal(towards_viewer).to_world(warp::cosine_hemisphere(draws.next_2d()));
-        witness.counters().shadow += 1;
+        }
+        let wo = -ray.d;
+        let n = if wo.dot(at.point.n) < 0.0 { -at.point.n } else { at.point.n };
+        let wi = Frame::from_normal(n).to_world(warp::cosine_hemisphere(draws.next_2d()));
+        let segment = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
         // Below the true surface of a shading normal there is only that surface.
-        let below = wi.dot(at.point.ng) * ray.d.dot(at.point.ng) > 0.0;
-        let shadow = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
-        let open = if below { 0.0 } else { scene.visibility(&shadow, &Wavelengths::RGB, 1.0).luminance() };
-        witness.joined(RayKind::Shadow, scene, &shadow, about, || [open; 3]);
+        let below = wi.dot(at.point.ng) * wo.dot(at.point.ng) < 0.0;
+        let open = if below {
+            observer.counters().shadow += 1;
+            0.0
+        } else {
+            connect(scene, &segment, &Wavelengths::RGB, 1.0, observer).luminance()
+        };
+        observer.joined(RayKind::Shadow, scene, &segment, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];
         PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at, &mut ctx.aux)) }
     }

@@ -24,9 +24,9 @@ use kajo_core::settings::{ShadowAttenuation, Shadows};
 use kajo_core::{ItemBuffer, RayOffset};
 use kajo_math::{Ray, Vec2, Vec3};
 
+use super::camera_view::CameraView;
 use super::shadow;
-use super::view::View;
-use crate::trail::{About, Counting, RayKind, Witness};
+use crate::trail::{About, Counting, PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext, Trail};
 
 /// The most mirror and refracted rays in a row that may be asked for.
@@ -61,7 +61,7 @@ pub struct ClassicSettings {
 pub struct Classic<'a> {
     scene: &'a Scene,
     settings: ClassicSettings,
-    view: View<'a>,
+    view: CameraView<'a>,
     /// What camera rays may meet.
     camera_items: Option<ItemBuffer>,
     /// Who gives light, with the factor of it.
@@ -128,15 +128,15 @@ impl<'a> Classic<'a> {
             Shadows::Opaque | Shadows::Transparent => LIGHTS_WITH_ITEMS,
         };
         let light_items = emitters.iter().take(hidden).map(|&(id, _)| items(scene.lights.apex(id))).collect();
-        let view = View::new(scene, size, layers).through(camera);
+        let view = CameraView::new(scene, size, layers).through(camera);
         Classic { scene, settings, view, camera_items, emitters, light_items }
     }
 
     /// Light along a ray that leaves the surface at `from`.
-    fn li(&self, ray: Ray, from: &Interaction, path: Path, witness: &mut impl Witness) -> Spectrum {
+    fn li(&self, ray: Ray, from: &Interaction, path: Path, observer: &mut impl PathObserver) -> Spectrum {
         let mut at = *from;
         let meets = self.follow(&ray, &mut at);
-        self.li_from(ray, meets.then_some(&mut at), path, witness)
+        self.li_from(ray, meets.then_some(&mut at), path, observer)
     }
 
     /// Writes where a ray ends that leaves the surface at `at`; `false` where it meets nothing.
@@ -154,18 +154,18 @@ impl<'a> Classic<'a> {
         mut ray: Ray,
         mut end: Option<&mut Interaction>,
         mut path: Path,
-        witness: &mut impl Witness,
+        observer: &mut impl PathObserver,
     ) -> Spectrum {
         let mut light = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
         // Where only one branch goes on, it goes on in this loop; the other branch of a fork is a call.
         loop {
             let about = || About { eta: path.eta, weight: throughput.to_rgb(), light: None };
-            witness.ended(self.scene, &ray, end.as_deref(), about);
+            observer.ended(self.scene, &ray, end.as_deref(), about);
             let Some(at) = end else {
                 let behind = self.scene.background.color(ray.d);
                 let arriving = throughput * self.through_fog(&ray, f32::INFINITY, &path, behind);
-                witness.found(|| arriving.to_rgb());
+                observer.found(|| arriving.to_rgb());
                 return light + arriving;
             };
             let Scene { materials, textures, .. } = self.scene;
@@ -183,12 +183,12 @@ impl<'a> Classic<'a> {
                 at.point.n = shading.normal(-ray.d);
             }
             let carried = || (path.eta, throughput * self.fog_factor(&ray, at.hit.t, &path));
-            let mut local = self.shade(&ray, at, phong, witness, carried);
+            let mut local = self.shade(&ray, at, phong, observer, carried);
             let glow = self.scene.glow(at, ray.d, &Wavelengths::RGB).map(|glow| glow.radiance);
             if let Some(glow) = glow {
                 local += glow;
             }
-            witness.found(|| {
+            observer.found(|| {
                 let own = self.scene.ambient * phong.ambient + glow.unwrap_or(Spectrum::BLACK);
                 (throughput * self.through_fog(&ray, at.hit.t, &path, own)).to_rgb()
             });
@@ -201,24 +201,24 @@ impl<'a> Classic<'a> {
             let branch = match (mirrored, refracted) {
                 (None, None) => return light,
                 (Some(branch), None) => {
-                    witness.counters().reflected += 1;
-                    witness.next(RayKind::Reflected);
+                    observer.counters().reflected += 1;
+                    observer.next(RayKind::Reflected);
                     branch
                 }
                 (mirrored, Some(mut refracted)) => {
                     if let Some(mut mirrored) = mirrored {
                         if path.paths_left < 2 {
-                            witness.counters().left_out += 1;
-                        } else if witness.interrupted() {
+                            observer.counters().left_out += 1;
+                        } else if observer.interrupted() {
                             return light;
                         } else {
                             mirrored.path.paths_left = path.paths_left / 2;
                             refracted.path.paths_left = path.paths_left - mirrored.path.paths_left;
-                            light += self.fork(mirrored, at, throughput, witness);
+                            light += self.fork(mirrored, at, throughput, observer);
                         }
                     }
-                    witness.counters().refracted += 1;
-                    witness.next(RayKind::Transmitted);
+                    observer.counters().refracted += 1;
+                    observer.next(RayKind::Transmitted);
                     refracted
                 }
             };
@@ -233,15 +233,15 @@ impl<'a> Classic<'a> {
         mirrored: Branch,
         at: &Interaction,
         throughput: Spectrum,
-        witness: &mut impl Witness,
+        observer: &mut impl PathObserver,
     ) -> Spectrum {
         let weight = throughput * mirrored.factor;
-        witness.counters().reflected += 1;
-        witness.next(RayKind::Reflected);
-        let here = witness.mark();
-        witness.weaken(|| weight.to_rgb());
-        let seen = self.li(mirrored.ray, at, mirrored.path, witness);
-        witness.back_to(here);
+        observer.counters().reflected += 1;
+        observer.next(RayKind::Reflected);
+        let here = observer.mark();
+        observer.weaken(|| weight.to_rgb());
+        let seen = self.li(mirrored.ray, at, mirrored.path, observer);
+        observer.back_to(here);
         weight * seen
     }
 
@@ -253,7 +253,7 @@ impl<'a> Classic<'a> {
         ray: &Ray,
         at: &Interaction,
         phong: &Phong,
-        witness: &mut impl Witness,
+        observer: &mut impl PathObserver,
         carried: impl Fn() -> (f32, Spectrum),
     ) -> Spectrum {
         let mut light = self.scene.ambient * phong.ambient;
@@ -269,13 +269,13 @@ impl<'a> Classic<'a> {
             let shaded = phong.shade(n, wo, wi, intensity * factor, self.settings.highlight);
             if !shaded.is_black() {
                 let shadow_ray = at.point.ray_towards(wi, distance, ray.time, self.settings.ray_offset);
-                let arriving = shaded * self.visibility(number, &shadow_ray, witness.counters());
+                let arriving = shaded * self.visibility(number, &shadow_ray, observer.counters());
                 let about = || {
                     let (eta, weight) = carried();
                     let white = phong.shade(n, wo, wi, Spectrum::WHITE, self.settings.highlight);
                     About { eta, weight: (weight * white).to_rgb(), light: Some(id) }
                 };
-                witness.joined(RayKind::Shadow, self.scene, &shadow_ray, about, || {
+                observer.joined(RayKind::Shadow, self.scene, &shadow_ray, about, || {
                     (carried().1 * arriving).to_rgb()
                 });
                 light += arriving;
@@ -415,10 +415,10 @@ impl Classic<'_> {
         ctx: &mut SampleContext<'_>,
         pixel: [u32; 2],
         raster: Vec2,
-        witness: &mut impl Witness,
+        observer: &mut impl PathObserver,
     ) -> PixelSample {
         let Some(ray) = self.view.ray(raster, &mut ctx.draws) else { return PixelSample::default() };
-        witness.counters().camera += 1;
+        observer.counters().camera += 1;
         let path = Path {
             bounces_left: self.settings.bounces,
             paths_left: MOST_PATHS,
@@ -432,10 +432,10 @@ impl Classic<'_> {
         if meets && self.view.wants_albedo() {
             ctx.aux.albedo = self.albedo(&at);
         }
-        let mut light = self.li_from(ray, meets.then_some(&mut at), path, witness);
+        let mut light = self.li_from(ray, meets.then_some(&mut at), path, observer);
         if self.settings.uv {
             light = self.uv_picture(pixel);
-            witness.shown_instead(|| light.to_rgb());
+            observer.shown_instead(|| light.to_rgb());
         }
         // Groups of lights are not told apart.
         ctx.aux.lights[0] = light.to_rgb();

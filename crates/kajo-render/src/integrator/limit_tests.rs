@@ -11,7 +11,7 @@ use kajo_math::Vec2;
 use kajo_scene::MemoryAssets;
 
 use super::tests::{plain, scene_with};
-use super::walk::MOST_SURFACES;
+use super::transport::steps::MOST_SURFACES;
 use super::{Bidirectional, BidirectionalSettings, Classic, ClassicSettings, Path, PathSettings};
 use crate::{
     Film, FilmSpec, LayerSet, PixelIntegrator, Progress, RayCounters, RenderError, RenderSettings,

@@ -2,12 +2,11 @@
 
 pub mod ambient_occlusion;
 pub mod bidir;
-mod bodies;
+mod camera_view;
 pub mod classic;
 pub mod path;
 mod shadow;
-mod view;
-mod walk;
+mod transport;
 
 pub use ambient_occlusion::AmbientOcclusion;
 pub use bidir::{Bidirectional, BidirectionalSettings};

@@ -3,36 +3,51 @@
 //! The radiance along a camera ray is the integral over all paths `x0 x1 ... xn` from the camera to a light,
 //!
 //! ```text
-//! L = sum over n of  Le(xn) prod over k of  f(xk) |cos| / p
+//! L = sum over n of the integral of  Le(xn) product over k of f(xk) |cos k| T(xk, xk+1)  over directions dw1 .. dwn
 //! ```
 //!
-//! estimated by one path that is prolonged by the surfaces' own scattering. At every surface the light of one emitter is
+//! estimated by one path that is prolonged by the surfaces' own scattering, each direction with a density `p` per solid
+//! angle. The throughput is the product so far,
+//!
+//! ```text
+//! beta <- beta f |cos| / p
+//! ```
+//!
+//! and all light that the path meets is added with it. At every surface the light of one light is
 //! added as well, drawn by what it may contribute. A light that is met by chance and one that was drawn are two
 //! estimates of the same light; each counts with the weight `p^2 / (p^2 + q^2)` of its density against the other's
 //! [Veach and Guibas 1995]. Paths that carry little end at random, and the survivors count more [Arvo and
 //! Kirk 1990].
 //!
+//! Distribution ray tracing follows several paths on from the first surface that is no mirror. Such a vertex is an entry in a
+//! list of what remains to be followed, so a path of any depth takes no more stack than one of none.
+//!
 //! In spectral mode the path carries four wavelengths; where its direction comes to depend on the first of them
 //! the others end.
 
-use std::cell::Cell;
+mod directions;
+mod tracer;
+
+use std::mem;
 
 use kajo_color::Spectrum;
+use kajo_core::bsdf::Transport;
 use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{Directions, Technique};
 use kajo_math::Vec2;
 
-use super::view::{View, in_white_light};
-use super::walk::{LightGroups, Walk};
-use crate::trail::{Counting, Witness};
+use super::camera_view::{CameraView, in_white_light};
+use super::transport::PathState;
+use crate::trail::{Counting, PathObserver};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
+use tracer::{CameraPath, Fork, PathTracer};
 
 /// Options of [`Path`].
 #[derive(Clone, Copy, Debug)]
 pub struct PathSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what emitters light themselves.
+    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
     pub bounces: u32,
     /// Mirrors and clear boundaries that a path may meet before any other surface without a bounce being counted.
     pub free_mirrors: u32,
@@ -71,14 +86,14 @@ impl Default for PathSettings {
 
 /// The path tracer over one scene and one picture size.
 pub struct Path<'a> {
-    view: View<'a>,
+    view: CameraView<'a>,
     settings: PathSettings,
 }
 
 impl<'a> Path<'a> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub fn new(scene: &'a Scene, settings: PathSettings, size: [u32; 2], layers: LayerSet) -> Path<'a> {
-        Path { view: View::new(scene, size, layers).spectral(settings.spectral), settings }
+        Path { view: CameraView::new(scene, size, layers).spectral(settings.spectral), settings }
     }
 
     /// The same through another camera than the scene's.
@@ -87,38 +102,69 @@ impl<'a> Path<'a> {
     }
 }
 
-impl Path<'_> {
-    fn cast<W: Witness>(&self, ctx: &mut SampleContext<'_>, raster: Vec2, witness: W) -> (PixelSample, W) {
-        let mut draws = ctx.draws;
-        let Some(ray) = self.view.ray(raster, &mut draws) else { return (PixelSample::default(), witness) };
-        let wavelengths = self.view.wavelengths(&mut draws);
-        let groups = LightGroups::default();
-        let wanted = self.view.wants_light_groups().then_some(&groups);
-        let mut walk = Walk::new(&self.view, &self.settings, ray, wavelengths, draws, witness);
-        walk.tell_groups_apart(wanted);
-        walk.witness.counters().camera += 1;
-        walk.run();
-        let (radiance, first, albedo) = (walk.finished(), walk.first, walk.albedo);
-        if self.view.wants_albedo() {
-            ctx.aux.albedo = in_white_light(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
-        }
-        if wanted.is_some() {
-            ctx.aux.lights = groups.each_ref().map(Cell::get);
-        }
-        let first = first.map(|at| self.view.first_hit(&at, &mut ctx.aux));
-        (PixelSample { radiance, first }, walk.witness)
+/// Room for forks, kept from sample to sample.
+struct ForkRoom<M>(Vec<Fork<'static, M>>);
+
+impl<M> Default for ForkRoom<M> {
+    fn default() -> ForkRoom<M> {
+        ForkRoom(Vec::new())
     }
+}
+
+impl Path<'_> {
+    fn cast<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
+        let mut draws = ctx.draws;
+        let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
+        let wavelengths = self.view.wavelengths(&mut draws);
+        let media = self.view.media_around(&ray, &wavelengths);
+        let carried = (wavelengths, Spectrum::WHITE);
+        let state = PathState::new(ray, carried, Transport::Radiance, media, draws);
+        observer.counters().camera += 1;
+        let forks = self.forks().then(|| mem::take(&mut ctx.scratch.get::<ForkRoom<O::Mark>>().0));
+        let forks = forks.map_or_else(Vec::new, emptied);
+        let mut tracer = PathTracer::new(&self.view, &self.settings, observer, forks);
+        let (radiance, found) = tracer.run(CameraPath::new(state, &self.settings));
+        if self.view.wants_albedo() {
+            ctx.aux.albedo = in_white_light(found.albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
+        }
+        if let Some(groups) = found.groups {
+            ctx.aux.lights = groups;
+        }
+        let first = found.first.as_ref().map(|at| self.view.first_hit(at, &mut ctx.aux));
+        if self.forks() {
+            ctx.scratch.get::<ForkRoom<O::Mark>>().0 = emptied(tracer.into_forks());
+        }
+        PixelSample { radiance, first }
+    }
+
+    /// Whether paths ever fork.
+    fn forks(&self) -> bool {
+        self.settings.branches > 1 || self.settings.directions != Directions::Scattering
+    }
+}
+
+/// An empty list, with the memory of another where its values have the same size.
+fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
+    list.clear();
+    list.into_iter().filter_map(|_| None).collect()
 }
 
 impl PixelIntegrator for Path<'_> {
     fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let (sample, counting) = self.cast(ctx, raster, Counting::new(ctx));
+        let mut counting = Counting::new(ctx);
+        let sample = self.cast(ctx, raster, &mut counting);
         ctx.rays = counting.rays;
         sample
     }
 
     fn trail(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
-        self.cast(ctx, raster, Trail::default())
+        let mut trail = Trail::default();
+        (self.cast(ctx, raster, &mut trail), trail)
     }
 }
 

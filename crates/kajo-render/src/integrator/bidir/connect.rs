@@ -1,16 +1,28 @@
 //! The ends of paths, and what joins them.
+//!
+//! Each of the estimates here is that of one way to find a path, with `s` of its vertices from the light's path and `t` from
+//! the camera's. With the throughputs `beta` of both ends, what is summed over paths of vertices per area is
+//!
+//! ```text
+//! s = 0           beta_z Le(z -> back)                                       a light that the camera's path meets
+//! s = 1           beta_z f_z |cos| Le T V / q(wi)                            a light drawn for z, q per solid angle
+//! s > 1, t > 1    beta_y f_y f_z |cos cos'| / d^2 T V beta_z                 two vertices y, z that see each other
+//! t = 1           beta_y f_y |cos| We T V / p(lens)                          a vertex y that the lens sees
+//! ```
+//!
+//! times the weight of the way among all others. `T` is the transmittance of the medium, `V` that of holes and panes.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::light::{EmissionPdf, LightSample, Target};
-use kajo_core::sampler::Draws;
 use kajo_core::scene::Interaction;
 use kajo_math::{Ray, Vec2, Vec3};
 
-use super::rivals::{Rivals, square, weight};
+use super::partial_mis::{PartialMis, mis_weight, square};
+use super::subpath::Subpath;
 use super::vertex::Vertex;
-use super::walk::Walk;
-use super::{Bidirectional, Found};
-use crate::trail::{About, RayKind, Witness};
+use super::{Bidirectional, Contribution};
+use crate::integrator::transport::{PathState, connect, sample_light};
+use crate::trail::{About, PathObserver, RayKind};
 
 /// Densities of the light's end of a path and of the way to the next point, the geometry there left out. Of a light
 /// infinitely far away the direction is its end.
@@ -34,80 +46,94 @@ pub fn spread(end: &Target, w: Vec3, distance2: f32) -> f32 {
     }
 }
 
+/// What a segment that joins two vertices is to be told about.
+struct Join<'a> {
+    kind: RayKind,
+    segment: &'a Ray,
+    /// What light from its far end is multiplied by.
+    carried: Spectrum,
+    /// The light that it is cast to.
+    light: Option<u32>,
+}
+
 impl Bidirectional<'_> {
-    /// `s = 0`: the glow of a surface that the camera's path meets.
+    /// `s = 0`: the emission of a surface that the camera's path meets, `beta Le w`.
     ///
-    /// * `from`: the point before, `None` where that is the lens
-    pub(super) fn meet(
+    /// * `from`: the vertex before, `None` where that is the lens
+    pub(super) fn met_emission(
         &self,
-        walk: &Walk<'_, '_, impl Witness>,
+        path: &Subpath<'_>,
         at: &Interaction,
+        wo: Vec3,
         from: Option<&Vertex>,
-    ) -> Option<Found> {
-        let glow = self.scene().glow(at, walk.ray.d, &walk.wavelengths)?;
+    ) -> Option<Contribution> {
+        let emitted = self.scene().glow(at, -wo, &path.state.wavelengths)?;
         let weight = from.map_or(1.0, |from| {
-            let (p, n, wi) = (at.point.p, at.point.ng, walk.ray.d);
-            let cosine = n.dot(wi).abs();
-            let drawn = self.light_pdf(glow.emitter(), (from, walk.ray.time), [p, n], wi) * cosine
+            let (p, n) = (at.point.p, at.point.ng);
+            let cosine = n.dot(wo).abs();
+            let pdf_li = self.pdf_li(emitted.emitter(), (from, at.time), [p, n], -wo) * cosine
                 / p.distance_squared(from.at.p);
-            let (end, rest) = self.emission_parts((glow.emitter(), walk.ray.time), [p, n], -wi, false);
-            weight_of_chance(&walk.rivals(p, cosine), drawn, end, rest)
+            let pdf_le = self.pdf_le((emitted.emitter(), at.time), [p, n], wo, false);
+            mis_weight_of_met(&path.mis_at(p, cosine), pdf_li, pdf_le)
         });
-        Some(walk.found(glow.radiance, glow.group, weight))
+        Some(path.met(emitted.radiance, emitted.group, weight))
     }
 
     /// `s = 0`: hands the light to `found` of the background and of the discs in the sky that the camera's path comes to.
-    pub(super) fn leave(
+    ///
+    /// * `d`: unit direction in which it leaves the scene
+    pub(super) fn met_background(
         &self,
-        walk: &Walk<'_, '_, impl Witness>,
+        path: &Subpath<'_>,
+        d: Vec3,
         from: Option<&Vertex>,
-        mut found: impl FnMut(Found),
+        mut found: impl FnMut(Contribution),
     ) {
         let scene = self.scene();
-        let wi = walk.ray.d;
+        let PathState { ray, wavelengths, .. } = &path.state;
         let mut meet = |radiance: Spectrum, group: u8, light: Option<u32>| {
             let weight = from.zip(light).map_or(1.0, |(from, light)| {
-                let drawn = self.light_pdf(light, (from, walk.ray.time), [Vec3::ZERO; 2], wi);
-                let place = [from.at.p, Vec3::ZERO];
-                let (end, rest) = self.emission_parts((light, walk.ray.time), place, -wi, true);
-                weight_of_chance(&walk.rivals_at_infinity(), drawn, end, rest)
+                let pdf_li = self.pdf_li(light, (from, ray.time), [Vec3::ZERO; 2], d);
+                let pdf_le = self.pdf_le((light, ray.time), [from.at.p, Vec3::ZERO], -d, true);
+                mis_weight_of_met(&path.mis_at_infinity(), pdf_li, pdf_le)
             });
-            found(walk.found(radiance, group, weight));
+            found(path.met(radiance, group, weight));
         };
-        let radiance = scene.background.radiance(wi, &walk.wavelengths);
+        let radiance = scene.background.radiance(d, wavelengths);
         if !radiance.is_black() {
             meet(radiance, scene.emitters.sky_group(), scene.emitters.sky());
         }
-        for sun in scene.suns(wi, &walk.wavelengths) {
+        for sun in scene.suns(d, wavelengths) {
             meet(sun.radiance, sun.group, Some(sun.light));
         }
     }
 
-    /// `s = 1`: a light drawn for a point of the camera's path.
-    pub(super) fn light(
+    /// `s = 1`: a light drawn for a vertex of the camera's path.
+    pub(super) fn direct_light(
         &self,
-        witness: &mut impl Witness,
-        draws: &mut Draws<'_>,
+        path: &mut PathState<'_>,
         z: &Vertex,
-        (wavelengths, time): (&Wavelengths, f32),
         t: u32,
-    ) -> Option<Found> {
+        observer: &mut impl PathObserver,
+    ) -> Option<Contribution> {
         let scene = self.scene();
-        let u = draws.number_if(scene.emitters.len() > 1);
-        let place = draws.next_2d();
-        let choice = self.settings.light_choice;
-        let sample = scene.light_towards(&z.receiver(time), u, place, wavelengths, choice)?;
+        let time = path.ray.time;
+        let sample = sample_light(scene, path, &z.receiver(time), self.settings.light_choice)?;
         let LightSample { wi, radiance, pdf, is_delta, target, light } = sample;
         let scattered = z.gathered(wi);
-        if radiance.is_black() || scattered.is_black() {
+        if scattered.is_black() {
             return None;
         }
-        witness.counters().shadow += 1;
-        let shadow_ray = z.at.ray_to_light(&sample, time);
-        let carried = (z.beta * scattered, wavelengths);
-        let visible = scene.visibility(&shadow_ray, wavelengths, z.eta(wi));
+        let segment = z.at.ray_to_light(&sample, time);
+        let join = Join {
+            kind: RayKind::Shadow,
+            segment: &segment,
+            carried: z.beta * scattered,
+            light: Some(light),
+        };
+        let visible = connect(scene, &segment, &path.wavelengths, z.eta(wi), observer);
         if visible.is_black() {
-            self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(light), None);
+            self.tell(observer, &join, &path.wavelengths, None);
             return None;
         }
         let (p, distance) = match target {
@@ -115,32 +141,32 @@ impl Bidirectional<'_> {
             Target::Infinity => (z.at.p, f32::INFINITY),
         };
         let is_infinite = distance.is_infinite();
-        let (end, rest) = self.emission_parts((light, time), [p, normal(&target)], -wi, is_infinite);
+        let (end, rest) = self.pdf_le((light, time), [p, normal(&target)], -wi, is_infinite);
         let thinning = if is_infinite { 1.0 } else { 1.0 / (distance * distance) };
-        let drawn = pdf * spread(&target, wi, distance * distance);
-        let met = if is_delta { 0.0 } else { square(z.pdf(z.back, wi) / pdf) };
-        let before = square(end / drawn) * z.rivals.sum(rest * z.cosine(wi) * thinning, z.pdf(wi, z.back));
-        let found = Found {
+        let pdf_li = pdf * spread(&target, wi, distance * distance);
+        // [Georgiev 2012, eq. 44 and 45]
+        let w_light = if is_delta { 0.0 } else { square(z.pdf(z.wo, wi) / pdf) };
+        let w_camera = square(end / pdf_li) * z.mis.weighed(rest * z.cosine(wi) * thinning, z.pdf(wi, z.wo));
+        let found = Contribution {
             way: [1, t],
             light: z.beta * scattered * radiance * z.transmittance(wi, distance) * visible * pdf.recip(),
-            weight: weight(met, before),
+            weight: mis_weight(w_light, w_camera),
             is_single: z.is_single,
             group: scene.emitters.group(light),
             raster: None,
         };
-        self.tell(witness, RayKind::Shadow, &shadow_ray, carried, Some(light), Some(&found));
+        self.tell(observer, &join, &path.wavelengths, Some(&found));
         Some(found)
     }
 
-    /// `s > 1, t > 1`: two points that see each other.
+    /// `s > 1, t > 1`: two vertices that see each other.
     pub(super) fn join(
         &self,
-        witness: &mut impl Witness,
-        y: &Vertex,
-        z: &Vertex,
+        [y, z]: [&Vertex; 2],
         way: [u32; 2],
         (wavelengths, time): (&Wavelengths, f32),
-    ) -> Option<Found> {
+        observer: &mut impl PathObserver,
+    ) -> Option<Contribution> {
         let distance2 = y.at.p.distance_squared(z.at.p);
         if y.bsdf.is_delta() || distance2 == 0.0 {
             return None;
@@ -151,42 +177,43 @@ impl Bidirectional<'_> {
         if scattered.is_black() {
             return None;
         }
-        witness.counters().shadow += 1;
         let target = Target::Surface { p: y.at.p, p_error: y.at.p_error, n: y.at.ng };
-        let way_there = z.at.ray_to(&target, wi, time);
-        let carried = (z.beta * scattered, wavelengths);
-        let visible = self.scene().visibility(&way_there, wavelengths, z.eta(wi));
+        let segment = z.at.ray_to(&target, wi, time);
+        let carried = z.beta * scattered;
+        let join = Join { kind: RayKind::Connection, segment: &segment, carried, light: None };
+        let visible = connect(self.scene(), &segment, wavelengths, z.eta(wi), observer);
         if visible.is_black() {
-            self.tell(witness, RayKind::Connection, &way_there, carried, None, None);
+            self.tell(observer, &join, wavelengths, None);
             return None;
         }
-        let by_camera = z.pdf(z.back, wi) * y.cosine(wi) / distance2;
-        let by_light = y.pdf(y.back, -wi) * z.cosine(wi) / distance2;
-        let light_side = y.rivals.sum(by_camera, y.pdf(-wi, y.back));
-        let camera_side = z.rivals.sum(by_light, z.pdf(wi, z.back));
-        let found = Found {
+        let by_camera = z.pdf(z.wo, wi) * y.cosine(wi) / distance2;
+        let by_light = y.pdf(y.wo, -wi) * z.cosine(wi) / distance2;
+        // [Georgiev 2012, eq. 40 and 41]
+        let w_light = y.mis.weighed(by_camera, y.pdf(-wi, y.wo));
+        let w_camera = z.mis.weighed(by_light, z.pdf(wi, z.wo));
+        let found = Contribution {
             way,
             light: y.beta * scattered * z.beta * z.transmittance(wi, distance) * visible * distance2.recip(),
-            weight: weight(light_side, camera_side),
+            weight: mis_weight(w_light, w_camera),
             is_single: y.is_single || z.is_single,
             group: y.group,
             raster: None,
         };
-        self.tell(witness, RayKind::Connection, &way_there, carried, None, Some(&found));
+        self.tell(observer, &join, wavelengths, Some(&found));
         Some(found)
     }
 
-    /// `t = 1`: a point of the light's path that the camera sees.
+    /// `t = 1`: a vertex of the light's path that the camera sees.
     ///
     /// * `lens`: uniform in [0, 1)²
-    pub(super) fn see(
+    pub(super) fn splat(
         &self,
-        witness: &mut impl Witness,
         y: &Vertex,
         way: [u32; 2],
         lens: Vec2,
         (wavelengths, time): (&Wavelengths, f32),
-    ) -> Option<Found> {
+        observer: &mut impl PathObserver,
+    ) -> Option<Contribution> {
         if y.bsdf.is_delta() {
             return None;
         }
@@ -195,72 +222,64 @@ impl Bidirectional<'_> {
         if scattered.is_black() {
             return None;
         }
-        witness.counters().shadow += 1;
         let is_parallel = to.distance.is_infinite();
         let target = if is_parallel { Target::Infinity } else { Target::Point(y.at.p + to.distance * to.wi) };
-        let way_there = y.at.ray_to(&target, to.wi, time);
-        self.tell(witness, RayKind::Splat, &way_there, (y.beta * scattered, wavelengths), None, None);
-        let visible = self.scene().visibility(&way_there, wavelengths, y.eta(to.wi));
+        let segment = y.at.ray_to(&target, to.wi, time);
+        let carried = y.beta * scattered;
+        let join = Join { kind: RayKind::Splat, segment: &segment, carried, light: None };
+        self.tell(observer, &join, wavelengths, None);
+        let visible = connect(self.scene(), &segment, wavelengths, y.eta(to.wi), observer);
         if visible.is_black() {
             return None;
         }
-        let rivals = || y.rivals.sum(to.pdf_across * y.cosine(to.wi), y.pdf(to.wi, y.back));
-        Some(Found {
+        // [Georgiev 2012, eq. 46 and 47]
+        let w_light = || y.mis.weighed(to.pdf_across * y.cosine(to.wi), y.pdf(to.wi, y.wo));
+        Some(Contribution {
             way,
-            light: y.beta * scattered * y.transmittance(to.wi, to.distance) * visible * (to.we / to.pdf),
-            weight: if self.settings.only_from_lights { 1.0 } else { weight(rivals(), 0.0) },
+            light: carried * y.transmittance(to.wi, to.distance) * visible * (to.we / to.pdf),
+            weight: if self.settings.only_from_lights { 1.0 } else { mis_weight(w_light(), 0.0) },
             is_single: y.is_single,
             group: y.group,
             raster: Some(raster),
         })
     }
 
-    /// Tells of a ray that joins two points.
+    /// Tells of a segment that joins two vertices.
     ///
-    /// * `carried`: what light from its far end is multiplied by
-    /// * `emitter`: the light that it is cast to
     /// * `found`: what it adds to the sample
     fn tell(
         &self,
-        witness: &mut impl Witness,
-        kind: RayKind,
-        ray: &Ray,
-        (carried, wavelengths): (Spectrum, &Wavelengths),
-        light: Option<u32>,
-        found: Option<&Found>,
+        observer: &mut impl PathObserver,
+        join: &Join<'_>,
+        wavelengths: &Wavelengths,
+        found: Option<&Contribution>,
     ) {
         let about = || About {
             eta: 1.0,
-            weight: sensor::to_rgb(carried, wavelengths),
-            light: light.map(|light| self.scene().emitters.id(light)),
+            weight: sensor::to_rgb(join.carried, wavelengths),
+            light: join.light.map(|light| self.scene().emitters.id(light)),
         };
         let light = || found.map_or([0.0; 3], |found| found.value(wavelengths));
-        witness.joined(kind, self.scene(), ray, about, light);
+        observer.joined(join.kind, self.scene(), join.segment, about, light);
     }
 
-    /// Density per solid angle with which [`Bidirectional::light`] draws an emitter and the way to a place of it.
-    fn light_pdf(&self, light: u32, (from, time): (&Vertex, f32), at: [Vec3; 2], wi: Vec3) -> f32 {
+    /// Density per solid angle with which [`Bidirectional::direct_light`] draws a light and the way to a place of it.
+    fn pdf_li(&self, light: u32, (from, time): (&Vertex, f32), at: [Vec3; 2], wi: Vec3) -> f32 {
         self.scene().light_pdf(light, &from.receiver(time), at, wi, self.settings.light_choice)
     }
 
-    /// [`parts`] of the light of an emitter along `d`, with the choice of the emitter.
-    fn emission_parts(
-        &self,
-        (light, time): (u32, f32),
-        at: [Vec3; 2],
-        d: Vec3,
-        is_infinite: bool,
-    ) -> (f32, f32) {
+    /// [`parts`] of the density with which a path from a light begins along `d`, with the choice of the light.
+    fn pdf_le(&self, (light, time): (u32, f32), at: [Vec3; 2], d: Vec3, is_infinite: bool) -> (f32, f32) {
         let pdf = self.scene().emission_pdf(&self.departures, light, time, at, d);
         let (end, rest) = parts(pdf, is_infinite);
         (end * self.departures.probability(light), rest)
     }
 }
 
-/// The weight of light that was met by chance.
+/// The weight of light that the camera's path met [Georgiev 2012, eq. 43].
 ///
-/// * `drawn`: density of the light's end of the path among lights drawn for a point
-/// * `end`, `rest`: densities of the end and of the way on among paths from lights
-fn weight_of_chance(rivals: &Rivals, drawn: f32, end: f32, rest: f32) -> f32 {
-    weight(0.0, square(drawn) * rivals.last + square(end) * square(rest) * rivals.earlier)
+/// * `pdf_li`: density per area of the light's end of the path among lights drawn for a vertex
+/// * `pdf_le`: densities of the end and of the way on among paths from lights
+fn mis_weight_of_met(mis: &PartialMis, pdf_li: f32, (end, rest): (f32, f32)) -> f32 {
+    mis_weight(0.0, square(pdf_li) * mis.d_vcm + square(end) * square(rest) * mis.d_vc)
 }

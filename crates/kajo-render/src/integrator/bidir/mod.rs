@@ -8,10 +8,10 @@
 //! s = 0           the path from the camera meets a light or leaves the scene
 //! s = 1           a point of the camera's path is lit by a light drawn for it
 //! s > 1, t > 1    two points are connected:  beta f G f' beta'
-//! t = 1           a point of the emitter's path is seen by the camera; its light is a splat
+//! t = 1           a point of the light's path is seen by the camera; its light is a splat
 //! ```
 //!
-//! What can be found in several ways counts with the weights of the power heuristic; see `rivals.rs`. Light on its way
+//! What can be found in several ways counts with the weights of the power heuristic; see `partial_mis.rs`. Light on its way
 //! through glass to a matt surface, a caustic, is left to `t = 1`, which is where path tracing has no good way.
 //!
 //! Light tracing [Arvo 1986], [Dutré, Lafortune and Willems 1993] is what remains when `t = 1` alone is used, with weight
@@ -19,35 +19,35 @@
 //! is not seen at all.
 
 mod connect;
-mod rivals;
+mod partial_mis;
+mod subpath;
 mod vertex;
-mod walk;
 
 use std::mem;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
-use kajo_core::bsdf::Transport;
+use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::camera::Camera;
-use kajo_core::light::{Departures, LightChoice, MAX_LIGHT_GROUPS};
+use kajo_core::light::{Departures, Emitted, LightChoice, MAX_LIGHT_GROUPS};
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
 
-use super::bodies::Bodies;
-use super::view::{View, in_white_light};
-use crate::trail::{Counting, RayKind, Witness};
+use super::camera_view::{CameraView, in_white_light};
+use super::transport::{Event, MediumStack, PathState, SurfaceInteraction, advance, pass_straight, shade};
+use crate::trail::{Counting, PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 use connect::{normal, parts, spread};
-use rivals::{Rivals, square};
+use partial_mis::{PartialMis, square};
+use subpath::{Departure, Subpath};
 use vertex::Vertex;
-use walk::{Step, Walk};
 
 /// Options of [`Bidirectional`].
 #[derive(Clone, Copy, Debug)]
 pub struct BidirectionalSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what emitters light themselves.
+    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
     pub bounces: u32,
-    /// Whether light is followed from emitters only.
+    /// Whether light is followed from lights only.
     pub only_from_lights: bool,
     /// How lights are chosen for a point.
     pub light_choice: LightChoice,
@@ -71,19 +71,19 @@ impl Default for BidirectionalSettings {
 
 /// The bidirectional path tracer over one scene and one picture size.
 pub struct Bidirectional<'a> {
-    view: View<'a>,
+    view: CameraView<'a>,
     settings: BidirectionalSettings,
     departures: Departures,
 }
 
-/// The points of a path from a light, kept from sample to sample.
+/// The vertices of a path from a light, kept from sample to sample.
 #[derive(Default)]
 struct LightPath(Vec<Vertex>);
 
-/// Light that was found.
+/// Light that was found in one way.
 #[derive(Clone, Copy, Debug)]
-struct Found {
-    /// Points drawn from the light and from the camera.
+struct Contribution {
+    /// Vertices drawn from the light and from the camera.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each way by itself"))]
     way: [u32; 2],
     /// Its estimate by this way alone.
@@ -92,13 +92,13 @@ struct Found {
     weight: f32,
     /// Whether only one wavelength is followed.
     is_single: bool,
-    /// The group of the light.
+    /// The light group.
     group: u8,
     /// Where it is seen; with the camera's ray where absent.
     raster: Option<Vec2>,
 }
 
-impl Found {
+impl Contribution {
     /// What it adds to the picture, linear RGB.
     fn value(&self, wavelengths: &Wavelengths) -> [f32; 3] {
         let mut wavelengths = *wavelengths;
@@ -111,10 +111,24 @@ impl Found {
 
 /// What the camera's ray has seen besides light.
 #[derive(Default)]
-struct Seen {
+struct VisibleSurface {
     first: Option<Interaction>,
     /// Linear RGB.
     albedo: Option<[f32; 3]>,
+}
+
+/// The path from the camera while it grows.
+struct CameraEnd<'a, 's> {
+    path: Subpath<'s>,
+    /// Where its ray ended.
+    surface: SurfaceInteraction,
+    /// The vertex before, where that is not the lens.
+    from: Option<Vertex>,
+    /// Vertices once the ray has ended, the lens included.
+    t: u32,
+    visible: VisibleSurface,
+    /// The camera's ray, and the wavelengths that the sample began with.
+    began: (&'a Ray, &'a Wavelengths),
 }
 
 impl<'a> Bidirectional<'a> {
@@ -126,7 +140,7 @@ impl<'a> Bidirectional<'a> {
         layers: LayerSet,
     ) -> Bidirectional<'a> {
         Bidirectional {
-            view: View::new(scene, size, layers).spectral(settings.spectral),
+            view: CameraView::new(scene, size, layers).spectral(settings.spectral),
             settings,
             departures: scene.departures(),
         }
@@ -141,208 +155,266 @@ impl<'a> Bidirectional<'a> {
         self.view.scene
     }
 
-    /// Whether points of the emitter's path are joined with the camera. The light of groups of emitters is recorded for each
-    /// sample's own pixel, so there all of it must come with the camera's ray.
+    /// Whether vertices of the light's path are joined with the camera. Light groups are recorded for each
+    /// sample's own pixel, so there all light must come with the camera's ray.
     fn connects(&self) -> bool {
         self.settings.only_from_lights || !self.view.wants_light_groups()
     }
 
-    /// Most points of a path, light and lens included.
+    /// Most vertices of a path, light and lens included.
     fn longest(&self) -> u32 {
         self.settings.bounces.saturating_add(3)
     }
 
     /// Hands all light that one sample finds to `found`.
-    fn estimate<W: Witness>(
+    fn estimate<O: PathObserver>(
         &self,
         mut draws: Draws<'_>,
-        witness: &mut W,
+        observer: &mut O,
         raster: Vec2,
-        path: &mut Vec<Vertex>,
-        found: &mut impl FnMut(Found, &Wavelengths),
-    ) -> Seen {
-        path.clear();
+        light_path: &mut Vec<Vertex>,
+        found: &mut impl FnMut(Contribution, &Wavelengths),
+    ) -> VisibleSurface {
+        light_path.clear();
         let from_light = draws.split(0, 0, 1);
-        let Some(ray) = self.view.ray(raster, &mut draws) else { return Seen::default() };
+        let Some(ray) = self.view.ray(raster, &mut draws) else { return VisibleSurface::default() };
         let wavelengths = self.view.wavelengths(&mut draws);
-        let root = witness.mark();
-        let mut from_light = self.follow_light(witness, path, from_light, ray.time, &wavelengths);
-        let seen = if self.connects() { &path[..] } else { &[] };
+        let root = observer.mark();
+        let mut from_light = self.follow_light(observer, light_path, from_light, ray.time, &wavelengths);
+        let seen = if self.connects() { &light_path[..] } else { &[] };
         for (s, y) in (2..).zip(seen) {
             let lens = from_light.pair_if(self.view.camera.has_lens());
-            witness.back_to_noted(s - 2);
-            if let Some(seen) = self.see(witness, y, [s, 1], lens, (&wavelengths, ray.time)) {
+            observer.back_to_noted(s - 2);
+            if let Some(seen) = self.splat(y, [s, 1], lens, (&wavelengths, ray.time), observer) {
                 found(seen, &wavelengths);
             }
         }
-        witness.back_to(root);
-        self.follow_view(witness, path, draws, ray, &wavelengths, found)
+        observer.back_to(root);
+        self.follow_camera(observer, light_path, (draws, ray), &wavelengths, found)
     }
 
-    /// Fills `path` with a path from a light.
-    fn follow_light<'b, W: Witness>(
+    /// Fills `vertices` with a path from a light. Returns the random numbers that are left.
+    ///
+    /// The path carries power: `beta` begins as `Le |cos| / (p_light p_place p_direction)`, and the power that arrives at a
+    /// surface is scattered on by `f |cos| / p`.
+    fn follow_light<'s, O: PathObserver>(
         &self,
-        witness: &mut W,
-        path: &mut Vec<Vertex>,
-        mut draws: Draws<'b>,
+        observer: &mut O,
+        vertices: &mut Vec<Vertex>,
+        mut draws: Draws<'s>,
         time: f32,
         wavelengths: &Wavelengths,
-    ) -> Draws<'b> {
-        let u = draws.number_if(self.scene().emitters.len() > 1);
-        let ways = [draws.next_2d(), draws.next_2d()];
+    ) -> Draws<'s> {
         let scene = self.scene();
-        let Some((emitted, emitter, chance)) = scene.emit(&self.departures, time, u, ways, wavelengths)
+        let u = draws.number_if(scene.emitters.len() > 1);
+        let places = [draws.next_2d(), draws.next_2d()];
+        let Some((emitted, light, chance)) = scene.emit(&self.departures, time, u, places, wavelengths)
         else {
             return draws;
         };
-        let (end, rest) = parts(emitted.pdf, emitted.is_infinite());
-        let end = chance * end;
-        let step = Step {
-            from: emitted.p,
-            pdf: rest,
-            is_parallel: emitted.is_infinite(),
-            cosine: emitted.cosine(),
-            back: 0.0,
-            rivals: Rivals { last: if emitted.is_delta { 0.0 } else { square(end).recip() }, earlier: 0.0 },
-            joins: true,
-        };
-        let carried = (emitted.power() * (1.0 / chance), *wavelengths);
-        let ray = (emitted.ray(time), step);
-        let bodies = match emitted.is_infinite() {
-            true => Bodies::default(),
-            false => Bodies::around(scene, &ray.0, wavelengths),
-        };
-        let roulette = self.settings.roulette;
-        let told = mem::take(witness);
-        let mut walk = Walk::new(scene, draws, Transport::Importance, ray, (carried, bodies), roulette, told);
-        walk.witness.counters().light += 1;
-        walk.witness.next(RayKind::Light);
-        let group = scene.emitters.group(emitter);
-        while let Some(mut met) = walk.trace() {
-            if walk.passes(&mut met) {
+        let mut path = light_end(scene, &emitted, (time, chance), wavelengths, draws);
+        let group = scene.emitters.group(light);
+        observer.counters().light += 1;
+        observer.next(RayKind::Light);
+        let (mut surface, mut first) = (SurfaceInteraction::default(), None);
+        while let Event::Surface = advance(scene, &mut path.state, &mut surface, &mut first, observer) {
+            let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
+            if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
                 continue;
             }
-            if path.is_empty() {
-                walk.beta *= emitted.share_at(met.at.point.p.distance(emitted.p));
+            if vertices.is_empty() {
+                path.state.beta *= emitted.share_at(surface.at.point.p.distance(emitted.p));
             }
-            let mut vertex = walk.vertex(&met);
-            vertex.group = group;
-            if path.is_empty() {
-                // A connection with the light itself draws a place anew.
+            let mut vertex = path.vertex(scene, &surface, bsdf, group);
+            if vertices.is_empty() {
+                // A connection with the light itself draws a place anew. [Georgiev 2012, eq. 31]
                 let (place, wi) = ([emitted.p, normal(&emitted.origin)], -emitted.d);
                 let choice = self.settings.light_choice;
-                let drawn = scene.light_pdf(emitter, &vertex.receiver(time), place, wi, choice);
+                let pdf_li = scene.light_pdf(light, &vertex.receiver(time), place, wi, choice);
                 let spread = spread(&emitted.origin, wi, emitted.p.distance_squared(vertex.at.p));
-                vertex.rivals.last *= square(drawn * spread / end);
+                let end = chance * parts(emitted.pdf, emitted.is_infinite()).0;
+                vertex.mis.d_vcm *= square(pdf_li * spread / end);
             }
-            path.push(vertex);
-            walk.witness.note();
-            let is_last = path.len() as u32 + 2 == self.longest();
-            if is_last || !walk.scatter(&vertex, &met) {
+            vertices.push(vertex);
+            observer.note();
+            let is_last = vertices.len() as u32 + 2 == self.longest();
+            if is_last || !path.scatter(&vertex, &surface, self.settings.roulette, observer) {
                 break;
             }
         }
-        *witness = walk.witness;
-        walk.draws
+        path.state.draws
     }
 
-    /// Follows a path from the camera and connects each of its points.
-    fn follow_view<W: Witness>(
+    /// Follows a path from the camera and connects each of its vertices with the light's path.
+    fn follow_camera<O: PathObserver>(
         &self,
-        witness: &mut W,
-        path: &[Vertex],
-        draws: Draws<'_>,
-        ray: Ray,
+        observer: &mut O,
+        light_path: &[Vertex],
+        (draws, ray): (Draws<'_>, Ray),
         wavelengths: &Wavelengths,
-        found: &mut impl FnMut(Found, &Wavelengths),
-    ) -> Seen {
-        let scene = self.scene();
-        let step = Step {
-            from: ray.o,
-            pdf: 1.0,
-            is_parallel: true,
-            cosine: 1.0,
-            back: 0.0,
-            rivals: Rivals::default(),
-            joins: true,
+        found: &mut impl FnMut(Contribution, &Wavelengths),
+    ) -> VisibleSurface {
+        let media = self.view.media_around(&ray, wavelengths);
+        let carried = (*wavelengths, Spectrum::WHITE);
+        let state = PathState::new(ray, carried, Transport::Radiance, media, draws);
+        let state = PathState { connectable: true, ..state };
+        let mis = PartialMis::default();
+        let departure = Departure { p: ray.o, pdf: 1.0, is_parallel: true, cosine: 1.0, pdf_back: 0.0, mis };
+        let mut end = CameraEnd {
+            path: Subpath { state, departure },
+            surface: SurfaceInteraction::default(),
+            from: None,
+            t: 2,
+            visible: VisibleSurface::default(),
+            began: (&ray, wavelengths),
         };
-        let carried = (Spectrum::WHITE, *wavelengths);
-        let bodies = self.view.bodies_around(&ray, wavelengths);
-        let roulette = self.settings.roulette;
-        let told = mem::take(witness);
-        let mut walk =
-            Walk::new(scene, draws, Transport::Radiance, (ray, step), (carried, bodies), roulette, told);
-        walk.witness.counters().camera += 1;
-        walk.witness.next(RayKind::Camera);
-        let mut seen = Seen::default();
-        // Who is lit by what the present ray may meet.
-        let mut origin = None;
-        let mut t = 2;
-        loop {
-            let Some(mut met) = walk.trace() else {
-                let mut told = mem::take(&mut walk.witness);
-                self.leave(&walk, origin.as_ref(), |far| {
-                    told.found(|| far.value(wavelengths));
-                    found(far, wavelengths);
-                });
-                walk.witness = told;
-                break;
-            };
-            if t == 2 {
-                match self.view.pdf_across(&ray, met.at.point.p).filter(|_| self.connects()) {
-                    Some(pdf) => walk.step.pdf = pdf,
-                    None => walk.step.joins = false,
-                }
-            }
-            if let Some(glow) = self.meet(&walk, &met.at, origin.as_ref()) {
-                walk.witness.found(|| glow.value(wavelengths));
-                found(glow, wavelengths);
-            }
-            if walk.passes(&mut met) {
-                continue;
-            }
-            if t == self.longest() {
-                break;
-            }
-            let z = walk.vertex(&met);
-            if seen.albedo.is_none() && self.view.wants_albedo() && !z.bsdf.is_delta() {
-                seen.albedo = Some(in_white_light(z.bsdf.albedo(z.local(z.back).wo), wavelengths));
+        observer.counters().camera += 1;
+        observer.next(RayKind::Camera);
+        while let Some(bsdf) = self.next_vertex(&mut end, observer, found) {
+            let z = end.path.vertex(self.scene(), &end.surface, bsdf, 0);
+            let visible = &mut end.visible;
+            if visible.albedo.is_none() && self.view.wants_albedo() && !bsdf.is_delta() {
+                visible.albedo = Some(in_white_light(bsdf.albedo(z.local(z.wo).wo), wavelengths));
             }
             if self.settings.only_from_lights {
                 break;
             }
-            if !z.bsdf.is_delta() {
-                let at_hand = (&walk.wavelengths, ray.time);
-                if let Some(lit) = self.light(&mut walk.witness, &mut walk.draws, &z, at_hand, t) {
-                    found(lit, wavelengths);
-                }
-                let shorter = (2..=self.longest() - t).zip(path);
-                for (s, y) in shorter {
-                    let at_hand = (wavelengths, ray.time);
-                    if let Some(joined) = self.join(&mut walk.witness, y, &z, [s, t], at_hand) {
-                        found(joined, wavelengths);
-                    }
-                }
+            if !bsdf.is_delta() {
+                self.connect_vertex(&mut end, &z, light_path, observer, found);
             }
-            if !walk.scatter(&z, &met) {
+            if !end.path.scatter(&z, &end.surface, self.settings.roulette, observer) {
                 break;
             }
-            origin = Some(z);
-            t += 1;
+            end.from = Some(z);
+            end.t += 1;
         }
-        *witness = walk.witness;
-        seen.first = walk.first;
-        seen
+        end.visible
+    }
+
+    /// Follows the camera's path to its next vertex, and hands over the light that it meets on its way there (`s = 0`). Returns
+    /// the scattering there; `None` where the path ends.
+    fn next_vertex<O: PathObserver>(
+        &self,
+        end: &mut CameraEnd<'_, '_>,
+        observer: &mut O,
+        found: &mut impl FnMut(Contribution, &Wavelengths),
+    ) -> Option<Bsdf> {
+        let scene = self.scene();
+        let CameraEnd { path, surface, from, t, visible, began: (camera_ray, wavelengths) } = end;
+        let is_last = *t == self.longest();
+        loop {
+            match advance(scene, &mut path.state, surface, &mut visible.first, observer) {
+                Event::Surface => {}
+                Event::Escaped(d) => {
+                    self.met_background(path, d, from.as_ref(), |far| {
+                        observer.found(|| far.value(wavelengths));
+                        found(far, wavelengths);
+                    });
+                    return None;
+                }
+                Event::Absorbed => return None,
+            }
+            if *t == 2 {
+                // Seen from the light's side the lens is one more point to connect with. [Georgiev 2012, eq. 31]
+                let pdf = self.view.pdf_across(camera_ray, surface.at.point.p);
+                match pdf.filter(|_| self.connects()) {
+                    Some(pdf) => path.departure.pdf = pdf,
+                    None => path.state.connectable = false,
+                }
+            }
+            if let Some(met) = self.met_emission(path, &surface.at, surface.wo, from.as_ref()) {
+                observer.found(|| met.value(wavelengths));
+                found(met, wavelengths);
+            }
+            // The last surface may be a hole or a pane.
+            if is_last && !scene.has_passages {
+                return None;
+            }
+            let mut bsdf = shade_one_way(scene, &mut path.state, surface);
+            if !pass_straight(scene, &mut path.state, surface, &mut bsdf) {
+                return (!is_last).then_some(bsdf);
+            }
+            if path.state.scatterings == 0 && matches!(bsdf, Bsdf::Null) {
+                visible.first = None;
+            }
+        }
+    }
+
+    /// Joins a vertex of the camera's path with a light drawn for it (`s = 1`) and with all vertices of the light's path
+    /// (`s > 1`).
+    fn connect_vertex<O: PathObserver>(
+        &self,
+        end: &mut CameraEnd<'_, '_>,
+        z: &Vertex,
+        light_path: &[Vertex],
+        observer: &mut O,
+        found: &mut impl FnMut(Contribution, &Wavelengths),
+    ) {
+        let (t, (ray, wavelengths)) = (end.t, end.began);
+        if let Some(lit) = self.direct_light(&mut end.path.state, z, t, observer) {
+            found(lit, wavelengths);
+        }
+        for (s, y) in (2..=self.longest() - t).zip(light_path) {
+            if let Some(joined) = self.join([y, z], [s, t], (wavelengths, ray.time), observer) {
+                found(joined, wavelengths);
+            }
+        }
     }
 }
 
+/// The beginning of a path from a light.
+///
+/// * `chance`: probability with which the light was chosen
+fn light_end<'s>(
+    scene: &Scene,
+    emitted: &Emitted,
+    (time, chance): (f32, f32),
+    wavelengths: &Wavelengths,
+    draws: Draws<'s>,
+) -> Subpath<'s> {
+    let is_infinite = emitted.is_infinite();
+    let (end, pdf) = parts(emitted.pdf, is_infinite);
+    let end = chance * end;
+    // [Georgiev 2012, eq. 31 and 32], for lights without extent [eq. 48]
+    let d_vcm = if emitted.is_delta { 0.0 } else { square(end).recip() };
+    let departure = Departure {
+        p: emitted.p,
+        pdf,
+        is_parallel: is_infinite,
+        cosine: emitted.cosine(),
+        pdf_back: 0.0,
+        mis: PartialMis { d_vcm, d_vc: 0.0 },
+    };
+    let carried = (*wavelengths, emitted.power() * (1.0 / chance));
+    let ray = emitted.ray(time);
+    let media = match is_infinite {
+        true => MediumStack::default(),
+        false => MediumStack::around(scene, &ray, wavelengths),
+    };
+    let state = PathState::new(ray, carried, Transport::Importance, media, draws);
+    Subpath { state: PathState { connectable: true, ..state }, departure }
+}
+
+/// How a surface scatters, for a path that follows one wavelength from there on if it is refracted by wavelength.
+fn shade_one_way(scene: &Scene, path: &mut PathState<'_>, surface: &SurfaceInteraction) -> Bsdf {
+    if surface.is_dispersive() {
+        path.wavelengths.terminate_secondary();
+    }
+    shade(scene, path, surface)
+}
+
 impl Bidirectional<'_> {
-    fn cast<W: Witness>(&self, ctx: &mut SampleContext<'_>, raster: Vec2, witness: &mut W) -> PixelSample {
+    fn cast<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
         let SampleContext { draws, aux, splats, scratch, .. } = ctx;
         let mut path = mem::take(&mut scratch.get::<LightPath>().0);
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
-        let seen = self.estimate(*draws, witness, raster, &mut path, &mut |found, wavelengths| {
+        let visible = self.estimate(*draws, observer, raster, &mut path, &mut |found, wavelengths| {
             let value = found.value(wavelengths);
             match found.raster {
                 Some(raster) => splats.add(raster, value),
@@ -358,9 +430,9 @@ impl Bidirectional<'_> {
             aux.lights = groups;
         }
         if self.view.wants_albedo() {
-            aux.albedo = seen.albedo.unwrap_or_default();
+            aux.albedo = visible.albedo.unwrap_or_default();
         }
-        PixelSample { radiance, first: seen.first.map(|at| self.view.first_hit(&at, aux)) }
+        PixelSample { radiance, first: visible.first.map(|at| self.view.first_hit(&at, aux)) }
     }
 }
 

@@ -23,7 +23,7 @@ fn ways(scene: &Scene, settings: BidirectionalSettings, samples: u32) -> Ways {
         let mut ctx = SampleContext::new(&sampler, 0);
         for k in 0..samples {
             let place = ctx.begin([0, batch], k);
-            let mut add = |found: Found, _: &Wavelengths| {
+            let mut add = |found: Contribution, _: &Wavelengths| {
                 let outside = |raster: Vec2| raster.min_element() < 0.0 || raster.max_element() >= 1.0;
                 if found.raster.is_some_and(outside) {
                     return;

@@ -5,7 +5,7 @@ use kajo_core::bsdf::Transport;
 use kajo_math::Vec3;
 
 use super::*;
-use crate::integrator::bidir::rivals::weight;
+use crate::integrator::bidir::partial_mis::mis_weight;
 
 /// A point of a whole path, light first.
 struct Place {
@@ -77,33 +77,34 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             scene.emit(&it.departures, 0.0, u, ways, &wavelengths).expect("a light");
         let ray = it.view.ray(place, &mut draws).expect("a ray");
         let mut views: Vec<(Vertex, Vec3)> = Vec::new();
-        let step = Step {
-            from: ray.o,
+        let departure = Departure {
+            p: ray.o,
             pdf: 1.0,
             is_parallel: true,
             cosine: 1.0,
-            back: 0.0,
-            rivals: Rivals::default(),
-            joins: true,
+            pdf_back: 0.0,
+            mis: PartialMis::default(),
         };
-        let mut walk = Walk::new(
-            &scene,
-            draws,
-            Transport::Radiance,
-            (ray, step),
-            ((Spectrum::WHITE, wavelengths), Bodies::default()),
-            false,
-            Counting::default(),
-        );
+        let carried = (wavelengths, Spectrum::WHITE);
+        let state = PathState::new(ray, carried, Transport::Radiance, MediumStack::default(), draws);
+        let mut path_from_camera = Subpath { state: PathState { connectable: true, ..state }, departure };
+        let (mut surface, mut first, mut counting) =
+            (SurfaceInteraction::default(), None, Counting::default());
         let mut pdf_camera = 0.0;
-        while let Some(met) = walk.trace().filter(|_| views.len() < 4) {
-            if views.is_empty() {
-                pdf_camera = it.view.pdf_across(&ray, met.at.point.p).expect("a camera");
-                walk.step.pdf = pdf_camera;
+        while let Event::Surface =
+            advance(&scene, &mut path_from_camera.state, &mut surface, &mut first, &mut counting)
+        {
+            if views.len() == 4 {
+                break;
             }
-            let z = walk.vertex(&met);
+            if views.is_empty() {
+                pdf_camera = it.view.pdf_across(&ray, surface.at.point.p).expect("a camera");
+                path_from_camera.departure.pdf = pdf_camera;
+            }
+            let bsdf = shade(&scene, &path_from_camera.state, &surface);
+            let z = path_from_camera.vertex(&scene, &surface, bsdf, 0);
             views.push((z, z.at.p));
-            if !walk.scatter(&z, &met) {
+            if !path_from_camera.scatter(&z, &surface, false, &mut counting) {
                 break;
             }
         }
@@ -129,13 +130,12 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
         for i in 1..=path.len() {
             let y = &path[i - 1];
             for j in 1..=views.len() {
-                if let Some(found) =
-                    it.join(&mut rays, y, &views[j - 1], [i as u32 + 1, j as u32 + 1], (&wavelengths, 0.0))
-                {
+                let way = [i as u32 + 1, j as u32 + 1];
+                if let Some(found) = it.join([y, &views[j - 1]], way, (&wavelengths, 0.0), &mut rays) {
                     look(&whole(&path[..i], &views[..j]), i + 1, found.weight);
                 }
             }
-            if let Some(found) = it.see(&mut rays, y, [i as u32 + 1, 1], Vec2::ZERO, (&wavelengths, 0.0)) {
+            if let Some(found) = it.splat(y, [i as u32 + 1, 1], Vec2::ZERO, (&wavelengths, 0.0), &mut rays) {
                 look(&whole(&path[..i], &[]), i + 1, found.weight);
             }
         }
@@ -185,8 +185,8 @@ fn weights_are_those_of_the_definition() {
 
 #[test]
 fn a_way_without_rivals_counts_in_full() {
-    assert_eq!(weight(0.0, 0.0), 1.0);
-    assert_eq!(weight(1.0, 2.0), 0.25);
-    assert_eq!(weight(f64::INFINITY, 0.0), 0.0);
-    assert_eq!(weight(f64::NAN, 0.0), 0.0);
+    assert_eq!(mis_weight(0.0, 0.0), 1.0);
+    assert_eq!(mis_weight(1.0, 2.0), 0.25);
+    assert_eq!(mis_weight(f64::INFINITY, 0.0), 0.0);
+    assert_eq!(mis_weight(f64::NAN, 0.0), 0.0);
 }

@@ -9,12 +9,12 @@ use kajo_core::scene::{Immersion, Interaction, Scene};
 use kajo_core::settings::Rules;
 use kajo_math::{Ray, Vec2, Vec3};
 
-use super::bodies::Bodies;
+use super::transport::MediumStack;
 use crate::context::Auxiliary;
 use crate::{FirstHit, Layer, LayerSet};
 
 /// A scene as a camera sees it in a picture of some size.
-pub(super) struct View<'a> {
+pub(super) struct CameraView<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     /// Columns and rows of the picture.
@@ -24,23 +24,23 @@ pub(super) struct View<'a> {
     layers: LayerSet,
     /// Whether rays need a time.
     moves: bool,
-    /// Whether camera rays may start inside a body, so that each has to ask.
+    /// Whether camera rays may start inside a medium, so that each has to ask.
     is_immersed: bool,
     /// How wavelengths are drawn, where light is followed by wavelength.
     spectral: Option<WavelengthChoice>,
 }
 
-impl<'a> View<'a> {
-    pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> View<'a> {
+impl<'a> CameraView<'a> {
+    pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> CameraView<'a> {
         let camera = &scene.camera;
         let moves = scene.moves();
         let film = raster(scene, camera, size);
-        View { scene, camera, size, film, layers, moves, is_immersed: false, spectral: None }.immersed()
+        CameraView { scene, camera, size, film, layers, moves, is_immersed: false, spectral: None }.immersed()
     }
 
     /// The same with light that is followed by wavelength, or in red, green and blue.
-    pub fn spectral(self, is_spectral: bool) -> View<'a> {
-        View { spectral: is_spectral.then(|| self.scene.wavelength_choice()), ..self }
+    pub fn spectral(self, is_spectral: bool) -> CameraView<'a> {
+        CameraView { spectral: is_spectral.then(|| self.scene.wavelength_choice()), ..self }
     }
 
     /// What a path carries.
@@ -52,16 +52,16 @@ impl<'a> View<'a> {
     }
 
     /// The same through another camera than the scene's.
-    pub fn through(self, camera: &'a Camera) -> View<'a> {
+    pub fn through(self, camera: &'a Camera) -> CameraView<'a> {
         let moves = self.scene.moves() || camera.moves();
-        View { camera, film: raster(self.scene, camera, self.size), moves, ..self }.immersed()
+        CameraView { camera, film: raster(self.scene, camera, self.size), moves, ..self }.immersed()
     }
 
-    /// The same, aware of whether camera rays may start in a body.
+    /// The same, aware of whether camera rays may start in a medium.
     ///
     /// Where all start at one point, still as what is around it, one of them answers for all. Elsewhere each ray asks, but
     /// only if the box around all origins touches that of anything that light passes.
-    fn immersed(self) -> View<'a> {
+    fn immersed(self) -> CameraView<'a> {
         let film = &self.film;
         let size = Vec2::from(self.size.map(|n| n as f32));
         // Patterns of samples may hang over by a pixel.
@@ -72,21 +72,25 @@ impl<'a> View<'a> {
             _ if origins.min == origins.max && !self.camera.moves() => self.is_middle_immersed(),
             immersion => immersion == Immersion::Still,
         };
-        View { is_immersed, ..self }
+        CameraView { is_immersed, ..self }
     }
 
-    /// Whether the ray through the middle of the picture starts in a body.
+    /// Whether the ray through the middle of the picture starts in a medium.
     fn is_middle_immersed(&self) -> bool {
         let film = &self.film;
         let middle = Vec2::from(self.size.map(|n| 0.5 * n as f32));
         let ray = self.camera.ray(film.picture(middle), film.aspect(), Vec2::splat(0.5), 0.0);
-        ray.is_some_and(|ray| !Bodies::around(self.scene, &ray, &Wavelengths::RGB).is_empty())
+        ray.is_some_and(|ray| !MediumStack::around(self.scene, &ray, &Wavelengths::RGB).is_empty())
     }
 
-    /// The bodies around the start of a camera ray.
+    /// The media around the start of a camera ray.
     #[inline]
-    pub fn bodies_around(&self, ray: &Ray, wavelengths: &Wavelengths) -> Bodies {
-        if self.is_immersed { Bodies::around(self.scene, ray, wavelengths) } else { Bodies::default() }
+    pub fn media_around(&self, ray: &Ray, wavelengths: &Wavelengths) -> MediumStack {
+        if self.is_immersed {
+            MediumStack::around(self.scene, ray, wavelengths)
+        } else {
+            MediumStack::default()
+        }
     }
 
     /// The camera ray through a place of the picture, in pixels from its top left corner; none where the camera
@@ -126,7 +130,7 @@ impl<'a> View<'a> {
         Some((way, film.place(way.at.as_dvec2()).as_vec2()))
     }
 
-    /// Density per area across a camera ray with which [`View::connect`] could have found it from `p`.
+    /// Density per area across a camera ray with which [`CameraView::connect`] could have found it from `p`.
     pub fn pdf_across(&self, ray: &Ray, p: Vec3) -> Option<f32> {
         let film = &self.film;
         let pdf = self.camera.pdf_across(ray, p.distance(ray.o), film.aspect());
@@ -146,7 +150,7 @@ impl<'a> View<'a> {
         self.layers.has(Layer::Albedo)
     }
 
-    /// Whether the layers tell the light of groups of emitters apart.
+    /// Whether the layers tell the light of groups of lights apart.
     pub fn wants_light_groups(&self) -> bool {
         (0..MAX_LIGHT_GROUPS as u8).any(|group| self.layers.has(Layer::Light(group)))
     }

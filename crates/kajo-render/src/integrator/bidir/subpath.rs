@@ -1,0 +1,141 @@
+//! One of the two ends of a path while it grows, from the light or from the camera.
+
+use kajo_color::Spectrum;
+use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
+use kajo_core::scene::Scene;
+use kajo_math::Vec3;
+
+use super::Contribution;
+use super::partial_mis::{Growth, PartialMis};
+use super::vertex::Vertex;
+use crate::integrator::transport::{MediumStack, PathState, SurfaceInteraction, follow, survives};
+use crate::trail::PathObserver;
+
+/// Where the ray at hand started, and how it was drawn there.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure {
+    /// The vertex.
+    pub p: Vec3,
+    /// Density of the ray's direction per solid angle; for parallel rays that of its place, per area across them.
+    pub pdf: f32,
+    /// Whether it comes from infinitely far, or one of its ends counts as if it did.
+    pub is_parallel: bool,
+    /// Cosine with the true surface at the vertex, 1 where there is none.
+    pub cosine: f32,
+    /// Density per solid angle of going the other way, from where the ray ends to the vertex before this one.
+    pub pdf_back: f32,
+    /// The sums of the vertex.
+    pub mis: PartialMis,
+}
+
+/// A path from one end while it grows.
+pub struct Subpath<'s> {
+    pub state: PathState<'s>,
+    pub departure: Departure,
+}
+
+impl Subpath<'_> {
+    /// The sums at the point `p` that the ray has come to.
+    ///
+    /// * `cosine`: between the ray and the true normal there
+    pub fn mis_at(&self, p: Vec3, cosine: f32) -> PartialMis {
+        let Departure { p: from, pdf, is_parallel, pdf_back, mis, .. } = self.departure;
+        let thinning = if is_parallel { 1.0 } else { p.distance_squared(from).recip() };
+        let g = self.departure.cosine * thinning;
+        mis.grown(Growth { pdf: pdf * cosine * thinning, g, pdf_back, connectable: self.state.connectable })
+    }
+
+    /// The sums where the ray ends that leaves the scene.
+    pub fn mis_at_infinity(&self) -> PartialMis {
+        let Departure { pdf, cosine: g, pdf_back, mis, .. } = self.departure;
+        mis.grown(Growth { pdf, g, pdf_back, connectable: self.state.connectable })
+    }
+
+    /// Light that the ray of a path from the camera has met.
+    pub fn met(&self, radiance: Spectrum, group: u8, weight: f32) -> Contribution {
+        Contribution {
+            way: [0, self.state.scatterings + 2],
+            light: self.state.beta * radiance,
+            weight,
+            is_single: self.state.wavelengths.secondary_terminated(),
+            group,
+            raster: None,
+        }
+    }
+
+    /// The path's vertex on a surface.
+    ///
+    /// * `group`: the light group of a path from a light
+    pub fn vertex(&self, scene: &Scene, surface: &SurfaceInteraction, bsdf: Bsdf, group: u8) -> Vertex {
+        let &SurfaceInteraction { at, wo, u, ref interface, .. } = surface;
+        let media = self.state.media;
+        let beyond = interface.as_ref().map_or(media, |interface| media.across(interface));
+        let sides = [media, beyond];
+        Vertex {
+            at: at.point,
+            shading: scene.shading(&at, u),
+            bsdf,
+            wo,
+            beta: self.state.beta,
+            mis: self.mis_at(at.point.p, at.point.ng.dot(wo).abs()),
+            sigma_a: sides.each_ref().map(|media| media.absorption().unwrap_or(Spectrum::BLACK)),
+            eta: sides.each_ref().map(MediumStack::eta),
+            is_single: self.state.wavelengths.secondary_terminated(),
+            group,
+        }
+    }
+
+    /// Goes on from a vertex along a direction drawn by its scattering; `false` when the path ends there.
+    ///
+    /// Takes three numbers, and one for roulette where it is played.
+    pub fn scatter(
+        &mut self,
+        vertex: &Vertex,
+        surface: &SurfaceInteraction,
+        roulette: bool,
+        observer: &mut impl PathObserver,
+    ) -> bool {
+        let state = &mut self.state;
+        let (u, choice) = (state.draws.next_2d(), state.draws.next_1d());
+        let local = vertex.local(vertex.wo);
+        let Some(mut sample) = vertex.bsdf.sample(local.wo, u, choice, state.mode) else { return false };
+        let Some(wi) = local.to_world(&sample) else { return false };
+        let same_frame = vertex.shading.is_shared(vertex.wo, wi);
+        let delta = sample.kind.delta;
+        if state.mode == Transport::Importance {
+            // The frame belongs to the camera's side, which may see another one.
+            if same_frame {
+                state.beta *= vertex.correction([local.wo, sample.wi], wi);
+            } else if delta {
+                return false;
+            } else {
+                sample.weight = vertex.passed_on(wi) * sample.pdf.recip();
+            }
+        }
+        let pdf_back = match (delta, same_frame) {
+            (false, _) => vertex.pdf(wi, vertex.wo),
+            (true, true) => reversed(&sample, local.wo),
+            (true, false) => 0.0,
+        };
+        self.departure = Departure {
+            p: vertex.at.p,
+            pdf: sample.pdf,
+            is_parallel: false,
+            cosine: vertex.cosine(wi),
+            pdf_back,
+            mis: if delta { vertex.mis.without_connection() } else { vertex.mis },
+        };
+        follow(state, surface, wi, &sample, observer);
+        let bounces = state.scatterings;
+        survives(state, bounces, roulette)
+    }
+}
+
+/// What stands for the density of the way back of a single direction, where `sample.pdf` stands for that of the
+/// way there.
+///
+/// Both are probabilities. Their ratio as densities is that of the solid angles of a narrow beam on both sides,
+/// `cos dw eta^2 = cos' dw' eta'^2`.
+fn reversed(sample: &BsdfSample, wo: Vec3) -> f32 {
+    sample.pdf * wo.z.abs() / (sample.wi.z.abs() * sample.eta * sample.eta)
+}

@@ -1,0 +1,431 @@
+//! One sample of the path tracer: a path from the camera and what branches off it.
+
+use kajo_color::{Spectrum, sensor};
+use kajo_core::bsdf::{Bsdf, Transport};
+use kajo_core::light::MAX_LIGHT_GROUPS;
+use kajo_core::lighting::Receiver;
+use kajo_core::scene::{Interaction, Scene};
+use kajo_core::settings::{Directions, Technique};
+use kajo_math::Vec3;
+
+use super::PathSettings;
+use super::directions::{self, Part};
+use crate::integrator::camera_view::CameraView;
+use crate::integrator::transport::{
+    Event, Interface, LocalFrame, PathState, SurfaceInteraction, advance, connect, follow, pass_straight,
+    sample_light, shade, survives,
+};
+use crate::trail::{About, PathObserver, RayKind};
+
+/// A path from the camera, and what the weights of the light that it meets go by.
+#[derive(Clone, Copy)]
+pub(super) struct CameraPath<'s> {
+    state: PathState<'s>,
+    /// The last vertex.
+    receiver: Receiver,
+    /// Density per solid angle with which the ray's direction was drawn there.
+    pdf: f32,
+    /// Scatterings that count.
+    bounces: u32,
+    /// Mirrors that may still be met before the first bounce without counting as one.
+    free_mirrors: u32,
+    /// Whether the ray is followed for lights that it may meet, and no further.
+    ends_at_lights: bool,
+    /// Whether the path has branched off another.
+    is_branch: bool,
+}
+
+impl<'s> CameraPath<'s> {
+    pub fn new(state: PathState<'s>, settings: &PathSettings) -> CameraPath<'s> {
+        CameraPath {
+            state,
+            receiver: Receiver::default(),
+            pdf: 0.0,
+            bounces: 0,
+            free_mirrors: settings.free_mirrors,
+            ends_at_lights: false,
+            is_branch: false,
+        }
+    }
+
+    /// Takes the path along a direction drawn by the surface's scattering, or by a rule of the settings; `false` when it
+    /// ends.
+    ///
+    /// Takes two numbers for the direction, one more where scattering has parts to choose from, and one for roulette where it
+    /// is played.
+    fn go_on(
+        &mut self,
+        settings: &PathSettings,
+        at: Shaded<'_>,
+        part: Part,
+        observer: &mut impl PathObserver,
+    ) -> bool {
+        let Shaded { surface, bsdf, local } = at;
+        let state = &mut self.state;
+        let (u, choice) = (state.draws.next_2d(), state.draws.number_if(bsdf.is_choosy()));
+        let drawn = match (part, settings.directions) {
+            (Part::Diffuse, Directions::Cosine | Directions::Uniform) => {
+                directions::sample(settings.directions, bsdf, local.wo, u, choice)
+            }
+            _ => bsdf.sample(local.wo, u, choice, Transport::Radiance),
+        };
+        let Some(sample) = drawn.filter(|sample| part.holds(sample)) else { return false };
+        let Some(wi) = local.to_world(&sample) else { return false };
+        let is_free = sample.kind.delta && self.bounces == 0 && self.free_mirrors > 0;
+        if is_free {
+            self.free_mirrors -= 1;
+        }
+        self.ends_at_lights =
+            (self.bounces == settings.bounces && !is_free) || (settings.only_mirrors && !sample.kind.delta);
+        if self.ends_at_lights && settings.technique == Technique::Lights && !sample.kind.delta {
+            return false;
+        }
+        follow(state, surface, wi, &sample, observer);
+        self.receiver = receiver(surface, local);
+        self.pdf = sample.pdf;
+        self.bounces += u32::from(!is_free);
+        survives(state, self.bounces, settings.roulette)
+    }
+}
+
+/// A surface and how it scatters.
+#[derive(Clone, Copy)]
+struct Shaded<'v> {
+    surface: &'v SurfaceInteraction,
+    bsdf: &'v Bsdf,
+    local: &'v LocalFrame,
+}
+
+/// A vertex at which a path forks, until all branches have been taken from it.
+pub(super) struct Fork<'s, M> {
+    path: CameraPath<'s>,
+    surface: SurfaceInteraction,
+    bsdf: Bsdf,
+    local: LocalFrame,
+    /// Branches into directions that are no mirror's; what goes on along single directions comes after them.
+    branches: u32,
+    /// How many of them have been taken.
+    taken: u32,
+    mark: M,
+}
+
+impl<'s, M> Fork<'s, M> {
+    fn shaded(&self) -> Shaded<'_> {
+        Shaded { surface: &self.surface, bsdf: &self.bsdf, local: &self.local }
+    }
+
+    /// Puts the next branch in the place of the path that has ended, and says which directions it goes on in.
+    ///
+    /// Wavelengths that the ended path no longer follows are followed no more, since the sensor has the light that was found
+    /// under them. Without a split all that follows shares one sequence of random numbers.
+    fn take(&mut self, path: &mut CameraPath<'s>) -> Part {
+        let (n, i) = (self.branches, self.taken);
+        self.taken += 1;
+        let (wavelengths, draws) = (path.state.wavelengths, path.state.draws);
+        *path = self.path;
+        path.state.wavelengths = wavelengths;
+        if n == 1 && i > 0 {
+            path.state.draws = draws;
+        }
+        if i == n {
+            return Part::Mirror;
+        }
+        if n > 1 {
+            path.state.draws = path.state.draws.split(0, i, n);
+        }
+        path.state.beta *= 1.0 / n as f32;
+        path.is_branch = true;
+        Part::Diffuse
+    }
+}
+
+/// What one sample has found so far.
+#[derive(Clone, Copy)]
+pub(super) struct Estimate {
+    /// Light found under the present wavelengths.
+    light: Spectrum,
+    /// What the sensor has of light found under earlier ones, linear RGB.
+    sensed: [f32; 3],
+    /// The part of each light group, where that is asked for.
+    pub groups: Option<[[f32; 3]; MAX_LIGHT_GROUPS]>,
+    /// The first surface.
+    pub first: Option<Interaction>,
+    /// The albedo of the first surface that is no mirror.
+    pub albedo: Option<Spectrum>,
+}
+
+/// Follows the paths of one sample.
+pub(super) struct PathTracer<'a, 's, O: PathObserver> {
+    view: &'a CameraView<'a>,
+    settings: &'a PathSettings,
+    observer: &'a mut O,
+    estimate: Estimate,
+    /// Vertices with branches that remain to be followed; those of the last one are next.
+    forks: Vec<Fork<'s, O::Mark>>,
+}
+
+impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
+    /// * `forks`: room for them
+    pub fn new(
+        view: &'a CameraView<'a>,
+        settings: &'a PathSettings,
+        observer: &'a mut O,
+        forks: Vec<Fork<'s, O::Mark>>,
+    ) -> PathTracer<'a, 's, O> {
+        let groups = view.wants_light_groups().then_some([[0.0; 3]; MAX_LIGHT_GROUPS]);
+        let (light, sensed) = (Spectrum::BLACK, [0.0; 3]);
+        let estimate = Estimate { light, sensed, groups, first: None, albedo: None };
+        PathTracer { view, settings, observer, estimate, forks }
+    }
+
+    /// Follows a path and all that branches off it. Returns the light of it all as the sensor sees it, linear RGB, with
+    /// what else was found.
+    pub fn run(&mut self, mut path: CameraPath<'s>) -> ([f32; 3], &Estimate) {
+        let mut surface = SurfaceInteraction::default();
+        self.run_branch(&mut path, &mut surface);
+        while self.take_branch(&mut path) {
+            self.run_branch(&mut path, &mut surface);
+        }
+        (self.estimate.sensed_with(&path.state), &self.estimate)
+    }
+
+    /// The memory of the list of forks.
+    pub fn into_forks(self) -> Vec<Fork<'s, O::Mark>> {
+        self.forks
+    }
+
+    fn scene(&self) -> &'a Scene {
+        self.view.scene
+    }
+
+    /// Follows a path until it ends or forks.
+    fn run_branch(&mut self, path: &mut CameraPath<'s>, surface: &mut SurfaceInteraction) {
+        let scene = self.scene();
+        loop {
+            match advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer) {
+                Event::Surface => {}
+                Event::Escaped(d) => return self.add_background(path, d),
+                Event::Absorbed => return,
+            }
+            self.add_emission(path, surface);
+            // The last surface may be a hole or a pane.
+            if path.ends_at_lights && !scene.has_passages {
+                return;
+            }
+            if surface.is_dispersive() {
+                self.estimate.end_secondary_wavelengths(&mut path.state);
+            }
+            let mut bsdf = shade(scene, &path.state, surface);
+            if pass_straight(scene, &mut path.state, surface, &mut bsdf) {
+                if path.state.scatterings == 0 && matches!(bsdf, Bsdf::Null) {
+                    self.estimate.first = None;
+                }
+            } else if path.ends_at_lights || !self.scatter(path, surface, &bsdf) {
+                return;
+            }
+        }
+    }
+
+    /// Takes the next branch from the last fork; `false` where no forks are left.
+    ///
+    /// * `path`: the path that has ended, which is replaced
+    fn take_branch(&mut self, path: &mut CameraPath<'s>) -> bool {
+        while let Some(fork) = self.forks.last_mut() {
+            self.observer.back_to(fork.mark);
+            let splits = fork.branches > 1 && fork.taken < fork.branches;
+            if splits && self.observer.interrupted() {
+                self.forks.clear();
+                return false;
+            }
+            let part = fork.take(path);
+            let goes_on = path.go_on(self.settings, fork.shaded(), part, self.observer);
+            if part == Part::Mirror {
+                self.forks.pop();
+            }
+            if goes_on {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Adds the light that arrives directly and goes on from a surface; `false` when the path ends here or forks.
+    fn scatter(&mut self, path: &mut CameraPath<'s>, surface: &SurfaceInteraction, bsdf: &Bsdf) -> bool {
+        let settings = self.settings;
+        let local = LocalFrame::new(&self.scene().shading(&surface.at, surface.u), surface.wo);
+        let is_delta = bsdf.is_delta();
+        if self.estimate.albedo.is_none() && self.view.wants_albedo() && !is_delta {
+            self.estimate.albedo = Some(bsdf.albedo(local.wo));
+        }
+        if !is_delta && settings.technique != Technique::Scattering {
+            self.add_direct_light(path, surface, bsdf, &local);
+        }
+        let splits = !path.is_branch && settings.branches > 1 && !is_delta;
+        if !splits && settings.directions == Directions::Scattering {
+            return path.go_on(settings, Shaded { surface, bsdf, local: &local }, Part::All, self.observer);
+        }
+        if is_delta {
+            return path.go_on(
+                settings,
+                Shaded { surface, bsdf, local: &local },
+                Part::Mirror,
+                self.observer,
+            );
+        }
+        let branches = if path.is_branch { 1 } else { settings.branches.max(1) };
+        let mark = self.observer.mark();
+        let fork = Fork { path: *path, surface: *surface, bsdf: *bsdf, local, branches, taken: 0, mark };
+        self.forks.push(fork);
+        false
+    }
+
+    /// The weight of light that the path met by its own scattering.
+    ///
+    /// With the density `p` of the ray's direction per solid angle and the density `q` with which [`sample_light`] would have
+    /// drawn it from the last vertex, the estimate `f Le / p` counts by the power heuristic
+    ///
+    /// ```text
+    /// w = p^2 / (p^2 + q^2)                                           [Veach 1997, eq. 9.15]
+    /// ```
+    ///
+    /// and in full where no light could have been drawn: for the camera's own ray, behind mirrors, and behind interfaces
+    /// that hold a shadow ray up.
+    ///
+    /// * `pdf_li`: `q`
+    fn mis_weight(&self, path: &CameraPath<'s>, pdf_li: impl FnOnce(&Receiver) -> f32) -> f32 {
+        match self.settings.technique {
+            _ if !path.state.connectable => 1.0,
+            Technique::Scattering => 1.0,
+            Technique::Lights => 0.0,
+            Technique::Combined => power_heuristic(path.pdf, pdf_li(&path.receiver)),
+        }
+    }
+
+    /// Light from infinitely far away along a ray that leaves the scene: `beta Le(d) w`.
+    fn add_background(&mut self, path: &CameraPath<'s>, d: Vec3) {
+        let (scene, state, choice) = (self.scene(), &path.state, self.settings.light_choice);
+        let radiance = scene.background.radiance(d, &state.wavelengths);
+        if !radiance.is_black() {
+            let weight = self.mis_weight(path, |from| scene.sky_pdf(from, d, choice));
+            self.add_met(state, state.beta * radiance * weight, scene.emitters.sky_group());
+        }
+        for sun in scene.suns(d, &state.wavelengths) {
+            let weight =
+                self.mis_weight(path, |from| scene.light_pdf(sun.light, from, [Vec3::ZERO; 2], d, choice));
+            self.add_met(state, state.beta * sun.radiance * weight, sun.group);
+        }
+    }
+
+    /// Light that the surface itself sends back along the path: `beta Le(wo) w`.
+    fn add_emission(&mut self, path: &CameraPath<'s>, surface: &SurfaceInteraction) {
+        let (scene, state, choice) = (self.scene(), &path.state, self.settings.light_choice);
+        if let Some(emitted) = scene.glow(&surface.at, -surface.wo, &state.wavelengths) {
+            let weight = self.mis_weight(path, |from| scene.glow_pdf(&emitted, &surface.at, from, choice));
+            self.add_met(state, state.beta * emitted.radiance * weight, emitted.group);
+        }
+    }
+
+    /// Adds light that the path has met.
+    fn add_met(&mut self, state: &PathState<'s>, light: Spectrum, group: u8) {
+        self.observer.found(|| sensor::to_rgb(light, &state.wavelengths));
+        self.estimate.add(state, light, group);
+    }
+
+    /// Direct light by next-event estimation. The integral over the hemisphere of directions `wi`
+    ///
+    /// ```text
+    /// Ld = integral of  f(wo, wi) |cos| Li(wi)  dwi
+    /// ```
+    ///
+    /// is estimated by one direction to a light, drawn with the density `q` per solid angle by what the lights may
+    /// contribute: `f |cos| T V Le / q`, with the transmittance `T` of the medium on the side of the light, and `V` that of
+    /// holes and panes. Directions that scattering finds with the density `p` are found in two ways, so this one counts
+    ///
+    /// ```text
+    /// w = q^2 / (p^2 + q^2)                                           [Veach 1997, eq. 9.15]
+    /// ```
+    ///
+    /// and in full where the light has no extent that a ray could meet.
+    fn add_direct_light(
+        &mut self,
+        path: &mut CameraPath<'s>,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf,
+        local: &LocalFrame,
+    ) {
+        let (scene, settings) = (self.scene(), self.settings);
+        let state = &mut path.state;
+        let Some(drawn) = sample_light(scene, state, &receiver(surface, local), settings.light_choice) else {
+            return;
+        };
+        let Some(wi) = local.to_local(drawn.wi) else { return };
+        let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
+        if scattered.is_black() {
+            return;
+        }
+        let state = &*state;
+        let segment = surface.at.point.ray_to_light(&drawn, state.ray.time);
+        let across = |interface: &Interface| state.media.across(interface);
+        let beyond = surface.interface.as_ref().filter(|_| wi.z * local.wo.z < 0.0).map(across);
+        let media = beyond.as_ref().unwrap_or(&state.media);
+        let carried = state.beta * scattered * media.transmittance(segment.length());
+        let visible = connect(scene, &segment, &state.wavelengths, media.eta(), self.observer);
+        let about = || About {
+            eta: state.media.eta(),
+            weight: sensor::to_rgb(carried, &state.wavelengths),
+            light: Some(scene.emitters.id(drawn.light)),
+        };
+        if visible.is_black() {
+            self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
+            return;
+        }
+        let weight = match settings.technique {
+            Technique::Combined if !drawn.is_delta => {
+                power_heuristic(drawn.pdf, directions::pdf(settings.directions, bsdf, local.wo, wi))
+            }
+            _ => 1.0,
+        };
+        let added = carried * drawn.radiance * visible * (weight / drawn.pdf);
+        let rgb = || sensor::to_rgb(added, &state.wavelengths);
+        self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
+        self.estimate.add(state, added, scene.emitters.group(drawn.light));
+    }
+}
+
+impl Estimate {
+    /// Adds light of a light group.
+    fn add(&mut self, path: &PathState<'_>, light: Spectrum, group: u8) {
+        self.light += light;
+        if let Some(groups) = &mut self.groups {
+            let (sum, rgb) = (&mut groups[usize::from(group)], sensor::to_rgb(light, &path.wavelengths));
+            *sum = [0, 1, 2].map(|i| sum[i] + rgb[i]);
+        }
+    }
+
+    /// All light as the sensor sees it, of which the latest was found under the wavelengths of a path.
+    fn sensed_with(&self, path: &PathState<'_>) -> [f32; 3] {
+        let rest = sensor::to_rgb(self.light, &path.wavelengths);
+        [0, 1, 2].map(|i| self.sensed[i] + rest[i])
+    }
+
+    /// Follows one wavelength from here on.
+    fn end_secondary_wavelengths(&mut self, path: &mut PathState<'_>) {
+        if path.wavelengths.is_spectral() && !path.wavelengths.secondary_terminated() {
+            self.sensed = self.sensed_with(path);
+            self.light = Spectrum::BLACK;
+            path.wavelengths.terminate_secondary();
+        }
+    }
+}
+
+/// Who is lit at a surface.
+fn receiver(surface: &SurfaceInteraction, local: &LocalFrame) -> Receiver {
+    Receiver { p: surface.at.point.p, n: local.n(), time: surface.at.time }
+}
+
+/// Weight of an estimate of density `p` against another of density `q`, `p^2 / (p^2 + q^2)`.
+#[inline]
+fn power_heuristic(p: f32, q: f32) -> f32 {
+    // By their ratio, since the squares may overflow.
+    if p > q { 1.0 / (1.0 + (q / p) * (q / p)) } else { (p / q) * (p / q) / (1.0 + (p / q) * (p / q)) }
+}

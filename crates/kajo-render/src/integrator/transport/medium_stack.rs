@@ -1,0 +1,268 @@
+//! Which media a path is inside of.
+//!
+//! Where objects that light passes overlap, as glass and the liquid in it do, the medium of the highest priority is
+//! there, and an interface inside a medium of higher priority than its own is not: light passes it as if it were nothing
+//! [Schmidt and Budge 2002]. Of media of equal priority the one entered last is there.
+
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::material::Interior;
+use kajo_core::scene::Scene;
+use kajo_math::Ray;
+
+/// Media that a stack has room for. Where more overlap, the one entered first is forgotten.
+const ROOM: usize = 4;
+
+/// Objects along a ray that are told apart to find out what is around its start.
+const MOST_CROSSED: usize = 32;
+
+/// What fills an object, as far as paths go by it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Medium {
+    /// Absorption per unit length.
+    sigma_a: Spectrum,
+    /// Index of refraction.
+    eta: f32,
+    priority: i32,
+    /// The number of the object, as in [`kajo_core::scene::Interaction::primitive`].
+    object: u32,
+}
+
+/// The media around a point of a path, in the order in which they were entered.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MediumStack {
+    entries: [Medium; ROOM],
+    len: u32,
+}
+
+/// The surface between two media as a path comes to it.
+#[derive(Clone, Copy, Debug)]
+pub struct Interface {
+    /// What is behind the surface.
+    medium: Medium,
+    /// Index of refraction outside the surface.
+    pub eta_outside: f32,
+    /// Whether the path comes from outside.
+    enters: bool,
+    /// Whether the surface is there at all, and not inside a medium of higher priority.
+    pub is_real: bool,
+    /// Whether refraction depends on the wavelength.
+    pub is_dispersive: bool,
+}
+
+impl MediumStack {
+    /// The media around the start of a ray: those of objects that it leaves more often than it enters them.
+    pub fn around(scene: &Scene, ray: &Ray, wavelengths: &Wavelengths) -> MediumStack {
+        // Parallel rays of a camera without a place come from infinitely far behind it.
+        if !scene.transmits || ray.t_min < 0.0 {
+            return MediumStack::default();
+        }
+        let mut crossed: [Option<Crossed>; MOST_CROSSED] = [None; MOST_CROSSED];
+        scene.crossings(ray, |object, hit| {
+            let at = scene.interaction(ray, object, hit);
+            let Some(interior) = scene.interior(&at, wavelengths, 0.5) else { return };
+            let is_it = |crossed: &&mut Option<Crossed>| crossed.is_none_or(|c| c.medium.object == object);
+            let Some(place) = crossed.iter_mut().find(is_it) else { return };
+            let medium = Medium::of(object, &interior);
+            let crossed = place.get_or_insert(Crossed { medium, exits: 0, farthest: 0.0 });
+            crossed.exits += if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
+            crossed.farthest = crossed.farthest.max(hit.t);
+        });
+        // The one that ends last was entered first.
+        let end = |crossed: &Option<Crossed>| crossed.map_or(0.0, |crossed| crossed.farthest);
+        crossed.sort_by(|a, b| end(b).total_cmp(&end(a)));
+        let mut around = MediumStack::default();
+        for inside in crossed.into_iter().flatten().filter(|crossed| crossed.exits > 0) {
+            around.push(inside.medium);
+        }
+        around
+    }
+
+    /// Whether there are none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The share of light that is left after a distance around the point.
+    #[inline]
+    pub fn transmittance(&self, distance: f32) -> Spectrum {
+        match self.absorption() {
+            Some(sigma_a) => (sigma_a * -distance.min(f32::MAX)).exp(),
+            None => Spectrum::WHITE,
+        }
+    }
+
+    /// Index of refraction around the point.
+    pub fn eta(&self) -> f32 {
+        self.top().map_or(1.0, |medium| medium.eta)
+    }
+
+    /// Absorption per unit length around the point, where there is any.
+    #[inline]
+    pub fn absorption(&self) -> Option<Spectrum> {
+        self.top().map(|medium| medium.sigma_a).filter(|sigma_a| !sigma_a.is_black())
+    }
+
+    /// How a path comes to the surface of `object`.
+    ///
+    /// * `enters`: whether it comes from outside
+    pub fn interface(&self, object: u32, interior: &Interior, enters: bool) -> Interface {
+        let leaves = if enters { None } else { self.position(object) };
+        let others = self.media().iter().enumerate().filter(|&(i, _)| Some(i) != leaves);
+        let outside = uppermost(others.map(|(_, medium)| medium));
+        Interface {
+            medium: Medium::of(object, interior),
+            eta_outside: outside.map_or(1.0, |outside| outside.eta),
+            enters,
+            is_real: outside.is_none_or(|outside| outside.priority <= interior.priority),
+            is_dispersive: interior.is_dispersive,
+        }
+    }
+
+    /// Goes to the other side of an interface.
+    pub fn cross(&mut self, interface: &Interface) {
+        if interface.enters {
+            self.push(interface.medium);
+        } else if let Some(i) = self.position(interface.medium.object) {
+            self.entries.copy_within(i + 1..self.len as usize, i);
+            self.len -= 1;
+        }
+    }
+
+    /// The media on the other side of an interface.
+    pub fn across(mut self, interface: &Interface) -> MediumStack {
+        self.cross(interface);
+        self
+    }
+
+    fn media(&self) -> &[Medium] {
+        &self.entries[..self.len as usize]
+    }
+
+    /// What is around the point.
+    #[inline]
+    fn top(&self) -> Option<&Medium> {
+        if self.is_empty() { None } else { uppermost(self.media().iter()) }
+    }
+
+    fn push(&mut self, medium: Medium) {
+        if self.len as usize == ROOM {
+            self.entries.copy_within(1.., 0);
+            self.len -= 1;
+        }
+        self.entries[self.len as usize] = medium;
+        self.len += 1;
+    }
+
+    /// Where an object was entered last.
+    fn position(&self, object: u32) -> Option<usize> {
+        self.media().iter().rposition(|medium| medium.object == object)
+    }
+}
+
+impl Medium {
+    fn of(object: u32, interior: &Interior) -> Medium {
+        let &Interior { eta, absorption, priority, .. } = interior;
+        Medium { sigma_a: absorption, eta, priority, object }
+    }
+}
+
+/// An object that a ray crosses.
+#[derive(Clone, Copy)]
+struct Crossed {
+    medium: Medium,
+    /// Ways out less ways in.
+    exits: i32,
+    /// Parameter of the last crossing.
+    farthest: f32,
+}
+
+/// The medium that is there, of those of some objects in the order in which they were entered.
+fn uppermost<'a>(media: impl Iterator<Item = &'a Medium>) -> Option<&'a Medium> {
+    media.fold(None, |top: Option<&Medium>, medium| match top {
+        Some(top) if top.priority > medium.priority => Some(top),
+        _ => Some(medium),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_math::Vec3;
+    use kajo_scene::MemoryAssets;
+
+    use super::*;
+    use crate::integrator::tests::scene_with;
+
+    fn interior(eta: f32, priority: i32) -> Interior {
+        Interior { eta, is_dispersive: false, absorption: Spectrum::grey(eta), priority }
+    }
+
+    #[test]
+    fn a_liquid_that_overlaps_its_glass_shares_one_surface() {
+        let (glass, water) = (interior(1.5, 2), interior(1.33, 1));
+        let air = MediumStack::default();
+        assert!(air.absorption().is_none());
+        let outer = air.interface(1, &glass, true);
+        assert!(outer.is_real && outer.eta_outside == 1.0);
+        let in_glass = air.across(&outer);
+        // The water begins inside the glass: nothing is seen of that.
+        let hidden = in_glass.interface(2, &water, true);
+        assert!(!hidden.is_real);
+        let both = in_glass.across(&hidden);
+        assert_eq!(both.absorption(), Some(glass.absorption));
+        // The inner side of the glass is where glass meets water.
+        let inner = both.interface(1, &glass, false);
+        assert!(inner.is_real && inner.eta_outside == 1.33);
+        let in_water = both.across(&inner);
+        assert_eq!(in_water.absorption(), Some(water.absorption));
+        let out = in_water.interface(2, &water, false);
+        assert!(out.is_real && out.eta_outside == 1.0);
+        assert!(in_water.across(&out).absorption().is_none());
+    }
+
+    #[test]
+    fn leaving_what_was_never_entered_is_leaving() {
+        let inside = MediumStack::default().interface(7, &interior(1.5, 0), false);
+        assert!(inside.is_real && inside.eta_outside == 1.0);
+        assert!(MediumStack::default().across(&inside).absorption().is_none());
+    }
+
+    #[test]
+    fn too_many_media_forget_the_outermost() {
+        let mut media = MediumStack::default();
+        for i in 0..20 {
+            media.cross(&media.interface(i, &interior(1.0 + i as f32, 0), true));
+        }
+        assert_eq!(media.absorption(), Some(Spectrum::grey(20.0)));
+        assert!(media.interface(19, &interior(20.0, 0), false).eta_outside == 19.0);
+        // As many as there is room for are known.
+        for i in (0..20).rev() {
+            let known = i + ROOM as u32 >= 20;
+            assert_eq!(media.eta(), if known { 1.0 + i as f32 } else { 1.0 }, "{i}");
+            media.cross(&media.interface(i, &interior(1.0 + i as f32, 0), false));
+        }
+    }
+
+    /// What lies ahead of a ray does not crowd out what is around its start.
+    #[test]
+    fn a_ray_that_starts_in_water_knows_it_behind_many_balls() {
+        let balls: String = (0..MOST_CROSSED - 1)
+            .map(|i| format!("Sphere {{ center 0 0 -{} radius 0.4 }} ", i + 1))
+            .collect();
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }}
+             Materials {{ Glass water {{ indexOfRefraction 1.33 }}  Glass ball {{ }} }}
+             Group {{ MaterialIndex ball {balls} MaterialIndex water Box {{ min -9 -9 -99 max 9 9 1 }} }}"
+        );
+        let scene = scene_with(&text, &MemoryAssets::new());
+        let around =
+            |z: f32| MediumStack::around(&scene, &Ray::new(z * Vec3::Z, -Vec3::Z), &Wavelengths::RGB);
+        assert_eq!([around(0.0).eta(), around(-1.0).eta(), around(2.0).eta()], [1.33, 1.5, 1.0]);
+    }
+
+    #[test]
+    fn a_stack_is_small() {
+        assert_eq!(size_of::<MediumStack>(), 144);
+        assert_eq!(size_of::<Interface>(), 48);
+    }
+}

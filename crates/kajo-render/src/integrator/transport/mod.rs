@@ -1,0 +1,38 @@
+//! The transport core: the steps that every integrator takes along a path, from a camera or from a light.
+//!
+//! Integrators estimate sums over paths `x0 x1 ... xn` of
+//!
+//! ```text
+//! f(x0 .. xn) = product of emission, scattering f |cos|, transmittance T and sensitivity
+//! ```
+//!
+//! by growing a path one vertex after the other, with `beta` the product so far over the density of what was drawn.
+//! What differs between them is what they add at a vertex and how they weigh it. What they share is here, as free
+//! functions over the immutable [`Scene`](kajo_core::scene::Scene), a plain [`PathState`] and small records:
+//!
+//! ```text
+//!        extend ─▶ Event ─▶ Surface ─▶ cross_hidden ─▶ shade ─▶ pass_straight ─▶ (integrator: sample) ─▶ follow ─▶ survives
+//!          ▲         │                      │                         │                                              │
+//!          │         └▶ Escaped, Absorbed   │                         │                                              │
+//!          └────────────────────────────────┴─────────────────────────┴──────────────────────────────────────────────┘
+//! ```
+//!
+//! * [`steps::extend`]: one ray to what stops it, weakened by the medium on its way; [`advance`] repeats that to an interface
+//!   that is there
+//! * [`shade`]: how the surface scatters
+//! * [`pass_straight`]: through a hole or a pane without an event
+//! * [`sample_light`], [`connect`]: a light drawn for a vertex, and what comes along a segment to it
+//! * [`follow`], [`survives`]: on along a scattered direction, and Russian roulette
+//!
+//! No step calls the next one, and none knows who called it: a path is followed by calling them in turn, and many paths can
+//! be by calling each of them for all. The order in which they take random numbers is part of their contract.
+
+mod local_frame;
+mod medium_stack;
+mod path_state;
+pub mod steps;
+
+pub use local_frame::LocalFrame;
+pub use medium_stack::{Interface, MediumStack};
+pub use path_state::{PathState, SurfaceInteraction};
+pub use steps::{Event, advance, connect, follow, pass_straight, sample_light, shade, survives};

@@ -1,0 +1,97 @@
+//! What a path carries from one vertex to the next.
+
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::bsdf::Transport;
+use kajo_core::sampler::Draws;
+use kajo_core::scene::Interaction;
+use kajo_math::{Ray, Vec3};
+
+use super::{Interface, MediumStack};
+
+/// A path in the making, all that any integrator has to know of it: plain data that can be copied, kept and taken up again.
+#[derive(Clone, Copy, Debug)]
+pub struct PathState<'s> {
+    /// The ray to be followed next, whose direction has unit length.
+    pub ray: Ray,
+    /// What the lanes of `beta` stand for.
+    pub wavelengths: Wavelengths,
+    /// Throughput: what later light is multiplied by, or for a path from a light the power that it carries, each over
+    /// the density of the path so far.
+    pub beta: Spectrum,
+    /// Makes of `beta` the share that is left of what the path began with: without the squeezing of radiance at
+    /// interfaces, which a later one undoes.
+    pub eta_scale: f32,
+    /// Which end the path began at.
+    pub mode: Transport,
+    /// The media around the start of the ray.
+    pub media: MediumStack,
+    /// The random numbers that are left.
+    pub draws: Draws<'s>,
+    /// How often it was scattered.
+    pub scatterings: u32,
+    /// Rays that were followed for it.
+    pub surfaces: u32,
+    /// Whether the segment at hand could also have been found by joining its two ends: both scatter into more than single
+    /// directions, and nothing on the way would hold up a [`super::connect`].
+    pub connectable: bool,
+}
+
+impl<'s> PathState<'s> {
+    /// A path that begins with a ray.
+    ///
+    /// * `beta`: what the ray carries
+    /// * `media`: around its start
+    pub fn new(
+        ray: Ray,
+        (wavelengths, beta): (Wavelengths, Spectrum),
+        mode: Transport,
+        media: MediumStack,
+        draws: Draws<'s>,
+    ) -> PathState<'s> {
+        PathState {
+            ray,
+            wavelengths,
+            beta,
+            eta_scale: 1.0 / wavelengths.max_lane(beta).max(f32::MIN_POSITIVE),
+            mode,
+            media,
+            draws,
+            scatterings: 0,
+            surfaces: 0,
+            connectable: false,
+        }
+    }
+}
+
+/// A vertex of a path on a surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SurfaceInteraction {
+    /// Position, normals, object and material.
+    pub at: Interaction,
+    /// Unit direction back along the path.
+    pub wo: Vec3,
+    /// Length of the segment that ends here.
+    pub length: f32,
+    /// Chooses among the parts of a mixture.
+    pub u: f32,
+    /// What lies on both sides, where light passes.
+    pub interface: Option<Interface>,
+}
+
+impl SurfaceInteraction {
+    /// Whether light is refracted here by wavelength, so that only one can be followed.
+    pub fn is_dispersive(&self) -> bool {
+        self.interface.is_some_and(|interface| interface.is_dispersive)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Wavefronts keep one for each path, and branches copy one.
+    #[test]
+    fn a_path_is_small() {
+        assert!(size_of::<PathState<'_>>() <= 384, "{}", size_of::<PathState<'_>>());
+    }
+}

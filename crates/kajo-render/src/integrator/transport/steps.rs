@@ -1,0 +1,233 @@
+//! The steps themselves.
+
+use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_core::RayOffset;
+use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
+use kajo_core::light::{LightChoice, LightSample};
+use kajo_core::lighting::Receiver;
+use kajo_core::scene::{Interaction, Scene};
+use kajo_math::{Ray, Vec3};
+
+use super::{PathState, SurfaceInteraction};
+use crate::trail::{About, PathObserver, RayKind};
+
+/// Scatterings after which paths may end at random.
+const SAFE_BOUNCES: u32 = 3;
+
+/// The largest chance to go on at random ends: a path between perfect mirrors must end some day.
+const LARGEST_SURVIVAL: f32 = 0.98;
+
+/// Surfaces that one path may meet, those that it passes straight on included.
+///
+/// Bounces are counted on their own; but holes, panes and surfaces hidden in a medium of higher priority cost none, and
+/// rounding may put a path in front of the same one for ever.
+pub const MOST_SURFACES: u32 = 1 << 14;
+
+/// What becomes of a ray that is followed.
+#[derive(Clone, Copy, Debug)]
+pub enum Event {
+    /// It meets a surface, which was written to a [`SurfaceInteraction`].
+    Surface,
+    /// It leaves the scene in this unit direction.
+    Escaped(Vec3),
+    /// Nothing of it arrives anywhere: the path has met more surfaces than a path may.
+    Absorbed,
+}
+
+/// Follows the path's ray to the next surface, through the medium around its start:
+///
+/// ```text
+/// beta <- beta T,     T = exp(-sigma_a length)
+/// ```
+///
+/// Takes the number that chooses among the parts of a mixture.
+#[inline]
+pub fn extend(
+    scene: &Scene,
+    path: &mut PathState<'_>,
+    surface: &mut SurfaceInteraction,
+    observer: &mut impl PathObserver,
+) -> Event {
+    if path.surfaces == MOST_SURFACES {
+        return Event::Absorbed;
+    }
+    path.surfaces += 1;
+    let at = &mut surface.at;
+    let meets = scene.trace_into(None, &path.ray, at);
+    observer.ended(scene, &path.ray, meets.then_some(&*at), || About {
+        eta: path.media.eta(),
+        weight: sensor::to_rgb(path.beta, &path.wavelengths),
+        light: None,
+    });
+    if !meets {
+        return Event::Escaped(path.ray.d);
+    }
+    let (wo, length) = (-path.ray.d, at.hit.t);
+    if !path.media.is_empty() {
+        path.beta *= path.media.transmittance(length);
+    }
+    let u = path.draws.number_if(scene.is_mixture(at));
+    let enters = wo.dot(at.point.ng) > 0.0;
+    let interior = scene.interior(at, &path.wavelengths, u);
+    surface.interface = interior.map(|interior| path.media.interface(at.primitive, &interior, enters));
+    (surface.wo, surface.length, surface.u) = (wo, length, u);
+    Event::Surface
+}
+
+/// Follows the path to the next surface that is there: interfaces inside media of higher priority are passed as if they
+/// were nothing.
+///
+/// * `first`: filled with the first surface, there or not, if it is empty
+#[inline]
+pub fn advance(
+    scene: &Scene,
+    path: &mut PathState<'_>,
+    surface: &mut SurfaceInteraction,
+    first: &mut Option<Interaction>,
+    observer: &mut impl PathObserver,
+) -> Event {
+    loop {
+        let event = extend(scene, path, surface, observer);
+        if !matches!(event, Event::Surface) {
+            return event;
+        }
+        if first.is_none() {
+            *first = Some(surface.at);
+        }
+        let Some(hidden) = surface.interface.filter(|interface| !interface.is_real) else { return event };
+        path.media.cross(&hidden);
+        // Connections are held up here: what the path meets from here on could not have been found by one.
+        path.connectable = false;
+        observer.next(RayKind::Transmitted);
+        path.ray = straight_on(path, surface);
+    }
+}
+
+/// How the surface scatters.
+#[inline]
+pub fn shade(scene: &Scene, path: &PathState<'_>, surface: &SurfaceInteraction) -> Bsdf {
+    let eta_outside = surface.interface.map_or_else(|| path.media.eta(), |interface| interface.eta_outside);
+    scene.bsdf(&surface.at, &path.wavelengths, eta_outside, surface.u)
+}
+
+/// Goes straight on through a hole, or through a pane that the path is to pass, as [`connect`] does; `false` where it is
+/// scattered.
+///
+/// The vertex before stays the one that the path comes from: connections pass holes and panes too, weakened by the same
+/// share, and the chance of passing is left out of the densities of all ways to find the path alike.
+///
+/// * `bsdf`: scattering there; of a pane that is not passed a mirror is left
+///
+/// Takes a number at panes.
+#[inline]
+pub fn pass_straight(
+    scene: &Scene,
+    path: &mut PathState<'_>,
+    surface: &SurfaceInteraction,
+    bsdf: &mut Bsdf,
+) -> bool {
+    if !scene.has_passages {
+        return false;
+    }
+    let draws = &mut path.draws;
+    let passed = bsdf.cross(|| (surface.at.crossing_cosine(-surface.wo), draws.next_1d()));
+    let Some(share) = passed else { return false };
+    path.beta *= share;
+    path.ray = straight_on(path, surface);
+    true
+}
+
+fn straight_on(path: &PathState<'_>, surface: &SurfaceInteraction) -> Ray {
+    surface.at.point.ray_towards(path.ray.d, f32::INFINITY, path.ray.time, RayOffset::Auto)
+}
+
+/// Light drawn for a vertex, whether or not anything is in the way; `None` where none can arrive.
+///
+/// Takes a number for the light, where there are several, and two for the place on it.
+#[inline]
+pub fn sample_light(
+    scene: &Scene,
+    path: &mut PathState<'_>,
+    receiver: &Receiver,
+    choice: LightChoice,
+) -> Option<LightSample> {
+    let u = path.draws.number_if(scene.emitters.len() > 1);
+    let place = path.draws.next_2d();
+    let drawn = scene.light_towards(receiver, u, place, &path.wavelengths, choice);
+    drawn.filter(|light| !light.radiance.is_black())
+}
+
+/// The share of light that comes along a segment between two vertices, in one medium: less than 1 through holes and panes,
+/// and nothing where anything else is between.
+///
+/// * `eta`: index of refraction of the medium
+#[inline]
+pub fn connect(
+    scene: &Scene,
+    segment: &Ray,
+    wavelengths: &Wavelengths,
+    eta: f32,
+    observer: &mut impl PathObserver,
+) -> Spectrum {
+    observer.counters().shadow += 1;
+    scene.visibility(segment, wavelengths, eta)
+}
+
+/// Goes on along a direction that was sampled at a surface:
+///
+/// ```text
+/// beta <- beta f |cos| / p
+/// ```
+///
+/// * `wi`: the direction in world space
+#[inline]
+pub fn follow(
+    path: &mut PathState<'_>,
+    surface: &SurfaceInteraction,
+    wi: Vec3,
+    sample: &BsdfSample,
+    observer: &mut impl PathObserver,
+) {
+    let kind = if sample.kind.transmission {
+        observer.counters().refracted += 1;
+        if let Some(interface) = &surface.interface {
+            path.media.cross(interface);
+        }
+        RayKind::Transmitted
+    } else {
+        observer.counters().reflected += 1;
+        RayKind::Reflected
+    };
+    observer.next(if sample.kind.delta { kind } else { RayKind::Scattered });
+    path.beta *= sample.weight;
+    if path.mode == Transport::Radiance {
+        path.eta_scale *= sample.eta * sample.eta;
+    }
+    path.connectable = !sample.kind.delta;
+    path.ray = surface.at.point.ray_towards(wi, f32::INFINITY, path.ray.time, RayOffset::Auto);
+    path.scatterings += 1;
+}
+
+/// Russian roulette [Arvo and Kirk 1990]: whether the path goes on. Where it carries little it ends with the probability
+/// `1 - q`, and what survives counts `1 / q` times.
+///
+/// * `bounces`: scatterings that count; the first few never end a path
+/// * `plays`: whether paths end at random at all; those that carry nothing end anyhow
+///
+/// Takes a number where chance decides.
+#[inline]
+pub fn survives(path: &mut PathState<'_>, bounces: u32, plays: bool) -> bool {
+    let left = path.wavelengths.max_lane(path.beta) * path.eta_scale;
+    if left.is_nan() || left <= 0.0 {
+        return false;
+    }
+    if !plays || bounces <= SAFE_BOUNCES {
+        return true;
+    }
+    let q = left.min(LARGEST_SURVIVAL);
+    if path.draws.next_1d() >= q {
+        return false;
+    }
+    path.beta *= 1.0 / q;
+    true
+}
