@@ -46,7 +46,7 @@ const KEPT: [(&str, &str); 10] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 26] = [
+const CORE_MODULES: [(&str, &[&str]); 27] = [
     ("family", &[]),
     ("interaction", &[]),
     ("motion", &[]),
@@ -94,6 +94,7 @@ const CORE_MODULES: [(&str, &[&str]); 26] = [
             "background",
         ],
     ),
+    ("schema", &["scene", "settings"]),
     ("lighting", &["interaction", "bsdf", "glow", "light", "material", "scene"]),
     ("shading", &["interaction", "material", "scene"]),
     // Tests only: what holds for all families.
@@ -135,6 +136,7 @@ const CORE_MODULES: [(&str, &[&str]); 26] = [
             "environment",
             "daylight",
             "scene",
+            "schema",
             "lighting",
             "shading",
         ],

@@ -25,6 +25,7 @@ mod nested;
 mod objects;
 pub mod sampler;
 pub mod scene;
+pub mod schema;
 pub mod settings;
 pub mod shading;
 pub mod shape;

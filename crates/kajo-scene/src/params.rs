@@ -95,17 +95,6 @@ impl<'a, 'd> Params<'a, 'd> {
         Args::read(item, self.diagnostics, reader)
     }
 
-    /// As [`Params::optional`], of those items alone that `is_meant` knows; others are left to be asked for.
-    pub fn optional_where<T>(
-        &mut self,
-        key: &'static str,
-        is_meant: impl Fn(Item<'a>) -> bool,
-        reader: impl FnOnce(&mut Args<'a>) -> Result<T, Diagnostic>,
-    ) -> Option<T> {
-        let item = self.take_last_where(key, is_meant)?;
-        Args::read(item, self.diagnostics, reader)
-    }
-
     /// The value of `key`, or `default` when the key is absent or wrong.
     pub fn or<T>(
         &mut self,
@@ -149,6 +138,11 @@ impl<'a, 'd> Params<'a, 'd> {
         self.children.iter().any(|child| !child.used && child.item.keyword() == key)
     }
 
+    /// Whether an item called `key` is there, asked for or not.
+    pub fn contains(&self, key: &str) -> bool {
+        self.children.iter().any(|child| child.item.keyword() == key)
+    }
+
     /// Warns of the items among `keys` that are there, asked for or not: for this reason they have no effect.
     pub fn idle(&mut self, keys: &[&str], reason: &str) {
         for child in self.children.iter().filter(|child| keys.contains(&child.item.keyword())) {
@@ -165,6 +159,14 @@ impl<'a, 'd> Params<'a, 'd> {
             Some(child) => warning.label(child.item.head_span(), label),
             None => warning,
         });
+    }
+
+    /// Reports the items called `key`, asked for or not, as an error for this reason: `beside ...` or `without ...`.
+    pub fn refuse(&mut self, key: &str, reason: &str) {
+        for child in self.children.iter().filter(|child| child.item.keyword() == key) {
+            let error = Diagnostic::error(format!("`{key}` cannot stand {reason}"));
+            self.diagnostics.push(error.label(child.item.head_span(), "not here"));
+        }
     }
 
     /// Reports when more than one of `keys` is there, which are words for the same thing; what they say is still to be
@@ -188,6 +190,15 @@ impl<'a, 'd> Params<'a, 'd> {
     /// The one block called `key`, or `None`; when repeated the last wins, with a warning.
     pub fn block(&mut self, key: &'static str) -> Option<Item<'a>> {
         self.take_last(key)
+    }
+
+    /// As [`Params::block`], of those items alone that `is_meant` knows; others are left to be asked for.
+    pub fn block_where(
+        &mut self,
+        key: &'static str,
+        is_meant: impl Fn(Item<'a>) -> bool,
+    ) -> Option<Item<'a>> {
+        self.take_last_where(key, is_meant)
     }
 
     /// Every item with one of these keywords, in the order of the text.
@@ -285,8 +296,9 @@ impl<'a, 'd> Params<'a, 'd> {
         taken
     }
 
-    fn report_missing(&mut self, key: &str) {
-        if self.no_block {
+    /// Reports that there is no `key`, unless there is one, which may be wrong, or no block at all.
+    pub fn report_missing(&mut self, key: &str) {
+        if self.no_block || self.contains(key) {
             return;
         }
         self.diagnostics.push(match self.item {

@@ -14,10 +14,12 @@
 
 use std::borrow::Cow;
 
-use kajo_math::DVec3;
+use kajo_math::{DVec3, Vec3};
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
+use super::fields::{At, Field, Keys, Optional, Plain, Sources, Typed, keys, point, vector};
 use crate::camera::Frame;
+use crate::schema::{FieldKind, FieldSpec};
 
 /// The share of the picture that `fit` leaves free at each edge unless told otherwise.
 const MARGIN: f32 = 0.05;
@@ -55,14 +57,17 @@ impl<'a> Aim<'a> {
     /// Reads the keys; `None` when an error was reported.
     ///
     /// * `others`: words after `fit` that mean something else to this camera
-    pub fn read(params: &mut Params<'a, '_>, others: &[&str]) -> Option<Aim<'a>> {
+    pub fn read(params: &mut Params<'a, '_>, sources: &mut Sources<'_>, others: &[&str]) -> Option<Aim<'a>> {
         let before = params.diagnostics().count(kajo_scene::Severity::Error);
-        let mut aim = Aim { fit: fit(params, others), ..Aim::default() };
+        // The last one whose word is none of the others, which are left to be asked for.
+        let is_other = |item: Item<'_>| item.word().is_some_and(|word| others.contains(&&*word.text()));
+        let fit = fit_field().read_where(params, sources, |item| !is_other(item))?;
+        let mut aim = Aim { fit, ..Aim::default() };
         params.either(&["target", "lookAt"], "a camera");
-        let whole_line = params.optional("lookAt", look_at);
-        aim.target = params.optional("target", |args| Ok((args.item(), subject(args)?)));
-        let is_line = matches!(whole_line, Some(LookAt::Line { .. }));
-        match whole_line {
+        let AimKeys { center, direction, target, look_at, up } = AimKeys::read(params, sources)?;
+        aim.target = target.map(|target| (target.item, target.value));
+        let is_line = matches!(look_at, Some(LookAt::Line { .. }));
+        match look_at {
             Some(LookAt::Subject(item, subject)) => aim.target = Some((item, subject)),
             Some(LookAt::Line { item, eye, target, up }) => {
                 (aim.center, aim.up) = (Some(eye), up);
@@ -71,14 +76,15 @@ impl<'a> Aim<'a> {
             None => {}
         }
         let misread = params.diagnostics().count(kajo_scene::Severity::Error) > before;
-        let vec3 = |params: &mut Params<'a, '_>, key, needed: bool| match needed {
-            true => params.required(key, Args::vec3).map(|v| v.as_dvec3()),
-            false => params.optional(key, Args::vec3).map(|v| v.as_dvec3()),
-        };
         let (is_fitted, has_target) = (aim.fit.is_some(), aim.target.is_some());
-        let center = vec3(params, "center", !(is_fitted || is_line || misread));
-        let direction = vec3(params, "direction", !(is_fitted || has_target || misread));
-        let up = vec3(params, "up", !(is_fitted || has_target || misread));
+        if !(is_fitted || is_line || misread) {
+            params.report_missing("center");
+        }
+        if !(is_fitted || has_target || misread) {
+            params.report_missing("direction");
+            params.report_missing("up");
+        }
+        let [center, direction, up] = [center, direction, up].map(|v| v.map(|v| v.as_dvec3()));
         if is_line {
             params.idle(&["center"], "beside a `lookAt` that says where the camera is");
             if aim.up.is_some() {
@@ -177,21 +183,50 @@ pub(super) fn subject<'a>(args: &mut Args<'a>) -> Result<Subject<'a>, Diagnostic
     Ok(if name == "scene" { Subject::Scene } else { Subject::Named(name) })
 }
 
-/// The last `fit` whose word is none of `others`; those are left to be asked for.
-fn fit<'a>(params: &mut Params<'a, '_>, others: &[&str]) -> Option<FitKey<'a>> {
-    let is_other = |item: Item<'_>| item.word().is_some_and(|word| others.contains(&&*word.text()));
-    params.optional_where(
-        "fit",
-        |item| !is_other(item),
-        |args| {
-            let item = args.item();
-            if !args.is_word() {
-                let error = args.error("`fit` says what the picture is to hold");
-                return Err(error.help("write `fit scene`, or `fit` and the name of an object"));
-            }
-            let subject = subject(args)?;
-            let margin = if args.numbers_left() > 0 { args.number_in(0.0..=0.45)? } else { MARGIN };
-            Ok(FitKey { item, subject, margin: margin.into() })
-        },
-    )
+keys! {
+    AimKeys<'t> {
+        center: Option<Vec3> = point("center").option("where it is"),
+        direction: Option<Vec3> = vector("direction").option("where it looks"),
+        target: Option<At<'t, Subject<'t>>> = Typed::<Subject<'_>>::new("target", FieldKind::Point)
+            .not_beside(&["lookAt"])
+            .placed()
+            .option("the point it looks at, or the name of an object"),
+        look_at: Option<LookAt<'t>> = Typed::<LookAt<'_>>::new("lookAt", FieldKind::Numbers(9))
+            .not_beside(&["target"])
+            .option("where it is, the point it looks at, and what is up"),
+        up: Option<Vec3> = vector("up").option("which way is up in the picture"),
+    }
+}
+
+/// The field that says what fills the picture.
+const fn fit_field<'t>() -> Optional<FitKey<'t>> {
+    Typed::new("fit", FieldKind::Text).option("what fills the picture: scene, or the name of an object")
+}
+
+/// Its description; it stands apart since one camera means something else by the same key.
+pub(super) const FIT: &[FieldSpec] = &[fit_field().spec()];
+
+impl<'t> Plain<'t> for Subject<'t> {
+    fn parse(_: &FieldSpec, args: &mut Args<'t>, _: &mut Sources<'_>) -> Result<Subject<'t>, Diagnostic> {
+        subject(args)
+    }
+}
+
+impl<'t> Plain<'t> for LookAt<'t> {
+    fn parse(_: &FieldSpec, args: &mut Args<'t>, _: &mut Sources<'_>) -> Result<LookAt<'t>, Diagnostic> {
+        look_at(args)
+    }
+}
+
+impl<'t> Plain<'t> for FitKey<'t> {
+    fn parse(_: &FieldSpec, args: &mut Args<'t>, _: &mut Sources<'_>) -> Result<FitKey<'t>, Diagnostic> {
+        let item = args.item();
+        if !args.is_word() {
+            let error = args.error("`fit` says what the picture is to hold");
+            return Err(error.help("write `fit scene`, or `fit` and the name of an object"));
+        }
+        let subject = subject(args)?;
+        let margin = if args.numbers_left() > 0 { args.number_in(0.0..=0.45)? } else { MARGIN };
+        Ok(FitKey { item, subject, margin: margin.into() })
+    }
 }

@@ -3,37 +3,95 @@
 use std::borrow::Cow;
 
 use kajo_math::{DVec3, Motion};
-use kajo_scene::{Args, Diagnostic, Item, Params};
+use kajo_scene::{Diagnostic, Item, Params};
 
 use super::aim::{Aim, Subject};
+use super::blocks::{
+    Member, fisheye_camera, keywords, orthographic_camera, panorama_camera, perspective_camera,
+    stereo_cubemap_camera,
+};
+use super::fields::{Defaulted, Keys, Sources, Typed, at_least, between, keys};
 use super::lens::{Focus, LensKeys};
 use super::{Compiler, motion};
-use crate::camera::{
-    Camera, EyePair, FisheyeCamera, FisheyeProjection, Frame, OrthographicCamera, PanoramaCamera,
-    PerspectiveCamera, Stereo, StereoCubemapCamera,
-};
+use crate::camera::{Camera, Frame, OrthographicCamera};
 use crate::motion::{MovingTransform, Shutter};
+use crate::schema::FieldKind;
 
-/// Words that make a camera.
-pub(super) const KEYWORDS: [&str; 5] =
-    ["FisheyeCamera", "OrthographicCamera", "PanoramaCamera", "PerspectiveCamera", "StereoCubemapCamera"];
+/// A kind of camera.
+pub(super) type CameraMember = Member<CameraReader>;
 
-/// Names of fisheye projections.
-const PROJECTIONS: [(&str, FisheyeProjection); 4] = [
-    ("equidistant", FisheyeProjection::Equidistant),
-    ("equisolid", FisheyeProjection::Equisolid),
-    ("orthographic", FisheyeProjection::Orthographic),
-    ("stereographic", FisheyeProjection::Stereographic),
+/// All kinds of cameras, in the order in which they are offered.
+pub(super) const MEMBERS: [&CameraMember; 5] = [
+    &perspective_camera::MEMBER,
+    &orthographic_camera::MEMBER,
+    &fisheye_camera::MEMBER,
+    &panorama_camera::MEMBER,
+    &stereo_cubemap_camera::MEMBER,
 ];
+/// Words that make a camera.
+pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
 
-/// What the disk of a fisheye may fill.
-const DISK_FITS: [&str; 2] = ["corners", "height"];
+/// What reads the keys that a kind of camera has of its own.
+pub(super) struct CameraReader {
+    /// Words after `fit` that mean something else to this camera.
+    pub other_fits: &'static [&'static str],
+    pub read: for<'t> fn(&mut Params<'t, '_>, &mut Sources<'_>, &View) -> OwnKeys<'t>,
+}
 
-/// Angle of view of a camera that may stand where it likes, in degrees.
-const USUAL_ANGLE: f32 = 35.0;
+/// Where a camera stands and looks, as far as that is known before the scene is.
+pub(super) struct View {
+    pub frame: Option<Frame>,
+    /// Whether what it sees is found by what it is to see.
+    pub is_fitted: bool,
+}
 
-/// Distance between a grown person's eyes in metres.
-const EYE_SEPARATION: f32 = 0.065;
+/// What a kind of camera says of its own.
+pub(super) struct OwnKeys<'t> {
+    pub camera: Option<Camera>,
+    /// Whether its angle or size was written.
+    pub has_opening: bool,
+    pub lens: Option<LensKeys<'t>>,
+    /// Columns and rows of the picture.
+    pub size: Option<[u32; 2]>,
+}
+
+impl OwnKeys<'_> {
+    /// A camera that says nothing else.
+    pub fn of(camera: Option<Camera>) -> OwnKeys<'static> {
+        OwnKeys { camera, has_opening: true, lens: None, size: None }
+    }
+}
+
+keys! {
+    ShutterKeys {
+        shutter: Shutter = Typed::<Shutter>::new("shutter", FieldKind::Numbers(2))
+            .or([0.0, 1.0], "from when to when light is gathered"),
+        rolling: f32 = between("rollingShutter", 0.0, 1.0)
+            .or(0.0, "the share of that time in which rows open one after the other"),
+    }
+}
+
+/// Distance between the eyes, which is that of a grown person's in metres.
+pub(super) const EYE_SEPARATION: Defaulted<f32> =
+    at_least("eyeSeparation", 0.0).unit("length").or(0.065, "distance between the eyes");
+
+/// How much a camera sees, and whether that was written: what is usual where it is found by what the camera is to see.
+pub(super) fn opening(
+    params: &mut Params<'_, '_>,
+    key: &'static str,
+    written: Option<f32>,
+    usual: f32,
+    view: &View,
+) -> (Option<f32>, bool) {
+    let has_opening = params.contains(key);
+    if view.is_fitted && !has_opening {
+        return (Some(usual), false);
+    }
+    if written.is_none() {
+        params.report_missing(key);
+    }
+    (written, has_opening)
+}
 
 /// A camera as the scene describes it, before what it names is looked up.
 pub(super) struct CameraRequest<'a> {
@@ -69,57 +127,20 @@ impl<'a> Compiler<'_> {
     }
 
     fn camera(&mut self, item: Item<'a>) -> Option<CameraRequest<'a>> {
+        let member = MEMBERS.iter().find(|member| member.block.keyword == item.keyword())?;
         let raw_up = self.rules.raw_up;
-        let (mut lens_keys, mut moves, mut name) = (None, None, None);
-        let (mut shutter, mut readout, mut has_opening) = (Shutter::default(), 0.0, true);
-        let (mut aim, mut size) = (None, None);
-        let camera = self.read(item, |params| {
-            name = params.name().map(Cow::into_owned);
-            shutter = motion::shutter(params);
-            readout = params.or("rollingShutter", 0.0, |args| args.number_in(0.0..=1.0));
-            moves = params.block("Motion");
-            let others: &[&str] = if item.keyword() == "FisheyeCamera" { &DISK_FITS } else { &[] };
-            aim = Aim::read(params, others);
+        let (name, keys, moves, aim, own) = self.read_keys(item, |params, sources| {
+            let name = params.name().map(Cow::into_owned);
+            let keys = ShutterKeys::read(params, sources);
+            let moves = params.block(motion::BLOCK.keyword);
+            let aim = Aim::read(params, sources, member.read.other_fits);
             let is_fitted = aim.as_ref().is_some_and(|aim| aim.fit.is_some());
             let frame = aim.as_ref().map(|aim| known_frame(aim, params, raw_up));
-            let eyes = |params: &mut Params<'_, '_>| {
-                let separation = params.or("eyeSeparation", EYE_SEPARATION, |a| a.number_in(0.0..));
-                EyePair { separation: separation.into() }
-            };
-            // Without its opening a camera that stands somewhere is given it by what it fits.
-            let mut opening = |params: &mut Params<'_, '_>, key, usual: f32| {
-                has_opening = params.has(key);
-                if is_fitted && !has_opening { Some(usual) } else { params.required(key, Args::number) }
-            };
-            Some(match item.keyword() {
-                "OrthographicCamera" => {
-                    let size = opening(params, "size", 1.0);
-                    warn_of_size(params, size);
-                    lens_keys = LensKeys::read(params);
-                    Camera::Orthographic(OrthographicCamera { frame: frame?, size: size?.into(), lens: None })
-                }
-                "PerspectiveCamera" => {
-                    let angle = opening(params, "angle", USUAL_ANGLE);
-                    warn_of_angle(params, angle);
-                    size = picture_size(params);
-                    lens_keys = LensKeys::read(params);
-                    Camera::Perspective(PerspectiveCamera::new(frame?, f64::from(angle?).to_radians()))
-                }
-                "FisheyeCamera" => Camera::Fisheye(fisheye(params, frame?)),
-                "PanoramaCamera" => {
-                    let eyes = eyes(params);
-                    let stereo = params
-                        .or("stereo", false, |a| a.choice(&[("none", false), ("omnidirectional", true)]));
-                    Camera::Panorama(PanoramaCamera { frame: frame?, eyes: stereo.then_some(eyes) })
-                }
-                _ => {
-                    let kinds = [("twin", Stereo::Twin), ("omnidirectional", Stereo::Omnidirectional)];
-                    let eyes = eyes(params);
-                    let stereo = params.or("stereo", Stereo::Twin, |a| a.choice(&kinds));
-                    Camera::StereoCubemap(StereoCubemapCamera { frame: frame?, eyes, stereo })
-                }
-            })
-        });
+            let own = (member.read.read)(params, sources, &View { frame, is_fitted });
+            Some((name, keys, moves, aim, own))
+        })?;
+        let ShutterKeys { shutter, rolling: readout } = keys?;
+        let OwnKeys { camera, has_opening, lens: lens_keys, size } = own;
         let focus = lens_keys.as_ref().and_then(LensKeys::subject);
         let lens = lens_keys.and_then(|keys| self.lens(keys));
         // What moves with the camera does so while its own shutter is open.
@@ -154,23 +175,6 @@ impl<'a> Compiler<'_> {
     }
 }
 
-/// Columns and rows of the picture, which scenes of one course have in their camera.
-fn picture_size(params: &mut Params<'_, '_>) -> Option<[u32; 2]> {
-    let mut side = |key, other: &str| {
-        let read = params.optional(key, |args| Ok((args.int_in(1..=1 << 24)? as u32, args.item())));
-        (read, other.to_owned())
-    };
-    match (side("width", "height"), side("height", "width")) {
-        ((Some((width, _)), _), (Some((height, _)), _)) => Some([width, height]),
-        ((Some((_, item)), other), (None, _)) | ((None, _), (Some((_, item)), other)) => {
-            let error = Diagnostic::error(format!("`{}` needs a `{other}` beside it", item.keyword()));
-            params.diagnostics().push(error.label(item.head_span(), "says half of a size"));
-            None
-        }
-        ((None, _), (None, _)) => None,
-    }
-}
-
 /// The error of a scene that nobody looks at.
 pub(super) fn missing() -> Diagnostic {
     let help = "add, for instance, `PerspectiveCamera { fit scene }`, which sees everything, or one that says where it is: \
@@ -182,56 +186,6 @@ pub(super) fn missing() -> Diagnostic {
 pub(super) fn none() -> Camera {
     let frame = Frame::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
     Camera::Orthographic(OrthographicCamera { frame, size: 2.0, lens: None })
-}
-
-/// Angles of view that the formula has an answer for, as the course's program, but nobody means.
-fn warn_of_angle(params: &mut Params<'_, '_>, degrees: Option<f32>) {
-    let Some(degrees) = degrees else { return };
-    // The width of the picture at the distance 1 is twice the tangent of half of it.
-    let message = match degrees.rem_euclid(360.0) {
-        0.0 => {
-            "a camera with an angle of 0 sees nothing but a point; write how much it sees, such as `angle 40`"
-        }
-        180.0 => {
-            "a plane picture cannot hold half of all directions; write less than 180, or a `FisheyeCamera`"
-        }
-        angle if angle > 180.0 => {
-            "with an angle below 0 or above 180 the picture stands on its head; write one between them"
-        }
-        _ if !(0.0..180.0).contains(&degrees) => {
-            "angles of view lie between 0 and 180; whole turns have no effect"
-        }
-        _ => return,
-    };
-    params.warn("angle", message, "no angle of view");
-}
-
-/// The same of the heights of views without perspective.
-fn warn_of_size(params: &mut Params<'_, '_>, size: Option<f32>) {
-    match size {
-        Some(0.0) => params.warn(
-            "size",
-            "a view of no size sees nothing but a point; write how much of the scene it sees, such as `size 5`",
-            "no size",
-        ),
-        Some(size) if size < 0.0 => params.warn(
-            "size",
-            "with a size below 0 the picture stands on its head; write one above 0",
-            "below 0",
-        ),
-        _ => {}
-    }
-}
-
-fn fisheye(params: &mut Params<'_, '_>, frame: Frame) -> FisheyeCamera {
-    let projection = params.or("projection", FisheyeProjection::Equidistant, |a| a.choice(&PROJECTIONS));
-    let widest = projection.widest_angle().to_degrees();
-    let angle = params.or("angle", 180.0, |a| a.number_in(1e-3..=widest));
-    let [corners, height] = DISK_FITS;
-    let fits = [(corners, true), (height, false)];
-    let is_disk = |item: Item<'_>| item.word().is_some_and(|word| DISK_FITS.contains(&&*word.text()));
-    let to_corners = params.optional_where("fit", is_disk, |a| a.choice(&fits)).unwrap_or(false);
-    FisheyeCamera { frame, angle: f64::from(angle).to_radians(), projection, to_corners }
 }
 
 /// The frame of a camera that asks for nothing of the scene; any other for one that does.

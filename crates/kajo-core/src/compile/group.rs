@@ -1,35 +1,43 @@
 //! `Group` and `Transform` blocks and the objects in them.
 
-use kajo_math::{DAffine3, Motion, Transform, Vec2};
+use kajo_math::{DAffine3, Motion, Transform};
 use kajo_scene::{Args, Diagnostic, Item, Params, not_supported_yet, unknown_word};
 
+use super::blocks::{self, Member, keywords};
 use super::definition::{BYTES_PER_OBJECT, Part};
+use super::fields::Sources;
 use super::materials::Reference;
 use super::places::misplaced;
 use super::{Compiler, motion, transform};
+use crate::family::Pooled;
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::nested::Content;
 use crate::scene::Primitive;
-use crate::shape::{Cone, Cuboid, Disk, Plane, Quad, ShapeId, Sphere, Triangle};
+use crate::shape::{ShapeId, Shapes};
 use crate::texture::{Channel, PictureMap, Share};
 
-/// Words for objects, groups and transforms included.
-pub(super) const OBJECTS: [&str; 13] = [
-    "Box",
-    "Cone",
-    "Cylinder",
-    "Disk",
-    "Group",
-    "Instance",
-    "Model",
-    "Plane",
-    "Quad",
-    "Sphere",
-    "Transform",
-    "Triangle",
-    "TriangleMesh",
+/// A kind of object, groups and transforms included.
+pub(super) type ObjectMember = Member<fn(&mut Compiler<'_>, Item<'_>, &mut Place, &mut Walk)>;
+
+/// All kinds of objects, in the order in which they are offered.
+pub(super) const MEMBERS: [&ObjectMember; 13] = [
+    &blocks::sphere::MEMBER,
+    &blocks::cuboid::MEMBER,
+    &blocks::plane::MEMBER,
+    &blocks::cylinder::MEMBER,
+    &blocks::cone::MEMBER,
+    &blocks::disk::MEMBER,
+    &blocks::quad::MEMBER,
+    &blocks::triangle::MEMBER,
+    &blocks::triangle_mesh::MEMBER,
+    &blocks::model::MEMBER,
+    &blocks::group::GROUP,
+    &blocks::group::TRANSFORM,
+    &blocks::group::INSTANCE,
 ];
+/// Words for objects, groups and transforms included.
+pub(super) const OBJECTS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
 const LATER: [&str; 11] = [
     "BezierCurve",
     "Blob",
@@ -80,7 +88,7 @@ impl Place {
     }
 
     /// The transform of a place that does not move.
-    fn fixed(&self) -> Option<&Transform> {
+    pub fn fixed(&self) -> Option<&Transform> {
         self.transform.as_ref().filter(|_| self.world.constant().is_some())
     }
 
@@ -96,7 +104,7 @@ impl Place {
     }
 
     /// The place of something that has been taken here already.
-    fn baked(&self) -> Place {
+    pub fn baked(&self) -> Place {
         let origin = Place::origin();
         if self.is_flat() { origin.flattened() } else { origin }
     }
@@ -140,17 +148,15 @@ impl Compiler<'_> {
     fn object(&mut self, item: Item<'_>, parent: &str, place: &mut Place, walk: &mut Walk) {
         match item.keyword() {
             "Define" => self.define(item, walk),
-            "Group" => self.group(item, place, walk),
             "MaterialIndex" => {
                 let reference = Args::read(item, self.diagnostics, Reference::read);
                 let material = reference.and_then(|reference| self.material(&reference));
                 walk.material_failed |= material.is_none();
                 walk.material = material.or(walk.material);
             }
-            "Instance" => self.instance(item, place, walk),
-            "Model" => self.model(item, place, walk),
-            "Transform" => self.transform(item, place, walk),
-            word if OBJECTS.contains(&word) => self.primitive(item, place, walk),
+            word if let Some(member) = MEMBERS.iter().find(|member| member.block.keyword == word) => {
+                (member.read)(self, item, place, walk);
+            }
             word if LATER.contains(&word) => self.diagnostics.push(not_supported_yet(item)),
             _ => {
                 let allowed = OBJECTS.into_iter().chain(["Define", "MaterialIndex", "numObjects"]);
@@ -161,7 +167,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn transform(&mut self, item: Item<'_>, place: &Place, walk: &mut Walk) {
+    pub(super) fn transform(&mut self, item: Item<'_>, place: &Place, walk: &mut Walk) {
         let mut operations = Vec::new();
         let mut objects = Vec::new();
         for child in self.children(item) {
@@ -211,7 +217,7 @@ impl Compiler<'_> {
     /// A map after one more operation.
     fn operate(&mut self, map: Motion, operation: Item<'_>) -> Motion {
         let by_rows = self.rules.matrix_by_rows;
-        if operation.keyword() == "Motion" {
+        if operation.keyword() == transform::MOTION {
             let keys = motion::read(operation, by_rows, self.diagnostics);
             return keys.map_or(map.clone(), |keys| map.then(&Motion::keyed(keys)));
         }
@@ -219,39 +225,47 @@ impl Compiler<'_> {
         match map.constant() {
             Some(map) => apply(*map),
             // `Matrix` multiplies from the left.
-            None if operation.keyword().starts_with("Matrix") => apply(DAffine3::IDENTITY).then(&map),
+            None if transform::is_from_left(operation) => apply(DAffine3::IDENTITY).then(&map),
             None => map.then(&apply(DAffine3::IDENTITY)),
         }
     }
 
-    fn primitive(&mut self, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
-        let mut baked = None;
-        let (keyword, shape) = match item.keyword() {
-            "Box" => ("Box", self.read(item, read_box).and_then(|s| self.shape(item, s))),
-            "Cone" => ("Cone", self.read(item, |p| read_cone(p, true)).and_then(|s| self.shape(item, s))),
-            "Cylinder" => {
-                ("Cylinder", self.read(item, |p| read_cone(p, false)).and_then(|s| self.shape(item, s)))
-            }
-            "Disk" => ("Disk", self.read(item, read_disk).and_then(|s| self.shape(item, s))),
-            "Plane" => ("Plane", self.read(item, read_plane).and_then(|s| self.shape(item, s))),
-            "Quad" => ("Quad", self.read(item, read_quad).and_then(|s| self.shape(item, s))),
-            "Sphere" => ("Sphere", self.read(item, read_sphere).and_then(|s| self.shape(item, s))),
-            "Triangle" => {
-                let shape = self.triangle(item, place);
-                baked = place.world.constant().map(|_| place.baked());
-                ("Triangle", shape)
-            }
-            _ => ("TriangleMesh", self.mesh(item)),
-        };
-        let name = item.word().map(|word| word.text().into());
-        let brings_materials = keyword == "TriangleMesh" && self.slots_transmit;
-        let Some(shape) = shape else {
+    /// Makes an object of the shape that `read` makes of an item.
+    pub(super) fn solid<'t, S: Pooled<Shapes, Handle = ShapeId>>(
+        &mut self,
+        item: Item<'t>,
+        place: &mut Place,
+        walk: &mut Walk,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<S>,
+    ) {
+        let shape = self.read_keys(item, |params, sources| {
+            params.name();
+            read(params, sources)
+        });
+        let shape = shape.and_then(|shape| self.shape(item, shape));
+        self.put_shape(shape, false, item, place, walk);
+    }
+
+    /// Makes an object of a shape; `None` for one that there is nothing of, which was reported.
+    ///
+    /// * `brings_materials`: whether it has materials of its own that may let light through
+    pub(super) fn put_shape(
+        &mut self,
+        shape: Option<ShapeId>,
+        brings_materials: bool,
+        item: Item<'_>,
+        place: &mut Place,
+        walk: &mut Walk,
+    ) {
+        let keyword = OBJECTS.into_iter().find(|word| *word == item.keyword());
+        let (Some(shape), Some(keyword)) = (shape, keyword) else {
             self.material_for(item, walk);
             return;
         };
         if !self.has_memory(BYTES_PER_OBJECT, item.head_span()) {
             return;
         }
+        let name = item.word().map(|word| word.text().into());
         let part = Part {
             content: Content::Shape(shape),
             map: Motion::still(DAffine3::IDENTITY),
@@ -259,7 +273,7 @@ impl Compiler<'_> {
             label: self.objects.label(name, keyword, item.index()),
             brings_materials,
         };
-        self.put(&part, item, baked.as_mut().unwrap_or(place), walk);
+        self.put(&part, item, place, walk);
     }
 
     /// Makes `part` an object at `place`: of the definition that is being read, else of the scene.
@@ -341,25 +355,6 @@ impl Compiler<'_> {
         Some(number)
     }
 
-    /// A single triangle, taken to its place at once unless it moves: no ray is ever transformed for it.
-    fn triangle(&mut self, item: Item<'_>, place: &Place) -> Option<ShapeId> {
-        let mut triangle = self.read(item, read_triangle)?;
-        if triangle.is_degenerate() {
-            let (count, _) = self.flat_triangles.get_or_insert((0, item.keyword_span()));
-            *count += 1;
-            return None;
-        }
-        if let Some(transform) = place.fixed().filter(|transform| !transform.is_identity()) {
-            triangle.vertices = triangle.vertices.map(|v| transform.point(v));
-            if transform.mirrors() {
-                // The normal keeps its side of the surface: the order of the corners turns round.
-                triangle.vertices.swap(1, 2);
-                triangle.uvs.swap(1, 2);
-            }
-        }
-        self.shape(item, triangle)
-    }
-
     /// The items in a block; an item without a block is reported.
     pub(super) fn children<'t>(&mut self, item: Item<'t>) -> Vec<Item<'t>> {
         let mut params = Params::new(item, self.diagnostics);
@@ -370,71 +365,13 @@ impl Compiler<'_> {
     }
 }
 
-fn read_sphere(params: &mut Params<'_, '_>) -> Option<Sphere> {
-    params.name();
-    let center = params.required("center", Args::vec3);
-    let radius = params.required("radius", Args::number);
-    Some(Sphere::new(center?, radius?))
-}
-
-fn read_plane(params: &mut Params<'_, '_>) -> Option<Plane> {
-    params.name();
-    let normal = params.required("normal", Args::vec3);
-    let offset = params.required("offset", Args::number);
-    Some(Plane::new(normal?.as_dvec3(), offset?.into()))
-}
-
-fn read_triangle(params: &mut Params<'_, '_>) -> Option<Triangle> {
-    params.name();
-    let vertices = ["vertex0", "vertex1", "vertex2"].map(|key| params.required(key, Args::vec3));
-    let uvs = ["textCoord0", "textCoord1", "textCoord2"].map(|key| params.optional(key, Args::vec2));
-    let uvs: [Vec2; 3] = std::array::from_fn(|i| uvs[i].unwrap_or([Vec2::ZERO, Vec2::X, Vec2::Y][i]));
-    let [a, b, c] = vertices;
-    Some(Triangle { vertices: [a?, b?, c?], uvs })
-}
-
-fn read_box(params: &mut Params<'_, '_>) -> Option<Cuboid> {
-    params.name();
-    let min = params.required("min", Args::vec3);
-    let max = params.required("max", Args::vec3);
-    Some(Cuboid::new(min?, max?))
-}
-
-/// A cone, or a cylinder when it does not taper.
-fn read_cone(params: &mut Params<'_, '_>, tapers: bool) -> Option<Cone> {
-    params.name();
-    let base = params.required("base", Args::vec3);
-    let top = params.required("top", |args| Ok((args.vec3()?, args.item())));
-    let radius = params.required("radius", Args::number);
-    let top_radius = if tapers { Some(params.or("topRadius", 0.0, Args::number)) } else { radius };
-    let capped = params.or("capped", true, Args::flag);
-    let (base, (top, place)) = (base?, top?);
-    let cone = Cone::new(base, top, radius?, top_radius?, capped);
-    report(params, cone, place, "`base` and `top` are the same point")
-}
-
-fn read_disk(params: &mut Params<'_, '_>) -> Option<Disk> {
-    params.name();
-    let center = params.required("center", Args::vec3);
-    let normal = params.required("normal", |args| Ok((args.vec3()?, args.item())));
-    let radius = params.required("radius", Args::number);
-    let inner = params.or("innerRadius", 0.0, Args::number);
-    let (normal, place) = normal?;
-    let disk = Disk::new(center?, normal, radius?, inner);
-    report(params, disk, place, "`normal` must not be zero")
-}
-
-fn read_quad(params: &mut Params<'_, '_>) -> Option<Quad> {
-    params.name();
-    let [corner, edge1] = ["corner", "edge1"].map(|key| params.required(key, Args::vec3));
-    let edge2 = params.required("edge2", |args| Ok((args.vec3()?, args.item())));
-    let (edge2, place) = edge2?;
-    let quad = Quad::new(corner?, edge1?, edge2);
-    report(params, quad, place, "`edge1` and `edge2` must not be parallel or zero")
-}
-
-/// Reports a shape that cannot be.
-fn report<T>(params: &mut Params<'_, '_>, shape: Option<T>, place: Item<'_>, message: &str) -> Option<T> {
+/// A shape; one that cannot be is reported at `place`.
+pub(super) fn reported<T>(
+    params: &mut Params<'_, '_>,
+    shape: Option<T>,
+    place: Item<'_>,
+    message: &str,
+) -> Option<T> {
     if shape.is_none() {
         params
             .diagnostics()

@@ -1,6 +1,5 @@
 //! The keys of cameras that make a lens of the pinhole.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use kajo_math::piecewise::Piecewise2D;
@@ -8,7 +7,11 @@ use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::Compiler;
 use super::aim::{Subject, subject};
+use super::fields::{
+    At, FileName, Given, Keys, Plain, Sources, Typed, any_angle, at_least, count, file, keys, positive,
+};
 use crate::camera::{Aperture, ThinLens};
+use crate::schema::{FieldKind, FieldSpec};
 
 /// A lens as the scene asks for it, its picture not read yet.
 pub(super) struct LensKeys<'a> {
@@ -28,24 +31,51 @@ pub(super) enum Focus<'a> {
 enum Opening<'a> {
     Round,
     Polygon { blades: u32, rotation: f64 },
-    Picture(Item<'a>, Cow<'a, str>),
+    Picture(Item<'a>, String),
+}
+
+keys! {
+    /// The keys as they are written.
+    LensFields<'t> {
+        aperture: Given<'t, f32> = at_least("aperture", 0.0)
+            .unit("length")
+            .only_beside("focus")
+            .not_beside(&["fNumber", "focalLength"])
+            .or(0.0, "diameter of the lens's opening")
+            .given(),
+        focus: Option<At<'t, Focus<'t>>> = Typed::<Focus<'_>>::new("focus", FieldKind::POSITIVE)
+            .unit("length")
+            .placed()
+            .unlike("all is sharp", "5", "distance of what is sharp; or a point, or the name of an object"),
+        f_number: Option<f32> = positive("fNumber")
+            .only_beside("focus")
+            .together_with("focalLength")
+            .not_beside(&["aperture"])
+            .unlike("none", "2.8", "focal length over diameter"),
+        focal_length: Option<f32> = positive("focalLength")
+            .unit("length")
+            .only_beside("focus")
+            .together_with("fNumber")
+            .not_beside(&["aperture"])
+            .unlike("none", "0.05", "of the lens"),
+        blades: Option<u32> = count("blades", 3, 64).unlike("round", "6", "the opening is a polygon"),
+        blade_rotation: f32 = any_angle("bladeRotation").or(0.0, "turns the polygon"),
+        bokeh: Option<At<'t, FileName>> = file("bokeh").placed().option("a picture of the opening"),
+    }
 }
 
 impl<'a> LensKeys<'a> {
     /// Reads the keys; `None` for a pinhole, or when an error was reported.
-    pub(super) fn read(params: &mut Params<'a, '_>) -> Option<LensKeys<'a>> {
-        let diameter = diameter(params);
-        let focus = match diameter {
-            Some(_) => params.required("focus", focus),
-            None => params.optional("focus", focus),
-        };
-        let blades = params.optional("blades", |a| a.int_in(3..=64));
-        let rotation = params.or("bladeRotation", 0.0, Args::number);
-        let picture = params.optional("bokeh", |args| Ok((args.item(), args.text()?)));
-        let opening = match (picture, blades) {
-            (Some((item, name)), _) => Opening::Picture(item, name),
+    pub(super) fn read(params: &mut Params<'a, '_>, sources: &mut Sources<'_>) -> Option<LensKeys<'a>> {
+        let keys = LensFields::read(params, sources)?;
+        let diameter = diameter(&keys, params);
+        if diameter.is_some() {
+            params.report_missing("focus");
+        }
+        let opening = match (keys.bokeh, keys.blades) {
+            (Some(picture), _) => Opening::Picture(picture.item, picture.value.0),
             (None, Some(blades)) => {
-                Opening::Polygon { blades: blades as u32, rotation: f64::from(rotation).to_radians() }
+                Opening::Polygon { blades, rotation: f64::from(keys.blade_rotation).to_radians() }
             }
             (None, None) => Opening::Round,
         };
@@ -55,7 +85,8 @@ impl<'a> LensKeys<'a> {
             params.idle(&["blades", "bladeRotation"], "beside `bokeh`");
         }
         let diameter = diameter.filter(|&d| d > 0.0)?;
-        Some(LensKeys { diameter, focus: focus?, opening })
+        let focus = keys.focus?;
+        Some(LensKeys { diameter, focus: (focus.item, focus.value), opening })
     }
 
     /// What the lens is to focus on, unless that is a distance.
@@ -65,29 +96,29 @@ impl<'a> LensKeys<'a> {
 }
 
 /// A distance, a point, or the name of something.
-fn focus<'a>(args: &mut Args<'a>) -> Result<(Item<'a>, Focus<'a>), Diagnostic> {
-    let is_subject = args.is_word() || args.numbers_left() > 1;
-    let focus = match is_subject {
-        true => Focus::On(subject(args)?),
-        false => Focus::Distance(args.positive()?.into()),
-    };
-    Ok((args.item(), focus))
+impl<'t> Plain<'t> for Focus<'t> {
+    fn parse(spec: &FieldSpec, args: &mut Args<'t>, _: &mut Sources<'_>) -> Result<Focus<'t>, Diagnostic> {
+        let is_subject = args.is_word() || args.numbers_left() > 1;
+        Ok(match is_subject {
+            true => Focus::On(subject(args)?),
+            false => Focus::Distance(args.number_in(spec.kind.bounds())?.into()),
+        })
+    }
 }
 
 /// The diameter of the opening, said directly or as in photography.
-fn diameter(params: &mut Params<'_, '_>) -> Option<f64> {
-    let aperture = params.optional("aperture", |a| Ok((a.item(), a.number_in(0.0..)?)));
-    let by_number = params.has("fNumber") || params.has("focalLength");
+fn diameter(keys: &LensFields<'_>, params: &mut Params<'_, '_>) -> Option<f64> {
+    let by_number = params.contains("fNumber") || params.contains("focalLength");
     if !by_number {
-        return aperture.map(|(_, diameter)| diameter.into());
+        return keys.aperture.item.map(|_| keys.aperture.value.into());
     }
-    let f_number = params.required("fNumber", Args::positive);
-    let focal_length = params.required("focalLength", Args::positive);
-    if let Some((item, _)) = aperture {
+    params.report_missing("fNumber");
+    params.report_missing("focalLength");
+    if let Some(item) = keys.aperture.item {
         let error = Diagnostic::error("a camera has either `aperture` or `fNumber` and `focalLength`");
         params.diagnostics().push(error.label(item.head_span(), "one too many"));
     }
-    Some(f64::from(focal_length?) / f64::from(f_number?))
+    Some(f64::from(keys.focal_length?) / f64::from(keys.f_number?))
 }
 
 impl Compiler<'_> {

@@ -4,7 +4,12 @@ use std::sync::Arc;
 
 use kajo_scene::{Args, Diagnostic, Params};
 
+use super::fields::{LightGroupNumber, Optional, light_group};
 use crate::light::MAX_LIGHT_GROUPS;
+
+/// The group of lights that something is seen in.
+pub(super) const GROUP: Optional<LightGroupNumber> =
+    light_group("group").option("name of the lights it is seen among");
 
 /// The group of what is in none.
 const OTHER: &str = "other";

@@ -1,30 +1,37 @@
 //! The `Lights` block.
 
 use std::f32::consts::PI;
-use std::sync::Arc;
 
 use kajo_color::{Emission, Spectrum};
-use kajo_math::{Frame, Vec3, fmath};
-use kajo_scene::{Args, Assets, Diagnostic, Item, Params, read_ies, read_limited};
+use kajo_math::Vec3;
+use kajo_scene::{Diagnostic, Item, Params};
 
 use super::Compiler;
+use super::blocks::{Member, directional_light, keywords, point_light, spot_light};
+use super::fields::{LightGroupNumber, Sources};
 use super::places::misplaced;
-use super::spectra::{SpectrumReader, Written};
+use super::spectra::Written;
 use crate::family::Pooled;
-use crate::light::{
-    Cone, DirectionalLight, LightId, Lights, PhotometricLight, Photometry, PointLight, SpotLight,
-};
+use crate::light::{LightId, Lights};
+use crate::schema::{Block, Kind};
 
-pub(super) const KEYWORDS: [&str; 3] = ["DirectionalLight", "PointLight", "SpotLight"];
+/// A kind of light.
+pub(super) type LightMember = Member<fn(&mut Compiler<'_>, Item<'_>)>;
+
+/// All kinds of lights.
+pub(super) const MEMBERS: [&LightMember; 3] =
+    [&directional_light::MEMBER, &point_light::MEMBER, &spot_light::MEMBER];
+pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
+
+pub(super) const LIST: Block =
+    Block { keyword: "Lights", kind: Kind::Lights, about: "the lights of the scene", groups: &[] };
+
 /// Words of other programs for lights that are written elsewhere here, and where that is.
 const ELSEWHERE: [(&str, &str); 3] = [
     ("AreaLight", "any object gives light whose material has an emission: `Matte emitter { emission 5 }`"),
     ("EnvironmentLight", "write it around the scene: `Background { environment \"sky.exr\" }`"),
     ("SunSky", "write it around the scene: `Background { sky { } }`"),
 ];
-
-/// Bytes of the largest file of intensities.
-const LARGEST_IES_FILE: u64 = 16 << 20;
 
 impl Compiler<'_> {
     pub(super) fn lights(&mut self, item: Item<'_>) {
@@ -38,29 +45,19 @@ impl Compiler<'_> {
         let n_blocks = item.children().filter(Item::has_block).count();
         self.check_count("numLights", count, n_blocks, "light");
         for light in lights {
-            match light.keyword() {
-                "DirectionalLight" => self.light(light, read_directional),
-                "SpotLight" => self.light(light, read_spot),
-                _ if light.children().any(|key| key.keyword() == "ies") => {
-                    self.light(light, read_photometric);
-                }
-                _ => self.light(light, read_point),
+            if let Some(member) = MEMBERS.iter().find(|member| member.block.keyword == light.keyword()) {
+                (member.read)(self, light);
             }
         }
     }
 
-    /// Puts a light into its pool.
-    fn light<L: Pooled<Lights, Handle = LightId>>(
+    /// Puts the light that `read` makes of an item into its pool.
+    pub(super) fn light<'t, L: Pooled<Lights, Handle = LightId>>(
         &mut self,
-        item: Item<'_>,
-        read: impl FnOnce(&mut Params<'_, '_>, SpectrumReader<'_>) -> Option<L>,
+        item: Item<'t>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<(L, LightGroupNumber)>,
     ) {
-        let spectra = self.spectra();
-        let mut params = Params::new(item, self.diagnostics);
-        let group = self.light_groups.read(&mut params);
-        let light = read(&mut params, spectra);
-        params.finish();
-        if let Some(light) = light {
+        if let Some((light, LightGroupNumber(group))) = self.read_keys(item, read) {
             self.add_light(light, group);
         }
     }
@@ -81,159 +78,14 @@ fn written_elsewhere(item: Item<'_>) -> Option<Diagnostic> {
     Some(error.label(item.keyword_span(), "not a light of its own").help(*place))
 }
 
-fn read_directional(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<DirectionalLight> {
-    params.name();
-    let direction = params.required("direction", unit_vector);
-    params.either(&["color", "irradiance"], "a light");
-    let (intensity, emission) = match params.optional("irradiance", |args| spectra.emission(args)) {
-        Some(irradiance) => physical(irradiance),
-        None => classic(params.required("color", |args| spectra.classic_light(args))?),
-    };
-    // The sun is half a degree wide.
-    let width = params.or("angle", 0.0, |args| args.number_in(0.0..=180.0));
-    let height = fmath::one_minus_cos(0.5 * width.to_radians());
-    Some(DirectionalLight { to_light: -direction?, height, intensity, emission })
-}
-
-fn read_point(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<PointLight> {
-    params.name();
-    read_position_and_brightness(params, spectra, 1.0)
-}
-
-/// A point light whose intensities are in a file.
-fn read_photometric(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<PhotometricLight> {
-    params.name();
-    let position = params.required("position", Args::vec3);
-    let photometry = params.required("ies", |args| read_ies_file(args, spectra.assets));
-    let axis = params.optional("direction", unit_vector).unwrap_or(Vec3::NEG_Y);
-    let turn = params.or("rotate", 0.0, Args::number).to_radians();
-    let scale = params.or("scale", 1.0, |args| args.number_in(0.0..));
-    let tint = params.optional("color", |args| spectra.emission(args));
-    let power = params.optional("power", |args| Ok((spectra.emission(args)?, args.item())));
-    if let (Some(_), Some((_, item))) = (&tint, &power) {
-        let error = Diagnostic::error("a luminaire has either `color` or `power`, not both");
-        params.diagnostics().push(error.label(item.head_span(), "the other one is above or below"));
-    }
-    let photometry = photometry?;
-    let (intensity, emission) = physical(match power {
-        Some((power, _)) => power.scaled(scale * share_of_each(photometry.flux() as f32)),
-        None => tint.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(scale),
-    });
-    // Horizontal angles begin at the side of x, or of z where the axis is along x.
-    let side = if axis.x.abs() < 0.999 { Vec3::X } else { Vec3::Z };
-    let frame = Frame::from_tangent(axis, side);
-    let (sin, cos) = fmath::sin_cos(turn);
-    let frame = Frame::from_tangent(axis, frame.s * cos - frame.t * sin);
-    Some(PhotometricLight {
-        position: position?,
-        frame,
-        photometry: Arc::new(photometry),
-        emission,
-        intensity,
-    })
-}
-
-/// The file that a key names.
-fn read_ies_file(args: &mut Args<'_>, assets: &dyn Assets) -> Result<Photometry, Diagnostic> {
-    let name = args.text()?;
-    let bytes = assets.open(&name, args.item().path()).and_then(|file| read_limited(file, LARGEST_IES_FILE));
-    let read = bytes.map_err(|e| e.to_string()).and_then(|bytes| read_ies(&bytes).map_err(|e| e.to_string()));
-    read.map(Photometry::from).map_err(|reason| args.error(format!("cannot read `{name}`: {reason}")))
-}
-
-fn read_spot(params: &mut Params<'_, '_>, spectra: SpectrumReader<'_>) -> Option<SpotLight> {
-    params.name();
-    let direction = params.required("direction", unit_vector);
-    let outer = params.required("angle", |args| args.number_in(0.0..=360.0));
-    let widest = outer.unwrap_or(0.0);
-    let inner = params.or("innerAngle", 0.75 * widest, |args| args.number_in(0.0..=360.0));
-    if outer.is_some_and(|outer| inner > outer) {
-        params.idle(&["innerAngle"], "beyond `angle`: the edge is sharp");
-    }
-    if outer == Some(0.0) {
-        params.warn(
-            "angle",
-            "a cone of 0 degrees holds no light; `angle` is that of the whole cone",
-            "no cone",
-        );
-    } else if outer == Some(360.0) {
-        let message = "a cone of 360 degrees is no cone: `PointLight` shines in all directions";
-        params.warn("angle", message, "all around");
-    } else if widest > 180.0 {
-        let message =
-            "a cone of more than 180 degrees shines backwards too; `angle` is that of the whole cone";
-        params.warn("angle", message, "beyond a half space");
-    }
-    let half = |degrees: f32| 0.5 * degrees.to_radians();
-    let cone = Cone::new(half(inner.min(widest)), half(widest));
-    let point = read_position_and_brightness(params, spectra, cone.share_of_sphere());
-    outer?;
-    Some(SpotLight { point: point?, axis: direction?, cone })
-}
-
-/// What each of so many units of solid angle or flux has of a whole; nothing where there are none.
-fn share_of_each(units: f32) -> f32 {
-    if units > 0.0 { 1.0 / units } else { 0.0 }
-}
-
-/// What point and spot lights have in common.
-///
-/// * `share`: the part of all directions that the light fills, for a light given by its power
-fn read_position_and_brightness(
-    params: &mut Params<'_, '_>,
-    spectra: SpectrumReader<'_>,
-    share: f32,
-) -> Option<PointLight> {
-    let position = params.required("position", Args::vec3);
-    let attenuation = params.optional("attenuation", |args| Ok((args.numbers::<3>()?, args.item())));
-    let falloff = params.optional("falloff", |args| Ok((args.number()?, args.item())));
-    if let (Some(_), Some((_, item))) = (attenuation, falloff) {
-        let error = Diagnostic::error("a light has either `attenuation` or `falloff`, not both");
-        params.diagnostics().push(error.label(item.head_span(), "the other one is above or below"));
-    }
-    params.either(&["color", "intensity", "power"], "a light");
-    let power = params.optional("power", |args| spectra.emission(args));
-    let intensity = match power {
-        Some(power) => Some(power.scaled(share_of_each(4.0 * PI * share))),
-        None => params.optional("intensity", |args| spectra.emission(args)),
-    };
-    if let Some(intensity) = intensity {
-        let place = attenuation.map(|(_, item)| item).or(falloff.map(|(_, item)| item));
-        if let Some(place) = place {
-            let message = "a light with `intensity` or `power` falls off with the square of the distance";
-            let error = Diagnostic::error(message).label(place.head_span(), "leave this out");
-            params.diagnostics().push(error.help("a light with a `color` has the falloff that is written"));
-        }
-        let (intensity, emission) = physical(intensity);
-        return Some(PointLight { position: position?, intensity, emission, attenuation: [0.0, 0.0, 1.0] });
-    }
-    let (intensity, emission) = classic(params.required("color", |args| spectra.classic_light(args))?);
-    let (attenuation_key, falloff_key) = (attenuation.map(|(_, item)| item), falloff.map(|(_, item)| item));
-    let coefficients = attenuation.map(|(c, _)| c).or(falloff.map(|(f, _)| [0.0, 0.0, f]));
-    let attenuation = coefficients.unwrap_or([1.0, 0.0, 0.0]);
-    let written = attenuation_key.or(falloff_key);
-    if let Some(key) = written.filter(|_| attenuation == [0.0; 3]) {
-        let error = Diagnostic::error(format!("`{}` of zero would divide the light by zero", key.keyword()));
-        let error = error.label(key.span(), "only zeros");
-        params.diagnostics().push(error.help("leave it out for light that does not fall off"));
-        return None;
-    }
-    Some(PointLight { position: position?, intensity, emission, attenuation })
-}
-
 /// The factor of the classic formula, and the irradiance that makes a white surface just as bright.
-fn classic(color: Written<Emission>) -> (Spectrum, Emission) {
+pub(super) fn classic(color: Written<Emission>) -> (Spectrum, Emission) {
     (color.rgb, color.value.scaled(PI))
 }
 
 /// The same from the physical quantity: a white surface under the irradiance `pi` has the radiance 1.
 pub(super) fn physical(quantity: Emission) -> (Spectrum, Emission) {
     (Spectrum::from(Vec3::from(quantity.rgb()) / PI), quantity)
-}
-
-fn unit_vector(args: &mut Args<'_>) -> Result<Vec3, Diagnostic> {
-    let direction = args.vec3()?;
-    direction.try_normalize().ok_or_else(|| args.error("`direction` must not be zero"))
 }
 
 #[cfg(test)]
@@ -289,7 +141,8 @@ mod tests {
         let error = |keys: &str| compiled(&format!("PointLight {{ position 0 0 0  {keys} }}")).unwrap_err();
         assert_eq!(error("ies none.ies"), "cannot read `none.ies`: there is no such file");
         assert!(error("ies bad.ies").starts_with("cannot read `bad.ies`: line 6: the file ends"));
-        assert!(error("ies luminaire.ies  intensity 3").contains("unknown word `intensity`"));
+        assert!(error("ies luminaire.ies  intensity 3").contains("`intensity` cannot stand beside `ies`"));
+        assert!(error("color 1 1 1  rotate 20").contains("`rotate` cannot stand without `ies`"));
         assert!(error("ies luminaire.ies  scale -1").contains("at least 0"));
         assert!(error("ies luminaire.ies  power 3  color 1 1 1").contains("not both"));
     }

@@ -6,9 +6,7 @@ use std::collections::HashMap;
 
 use kajo_color::srgb;
 use kajo_math::{Vec2, Vec3, Vec4};
-use kajo_scene::{
-    Args, AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Params, Span, TriMesh, read_mesh,
-};
+use kajo_scene::{AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Span, TriMesh, read_mesh};
 
 use super::Compiler;
 use super::mesh_store::{Kept, StoreKey};
@@ -30,6 +28,19 @@ pub(super) enum Shading {
     Averaged,
 }
 
+/// A mesh as a block asks for it.
+pub(super) struct MeshRequest {
+    /// The name of its file.
+    pub name: String,
+    /// Where that is named.
+    pub place: Span,
+    pub shading: Shading,
+    /// Whether it is in the materials of its own file.
+    pub own_materials: bool,
+    /// Whether its colours tint it.
+    pub colors: bool,
+}
+
 /// What makes two meshes the same.
 #[derive(PartialEq, Eq, Hash)]
 pub(super) struct MeshKey {
@@ -40,18 +51,8 @@ pub(super) struct MeshKey {
 }
 
 impl Compiler<'_> {
-    pub(super) fn mesh(&mut self, item: Item<'_>) -> Option<ShapeId> {
-        let unasked = if self.rules.smooth_meshes { Shading::Averaged } else { Shading::Flat };
-        let (name, place, shading, own_materials, colors) = self.read(item, |params| {
-            params.name();
-            let file = file_name(params, "obj_file");
-            let smooth = params.optional("smooth", Args::flag);
-            let shading = smooth.map_or(unasked, |on| if on { Shading::Smooth } else { Shading::Flat });
-            let own_materials = params.or("materials", false, Args::flag);
-            let colors = params.or("colors", false, Args::flag);
-            let (name, place) = file?;
-            Some((name, place, shading, own_materials, colors))
-        })?;
+    pub(super) fn mesh(&mut self, item: Item<'_>, request: MeshRequest) -> Option<ShapeId> {
+        let MeshRequest { name, place, shading, own_materials, colors } = request;
         let file = match self.assets.open(&name, item.path()) {
             Ok(file) => file,
             Err(error) => {
@@ -234,14 +235,6 @@ impl Compiler<'_> {
         let warning = Diagnostic::warning(format!("`{path}`: {message}"));
         self.diagnostics.push(warning.label(place, "read here"));
     }
-}
-
-/// The value of `file`, or of its older name `old`, and where it stands.
-pub(super) fn file_name(params: &mut Params<'_, '_>, old: &'static str) -> Option<(String, Span)> {
-    fn read(args: &mut Args<'_>) -> Result<(String, Span), Diagnostic> {
-        Ok((args.text()?.into_owned(), args.item().head_span()))
-    }
-    if params.has(old) { params.required(old, read) } else { params.required("file", read) }
 }
 
 fn mesh_data(mesh: TriMesh, shading: Shading, material_slots: Option<Vec<u32>>) -> MeshData {

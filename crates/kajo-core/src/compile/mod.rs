@@ -6,10 +6,12 @@
 
 mod aim;
 mod background;
+mod blocks;
 mod camera;
 mod cameras;
 mod definition;
 mod emitters;
+mod fields;
 mod group;
 mod lens;
 mod light_groups;
@@ -33,6 +35,7 @@ mod settings;
 mod spectra;
 mod transform;
 
+pub use self::blocks::blocks;
 pub use self::mesh_store::MeshStore;
 pub use self::transform::{OPERATIONS, operations_matrix};
 
@@ -304,6 +307,20 @@ impl<'a> Compiler<'a> {
     ) -> Option<T> {
         let mut params = Params::new(item, self.diagnostics);
         let value = read(&mut params);
+        params.finish();
+        value
+    }
+
+    /// As [`Compiler::read`], for what needs more than the text.
+    fn read_keys<'t, T>(
+        &mut self,
+        item: Item<'t>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut fields::Sources<'_>) -> Option<T>,
+    ) -> Option<T> {
+        let paints = pictures::PaintReader::new(self.assets, self.options, &mut self.pictures);
+        let mut sources = fields::Sources { paints, groups: &mut self.light_groups, rules: self.rules };
+        let mut params = Params::new(item, self.diagnostics);
+        let value = read(&mut params, &mut sources);
         params.finish();
         value
     }

@@ -8,14 +8,14 @@ use std::rc::Rc;
 
 use kajo_math::{Motion, Vec2, Vec3, Vec4};
 use kajo_scene::{
-    Args, AssetFile, Corners, Diagnostic, Item, Model, ModelCamera, ModelInstance, ModelLight, ModelPart,
-    Params, Span, read_gltf,
+    AssetFile, Corners, Diagnostic, Item, Model, ModelCamera, ModelInstance, ModelLight, ModelPart, Span,
+    read_gltf,
 };
 
 use super::Compiler;
 use super::definition::{Part, Parts};
 use super::group::{Place, Walk};
-use super::mesh::{corner_colors, corner_values, file_name};
+use super::mesh::{corner_colors, corner_values};
 use super::model_beads::{BeadMaterials, BeadRadii};
 use super::model_material::ModelPictures;
 use crate::material::MaterialId;
@@ -46,40 +46,28 @@ pub(super) struct CompiledModel {
 /// A part of a mesh: the shape and its material.
 pub(super) type Stored = (ShapeId, Option<MaterialId>);
 
-/// What a block says besides the file.
-struct ModelKeys {
-    smooth: bool,
-    own_materials: bool,
-    radii: BeadRadii,
-    lights: bool,
-    light_scale: f32,
-    group: u8,
+/// A model as a block asks for it.
+pub(super) struct ModelRequest {
+    /// The name of its file.
+    pub name: String,
+    /// Where that is named.
+    pub at: Span,
+    pub smooth: bool,
+    pub own_materials: bool,
+    pub radii: BeadRadii,
+    pub lights: bool,
+    pub light_scale: f32,
+    pub group: u8,
 }
 
 impl Compiler<'_> {
-    pub(super) fn model(&mut self, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
-        let mut params = Params::new(item, self.diagnostics);
-        params.name();
-        let file = file_name(&mut params, "file");
-        let radius = |args: &mut Args<'_>| args.number_in(0.0..);
-        let keys = ModelKeys {
-            smooth: params.or("smooth", true, Args::flag),
-            own_materials: params.or("materials", true, Args::flag),
-            radii: BeadRadii {
-                points: params.optional("points", radius),
-                lines: params.optional("lines", radius),
-            },
-            lights: params.or("lights", true, Args::flag),
-            light_scale: params.or("lightScale", 1.0, |args| args.number_in(0.0..)),
-            group: self.light_groups.read(&mut params),
-        };
-        params.finish();
-        let Some((name, at)) = file else { return };
-        let file = match self.assets.open(&name, item.path()) {
+    pub(super) fn model(&mut self, item: Item<'_>, keys: ModelRequest, place: &mut Place, walk: &mut Walk) {
+        let ModelRequest { ref name, at, .. } = keys;
+        let file = match self.assets.open(name, item.path()) {
             Ok(file) => file,
             Err(error) => {
                 self.lacks_a_model = true;
-                return self.cannot_read(&name, &error.to_string(), at);
+                return self.cannot_read(name, &error.to_string(), at);
             }
         };
         let key = ModelKey {

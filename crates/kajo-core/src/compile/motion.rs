@@ -5,15 +5,31 @@
 use kajo_math::{DAffine3, KeyError, Keyframes};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
+use super::fields::{Defaulted, Plain, Sources, Stated, Typed};
 use super::transform;
 use crate::motion::Shutter;
+use crate::schema::{Block, Constant, FieldSpec, Kind};
+
+pub(super) const BLOCK: Block = Block {
+    keyword: transform::MOTION,
+    kind: Kind::Part,
+    about: "an operation that changes with time",
+    groups: &[],
+};
+
+pub(super) const KEY: Block = Block {
+    keyword: "key",
+    kind: Kind::Part,
+    about: "the operations that hold at a moment",
+    groups: &[transform::FIELDS],
+};
 
 /// Reads a `Motion` block; `None` when an error was reported.
 ///
 /// * `by_rows`: how the numbers of `Matrix` are ordered
 pub(super) fn read(item: Item<'_>, by_rows: bool, diagnostics: &mut Diagnostics) -> Option<Keyframes> {
     let mut params = Params::new(item, diagnostics);
-    let keys = params.take(&["key"]);
+    let keys = params.take(&[KEY.keyword]);
     params.finish();
     let maps: Vec<_> = keys.iter().map(|&key| read_key(key, by_rows, diagnostics)).collect();
     let maps: Vec<(f64, DAffine3)> = maps.into_iter().collect::<Option<_>>()?;
@@ -69,15 +85,29 @@ fn warn(keyframes: &Keyframes, item: Item<'_>, keys: &[Item<'_>], diagnostics: &
     }
 }
 
-/// Reads `shutter OPEN CLOSE`.
-pub(super) fn shutter(params: &mut Params<'_, '_>) -> Shutter {
-    let shutter = |args: &mut Args<'_>| {
+impl Plain<'_> for Shutter {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Shutter, Diagnostic> {
         let (open, close) = (args.double()?, args.double()?);
         if close >= open {
             Ok(Shutter { open, close })
         } else {
             Err(args.error("a shutter closes after it opens"))
         }
-    };
-    params.or("shutter", Shutter::default(), shutter)
+    }
+}
+
+impl Stated for Shutter {
+    fn of(constant: Constant) -> Option<Shutter> {
+        match constant {
+            Constant::Pair([open, close]) => Some(Shutter { open, close }),
+            _ => None,
+        }
+    }
+}
+
+impl Typed<Shutter> {
+    /// A shutter that is open for this time unless another is written.
+    pub const fn or(self, default: [f64; 2], about: &'static str) -> Defaulted<Shutter> {
+        self.otherwise(Constant::Pair(default), about)
+    }
 }

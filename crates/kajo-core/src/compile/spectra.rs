@@ -15,7 +15,7 @@
 use kajo_color::named::{self, ILLUMINANTS};
 use kajo_color::{Emission, Outside, Reflectance, Spectrum, Tabulated};
 use kajo_math::Vec3;
-use kajo_scene::{Args, Assets, Diagnostic, nearest, read_limited};
+use kajo_scene::{Args, Assets, Diagnostic, Diagnostics, Item, nearest, read_limited};
 
 /// Bytes of the largest file of wavelengths and values.
 const LARGEST_TABLE: u64 = 16 << 20;
@@ -33,12 +33,29 @@ pub(super) struct Written<T> {
     pub value: T,
 }
 
+impl Written<Emission> {
+    /// Whether any of it takes light away.
+    fn is_negative(&self) -> bool {
+        self.rgb.to_rgb().iter().any(|&v| v < 0.0)
+    }
+
+    /// The light, unless it is negative, which is reported at `item`.
+    pub fn not_negative(self, item: Item<'_>, diagnostics: &mut Diagnostics) -> Option<Emission> {
+        if self.is_negative() {
+            let error = Diagnostic::error(format!("`{}` must not be negative", item.keyword()));
+            diagnostics.push(error.label(item.head_span(), ""));
+            return None;
+        }
+        Some(self.value)
+    }
+}
+
 impl SpectrumReader<'_> {
     /// Light: none of it may be negative.
     pub fn emission(self, args: &mut Args<'_>) -> Result<Emission, Diagnostic> {
         let key = args.item().keyword();
         let light = self.classic_light(args)?;
-        if light.rgb.to_rgb().iter().any(|&v| v < 0.0) {
+        if light.is_negative() {
             return Err(args.error(format!("`{key}` must not be negative")));
         }
         Ok(light.value)
@@ -143,7 +160,7 @@ fn pairs(args: &mut Args<'_>, outside: Outside) -> Result<Tabulated, Diagnostic>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+    use kajo_scene::{MemoryAssets, SceneDesc};
 
     /// What `read` makes of a line, or the first error.
     fn read<T>(

@@ -13,12 +13,12 @@
 use kajo_math::{DAffine3, DMat3, DVec3};
 use kajo_scene::Item;
 
-use super::fields::number_text;
 use super::movement::{Linear, Movement, axis_and_angle, turn};
 use super::reshape::{tidy, vector};
 use super::schema::Kind;
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, Node, TextEdit, layout};
+use kajo_core::schema::number_text;
 
 impl Tree {
     /// Moves a node.

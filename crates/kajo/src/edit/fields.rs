@@ -3,72 +3,15 @@
 //! Setting a value replaces the bytes of those numbers or words that differ. A field that is absent is inserted after
 //! the last one, in the manner of the block.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
 use kajo_core::scene::Scene;
-use kajo_scene::{Item, TokenKind, format_number, tokens};
+use kajo_core::schema::{FieldValue, number_text, quoted};
+use kajo_scene::Item;
 
 use super::schema::{Absent, Around, FieldKind, FieldSpec, Kind, fields_of, spellings_of};
 use super::tree::Tree;
 use super::{EditRefused, FileId, Node, TextEdit, layout};
-
-/// What stands after a key: at most one word, then numbers.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FieldValue {
-    /// A word, name or text, without quotes.
-    pub word: Option<String>,
-    /// Numbers.
-    pub numbers: Vec<f64>,
-}
-
-impl FieldValue {
-    /// Numbers alone.
-    pub fn numbers(numbers: impl IntoIterator<Item = f64>) -> FieldValue {
-        FieldValue { word: None, numbers: numbers.into_iter().collect() }
-    }
-
-    /// A word alone.
-    pub fn word(word: impl Into<String>) -> FieldValue {
-        FieldValue { word: Some(word.into()), numbers: Vec::new() }
-    }
-
-    /// `on` or `off`.
-    pub fn flag(on: bool) -> FieldValue {
-        FieldValue::word(if on { "on" } else { "off" })
-    }
-
-    /// The first three numbers, if there are as many.
-    pub fn vec3(&self) -> Option<[f64; 3]> {
-        self.numbers.first_chunk().copied()
-    }
-
-    /// The value as a scene says it.
-    pub fn text(&self) -> String {
-        let word = self.word.as_deref().map(quoted);
-        let numbers = self.numbers.iter().map(|&number| number_text(number));
-        word.into_iter().map(Cow::into_owned).chain(numbers).collect::<Vec<_>>().join(" ")
-    }
-
-    pub(super) fn of(item: Item<'_>) -> FieldValue {
-        FieldValue {
-            word: item.word().map(|word| word.text().into_owned()),
-            numbers: item.numbers().map(|(number, _)| number).collect(),
-        }
-    }
-
-    /// The value that a text of the tables stands for.
-    pub(super) fn parse(text: &str) -> FieldValue {
-        let mut value = FieldValue::default();
-        for word in text.split_whitespace() {
-            match word.parse() {
-                Ok(number) => value.numbers.push(number),
-                Err(_) => value.word = Some(word.to_owned()),
-            }
-        }
-        value
-    }
-}
 
 /// A value of a block.
 #[derive(Clone, Debug)]
@@ -113,9 +56,9 @@ impl Tree {
         }
         let specs = fields_of(&node.keyword);
         let mut fields: Vec<Field> = Vec::new();
-        for spec in specs {
+        for spec in specs.clone() {
             let nth = fields.iter().filter(|field| field.key == spec.key).count();
-            let repeats = specs.iter().filter(|other| other.key == spec.key).count() > 1;
+            let repeats = specs.clone().filter(|other| other.key == spec.key).count() > 1;
             let mut same = written.iter().filter(|item| item.keyword() == spec.key);
             // The last of a key that is given again counts.
             let item = if repeats { same.nth(nth) } else { same.next_back() };
@@ -126,15 +69,13 @@ impl Tree {
                 None => fields.push(self.absent(node, spec, nth, scene)),
             }
         }
-        let unknown = written.iter().filter(|item| !specs.iter().any(|spec| spec.key == item.keyword()));
+        let unknown = written.iter().filter(|item| !specs.clone().any(|spec| spec.key == item.keyword()));
         fields.extend(unknown.filter(|_| !node.kind.holds_objects()).map(|&item| {
             let value = FieldValue::of(item);
             let kind =
                 if value.word.is_some() { FieldKind::Text } else { FieldKind::Numbers(value.numbers.len()) };
             let absent = Absent::Nothing { means: "", start: "" };
-            let (same_as, pair) = (None, None);
-            let spec =
-                FieldSpec { key: "", kind, absent, needs: None, excludes: &[], same_as, pair, about: "" };
+            let spec = FieldSpec { absent, ..FieldSpec::new("", kind) };
             Field { key: item.keyword().to_owned(), ..self.written(&spec, 0, item) }
         }));
         fields
@@ -144,7 +85,7 @@ impl Tree {
     fn written_in_order(&self, node: &Node, written: &[Item<'_>]) -> Vec<Field> {
         let specs = fields_of(&node.keyword);
         let field = |(i, item): (usize, &Item<'_>)| {
-            let spec = specs.iter().find(|spec| spec.key == item.keyword())?;
+            let spec = specs.clone().find(|spec| spec.key == item.keyword())?;
             let nth = written[..i].iter().filter(|other| other.keyword() == spec.key).count();
             Some(self.written(spec, nth, *item))
         };
@@ -203,7 +144,7 @@ impl Tree {
     fn default(&self, node: &Node, spec: &FieldSpec, scene: Option<&Scene>) -> Option<FieldValue> {
         match spec.absent {
             _ if self.idle(node, spec).is_some() => None,
-            Absent::Value(text) => Some(FieldValue::parse(text)),
+            Absent::Value(constant) => Some(constant.into()),
             Absent::Rule { value, .. } => value(&Around {
                 value: &|key| self.value(node, key, scene),
                 is_written: &|key| self.value_item(node, key, None).is_some(),
@@ -242,7 +183,7 @@ impl Tree {
         nth: Option<usize>,
         value: Option<&FieldValue>,
     ) -> Result<Vec<TextEdit>, EditRefused> {
-        let pair = fields_of(&node.keyword).iter().find(|spec| spec.key == key).and_then(|spec| spec.pair);
+        let pair = fields_of(&node.keyword).find(|spec| spec.key == key).and_then(|spec| spec.pair);
         let item = self.value_item(node, key, nth).or_else(|| self.other_spelling(node, key));
         let other = pair.and_then(|pair| self.value_item(node, pair, None));
         match (item, value) {
@@ -277,7 +218,7 @@ impl Tree {
 
     /// What a first change of an absent field begins with.
     fn start(&self, node: &Node, key: &str) -> FieldValue {
-        let spec = fields_of(&node.keyword).iter().find(|spec| spec.key == key);
+        let spec = fields_of(&node.keyword).find(|spec| spec.key == key);
         spec.map_or_else(FieldValue::default, |spec| self.absent(node, spec, 0, None).start)
     }
 
@@ -304,7 +245,7 @@ impl Tree {
         if let Some(item) = self.value_item(node, key, None).or_else(|| self.other_spelling(node, key)) {
             return Some(FieldValue::of(item));
         }
-        let spec = fields_of(&node.keyword).iter().find(|spec| spec.key == key)?;
+        let spec = fields_of(&node.keyword).find(|spec| spec.key == key)?;
         self.default(node, spec, scene)
     }
 
@@ -373,20 +314,4 @@ impl Tree {
 /// Whether two numbers are one for a scene, which keeps single precision except of whole numbers.
 fn is_same_number(a: f64, b: f64) -> bool {
     a == b || (a as f32 == b as f32 && (a.fract() != 0.0 || b.fract() != 0.0))
-}
-
-/// The shortest text of a number, in single precision where that is what it has.
-pub(super) fn number_text(number: f64) -> String {
-    let single = number as f32;
-    if f64::from(single) == number { format_number(single) } else { format_number(number) }
-}
-
-/// A word as it is written: in quotes where it needs them.
-pub(super) fn quoted(word: &str) -> Cow<'_, str> {
-    let mut all = tokens(word);
-    let is_word = all.next().is_some_and(|token| token.kind == TokenKind::Word) && all.next().is_none();
-    if is_word && word != "include" {
-        return Cow::Borrowed(word);
-    }
-    Cow::Owned(format!("\"{}\"", word.replace('\\', "\\\\").replace('"', "\\\"")))
 }

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::fields::quoted;
 use super::schema::Kind;
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, Node, TextEdit};
+use kajo_core::schema::quoted;
 
 impl Tree {
     /// Gives a node another name, or none.

@@ -158,7 +158,7 @@ impl Tree {
         }
         let fresh = (2..).map(|i: u32| format!("{stem}_{i}")).find(|name| !taken(name)).unwrap_or_default();
         let range = word.span.range();
-        let quoted = super::fields::quoted(&fresh);
+        let quoted = kajo_core::schema::quoted(&fresh);
         format!("{}{quoted}{}", &block[..range.start], &block[range.end..])
     }
 

@@ -11,8 +11,9 @@ use super::schema::{Kind, fields_of, kind_of};
 /// ```
 pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
     let [x, y, z] = at;
-    let text =
-        |numbers: &[f64]| numbers.iter().map(|&n| super::fields::number_text(rounded(n))).collect::<Vec<_>>();
+    let text = |numbers: &[f64]| {
+        numbers.iter().map(|&n| kajo_core::schema::number_text(rounded(n))).collect::<Vec<_>>()
+    };
     let point = |dx: f64, dy: f64, dz: f64| text(&[x + dx * size, y + dy * size, z + dz * size]).join(" ");
     let vector = |dx: f64, dy: f64, dz: f64| text(&[dx * size, dy * size, dz * size]).join(" ");
     let (center, radius) = (point(0.0, 0.0, 0.0), vector(1.0, 0.0, 0.0).split(' ').next()?.to_owned());
@@ -48,7 +49,7 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             format!("{keyword} {{ materialIndex 0  materialIndex 0 }}")
         }
         _ if kind_of(keyword, None) == Kind::Material => {
-            let color = fields_of(keyword).iter().find(|field| field.key.to_lowercase().ends_with("color"));
+            let color = fields_of(keyword).find(|field| field.key.to_lowercase().ends_with("color"));
             match color {
                 Some(field) => format!("{keyword} {{ {} 0.8 0.8 0.8 }}", field.key),
                 None => format!("{keyword} {{ }}"),

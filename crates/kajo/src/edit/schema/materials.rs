@@ -60,9 +60,9 @@ const PHONG: &[FieldSpec] = &[
 const WOODY: &[FieldSpec] = &[FIRST, FIRST, OCTAVES, FREQUENCY, AMPLITUDE];
 
 pub(super) const BLOCKS: &[Block] = &[
-    block("PhongMaterial", Kind::Material, PHONG),
-    block("Material", Kind::Material, PHONG),
-    block(
+    block!("PhongMaterial", Kind::Material, PHONG),
+    block!("Material", Kind::Material, PHONG),
+    block!(
         "Matte",
         Kind::Material,
         &[
@@ -76,7 +76,7 @@ pub(super) const BLOCKS: &[Block] = &[
             BUMP,
         ],
     ),
-    block(
+    block!(
         "Metal",
         Kind::Material,
         &[
@@ -94,7 +94,7 @@ pub(super) const BLOCKS: &[Block] = &[
             BUMP,
         ],
     ),
-    block(
+    block!(
         "Glass",
         Kind::Material,
         &[
@@ -117,7 +117,7 @@ pub(super) const BLOCKS: &[Block] = &[
             BUMP,
         ],
     ),
-    block(
+    block!(
         "Principled",
         Kind::Material,
         &[
@@ -148,10 +148,10 @@ pub(super) const BLOCKS: &[Block] = &[
             BUMP,
         ],
     ),
-    block("Checkerboard", Kind::Material, &[FIRST, FIRST]),
-    block("Mix", Kind::Material, &[FIRST, FIRST, field("amount", SHARE, "0.5", "share of the second")]),
-    block("Noise", Kind::Material, &[FIRST, FIRST, OCTAVES]),
-    block("Marble", Kind::Material, WOODY),
-    block("Wood", Kind::Material, WOODY),
-    block("Materials", Kind::Materials, &[]),
+    block!("Checkerboard", Kind::Material, &[FIRST, FIRST]),
+    block!("Mix", Kind::Material, &[FIRST, FIRST, field("amount", SHARE, "0.5", "share of the second")]),
+    block!("Noise", Kind::Material, &[FIRST, FIRST, OCTAVES]),
+    block!("Marble", Kind::Material, WOODY),
+    block!("Wood", Kind::Material, WOODY),
+    block!("Materials", Kind::Materials, &[]),
 ];

@@ -4,41 +4,16 @@
 //! Each function says what the compiler, or a render without other wishes, takes where the field of its name is absent.
 //! `None` stands for what no value says.
 
-use kajo_core::scene::Scene;
-use kajo_core::settings::{Dialect, IntegratorKind, Rules, Settings, ShadowAttenuation};
+use kajo_core::schema::Around;
+use kajo_core::settings::{IntegratorKind, Settings, ShadowAttenuation};
 use kajo_math::fmath;
 
 use super::FieldValue;
 use crate::{Defaults, RenderSettings};
 
-/// What is around a field.
-pub struct Around<'a> {
-    /// The value that holds for a key of the same block.
-    pub(in crate::edit) value: &'a dyn Fn(&str) -> Option<FieldValue>,
-    /// Whether a key is written in the same block.
-    pub(in crate::edit) is_written: &'a dyn Fn(&str) -> bool,
-    /// The scene that the texts make, where there is one.
-    pub(in crate::edit) scene: Option<&'a Scene>,
-}
-
-impl Around<'_> {
-    fn number(&self, key: &str) -> Option<f64> {
-        (self.value)(key)?.numbers.first().copied()
-    }
-
-    /// A colour, unless it is a spectrum or a picture.
-    fn color(&self, key: &str) -> Option<FieldValue> {
-        (self.value)(key).filter(|value| value.word.is_none() && value.numbers.len() == 3)
-    }
-
-    fn rules(&self) -> Rules {
-        self.scene.map_or_else(|| Dialect::default().rules(), |scene| scene.rules)
-    }
-
-    /// What a render of the scene does when nobody asks for anything else.
-    fn render(&self) -> Option<RenderSettings> {
-        RenderSettings::resolve(self.scene?, &Settings::default(), Defaults::Modern, false).ok()
-    }
+/// What a render of the scene does when nobody asks for anything else.
+fn render(around: &Around<'_>) -> Option<RenderSettings> {
+    RenderSettings::resolve(around.scene?, &Settings::default(), Defaults::Modern, false).ok()
 }
 
 fn numbers<const N: usize>(numbers: [f32; N]) -> Option<FieldValue> {
@@ -51,21 +26,6 @@ fn whole(number: u32) -> Option<FieldValue> {
 
 fn word(word: &str) -> Option<FieldValue> {
     Some(FieldValue::word(word))
-}
-
-// ---- shapes and lights -------------------------------------------------------------------------------------------
-
-pub(super) fn smooth(around: &Around<'_>) -> Option<FieldValue> {
-    (!around.rules().smooth_meshes).then(|| FieldValue::flag(false))
-}
-
-/// The tint of a measured luminaire; other lights have no colour unless one is written.
-pub(super) fn color_of_light(around: &Around<'_>) -> Option<FieldValue> {
-    (around.is_written)("ies").then(|| FieldValue::numbers([1.0; 3]))
-}
-
-pub(super) fn inner_angle(around: &Around<'_>) -> Option<FieldValue> {
-    numbers([0.75 * around.number("angle")? as f32])
 }
 
 // ---- materials ---------------------------------------------------------------------------------------------------
@@ -96,41 +56,41 @@ pub(super) fn thin(around: &Around<'_>) -> Option<FieldValue> {
 // ---- settings ----------------------------------------------------------------------------------------------------
 
 pub(super) fn size(around: &Around<'_>) -> Option<FieldValue> {
-    Some(FieldValue::numbers(around.render()?.size.map(f64::from)))
+    Some(FieldValue::numbers(render(around)?.size.map(f64::from)))
 }
 
 pub(super) fn integrator(around: &Around<'_>) -> Option<FieldValue> {
-    word(around.render()?.integrator.name())
+    word(render(around)?.integrator.name())
 }
 
 pub(super) fn samples(around: &Around<'_>) -> Option<FieldValue> {
-    let (kind, number) = around.render()?.samples;
+    let (kind, number) = render(around)?.samples;
     Some(FieldValue { word: Some(kind.name().to_owned()), numbers: vec![number.into()] })
 }
 
 pub(super) fn bounces(around: &Around<'_>) -> Option<FieldValue> {
-    let render = around.render()?;
+    let render = render(around)?;
     let is_classic = render.integrator == IntegratorKind::Classic;
     whole(if is_classic { render.classic.bounces } else { render.path.bounces })
 }
 
 pub(super) fn transparent_shadows(around: &Around<'_>) -> Option<FieldValue> {
-    word(match around.render()?.classic.shadow_attenuation {
+    word(match render(around)?.classic.shadow_attenuation {
         ShadowAttenuation::Length => "length",
         ShadowAttenuation::Surface => "surface",
     })
 }
 
 pub(super) fn branches(around: &Around<'_>) -> Option<FieldValue> {
-    whole(around.render()?.path.branches)
+    whole(render(around)?.path.branches)
 }
 
 pub(super) fn roulette(around: &Around<'_>) -> Option<FieldValue> {
-    Some(FieldValue::flag(around.render()?.path.roulette))
+    Some(FieldValue::flag(render(around)?.path.roulette))
 }
 
 pub(super) fn tone(around: &Around<'_>) -> Option<FieldValue> {
-    word(around.render()?.development.tone.name())
+    word(render(around)?.development.tone.name())
 }
 
 pub(super) fn dialect(around: &Around<'_>) -> Option<FieldValue> {

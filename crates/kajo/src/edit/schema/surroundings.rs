@@ -1,52 +1,16 @@
-//! Cameras, background, fog and settings.
+//! Background, fog and settings.
 
 use kajo_core::light::LightChoice;
 use kajo_core::sampler::SamplerKind;
 use kajo_core::settings::{Dialect, Directions, IntegratorKind, Technique};
 
 use super::FieldKind::{
-    Angle, Choice, ChoiceAndNumber, ChoiceAndWhole, Color, Emission, File, Flag, Numbers, Point, Text,
-    Vector, Wholes,
+    Angle, Choice, ChoiceAndNumber, ChoiceAndWhole, Color, Emission, File, Flag, Numbers, Wholes,
 };
 use super::{
-    ANY, Block, FieldSpec, Kind, LIGHT_GROUP, POSITIVE, SHARE, at_least, between, block, field, number,
-    option, required, ruled, rules, unlike, whole,
+    ANY, Block, Kind, LIGHT_GROUP, POSITIVE, at_least, between, block, field, number, option, required,
+    ruled, rules, unlike, whole,
 };
-
-const CENTER: FieldSpec = option("center", Point, "where it is");
-const DIRECTION: FieldSpec = option("direction", Vector, "where it looks");
-const TARGET: FieldSpec =
-    option("target", Point, "the point it looks at, or the name of an object").not_beside(&["lookAt"]);
-const LOOK_AT: FieldSpec = option("lookAt", Numbers(9), "where it is, the point it looks at, and what is up")
-    .not_beside(&["target"]);
-const UP: FieldSpec = option("up", Vector, "which way is up in the picture");
-const FIT: FieldSpec = option("fit", Text, "what fills the picture: scene, or the name of an object");
-const APERTURE: FieldSpec = field("aperture", at_least(0.0), "0", "diameter of the lens's opening")
-    .only_beside("focus")
-    .not_beside(&["fNumber", "focalLength"]);
-const FOCUS: FieldSpec = unlike(
-    "focus",
-    POSITIVE,
-    "all is sharp",
-    "5",
-    "distance of what is sharp; or a point, or the name of an object",
-);
-const F_NUMBER: FieldSpec = unlike("fNumber", POSITIVE, "none", "2.8", "focal length over diameter")
-    .only_beside("focus")
-    .together_with("focalLength")
-    .not_beside(&["aperture"]);
-const FOCAL_LENGTH: FieldSpec = unlike("focalLength", POSITIVE, "none", "0.05", "of the lens")
-    .only_beside("focus")
-    .together_with("fNumber")
-    .not_beside(&["aperture"]);
-const BLADES: FieldSpec = unlike("blades", whole(3.0, 64.0), "round", "6", "the opening is a polygon");
-const BLADE_ROTATION: FieldSpec =
-    field("bladeRotation", Angle { min: -ANY, max: ANY }, "0", "turns the polygon");
-const BOKEH: FieldSpec = option("bokeh", File, "a picture of the opening");
-const SHUTTER: FieldSpec = field("shutter", Numbers(2), "0 1", "from when to when light is gathered");
-const ROLLING_SHUTTER: FieldSpec =
-    field("rollingShutter", SHARE, "0", "the share of that time in which rows open one after the other");
-const EYES: FieldSpec = field("eyeSeparation", at_least(0.0), "0.065", "distance between the eyes");
 
 const FILTERS: &[&str] = &["none", "box", "tent", "gaussian", "mitchell", "lanczos"];
 const SAMPLERS: &[&str] = &words(&SamplerKind::NAMES);
@@ -68,111 +32,7 @@ const fn words<T, const N: usize>(table: &[(&'static str, T); N]) -> [&'static s
 }
 
 pub(super) const BLOCKS: &[Block] = &[
-    block(
-        "PerspectiveCamera",
-        Kind::Camera,
-        &[
-            CENTER,
-            DIRECTION,
-            TARGET,
-            LOOK_AT,
-            UP,
-            FIT,
-            SHUTTER,
-            ROLLING_SHUTTER,
-            option("angle", Angle { min: -ANY, max: ANY }, "field of view from bottom to top"),
-            option("width", whole(1.0, 16_777_216.0), "columns of the picture, if nothing else says them"),
-            option("height", whole(1.0, 16_777_216.0), "rows of the picture, if nothing else says them"),
-            APERTURE,
-            FOCUS,
-            F_NUMBER,
-            FOCAL_LENGTH,
-            BLADES,
-            BLADE_ROTATION,
-            BOKEH,
-        ],
-    ),
-    block(
-        "OrthographicCamera",
-        Kind::Camera,
-        &[
-            CENTER,
-            DIRECTION,
-            TARGET,
-            LOOK_AT,
-            UP,
-            FIT,
-            SHUTTER,
-            ROLLING_SHUTTER,
-            option("size", number(), "height of the picture in the world"),
-            APERTURE,
-            FOCUS,
-            F_NUMBER,
-            FOCAL_LENGTH,
-            BLADES,
-            BLADE_ROTATION,
-            BOKEH,
-        ],
-    ),
-    block(
-        "FisheyeCamera",
-        Kind::Camera,
-        &[
-            CENTER,
-            DIRECTION,
-            TARGET,
-            LOOK_AT,
-            UP,
-            SHUTTER,
-            ROLLING_SHUTTER,
-            field("angle", Angle { min: 1e-3, max: 360.0 }, "180", "width of the disk"),
-            field(
-                "projection",
-                Choice(&["equidistant", "equisolid", "orthographic", "stereographic"]),
-                "equidistant",
-                "how angles become distances",
-            ),
-            field(
-                "fit",
-                Choice(&["height", "corners"]),
-                "height",
-                "what the disk fills, or what fills the picture",
-            ),
-        ],
-    ),
-    block(
-        "PanoramaCamera",
-        Kind::Camera,
-        &[
-            CENTER,
-            DIRECTION,
-            TARGET,
-            LOOK_AT,
-            UP,
-            FIT,
-            SHUTTER,
-            ROLLING_SHUTTER,
-            EYES,
-            field("stereo", Choice(&["none", "omnidirectional"]), "none", "one eye or two"),
-        ],
-    ),
-    block(
-        "StereoCubemapCamera",
-        Kind::Camera,
-        &[
-            CENTER,
-            DIRECTION,
-            TARGET,
-            LOOK_AT,
-            UP,
-            FIT,
-            SHUTTER,
-            ROLLING_SHUTTER,
-            EYES,
-            field("stereo", Choice(&["twin", "omnidirectional"]), "twin", "how eyes turn"),
-        ],
-    ),
-    block(
+    block!(
         "Background",
         Kind::Background,
         &[
@@ -186,7 +46,7 @@ pub(super) const BLOCKS: &[Block] = &[
             LIGHT_GROUP,
         ],
     ),
-    block(
+    block!(
         "sky",
         Kind::Part,
         &[
@@ -198,7 +58,7 @@ pub(super) const BLOCKS: &[Block] = &[
             field("sun", Flag, "on", "with the sun itself"),
         ],
     ),
-    block(
+    block!(
         "Fog",
         Kind::Fog,
         &[
@@ -208,7 +68,7 @@ pub(super) const BLOCKS: &[Block] = &[
             field("height", number(), "0", "where the density is the one given"),
         ],
     ),
-    block(
+    block!(
         "Settings",
         Kind::Settings,
         &[

@@ -63,7 +63,7 @@ fn needed(block: &Block) -> String {
         format!("{} {value} ", field.key)
     };
     let needed: String =
-        block.fields.iter().filter(|field| matches!(field.absent, Absent::Required)).map(given).collect();
+        block.fields().filter(|field| matches!(field.absent, Absent::Required)).map(given).collect();
     match block.kind {
         Kind::Light => needed + "color 1 1 1 ",
         Kind::Camera => {
@@ -89,9 +89,10 @@ fn known_to_compiler(block: &Block) -> BTreeSet<String> {
 
 #[test]
 fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
-    for block in blocks().filter(|b| !b.fields.is_empty() && b.kind != Kind::Transform && b.keyword != "key")
+    for block in
+        blocks().filter(|b| b.fields().next().is_some() && b.kind != Kind::Transform && b.keyword != "key")
     {
-        let here: BTreeSet<String> = block.fields.iter().map(|field| field.key.to_owned()).collect();
+        let here: BTreeSet<String> = block.fields().map(|field| field.key.to_owned()).collect();
         // Blocks within are nodes of their own.
         let mut there = known_to_compiler(block);
         there.retain(|key| !["sky", "Transform", "Motion", "Noise"].contains(&&**key));
@@ -102,10 +103,6 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
         // Asked for only when there is a picture.
         if block.keyword == "Background" {
             there.extend(["environment", "rotate", "scale"].map(str::to_owned));
-        }
-        // Asked for only when there is a measured luminaire.
-        if block.keyword == "PointLight" {
-            there.extend(["ies", "direction", "rotate", "scale"].map(str::to_owned));
         }
         if ["PerspectiveCamera", "OrthographicCamera"].contains(&block.keyword) {
             there.extend(["fNumber", "focalLength"].map(str::to_owned));
@@ -212,9 +209,7 @@ fn variants(block: &Block) -> Vec<String> {
             "emission 1 2 3",
         ],
         (_, "Glass") => &["thickness 0.1", "glass N-BK7"],
-        (Kind::Material, _) if block.fields.iter().any(|field| field.key == "emission") => {
-            &["emission 1 2 3"]
-        }
+        (Kind::Material, _) if block.fields().any(|field| field.key == "emission") => &["emission 1 2 3"],
         (_, "PerspectiveCamera") => {
             &["focus 4", "aperture 0.2  focus 4", "fNumber 2  focalLength 0.05  focus 4"]
         }
@@ -248,7 +243,7 @@ fn defaults_are_what_the_compiler_takes() {
     let all = blocks().filter(|block| {
         let is_order = matches!(block.kind, Kind::Transform | Kind::Instance);
         // A model would need a whole file of another format.
-        !block.fields.is_empty() && !is_order && block.keyword != "Model"
+        block.fields().next().is_some() && !is_order && block.keyword != "Model"
     });
     for (block, dialect) in all.flat_map(|block| Dialect::NAMES.map(|dialect| (block, dialect))) {
         for body in variants(block) {

@@ -1,0 +1,34 @@
+//! `Group`, `Transform` and `Instance`: what holds objects, moves them or places them again.
+
+use super::Member;
+use crate::compile::group::ObjectMember;
+use crate::compile::transform;
+use crate::schema::{Block, Kind};
+
+pub const GROUP: ObjectMember = Member {
+    block: Block { keyword: "Group", kind: Kind::Group, about: "objects together", groups: &[] },
+    read: |compiler, item, place, walk| compiler.group(item, place, walk),
+};
+
+pub const INSTANCE: ObjectMember = Member {
+    block: Block {
+        keyword: "Instance",
+        kind: Kind::Instance,
+        about: "what was defined, put into its place",
+        groups: &[transform::FIELDS],
+    },
+    read: |compiler, item, place, walk| compiler.instance(item, place, walk),
+};
+
+pub const TRANSFORM: ObjectMember = Member {
+    block: Block {
+        keyword: "Transform",
+        kind: Kind::Transform,
+        about: "moves, turns and scales an object or a group",
+        groups: &[transform::FIELDS],
+    },
+    read: |compiler, item, place, walk| compiler.transform(item, place, walk),
+};
+
+pub const DEFINE: Block =
+    Block { keyword: "Define", kind: Kind::Define, about: "objects that are placed elsewhere", groups: &[] };

@@ -1,0 +1,57 @@
+//! `Model`: a whole glTF model with its materials and lights.
+
+use kajo_scene::{Item, Params};
+
+use super::Member;
+use crate::compile::Compiler;
+use crate::compile::fields::{At, FileName, Keys, LightGroupNumber, Sources, at_least, file, flag, keys};
+use crate::compile::group::{ObjectMember, Place, Walk};
+use crate::compile::light_groups;
+use crate::compile::model::ModelRequest;
+use crate::compile::model_beads::BeadRadii;
+use crate::schema::{Block, Kind};
+
+keys! {
+    ModelKeys<'t> {
+        file: At<'t, FileName> = file("file").placed().required("glTF"),
+        smooth: bool = flag("smooth").or(true, "shaded by interpolated normals"),
+        materials: bool = flag("materials").or(true, "in the materials of its own file"),
+        lights: bool = flag("lights").or(true, "with the lights of its file"),
+        light_scale: f32 = at_least("lightScale", 0.0).or(1.0, "factor of these lights"),
+        group: Option<LightGroupNumber> = light_groups::GROUP,
+        points: Option<f32> =
+            at_least("points", 0.0).unit("length").option("radius of spheres in place of points"),
+        lines: Option<f32> = at_least("lines", 0.0).unit("length").option("radius of tubes in place of lines"),
+    }
+}
+
+pub const MEMBER: ObjectMember = Member {
+    block: Block {
+        keyword: "Model",
+        kind: Kind::Shape,
+        about: "a whole glTF model with its materials and lights",
+        groups: &[ModelKeys::FIELDS],
+    },
+    read: place_model,
+};
+
+fn place_model(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+    if let Some(request) = compiler.read_keys(item, read) {
+        compiler.model(item, request, place, walk);
+    }
+}
+
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<ModelRequest> {
+    params.name();
+    let keys = ModelKeys::read(params, sources)?;
+    Some(ModelRequest {
+        name: keys.file.value.0,
+        at: keys.file.item.head_span(),
+        smooth: keys.smooth,
+        own_materials: keys.materials,
+        radii: BeadRadii { points: keys.points, lines: keys.lines },
+        lights: keys.lights,
+        light_scale: keys.light_scale,
+        group: keys.group.unwrap_or_default().0,
+    })
+}

@@ -1,0 +1,27 @@
+//! `Sphere`: a ball.
+
+use kajo_math::Vec3;
+use kajo_scene::Params;
+
+use super::Member;
+use crate::compile::fields::{Keys, Sources, keys, number, point};
+use crate::compile::group::ObjectMember;
+use crate::schema::{Block, Kind};
+use crate::shape::Sphere;
+
+keys! {
+    SphereKeys {
+        center: Vec3 = point("center").required("its middle"),
+        radius: f32 = number("radius").unit("length").required("its radius"),
+    }
+}
+
+pub const MEMBER: ObjectMember = Member {
+    block: Block { keyword: "Sphere", kind: Kind::Shape, about: "a ball", groups: &[SphereKeys::FIELDS] },
+    read: |compiler, item, place, walk| compiler.solid(item, place, walk, read),
+};
+
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Sphere> {
+    let SphereKeys { center, radius } = SphereKeys::read(params, sources)?;
+    Some(Sphere::new(center, radius))
+}

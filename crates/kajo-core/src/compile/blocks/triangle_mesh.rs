@@ -1,0 +1,58 @@
+//! `TriangleMesh`: triangles of an OBJ, PLY or STL file.
+
+use kajo_scene::{Item, Params};
+
+use super::Member;
+use crate::compile::Compiler;
+use crate::compile::fields::{At, FileName, Keys, Sources, file, flag, keys};
+use crate::compile::group::{ObjectMember, Place, Walk};
+use crate::compile::mesh::{MeshRequest, Shading};
+use crate::schema::{Around, Block, FieldValue, Kind};
+
+keys! {
+    MeshKeys<'t> {
+        file: Option<At<'t, FileName>> = file("file").placed().option("OBJ, PLY or STL"),
+        obj_file: Option<At<'t, FileName>> =
+            file("obj_file").spelling_of("file").placed().option("OBJ, PLY or STL"),
+        smooth: Option<bool> =
+            flag("smooth").ruled(smooth, "by neighbouring faces", "shaded by interpolated normals"),
+        materials: bool = flag("materials").or(false, "in the materials of its own file"),
+        colors: bool = flag("colors").or(false, "tinted by the colours of its vertices"),
+    }
+}
+
+pub const MEMBER: ObjectMember = Member {
+    block: Block {
+        keyword: "TriangleMesh",
+        kind: Kind::Shape,
+        about: "the triangles of an OBJ, PLY or STL file",
+        groups: &[MeshKeys::FIELDS],
+    },
+    read: place_mesh,
+};
+
+fn smooth(around: &Around<'_>) -> Option<FieldValue> {
+    (!around.rules().smooth_meshes).then(|| FieldValue::flag(false))
+}
+
+fn place_mesh(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+    let shape = compiler.read_keys(item, read).and_then(|request| compiler.mesh(item, request));
+    let brings_materials = compiler.slots_transmit;
+    compiler.put_shape(shape, brings_materials, item, place, walk);
+}
+
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<MeshRequest> {
+    params.name();
+    let unasked = if sources.rules.smooth_meshes { Shading::Averaged } else { Shading::Flat };
+    params.either(&["file", "obj_file"], "a mesh");
+    let MeshKeys { file, obj_file, smooth, materials, colors } = MeshKeys::read(params, sources)?;
+    let Some(file) = file.or(obj_file) else {
+        if !params.contains("obj_file") {
+            params.report_missing("file");
+        }
+        return None;
+    };
+    let shading = smooth.map_or(unasked, |on| if on { Shading::Smooth } else { Shading::Flat });
+    let (name, place) = (file.value.0, file.item.head_span());
+    Some(MeshRequest { name, place, shading, own_materials: materials, colors })
+}

@@ -1,0 +1,87 @@
+//! What the blocks of the language are, and which fields they have, as data.
+//!
+//! Each block describes its fields once, beside the code that reads it (`compile/blocks`), and is read by that
+//! description. What a key may say, which unit and range it has, what holds while it is absent and what it is for are
+//! therefore known here to everybody: to the editor, to `kajo help`, to the tables of the manual and to completion.
+
+mod spec;
+mod value;
+
+pub use spec::{Absent, Around, Constant, FieldKind, FieldSpec};
+pub use value::{FieldValue, number_text, quoted};
+
+/// What a block describes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// From where the picture is taken.
+    Camera,
+    /// How to render.
+    Settings,
+    /// What rays see that hit nothing.
+    Background,
+    /// What fills the air.
+    Fog,
+    /// The list of lights.
+    Lights,
+    /// One light.
+    Light,
+    /// The list of materials.
+    Materials,
+    /// One material.
+    Material,
+    /// Objects together.
+    Group,
+    /// Objects that are placed elsewhere.
+    Define,
+    /// Objects moved together.
+    Transform,
+    /// A definition put into its place.
+    Instance,
+    /// An object.
+    Shape,
+    /// A block within one of the others.
+    Part,
+}
+
+impl Kind {
+    /// Whether it takes part in the order of objects: all that may stand in a group, definitions aside.
+    pub fn is_object(self) -> bool {
+        matches!(self, Kind::Group | Kind::Transform | Kind::Instance | Kind::Shape)
+    }
+
+    /// Whether it may hold objects.
+    pub fn holds_objects(self) -> bool {
+        matches!(self, Kind::Group | Kind::Define | Kind::Transform)
+    }
+}
+
+/// A kind of block.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// The word it begins with.
+    pub keyword: &'static str,
+    /// What it describes.
+    pub kind: Kind,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// Its fields: its own, and groups that it shares with other blocks.
+    pub groups: &'static [&'static [FieldSpec]],
+}
+
+impl Block {
+    /// Its fields, in the order in which they are shown.
+    pub fn fields(&self) -> impl Iterator<Item = &'static FieldSpec> + Clone + use<> {
+        self.groups.iter().copied().flatten()
+    }
+
+    /// The field called `key`.
+    pub fn field(&self, key: &str) -> Option<&'static FieldSpec> {
+        self.fields().find(|field| field.key == key)
+    }
+
+    /// All spellings of a key, the usual one first; none for a key that it has not.
+    pub fn spellings_of(&self, key: &str) -> impl Iterator<Item = &'static str> + use<> {
+        let main = self.field(key).map(FieldSpec::main_key);
+        self.fields().filter(move |field| Some(field.main_key()) == main).map(|field| field.key)
+    }
+}
