@@ -5,11 +5,9 @@ use std::sync::Arc;
 
 use kajo_color::{Emission, Wavelengths};
 use kajo_math::{Affine3A, DAffine3, DMat3, Vec2};
-use kajo_scene::{Diagnostic, Params};
+use kajo_scene::Diagnostic;
 
 use super::Compiler;
-use super::light_groups::LightGroups;
-use super::pictures::PaintReader;
 use crate::background::Background;
 use crate::family::Pooled;
 use crate::glow::{EmissionFactor, EmissionTerm, VariedEmission};
@@ -41,6 +39,11 @@ impl Glow {
     /// The light where it leaves the surface on these sides only.
     pub(super) fn on(self, sides: Sides) -> Glow {
         Glow { sides, ..self }
+    }
+
+    /// The light among that of a group.
+    pub(super) fn in_group(self, group: u8) -> Glow {
+        Glow { group, ..self }
     }
 
     /// The light as it shines through a picture.
@@ -109,28 +112,6 @@ impl Glow {
             _ => None,
         }
     }
-}
-
-/// Reads `emission`, `emits` and `group` of a material.
-pub(super) fn read_glow(
-    params: &mut Params<'_, '_>,
-    paints: &mut PaintReader<'_>,
-    groups: &mut LightGroups,
-) -> Option<Glow> {
-    let emission = paints.emission(params);
-    let names = [("back", Sides::Back), ("both", Sides::Both), ("front", Sides::Front)];
-    let sides = params.optional("emits", |args| Ok((args.choice(&names)?, args.item())));
-    let group = params.optional("group", |args| Ok((groups.number(args)?, args.item())));
-    let [of_sides, of_group] = [sides.map(|(_, item)| item), group.map(|(_, item)| item)];
-    for item in [of_sides, of_group].into_iter().flatten().filter(|_| emission.is_none()) {
-        let message = format!("`{}` says nothing without an `emission`", item.keyword());
-        params.diagnostics().push(Diagnostic::warning(message).label(item.head_span(), "has no effect"));
-    }
-    let (emitter, slide) = emission?;
-    let even = Glow::even(emitter)?;
-    let glow = slide.into_iter().fold(even, Glow::through);
-    let sides = sides.map_or(Sides::Both, |(sides, _)| sides);
-    Some(Glow { sides, group: group.map_or(0, |(group, _)| group), ..glow })
 }
 
 /// What emitters have to know of the light of their material.

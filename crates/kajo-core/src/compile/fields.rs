@@ -15,7 +15,7 @@
 
 use std::marker::PhantomData;
 
-use kajo_color::Emission;
+use kajo_color::{Emission, Reflectance, Spectrum};
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
@@ -24,6 +24,7 @@ use super::pictures::PaintReader;
 use super::spectra::Written;
 use crate::schema::{Absent, Around, Constant, FieldKind, FieldSpec, FieldValue};
 use crate::settings::Rules;
+use crate::texture::{Paint, Share};
 
 /// What values may need besides their text.
 pub(super) struct Sources<'a> {
@@ -140,6 +141,11 @@ impl<V> Typed<V> {
         Optional(Typed::with(FieldSpec { absent: Absent::Rule { value, means }, about, ..self.spec }))
     }
 
+    /// A field with the value that holds without it, whose reader wants to know that it is absent.
+    pub const fn presumed(self, constant: Constant, about: &'static str) -> Optional<V> {
+        Optional(Typed::with(FieldSpec { absent: Absent::Value(constant), about, ..self.spec }))
+    }
+
     /// A field with the value that holds without it.
     pub const fn otherwise(self, constant: Constant, about: &'static str) -> Defaulted<V> {
         Defaulted(Typed::with(FieldSpec { absent: Absent::Value(constant), about, ..self.spec }))
@@ -161,6 +167,43 @@ impl Typed<Vec2> {
 impl Typed<bool> {
     pub const fn or(self, default: bool, about: &'static str) -> Defaulted<bool> {
         self.otherwise(Constant::Word(if default { "on" } else { "off" }), about)
+    }
+}
+
+impl Typed<i32> {
+    pub const fn or(self, default: i32, about: &'static str) -> Defaulted<i32> {
+        self.otherwise(Constant::Number(default as f64), about)
+    }
+}
+
+impl Typed<u32> {
+    pub const fn or(self, default: u32, about: &'static str) -> Defaulted<u32> {
+        self.otherwise(Constant::Number(default as f64), about)
+    }
+}
+
+impl Typed<Share> {
+    pub const fn or(self, default: f32, about: &'static str) -> Defaulted<Share> {
+        self.otherwise(Constant::Number(default as f64), about)
+    }
+}
+
+impl Typed<Paint> {
+    pub const fn or(self, default: [f32; 3], about: &'static str) -> Defaulted<Paint> {
+        self.otherwise(triple_of(default), about)
+    }
+}
+
+impl Typed<Absorption> {
+    pub const fn or(self, default: [f32; 3], about: &'static str) -> Defaulted<Absorption> {
+        self.otherwise(triple_of(default), about)
+    }
+}
+
+impl Typed<Written<Reflectance>> {
+    /// A factor that is the same for all wavelengths.
+    pub const fn or_grey(self, default: f32, about: &'static str) -> Defaulted<Written<Reflectance>> {
+        self.otherwise(triple_of([default; 3]), about)
     }
 }
 
@@ -290,12 +333,12 @@ pub(super) trait Keys<'t>: Sized {
     fn read(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<Self>;
 }
 
-/// Declares a struct of fields that are read together; see the head of this module.
+/// Declares a struct of fields that are read together; see the head of this module. A visibility is that of its members.
 macro_rules! keys {
-    (@struct [$($life:lifetime)?] $(#[$doc:meta])* $name:ident { $($member:ident: $type:ty = $field:expr,)* }) => {
+    (@struct [$($life:lifetime)?] $(#[$doc:meta])* $vis:vis $name:ident { $($member:ident: $type:ty = $field:expr,)* }) => {
         $(#[$doc])*
         pub(super) struct $name$(<$life>)? {
-            $($member: $type,)*
+            $($vis $member: $type,)*
         }
 
         impl<'t> $crate::compile::fields::Keys<'t> for keys!(@type [$($life)?] $name) {
@@ -312,16 +355,16 @@ macro_rules! keys {
     };
     (@type [] $name:ident) => { $name };
     (@type [$life:lifetime] $name:ident) => { $name<'t> };
-    ($(#[$doc:meta])* $name:ident<$life:lifetime> { $($member:ident: $type:ty = $field:expr),* $(,)? }) => {
-        keys!(@struct [$life] $(#[$doc])* $name { $($member: $type = $field,)* });
+    ($(#[$doc:meta])* $vis:vis $name:ident<$life:lifetime> { $($member:ident: $type:ty = $field:expr),* $(,)? }) => {
+        keys!(@struct [$life] $(#[$doc])* $vis $name { $($member: $type = $field,)* });
 
         impl $name<'_> {
             /// The descriptions of these fields.
             pub const FIELDS: &'static [$crate::schema::FieldSpec] = &[$($field.spec()),*];
         }
     };
-    ($(#[$doc:meta])* $name:ident { $($member:ident: $type:ty = $field:expr),* $(,)? }) => {
-        keys!(@struct [] $(#[$doc])* $name { $($member: $type = $field,)* });
+    ($(#[$doc:meta])* $vis:vis $name:ident { $($member:ident: $type:ty = $field:expr),* $(,)? }) => {
+        keys!(@struct [] $(#[$doc])* $vis $name { $($member: $type = $field,)* });
 
         impl $name {
             /// The descriptions of these fields.
@@ -446,6 +489,29 @@ impl Plain<'_> for u32 {
     fn parse(spec: &FieldSpec, args: &mut Args<'_>, sources: &mut Sources<'_>) -> Result<u32, Diagnostic> {
         i64::parse(spec, args, sources).map(|n| n as u32)
     }
+}
+
+impl Stated for u32 {
+    fn of(constant: Constant) -> Option<u32> {
+        f32::of(constant).map(|n| n as u32)
+    }
+}
+
+impl Plain<'_> for i32 {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, sources: &mut Sources<'_>) -> Result<i32, Diagnostic> {
+        i64::parse(spec, args, sources).map(|n| n as i32)
+    }
+}
+
+impl Stated for i32 {
+    fn of(constant: Constant) -> Option<i32> {
+        f32::of(constant).map(|n| n as i32)
+    }
+}
+
+/// A whole number from `min` to `max`.
+pub(super) const fn whole(key: &'static str, min: i32, max: i32) -> Typed<i32> {
+    Typed::new(key, FieldKind::Whole { min: min as f64, max: max as f64 })
 }
 
 /// How many of something.
@@ -645,6 +711,101 @@ impl Plain<'_> for Written<Emission> {
 /// Light of the classic format, which may be negative.
 pub(super) const fn classic_light(key: &'static str) -> Typed<Written<Emission>> {
     Typed::new(key, FieldKind::Emission)
+}
+
+impl Plain<'_> for Written<Reflectance> {
+    fn parse(
+        _: &FieldSpec,
+        args: &mut Args<'_>,
+        sources: &mut Sources<'_>,
+    ) -> Result<Written<Reflectance>, Diagnostic> {
+        sources.paints.spectra.reflectance(args)
+    }
+}
+
+impl Stated for Written<Reflectance> {
+    fn of(constant: Constant) -> Option<Written<Reflectance>> {
+        let [grey, ..] = <[f32; 3]>::of(constant)?;
+        Some(Written { rgb: Spectrum::WHITE * grey, value: Reflectance::from_rgb([grey; 3]) })
+    }
+}
+
+/// The colour of a surface of the classic format, which may be anything.
+pub(super) const fn reflectance(key: &'static str) -> Typed<Written<Reflectance>> {
+    Typed::new(key, FieldKind::Reflectance)
+}
+
+/// A colour that is three numbers.
+pub(super) const fn color(key: &'static str) -> Typed<Vec3> {
+    Typed::new(key, FieldKind::Color)
+}
+
+/// Absorption per unit length, which is not negative.
+pub(super) struct Absorption(pub [f32; 3]);
+
+impl Plain<'_> for Absorption {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Absorption, Diagnostic> {
+        let absorption = args.vec3()?;
+        if absorption.min_element() < 0.0 {
+            return Err(args.error("absorption is not negative"));
+        }
+        Ok(Absorption(absorption.to_array()))
+    }
+}
+
+impl Stated for Absorption {
+    fn of(constant: Constant) -> Option<Absorption> {
+        Vec3::of(constant).map(|absorption| Absorption(absorption.to_array()))
+    }
+}
+
+/// Absorption per unit length.
+pub(super) const fn absorption(key: &'static str) -> Typed<Absorption> {
+    Typed::new(key, FieldKind::Color)
+}
+
+impl Value<'_> for Paint {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<Paint> {
+        sources.paints.paint(item, diagnostics)
+    }
+}
+
+impl Stated for Paint {
+    fn of(constant: Constant) -> Option<Paint> {
+        Vec3::of(constant).map(|color| Paint::Plain(Reflectance::from_rgb(color.to_array())))
+    }
+}
+
+/// A colour whose components are shares of light, a measured spectrum of such, or a picture.
+pub(super) const fn paint(key: &'static str) -> Typed<Paint> {
+    Typed::new(key, FieldKind::Reflectance)
+}
+
+impl Value<'_> for Share {
+    fn read(
+        spec: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<Share> {
+        sources.paints.share(spec, item, diagnostics)
+    }
+}
+
+impl Stated for Share {
+    fn of(constant: Constant) -> Option<Share> {
+        f32::of(constant).map(Share::Plain)
+    }
+}
+
+/// A number in [0, 1], or a picture of such.
+pub(super) const fn share(key: &'static str) -> Typed<Share> {
+    Typed::new(key, FieldKind::SHARE)
 }
 
 /// The number of a group of lights.

@@ -7,66 +7,67 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use kajo_color::{Reflectance, Spectrum};
-use kajo_math::{Affine3A, Vec3};
+use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Item, Params, Span};
 
-use super::emitters::{Glow, read_glow};
-use super::light_groups::LightGroups;
-use super::physical::{PHYSICAL, Physical};
-use super::pictures::PaintReader;
+use super::blocks::{self, Member, keywords};
+use super::emitters::Glow;
+use super::extras::Extras;
+use super::fields::Sources;
 use super::places::misplaced;
-use super::spectra::Written;
 use super::{Compiler, transform};
-use crate::bsdf::Phong;
 use crate::family::Pooled;
-use crate::material::{Blend, Embossed, MaterialId, Perforated, PhongMaterial, Relief};
-use crate::settings::Rules;
-use crate::texture::{Checker, Constant, Marble, Noise, Share, TextureId, Wood};
+use crate::material::{Blend, Embossed, MaterialId, Materials, Perforated};
+use crate::schema::{Block, FieldKind, FieldSpec, Kind};
+use crate::texture::{Constant, Share, TextureId, Textures};
 
-pub(super) const KEYWORDS: [&str; 11] = [
-    "Checkerboard",
-    "Glass",
-    "Marble",
-    "Material",
-    "Matte",
-    "Metal",
-    "Mix",
-    "Noise",
-    "PhongMaterial",
-    "Principled",
-    "Wood",
+/// A kind of material.
+pub(super) type MaterialMember = Member<for<'t> fn(&mut Compiler<'_>, Item<'t>) -> Option<Draft<'t>>>;
+
+/// All kinds of materials, in the order in which they are offered.
+pub(super) const MEMBERS: [&MaterialMember; 11] = [
+    &blocks::phong_material::MEMBER,
+    &blocks::phong_material::SHORT,
+    &blocks::matte::MEMBER,
+    &blocks::metal::MEMBER,
+    &blocks::glass::MEMBER,
+    &blocks::principled::MEMBER,
+    &blocks::checkerboard::MEMBER,
+    &blocks::mix::MEMBER,
+    &blocks::noise::MEMBER,
+    &blocks::marble::MEMBER,
+    &blocks::wood::MEMBER,
 ];
+pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
+
+pub(super) const LIST: Block =
+    Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
+
+/// What one of two materials of a pattern is written by.
+const PART: FieldSpec = FieldSpec {
+    about: "the two materials that it mixes",
+    ..FieldSpec::new("materialIndex", FieldKind::Material)
+};
+
+/// The two materials of a pattern.
+pub(super) const PARTS: &[FieldSpec] = &[PART; 2];
 
 /// The most materials that one hit may have to evaluate.
 const MAX_PARTS: u32 = 1024;
 
-/// Absorption that lets nothing through.
-const OPAQUE: f32 = 1e30;
-
-/// A material as it is written, before its references are followed.
-enum Draft<'t> {
-    Phong(PhongMaterial, Extras),
-    /// Two materials that differ in their colour, and the veins that mix them.
-    Veined(Box<[PhongMaterial; 2]>, TextureId, Extras),
-    Physical(Physical, Extras),
+/// A material before its references are followed.
+pub(super) enum Draft<'t> {
+    /// One that has none, with what stands around it.
+    Stored(Option<MaterialId>, Extras),
     Blend(BlendDraft<'t>),
 }
 
 /// A blend before the references to its parts are followed.
-struct BlendDraft<'t> {
+pub(super) struct BlendDraft<'t> {
     pattern: TextureId,
     pattern_from_world: Affine3A,
     parts: [Reference<'t>; 2],
     place: Span,
-}
-
-/// What any material of its own may have besides.
-struct Extras {
-    glow: Option<Glow>,
-    /// Less than 1 for a material with holes, and where that is said.
-    opacity: Option<(Share, Span)>,
-    relief: Option<Relief>,
 }
 
 /// Another material, by number or name.
@@ -139,6 +140,9 @@ impl Compiler<'_> {
                 self.diagnostics.push(error.label(item.head_span(), "the second one"));
             }
             drafts.push((self.draft(item), name));
+            if !self.has_memory_for_materials(item.head_span()) {
+                return;
+            }
         }
         let mut states = vec![State::Untouched; drafts.len()];
         for i in 0..drafts.len() {
@@ -175,36 +179,38 @@ impl Compiler<'_> {
     }
 
     fn draft<'t>(&mut self, item: Item<'t>) -> Option<Draft<'t>> {
-        let keyword = item.keyword();
-        if let "Material" | "PhongMaterial" = keyword {
-            let mut paints = PaintReader::new(self.assets, self.options, &mut self.pictures);
-            let mut params = Params::new(item, self.diagnostics);
-            let phong = read_phong(&mut params, &mut paints, &self.rules);
-            let veins = params.block("Noise");
-            let extras = Extras::read(&mut params, &mut paints, &mut self.light_groups);
-            params.finish();
-            return match veins {
-                None => Some(Draft::Phong(phong, extras)),
-                Some(item) => self.veined(item, &phong, extras),
-            };
-        }
-        if PHYSICAL.contains(&keyword) {
-            let mut paints = PaintReader::new(self.assets, self.options, &mut self.pictures);
-            let mut params = Params::new(item, self.diagnostics);
-            let physical = Physical::read(keyword, &mut params, &mut paints);
-            let extras = Extras::read(&mut params, &mut paints, &mut self.light_groups);
-            params.finish();
-            return Some(Draft::Physical(physical?, extras));
-        }
+        let member = MEMBERS.iter().find(|member| member.block.keyword == item.keyword())?;
+        (member.read)(self, item)
+    }
+
+    /// A material that refers to no other.
+    pub(super) fn pooled<'t, M: Pooled<Materials, Handle = MaterialId>>(
+        &mut self,
+        item: Item<'t>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<M>,
+    ) -> Option<Draft<'t>> {
+        let (material, extras) = self.read_keys(item, |params, sources| {
+            params.name();
+            let material = read(params, sources);
+            let extras = Extras::read(params, sources);
+            Some((material?, extras?))
+        })?;
+        Some(Draft::Stored(material.store(&mut self.materials), extras))
+    }
+
+    /// Two materials that a pattern mixes.
+    pub(super) fn blend<'t, T: Pooled<Textures, Handle = TextureId>>(
+        &mut self,
+        item: Item<'t>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<T>,
+    ) -> Option<Draft<'t>> {
         let by_rows = self.rules.matrix_by_rows;
-        let mut params = Params::new(item, self.diagnostics);
-        params.name();
-        let transform = params.block("Transform");
-        let parts = params.take(&["materialIndex"]);
-        let amount = (keyword == "Mix").then(|| params.or("amount", 0.5, |args| args.number_in(0.0..=1.0)));
-        let is_noisy = !matches!(keyword, "Checkerboard" | "Mix");
-        let shape = is_noisy.then(|| Turbulence::read(&mut params, keyword != "Noise"));
-        params.finish();
+        let (transform, parts, pattern) = self.read_keys(item, |params, sources| {
+            params.name();
+            let transform = params.block("Transform");
+            let parts = params.take(&[PART.key]);
+            Some((transform, parts, read(params, sources)))
+        })?;
         let parts: Vec<_> = parts
             .into_iter()
             .filter_map(|part| Args::read(part, self.diagnostics, Reference::read))
@@ -213,43 +219,12 @@ impl Compiler<'_> {
             .and_then(|item| transform::read_alone(item, by_rows, self.diagnostics))
             .unwrap_or(Affine3A::IDENTITY);
         let Ok(parts) = <[Reference<'t>; 2]>::try_from(parts) else {
-            let error = Diagnostic::error(format!("`{keyword}` needs two `materialIndex`"));
+            let error = Diagnostic::error(format!("`{}` needs two `materialIndex`", item.keyword()));
             self.diagnostics.push(error.label(item.keyword_span(), "mixes two materials"));
             return None;
         };
-        let textures = &mut self.textures;
-        let pattern = match shape {
-            None if let Some(value) = amount => Constant { value }.store(textures),
-            None => Checker.store(textures),
-            Some(Turbulence { octaves, .. }) if keyword == "Noise" => Noise { octaves }.store(textures),
-            Some(Turbulence { octaves, frequency, amplitude }) if keyword == "Marble" => {
-                Marble { octaves, frequency, amplitude }.store(textures)
-            }
-            Some(Turbulence { octaves, frequency, amplitude }) => {
-                Wood { octaves, frequency, amplitude }.store(textures)
-            }
-        };
-        let place = item.head_span();
-        Some(Draft::Blend(BlendDraft { pattern: pattern?, pattern_from_world, parts, place }))
-    }
-
-    /// A material whose diffuse colour goes from one to another in veins: a `Noise` block within it.
-    fn veined<'t>(&mut self, item: Item<'t>, phong: &PhongMaterial, extras: Extras) -> Option<Draft<'t>> {
-        let mut params = Params::new(item, self.diagnostics);
-        let colors = params.take(&["color"]);
-        let Turbulence { octaves, frequency, amplitude } = Turbulence::read(&mut params, true);
-        params.finish();
-        if let Some(third) = colors.get(2) {
-            let error = Diagnostic::error("veins go from one `color` to another, and there is a third");
-            self.diagnostics.push(error.label(third.head_span(), "one too many"));
-        }
-        let mut color = |i: usize, default| {
-            let read = colors.get(i).and_then(|&item| Args::read(item, self.diagnostics, Args::vec3));
-            phong.with_diffuse(read.unwrap_or(default).into())
-        };
-        let parts = [color(0, Vec3::ZERO), color(1, Vec3::ONE)];
-        let pattern = Marble { octaves, frequency, amplitude }.store(&mut self.textures)?;
-        Some(Draft::Veined(Box::new(parts), pattern, extras))
+        let pattern = pattern?.store(&mut self.textures)?;
+        Some(Draft::Blend(BlendDraft { pattern, pattern_from_world, parts, place: item.head_span() }))
     }
 
     /// Puts draft `i` and everything it refers to into the pools.
@@ -293,23 +268,7 @@ impl Compiler<'_> {
         }
         states[i] = match &drafts[i].0 {
             None => State::Failed,
-            Some(Draft::Phong(phong, extras)) => {
-                let id = phong.clone().store(&mut self.materials);
-                self.with_extras(id, extras)
-            }
-            Some(Draft::Veined(parts, pattern, extras)) => {
-                let [first, second] = parts.each_ref().map(|part| part.clone().store(&mut self.materials));
-                let id = first.zip(second).and_then(|(first, second)| {
-                    let (pattern, pattern_from_world) = (*pattern, Affine3A::IDENTITY);
-                    let materials = [first, second];
-                    Blend { pattern, pattern_from_world, materials }.store(&mut self.materials)
-                });
-                self.with_extras(id, extras)
-            }
-            Some(Draft::Physical(physical, extras)) => {
-                let id = physical.store(&mut self.materials);
-                self.with_extras(id, extras)
-            }
+            Some(Draft::Stored(id, extras)) => self.with_extras(*id, extras),
             Some(Draft::Blend(draft)) if matches!(states[i], State::Open) => {
                 let error = Diagnostic::error("this material is made of itself");
                 self.diagnostics.push(error.label(draft.place, "leads back here"));
@@ -457,75 +416,5 @@ impl Compiler<'_> {
             self.diagnostics.push(Diagnostic::error(message).label(place, "asked for here").help(help));
         }
         found
-    }
-}
-
-impl Extras {
-    fn read(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>, groups: &mut LightGroups) -> Extras {
-        let glow = read_glow(params, paints, groups);
-        let opacity = paints.opacity(params);
-        Extras { glow, opacity, relief: paints.relief(params) }
-    }
-}
-
-fn read_phong(params: &mut Params<'_, '_>, paints: &mut PaintReader<'_>, rules: &Rules) -> PhongMaterial {
-    let reflects_specular = rules.reflects_specular;
-    params.name();
-    let picture = paints.picture(params, "texture");
-    let spectra = paints.spectra;
-    let plain = |rgb: Spectrum| Written { rgb, value: Reflectance::from_rgb(rgb.to_rgb()) };
-    let mut color = |key, default: Written<Reflectance>| {
-        params.optional(key, |args| spectra.reflectance(args)).unwrap_or(default)
-    };
-    let mut diffuse = color("diffuseColor", plain(Spectrum::WHITE));
-    if rules.texture_is_diffuse && picture.is_some() {
-        diffuse = plain(Spectrum::rgb(1.0, 1.0, 1.0));
-    }
-    let specular = color("specularColor", plain(Spectrum::BLACK));
-    let black = plain(Spectrum::BLACK);
-    let reflective =
-        color("reflectiveColor", if reflects_specular { specular.clone() } else { black.clone() });
-    // In the programs that have this word a material with an index lets light through.
-    let index = params.optional("refractionIndex", |args| args.number_in(0.0..)).filter(|&eta| eta > 0.0);
-    let mut color = |key, default: Written<Reflectance>| {
-        params.optional(key, |args| spectra.reflectance(args)).unwrap_or(default)
-    };
-    let clear = index.is_some() && reflects_specular;
-    let transparent = color("transparentColor", if clear { specular.clone() } else { black });
-    let mut number_color = |key, default| params.optional(key, Args::vec3).map_or(default, Spectrum::from);
-    let ambient = number_color("ambientColor", diffuse.rgb);
-    let absorption = number_color("absorption", transparent.rgb.map(absorption_of));
-    let default_exponent = if reflects_specular { 0.0 } else { 1.0 };
-    let exponent = params.or("exponent", default_exponent, |a| a.number_in(0.0..));
-    let exponent = params.or("shininess", exponent, |a| a.number_in(0.0..));
-    let eta = params.or("indexOfRefraction", index.unwrap_or(1.0), Args::positive);
-    let colors = [diffuse, specular, reflective, transparent];
-    let [diffuse, specular, reflective, transparent] = colors.each_ref().map(|color| color.rgb);
-    let phong = Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta };
-    PhongMaterial::new(phong, colors.map(|color| color.value)).with_picture(picture)
-}
-
-/// The absorption per unit length that leaves the share `t` after one unit.
-pub(super) fn absorption_of(t: f32) -> f32 {
-    if t <= 0.0 { OPAQUE } else { (-kajo_math::fmath::ln(t)).max(0.0) }
-}
-
-/// The keys that the noisy patterns share.
-struct Turbulence {
-    octaves: u32,
-    frequency: f32,
-    amplitude: f32,
-}
-
-impl Turbulence {
-    /// * `has_veins`: whether the pattern has a frequency and an amplitude
-    fn read(params: &mut Params<'_, '_>, has_veins: bool) -> Turbulence {
-        let octaves = params.or("octaves", 1, |args| args.int_in(0..=32)) as u32;
-        let (mut frequency, mut amplitude) = (1.0, 1.0);
-        if has_veins {
-            frequency = params.or("frequency", 1.0, Args::number);
-            amplitude = params.or("amplitude", 1.0, Args::number);
-        }
-        Turbulence { octaves, frequency, amplitude }
     }
 }

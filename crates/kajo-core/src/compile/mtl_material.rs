@@ -9,8 +9,8 @@ use kajo_color::{Emission, Spectrum};
 use kajo_scene::{MtlMapUse, MtlMaterial, Span, TriMesh, read_mtl};
 
 use super::Compiler;
+use super::blocks::phong_material::absorption_of;
 use super::emitters::Glow;
-use super::materials::absorption_of;
 use super::model_material::{paint, share};
 use crate::bsdf::Phong;
 use crate::family::Pooled;

@@ -24,8 +24,9 @@ use kajo_scene::{
 };
 
 use super::CompileOptions;
+use super::fields::{Sources, Value};
 use super::spectra::{SpectrumReader, Written, factor};
-use crate::material::Relief;
+use crate::schema::FieldSpec;
 use crate::texture::{Channel, Encoding, Paint, Picture, PictureMap, Share, TexelFilter, Wrap};
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
@@ -66,101 +67,146 @@ impl<'a> PaintReader<'a> {
 }
 
 impl PaintReader<'_> {
-    /// A colour whose components are shares of light, a measured spectrum of such, or a picture; `default` is a grey.
-    pub fn paint(&mut self, params: &mut Params<'_, '_>, key: &'static str, default: f32) -> Paint {
-        let plain = |value| Paint::Plain(Reflectance::from_rgb([value; 3]));
-        let Some(item) = params.block(key) else { return plain(default) };
+    /// A colour whose components are shares of light, a measured spectrum of such, or a picture.
+    pub fn paint(&mut self, item: Item<'_>, diagnostics: &mut Diagnostics) -> Option<Paint> {
         if is_picture(item) {
-            let map = self.pictures.map(item, None, params.diagnostics(), |_| ());
-            return map.map_or_else(|| plain(default), |(map, ())| Paint::Picture(map));
+            let (map, ()) = self.pictures.map(item, None, diagnostics, |_| ())?;
+            return Some(Paint::Picture(map));
         }
-        let color = Args::read(item, params.diagnostics(), |args| share_of_light(self.spectra, args));
-        color.map_or_else(|| plain(default), Paint::Plain)
+        Args::read(item, diagnostics, |args| share_of_light(self.spectra, args)).map(Paint::Plain)
     }
 
-    /// A number in [0, 1], or a picture of such.
-    pub fn share(&mut self, params: &mut Params<'_, '_>, key: &'static str, default: f32) -> Share {
-        self.optional_share(params, key).map_or(Share::Plain(default), |(share, _)| share)
-    }
-
-    /// As [`PaintReader::share`], where there may be none; and where it stands.
-    pub fn optional_share(
+    /// A number within the bounds of its field, or a picture of such.
+    pub fn share(
         &mut self,
-        params: &mut Params<'_, '_>,
-        key: &'static str,
-    ) -> Option<(Share, Span)> {
-        let item = params.block(key)?;
-        self.share_of(item, params.diagnostics(), read_channel, Share::Picture)
+        spec: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Share> {
+        self.share_of(spec, item, diagnostics, read_channel, Share::Picture)
     }
 
-    /// The share of a surface that is there, and where that is said.
-    pub fn opacity(&mut self, params: &mut Params<'_, '_>) -> Option<(Share, Span)> {
-        let item = params.block("opacity")?;
-        let read = |params: &mut Params<'_, '_>| {
-            (read_channel(params), params.optional("cutoff", |args| args.number_in(0.0..=1.0)))
-        };
-        self.share_of(item, params.diagnostics(), read, |map, (channel, cutoff)| match cutoff {
-            None => Share::Picture(map, channel),
-            Some(least) => Share::Cut(map, channel, least),
-        })
-    }
-
-    /// A number in [0, 1], or a picture of such.
-    ///
     /// * `more`: reads what of the picture's block is for `of`
     fn share_of<T: Default>(
         &mut self,
+        spec: &FieldSpec,
         item: Item<'_>,
         diagnostics: &mut Diagnostics,
         more: impl FnOnce(&mut Params<'_, '_>) -> T,
         of: impl FnOnce(PictureMap, T) -> Share,
-    ) -> Option<(Share, Span)> {
-        let place = item.head_span();
+    ) -> Option<Share> {
         if is_picture(item) {
             let (map, said) = self.pictures.map(item, Some(Encoding::Linear), diagnostics, more)?;
-            return Some((of(map, said), place));
+            return Some(of(map, said));
         }
-        Args::read(item, diagnostics, |args| args.number_in(0.0..=1.0))
-            .map(|value| (Share::Plain(value), place))
+        Args::read(item, diagnostics, |args| args.number_in(spec.kind.bounds())).map(Share::Plain)
     }
+}
 
-    /// What `normalMap` or `bump` say of normals.
-    pub fn relief(&mut self, params: &mut Params<'_, '_>) -> Option<Relief> {
-        let normals = params.block("normalMap").and_then(|item| {
-            let scale = |params: &mut Params<'_, '_>| Scale(params.or("scale", 1.0, Args::number));
-            self.pictures.map(item, Some(Encoding::Linear), params.diagnostics(), scale)
-        });
-        let heights = params.block("bump").and_then(|item| {
-            let read = |params: &mut Params<'_, '_>| {
-                (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
-            };
-            self.pictures.map(item, Some(Encoding::Linear), params.diagnostics(), read)
-        });
-        match (normals, heights) {
-            (Some((map, Scale(scale))), _) => Some(Relief::Normals { map, scale }),
-            (None, Some((map, (Height(height), channel)))) => Some(Relief::Heights { map, channel, height }),
-            (None, None) => None,
-        }
+/// The share of a surface that is there, and where that is said.
+pub(super) struct Opacity {
+    pub share: Share,
+    pub place: Span,
+}
+
+impl Value<'_> for Opacity {
+    fn read(
+        spec: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<Opacity> {
+        let read = |params: &mut Params<'_, '_>| {
+            (read_channel(params), params.optional("cutoff", |args| args.number_in(0.0..=1.0)))
+        };
+        let share =
+            sources.paints.share_of(spec, item, diagnostics, read, |map, (channel, cutoff)| match cutoff {
+                None => Share::Picture(map, channel),
+                Some(least) => Share::Cut(map, channel, least),
+            });
+        share.map(|share| Opacity { share, place: item.head_span() })
     }
+}
 
-    /// The light of a surface, and the picture that it shines through like a slide, if there is one.
-    pub fn emission(&mut self, params: &mut Params<'_, '_>) -> Option<(Emission, Option<PictureMap>)> {
-        let (item, spectra) = (params.block("emission")?, self.spectra);
+/// A picture of normals.
+pub(super) struct NormalMap {
+    pub map: PictureMap,
+    /// How steep they are made.
+    pub scale: f32,
+}
+
+impl Value<'_> for NormalMap {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<NormalMap> {
+        let scale = |params: &mut Params<'_, '_>| Scale(params.or("scale", 1.0, Args::number));
+        let (map, Scale(scale)) =
+            sources.paints.pictures.map(item, Some(Encoding::Linear), diagnostics, scale)?;
+        Some(NormalMap { map, scale })
+    }
+}
+
+/// A picture of heights.
+pub(super) struct HeightMap {
+    pub map: PictureMap,
+    pub channel: Channel,
+    /// How far white rises above black.
+    pub height: f32,
+}
+
+impl Value<'_> for HeightMap {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<HeightMap> {
+        let read = |params: &mut Params<'_, '_>| {
+            (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
+        };
+        let (map, (Height(height), channel)) =
+            sources.paints.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
+        Some(HeightMap { map, channel, height })
+    }
+}
+
+/// The light of a surface, and the picture that it shines through like a slide, if there is one.
+pub(super) struct SurfaceLight {
+    pub light: Emission,
+    pub slide: Option<PictureMap>,
+}
+
+impl Value<'_> for SurfaceLight {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<SurfaceLight> {
+        let spectra = sources.paints.spectra;
         if !is_picture(item) {
-            return Args::read(item, params.diagnostics(), |args| spectra.emission(args))
-                .map(|emitter| (emitter, None));
+            let light = Args::read(item, diagnostics, |args| spectra.emission(args))?;
+            return Some(SurfaceLight { light, slide: None });
         }
-        let emitter = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
+        let light = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
         let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
-        let ((map, factor), emitter) =
-            self.pictures.map_and(item, None, params.diagnostics(), name, emitter)?;
-        Some((emitter.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor), Some(map)))
+        let ((map, factor), light) = sources.paints.pictures.map_and(item, None, diagnostics, name, light)?;
+        let light = light.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor);
+        Some(SurfaceLight { light, slide: Some(map) })
     }
+}
 
-    /// The colours of a picture, if there is the key.
-    pub fn picture(&mut self, params: &mut Params<'_, '_>, key: &'static str) -> Option<PictureMap> {
-        let item = params.block(key)?;
-        self.pictures.map(item, None, params.diagnostics(), |_| ()).map(|(map, ())| map)
+impl Value<'_> for PictureMap {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<PictureMap> {
+        sources.paints.pictures.map(item, None, diagnostics, |_| ()).map(|(map, ())| map)
     }
 }
 

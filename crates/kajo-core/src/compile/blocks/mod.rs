@@ -3,25 +3,35 @@
 //! A family of blocks has a list of its members beside the code that walks over them (`lights.rs` for lights). A new
 //! block is its own file here and one line in that list; the editor, `kajo help` and the manual follow.
 
+pub(super) mod checkerboard;
 pub(super) mod cone;
 pub(super) mod cuboid;
 pub(super) mod cylinder;
 pub(super) mod directional_light;
 pub(super) mod disk;
 pub(super) mod fisheye_camera;
+pub(super) mod glass;
 pub(super) mod group;
+pub(super) mod marble;
+pub(super) mod matte;
+pub(super) mod metal;
+pub(super) mod mix;
 pub(super) mod model;
+pub(super) mod noise;
 pub(super) mod orthographic_camera;
 pub(super) mod panorama_camera;
 pub(super) mod perspective_camera;
+pub(super) mod phong_material;
 pub(super) mod plane;
 pub(super) mod point_light;
+pub(super) mod principled;
 pub(super) mod quad;
 pub(super) mod sphere;
 pub(super) mod spot_light;
 pub(super) mod stereo_cubemap_camera;
 pub(super) mod triangle;
 pub(super) mod triangle_mesh;
+pub(super) mod wood;
 
 use crate::schema::Block;
 
@@ -43,13 +53,19 @@ pub(super) const fn keywords<F, const N: usize>(members: &[&Member<F>; N]) -> [&
 }
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 4] =
-    [&group::DEFINE, &super::lights::LIST, &super::motion::BLOCK, &super::motion::KEY];
+const OTHERS: [&Block; 5] = [
+    &group::DEFINE,
+    &super::lights::LIST,
+    &super::materials::LIST,
+    &super::motion::BLOCK,
+    &super::motion::KEY,
+];
 
 /// All kinds of blocks.
 pub fn blocks() -> impl Iterator<Item = &'static Block> {
     let objects = super::group::MEMBERS.iter().map(|member| &member.block);
     let lights = super::lights::MEMBERS.iter().map(|member| &member.block);
     let cameras = super::camera::MEMBERS.iter().map(|member| &member.block);
-    objects.chain(cameras).chain(OTHERS).chain(lights)
+    let materials = super::materials::MEMBERS.iter().map(|member| &member.block);
+    objects.chain(cameras).chain(materials).chain(OTHERS).chain(lights)
 }

@@ -4,7 +4,6 @@
 //! value, what holds when it is absent, and a few words about it. Tests ask the compiler for every key it knows in every
 //! block, so that the two cannot differ.
 
-mod materials;
 mod rules;
 mod surroundings;
 
@@ -75,8 +74,6 @@ const LIGHT_GROUP: FieldSpec = option("group", FieldKind::Text, "name of the lig
 
 /// Above zero.
 const POSITIVE: FieldKind = at_least(f64::MIN_POSITIVE);
-/// A share of light.
-const SHARE: FieldKind = between(0.0, 1.0);
 
 /// A block without a reader beside it.
 macro_rules! block {
@@ -89,7 +86,7 @@ use block;
 
 /// All kinds of blocks that have fields or hold others.
 fn blocks() -> impl Iterator<Item = &'static Block> {
-    compile::blocks().chain([materials::BLOCKS, surroundings::BLOCKS].into_iter().flatten())
+    compile::blocks().chain(surroundings::BLOCKS)
 }
 
 /// What a block with this keyword is, within a block of kind `parent`.

@@ -6,7 +6,6 @@
 
 use kajo_core::schema::Around;
 use kajo_core::settings::{IntegratorKind, Settings, ShadowAttenuation};
-use kajo_math::fmath;
 
 use super::FieldValue;
 use crate::{Defaults, RenderSettings};
@@ -16,41 +15,12 @@ fn render(around: &Around<'_>) -> Option<RenderSettings> {
     RenderSettings::resolve(around.scene?, &Settings::default(), Defaults::Modern, false).ok()
 }
 
-fn numbers<const N: usize>(numbers: [f32; N]) -> Option<FieldValue> {
-    Some(FieldValue::numbers(numbers.map(f64::from)))
-}
-
 fn whole(number: u32) -> Option<FieldValue> {
     Some(FieldValue::numbers([f64::from(number)]))
 }
 
 fn word(word: &str) -> Option<FieldValue> {
     Some(FieldValue::word(word))
-}
-
-// ---- materials ---------------------------------------------------------------------------------------------------
-
-pub(super) fn exponent(around: &Around<'_>) -> Option<FieldValue> {
-    numbers([if around.rules().reflects_specular { 0.0 } else { 1.0 }])
-}
-
-pub(super) fn reflective_color(around: &Around<'_>) -> Option<FieldValue> {
-    if around.rules().reflects_specular { around.color("specularColor") } else { numbers([0.0; 3]) }
-}
-
-pub(super) fn ambient_color(around: &Around<'_>) -> Option<FieldValue> {
-    around.color("diffuseColor")
-}
-
-/// What leaves the transparent colour after one unit of length; nothing passes where that is black.
-pub(super) fn absorption(around: &Around<'_>) -> Option<FieldValue> {
-    let transparent = around.color("transparentColor")?.vec3()?;
-    let of = |share: f64| (-fmath::ln(share as f32)).max(0.0);
-    transparent.iter().all(|share| *share > 0.0).then(|| numbers(transparent.map(of)))?
-}
-
-pub(super) fn thin(around: &Around<'_>) -> Option<FieldValue> {
-    Some(FieldValue::flag((around.is_written)("thickness")))
 }
 
 // ---- settings ----------------------------------------------------------------------------------------------------

@@ -1,0 +1,16 @@
+//! `Checkerboard`: two materials in cubes.
+
+use super::Member;
+use crate::compile::materials::{MaterialMember, PARTS};
+use crate::schema::{Block, Kind};
+use crate::texture::Checker;
+
+pub const MEMBER: MaterialMember = Member {
+    block: Block {
+        keyword: "Checkerboard",
+        kind: Kind::Material,
+        about: "two materials in cubes of length one",
+        groups: &[PARTS],
+    },
+    read: |compiler, item| compiler.blend(item, |_, _| Some(Checker)),
+};

@@ -1,0 +1,31 @@
+//! `Matte`: paper, plaster, chalk.
+
+use super::Member;
+use crate::compile::extras::ExtraKeys;
+use crate::compile::fields::{Keys, keys, paint, share};
+use crate::compile::materials::MaterialMember;
+use crate::material::Matte;
+use crate::schema::{Block, Kind};
+use crate::texture::{Paint, Share};
+
+keys! {
+    MatteKeys {
+        color: Paint = paint("color").or([0.8; 3], "its colour"),
+        roughness: Share = share("roughness").or(0.0, "0 is as paper, 1 as plaster"),
+    }
+}
+
+pub const MEMBER: MaterialMember = Member {
+    block: Block {
+        keyword: "Matte",
+        kind: Kind::Material,
+        about: "paper, plaster, chalk: light is scattered to all sides",
+        groups: &[MatteKeys::FIELDS, ExtraKeys::FIELDS],
+    },
+    read: |compiler, item| {
+        compiler.pooled(item, |params, sources| {
+            let MatteKeys { color, roughness } = MatteKeys::read(params, sources)?;
+            Some(Matte::new(color, roughness))
+        })
+    },
+};

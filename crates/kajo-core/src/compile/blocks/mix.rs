@@ -1,0 +1,27 @@
+//! `Mix`: two materials in the same proportion everywhere.
+
+use super::Member;
+use crate::compile::fields::{Keys, between, keys};
+use crate::compile::materials::{MaterialMember, PARTS};
+use crate::schema::{Block, Kind};
+use crate::texture::Constant;
+
+keys! {
+    MixKeys {
+        amount: f32 = between("amount", 0.0, 1.0).or(0.5, "share of the second"),
+    }
+}
+
+pub const MEMBER: MaterialMember = Member {
+    block: Block {
+        keyword: "Mix",
+        kind: Kind::Material,
+        about: "two materials in the same proportion everywhere",
+        groups: &[PARTS, MixKeys::FIELDS],
+    },
+    read: |compiler, item| {
+        compiler.blend(item, |params, sources| {
+            MixKeys::read(params, sources).map(|MixKeys { amount }| Constant { value: amount })
+        })
+    },
+};

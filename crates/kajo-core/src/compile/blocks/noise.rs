@@ -1,0 +1,28 @@
+//! `Noise`: clouds of two materials.
+
+use super::Member;
+use super::marble::OCTAVES;
+use crate::compile::fields::{Keys, keys};
+use crate::compile::materials::{MaterialMember, PARTS};
+use crate::schema::{Block, Kind};
+use crate::texture::Noise;
+
+keys! {
+    NoiseKeys {
+        octaves: u32 = OCTAVES,
+    }
+}
+
+pub const MEMBER: MaterialMember = Member {
+    block: Block {
+        keyword: "Noise",
+        kind: Kind::Material,
+        about: "two materials in clouds",
+        groups: &[PARTS, NoiseKeys::FIELDS],
+    },
+    read: |compiler, item| {
+        compiler.blend(item, |params, sources| {
+            NoiseKeys::read(params, sources).map(|NoiseKeys { octaves }| Noise { octaves })
+        })
+    },
+};

@@ -1,0 +1,173 @@
+//! `PhongMaterial`, also called `Material`: the classic material.
+
+use kajo_color::{Reflectance, Spectrum};
+use kajo_math::{Affine3A, Vec3, fmath};
+use kajo_scene::{Args, Diagnostic, Item, Params};
+
+use super::Member;
+use super::marble::VeinKeys;
+use crate::bsdf::Phong;
+use crate::compile::Compiler;
+use crate::compile::extras::{ExtraKeys, Extras};
+use crate::compile::fields::{Given, Keys, Sources, Typed, at_least, color, keys, positive, reflectance};
+use crate::compile::materials::{Draft, MaterialMember};
+use crate::compile::spectra::Written;
+use crate::family::Pooled;
+use crate::material::{Blend, PhongMaterial};
+use crate::schema::{Around, Block, Constant, FieldKind, FieldValue, Kind};
+use crate::settings::Rules;
+use crate::texture::{Marble, PictureMap};
+
+/// Absorption that lets nothing through.
+const OPAQUE: f32 = 1e30;
+
+keys! {
+    PhongKeys<'t> {
+        diffuse: Written<Reflectance> =
+            reflectance("diffuseColor").or_grey(1.0, "colour of matte reflection"),
+        texture: Option<PictureMap> = Typed::<PictureMap>::new("texture", FieldKind::Text)
+            .option("a picture that tints it, such as wood.png"),
+        specular: Written<Reflectance> =
+            reflectance("specularColor").or_grey(0.0, "colour of the highlight"),
+        exponent: Option<f32> =
+            at_least("exponent", 0.0).ruled(exponent, "", "sharpness of the highlight"),
+        shininess: Option<f32> = at_least("shininess", 0.0)
+            .spelling_of("exponent")
+            .ruled(exponent, "", "sharpness of the highlight"),
+        reflective: Option<Written<Reflectance>> = reflectance("reflectiveColor")
+            .ruled(reflective_color, "as `specularColor`", "colour of mirror reflection"),
+        transparent: Option<Written<Reflectance>> = reflectance("transparentColor")
+            .presumed(Constant::Triple([0.0; 3]), "colour of what shines through"),
+        index: Given<'t, f32> =
+            positive("indexOfRefraction").or(1.0, "how strongly it bends light").given(),
+        refraction_index: Option<f32> = at_least("refractionIndex", 0.0)
+            .spelling_of("indexOfRefraction")
+            .presumed(Constant::Number(0.0), "how strongly it bends light; 0 is opaque"),
+        ambient: Option<Vec3> =
+            color("ambientColor").ruled(ambient_color, "as `diffuseColor`", "colour under ambient light"),
+        absorption: Option<Vec3> = color("absorption")
+            .unit("1/length")
+            .only_beside("transparentColor")
+            .ruled(absorption, "by `transparentColor`", "per length inside"),
+    }
+}
+
+const FIELDS: &[&[crate::schema::FieldSpec]] = &[PhongKeys::FIELDS, ExtraKeys::FIELDS];
+
+pub const MEMBER: MaterialMember = Member {
+    block: Block {
+        keyword: "PhongMaterial",
+        kind: Kind::Material,
+        about: "the classic material: matte, with a highlight, a mirror or clear",
+        groups: FIELDS,
+    },
+    read: draft,
+};
+
+/// The same by its other name.
+pub const SHORT: MaterialMember = Member {
+    block: Block {
+        keyword: "Material",
+        kind: Kind::Material,
+        about: "the same as `PhongMaterial`",
+        groups: FIELDS,
+    },
+    read: draft,
+};
+
+fn default_exponent(rules: &Rules) -> f32 {
+    if rules.reflects_specular { 0.0 } else { 1.0 }
+}
+
+fn exponent(around: &Around<'_>) -> Option<FieldValue> {
+    Some(FieldValue::numbers([f64::from(default_exponent(&around.rules()))]))
+}
+
+fn reflective_color(around: &Around<'_>) -> Option<FieldValue> {
+    match around.rules().reflects_specular {
+        true => around.color("specularColor"),
+        false => Some(FieldValue::numbers([0.0; 3])),
+    }
+}
+
+fn ambient_color(around: &Around<'_>) -> Option<FieldValue> {
+    around.color("diffuseColor")
+}
+
+/// What leaves the transparent colour after one unit of length; no number says that nothing passes where that is black.
+fn absorption(around: &Around<'_>) -> Option<FieldValue> {
+    let transparent = around.color("transparentColor")?.vec3()?.map(|share| share as f32);
+    let passes = transparent.iter().all(|share| *share > 0.0);
+    passes.then(|| FieldValue::numbers(transparent.map(|share| f64::from(absorption_of(share)))))
+}
+
+/// The absorption per unit length that leaves the share `t` after one unit.
+pub fn absorption_of(t: f32) -> f32 {
+    if t <= 0.0 { OPAQUE } else { (-fmath::ln(t)).max(0.0) }
+}
+
+fn draft<'t>(compiler: &mut Compiler<'_>, item: Item<'t>) -> Option<Draft<'t>> {
+    let (phong, veins, extras) = compiler.read_keys(item, |params, sources| {
+        params.name();
+        let phong = read(params, sources);
+        let veins = params.block("Noise");
+        let extras = Extras::read(params, sources);
+        Some((phong?, veins, extras?))
+    })?;
+    let id = match veins {
+        None => phong.store(&mut compiler.materials),
+        Some(item) => compiler.veined(item, &phong),
+    };
+    Some(Draft::Stored(id, extras))
+}
+
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<PhongMaterial> {
+    let reflects_specular = sources.rules.reflects_specular;
+    let keys = PhongKeys::read(params, sources)?;
+    let PhongKeys { mut diffuse, texture, specular, .. } = keys;
+    let plain = |rgb: Spectrum| Written { rgb, value: Reflectance::from_rgb(rgb.to_rgb()) };
+    if sources.rules.texture_is_diffuse && texture.is_some() {
+        diffuse = plain(Spectrum::rgb(1.0, 1.0, 1.0));
+    }
+    let otherwise = |is_specular| if is_specular { specular.clone() } else { plain(Spectrum::BLACK) };
+    let reflective = keys.reflective.unwrap_or_else(|| otherwise(reflects_specular));
+    // In the programs that have this word a material with an index lets light through.
+    let index = keys.refraction_index.filter(|&eta| eta > 0.0);
+    let clear = index.is_some() && reflects_specular;
+    let transparent = keys.transparent.unwrap_or_else(|| otherwise(clear));
+    let ambient = keys.ambient.map_or(diffuse.rgb, Spectrum::from);
+    let absorption = keys.absorption.map_or_else(|| transparent.rgb.map(absorption_of), Spectrum::from);
+    let exponent = keys.shininess.or(keys.exponent).unwrap_or_else(|| default_exponent(&sources.rules));
+    let eta = match keys.index {
+        Given { value, item: None } => index.unwrap_or(value),
+        Given { value, .. } => value,
+    };
+    let colors = [diffuse, specular, reflective, transparent];
+    let [diffuse, specular, reflective, transparent] = colors.each_ref().map(|color| color.rgb);
+    let phong = Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta };
+    Some(PhongMaterial::new(phong, colors.map(|color| color.value)).with_picture(texture))
+}
+
+impl Compiler<'_> {
+    /// A material whose diffuse colour goes from one to another in veins: a `Noise` block within it.
+    fn veined(&mut self, item: Item<'_>, phong: &PhongMaterial) -> Option<crate::material::MaterialId> {
+        let (colors, veins) = self.read_keys(item, |params, sources| {
+            let colors = params.take(&["color"]);
+            Some((colors, VeinKeys::read(params, sources)?))
+        })?;
+        if let Some(third) = colors.get(2) {
+            let error = Diagnostic::error("veins go from one `color` to another, and there is a third");
+            self.diagnostics.push(error.label(third.head_span(), "one too many"));
+        }
+        let mut color = |i: usize, default| {
+            let read = colors.get(i).and_then(|&item| Args::read(item, self.diagnostics, Args::vec3));
+            phong.with_diffuse(read.unwrap_or(default).into())
+        };
+        let parts = [color(0, Vec3::ZERO), color(1, Vec3::ONE)];
+        let VeinKeys { octaves, frequency, amplitude } = veins;
+        let pattern = Marble { octaves, frequency, amplitude }.store(&mut self.textures)?;
+        let [first, second] = parts.map(|part| part.store(&mut self.materials));
+        let blend = Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials: [first?, second?] };
+        blend.store(&mut self.materials)
+    }
+}

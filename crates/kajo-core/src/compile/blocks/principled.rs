@@ -1,0 +1,79 @@
+//! `Principled`: fuzz over a coat over a mixture of a base, metal and glass, in the terms of OpenPBR.
+
+use kajo_scene::Params;
+
+use super::Member;
+use super::glass::PRIORITY;
+use super::metal::{ANISOTROPY, ROTATION};
+use crate::compile::extras::ExtraKeys;
+use crate::compile::fields::{Absorption, Keys, Sources, absorption, between, flag, keys, paint, share};
+use crate::compile::materials::MaterialMember;
+use crate::material::{Grain, LayeredMaterial, Layers, Specular};
+use crate::schema::{Block, Kind};
+use crate::texture::{Paint, Share};
+
+keys! {
+    PrincipledKeys {
+        color: Paint = paint("color").or([0.8; 3], "its colour"),
+        metalness: Share = share("metalness").or(0.0, "from plastic to metal"),
+        roughness: Share = share("roughness").or(0.3, "of the highlight"),
+        anisotropy: Share = ANISOTROPY,
+        rotation: Share = ROTATION,
+        specular_color: Paint = paint("specularColor").or([1.0; 3], "tints the highlight"),
+        index: f32 = between("indexOfRefraction", 1.0, 4.0).or(1.5, "strength of the highlight"),
+        transmission: Share = share("transmission").or(0.0, "from plastic to glass"),
+        absorption: Absorption =
+            absorption("absorption").unit("1/length").or([0.0; 3], "of the glass, per length inside"),
+        thin: bool = flag("thin").or(false, "its glass is a pane"),
+        diffuse_roughness: Share = share("diffuseRoughness").or(0.0, "0 is as paper, 1 as plaster"),
+        coat: Share = share("coat").or(0.0, "share of a clear coat"),
+        coat_color: Paint = paint("coatColor").or([1.0; 3], "tint of the coat"),
+        coat_roughness: Share = share("coatRoughness").or(0.0, "of the coat"),
+        coat_index: f32 = between("coatIndexOfRefraction", 1.0, 4.0).or(1.6, "of the coat"),
+        fuzz: Share = share("fuzz").or(0.0, "share of fuzz, as of velvet"),
+        fuzz_color: Paint = paint("fuzzColor").or([1.0; 3], "colour of the fuzz"),
+        fuzz_roughness: Share = share("fuzzRoughness").or(0.5, "of the fuzz"),
+        priority: i32 = PRIORITY,
+    }
+}
+
+pub const MEMBER: MaterialMember = Member {
+    block: Block {
+        keyword: "Principled",
+        kind: Kind::Material,
+        about: "one material for most things: fuzz over a coat over a base, metal and glass",
+        groups: &[PrincipledKeys::FIELDS, ExtraKeys::FIELDS],
+    },
+    read: |compiler, item| compiler.pooled(item, read),
+};
+
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<LayeredMaterial> {
+    let keys = PrincipledKeys::read(params, sources)?;
+    if !params.contains("transmission") {
+        params.idle(&["absorption", "priority", "thin"], "without `transmission`");
+    } else if keys.thin {
+        params.idle(&["absorption", "priority"], "with `thin on`: a pane has no inside");
+    }
+    let layers = Layers {
+        color: keys.color,
+        specular: Specular::Factor(keys.specular_color),
+        metalness: keys.metalness,
+        transmission: keys.transmission,
+        absorption: keys.absorption.0,
+        thin: keys.thin,
+        roughness: keys.roughness,
+        grain: Grain { anisotropy: keys.anisotropy, rotation: keys.rotation },
+        diffuse_roughness: keys.diffuse_roughness,
+        eta: keys.index,
+        dispersion: None,
+        coat: keys.coat,
+        coat_color: keys.coat_color,
+        coat_roughness: keys.coat_roughness,
+        coat_eta: keys.coat_index,
+        fuzz: keys.fuzz,
+        fuzz_color: keys.fuzz_color,
+        fuzz_roughness: keys.fuzz_roughness,
+        priority: keys.priority,
+    };
+    Some(layers.into())
+}

@@ -1,0 +1,23 @@
+//! `Wood`: rings of two materials.
+
+use super::Member;
+use super::marble::VeinKeys;
+use crate::compile::fields::Keys;
+use crate::compile::materials::{MaterialMember, PARTS};
+use crate::schema::{Block, Kind};
+use crate::texture::Wood;
+
+pub const MEMBER: MaterialMember = Member {
+    block: Block {
+        keyword: "Wood",
+        kind: Kind::Material,
+        about: "two materials in rings around an axis",
+        groups: &[PARTS, VeinKeys::FIELDS],
+    },
+    read: |compiler, item| {
+        compiler.blend(item, |params, sources| {
+            let VeinKeys { octaves, frequency, amplitude } = VeinKeys::read(params, sources)?;
+            Some(Wood { octaves, frequency, amplitude })
+        })
+    },
+};

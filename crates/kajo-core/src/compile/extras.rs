@@ -1,0 +1,74 @@
+//! What any material of its own may have besides: light, holes, dents.
+
+use kajo_scene::{Diagnostic, Params, Span};
+
+use super::emitters::Glow;
+use super::fields::{At, Keys, LightGroupNumber, Sources, Typed, choice, choices, keys, light_group};
+use super::pictures::{HeightMap, NormalMap, Opacity, SurfaceLight};
+use crate::light::Sides;
+use crate::material::Relief;
+use crate::schema::{Constant, FieldKind};
+use crate::texture::Share;
+
+choices! {
+    Sides {
+        "back" => Sides::Back,
+        "both" => Sides::Both,
+        "front" => Sides::Front,
+    }
+}
+
+keys! {
+    ExtraKeys<'t> {
+        emission: Option<SurfaceLight> = Typed::<SurfaceLight>::new("emission", FieldKind::Emission)
+            .unit("W/(m² sr)")
+            .presumed(Constant::Triple([0.0; 3]), "light that it gives itself"),
+        emits: Option<At<'t, Sides>> = choice::<Sides>("emits")
+            .only_beside("emission")
+            .placed()
+            .presumed(Constant::Word("both"), "the side that gives light"),
+        group: Option<At<'t, LightGroupNumber>> = light_group("group")
+            .only_beside("emission")
+            .placed()
+            .option("name of the lights it is seen among"),
+        opacity: Option<Opacity> = Typed::<Opacity>::new("opacity", FieldKind::SHARE)
+            .presumed(Constant::Number(1.0), "the share of it that is there, between holes"),
+        normals: Option<NormalMap> = Typed::<NormalMap>::new("normalMap", FieldKind::Text)
+            .option("a picture of normals that dents it, such as hammered.png"),
+        heights: Option<HeightMap> = Typed::<HeightMap>::new("bump", FieldKind::Text)
+            .option("a picture of heights that dents it, such as bricks.png"),
+    }
+}
+
+/// What any material of its own may have besides.
+pub(super) struct Extras {
+    pub glow: Option<Glow>,
+    /// Less than 1 for a material with holes, and where that is said.
+    pub opacity: Option<(Share, Span)>,
+    pub relief: Option<Relief>,
+}
+
+impl Extras {
+    pub fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Extras> {
+        let ExtraKeys { emission, emits, group, opacity, normals, heights } =
+            ExtraKeys::read(params, sources)?;
+        let [of_sides, of_group] = [emits.as_ref().map(|at| at.item), group.as_ref().map(|at| at.item)];
+        for item in [of_sides, of_group].into_iter().flatten().filter(|_| emission.is_none()) {
+            let message = format!("`{}` says nothing without an `emission`", item.keyword());
+            params.diagnostics().push(Diagnostic::warning(message).label(item.head_span(), "has no effect"));
+        }
+        let glow = emission.and_then(|SurfaceLight { light, slide }| {
+            let sides = emits.map_or(Sides::Both, |at| at.value);
+            let group = group.map_or(0, |at| at.value.0);
+            Some(slide.into_iter().fold(Glow::even(light)?, Glow::through).on(sides).in_group(group))
+        });
+        let relief = match (normals, heights) {
+            (Some(NormalMap { map, scale }), _) => Some(Relief::Normals { map, scale }),
+            (None, Some(HeightMap { map, channel, height })) => {
+                Some(Relief::Heights { map, channel, height })
+            }
+            (None, None) => None,
+        };
+        Some(Extras { glow, opacity: opacity.map(|opacity| (opacity.share, opacity.place)), relief })
+    }
+}
