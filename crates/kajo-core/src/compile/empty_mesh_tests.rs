@@ -70,7 +70,7 @@ fn nothing_is_hit_and_nothing_shines() {
     };
     for (file, _) in FILES {
         for (keys, place) in KEYS.iter().flat_map(|keys| PLACES.map(|place| (keys, place))) {
-            for material in ["grey", "light", "glass", "both"] {
+            for material in ["grey", "emitter", "glass", "both"] {
                 let mesh = format!("TriangleMesh {{ file {file}  {keys} }}");
                 let things = place.replace("MESH", &mesh).replace("MANY", &mesh.repeat(70));
                 let text = format!("{emitter} {floor} MaterialIndex {material} {things}");
