@@ -41,7 +41,7 @@ impl Tone {
     pub const ALL: [Tone; 4] = [Tone::Linear, Tone::Srgb, Tone::Aces, Tone::Agx];
 
     /// The name as it is written in a scene or on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Tone::Linear => "linear",
             Tone::Srgb => "srgb",

@@ -32,7 +32,7 @@ impl Dialect {
     }
 
     /// The name of the dialect.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         Dialect::NAMES[self as usize]
     }
 

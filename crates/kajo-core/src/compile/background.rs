@@ -1,72 +1,136 @@
 //! `Background` and `Fog` blocks.
 
-use std::borrow::Cow;
-
-use kajo_color::{Spectrum, srgb};
+use kajo_color::{Emission, Spectrum, srgb};
 use kajo_image::{Decoded, Format, Image};
-use kajo_scene::{Args, Diagnostic, Item, Params};
+use kajo_math::Vec3;
+use kajo_scene::{Diagnostic, Item, Params};
 
-use super::Compiler;
+use super::fields::{
+    At, FileName, Keys, LightGroupNumber, any_angle, at_least, between, classic_light, color, degrees, file,
+    flag, keys, number, report_without,
+};
 use super::pictures::read_picture;
+use super::spectra::Written;
+use super::{Compiler, light_groups};
 use crate::background::{Background, CubeMap, FACE_NAMES};
 use crate::daylight::{Sky, SkySettings};
 use crate::environment::Environment;
 use crate::medium::Fog;
+use crate::schema::{Block, Kind};
+
+/// The colour of a background of which nothing is said.
+const GREY: [f32; 3] = [0.5; 3];
+
+keys! {
+    BackgroundKeys<'t> {
+        color: Written<Emission> = classic_light("color").or(GREY, "what rays see that hit nothing"),
+        ambient: Vec3 =
+            color("ambientLight").or([0.0; 3], "light from everywhere, of the classic integrator"),
+        environment: Option<At<'t, FileName>> = file("environment")
+            .not_beside(&["cubeMap"])
+            .placed()
+            .option("a picture of longitude and latitude"),
+        rotate: f32 = any_angle("rotate").only_beside("environment").or(0.0, "turns the picture"),
+        scale: f32 =
+            at_least("scale", 0.0).only_beside("environment").or(1.0, "makes the picture brighter"),
+        cube_map: Option<At<'t, FileName>> = file("cubeMap")
+            .not_beside(&["environment"])
+            .placed()
+            .option("a folder of six pictures"),
+        group: Option<LightGroupNumber> = light_groups::GROUP,
+    }
+}
+
+pub(super) const BLOCK: Block = Block {
+    keyword: "Background",
+    kind: Kind::Background,
+    about: "what rays see that hit nothing",
+    groups: &[BackgroundKeys::FIELDS],
+};
+
+keys! {
+    SkyKeys {
+        turbidity: f32 = between("turbidity", 2.0, 10.0).or(3.0, "haze"),
+        elevation: f32 = degrees("elevation", 0.0, 90.0).or(45.0, "of the sun over the horizon"),
+        azimuth: f32 = any_angle("azimuth").or(135.0, "of the sun"),
+        ground: f32 = between("ground", 0.0, 1.0).or(0.2, "reflectance of the ground"),
+        scale: f32 = at_least("scale", 0.0).or(1.0, "makes it brighter"),
+        sun: bool = flag("sun").or(true, "with the sun itself"),
+    }
+}
+
+pub(super) const SKY: Block = Block {
+    keyword: "sky",
+    kind: Kind::Part,
+    about: "a clear sky with its sun, within a `Background`",
+    groups: &[SkyKeys::FIELDS],
+};
+
+keys! {
+    FogKeys {
+        color: Vec3 = color("color").required("its colour"),
+        density: f32 = at_least("density", 0.0)
+            .unit("1/length")
+            .required("how much hides what lies a unit away"),
+        falloff: f32 =
+            at_least("heightFalloff", 0.0).unit("1/length").or(0.0, "how fast it thins with height"),
+        height: f32 = number("height").unit("length").or(0.0, "where the density is the one given"),
+    }
+}
+
+pub(super) const FOG: Block = Block {
+    keyword: "Fog",
+    kind: Kind::Fog,
+    about: "what fills the air, for the classic integrator",
+    groups: &[FogKeys::FIELDS],
+};
 
 impl Compiler<'_> {
     /// Background and ambient light.
     pub(super) fn background(&mut self, item: Option<Item<'_>>) -> (Background, Spectrum) {
-        let grey = Background::constant([0.5; 3]);
-        let Some(item) = item else { return (grey, Spectrum::BLACK) };
-        let spectra = self.spectra();
-        let mut params = Params::new(item, self.diagnostics);
-        let ambient = params.optional("ambientLight", Args::vec3).map_or(Spectrum::BLACK, Spectrum::from);
-        let color = params.optional("color", |args| spectra.classic_light(args));
-        let cube_map = params.optional("cubeMap", |args| Ok((args.item(), args.text()?)));
-        let environment = EnvironmentKeys::read(&mut params);
-        let sky = params.block("sky");
-        self.sky_group = self.light_groups.read(&mut params);
-        let pictures = [cube_map.as_ref().map(|map| map.0), environment.as_ref().map(|e| e.item), sky];
-        if let [Some(_), Some(second), ..] = pictures.into_iter().flatten().map(Some).collect::<Vec<_>>()[..]
-        {
-            let error = Diagnostic::error("a background is one of `cubeMap`, `environment` and `sky`");
-            params.diagnostics().push(error.label(second.head_span(), "one too many"));
-        } else if environment.is_some() || sky.is_some() {
-            // Scenes of the classic format have a colour beside their cube map.
-            params.idle(&["color"], "beside an `environment` or a `sky`");
-        }
-        params.finish();
+        let read = item.and_then(|item| {
+            self.read_keys(item, |params, sources| {
+                if !params.contains("environment") {
+                    report_without(params, BackgroundKeys::FIELDS, "environment");
+                }
+                let keys = BackgroundKeys::read(params, sources)?;
+                let sky = params.block(SKY.keyword);
+                check_pictures(params, &keys, sky);
+                Some((keys, sky))
+            })
+        });
+        let Some((keys, sky)) = read else { return (Background::constant(GREY), Spectrum::BLACK) };
+        let BackgroundKeys { color, ambient, environment, rotate, scale, cube_map, group } = keys;
+        self.sky_group = group.unwrap_or_default().0;
         let picture = match (sky, environment, cube_map) {
             (Some(item), ..) => self.sky(item).map(Background::Sky),
-            (None, Some(keys), _) => self.environment(keys).map(Background::Environment),
-            (None, None, Some((item, folder))) => self.cube_map(item, &folder).map(Background::CubeMap),
+            (None, Some(file), _) => self.environment(&file, rotate, scale).map(Background::Environment),
+            (None, None, Some(folder)) => {
+                self.cube_map(folder.item, &folder.value.0).map(Background::CubeMap)
+            }
             (None, None, None) => None,
         };
-        (
-            picture.unwrap_or_else(|| {
-                color.map_or(grey, |color| Background::Constant { color: color.rgb, emission: color.value })
-            }),
-            ambient,
-        )
+        let plain = || Background::Constant { color: color.rgb, emission: color.value };
+        (picture.unwrap_or_else(plain), ambient.into())
     }
 
     fn sky(&mut self, item: Item<'_>) -> Option<Box<Sky>> {
-        let settings = self.read(item, |params| {
-            Some(SkySettings {
-                turbidity: params.or("turbidity", 3.0, |args| args.number_in(2.0..=10.0)),
-                elevation_deg: params.or("elevation", 45.0, |args| args.number_in(0.0..=90.0)),
-                azimuth_deg: params.or("azimuth", 135.0, Args::number),
-                ground: params.or("ground", 0.2, |args| args.number_in(0.0..=1.0)),
-                scale: params.or("scale", 1.0, |args| args.number_in(0.0..)),
-                sun: params.or("sun", true, Args::flag),
-            })
-        });
-        settings.map(|settings| Box::new(Sky::new(&settings)))
+        let keys = self.read_keys(item, SkyKeys::read)?;
+        let settings = SkySettings {
+            turbidity: keys.turbidity,
+            elevation_deg: keys.elevation,
+            azimuth_deg: keys.azimuth,
+            ground: keys.ground,
+            scale: keys.scale,
+            sun: keys.sun,
+        };
+        Some(Box::new(Sky::new(&settings)))
     }
 
-    fn environment(&mut self, keys: EnvironmentKeys<'_>) -> Option<Box<Environment>> {
-        let EnvironmentKeys { item, name, rotate, scale } = keys;
-        let mut picture = self.decoded(item, &name, None)?;
+    /// * `rotate`: in degrees
+    fn environment(&mut self, file: &At<'_, FileName>, rotate: f32, scale: f32) -> Option<Box<Environment>> {
+        let At { value: FileName(name), item } = file;
+        let mut picture = self.decoded(*item, name, None)?;
         // Whole numbers are for screens, and floats are light.
         if picture.depth.is_some() {
             picture.image.data_mut().iter_mut().for_each(|v| *v = srgb::decode(*v));
@@ -118,13 +182,22 @@ impl Compiler<'_> {
 
     /// The fog of the scene.
     pub(super) fn fog(&mut self, item: Item<'_>) -> Option<Fog> {
-        self.read(item, |params| {
-            let color = params.required("color", Args::vec3);
-            let density = params.required("density", |a| a.number_in(0.0..));
-            let falloff = params.or("heightFalloff", 0.0, |a| a.number_in(0.0..));
-            let height = params.or("height", 0.0, Args::number);
-            Some(Fog { color: color?.into(), density: density?, falloff, height })
-        })
+        let FogKeys { color, density, falloff, height } = self.read_keys(item, FogKeys::read)?;
+        Some(Fog { color: color.into(), density, falloff, height })
+    }
+}
+
+/// Reports more than one picture of all directions, and a colour that none of it is seen of.
+fn check_pictures(params: &mut Params<'_, '_>, keys: &BackgroundKeys<'_>, sky: Option<Item<'_>>) {
+    let [cube_map, environment] =
+        [&keys.cube_map, &keys.environment].map(|file| file.as_ref().map(|at| at.item));
+    let second = [cube_map, environment, sky].into_iter().flatten().nth(1);
+    if let Some(second) = second {
+        let error = Diagnostic::error("a background is one of `cubeMap`, `environment` and `sky`");
+        params.diagnostics().push(error.label(second.head_span(), "one too many"));
+    } else if environment.is_some() || sky.is_some() {
+        // Scenes of the classic format have a colour beside their cube map.
+        params.idle(&["color"], "beside an `environment` or a `sky`");
     }
 }
 
@@ -141,28 +214,6 @@ fn mirrored(image: &Image) -> Image {
             .for_each(|(to, from)| to.copy_from_slice(from));
     }
     result
-}
-
-/// The keys of a picture of all directions.
-struct EnvironmentKeys<'t> {
-    item: Item<'t>,
-    name: Cow<'t, str>,
-    /// In degrees.
-    rotate: f32,
-    scale: f32,
-}
-
-impl<'t> EnvironmentKeys<'t> {
-    fn read(params: &mut Params<'t, '_>) -> Option<EnvironmentKeys<'t>> {
-        if !params.has("environment") {
-            return None;
-        }
-        let picture = params.required("environment", |args| Ok((args.item(), args.text()?)));
-        let rotate = params.or("rotate", 0.0, Args::number);
-        let scale = params.or("scale", 1.0, |args| args.number_in(0.0..));
-        let (item, name) = picture?;
-        Some(EnvironmentKeys { item, name, rotate, scale })
-    }
 }
 
 #[cfg(test)]

@@ -200,10 +200,22 @@ impl Typed<Absorption> {
     }
 }
 
+impl Typed<Written<Emission>> {
+    pub const fn or(self, default: [f32; 3], about: &'static str) -> Defaulted<Written<Emission>> {
+        self.otherwise(triple_of(default), about)
+    }
+}
+
 impl Typed<Written<Reflectance>> {
     /// A factor that is the same for all wavelengths.
     pub const fn or_grey(self, default: f32, about: &'static str) -> Defaulted<Written<Reflectance>> {
         self.otherwise(triple_of([default; 3]), about)
+    }
+}
+
+impl Typed<Vec3> {
+    pub const fn or(self, default: [f32; 3], about: &'static str) -> Defaulted<Vec3> {
+        self.otherwise(triple_of(default), about)
     }
 }
 
@@ -609,8 +621,25 @@ pub(super) trait Choice: Copy + 'static {
     const WORDS: &'static [&'static str];
 }
 
+/// The words of a table.
+pub(super) const fn words<T: Copy, const N: usize>(table: &[(&'static str, T); N]) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut i = 0;
+    while i < N {
+        words[i] = table[i].0;
+        i += 1;
+    }
+    words
+}
+
 /// Declares the words of a [`Choice`].
 macro_rules! choices {
+    ($type:ty: $names:expr) => {
+        impl $crate::compile::fields::Choice for $type {
+            const NAMES: &'static [(&'static str, $type)] = &$names;
+            const WORDS: &'static [&'static str] = &$crate::compile::fields::words(&$names);
+        }
+    };
     ($type:ty { $($word:literal => $value:expr),* $(,)? }) => {
         impl $crate::compile::fields::Choice for $type {
             const NAMES: &'static [(&'static str, $type)] = &[$(($word, $value)),*];
@@ -705,6 +734,13 @@ impl Plain<'_> for Written<Emission> {
         sources: &mut Sources<'_>,
     ) -> Result<Written<Emission>, Diagnostic> {
         sources.paints.spectra.classic_light(args)
+    }
+}
+
+impl Stated for Written<Emission> {
+    fn of(constant: Constant) -> Option<Written<Emission>> {
+        let rgb = Vec3::of(constant)?;
+        Some(Written { rgb: rgb.into(), value: Emission::from_rgb(rgb.to_array()) })
     }
 }
 

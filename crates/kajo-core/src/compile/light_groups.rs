@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kajo_scene::{Args, Diagnostic, Params};
+use kajo_scene::{Args, Diagnostic};
 
 use super::fields::{LightGroupNumber, Optional, light_group};
 use crate::light::MAX_LIGHT_GROUPS;
@@ -26,11 +26,6 @@ impl Default for LightGroups {
 }
 
 impl LightGroups {
-    /// The number of the group that a block names; 0 where it names none.
-    pub fn read(&mut self, params: &mut Params<'_, '_>) -> u8 {
-        params.or("group", 0, |args| self.number(args))
-    }
-
     /// The number of the group that a key names.
     pub fn number(&mut self, args: &mut Args<'_>) -> Result<u8, Diagnostic> {
         let name = args.text()?;

@@ -35,7 +35,7 @@ mod settings;
 mod spectra;
 mod transform;
 
-pub use self::blocks::blocks;
+pub use self::blocks::{block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
 pub use self::transform::{OPERATIONS, operations_matrix};
 
@@ -118,18 +118,18 @@ fn compile_tree(
 ) -> Option<Scene> {
     let mut root = Params::root(desc, diagnostics);
     let camera_items = root.take(&camera::KEYWORDS);
-    let settings = root.block("Settings");
-    let background = root.block("Background");
-    let fog = root.block("Fog");
-    let lights = root.block("Lights");
-    let materials = root.block("Materials");
+    let settings = root.block(settings::BLOCK.keyword);
+    let background = root.block(background::BLOCK.keyword);
+    let fog = root.block(background::FOG.keyword);
+    let lights = root.block(lights::LIST.keyword);
+    let materials = root.block(materials::LIST.keyword);
     let group = root.block("Group");
     root.elsewhere(|item| misplaced(item, None));
     root.finish();
 
-    let settings = settings.map(|item| settings::read(item, diagnostics)).unwrap_or_default();
-    let dialect = options.dialect.or(settings.dialect).unwrap_or_default();
-    let mut compiler = Compiler::new(assets, options, dialect.rules(), diagnostics, file_errors);
+    let mut compiler = Compiler::new(assets, options, Dialect::default().rules(), diagnostics, file_errors);
+    let settings = settings.map(|item| compiler.settings(item)).unwrap_or_default();
+    compiler.rules = options.dialect.or(settings.dialect).unwrap_or_default().rules();
     compiler.uses = nesting::uses(desc);
     let camera_name = options.camera.as_deref();
     let cameras = compiler.cameras(&camera_items, camera_name);
@@ -300,18 +300,6 @@ impl<'a> Compiler<'a> {
     }
 
     /// Reads the block of `item`; everything in it that `read` does not ask for is an error.
-    fn read<'t, T>(
-        &mut self,
-        item: Item<'t>,
-        read: impl FnOnce(&mut Params<'t, '_>) -> Option<T>,
-    ) -> Option<T> {
-        let mut params = Params::new(item, self.diagnostics);
-        let value = read(&mut params);
-        params.finish();
-        value
-    }
-
-    /// As [`Compiler::read`], for what needs more than the text.
     fn read_keys<'t, T>(
         &mut self,
         item: Item<'t>,
@@ -323,11 +311,6 @@ impl<'a> Compiler<'a> {
         let value = read(&mut params, &mut sources);
         params.finish();
         value
-    }
-
-    /// What reads light and reflectances.
-    fn spectra(&self) -> spectra::SpectrumReader<'a> {
-        spectra::SpectrumReader { assets: self.assets }
     }
 
     /// Checks an optional count such as `numLights`; `what` is counted, in the singular.

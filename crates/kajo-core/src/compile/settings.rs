@@ -1,90 +1,290 @@
 //! The `Settings` block.
 
 use kajo_color::Tone;
-use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
+use kajo_math::Vec2;
+use kajo_scene::{Args, Diagnostic, Item};
 
+use super::Compiler;
+use super::fields::{
+    Choice, Keys, Plain, Sources, Typed, at_least, between, choice, choices, count, flag, keys, pair,
+    positive, words,
+};
 use crate::interaction::RayOffset;
 use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
+use crate::schema::{Around, Block, Constant, FieldKind, FieldSpec, FieldValue, Kind};
 use crate::settings::{
     Dialect, Directions, FilterChoice, IntegratorKind, Settings, ShadowAttenuation, Shadows, Technique,
 };
 
-const SHADOWS: [(&str, Shadows); 3] =
-    [("off", Shadows::Off), ("on", Shadows::Opaque), ("transparent", Shadows::Transparent)];
-const ATTENUATIONS: [(&str, ShadowAttenuation); 2] =
-    [("length", ShadowAttenuation::Length), ("surface", ShadowAttenuation::Surface)];
-const OFFSETS: [(&str, RayOffset); 2] = [("auto", RayOffset::Auto), ("reference", RayOffset::Reference)];
-
-/// The most samples of a pixel.
-pub const MAX_SAMPLES: i64 = 1 << 20;
-
-/// The most rays from one surface.
-pub const MAX_BRANCHES: i64 = 1 << 16;
-
-pub(super) fn read(item: Item<'_>, diagnostics: &mut Diagnostics) -> Settings {
-    let mut params = Params::new(item, diagnostics);
-    let tones = Tone::ALL.map(|tone| (tone.name(), tone));
-    let dialects: Vec<_> = Dialect::NAMES.into_iter().zip(Dialect::ALL).collect();
-    let settings = Settings {
-        size: params.optional("size", size),
-        bounces: params.optional("bounces", |a| a.int_in(0..=1000).map(|n| n as u32)),
-        weight: params.optional("weight", |a| a.number_in(0.0..)),
-        shadows: params.optional("shadows", |a| a.choice(&SHADOWS)),
-        shadow_attenuation: params.optional("transparentShadows", |a| a.choice(&ATTENUATIONS)),
-        shade_back: params.optional("shadeBack", Args::flag),
-        samples: params
-            .optional("samples", |a| Ok((a.choice(&SamplerKind::NAMES)?, a.int_in(1..=MAX_SAMPLES)? as u32))),
-        filter: params.optional("filter", filter),
-        seed: params.optional("seed", |a| a.int_in(0..=1 << 53).map(|n| n as u64)),
-        fresnel: params.optional("fresnel", Args::flag),
-        total_reflection: params.optional("totalReflection", Args::flag),
-        ray_offset: params.optional("rayOffset", |a| a.choice(&OFFSETS)),
-        dialect: params.optional("dialect", |a| a.choice(&dialects)),
-        depth_range: params.optional("depthRange", Args::numbers::<2>),
-        integrator: params.optional("integrator", |a| a.choice(&IntegratorKind::NAMES)),
-        spectral: params.optional("spectral", Args::flag),
-        branches: params.optional("branches", |a| a.int_in(1..=MAX_BRANCHES).map(|n| n as u32)),
-        directions: params.optional("directions", |a| a.choice(&Directions::NAMES)),
-        technique: params.optional("technique", |a| a.choice(&Technique::NAMES)),
-        light_choice: params.optional("lightChoice", |a| a.choice(&LightChoice::NAMES)),
-        roulette: params.optional("roulette", Args::flag),
-        reach: params.optional("reach", Args::positive),
-        exposure: params.optional("exposure", |a| a.number_in(-100.0..=100.0)),
-        tone: params.optional("tone", |a| a.choice(&tones)),
-        white_balance: params.optional("whiteBalance", white_balance),
-    };
-    params.finish();
-    settings
-}
-
-/// A temperature in kelvin, and a tint if there is one.
-fn white_balance(args: &mut Args<'_>) -> Result<[f64; 2], Diagnostic> {
-    let kelvin = args.number_in(1000.0..=25_000.0)?;
-    let tint = if args.numbers_left() == 0 { 0.0 } else { args.number_in(-150.0..=150.0)? };
-    Ok([kelvin.into(), tint.into()])
-}
-
-fn size(args: &mut Args<'_>) -> Result<[u32; 2], Diagnostic> {
-    let side = |n: f32| ((1.0..=16_777_216.0).contains(&n) && n == n.trunc()).then_some(n as u32);
-    match args.numbers::<2>()?.map(side) {
-        [Some(w), Some(h)] => Ok([w, h]),
-        _ => Err(args.error("`size` must be two whole numbers above zero")),
+choices! {
+    Shadows {
+        "off" => Shadows::Off,
+        "on" => Shadows::Opaque,
+        "transparent" => Shadows::Transparent,
     }
 }
 
-/// A filter with its radius, or its standard deviation where it is Gaussian.
-fn filter(args: &mut Args<'_>) -> Result<FilterChoice, Diagnostic> {
-    type Make = fn(f32) -> FilterChoice;
-    let kinds: [(&str, (Make, f32)); 6] = [
-        ("box", (FilterChoice::Box, 0.5)),
-        ("gaussian", (FilterChoice::Gaussian, 0.5)),
-        ("lanczos", (FilterChoice::Lanczos, 3.0)),
-        ("mitchell", (FilterChoice::Mitchell, 2.0)),
-        ("none", (|_| FilterChoice::None, 0.0)),
-        ("tent", (FilterChoice::Tent, 1.0)),
-    ];
-    let (make, default) = args.choice(&kinds)?;
-    let size = if args.numbers_left() == 0 { default } else { args.number_in(1e-3..=64.0)? };
-    Ok(make(size))
+choices! {
+    ShadowAttenuation {
+        "length" => ShadowAttenuation::Length,
+        "surface" => ShadowAttenuation::Surface,
+    }
+}
+
+choices! {
+    RayOffset {
+        "auto" => RayOffset::Auto,
+        "reference" => RayOffset::Reference,
+    }
+}
+
+choices!(Directions: Directions::NAMES);
+choices!(IntegratorKind: IntegratorKind::NAMES);
+choices!(LightChoice: LightChoice::NAMES);
+choices!(Technique: Technique::NAMES);
+choices!(Dialect: {
+    let [handout, mit_2004, mit_a2] = Dialect::ALL;
+    [(handout.name(), handout), (mit_2004.name(), mit_2004), (mit_a2.name(), mit_a2)]
+});
+choices!(Tone: {
+    let [linear, srgb, aces, agx] = Tone::ALL;
+    [(linear.name(), linear), (srgb.name(), srgb), (aces.name(), aces), (agx.name(), agx)]
+});
+
+/// The most samples of a pixel.
+const MAX_SAMPLES: u32 = 1 << 20;
+
+/// The most rays from one surface.
+const MAX_BRANCHES: u32 = 1 << 16;
+
+/// The largest seed, up to which every whole number is a double.
+const MAX_SEED: f64 = (1u64 << 53) as f64;
+
+/// The most columns or rows of a picture.
+const MAX_SIDE: f32 = 16_777_216.0;
+
+const SAMPLERS: &[&str] = &words(&SamplerKind::NAMES);
+const FILTER_WORDS: &[&str] = &words(&FILTERS);
+
+/// Columns and rows.
+struct Size([u32; 2]);
+
+/// How samples are spread, and how many there are.
+struct Samples(SamplerKind, u32);
+
+/// A seed of random numbers.
+struct Seed(u64);
+
+/// A temperature in kelvin and a tint.
+struct WhiteBalance([f64; 2]);
+
+keys! {
+    SettingsKeys {
+        size: Option<Size> = Typed::<Size>::new("size", FieldKind::Wholes(2))
+            .unit("pixels")
+            .ruled(size, "800 600", "columns and rows of the picture"),
+        integrator: Option<IntegratorKind> = choice::<IntegratorKind>("integrator")
+            .ruled(integrator, "classic", "how light is followed"),
+        samples: Option<Samples> = Typed::<Samples>::new(
+            "samples",
+            FieldKind::ChoiceAndWhole(SAMPLERS),
+        )
+        .ruled(samples, "by the integrator", "rays of each pixel"),
+        bounces: Option<u32> = count("bounces", 0, 1000)
+            .ruled(bounces, "by the integrator", "surfaces that light is followed over"),
+        shadows: Option<Shadows> =
+            choice::<Shadows>("shadows").presumed(Constant::Word("on"), "what casts them"),
+        shadow_attenuation: Option<ShadowAttenuation> = choice::<ShadowAttenuation>("transparentShadows")
+            .ruled(transparent_shadows, "by the dialect", "how glass weakens light"),
+        shade_back: Option<bool> =
+            flag("shadeBack").presumed(Constant::Word("off"), "light reaches back sides"),
+        fresnel: Option<bool> =
+            flag("fresnel").presumed(Constant::Word("off"), "reflection grows towards grazing angles"),
+        total_reflection: Option<bool> = flag("totalReflection")
+            .presumed(Constant::Word("off"), "light that cannot leave is reflected"),
+        weight: Option<f32> = at_least("weight", 0.0)
+            .presumed(Constant::Number(0.0), "rays that count for less are not followed"),
+        filter: Option<FilterChoice> =
+            Typed::<FilterChoice>::new("filter", FieldKind::ChoiceAndNumber(FILTER_WORDS))
+                .presumed(Constant::Word("none"), "how samples become pixels"),
+        seed: Option<Seed> =
+            Typed::<Seed>::new("seed", FieldKind::Whole { min: 0.0, max: MAX_SEED })
+                .presumed(Constant::Number(0.0), "of the random numbers"),
+        spectral: Option<bool> = flag("spectral")
+            .presumed(Constant::Word("off"), "with wavelengths in place of red, green and blue"),
+        branches: Option<u32> = count("branches", 1, MAX_BRANCHES)
+            .ruled(branches, "by the integrator", "rays from one surface"),
+        directions: Option<Directions> = choice::<Directions>("directions")
+            .presumed(Constant::Word("scattering"), "how directions are drawn"),
+        technique: Option<Technique> = choice::<Technique>("technique")
+            .presumed(Constant::Word("combined"), "how light is found"),
+        light_choice: Option<LightChoice> = choice::<LightChoice>("lightChoice")
+            .presumed(Constant::Word("tree"), "how a light is drawn"),
+        roulette: Option<bool> =
+            flag("roulette").ruled(roulette, "by the integrator", "faint paths end by chance"),
+        reach: Option<f32> = positive("reach")
+            .unit("length")
+            .unlike("any distance", "1", "distance beyond which nothing occludes"),
+        ray_offset: Option<RayOffset> = choice::<RayOffset>("rayOffset")
+            .presumed(Constant::Word("auto"), "how close to a surface rays start"),
+        depth_range: Option<Vec2> = pair("depthRange")
+            .unit("length")
+            .unlike("by the picture", "0 10", "distances that are white and black"),
+        exposure: Option<f32> = between("exposure", -100.0, 100.0)
+            .unit("stops")
+            .presumed(Constant::Number(0.0), "factors of two by which the picture is made brighter"),
+        tone: Option<Tone> =
+            choice::<Tone>("tone").ruled(tone, "by the integrator", "curve from light to pixels"),
+        white_balance: Option<WhiteBalance> =
+            Typed::<WhiteBalance>::new("whiteBalance", FieldKind::Numbers(2))
+                .unit("K")
+                .unlike("as it is", "6500 0", "kelvin and tint of the light that is to look white"),
+        dialect: Option<Dialect> =
+            choice::<Dialect>("dialect").ruled(dialect, "handout", "conventions of the file"),
+    }
+}
+
+pub(super) const BLOCK: Block = Block {
+    keyword: "Settings",
+    kind: Kind::Settings,
+    about: "how the scene is to be rendered",
+    groups: &[SettingsKeys::FIELDS],
+};
+
+// What a render takes that nobody asks for anything else.
+
+fn size(around: &Around<'_>) -> Option<FieldValue> {
+    Some(FieldValue::numbers((around.render)()?.size?.map(f64::from)))
+}
+
+fn integrator(around: &Around<'_>) -> Option<FieldValue> {
+    word((around.render)()?.integrator?.name())
+}
+
+fn samples(around: &Around<'_>) -> Option<FieldValue> {
+    let (kind, number) = (around.render)()?.samples?;
+    Some(FieldValue { word: Some(kind.name().to_owned()), numbers: vec![number.into()] })
+}
+
+fn bounces(around: &Around<'_>) -> Option<FieldValue> {
+    Some(FieldValue::numbers([(around.render)()?.bounces?.into()]))
+}
+
+fn transparent_shadows(around: &Around<'_>) -> Option<FieldValue> {
+    let attenuation = (around.render)()?.shadow_attenuation?;
+    ShadowAttenuation::NAMES.iter().find(|(_, of)| *of == attenuation).and_then(|(name, _)| word(name))
+}
+
+fn branches(around: &Around<'_>) -> Option<FieldValue> {
+    Some(FieldValue::numbers([(around.render)()?.branches?.into()]))
+}
+
+fn roulette(around: &Around<'_>) -> Option<FieldValue> {
+    Some(FieldValue::flag((around.render)()?.roulette?))
+}
+
+fn tone(around: &Around<'_>) -> Option<FieldValue> {
+    word((around.render)()?.tone?.name())
+}
+
+fn dialect(around: &Around<'_>) -> Option<FieldValue> {
+    word(around.rules().dialect.name())
+}
+
+fn word(word: &str) -> Option<FieldValue> {
+    Some(FieldValue::word(word))
+}
+
+impl Compiler<'_> {
+    /// The settings of the scene, whose dialect is not known before.
+    pub(super) fn settings(&mut self, item: Item<'_>) -> Settings {
+        let keys = self.read_keys(item, SettingsKeys::read);
+        keys.map(Settings::from).unwrap_or_default()
+    }
+}
+
+impl From<SettingsKeys> for Settings {
+    fn from(keys: SettingsKeys) -> Settings {
+        Settings {
+            size: keys.size.map(|Size(size)| size),
+            bounces: keys.bounces,
+            weight: keys.weight,
+            shadows: keys.shadows,
+            shadow_attenuation: keys.shadow_attenuation,
+            shade_back: keys.shade_back,
+            samples: keys.samples.map(|Samples(kind, number)| (kind, number)),
+            filter: keys.filter,
+            seed: keys.seed.map(|Seed(seed)| seed),
+            fresnel: keys.fresnel,
+            total_reflection: keys.total_reflection,
+            ray_offset: keys.ray_offset,
+            dialect: keys.dialect,
+            depth_range: keys.depth_range.map(|range| range.to_array()),
+            integrator: keys.integrator,
+            spectral: keys.spectral,
+            branches: keys.branches,
+            directions: keys.directions,
+            technique: keys.technique,
+            light_choice: keys.light_choice,
+            roulette: keys.roulette,
+            reach: keys.reach,
+            exposure: keys.exposure,
+            tone: keys.tone,
+            white_balance: keys.white_balance.map(|WhiteBalance(balance)| balance),
+        }
+    }
+}
+
+impl Plain<'_> for Size {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Size, Diagnostic> {
+        let side = |n: f32| ((1.0..=MAX_SIDE).contains(&n) && n == n.trunc()).then_some(n as u32);
+        match args.numbers::<2>()?.map(side) {
+            [Some(w), Some(h)] => Ok(Size([w, h])),
+            _ => Err(args.error("`size` must be two whole numbers above zero")),
+        }
+    }
+}
+
+impl Plain<'_> for Samples {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Samples, Diagnostic> {
+        let kind = args.choice(&SamplerKind::NAMES)?;
+        Ok(Samples(kind, args.int_in(1..=MAX_SAMPLES.into())? as u32))
+    }
+}
+
+impl Plain<'_> for Seed {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, sources: &mut Sources<'_>) -> Result<Seed, Diagnostic> {
+        i64::parse(spec, args, sources).map(|seed| Seed(seed as u64))
+    }
+}
+
+/// A temperature in kelvin, and a tint if there is one.
+impl Plain<'_> for WhiteBalance {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<WhiteBalance, Diagnostic> {
+        let kelvin = args.number_in(1000.0..=25_000.0)?;
+        let tint = if args.numbers_left() == 0 { 0.0 } else { args.number_in(-150.0..=150.0)? };
+        Ok(WhiteBalance([kelvin.into(), tint.into()]))
+    }
+}
+
+/// Makes a filter of a radius, or of a standard deviation where it is Gaussian.
+type MakeFilter = fn(f32) -> FilterChoice;
+
+/// The filters, each with the size that it has unless one is written.
+const FILTERS: [(&str, (MakeFilter, f32)); 6] = [
+    ("box", (FilterChoice::Box, 0.5)),
+    ("gaussian", (FilterChoice::Gaussian, 0.5)),
+    ("lanczos", (FilterChoice::Lanczos, 3.0)),
+    ("mitchell", (FilterChoice::Mitchell, 2.0)),
+    ("none", (|_| FilterChoice::None, 0.0)),
+    ("tent", (FilterChoice::Tent, 1.0)),
+];
+
+impl Plain<'_> for FilterChoice {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<FilterChoice, Diagnostic> {
+        let (make, default) = args.choice(&FILTERS)?;
+        let size = if args.numbers_left() == 0 { default } else { args.number_in(1e-3..=64.0)? };
+        Ok(make(size))
+    }
 }

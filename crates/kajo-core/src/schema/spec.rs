@@ -4,7 +4,7 @@ use std::ops::Bound;
 
 use super::FieldValue;
 use crate::scene::Scene;
-use crate::settings::{Dialect, Rules};
+use crate::settings::{Dialect, Rules, Settings};
 
 /// The type of a field's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,6 +128,8 @@ pub struct Around<'a> {
     pub is_written: &'a dyn Fn(&str) -> bool,
     /// The scene that the text makes, where there is one.
     pub scene: Option<&'a Scene>,
+    /// What a render of that scene takes for the settings that have a say in it, when nobody asks for anything else.
+    pub render: &'a dyn Fn() -> Option<Settings>,
 }
 
 impl Around<'_> {

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use egui::{Align2, FontId, Key, RichText, ScrollArea, Sense, TextEdit, Ui, pos2, vec2};
-use kajo::edit::{Document, Kind, Node, NodeId, schema};
+use kajo::edit::{Document, Kind, Node, NodeId, keywords_of};
 
 use super::theme;
 use crate::state::{Action, Selection};
@@ -227,7 +227,7 @@ fn add_menu(ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.menu_button("+ Add", |ui| {
         for (name, kind) in [("Shape", Kind::Shape), ("Light", Kind::Light), ("Material", Kind::Material)] {
             ui.menu_button(name, |ui| {
-                for keyword in schema::keywords_of(kind).filter(|keyword| has_pattern(keyword)) {
+                for keyword in keywords_of(kind).filter(|keyword| has_pattern(keyword)) {
                     if ui.button(keyword).clicked() {
                         actions.push(Action::Add(keyword));
                     }

@@ -24,10 +24,10 @@ use kajo_core::scene::Scene;
 use kajo_scene::{Diagnostics, SceneDesc, Sources, one_line, render};
 
 use super::overlay::Overlay;
-use super::schema::Kind;
 use super::tree::Tree;
 use super::{Document, FileId, NodeId, SceneFile};
 use crate::{FsAssets, LoadOptions};
+use kajo_core::schema::Kind;
 
 /// Texts as they were at one moment, to be compiled.
 #[derive(Debug)]

@@ -15,9 +15,9 @@ use kajo_scene::Item;
 
 use super::movement::{Linear, Movement, axis_and_angle, turn};
 use super::reshape::{tidy, vector};
-use super::schema::Kind;
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, Node, TextEdit, layout};
+use kajo_core::schema::Kind;
 use kajo_core::schema::number_text;
 
 impl Tree {

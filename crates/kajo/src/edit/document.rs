@@ -13,7 +13,6 @@ use kajo_scene::{Diagnostics, HEAD_BYTES, foreign_file};
 use super::compilation::Compiled;
 use super::history::{History, Step};
 use super::outline::{Identities, missing_from, not_carried};
-use super::schema::Kind;
 use super::texts::Change;
 use super::tree::{Before, Tree};
 use super::{Applied, Edit, EditRefused, Field, FieldValue, FileId, Node, NodeId, Outline, SceneFile};
@@ -21,6 +20,7 @@ use crate::load::assets;
 use crate::model_scene::ModelFile;
 use crate::output::{OutputError, Target};
 use crate::{FsAssets, LoadOptions};
+use kajo_core::schema::Kind;
 
 /// Why a document could not be read or written.
 #[derive(Debug, thiserror::Error)]

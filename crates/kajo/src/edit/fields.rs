@@ -5,13 +5,15 @@
 
 use std::ops::Range;
 
+use kajo_core::compile::block_of;
 use kajo_core::scene::Scene;
-use kajo_core::schema::{FieldValue, number_text, quoted};
+use kajo_core::schema::{Absent, Around, Block, FieldKind, FieldSpec, FieldValue, Kind, number_text, quoted};
+use kajo_core::settings::{IntegratorKind, Settings};
 use kajo_scene::Item;
 
-use super::schema::{Absent, Around, FieldKind, FieldSpec, Kind, fields_of, spellings_of};
 use super::tree::Tree;
 use super::{EditRefused, FileId, Node, TextEdit, layout};
+use crate::{Defaults, RenderSettings};
 
 /// A value of a block.
 #[derive(Clone, Debug)]
@@ -149,6 +151,7 @@ impl Tree {
                 value: &|key| self.value(node, key, scene),
                 is_written: &|key| self.value_item(node, key, None).is_some(),
                 scene,
+                render: &|| scene.and_then(settled),
             }),
             Absent::Required | Absent::Nothing { .. } => None,
         }
@@ -156,7 +159,10 @@ impl Tree {
 
     /// Another spelling of a key that is written in a node's block.
     fn other_spelling(&self, node: &Node, key: &str) -> Option<Item<'_>> {
-        let mut others = spellings_of(&node.keyword, key).filter(|other| *other != key);
+        let mut others = block_of(&node.keyword)
+            .into_iter()
+            .flat_map(|block| block.spellings_of(key))
+            .filter(|other| *other != key);
         others.find_map(|other| self.value_item(node, other, None))
     }
 
@@ -315,3 +321,28 @@ impl Tree {
 fn is_same_number(a: f64, b: f64) -> bool {
     a == b || (a as f32 == b as f32 && (a.fract() != 0.0 || b.fract() != 0.0))
 }
+
+/// The fields that a block with this keyword may have.
+fn fields_of(keyword: &str) -> impl Iterator<Item = &'static FieldSpec> + Clone + use<> {
+    block_of(keyword).into_iter().flat_map(Block::fields)
+}
+
+/// The settings with which a scene is rendered when nobody asks for anything else, those that depend on it.
+fn settled(scene: &Scene) -> Option<Settings> {
+    let render = RenderSettings::resolve(scene, &Settings::default(), Defaults::Modern, false).ok()?;
+    let is_classic = render.integrator == IntegratorKind::Classic;
+    Some(Settings {
+        size: Some(render.size),
+        integrator: Some(render.integrator),
+        samples: Some(render.samples),
+        bounces: Some(if is_classic { render.classic.bounces } else { render.path.bounces }),
+        shadow_attenuation: Some(render.classic.shadow_attenuation),
+        branches: Some(render.path.branches),
+        roulette: Some(render.path.roulette),
+        tone: Some(render.development.tone),
+        ..Settings::default()
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -4,10 +4,10 @@ use kajo_math::DVec3;
 use kajo_scene::Item;
 
 use super::reshape::{tidy, vector};
-use super::schema::Kind;
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, Node, TextEdit};
 use crate::CameraPose;
+use kajo_core::schema::Kind;
 
 /// Directions that differ by less are the same: far below a pixel.
 const SAME_DIRECTION: f64 = 1e-7;

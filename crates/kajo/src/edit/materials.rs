@@ -9,9 +9,10 @@ use std::ops::Range;
 
 use kajo_scene::Item;
 
-use super::schema::{Kind, kind_of};
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, FileId, Node, TextEdit, layout};
+use kajo_core::compile::kind_of;
+use kajo_core::schema::Kind;
 use kajo_core::schema::quoted;
 
 const INDEX: &str = "MaterialIndex";

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::schema::Kind;
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, Node, TextEdit};
+use kajo_core::schema::Kind;
 use kajo_core::schema::quoted;
 
 impl Tree {

@@ -11,8 +11,8 @@ use kajo_core::compile::OPERATIONS;
 use kajo_scene::{Item, SceneDesc, SourceId};
 
 use super::FileId;
-use super::schema::{self, Kind};
 use super::texts::Change;
+use kajo_core::schema::Kind;
 
 /// A block of a document, the same one after edits elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -172,7 +172,7 @@ impl Identities {
             let parent = open.last().map(|&at| &outline.nodes[at as usize]);
             let node = Node {
                 id,
-                kind: schema::kind_of(item.keyword(), parent.map(|node| node.kind)),
+                kind: kajo_core::compile::kind_of(item.keyword(), parent.map(|node| node.kind)),
                 keyword: item.keyword().into(),
                 name: item.word().map(|word| word.text().into()),
                 file: start.0,

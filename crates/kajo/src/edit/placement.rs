@@ -5,8 +5,8 @@ use kajo_core::settings::Dialect;
 use kajo_math::DAffine3;
 
 use super::Node;
-use super::schema::Kind;
 use super::tree::Tree;
+use kajo_core::schema::Kind;
 
 /// Blocks that one may stand in before we stop counting; the parser allows fewer, but definitions add up.
 const DEEPEST: u32 = 4096;

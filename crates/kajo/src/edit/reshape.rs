@@ -3,9 +3,9 @@
 use kajo_math::{DAffine3, DVec3};
 
 use super::movement::{Linear, Movement};
-use super::schema::Kind;
 use super::tree::Tree;
 use super::{FieldValue, Node};
+use kajo_core::schema::Kind;
 
 /// New values of a block.
 pub(super) type Values = Vec<(&'static str, FieldValue)>;

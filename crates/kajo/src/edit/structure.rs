@@ -2,9 +2,10 @@
 
 use kajo_scene::SceneDesc;
 
-use super::schema::{Kind, kind_of};
 use super::tree::Tree;
 use super::{EditRefused, FieldValue, Node, TextEdit, layout};
+use kajo_core::compile::kind_of;
+use kajo_core::schema::Kind;
 
 impl Tree {
     /// Adds a block to `into`, or where such blocks stand.

@@ -1,6 +1,7 @@
 //! Blocks to start from.
 
-use super::schema::{Kind, fields_of, kind_of};
+use kajo_core::compile::{block_of, kind_of};
+use kajo_core::schema::Kind;
 
 /// A block of this kind in one line, around the place `at` and about as large as `size`; `None` for words that make no
 /// object, light, material or camera.
@@ -49,7 +50,7 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             format!("{keyword} {{ materialIndex 0  materialIndex 0 }}")
         }
         _ if kind_of(keyword, None) == Kind::Material => {
-            let color = fields_of(keyword).find(|field| field.key.to_lowercase().ends_with("color"));
+            let color = block_of(keyword)?.fields().find(|field| field.key.to_lowercase().ends_with("color"));
             match color {
                 Some(field) => format!("{keyword} {{ {} 0.8 0.8 0.8 }}", field.key),
                 None => format!("{keyword} {{ }}"),

@@ -9,10 +9,10 @@ use kajo_scene::{Diagnostics, Item, Parsed, SceneDesc, SourceId, Span};
 
 use super::outline::{Identities, Outline};
 use super::overlay::Overlay;
-use super::schema::Kind;
 use super::texts::Change;
 use super::{FileId, Node, NodeId, SceneFile};
 use crate::{FsAssets, LoadOptions};
+use kajo_core::schema::Kind;
 
 /// The parsed texts.
 #[derive(Debug, Default)]

@@ -33,7 +33,7 @@ pub(super) mod triangle;
 pub(super) mod triangle_mesh;
 pub(super) mod wood;
 
-use crate::schema::Block;
+use crate::schema::{Block, Kind};
 
 /// A block of a family, and what reads it.
 pub(super) struct Member<F> {
@@ -53,10 +53,14 @@ pub(super) const fn keywords<F, const N: usize>(members: &[&Member<F>; N]) -> [&
 }
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 5] = [
-    &group::DEFINE,
+const OTHERS: [&Block; 9] = [
+    &super::settings::BLOCK,
+    &super::background::BLOCK,
+    &super::background::SKY,
+    &super::background::FOG,
     &super::lights::LIST,
     &super::materials::LIST,
+    &group::DEFINE,
     &super::motion::BLOCK,
     &super::motion::KEY,
 ];
@@ -68,4 +72,24 @@ pub fn blocks() -> impl Iterator<Item = &'static Block> {
     let cameras = super::camera::MEMBERS.iter().map(|member| &member.block);
     let materials = super::materials::MEMBERS.iter().map(|member| &member.block);
     objects.chain(cameras).chain(materials).chain(OTHERS).chain(lights)
+}
+
+/// The block that begins with this word.
+pub fn block_of(keyword: &str) -> Option<&'static Block> {
+    blocks().find(|block| block.keyword == keyword)
+}
+
+/// The words of all blocks of a kind, in the order in which they are offered.
+pub fn keywords_of(kind: Kind) -> impl Iterator<Item = &'static str> {
+    blocks().filter(move |block| block.kind == kind).map(|block| block.keyword)
+}
+
+/// What a block with this keyword is, within a block of kind `parent`.
+pub fn kind_of(keyword: &str, parent: Option<Kind>) -> Kind {
+    match parent {
+        Some(Kind::Lights) => Kind::Light,
+        Some(Kind::Materials) => Kind::Material,
+        Some(parent) if !parent.holds_objects() => Kind::Part,
+        Some(_) | None => block_of(keyword).map_or(Kind::Part, |block| block.kind),
+    }
 }

@@ -7,7 +7,7 @@ use kajo_math::Ray;
 
 use super::*;
 use crate::LoadOptions;
-use crate::edit::schema::keywords_of;
+use crate::edit::keywords_of;
 use crate::edit::{Document, Edit, template};
 
 fn gallery() -> PathBuf {

@@ -154,7 +154,7 @@ fn blocks_are_added_where_they_belong() {
 
 #[test]
 fn every_template_compiles() {
-    use crate::edit::schema::keywords_of;
+    use crate::edit::keywords_of;
     for keyword in [Kind::Shape, Kind::Light, Kind::Material, Kind::Group, Kind::Transform]
         .into_iter()
         .flat_map(keywords_of)

@@ -1,14 +1,16 @@
-//! The tables against the compiler.
+//! The descriptions of blocks against the compiler.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use kajo_core::settings::{Dialect, IntegratorKind, Settings};
+use kajo_core::settings::Dialect;
 use kajo_render::integrator::PathSettings;
+
+use kajo_core::compile::{blocks, kind_of};
 
 use super::*;
 use crate::edit::Document;
-use crate::{Defaults, LoadOptions, MemoryAssets, RenderSettings, load_from};
+use crate::{LoadOptions, MemoryAssets, load_from};
 
 /// A scene with `text` as the block that has `keyword`, and the kind of place where such a block stands.
 fn scene_with(block: &Block, text: &str) -> String {
