@@ -49,6 +49,7 @@ fn run() -> Result<(), Failure> {
         Command::Selftest(args) => commands::selftest(&args),
         Command::Studio(args) => commands::studio(&args),
         Command::Completions(args) => commands::completions(args.shell),
+        Command::Help(args) => commands::help(&args),
     }
 }
 

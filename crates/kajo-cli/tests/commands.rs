@@ -16,6 +16,23 @@ fn help_and_version_are_answers() {
 }
 
 #[test]
+fn help_explains_blocks_of_the_language() {
+    let folder = Folder::new();
+    let all = folder.succeed("help").stdout;
+    assert!(all.contains("Usage:") && all.contains("    Principled  "), "{all}");
+    let table = folder.succeed("help Principled").stdout;
+    for part in ["field ", "  coatRoughness ", "number from 0 to 1 ", "  0.5 "] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    assert!(folder.succeed("help bench rays").stdout.contains("Usage: kajo bench rays"));
+    folder.fail(
+        "help Principeld",
+        2,
+        &["no command and no block `Principeld`", "did you mean `Principled`?"],
+    );
+}
+
+#[test]
 fn check_reports_on_every_scene() {
     let folder = Folder::new();
     folder.write("wrong.txt", BALL.replace("Sphere ball", "Sphre ball"));

@@ -37,6 +37,7 @@ pub mod diagrams;
 pub mod edit;
 pub mod handles;
 mod info;
+pub mod language;
 mod load;
 pub mod memory;
 mod model_scene;

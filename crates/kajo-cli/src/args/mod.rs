@@ -55,6 +55,7 @@ Exit codes:
     after_help = EXAMPLES,
     override_usage = "kajo SCENE [OPTIONS]\n       kajo\n       kajo <COMMAND> ...\n       kajo -input SCENE -output FILE [CLASSIC OPTIONS]",
     arg_required_else_help = true,
+    disable_help_subcommand = true,
     args_override_self = true
 )]
 pub struct Cli {
@@ -90,6 +91,8 @@ pub enum Command {
     Studio(StudioArgs),
     /// Print completions for a shell
     Completions(CompletionsArgs),
+    /// Explain a command, or the fields of a block of the scene language
+    Help(HelpArgs),
 }
 
 /// `kajo check`
@@ -181,6 +184,13 @@ pub struct GalleryArgs {
 pub struct CompletionsArgs {
     /// The shell
     pub shell: Shell,
+}
+
+/// `kajo help`
+#[derive(Args, Debug)]
+pub struct HelpArgs {
+    /// A command, or a block such as Sphere; without any, all of them
+    pub topic: Vec<String>,
 }
 
 impl Cli {

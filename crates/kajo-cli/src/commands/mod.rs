@@ -3,6 +3,7 @@
 mod bench;
 mod convert;
 mod diff;
+mod help;
 mod info;
 mod selftest;
 mod studio;
@@ -15,6 +16,7 @@ use kajo::{Severity, load};
 pub use bench::bench;
 pub use convert::convert;
 pub use diff::diff;
+pub use help::help;
 pub use info::info;
 pub use selftest::selftest;
 pub use studio::{alone, studio};

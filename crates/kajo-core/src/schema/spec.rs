@@ -1,5 +1,6 @@
 //! The description of a field.
 
+use std::fmt;
 use std::ops::Bound;
 
 use super::FieldValue;
@@ -102,6 +103,57 @@ impl FieldKind {
             _ => Bound::Included(min),
         };
         (low, if max == f64::MAX { Bound::Unbounded } else { Bound::Included(max) })
+    }
+}
+
+impl fmt::Display for FieldKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            FieldKind::Number { min, max } => write!(f, "number{}", Range { min, max }),
+            FieldKind::Whole { min, max } => write!(f, "whole number{}", Range { min, max }),
+            FieldKind::Angle { min, max } => write!(f, "degrees{}", Range { min, max }),
+            FieldKind::Point | FieldKind::Vector => f.write_str("x y z"),
+            FieldKind::Color => f.write_str("r g b"),
+            FieldKind::Reflectance => f.write_str("r g b, or a file or spectrum"),
+            FieldKind::Emission => f.write_str("r g b, or another light value"),
+            FieldKind::Flag => f.write_str("on or off"),
+            FieldKind::Choice(words) => f.write_str(&one_of(words)),
+            FieldKind::ChoiceAndNumber(words) => write!(f, "{}; then a number", one_of(words)),
+            FieldKind::ChoiceAndWhole(words) => write!(f, "{}; then a whole number", one_of(words)),
+            FieldKind::Numbers(count) => write!(f, "{count} numbers"),
+            FieldKind::Wholes(count) => write!(f, "{count} whole numbers"),
+            FieldKind::File => f.write_str("file"),
+            FieldKind::Text => f.write_str("word or text"),
+            FieldKind::Material => f.write_str("name or number"),
+        }
+    }
+}
+
+/// "a, b or c".
+fn one_of(words: &[&str]) -> String {
+    match words {
+        [] => String::new(),
+        [word] => (*word).to_owned(),
+        [first @ .., last] => format!("{} or {last}", first.join(", ")),
+    }
+}
+
+/// The bounds of a number behind what it is.
+struct Range {
+    min: f64,
+    max: f64,
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Range { min, max } = *self;
+        match (min == f64::MIN, max == f64::MAX) {
+            (true, true) => Ok(()),
+            (false, true) if min == f64::MIN_POSITIVE => f.write_str(" > 0"),
+            (false, true) => write!(f, " ≥ {min}"),
+            (true, false) => write!(f, " ≤ {max}"),
+            (false, false) => write!(f, " from {min} to {max}"),
+        }
     }
 }
 
@@ -234,5 +286,21 @@ impl FieldSpec {
     /// The key that stands for all spellings of this field.
     pub fn main_key(&self) -> &'static str {
         self.same_as.unwrap_or(self.key)
+    }
+
+    /// What may be written, with its range and its unit, for people.
+    pub fn values(&self) -> String {
+        let what = self.kind.to_string();
+        if self.unit.is_empty() { what } else { format!("{what}, {}", self.unit) }
+    }
+
+    /// What holds while it is absent, for people.
+    pub fn absence(&self) -> String {
+        match self.absent {
+            Absent::Required => "required".to_owned(),
+            Absent::Value(constant) => FieldValue::from(constant).text(),
+            Absent::Rule { means: "", .. } => "by what is beside it".to_owned(),
+            Absent::Rule { means, .. } | Absent::Nothing { means, .. } => means.to_owned(),
+        }
     }
 }

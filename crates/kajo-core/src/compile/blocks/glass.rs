@@ -35,7 +35,7 @@ keys! {
         thickness: Option<f32> =
             at_least("thickness", 0.0).unit("length").unlike("a solid body", "0.01", "of a pane"),
         thin: Option<bool> =
-            flag("thin").ruled(thin, "", "a pane, whose surface stands for both its sides"),
+            flag("thin").ruled(thin, "on with a `thickness`", "a pane, whose surface stands for both its sides"),
         distribution: Shape = DISTRIBUTION,
         roughness: Share = share("roughness").or(0.0, "0 is clear, more is frosted"),
         anisotropy: Share = ANISOTROPY,

@@ -30,10 +30,10 @@ keys! {
         specular: Written<Reflectance> =
             reflectance("specularColor").or_grey(0.0, "colour of the highlight"),
         exponent: Option<f32> =
-            at_least("exponent", 0.0).ruled(exponent, "", "sharpness of the highlight"),
+            at_least("exponent", 0.0).ruled(exponent, "1, or 0 in mit-a2", "sharpness of the highlight"),
         shininess: Option<f32> = at_least("shininess", 0.0)
             .spelling_of("exponent")
-            .ruled(exponent, "", "sharpness of the highlight"),
+            .ruled(exponent, "1, or 0 in mit-a2", "sharpness of the highlight"),
         reflective: Option<Written<Reflectance>> = reflectance("reflectiveColor")
             .ruled(reflective_color, "as `specularColor`", "colour of mirror reflection"),
         transparent: Option<Written<Reflectance>> = reflectance("transparentColor")

@@ -16,7 +16,7 @@ keys! {
         direction: Direction = direction("direction").required("where it points"),
         angle: f32 = degrees("angle", 0.0, 360.0).required("full width of the cone"),
         inner_angle: Option<f32> = degrees("innerAngle", 0.0, 360.0)
-            .ruled(inner_angle, "none", "width of the cone that is evenly bright"),
+            .ruled(inner_angle, "¾ of `angle`", "width of the cone that is evenly bright"),
     }
 }
 
