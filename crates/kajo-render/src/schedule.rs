@@ -40,7 +40,7 @@ pub const MOST_THREADS: usize = 1024;
 /// Units for each thread below which samples are split too.
 const UNITS_PER_THREAD: u64 = 8;
 
-/// Stack of a thread in bytes: room for a thousand mirrors in a row.
+/// Stack of a thread in bytes. No path takes more of it for being long or for having forked.
 const STACK: usize = 8 << 20;
 
 /// Camera rays between two questions whether to go on.

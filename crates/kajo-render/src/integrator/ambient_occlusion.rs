@@ -13,10 +13,11 @@ use kajo_core::camera::Camera;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Frame, Vec2, warp};
 
+use super::Integrator;
 use super::camera_view::CameraView;
 use super::transport::connect;
-use crate::trail::{About, Counting, PathObserver, RayKind};
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
+use crate::trail::{About, PathObserver, RayKind};
+use crate::{LayerSet, PixelSample, SampleContext};
 
 /// The ambient occlusion integrator over one scene and one picture size.
 pub struct AmbientOcclusion<'a> {
@@ -36,10 +37,11 @@ impl<'a> AmbientOcclusion<'a> {
     }
 }
 
-impl AmbientOcclusion<'_> {
-    fn cast<O: PathObserver>(
+impl Integrator for AmbientOcclusion<'_> {
+    fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
+        _pixel: [u32; 2],
         raster: Vec2,
         observer: &mut O,
     ) -> PixelSample {
@@ -72,19 +74,5 @@ impl AmbientOcclusion<'_> {
         observer.joined(RayKind::Shadow, scene, &segment, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];
         PixelSample { radiance: [open; 3], first: Some(self.view.first_hit(&at, &mut ctx.aux)) }
-    }
-}
-
-impl PixelIntegrator for AmbientOcclusion<'_> {
-    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let mut counting = Counting::new(ctx);
-        let sample = self.cast(ctx, raster, &mut counting);
-        ctx.rays = counting.rays;
-        sample
-    }
-
-    fn trail(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
-        let mut trail = Trail::default();
-        (self.cast(ctx, raster, &mut trail), trail)
     }
 }

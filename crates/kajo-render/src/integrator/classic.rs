@@ -24,10 +24,12 @@ use kajo_core::settings::{ShadowAttenuation, Shadows};
 use kajo_core::{ItemBuffer, RayOffset};
 use kajo_math::{Ray, Vec2, Vec3};
 
+use super::Integrator;
 use super::camera_view::CameraView;
 use super::shadow;
-use crate::trail::{About, Counting, PathObserver, RayKind};
-use crate::{LayerSet, PixelIntegrator, PixelSample, RayCounters, SampleContext, Trail};
+use crate::context::Scratch;
+use crate::trail::{About, PathObserver, RayKind};
+use crate::{LayerSet, PixelSample, RayCounters, SampleContext};
 
 /// The most mirror and refracted rays in a row that may be asked for.
 pub const MAX_BOUNCES: u32 = 1000;
@@ -132,13 +134,6 @@ impl<'a> Classic<'a> {
         Classic { scene, settings, view, camera_items, emitters, light_items }
     }
 
-    /// Light along a ray that leaves the surface at `from`.
-    fn li(&self, ray: Ray, from: &Interaction, path: Path, observer: &mut impl PathObserver) -> Spectrum {
-        let mut at = *from;
-        let meets = self.follow(&ray, &mut at);
-        self.li_from(ray, meets.then_some(&mut at), path, observer)
-    }
-
     /// Writes where a ray ends that leaves the surface at `at`; `false` where it meets nothing.
     fn follow(&self, ray: &Ray, at: &mut Interaction) -> bool {
         if ray.d.dot(at.point.ng) < 0.0 {
@@ -148,101 +143,112 @@ impl<'a> Classic<'a> {
         }
     }
 
-    /// Light along `ray` from the surface that it meets, if any.
-    fn li_from(
+    /// Light along the ray of a path, and along all that branches off it:
+    ///
+    /// ```text
+    /// L(ray) = local + reflective L(mirror ray) + transparent L(refracted ray)
+    /// ```
+    ///
+    /// A sum over a tree of rays; nothing is drawn. Where only one branch goes on, the path goes on along it. Where both do,
+    /// the mirrored one is followed to all its ends first, and the other waits in a list.
+    ///
+    /// * `at`: the surface that the ray meets, if it `meets` one
+    fn li<O: PathObserver>(
         &self,
-        mut ray: Ray,
-        mut end: Option<&mut Interaction>,
-        mut path: Path,
-        observer: &mut impl PathObserver,
+        (ray, path): (Ray, Path),
+        (at, mut meets): (&mut Interaction, bool),
+        observer: &mut O,
+        scratch: &mut Scratch,
     ) -> Spectrum {
-        let mut light = Spectrum::BLACK;
-        let mut throughput = Spectrum::WHITE;
-        // Where only one branch goes on, it goes on in this loop; the other branch of a fork is a call.
+        let mut walk = Walk { ray, path, light: Spectrum::BLACK, beta: Spectrum::WHITE };
+        let mut n_waiting = 0;
         loop {
-            let about = || About { eta: path.eta, weight: throughput.to_rgb(), light: None };
-            observer.ended(self.scene, &ray, end.as_deref(), about);
-            let Some(at) = end else {
-                let behind = self.scene.background.color(ray.d);
-                let arriving = throughput * self.through_fog(&ray, f32::INFINITY, &path, behind);
-                observer.found(|| arriving.to_rgb());
-                return light + arriving;
-            };
-            let Scene { materials, textures, .. } = self.scene;
-            let mixed;
-            let phong = match self.scene.constant(at.material) {
-                Some(phong) => phong,
-                None => {
-                    let place = self.scene.material_point(at);
-                    mixed = materials.phong(at.material, materials, textures, &place);
-                    &mixed
+            let branches = self.surface(&mut walk, meets.then_some(&mut *at), observer);
+            let branch = match branches {
+                (None, None) => {
+                    // Most paths never fork, and ask for no list.
+                    let waiting = if n_waiting > 0 { scratch.get::<Forks<O::Mark>>().0.pop() } else { None };
+                    let Some(fork) = waiting else { return walk.light };
+                    n_waiting -= 1;
+                    observer.back_to(fork.mark);
+                    let light = fork.light + fork.weight * walk.light;
+                    walk = Walk { light, beta: fork.beta, ..walk };
+                    *at = fork.at;
+                    refracted(fork.refracted, observer)
+                }
+                (Some(mirrored), None) => reflected(mirrored, observer),
+                (None, Some(behind)) => refracted(behind, observer),
+                (Some(_), Some(behind)) if walk.path.paths_left < 2 => {
+                    observer.counters().left_out += 1;
+                    refracted(behind, observer)
+                }
+                (Some(_), Some(_)) if observer.interrupted() => {
+                    scratch.get::<Forks<O::Mark>>().0.clear();
+                    return walk.light;
+                }
+                (Some(mut mirrored), Some(mut behind)) => {
+                    mirrored.path.paths_left = walk.path.paths_left / 2;
+                    behind.path.paths_left = walk.path.paths_left - mirrored.path.paths_left;
+                    let mirrored = reflected(mirrored, observer);
+                    let (mark, weight) = (observer.mark(), walk.beta * mirrored.factor);
+                    observer.weaken(|| weight.to_rgb());
+                    let Walk { light, beta, .. } = walk;
+                    let fork = Fork { light, beta, weight, refracted: behind, at: *at, mark };
+                    scratch.get::<Forks<O::Mark>>().0.push(fork);
+                    n_waiting += 1;
+                    (walk.light, walk.beta) = (Spectrum::BLACK, Spectrum::WHITE);
+                    Branch { factor: Spectrum::WHITE, ..mirrored }
                 }
             };
-            let shading = self.scene.shading(at, 0.5);
-            if shading.leans {
-                at.point.n = shading.normal(-ray.d);
-            }
-            let carried = || (path.eta, throughput * self.fog_factor(&ray, at.hit.t, &path));
-            let mut local = self.shade(&ray, at, phong, observer, carried);
-            let glow = self.scene.glow(at, ray.d, &Wavelengths::RGB).map(|glow| glow.radiance);
-            if let Some(glow) = glow {
-                local += glow;
-            }
-            observer.found(|| {
-                let own = self.scene.ambient * phong.ambient + glow.unwrap_or(Spectrum::BLACK);
-                (throughput * self.through_fog(&ray, at.hit.t, &path, own)).to_rgb()
-            });
-            // Fog weakens everything that comes from the surface, also what arrives there later.
-            light += throughput * self.through_fog(&ray, at.hit.t, &path, local);
-            throughput *= self.fog_factor(&ray, at.hit.t, &path);
-
-            let mirrored = self.mirrored(&ray, at, phong, &path);
-            let refracted = self.refracted(&ray, at, phong, &path);
-            let branch = match (mirrored, refracted) {
-                (None, None) => return light,
-                (Some(branch), None) => {
-                    observer.counters().reflected += 1;
-                    observer.next(RayKind::Reflected);
-                    branch
-                }
-                (mirrored, Some(mut refracted)) => {
-                    if let Some(mut mirrored) = mirrored {
-                        if path.paths_left < 2 {
-                            observer.counters().left_out += 1;
-                        } else if observer.interrupted() {
-                            return light;
-                        } else {
-                            mirrored.path.paths_left = path.paths_left / 2;
-                            refracted.path.paths_left = path.paths_left - mirrored.path.paths_left;
-                            light += self.fork(mirrored, at, throughput, observer);
-                        }
-                    }
-                    observer.counters().refracted += 1;
-                    observer.next(RayKind::Transmitted);
-                    refracted
-                }
-            };
-            (ray, path, throughput) = (branch.ray, branch.path, throughput * branch.factor);
-            end = self.follow(&ray, at).then_some(at);
+            (walk.ray, walk.path, walk.beta) = (branch.ray, branch.path, walk.beta * branch.factor);
+            meets = self.follow(&walk.ray, at);
         }
     }
 
-    /// Light that a mirrored branch brings to the path whose other branch goes on.
-    fn fork(
+    /// Adds the light of the end of a path's ray, and says how it goes on from there: mirrored, and refracted.
+    fn surface(
         &self,
-        mirrored: Branch,
-        at: &Interaction,
-        throughput: Spectrum,
+        walk: &mut Walk,
+        end: Option<&mut Interaction>,
         observer: &mut impl PathObserver,
-    ) -> Spectrum {
-        let weight = throughput * mirrored.factor;
-        observer.counters().reflected += 1;
-        observer.next(RayKind::Reflected);
-        let here = observer.mark();
-        observer.weaken(|| weight.to_rgb());
-        let seen = self.li(mirrored.ray, at, mirrored.path, observer);
-        observer.back_to(here);
-        weight * seen
+    ) -> (Option<Branch>, Option<Branch>) {
+        let Walk { ray, path, light, beta } = walk;
+        let about = || About { eta: path.eta, weight: beta.to_rgb(), light: None };
+        observer.ended(self.scene, ray, end.as_deref(), about);
+        let Some(at) = end else {
+            let behind = self.scene.background.color(ray.d);
+            let arriving = *beta * self.through_fog(ray, f32::INFINITY, path, behind);
+            observer.found(|| arriving.to_rgb());
+            *light += arriving;
+            return (None, None);
+        };
+        let Scene { materials, textures, .. } = self.scene;
+        let mixed;
+        let phong = match self.scene.constant(at.material) {
+            Some(phong) => phong,
+            None => {
+                mixed = materials.phong(at.material, materials, textures, &self.scene.material_point(at));
+                &mixed
+            }
+        };
+        let shading = self.scene.shading(at, 0.5);
+        if shading.leans {
+            at.point.n = shading.normal(-ray.d);
+        }
+        let carried = || (path.eta, *beta * self.fog_factor(ray, at.hit.t, path));
+        let mut local = self.shade(ray, at, phong, observer, carried);
+        let emitted = self.scene.glow(at, ray.d, &Wavelengths::RGB).map(|emitted| emitted.radiance);
+        if let Some(emitted) = emitted {
+            local += emitted;
+        }
+        observer.found(|| {
+            let own = self.scene.ambient * phong.ambient + emitted.unwrap_or(Spectrum::BLACK);
+            (*beta * self.through_fog(ray, at.hit.t, path, own)).to_rgb()
+        });
+        // Fog weakens everything that comes from the surface, also what arrives there later.
+        *light += *beta * self.through_fog(ray, at.hit.t, path, local);
+        *beta *= self.fog_factor(ray, at.hit.t, path);
+        (self.mirrored(ray, at, phong, path), self.refracted(ray, at, phong, path))
     }
 
     /// Ambient light and every visible light, by the material's own model.
@@ -391,6 +397,53 @@ struct Branch {
     path: Path,
 }
 
+/// A path while it is followed.
+struct Walk {
+    /// The ray that has been followed last.
+    ray: Ray,
+    path: Path,
+    /// Light found since the last fork.
+    light: Spectrum,
+    /// What later light is multiplied by.
+    beta: Spectrum,
+}
+
+/// A surface whose refracted branch waits until the mirrored one has been followed to its ends.
+struct Fork<M> {
+    /// Light of the path up to there.
+    light: Spectrum,
+    /// Its throughput there.
+    beta: Spectrum,
+    /// What the light of the mirrored branch is multiplied by.
+    weight: Spectrum,
+    refracted: Branch,
+    at: Interaction,
+    mark: M,
+}
+
+/// Forks of a sample, the last one first in turn; the memory is kept from sample to sample.
+struct Forks<M>(Vec<Fork<M>>);
+
+impl<M> Default for Forks<M> {
+    fn default() -> Forks<M> {
+        Forks(Vec::new())
+    }
+}
+
+/// The same branch, now that it is followed.
+fn reflected(branch: Branch, observer: &mut impl PathObserver) -> Branch {
+    observer.counters().reflected += 1;
+    observer.next(RayKind::Reflected);
+    branch
+}
+
+/// The same branch, now that it is followed.
+fn refracted(branch: Branch, observer: &mut impl PathObserver) -> Branch {
+    observer.counters().refracted += 1;
+    observer.next(RayKind::Transmitted);
+    branch
+}
+
 /// The two sides of a surface as a ray meets it.
 struct Crossing {
     /// Unit normal against the ray.
@@ -409,13 +462,13 @@ impl Crossing {
     }
 }
 
-impl Classic<'_> {
-    fn cast(
+impl Integrator for Classic<'_> {
+    fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
         pixel: [u32; 2],
         raster: Vec2,
-        observer: &mut impl PathObserver,
+        observer: &mut O,
     ) -> PixelSample {
         let Some(ray) = self.view.ray(raster, &mut ctx.draws) else { return PixelSample::default() };
         observer.counters().camera += 1;
@@ -432,7 +485,7 @@ impl Classic<'_> {
         if meets && self.view.wants_albedo() {
             ctx.aux.albedo = self.albedo(&at);
         }
-        let mut light = self.li_from(ray, meets.then_some(&mut at), path, observer);
+        let mut light = self.li((ray, path), (&mut at, meets), observer, &mut ctx.scratch);
         if self.settings.uv {
             light = self.uv_picture(pixel);
             observer.shown_instead(|| light.to_rgb());
@@ -440,19 +493,5 @@ impl Classic<'_> {
         // Groups of lights are not told apart.
         ctx.aux.lights[0] = light.to_rgb();
         PixelSample { radiance: light.to_rgb(), first }
-    }
-}
-
-impl PixelIntegrator for Classic<'_> {
-    fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let mut counting = Counting::new(ctx);
-        let sample = self.cast(ctx, pixel, raster, &mut counting);
-        ctx.rays = counting.rays;
-        sample
-    }
-
-    fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
-        let mut trail = Trail::default();
-        (self.cast(ctx, pixel, raster, &mut trail), trail)
     }
 }

@@ -13,6 +13,40 @@ pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use classic::{Classic, ClassicSettings};
 pub use path::{Path, PathSettings};
 
+use kajo_math::Vec2;
+
+use crate::trail::{Counting, PathObserver};
+use crate::{PixelIntegrator, PixelSample, SampleContext, Trail};
+
+/// What all integrators of this family do: take a sample and tell of it. A member is a file with a type that does this.
+pub(crate) trait Integrator: Sync {
+    /// Casts one camera ray, and tells `observer` of every ray and all light that follows from it.
+    ///
+    /// * the rest: as for [`PixelIntegrator::sample`]
+    fn observe<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        pixel: [u32; 2],
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample;
+}
+
+/// One code for renders, where rays are counted, and for debug rays, where all is kept.
+impl<I: Integrator> PixelIntegrator for I {
+    fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let mut counting = Counting::new(ctx);
+        let sample = self.observe(ctx, pixel, raster, &mut counting);
+        ctx.rays = counting.rays;
+        sample
+    }
+
+    fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
+        let mut trail = Trail::default();
+        (self.observe(ctx, pixel, raster, &mut trail), trail)
+    }
+}
+
 #[cfg(test)]
 mod flat_tests;
 #[cfg(test)]

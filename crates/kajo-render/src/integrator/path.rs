@@ -38,10 +38,11 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{Directions, Technique};
 use kajo_math::Vec2;
 
+use super::Integrator;
 use super::camera_view::{CameraView, in_white_light};
 use super::transport::PathState;
-use crate::trail::{Counting, PathObserver};
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
+use crate::trail::PathObserver;
+use crate::{LayerSet, PixelSample, SampleContext};
 use tracer::{CameraPath, Fork, PathTracer};
 
 /// Options of [`Path`].
@@ -111,10 +112,11 @@ impl<M> Default for ForkRoom<M> {
     }
 }
 
-impl Path<'_> {
-    fn cast<O: PathObserver>(
+impl Integrator for Path<'_> {
+    fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
+        _pixel: [u32; 2],
         raster: Vec2,
         observer: &mut O,
     ) -> PixelSample {
@@ -141,7 +143,9 @@ impl Path<'_> {
         }
         PixelSample { radiance, first }
     }
+}
 
+impl Path<'_> {
     /// Whether paths ever fork.
     fn forks(&self) -> bool {
         self.settings.branches > 1 || self.settings.directions != Directions::Scattering
@@ -152,20 +156,6 @@ impl Path<'_> {
 fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
     list.clear();
     list.into_iter().filter_map(|_| None).collect()
-}
-
-impl PixelIntegrator for Path<'_> {
-    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let mut counting = Counting::new(ctx);
-        let sample = self.cast(ctx, raster, &mut counting);
-        ctx.rays = counting.rays;
-        sample
-    }
-
-    fn trail(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
-        let mut trail = Trail::default();
-        (self.cast(ctx, raster, &mut trail), trail)
-    }
 }
 
 #[cfg(test)]

@@ -33,10 +33,11 @@ use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
 
+use super::Integrator;
 use super::camera_view::{CameraView, in_white_light};
 use super::transport::{Event, MediumStack, PathState, SurfaceInteraction, advance, pass_straight, shade};
-use crate::trail::{Counting, PathObserver, RayKind};
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
+use crate::trail::{PathObserver, RayKind};
+use crate::{LayerSet, PixelSample, SampleContext};
 use connect::{normal, parts, spread};
 use partial_mis::{PartialMis, square};
 use subpath::{Departure, Subpath};
@@ -403,10 +404,11 @@ fn shade_one_way(scene: &Scene, path: &mut PathState<'_>, surface: &SurfaceInter
     shade(scene, path, surface)
 }
 
-impl Bidirectional<'_> {
-    fn cast<O: PathObserver>(
+impl Integrator for Bidirectional<'_> {
+    fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
+        _pixel: [u32; 2],
         raster: Vec2,
         observer: &mut O,
     ) -> PixelSample {
@@ -433,20 +435,6 @@ impl Bidirectional<'_> {
             aux.albedo = visible.albedo.unwrap_or_default();
         }
         PixelSample { radiance, first: visible.first.map(|at| self.view.first_hit(&at, aux)) }
-    }
-}
-
-impl PixelIntegrator for Bidirectional<'_> {
-    fn sample(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> PixelSample {
-        let mut counting = Counting::new(ctx);
-        let sample = self.cast(ctx, raster, &mut counting);
-        ctx.rays = counting.rays;
-        sample
-    }
-
-    fn trail(&self, ctx: &mut SampleContext<'_>, _pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
-        let mut trail = Trail::default();
-        (self.cast(ctx, raster, &mut trail), trail)
     }
 }
 

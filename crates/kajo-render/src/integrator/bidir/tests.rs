@@ -9,6 +9,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
 
 use super::*;
+use crate::PixelIntegrator;
 use crate::integrator::{Path, PathSettings};
 
 mod scenes;

@@ -9,6 +9,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
 
 use super::*;
+use crate::PixelIntegrator;
 use crate::integrator::ambient_occlusion::AmbientOcclusion;
 
 /// Black on the left, white on the right.
