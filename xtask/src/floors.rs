@@ -46,7 +46,8 @@ const KEPT: [(&str, &str); 10] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 27] = [
+const CORE_MODULES: [(&str, &[&str]); 28] = [
+    ("ids", &[]),
     ("family", &[]),
     ("interaction", &[]),
     ("motion", &[]),
@@ -58,7 +59,17 @@ const CORE_MODULES: [(&str, &[&str]); 27] = [
     ("shape", &["family", "interaction"]),
     (
         "light",
-        &["family", "interaction", "background", "environment", "daylight", "motion", "shape", "sky_disc"],
+        &[
+            "ids",
+            "family",
+            "interaction",
+            "background",
+            "environment",
+            "daylight",
+            "motion",
+            "shape",
+            "sky_disc",
+        ],
     ),
     ("item_buffer", &["shape"]),
     ("medium", &["family", "interaction"]),
@@ -95,7 +106,7 @@ const CORE_MODULES: [(&str, &[&str]); 27] = [
         ],
     ),
     ("schema", &["scene", "settings"]),
-    ("lighting", &["interaction", "bsdf", "glow", "light", "material", "scene"]),
+    ("lighting", &["ids", "interaction", "bsdf", "glow", "light", "material", "scene"]),
     ("shading", &["interaction", "material", "scene"]),
     // Tests only: what holds for all families.
     (
@@ -116,6 +127,7 @@ const CORE_MODULES: [(&str, &[&str]); 27] = [
     (
         "compile",
         &[
+            "ids",
             "family",
             "interaction",
             "bsdf",

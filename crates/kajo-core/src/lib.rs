@@ -11,6 +11,7 @@ pub mod daylight;
 pub mod environment;
 mod family;
 pub mod glow;
+pub mod ids;
 pub mod interaction;
 mod item_buffer;
 #[cfg(test)]
@@ -33,6 +34,7 @@ mod sky_disc;
 pub mod texture;
 
 pub use family::Pooled;
+pub use ids::{LightGroup, LightIndex};
 pub use interaction::RayOffset;
 pub use item_buffer::ItemBuffer;
 pub use motion::{MovingTransform, Shutter};

@@ -20,7 +20,7 @@ use crate::family::Pooled;
 use crate::glow::VariedEmission;
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 use crate::item_buffer::{Body, ItemBuffer};
-use crate::light::{Emitters, LightId, Lights};
+use crate::light::{LightId, LightSampler, Lights};
 use crate::material::{MaterialId, MaterialPoint, Materials};
 use crate::medium::Fog;
 use crate::motion::MovingTransform;
@@ -129,8 +129,8 @@ pub struct Scene {
     pub light_list: Vec<LightId>,
     /// Names of the groups of lights; the first is that of lights without one.
     pub light_groups: Arc<[String]>,
-    /// Everything that gives light, ready to be drawn from.
-    pub emitters: Emitters,
+    /// Everything that gives light, ready to be chosen from.
+    pub light_sampler: LightSampler,
     /// Light that comes from everywhere.
     pub ambient: Spectrum,
     /// What escaping rays see.

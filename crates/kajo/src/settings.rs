@@ -168,7 +168,7 @@ impl RenderSettings {
                 "`ambientLight` is left out: indirect light takes its place",
             ),
             (
-                shaded && scene.emitters.is_empty(),
+                shaded && scene.light_sampler.is_empty(),
                 "nothing in this scene gives light, so the picture is black",
             ),
             (

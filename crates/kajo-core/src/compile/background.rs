@@ -6,8 +6,8 @@ use kajo_math::Vec3;
 use kajo_scene::{Diagnostic, Item, Params};
 
 use super::fields::{
-    At, FileName, Keys, LightGroupNumber, any_angle, at_least, between, classic_light, color, degrees, file,
-    flag, keys, number, report_without,
+    At, FileName, Keys, any_angle, at_least, between, classic_light, color, degrees, file, flag, keys,
+    number, report_without,
 };
 use super::pictures::read_picture;
 use super::spectra::Written;
@@ -15,6 +15,7 @@ use super::{Compiler, light_groups};
 use crate::background::{Background, CubeMap, FACE_NAMES};
 use crate::daylight::{Sky, SkySettings};
 use crate::environment::Environment;
+use crate::ids::LightGroup;
 use crate::medium::Fog;
 use crate::schema::{Block, Kind};
 
@@ -37,7 +38,7 @@ keys! {
             .not_beside(&["environment"])
             .placed()
             .option("a folder of six pictures"),
-        group: Option<LightGroupNumber> = light_groups::GROUP,
+        group: Option<LightGroup> = light_groups::GROUP,
     }
 }
 
@@ -101,7 +102,7 @@ impl Compiler<'_> {
         });
         let Some((keys, sky)) = read else { return (Background::constant(GREY), Spectrum::BLACK) };
         let BackgroundKeys { color, ambient, environment, rotate, scale, cube_map, group } = keys;
-        self.sky_group = group.unwrap_or_default().0;
+        self.sky_group = group.unwrap_or_default();
         let picture = match (sky, environment, cube_map) {
             (Some(item), ..) => self.sky(item).map(Background::Sky),
             (None, Some(file), _) => self.environment(&file, rotate, scale).map(Background::Environment),

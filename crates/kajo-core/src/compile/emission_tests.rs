@@ -9,8 +9,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, compile};
 use crate::bsdf::{Base, Bsdf, Specular, ThinDielectric};
-use crate::light::{LightChoice, Target};
-use crate::lighting::Receiver;
+use crate::light::{LeNumbers, LightChoice, LightLeSample, LightPoint, PowerLightSampler, Receiver};
 use crate::scene::{Event, Scene};
 
 /// A picture of 2 x 2 colours.
@@ -66,7 +65,18 @@ fn seen(scene: &Scene, from: Vec3, p: Vec3, time: f32) -> Option<Spectrum> {
     let d = (p - from).normalize();
     let event = scene.trace(&Ray { time, ..Ray::new(from, d) });
     let at = event.surface().filter(|at| at.point.p.distance(p) < 1e-4)?;
-    Some(scene.glow(at, d, &Wavelengths::RGB)?.radiance)
+    Some(scene.surface_light(at, d, &Wavelengths::RGB)?.radiance)
+}
+
+/// Light that leaves a light chosen by its power.
+fn leaving(
+    scene: &Scene,
+    sampler: &PowerLightSampler,
+    time: f32,
+    u: f32,
+    numbers: LeNumbers,
+) -> Option<LightLeSample> {
+    scene.sample_le(sampler.sample(u)?.light, time, numbers, &Wavelengths::RGB, sampler.world())
 }
 
 /// Whether two values are the same, and not on both sides of the edge of a texel or of a pattern.
@@ -79,7 +89,7 @@ fn places_give_the_light_that_is_seen_of_them() {
     for materials in MATERIALS {
         for things in THINGS {
             let scene = lit(materials, things);
-            let departures = scene.departures();
+            let sampler = scene.power_light_sampler();
             let (mut same, mut other, mut values) = (0, 0, BTreeSet::new());
             let mut count = |drawn: Spectrum, seen: Option<Spectrum>| {
                 let Some(seen) = seen else { return };
@@ -92,15 +102,18 @@ fn places_give_the_light_that_is_seen_of_them() {
                 let time = u(0);
                 let to = Receiver { p: 8.0 * Vec3::new(u(1), u(2), u(3)) - 4.0, n: Vec3::ZERO, time };
                 let place = Vec2::new(u(4), u(5));
-                let drawn = scene.light_towards(&to, u(6), place, &Wavelengths::RGB, LightChoice::Tree);
+                let chosen = scene.light_sampler.sample(&to, u(6), LightChoice::Tree);
+                let drawn = chosen.and_then(|it| scene.sample_li(it.light, &to, place, &Wavelengths::RGB));
                 if let Some(sample) = drawn
-                    && let Target::Surface { p, .. } = sample.target
+                    && let LightPoint::Surface { p, .. } = sample.at
                 {
                     count(sample.radiance, seen(&scene, to.p, p, time));
                 }
-                let ways = [Vec2::new(u(7), u(8)), Vec2::new(u(9), u(10))];
-                if let Some((emitted, ..)) = scene.emit(&departures, time, u(11), ways, &Wavelengths::RGB) {
-                    count(emitted.radiance, seen(&scene, emitted.p + 0.1 * emitted.d, emitted.p, time));
+                let numbers =
+                    LeNumbers { position: Vec2::new(u(7), u(8)), direction: Vec2::new(u(9), u(10)) };
+                if let Some(leaving) = leaving(&scene, &sampler, time, u(11), numbers) {
+                    let p = leaving.at.p();
+                    count(leaving.radiance, seen(&scene, p + 0.1 * leaving.d, p, time));
                 }
             }
             assert!(same > 200 && other * 50 < same, "{materials} {things}: {same} {other}");
@@ -116,13 +129,14 @@ fn lights_are_as_strong_as_the_mean_of_their_places() {
         ["Matte emitter { emission slide.ppm 2 { light 1.5 1 0.5 } }", MATERIALS[1], MATERIALS[4]]
     {
         let scene = lit(materials, THINGS[0]);
-        let departures = scene.departures();
+        let sampler = scene.power_light_sampler();
         let n = 4000;
         let sum = (0..n).fold(Spectrum::BLACK, |sum, k| {
             let s = Stream::new(32, [k, 0], 0);
-            let ways = [Vec2::new(s.uniform(0), s.uniform(1)), Vec2::new(s.uniform(2), s.uniform(3))];
-            let emitted = scene.emit(&departures, 0.0, 0.5, ways, &Wavelengths::RGB);
-            sum + emitted.map_or(Spectrum::BLACK, |(emitted, ..)| emitted.radiance)
+            let position = Vec2::new(s.uniform(0), s.uniform(1));
+            let numbers = LeNumbers { position, direction: Vec2::new(s.uniform(2), s.uniform(3)) };
+            let leaving = leaving(&scene, &sampler, 0.0, 0.5, numbers);
+            sum + leaving.map_or(Spectrum::BLACK, |leaving| leaving.radiance)
         });
         let mean = sum * (1.0 / n as f32);
         let known = Spectrum::from(Vec3::from(scene.lights.areas[0].emission.rgb()));
@@ -165,7 +179,7 @@ fn models_glow_and_have_holes() {
         |x: f32, y: f32, from: f32| Ray::new(Vec3::new(x, y, from), Vec3::new(0.0, 0.0, -from.signum()));
     let seen = |scene: &Scene, ray: Ray| {
         let event = scene.trace(&ray);
-        let glow = event.surface().and_then(|at| scene.glow(at, ray.d, &Wavelengths::RGB));
+        let glow = event.surface().and_then(|at| scene.surface_light(at, ray.d, &Wavelengths::RGB));
         glow.map(|glow| glow.radiance.to_rgb())
     };
     let dark = model("\"roughnessFactor\":1}");

@@ -11,7 +11,8 @@ use super::Compiler;
 use crate::background::Background;
 use crate::family::Pooled;
 use crate::glow::{EmissionFactor, EmissionTerm, VariedEmission};
-use crate::light::{AreaLight, Emitters, LightId, Sides, SkyLight};
+use crate::ids::{LightGroup, LightIndex, VariedEmissionId};
+use crate::light::{AreaLight, LightId, LightSampler, Sides, SkyLight};
 use crate::material::{MaterialId, MaterialPoint};
 use crate::motion::MovingTransform;
 use crate::shape::{Patch, ShapeId};
@@ -26,14 +27,14 @@ pub(super) struct Glow {
     /// Its light, which is that of several materials where it mixes them.
     terms: Vec<EmissionTerm>,
     sides: Sides,
-    group: u8,
+    group: LightGroup,
 }
 
 impl Glow {
     /// The same light everywhere, on all sides.
     pub(super) fn even(emission: Emission) -> Option<Glow> {
         let terms = vec![EmissionTerm { emission, factors: Vec::new() }];
-        Glow { terms, sides: Sides::Both, group: 0 }.if_any()
+        Glow { terms, sides: Sides::Both, group: LightGroup::default() }.if_any()
     }
 
     /// The light where it leaves the surface on these sides only.
@@ -42,7 +43,7 @@ impl Glow {
     }
 
     /// The light among that of a group.
-    pub(super) fn in_group(self, group: u8) -> Glow {
+    pub(super) fn in_group(self, group: LightGroup) -> Glow {
         Glow { group, ..self }
     }
 
@@ -119,9 +120,9 @@ struct Shining {
     /// The light, or its mean.
     emission: Emission,
     /// The number of light that varies.
-    varied: Option<u32>,
+    varied: Option<VariedEmissionId>,
     sides: Sides,
-    group: u8,
+    group: LightGroup,
 }
 
 impl Compiler<'_> {
@@ -197,7 +198,7 @@ impl Compiler<'_> {
     fn light_of_piece(
         &self,
         mean: &Emission,
-        varied: u32,
+        varied: VariedEmissionId,
         shape: ShapeId,
         (part, patch): (u32, &Patch),
         map: &DAffine3,
@@ -205,7 +206,7 @@ impl Compiler<'_> {
         /// Places across and up.
         const GRID: u8 = 4;
         const KNOWN: f32 = 0.9;
-        let varied = &self.varied_emissions[varied as usize];
+        let varied = &self.varied_emissions[varied.index()];
         let light = |i: u8| {
             let u = Vec2::new((i % GRID).into(), (i / GRID).into()) + 0.5;
             let p = patch.sample_area(u / f32::from(GRID))?.p;
@@ -235,8 +236,9 @@ impl Compiler<'_> {
             }
             let light = VariedEmission::new(terms.clone());
             let emission = light.mean();
+            let number = VariedEmissionId::new(varied.len());
             varied.push(light);
-            (id, Shining { emission, varied: Some(varied.len() as u32 - 1), sides, group })
+            (id, Shining { emission, varied: number, sides, group })
         };
         self.glows.iter().map(shining).collect()
     }
@@ -258,17 +260,19 @@ impl Compiler<'_> {
     }
 
     /// The lights that integrators draw from: those of the file, glowing pieces, and the background.
-    pub(super) fn emitters(&mut self, background: &Arc<Background>) -> Emitters {
+    pub(super) fn light_sampler(&mut self, background: &Arc<Background>) -> LightSampler {
         let groups = self.groups_of_lights.iter().copied();
-        let mut list: Vec<(LightId, u8)> = self.light_list.iter().copied().zip(groups).collect();
+        let mut list: Vec<(LightId, LightGroup)> = self.light_list.iter().copied().zip(groups).collect();
         let n_areas = self.lights.areas.len();
-        let first_area = (list.len() - n_areas) as u32;
-        let sky = (!background.is_black()).then(|| {
-            let id = SkyLight::new(Arc::clone(background)).store(&mut self.lights);
-            list.extend(id.map(|id| (id, self.sky_group)));
-            list.len() as u32 - 1
-        });
-        Emitters::new(list, first_area, sky, &self.lights)
+        let first_area = list.len() - n_areas;
+        let mut sky = None;
+        if !background.is_black()
+            && let Some(id) = SkyLight::new(Arc::clone(background)).store(&mut self.lights)
+        {
+            sky = LightIndex::new(list.len());
+            list.push((id, self.sky_group));
+        }
+        LightSampler::new(list, first_area, sky, &self.lights)
     }
 }
 

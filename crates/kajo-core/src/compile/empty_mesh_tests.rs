@@ -77,7 +77,7 @@ fn nothing_is_hit_and_nothing_shines() {
                 let (scene, said) = compiled(&text);
                 let scene = scene.unwrap_or_else(|| panic!("{text}\n{said:?}"));
                 assert_eq!(look(&scene), look(&plain), "{text}");
-                assert_eq!(scene.emitters.list().len(), plain.emitters.list().len(), "{text}");
+                assert_eq!(scene.light_sampler.list().len(), plain.light_sampler.list().len(), "{text}");
                 assert_eq!(scene.bounds(), plain.bounds(), "{text}");
                 assert!(!said.iter().any(|m| m.contains("plane without bounds")), "{text}\n{said:?}");
                 assert!(!said.is_empty(), "{text}");

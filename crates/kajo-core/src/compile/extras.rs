@@ -3,8 +3,9 @@
 use kajo_scene::{Diagnostic, Params, Span};
 
 use super::emitters::Glow;
-use super::fields::{At, Keys, LightGroupNumber, Sources, Typed, choice, choices, keys, light_group};
+use super::fields::{At, Keys, Sources, Typed, choice, choices, keys, light_group};
 use super::pictures::{HeightMap, NormalMap, Opacity, SurfaceLight};
+use crate::ids::LightGroup;
 use crate::light::Sides;
 use crate::material::Relief;
 use crate::schema::{Constant, FieldKind};
@@ -27,7 +28,7 @@ keys! {
             .only_beside("emission")
             .placed()
             .presumed(Constant::Word("both"), "the side that gives light"),
-        group: Option<At<'t, LightGroupNumber>> = light_group("group")
+        group: Option<At<'t, LightGroup>> = light_group("group")
             .only_beside("emission")
             .placed()
             .option("name of the lights it is seen among"),
@@ -59,7 +60,7 @@ impl Extras {
         }
         let glow = emission.and_then(|SurfaceLight { light, slide }| {
             let sides = emits.map_or(Sides::Both, |at| at.value);
-            let group = group.map_or(0, |at| at.value.0);
+            let group = group.map(|at| at.value).unwrap_or_default();
             Some(slide.into_iter().fold(Glow::even(light)?, Glow::through).on(sides).in_group(group))
         });
         let relief = match (normals, heights) {

@@ -22,6 +22,7 @@ use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 use super::light_groups::LightGroups;
 use super::pictures::PaintReader;
 use super::spectra::Written;
+use crate::ids::LightGroup;
 use crate::schema::{Absent, Around, Constant, FieldKind, FieldSpec, FieldValue};
 use crate::settings::Rules;
 use crate::texture::{Paint, Share};
@@ -844,22 +845,18 @@ pub(super) const fn share(key: &'static str) -> Typed<Share> {
     Typed::new(key, FieldKind::SHARE)
 }
 
-/// The number of a group of lights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct LightGroupNumber(pub u8);
-
-impl Plain<'_> for LightGroupNumber {
+impl Plain<'_> for LightGroup {
     fn parse(
         _: &FieldSpec,
         args: &mut Args<'_>,
         sources: &mut Sources<'_>,
-    ) -> Result<LightGroupNumber, Diagnostic> {
-        sources.groups.number(args).map(LightGroupNumber)
+    ) -> Result<LightGroup, Diagnostic> {
+        sources.groups.group(args)
     }
 }
 
 /// The group of lights that something is seen in.
-pub(super) const fn light_group(key: &'static str) -> Typed<LightGroupNumber> {
+pub(super) const fn light_group(key: &'static str) -> Typed<LightGroup> {
     Typed::new(key, FieldKind::Text)
 }
 

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use kajo_scene::{Args, Diagnostic};
 
-use super::fields::{LightGroupNumber, Optional, light_group};
+use super::fields::{Optional, light_group};
+use crate::ids::LightGroup;
 use crate::light::MAX_LIGHT_GROUPS;
 
 /// The group of lights that something is seen in.
-pub(super) const GROUP: Optional<LightGroupNumber> =
+pub(super) const GROUP: Optional<LightGroup> =
     light_group("group").option("name of the lights it is seen among");
 
 /// The group of what is in none.
@@ -26,21 +27,21 @@ impl Default for LightGroups {
 }
 
 impl LightGroups {
-    /// The number of the group that a key names.
-    pub fn number(&mut self, args: &mut Args<'_>) -> Result<u8, Diagnostic> {
+    /// The group that a key names.
+    pub fn group(&mut self, args: &mut Args<'_>) -> Result<LightGroup, Diagnostic> {
         let name = args.text()?;
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) {
             return Err(args.error("the name of a group has letters, digits, `_` and `-` only"));
         }
-        if let Some(known) = self.names.iter().position(|known| *known == name) {
-            return Ok(known as u8);
-        }
-        if self.names.len() == MAX_LIGHT_GROUPS {
+        let known = self.names.iter().position(|known| *known == name);
+        let Some(group) = LightGroup::new(known.unwrap_or(self.names.len())) else {
             let most = MAX_LIGHT_GROUPS - 1;
             return Err(args.error(format!("a scene has at most {most} groups of lights, and `{OTHER}`")));
+        };
+        if known.is_none() {
+            self.names.push(name.into_owned());
         }
-        self.names.push(name.into_owned());
-        Ok((self.names.len() - 1) as u8)
+        Ok(group)
     }
 
     pub fn into_names(self) -> Arc<[String]> {
@@ -50,9 +51,12 @@ impl LightGroups {
 
 #[cfg(test)]
 mod tests {
+    use kajo_color::Wavelengths;
+    use kajo_math::Vec3;
     use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
     use crate::compile::{CompileOptions, compile};
+    use crate::ids::LightIndex;
     use crate::scene::Scene;
 
     /// The scene, or what is wrong with it.
@@ -79,9 +83,11 @@ mod tests {
         )
         .unwrap();
         assert_eq!(&*scene.light_groups, ["other", "sky", "key", "rim"]);
-        let groups: Vec<u8> = (0..6).map(|number| scene.emitters.group(number)).collect();
+        let groups: Vec<usize> =
+            LightIndex::all(6).map(|light| scene.light_sampler.group(light).index()).collect();
         assert_eq!(groups, [2, 0, 2, 0, 3, 1]);
-        assert_eq!(scene.emitters.sky_group(), 1);
+        let seen: Vec<_> = scene.lights_at_infinity(Vec3::Y, &Wavelengths::RGB).collect();
+        assert_eq!(seen.iter().map(|hit| hit.group.index()).collect::<Vec<_>>(), [1], "the background");
         let plain = compiled("Lights { PointLight { position 0 1 0 color 1 1 1 group other } }").unwrap();
         assert_eq!(&*plain.light_groups, ["other"]);
     }

@@ -8,10 +8,11 @@ use kajo_scene::{Diagnostic, Item, Params};
 
 use super::Compiler;
 use super::blocks::{Member, directional_light, keywords, point_light, spot_light};
-use super::fields::{LightGroupNumber, Sources};
+use super::fields::Sources;
 use super::places::misplaced;
 use super::spectra::Written;
 use crate::family::Pooled;
+use crate::ids::LightGroup;
 use crate::light::{LightId, Lights};
 use crate::schema::{Block, Kind};
 
@@ -55,15 +56,15 @@ impl Compiler<'_> {
     pub(super) fn light<'t, L: Pooled<Lights, Handle = LightId>>(
         &mut self,
         item: Item<'t>,
-        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<(L, LightGroupNumber)>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<(L, LightGroup)>,
     ) {
-        if let Some((light, LightGroupNumber(group))) = self.read_keys(item, read) {
+        if let Some((light, group)) = self.read_keys(item, read) {
             self.add_light(light, group);
         }
     }
 
     /// Puts a light into its pool and its group.
-    pub(super) fn add_light(&mut self, light: impl Pooled<Lights, Handle = LightId>, group: u8) {
+    pub(super) fn add_light(&mut self, light: impl Pooled<Lights, Handle = LightId>, group: LightGroup) {
         if let Some(id) = light.store(&mut self.lights) {
             self.light_list.push(id);
             self.groups_of_lights.push(group);
@@ -90,12 +91,11 @@ pub(super) fn physical(quantity: Emission) -> (Spectrum, Emission) {
 
 #[cfg(test)]
 mod tests {
-    use kajo_color::Wavelengths;
     use kajo_math::{Vec2, Vec3};
     use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
     use crate::compile::{CompileOptions, compile};
-    use crate::light::Emitter;
+    use crate::light::tests::sample_li;
     use crate::scene::Scene;
 
     /// The scene with this light, or the errors.
@@ -115,7 +115,7 @@ mod tests {
     /// Irradiance at the point `p` from a luminaire at the origin.
     fn irradiance(keys: &str, p: Vec3) -> f32 {
         let scene = compiled(&format!("PointLight {{ position 0 0 0  ies luminaire.ies  {keys} }}")).unwrap();
-        scene.lights.photometric[0].sample(p, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap().radiance[0]
+        sample_li(&scene.lights.photometric[0], p, Vec2::ZERO).unwrap().radiance[0]
     }
 
     #[test]

@@ -53,6 +53,7 @@ use crate::background::Background;
 use crate::camera::NamedCamera;
 use crate::family::Pooled;
 use crate::glow::VariedEmission;
+use crate::ids::LightGroup;
 use crate::light::{LightId, Lights};
 use crate::material::{Appearance, MaterialId, Materials};
 use crate::motion::{MovingTransform, Shutter};
@@ -222,9 +223,9 @@ struct Compiler<'a> {
     lights: Lights,
     light_list: Vec<LightId>,
     /// The group of each light.
-    groups_of_lights: Vec<u8>,
+    groups_of_lights: Vec<LightGroup>,
     /// The group of the background.
-    sky_group: u8,
+    sky_group: LightGroup,
     light_groups: light_groups::LightGroups,
     meshes: mesh::MeshCache,
     /// Those whose colours have opacities.
@@ -281,7 +282,7 @@ impl<'a> Compiler<'a> {
             lights: Lights::default(),
             light_list: Vec::new(),
             groups_of_lights: Vec::new(),
-            sky_group: 0,
+            sky_group: LightGroup::default(),
             light_groups: light_groups::LightGroups::default(),
             meshes: mesh::MeshCache::default(),
             clear_meshes: HashSet::new(),
@@ -338,7 +339,7 @@ impl<'a> Compiler<'a> {
 
     fn finish(mut self, rest: Surroundings) -> Scene {
         let background = Arc::new(rest.background);
-        let emitters = self.emitters(&background);
+        let light_sampler = self.light_sampler(&background);
         let numbers = self.material_list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
         let mut material_numbers: HashMap<MaterialId, u32> = numbers.rev().collect();
         for (plain, seen) in &self.see_through {
@@ -370,7 +371,7 @@ impl<'a> Compiler<'a> {
             lights: self.lights,
             light_list: self.light_list,
             light_groups: self.light_groups.into_names(),
-            emitters,
+            light_sampler,
             ambient: rest.ambient,
             background,
             fog: rest.fog,

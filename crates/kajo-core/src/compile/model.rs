@@ -18,6 +18,7 @@ use super::group::{Place, Walk};
 use super::mesh::{corner_colors, corner_values};
 use super::model_beads::{BeadMaterials, BeadRadii};
 use super::model_material::ModelPictures;
+use crate::ids::LightGroup;
 use crate::material::MaterialId;
 use crate::nested::Content;
 use crate::shape::{MeshData, ShapeId, VertexAttributes};
@@ -57,7 +58,7 @@ pub(super) struct ModelRequest {
     pub radii: BeadRadii,
     pub lights: bool,
     pub light_scale: f32,
-    pub group: u8,
+    pub group: LightGroup,
 }
 
 impl Compiler<'_> {

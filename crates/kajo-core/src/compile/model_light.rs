@@ -11,6 +11,7 @@ use super::Compiler;
 use super::group::Place;
 use super::lights::physical;
 use crate::camera::{Camera, Frame, NamedCamera, OrthographicCamera, PerspectiveCamera};
+use crate::ids::LightGroup;
 use crate::light::{Cone, DirectionalLight, PointLight, SpotLight};
 
 /// Falloff of a light given by its intensity.
@@ -24,7 +25,7 @@ impl Compiler<'_> {
     pub(super) fn model_lights(
         &mut self,
         lights: &[ModelLight],
-        (scale, group): (f32, u8),
+        (scale, group): (f32, LightGroup),
         place: &Place,
         item: Item<'_>,
     ) {

@@ -7,7 +7,7 @@ use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
 use crate::camera::Camera;
 use crate::compile::{CompileOptions, compile};
-use crate::light::Emitter;
+use crate::light::tests::sample_li;
 use crate::scene::{Interaction, Scene};
 
 /// The scene of these objects, which may name `a.gltf`, `a.obj` and `a.ply`, and what was said; the file has this content besides a triangle of
@@ -116,9 +116,9 @@ fn lights_shine_in_their_units_where_the_model_stands() {
     let emitter = &lit.lights.point[0];
     assert_eq!(emitter.position, Vec3::new(3.0, 2.0, 0.0));
     // Illuminance is candela over the square of the distance.
-    let sample = emitter.sample(Vec3::new(3.0, 0.0, 0.0), 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
+    let sample = sample_li(emitter, Vec3::new(3.0, 0.0, 0.0), Vec2::ZERO).unwrap();
     assert_eq!(sample.radiance.to_rgb(), [2.0, 1.0, 0.0]);
-    let sun = lit.lights.directional[0].sample(Vec3::ZERO, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
+    let sun = sample_li(&lit.lights.directional[0], Vec3::ZERO, Vec2::ZERO).unwrap();
     assert_eq!((sun.wi, sun.radiance.to_rgb()), (Vec3::Z, [3.0; 3]));
     let spot = &lit.lights.spots[0];
     assert_eq!((spot.axis, spot.cone.inner), (Vec3::NEG_Z, 0.0));
@@ -210,7 +210,7 @@ fn surfaces_without_lighting_shine_in_the_colours_of_their_vertices() {
         r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1]},"extensions":{"KHR_materials_unlit":{}}"#;
     let unlit = scene("Model { file a.gltf }", &triangle(r#","COLOR_0":3"#, material));
     for (x, y) in [(-0.5, -0.5), (1.0, 0.5)] {
-        let glow = unlit.glow(&met(&unlit, x, y), Vec3::NEG_Z, &Wavelengths::RGB).unwrap();
+        let glow = unlit.surface_light(&met(&unlit, x, y), Vec3::NEG_Z, &Wavelengths::RGB).unwrap();
         let (green, blue) = (0.25 * (x + 1.0), 0.25 * (y + 1.0));
         let expected = Vec3::new(0.5 * (1.0 - green - blue), green, blue);
         assert!(Vec3::from(glow.radiance.to_rgb()).distance(expected) < 1e-5, "{glow:?} at {x} {y}");

@@ -7,7 +7,7 @@ use kajo_math::{Ray, Vec2, Vec3, warp};
 use super::tests::{compiled, scene};
 use crate::Scene;
 use crate::light::LightChoice;
-use crate::lighting::Receiver;
+use crate::light::{LightLiSample, LightPoint, Receiver};
 use crate::scene::{Event, Interaction};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
@@ -106,8 +106,21 @@ fn at_each_moment_things_are_where_they_would_be_at_rest() {
     assert!(hits > 600, "{hits}");
 }
 
+/// Light of a light chosen for a receiver; the density includes the choice.
+fn sample_light(
+    scene: &Scene,
+    to: &Receiver,
+    u: f32,
+    place: Vec2,
+    choice: LightChoice,
+) -> Option<LightLiSample> {
+    let chosen = scene.light_sampler.sample(to, u, choice)?;
+    let sample = scene.sample_li(chosen.light, to, place, &Wavelengths::RGB)?;
+    Some(LightLiSample { pdf: sample.pdf * chosen.probability, ..sample })
+}
+
 #[test]
-fn lights_are_drawn_where_they_are() {
+fn lights_are_sampled_where_they_are() {
     let moving = moving();
     let mut drawn = 0;
     // Not at the very start, where a ball at rest is a sphere and is drawn as one.
@@ -119,20 +132,16 @@ fn lights_are_drawn_where_they_are() {
             let p = 5.0 * Vec3::new(u(0), u(1), u(2)) - 2.5;
             let to = Receiver { p, n: Vec3::ZERO, time: t };
             let choice = LightChoice::Uniform;
-            let draw = |scene: &Scene| {
-                scene.light_towards(&to, u(3), Vec2::new(u(4), u(5)), &Wavelengths::RGB, choice)
-            };
+            let draw = |scene: &Scene| sample_light(scene, &to, u(3), Vec2::new(u(4), u(5)), choice);
             let (Some(a), Some(b)) = (draw(&moving), draw(&resting)) else { continue };
             assert!(a.wi.distance(b.wi) < 2e-3, "{k} at {t}: {} {}", a.wi, b.wi);
             assert!((a.pdf / b.pdf - 1.0).abs() < 0.02, "{k} at {t}: {} {}", a.pdf, b.pdf);
             drawn += 1;
             // What is met in that direction has the density with which it was drawn.
             let Some(at) = met(&moving, &Ray { time: t, ..Ray::new(p, a.wi) }) else { continue };
-            let Some(glow) = moving.glow(&at, a.wi, &Wavelengths::RGB) else { continue };
-            let near =
-                matches!(a.target, crate::light::Target::Surface { p, .. } if p.distance(at.point.p) < 1e-4);
-            if near {
-                let met = moving.glow_pdf(&glow, &at, &to, choice);
+            let Some(hit) = moving.surface_light(&at, a.wi, &Wavelengths::RGB) else { continue };
+            if a.at.p().distance(at.point.p) < 1e-4 {
+                let met = moving.pdf_li(hit.light, &to, &LightPoint::on(&at.point), a.wi, choice);
                 assert!((met / a.pdf - 1.0).abs() < 0.02, "{k} at {t}: {met} {}", a.pdf);
             }
         }
@@ -151,8 +160,7 @@ fn the_choice_of_lights_rules_none_out_at_any_time() {
         let u = random(k);
         let p = 8.0 * Vec3::new(u(0), u(1), u(2)) - 4.0;
         let to = Receiver { p, n: Vec3::ZERO, time: u(3) };
-        let sample =
-            spinning.light_towards(&to, u(4), Vec2::new(u(5), u(6)), &Wavelengths::RGB, LightChoice::Tree);
+        let sample = sample_light(&spinning, &to, u(4), Vec2::new(u(5), u(6)), LightChoice::Tree);
         assert!(sample.is_some(), "from {p} at {}", to.time);
     }
 }

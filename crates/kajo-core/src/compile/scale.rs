@@ -32,7 +32,7 @@ pub(super) fn check(scene: &Scene, diagnostics: &mut Diagnostics) {
         diagnostics.push(Diagnostic::warning(message).help(help));
     }
     // Parallel light does not fall off, but where it is followed from its source it comes through a disc of that size.
-    let lights = (0..scene.emitters.len() as u32).filter_map(|n| scene.lights.bounds(scene.emitters.id(n)));
+    let lights = scene.light_sampler.list().iter().filter_map(|&id| scene.lights.bounds(id));
     let all = lights.fold(scene.bounds(), |all, light| all.union(light.bounds));
     if all.is_empty() {
         return;

@@ -131,7 +131,7 @@ fn a_plane_is_no_light_and_a_spot_without_its_angle_is_one_mistake() {
     let (scene, said) = compiled(&format!(
         "{CAMERA} {emitter} Plane {{ normal 0 1 0 offset 0 }} Sphere {{ center 0 0 0 radius 1 }} }}"
     ));
-    assert_eq!(scene.unwrap().emitters.len(), 2, "the ball and the background");
+    assert_eq!(scene.unwrap().light_sampler.len(), 2, "the ball and the background");
     assert!(said.len() == 1 && said[0].1.contains("without bounds"), "{said:?}");
     let spot = "SpotLight { position 0 1 0 direction 0 -1 0 color 1 1 1 angle 400 }";
     let (_, said) = compiled(&format!("{CAMERA}{RED}Lights {{ {spot} }}"));

@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
-use kajo_color::{Emission, Wavelengths};
-use kajo_math::{DVec3, Vec2, Vec3};
+use kajo_color::Wavelengths;
+use kajo_math::{Vec2, Vec3, rng::Stream};
 
 use super::{Census, Draw, Furnace, Who};
 use crate::background::Background;
 use crate::daylight::{Sky, SkySettings};
-use crate::light::tests::AFTERNOON;
-use crate::light::tests::emission::{WORLD, emitters};
-use crate::light::{AreaLight, Emitter, LightId, Lights, Sides, SkyLight, Target};
-use crate::shape::Patch;
+use crate::family::Pooled;
+use crate::light::tests::densities::KnownSurface;
+use crate::light::tests::emission::{KnownLight, WORLD, every_light};
+use crate::light::tests::{AFTERNOON, MeanEmission};
+use crate::light::{LeNumbers, LightId, LightLeSample, LightPoint, Lights, Receiver, SkyLight};
 
 /// How far off the power is that lights are chosen by, of those in the list.
 const TOLERANCE: f64 = 3e-3;
@@ -25,82 +26,150 @@ pub(super) fn census() -> Census {
 }
 
 pub(super) fn draws() -> Vec<Draw> {
-    let (lights, list) = emitters();
+    let (mut lights, mut list) = every_light();
+    // Without its sun, which is too small for the cells of the test.
+    let sky = Sky::new(&SkySettings { sun: false, ..AFTERNOON });
+    let clear = SkyLight::new(Arc::new(Background::Sky(Box::new(sky)))).store(&mut lights);
+    list.extend(clear.map(|id| KnownLight { id, power: 0.0, surface: None }));
     let lights = Arc::new(lights);
-    let leaving = list.into_iter().enumerate().filter_map(|(i, (id, _))| leaving(&lights, id, i));
-    leaving.chain([towards_a_square(), towards_a_sky()]).collect()
+    let entries =
+        |(i, light): (usize, &KnownLight)| [leaving(&lights, light.id, i), towards(&lights, light, i)];
+    list.iter().enumerate().flat_map(entries).flatten().collect()
 }
 
-/// Directions in which light leaves one place of an emitter.
+/// Directions in which light leaves one point of a light.
 fn leaving(lights: &Arc<Lights>, id: LightId, number: usize) -> Option<Draw> {
-    let place = Vec2::new(0.37, 0.61);
-    let emit = move |lights: &Lights, u: Vec2| lights.emit(id, 0.0, [place, u], &Wavelengths::RGB, &WORLD);
+    let position = Vec2::new(0.37, 0.61);
+    let leave = move |lights: &Lights, direction: Vec2| -> Option<LightLeSample> {
+        let numbers = LeNumbers { position, direction };
+        lights.sample_le(id, 0.0, numbers, &Wavelengths::RGB, &WORLD, &MeanEmission)
+    };
     let tries = (0..10).map(|i| Vec2::new(0.2, 0.05 + 0.1 * i as f32));
-    let first = tries.filter_map(|u| emit(lights, u)).next()?;
-    if first.is_delta && first.is_infinite() {
+    let first = tries.filter_map(|u| leave(lights, u)).next()?;
+    if first.is_delta && first.at.is_infinite() {
         return None;
     }
-    let at = match first.origin {
-        Target::Surface { p, n, .. } => [p, n],
-        Target::Point(p) => [p, Vec3::ZERO],
-        Target::Infinity => [WORLD.center, Vec3::ZERO],
+    let at = match first.at {
+        LightPoint::Infinite { .. } => LightPoint::Infinite { through: WORLD.center },
+        near => near,
     };
     let (drawn, dense) = (Arc::clone(lights), Arc::clone(lights));
     Some(Draw {
         who: who(Lights::kind(id), format!("number {number}, leaving")),
-        draw: Box::new(move |u, _| emit(&drawn, u).map(|emitted| emitted.d)),
-        pdf: Box::new(move |d| dense.emission_pdf(id, 0.0, at, d, &WORLD).direction),
+        draw: Box::new(move |u, _| leave(&drawn, u).map(|leaving| leaving.d)),
+        pdf: Box::new(move |d| dense.pdf_le(id, 0.0, &at, d, &WORLD).direction),
     })
 }
 
-/// Directions from a receiver to a square above it.
-fn towards_a_square() -> Draw {
-    let patch = Patch::parallelogram(DVec3::new(-0.5, 1.0, -0.5), [DVec3::X, DVec3::Z]);
-    let emission = Emission::from_rgb([2.0; 3]);
-    let light =
-        AreaLight { patch, drift: None, varied: None, emission, sides: Sides::Front, primitive: 0, part: 0 };
-    let from = Vec3::new(0.3, 0.2, -0.7);
-    let same = light.clone();
-    Draw {
-        who: who("areas", "a square seen from below".to_owned()),
-        draw: Box::new(move |u, _| Some(light.sample(from, 0.0, u, &Wavelengths::RGB)?.wi)),
-        pdf: Box::new(move |wi| {
-            let p = from + wi * ((1.0 - from.y) / wi.y);
-            let hit = wi.y > 0.0 && p.x.abs().max(p.z.abs()) <= 0.5;
-            if hit { same.pdf(from, p, Vec3::NEG_Y, 0.0) } else { 0.0 }
-        }),
+/// Directions from a receiver to a light that has an extent.
+fn towards(lights: &Arc<Lights>, light: &KnownLight, number: usize) -> Option<Draw> {
+    let KnownLight { id, surface, .. } = *light;
+    let to = receiver_of(surface.as_ref());
+    let (drawn, dense) = (Arc::clone(lights), Arc::clone(lights));
+    let sample = move |u: Vec2| drawn.sample_li(id, &to, u, &Wavelengths::RGB, &MeanEmission);
+    if sample(Vec2::splat(0.4)).is_none_or(|sample| sample.is_delta) {
+        return None;
     }
+    Some(Draw {
+        who: who(Lights::kind(id), format!("number {number}, towards a receiver")),
+        draw: Box::new(move |u, _| Some(sample(u)?.wi)),
+        pdf: Box::new(move |wi| {
+            let at_infinity = || vec![LightPoint::Infinite { through: to.p }];
+            let points = surface.map_or_else(at_infinity, |surface| surface.points(wi));
+            points.iter().map(|at| dense.pdf_li(id, &to, at, wi)).sum()
+        }),
+    })
 }
 
-/// Directions to a clear sky without its sun, which is too small for the cells of the test.
-fn towards_a_sky() -> Draw {
-    let sky = Sky::new(&SkySettings { sun: false, ..AFTERNOON });
-    let sky = Arc::new(SkyLight::new(Arc::new(Background::Sky(Box::new(sky)))));
-    let same = Arc::clone(&sky);
-    Draw {
-        who: who("skies", "a clear sky".to_owned()),
-        draw: Box::new(move |u, _| Some(sky.sample(Vec3::ZERO, 0.0, u, &Wavelengths::RGB)?.wi)),
-        pdf: Box::new(move |wi| same.pdf(wi)),
-    }
+fn receiver_of(surface: Option<&KnownSurface>) -> Receiver {
+    Receiver { p: surface.map_or(Vec3::ZERO, |surface| surface.receiver), ..Receiver::default() }
 }
 
 /// What lights send out, over the power that is known of them.
 pub(super) fn furnaces() -> Vec<Furnace> {
-    let (lights, list) = emitters();
+    let (lights, list) = every_light();
     let lights = Arc::new(lights);
-    let furnace = |(number, (id, power)): (usize, (LightId, f64))| {
+    let furnace = |(number, KnownLight { id, power, .. }): (usize, KnownLight)| {
         let lights = Arc::clone(&lights);
         Furnace {
             who: who(Lights::kind(id), format!("number {number}")),
             energy: Box::new(move |u, uc| {
-                let ways = [u, Vec2::new(uc, (uc * 977.0).fract())];
-                let emitted = lights.emit(id, 0.0, ways, &Wavelengths::RGB, &WORLD);
+                let numbers = LeNumbers { position: u, direction: Vec2::new(uc, (uc * 977.0).fract()) };
+                let leaving = lights.sample_le(id, 0.0, numbers, &Wavelengths::RGB, &WORLD, &MeanEmission);
                 // Rays along the surface are none; the scene leaves them out too.
-                let usable = emitted.filter(|emitted| emitted.pdf.place * emitted.pdf.direction > 0.0);
-                usable.map_or(0.0, |emitted| f64::from(emitted.power()[0])) / power
+                let usable = leaving.filter(|leaving| leaving.pdf.position * leaving.pdf.direction > 0.0);
+                usable.map_or(0.0, |leaving| f64::from(leaving.power()[0])) / power
             }),
             expected: [1.0 - TOLERANCE, 1.0 + TOLERANCE],
         }
     };
     list.into_iter().enumerate().map(furnace).collect()
+}
+
+/// What a sample says of its own density is what is said when asked for it, by every light for any receiver.
+#[test]
+fn samples_and_densities_for_a_receiver_agree() {
+    let (lights, list) = every_light();
+    let mut kinds = std::collections::BTreeSet::new();
+    for (i, &KnownLight { id, .. }) in list.iter().enumerate() {
+        for k in 0..500 {
+            let s = Stream::new(61, [k, i as u32], 0);
+            let p = 6.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2)) - 3.0;
+            let to = Receiver { p, ..Receiver::default() };
+            let u = Vec2::new(s.uniform(3), s.uniform(4));
+            let Some(sample) = lights.sample_li(id, &to, u, &Wavelengths::RGB, &MeanEmission) else {
+                continue;
+            };
+            kinds.insert(Lights::kind(id));
+            assert!((sample.wi.length() - 1.0).abs() < 1e-5);
+            assert_eq!(sample.at.is_infinite(), lights.bounds(id).is_none());
+            if !sample.at.is_infinite() {
+                let way = (sample.at.p() - p).normalize();
+                assert!(way.distance(sample.wi) < 1e-5, "light {i}: {way} {}", sample.wi);
+            }
+            let again = lights.pdf_li(id, &to, &sample.at, sample.wi);
+            // On the very rim of a disc rounding decides.
+            let rim = sample.at.is_infinite() && again == 0.0;
+            let same = (again / sample.pdf - 1.0).abs() < 2e-3;
+            assert!(same || rim, "light {i} from {p}: {again} for {}", sample.pdf);
+            assert!(!sample.is_delta || (again, sample.pdf) == (1.0, 1.0), "light {i}");
+        }
+    }
+    assert_eq!(kinds.len(), Lights::KINDS.len(), "{kinds:?}");
+}
+
+/// No density is left for directions in which no light comes, nor for points that no light of this kind has.
+#[test]
+fn densities_for_a_receiver_are_zero_where_no_light_comes_from() {
+    let (lights, list) = every_light();
+    for (i, &KnownLight { id, surface, .. }) in list.iter().enumerate() {
+        let to = receiver_of(surface.as_ref());
+        let is_infinite = lights.bounds(id).is_none();
+        let strange = match (is_infinite, surface) {
+            (true, _) => LightPoint::Position(Vec3::X),
+            (false, Some(_)) => LightPoint::Infinite { through: to.p },
+            (false, None) => LightPoint::Surface { p: Vec3::X, p_error: Vec3::ZERO, n: Vec3::X },
+        };
+        assert_eq!(lights.pdf_li(id, &to, &strange, Vec3::Y), 0.0, "light {i}");
+        let mut dark = 0;
+        for k in 0..300 {
+            let s = Stream::new(62, [k, i as u32], 0);
+            let p = 6.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2)) - 3.0;
+            let to = Receiver { p, ..Receiver::default() };
+            let (at, wi) = match lights.bounds(id) {
+                None => (LightPoint::Infinite { through: p }, Vec3::NEG_Y),
+                Some(near) => {
+                    let position = near.bounds.center();
+                    (LightPoint::Position(position), (position - p).normalize())
+                }
+            };
+            let none =
+                lights.sample_li(id, &to, Vec2::splat(0.5), &Wavelengths::RGB, &MeanEmission).is_none();
+            if none {
+                dark += 1;
+                assert_eq!(lights.pdf_li(id, &to, &at, wi), 0.0, "light {i} from {p}");
+            }
+        }
+        assert!(dark > 0 || Lights::kind(id) != "spots", "receivers outside the cone");
+    }
 }

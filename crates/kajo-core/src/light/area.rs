@@ -1,20 +1,24 @@
-//! Surfaces that give light: a place of a piece sends the same radiance into all directions of its side.
+//! Emissive surfaces: each point sends the same radiance into all directions of its side.
 //!
-//! Such a light exists for each piece of every object whose material has an `emission`; it is not written on its
+//! Such a light exists for each patch of every object whose material has an `emission`; it is not written on its
 //! own. The power of one side is `pi A L`.
 //!
-//! A piece that moves is drawn where it is at the time of the receiver's ray, and its density is that of the moved
-//! piece.
+//! A patch that moves is sampled where it is at the time of the receiver's ray, and its density is that of the moved
+//! patch.
 
 use std::f32::consts::PI;
 
 use std::sync::Arc;
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
-use kajo_math::{Aabb, Vec2, Vec3};
+use kajo_math::{Aabb, Frame, Vec2, Vec3, warp};
 
-use super::emit::{INVERSE_SQUARE, cosine_around};
-use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
+use super::sample::INVERSE_SQUARE;
+use super::{
+    BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
+    LightLeSample, LightLiSample, LightPoint, Receiver,
+};
+use crate::ids::VariedEmissionId;
 use crate::motion::MovingTransform;
 use crate::shape::{Patch, PatchWay};
 
@@ -42,18 +46,17 @@ impl Sides {
     }
 }
 
-/// A piece of surface that gives light.
+/// An emissive patch.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// Its geometry in world space, for one that moves at the opening of the shutter.
     pub patch: Patch,
     /// How it has moved since then, if it does; a sphere must stay one.
     pub drift: Option<Arc<MovingTransform>>,
-    /// Radiance; of a piece whose places differ about their mean.
+    /// Radiance; where it differs over the patch, about its mean.
     pub emission: Emission,
-    /// The number of the radiance of each place, where they differ. That of [`Emitter::sample`] and [`Emitter::emit`] is
-    /// the mean, and it is for the scene, which knows what is at a place, to put the true one there.
-    pub varied: Option<u32>,
+    /// Where the radiance differs over the patch: what [`EmissiveSurfaces::radiance`] is to evaluate.
+    pub varied: Option<VariedEmissionId>,
     /// Which sides give light.
     pub sides: Sides,
     /// The object it belongs to, an index into [`crate::Scene::primitives`].
@@ -63,21 +66,24 @@ pub struct AreaLight {
 }
 
 impl AreaLight {
-    /// Density per solid angle with which [`Emitter::sample`] draws the place `p` for the receiver `from`.
-    ///
-    /// * `n`: unit geometric normal at `p`
-    /// * `time`: moment within the shutter interval
+    /// The radiance of the point `p` at a time.
     #[inline]
-    pub fn pdf(&self, from: Vec3, p: Vec3, n: Vec3, time: f32) -> f32 {
-        match &self.drift {
-            None => self.patch.pdf(from, p, n),
-            Some(drift) => self.patch.pdf_moved(&drift.map_at(time), from, p, n),
+    fn radiance(
+        &self,
+        p: Vec3,
+        time: f32,
+        wavelengths: &Wavelengths,
+        surfaces: &impl EmissiveSurfaces,
+    ) -> Spectrum {
+        match self.varied {
+            None => self.emission.at(wavelengths),
+            Some(varied) => surfaces.radiance(self, varied, p, time, wavelengths),
         }
     }
 
-    /// A box around the piece, its unit normal where it is the same everywhere, and its area.
+    /// A box around the patch, its unit normal where it is the same everywhere, and its area.
     ///
-    /// The area of a curved piece is that at the opening of the shutter.
+    /// The area of a curved patch is that at the opening of the shutter.
     fn outline(&self, time: f32) -> (Aabb, Option<Vec3>, f32) {
         let (bounds, area) = (self.patch.bounds(), self.patch.area() as f32);
         let normal = self.patch.normal().map(|n| n.as_vec3());
@@ -109,7 +115,7 @@ impl AreaLight {
 }
 
 impl Emitter for AreaLight {
-    /// As if all light came from the middle of the piece.
+    /// As if all light came from the middle of the patch.
     fn illuminate(&self, p: Vec3, time: f32) -> Illumination {
         let (bounds, normal, area) = self.outline(time);
         let to_light = bounds.center() - p;
@@ -131,17 +137,35 @@ impl Emitter for AreaLight {
     }
 
     #[inline]
-    fn sample(&self, p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+    fn sample_li<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        u: Vec2,
+        wavelengths: &Wavelengths,
+        surfaces: &S,
+    ) -> Option<LightLiSample> {
         let PatchWay { at, wi } = match &self.drift {
-            None => self.patch.sample(p, u)?,
-            Some(drift) => self.patch.sample_moved(&drift.map_at(time), p, u)?,
+            None => self.patch.sample(to.p, u)?,
+            Some(drift) => self.patch.sample_moved(&drift.map_at(to.time), to.p, u)?,
         };
         if !self.sides.emit(-wi.dot(at.n)) {
             return None;
         }
-        let target = Target::Surface { p: at.p, p_error: at.p_error, n: at.n };
-        let radiance = self.emission.at(wavelengths);
-        Some(LightSample { wi, radiance, pdf: at.pdf, is_delta: false, target, light: 0 })
+        let radiance = self.radiance(at.p, to.time, wavelengths, surfaces);
+        let point = LightPoint::Surface { p: at.p, p_error: at.p_error, n: at.n };
+        Some(LightLiSample { wi, radiance, pdf: at.pdf, is_delta: false, at: point })
+    }
+
+    #[inline]
+    fn pdf_li(&self, to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
+        let LightPoint::Surface { p, n, .. } = *at else { return 0.0 };
+        if !self.sides.emit(-wi.dot(n)) {
+            return 0.0;
+        }
+        match &self.drift {
+            None => self.patch.pdf(to.p, p, n),
+            Some(drift) => self.patch.pdf_moved(&drift.map_at(to.time), to.p, p, n),
+        }
     }
 
     fn bounds(&self) -> Option<LightBounds> {
@@ -153,40 +177,62 @@ impl Emitter for AreaLight {
         Some(LightBounds { bounds, axis, cos_spread, cos_reach: 0.0, two_sided, power })
     }
 
-    fn emit(&self, time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted> {
+    fn sample_le<S: EmissiveSurfaces>(
+        &self,
+        time: f32,
+        u: LeNumbers,
+        wavelengths: &Wavelengths,
+        world: &BoundingSphere,
+        surfaces: &S,
+    ) -> Option<LightLeSample> {
         let drawn = match &self.drift {
-            None => self.patch.sample_area(u[0])?,
-            Some(drift) => self.patch.sample_area_moved(&drift.map_at(time), u[0])?,
+            None => self.patch.sample_area(u.position)?,
+            Some(drift) => self.patch.sample_area_moved(&drift.map_at(time), u.position)?,
         };
         let n = if self.sides == Sides::Back { -drawn.n } else { drawn.n };
-        let d = cosine_around(n, u[1], self.sides == Sides::Both);
-        Some(Emitted {
-            p: drawn.p,
-            origin: Target::Surface { p: drawn.p, p_error: drawn.p_error, n: drawn.n },
+        let d = cosine_around(n, u.direction, self.sides == Sides::Both);
+        let at = LightPoint::Surface { p: drawn.p, p_error: drawn.p_error, n: drawn.n };
+        Some(LightLeSample {
+            at,
             d,
-            radiance: self.emission.at(wavelengths),
+            radiance: self.radiance(drawn.p, time, wavelengths, surfaces),
             attenuation: INVERSE_SQUARE,
-            pdf: self.emission_pdf(time, [drawn.p, drawn.n], d, world),
+            pdf: self.pdf_le(time, &at, d, world),
             is_delta: false,
         })
     }
 
-    fn emission_pdf(&self, time: f32, [p, n]: [Vec3; 2], d: Vec3, _world: &Ball) -> EmissionPdf {
+    fn pdf_le(&self, time: f32, at: &LightPoint, d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
+        let LightPoint::Surface { p, n, .. } = *at else { return EmissionPdf::default() };
         let cos = n.dot(d);
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
         let direction = if self.sides.emit(cos) { cos.abs() / (sides * PI) } else { 0.0 };
-        let place = match &self.drift {
+        let position = match &self.drift {
             None => self.patch.pdf_area(p),
             Some(drift) => self.patch.pdf_area_moved(&drift.map_at(time), p),
         };
-        EmissionPdf { place, direction }
+        EmissionPdf { position, direction }
     }
 
-    fn power(&self, _world: &Ball) -> f32 {
+    fn power(&self, _world: &BoundingSphere) -> f32 {
         self.bounds().map_or(0.0, |bounds| bounds.power)
     }
 
     fn emission(&self) -> Option<&Emission> {
         Some(&self.emission)
     }
+
+    fn varied_emission(&self) -> Option<VariedEmissionId> {
+        self.varied
+    }
+}
+
+/// Directions of a cosine's density around `n`, or with `u.x` doubled on both sides of it.
+fn cosine_around(n: Vec3, u: Vec2, both: bool) -> Vec3 {
+    let (x, side) = match (both, u.x < 0.5) {
+        (false, _) => (u.x, 1.0),
+        (true, true) => (2.0 * u.x, 1.0),
+        (true, false) => (2.0 * u.x - 1.0, -1.0),
+    };
+    Frame::from_normal(side * n).to_world(warp::cosine_hemisphere(Vec2::new(x, u.y)))
 }

@@ -11,8 +11,11 @@
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
-use super::emit::INVERSE_SQUARE;
-use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
+use super::sample::INVERSE_SQUARE;
+use super::{
+    BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
+    LightLeSample, LightLiSample, LightPoint, Receiver,
+};
 use crate::sky_disc::SkyDisc;
 
 /// Discs less high are taken for points: directions in single precision do not tell their parts apart.
@@ -32,20 +35,15 @@ pub struct DirectionalLight {
 }
 
 impl DirectionalLight {
-    /// What rays may meet of it.
+    /// What rays may hit of it.
     #[inline]
     pub fn disc(&self) -> Option<SkyDisc> {
         (self.height > LOWEST).then_some(SkyDisc { middle: self.to_light, height: self.height })
     }
 
     /// Radiance of its disc.
-    pub fn radiance(&self, disc: &SkyDisc, wavelengths: &Wavelengths) -> Spectrum {
+    fn radiance(&self, disc: &SkyDisc, wavelengths: &Wavelengths) -> Spectrum {
         self.emission.at(wavelengths) * disc.projected_solid_angle().recip()
-    }
-
-    /// Density per solid angle with which [`Emitter::sample`] draws the direction `wi`; 1 for a light without extent.
-    pub fn pdf(&self, wi: Vec3) -> f32 {
-        self.disc().map_or(1.0, |disc| disc.pdf(wi))
     }
 }
 
@@ -56,38 +54,66 @@ impl Emitter for DirectionalLight {
     }
 
     #[inline]
-    fn sample(&self, _p: Vec3, _time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+    fn sample_li<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        u: Vec2,
+        wavelengths: &Wavelengths,
+        _surfaces: &S,
+    ) -> Option<LightLiSample> {
         let (wi, radiance, pdf) = match self.disc() {
             Some(disc) => (disc.draw(u), self.radiance(&disc, wavelengths), disc.solid_angle().recip()),
             None => (self.to_light, self.emission.at(wavelengths), 1.0),
         };
         let is_delta = self.disc().is_none();
-        Some(LightSample { wi, radiance, pdf, is_delta, target: Target::Infinity, light: 0 })
+        Some(LightLiSample { wi, radiance, pdf, is_delta, at: LightPoint::Infinite { through: to.p } })
+    }
+
+    fn pdf_li(&self, _to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
+        if at.is_infinite() { self.disc().map_or(1.0, |disc| disc.pdf(wi)) } else { 0.0 }
     }
 
     fn bounds(&self) -> Option<LightBounds> {
         None
     }
 
-    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted> {
-        let LightSample { wi, radiance, pdf, is_delta, .. } =
-            self.sample(world.center, 0.0, u[1], wavelengths)?;
-        Some(Emitted {
-            p: world.disk(u[0], -wi),
-            origin: Target::Infinity,
+    fn sample_le<S: EmissiveSurfaces>(
+        &self,
+        _time: f32,
+        u: LeNumbers,
+        wavelengths: &Wavelengths,
+        world: &BoundingSphere,
+        surfaces: &S,
+    ) -> Option<LightLeSample> {
+        let to = Receiver { p: world.center, ..Receiver::default() };
+        let LightLiSample { wi, radiance, pdf, is_delta, .. } =
+            self.sample_li(&to, u.direction, wavelengths, surfaces)?;
+        Some(LightLeSample {
+            at: LightPoint::Infinite { through: world.sample_disk(u.position, -wi) },
             d: -wi,
             radiance,
             attenuation: INVERSE_SQUARE,
-            pdf: EmissionPdf { place: 1.0 / world.cross_section(), direction: pdf },
+            pdf: EmissionPdf { position: 1.0 / world.cross_section(), direction: pdf },
             is_delta,
         })
     }
 
-    fn emission_pdf(&self, _time: f32, [p, _]: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf {
-        EmissionPdf { place: world.pdf(p, d), direction: self.pdf(-d) }
+    fn pdf_le(&self, _time: f32, at: &LightPoint, d: Vec3, world: &BoundingSphere) -> EmissionPdf {
+        let position = world.pdf_disk(at.p(), d);
+        EmissionPdf { position, direction: self.pdf_li(&Receiver::default(), at, -d) }
     }
 
-    fn power(&self, world: &Ball) -> f32 {
+    fn is_seen_at_infinity(&self) -> bool {
+        self.disc().is_some()
+    }
+
+    #[inline]
+    fn radiance_at_infinity(&self, d: Vec3, wavelengths: &Wavelengths) -> Option<Spectrum> {
+        let disc = self.disc().filter(|disc| disc.covers(d))?;
+        Some(self.radiance(&disc, wavelengths))
+    }
+
+    fn power(&self, world: &BoundingSphere) -> f32 {
         // Of a wide disc the irradiance across other directions is larger.
         let widened = 2.0 / (2.0 - self.height);
         widened * self.emission.luminance() * world.cross_section()

@@ -1,26 +1,37 @@
 //! Lights: what illuminates surfaces.
 //!
 //! Three questions are asked of a light. The classic integrator asks how much light arrives at a point
-//! ([`Emitter::illuminate`]). Integrators that estimate integrals draw a direction towards the light with a
-//! known density ([`Emitter::sample`]); which light they ask is for [`LightTree`] to say. Those that follow light from
-//! its source draw a ray that leaves it ([`Emitter::emit`]); where they begin is for [`Departures`] to say.
+//! ([`Emitter::illuminate`]). Integrators that estimate integrals sample a direction towards the light with a
+//! known density ([`Emitter::sample_li`], [`Emitter::pdf_li`]); which light they ask is chosen by [`LightSampler`]. Those that
+//! follow light from its source sample a ray that leaves it ([`Emitter::sample_le`], [`Emitter::pdf_le`]); where they begin is
+//! chosen by [`PowerLightSampler`].
+//!
+//! Each sample has its density beside it, answered by the same member for the same receiver, and `laws/lights.rs` holds every
+//! member to that.
 
 mod area;
+mod bounding_sphere;
 mod directional;
-mod emit;
-mod emitters;
 mod photometric;
 mod point;
+mod power_sampler;
+mod sample;
+mod sampler;
 mod sky;
 mod spot;
 mod tree;
 
+pub use crate::ids::MAX_LIGHT_GROUPS;
 pub use area::{AreaLight, Sides};
+pub use bounding_sphere::BoundingSphere;
 pub use directional::DirectionalLight;
-pub use emit::{Ball, Departures, EmissionPdf, Emitted};
-pub use emitters::Emitters;
 pub use photometric::{PhotometricLight, Photometry};
 pub use point::PointLight;
+pub use power_sampler::PowerLightSampler;
+pub use sample::{
+    EmissionPdf, LeNumbers, LightHit, LightLeSample, LightLiSample, LightPoint, Receiver, SampledLight,
+};
+pub use sampler::LightSampler;
 pub use sky::SkyLight;
 pub use spot::{Cone, SpotLight};
 pub use tree::{LightBounds, LightChoice, LightTree};
@@ -29,6 +40,7 @@ use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
 use crate::family::family;
+use crate::ids::VariedEmissionId;
 
 /// Light that arrives at a point when nothing is in the way.
 #[derive(Clone, Copy, Debug)]
@@ -41,42 +53,23 @@ pub struct Illumination {
     pub intensity: Spectrum,
 }
 
-/// Most groups of lights that a scene can have, those without a group counted as one.
-pub const MAX_LIGHT_GROUPS: usize = 8;
-
-/// Light that arrives at a point from a direction drawn at random.
-#[derive(Clone, Copy, Debug)]
-pub struct LightSample {
-    /// Unit direction towards the light.
-    pub wi: Vec3,
-    /// Radiance from there; for a light without extent its irradiance across `wi`.
-    pub radiance: Spectrum,
-    /// Density of the direction per solid angle; 1 for a light without extent.
-    pub pdf: f32,
-    /// Whether the light has no extent, so that no ray finds it by chance.
-    pub is_delta: bool,
-    /// How far the way must be clear.
-    pub target: Target,
-    /// The number of the light; [`Emitters::sample`] fills it in.
-    pub light: u32,
-}
-
-/// The far end of the way to a light.
-#[derive(Clone, Copy, Debug)]
-pub enum Target {
-    /// A place on a surface, which is not to hide itself.
-    Surface {
-        /// The place.
+/// What lights ask about the surfaces that they are.
+///
+/// A light knows its geometry; what is painted on a surface is known to the scene, which answers here.
+pub trait EmissiveSurfaces {
+    /// The radiance of a point whose surface does not emit the same everywhere.
+    ///
+    /// * `light`: the patch that the world-space point `p` lies on
+    /// * `emission`: its [`AreaLight::varied`]
+    /// * `time`: moment within the shutter interval
+    fn radiance(
+        &self,
+        light: &AreaLight,
+        emission: VariedEmissionId,
         p: Vec3,
-        /// Bound on the error of its coordinates.
-        p_error: Vec3,
-        /// Unit geometric normal.
-        n: Vec3,
-    },
-    /// A point in space.
-    Point(Vec3),
-    /// Beyond everything, along the sample's `wi`.
-    Infinity,
+        time: f32,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum;
 }
 
 /// What every light can do.
@@ -86,11 +79,39 @@ pub trait Emitter {
     /// * `time`: moment within the shutter interval
     fn illuminate(&self, p: Vec3, time: f32) -> Illumination;
 
-    /// Light that arrives at the world-space point `p` from a direction drawn with `u` in [0, 1)^2; `None` when
-    /// none does.
+    /// Light that arrives at a receiver from a direction drawn with `u` in [0, 1)^2; `None` when none does.
+    fn sample_li<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        u: Vec2,
+        wavelengths: &Wavelengths,
+        surfaces: &S,
+    ) -> Option<LightLiSample>;
+
+    /// Density with which [`Emitter::sample_li`] draws the unit direction `wi` for a receiver: the `pdf` of that sample, 0
+    /// where there is none.
+    ///
+    /// Per solid angle. A delta light is drawn by its single direction, with the probability 1 where it shines; no ray
+    /// finds that direction by chance, so only light that was drawn from the light itself is asked for.
+    ///
+    /// * `at`: the point of the light in that direction
+    fn pdf_li(&self, to: &Receiver, at: &LightPoint, wi: Vec3) -> f32;
+
+    /// A ray of light that leaves; `None` when there is none.
     ///
     /// * `time`: moment within the shutter interval
-    fn sample(&self, p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
+    /// * `world`: what lights infinitely far away are aimed at
+    fn sample_le<S: EmissiveSurfaces>(
+        &self,
+        time: f32,
+        u: LeNumbers,
+        wavelengths: &Wavelengths,
+        world: &BoundingSphere,
+        surfaces: &S,
+    ) -> Option<LightLeSample>;
+
+    /// Densities with which [`Emitter::sample_le`] draws light that leaves the point `at` along the unit vector `d`.
+    fn pdf_le(&self, time: f32, at: &LightPoint, d: Vec3, world: &BoundingSphere) -> EmissionPdf;
 
     /// Where the light is and how strong, for the choice among many; `None` when it is infinitely far.
     fn bounds(&self) -> Option<LightBounds>;
@@ -100,22 +121,26 @@ pub trait Emitter {
         None
     }
 
-    /// A ray of light that leaves, drawn with `u` in [0, 1)^2 for its place and for its direction; `None` when there
-    /// is none.
-    fn emit(&self, time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted>;
+    /// Whether rays that leave the scene can hit it: see [`Emitter::radiance_at_infinity`].
+    fn is_seen_at_infinity(&self) -> bool {
+        false
+    }
 
-    /// Densities with which [`Emitter::emit`] draws light that leaves along the unit vector `d`.
-    ///
-    /// * `time`: moment within the shutter interval
-    /// * `at`: where it leaves, or any point on the way of light from infinitely far; and the unit normal there, of
-    ///   effect where the light has a surface
-    fn emission_pdf(&self, time: f32, at: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf;
+    /// The radiance that a ray along the unit vector `d` finds when it leaves the scene; `None` where it misses the light.
+    fn radiance_at_infinity(&self, _d: Vec3, _wavelengths: &Wavelengths) -> Option<Spectrum> {
+        None
+    }
 
     /// Luminous power, of light from infinitely far what reaches the `world`.
-    fn power(&self, world: &Ball) -> f32;
+    fn power(&self, world: &BoundingSphere) -> f32;
 
     /// The spectrum of all its light but for a factor, or of its mean; `None` where it is that of pictures.
     fn emission(&self) -> Option<&Emission>;
+
+    /// What it emits where, if that is not the same everywhere on its surface.
+    fn varied_emission(&self) -> Option<VariedEmissionId> {
+        None
+    }
 }
 
 family! {
@@ -135,20 +160,28 @@ family! {
     methods {
         /// See [`Emitter::illuminate`].
         fn illuminate(p: Vec3, time: f32) -> Illumination;
-        /// See [`Emitter::sample`].
-        fn sample(p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample>;
+        /// See [`Emitter::sample_li`].
+        fn sample_li<S: EmissiveSurfaces>(to: &Receiver, u: Vec2, wavelengths: &Wavelengths, surfaces: &S) -> Option<LightLiSample>;
+        /// See [`Emitter::pdf_li`].
+        fn pdf_li(to: &Receiver, at: &LightPoint, wi: Vec3) -> f32;
+        /// See [`Emitter::sample_le`].
+        fn sample_le<S: EmissiveSurfaces>(time: f32, u: LeNumbers, wavelengths: &Wavelengths, world: &BoundingSphere, surfaces: &S) -> Option<LightLeSample>;
+        /// See [`Emitter::pdf_le`].
+        fn pdf_le(time: f32, at: &LightPoint, d: Vec3, world: &BoundingSphere) -> EmissionPdf;
         /// See [`Emitter::bounds`].
         fn bounds() -> Option<LightBounds>;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
-        /// See [`Emitter::emit`].
-        fn emit(time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted>;
-        /// See [`Emitter::emission_pdf`].
-        fn emission_pdf(time: f32, at: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf;
+        /// See [`Emitter::is_seen_at_infinity`].
+        fn is_seen_at_infinity() -> bool;
+        /// See [`Emitter::radiance_at_infinity`].
+        fn radiance_at_infinity(d: Vec3, wavelengths: &Wavelengths) -> Option<Spectrum>;
         /// See [`Emitter::power`].
-        fn power(world: &Ball) -> f32;
+        fn power(world: &BoundingSphere) -> f32;
         /// See [`Emitter::emission`].
         fn emission() -> Option<&Emission>;
+        /// See [`Emitter::varied_emission`].
+        fn varied_emission() -> Option<VariedEmissionId>;
     }
 }
 

@@ -20,8 +20,11 @@ use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Aabb, Frame, Vec2, Vec3, fmath, warp};
 use kajo_scene::IesFile;
 
-use super::emit::INVERSE_SQUARE;
-use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
+use super::sample::INVERSE_SQUARE;
+use super::{
+    BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
+    LightLeSample, LightLiSample, LightPoint, Receiver,
+};
 
 /// Which horizontal angles are measured; the others are like these.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,6 +192,11 @@ impl PhotometricLight {
         let wi = to_light / d;
         (wi, d, self.photometry.towards(self.frame.to_local(-wi)) / (d * d))
     }
+
+    /// Whether any light leaves into the unit direction `d`.
+    fn shines_into(&self, d: Vec3) -> bool {
+        self.photometry.towards(self.frame.to_local(d)) > 0.0
+    }
 }
 
 impl Emitter for PhotometricLight {
@@ -199,11 +207,21 @@ impl Emitter for PhotometricLight {
     }
 
     #[inline]
-    fn sample(&self, p: Vec3, _time: f32, _u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let (wi, _, share) = self.seen_from(p);
+    fn sample_li<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        _u: Vec2,
+        wavelengths: &Wavelengths,
+        _surfaces: &S,
+    ) -> Option<LightLiSample> {
+        let (wi, _, share) = self.seen_from(to.p);
         let radiance = self.emission.at(wavelengths) * share;
-        let target = Target::Point(self.position);
-        (share > 0.0).then_some(LightSample { wi, radiance, pdf: 1.0, is_delta: true, target, light: 0 })
+        let at = LightPoint::Position(self.position);
+        (share > 0.0).then_some(LightLiSample { wi, radiance, pdf: 1.0, is_delta: true, at })
+    }
+
+    fn pdf_li(&self, _to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
+        if matches!(at, LightPoint::Position(_)) && self.shines_into(-wi) { 1.0 } else { 0.0 }
     }
 
     fn bounds(&self) -> Option<LightBounds> {
@@ -226,26 +244,31 @@ impl Emitter for PhotometricLight {
     }
 
     /// Into all directions alike.
-    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, _world: &Ball) -> Option<Emitted> {
-        let d = warp::uniform_sphere(u[1]);
+    fn sample_le<S: EmissiveSurfaces>(
+        &self,
+        _time: f32,
+        u: LeNumbers,
+        wavelengths: &Wavelengths,
+        _world: &BoundingSphere,
+        _surfaces: &S,
+    ) -> Option<LightLeSample> {
+        let d = warp::uniform_sphere(u.direction);
         let candela = self.photometry.towards(self.frame.to_local(d));
-        (candela > 0.0).then(|| Emitted {
-            p: self.position,
-            origin: Target::Point(self.position),
+        (candela > 0.0).then(|| LightLeSample {
+            at: LightPoint::Position(self.position),
             d,
             radiance: self.emission.at(wavelengths) * candela,
             attenuation: INVERSE_SQUARE,
-            pdf: EmissionPdf { place: 1.0, direction: (0.25 / PI) as f32 },
+            pdf: EmissionPdf { position: 1.0, direction: (0.25 / PI) as f32 },
             is_delta: true,
         })
     }
 
-    fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], d: Vec3, _world: &Ball) -> EmissionPdf {
-        let lit = self.photometry.towards(self.frame.to_local(d)) > 0.0;
-        EmissionPdf { place: 1.0, direction: if lit { (0.25 / PI) as f32 } else { 0.0 } }
+    fn pdf_le(&self, _time: f32, _at: &LightPoint, d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
+        EmissionPdf { position: 1.0, direction: if self.shines_into(d) { (0.25 / PI) as f32 } else { 0.0 } }
     }
 
-    fn power(&self, _world: &Ball) -> f32 {
+    fn power(&self, _world: &BoundingSphere) -> f32 {
         self.bounds().map_or(0.0, |bounds| bounds.power)
     }
 
@@ -257,6 +280,7 @@ impl Emitter for PhotometricLight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::light::tests::sample_li;
     use kajo_math::rng::Stream;
 
     fn photometry(vertical: &[f32], horizontal: &[f32], candela: impl Fn(f32, f32) -> f32) -> Photometry {
@@ -374,7 +398,7 @@ mod tests {
                 let s = Stream::new(9, [i, 0], 0);
                 let d = warp::uniform_sphere(Vec2::new(s.uniform(0), s.uniform(1)));
                 let angle = light.frame.n.dot(d).clamp(-1.0, 1.0).acos().to_degrees();
-                let sample = light.sample(light.position + 4.0 * d, 0.0, Vec2::ZERO, &Wavelengths::RGB);
+                let sample = sample_li(&light, light.position + 4.0 * d, Vec2::ZERO);
                 assert_eq!(sample.is_some(), (first..=last).contains(&angle), "{angle}");
                 if let Some(sample) = sample {
                     lit += 1;

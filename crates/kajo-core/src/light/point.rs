@@ -12,7 +12,10 @@ use std::f32::consts::FRAC_1_PI;
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Aabb, Vec2, Vec3, warp};
 
-use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
+use super::{
+    BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
+    LightLeSample, LightLiSample, LightPoint, Receiver,
+};
 
 /// A point light.
 #[derive(Clone, Debug)]
@@ -38,14 +41,13 @@ impl PointLight {
     }
 
     /// Light that leaves into a direction, drawn with this density per solid angle.
-    pub(super) fn emitted(&self, d: Vec3, pdf: f32, wavelengths: &Wavelengths) -> Emitted {
-        Emitted {
-            p: self.position,
-            origin: Target::Point(self.position),
+    pub(super) fn leaving(&self, d: Vec3, pdf: f32, wavelengths: &Wavelengths) -> LightLeSample {
+        LightLeSample {
+            at: LightPoint::Position(self.position),
             d,
             radiance: self.emission.at(wavelengths),
             attenuation: self.attenuation,
-            pdf: EmissionPdf { place: 1.0, direction: pdf },
+            pdf: EmissionPdf { position: 1.0, direction: pdf },
             is_delta: true,
         }
     }
@@ -72,17 +74,21 @@ impl Emitter for PointLight {
     }
 
     #[inline]
-    fn sample(&self, p: Vec3, _time: f32, _u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let (wi, _, falloff) = self.seen_from(p);
+    fn sample_li<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        _u: Vec2,
+        wavelengths: &Wavelengths,
+        _surfaces: &S,
+    ) -> Option<LightLiSample> {
+        let (wi, _, falloff) = self.seen_from(to.p);
         let radiance = self.emission.at(wavelengths) * falloff;
-        Some(LightSample {
-            wi,
-            radiance,
-            pdf: 1.0,
-            is_delta: true,
-            target: Target::Point(self.position),
-            light: 0,
-        })
+        let at = LightPoint::Position(self.position);
+        Some(LightLiSample { wi, radiance, pdf: 1.0, is_delta: true, at })
+    }
+
+    fn pdf_li(&self, _to: &Receiver, at: &LightPoint, _wi: Vec3) -> f32 {
+        if matches!(at, LightPoint::Position(_)) { 1.0 } else { 0.0 }
     }
 
     /// Falloffs other than the inverse square are weighed as if they were that.
@@ -94,15 +100,22 @@ impl Emitter for PointLight {
         Some(self.position)
     }
 
-    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, _world: &Ball) -> Option<Emitted> {
-        Some(self.emitted(warp::uniform_sphere(u[1]), 0.25 * FRAC_1_PI, wavelengths))
+    fn sample_le<S: EmissiveSurfaces>(
+        &self,
+        _time: f32,
+        u: LeNumbers,
+        wavelengths: &Wavelengths,
+        _world: &BoundingSphere,
+        _surfaces: &S,
+    ) -> Option<LightLeSample> {
+        Some(self.leaving(warp::uniform_sphere(u.direction), 0.25 * FRAC_1_PI, wavelengths))
     }
 
-    fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], _d: Vec3, _world: &Ball) -> EmissionPdf {
-        EmissionPdf { place: 1.0, direction: 0.25 * FRAC_1_PI }
+    fn pdf_le(&self, _time: f32, _at: &LightPoint, _d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
+        EmissionPdf { position: 1.0, direction: 0.25 * FRAC_1_PI }
     }
 
-    fn power(&self, _world: &Ball) -> f32 {
+    fn power(&self, _world: &BoundingSphere) -> f32 {
         self.point_bounds().power
     }
 

@@ -10,11 +10,14 @@
 use std::f32::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use kajo_color::{Emission, Wavelengths};
+use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3, warp};
 
-use super::emit::{INVERSE_SQUARE, power_by_samples};
-use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, Target};
+use super::sample::INVERSE_SQUARE;
+use super::{
+    BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
+    LightLeSample, LightLiSample, LightPoint, Receiver,
+};
 use crate::background::Background;
 use crate::daylight::Sun;
 use crate::environment::SphereDensity;
@@ -41,9 +44,9 @@ impl SkyLight {
         self.density.get_or_init(|| self.background.density()).as_ref()
     }
 
-    /// Density per solid angle with which [`Emitter::sample`] draws the unit direction `wi`.
+    /// Density per solid angle with which the unit direction `wi` is drawn.
     #[inline]
-    pub fn pdf(&self, wi: Vec3) -> f32 {
+    fn pdf(&self, wi: Vec3) -> f32 {
         let sky = self.density().map_or(1.0 / (4.0 * PI), |density| density.pdf(wi));
         match self.background.sun() {
             Some((sun, _)) if sun.disc().covers(wi) => {
@@ -74,39 +77,74 @@ impl SkyLight {
 impl Emitter for SkyLight {
     /// Nothing: the classic integrator has ambient light for this.
     fn illuminate(&self, _p: Vec3, _time: f32) -> Illumination {
-        Illumination { wi: Vec3::Y, distance: f32::INFINITY, intensity: kajo_color::Spectrum::BLACK }
+        Illumination { wi: Vec3::Y, distance: f32::INFINITY, intensity: Spectrum::BLACK }
     }
 
     #[inline]
-    fn sample(&self, _p: Vec3, _time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
+    fn sample_li<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        u: Vec2,
+        wavelengths: &Wavelengths,
+        _surfaces: &S,
+    ) -> Option<LightLiSample> {
         let (wi, pdf) = self.draw(u)?;
         let radiance = self.background.radiance(wi, wavelengths);
-        Some(LightSample { wi, radiance, pdf, is_delta: false, target: Target::Infinity, light: 0 })
+        let at = LightPoint::Infinite { through: to.p };
+        Some(LightLiSample { wi, radiance, pdf, is_delta: false, at })
+    }
+
+    #[inline]
+    fn pdf_li(&self, _to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
+        if at.is_infinite() { self.pdf(wi) } else { 0.0 }
     }
 
     fn bounds(&self) -> Option<LightBounds> {
         None
     }
 
-    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, world: &Ball) -> Option<Emitted> {
-        let LightSample { wi, radiance, pdf, .. } = self.sample(world.center, 0.0, u[1], wavelengths)?;
-        Some(Emitted {
-            p: world.disk(u[0], -wi),
-            origin: Target::Infinity,
+    fn sample_le<S: EmissiveSurfaces>(
+        &self,
+        _time: f32,
+        u: LeNumbers,
+        wavelengths: &Wavelengths,
+        world: &BoundingSphere,
+        _surfaces: &S,
+    ) -> Option<LightLeSample> {
+        let (wi, pdf) = self.draw(u.direction)?;
+        Some(LightLeSample {
+            at: LightPoint::Infinite { through: world.sample_disk(u.position, -wi) },
             d: -wi,
-            radiance,
+            radiance: self.background.radiance(wi, wavelengths),
             attenuation: INVERSE_SQUARE,
-            pdf: EmissionPdf { place: 1.0 / world.cross_section(), direction: pdf },
+            pdf: EmissionPdf { position: 1.0 / world.cross_section(), direction: pdf },
             is_delta: false,
         })
     }
 
-    fn emission_pdf(&self, _time: f32, [p, _]: [Vec3; 2], d: Vec3, world: &Ball) -> EmissionPdf {
-        EmissionPdf { place: world.pdf(p, d), direction: self.pdf(-d) }
+    fn pdf_le(&self, _time: f32, at: &LightPoint, d: Vec3, world: &BoundingSphere) -> EmissionPdf {
+        let direction = if at.is_infinite() { self.pdf(-d) } else { 0.0 };
+        EmissionPdf { position: world.pdf_disk(at.p(), d), direction }
     }
 
-    fn power(&self, world: &Ball) -> f32 {
-        power_by_samples(self, world)
+    fn is_seen_at_infinity(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn radiance_at_infinity(&self, d: Vec3, wavelengths: &Wavelengths) -> Option<Spectrum> {
+        Some(self.background.radiance(d, wavelengths)).filter(|radiance| !radiance.is_black())
+    }
+
+    /// Estimated by an even grid of its own samples.
+    fn power(&self, world: &BoundingSphere) -> f32 {
+        const SIDE: u32 = 24;
+        let sample = |i: u32| {
+            let u = Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
+            let sample = self.draw(u);
+            sample.map_or(0.0, |(wi, pdf)| self.background.radiance(wi, &Wavelengths::RGB).luminance() / pdf)
+        };
+        world.cross_section() * (0..SIDE * SIDE).map(sample).sum::<f32>() / (SIDE * SIDE) as f32
     }
 
     fn emission(&self) -> Option<&Emission> {

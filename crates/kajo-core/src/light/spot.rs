@@ -17,7 +17,10 @@ use std::f32::consts::TAU;
 use kajo_color::{Emission, Wavelengths};
 use kajo_math::{Frame, Vec2, Vec3, fmath, warp};
 
-use super::{Ball, EmissionPdf, Emitted, Emitter, Illumination, LightBounds, LightSample, PointLight};
+use super::{
+    BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
+    LightLeSample, LightLiSample, LightPoint, PointLight, Receiver,
+};
 
 /// A spot light.
 #[derive(Clone, Debug)]
@@ -71,7 +74,7 @@ impl SpotLight {
     }
 
     /// Density per solid angle of the directions into which light leaves.
-    fn pdf(&self) -> f32 {
+    fn pdf_leaving(&self) -> f32 {
         1.0 / (TAU * self.cone.outer)
     }
 }
@@ -84,10 +87,20 @@ impl Emitter for SpotLight {
     }
 
     #[inline]
-    fn sample(&self, p: Vec3, time: f32, u: Vec2, wavelengths: &Wavelengths) -> Option<LightSample> {
-        let sample = self.point.sample(p, time, u, wavelengths)?;
+    fn sample_li<S: EmissiveSurfaces>(
+        &self,
+        to: &Receiver,
+        u: Vec2,
+        wavelengths: &Wavelengths,
+        surfaces: &S,
+    ) -> Option<LightLiSample> {
+        let sample = self.point.sample_li(to, u, wavelengths, surfaces)?;
         let share = self.profile(-sample.wi);
-        (share > 0.0).then(|| LightSample { radiance: sample.radiance * share, ..sample })
+        (share > 0.0).then(|| LightLiSample { radiance: sample.radiance * share, ..sample })
+    }
+
+    fn pdf_li(&self, to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
+        if self.profile(-wi) > 0.0 { self.point.pdf_li(to, at, wi) } else { 0.0 }
     }
 
     fn bounds(&self) -> Option<LightBounds> {
@@ -96,18 +109,25 @@ impl Emitter for SpotLight {
         Some(LightBounds { axis: self.axis, cos_spread: 1.0, cos_reach: 1.0 - self.cone.outer, ..point })
     }
 
-    fn emit(&self, _time: f32, u: [Vec2; 2], wavelengths: &Wavelengths, _world: &Ball) -> Option<Emitted> {
-        let d = Frame::from_normal(self.axis).to_world(warp::uniform_cone(u[1], self.cone.outer));
-        let emitted = self.point.emitted(d, self.pdf(), wavelengths);
-        Some(Emitted { radiance: emitted.radiance * self.profile(d), ..emitted })
+    fn sample_le<S: EmissiveSurfaces>(
+        &self,
+        _time: f32,
+        u: LeNumbers,
+        wavelengths: &Wavelengths,
+        _world: &BoundingSphere,
+        _surfaces: &S,
+    ) -> Option<LightLeSample> {
+        let d = Frame::from_normal(self.axis).to_world(warp::uniform_cone(u.direction, self.cone.outer));
+        let leaving = self.point.leaving(d, self.pdf_leaving(), wavelengths);
+        Some(LightLeSample { radiance: leaving.radiance * self.profile(d), ..leaving })
     }
 
-    fn emission_pdf(&self, _time: f32, _at: [Vec3; 2], d: Vec3, _world: &Ball) -> EmissionPdf {
-        let direction = if self.profile(d) > 0.0 { self.pdf() } else { 0.0 };
-        EmissionPdf { place: 1.0, direction }
+    fn pdf_le(&self, _time: f32, _at: &LightPoint, d: Vec3, _world: &BoundingSphere) -> EmissionPdf {
+        let direction = if self.profile(d) > 0.0 { self.pdf_leaving() } else { 0.0 };
+        EmissionPdf { position: 1.0, direction }
     }
 
-    fn power(&self, _world: &Ball) -> f32 {
+    fn power(&self, _world: &BoundingSphere) -> f32 {
         self.point.point_bounds().power * self.cone.share_of_sphere()
     }
 
@@ -120,6 +140,7 @@ impl Emitter for SpotLight {
 mod tests {
     use super::super::{LightChoice, LightTree};
     use super::*;
+    use crate::ids::LightIndex;
     use kajo_color::{Emission, Spectrum};
 
     fn spot(inner: f32, outer: f32) -> SpotLight {
@@ -171,18 +192,19 @@ mod tests {
             let sum: f32 =
                 (0..n).map(|i| light.profile(at(f64::from(-1.0 + (i as f32 + 0.5) * step))) * step).sum();
             let power = TAU * sum;
-            let world = Ball { center: Vec3::ZERO, radius: 1.0 };
+            let world = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
             assert!((light.power(&world) / power - 1.0).abs() < 1e-3, "{inner} {outer}");
         }
     }
 
-    /// Of two emitters that a place gets the same light from, each is chosen as often as the other.
+    /// Of two lights that a receiver gets the same light from, each is chosen as often as the other.
     #[test]
     fn a_narrow_cone_is_chosen_for_what_arrives_from_it() {
         let narrow = spot(4.0, 5.0);
         let point = PointLight { position: Vec3::X, ..narrow.point.clone() };
         let tree = LightTree::build(&[narrow.bounds(), point.bounds()]);
-        let chance = |p: Vec3| tree.probability(0, p, Vec3::Y, LightChoice::Tree);
+        let first = LightIndex::new(0).expect("an index");
+        let chance = |p: Vec3| tree.pmf(first, &Receiver { p, n: Vec3::Y, time: 0.0 }, LightChoice::Tree);
         let between = chance(Vec3::new(0.0, -30.0, 0.0));
         assert!((between - 0.5).abs() < 0.01, "{between}");
         assert_eq!(chance(Vec3::new(9.0, -30.0, 0.0)), 0.0, "outside its cone");

@@ -8,11 +8,11 @@ use super::*;
 use crate::daylight::SkySettings;
 use crate::shape::{Canonical, DiskPatch, Patch, PatchWay};
 
-mod densities;
+pub(crate) mod densities;
 pub(crate) mod emission;
 mod many;
 
-/// A clear sky with its sun, dim enough to be told from lights.
+/// A clear sky with its sun, dim enough to be told from other lights.
 pub(crate) const AFTERNOON: SkySettings = SkySettings {
     turbidity: 3.0,
     elevation_deg: 35.0,
@@ -21,6 +21,27 @@ pub(crate) const AFTERNOON: SkySettings = SkySettings {
     scale: 0.1,
     sun: true,
 };
+
+/// Surfaces whose radiance is everywhere the mean.
+pub(crate) struct MeanEmission;
+
+impl EmissiveSurfaces for MeanEmission {
+    fn radiance(
+        &self,
+        light: &AreaLight,
+        _emission: VariedEmissionId,
+        _p: Vec3,
+        _time: f32,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        light.emission.at(wavelengths)
+    }
+}
+
+/// What a light sends to a point.
+pub(crate) fn sample_li(light: &impl Emitter, p: Vec3, u: Vec2) -> Option<LightLiSample> {
+    light.sample_li(&Receiver { p, ..Receiver::default() }, u, &Wavelengths::RGB, &MeanEmission)
+}
 
 fn draw(i: u32) -> Vec2 {
     let stream = Stream::new(21, [i, 0], 0);
@@ -154,24 +175,24 @@ fn mirrored_pieces_keep_their_outer_side() {
 }
 
 #[test]
-fn lights_without_extent_follow_their_laws() {
+fn delta_lights_follow_their_laws() {
     let one = Emission::from_rgb([1.0; 3]);
-    let emitter = |attenuation| PointLight {
+    let light = |attenuation| PointLight {
         position: Vec3::new(0.0, 2.0, 0.0),
         intensity: Spectrum::WHITE,
         emission: one.clone(),
         attenuation,
     };
-    let at = |emitter: &PointLight| emitter.sample(Vec3::ZERO, 0.0, Vec2::ZERO, &Wavelengths::RGB).unwrap();
-    let sample = at(&emitter([0.0, 0.0, 1.0]));
+    let at = |light: &PointLight| sample_li(light, Vec3::ZERO, Vec2::ZERO).unwrap();
+    let sample = at(&light([0.0, 0.0, 1.0]));
     assert!(sample.is_delta && sample.wi == Vec3::Y && sample.pdf == 1.0);
     assert!((sample.radiance[0] - 0.25).abs() < 1e-6);
-    assert!((at(&emitter([1.0, 0.0, 0.0])).radiance[0] - 1.0).abs() < 1e-6);
+    assert!((at(&light([1.0, 0.0, 0.0])).radiance[0] - 1.0).abs() < 1e-6);
 }
 
 #[test]
-fn a_light_shines_from_its_sides_only() {
-    let emitter = |sides| AreaLight {
+fn an_area_light_emits_from_its_sides_only() {
+    let light = |sides| AreaLight {
         drift: None,
         varied: None,
         patch: square(1.0),
@@ -181,13 +202,13 @@ fn a_light_shines_from_its_sides_only() {
         part: 0,
     };
     // The normal of the square is X x Z = -Y: its front looks down.
-    let lit = |sides, from| emitter(sides).sample(from, 0.0, Vec2::splat(0.5), &Wavelengths::RGB).is_some();
+    let lit = |sides, from| sample_li(&light(sides), from, Vec2::splat(0.5)).is_some();
     let (below, above) = (Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0));
     assert!(lit(Sides::Front, below) && !lit(Sides::Front, above));
     assert!(!lit(Sides::Back, below) && lit(Sides::Back, above));
     assert!(lit(Sides::Both, below) && lit(Sides::Both, above));
-    assert!(emitter(Sides::Front).illuminate(above, 0.0).intensity.is_black());
-    let classic = emitter(Sides::Front).illuminate(Vec3::new(0.0, -9.0, 0.0), 0.0);
+    assert!(light(Sides::Front).illuminate(above, 0.0).intensity.is_black());
+    let classic = light(Sides::Front).illuminate(Vec3::new(0.0, -9.0, 0.0), 0.0);
     // Far away a light is a point: L A / d^2 / pi.
     assert!((classic.intensity[0] * 100.0 * std::f32::consts::PI - 1.0).abs() < 1e-3);
 }
@@ -246,8 +267,7 @@ fn spots_send_their_profile_at_every_angle() {
         let p = 2.0 * Vec3::new(sin as f32, -c as f32, 0.0);
         let x = ((c - cos(35.0)) / (cos(15.0) - cos(35.0))).clamp(0.0, 1.0);
         let expected = 3.0 * x * x * (3.0 - 2.0 * x) / 4.0;
-        let found =
-            spot.sample(p, 0.0, Vec2::ZERO, &Wavelengths::RGB).map_or(0.0, |s| f64::from(s.radiance[0]));
+        let found = sample_li(&spot, p, Vec2::ZERO).map_or(0.0, |s| f64::from(s.radiance[0]));
         assert!((found - expected).abs() < 1e-4, "{angle}: {found} {expected}");
     }
 }
@@ -262,12 +282,12 @@ fn a_wide_directional_light_keeps_its_irradiance_and_stays_on_its_disc() {
             DirectionalLight { to_light, height: 2.0 * sin * sin, intensity: Spectrum::WHITE, emission };
         let (mut sum, n) = (0.0, 40_000);
         for i in 0..n {
-            let sample = light.sample(Vec3::ZERO, 0.0, draw(i), &Wavelengths::RGB).unwrap();
+            let sample = sample_li(&light, Vec3::ZERO, draw(i)).unwrap();
             let cos = f64::from(sample.wi.dot(to_light));
             let limit = f64::from(0.5 * degrees).to_radians().cos();
             assert!(cos > limit - 1e-6 && sample.is_delta == (degrees == 0.0));
             sum += f64::from(sample.radiance[0] / sample.pdf) * cos / f64::from(n);
-            let again = light.pdf(sample.wi);
+            let again = light.pdf_li(&Receiver::default(), &sample.at, sample.wi);
             assert!(again == sample.pdf || cos < limit + 1e-6, "{degrees}: {again} for {}", sample.pdf);
         }
         assert!((sum / 5.0 - 1.0).abs() < 3e-3, "{degrees}: {sum}");

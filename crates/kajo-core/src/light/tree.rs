@@ -16,6 +16,9 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use kajo_math::{Aabb, Vec3, fmath};
 
+use super::{Receiver, SampledLight};
+use crate::ids::LightIndex;
+
 /// Where a light or a group of them is, where it shines and how strong it is.
 #[derive(Clone, Copy, Debug)]
 pub struct LightBounds {
@@ -53,26 +56,51 @@ impl LightChoice {
 /// The lights of a scene, ready to be chosen from.
 #[derive(Debug, Default)]
 pub struct LightTree {
-    /// The children of inner node `i` are `i + 1` and `Node::other`.
+    /// Of inner node `i` the first child is `i + 1`.
     nodes: Vec<Node>,
     /// For each light the turns from the root to its leaf, first turn in bit 0; unused for infinite ones.
     trails: Vec<u64>,
-    /// Lights of the tree, in the order of their numbers.
-    placed: Vec<u32>,
-    infinite: Vec<u32>,
+    /// Lights of the tree, in the order of their indices.
+    placed: Vec<LightIndex>,
+    infinite: Vec<LightIndex>,
     is_infinite: Vec<bool>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: LightBounds,
-    /// The second child, or the light of a leaf.
-    other: u32,
-    is_leaf: bool,
+    content: NodeContent,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum NodeContent {
+    /// The first child is the next node, the second one stands at this index.
+    Inner {
+        second: u32,
+    },
+    Leaf(LightIndex),
+}
+
+/// A light that has a place, and its bounds.
+#[derive(Clone, Copy, Debug)]
+struct PlacedLight {
+    light: LightIndex,
+    bounds: LightBounds,
+}
+
+/// The directions around an axis.
+#[derive(Clone, Copy, Debug)]
+struct DirectionCone {
+    axis: Vec3,
+    /// Cosine of the largest angle between the axis and a direction.
+    cos_spread: f32,
 }
 
 /// More turns than a tree of 2^32 balanced lights has; deeper branches are split in halves from here on.
 const DEEPEST_BY_COST: u32 = 30;
+
+/// The trail of a light that is never chosen.
+const NEVER: u64 = u64::MAX;
 
 const BUCKETS: usize = 12;
 
@@ -87,14 +115,16 @@ impl LightTree {
             ..LightTree::default()
         };
         let mut placed = Vec::new();
-        for (i, light) in (0..).zip(lights) {
-            match light {
-                None => tree.infinite.push(i),
-                Some(bounds) if bounds.power > 0.0 && bounds.bounds.is_finite() => placed.push((i, *bounds)),
-                Some(_) => tree.trails[i as usize] = u64::MAX,
+        for (light, bounds) in LightIndex::all(lights.len()).zip(lights) {
+            match *bounds {
+                None => tree.infinite.push(light),
+                Some(bounds) if bounds.power > 0.0 && bounds.bounds.is_finite() => {
+                    placed.push(PlacedLight { light, bounds });
+                }
+                Some(_) => tree.trails[light.index()] = NEVER,
             }
         }
-        tree.placed = placed.iter().map(|light| light.0).collect();
+        tree.placed = placed.iter().map(|placed| placed.light).collect();
         if !placed.is_empty() {
             tree.add(&mut placed, 0, 0);
         }
@@ -116,17 +146,15 @@ impl LightTree {
         size_of_val(&*self.nodes) + size_of_val(&*self.trails) + size_of_val(&*self.is_infinite)
     }
 
-    /// Chooses a light for a receiver: its number and the probability of the choice; `None` when none can reach it.
-    ///
-    /// * `n`: unit normal of the receiver, or zero where it has none
+    /// Chooses a light for a receiver; `None` when none can reach it.
     #[inline]
-    pub fn choose(&self, p: Vec3, n: Vec3, u: f32, choice: LightChoice) -> Option<(u32, f32)> {
+    pub fn sample(&self, to: &Receiver, u: f32, choice: LightChoice) -> Option<SampledLight> {
         let beside = self.infinite.len();
         if choice == LightChoice::Uniform {
             let n = self.len();
             let i = ((u * n as f32) as usize).min(n.checked_sub(1)?);
             let light = self.infinite.get(i).or_else(|| self.placed.get(i - beside))?;
-            return Some((*light, 1.0 / n as f32));
+            return Some(SampledLight { light: *light, probability: 1.0 / n as f32 });
         }
         let choices = beside + usize::from(!self.nodes.is_empty());
         let place = u * choices as f32;
@@ -135,22 +163,22 @@ impl LightTree {
         if let [only] = *self.placed
             && i == beside
         {
-            return Some((only, share));
+            return Some(SampledLight { light: only, probability: share });
         }
         if let Some(&light) = self.infinite.get(i) {
-            return Some((light, share));
+            return Some(SampledLight { light, probability: share });
         }
-        self.descend(p, n, (place - i as f32).clamp(0.0, 1.0f32.next_down()), share)
+        self.descend(to, (place - i as f32).clamp(0.0, 1.0f32.next_down()), share)
     }
 
-    fn descend(&self, p: Vec3, n: Vec3, mut u: f32, mut probability: f32) -> Option<(u32, f32)> {
+    fn descend(&self, to: &Receiver, mut u: f32, mut probability: f32) -> Option<SampledLight> {
         let mut at = 0;
         loop {
-            let node = &self.nodes[at];
-            if node.is_leaf {
-                return Some((node.other, probability));
-            }
-            let first = self.share_of_first(at, p, n)?;
+            let second = match self.nodes[at].content {
+                NodeContent::Leaf(light) => return Some(SampledLight { light, probability }),
+                NodeContent::Inner { second } => second as usize,
+            };
+            let first = self.share_of_first([at + 1, second], to)?;
             if u < first {
                 u = (u / first).min(1.0f32.next_down());
                 probability *= first;
@@ -158,82 +186,79 @@ impl LightTree {
             } else {
                 u = ((u - first) / (1.0 - first)).clamp(0.0, 1.0f32.next_down());
                 probability *= 1.0 - first;
-                at = node.other as usize;
+                at = second;
             }
         }
     }
 
-    /// The probability with which [`LightTree::choose`] chooses a light for a receiver.
+    /// The probability with which [`LightTree::sample`] chooses a light for a receiver.
     #[inline]
-    pub fn probability(&self, light: u32, p: Vec3, n: Vec3, choice: LightChoice) -> f32 {
-        let light = light as usize;
+    pub fn pmf(&self, light: LightIndex, to: &Receiver, choice: LightChoice) -> f32 {
+        let light = light.index();
         if choice == LightChoice::Uniform {
-            return if self.trails[light] == u64::MAX { 0.0 } else { 1.0 / self.len() as f32 };
+            return if self.trails[light] == NEVER { 0.0 } else { 1.0 / self.len() as f32 };
         }
         let share = 1.0 / (self.infinite.len() + usize::from(!self.nodes.is_empty())) as f32;
         if self.is_infinite[light] {
             return share;
         }
         let mut trail = self.trails[light];
-        if trail == u64::MAX {
+        if trail == NEVER {
             return 0.0;
         }
         let (mut at, mut probability) = (0, share);
         loop {
-            let node = &self.nodes[at];
-            if node.is_leaf {
-                return probability;
-            }
-            let Some(first) = self.share_of_first(at, p, n) else { return 0.0 };
+            let NodeContent::Inner { second } = self.nodes[at].content else { return probability };
+            let second = second as usize;
+            let Some(first) = self.share_of_first([at + 1, second], to) else { return 0.0 };
             if trail & 1 == 0 {
                 probability *= first;
                 at += 1;
             } else {
                 probability *= 1.0 - first;
-                at = node.other as usize;
+                at = second;
             }
             trail >>= 1;
         }
     }
 
-    /// The probability of the first child of an inner node; `None` when neither reaches the receiver.
+    /// The probability of the first of two children; `None` when neither reaches the receiver.
     #[inline]
-    fn share_of_first(&self, at: usize, p: Vec3, n: Vec3) -> Option<f32> {
-        let first = self.nodes[at + 1].bounds.importance(p, n);
-        let second = self.nodes[self.nodes[at].other as usize].bounds.importance(p, n);
+    fn share_of_first(&self, children: [usize; 2], to: &Receiver) -> Option<f32> {
+        let [first, second] = children.map(|at| self.nodes[at].bounds.importance(to.p, to.n));
         let sum = first + second;
         (sum > 0.0).then(|| first / sum)
     }
 
     /// Adds the subtree over some lights.
-    fn add(&mut self, lights: &mut [(u32, LightBounds)], trail: u64, depth: u32) {
-        let bounds = lights.iter().map(|light| light.1).reduce(LightBounds::union);
+    fn add(&mut self, lights: &mut [PlacedLight], trail: u64, depth: u32) {
+        let bounds = lights.iter().map(|light| light.bounds).reduce(LightBounds::union);
         let Some(bounds) = bounds else { return };
         let at = self.nodes.len();
-        if let [(light, _)] = *lights {
-            self.trails[light as usize] = trail;
-            self.nodes.push(Node { bounds, other: light, is_leaf: true });
+        if let [PlacedLight { light, .. }] = *lights {
+            self.trails[light.index()] = trail;
+            self.nodes.push(Node { bounds, content: NodeContent::Leaf(light) });
             return;
         }
-        self.nodes.push(Node { bounds, other: 0, is_leaf: false });
+        self.nodes.push(Node { bounds, content: NodeContent::Inner { second: 0 } });
         let middle = part(lights, &bounds, depth);
         let (first, second) = lights.split_at_mut(middle);
         self.add(first, trail, depth + 1);
-        self.nodes[at].other = self.nodes.len() as u32;
+        self.nodes[at].content = NodeContent::Inner { second: self.nodes.len() as u32 };
         self.add(second, trail | 1 << depth, depth + 1);
     }
 }
 
 /// Sorts the lights of a node into two parts; returns the length of the first, at least 1.
-fn part(lights: &mut [(u32, LightBounds)], all: &LightBounds, depth: u32) -> usize {
-    let centers = Aabb::around(lights.iter().map(|light| light.1.bounds.center()));
+fn part(lights: &mut [PlacedLight], all: &LightBounds, depth: u32) -> usize {
+    let centers = Aabb::around(lights.iter().map(|light| light.bounds.bounds.center()));
     let best = (0..3)
         .filter(|&axis| centers.extent()[axis] > 0.0 && depth < DEEPEST_BY_COST)
         .filter_map(|axis| cheapest_split(lights, all, &centers, axis).map(|(cost, at)| (cost, axis, at)))
         .min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((_, axis, split)) = best {
-        lights.sort_by_key(|light| (bucket(&light.1, &centers, axis), light.0));
-        let middle = lights.partition_point(|light| bucket(&light.1, &centers, axis) <= split);
+        lights.sort_by_key(|light| (bucket(&light.bounds, &centers, axis), light.light));
+        let middle = lights.partition_point(|light| bucket(&light.bounds, &centers, axis) <= split);
         if middle > 0 && middle < lights.len() {
             return middle;
         }
@@ -248,15 +273,15 @@ fn bucket(light: &LightBounds, centers: &Aabb, axis: usize) -> usize {
 
 /// The cheapest of the splits between buckets along an axis, by its last bucket on the near side.
 fn cheapest_split(
-    lights: &[(u32, LightBounds)],
+    lights: &[PlacedLight],
     all: &LightBounds,
     centers: &Aabb,
     axis: usize,
 ) -> Option<(f32, usize)> {
     let mut buckets = [None::<LightBounds>; BUCKETS];
-    for (_, light) in lights {
-        let bucket = &mut buckets[bucket(light, centers, axis)];
-        *bucket = Some(bucket.map_or(*light, |sum| sum.union(*light)));
+    for &PlacedLight { bounds, .. } in lights {
+        let bucket = &mut buckets[bucket(&bounds, centers, axis)];
+        *bucket = Some(bucket.map_or(bounds, |sum| sum.union(bounds)));
     }
     let extent = all.bounds.extent();
     // Thin slabs cost more than their areas say.
@@ -275,7 +300,7 @@ fn cheapest_split(
 impl LightBounds {
     /// Bounds around both.
     fn union(self, other: LightBounds) -> LightBounds {
-        let (axis, cos_spread) = cone_around((self.axis, self.cos_spread), (other.axis, other.cos_spread));
+        let DirectionCone { axis, cos_spread } = self.cone().union(other.cone());
         LightBounds {
             bounds: self.bounds.union(other.bounds),
             axis,
@@ -284,6 +309,10 @@ impl LightBounds {
             two_sided: self.two_sided || other.two_sided,
             power: self.power + other.power,
         }
+    }
+
+    fn cone(&self) -> DirectionCone {
+        DirectionCone { axis: self.axis, cos_spread: self.cos_spread }
     }
 
     /// The solid angle that light fills, weighted by the cosine at its edges, times power and area.
@@ -349,25 +378,29 @@ fn sin_of_rest(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
     if cos_a > cos_b { 0.0 } else { sin_a * cos_b - cos_a * sin_b }
 }
 
-/// A cone around two cones, each by its axis and the cosine of its angle.
-fn cone_around(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
-    let angle = |cos: f32| fmath::acos(cos.clamp(-1.0, 1.0));
-    let (spread_a, spread_b) = (angle(a.1), angle(b.1));
-    let between = angle(a.0.dot(b.0));
-    if (between + spread_b).min(PI) <= spread_a {
-        return a;
+impl DirectionCone {
+    /// A cone around both.
+    fn union(self, other: DirectionCone) -> DirectionCone {
+        let (a, b) = (self.axis, other.axis);
+        let angle = |cos: f32| fmath::acos(cos.clamp(-1.0, 1.0));
+        let (spread_a, spread_b) = (angle(self.cos_spread), angle(other.cos_spread));
+        let between = angle(a.dot(b));
+        if (between + spread_b).min(PI) <= spread_a {
+            return self;
+        }
+        if (between + spread_a).min(PI) <= spread_b {
+            return other;
+        }
+        let spread = 0.5 * (spread_a + between + spread_b);
+        let turn_around = a.cross(b).normalize_or_zero();
+        if spread >= PI || turn_around == Vec3::ZERO {
+            return DirectionCone { axis: a, cos_spread: -1.0 };
+        }
+        // Turn the first axis towards the second until both cones fit.
+        let (sin, cos) = fmath::sin_cos(spread - spread_a);
+        let axis = (cos * a + sin * turn_around.cross(a)).normalize_or(a);
+        DirectionCone { axis, cos_spread: fmath::cos(spread) }
     }
-    if (between + spread_a).min(PI) <= spread_b {
-        return b;
-    }
-    let spread = 0.5 * (spread_a + between + spread_b);
-    let turn_around = a.0.cross(b.0).normalize_or_zero();
-    if spread >= PI || turn_around == Vec3::ZERO {
-        return (a.0, -1.0);
-    }
-    // Turn the first axis towards the second until both cones fit.
-    let (sin, cos) = fmath::sin_cos(spread - spread_a);
-    ((cos * a.0 + sin * turn_around.cross(a.0)).normalize_or(a.0), fmath::cos(spread))
 }
 
 #[cfg(test)]
@@ -376,8 +409,8 @@ mod tests {
     use kajo_math::{Vec2, rng::Stream, warp};
 
     /// Lights of different strength and direction in a box.
-    fn emitters(n: u32) -> Vec<Option<LightBounds>> {
-        let emitter = |i: u32| {
+    fn lights(n: u32) -> Vec<Option<LightBounds>> {
+        let light = |i: u32| {
             let s = Stream::new(3, [i, 0], 0);
             let at = 10.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
             let size = Vec3::splat(0.1 * s.uniform(3));
@@ -390,12 +423,12 @@ mod tests {
                 power: 0.1 + s.uniform(6),
             }
         };
-        (0..n).map(|i| (i % 97 != 96).then(|| emitter(i))).collect()
+        (0..n).map(|i| (i % 97 != 96).then(|| light(i))).collect()
     }
 
     #[test]
     fn probabilities_agree_with_the_walk_and_sum_to_one() {
-        let lights = emitters(200);
+        let lights = lights(200);
         let tree = LightTree::build(&lights);
         assert_eq!((tree.len(), tree.infinite.len()), (200, 2));
         for k in 0..30 {
@@ -407,13 +440,18 @@ mod tests {
                 warp::uniform_sphere(Vec2::new(s.uniform(3), s.uniform(4)))
             };
             for choice in [LightChoice::Tree, LightChoice::Uniform] {
-                let sum: f32 = (0..200).map(|light| tree.probability(light, p, n, choice)).sum();
+                let to = Receiver { p, n, time: 0.0 };
+                let sum: f32 = LightIndex::all(200).map(|light| tree.pmf(light, &to, choice)).sum();
                 // A walk may end among lights that turn out not to reach the receiver.
                 assert!(sum > 0.9 && sum < 1.0 + 1e-4, "{sum}");
                 for j in 0..50 {
-                    let Some((light, pmf)) = tree.choose(p, n, s.uniform(10 + j), choice) else { continue };
-                    let again = tree.probability(light, p, n, choice);
-                    assert!((again / pmf - 1.0).abs() < 1e-4, "{light}: {again} {pmf}");
+                    let Some(SampledLight { light, probability }) =
+                        tree.sample(&to, s.uniform(10 + j), choice)
+                    else {
+                        continue;
+                    };
+                    let again = tree.pmf(light, &to, choice);
+                    assert!((again / probability - 1.0).abs() < 1e-4, "{light:?}: {again} {probability}");
                 }
             }
         }
@@ -421,18 +459,19 @@ mod tests {
 
     #[test]
     fn what_can_send_light_is_never_ruled_out() {
-        let lights = emitters(150);
+        let lights = lights(150);
         let tree = LightTree::build(&lights);
         for k in 0..40 {
             let s = Stream::new(6, [k, 0], 0);
             let p = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
-            for (i, light) in (0..).zip(&lights) {
+            for (i, light) in LightIndex::all(150).zip(&lights) {
                 let Some(light) = light else { continue };
                 // From the middle of the light, straight along its axis or sideways within its reach.
                 let w = (p - light.bounds.center()).normalize();
                 let sends = light.cos_spread < 0.0 || light.axis.dot(w) > 0.0 || light.two_sided;
-                let found = tree.probability(i, p, Vec3::ZERO, LightChoice::Tree) > 0.0;
-                assert!(found || !sends, "receiver {k}, light {i}");
+                let to = Receiver { p, ..Receiver::default() };
+                let found = tree.pmf(i, &to, LightChoice::Tree) > 0.0;
+                assert!(found || !sends, "receiver {k}, light {i:?}");
             }
         }
     }
@@ -451,16 +490,20 @@ mod tests {
             })
         };
         let tree = LightTree::build(&[at(0.0, 1.0), at(10.0, 1.0), at(20.0, 4.0), at(30.0, 0.0)]);
-        let chance = |light| tree.probability(light, Vec3::new(1.0, 0.0, 0.0), Vec3::ZERO, LightChoice::Tree);
-        assert!(chance(0) > 10.0 * chance(1) && chance(2) > 0.5 * chance(1));
-        assert_eq!(chance(3), 0.0);
+        let to = Receiver { p: Vec3::X, ..Receiver::default() };
+        let chances: Vec<f32> =
+            LightIndex::all(4).map(|light| tree.pmf(light, &to, LightChoice::Tree)).collect();
+        assert!(chances[0] > 10.0 * chances[1] && chances[2] > 0.5 * chances[1]);
+        assert_eq!(chances[3], 0.0);
         assert_eq!(tree.len(), 3);
     }
 
     #[test]
     fn no_light_is_no_choice() {
         let tree = LightTree::build(&[]);
-        assert!(tree.is_empty() && tree.choose(Vec3::ZERO, Vec3::ZERO, 0.5, LightChoice::Tree).is_none());
-        assert!(tree.choose(Vec3::ZERO, Vec3::ZERO, 0.5, LightChoice::Uniform).is_none());
+        assert!(tree.is_empty());
+        for choice in [LightChoice::Tree, LightChoice::Uniform] {
+            assert!(tree.sample(&Receiver::default(), 0.5, choice).is_none());
+        }
     }
 }

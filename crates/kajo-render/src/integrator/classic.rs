@@ -124,7 +124,7 @@ impl<'a> Classic<'a> {
         let items =
             |apex: Option<Vec3>| apex.filter(|_| pays).and_then(|apex| scene.item_buffer(apex, cells));
         let camera_items = items(camera.apex());
-        let emitters = scene.emitters.representatives(&scene.lights, PIECES_OF_OBJECT);
+        let emitters = scene.light_sampler.representatives(&scene.lights, PIECES_OF_OBJECT);
         let hidden = match settings.shadows {
             Shadows::Off => 0,
             Shadows::Opaque | Shadows::Transparent => LIGHTS_WITH_ITEMS,
@@ -237,7 +237,7 @@ impl<'a> Classic<'a> {
         }
         let carried = || (path.eta, *beta * self.fog_factor(ray, at.hit.t, path));
         let mut local = self.shade(ray, at, phong, observer, carried);
-        let emitted = self.scene.glow(at, ray.d, &Wavelengths::RGB).map(|emitted| emitted.radiance);
+        let emitted = self.scene.surface_light(at, ray.d, &Wavelengths::RGB).map(|hit| hit.radiance);
         if let Some(emitted) = emitted {
             local += emitted;
         }

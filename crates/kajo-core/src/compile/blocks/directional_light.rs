@@ -5,12 +5,11 @@ use kajo_math::fmath;
 use kajo_scene::Params;
 
 use super::Member;
-use crate::compile::fields::{
-    Direction, Keys, LightGroupNumber, Sources, classic_light, degrees, direction, emission, keys,
-};
+use crate::compile::fields::{Direction, Keys, Sources, classic_light, degrees, direction, emission, keys};
 use crate::compile::light_groups;
 use crate::compile::lights::{LightMember, classic, physical};
 use crate::compile::spectra::Written;
+use crate::ids::LightGroup;
 use crate::light::DirectionalLight;
 use crate::schema::{Block, Kind};
 
@@ -25,7 +24,7 @@ keys! {
             .unit("W/m²")
             .unlike("none", "3 3 3", "light on a surface that faces it"),
         angle: f32 = degrees("angle", 0.0, 180.0).or(0.0, "how wide it is in the sky; the sun: 0.53"),
-        group: Option<LightGroupNumber> = light_groups::GROUP,
+        group: Option<LightGroup> = light_groups::GROUP,
     }
 }
 
@@ -39,10 +38,7 @@ pub const MEMBER: LightMember = Member {
     read: |compiler, item| compiler.light(item, read),
 };
 
-fn read(
-    params: &mut Params<'_, '_>,
-    sources: &mut Sources<'_>,
-) -> Option<(DirectionalLight, LightGroupNumber)> {
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(DirectionalLight, LightGroup)> {
     params.name();
     params.either(&["color", "irradiance"], "a light");
     let keys = DirectionalKeys::read(params, sources)?;

@@ -9,12 +9,13 @@ use kajo_scene::{Args, Assets, Diagnostic, Item, Params, read_ies, read_limited}
 
 use super::Member;
 use crate::compile::fields::{
-    At, Direction, Given, Keys, LightGroupNumber, Plain, Required, Sources, Typed, any_angle, at_least,
-    classic_light, direction, emission, keys, number, point, report_beside, report_without, triple,
+    At, Direction, Given, Keys, Plain, Required, Sources, Typed, any_angle, at_least, classic_light,
+    direction, emission, keys, number, point, report_beside, report_without, triple,
 };
 use crate::compile::light_groups;
 use crate::compile::lights::{LightMember, classic, physical};
 use crate::compile::spectra::Written;
+use crate::ids::LightGroup;
 use crate::light::{PhotometricLight, Photometry, PointLight};
 use crate::schema::{Around, Block, FieldKind, FieldSpec, FieldValue, Kind};
 
@@ -51,7 +52,7 @@ keys! {
             .not_beside(&["attenuation", "intensity", "power", "ies"])
             .placed()
             .unlike("by `attenuation`", "1", "divides the colour by f d² at the distance d"),
-        group: Option<LightGroupNumber> = light_groups::GROUP,
+        group: Option<LightGroup> = light_groups::GROUP,
     }
 }
 
@@ -91,10 +92,7 @@ fn tint(around: &Around<'_>) -> Option<FieldValue> {
     (around.is_written)("ies").then(|| FieldValue::numbers([1.0; 3]))
 }
 
-fn read_point(
-    params: &mut Params<'_, '_>,
-    sources: &mut Sources<'_>,
-) -> Option<(PointLight, LightGroupNumber)> {
+fn read_point(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(PointLight, LightGroup)> {
     params.name();
     let keys = PositionKeys::read(params, sources);
     let brightness = BrightnessKeys::read(params, sources);
@@ -107,7 +105,7 @@ fn read_point(
 fn read_photometric(
     params: &mut Params<'_, '_>,
     sources: &mut Sources<'_>,
-) -> Option<(PhotometricLight, LightGroupNumber)> {
+) -> Option<(PhotometricLight, LightGroup)> {
     params.name();
     report_beside(params, BrightnessKeys::FIELDS, "ies");
     let position = PositionKeys::read(params, sources);
@@ -170,7 +168,7 @@ impl BrightnessKeys<'_> {
         position: Vec3,
         share: f32,
         params: &mut Params<'_, '_>,
-    ) -> Option<(PointLight, LightGroupNumber)> {
+    ) -> Option<(PointLight, LightGroup)> {
         let BrightnessKeys { color, intensity, power, attenuation, falloff, group } = self;
         let group = group.unwrap_or_default();
         if let (Some(_), Some(falloff)) = (attenuation.item, &falloff) {

@@ -5,8 +5,9 @@ use kajo_scene::Params;
 
 use super::Member;
 use super::point_light::{BrightnessKeys, POSITION};
-use crate::compile::fields::{Direction, Keys, LightGroupNumber, Sources, degrees, direction, keys};
+use crate::compile::fields::{Direction, Keys, Sources, degrees, direction, keys};
 use crate::compile::lights::LightMember;
+use crate::ids::LightGroup;
 use crate::light::{Cone, SpotLight};
 use crate::schema::{Around, Block, FieldValue, Kind};
 
@@ -37,7 +38,7 @@ fn inner_angle(around: &Around<'_>) -> Option<FieldValue> {
     Some(FieldValue::numbers([f64::from(INNER_SHARE * around.number("angle")? as f32)]))
 }
 
-fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(SpotLight, LightGroupNumber)> {
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(SpotLight, LightGroup)> {
     params.name();
     let keys = SpotKeys::read(params, sources);
     let brightness = BrightnessKeys::read(params, sources);

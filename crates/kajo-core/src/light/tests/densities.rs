@@ -8,7 +8,7 @@ const TESTS: u32 = 17;
 
 /// A surface before its map: unit triangle, unit square, ring, unit sphere, side of a cone.
 #[derive(Clone, Copy, Debug)]
-enum Simple {
+pub(crate) enum Simple {
     Triangle,
     Square,
     Ring(f64),
@@ -17,7 +17,7 @@ enum Simple {
 }
 
 impl Simple {
-    fn patch(self, map: &DAffine3) -> Patch {
+    pub fn patch(self, map: &DAffine3) -> Patch {
         let (x, y, o) = (DVec3::X, DVec3::Y, DVec3::ZERO);
         let simple = match self {
             Simple::Triangle => Patch::Triangle([o, x, y]),
@@ -60,6 +60,39 @@ impl Simple {
                 if inside { vec![(t, DVec3::Z)] } else { Vec::new() }
             }
         }
+    }
+}
+
+/// A simple surface under a map, and a receiver: one that no other part of the surface hides what is drawn from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KnownSurface {
+    shape: Simple,
+    map: DAffine3,
+    inverse: DAffine3,
+    pub receiver: Vec3,
+}
+
+impl KnownSurface {
+    pub fn new(shape: Simple, map: DAffine3, receiver: Vec3) -> KnownSurface {
+        KnownSurface { shape, map, inverse: map.inverse(), receiver }
+    }
+
+    /// The points of the surface that can be drawn for the receiver in the unit direction `wi`.
+    ///
+    /// Of a sphere only the nearest one can.
+    pub fn points(&self, wi: Vec3) -> Vec<LightPoint> {
+        let o = self.inverse.transform_point3(self.receiver.as_dvec3());
+        let d = self.inverse.transform_vector3(wi.as_dvec3());
+        let mut crossings = self.shape.crossings(o, d);
+        crossings.retain(|crossing| crossing.0 > 1e-6);
+        crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        crossings.truncate(if matches!(self.shape, Simple::Sphere) { 1 } else { 2 });
+        let point = |(t, n): (f64, DVec3)| LightPoint::Surface {
+            p: self.map.transform_point3(o + t * d).as_vec3(),
+            p_error: Vec3::ZERO,
+            n: (self.inverse.matrix3.transpose() * n).normalize().as_vec3(),
+        };
+        crossings.into_iter().map(point).collect()
     }
 }
 
@@ -149,8 +182,9 @@ fn skies_with_their_sun() {
     // Irradiance of a level place: the dome's by a fine sum, and the sun's by its solid angle.
     let (mut sun_hits, mut sum, mut squares, n) = (0, 0.0, 0.0, 200_000);
     for i in 0..n {
-        let s = sky.sample(Vec3::ZERO, 0.0, draw(i), &Wavelengths::RGB).unwrap();
-        assert!((sky.pdf(s.wi) / s.pdf - 1.0).abs() < 1e-2, "{}", s.wi);
+        let s = sample_li(&sky, Vec3::ZERO, draw(i)).unwrap();
+        let again = sky.pdf_li(&Receiver::default(), &s.at, s.wi);
+        assert!((again / s.pdf - 1.0).abs() < 1e-2, "{}", s.wi);
         sun_hits += u32::from(s.pdf > 1000.0);
         let e = f64::from(s.radiance.luminance() * s.wi.y.max(0.0) / s.pdf);
         sum += e;

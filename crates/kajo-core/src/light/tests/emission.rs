@@ -1,14 +1,16 @@
-//! Light that leaves an emitter: as much as its power says, drawn with the density it names.
+//! Light that leaves a light: as much as its power says, drawn with the density it names.
 
 use std::sync::Arc;
 
+use super::densities::{KnownSurface, Simple};
 use super::*;
 use crate::background::Background;
 use crate::family::Pooled;
+use crate::ids::{LightGroup, LightIndex};
 use kajo_math::{Aabb, Frame};
 use kajo_scene::IesFile;
 
-pub(crate) const WORLD: Ball = Ball { center: Vec3::new(1.0, -0.5, 0.3), radius: 2.5 };
+pub(crate) const WORLD: BoundingSphere = BoundingSphere { center: Vec3::new(1.0, -0.5, 0.3), radius: 2.5 };
 
 fn point(attenuation: [f32; 3]) -> PointLight {
     PointLight {
@@ -31,29 +33,45 @@ fn area(patch: Patch, sides: Sides) -> AreaLight {
     }
 }
 
-/// One light of each kind with the power it has.
-pub(crate) fn emitters() -> (Lights, Vec<(LightId, f64)>) {
+/// A light whose power is known.
+pub(crate) struct KnownLight {
+    pub id: LightId,
+    pub power: f64,
+    /// Where its surface is, and a receiver that light comes to.
+    pub surface: Option<KnownSurface>,
+}
+
+/// Lights of each kind with the power they have.
+pub(crate) fn every_light() -> (Lights, Vec<KnownLight>) {
     let mut lights = Lights::default();
     let mut list = Vec::new();
-    let ball = Patch::Sphere { center: DVec3::new(0.5, 0.0, 0.0), radius: 0.7 };
-    let ring = Patch::Disk(DiskPatch { center: DVec3::Y, axes: [2.0 * DVec3::X, DVec3::Z], inner: 0.5 });
-    let cone = Patch::curved(Canonical::Frustum([1.0, 0.2]), DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.5)));
-    let cone = cone.expect("a cone");
-    for (patch, sides) in [
-        (square(1.0), Sides::Front),
-        (square(1.0), Sides::Both),
-        (ball, Sides::Front),
-        (ring, Sides::Back),
-        (cone, Sides::Both),
+    let in_plane = |corner: DVec3, x: DVec3| DAffine3::from_cols(x, DVec3::Z, DVec3::NEG_Y, corner);
+    let square = in_plane(DVec3::new(-0.5, 1.0, -0.5), DVec3::X);
+    let ring = in_plane(DVec3::Y, 2.0 * DVec3::X);
+    let ball =
+        DAffine3::from_translation(DVec3::new(0.5, 0.0, 0.0)) * DAffine3::from_scale(DVec3::splat(0.7));
+    let cone = DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.5));
+    let (below, above) = (Vec3::new(0.3, 0.2, -0.7), Vec3::new(-0.4, 1.9, 0.3));
+    for (shape, map, sides, receiver) in [
+        (Simple::Square, square, Sides::Front, below),
+        (Simple::Square, square, Sides::Both, above),
+        (Simple::Sphere, ball, Sides::Front, above),
+        (Simple::Ring(0.5), ring, Sides::Back, above),
+        (Simple::Frustum([1.0, 0.2]), cone, Sides::Both, Vec3::new(0.1, 0.2, 0.6)),
     ] {
+        let patch = shape.patch(&map);
         let power = if sides == Sides::Both { 2.0 } else { 1.0 } * 2.0 * PI * patch.area();
-        list.extend(area(patch, sides).store(&mut lights).map(|id| (id, power)));
+        let surface = Some(KnownSurface::new(shape, map, receiver));
+        list.extend(area(patch, sides).store(&mut lights).map(|id| KnownLight { id, power, surface }));
     }
-    list.extend(point([0.0, 0.0, 1.0]).store(&mut lights).map(|id| (id, 8.0 * PI)));
+    let mut known = |id: Option<LightId>, power| {
+        list.push(KnownLight { id: id.expect("room"), power, surface: None });
+    };
+    known(point([0.0, 0.0, 1.0]).store(&mut lights), 8.0 * PI);
     let axis = Vec3::new(0.6, -0.8, 0.0);
     let spot = SpotLight { point: point([0.0, 0.0, 1.0]), axis, cone: Cone { inner: 0.1, outer: 0.5 } };
     // 2 pi I (1 - (cos inner + cos outer) / 2), of an intensity of 2.
-    list.extend(spot.store(&mut lights).map(|id| (id, 4.0 * PI * (1.0 - 0.7))));
+    known(spot.store(&mut lights), 4.0 * PI * (1.0 - 0.7));
     let shadow = PI * 6.25;
     for height in [0.0, 0.1] {
         let emission = Emission::from_rgb([2.0; 3]);
@@ -61,10 +79,10 @@ pub(crate) fn emitters() -> (Lights, Vec<(LightId, f64)>) {
         let light = DirectionalLight { to_light, height, intensity: Spectrum::WHITE, emission };
         // Of a wide disc it is the irradiance across the middle that is given.
         let widened = 2.0 / (2.0 - f64::from(height));
-        list.extend(light.store(&mut lights).map(|id| (id, 2.0 * shadow * widened)));
+        known(light.store(&mut lights), 2.0 * shadow * widened);
     }
     let sky = SkyLight::new(Arc::new(Background::constant([2.0; 3])));
-    list.extend(sky.store(&mut lights).map(|id| (id, 8.0 * PI * shadow)));
+    known(sky.store(&mut lights), 8.0 * PI * shadow);
     // Its intensity is linear in the angle from its axis: 2 pi times the integral of (80 - 60 v 2/pi) sin v.
     let file = IesFile {
         vertical_deg: vec![0.0, 90.0],
@@ -80,31 +98,37 @@ pub(crate) fn emitters() -> (Lights, Vec<(LightId, f64)>) {
         emission: Emission::from_rgb([2.0; 3]),
         intensity: Spectrum::WHITE,
     };
-    let power = 2.0 * 2.0 * PI * (80.0 - 60.0 * 2.0 / PI);
-    list.extend(luminaire.store(&mut lights).map(|id| (id, power)));
+    known(luminaire.store(&mut lights), 2.0 * 2.0 * PI * (80.0 - 60.0 * 2.0 / PI));
     (lights, list)
 }
 
-/// A box in the ball.
+/// A box in the sphere.
 fn world_box() -> Aabb {
     let half = Vec3::splat(2.5 / 3f32.sqrt());
     Aabb { min: WORLD.center - half, max: WORLD.center + half }
 }
 
-fn numbers(i: u32) -> [Vec2; 2] {
+fn numbers(i: u32) -> LeNumbers {
     let s = Stream::new(23, [i, 0], 0);
-    [Vec2::new(s.uniform(0), s.uniform(1)), Vec2::new(s.uniform(2), s.uniform(3))]
+    LeNumbers {
+        position: Vec2::new(s.uniform(0), s.uniform(1)),
+        direction: Vec2::new(s.uniform(2), s.uniform(3)),
+    }
+}
+
+/// The light of these numbers that leaves.
+fn leaving(lights: &Lights, id: LightId, k: u32) -> Option<LightLeSample> {
+    lights.sample_le(id, 0.0, numbers(k), &Wavelengths::RGB, &WORLD, &MeanEmission)
 }
 
 #[test]
 fn a_light_sends_out_its_power() {
-    let (lights, list) = emitters();
-    for (i, (id, power)) in list.into_iter().enumerate() {
+    let (lights, list) = every_light();
+    for (i, KnownLight { id, power, .. }) in list.into_iter().enumerate() {
         let n = 40_000;
         let (mut sum, mut squares) = (0.0, 0.0);
         for k in 0..n {
-            let emitted = lights.emit(id, 0.0, numbers(k), &Wavelengths::RGB, &WORLD);
-            let carried = emitted.map_or(0.0, |emitted| f64::from(emitted.power()[0]));
+            let carried = leaving(&lights, id, k).map_or(0.0, |leaving| f64::from(leaving.power()[0]));
             sum += carried;
             squares += carried * carried;
         }
@@ -119,32 +143,34 @@ fn a_light_sends_out_its_power() {
 
 #[test]
 fn densities_of_drawn_light_are_those_of_the_light() {
-    let (lights, list) = emitters();
-    for (i, (id, _)) in list.into_iter().enumerate() {
+    let (lights, list) = every_light();
+    for (i, KnownLight { id, .. }) in list.into_iter().enumerate() {
         for k in 0..500 {
-            let Some(emitted) = lights.emit(id, 0.0, numbers(k), &Wavelengths::RGB, &WORLD) else { continue };
-            assert!((emitted.d.length() - 1.0).abs() < 1e-5);
-            let n = match emitted.origin {
-                Target::Surface { n, .. } => n,
-                Target::Point(_) | Target::Infinity => Vec3::ZERO,
+            let Some(LightLeSample { at, d, pdf, .. }) = leaving(&lights, id, k) else { continue };
+            assert!((d.length() - 1.0).abs() < 1e-5);
+            // Of light from far away any point that it passes tells.
+            let passed = match at {
+                LightPoint::Infinite { through } => LightPoint::Infinite { through: through + 1.7 * d },
+                near => near,
             };
-            // Of light from far away any point on the way tells.
-            let p = if emitted.is_infinite() { emitted.p + 1.7 * emitted.d } else { emitted.p };
-            let again = lights.emission_pdf(id, 0.0, [p, n], emitted.d, &WORLD);
+            let again = lights.pdf_le(id, 0.0, &passed, d, &WORLD);
             let near = |a: f32, b: f32| (a / b - 1.0).abs() < 1e-3;
-            let same = near(again.place, emitted.pdf.place) && near(again.direction, emitted.pdf.direction);
+            let same = near(again.position, pdf.position) && near(again.direction, pdf.direction);
             // On the very rim of the disk rounding decides.
             let rim =
-                emitted.is_infinite() && (p - WORLD.center).cross(emitted.d).length() > 0.999 * WORLD.radius;
-            assert!(same || rim, "light {i}: {again:?} {:?}", emitted.pdf);
+                at.is_infinite() && (passed.p() - WORLD.center).cross(d).length() > 0.999 * WORLD.radius;
+            assert!(same || rim, "light {i}: {again:?} {pdf:?}");
         }
     }
 }
 
 #[test]
-fn light_leaves_no_light_where_it_has_none() {
-    let (lights, list) = emitters();
-    let pdf = |i: usize, n: Vec3, d: Vec3| lights.emission_pdf(list[i].0, 0.0, [Vec3::Y, n], d, &WORLD);
+fn light_leaves_only_where_there_is_some() {
+    let (lights, list) = every_light();
+    let pdf = |i: usize, n: Vec3, d: Vec3| {
+        let at = LightPoint::Surface { p: Vec3::Y, p_error: Vec3::ZERO, n };
+        lights.pdf_le(list[i].id, 0.0, &at, d, &WORLD)
+    };
     // The square's front looks down, as its edges say.
     let n = square(1.0).normal().unwrap().as_vec3();
     assert!(pdf(0, n, n).direction > 0.0 && pdf(0, n, -n).direction == 0.0);
@@ -152,7 +178,8 @@ fn light_leaves_no_light_where_it_has_none() {
     let axis = Vec3::new(0.6, -0.8, 0.0);
     assert!(pdf(6, n, axis).direction > 0.0 && pdf(6, n, -axis).direction == 0.0);
     let d = Vec3::new(0.0, -0.6, -0.8);
-    let from_far = |p: Vec3| lights.emission_pdf(list[7].0, 0.0, [p, Vec3::ZERO], d, &WORLD).place;
+    let from_far =
+        |through: Vec3| lights.pdf_le(list[7].id, 0.0, &LightPoint::Infinite { through }, d, &WORLD).position;
     assert!(from_far(WORLD.center) > 0.0);
     assert_eq!(from_far(WORLD.center + 2.6 * Vec3::X), 0.0, "beside the disk");
     assert_eq!(from_far(WORLD.center - 2.6 * d), 0.0, "before the disk");
@@ -163,7 +190,7 @@ fn light_leaves_no_light_where_it_has_none() {
 fn a_falloff_of_its_own_is_made_up_for() {
     let emitted = |attenuation| {
         point(attenuation)
-            .emit(0.0, numbers(1), &Wavelengths::RGB, &WORLD)
+            .sample_le(0.0, numbers(1), &Wavelengths::RGB, &WORLD, &MeanEmission)
             .expect("light into all directions")
     };
     assert_eq!(emitted([0.0, 0.0, 1.0]).share_at(3.0), 1.0);
@@ -171,26 +198,28 @@ fn a_falloff_of_its_own_is_made_up_for() {
 }
 
 #[test]
-fn lights_are_drawn_by_their_power() {
-    let (lights, list) = emitters();
-    let ids: Vec<(LightId, u8)> = list.iter().map(|light| (light.0, 0)).collect();
-    let emitters = Emitters::new(ids, list.len() as u32, None, &lights);
-    let departures = Departures::new(&emitters, &lights, &world_box());
-    let all: f64 = list.iter().map(|light| light.1).sum();
-    for (i, (_, power)) in (0..).zip(&list) {
-        let probability = f64::from(departures.probability(i));
-        assert!((probability / (power / all) - 1.0).abs() < 0.08, "{i}: {probability} for {}", power / all);
+fn lights_are_chosen_by_their_power() {
+    let (lights, list) = every_light();
+    let ids: Vec<(LightId, LightGroup)> =
+        list.iter().map(|light| (light.id, LightGroup::default())).collect();
+    let sampler = LightSampler::new(ids, list.len(), None, &lights);
+    let by_power = PowerLightSampler::new(&sampler, &lights, &world_box());
+    let all: f64 = list.iter().map(|light| light.power).sum();
+    for (light, KnownLight { power, .. }) in LightIndex::all(list.len()).zip(&list) {
+        let pmf = f64::from(by_power.pmf(light));
+        assert!((pmf / (power / all) - 1.0).abs() < 0.08, "{light:?}: {pmf} for {}", power / all);
     }
     let n = 100_000;
     let mut counts = vec![0u32; list.len()];
     for k in 0..n {
-        let light = departures.choose((k as f32 + 0.5) / n as f32).expect("a light");
-        counts[light as usize] += 1;
+        let chosen = by_power.sample((k as f32 + 0.5) / n as f32).expect("a light");
+        assert_eq!(chosen.probability, by_power.pmf(chosen.light));
+        counts[chosen.light.index()] += 1;
     }
-    for (i, count) in (0..).zip(counts) {
-        let expected = departures.probability(i) * n as f32;
-        assert!((count as f32 - expected).abs() < 2.0 + 1e-3 * expected, "{i}: {count} for {expected}");
+    for (light, count) in LightIndex::all(list.len()).zip(counts) {
+        let expected = by_power.pmf(light) * n as f32;
+        assert!((count as f32 - expected).abs() < 2.0 + 1e-3 * expected, "{light:?}: {count} for {expected}");
     }
-    let none = Departures::new(&Emitters::default(), &lights, &world_box());
-    assert_eq!(none.choose(0.3), None);
+    let none = PowerLightSampler::new(&LightSampler::default(), &lights, &world_box());
+    assert_eq!(none.sample(0.3), None);
 }

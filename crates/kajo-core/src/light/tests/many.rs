@@ -1,10 +1,11 @@
-//! Ten thousand emitters: the tree finds the same light as a uniform choice, with far less noise.
+//! Ten thousand lights: the tree finds the same light as a uniform choice, with far less noise.
 
 use super::*;
 use crate::family::Pooled;
+use crate::ids::LightGroup;
 
 /// A grid of 100 by 100 lights at height 1, one apart; every third is a small square, the others are points.
-fn grid() -> (Lights, Emitters) {
+fn grid() -> (Lights, LightSampler) {
     let mut lights = Lights::default();
     let (mut points, mut areas) = (Vec::new(), Vec::new());
     for i in 0..10_000u32 {
@@ -33,22 +34,27 @@ fn grid() -> (Lights, Emitters) {
             points.extend(point.store(&mut lights));
         }
     }
-    let first_area = points.len() as u32;
+    let first_area = points.len();
     points.extend(areas);
-    let emitters = Emitters::new(points.into_iter().map(|id| (id, 0)).collect(), first_area, None, &lights);
-    (lights, emitters)
+    let list = points.into_iter().map(|id| (id, LightGroup::default())).collect();
+    let sampler = LightSampler::new(list, first_area, None, &lights);
+    (lights, sampler)
 }
 
-/// Mean and variance of one sample of the irradiance at `p` with the normal `n`.
-fn estimate(lights: &Lights, emitters: &Emitters, p: Vec3, n: Vec3, choice: LightChoice) -> [f64; 2] {
+/// Mean and variance of one sample of the irradiance at a receiver.
+fn estimate(lights: &Lights, sampler: &LightSampler, to: &Receiver, choice: LightChoice) -> [f64; 2] {
     let (mut sum, mut squares) = (0.0, 0.0);
     let count = 300_000;
     for i in 0..count {
         let s = Stream::new(32, [i, 0], 0);
         let (u, place) = (s.uniform(0), Vec2::new(s.uniform(1), s.uniform(2)));
-        let sample = emitters.sample(lights, [p, n], 0.0, u, place, &Wavelengths::RGB, choice);
-        let value = sample
-            .map_or(0.0, |sample| f64::from(sample.radiance[0] * sample.wi.dot(n).max(0.0) / sample.pdf));
+        let drawn = sampler.sample(to, u, choice).and_then(|chosen| {
+            let id = sampler.id(chosen.light);
+            let sample = lights.sample_li(id, to, place, &Wavelengths::RGB, &MeanEmission)?;
+            let pdf = sample.pdf * chosen.probability;
+            Some(f64::from(sample.radiance[0] * sample.wi.dot(to.n).max(0.0) / pdf))
+        });
+        let value = drawn.unwrap_or(0.0);
         sum += value;
         squares += value * value;
     }
@@ -58,12 +64,13 @@ fn estimate(lights: &Lights, emitters: &Emitters, p: Vec3, n: Vec3, choice: Ligh
 
 #[test]
 fn the_tree_gives_the_mean_of_a_uniform_choice_with_a_twentieth_of_the_variance() {
-    let (lights, emitters) = grid();
-    assert_eq!(emitters.len(), 10_000);
+    let (lights, sampler) = grid();
+    assert_eq!(sampler.len(), 10_000);
     let tilted = Vec3::new(0.6, 0.8, 0.0);
     for (p, n) in [(Vec3::ZERO, Vec3::Y), (Vec3::new(20.3, 0.2, -31.0), tilted)] {
-        let [tree, tree_variance] = estimate(&lights, &emitters, p, n, LightChoice::Tree);
-        let [uniform, uniform_variance] = estimate(&lights, &emitters, p, n, LightChoice::Uniform);
+        let to = Receiver { p, n, time: 0.0 };
+        let [tree, tree_variance] = estimate(&lights, &sampler, &to, LightChoice::Tree);
+        let [uniform, uniform_variance] = estimate(&lights, &sampler, &to, LightChoice::Uniform);
         let sigma = ((tree_variance + uniform_variance) / 300_000.0).sqrt();
         assert!((tree - uniform).abs() < 4.5 * sigma, "{p}: {tree} {uniform} ± {sigma}");
         assert!(20.0 * tree_variance < uniform_variance, "{p}: {tree_variance} {uniform_variance}");
@@ -85,11 +92,11 @@ fn a_few_pieces_stand_for_those_of_a_large_object() {
             let sides = Sides::Both;
             let area = AreaLight { patch, emission, drift: None, varied: None, sides, primitive, part };
             powers[primitive as usize] += area.bounds().unwrap().power;
-            list.extend(area.store(&mut lights).map(|id| (id, 0)));
+            list.extend(area.store(&mut lights).map(|id| (id, LightGroup::default())));
         }
     }
-    let emitters = Emitters::new(list, 0, None, &lights);
-    let taken = emitters.representatives(&lights, 16);
+    let sampler = LightSampler::new(list, 0, None, &lights);
+    let taken = sampler.representatives(&lights, 16);
     let (few, many) = taken.split_at(16);
     assert!(few.iter().all(|&(_, factor)| factor == 1.0) && many.len() == 16);
     let power = |&(id, factor): &(LightId, f32)| lights.bounds(id).unwrap().power * factor;
@@ -101,11 +108,11 @@ fn a_few_pieces_stand_for_those_of_a_large_object() {
     let light = |pieces: &[(LightId, f32)]| -> f32 {
         pieces.iter().map(|&(id, factor)| factor * lights.illuminate(id, far, 0.0).intensity[0]).sum()
     };
-    let all: Vec<_> = emitters.list()[16..].iter().map(|&id| (id, 1.0)).collect();
+    let all: Vec<_> = sampler.list()[16..].iter().map(|&id| (id, 1.0)).collect();
     assert!((light(many) / light(&all) - 1.0).abs() < 0.05, "{} {}", light(many), light(&all));
     // Without light there is nobody to ask.
     for area in &mut lights.areas {
         area.emission = Emission::BLACK;
     }
-    assert_eq!(emitters.representatives(&lights, 16).len(), 16);
+    assert_eq!(sampler.representatives(&lights, 16).len(), 16);
 }

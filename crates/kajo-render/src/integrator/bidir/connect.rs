@@ -13,7 +13,8 @@
 //! times the weight of the way among all others. `T` is the transmittance of the medium, `V` that of holes and panes.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
-use kajo_core::light::{EmissionPdf, LightSample, Target};
+use kajo_core::LightIndex;
+use kajo_core::light::{EmissionPdf, LightLiSample, LightPoint, Receiver};
 use kajo_core::scene::Interaction;
 use kajo_math::{Ray, Vec2, Vec3};
 
@@ -21,29 +22,13 @@ use super::partial_mis::{PartialMis, mis_weight, square};
 use super::subpath::Subpath;
 use super::vertex::Vertex;
 use super::{Bidirectional, Contribution};
-use crate::integrator::transport::{PathState, connect, sample_light};
+use crate::integrator::transport::{DrawnLight, PathState, connect, sample_light};
 use crate::trail::{About, PathObserver, RayKind};
 
 /// Densities of the light's end of a path and of the way to the next point, the geometry there left out. Of a light
 /// infinitely far away the direction is its end.
 pub fn parts(pdf: EmissionPdf, is_infinite: bool) -> (f32, f32) {
-    if is_infinite { (pdf.direction, pdf.place) } else { (pdf.place, pdf.direction) }
-}
-
-/// The unit normal at the end of a way, zero where there is none.
-pub fn normal(end: &Target) -> Vec3 {
-    match end {
-        Target::Surface { n, .. } => *n,
-        Target::Point(_) | Target::Infinity => Vec3::ZERO,
-    }
-}
-
-/// Solid angle per area of the end of a way along the unit vector `w`; 1 where it has no area.
-pub fn spread(end: &Target, w: Vec3, distance2: f32) -> f32 {
-    match end {
-        Target::Surface { n, .. } => n.dot(w).abs() / distance2,
-        Target::Point(_) | Target::Infinity => 1.0,
-    }
+    if is_infinite { (pdf.direction, pdf.position) } else { (pdf.position, pdf.direction) }
 }
 
 /// What a segment that joins two vertices is to be told about.
@@ -53,7 +38,7 @@ struct Join<'a> {
     /// What light from its far end is multiplied by.
     carried: Spectrum,
     /// The light that it is cast to.
-    light: Option<u32>,
+    light: Option<LightIndex>,
 }
 
 impl Bidirectional<'_> {
@@ -67,16 +52,16 @@ impl Bidirectional<'_> {
         wo: Vec3,
         from: Option<&Vertex>,
     ) -> Option<Contribution> {
-        let emitted = self.scene().glow(at, -wo, &path.state.wavelengths)?;
+        let hit = self.scene().surface_light(at, -wo, &path.state.wavelengths)?;
         let weight = from.map_or(1.0, |from| {
-            let (p, n) = (at.point.p, at.point.ng);
-            let cosine = n.dot(wo).abs();
-            let pdf_li = self.pdf_li(emitted.emitter(), (from, at.time), [p, n], -wo) * cosine
+            let (p, end) = (at.point.p, LightPoint::on(&at.point));
+            let cosine = end.cosine(wo);
+            let pdf_li = self.pdf_li(hit.light, &from.receiver(at.time), &end, -wo) * cosine
                 / p.distance_squared(from.at.p);
-            let pdf_le = self.pdf_le((emitted.emitter(), at.time), [p, n], wo, false);
+            let pdf_le = self.pdf_le(hit.light, at.time, &end, wo);
             mis_weight_of_met(&path.mis_at(p, cosine), pdf_li, pdf_le)
         });
-        Some(path.met(emitted.radiance, emitted.group, weight))
+        Some(path.met(hit.radiance, hit.group, weight))
     }
 
     /// `s = 0`: hands the light to `found` of the background and of the discs in the sky that the camera's path comes to.
@@ -91,20 +76,14 @@ impl Bidirectional<'_> {
     ) {
         let scene = self.scene();
         let PathState { ray, wavelengths, .. } = &path.state;
-        let mut meet = |radiance: Spectrum, group: u8, light: Option<u32>| {
-            let weight = from.zip(light).map_or(1.0, |(from, light)| {
-                let pdf_li = self.pdf_li(light, (from, ray.time), [Vec3::ZERO; 2], d);
-                let pdf_le = self.pdf_le((light, ray.time), [from.at.p, Vec3::ZERO], -d, true);
+        for hit in scene.lights_at_infinity(d, wavelengths) {
+            let weight = from.map_or(1.0, |from| {
+                let end = LightPoint::Infinite { through: from.at.p };
+                let pdf_li = self.pdf_li(hit.light, &from.receiver(ray.time), &end, d);
+                let pdf_le = self.pdf_le(hit.light, ray.time, &end, -d);
                 mis_weight_of_met(&path.mis_at_infinity(), pdf_li, pdf_le)
             });
-            found(path.met(radiance, group, weight));
-        };
-        let radiance = scene.background.radiance(d, wavelengths);
-        if !radiance.is_black() {
-            meet(radiance, scene.emitters.sky_group(), scene.emitters.sky());
-        }
-        for sun in scene.suns(d, wavelengths) {
-            meet(sun.radiance, sun.group, Some(sun.light));
+            found(path.met(hit.radiance, hit.group, weight));
         }
     }
 
@@ -118,13 +97,13 @@ impl Bidirectional<'_> {
     ) -> Option<Contribution> {
         let scene = self.scene();
         let time = path.ray.time;
-        let sample = sample_light(scene, path, &z.receiver(time), self.settings.light_choice)?;
-        let LightSample { wi, radiance, pdf, is_delta, target, light } = sample;
+        let drawn = sample_light(scene, path, &z.receiver(time), self.settings.light_choice)?;
+        let DrawnLight { light, pdf, li: LightLiSample { wi, radiance, is_delta, at, .. } } = drawn;
         let scattered = z.gathered(wi);
         if scattered.is_black() {
             return None;
         }
-        let segment = z.at.ray_to_light(&sample, time);
+        let segment = z.at.ray_to(&at, wi, time);
         let join = Join {
             kind: RayKind::Shadow,
             segment: &segment,
@@ -136,14 +115,11 @@ impl Bidirectional<'_> {
             self.tell(observer, &join, &path.wavelengths, None);
             return None;
         }
-        let (p, distance) = match target {
-            Target::Surface { p, .. } | Target::Point(p) => (p, p.distance(z.at.p)),
-            Target::Infinity => (z.at.p, f32::INFINITY),
-        };
-        let is_infinite = distance.is_infinite();
-        let (end, rest) = self.pdf_le((light, time), [p, normal(&target)], -wi, is_infinite);
+        let is_infinite = at.is_infinite();
+        let distance = if is_infinite { f32::INFINITY } else { at.p().distance(z.at.p) };
+        let (end, rest) = self.pdf_le(light, time, &at, -wi);
         let thinning = if is_infinite { 1.0 } else { 1.0 / (distance * distance) };
-        let pdf_li = pdf * spread(&target, wi, distance * distance);
+        let pdf_li = pdf * at.solid_angle_per_area(wi, distance * distance);
         // [Georgiev 2012, eq. 44 and 45]
         let w_light = if is_delta { 0.0 } else { square(z.pdf(z.wo, wi) / pdf) };
         let w_camera = square(end / pdf_li) * z.mis.weighed(rest * z.cosine(wi) * thinning, z.pdf(wi, z.wo));
@@ -152,7 +128,7 @@ impl Bidirectional<'_> {
             light: z.beta * scattered * radiance * z.transmittance(wi, distance) * visible * pdf.recip(),
             weight: mis_weight(w_light, w_camera),
             is_single: z.is_single,
-            group: scene.emitters.group(light),
+            group: scene.light_sampler.group(light),
             raster: None,
         };
         self.tell(observer, &join, &path.wavelengths, Some(&found));
@@ -177,8 +153,7 @@ impl Bidirectional<'_> {
         if scattered.is_black() {
             return None;
         }
-        let target = Target::Surface { p: y.at.p, p_error: y.at.p_error, n: y.at.ng };
-        let segment = z.at.ray_to(&target, wi, time);
+        let segment = z.at.ray_to(&LightPoint::on(&y.at), wi, time);
         let carried = z.beta * scattered;
         let join = Join { kind: RayKind::Connection, segment: &segment, carried, light: None };
         let visible = connect(self.scene(), &segment, wavelengths, z.eta(wi), observer);
@@ -223,8 +198,11 @@ impl Bidirectional<'_> {
             return None;
         }
         let is_parallel = to.distance.is_infinite();
-        let target = if is_parallel { Target::Infinity } else { Target::Point(y.at.p + to.distance * to.wi) };
-        let segment = y.at.ray_to(&target, to.wi, time);
+        let lens = match is_parallel {
+            true => LightPoint::Infinite { through: y.at.p },
+            false => LightPoint::Position(y.at.p + to.distance * to.wi),
+        };
+        let segment = y.at.ray_to(&lens, to.wi, time);
         let carried = y.beta * scattered;
         let join = Join { kind: RayKind::Splat, segment: &segment, carried, light: None };
         self.tell(observer, &join, wavelengths, None);
@@ -257,22 +235,22 @@ impl Bidirectional<'_> {
         let about = || About {
             eta: 1.0,
             weight: sensor::to_rgb(join.carried, wavelengths),
-            light: join.light.map(|light| self.scene().emitters.id(light)),
+            light: join.light.map(|light| self.scene().light_sampler.id(light)),
         };
         let light = || found.map_or([0.0; 3], |found| found.value(wavelengths));
         observer.joined(join.kind, self.scene(), join.segment, about, light);
     }
 
-    /// Density per solid angle with which [`Bidirectional::direct_light`] draws a light and the way to a place of it.
-    fn pdf_li(&self, light: u32, (from, time): (&Vertex, f32), at: [Vec3; 2], wi: Vec3) -> f32 {
-        self.scene().light_pdf(light, &from.receiver(time), at, wi, self.settings.light_choice)
+    /// Density with which [`Bidirectional::direct_light`] draws a light and the direction `wi` to a point of it.
+    pub(super) fn pdf_li(&self, light: LightIndex, to: &Receiver, at: &LightPoint, wi: Vec3) -> f32 {
+        self.scene().pdf_li(light, to, at, wi, self.settings.light_choice)
     }
 
     /// [`parts`] of the density with which a path from a light begins along `d`, with the choice of the light.
-    fn pdf_le(&self, (light, time): (u32, f32), at: [Vec3; 2], d: Vec3, is_infinite: bool) -> (f32, f32) {
-        let pdf = self.scene().emission_pdf(&self.departures, light, time, at, d);
-        let (end, rest) = parts(pdf, is_infinite);
-        (end * self.departures.probability(light), rest)
+    fn pdf_le(&self, light: LightIndex, time: f32, at: &LightPoint, d: Vec3) -> (f32, f32) {
+        let pdf = self.scene().pdf_le(light, time, at, d, self.power_sampler.world());
+        let (end, rest) = parts(pdf, at.is_infinite());
+        (end * self.power_sampler.pmf(light), rest)
     }
 }
 

@@ -26,9 +26,12 @@ mod vertex;
 use std::mem;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::camera::Camera;
-use kajo_core::light::{Departures, Emitted, LightChoice, MAX_LIGHT_GROUPS};
+use kajo_core::light::{
+    LeNumbers, LightChoice, LightLeSample, MAX_LIGHT_GROUPS, PowerLightSampler, SampledLight,
+};
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
@@ -38,7 +41,7 @@ use super::camera_view::{CameraView, in_white_light};
 use super::transport::{Event, MediumStack, PathState, SurfaceInteraction, advance, pass_straight, shade};
 use crate::trail::{PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, SampleContext};
-use connect::{normal, parts, spread};
+use connect::parts;
 use partial_mis::{PartialMis, square};
 use subpath::{Departure, Subpath};
 use vertex::Vertex;
@@ -74,7 +77,7 @@ impl Default for BidirectionalSettings {
 pub struct Bidirectional<'a> {
     view: CameraView<'a>,
     settings: BidirectionalSettings,
-    departures: Departures,
+    power_sampler: PowerLightSampler,
 }
 
 /// The vertices of a path from a light, kept from sample to sample.
@@ -94,7 +97,7 @@ struct Contribution {
     /// Whether only one wavelength is followed.
     is_single: bool,
     /// The light group.
-    group: u8,
+    group: LightGroup,
     /// Where it is seen; with the camera's ray where absent.
     raster: Option<Vec2>,
 }
@@ -143,7 +146,7 @@ impl<'a> Bidirectional<'a> {
         Bidirectional {
             view: CameraView::new(scene, size, layers).spectral(settings.spectral),
             settings,
-            departures: scene.departures(),
+            power_sampler: scene.power_light_sampler(),
         }
     }
 
@@ -207,14 +210,13 @@ impl<'a> Bidirectional<'a> {
         wavelengths: &Wavelengths,
     ) -> Draws<'s> {
         let scene = self.scene();
-        let u = draws.number_if(scene.emitters.len() > 1);
-        let places = [draws.next_2d(), draws.next_2d()];
-        let Some((emitted, light, chance)) = scene.emit(&self.departures, time, u, places, wavelengths)
-        else {
-            return draws;
-        };
-        let mut path = light_end(scene, &emitted, (time, chance), wavelengths, draws);
-        let group = scene.emitters.group(light);
+        let world = self.power_sampler.world();
+        let u = draws.number_if(scene.light_sampler.len() > 1);
+        let numbers = LeNumbers { position: draws.next_2d(), direction: draws.next_2d() };
+        let Some(SampledLight { light, probability }) = self.power_sampler.sample(u) else { return draws };
+        let Some(emitted) = scene.sample_le(light, time, numbers, wavelengths, world) else { return draws };
+        let mut path = light_end(scene, &emitted, (time, probability), wavelengths, draws);
+        let group = scene.light_sampler.group(light);
         observer.counters().light += 1;
         observer.next(RayKind::Light);
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
@@ -224,16 +226,16 @@ impl<'a> Bidirectional<'a> {
                 continue;
             }
             if vertices.is_empty() {
-                path.state.beta *= emitted.share_at(surface.at.point.p.distance(emitted.p));
+                path.state.beta *= emitted.share_at(surface.at.point.p.distance(emitted.at.p()));
             }
             let mut vertex = path.vertex(scene, &surface, bsdf, group);
             if vertices.is_empty() {
-                // A connection with the light itself draws a place anew. [Georgiev 2012, eq. 31]
-                let (place, wi) = ([emitted.p, normal(&emitted.origin)], -emitted.d);
-                let choice = self.settings.light_choice;
-                let pdf_li = scene.light_pdf(light, &vertex.receiver(time), place, wi, choice);
-                let spread = spread(&emitted.origin, wi, emitted.p.distance_squared(vertex.at.p));
-                let end = chance * parts(emitted.pdf, emitted.is_infinite()).0;
+                // A connection with the light itself draws a point anew. [Georgiev 2012, eq. 31]
+                let wi = -emitted.d;
+                let pdf_li = self.pdf_li(light, &vertex.receiver(time), &emitted.at, wi);
+                let distance2 = emitted.at.p().distance_squared(vertex.at.p);
+                let spread = emitted.at.solid_angle_per_area(wi, distance2);
+                let end = probability * parts(emitted.pdf, emitted.at.is_infinite()).0;
                 vertex.mis.d_vcm *= square(pdf_li * spread / end);
             }
             vertices.push(vertex);
@@ -272,7 +274,7 @@ impl<'a> Bidirectional<'a> {
         observer.counters().camera += 1;
         observer.next(RayKind::Camera);
         while let Some(bsdf) = self.next_vertex(&mut end, observer, found) {
-            let z = end.path.vertex(self.scene(), &end.surface, bsdf, 0);
+            let z = end.path.vertex(self.scene(), &end.surface, bsdf, LightGroup::default());
             let visible = &mut end.visible;
             if visible.albedo.is_none() && self.view.wants_albedo() && !bsdf.is_delta() {
                 visible.albedo = Some(in_white_light(bsdf.albedo(z.local(z.wo).wo), wavelengths));
@@ -368,18 +370,18 @@ impl<'a> Bidirectional<'a> {
 /// * `chance`: probability with which the light was chosen
 fn light_end<'s>(
     scene: &Scene,
-    emitted: &Emitted,
+    emitted: &LightLeSample,
     (time, chance): (f32, f32),
     wavelengths: &Wavelengths,
     draws: Draws<'s>,
 ) -> Subpath<'s> {
-    let is_infinite = emitted.is_infinite();
+    let is_infinite = emitted.at.is_infinite();
     let (end, pdf) = parts(emitted.pdf, is_infinite);
     let end = chance * end;
     // [Georgiev 2012, eq. 31 and 32], for lights without extent [eq. 48]
     let d_vcm = if emitted.is_delta { 0.0 } else { square(end).recip() };
     let departure = Departure {
-        p: emitted.p,
+        p: emitted.at.p(),
         pdf,
         is_parallel: is_infinite,
         cosine: emitted.cosine(),
@@ -421,7 +423,7 @@ impl Integrator for Bidirectional<'_> {
             match found.raster {
                 Some(raster) => splats.add(raster, value),
                 None => {
-                    for sum in [&mut radiance, &mut groups[usize::from(found.group)]] {
+                    for sum in [&mut radiance, &mut groups[found.group.index()]] {
                         *sum = [0, 1, 2].map(|i| sum[i] + value[i]);
                     }
                 }

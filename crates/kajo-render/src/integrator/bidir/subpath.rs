@@ -1,6 +1,7 @@
 //! One of the two ends of a path while it grows, from the light or from the camera.
 
 use kajo_color::Spectrum;
+use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::scene::Scene;
 use kajo_math::Vec3;
@@ -52,7 +53,7 @@ impl Subpath<'_> {
     }
 
     /// Light that the ray of a path from the camera has met.
-    pub fn met(&self, radiance: Spectrum, group: u8, weight: f32) -> Contribution {
+    pub fn met(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
         Contribution {
             way: [0, self.state.scatterings + 2],
             light: self.state.beta * radiance,
@@ -66,7 +67,13 @@ impl Subpath<'_> {
     /// The path's vertex on a surface.
     ///
     /// * `group`: the light group of a path from a light
-    pub fn vertex(&self, scene: &Scene, surface: &SurfaceInteraction, bsdf: Bsdf, group: u8) -> Vertex {
+    pub fn vertex(
+        &self,
+        scene: &Scene,
+        surface: &SurfaceInteraction,
+        bsdf: Bsdf,
+        group: LightGroup,
+    ) -> Vertex {
         let &SurfaceInteraction { at, wo, u, ref interface, .. } = surface;
         let media = self.state.media;
         let beyond = interface.as_ref().map_or(media, |interface| media.across(interface));

@@ -16,9 +16,10 @@
 //! The frame of the scattering is decided by the direction to the camera, see [`Shading`].
 
 use kajo_color::Spectrum;
+use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::interaction::SurfacePoint;
-use kajo_core::lighting::Receiver;
+use kajo_core::light::Receiver;
 use kajo_core::shading::Shading;
 use kajo_math::Vec3;
 
@@ -47,7 +48,7 @@ pub struct Vertex {
     /// Whether only one wavelength got here.
     pub is_single: bool,
     /// The light group of a path from there.
-    pub group: u8,
+    pub group: LightGroup,
 }
 
 impl Vertex {

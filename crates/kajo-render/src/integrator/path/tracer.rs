@@ -1,9 +1,9 @@
 //! One sample of the path tracer: a path from the camera and what branches off it.
 
 use kajo_color::{Spectrum, sensor};
+use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
-use kajo_core::light::MAX_LIGHT_GROUPS;
-use kajo_core::lighting::Receiver;
+use kajo_core::light::{LightHit, LightPoint, MAX_LIGHT_GROUPS, Receiver};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::{Directions, Technique};
 use kajo_math::Vec3;
@@ -12,8 +12,8 @@ use super::PathSettings;
 use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
-    Event, Interface, LocalFrame, PathState, SurfaceInteraction, advance, connect, follow, pass_straight,
-    sample_light, shade, survives,
+    DrawnLight, Event, Interface, LocalFrame, PathState, SurfaceInteraction, advance, connect, follow,
+    pass_straight, sample_light, shade, survives,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -291,42 +291,41 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
     /// and in full where no light could have been drawn: for the camera's own ray, behind mirrors, and behind interfaces
     /// that hold a shadow ray up.
     ///
-    /// * `pdf_li`: `q`
-    fn mis_weight(&self, path: &CameraPath<'s>, pdf_li: impl FnOnce(&Receiver) -> f32) -> f32 {
+    /// * `at`: the point of the light
+    /// * `d`: unit direction of the ray that hit it
+    fn mis_weight(&self, path: &CameraPath<'s>, hit: &LightHit, at: &LightPoint, d: Vec3) -> f32 {
         match self.settings.technique {
             _ if !path.state.connectable => 1.0,
             Technique::Scattering => 1.0,
             Technique::Lights => 0.0,
-            Technique::Combined => power_heuristic(path.pdf, pdf_li(&path.receiver)),
+            Technique::Combined => {
+                let choice = self.settings.light_choice;
+                power_heuristic(path.pdf, self.scene().pdf_li(hit.light, &path.receiver, at, d, choice))
+            }
         }
     }
 
     /// Light from infinitely far away along a ray that leaves the scene: `beta Le(d) w`.
     fn add_background(&mut self, path: &CameraPath<'s>, d: Vec3) {
-        let (scene, state, choice) = (self.scene(), &path.state, self.settings.light_choice);
-        let radiance = scene.background.radiance(d, &state.wavelengths);
-        if !radiance.is_black() {
-            let weight = self.mis_weight(path, |from| scene.sky_pdf(from, d, choice));
-            self.add_met(state, state.beta * radiance * weight, scene.emitters.sky_group());
-        }
-        for sun in scene.suns(d, &state.wavelengths) {
-            let weight =
-                self.mis_weight(path, |from| scene.light_pdf(sun.light, from, [Vec3::ZERO; 2], d, choice));
-            self.add_met(state, state.beta * sun.radiance * weight, sun.group);
+        let (scene, state) = (self.scene(), &path.state);
+        let at = LightPoint::Infinite { through: path.receiver.p };
+        for hit in scene.lights_at_infinity(d, &state.wavelengths) {
+            let weight = self.mis_weight(path, &hit, &at, d);
+            self.add_met(state, state.beta * hit.radiance * weight, hit.group);
         }
     }
 
     /// Light that the surface itself sends back along the path: `beta Le(wo) w`.
     fn add_emission(&mut self, path: &CameraPath<'s>, surface: &SurfaceInteraction) {
-        let (scene, state, choice) = (self.scene(), &path.state, self.settings.light_choice);
-        if let Some(emitted) = scene.glow(&surface.at, -surface.wo, &state.wavelengths) {
-            let weight = self.mis_weight(path, |from| scene.glow_pdf(&emitted, &surface.at, from, choice));
-            self.add_met(state, state.beta * emitted.radiance * weight, emitted.group);
+        let (state, d) = (&path.state, -surface.wo);
+        if let Some(hit) = self.scene().surface_light(&surface.at, d, &state.wavelengths) {
+            let weight = self.mis_weight(path, &hit, &LightPoint::on(&surface.at.point), d);
+            self.add_met(state, state.beta * hit.radiance * weight, hit.group);
         }
     }
 
     /// Adds light that the path has met.
-    fn add_met(&mut self, state: &PathState<'s>, light: Spectrum, group: u8) {
+    fn add_met(&mut self, state: &PathState<'s>, light: Spectrum, group: LightGroup) {
         self.observer.found(|| sensor::to_rgb(light, &state.wavelengths));
         self.estimate.add(state, light, group);
     }
@@ -355,16 +354,15 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
     ) {
         let (scene, settings) = (self.scene(), self.settings);
         let state = &mut path.state;
-        let Some(drawn) = sample_light(scene, state, &receiver(surface, local), settings.light_choice) else {
-            return;
-        };
-        let Some(wi) = local.to_local(drawn.wi) else { return };
+        let drawn = sample_light(scene, state, &receiver(surface, local), settings.light_choice);
+        let Some(DrawnLight { light, li, pdf }) = drawn else { return };
+        let Some(wi) = local.to_local(li.wi) else { return };
         let scattered = bsdf.eval(local.wo, wi, Transport::Radiance);
         if scattered.is_black() {
             return;
         }
         let state = &*state;
-        let segment = surface.at.point.ray_to_light(&drawn, state.ray.time);
+        let segment = surface.at.point.ray_to(&li.at, li.wi, state.ray.time);
         let across = |interface: &Interface| state.media.across(interface);
         let beyond = surface.interface.as_ref().filter(|_| wi.z * local.wo.z < 0.0).map(across);
         let media = beyond.as_ref().unwrap_or(&state.media);
@@ -373,31 +371,31 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         let about = || About {
             eta: state.media.eta(),
             weight: sensor::to_rgb(carried, &state.wavelengths),
-            light: Some(scene.emitters.id(drawn.light)),
+            light: Some(scene.light_sampler.id(light)),
         };
         if visible.is_black() {
             self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
             return;
         }
         let weight = match settings.technique {
-            Technique::Combined if !drawn.is_delta => {
-                power_heuristic(drawn.pdf, directions::pdf(settings.directions, bsdf, local.wo, wi))
+            Technique::Combined if !li.is_delta => {
+                power_heuristic(pdf, directions::pdf(settings.directions, bsdf, local.wo, wi))
             }
             _ => 1.0,
         };
-        let added = carried * drawn.radiance * visible * (weight / drawn.pdf);
+        let added = carried * li.radiance * visible * (weight / pdf);
         let rgb = || sensor::to_rgb(added, &state.wavelengths);
         self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
-        self.estimate.add(state, added, scene.emitters.group(drawn.light));
+        self.estimate.add(state, added, scene.light_sampler.group(light));
     }
 }
 
 impl Estimate {
     /// Adds light of a light group.
-    fn add(&mut self, path: &PathState<'_>, light: Spectrum, group: u8) {
+    fn add(&mut self, path: &PathState<'_>, light: Spectrum, group: LightGroup) {
         self.light += light;
         if let Some(groups) = &mut self.groups {
-            let (sum, rgb) = (&mut groups[usize::from(group)], sensor::to_rgb(light, &path.wavelengths));
+            let (sum, rgb) = (&mut groups[group.index()], sensor::to_rgb(light, &path.wavelengths));
             *sum = [0, 1, 2].map(|i| sum[i] + rgb[i]);
         }
     }

@@ -35,4 +35,4 @@ pub mod steps;
 pub use local_frame::LocalFrame;
 pub use medium_stack::{Interface, MediumStack};
 pub use path_state::{PathState, SurfaceInteraction};
-pub use steps::{Event, advance, connect, follow, pass_straight, sample_light, shade, survives};
+pub use steps::{DrawnLight, Event, advance, connect, follow, pass_straight, sample_light, shade, survives};

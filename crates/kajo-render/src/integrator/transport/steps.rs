@@ -1,11 +1,10 @@
 //! The steps themselves.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
-use kajo_core::RayOffset;
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
-use kajo_core::light::{LightChoice, LightSample};
-use kajo_core::lighting::Receiver;
+use kajo_core::light::{LightChoice, LightLiSample, Receiver, SampledLight};
 use kajo_core::scene::{Interaction, Scene};
+use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
 
 use super::{PathState, SurfaceInteraction};
@@ -141,6 +140,17 @@ fn straight_on(path: &PathState<'_>, surface: &SurfaceInteraction) -> Ray {
     surface.at.point.ray_towards(path.ray.d, f32::INFINITY, path.ray.time, RayOffset::Auto)
 }
 
+/// Light drawn for a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnLight {
+    /// The light that was chosen.
+    pub light: LightIndex,
+    /// What it sends.
+    pub li: LightLiSample,
+    /// The density of `li` times the probability of the choice.
+    pub pdf: f32,
+}
+
 /// Light drawn for a vertex, whether or not anything is in the way; `None` where none can arrive.
 ///
 /// Takes a number for the light, where there are several, and two for the place on it.
@@ -150,11 +160,12 @@ pub fn sample_light(
     path: &mut PathState<'_>,
     receiver: &Receiver,
     choice: LightChoice,
-) -> Option<LightSample> {
-    let u = path.draws.number_if(scene.emitters.len() > 1);
+) -> Option<DrawnLight> {
+    let u = path.draws.number_if(scene.light_sampler.len() > 1);
     let place = path.draws.next_2d();
-    let drawn = scene.light_towards(receiver, u, place, &path.wavelengths, choice);
-    drawn.filter(|light| !light.radiance.is_black())
+    let SampledLight { light, probability } = scene.light_sampler.sample(receiver, u, choice)?;
+    let li = scene.sample_li(light, receiver, place, &path.wavelengths)?;
+    (!li.radiance.is_black()).then_some(DrawnLight { light, li, pdf: li.pdf * probability })
 }
 
 /// The share of light that comes along a segment between two vertices, in one medium: less than 1 through holes and panes,

@@ -71,10 +71,12 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
         let mut draws = ctx.draws;
         let (mut again, mut path) = (draws.split(0, 0, 1), Vec::new());
         it.follow_light(&mut rays, &mut path, again, 0.0, &wavelengths);
-        let u = again.number_if(scene.emitters.len() > 1);
-        let ways = [again.next_2d(), again.next_2d()];
-        let (emitted, light, chance) =
-            scene.emit(&it.departures, 0.0, u, ways, &wavelengths).expect("a light");
+        let u = again.number_if(scene.light_sampler.len() > 1);
+        let numbers = LeNumbers { position: again.next_2d(), direction: again.next_2d() };
+        let chosen = it.power_sampler.sample(u).expect("a light");
+        let world = it.power_sampler.world();
+        let emitted =
+            scene.sample_le(chosen.light, 0.0, numbers, &wavelengths, world).expect("light that leaves");
         let ray = it.view.ray(place, &mut draws).expect("a ray");
         let mut views: Vec<(Vertex, Vec3)> = Vec::new();
         let departure = Departure {
@@ -102,28 +104,27 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
                 path_from_camera.departure.pdf = pdf_camera;
             }
             let bsdf = shade(&scene, &path_from_camera.state, &surface);
-            let z = path_from_camera.vertex(&scene, &surface, bsdf, 0);
+            let z = path_from_camera.vertex(&scene, &surface, bsdf, LightGroup::default());
             views.push((z, z.at.p));
             if !path_from_camera.scatter(&z, &surface, false, &mut counting) {
                 break;
             }
         }
-        let normal_at_light = normal(&emitted.origin);
         let whole = |from_light: &[Vertex], from_camera: &[Vertex]| {
-            let mut places = vec![Place { p: emitted.p, n: normal_at_light, vertex: None }];
+            let mut places = vec![Place { p: emitted.at.p(), n: emitted.at.n(), vertex: None }];
             let chain = from_light.iter().chain(from_camera.iter().rev());
             places.extend(chain.map(|v| Place { p: v.at.p, n: v.at.ng, vertex: Some(*v) }));
             places.push(Place { p: ray.o, n: Vec3::ZERO, vertex: None });
             let first = &places[1];
-            let wi = (emitted.p - first.p).normalize();
+            let wi = (emitted.at.p() - first.p).normalize();
             let receiver = first.vertex.as_ref().expect("a surface").receiver(0.0);
-            let drawn =
-                scene.light_pdf(light, &receiver, [emitted.p, normal_at_light], wi, LightChoice::Tree);
-            let spread = spread(&emitted.origin, wi, emitted.p.distance_squared(first.p));
+            let drawn = scene.pdf_li(chosen.light, &receiver, &emitted.at, wi, LightChoice::Tree);
+            let distance2 = emitted.at.p().distance_squared(first.p);
+            let spread = emitted.at.solid_angle_per_area(wi, distance2);
             let last = &places[places.len() - 2];
             let camera = pdf_camera_at(&it, &ray, last);
-            let pdf = scene.emission_pdf(&it.departures, light, 0.0, [emitted.p, normal_at_light], -wi);
-            let (end, rest) = (f64::from(chance * pdf.place), f64::from(pdf.direction));
+            let pdf = scene.pdf_le(chosen.light, 0.0, &emitted.at, -wi, world);
+            let (end, rest) = (f64::from(chosen.probability * pdf.position), f64::from(pdf.direction));
             Whole { places, light: [end, rest, f64::from(drawn * spread)], camera }
         };
         let views: Vec<Vertex> = views.into_iter().map(|view| view.0).collect();

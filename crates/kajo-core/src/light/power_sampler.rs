@@ -1,0 +1,46 @@
+//! The choice of the light that a path begins at.
+
+use kajo_math::Aabb;
+
+use super::{BoundingSphere, LightSampler, Lights, SampledLight};
+use crate::ids::LightIndex;
+
+/// Chooses lights with probabilities in proportion to their power.
+#[derive(Debug)]
+pub struct PowerLightSampler {
+    world: BoundingSphere,
+    /// Sums of the powers of all lights up to each.
+    sums: Vec<f32>,
+}
+
+impl PowerLightSampler {
+    /// * `bounds`: of everything that has any
+    pub fn new(sampler: &LightSampler, lights: &Lights, bounds: &Aabb) -> PowerLightSampler {
+        let world = BoundingSphere::around(bounds);
+        let powers = sampler.list().iter().map(|&id| f64::from(lights.power(id, &world)));
+        let sums = powers.scan(0.0, |sum: &mut f64, power| {
+            *sum += if power.is_finite() { power.max(0.0) } else { 0.0 };
+            Some(*sum as f32)
+        });
+        PowerLightSampler { world, sums: sums.collect() }
+    }
+
+    /// The sphere that lights infinitely far away shine at.
+    pub fn world(&self) -> &BoundingSphere {
+        &self.world
+    }
+
+    /// Chooses a light for a uniform `u` in [0, 1); `None` when none gives light.
+    pub fn sample(&self, u: f32) -> Option<SampledLight> {
+        let all = *self.sums.last()?;
+        let light = LightIndex::new(self.sums.partition_point(|&sum| sum <= u * all))?;
+        (light.index() < self.sums.len()).then(|| SampledLight { light, probability: self.pmf(light) })
+    }
+
+    /// Probability with which [`PowerLightSampler::sample`] chooses a light.
+    pub fn pmf(&self, light: LightIndex) -> f32 {
+        let i = light.index();
+        let before = i.checked_sub(1).map_or(0.0, |i| self.sums[i]);
+        self.sums.last().map_or(0.0, |&all| if all > 0.0 { (self.sums[i] - before) / all } else { 0.0 })
+    }
+}

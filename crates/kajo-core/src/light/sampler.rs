@@ -1,0 +1,140 @@
+//! The choice of a light for a receiver, and the list of all that can be chosen.
+
+use kajo_color::Wavelengths;
+use kajo_math::Vec3;
+
+use super::{AreaLight, Emitter, LightChoice, LightHit, LightId, LightTree, Lights, Receiver, SampledLight};
+use crate::ids::{LightGroup, LightIndex};
+
+/// The lights of a scene, in one list: those of the file, then the patches of emissive objects, then the background.
+#[derive(Debug, Default)]
+pub struct LightSampler {
+    list: Vec<LightId>,
+    /// The group of each.
+    groups: Vec<LightGroup>,
+    /// Where the emissive patches begin; they are sorted by object and part.
+    first_area: usize,
+    /// Those that rays hit when they leave the scene, the background first.
+    at_infinity: Vec<LightIndex>,
+    tree: LightTree,
+}
+
+impl LightSampler {
+    /// * `first_area`: where the emissive patches begin; from there on `list` names their pool in its order
+    /// * `background`: where the background is, if it gives light
+    pub(crate) fn new(
+        list: Vec<(LightId, LightGroup)>,
+        first_area: usize,
+        background: Option<LightIndex>,
+        lights: &Lights,
+    ) -> LightSampler {
+        let (list, groups): (Vec<LightId>, Vec<LightGroup>) = list.into_iter().unzip();
+        let bounds: Vec<_> = list.iter().map(|&id| lights.bounds(id)).collect();
+        let others = LightIndex::all(list.len()).filter(|&light| Some(light) != background);
+        let hit = background.into_iter().chain(others);
+        let at_infinity = hit.filter(|light| lights.is_seen_at_infinity(list[light.index()])).collect();
+        LightSampler { list, groups, first_area, at_infinity, tree: LightTree::build(&bounds) }
+    }
+
+    /// Number of lights that can be chosen.
+    pub fn len(&self) -> usize {
+        self.tree.len()
+    }
+
+    /// Whether nothing gives light.
+    pub fn is_empty(&self) -> bool {
+        self.tree.is_empty()
+    }
+
+    /// All lights by their indices.
+    pub(crate) fn list(&self) -> &[LightId] {
+        &self.list
+    }
+
+    /// The light at an index.
+    #[inline]
+    pub fn id(&self, light: LightIndex) -> LightId {
+        self.list[light.index()]
+    }
+
+    /// The group of a light.
+    #[inline]
+    pub fn group(&self, light: LightIndex) -> LightGroup {
+        self.groups[light.index()]
+    }
+
+    /// The lights of the file, and patches that stand for all of each emissive object, with the factor of their light.
+    ///
+    /// * `most`: patches of an object; of one that has more so many are taken, by their power, that stand for equal parts
+    ///   of it
+    pub fn representatives(&self, lights: &Lights, most: usize) -> Vec<(LightId, f32)> {
+        let mut taken: Vec<_> = self.list[..self.first_area].iter().map(|&id| (id, 1.0)).collect();
+        let mut patches = self.list[self.first_area..].iter().copied();
+        for object in lights.areas.chunk_by(|a, b| a.primitive == b.primitive) {
+            let ids = patches.by_ref().take(object.len());
+            if object.len() <= most {
+                taken.extend(ids.map(|id| (id, 1.0)));
+                continue;
+            }
+            let power = |light: &AreaLight| light.bounds().map_or(0.0, |bounds| f64::from(bounds.power));
+            let share = object.iter().map(power).sum::<f64>() / most as f64;
+            let (mut sum, mut parts_before) = (0.0, 0.0);
+            for (id, light) in ids.zip(object) {
+                sum += power(light);
+                // The middles of equal parts that lie on this patch.
+                let parts = (sum / share + 0.5).floor();
+                if parts > parts_before {
+                    taken.push((id, ((parts - parts_before) * share / power(light)) as f32));
+                    parts_before = parts;
+                }
+            }
+        }
+        taken
+    }
+
+    /// Bytes of the tree and the lists.
+    pub fn bytes(&self) -> usize {
+        self.tree.bytes() + size_of_val(&*self.list) + size_of_val(&*self.groups)
+    }
+
+    /// Chooses a light for a receiver; `None` when none can reach it.
+    ///
+    /// * `u`: uniform in [0, 1)
+    #[inline]
+    pub fn sample(&self, to: &Receiver, u: f32, choice: LightChoice) -> Option<SampledLight> {
+        self.tree.sample(to, u, choice)
+    }
+
+    /// Probability with which [`LightSampler::sample`] chooses a light for a receiver.
+    #[inline]
+    pub fn pmf(&self, light: LightIndex, to: &Receiver, choice: LightChoice) -> f32 {
+        self.tree.pmf(light, to, choice)
+    }
+
+    /// The patch of a part of an emissive object.
+    #[inline]
+    pub fn area<'a>(
+        &self,
+        lights: &'a Lights,
+        primitive: u32,
+        part: u32,
+    ) -> Option<(LightIndex, &'a AreaLight)> {
+        let key = |light: &AreaLight| (light.primitive, light.part);
+        let i = lights.areas.binary_search_by_key(&(primitive, part), key).ok()?;
+        Some((LightIndex::new(self.first_area + i)?, &lights.areas[i]))
+    }
+
+    /// The lights that a ray along the unit vector `d` hits when it leaves the scene, the background first.
+    #[inline]
+    pub fn at_infinity<'a>(
+        &'a self,
+        lights: &'a Lights,
+        d: Vec3,
+        wavelengths: &'a Wavelengths,
+    ) -> impl Iterator<Item = LightHit> {
+        self.at_infinity.iter().filter_map(move |&light| {
+            let radiance = lights.radiance_at_infinity(self.id(light), d, wavelengths)?;
+            Some(LightHit { light, group: self.group(light), radiance })
+        })
+    }
+}
