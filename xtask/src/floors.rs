@@ -71,10 +71,10 @@ const CORE_MODULES: [(&str, &[&str]); 28] = [
             "sky_disc",
         ],
     ),
-    ("item_buffer", &["shape"]),
+    ("item_buffer", &["ids", "shape"]),
     ("medium", &["family", "interaction"]),
     ("objects", &[]),
-    ("nested", &["interaction", "material", "objects", "shape"]),
+    ("nested", &["ids", "interaction", "material", "objects", "shape"]),
     ("camera", &["interaction", "motion"]),
     ("sampler", &["interaction"]),
     ("settings", &["bsdf", "interaction", "light", "sampler"]),
@@ -85,6 +85,7 @@ const CORE_MODULES: [(&str, &[&str]); 28] = [
     (
         "scene",
         &[
+            "ids",
             "family",
             "interaction",
             "bsdf",

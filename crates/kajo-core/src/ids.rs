@@ -40,6 +40,103 @@ index! {
     VariedEmissionId
 }
 
+index! {
+    /// Names an entry of [`crate::Scene::transforms`].
+    TransformId
+}
+
+index! {
+    /// Names an entry of [`crate::Scene::motions`].
+    MotionId
+}
+
+/// Where an object stands: names its transform, or its motion if it has one.
+///
+/// Transforms count upwards from 0 and motions downwards from the largest number, so that looking among the transforms
+/// finds nothing for what has a motion, and what has none costs no more than that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PoseId(u32);
+
+impl PoseId {
+    /// In the world as it is: the first transform.
+    pub const IDENTITY: PoseId = PoseId(0);
+
+    /// Under a transform.
+    pub fn still(transform: TransformId) -> PoseId {
+        PoseId(transform.0)
+    }
+
+    /// Under a motion.
+    pub fn moving(motion: MotionId) -> PoseId {
+        PoseId(!motion.0)
+    }
+
+    /// Whether the object's own space is the world's.
+    #[inline]
+    pub fn is_identity(self) -> bool {
+        self == PoseId::IDENTITY
+    }
+
+    /// Its transform among all of a scene; `None` where it has a motion.
+    #[inline]
+    pub fn still_in<T>(self, transforms: &[T]) -> Option<&T> {
+        transforms.get(self.0 as usize)
+    }
+
+    /// Its motion among all of a scene; `None` where it has a transform.
+    #[inline]
+    pub fn moving_in<T>(self, motions: &[T]) -> Option<&T> {
+        motions.get(!self.0 as usize)
+    }
+}
+
+/// Names an object: an entry of [`crate::Scene::primitives`], or past their end an object in a nested instance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ObjectId(u32);
+
+impl ObjectId {
+    /// No object, which comes after all others.
+    pub(crate) const NONE: ObjectId = ObjectId(u32::MAX);
+
+    /// How many objects can be named.
+    pub(crate) const MOST: u32 = u32::MAX - 1;
+
+    /// The object at an index.
+    #[inline]
+    pub fn from_index(index: u32) -> ObjectId {
+        ObjectId(index)
+    }
+
+    /// Its index among all objects.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The object with a number in the id layers.
+    pub fn from_number(number: u32) -> Option<ObjectId> {
+        number.checked_sub(1).map(ObjectId)
+    }
+
+    /// Its number in the id layers, counted from 1.
+    #[inline]
+    pub fn number(self) -> u32 {
+        self.0 + 1
+    }
+
+    /// The object that stands this many after it, in the order of the text.
+    #[inline]
+    pub(crate) fn after(self, count: u32) -> ObjectId {
+        ObjectId(self.0 + count)
+    }
+
+    /// How many objects stand between another one and this; `None` where this one comes first.
+    #[inline]
+    pub(crate) fn since(self, first: ObjectId) -> Option<u32> {
+        self.0.checked_sub(first.0)
+    }
+}
+
 /// Most groups of lights that a scene can have, those without a group counted as one.
 pub const MAX_LIGHT_GROUPS: usize = 8;
 

@@ -21,6 +21,7 @@
 
 use kajo_math::{Aabb, Ray, Vec3};
 
+use crate::ids::ObjectId;
 use crate::shape::Sphere;
 
 mod lists;
@@ -42,8 +43,8 @@ const UNIT: f32 = 1e-5;
 /// What is put into a buffer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Body {
-    /// The caller's number.
-    pub primitive: u32,
+    /// Its name.
+    pub object: ObjectId,
     /// Finite bounds.
     pub bounds: Aabb,
     /// The shape, if it is a sphere.
@@ -55,7 +56,7 @@ pub(crate) struct Body {
 /// An entry of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Item {
-    pub primitive: u32,
+    pub object: ObjectId,
     /// No point of the primitive is nearer to the apex.
     pub near: f32,
 }

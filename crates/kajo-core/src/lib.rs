@@ -34,7 +34,7 @@ mod sky_disc;
 pub mod texture;
 
 pub use family::Pooled;
-pub use ids::{LightGroup, LightIndex};
+pub use ids::{LightGroup, LightIndex, ObjectId};
 pub use interaction::RayOffset;
 pub use item_buffer::ItemBuffer;
 pub use motion::{MovingTransform, Shutter};

@@ -41,8 +41,8 @@ impl Scene {
             return if self.occluded(ray) { Spectrum::BLACK } else { Spectrum::WHITE };
         }
         let mut visible = Spectrum::WHITE;
-        let blocked = self.occluded_or(None, ray, |primitive, hit| {
-            let at = self.interaction(ray, primitive, hit);
+        let blocked = self.occluded_or(None, ray, |object, hit| {
+            let at = self.interaction(ray, object, hit);
             let point = ShadingPoint { place: self.material_point(&at), wavelengths, eta_outside, u: 0.0 };
             let cos = at.crossing_cosine(ray.d);
             visible *= self.materials.passage(at.material, &self.materials, &self.textures, &point, cos);
@@ -56,7 +56,7 @@ impl Scene {
     /// * `u`: as for [`Scene::bsdf`]
     #[inline]
     pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths, u: f32) -> Option<Interior> {
-        if self.may_transmit(at.primitive) {
+        if self.may_transmit(at.object) {
             let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside: 1.0, u };
             self.materials.interior(at.material, &self.materials, &self.textures, &point)
         } else {
@@ -70,10 +70,10 @@ impl Scene {
     #[inline]
     pub fn surface_light(&self, at: &Interaction, d: Vec3, wavelengths: &Wavelengths) -> Option<LightHit> {
         // Nothing in nested instances has any.
-        if !self.primitives.get(at.primitive as usize)?.glows {
+        if !self.primitives.get(at.object.index())?.glows {
             return None;
         }
-        let (light, area) = self.light_sampler.area(&self.lights, at.primitive, at.hit.part)?;
+        let (light, area) = self.light_sampler.area(&self.lights, at.object, at.hit.part)?;
         let radiance = match area.varied {
             None => area.emission.at(wavelengths),
             Some(varied) => rarely(|| self.varied_radiance(varied, at, wavelengths)),
@@ -209,11 +209,11 @@ impl EmissiveSurfaces for Scene {
         time: f32,
         wavelengths: &Wavelengths,
     ) -> Spectrum {
-        let primitive = &self.primitives[light.primitive as usize];
+        let primitive = &self.primitives[light.object.index()];
         let own = self.place(primitive, time).object_from_world.transform_point3(p);
         let hit = self.shapes.hit_at(primitive.shape, light.part, own);
         let point = SurfacePoint { p, ..SurfacePoint::default() };
-        let at = Interaction { point, hit, primitive: light.primitive, time, ..Interaction::default() };
+        let at = Interaction { point, hit, object: light.object, time, ..Interaction::default() };
         self.varied_radiance(emission, &at, wavelengths)
     }
 }

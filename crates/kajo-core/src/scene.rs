@@ -18,6 +18,7 @@ use crate::bsdf::Phong;
 use crate::camera::{Camera, NamedCamera};
 use crate::family::Pooled;
 use crate::glow::VariedEmission;
+use crate::ids::{ObjectId, PoseId};
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 use crate::item_buffer::{Body, ItemBuffer};
 use crate::light::{LightId, LightSampler, Lights};
@@ -40,9 +41,8 @@ pub use immersion::Immersion;
 pub struct Primitive {
     /// The geometry.
     pub shape: ShapeId,
-    /// Index into [`Scene::transforms`], where 0 is the identity; numbers from the largest one downwards are those
-    /// of [`Scene::motions`].
-    pub transform: u32,
+    /// Where it stands.
+    pub pose: PoseId,
     /// The material of parts that bring none of their own.
     pub material: MaterialId,
     /// Whether light may pass through any part.
@@ -78,7 +78,7 @@ pub struct Interaction {
     /// The record of the hit in the shape's own terms.
     pub hit: Hit,
     /// Index into [`Scene::primitives`], or past its end the number of an object in a nested instance.
-    pub primitive: u32,
+    pub object: ObjectId,
     /// The material there.
     pub material: MaterialId,
     /// Moment within the shutter interval.
@@ -158,7 +158,7 @@ pub struct Scene {
     /// Instances that are kept nested; what is in them is in no other tree.
     pub(crate) nested: Option<Nested>,
     /// Primitives without bounds, tested one by one.
-    pub(crate) unbounded: Vec<u32>,
+    pub(crate) unbounded: Vec<ObjectId>,
 }
 
 impl Scene {
@@ -171,31 +171,27 @@ impl Scene {
     ///
     /// * `time`: moment within the shutter interval
     pub fn place(&self, primitive: &Primitive, time: f32) -> Transform {
-        self.transform_at(primitive.transform, time, |map| *map)
+        self.transform_at(primitive.pose, time, |map| *map)
     }
 
     /// Whether a primitive moves while the shutter is open.
     pub(crate) fn is_moving(&self, primitive: &Primitive) -> bool {
-        self.motion(primitive.transform).is_some_and(MovingTransform::moves)
+        self.motion(primitive.pose).is_some_and(MovingTransform::moves)
     }
 
     /// The shape of an object.
-    ///
-    /// * `number`: as in [`Interaction::primitive`]
-    pub fn shape(&self, number: u32) -> Option<ShapeId> {
-        match self.primitives.get(number as usize) {
+    pub fn shape(&self, object: ObjectId) -> Option<ShapeId> {
+        match self.primitives.get(object.index()) {
             Some(primitive) => Some(primitive.shape),
-            None => self.leaf(number).map(|leaf| leaf.shape),
+            None => self.leaf(object).map(|leaf| leaf.shape),
         }
     }
 
     /// The user's words for an object.
-    ///
-    /// * `number`: as in [`Interaction::primitive`]
-    pub fn object(&self, number: u32) -> Option<Object<'_>> {
-        match self.primitives.get(number as usize) {
-            Some(_) => self.objects.get(number as usize),
-            None => self.leaf(number).and_then(|leaf| self.objects.words(leaf.label, leaf.placed_by)),
+    pub fn object(&self, object: ObjectId) -> Option<Object<'_>> {
+        match self.primitives.get(object.index()) {
+            Some(_) => self.objects.get(object.index()),
+            None => self.leaf(object).and_then(|leaf| self.objects.words(leaf.label, leaf.placed_by)),
         }
     }
 
@@ -211,12 +207,10 @@ impl Scene {
     }
 
     /// Whether light may pass through any part of an object.
-    ///
-    /// * `number`: as in [`Interaction::primitive`]
-    pub(crate) fn may_transmit(&self, number: u32) -> bool {
-        match self.primitives.get(number as usize) {
+    pub(crate) fn may_transmit(&self, object: ObjectId) -> bool {
+        match self.primitives.get(object.index()) {
             Some(primitive) => primitive.transmits,
-            None => rarely(|| self.leaf(number).is_some_and(|leaf| self.leaf_transmits(&leaf))),
+            None => rarely(|| self.leaf(object).is_some_and(|leaf| self.leaf_transmits(&leaf))),
         }
     }
 
@@ -226,28 +220,32 @@ impl Scene {
     /// * `budget`: what the pieces may cost together. The largest instances are taken apart first, and what is left is
     ///   boxes; of more than a twelfth of the budget some are left out
     pub fn nested_pieces(&self, cost: impl Fn(ShapeId) -> usize, budget: usize) -> Vec<NestedPiece> {
-        let first = self.primitives.len() as u32;
+        let first = self.first_nested();
         let nested = self.nested.as_ref();
         nested.map_or_else(Vec::new, |nested| nested.pieces(&self.shapes, first, cost, budget))
     }
 
-    /// Numbers of the objects in nested instances that items of the text put into the scene; as
-    /// [`Interaction::primitive`], in order.
+    /// The objects in nested instances that items of the text put into the scene, in order.
     ///
     /// * `is_wanted`: whether it is about what the item of this number places; see [`Object::placed_by`]
-    pub fn nested_numbers(&self, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<u32>> {
-        let first = self.primitives.len() as u32;
-        self.nested.as_ref().map_or_else(Vec::new, |nested| nested.numbers(first, is_wanted))
+    pub fn nested_objects(&self, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<ObjectId>> {
+        let first = self.first_nested();
+        self.nested.as_ref().map_or_else(Vec::new, |nested| nested.objects(first, is_wanted))
+    }
+
+    /// The first object in a nested instance.
+    fn first_nested(&self) -> ObjectId {
+        ObjectId::from_index(self.primitives.len() as u32)
     }
 
     /// An object in a nested instance.
-    fn leaf(&self, number: u32) -> Option<Leaf> {
-        self.nested.as_ref()?.find(number.checked_sub(self.primitives.len() as u32)?)
+    fn leaf(&self, object: ObjectId) -> Option<Leaf> {
+        self.nested.as_ref()?.find(object.since(self.first_nested())?)
     }
 
-    /// The number of an object in a nested instance among all.
-    fn number_of(&self, leaf: &Leaf) -> u32 {
-        self.primitives.len() as u32 + leaf.number
+    /// The name of an object in a nested instance among all.
+    fn object_of(&self, leaf: &Leaf) -> ObjectId {
+        self.first_nested().after(leaf.number)
     }
 
     fn leaf_transmits(&self, leaf: &Leaf) -> bool {
@@ -255,16 +253,16 @@ impl Scene {
         leaf.brings_materials || leaf.material.is_some_and(transmits)
     }
 
-    /// The motion with the number that a primitive gives in place of a transform.
+    /// The motion that a pose names, if it names one.
     #[inline]
-    fn motion(&self, transform: u32) -> Option<&MovingTransform> {
-        self.motions.get((u32::MAX - transform) as usize)
+    fn motion(&self, pose: PoseId) -> Option<&MovingTransform> {
+        pose.moving_in(&self.motions)
     }
 
     /// The motion of an object; what is in nested instances has none.
     #[inline]
-    fn motion_of(&self, number: u32) -> Option<&MovingTransform> {
-        self.motion(self.primitives.get(number as usize)?.transform)
+    fn motion_of(&self, object: ObjectId) -> Option<&MovingTransform> {
+        self.motion(self.primitives.get(object.index())?.pose)
     }
 
     /// What lies in which direction from a point, of what neither moves nor is nested; `None` where the trees do better,
@@ -276,12 +274,13 @@ impl Scene {
         if self.primitives.len() > MOST_ITEMS {
             return None;
         }
-        let body = |(primitive, p): (u32, &Primitive)| {
+        let body = |(index, p): (u32, &Primitive)| {
             let bounds = self.world_bounds(p);
-            let untransformed = p.transform == 0;
+            let untransformed = p.pose.is_identity();
             let sphere = Sphere::find(&self.shapes, p.shape).filter(|_| untransformed).copied();
             let bounded = bounds.is_finite() && !bounds.is_empty() && !self.is_moving(p);
-            bounded.then_some(Body { primitive, bounds, sphere, opaque: !p.transmits })
+            let object = ObjectId::from_index(index);
+            bounded.then_some(Body { object, bounds, sphere, opaque: !p.transmits })
         };
         let bodies: Vec<Body> = (0..).zip(&self.primitives).filter_map(body).collect();
         ItemBuffer::new(apex, &bodies, cells)
@@ -294,7 +293,7 @@ impl Scene {
         if self.motions.is_empty() {
             return at.point.p;
         }
-        match self.motion_of(at.primitive) {
+        match self.motion_of(at.object) {
             None => at.point.p,
             Some(motion) => motion.painted(at.point.p, at.time),
         }
@@ -316,7 +315,7 @@ impl Scene {
     #[inline]
     pub(crate) fn tint(&self, at: &Interaction) -> Option<Vec4> {
         let of = |shape| self.shapes.color_at(shape, &at.hit);
-        if self.has_vertex_colors { rarely(|| self.shape(at.primitive).and_then(of)) } else { None }
+        if self.has_vertex_colors { rarely(|| self.shape(at.object).and_then(of)) } else { None }
     }
 
     /// The classic reflection model of a material, where it is the same at every point whatever has the material.
@@ -327,7 +326,7 @@ impl Scene {
 
     /// Where the point of an interaction is at another moment within the shutter interval.
     pub fn point_at(&self, at: &Interaction, time: f32) -> Vec3 {
-        match self.motion_of(at.primitive) {
+        match self.motion_of(at.object) {
             None => at.point.p,
             Some(motion) => {
                 let own = motion.at(at.time).object_from_world.transform_point3(at.point.p);
@@ -338,15 +337,15 @@ impl Scene {
 
     /// The colour that light is multiplied by when it passes a crossing straight through.
     #[inline]
-    pub fn transparency(&self, ray: &Ray, primitive: u32, hit: Hit) -> Spectrum {
-        let material = match self.primitives.get(primitive as usize) {
+    pub fn transparency(&self, ray: &Ray, object: ObjectId, hit: Hit) -> Spectrum {
+        let material = match self.primitives.get(object.index()) {
             Some(placed) => self.material_at(placed.shape, placed.material, &hit),
-            None => self.interaction(ray, primitive, hit).material,
+            None => self.interaction(ray, object, hit).material,
         };
         if let Some(phong) = self.constant(material) {
             return phong.transparent;
         }
-        let place = self.material_point(&self.interaction(ray, primitive, hit));
+        let place = self.material_point(&self.interaction(ray, object, hit));
         self.materials.phong(material, &self.materials, &self.textures, &place).transparent
     }
 
@@ -359,19 +358,19 @@ impl Scene {
     /// What the surface says of the place of an interaction.
     pub(crate) fn surface_uv(&self, at: &Interaction) -> SurfaceUv {
         let uv = self.uv(at);
-        let second = self.shape(at.primitive).and_then(|shape| self.shapes.second_uv_at(shape, &at.hit));
+        let second = self.shape(at.object).and_then(|shape| self.shapes.second_uv_at(shape, &at.hit));
         SurfaceUv { first: uv, second: second.unwrap_or(uv) }
     }
 
     /// Surface coordinates at an interaction.
     pub fn uv(&self, at: &Interaction) -> Vec2 {
         let own = |map: &Transform| map.object_from_world.transform_point3(at.point.p);
-        match self.primitives.get(at.primitive as usize) {
-            Some(&Primitive { shape, transform, .. }) => {
-                self.shapes.uv_at(shape, &at.hit, self.transform_at(transform, at.time, own))
+        match self.primitives.get(at.object.index()) {
+            Some(&Primitive { shape, pose, .. }) => {
+                self.shapes.uv_at(shape, &at.hit, self.transform_at(pose, at.time, own))
             }
             None => self
-                .leaf(at.primitive)
+                .leaf(at.object)
                 .map_or(Vec2::ZERO, |leaf| self.shapes.uv_at(leaf.shape, &at.hit, own(&leaf.place()))),
         }
     }
@@ -382,12 +381,10 @@ impl Scene {
             let own = map.object_from_world.transform_point3(at.point.p);
             self.shapes.tangents_at(shape, &at.hit, own).transformed(map)
         };
-        match self.primitives.get(at.primitive as usize) {
-            Some(&Primitive { shape, transform, .. }) => {
-                self.transform_at(transform, at.time, |map| of(shape, map))
-            }
+        match self.primitives.get(at.object.index()) {
+            Some(&Primitive { shape, pose, .. }) => self.transform_at(pose, at.time, |map| of(shape, map)),
             None => {
-                let leaf = self.leaf(at.primitive);
+                let leaf = self.leaf(at.object);
                 leaf.map_or_else(Tangents::default, |leaf| of(leaf.shape, &leaf.place()))
             }
         }
@@ -420,12 +417,15 @@ impl Scene {
 
     pub(crate) fn world_bounds(&self, primitive: &Primitive) -> Aabb {
         let bounds = self.shapes.bounds(primitive.shape);
-        if primitive.transform == 0 {
+        if primitive.pose.is_identity() {
             return bounds;
         }
-        match self.motion(primitive.transform) {
-            None => self.transforms[primitive.transform as usize].bounds(&bounds),
-            Some(motion) => motion.bounds_of_all_times(&bounds),
+        match primitive.pose.still_in(&self.transforms) {
+            Some(transform) => transform.bounds(&bounds),
+            None => {
+                let motion = self.motion(primitive.pose);
+                motion.map_or(Aabb::EMPTY, |motion| motion.bounds_of_all_times(&bounds))
+            }
         }
     }
 
@@ -433,7 +433,7 @@ impl Scene {
     /// unbounded ones.
     pub(crate) fn moving_bounds(&self, primitive: &Primitive, part: [f64; 2]) -> [Aabb; 2] {
         let bounds = self.shapes.bounds(primitive.shape);
-        match self.motion(primitive.transform) {
+        match self.motion(primitive.pose) {
             Some(motion) if motion.moves() && bounds.is_finite() => motion.bounds(&bounds, part),
             _ => [Aabb::EMPTY; 2],
         }
@@ -441,12 +441,12 @@ impl Scene {
 
     /// `f` of the map of a primitive at a time.
     #[inline]
-    fn transform_at<T>(&self, transform: u32, time: f32, f: impl FnOnce(&Transform) -> T) -> T {
+    fn transform_at<T>(&self, pose: PoseId, time: f32, f: impl FnOnce(&Transform) -> T) -> T {
         let moved;
-        let map = match self.transforms.get(transform as usize) {
+        let map = match pose.still_in(&self.transforms) {
             Some(map) => map,
             None => {
-                moved = rarely(|| self.motions[(u32::MAX - transform) as usize].at(time));
+                moved = rarely(|| self.motion(pose).map_or(Transform::IDENTITY, |motion| motion.at(time)));
                 &moved
             }
         };

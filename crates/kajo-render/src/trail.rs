@@ -69,7 +69,7 @@ pub enum LightSource {
 impl LightSource {
     fn of(scene: &Scene, id: LightId) -> Option<LightSource> {
         if let Some(piece) = AreaLight::find(&scene.lights, id) {
-            return Some(LightSource::Object(piece.primitive + 1));
+            return Some(LightSource::Object(piece.object.number()));
         }
         if SkyLight::find(&scene.lights, id).is_some() {
             return Some(LightSource::Background);
@@ -370,7 +370,7 @@ fn product(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 impl TrailHit {
     fn of(scene: &Scene, at: &Interaction) -> TrailHit {
         let material = scene.material_number(at.material);
-        TrailHit { object: at.primitive + 1, material, p: at.point.p, n: at.point.n, ng: at.point.ng }
+        TrailHit { object: at.object.number(), material, p: at.point.p, n: at.point.n, ng: at.point.ng }
     }
 }
 

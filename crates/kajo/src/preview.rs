@@ -192,7 +192,7 @@ impl<'a> Builder<'a> {
     }
 
     fn add_piece(&mut self, piece: &NestedPiece) {
-        let object = piece.number + 1;
+        let object = piece.object.number();
         match piece.content {
             PieceContent::Shape(shape) => self.add(object, shape, &piece.place, piece.material),
             PieceContent::Whole(bounds) => {

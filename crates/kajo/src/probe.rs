@@ -45,9 +45,9 @@ pub struct Pick {
 pub fn pick(scene: &Scene, camera: &CameraPose, place: DVec2, size: [u32; 2]) -> Option<Pick> {
     let ray = camera.ray(place, size)?;
     let Event::Surface(at) = scene.trace(&ray) else { return None };
-    let words = scene.object(at.primitive)?;
+    let words = scene.object(at.object)?;
     Some(Pick {
-        object: at.primitive + 1,
+        object: at.object.number(),
         material: scene.material_number(at.material),
         t: at.hit.t,
         point: at.point.p,

@@ -11,7 +11,7 @@ use super::Compiler;
 use crate::background::Background;
 use crate::family::Pooled;
 use crate::glow::{EmissionFactor, EmissionTerm, VariedEmission};
-use crate::ids::{LightGroup, LightIndex, VariedEmissionId};
+use crate::ids::{LightGroup, LightIndex, ObjectId, PoseId, VariedEmissionId};
 use crate::light::{AreaLight, LightId, LightSampler, Sides, SkyLight};
 use crate::material::{MaterialId, MaterialPoint};
 use crate::motion::MovingTransform;
@@ -142,7 +142,7 @@ impl Compiler<'_> {
             let bounds = self.shapes.bounds(primitive.shape);
             unbounded |= !bounds.is_finite() && !bounds.is_empty();
             let mut lights = Vec::new();
-            let (map, drift) = self.start(primitive.transform, &mut drifts);
+            let (map, drift) = self.start(primitive.pose, &mut drifts);
             self.shapes.patches(primitive.shape, |part, patch| {
                 let slot = self.shapes.material_slot(primitive.shape, part);
                 let material = slot.map_or(primitive.material, |slot| self.slot_materials[slot as usize]);
@@ -153,7 +153,7 @@ impl Compiler<'_> {
                         self.light_of_piece(emission, varied, primitive.shape, (part, &patch), &map)
                     }
                 };
-                let patch = if primitive.transform == 0 { Some(patch) } else { patch.transformed(&map) };
+                let patch = if primitive.pose.is_identity() { Some(patch) } else { patch.transformed(&map) };
                 let patch = match &drift {
                     Some(drift) => patch.and_then(|patch| patch.movable(drift.sampled_maps())),
                     None => patch,
@@ -164,7 +164,7 @@ impl Compiler<'_> {
                     emission,
                     varied: *varied,
                     sides: *sides,
-                    primitive: i as u32,
+                    object: ObjectId::from_index(i as u32),
                     part,
                 };
                 lights.extend(patch.filter(|patch| patch.area() > 0.0).map(|patch| (light(patch), *group)));
@@ -247,15 +247,15 @@ impl Compiler<'_> {
     /// objects before it.
     fn start(
         &self,
-        transform: u32,
-        drifts: &mut HashMap<u32, Arc<MovingTransform>>,
+        pose: PoseId,
+        drifts: &mut HashMap<PoseId, Arc<MovingTransform>>,
     ) -> (DAffine3, Option<Arc<MovingTransform>>) {
-        if let Some(still) = self.transforms.get(transform as usize) {
+        if let Some(still) = pose.still_in(&self.transforms) {
             return (double(&still.world_from_object), None);
         }
-        let motion = &self.motions[(u32::MAX - transform) as usize];
+        let Some(motion) = pose.moving_in(&self.motions) else { return (DAffine3::IDENTITY, None) };
         let drift = || Arc::new(motion.since_opening());
-        let drift = motion.moves().then(|| Arc::clone(drifts.entry(transform).or_insert_with(drift)));
+        let drift = motion.moves().then(|| Arc::clone(drifts.entry(pose).or_insert_with(drift)));
         (motion.map_at(0.0), drift)
     }
 

@@ -10,6 +10,7 @@ use super::materials::Reference;
 use super::places::misplaced;
 use super::{Compiler, motion, transform};
 use crate::family::Pooled;
+use crate::ids::{MotionId, PoseId, TransformId};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::nested::Content;
@@ -68,8 +69,8 @@ pub(super) struct Place {
     pub world: Motion,
     /// The same with its inverse at a moment; `None` when there is none, and what stands here is never hit.
     transform: Option<Transform>,
-    /// Its number among the scene's, once an object needs it.
-    index: Option<u32>,
+    /// Its name among the scene's, once an object needs it.
+    pose: Option<PoseId>,
 }
 
 impl Place {
@@ -84,7 +85,7 @@ impl Place {
             None => Transform::new(&world.at(0.0)),
         };
         let stays = transform.filter(|transform| world.constant().is_some() && transform.is_identity());
-        Place { world, transform, index: stays.map(|_| 0) }
+        Place { world, transform, pose: stays.map(|_| PoseId::IDENTITY) }
     }
 
     /// The transform of a place that does not move.
@@ -293,10 +294,10 @@ impl Compiler<'_> {
             Content::Assembly(number) => return self.place_assembly(number, part.material, by, place, walk),
         };
         let material = part.material.or_else(|| self.material_for(by, walk));
-        let (Some(material), Some(transform)) = (material, self.transform_number(place, by)) else { return };
+        let (Some(material), Some(pose)) = (material, self.pose(place, by)) else { return };
         let material = self.see_through(part.content, material);
         let transmits = part.brings_materials || self.materials.may_transmit(material, &self.materials);
-        self.primitives.push(Primitive { shape, transform, material, transmits, glows: false });
+        self.primitives.push(Primitive { shape, pose, material, transmits, glows: false });
         self.objects.push(part.label, by.index());
     }
 
@@ -329,30 +330,31 @@ impl Compiler<'_> {
         walk.material
     }
 
-    /// The number of a place's transform; `None` when it has none and nothing there can be hit.
-    fn transform_number(&mut self, place: &mut Place, by: Item<'_>) -> Option<u32> {
+    /// The pose of a place; `None` when it has none and nothing there can be hit.
+    fn pose(&mut self, place: &mut Place, by: Item<'_>) -> Option<PoseId> {
         let transform = place.transform?;
-        if place.index.is_none() {
+        if place.pose.is_none() {
             let moves = place.world.constant().is_none();
             let bytes = if moves { size_of::<MovingTransform>() } else { size_of::<Transform>() };
             if !self.has_memory(bytes, by.head_span()) {
                 return None;
             }
         }
-        let number = match (place.index, place.world.constant()) {
-            (Some(number), _) => number,
+        let pose = match (place.pose, place.world.constant()) {
+            (Some(pose), _) => pose,
             (None, Some(_)) => {
+                let pose = PoseId::still(TransformId::new(self.transforms.len())?);
                 self.transforms.push(transform);
-                self.transforms.len() as u32 - 1
+                pose
             }
             (None, None) => {
-                let number = u32::MAX - self.motions.len() as u32;
+                let pose = PoseId::moving(MotionId::new(self.motions.len())?);
                 self.motions.push(MovingTransform::new(place.world.clone(), self.shutter));
-                number
+                pose
             }
         };
-        place.index = Some(number);
-        Some(number)
+        place.pose = Some(pose);
+        Some(pose)
     }
 
     /// The items in a block; an item without a block is reported.

@@ -53,7 +53,7 @@ use crate::background::Background;
 use crate::camera::NamedCamera;
 use crate::family::Pooled;
 use crate::glow::VariedEmission;
-use crate::ids::LightGroup;
+use crate::ids::{LightGroup, ObjectId};
 use crate::light::{LightId, Lights};
 use crate::material::{Appearance, MaterialId, Materials};
 use crate::motion::{MovingTransform, Shutter};
@@ -394,8 +394,9 @@ impl<'a> Compiler<'a> {
         }
         let bounds: Vec<Aabb> = scene.primitives.iter().map(|p| scene.world_bounds(p)).collect();
         // Trees leave empty boxes out, so what moves and what has no bounds keeps its number and stands aside.
-        let is_unbounded = |i: &u32| !bounds[*i as usize].is_finite() && !bounds[*i as usize].is_empty();
-        let unbounded = (0..bounds.len() as u32).filter(is_unbounded).collect();
+        let is_unbounded = |i: &ObjectId| !bounds[i.index()].is_finite() && !bounds[i.index()].is_empty();
+        let objects = (0..bounds.len() as u32).map(ObjectId::from_index);
+        let unbounded = objects.filter(is_unbounded).collect();
         let rests = |p: &Primitive, b: &Aabb| b.is_finite() && !scene.is_moving(p);
         let resting: Vec<Aabb> = std::iter::zip(&scene.primitives, &bounds)
             .map(|(p, b)| if rests(p, b) { *b } else { Aabb::EMPTY })

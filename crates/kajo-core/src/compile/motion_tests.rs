@@ -6,8 +6,8 @@ use kajo_math::{Ray, Vec2, Vec3, warp};
 
 use super::tests::{compiled, scene};
 use crate::Scene;
-use crate::light::LightChoice;
-use crate::light::{LightLiSample, LightPoint, Receiver};
+use crate::ids::ObjectId;
+use crate::light::{LightChoice, LightLiSample, LightPoint, Receiver};
 use crate::scene::{Event, Interaction};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
@@ -87,7 +87,7 @@ fn at_each_moment_things_are_where_they_would_be_at_rest() {
             let ([Some(a), Some(b)], true) = (found, found[0].is_some() == found[1].is_some()) else {
                 continue;
             };
-            if a.primitive != b.primitive {
+            if a.object != b.object {
                 continue;
             }
             hits += 1;
@@ -193,22 +193,22 @@ fn trees_find_what_a_search_of_everything_finds() {
         let ray = ray(k, random(k)(9));
         let brute = (0..scene.primitives.len() as u32).filter_map(|i| {
             let primitive = &scene.primitives[i as usize];
-            let map = match scene.transforms.get(primitive.transform as usize) {
+            let map = match primitive.pose.still_in(&scene.transforms) {
                 Some(map) => *map,
-                None => scene.motions[(u32::MAX - primitive.transform) as usize].at(ray.time),
+                None => primitive.pose.moving_in(&scene.motions).unwrap().at(ray.time),
             };
-            let own = if primitive.transform == 0 { ray } else { map.ray_in_object(&ray) };
-            scene.shapes.hit(primitive.shape, &own).map(|hit| (hit.t, i))
+            let own = if primitive.pose.is_identity() { ray } else { map.ray_in_object(&ray) };
+            scene.shapes.hit(primitive.shape, &own).map(|hit| (hit.t, ObjectId::from_index(i)))
         });
         let nearest = brute.min_by(|a, b| a.0.total_cmp(&b.0));
         let found = met(&scene, &ray);
-        assert_eq!(found.map(|at| (at.hit.t, at.primitive)), nearest, "ray {k}");
+        assert_eq!(found.map(|at| (at.hit.t, at.object)), nearest, "ray {k}");
         assert_eq!(scene.occluded(&ray), nearest.is_some());
         let mut crossings = Vec::new();
         scene.crossings(&ray, |i, hit| crossings.push((hit.t, i)));
         assert_eq!(crossings.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)), nearest);
         hits += u32::from(found.is_some());
-        moved += u32::from(found.is_some_and(|at| scene.is_moving(&scene.primitives[at.primitive as usize])));
+        moved += u32::from(found.is_some_and(|at| scene.is_moving(&scene.primitives[at.object.index()])));
     }
     assert!(hits > 2000 && moved > 300, "{hits} {moved}");
 }
@@ -252,7 +252,7 @@ fn motions_nest_and_instances_share_their_shapes() {
     for (k, center) in [(0, Vec3::new(0.0, 4.0, 0.0)), (1, Vec3::new(0.0, 6.0, 2.0)), (2, Vec3::X)] {
         let ray = Ray { time: 1.0, ..Ray::new(center + 5.0 * Vec3::Y, Vec3::NEG_Y) };
         let at = met(&nested, &ray).unwrap_or_else(|| panic!("part {k}"));
-        assert_eq!((at.primitive, (at.point.p - center).x.abs() < 1e-5), (k, true));
+        assert_eq!((at.object.index(), (at.point.p - center).x.abs() < 1e-5), (k, true));
     }
 }
 

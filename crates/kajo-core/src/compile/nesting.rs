@@ -17,6 +17,7 @@ use super::Compiler;
 use super::definition::{BYTES_PER_OBJECT, Definition, Part};
 use super::group::{OBJECTS, Place, Walk};
 use crate::family::Pooled;
+use crate::ids::ObjectId;
 use crate::material::MaterialId;
 use crate::nested::{Content, MOST_LEVELS, Member, Placement};
 use crate::shape::{ABSENT, Mesh, ShapeId};
@@ -247,7 +248,7 @@ impl Compiler<'_> {
         self.nested_transmits |= transmits || material.is_some_and(may_transmit);
         let Some(&map) = place.world.constant() else { return };
         let placement = Placement { assembly: number, map, material, first: 0, placed_by: by.index() };
-        let most = u32::MAX - 1;
+        let most = ObjectId::MOST;
         let room = most.saturating_sub(self.options.limits.objects.try_into().unwrap_or(most));
         if !self.nested.place(placement, room) {
             self.too_many_to_number(by);

@@ -88,7 +88,7 @@ fn rays(n: u32) -> impl Iterator<Item = Ray> {
 
 /// All that is known of a hit but the number of the object.
 fn facts(scene: &Scene, at: &Interaction) -> String {
-    let object = scene.object(at.primitive);
+    let object = scene.object(at.object);
     format!("{:?} {:?} {:?} {:?} {object:?}", at.point, at.hit, at.material, scene.uv(at))
 }
 
@@ -136,7 +136,7 @@ fn compare(text: &str, there: Vec3, n: u32) {
         assert_eq!(all, through(&flat), "{ray:?}");
         hits += u32::from(found.is_some());
         passed += all.map_or(0, |all| all.len());
-        within += u32::from(nested.trace(&ray).surface().is_some_and(|at| at.primitive >= 3));
+        within += u32::from(nested.trace(&ray).surface().is_some_and(|at| at.object.index() >= 3));
     }
     assert!(hits > n / 3 && within > n / 20 && passed > 100, "{hits} {within} {passed}");
     let (a, b) = (nested.bounds(), flat.bounds());
@@ -149,11 +149,12 @@ fn every_nested_object_is_found_by_its_number() {
     let nested = scene(&forest(), 4_000);
     let mut last = None;
     for number in 3..nested.object_count() as u32 {
-        let place = nested.object(number).map(|object| object.placed_by);
+        let place = nested.object(ObjectId::from_index(number)).map(|object| object.placed_by);
         assert!(place.is_some() && place >= last, "{number}");
         last = place;
     }
-    assert!(nested.object(nested.object_count() as u32).is_none() && nested.shape(u32::MAX).is_none());
+    let beyond = ObjectId::from_index(nested.object_count() as u32);
+    assert!(nested.object(beyond).is_none() && nested.shape(ObjectId::NONE).is_none());
 }
 
 /// A thousand groves of a thousand trees of a thousand leaves, all in one plane.
@@ -181,7 +182,7 @@ fn a_thousand_million_objects_take_little_memory() {
         let at = s.trace(&Ray::new(leaf + 5.0 * Vec3::Z, Vec3::NEG_Z));
         let at = at.surface().unwrap();
         assert!((at.hit.t - 4.6).abs() < 1e-4);
-        assert_eq!(at.primitive, (grove * 1000 + row) * 1000 + column);
+        assert_eq!(at.object.index() as u32, (grove * 1000 + row) * 1000 + column);
     }
     assert!(!s.occluded(&Ray::new(Vec3::new(500_000.5, 500.5, 5.0), Vec3::NEG_Z)));
 }
@@ -235,12 +236,12 @@ fn all_pieces_of_nested_instances_are_the_flat_list() {
     let text = forest();
     let (flat, nested) = (scene(&text, 10_000_000), scene(&text, 4_000));
     let mut pieces = nested.nested_pieces(|_| 1, usize::MAX);
-    pieces.sort_by_key(|piece| piece.number);
+    pieces.sort_by_key(|piece| piece.object);
     // The sphere before them, the plane and the box after them are in the list of both scenes.
     let listed = &flat.primitives[1..flat.primitives.len() - 2];
     assert_eq!(pieces.len(), listed.len());
     for (i, (piece, primitive)) in (0..).zip(pieces.iter().zip(listed)) {
-        assert_eq!(piece.number, nested.primitives.len() as u32 + i);
+        assert_eq!(piece.object.index(), nested.primitives.len() + i);
         let PieceContent::Shape(shape) = piece.content else { panic!("{piece:?}") };
         let found = piece.place.bounds(&nested.shapes.bounds(shape));
         let expected = flat.place(primitive, 0.0).bounds(&flat.shapes.bounds(primitive.shape));
@@ -264,10 +265,10 @@ fn few_pieces_of_nested_instances_leave_nothing_out() {
         let mut few = nested.nested_pieces(|_| 1, budget);
         let cost = |piece: &NestedPiece| if matches!(piece.content, PieceContent::Shape(_)) { 1 } else { 12 };
         assert!(few.iter().map(cost).sum::<usize>() <= budget && few.len() >= 4, "{budget} {}", few.len());
-        few.sort_by_key(|piece| piece.number);
-        assert_eq!(few[0].number, 3);
+        few.sort_by_key(|piece| piece.object);
+        assert_eq!(few[0].object.index(), 3);
         for piece in &all {
-            let place = few.partition_point(|whole| whole.number <= piece.number) - 1;
+            let place = few.partition_point(|whole| whole.object <= piece.object) - 1;
             let (inner, outer) = (bounds(piece), bounds(&few[place]));
             let grown = outer.extent().length() * 1e-4;
             assert!((inner.min + grown).cmpge(outer.min).all() && (inner.max - grown).cmple(outer.max).all());
@@ -279,12 +280,13 @@ fn few_pieces_of_nested_instances_leave_nothing_out() {
 #[test]
 fn numbers_of_nested_objects_are_known_by_what_places_them() {
     let nested = scene(&forest(), 4_000);
-    let placed: Vec<u32> =
-        (3..nested.object_count() as u32).map(|number| nested.object(number).unwrap().placed_by).collect();
+    let placed_by = |number| nested.object(ObjectId::from_index(number)).unwrap().placed_by;
+    let placed: Vec<u32> = (3..nested.object_count() as u32).map(placed_by).collect();
     let wanted = placed[placed.len() / 2];
-    let found = nested.nested_numbers(|item| item == wanted);
+    let found = nested.nested_objects(|item| item == wanted).into_iter();
+    let found = found.flat_map(|range| range.start.index() as u32..range.end.index() as u32);
     let expected: Vec<u32> = (3..).zip(&placed).filter(|(_, by)| **by == wanted).map(|(i, _)| i).collect();
-    assert_eq!(found.into_iter().flatten().collect::<Vec<_>>(), expected);
+    assert_eq!(found.collect::<Vec<_>>(), expected);
     assert!(expected.len() > 1000);
 }
 

@@ -289,20 +289,20 @@ fn the_tree_and_the_planes_agree_with_brute_force() {
         let v = |k| Vec3::new(r.uniform(k), r.uniform(k + 1), r.uniform(k + 2)) * 12.0 - 6.0;
         let ray = Ray::new(v(0), v(3) - v(0));
         let each = s.primitives.iter().enumerate().filter_map(|(j, p)| {
-            let local = s.transforms[p.transform as usize].ray_in_object(&ray);
-            let local = if p.transform == 0 { ray } else { local };
-            Some((s.shapes.hit(p.shape, &local)?.t, j as u32))
+            let local = p.pose.still_in(&s.transforms).unwrap().ray_in_object(&ray);
+            let local = if p.pose.is_identity() { ray } else { local };
+            Some((s.shapes.hit(p.shape, &local)?.t, ObjectId::from_index(j as u32)))
         });
         let brute = each.min_by(|a, b| a.partial_cmp(b).unwrap());
         let found = match s.trace(&ray) {
-            Event::Surface(at) => Some((at.hit.t, at.primitive)),
+            Event::Surface(at) => Some((at.hit.t, at.object)),
             Event::Escaped => None,
         };
         assert_eq!(found, brute, "ray {i}");
         assert_eq!(s.occluded(&ray), brute.is_some());
         let mut nearest = None;
         s.crossings(&ray, |j, hit| {
-            if nearest.is_none_or(|n: (f32, u32)| (hit.t, j) < n) {
+            if nearest.is_none_or(|n: (f32, ObjectId)| (hit.t, j) < n) {
                 nearest = Some((hit.t, j));
             }
         });
@@ -324,7 +324,7 @@ fn rays_from_and_to_a_point_need_no_tree() {
             let p = Vec3::new(r.uniform(0), r.uniform(1), r.uniform(2)) * 12.0 - 6.0;
             let from = Ray::new(apex, (p - apex).normalize());
             let [with, without] = [Some(&buffer), None].map(|buffer| match s.trace_from(buffer, &from) {
-                Event::Surface(at) => Some((at.hit, at.primitive)),
+                Event::Surface(at) => Some((at.hit, at.object)),
                 Event::Escaped => None,
             });
             assert_eq!(with, without, "{apex} {p}");
@@ -350,9 +350,9 @@ fn looking_for_the_far_side_first_changes_nothing() {
         let met = s.trace_inwards(&onward, &mut first);
         assert_eq!(met, s.trace_into(None, &onward, &mut plain), "{i}");
         if met {
-            assert_eq!((first.primitive, first.hit), (plain.primitive, plain.hit), "{i}");
+            assert_eq!((first.object, first.hit), (plain.object, plain.hit), "{i}");
             assert_eq!(first.point.p, plain.point.p, "{i}");
-            crossed += u32::from(first.primitive == at.primitive);
+            crossed += u32::from(first.object == at.object);
         }
     }
     assert!(crossed > 300, "{crossed}");

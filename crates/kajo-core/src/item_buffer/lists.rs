@@ -10,6 +10,7 @@ use std::ops::{Range, RangeInclusive};
 use kajo_math::{DVec2, DVec3};
 
 use super::{Body, Cell, Face, Item, LONGEST, UNIT};
+use crate::ids::ObjectId;
 use crate::shape::Sphere;
 
 /// Least number of cells for each primitive that a face shows.
@@ -52,7 +53,7 @@ pub(super) fn around(
 
 /// A body as it looks from the apex, larger by the slack.
 struct Outline {
-    primitive: u32,
+    object: ObjectId,
     near: f64,
     /// Corners of the bounds, relative to the apex.
     lo: DVec3,
@@ -79,7 +80,7 @@ impl Outline {
             Some(sphere) => sphere.center.as_dvec3().distance(center) - f64::from(sphere.radius) - slack,
             None => lo.max(-hi).max(DVec3::ZERO).length(),
         };
-        Outline { primitive: body.primitive, near, lo, hi, cone }
+        Outline { object: body.object, near, lo, hi, cone }
     }
 
     /// The window of a face through which the body may be seen, if any: smallest and largest `u` and `v`.
@@ -181,7 +182,7 @@ impl Lists {
         let outline = body.outline;
         // A ray's parameter differs from its distance by half of `UNIT`.
         let near = (outline.near * (1.0 - f64::from(UNIT))) as f32;
-        let item = Item { primitive: outline.primitive, near };
+        let item = Item { object: outline.object, near };
         let extent = outline.cone.as_ref().map(|cone| Extent::new(cone, grid));
         let [columns, rows] = grid.cells(body.window);
         for row in rows {
@@ -218,7 +219,7 @@ impl Lists {
         };
         let cells: Vec<Cell> = self.cells.iter().map(place).collect();
         let mut next: Vec<u32> = cells.iter().map(|cell| cell.first).collect();
-        let mut items = vec![Item { primitive: 0, near: 0.0 }; self.entries.len()];
+        let mut items = vec![Item { object: ObjectId::NONE, near: 0.0 }; self.entries.len()];
         for (cell, item) in self.entries {
             let next = &mut next[cell as usize];
             items[*next as usize] = item;

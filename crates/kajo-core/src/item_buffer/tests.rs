@@ -12,7 +12,8 @@ fn bodies(n: u32, seed: u64) -> Vec<Body> {
         let is_sphere = !primitive.is_multiple_of(4);
         let bounds = sphere.bounds();
         let sphere = is_sphere.then_some(sphere);
-        Body { primitive, bounds, sphere, opaque: !primitive.is_multiple_of(3) }
+        let object = ObjectId::from_index(primitive);
+        Body { object, bounds, sphere, opaque: !primitive.is_multiple_of(3) }
     };
     (0..n).map(body).collect()
 }
@@ -54,10 +55,10 @@ fn lists_hold_all_that_a_ray_from_the_apex_can_meet_first() {
                 let ray = Ray::new(apex, (target - apex).normalize());
                 let Some(items) = buffer.seen_along(&ray) else { continue };
                 listed += items.len();
-                let nearest = bodies.iter().filter_map(|b| Some((meets(b, &ray)?, b.primitive)));
-                if let Some((t, primitive)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                    let item = items.iter().find(|item| item.primitive == primitive);
-                    assert!(item.is_some_and(|item| item.near <= t), "{apex} {ray:?} {primitive}");
+                let nearest = bodies.iter().filter_map(|b| Some((meets(b, &ray)?, b.object)));
+                if let Some((t, object)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                    let item = items.iter().find(|item| item.object == object);
+                    assert!(item.is_some_and(|item| item.near <= t), "{apex} {ray:?} {object:?}");
                 }
                 assert!(items.is_sorted_by(|a, b| a.near <= b.near));
             }
@@ -90,7 +91,7 @@ fn rays_to_the_apex_find_what_blocks_them() {
                     continue;
                 }
             };
-            let listed = |b: &&Body| items.iter().any(|item| item.primitive == b.primitive);
+            let listed = |b: &&Body| items.iter().any(|item| item.object == b.object);
             if hidden {
                 assert!(met.iter().any(|b| b.opaque && listed(b)), "{ray:?}");
             } else {
@@ -130,14 +131,15 @@ fn crowds_go_to_the_tree_and_hidden_things_nowhere() {
     let apex = Vec3::new(0.0, 0.0, 10.0);
     let sphere = |primitive: u32, z: f32, radius: f32| {
         let sphere = Sphere::new(Vec3::new(0.0, 0.0, z), radius);
-        Body { primitive, bounds: sphere.bounds(), sphere: Some(sphere), opaque: true }
+        let object = ObjectId::from_index(primitive);
+        Body { object, bounds: sphere.bounds(), sphere: Some(sphere), opaque: true }
     };
     let mut bodies: Vec<Body> = (0..1000).map(|i| sphere(i, -(i as f32), 0.01)).collect();
     let ahead = Ray::new(apex, Vec3::NEG_Z);
     assert!(ItemBuffer::new(apex, &bodies, 0).unwrap().seen_along(&ahead).is_none());
     bodies.push(sphere(1000, 2.0, 1.0));
     let buffer = ItemBuffer::new(apex, &bodies, 0).unwrap();
-    assert_eq!(buffer.seen_along(&ahead).map(|items| items[0].primitive), Some(1000));
+    assert_eq!(buffer.seen_along(&ahead).map(|items| items[0].object), Some(ObjectId::from_index(1000)));
     let listed = buffer.seen_along(&ahead).map_or(0, <[Item]>::len);
     assert!(listed < 4, "{listed}");
     assert!(buffer.bytes() < 100_000);

@@ -18,7 +18,7 @@ use super::{
     BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
     LightLeSample, LightLiSample, LightPoint, Receiver,
 };
-use crate::ids::VariedEmissionId;
+use crate::ids::{ObjectId, VariedEmissionId};
 use crate::motion::MovingTransform;
 use crate::shape::{Patch, PatchWay};
 
@@ -59,8 +59,8 @@ pub struct AreaLight {
     pub varied: Option<VariedEmissionId>,
     /// Which sides give light.
     pub sides: Sides,
-    /// The object it belongs to, an index into [`crate::Scene::primitives`].
-    pub primitive: u32,
+    /// The object it belongs to.
+    pub object: ObjectId,
     /// The part of that object.
     pub part: u32,
 }

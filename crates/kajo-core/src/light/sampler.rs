@@ -4,7 +4,7 @@ use kajo_color::Wavelengths;
 use kajo_math::Vec3;
 
 use super::{AreaLight, Emitter, LightChoice, LightHit, LightId, LightTree, Lights, Receiver, SampledLight};
-use crate::ids::{LightGroup, LightIndex};
+use crate::ids::{LightGroup, LightIndex, ObjectId};
 
 /// The lights of a scene, in one list: those of the file, then the patches of emissive objects, then the background.
 #[derive(Debug, Default)]
@@ -70,7 +70,7 @@ impl LightSampler {
     pub fn representatives(&self, lights: &Lights, most: usize) -> Vec<(LightId, f32)> {
         let mut taken: Vec<_> = self.list[..self.first_area].iter().map(|&id| (id, 1.0)).collect();
         let mut patches = self.list[self.first_area..].iter().copied();
-        for object in lights.areas.chunk_by(|a, b| a.primitive == b.primitive) {
+        for object in lights.areas.chunk_by(|a, b| a.object == b.object) {
             let ids = patches.by_ref().take(object.len());
             if object.len() <= most {
                 taken.extend(ids.map(|id| (id, 1.0)));
@@ -116,11 +116,11 @@ impl LightSampler {
     pub fn area<'a>(
         &self,
         lights: &'a Lights,
-        primitive: u32,
+        object: ObjectId,
         part: u32,
     ) -> Option<(LightIndex, &'a AreaLight)> {
-        let key = |light: &AreaLight| (light.primitive, light.part);
-        let i = lights.areas.binary_search_by_key(&(primitive, part), key).ok()?;
+        let key = |light: &AreaLight| (light.object, light.part);
+        let i = lights.areas.binary_search_by_key(&(object, part), key).ok()?;
         Some((LightIndex::new(self.first_area + i)?, &lights.areas[i]))
     }
 

@@ -6,6 +6,7 @@ use kajo_math::{DAffine3, DQuat, DVec3, Vec2, Vec3, rng::Stream};
 
 use super::*;
 use crate::daylight::SkySettings;
+use crate::ids::ObjectId;
 use crate::shape::{Canonical, DiskPatch, Patch, PatchWay};
 
 pub(crate) mod densities;
@@ -198,7 +199,7 @@ fn an_area_light_emits_from_its_sides_only() {
         patch: square(1.0),
         emission: Emission::from_rgb([1.0; 3]),
         sides,
-        primitive: 0,
+        object: ObjectId::default(),
         part: 0,
     };
     // The normal of the square is X x Z = -Y: its front looks down.

@@ -10,14 +10,15 @@ use std::ops::Range;
 use kajo_math::{Aabb, DAffine3, Transform};
 
 use super::{Assembly, Content, Nested};
+use crate::ids::ObjectId;
 use crate::material::MaterialId;
 use crate::shape::{ShapeId, Shapes};
 
 /// An object in a nested instance, or a whole instance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NestedPiece {
-    /// Number of the object, or of the first one in the instance; as [`crate::Interaction::primitive`].
-    pub number: u32,
+    /// The object, or the first one in the instance.
+    pub object: ObjectId,
     /// What it is.
     pub content: PieceContent,
     /// From its space to the world's.
@@ -38,18 +39,18 @@ pub enum PieceContent {
 impl Nested {
     /// What stands in the world, in pieces.
     ///
-    /// * `first_number`: of nested objects
+    /// * `first_object`: of nested objects
     /// * `cost`: of showing a shape; a box costs 12
     /// * `budget`: what the pieces may cost together; of placements more than a twelfth of it are left out
     pub fn pieces(
         &self,
         shapes: &Shapes,
-        first_number: u32,
+        first_object: ObjectId,
         cost: impl Fn(ShapeId) -> usize,
         budget: usize,
     ) -> Vec<NestedPiece> {
         let (pieces, wholes) = (Vec::new(), BinaryHeap::new());
-        let mut gathering = Gathering { nested: self, shapes, first_number, pieces, wholes };
+        let mut gathering = Gathering { nested: self, shapes, first_object, pieces, wholes };
         // The cost of what stands in each assembly, one level down.
         let of_member = |content| match content {
             Content::Shape(shape) => cost(shape),
@@ -74,17 +75,17 @@ impl Nested {
         gathering.pieces
     }
 
-    /// Numbers of the objects that items of the text put into the scene, in order.
+    /// The objects that items of the text put into the scene, in order.
     ///
-    /// * `first_number`: of nested objects
+    /// * `first_object`: of nested ones
     /// * `is_wanted`: whether it is about what the item of this number places
-    pub fn numbers(&self, first_number: u32, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<u32>> {
-        let numbers =
+    pub fn objects(&self, first_object: ObjectId, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<ObjectId>> {
+        let objects =
             self.placements.iter().filter(|placement| is_wanted(placement.placed_by)).map(|placement| {
-                let first = first_number + placement.first;
-                first..first + self.assemblies[placement.assembly as usize].count
+                let first = first_object.after(placement.first);
+                first..first.after(self.assemblies[placement.assembly as usize].count)
             });
-        numbers.collect()
+        objects.collect()
     }
 }
 
@@ -95,7 +96,7 @@ const WHOLE: usize = 12;
 struct Gathering<'a> {
     nested: &'a Nested,
     shapes: &'a Shapes,
-    first_number: u32,
+    first_object: ObjectId,
     pieces: Vec<NestedPiece>,
     wholes: BinaryHeap<Whole>,
 }
@@ -140,8 +141,8 @@ impl Gathering<'_> {
     fn push(&mut self, content: PieceContent, map: &DAffine3, material: Option<MaterialId>, first: u32) {
         // Rounding may have left a map without an inverse; rays meet nothing there either.
         let Some(place) = Transform::new(map) else { return };
-        let (number, material) = (self.first_number + first, material.unwrap_or_default());
-        self.pieces.push(NestedPiece { number, content, place, material });
+        let (object, material) = (self.first_object.after(first), material.unwrap_or_default());
+        self.pieces.push(NestedPiece { object, content, place, material });
     }
 
     /// The material of the first object in an assembly.

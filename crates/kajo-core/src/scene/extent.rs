@@ -49,7 +49,7 @@ impl Scene {
             .flat_map(|nested| std::iter::zip(&nested.placements, nested.placement_bounds(&self.shapes)));
         // Names within a definition are those of many objects, so what places them is asked for by the first of each.
         let of_nested = |(placement, bounds): (&Placement, Aabb)| {
-            let object = self.object(self.primitives.len() as u32 + placement.first)?;
+            let object = self.object(self.first_nested().after(placement.first))?;
             is_wanted(&object).then_some(Body { bounds, form: Form::Box })
         };
         let bodies = wanted.chain(nested.filter_map(of_nested));
@@ -58,11 +58,9 @@ impl Scene {
 
     fn body(&self, primitive: &Primitive) -> Body<'_> {
         let bounds = self.world_bounds(primitive);
-        let form = match self.motion(primitive.transform) {
-            Some(_) => Form::Box,
-            None => {
-                self.form(primitive.shape, self.transforms[primitive.transform as usize].world_from_object)
-            }
+        let form = match primitive.pose.still_in(&self.transforms) {
+            Some(transform) => self.form(primitive.shape, transform.world_from_object),
+            None => Form::Box,
         };
         Body { bounds, form }
     }

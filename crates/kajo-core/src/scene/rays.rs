@@ -7,13 +7,11 @@ use kajo_math::Ray;
 
 use super::{Event, Interaction, Primitive, Scene, rarely};
 use crate::family::Pooled;
+use crate::ids::{ObjectId, PoseId};
 use crate::interaction::Hit;
 use crate::item_buffer::{Between, ItemBuffer};
 use crate::nested::Leaf;
 use crate::shape::{Plane, Sphere, Surface};
-
-/// No primitive.
-const NOTHING: u32 = u32::MAX;
 
 impl Scene {
     /// Follows a ray to the first surface it meets.
@@ -50,8 +48,8 @@ impl Scene {
     /// The far side of a sphere is looked for first: few other things are nearer.
     #[inline]
     pub fn trace_inwards(&self, ray: &Ray, at: &mut Interaction) -> bool {
-        let met = self.primitives.get(at.primitive as usize).map(|primitive| self.plain(primitive));
-        let within = if matches!(met, Some(Plain::Sphere(_))) { at.primitive } else { NOTHING };
+        let met = self.primitives.get(at.object.index()).map(|primitive| self.plain(primitive));
+        let within = if matches!(met, Some(Plain::Sphere(_))) { at.object } else { ObjectId::NONE };
         if !self.closest_within(within, None, ray, at) {
             return false;
         }
@@ -83,9 +81,9 @@ impl Scene {
         &self,
         apex: Option<&ItemBuffer>,
         ray: &Ray,
-        mut visit: impl FnMut(u32, Hit) -> bool,
+        mut visit: impl FnMut(ObjectId, Hit) -> bool,
     ) -> bool {
-        let mut visit_all = |i: u32| {
+        let mut visit_all = |i: ObjectId| {
             let mut blocked = false;
             self.each_crossing(i, ray, |hit| blocked = blocked || visit(i, hit));
             blocked
@@ -94,15 +92,15 @@ impl Scene {
             apex,
             ray,
             #[inline(always)]
-            |i| if self.primitives[i as usize].transmits { visit_all(i) } else { self.blocks(i, ray) },
+            |i| if self.primitives[i.index()].transmits { visit_all(i) } else { self.blocks(i, ray) },
         );
         blocked
             || self.any_nested(ray, |leaf| {
                 if !self.leaf_transmits(leaf) {
                     return self.leaf_blocks(leaf, ray);
                 }
-                let (mut blocked, number) = (false, self.number_of(leaf));
-                let visit = |hit| blocked = blocked || visit(number, hit);
+                let (mut blocked, object) = (false, self.object_of(leaf));
+                let visit = |hit| blocked = blocked || visit(object, hit);
                 leaf.in_object(ray, |ray| self.shapes.crossings(leaf.shape, ray, visit));
                 blocked
             })
@@ -119,24 +117,24 @@ impl Scene {
     }
 
     /// Visits every crossing within the ray's range, in no particular order.
-    pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(u32, Hit)) {
-        let mut each = |i: u32| self.each_crossing(i, ray, |hit| visit(i, hit));
+    pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(ObjectId, Hit)) {
+        let mut each = |i: ObjectId| self.each_crossing(i, ray, |hit| visit(i, hit));
         self.unbounded.iter().for_each(|&i| each(i));
-        self.bvh.each(ray, &mut each);
+        self.bvh.each(ray, |i| each(ObjectId::from_index(i)));
         if let Some(moving) = &self.moving {
-            moving.each(ray, each);
+            moving.each(ray, |i| each(ObjectId::from_index(i)));
         }
         self.any_nested(ray, |leaf| {
-            let number = self.number_of(leaf);
-            leaf.in_object(ray, |ray| self.shapes.crossings(leaf.shape, ray, |hit| visit(number, hit)));
+            let object = self.object_of(leaf);
+            leaf.in_object(ray, |ray| self.shapes.crossings(leaf.shape, ray, |hit| visit(object, hit)));
             false
         });
     }
 
     /// Position, normals and material at a crossing.
     #[inline]
-    pub fn interaction(&self, ray: &Ray, primitive: u32, hit: Hit) -> Interaction {
-        let mut at = Interaction { primitive, hit, ..Interaction::default() };
+    pub fn interaction(&self, ray: &Ray, object: ObjectId, hit: Hit) -> Interaction {
+        let mut at = Interaction { object, hit, ..Interaction::default() };
         self.complete(ray, &mut at);
         at
     }
@@ -144,15 +142,15 @@ impl Scene {
     /// Works out position, normals and material where `at` knows the primitive and the hit.
     #[inline]
     fn complete(&self, ray: &Ray, at: &mut Interaction) {
-        let Some(placed) = self.primitives.get(at.primitive as usize) else {
+        let Some(placed) = self.primitives.get(at.object.index()) else {
             return rarely(|| self.complete_nested(ray, at));
         };
         if let Plain::Sphere(sphere) = self.plain(placed) {
             at.point = sphere.surface_at(ray, &at.hit);
-        } else if placed.transform == 0 {
+        } else if placed.pose.is_identity() {
             at.point = self.shapes.surface_at(placed.shape, ray, &at.hit);
         } else {
-            at.point = self.transform_at(placed.transform, ray.time, |transform| {
+            at.point = self.transform_at(placed.pose, ray.time, |transform| {
                 self.shapes
                     .surface_at(placed.shape, &transform.ray_in_object(ray), &at.hit)
                     .transformed(transform)
@@ -164,7 +162,7 @@ impl Scene {
 
     /// The same for an object in a nested instance.
     fn complete_nested(&self, ray: &Ray, at: &mut Interaction) {
-        if let Some(leaf) = self.leaf(at.primitive) {
+        if let Some(leaf) = self.leaf(at.object) {
             at.point = leaf.surface_at(&self.shapes, ray, &at.hit);
             at.material = self.material_at(leaf.shape, leaf.material.unwrap_or_default(), &at.hit);
             at.time = ray.time;
@@ -173,7 +171,7 @@ impl Scene {
 
     /// Whether `blocks` is true of any primitive that the ray may meet, or it is known to be blocked.
     #[inline]
-    fn any(&self, apex: Option<&ItemBuffer>, ray: &Ray, mut blocks: impl FnMut(u32) -> bool) -> bool {
+    fn any(&self, apex: Option<&ItemBuffer>, ray: &Ray, mut blocks: impl FnMut(ObjectId) -> bool) -> bool {
         let between = apex.and_then(|apex| apex.between(ray));
         if matches!(between, Some(Between::Blocked)) || self.unbounded.iter().any(|&i| blocks(i)) {
             return true;
@@ -181,32 +179,36 @@ impl Scene {
         let blocked = match between {
             Some(Between::Items(items, farthest)) => {
                 let mut nearer = items.iter().take_while(|item| item.near <= farthest);
-                nearer.any(|item| blocks(item.primitive))
+                nearer.any(|item| blocks(item.object))
             }
-            _ => self.bvh.any(ray, &mut blocks),
+            _ => self.bvh.any(ray, |i| blocks(ObjectId::from_index(i))),
         };
-        blocked || self.moving.as_ref().is_some_and(|moving| rarely(|| moving.any(ray, blocks)))
+        blocked
+            || self
+                .moving
+                .as_ref()
+                .is_some_and(|moving| rarely(|| moving.any(ray, |i| blocks(ObjectId::from_index(i)))))
     }
 
     /// Finds the nearest hit and writes it and its primitive into `at`; `false` when there is none.
     #[inline]
     fn closest(&self, apex: Option<&ItemBuffer>, ray: &Ray, at: &mut Interaction) -> bool {
-        self.closest_within(NOTHING, apex, ray, at)
+        self.closest_within(ObjectId::NONE, apex, ray, at)
     }
 
     /// As [`Scene::closest`]; the primitive `within` is tried before all others.
     #[inline]
     fn closest_within(
         &self,
-        within: u32,
+        within: ObjectId,
         apex: Option<&ItemBuffer>,
         ray: &Ray,
         at: &mut Interaction,
     ) -> bool {
-        at.primitive = NOTHING;
+        at.object = ObjectId::NONE;
         let mut nearest = Nearest { scene: self, ahead: *ray, at };
         let mut t_max = ray.t_max;
-        if within != NOTHING {
+        if within != ObjectId::NONE {
             t_max = nearest.consider(within, t_max);
         }
         t_max = self.unbounded.iter().fold(t_max, |t_max, &i| nearest.consider(i, t_max));
@@ -216,26 +218,28 @@ impl Scene {
                     if item.near > t_max {
                         break;
                     }
-                    t_max = nearest.consider(item.primitive, t_max);
+                    t_max = nearest.consider(item.object, t_max);
                 }
             }
-            None => self.bvh.closest(&ray.over(ray.t_min, t_max), |i, t_max| nearest.consider(i, t_max)),
+            None => self.bvh.closest(&ray.over(ray.t_min, t_max), |i, t_max| {
+                nearest.consider(ObjectId::from_index(i), t_max)
+            }),
         }
         if let Some(moving) = &self.moving {
             let ahead = ray.over(ray.t_min, nearest.t_max(ray));
-            rarely(|| moving.closest(&ahead, |i, t_max| nearest.consider(i, t_max)));
+            rarely(|| moving.closest(&ahead, |i, t_max| nearest.consider(ObjectId::from_index(i), t_max)));
         }
         if let Some(nested) = &self.nested {
             let ahead = ray.over(ray.t_min, nearest.t_max(ray));
             rarely(|| nested.closest(&ahead, |leaf, t_max| nearest.consider_leaf(leaf, t_max)));
         }
-        nearest.at.primitive != NOTHING
+        nearest.at.object != ObjectId::NONE
     }
 
     /// The nearest hit of a primitive.
     #[inline(always)]
-    fn hit(&self, primitive: u32, ray: &Ray) -> Option<Hit> {
-        let primitive = &self.primitives[primitive as usize];
+    fn hit(&self, object: ObjectId, ray: &Ray) -> Option<Hit> {
+        let primitive = &self.primitives[object.index()];
         match self.plain(primitive) {
             Plain::Sphere(sphere) => sphere.hit(ray),
             Plain::Plane(plane) => plane.hit(ray),
@@ -245,8 +249,8 @@ impl Scene {
 
     /// Whether a primitive is in the way.
     #[inline(always)]
-    fn blocks(&self, primitive: u32, ray: &Ray) -> bool {
-        let primitive = &self.primitives[primitive as usize];
+    fn blocks(&self, object: ObjectId, ray: &Ray) -> bool {
+        let primitive = &self.primitives[object.index()];
         match self.plain(primitive) {
             Plain::Sphere(sphere) => sphere.blocks(ray),
             Plain::Plane(plane) => plane.blocks(ray),
@@ -256,7 +260,7 @@ impl Scene {
 
     #[inline(always)]
     fn plain(&self, primitive: &Primitive) -> Plain<'_> {
-        if primitive.transform != 0 {
+        if !primitive.pose.is_identity() {
             return Plain::Neither;
         }
         if let Some(sphere) = Sphere::find(&self.shapes, primitive.shape) {
@@ -277,8 +281,8 @@ impl Scene {
 
     /// Visits every crossing with a primitive.
     #[inline]
-    fn each_crossing(&self, primitive: u32, ray: &Ray, visit: impl FnMut(Hit)) {
-        let primitive = &self.primitives[primitive as usize];
+    fn each_crossing(&self, object: ObjectId, ray: &Ray, visit: impl FnMut(Hit)) {
+        let primitive = &self.primitives[object.index()];
         self.in_object(primitive, ray, |ray| self.shapes.crossings(primitive.shape, ray, visit));
     }
 
@@ -286,10 +290,10 @@ impl Scene {
     #[inline]
     fn in_object<T>(&self, primitive: &Primitive, ray: &Ray, f: impl FnOnce(&Ray) -> T) -> T {
         let own;
-        let ray = if primitive.transform == 0 {
+        let ray = if primitive.pose.is_identity() {
             ray
         } else {
-            own = self.ray_in_object(primitive.transform, ray);
+            own = self.ray_in_object(primitive.pose, ray);
             &own
         };
         // Called in one place only, `f` is compiled into its caller.
@@ -297,8 +301,8 @@ impl Scene {
     }
 
     #[inline(never)]
-    fn ray_in_object(&self, transform: u32, ray: &Ray) -> Ray {
-        self.transform_at(transform, ray.time, |map| map.ray_in_object(ray))
+    fn ray_in_object(&self, pose: PoseId, ray: &Ray) -> Ray {
+        self.transform_at(pose, ray.time, |map| map.ray_in_object(ray))
     }
 }
 
@@ -322,8 +326,8 @@ impl Nearest<'_> {
     /// Tries a primitive; returns the parameter up to which hits are of interest from here on, which is `t_max` or
     /// less.
     #[inline(always)]
-    fn consider(&mut self, i: u32, t_max: f32) -> f32 {
-        if i == self.at.primitive {
+    fn consider(&mut self, i: ObjectId, t_max: f32) -> f32 {
+        if i == self.at.object {
             return t_max; // It was tried before all others.
         }
         let hit = self.scene.hit(i, &self.ahead);
@@ -333,23 +337,23 @@ impl Nearest<'_> {
     /// Tries an object in a nested instance.
     fn consider_leaf(&mut self, leaf: &Leaf, t_max: f32) -> f32 {
         let hit = leaf.in_object(&self.ahead, |ray| self.scene.shapes.hit(leaf.shape, ray));
-        self.offer(self.scene.number_of(leaf), hit, t_max)
+        self.offer(self.scene.object_of(leaf), hit, t_max)
     }
 
     /// Keeps a hit that comes before the one so far.
     #[inline(always)]
-    fn offer(&mut self, i: u32, hit: Option<Hit>, t_max: f32) -> f32 {
+    fn offer(&mut self, i: ObjectId, hit: Option<Hit>, t_max: f32) -> f32 {
         let Some(hit) = hit else { return t_max };
-        if self.at.primitive < i && hit.t == self.at.hit.t {
+        if self.at.object < i && hit.t == self.at.hit.t {
             return t_max;
         }
-        (self.at.primitive, self.at.hit) = (i, hit);
+        (self.at.object, self.at.hit) = (i, hit);
         self.ahead.t_max = hit.t.next_up();
         hit.t
     }
 
     /// Up to where hits are of interest along `ray`.
     fn t_max(&self, ray: &Ray) -> f32 {
-        if self.at.primitive == NOTHING { ray.t_max } else { self.at.hit.t }
+        if self.at.object == ObjectId::NONE { ray.t_max } else { self.at.hit.t }
     }
 }

@@ -163,7 +163,7 @@ impl<'a> CameraView<'a> {
         let uv = if self.layers.has(Layer::Uv) { self.scene.uv(at) } else { Vec2::ZERO };
         let numbered = self.layers.has(Layer::MaterialId);
         let material = if numbered { self.scene.material_number(at.material) } else { 0 };
-        FirstHit { t: at.hit.t, n: self.scene.shading(at, 0.5).n, uv, object: at.primitive + 1, material }
+        FirstHit { t: at.hit.t, n: self.scene.shading(at, 0.5).n, uv, object: at.object.number(), material }
     }
 
     /// How far a point moves in the picture from the opening of the shutter to its closing, in pixels; none where

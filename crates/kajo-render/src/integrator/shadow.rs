@@ -12,6 +12,7 @@
 
 use kajo_color::Spectrum;
 use kajo_core::ItemBuffer;
+use kajo_core::ObjectId;
 use kajo_core::scene::Scene;
 use kajo_core::settings::ShadowAttenuation;
 use kajo_math::{Ray, fmath};
@@ -22,7 +23,7 @@ const MAX_BODIES: usize = 32;
 /// One body's crossings so far.
 #[derive(Clone, Copy)]
 struct Body {
-    primitive: u32,
+    object: ObjectId,
     /// Ways out less ways in.
     exits: i32,
     /// Sum of parameters of exits less those of entries.
@@ -46,8 +47,8 @@ pub(super) fn transmittance(
 
 fn by_surface(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
     let mut through = Spectrum::WHITE;
-    let blocked = scene.occluded_or(apex, ray, |primitive, hit| {
-        through *= scene.transparency(ray, primitive, hit);
+    let blocked = scene.occluded_or(apex, ray, |object, hit| {
+        through *= scene.transparency(ray, object, hit);
         through.is_black()
     });
     if blocked { Spectrum::BLACK } else { through }
@@ -56,16 +57,16 @@ fn by_surface(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
 fn by_length(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
     let mut through = Spectrum::WHITE;
     let mut bodies: [Option<Body>; MAX_BODIES] = [None; MAX_BODIES];
-    let blocked = scene.occluded_or(apex, ray, |primitive, hit| {
-        let at = scene.interaction(ray, primitive, hit);
+    let blocked = scene.occluded_or(apex, ray, |object, hit| {
+        let at = scene.interaction(ray, object, hit);
         let place = scene.material_point(&at);
         let phong = scene.materials.phong(at.material, &scene.materials, &scene.textures, &place);
-        let closed = scene.shape(primitive).is_some_and(|shape| scene.shapes.is_closed(shape));
+        let closed = scene.shape(object).is_some_and(|shape| scene.shapes.is_closed(shape));
         if phong.transparent.is_black() || !closed {
             through *= phong.transparent;
             return through.is_black();
         }
-        let Some(body) = find(&mut bodies, primitive) else { return true };
+        let Some(body) = find(&mut bodies, object) else { return true };
         let sign = if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
         body.exits += sign;
         body.length += sign as f32 * hit.t;
@@ -86,8 +87,8 @@ fn by_length(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
 }
 
 /// The record of a body, new or old; `None` when there is no more room.
-fn find(bodies: &mut [Option<Body>; MAX_BODIES], primitive: u32) -> Option<&mut Body> {
-    let place = bodies.iter().position(|b| b.is_none_or(|b| b.primitive == primitive))?;
-    let new = Body { primitive, exits: 0, length: 0.0, absorption: Spectrum::BLACK };
+fn find(bodies: &mut [Option<Body>; MAX_BODIES], object: ObjectId) -> Option<&mut Body> {
+    let place = bodies.iter().position(|b| b.is_none_or(|b| b.object == object))?;
+    let new = Body { object, exits: 0, length: 0.0, absorption: Spectrum::BLACK };
     Some(bodies[place].get_or_insert(new))
 }

@@ -18,9 +18,9 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 
-use kajo_core::Object;
 use kajo_core::compile::{CompileOptions, MeshStore, compile};
 use kajo_core::scene::Scene;
+use kajo_core::{Object, ObjectId};
 use kajo_scene::{Diagnostics, SceneDesc, Sources, one_line, render};
 
 use super::overlay::Overlay;
@@ -195,9 +195,9 @@ impl Document {
     /// The nodes that place an object and that describe it.
     fn nodes_of_object(&self, number: u32) -> Option<[Option<NodeId>; 2]> {
         let made = self.compiled.made.as_ref()?;
-        let index = number.checked_sub(1)?;
-        let known = made.objects.get(index as usize).copied();
-        known.or_else(|| made.scene.object(index).map(|object| nodes_of(&made.tree, &object)))
+        let id = ObjectId::from_number(number)?;
+        let known = made.objects.get(id.index()).copied();
+        known.or_else(|| made.scene.object(id).map(|object| nodes_of(&made.tree, &object)))
     }
 
     /// Numbers of the objects of [`Document::scene`] that a node places or describes, or nodes within it do; without
@@ -215,8 +215,8 @@ impl Document {
         let Some(made) = &self.compiled.made else { return Vec::new() };
         let nodes: HashSet<NodeId> = self.outline().subtree(id).iter().map(|n| n.id).collect();
         let is_within = |item| made.tree.outline.at_item(item).is_some_and(|node| nodes.contains(&node.id));
-        let numbers = made.scene.nested_numbers(is_within).into_iter();
-        numbers.map(|indices| indices.start + 1..indices.end + 1).collect()
+        let objects = made.scene.nested_objects(is_within).into_iter();
+        objects.map(|range| range.start.number()..range.end.number()).collect()
     }
 
     fn objects(&self) -> &[[Option<NodeId>; 2]] {

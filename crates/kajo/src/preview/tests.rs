@@ -1,5 +1,6 @@
 use super::*;
 use crate::{LoadOptions, MemoryAssets, load_from};
+use kajo_core::ObjectId;
 
 fn scene(group: &str) -> Scene {
     limited_scene(group, 10_000_000)
@@ -67,7 +68,7 @@ fn every_object_has_triangles_where_it_is() {
     for (i, found) in boxes.iter().enumerate() {
         let primitive = &scene.primitives[i];
         let bounds = scene.shapes.bounds(primitive.shape);
-        let bounds = scene.transforms[primitive.transform as usize].bounds(&bounds);
+        let bounds = primitive.pose.still_in(&scene.transforms).unwrap().bounds(&bounds);
         let missing = (bounds.extent() - found.extent()).max_element();
         assert!(bounds.padded(1e-4).contains(found.min) && bounds.padded(1e-4).contains(found.max), "{i}");
         // Boxes around turned boxes are somewhat larger than need be.
@@ -156,7 +157,8 @@ fn nested_instances_are_shown_as_far_as_that_is_not_too_much() {
         assert!(n_spheres > 200 && preview.triangle_count() < 1_000_000, "{}", preview.triangle_count());
         let mut all = Aabb::EMPTY;
         for (corners, object) in triangles(&preview) {
-            let word = scene.object(object - 1).map(|object| object.keyword);
+            let word =
+                ObjectId::from_number(object).and_then(|id| scene.object(id)).map(|object| object.keyword);
             assert_eq!(word, Some("Sphere"));
             all = all.union(Aabb::around(corners));
         }

@@ -128,7 +128,7 @@ fn meet(scene: &Scene, ray: &Ray) -> Option<Met> {
     let [r, g, b, _] = color::of(scene, at.material, at.point.p);
     let light = 0.28 + 0.72 * at.point.n.dot(ray.d).abs().min(1.0);
     let color = [r, g, b].map(|v| (f32::from(v) * light).round() as u8);
-    Some(Met { color, object: at.primitive + 1, distance: at.hit.t })
+    Some(Met { color, object: at.object.number(), distance: at.hit.t })
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ fn area(patch: Patch, sides: Sides) -> AreaLight {
         varied: None,
         emission: Emission::from_rgb([2.0; 3]),
         sides,
-        primitive: 0,
+        object: ObjectId::default(),
         part: 0,
     }
 }

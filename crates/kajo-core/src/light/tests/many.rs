@@ -20,7 +20,7 @@ fn grid() -> (Lights, LightSampler) {
                 drift: None,
                 varied: None,
                 sides: Sides::Both,
-                primitive: i,
+                object: ObjectId::from_index(i),
                 part: 0,
             };
             areas.extend(area.store(&mut lights));
@@ -89,8 +89,8 @@ fn a_few_pieces_stand_for_those_of_a_large_object() {
             let corner = 9.0 * DVec3::new(u(0).into(), u(1).into(), u(2).into());
             let patch = Patch::parallelogram(corner, [f64::from(u(3)) * DVec3::X, DVec3::Z]);
             let emission = Emission::from_rgb([if part % 4 == 3 { 0.0 } else { 1.0 }; 3]);
-            let sides = Sides::Both;
-            let area = AreaLight { patch, emission, drift: None, varied: None, sides, primitive, part };
+            let (sides, object) = (Sides::Both, ObjectId::from_index(primitive));
+            let area = AreaLight { patch, emission, drift: None, varied: None, sides, object, part };
             powers[primitive as usize] += area.bounds().unwrap().power;
             list.extend(area.store(&mut lights).map(|id| (id, LightGroup::default())));
         }

@@ -5,6 +5,7 @@
 //! [Schmidt and Budge 2002]. Of media of equal priority the one entered last is there.
 
 use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::ObjectId;
 use kajo_core::material::Interior;
 use kajo_core::scene::Scene;
 use kajo_math::Ray;
@@ -23,8 +24,8 @@ struct Medium {
     /// Index of refraction.
     eta: f32,
     priority: i32,
-    /// The number of the object, as in [`kajo_core::scene::Interaction::primitive`].
-    object: u32,
+    /// The object that it fills.
+    object: ObjectId,
 }
 
 /// The media around a point of a path, in the order in which they were entered.
@@ -106,7 +107,7 @@ impl MediumStack {
     /// How a path comes to the surface of `object`.
     ///
     /// * `enters`: whether it comes from outside
-    pub fn interface(&self, object: u32, interior: &Interior, enters: bool) -> Interface {
+    pub fn interface(&self, object: ObjectId, interior: &Interior, enters: bool) -> Interface {
         let leaves = if enters { None } else { self.position(object) };
         let others = self.media().iter().enumerate().filter(|&(i, _)| Some(i) != leaves);
         let outside = uppermost(others.map(|(_, medium)| medium));
@@ -155,13 +156,13 @@ impl MediumStack {
     }
 
     /// Where an object was entered last.
-    fn position(&self, object: u32) -> Option<usize> {
+    fn position(&self, object: ObjectId) -> Option<usize> {
         self.media().iter().rposition(|medium| medium.object == object)
     }
 }
 
 impl Medium {
-    fn of(object: u32, interior: &Interior) -> Medium {
+    fn of(object: ObjectId, interior: &Interior) -> Medium {
         let &Interior { eta, absorption, priority, .. } = interior;
         Medium { sigma_a: absorption, eta, priority, object }
     }
@@ -202,27 +203,27 @@ mod tests {
         let (glass, water) = (interior(1.5, 2), interior(1.33, 1));
         let air = MediumStack::default();
         assert!(air.absorption().is_none());
-        let outer = air.interface(1, &glass, true);
+        let outer = air.interface(ObjectId::from_index(1), &glass, true);
         assert!(outer.is_real && outer.eta_outside == 1.0);
         let in_glass = air.across(&outer);
         // The water begins inside the glass: nothing is seen of that.
-        let hidden = in_glass.interface(2, &water, true);
+        let hidden = in_glass.interface(ObjectId::from_index(2), &water, true);
         assert!(!hidden.is_real);
         let both = in_glass.across(&hidden);
         assert_eq!(both.absorption(), Some(glass.absorption));
         // The inner side of the glass is where glass meets water.
-        let inner = both.interface(1, &glass, false);
+        let inner = both.interface(ObjectId::from_index(1), &glass, false);
         assert!(inner.is_real && inner.eta_outside == 1.33);
         let in_water = both.across(&inner);
         assert_eq!(in_water.absorption(), Some(water.absorption));
-        let out = in_water.interface(2, &water, false);
+        let out = in_water.interface(ObjectId::from_index(2), &water, false);
         assert!(out.is_real && out.eta_outside == 1.0);
         assert!(in_water.across(&out).absorption().is_none());
     }
 
     #[test]
     fn leaving_what_was_never_entered_is_leaving() {
-        let inside = MediumStack::default().interface(7, &interior(1.5, 0), false);
+        let inside = MediumStack::default().interface(ObjectId::from_index(7), &interior(1.5, 0), false);
         assert!(inside.is_real && inside.eta_outside == 1.0);
         assert!(MediumStack::default().across(&inside).absorption().is_none());
     }
@@ -231,15 +232,15 @@ mod tests {
     fn too_many_media_forget_the_outermost() {
         let mut media = MediumStack::default();
         for i in 0..20 {
-            media.cross(&media.interface(i, &interior(1.0 + i as f32, 0), true));
+            media.cross(&media.interface(ObjectId::from_index(i), &interior(1.0 + i as f32, 0), true));
         }
         assert_eq!(media.absorption(), Some(Spectrum::grey(20.0)));
-        assert!(media.interface(19, &interior(20.0, 0), false).eta_outside == 19.0);
+        assert!(media.interface(ObjectId::from_index(19), &interior(20.0, 0), false).eta_outside == 19.0);
         // As many as there is room for are known.
         for i in (0..20).rev() {
             let known = i + ROOM as u32 >= 20;
             assert_eq!(media.eta(), if known { 1.0 + i as f32 } else { 1.0 }, "{i}");
-            media.cross(&media.interface(i, &interior(1.0 + i as f32, 0), false));
+            media.cross(&media.interface(ObjectId::from_index(i), &interior(1.0 + i as f32, 0), false));
         }
     }
 

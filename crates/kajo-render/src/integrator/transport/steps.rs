@@ -68,7 +68,7 @@ pub fn extend(
     let u = path.draws.number_if(scene.is_mixture(at));
     let enters = wo.dot(at.point.ng) > 0.0;
     let interior = scene.interior(at, &path.wavelengths, u);
-    surface.interface = interior.map(|interior| path.media.interface(at.primitive, &interior, enters));
+    surface.interface = interior.map(|interior| path.media.interface(at.object, &interior, enters));
     (surface.wo, surface.length, surface.u) = (wo, length, u);
     Event::Surface
 }
