@@ -2,9 +2,9 @@
 //!
 //! A family is a trait with a fixed list of members. Each member type has a pool of its own,
 //! `Vec<Member>`, and a handle names a member by kind (upper bits) and index (lower bits).
-//! Dispatch is a `match` on the kind: no pointers, no virtual calls, plain data that a
-//! graphics card can take as it is. The one macro below writes handle, pools, dispatch and
-//! keyword table from the list of members; adding a member is its file and one line.
+//! Dispatch is a `match` on the kind: no pointers to trait objects, no virtual calls. The one macro below writes handle,
+//! pools, dispatch and the names of all members from their list; adding a member is its file and one line. How a
+//! member is written in a scene is for `compile` to know.
 
 /// How many low bits of a handle are the index: 2^27 members of each kind, 32 kinds.
 pub(crate) const INDEX_BITS: u32 = 27;
@@ -76,6 +76,15 @@ macro_rules! family {
             /// The name of a member's kind.
             pub fn kind(id: $Handle) -> &'static str {
                 $Pools::KINDS[crate::family::split(id.0).0 as usize]
+            }
+
+            /// The names of all members, kind by kind.
+            pub fn ids(&self) -> impl Iterator<Item = $Handle> {
+                let counts = [$((Kind::$field as u32, self.$field.len() as u32)),+];
+                let of_kind = |(kind, n): (u32, u32)| {
+                    (0..n).map(move |index| $Handle(kind << crate::family::INDEX_BITS | index))
+                };
+                counts.into_iter().flat_map(of_kind)
             }
 
             /// Bytes of memory of all pools, room that is not used yet among them, without what members point to.

@@ -22,7 +22,7 @@ impl Scene {
     #[inline]
     pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf {
         let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside, u };
-        self.materials.bsdf(at.material, &self.materials, &self.textures, &point)
+        self.appearances().bsdf(at.material, &point)
     }
 
     /// Whether [`Scene::bsdf`] chooses among parts there, so that it needs a number.
@@ -45,7 +45,7 @@ impl Scene {
             let at = self.interaction(ray, object, hit);
             let point = ShadingPoint { place: self.material_point(&at), wavelengths, eta_outside, u: 0.0 };
             let cos = at.crossing_cosine(ray.d);
-            visible *= self.materials.passage(at.material, &self.materials, &self.textures, &point, cos);
+            visible *= self.appearances().passage(at.material, &point, cos);
             visible.is_black()
         });
         if blocked { Spectrum::BLACK } else { visible }
@@ -58,7 +58,7 @@ impl Scene {
     pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths, u: f32) -> Option<Interior> {
         if self.may_transmit(at.object) {
             let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside: 1.0, u };
-            self.materials.interior(at.material, &self.materials, &self.textures, &point)
+            self.appearances().interior(at.material, &point)
         } else {
             None
         }

@@ -22,7 +22,7 @@ use crate::ids::{ObjectId, PoseId};
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 use crate::item_buffer::{Body, ItemBuffer};
 use crate::light::{LightId, LightSampler, Lights};
-use crate::material::{MaterialId, MaterialPoint, Materials};
+use crate::material::{Appearances, MaterialId, MaterialPoint, Materials};
 use crate::medium::Fog;
 use crate::motion::MovingTransform;
 use crate::moving_tree::MovingTree;
@@ -286,6 +286,12 @@ impl Scene {
         ItemBuffer::new(apex, &bodies, cells)
     }
 
+    /// What materials are looked up in.
+    #[inline]
+    pub fn appearances(&self) -> Appearances<'_> {
+        Appearances { materials: &self.materials, textures: &self.textures }
+    }
+
     /// Where patterns in world space are evaluated for an interaction: at the point itself, or where that was at
     /// time 0 if it belongs to something that moves.
     #[inline]
@@ -346,7 +352,7 @@ impl Scene {
             return phong.transparent;
         }
         let place = self.material_point(&self.interaction(ray, object, hit));
-        self.materials.phong(material, &self.materials, &self.textures, &place).transparent
+        self.appearances().phong(material, &place).transparent
     }
 
     #[inline]

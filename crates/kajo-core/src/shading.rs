@@ -95,7 +95,7 @@ impl Scene {
         }
         let place = self.material_point(at);
         let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-        let orientation = self.materials.orientation(at.material, &self.materials, &self.textures, &point);
+        let orientation = self.appearances().orientation(at.material, &point);
         if orientation == Orientation::default() {
             return plain;
         }

@@ -39,7 +39,7 @@ fn at(scene: &Scene, x: f32, y: f32) -> Interaction {
 
 fn phong(scene: &Scene, x: f32, y: f32) -> Phong {
     let at = at(scene, x, y);
-    scene.materials.phong(at.material, &scene.materials, &scene.textures, &scene.material_point(&at))
+    scene.appearances().phong(at.material, &scene.material_point(&at))
 }
 
 fn diffuse(scene: &Scene, x: f32, y: f32) -> Vec3 {
@@ -109,7 +109,7 @@ fn numbers_of_the_extension_become_layers() {
         let met = at(&scene, x, y);
         let place = scene.material_point(&met);
         let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-        match scene.materials.bsdf(met.material, &scene.materials, &scene.textures, &point) {
+        match scene.appearances().bsdf(met.material, &point) {
             Bsdf::Principled(layers) => Some(layers),
             _ => None,
         }
@@ -141,7 +141,7 @@ fn bodies_of_blender_are_of_glass() {
         let base = |u| {
             let place = scene.material_point(&met);
             let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-            match scene.materials.bsdf(met.material, &scene.materials, &scene.textures, &point) {
+            match scene.appearances().bsdf(met.material, &point) {
                 Bsdf::Principled(layers) => Some((layers.base, layers.eta)),
                 _ => None,
             }
@@ -214,8 +214,7 @@ fn colours_of_vertices_tint_the_material_where_they_are_asked_for() {
         let (scene, _) = compiled(&format!("MaterialIndex gold {mesh}"), assets());
         let scene = scene.unwrap();
         let met = at(&scene, 0.0, 0.0);
-        let plain =
-            scene.materials.phong(met.material, &scene.materials, &scene.textures, &MaterialPoint::default());
+        let plain = scene.appearances().phong(met.material, &MaterialPoint::default());
         assert_eq!(phong(&scene, 0.0, 0.0), plain, "measured metal has no colour to be tinted");
     }
     let clear = ply.replace("property uchar blue\n", "property uchar blue\nproperty uchar alpha\n");

@@ -55,7 +55,7 @@ use crate::family::Pooled;
 use crate::glow::VariedEmission;
 use crate::ids::{LightGroup, ObjectId};
 use crate::light::{LightId, Lights};
-use crate::material::{Appearance, MaterialId, Materials};
+use crate::material::{MaterialId, Materials};
 use crate::motion::{MovingTransform, Shutter};
 use crate::moving_tree::MovingTree;
 use crate::nested::Nested;
@@ -345,12 +345,8 @@ impl<'a> Compiler<'a> {
         for (plain, seen) in &self.see_through {
             material_numbers.extend(material_numbers.get(plain).copied().map(|number| (*seen, number)));
         }
-        let known = self.material_list.iter().map(|&(id, _)| id).chain(self.slot_materials.iter().copied());
-        let has_passages = !self.materials.perforated.is_empty()
-            || self.materials.glasses.iter().any(|glass| glass.has_passages(&self.materials))
-            || self.materials.layered.iter().any(|layered| layered.has_passages(&self.materials));
-        let has_orientations = !self.materials.embossed.is_empty()
-            || known.into_iter().any(|id| self.materials.is_oriented(id, &self.materials));
+        let has_passages = self.materials.ids().any(|id| self.materials.has_passages(id, &self.materials));
+        let has_orientations = self.materials.ids().any(|id| self.materials.is_oriented(id, &self.materials));
         let has_vertex_colors = self.shapes.meshes.iter().any(Mesh::has_colors);
         let mut scene = Scene {
             shapes: self.shapes,

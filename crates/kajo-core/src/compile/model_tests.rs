@@ -85,7 +85,7 @@ fn met(scene: &Scene, x: f32, y: f32) -> Interaction {
 fn color(scene: &Scene, x: f32, y: f32) -> Vec3 {
     let at = met(scene, x, y);
     let place = scene.material_point(&at);
-    scene.materials.phong(at.material, &scene.materials, &scene.textures, &place).diffuse.to_rgb().into()
+    scene.appearances().phong(at.material, &place).diffuse.to_rgb().into()
 }
 
 /// A triangle with these attributes and this in its material.
@@ -292,7 +292,7 @@ fn points_and_lines_are_shown_on_request() {
     let at = met(&points, -1.0, -1.0);
     assert!((at.hit.t - 4.75).abs() < 1e-4);
     let point = points.material_point(&at);
-    let phong = points.materials.phong(at.material, &points.materials, &points.textures, &point);
+    let phong = points.appearances().phong(at.material, &point);
     assert_eq!(phong.diffuse.to_rgb(), [1.0, 0.0, 0.0]);
     let (_, said) = compiled("Model { file a.gltf  points 1 }", &beads(2));
     assert_eq!(said, ["`a.gltf`: left out: 3 lines; `lines RADIUS` shows them"]);

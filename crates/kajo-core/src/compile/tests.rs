@@ -41,12 +41,7 @@ fn look(scene: &Scene, x: f32, y: f32) -> Option<(Vec3, Vec3, [f32; 3])> {
     match scene.trace(&ray) {
         Event::Escaped => None,
         Event::Surface(at) => {
-            let phong = scene.materials.phong(
-                at.material,
-                &scene.materials,
-                &scene.textures,
-                &scene.material_point(&at),
-            );
+            let phong = scene.appearances().phong(at.material, &scene.material_point(&at));
             Some((at.point.p, at.point.n, phong.diffuse.to_rgb()))
         }
     }

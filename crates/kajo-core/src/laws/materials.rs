@@ -11,8 +11,9 @@ use crate::Pooled;
 use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
 use crate::material::{
-    Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, MaterialPoint,
-    Materials, Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular, Substance,
+    Appearances, Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId,
+    MaterialPoint, Materials, Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular,
+    Substance,
 };
 use crate::texture::{
     Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, SurfaceUv, Textures,
@@ -55,8 +56,12 @@ impl Samples {
         ShadingPoint { place: PLACE, wavelengths, eta_outside: 1.0, u }
     }
 
+    fn appearances(&self) -> Appearances<'_> {
+        Appearances { materials: &self.materials, textures: &self.textures }
+    }
+
     fn bsdf(&self, id: MaterialId, wavelengths: &Wavelengths, u: f32) -> Bsdf {
-        self.materials.bsdf(id, &self.materials, &self.textures, &self.at(wavelengths, u))
+        self.appearances().bsdf(id, &self.at(wavelengths, u))
     }
 }
 
@@ -217,7 +222,7 @@ pub(super) fn furnaces() -> Vec<Furnace> {
 #[test]
 fn materials_are_what_they_say() {
     let all = samples();
-    let (materials, textures) = (&all.materials, &all.textures);
+    let (materials, appearances) = (&all.materials, all.appearances());
     let u = [0.05, 0.25, 0.45, 0.65, 0.85, 0.95];
     for &(id, name, _) in &all.list {
         let parts: Vec<Bsdf> =
@@ -231,7 +236,7 @@ fn materials_are_what_they_say() {
             _ => Spectrum::BLACK,
         };
         let mean = parts.iter().map(passed).fold(Spectrum::BLACK, |sum, share| sum + share) * 1e-3;
-        let passage = materials.passage(id, materials, textures, &all.at(&Wavelengths::RGB, 0.5), cos);
+        let passage = appearances.passage(id, &all.at(&Wavelengths::RGB, 0.5), cos);
         let off = (passage - mean).to_rgb().map(f32::abs);
         assert!(
             off.iter().all(|&off| off < 2e-3),
@@ -246,9 +251,9 @@ fn materials_are_what_they_say() {
         });
         assert_eq!(crosses, materials.may_transmit(id, materials), "{name}");
         if let Some(constant) = materials.constant(id) {
-            assert_eq!(*constant, materials.phong(id, materials, textures, &PLACE), "{name}");
+            assert_eq!(*constant, appearances.phong(id, &PLACE), "{name}");
         }
-        let enters = u.map(|u| materials.interior(id, materials, textures, &all.at(&Wavelengths::RGB, u)));
+        let enters = u.map(|u| appearances.interior(id, &all.at(&Wavelengths::RGB, u)));
         assert!(crosses || enters.iter().all(Option::is_none), "{name} has no inside that light can reach");
     }
 }

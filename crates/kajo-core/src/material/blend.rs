@@ -9,7 +9,9 @@
 use kajo_color::Spectrum;
 use kajo_math::Affine3A;
 
-use super::{Appearance, Interior, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
+use super::{
+    Appearance, Appearances, Interior, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint,
+};
 use crate::bsdf::{Bsdf, Phong};
 use crate::texture::{TextureId, Textures};
 
@@ -38,35 +40,30 @@ impl Blend {
 }
 
 impl Appearance for Blend {
-    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
-        let t = textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p));
+    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
+        let t = appearances.textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p));
         let [first, second] = self.materials;
         if t == 0.0 {
-            return materials.phong(first, materials, textures, at);
+            return appearances.phong(first, at);
         }
         if t == 1.0 {
-            return materials.phong(second, materials, textures, at);
+            return appearances.phong(second, at);
         }
-        let first = materials.phong(first, materials, textures, at);
-        first.lerp(&materials.phong(second, materials, textures, at), t)
+        let first = appearances.phong(first, at);
+        first.lerp(&appearances.phong(second, at), t)
     }
 
-    fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        let (part, at) = self.part(textures, at);
-        materials.bsdf(part, materials, textures, &at)
+    fn bsdf(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
+        let (part, at) = self.part(appearances.textures, at);
+        appearances.bsdf(part, &at)
     }
 
-    fn passage(
-        &self,
-        materials: &Materials,
-        textures: &Textures,
-        at: &ShadingPoint<'_>,
-        cos: f32,
-    ) -> Spectrum {
-        let t = textures
+    fn passage(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        let t = appearances
+            .textures
             .value(self.pattern, self.pattern_from_world.transform_point3(at.place.p))
             .clamp(0.0, 1.0);
-        let [first, second] = self.materials.map(|m| materials.passage(m, materials, textures, at, cos));
+        let [first, second] = self.materials.map(|m| appearances.passage(m, at, cos));
         first.lerp(second, t)
     }
 
@@ -74,19 +71,14 @@ impl Appearance for Blend {
         self.materials.iter().any(|&m| materials.has_passages(m, materials))
     }
 
-    fn interior(
-        &self,
-        materials: &Materials,
-        textures: &Textures,
-        at: &ShadingPoint<'_>,
-    ) -> Option<Interior> {
-        let (part, at) = self.part(textures, at);
-        materials.interior(part, materials, textures, &at)
+    fn interior(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior> {
+        let (part, at) = self.part(appearances.textures, at);
+        appearances.interior(part, &at)
     }
 
-    fn orientation(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation {
-        let (part, at) = self.part(textures, at);
-        materials.orientation(part, materials, textures, &at)
+    fn orientation(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
+        let (part, at) = self.part(appearances.textures, at);
+        appearances.orientation(part, &at)
     }
 
     fn is_oriented(&self, materials: &Materials) -> bool {

@@ -21,9 +21,11 @@
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
-use super::{Appearance, Interior, Lean, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
+use super::{
+    Appearance, Appearances, Interior, Lean, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint,
+};
 use crate::bsdf::{Bsdf, Phong};
-use crate::texture::{Channel, PictureMap, SurfaceUv, Textures};
+use crate::texture::{Channel, PictureMap, SurfaceUv};
 
 /// A relief.
 #[derive(Clone, Debug)]
@@ -89,8 +91,8 @@ pub struct Embossed {
 }
 
 impl Appearance for Embossed {
-    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
-        materials.phong(self.material, materials, textures, at)
+    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
+        appearances.phong(self.material, at)
     }
 
     fn needs_uv(&self, _materials: &Materials) -> bool {
@@ -101,12 +103,12 @@ impl Appearance for Embossed {
         materials.may_transmit(self.material, materials)
     }
 
-    fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
-        materials.bsdf(self.material, materials, textures, at)
+    fn bsdf(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
+        appearances.bsdf(self.material, at)
     }
 
-    fn orientation(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation {
-        let own = materials.orientation(self.material, materials, textures, at);
+    fn orientation(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
+        let own = appearances.orientation(self.material, at);
         Orientation { lean: Some(self.relief.lean(at.place.uv)), ..own }
     }
 
@@ -119,26 +121,15 @@ impl Appearance for Embossed {
         true
     }
 
-    fn passage(
-        &self,
-        materials: &Materials,
-        textures: &Textures,
-        at: &ShadingPoint<'_>,
-        cos: f32,
-    ) -> Spectrum {
-        materials.passage(self.material, materials, textures, at, cos)
+    fn passage(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        appearances.passage(self.material, at, cos)
     }
 
     fn has_passages(&self, materials: &Materials) -> bool {
         materials.has_passages(self.material, materials)
     }
 
-    fn interior(
-        &self,
-        materials: &Materials,
-        textures: &Textures,
-        at: &ShadingPoint<'_>,
-    ) -> Option<Interior> {
-        materials.interior(self.material, materials, textures, at)
+    fn interior(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior> {
+        appearances.interior(self.material, at)
     }
 }

@@ -11,10 +11,11 @@ use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
 use kajo_math::Vec3;
 
 use super::{
-    Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint, may_be_polished,
+    Appearance, Appearances, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint,
+    may_be_polished,
 };
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
-use crate::texture::{Share, SurfaceUv, Textures};
+use crate::texture::{Share, SurfaceUv};
 
 /// What glass is like.
 #[derive(Clone, Debug)]
@@ -87,7 +88,7 @@ impl Glass {
 }
 
 impl Appearance for Glass {
-    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
         self.constant.unwrap_or_else(|| self.classic(at.uv))
     }
 
@@ -99,7 +100,7 @@ impl Appearance for Glass {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+    fn orientation(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
         self.settings.grain.orientation(at.place.uv)
     }
 
@@ -111,7 +112,7 @@ impl Appearance for Glass {
         true
     }
 
-    fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
         if let Some(pane) = self.pane(at) {
             return Bsdf::ThinDielectric(pane);
         }
@@ -119,7 +120,7 @@ impl Appearance for Glass {
         Bsdf::Dielectric(Dielectric::new(eta, self.facets(at.place.uv)))
     }
 
-    fn passage(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+    fn passage(&self, _: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
         self.pane(at).map_or(Spectrum::BLACK, |pane| pane.passage(cos))
     }
 
@@ -127,7 +128,7 @@ impl Appearance for Glass {
         self.settings.pane.is_some() && may_be_polished(&self.settings.roughness)
     }
 
-    fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior> {
         let wavelengths = at.wavelengths;
         self.settings.pane.is_none().then(|| Interior {
             eta: self.eta(wavelengths),

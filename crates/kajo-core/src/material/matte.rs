@@ -7,9 +7,9 @@
 
 use kajo_color::Wavelengths;
 
-use super::{Appearance, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, Appearances, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, OrenNayar, Phong};
-use crate::texture::{Paint, Share, Textures};
+use crate::texture::{Paint, Share};
 
 /// A matt material.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ fn classic(color: &Paint, at: &MaterialPoint) -> Phong {
 }
 
 impl Appearance for Matte {
-    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| classic(&self.color, at))
     }
 
@@ -52,7 +52,7 @@ impl Appearance for Matte {
         false
     }
 
-    fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
         let reflectance = at.place.tinted(self.color.at(at.place.uv, at.wavelengths), at.wavelengths);
         let roughness = self.roughness.at(at.place.uv);
         if roughness == 0.0 {

@@ -8,9 +8,9 @@
 use kajo_color::{Spectrum, Wavelengths, metal};
 use kajo_math::Vec3;
 
-use super::{Appearance, Grain, MaterialPoint, Materials, Orientation, ShadingPoint};
+use super::{Appearance, Appearances, Grain, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::Shape};
-use crate::texture::{Paint, Share, SurfaceUv, Textures};
+use crate::texture::{Paint, Share, SurfaceUv};
 
 /// What a metal is made of.
 #[derive(Clone, Debug)]
@@ -71,7 +71,7 @@ impl Metal {
 }
 
 impl Appearance for Metal {
-    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.classic(at))
     }
 
@@ -83,7 +83,7 @@ impl Appearance for Metal {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+    fn orientation(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
         self.grain.orientation(at.place.uv)
     }
 
@@ -95,7 +95,7 @@ impl Appearance for Metal {
         false
     }
 
-    fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
         let fresnel = match &self.substance {
             Substance::Measured(metal) => {
                 let (eta, k) = metal.at(at.wavelengths);

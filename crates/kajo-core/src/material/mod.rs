@@ -85,10 +85,51 @@ pub struct Interior {
     pub priority: i32,
 }
 
+/// What materials are looked up in: the pool of the materials that others are made of, and that of their patterns.
+#[derive(Clone, Copy, Debug)]
+pub struct Appearances<'a> {
+    /// Materials.
+    pub materials: &'a Materials,
+    /// Patterns that materials use.
+    pub textures: &'a Textures,
+}
+
+impl Appearances<'_> {
+    /// See [`Appearance::phong`].
+    #[inline]
+    pub fn phong(self, id: MaterialId, at: &MaterialPoint) -> Phong {
+        self.materials.phong(id, self, at)
+    }
+
+    /// See [`Appearance::bsdf`].
+    #[inline]
+    pub fn bsdf(self, id: MaterialId, at: &ShadingPoint<'_>) -> Bsdf {
+        self.materials.bsdf(id, self, at)
+    }
+
+    /// See [`Appearance::passage`].
+    #[inline]
+    pub fn passage(self, id: MaterialId, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        self.materials.passage(id, self, at, cos)
+    }
+
+    /// See [`Appearance::orientation`].
+    #[inline]
+    pub fn orientation(self, id: MaterialId, at: &ShadingPoint<'_>) -> Orientation {
+        self.materials.orientation(id, self, at)
+    }
+
+    /// See [`Appearance::interior`].
+    #[inline]
+    pub fn interior(self, id: MaterialId, at: &ShadingPoint<'_>) -> Option<Interior> {
+        self.materials.interior(id, self, at)
+    }
+}
+
 /// What every material can do.
 pub trait Appearance {
     /// The classic reflection model at a point.
-    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong;
+    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong;
 
     /// The classic reflection model, where it is the same at every point.
     fn constant(&self) -> Option<&Phong> {
@@ -106,7 +147,7 @@ pub trait Appearance {
     /// How light is scattered at a point, for integrators that estimate integrals.
     ///
     /// A mixture answers with one of its parts, drawn with its share; the mean of the answers is the mixture.
-    fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf;
+    fn bsdf(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf;
 
     /// Whether [`Appearance::bsdf`] chooses among parts.
     fn is_mixture(&self) -> bool {
@@ -118,13 +159,7 @@ pub trait Appearance {
     /// whatever `at.u` is.
     ///
     /// * `cos`: of the angle between light and normal
-    fn passage(
-        &self,
-        _materials: &Materials,
-        _textures: &Textures,
-        _at: &ShadingPoint<'_>,
-        _cos: f32,
-    ) -> Spectrum {
+    fn passage(&self, _appearances: Appearances<'_>, _at: &ShadingPoint<'_>, _cos: f32) -> Spectrum {
         Spectrum::BLACK
     }
 
@@ -134,12 +169,7 @@ pub trait Appearance {
     }
 
     /// How the frame of [`Appearance::bsdf`] is to be turned.
-    fn orientation(
-        &self,
-        _materials: &Materials,
-        _textures: &Textures,
-        _at: &ShadingPoint<'_>,
-    ) -> Orientation {
+    fn orientation(&self, _appearances: Appearances<'_>, _at: &ShadingPoint<'_>) -> Orientation {
         Orientation::default()
     }
 
@@ -149,12 +179,7 @@ pub trait Appearance {
     }
 
     /// What is behind the surface, for materials that refract.
-    fn interior(
-        &self,
-        _materials: &Materials,
-        _textures: &Textures,
-        _at: &ShadingPoint<'_>,
-    ) -> Option<Interior> {
+    fn interior(&self, _appearances: Appearances<'_>, _at: &ShadingPoint<'_>) -> Option<Interior> {
         None
     }
 }
@@ -177,7 +202,7 @@ family! {
     }
     methods {
         /// See [`Appearance::phong`].
-        fn phong(materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong;
+        fn phong(appearances: Appearances<'_>, at: &MaterialPoint) -> Phong;
         /// See [`Appearance::constant`].
         fn constant() -> Option<&Phong>;
         /// See [`Appearance::may_transmit`].
@@ -185,19 +210,19 @@ family! {
         /// See [`Appearance::needs_uv`].
         fn needs_uv(materials: &Materials) -> bool;
         /// See [`Appearance::bsdf`].
-        fn bsdf(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf;
+        fn bsdf(appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf;
         /// See [`Appearance::is_mixture`].
         fn is_mixture() -> bool;
         /// See [`Appearance::passage`].
-        fn passage(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>, cos: f32) -> Spectrum;
+        fn passage(appearances: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum;
         /// See [`Appearance::has_passages`].
         fn has_passages(materials: &Materials) -> bool;
         /// See [`Appearance::orientation`].
-        fn orientation(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation;
+        fn orientation(appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation;
         /// See [`Appearance::is_oriented`].
         fn is_oriented(materials: &Materials) -> bool;
         /// See [`Appearance::interior`].
-        fn interior(materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Option<Interior>;
+        fn interior(appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior>;
     }
 }
 

@@ -15,9 +15,9 @@
 use kajo_color::Spectrum;
 use kajo_math::fmath;
 
-use super::{Appearance, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
+use super::{Appearance, Appearances, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
-use crate::texture::{Share, Textures};
+use crate::texture::Share;
 
 /// An opaque material that is not everywhere.
 #[derive(Clone, Debug)]
@@ -43,8 +43,8 @@ impl Perforated {
 }
 
 impl Appearance for Perforated {
-    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
-        let inner = materials.phong(self.material, materials, textures, at);
+    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
+        let inner = appearances.phong(self.material, at);
         let opacity = self.opacity(at);
         if opacity >= 1.0 {
             return inner;
@@ -59,15 +59,15 @@ impl Appearance for Perforated {
         true
     }
 
-    fn bsdf(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
         match self.between_holes(at) {
-            Some(at) => materials.bsdf(self.material, materials, textures, &at),
+            Some(at) => appearances.bsdf(self.material, &at),
             None => Bsdf::Null,
         }
     }
 
-    fn orientation(&self, materials: &Materials, textures: &Textures, at: &ShadingPoint<'_>) -> Orientation {
-        let inner = |at| materials.orientation(self.material, materials, textures, &at);
+    fn orientation(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
+        let inner = |at| appearances.orientation(self.material, &at);
         self.between_holes(at).map(inner).unwrap_or_default()
     }
 
@@ -83,15 +83,9 @@ impl Appearance for Perforated {
         self.opacity.varies() || materials.needs_uv(self.material, materials)
     }
 
-    fn passage(
-        &self,
-        materials: &Materials,
-        textures: &Textures,
-        at: &ShadingPoint<'_>,
-        cos: f32,
-    ) -> Spectrum {
+    fn passage(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
         let opacity = self.opacity(&at.place);
-        let between = materials.passage(self.material, materials, textures, at, cos);
+        let between = appearances.passage(self.material, at, cos);
         Spectrum::WHITE * (1.0 - opacity) + between * opacity
     }
 

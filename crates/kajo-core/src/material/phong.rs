@@ -9,9 +9,9 @@
 
 use kajo_color::{Reflectance, Spectrum, Wavelengths};
 
-use super::{Appearance, Interior, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, Appearances, Interior, MaterialPoint, Materials, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, Phong, PhongLobes};
-use crate::texture::{PictureMap, Textures, picture_reflectance};
+use crate::texture::{PictureMap, picture_reflectance};
 
 /// A Phong material.
 #[derive(Clone, Debug)]
@@ -84,7 +84,7 @@ impl From<Phong> for PhongMaterial {
 
 impl Appearance for PhongMaterial {
     #[inline]
-    fn phong(&self, _materials: &Materials, _textures: &Textures, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
         if !self.varies_at(at) {
             return self.phong;
         }
@@ -107,7 +107,7 @@ impl Appearance for PhongMaterial {
     }
 
     #[inline]
-    fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
         if self.varies_at(&at.place) {
             return self.painted(at);
         }
@@ -123,7 +123,7 @@ impl Appearance for PhongMaterial {
         Bsdf::Phong(lobes.within(at.eta_outside))
     }
 
-    fn interior(&self, _: &Materials, _: &Textures, _: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, _: Appearances<'_>, _: &ShadingPoint<'_>) -> Option<Interior> {
         let absorption = Spectrum::BLACK;
         let interior = Interior { eta: self.phong.eta, is_dispersive: false, absorption, priority: 0 };
         (!self.phong.transparent.is_black()).then_some(interior)

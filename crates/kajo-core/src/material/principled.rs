@@ -11,11 +11,11 @@ use kajo_color::{Dispersion, Reflectance, Spectrum, Unbounded, Wavelengths};
 use kajo_math::{Vec2, Vec3, fmath};
 
 use super::{
-    Appearance, Grain, Interior, MaterialPoint, Materials, Orientation, PhongMaterial, ShadingPoint,
-    may_be_polished,
+    Appearance, Appearances, Grain, Interior, MaterialPoint, Materials, Orientation, PhongMaterial,
+    ShadingPoint, may_be_polished,
 };
 use crate::bsdf::{self, Base, Bsdf, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape};
-use crate::texture::{Paint, Share, SurfaceUv, Textures};
+use crate::texture::{Paint, Share, SurfaceUv};
 
 /// The least light that a pane lets through, black ones too.
 const LEAST_PASSED: f32 = 1e-30;
@@ -227,9 +227,9 @@ fn squared(roughness: &Share, uv: SurfaceUv) -> f32 {
 }
 
 impl Appearance for LayeredMaterial {
-    fn phong(&self, materials: &Materials, textures: &Textures, at: &MaterialPoint) -> Phong {
+    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
         if let Some(look) = &self.look {
-            return look.phong(materials, textures, at);
+            return look.phong(appearances, at);
         }
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.layers.classic(at))
     }
@@ -242,7 +242,7 @@ impl Appearance for LayeredMaterial {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Orientation {
+    fn orientation(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
         self.layers.grain.orientation(at.place.uv)
     }
 
@@ -258,7 +258,7 @@ impl Appearance for LayeredMaterial {
         self.layers.transmit()
     }
 
-    fn bsdf(&self, _materials: &Materials, _textures: &Textures, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
         let layers = &self.layers;
         let (uv, wavelengths) = (at.place.uv, at.wavelengths);
         let metal = layers.metalness.at(uv);
@@ -294,7 +294,7 @@ impl Appearance for LayeredMaterial {
         })
     }
 
-    fn passage(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+    fn passage(&self, _: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
         let (layers, uv) = (&self.layers, at.place.uv);
         let glass = (1.0 - layers.metalness.at(uv)) * layers.transmission.at(uv);
         if !layers.thin || glass == 0.0 {
@@ -307,7 +307,7 @@ impl Appearance for LayeredMaterial {
         self.layers.thin && self.layers.transmit() && may_be_polished(&self.layers.roughness)
     }
 
-    fn interior(&self, _: &Materials, _: &Textures, at: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior> {
         let Layers { priority, thin, ref dispersion, .. } = self.layers;
         (self.layers.transmit() && !thin).then(|| Interior {
             eta: self.layers.glass_eta(at.wavelengths),

@@ -49,8 +49,8 @@ fn a_tint_is_a_factor_of_the_base_colour() {
             assert!((a - b).abs().max_element() <= 1e-5 * (1.0 + b.abs().max_element()), "{name}: {a} {b}");
         };
         let [a, b] = [
-            plain.phong(id, &plain, &textures, &tinted),
-            other.phong(own, &other, &textures, &MaterialPoint::default()),
+            Appearances { materials: &plain, textures: &textures }.phong(id, &tinted),
+            Appearances { materials: &other, textures: &textures }.phong(own, &MaterialPoint::default()),
         ];
         near(a.diffuse, b.diffuse);
         near(a.ambient, b.ambient);
@@ -58,11 +58,20 @@ fn a_tint_is_a_factor_of_the_base_colour() {
         near(a.reflective, b.reflective);
         for u in [0.1, 0.6] {
             let at = |place| ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-            let a = plain.bsdf(id, &plain, &textures, &at(tinted)).eval(wo, wi, Transport::Radiance);
-            let b = other.bsdf(own, &other, &textures, &at(MaterialPoint::default()));
+            let a = Appearances { materials: &plain, textures: &textures }.bsdf(id, &at(tinted)).eval(
+                wo,
+                wi,
+                Transport::Radiance,
+            );
+            let b = Appearances { materials: &other, textures: &textures }
+                .bsdf(own, &at(MaterialPoint::default()));
             near(a, b.eval(wo, wi, Transport::Radiance));
         }
         let untinted = MaterialPoint { uv: Vec2::ONE.into(), ..MaterialPoint::default() };
-        assert_eq!(plain.constant(id), Some(&plain.phong(id, &plain, &textures, &untinted)), "{name}");
+        assert_eq!(
+            plain.constant(id),
+            Some(&Appearances { materials: &plain, textures: &textures }.phong(id, &untinted)),
+            "{name}"
+        );
     }
 }

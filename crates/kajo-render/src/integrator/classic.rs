@@ -222,12 +222,11 @@ impl<'a> Classic<'a> {
             *light += arriving;
             return (None, None);
         };
-        let Scene { materials, textures, .. } = self.scene;
         let mixed;
         let phong = match self.scene.constant(at.material) {
             Some(phong) => phong,
             None => {
-                mixed = materials.phong(at.material, materials, textures, &self.scene.material_point(at));
+                mixed = self.scene.appearances().phong(at.material, &self.scene.material_point(at));
                 &mixed
             }
         };
@@ -378,8 +377,7 @@ impl<'a> Classic<'a> {
 
     /// What a surface does with white light in all: scatter, mirror and let through.
     fn albedo(&self, at: &Interaction) -> [f32; 3] {
-        let Scene { materials, textures, .. } = self.scene;
-        let phong = materials.phong(at.material, materials, textures, &self.scene.material_point(at));
+        let phong = self.scene.appearances().phong(at.material, &self.scene.material_point(at));
         (phong.diffuse + phong.reflective + phong.transparent).to_rgb().map(|v| v.min(1.0))
     }
 

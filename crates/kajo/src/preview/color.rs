@@ -14,7 +14,7 @@ pub(super) fn of(scene: &Scene, material: MaterialId, p: Vec3) -> [u8; 4] {
         Some(phong) => *phong,
         None => {
             let place = MaterialPoint { p, uv: Vec2::splat(0.5).into(), tint: None };
-            scene.materials.phong(material, &scene.materials, &scene.textures, &place)
+            scene.appearances().phong(material, &place)
         }
     };
     let rgb = (phong.diffuse + (phong.reflective + phong.transparent + phong.specular * 0.5) * 0.4).to_rgb();
