@@ -37,6 +37,12 @@ pub(super) const MEMBERS: [&ObjectMember; 13] = [
     &blocks::group::TRANSFORM,
     &blocks::group::INSTANCE,
 ];
+/// The word that describes objects which are placed elsewhere.
+const DEFINE: &str = blocks::group::DEFINE.keyword;
+
+/// The word that chooses the material of what follows.
+pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
+
 /// Words for objects, groups and transforms included.
 pub(super) const OBJECTS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
 const LATER: [&str; 11] = [
@@ -137,7 +143,7 @@ impl Compiler<'_> {
                 "numObjects" => count = Some(item),
                 word => {
                     // A misspelt object was meant to be one.
-                    let is_object = OBJECTS.contains(&word) || (item.has_block() && word != "Define");
+                    let is_object = OBJECTS.contains(&word) || (item.has_block() && word != DEFINE);
                     objects += usize::from(is_object);
                     self.object(item, group.keyword(), place, walk);
                 }
@@ -148,8 +154,8 @@ impl Compiler<'_> {
 
     fn object(&mut self, item: Item<'_>, parent: &str, place: &mut Place, walk: &mut Walk) {
         match item.keyword() {
-            "Define" => self.define(item, walk),
-            "MaterialIndex" => {
+            DEFINE => self.define(item, walk),
+            MATERIAL_INDEX => {
                 let reference = Args::read(item, self.diagnostics, Reference::read);
                 let material = reference.and_then(|reference| self.material(&reference));
                 walk.material_failed |= material.is_none();
@@ -160,7 +166,7 @@ impl Compiler<'_> {
             }
             word if LATER.contains(&word) => self.diagnostics.push(not_supported_yet(item)),
             _ => {
-                let allowed = OBJECTS.into_iter().chain(["Define", "MaterialIndex", "numObjects"]);
+                let allowed = OBJECTS.into_iter().chain([DEFINE, MATERIAL_INDEX, "numObjects"]);
                 let error = misplaced(item, Some("Group"));
                 let error = error.unwrap_or_else(|| unknown_word(item, Some(parent), allowed));
                 self.diagnostics.push(error);

@@ -2,10 +2,10 @@
 
 use kajo_scene::{Diagnostic, Item};
 
-use super::{camera, group, lights, materials};
-
-/// Blocks that stand outside of all others, besides cameras.
-const OUTERMOST: [&str; 5] = ["Background", "Fog", "Lights", "Materials", "Settings"];
+use super::blocks::{self, block_of};
+use super::group::MATERIAL_INDEX;
+use super::{lights, materials};
+use crate::schema::Kind;
 
 /// The error for a word of the language that belongs elsewhere; `None` where it does not, or not by its word alone.
 ///
@@ -25,18 +25,21 @@ pub(super) fn misplaced(item: Item<'_>, place: Option<&str>) -> Option<Diagnosti
     Some(error.label(item.keyword_span(), "not here").help(help))
 }
 
-/// The kind of block that a word belongs in, `Some(None)` for what stands outside of all; `None` for unknown words.
+/// The kind of block that a word belongs in, `Some(None)` for what stands outside of all; `None` for unknown words, and for
+/// parts of blocks of a kind.
 fn home(word: &str) -> Option<Option<&'static str>> {
-    if OUTERMOST.contains(&word) || camera::KEYWORDS.contains(&word) {
-        Some(None)
-    } else if lights::KEYWORDS.contains(&word) {
-        Some(Some("Lights"))
-    } else if materials::KEYWORDS.contains(&word) {
-        Some(Some("Materials"))
-    } else if group::OBJECTS.contains(&word) || ["Define", "MaterialIndex"].contains(&word) {
-        Some(Some("Group"))
-    } else {
-        None
+    const GROUP: &str = blocks::group::GROUP.block.keyword;
+    if word == MATERIAL_INDEX {
+        return Some(Some(GROUP));
+    }
+    match block_of(word)?.kind {
+        Kind::Camera | Kind::Settings | Kind::Background | Kind::Fog | Kind::Lights | Kind::Materials => {
+            Some(None)
+        }
+        Kind::Light => Some(Some(lights::LIST.keyword)),
+        Kind::Material => Some(Some(materials::LIST.keyword)),
+        Kind::Group | Kind::Define | Kind::Transform | Kind::Instance | Kind::Shape => Some(Some(GROUP)),
+        Kind::Part => None,
     }
 }
 
