@@ -25,6 +25,7 @@ Usage: cargo xtask <TASK>
   instructions     counts what rays take in instructions, where valgrind is installed; with --bless keeps the figures
   mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
   gallery [OUT]    renders both galleries to OUT (out/)
+  tables           writes the tables of fields into the pages of the manual
   samplers         draws the pictures of the manual's page on sample patterns";
 
 fn main() -> ExitCode {
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         ["instructions"] => instructions::check(&root, &mut report, false),
         ["instructions", "--bless"] => instructions::check(&root, &mut report, true),
         ["mutants"] => mutants::check(&root, &mut report),
+        ["tables"] => tables(&root, &mut report),
         ["samplers"] => samplers(&root, &mut report),
         ["gallery"] => gallery(&root, &mut report, Path::new("out")),
         ["gallery", out] => gallery(&root, &mut report, Path::new(out)),
@@ -128,6 +130,11 @@ fn fuzz(root: &Path, report: &mut Report, seconds: u64) {
         }
         Err(problem) => report.add("fuzzing", Err(vec![problem])),
     }
+}
+
+fn tables(root: &Path, report: &mut Report) {
+    let tests = Cargo::new(root, "test --quiet --package kajo --lib language");
+    report.run("tables of the manual", tests.env("KAJO_WRITE_TABLES", "1"));
 }
 
 fn samplers(root: &Path, report: &mut Report) {
