@@ -2,6 +2,7 @@
 
 mod app;
 mod chooser;
+mod completion;
 mod help;
 mod keys;
 mod menu;

@@ -623,6 +623,46 @@ fn what_is_typed_changes_those_bytes_and_is_one_step_a_line() {
 }
 
 #[test]
+fn keys_of_a_block_are_completed_at_the_caret() {
+    let mut window = Window::new();
+    let is_offered = |window: &Window, word: &str| window.harness.query_by_label(word).is_some();
+    type_after(&mut window, "Plane floor { normal 0 1 0");
+    // While a key is typed.
+    window.write(" o");
+    assert!(!is_offered(&window, "offset"), "it is there already");
+    window.key(Key::Backspace);
+    window.key(Key::Backspace);
+    assert_eq!(window.text(), SCENE);
+    type_after(&mut window, "diffuseColor 0.1 0.8 0.2");
+    window.write(" tr");
+    assert!(is_offered(&window, "transparentColor") && !is_offered(&window, "exponent"));
+    window.key(Key::Enter);
+    assert!(window.text().contains("0.1 0.8 0.2 transparentColor }"), "{}", window.text());
+    assert!(!is_offered(&window, "transparentColor"), "it is closed");
+    window.write("0 0 0 ");
+    // For the asking, and by arrows.
+    window.key_with(Modifiers::CTRL, Key::Space);
+    assert!(is_offered(&window, "texture") && is_offered(&window, "specularColor"));
+    assert!(!is_offered(&window, "diffuseColor"));
+    window.key(Key::ArrowDown);
+    window.key(Key::Tab);
+    assert!(window.text().contains("transparentColor 0 0 0 specularColor }"), "{}", window.text());
+    // With the mouse.
+    window.write("0 0 0 sh");
+    window.frames(20);
+    window.press("shininess");
+    assert!(window.text().contains("specularColor 0 0 0 shininess }"), "{}", window.text());
+    window.write("9");
+    assert!(window.text().contains("shininess 9}"), "one types on: {}", window.text());
+    assert_eq!(window.studio().n_errors(), 0);
+    // What moves the caret elsewhere closes the list.
+    window.write(" em");
+    assert!(is_offered(&window, "emission"));
+    window.key(Key::Home);
+    assert!(!is_offered(&window, "emission"));
+}
+
+#[test]
 fn keys_in_the_text_are_letters_and_blocks_remain_what_they_are() {
     let mut window = Window::new();
     window.select("crate");

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Context, RichText, ScrollArea, Ui, Window, vec2};
 
-use super::keys::{CLIPBOARD, MOVES, shortcuts};
+use super::keys::{CLIPBOARD, COMPLETION, MOVES, shortcuts};
 use super::theme;
 
 /// Points that the two columns take side by side.
@@ -46,7 +46,7 @@ fn keys(ui: &mut Ui) {
         let keys = egui::KeyboardShortcut::new(shortcut.modifiers, shortcut.key);
         (ui.ctx().format_shortcut(&keys), shortcut.about)
     });
-    let clipboard = std::iter::once((CLIPBOARD.0.to_owned(), CLIPBOARD.1));
+    let clipboard = [CLIPBOARD, COMPLETION].into_iter().map(|(keys, about)| (keys.to_owned(), about));
     let words: Vec<_> = words.chain(clipboard).collect();
     list(ui, "keys", words.into_iter());
 }

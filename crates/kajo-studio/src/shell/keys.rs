@@ -69,6 +69,9 @@ pub const MOVES: [(&str, &str); 10] = [
 /// The keys of the clipboard, in words; systems tell of them in their own way.
 pub const CLIPBOARD: (&str, &str) = ("Ctrl+C, X, V", "Copy, cut, paste blocks of the scene");
 
+/// The key of the text that lists what may be typed, in words; see [`super::completion`].
+pub const COMPLETION: (&str, &str) = ("Ctrl+Space", "In the text, list what may be typed");
+
 /// All keys but those that are held to fly.
 pub fn shortcuts() -> Vec<Shortcut> {
     use Command::Do;

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use egui::text::{CCursor, LayoutJob, TextFormat};
+use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
+use egui::text_edit::TextEditState;
 use egui::{
-    Align2, Color32, FontId, Galley, Id, Margin, Pos2, Rect, ScrollArea, Stroke, TextBuffer, TextEdit, Ui,
-    vec2,
+    Align2, Color32, FontId, Galley, Id, Key, Margin, Modifiers, Pos2, Rect, ScrollArea, Stroke, TextBuffer,
+    TextEdit, Ui, vec2,
 };
 use kajo::edit::{Document, FileId, NodeId, SceneFile};
 use kajo::{TokenKind, tokens};
 
+use super::completion::{Chosen, CompletionList};
 use super::{problems_panel, theme};
 use crate::state::{Action, Problem, Selection, line_ends};
 
@@ -27,6 +29,7 @@ pub struct TextEditor {
     /// The node whose lines were brought into view.
     visited: Option<NodeId>,
     caret: Option<usize>,
+    completions: CompletionList,
     colored: Option<(String, bool, LayoutJob)>,
 }
 
@@ -47,6 +50,13 @@ impl TextEditor {
         actions: &mut Vec<Action>,
     ) {
         self.take_over(id, file);
+        let has_focus = ui.memory(|memory| memory.has_focus(self::id()));
+        let chosen = if has_focus { self.completions.take_keys(ui) } else { None };
+        let is_asked = has_focus && ui.input_mut(|input| input.consume_key(Modifiers::CTRL, Key::Space));
+        let mut is_completed = chosen.is_some();
+        if let Some(chosen) = chosen {
+            self.complete(ui, &chosen);
+        }
         let mut colored = self.colored.take();
         let mut layouter = |ui: &Ui, text: &dyn TextBuffer, _: f32| galley(ui, text.as_str(), &mut colored);
         ScrollArea::both().id_salt(id).auto_shrink(false).show(ui, |ui| {
@@ -68,7 +78,18 @@ impl TextEditor {
             }
             self.visit(ui, &rows, document, (id, file), selection);
             let caret = editor.cursor_range.map(|range| range.primary.index.0);
-            let changed = editor.response.changed();
+            let is_typed = editor.response.changed();
+            let at = caret.filter(|_| editor.response.has_focus()).map(|caret| byte_of(&self.shown, caret));
+            self.completions.follow(ui, &self.shown, at, is_typed && !is_completed, is_asked);
+            let below = caret.filter(|_| at.is_some()).map(|caret| {
+                let cursor = editor.galley.pos_from_cursor(CCursor::new(caret));
+                editor.galley_pos + cursor.left_bottom().to_vec2()
+            });
+            if let Some(chosen) = self.completions.show(ui, below) {
+                self.complete(ui, &chosen);
+                is_completed = true;
+            }
+            let changed = is_typed || is_completed;
             if changed {
                 let text = line_ends::edited(&file.text, &self.shown);
                 let lines = |text: &str| text.matches('\n').count();
@@ -86,6 +107,21 @@ impl TextEditor {
             }
         });
         self.colored = colored;
+    }
+
+    /// Puts a word that was chosen into the text, and the caret behind it.
+    fn complete(&mut self, ui: &Ui, chosen: &Chosen) {
+        let Chosen { range, word } = chosen;
+        if self.shown.get(range.clone()).is_none() {
+            return;
+        }
+        let gap = if self.shown[range.end..].starts_with(char::is_whitespace) { "" } else { " " };
+        self.shown.replace_range(range.clone(), &format!("{word}{gap}"));
+        let caret = self.shown[..range.start].chars().count() + word.chars().count() + 1;
+        let mut state = TextEditState::load(ui.ctx(), id()).unwrap_or_default();
+        state.cursor.set_char_range(Some(CCursorRange::one(CCursor::new(caret))));
+        state.store(ui.ctx(), id());
+        ui.memory_mut(|memory| memory.request_focus(id()));
     }
 
     /// Shows what the file says, if that has changed.
@@ -130,8 +166,7 @@ impl TextEditor {
         actions: &mut Vec<Action>,
     ) {
         let Some(caret) = self.caret else { return };
-        let at = self.shown.char_indices().nth(caret).map_or(self.shown.len(), |(at, _)| at);
-        let at = line_ends::in_file(&file.text, at);
+        let at = line_ends::in_file(&file.text, byte_of(&self.shown, caret));
         let Some(node) = document.outline().at_byte(id, at).map(|node| node.id) else { return };
         if selection.main() != Some(node) {
             // It is in view where it was clicked.
@@ -139,6 +174,11 @@ impl TextEditor {
             actions.push(Action::Select(vec![node]));
         }
     }
+}
+
+/// The byte of a letter, counted from 0.
+fn byte_of(text: &str, letter: usize) -> usize {
+    text.char_indices().nth(letter).map_or(text.len(), |(at, _)| at)
 }
 
 /// The lines of a laid out text; none of them is wrapped.

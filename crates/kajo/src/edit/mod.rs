@@ -31,6 +31,7 @@
 
 mod command;
 mod compilation;
+mod completion;
 mod difference;
 mod displace;
 mod document;
@@ -53,6 +54,7 @@ mod unsaved;
 
 pub use command::{Applied, Edit, EditRefused};
 pub use compilation::{Compilation, Compiled};
+pub use completion::{Completion, Suggestion, completion};
 pub use difference::{Hunk, hunks};
 pub use document::{Document, DocumentError};
 pub use fields::Field;
