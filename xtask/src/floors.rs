@@ -46,7 +46,7 @@ const KEPT: [(&str, &str); 10] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 28] = [
+const CORE_MODULES: [(&str, &[&str]); 29] = [
     ("ids", &[]),
     ("family", &[]),
     ("interaction", &[]),
@@ -107,8 +107,9 @@ const CORE_MODULES: [(&str, &[&str]); 28] = [
         ],
     ),
     ("schema", &["scene", "settings"]),
-    ("lighting", &["ids", "interaction", "bsdf", "glow", "light", "material", "scene"]),
+    ("lighting", &["ids", "interaction", "bsdf", "glow", "light", "material", "sampler", "scene"]),
     ("shading", &["interaction", "material", "scene"]),
+    ("space", &["scene"]),
     // Tests only: what holds for all families.
     (
         "laws",

@@ -77,8 +77,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "shadows are forgotten",
         STEPS,
-        "scene.visibility(segment, wavelengths, eta)",
-        "scene.visibility(segment, wavelengths, eta) * 0.0 + Spectrum::WHITE",
+        "scene.transmittance(segment, eta, wavelengths, draws)",
+        "scene.transmittance(segment, eta, wavelengths, draws) * 0.0 + Spectrum::WHITE",
     ),
     mutant(
         "lights stay where they were when the shutter opened",

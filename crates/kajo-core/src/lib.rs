@@ -31,6 +31,7 @@ pub mod settings;
 pub mod shading;
 pub mod shape;
 mod sky_disc;
+pub mod space;
 pub mod texture;
 
 pub use family::Pooled;

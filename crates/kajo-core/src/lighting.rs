@@ -12,6 +12,7 @@ use crate::light::{
     LightLeSample, LightLiSample, LightPoint, PowerLightSampler, Receiver,
 };
 use crate::material::{Interior, MaterialPoint, ShadingPoint};
+use crate::sampler::Draws;
 use crate::scene::{Interaction, Scene, rarely};
 
 impl Scene {
@@ -31,24 +32,34 @@ impl Scene {
         self.materials.is_mixture(at.material)
     }
 
-    /// The share of light that comes straight along a ray: less than 1 through holes and panes, and 0 behind anything
-    /// else.
+    /// The share of light that comes straight along a segment between two points in one medium: less than 1 through
+    /// holes and panes, and 0 behind anything else. What the medium itself absorbs is left out.
     ///
-    /// * `eta_outside`: index of refraction of the medium that the ray runs in
+    /// An estimate that may be random: what can only be known by chance takes numbers from `_draws`. Holes and panes are
+    /// known.
+    ///
+    /// * `eta`: index of refraction of the medium
     #[inline]
-    pub fn visibility(&self, ray: &Ray, wavelengths: &Wavelengths, eta_outside: f32) -> Spectrum {
+    pub fn transmittance(
+        &self,
+        segment: &Ray,
+        eta: f32,
+        wavelengths: &Wavelengths,
+        _draws: &mut Draws<'_>,
+    ) -> Spectrum {
         if !self.has_passages {
-            return if self.occluded(ray) { Spectrum::BLACK } else { Spectrum::WHITE };
+            return if self.occluded(segment) { Spectrum::BLACK } else { Spectrum::WHITE };
         }
-        let mut visible = Spectrum::WHITE;
-        let blocked = self.occluded_or(None, ray, |object, hit| {
-            let at = self.interaction(ray, object, hit);
-            let point = ShadingPoint { place: self.material_point(&at), wavelengths, eta_outside, u: 0.0 };
-            let cos = at.crossing_cosine(ray.d);
-            visible *= self.appearances().passage(at.material, &point, cos);
-            visible.is_black()
+        let mut passed = Spectrum::WHITE;
+        let blocked = self.occluded_or(None, segment, |object, hit| {
+            let at = self.interaction(segment, object, hit);
+            let place = self.material_point(&at);
+            let point = ShadingPoint { place, wavelengths, eta_outside: eta, u: 0.0 };
+            let cos = at.crossing_cosine(segment.d);
+            passed *= self.appearances().passage(at.material, &point, cos);
+            passed.is_black()
         });
-        if blocked { Spectrum::BLACK } else { visible }
+        if blocked { Spectrum::BLACK } else { passed }
     }
 
     /// What is behind a surface that lets light through.
@@ -235,5 +246,15 @@ impl SurfacePoint {
             LightPoint::Position(p) => Ray { o, t_min: 0.0, d: p - o, t_max: 1.0, time },
             LightPoint::Infinite { .. } => Ray { o, t_min: 0.0, d: wi, t_max: f32::INFINITY, time },
         }
+    }
+}
+
+#[cfg(test)]
+impl Scene {
+    /// [`Scene::transmittance`] in air, in red, green and blue.
+    pub(crate) fn transmittance_in_air(&self, segment: &Ray) -> Spectrum {
+        use crate::sampler::{Sampler, SamplerKind};
+        let sampler = Sampler::new(SamplerKind::Uniform, 1);
+        self.transmittance(segment, 1.0, &Wavelengths::RGB, &mut Draws::new(&sampler, 0, [0, 0], 0))
     }
 }

@@ -205,7 +205,7 @@ fn models_glow_and_have_holes() {
         (",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.1", [0.0, 0.0]),
     ] {
         let scene = model(&format!("{veil}{cover}"));
-        let found = [-0.5, 0.5].map(|x| scene.visibility(&ray(x, 0.0, 5.0), &Wavelengths::RGB, 1.0)[0]);
+        let found = [-0.5, 0.5].map(|x| scene.transmittance_in_air(&ray(x, 0.0, 5.0))[0]);
         assert!(std::iter::zip(found, expected).all(|(a, b)| (a - b).abs() < 1e-3), "{cover}: {found:?}");
     }
 }
@@ -218,11 +218,7 @@ fn models_are_of_glass_and_coat() {
         let scene = model(&format!("\"roughnessFactor\":0.5}},\"extensions\":{{{words}}}"));
         let Event::Surface(at) = scene.trace(&down) else { panic!("the triangle is met: {words}") };
         let interior = scene.interior(&at, &Wavelengths::RGB, u);
-        (
-            scene.bsdf(&at, &Wavelengths::RGB, 1.0, u),
-            interior,
-            scene.visibility(&down, &Wavelengths::RGB, 1.0)[0],
-        )
+        (scene.bsdf(&at, &Wavelengths::RGB, 1.0, u), interior, scene.transmittance_in_air(&down)[0])
     };
     let layers = |words: &str| match look(words, 0.5) {
         (Bsdf::Principled(layers), None, 0.0) => layers,

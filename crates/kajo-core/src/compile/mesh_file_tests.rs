@@ -223,8 +223,7 @@ fn colours_of_vertices_tint_the_material_where_they_are_asked_for() {
     for things in [mesh.to_owned(), format!("Define m {{ {mesh} }} Instance m {{ }}")] {
         let (scene, said) = compiled(&things, MemoryAssets::new().with("m.ply", &clear));
         let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
-        let seen =
-            scene.visibility(&Ray::new(Vec3::new(0.0, -0.5, 5.0), Vec3::NEG_Z), &Wavelengths::RGB, 1.0);
+        let seen = scene.transmittance_in_air(&Ray::new(Vec3::new(0.0, -0.5, 5.0), Vec3::NEG_Z));
         assert!((seen.to_rgb()[0] - 0.8).abs() < 1e-5, "{things}: {seen:?}");
         assert_eq!(scene.material_number(at(&scene, 0.0, -0.5).material), 1, "{things}");
     }

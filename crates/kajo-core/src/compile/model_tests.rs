@@ -187,7 +187,7 @@ fn opacities_at_vertices_are_factors_where_the_material_asks() {
     let visible = |material: &str, x: f32, y: f32| {
         let scene = scene("Model { file a.gltf }", &triangle(r#","COLOR_0":4"#, material));
         let ray = Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z);
-        scene.visibility(&ray, &Wavelengths::RGB, 1.0).to_rgb()[1]
+        scene.transmittance_in_air(&ray).to_rgb()[1]
     };
     // Opacities of 1, 0.5 and 0 at the corners.
     let opacity = |x: f32, y: f32| 1.0 - 0.125 * (x + 1.0) - 0.25 * (y + 1.0);

@@ -601,8 +601,7 @@ mod tests {
         let veil = "Matte { opacity colors.png { channel alpha filter nearest } }";
         for (x, y, visible) in [(-0.5, 0.5, 0.0), (0.5, 0.5, 1.0), (0.5, -0.5, 1.0 - 128.0 / 255.0)] {
             let (scene, _) = met(veil, SQUARE, x, y);
-            let through =
-                scene.visibility(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z), &Wavelengths::RGB, 1.0)[0];
+            let through = scene.transmittance_in_air(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z))[0];
             assert!((through - visible).abs() < 1e-3, "{x} {y}: {through}");
         }
     }
@@ -681,9 +680,7 @@ mod tests {
     fn holes_come_from_alpha_from_red_and_from_cuts() {
         let through = |(scene, said): (Option<Scene>, Vec<String>)| {
             let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
-            let visible = |x, y| {
-                scene.visibility(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z), &Wavelengths::RGB, 1.0)[0]
-            };
+            let visible = |x, y| scene.transmittance_in_air(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z))[0];
             [visible(-0.5, 0.5), visible(0.5, 0.5), visible(-0.5, -0.5), visible(0.5, -0.5)]
         };
         let of_scene = |opacity: &str| through(compiled(&format!("Matte {{ opacity {opacity} }}"), SQUARE));

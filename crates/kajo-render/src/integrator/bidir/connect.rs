@@ -15,8 +15,9 @@
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
 use kajo_core::light::{EmissionPdf, LightLiSample, LightPoint, Receiver};
+use kajo_core::sampler::Draws;
 use kajo_core::scene::Interaction;
-use kajo_math::{Ray, Vec2, Vec3};
+use kajo_math::{Ray, Vec3};
 
 use super::partial_mis::{PartialMis, mis_weight, square};
 use super::subpath::Subpath;
@@ -110,7 +111,7 @@ impl Bidirectional<'_> {
             carried: z.beta * scattered,
             light: Some(light),
         };
-        let visible = connect(scene, &segment, &path.wavelengths, z.eta(wi), observer);
+        let visible = connect(scene, &segment, z.eta(wi), (&path.wavelengths, &mut path.draws), observer);
         if visible.is_black() {
             self.tell(observer, &join, &path.wavelengths, None);
             return None;
@@ -141,6 +142,7 @@ impl Bidirectional<'_> {
         [y, z]: [&Vertex; 2],
         way: [u32; 2],
         (wavelengths, time): (&Wavelengths, f32),
+        draws: &mut Draws<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
         let distance2 = y.at.p.distance_squared(z.at.p);
@@ -156,7 +158,7 @@ impl Bidirectional<'_> {
         let segment = z.at.ray_to(&LightPoint::on(&y.at), wi, time);
         let carried = z.beta * scattered;
         let join = Join { kind: RayKind::Connection, segment: &segment, carried, light: None };
-        let visible = connect(self.scene(), &segment, wavelengths, z.eta(wi), observer);
+        let visible = connect(self.scene(), &segment, z.eta(wi), (wavelengths, draws), observer);
         if visible.is_black() {
             self.tell(observer, &join, wavelengths, None);
             return None;
@@ -180,15 +182,16 @@ impl Bidirectional<'_> {
 
     /// `t = 1`: a vertex of the light's path that the camera sees.
     ///
-    /// * `lens`: uniform in [0, 1)²
+    /// Takes two numbers for the lens.
     pub(super) fn splat(
         &self,
         y: &Vertex,
         way: [u32; 2],
-        lens: Vec2,
         (wavelengths, time): (&Wavelengths, f32),
+        draws: &mut Draws<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
+        let lens = draws.pair_if(self.view.camera.has_lens());
         if y.bsdf.is_delta() {
             return None;
         }
@@ -206,7 +209,7 @@ impl Bidirectional<'_> {
         let carried = y.beta * scattered;
         let join = Join { kind: RayKind::Splat, segment: &segment, carried, light: None };
         self.tell(observer, &join, wavelengths, None);
-        let visible = connect(self.scene(), &segment, wavelengths, y.eta(to.wi), observer);
+        let visible = connect(self.scene(), &segment, y.eta(to.wi), (wavelengths, draws), observer);
         if visible.is_black() {
             return None;
         }

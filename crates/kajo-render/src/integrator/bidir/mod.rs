@@ -162,7 +162,7 @@ impl<'a> Bidirectional<'a> {
     /// Whether vertices of the light's path are joined with the camera. Light groups are recorded for each
     /// sample's own pixel, so there all light must come with the camera's ray.
     fn connects(&self) -> bool {
-        self.settings.only_from_lights || !self.view.wants_light_groups()
+        self.scene().space().connects() && (self.settings.only_from_lights || !self.view.wants_light_groups())
     }
 
     /// Most vertices of a path, light and lens included.
@@ -187,9 +187,8 @@ impl<'a> Bidirectional<'a> {
         let mut from_light = self.follow_light(observer, light_path, from_light, ray.time, &wavelengths);
         let seen = if self.connects() { &light_path[..] } else { &[] };
         for (s, y) in (2..).zip(seen) {
-            let lens = from_light.pair_if(self.view.camera.has_lens());
             observer.back_to_noted(s - 2);
-            if let Some(seen) = self.splat(y, [s, 1], lens, (&wavelengths, ray.time), observer) {
+            if let Some(seen) = self.splat(y, [s, 1], (&wavelengths, ray.time), &mut from_light, observer) {
                 found(seen, &wavelengths);
             }
         }
@@ -282,7 +281,7 @@ impl<'a> Bidirectional<'a> {
             if self.settings.only_from_lights {
                 break;
             }
-            if !bsdf.is_delta() {
+            if !bsdf.is_delta() && self.scene().space().connects() {
                 self.connect_vertex(&mut end, &z, light_path, observer, found);
             }
             if !end.path.scatter(&z, &end.surface, self.settings.roulette, observer) {
@@ -357,8 +356,9 @@ impl<'a> Bidirectional<'a> {
         if let Some(lit) = self.direct_light(&mut end.path.state, z, t, observer) {
             found(lit, wavelengths);
         }
+        let draws = &mut end.path.state.draws;
         for (s, y) in (2..=self.longest() - t).zip(light_path) {
-            if let Some(joined) = self.join([y, z], [s, t], (wavelengths, ray.time), observer) {
+            if let Some(joined) = self.join([y, z], [s, t], (wavelengths, ray.time), draws, observer) {
                 found(joined, wavelengths);
             }
         }

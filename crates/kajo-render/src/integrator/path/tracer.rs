@@ -12,8 +12,8 @@ use super::PathSettings;
 use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
-    DrawnLight, Event, Interface, LocalFrame, PathState, SurfaceInteraction, advance, connect, follow,
-    pass_straight, sample_light, shade, survives,
+    DrawnLight, Event, LocalFrame, PathState, SurfaceInteraction, advance, connect, follow, pass_straight,
+    sample_light, shade, survives,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -361,13 +361,13 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         if scattered.is_black() {
             return;
         }
-        let state = &*state;
         let segment = surface.at.point.ray_to(&li.at, li.wi, state.ray.time);
-        let across = |interface: &Interface| state.media.across(interface);
-        let beyond = surface.interface.as_ref().filter(|_| wi.z * local.wo.z < 0.0).map(across);
+        let crosses = wi.z * local.wo.z < 0.0;
+        let beyond = surface.interface.filter(|_| crosses).map(|interface| state.media.across(&interface));
         let media = beyond.as_ref().unwrap_or(&state.media);
         let carried = state.beta * scattered * media.transmittance(segment.length());
-        let visible = connect(scene, &segment, &state.wavelengths, media.eta(), self.observer);
+        let visible =
+            connect(scene, &segment, media.eta(), (&state.wavelengths, &mut state.draws), self.observer);
         let about = || About {
             eta: state.media.eta(),
             weight: sensor::to_rgb(carried, &state.wavelengths),

@@ -70,8 +70,10 @@ pub struct SurfaceInteraction {
     pub at: Interaction,
     /// Unit direction back along the path.
     pub wo: Vec3,
-    /// Length of the segment that ends here.
+    /// Length of the way from the last event.
     pub length: f32,
+    /// Frequency with which light that leaves here arrives at the last event, over that with which it leaves.
+    pub g: f32,
     /// Chooses among the parts of a mixture.
     pub u: f32,
     /// What lies on both sides, where light passes.

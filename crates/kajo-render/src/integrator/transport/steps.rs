@@ -3,6 +3,7 @@
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::light::{LightChoice, LightLiSample, Receiver, SampledLight};
+use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
@@ -36,8 +37,10 @@ pub enum Event {
 /// Follows the path's ray to the next surface, through the medium around its start:
 ///
 /// ```text
-/// beta <- beta T,     T = exp(-sigma_a length)
+/// beta <- beta T g^3,     T = exp(-sigma_a length)
 /// ```
+///
+/// Radiance over the third power of the frequency stays the same along a way; `g` is the ratio of frequencies at its ends.
 ///
 /// Takes the number that chooses among the parts of a mixture.
 #[inline]
@@ -61,16 +64,27 @@ pub fn extend(
     if !meets {
         return Event::Escaped(path.ray.d);
     }
-    let (wo, length) = (-path.ray.d, at.hit.t);
+    surface.wo = -path.ray.d;
+    surface.length = at.hit.t;
+    surface.g = scene.space().frequency_ratio();
+    surface.u = path.draws.number_if(scene.is_mixture(at));
+    let enters = surface.wo.dot(at.point.ng) > 0.0;
+    let interior = scene.interior(at, &path.wavelengths, surface.u);
+    surface.interface = interior.map(|interior| path.media.interface(at.object, &interior, enters));
+    attenuate(path, surface);
+    Event::Surface
+}
+
+/// Multiplies the throughput by what the way to a surface does to light.
+#[inline]
+fn attenuate(path: &mut PathState<'_>, surface: &SurfaceInteraction) {
+    let &SurfaceInteraction { length, g, .. } = surface;
     if !path.media.is_empty() {
         path.beta *= path.media.transmittance(length);
     }
-    let u = path.draws.number_if(scene.is_mixture(at));
-    let enters = wo.dot(at.point.ng) > 0.0;
-    let interior = scene.interior(at, &path.wavelengths, u);
-    surface.interface = interior.map(|interior| path.media.interface(at.object, &interior, enters));
-    (surface.wo, surface.length, surface.u) = (wo, length, u);
-    Event::Surface
+    if path.mode == Transport::Radiance {
+        path.beta *= g * g * g;
+    }
 }
 
 /// Follows the path to the next surface that is there: interfaces inside media of higher priority are passed as if they
@@ -137,7 +151,7 @@ pub fn pass_straight(
 }
 
 fn straight_on(path: &PathState<'_>, surface: &SurfaceInteraction) -> Ray {
-    surface.at.point.ray_towards(path.ray.d, f32::INFINITY, path.ray.time, RayOffset::Auto)
+    surface.at.point.ray_towards(-surface.wo, f32::INFINITY, path.ray.time, RayOffset::Auto)
 }
 
 /// Light drawn for a vertex.
@@ -169,19 +183,21 @@ pub fn sample_light(
 }
 
 /// The share of light that comes along a segment between two vertices, in one medium: less than 1 through holes and panes,
-/// and nothing where anything else is between.
+/// and nothing where anything else is between. What the medium absorbs is left out; see [`super::MediumStack::transmittance`].
 ///
 /// * `eta`: index of refraction of the medium
+///
+/// May take random numbers.
 #[inline]
 pub fn connect(
     scene: &Scene,
     segment: &Ray,
-    wavelengths: &Wavelengths,
     eta: f32,
+    (wavelengths, draws): (&Wavelengths, &mut Draws<'_>),
     observer: &mut impl PathObserver,
 ) -> Spectrum {
     observer.counters().shadow += 1;
-    scene.visibility(segment, wavelengths, eta)
+    scene.transmittance(segment, eta, wavelengths, draws)
 }
 
 /// Goes on along a direction that was sampled at a surface:

@@ -132,11 +132,13 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             let y = &path[i - 1];
             for j in 1..=views.len() {
                 let way = [i as u32 + 1, j as u32 + 1];
-                if let Some(found) = it.join([y, &views[j - 1]], way, (&wavelengths, 0.0), &mut rays) {
+                if let Some(found) =
+                    it.join([y, &views[j - 1]], way, (&wavelengths, 0.0), &mut again, &mut rays)
+                {
                     look(&whole(&path[..i], &views[..j]), i + 1, found.weight);
                 }
             }
-            if let Some(found) = it.splat(y, [i as u32 + 1, 1], Vec2::ZERO, (&wavelengths, 0.0), &mut rays) {
+            if let Some(found) = it.splat(y, [i as u32 + 1, 1], (&wavelengths, 0.0), &mut again, &mut rays) {
                 look(&whole(&path[..i], &[]), i + 1, found.weight);
             }
         }
