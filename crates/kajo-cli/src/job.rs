@@ -198,10 +198,18 @@ impl Job {
         let (result, interrupted) = interrupt.during(Work::Render, || {
             let progress = meter.watched(interrupt);
             let result = match &mut passes {
-                None => kajo::render(&scene, &settings, &outputs, &resources, &progress),
+                None => kajo::render(
+                    &kajo::RenderRequest::new(&scene, &settings, &outputs).with(resources),
+                    &progress,
+                ),
                 Some((passes, watcher)) => {
                     let look = &mut |snapshot: Snapshot<'_>| watcher.look(snapshot);
-                    kajo::render_passes(&scene, &settings, &outputs, &resources, passes, &progress, look)
+                    kajo::render_passes(
+                        &kajo::RenderRequest::new(&scene, &settings, &outputs).with(resources),
+                        passes,
+                        &progress,
+                        look,
+                    )
                 }
             };
             meter.finish();
@@ -501,12 +509,20 @@ mod tests {
             let outputs = [(View::Color, Format::Png)];
             let resources = Resources { threads: 1, tile: 32, memory: None };
             let result = match targets.checkpoint {
-                None => kajo::render(scene, &settings, &outputs, &resources, &Failing::default()),
+                None => kajo::render(
+                    &kajo::RenderRequest::new(scene, &settings, &outputs).with(resources),
+                    &Failing::default(),
+                ),
                 Some(_) => {
                     let (passes, mut watcher) = job.prepare_passes(&loaded, &targets, &interrupt).unwrap();
                     let look = &mut |snapshot: Snapshot<'_>| watcher.look(snapshot);
                     let failing = Failing::default();
-                    kajo::render_passes(scene, &settings, &outputs, &resources, &passes, &failing, look)
+                    kajo::render_passes(
+                        &kajo::RenderRequest::new(scene, &settings, &outputs).with(resources),
+                        &passes,
+                        &failing,
+                        look,
+                    )
                 }
             };
             let failure = job.finish(result, false, &targets, &interrupt, &mut voice).unwrap_err();

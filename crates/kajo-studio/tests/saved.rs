@@ -114,6 +114,6 @@ fn rendered(window: &Window, asked: &Settings) -> Vec<u8> {
     let asked = Settings { size: Some(SIZE), ..asked.clone() };
     let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false).unwrap();
     let outputs = [(View::Color, Format::Png)];
-    let picture = kajo::render(scene, &settings, &outputs, &Default::default(), &kajo::Silent).unwrap();
+    let picture = kajo::render(&kajo::RenderRequest::new(scene, &settings, &outputs), &kajo::Silent).unwrap();
     picture.encode(&[View::Color], Format::Png, BitDepth::Eight).unwrap()
 }

@@ -266,7 +266,8 @@ fn what_is_saved_is_traced_as_the_window_showed_it() {
     let asked = kajo::Settings { size: Some([64, 48]), ..Default::default() };
     let settings = kajo::RenderSettings::resolve(&scene, &asked, kajo::Defaults::Modern, false).unwrap();
     let outputs = [(View::Color, kajo::Format::Png)];
-    let picture = kajo::render(&scene, &settings, &outputs, &Default::default(), &kajo::Silent).unwrap();
+    let picture =
+        kajo::render(&kajo::RenderRequest::new(&scene, &settings, &outputs), &kajo::Silent).unwrap();
     let bytes = picture.encode(&[View::Color], kajo::Format::Png, kajo::BitDepth::Eight).unwrap();
     assert_eq!(std::fs::read(shown).unwrap(), bytes);
 }

@@ -4,9 +4,7 @@ use std::error::Error;
 use std::path::Path;
 
 use kajo::output::Target;
-use kajo::{
-    BitDepth, Defaults, Format, LoadOptions, MemoryAssets, RenderSettings, Resources, Settings, Silent, View,
-};
+use kajo::{BitDepth, Defaults, Format, LoadOptions, MemoryAssets, RenderSettings, Settings, Silent, View};
 
 const BALL: &str = "
 PerspectiveCamera { center 0 1 9  direction 0 -0.1 -1  up 0 1 0  angle 30 }
@@ -28,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let settings = RenderSettings::resolve(scene, &Settings::default(), Defaults::Modern, false)?;
     let outputs = [(View::Color, Format::Png)];
-    let picture = kajo::render(scene, &settings, &outputs, &Resources::default(), &Silent)?;
+    let picture = kajo::render(&kajo::RenderRequest::new(scene, &settings, &outputs), &Silent)?;
 
     let bytes = picture.encode(&[View::Color], Format::Png, BitDepth::Eight)?;
     Target::check(Path::new("ball.png"), &[])?.write(&bytes)?;

@@ -219,7 +219,7 @@ pub(crate) struct Identity {
 impl Identity {
     pub fn new(
         digest: SceneDigest,
-        scene: &Scene,
+        (scene, camera): (&Scene, &Camera),
         settings: &RenderSettings,
         spec: &FilmSpec,
         goal: &Goal,
@@ -236,7 +236,7 @@ impl Identity {
         let digest = blake3::Hash::from_bytes(digest.0).to_hex();
         let adaptive = goal.adaptive.then_some(goal.noise);
         // The derived texts of numbers say all their digits.
-        let camera = camera_digest(&scene.camera);
+        let camera = camera_digest(camera);
         let text = format!(
             "scene {digest}\ncamera {camera}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
             scene.rules

@@ -6,7 +6,7 @@
 //! [`output::Target`] writes whole or not at all.
 //!
 //! ```
-//! use kajo::{Defaults, Format, LoadOptions, MemoryAssets, RenderSettings, Resources, Settings, Silent, View};
+//! use kajo::{Defaults, Format, LoadOptions, MemoryAssets, RenderRequest, RenderSettings, Settings, Silent, View};
 //!
 //! let text = "
 //!     PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 30 }
@@ -20,7 +20,7 @@
 //! let asked = Settings { size: Some([64, 48]), ..Settings::default() };
 //! let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false)?;
 //! let outputs = [(View::Color, Format::Png)];
-//! let picture = kajo::render(scene, &settings, &outputs, &Resources::default(), &Silent)?;
+//! let picture = kajo::render(&RenderRequest::new(scene, &settings, &outputs), &Silent)?;
 //! let png = picture.encode(&[View::Color], Format::Png, kajo::BitDepth::Eight)?;
 //! assert!(png.starts_with(b"\x89PNG"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -62,7 +62,7 @@ pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{LoadOptions, Loaded, load, load_from};
 pub use model_scene::{ConvertError, ModelOptions, ModelScene, UpAxis, model_scene};
 pub use reduction::Reduction;
-pub use render::{Passes, Picture, RenderError, Resources, Snapshot, render, render_passes, render_through};
+pub use render::{Passes, Picture, RenderError, RenderRequest, Resources, Snapshot, render, render_passes};
 pub use settings::{Defaults, RenderSettings, SettingsError, suitable_size};
 pub use tev::Tev;
 pub use view::View;

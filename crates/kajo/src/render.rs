@@ -127,55 +127,85 @@ pub enum RenderError {
     },
 }
 
-/// Renders `scene`, recording what files of these views and formats need.
-///
-/// The picture has the same bits whatever `resources` says.
+/// What is to be rendered: all but who watches.
+#[derive(Clone, Copy, Debug)]
+pub struct RenderRequest<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Where it is seen from; with the scene's own camera where absent.
+    pub camera: Option<&'a CameraPose>,
+    /// How it is rendered.
+    pub settings: &'a RenderSettings,
+    /// Views and formats of the files that will be made: what they need is recorded.
+    pub outputs: &'a [(View, Format)],
+    /// What may be used up; the picture has the same bits whatever it says.
+    pub resources: Resources,
+}
+
+impl<'a> RenderRequest<'a> {
+    /// The scene through its own camera, with all cores.
+    pub fn new(
+        scene: &'a Scene,
+        settings: &'a RenderSettings,
+        outputs: &'a [(View, Format)],
+    ) -> RenderRequest<'a> {
+        RenderRequest { scene, camera: None, settings, outputs, resources: Resources::default() }
+    }
+
+    /// The same through another camera.
+    pub fn through(self, camera: &'a CameraPose) -> RenderRequest<'a> {
+        RenderRequest { camera: Some(camera), ..self }
+    }
+
+    /// The same with these resources.
+    pub fn with(self, resources: Resources) -> RenderRequest<'a> {
+        RenderRequest { resources, ..self }
+    }
+
+    fn camera(&self) -> &'a Camera {
+        self.camera.map_or(&self.scene.camera, CameraPose::camera)
+    }
+
+    fn layers(&self) -> LayerSet {
+        layers(self.scene, self.outputs, self.settings)
+    }
+
+    /// Room for what is made of the film.
+    fn reserve(&self, spec: &FilmSpec) -> Result<Reserve, RenderError> {
+        Reserve::new(spec, to_finish(self.scene, self.outputs, self.settings))
+    }
+
+    fn check_memory(&self, spec: &FilmSpec) -> Result<(), RenderError> {
+        check_memory(spec, to_finish(self.scene, self.outputs, self.settings), &self.resources)
+    }
+
+    fn integrator(&self, layers: LayerSet) -> Box<dyn PixelIntegrator + 'a> {
+        integrator(self.scene, self.camera(), self.settings, layers)
+    }
+
+    fn schedule(&self, spec: &FilmSpec) -> kajo_render::RenderSettings {
+        schedule(self.settings, &within_memory(&self.resources, spec))
+    }
+
+    fn picture(&self, film: Film, position: Option<(Position, Identity)>, stats: RenderStats) -> Picture {
+        Picture::new(film, self.scene, self.settings, position, &self.resources, stats)
+    }
+}
+
+/// Renders a picture.
 ///
 /// # Errors
 /// [`RenderError`]; the size is checked before anything is allocated.
-pub fn render(
-    scene: &Scene,
-    settings: &RenderSettings,
-    outputs: &[(View, Format)],
-    resources: &Resources,
-    progress: &dyn Progress,
-) -> Result<Picture, RenderError> {
-    render_from(&scene.camera, scene, settings, outputs, resources, progress)
-}
-
-/// As [`render`], through another camera than the scene's.
-///
-/// # Errors
-/// As there.
-pub fn render_through(
-    camera: &CameraPose,
-    scene: &Scene,
-    settings: &RenderSettings,
-    outputs: &[(View, Format)],
-    resources: &Resources,
-    progress: &dyn Progress,
-) -> Result<Picture, RenderError> {
-    render_from(camera.camera(), scene, settings, outputs, resources, progress)
-}
-
-fn render_from(
-    camera: &Camera,
-    scene: &Scene,
-    settings: &RenderSettings,
-    outputs: &[(View, Format)],
-    resources: &Resources,
-    progress: &dyn Progress,
-) -> Result<Picture, RenderError> {
-    let layers = layers(scene, outputs, settings);
-    let spec = FilmSpec { one_pass: true, ..film_spec(camera, settings, layers) };
-    check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
+pub fn render(request: &RenderRequest<'_>, progress: &dyn Progress) -> Result<Picture, RenderError> {
+    let layers = request.layers();
+    let spec = FilmSpec { one_pass: true, ..film_spec(request.camera(), request.settings, layers) };
+    request.check_memory(&spec)?;
     let film = new_film(spec)?;
-    let reserve = Reserve::new(&spec, to_finish(scene, outputs, settings))?;
-    let integrator = integrator(scene, camera, settings, layers);
-    let schedule = schedule(settings, &within_memory(resources, &spec));
-    let result = kajo_render::render(&*integrator, &film, &schedule, progress);
+    let reserve = request.reserve(&spec)?;
+    let integrator = request.integrator(layers);
+    let result = kajo_render::render(&*integrator, &film, &request.schedule(&spec), progress);
     drop(reserve);
-    ended(result, |stats| Picture::new(film, scene, settings, None, resources, stats))
+    ended(result, |stats| request.picture(film, None, stats))
 }
 
 /// As [`render`], in passes over the whole picture: it can be seen and saved after each, ends when a goal is
@@ -189,30 +219,28 @@ fn render_from(
 /// As [`render`]; a checkpoint that cannot be used; a sampler with a fixed number of samples for adaptive
 /// sampling.
 pub fn render_passes(
-    scene: &Scene,
-    settings: &RenderSettings,
-    outputs: &[(View, Format)],
-    resources: &Resources,
+    request: &RenderRequest<'_>,
     passes: &Passes,
     progress: &dyn Progress,
     look: &mut dyn FnMut(Snapshot<'_>) -> ControlFlow<()>,
 ) -> Result<Picture, RenderError> {
+    let RenderRequest { scene, settings, resources, .. } = *request;
     let goal = &passes.goal;
     if let (true, Some(name)) = (goal.adaptive, fixed_pattern(settings.samples.0)) {
         return Err(RenderError::NotAdaptive(name));
     }
-    let mut layers = layers(scene, outputs, settings);
+    let mut layers = request.layers();
     if goal.adaptive || goal.noise.is_some() {
         layers = layers.with(Layer::Variance);
     }
-    let spec = film_spec(&scene.camera, settings, layers);
+    let spec = film_spec(request.camera(), settings, layers);
     // Where the noise of the picture decides on its samples, all of it does so.
     let samples_everywhere = spec.samples_everywhere || spec.shown.is_some() && goal.noise.is_some();
     let spec = FilmSpec { halves: goal.adaptive, samples_everywhere, ..spec };
-    check_memory(&spec, to_finish(scene, outputs, settings), resources)?;
-    let identity = Identity::new(passes.scene, scene, settings, &spec, goal);
+    request.check_memory(&spec)?;
+    let identity = Identity::new(passes.scene, (scene, request.camera()), settings, &spec, goal);
     identity.prepare();
-    let schedule = schedule(settings, &within_memory(resources, &spec));
+    let schedule = request.schedule(&spec);
     let (film, mut position) = match &passes.resume {
         Some(path) => checkpoint::restore(path, &identity, spec, &schedule, progress)
             .map_err(RenderError::Checkpoint)?,
@@ -222,8 +250,8 @@ pub fn render_passes(
         checkpoint::check_replaced(path, &identity, film.samples(), passes.resume.as_deref())
             .map_err(RenderError::Checkpoint)?;
     }
-    let reserve = Reserve::new(&spec, to_finish(scene, outputs, settings))?;
-    let integrator = integrator(scene, &scene.camera, settings, layers);
+    let reserve = request.reserve(&spec)?;
+    let integrator = request.integrator(layers);
     let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
         let (groups, identity, threads) = (&*scene.light_groups, &identity, resources.threads);
         look(Snapshot { film, groups, settings, position, identity, threads, stats })
@@ -231,7 +259,7 @@ pub fn render_passes(
     let result =
         kajo_render::render_passes(&*integrator, &film, &schedule, goal, &mut position, progress, look);
     drop(reserve);
-    ended(result, |stats| Picture::new(film, scene, settings, Some((position, identity)), resources, stats))
+    ended(result, |stats| request.picture(film, Some((position, identity)), stats))
 }
 
 /// What came of a render, with its picture.

@@ -8,7 +8,7 @@ use kajo_math::DVec3;
 use kajo_render::Progress;
 
 use crate::output::{OutputError, Target};
-use crate::{CameraPose, RenderError, RenderSettings, Resources, View, render_through};
+use crate::{CameraPose, RenderError, RenderRequest, RenderSettings, Resources, View, render};
 
 /// The frames of a turntable.
 #[derive(Clone, Debug)]
@@ -84,7 +84,10 @@ impl Turntable {
         for ((frame, camera), target) in (0..).zip(self.cameras()).zip(&targets) {
             let part = Part { progress, frame, frames: self.frames };
             let outputs = [(self.view, format)];
-            let picture = render_through(&camera, scene, settings, &outputs, resources, &part)?;
+            let picture = render(
+                &RenderRequest::new(scene, settings, &outputs).through(&camera).with(*resources),
+                &part,
+            )?;
             target.write(&picture.encode(&[self.view], format, BitDepth::Eight)?)?;
         }
         Ok(files)
@@ -180,7 +183,7 @@ mod tests {
         assert_eq!(names, ["turn_000.png", "turn_001.png", "turn_002.png"]);
         assert_eq!(done.into_inner(), 3 * 40 * 30);
         let outputs = [(View::Color, Format::Png)];
-        let own = render(&scene, &settings, &outputs, &Resources::default(), &Silent).unwrap();
+        let own = render(&RenderRequest::new(&scene, &settings, &outputs), &Silent).unwrap();
         let own = own.encode(&[View::Color], Format::Png, BitDepth::Eight).unwrap();
         let written: Vec<_> = files.iter().map(|file| std::fs::read(file).unwrap()).collect();
         assert!(written[0] == own && written[1] != own && written[2] != written[1]);

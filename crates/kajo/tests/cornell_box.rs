@@ -1,7 +1,7 @@
 //! The box that path tracers are compared in: its mean is known from another program.
 
 use kajo::{
-    BitDepth, Defaults, Format, IntegratorKind, LoadOptions, MemoryAssets, RenderSettings, Resources,
+    BitDepth, Defaults, Format, IntegratorKind, LoadOptions, MemoryAssets, RenderRequest, RenderSettings,
     SamplerKind, Settings, Silent, View, load_from, render,
 };
 use kajo_image::DecodeLimits;
@@ -23,7 +23,7 @@ fn mean(integrator: IntegratorKind, bounces: u32) -> [f64; 3] {
     };
     let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
     let picture =
-        render(&scene, &settings, &[(View::Color, Format::Exr)], &Resources::default(), &Silent).unwrap();
+        render(&RenderRequest::new(&scene, &settings, &[(View::Color, Format::Exr)]), &Silent).unwrap();
     let bytes = picture.encode(&[View::Color], Format::Exr, BitDepth::Eight).unwrap();
     let image = kajo_image::decode(&bytes, Some(Format::Exr), &DecodeLimits::default()).unwrap().image;
     let n = image.pixels().len() as f64;

@@ -1,8 +1,8 @@
 //! What the dialects and the scenes of older courses mean, by pictures whose pixels are worked out by hand.
 
 use kajo::{
-    Defaults, Dialect, EncodeOptions, Format, Image, LoadOptions, Loaded, MemoryAssets, RenderSettings,
-    Resources, Settings, Silent, View, encode, load_from, render,
+    Defaults, Dialect, EncodeOptions, Format, Image, LoadOptions, Loaded, MemoryAssets, RenderRequest,
+    RenderSettings, Settings, Silent, View, encode, load_from, render,
 };
 
 const FRONT: &str = "OrthographicCamera { center 0 0 5  direction 0 0 -1  up 0 1 0  size 4 }";
@@ -19,7 +19,7 @@ fn picture(text: &str, dialect: Dialect, size: [u32; 2], assets: MemoryAssets) -
     let asked = Settings { size: Some(size), bounces: Some(1), ..Settings::default() };
     let settings = RenderSettings::resolve(scene, &asked, Defaults::Classic, false).unwrap();
     let outputs = [(View::Color, Format::Exr)];
-    render(scene, &settings, &outputs, &Resources::default(), &Silent).unwrap().light().unwrap()
+    render(&RenderRequest::new(scene, &settings, &outputs), &Silent).unwrap().light().unwrap()
 }
 
 /// The only pixel of a scene.

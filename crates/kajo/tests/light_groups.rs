@@ -1,8 +1,8 @@
 //! The light of groups of emitters, seen apart.
 
 use kajo::{
-    BitDepth, Defaults, Format, IntegratorKind, LightChoice, LoadOptions, MemoryAssets, RenderSettings,
-    Resources, SamplerKind, Scene, Settings, Silent, View, load_from, render,
+    BitDepth, Defaults, Format, IntegratorKind, LightChoice, LoadOptions, MemoryAssets, RenderRequest,
+    RenderSettings, SamplerKind, Scene, Settings, Silent, View, load_from, render,
 };
 use kajo_image::exr::{self, ChannelData, ExrPicture};
 
@@ -17,7 +17,7 @@ fn scene(text: &str) -> Scene {
 /// The file with the light and its groups.
 fn rendered(scene: &Scene, asked: &Settings) -> ExrPicture {
     let settings = RenderSettings::resolve(scene, asked, Defaults::Modern, false).unwrap();
-    let picture = render(scene, &settings, &OUTPUTS, &Resources::default(), &Silent).unwrap();
+    let picture = render(&RenderRequest::new(scene, &settings, &OUTPUTS), &Silent).unwrap();
     let bytes = picture.encode(&[View::Color, View::Lights], Format::Exr, BitDepth::Eight).unwrap();
     exr::decode(&bytes, &kajo_image::DecodeLimits::default()).unwrap()
 }
@@ -129,7 +129,7 @@ fn asking_for_groups_changes_no_light() {
         Settings { integrator: Some(IntegratorKind::Path), size: Some([16, 9]), ..Settings::default() };
     let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
     let light = |outputs: &[(View, Format)]| {
-        render(&scene, &settings, outputs, &Resources::default(), &Silent).unwrap().light().unwrap()
+        render(&RenderRequest::new(&scene, &settings, outputs), &Silent).unwrap().light().unwrap()
     };
     assert_eq!(light(&OUTPUTS).data(), light(&OUTPUTS[..1]).data());
 }

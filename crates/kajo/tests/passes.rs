@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use kajo::output::Target;
 use kajo::{
     BitDepth, CheckpointError, Defaults, Format, Goal, IntegratorKind, LoadOptions, MemoryAssets, Passes,
-    Picture, RenderError, RenderSettings, Resources, SamplerKind, Scene, SceneDigest, Settings, Silent,
-    Snapshot, View,
+    Picture, RenderError, RenderSettings, SamplerKind, Scene, SceneDigest, Settings, Silent, Snapshot, View,
 };
 
 const BALL: &str = "
@@ -40,7 +39,7 @@ fn run(
     passes: &Passes,
     look: &mut dyn FnMut(Snapshot<'_>) -> ControlFlow<()>,
 ) -> Result<Picture, RenderError> {
-    kajo::render_passes(&scene(), settings, &OUTPUTS, &Resources::default(), passes, &Silent, look)
+    kajo::render_passes(&kajo::RenderRequest::new(&scene(), settings, &OUTPUTS), passes, &Silent, look)
 }
 
 /// A checkpoint of a render after four samples of each pixel.
@@ -81,7 +80,8 @@ fn a_checkpoint_continues_to_the_same_bytes() {
         let passes = Passes { goal: Goal { adaptive, ..Goal::default() }, ..Passes::default() };
         let whole = run(&settings, &passes, &mut |_| ControlFlow::Continue(())).unwrap();
         if !adaptive {
-            let once = kajo::render(&scene(), &settings, &OUTPUTS, &Resources::default(), &Silent).unwrap();
+            let once =
+                kajo::render(&kajo::RenderRequest::new(&scene(), &settings, &OUTPUTS), &Silent).unwrap();
             assert_eq!(exr(&whole), exr(&once), "passes or not");
         }
         checkpoint(&settings, &passes, &path);
@@ -103,7 +103,8 @@ fn a_render_goes_on_to_more_samples() {
         for integrator in [IntegratorKind::Path, IntegratorKind::Bidirectional, IntegratorKind::Distribution]
         {
             let of = |n| RenderSettings { integrator, ..settings((kind, n)) };
-            let at_once = kajo::render(&scene(), &of(64), &OUTPUTS, &Resources::default(), &Silent).unwrap();
+            let at_once =
+                kajo::render(&kajo::RenderRequest::new(&scene(), &of(64), &OUTPUTS), &Silent).unwrap();
             // Finished with a number that is no power of two, and begun only.
             let finished = run(&of(19), &Passes::default(), without_end).unwrap();
             finished.snapshot().unwrap().save(&target).unwrap();

@@ -6,7 +6,9 @@ use kajo_math::DVec3;
 use kajo_math::rng::Stream;
 
 use super::*;
-use crate::{Defaults, Format, LoadOptions, MemoryAssets, Resources, Silent, View, load, load_from, render};
+use crate::{
+    Defaults, Format, LoadOptions, MemoryAssets, RenderRequest, Silent, View, load, load_from, render,
+};
 
 fn scene(text: &str) -> Scene {
     let loaded = load_from("a.txt", &MemoryAssets::new().with("a.txt", text), &LoadOptions::default());
@@ -213,7 +215,7 @@ fn picks_are_the_numbers_of_the_id_layers() {
         };
         let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false).unwrap();
         let outputs = [View::Object, View::Material, View::Depth].map(|view| (view, Format::Exr));
-        let picture = render(scene, &settings, &outputs, &Resources::default(), &Silent).unwrap();
+        let picture = render(&RenderRequest::new(scene, &settings, &outputs), &Silent).unwrap();
         let [objects, materials, depths] = [View::Object, View::Material, View::Depth]
             .map(|view| decoded(&picture.encode(&[view], Format::Exr, crate::BitDepth::Eight).unwrap()));
         let camera = CameraPose::of(scene);

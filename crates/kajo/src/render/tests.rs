@@ -22,7 +22,7 @@ fn every_view_fits_every_format() {
     let settings = settings(&scene, [9, 7]);
     for format in Format::ALL {
         let outputs = View::ALL.map(|view| (view, format));
-        let picture = render(&scene, &settings, &outputs, &Resources::default(), &Silent).unwrap();
+        let picture = render(&RenderRequest::new(&scene, &settings, &outputs), &Silent).unwrap();
         for view in View::ALL {
             let bytes = picture.encode(&[view], format, BitDepth::Eight).unwrap();
             let image =
@@ -44,8 +44,7 @@ fn every_view_fits_every_format() {
 fn an_exr_file_holds_all_views() {
     let scene = ball();
     let outputs = View::ALL.map(|view| (view, Format::Exr));
-    let picture =
-        render(&scene, &settings(&scene, [4, 4]), &outputs, &Resources::default(), &Silent).unwrap();
+    let picture = render(&RenderRequest::new(&scene, &settings(&scene, [4, 4]), &outputs), &Silent).unwrap();
     let bytes = picture.encode(&View::ALL, Format::Exr, BitDepth::Eight).unwrap();
     let file = kajo_image::exr::decode(&bytes, &kajo_image::DecodeLimits::default()).unwrap();
     let main = file.layer(None).unwrap();
@@ -71,8 +70,7 @@ fn an_exr_file_holds_all_views() {
 fn other_files_hold_one_view() {
     let scene = ball();
     let outputs = [(View::Color, Format::Png), (View::Depth, Format::Png)];
-    let picture =
-        render(&scene, &settings(&scene, [4, 4]), &outputs, &Resources::default(), &Silent).unwrap();
+    let picture = render(&RenderRequest::new(&scene, &settings(&scene, [4, 4]), &outputs), &Silent).unwrap();
     assert!(picture.encode(&[View::Color, View::Depth], Format::Png, BitDepth::Eight).is_err());
     assert!(picture.encode(&[View::Uv], Format::Png, BitDepth::Eight).is_err(), "not asked for");
 }
@@ -83,10 +81,7 @@ fn pictures_beyond_memory_are_refused_at_once() {
     let sizes = [[1_000_000_000, 1_000_000_000], [u32::MAX, u32::MAX]];
     for size in sizes {
         let result = render(
-            &scene,
-            &settings(&scene, size),
-            &[(View::Color, Format::Png)],
-            &Resources::default(),
+            &RenderRequest::new(&scene, &settings(&scene, size), &[(View::Color, Format::Png)]),
             &Silent,
         );
         let error = result.unwrap_err();
@@ -94,7 +89,7 @@ fn pictures_beyond_memory_are_refused_at_once() {
         assert!(error.to_string().contains(" EB"), "{error}");
     }
     let small = Resources { memory: Some(1000), ..Resources::default() };
-    let result = render(&scene, &settings(&scene, [100, 100]), &[], &small, &Silent);
+    let result = render(&RenderRequest::new(&scene, &settings(&scene, [100, 100]), &[]).with(small), &Silent);
     assert!(matches!(result, Err(RenderError::Memory { budget: 1000, .. })));
 }
 
@@ -112,7 +107,8 @@ fn memory_is_counted_for_all_that_is_made_of_a_picture() {
 
     let needed = |outputs: &[(View, Format)]| {
         let none = Resources { memory: Some(0), ..Resources::default() };
-        let Err(RenderError::Memory { needed, .. }) = render(&scene, &settings, outputs, &none, &Silent)
+        let Err(RenderError::Memory { needed, .. }) =
+            render(&RenderRequest::new(&scene, &settings, outputs).with(none), &Silent)
         else {
             panic!("it needs nothing")
         };
@@ -136,7 +132,7 @@ fn a_cancelled_render_keeps_what_it_has() {
     }
     let scene = ball();
     let outputs = [(View::Color, Format::Png)];
-    let result = render(&scene, &settings(&scene, [100, 100]), &outputs, &Resources::default(), &Never);
+    let result = render(&RenderRequest::new(&scene, &settings(&scene, [100, 100]), &outputs), &Never);
     let Err(RenderError::Cancelled(picture)) = result else { panic!("not cancelled") };
     assert!(picture.encode(&[View::Color], Format::Png, BitDepth::Eight).is_ok());
     assert!(picture.stats.samples < 100 * 100 * 16);

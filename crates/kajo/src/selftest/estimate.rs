@@ -130,8 +130,9 @@ impl Exposure {
         let settings = settings.map_err(|error| error.to_string())?;
         let resources = Resources { threads: 1, memory: Some(MEMORY), ..Resources::default() };
         let outputs = [(View::Color, Format::Exr)];
-        let picture = crate::render(scene, &settings, &outputs, &resources, &Silent)
-            .map_err(|error| error.to_string())?;
+        let picture =
+            crate::render(&crate::RenderRequest::new(scene, &settings, &outputs).with(resources), &Silent)
+                .map_err(|error| error.to_string())?;
         match picture.non_finite() {
             0 => {}
             n => return Err(format!("{n} samples were no numbers")),

@@ -3,7 +3,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use kajo_core::settings::Settings;
 
 use super::*;
-use crate::{BitDepth, Defaults, Format, LoadOptions, MemoryAssets, Resources, Silent, load_from, render};
+use crate::{
+    BitDepth, Defaults, Format, LoadOptions, MemoryAssets, RenderRequest, Silent, load_from, render,
+};
 
 fn scene(radius: f32) -> Arc<Scene> {
     let text = format!(
@@ -53,7 +55,7 @@ fn a_finished_frame_writes_the_files_of_a_render() {
     let scene = scene(1.0);
     for samples in [(SamplerKind::Jittered, 9), (SamplerKind::Sobol, 16)] {
         let settings = settings(&scene, [70, 50], samples);
-        let picture = render(&scene, &settings, &ALL, &Resources::default(), &Silent).unwrap();
+        let picture = render(&RenderRequest::new(&scene, &settings, &ALL), &Silent).unwrap();
         let session = Session::new(2, || {});
         session.start(Job::new(Arc::clone(&scene), settings));
         assert!(matches!(session.wait(), Status::Finished));
@@ -123,7 +125,7 @@ fn the_last_of_many_jobs_is_shown() {
     let frame = session.frame().unwrap();
     assert_eq!(frame.job(), last);
     let settings = settings(&scenes[3], [64, 64], (SamplerKind::Sobol, 4));
-    let expected = render(&scenes[3], &settings, &ALL, &Resources::default(), &Silent).unwrap();
+    let expected = render(&RenderRequest::new(&scenes[3], &settings, &ALL), &Silent).unwrap();
     assert_eq!(frame.light().data(), expected.light().unwrap().data());
     assert!(frames.load(Ordering::Relaxed) > 0);
 }
@@ -174,7 +176,7 @@ fn another_camera_sees_what_it_would_as_the_scenes_own() {
          Group { MaterialIndex 0  Sphere { center 0 0 0  radius 1 }  Plane { normal 0 1 0 offset -1 } }";
     let assets = MemoryAssets::new().with("a.txt", text);
     let there = load_from("a.txt", &assets, &LoadOptions::default()).scene.unwrap();
-    let expected = render(&there, &settings, &ALL, &Resources::default(), &Silent).unwrap();
+    let expected = render(&RenderRequest::new(&there, &settings, &ALL), &Silent).unwrap();
     assert_eq!(session.frame().unwrap().light().data(), expected.light().unwrap().data());
 }
 

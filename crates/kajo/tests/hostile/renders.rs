@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use kajo::{
     Defaults, Format, IntegratorKind, Limits, LoadOptions, MemoryAssets, Progress, RenderError,
-    RenderSettings, Resources, SamplerKind, Settings, View, load_from, render,
+    RenderRequest, RenderSettings, Resources, SamplerKind, Settings, View, load_from, render,
 };
 
 /// Bounds that keep a case below a few milliseconds and megabytes.
@@ -53,7 +53,10 @@ pub fn picture(text: &[u8], files: &[(&str, &[u8])], integrator: IntegratorKind)
     let Ok(settings) = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false) else { return };
     let resources = Resources { threads: 1, tile: 0, memory: Some(1 << 27) };
     let patience = Patience(AtomicU64::new(0));
-    match render(&scene, &settings, &[(View::Color, Format::Exr)], &resources, &patience) {
+    match render(
+        &RenderRequest::new(&scene, &settings, &[(View::Color, Format::Exr)]).with(resources),
+        &patience,
+    ) {
         Ok(picture) => {
             let light = picture.light().expect("a picture of nine pixels");
             assert!(light.data().iter().all(|v| v.is_finite()), "{:?}", light.data());

@@ -533,12 +533,12 @@ fn any_way_of_writing_is_kept() {
 
 #[test]
 fn saved_and_edited_scenes_make_the_same_picture() {
-    use crate::{Defaults, Format, RenderSettings, Resources, Settings, Silent, View};
+    use crate::{Defaults, Format, RenderSettings, Settings, Silent, View};
     let picture = |scene: &Scene| {
         let asked = Settings { size: Some([24, 18]), ..Settings::default() };
         let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false).unwrap();
         let outputs = [(View::Color, Format::Pfm)];
-        let picture = crate::render(scene, &settings, &outputs, &Resources::default(), &Silent).unwrap();
+        let picture = crate::render(&crate::RenderRequest::new(scene, &settings, &outputs), &Silent).unwrap();
         picture.encode(&[View::Color], Format::Pfm, crate::BitDepth::Eight).unwrap()
     };
     let folder = tempfile::tempdir().unwrap();
