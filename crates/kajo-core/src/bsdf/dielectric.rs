@@ -80,11 +80,10 @@ impl Dielectric {
         let reflects = same_side(wo, wi);
         let (once, once_pdf) = self.once(&facets, wo, wi, mode);
         let loss = self.loss();
-        let lost = loss.lost(self.is_dense(wo), wo.z.abs());
-        let again_pdf = loss.pdf(self.is_dense(wi), wi.z.abs());
-        // Where light meets more than one facet, the samples follow its value.
+        let lost = loss.lost(self.is_dense(wo), wo);
+        let again_pdf = loss.pdf(self.is_dense(wi), wi);
         let scale = if reflects { 1.0 } else { mode.scale(self.met(wo).eta) };
-        let again = lost * again_pdf * scale;
+        let again = lost * loss.returned(self.is_dense(wi), wi) * scale;
         let tint = if reflects { self.reflection_tint } else { self.transmission_tint };
         (tint * (once + again), (1.0 - lost) * once_pdf + lost * again_pdf)
     }
@@ -129,7 +128,7 @@ impl Dielectric {
             return self.sample_smooth(wo, uc, mode);
         }
         let loss = self.loss();
-        let lost = loss.lost(self.is_dense(wo), wo.z.abs());
+        let lost = loss.lost(self.is_dense(wo), wo);
         let wi = if uc < lost {
             loss.sample(self.eta < 1.0, u, uc / lost)
         } else {

@@ -24,15 +24,16 @@
 //! Where no such light is wanted, the albedo of perfect mirrors that are met once is asked for, `∫ f(o, i) |cos θi| di`.
 //!
 //! `s`, `l`, `L` and that albedo are tabulated for isotropic roughness in `energy.bin`, made by the generator among the tests of
-//! these modules. Interpolated, they keep energy to 0.3 %. Brushed metals have tables of their own, see `brushed.rs`. Of two
-//! roughnesses clear media take the lesser one, so that hardly any light is made (3 % at most).
+//! these modules. Interpolated, they keep energy to 0.3 %. Where the roughness differs by direction, what is lost depends on the
+//! azimuth too: see `brushed_metal.rs` and `brushed_clear.rs`.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 use kajo_math::{Vec2, Vec3, fmath};
 
+use super::brushed_clear::BrushedClear;
 use super::microfacet::Shape;
-use super::{Microfacets, brushed};
+use super::{Microfacets, brushed_metal};
 
 /// Nodes of the cosine, of the roughness of metals and clear media, and of the index of refraction.
 pub(super) const COSINES: usize = 32;
@@ -75,17 +76,20 @@ impl Between {
         (1.0 - self.1) * value(self.0) + self.1 * value(self.0 + 1)
     }
 
-    fn cosine(cos: f32) -> Between {
-        Between::new(cos.sqrt(), COSINES)
+    /// The place of a cosine; nodes go by its root.
+    #[inline]
+    pub fn cosine(cos: f32, nodes: usize) -> Between {
+        Between::new(cos.sqrt(), nodes)
     }
 
     /// The place of a roughness; nodes go by its root.
-    fn alpha(alpha: f32, nodes: usize) -> Between {
+    pub fn alpha(alpha: f32, nodes: usize) -> Between {
         Between::new(alpha.sqrt(), nodes)
     }
 
-    fn index(n: f32) -> Between {
-        Between::new(((n - 1.0).max(0.0) / (STRONGEST * (n + 1.0))).sqrt(), INDICES)
+    /// The place of an index of refraction.
+    pub fn index(n: f32, nodes: usize) -> Between {
+        Between::new(((n - 1.0).max(0.0) / (STRONGEST * (n + 1.0))).sqrt(), nodes)
     }
 }
 
@@ -112,9 +116,9 @@ fn single(at: usize) -> f32 {
 #[inline]
 pub(super) fn metal(facets: &Microfacets, w: Vec3) -> f32 {
     if facets.alpha_x != facets.alpha_y {
-        return brushed::factor(facets, w);
+        return brushed_metal::factor(facets, w);
     }
-    let (start, cosine) = (offset(facets.shape), Between::cosine(w.z));
+    let (start, cosine) = (offset(facets.shape), Between::cosine(w.z, COSINES));
     let alpha = Between::alpha(facets.alpha_x, METAL_ALPHAS);
     LARGEST * alpha.mix(|a| cosine.mix(|j| short(start + 2 * (a * COSINES + j))))
 }
@@ -125,7 +129,7 @@ pub(super) fn metal(facets: &Microfacets, w: Vec3) -> f32 {
 pub(super) fn mirrored_once(facets: &Microfacets, cos: f32) -> f32 {
     let start = 2 * OF_SHAPE + offset(facets.shape) / OF_SHAPE * METAL;
     let alpha = Between::alpha(facets.alpha_x.min(facets.alpha_y), METAL_ALPHAS);
-    let cosine = Between::cosine(cos);
+    let cosine = Between::cosine(cos, COSINES);
     alpha.mix(|a| cosine.mix(|j| short(start + 2 * (a * COSINES + j))))
 }
 
@@ -135,16 +139,111 @@ pub(super) fn saturate(f: f32, x: f32) -> f32 {
     x / (f + (1.0 - f) * x)
 }
 
-/// What the boundary of two clear media loses, for one roughness and index.
+/// What the boundary of two clear media loses, for one distribution of facets and index.
+///
+/// Directions `w` are unit vectors, above or below the surface alike.
 #[derive(Clone, Copy)]
 pub(super) struct Loss {
+    /// That of facets as rough in all directions as these are in the roughest: by it directions are drawn.
+    even: EvenLoss,
+    /// What differs for facets whose roughness depends on the direction.
+    brushed: Option<BrushedClear>,
+}
+
+impl Loss {
+    /// * `n`: the higher index over the lower
+    #[inline]
+    pub fn new(facets: &Microfacets, n: f32) -> Loss {
+        let is_even = facets.alpha_x == facets.alpha_y;
+        Loss {
+            even: EvenLoss::new(facets.shape, facets.alpha_x.max(facets.alpha_y), n),
+            brushed: if is_even { None } else { Some(BrushedClear::new(facets, n)) },
+        }
+    }
+
+    /// What is lost of light from or to `w`, on the side of the higher index or the other.
+    #[inline]
+    pub fn lost(&self, dense: bool, w: Vec3) -> f32 {
+        match &self.brushed {
+            None => self.even.tables.lost(dense, w.z.abs()),
+            Some(brushed) => brushed.lost(dense, w),
+        }
+    }
+
+    /// What comes out towards `w` on that side, per solid angle, of all that is lost; with the cosine of `w`.
+    #[inline]
+    pub fn returned(&self, dense: bool, w: Vec3) -> f32 {
+        match &self.brushed {
+            None => self.even.pdf(dense, w.z.abs()),
+            Some(brushed) => {
+                let cos = w.z.abs();
+                brushed.lost(dense, w) * brushed.density[usize::from(dense)] * cos * FRAC_1_PI
+            }
+        }
+    }
+
+    /// The share of what is lost that comes out on the side of the lower index.
+    #[inline]
+    pub fn thin_share(&self) -> f32 {
+        self.brushed.as_ref().map_or(self.even.thin_share, |brushed| brushed.thin_share)
+    }
+
+    /// Density, per solid angle, of [`sample`](Loss::sample): that of [`returned`](Loss::returned) for facets of one roughness.
+    #[inline]
+    pub fn pdf(&self, dense: bool, w: Vec3) -> f32 {
+        self.even.pdf(dense, w.z.abs())
+    }
+
+    /// Density, per solid angle, of [`sample_side`](Loss::sample_side) on the side of the lower index.
+    #[inline]
+    pub fn thin_pdf(&self, w: Vec3) -> f32 {
+        if self.even.thin_share > 0.0 { self.even.pdf(false, w.z.abs()) / self.even.thin_share } else { 0.0 }
+    }
+
+    /// A direction for light that is lost, above or below the surface.
+    ///
+    /// * `dense_is_above`: whether the higher index is on the side of positive z
+    /// * `u`: uniform in [0, 1)², for the direction
+    /// * `uc`: uniform in [0, 1), for the side
+    pub fn sample(&self, dense_is_above: bool, u: Vec2, uc: f32) -> Vec3 {
+        let dense = uc >= self.even.thin_share;
+        let w = self.even.sample_side(dense, u);
+        if dense == dense_is_above { w } else { -w }
+    }
+
+    /// A direction on one side only, as if that side were above.
+    pub fn sample_side(&self, dense: bool, u: Vec2) -> Vec3 {
+        self.even.sample_side(dense, u)
+    }
+
+    /// Share of light from or to `w` that is reflected on the side of the lower index, what comes out after more than one facet
+    /// included.
+    #[inline]
+    pub fn reflected(&self, w: Vec3) -> f32 {
+        let once = match &self.brushed {
+            None => self.even.tables.reflected_once(w.z),
+            Some(brushed) => brushed.reflected_once(w),
+        };
+        (once + self.lost(false, w) * self.thin_share()).min(1.0)
+    }
+}
+
+/// A place in the tables of clear media whose facets are as rough in all directions.
+#[derive(Clone, Copy)]
+pub(super) struct EvenTables {
     start: usize,
     alpha: Between,
     index: Between,
+}
+
+/// What the boundary of two such media loses, and how it comes out.
+#[derive(Clone, Copy)]
+struct EvenLoss {
+    tables: EvenTables,
     /// `n²/(n₁² L₁ + n₂² L₂)` on the side of the lower and of the higher index.
     density: [f32; 2],
     /// The share of what is lost that comes out on the side of the lower index.
-    pub thin_share: f32,
+    thin_share: f32,
 }
 
 /// One of the three tables of clear media.
@@ -158,22 +257,21 @@ enum Table {
     Reflected,
 }
 
-impl Loss {
+impl EvenTables {
     /// * `n`: the higher index over the lower
     #[inline]
-    pub fn new(facets: &Microfacets, n: f32) -> Loss {
-        let alpha = Between::alpha(facets.alpha_x.min(facets.alpha_y), ALPHAS);
-        let index = Between::index(n);
-        let start = offset(facets.shape) + METAL;
-        let average = |side: usize| {
-            let start = start + 3 * CLEAR + side * AVERAGES;
-            index.mix(|n| alpha.mix(|a| single(start + 4 * (n * ALPHAS + a))))
-        };
-        let thin = average(0);
-        let total = thin + n * n * average(1);
-        // A smooth surface loses nothing that could come out.
-        let over = if total > 0.0 { 1.0 / total } else { 0.0 };
-        Loss { start, alpha, index, density: [over, n * n * over], thin_share: thin * over }
+    pub fn new(shape: Shape, alpha: f32, n: f32) -> EvenTables {
+        let (alpha, index) = (Between::alpha(alpha, ALPHAS), Between::index(n, INDICES));
+        EvenTables { start: offset(shape) + METAL, alpha, index }
+    }
+
+    /// `L` on the side of the lower and of the higher index.
+    #[inline]
+    fn averages(&self) -> [f32; 2] {
+        [0, 1].map(|side| {
+            let start = self.start + 3 * CLEAR + side * AVERAGES;
+            self.index.mix(|n| self.alpha.mix(|a| single(start + 4 * (n * ALPHAS + a))))
+        })
     }
 
     /// A value of a table at the node `j` of the cosine.
@@ -185,7 +283,7 @@ impl Loss {
 
     #[inline]
     fn at(&self, table: Table, cos: f32) -> f32 {
-        Between::cosine(cos).mix(|j| self.node(table, j))
+        Between::cosine(cos, COSINES).mix(|j| self.node(table, j))
     }
 
     /// `l` at the cosine `cos` in [0, 1] on the side of the higher index or the other.
@@ -194,25 +292,39 @@ impl Loss {
         self.at(if dense { Table::Dense } else { Table::Thin }, cos)
     }
 
+    /// Share that single facets reflect at the cosine `cos` on the side of the lower index.
+    #[inline]
+    pub fn reflected_once(&self, cos: f32) -> f32 {
+        self.at(Table::Reflected, cos)
+    }
+}
+
+/// `n²/(n₁² L₁ + n₂² L₂)` on the side of the lower and of the higher index, and the share of what is lost that comes
+/// out on the former, for the averages `L`.
+#[inline]
+pub(super) fn outlets([thin, dense]: [f32; 2], n: f32) -> ([f32; 2], f32) {
+    let total = thin + n * n * dense;
+    // A smooth surface loses nothing that could come out.
+    let over = if total > 0.0 { 1.0 / total } else { 0.0 };
+    ([over, n * n * over], thin * over)
+}
+
+impl EvenLoss {
+    #[inline]
+    fn new(shape: Shape, alpha: f32, n: f32) -> EvenLoss {
+        let tables = EvenTables::new(shape, alpha, n);
+        let (density, thin_share) = outlets(tables.averages(), n);
+        EvenLoss { tables, density, thin_share }
+    }
+
     /// Density, per solid angle, with which what is lost comes out at the cosine `cos` on that side.
     #[inline]
-    pub fn pdf(&self, dense: bool, cos: f32) -> f32 {
-        self.lost(dense, cos) * self.density[usize::from(dense)] * cos * FRAC_1_PI
+    fn pdf(&self, dense: bool, cos: f32) -> f32 {
+        self.tables.lost(dense, cos) * self.density[usize::from(dense)] * cos * FRAC_1_PI
     }
 
-    /// A direction with that density, above or below the surface.
-    ///
-    /// * `dense_is_above`: whether the higher index is on the side of positive z
-    /// * `u`: uniform in [0, 1)², for the direction
-    /// * `uc`: uniform in [0, 1), for the side
-    pub fn sample(&self, dense_is_above: bool, u: Vec2, uc: f32) -> Vec3 {
-        let dense = uc >= self.thin_share;
-        let w = self.sample_side(dense, u);
-        if dense == dense_is_above { w } else { -w }
-    }
-
-    /// A direction on one side only, as if that side were above.
-    pub fn sample_side(&self, dense: bool, u: Vec2) -> Vec3 {
+    /// A direction with that density on one side, as if that side were above.
+    fn sample_side(&self, dense: bool, u: Vec2) -> Vec3 {
         let cos = self.sample_cosine(if dense { Table::Dense } else { Table::Thin }, f64::from(u.x));
         let r = (1.0 - cos * cos).max(0.0).sqrt();
         let (sin_phi, cos_phi) = fmath::sin_cos(TAU * u.y);
@@ -222,7 +334,7 @@ impl Loss {
     /// A cosine `μ` with a density in proportion to `l μ`: `l` is linear in the root `x` of the cosine between nodes,
     /// so that the integral of `l 4x³` is a polynomial there, which is inverted by bisection.
     fn sample_cosine(&self, table: Table, u: f64) -> f32 {
-        let nodes: [f64; COSINES] = std::array::from_fn(|j| f64::from(self.node(table, j)));
+        let nodes: [f64; COSINES] = std::array::from_fn(|j| f64::from(self.tables.node(table, j)));
         let mut left = u * average(&nodes);
         for j in 0..COSINES - 1 {
             let piece = Piece::new(&nodes, j);
@@ -238,11 +350,6 @@ impl Loss {
             left -= mass;
         }
         1.0
-    }
-
-    /// Share reflected on the side of the lower index, what comes out after more than one facet included.
-    pub fn reflected(&self, cos: f32) -> f32 {
-        (self.at(Table::Reflected, cos) + self.lost(false, cos) * self.thin_share).min(1.0)
     }
 }
 

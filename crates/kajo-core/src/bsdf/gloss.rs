@@ -43,7 +43,7 @@ impl Gloss {
 
     /// Share of light reflected to `wo`.
     pub fn albedo(&self, wo: Vec3) -> f32 {
-        if self.n < 1.0 + MATCHED { 0.0 } else { self.loss.reflected(wo.z) }
+        if self.n < 1.0 + MATCHED { 0.0 } else { self.loss.reflected(wo) }
     }
 
     /// The lobe of perfect mirrors in place of the facets, without and with light that meets more than one of them; both
@@ -76,7 +76,7 @@ impl Gloss {
 
     /// Share of what is reflected to `wo` that meets more than one facet.
     fn again(&self, wo: Vec3) -> f32 {
-        let again = self.loss.thin_share * self.loss.lost(false, wo.z);
+        let again = self.loss.thin_share() * self.loss.lost(false, wo);
         (again / self.albedo(wo).max(again).max(f32::MIN_POSITIVE)).min(1.0)
     }
 
@@ -87,12 +87,11 @@ impl Gloss {
         }
         let m = (wo + wi).normalize_or_zero();
         let once = self.facets.mirror_lobe(wo, wi, m) * fresnel::dielectric(wo.dot(m), self.n);
-        let again = self.loss.pdf(false, wi.z);
+        let again = self.loss.returned(false, wi);
         let share = self.again(wo);
-        // The density of directions on either side, given that they are on this one.
-        let again_pdf = if share > 0.0 { again / self.loss.thin_share } else { 0.0 };
+        let again_pdf = if share > 0.0 { self.loss.thin_pdf(wi) } else { 0.0 };
         let pdf = (1.0 - share) * 0.25 * self.facets.visible_over_cos(wo, m) + share * again_pdf;
-        (once + self.loss.lost(false, wo.z) * again, pdf)
+        (once + self.loss.lost(false, wo) * again, pdf)
     }
 
     /// A direction, `None` when it is below the surface.

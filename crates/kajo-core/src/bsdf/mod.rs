@@ -15,7 +15,8 @@
 //!
 //! [`Phong`] is apart from these: the classic shading model, which is no density of anything.
 
-mod brushed;
+mod brushed_clear;
+mod brushed_metal;
 pub mod conductor;
 mod dielectric;
 mod energy;

@@ -163,8 +163,30 @@ pub fn families() -> Vec<Family> {
         Family {
             name: "scratched glass",
             lobe: |a| glass(1.5, anisotropic(Shape::Ggx, a)),
+            lossless: true,
+            tolerance: 0.02,
+        },
+        Family {
+            name: "grooved diamond",
+            lobe: |a| glass(2.417, Microfacets::brushed(Shape::Ggx, a, 0.9)),
+            lossless: true,
             tolerance: 0.03,
-            ..PLAIN
+        },
+        Family {
+            name: "brushed bubble",
+            lobe: |a| glass(1.0 / 1.33, Microfacets::brushed(Shape::Ggx, a, 0.5)),
+            lossless: true,
+            tolerance: 0.02,
+        },
+        Family {
+            name: "brushed plastic",
+            lobe: |a| {
+                let Microfacets { alpha_x, alpha_y, .. } = Microfacets::brushed(Shape::Ggx, a, 0.8);
+                let alpha = Vec2::new(alpha_x, alpha_y);
+                Bsdf::Principled(Principled { color: Spectrum::WHITE, alpha, ..Principled::default() })
+            },
+            lossless: true,
+            tolerance: 0.005,
         },
         Family {
             name: "frosted pane",

@@ -1,6 +1,7 @@
 //! What every lobe must hold, from one list.
 
-mod brushed;
+mod brushed_clear;
+mod brushed_metal;
 mod laws;
 pub(crate) mod list;
 mod microfacets;

@@ -196,9 +196,9 @@ fn energy_tables_are_what_the_generator_makes() {
         let [l1, l2] = [average(&thin), f64::from(index(n)).powi(2) * average(&dense)];
         for j in 0..COSINES {
             let cos = cosine_of(j);
-            assert!(close(loss.lost(false, cos), thin[j]) && close(loss.lost(true, cos), dense[j]));
+            assert!(close(loss.lost(false, at(cos)), thin[j]) && close(loss.lost(true, at(cos)), dense[j]));
             assert!(
-                close(loss.reflected(cos), reflected[j] + thin[j] * l1 / (l1 + l2)),
+                close(loss.reflected(at(cos)), reflected[j] + thin[j] * l1 / (l1 + l2)),
                 "{shape:?} {a} {n} {j}"
             );
         }

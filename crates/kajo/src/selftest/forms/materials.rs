@@ -30,6 +30,9 @@ const FURNACE: &[Method] = &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL];
 /// Error of tabulated energies.
 const OF_TABLES: f64 = 3e-3;
 
+/// The same for a ball of glass that is rougher one way than the other, which light meets several times.
+const OF_BRUSHED_TABLES: f64 = 3e-2;
+
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = Vec::new();
     for is_block in [false, true] {
@@ -54,8 +57,13 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         ("velvet", format!("Principled m {{ color 1 1 1  roughness {roughness}  fuzz 1 }}")),
         ("gauze", "Matte m { color 1 1 1  opacity 0.4 }".to_owned()),
     ] {
-        forms.push(furnace(draw, name, &material));
+        forms.push(furnace(draw, name, &material).rounding(OF_TABLES));
     }
+    let (roughness, anisotropy) = (draw.between(0.2, 0.7), draw.between(0.2, 0.6));
+    let brushed = format!(
+        "Principled m {{ transmission 1  color 1 1 1  roughness {roughness}  anisotropy {anisotropy} }}"
+    );
+    forms.push(furnace(draw, "brushed glass", &brushed).rounding(OF_BRUSHED_TABLES));
     forms
 }
 
@@ -159,5 +167,5 @@ fn furnace(draw: &mut Parameters, name: &str, material: &str) -> Form {
             .replace("color 0 0 0", &format!("color {sky} {sky} {sky}"))
     );
     let name = format!("white furnace: {name} at {degrees} degrees");
-    Form::new(name, scene, sky, FURNACE).bounces(200).rounding(OF_TABLES)
+    Form::new(name, scene, sky, FURNACE).bounces(200)
 }

@@ -1,6 +1,6 @@
 //! The generator of the tables of brushed metals, and the check that the file in the repository is what it makes.
 //!
-//! `KAJO_WRITE_TABLES=1 cargo test --release -p kajo-core brushed_tables` writes the file anew.
+//! `KAJO_WRITE_TABLES=1 cargo test --release -p kajo-core brushed_metal_tables` writes the file anew.
 
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_2};
 
@@ -8,7 +8,7 @@ use kajo_math::{Vec2, Vec3};
 
 use super::super::microfacet::Shape;
 use super::super::*;
-use brushed::{ALPHAS, ASPECTS, COSINES, OF_SHAPE, TURNS};
+use brushed_metal::{ALPHAS, ASPECTS, COSINES, OF_SHAPE, TURNS};
 use energy::LARGEST;
 
 /// Samples of one direction.
@@ -88,8 +88,8 @@ fn values(shape: Shape) -> Vec<u8> {
 }
 
 #[test]
-fn brushed_tables_are_what_the_generator_makes() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/brushed.bin");
+fn brushed_metal_tables_are_what_the_generator_makes() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/brushed_metal.bin");
     if std::env::var_os("KAJO_WRITE_TABLES").is_some() {
         let tables = [Shape::Ggx, Shape::Beckmann].map(values).concat();
         assert_eq!(tables.len(), 4 * OF_SHAPE);
@@ -100,7 +100,7 @@ fn brushed_tables_are_what_the_generator_makes() {
         let facets = facets(shape, a, q);
         for (i, s) in factors(&facets).into_iter().enumerate() {
             let w = direction(i / COSINES, i % COSINES);
-            let found = f64::from(brushed::factor(&facets, w));
+            let found = f64::from(brushed_metal::factor(&facets, w));
             assert!((found - s).abs() < 2e-3, "{shape:?} {a} {q} {w}: {found} for {s}");
         }
     }
@@ -113,10 +113,10 @@ fn quarters_are_alike() {
     let across = Microfacets { alpha_x: 0.2, alpha_y: 0.6, ..along };
     for (p, j) in [(0, 3), (2, 8), (5, 12), (9, 19)] {
         let w = direction(p, j);
-        let expected = brushed::factor(&along, w);
+        let expected = brushed_metal::factor(&along, w);
         for mirrored in [Vec3::new(-w.x, w.y, w.z), Vec3::new(w.x, -w.y, w.z)] {
-            assert!((brushed::factor(&along, mirrored) - expected).abs() < 1e-6, "{w}");
+            assert!((brushed_metal::factor(&along, mirrored) - expected).abs() < 1e-6, "{w}");
         }
-        assert!((brushed::factor(&across, Vec3::new(w.y, w.x, w.z)) - expected).abs() < 1e-5, "{w}");
+        assert!((brushed_metal::factor(&across, Vec3::new(w.y, w.x, w.z)) - expected).abs() < 1e-5, "{w}");
     }
 }

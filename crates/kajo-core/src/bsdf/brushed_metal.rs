@@ -8,7 +8,7 @@
 //!
 //! `f` the lobe of perfect mirrors, found by Sinkhorn's iteration; see `energy.rs`. Where facets are rougher one way it depends
 //! on the azimuth too. It is the same in the four quarters, and is tabulated over the cosine, the azimuth in one of
-//! them, the greater roughness, and the lesser one over that, in `brushed.bin`, made by the generator among the tests of
+//! them, the greater roughness, and the lesser one over that, in `brushed_metal.bin`, made by the generator among the tests of
 //! these modules. Interpolated, it keeps energy to 1 %, that of Beckmann's shape at
 //! the end of the range to 2 %; the tables of plain metals, asked for the geometric mean of both
 //! roughnesses, would lose a tenth where one is 0.9 and the other 0.3, and a quarter where one is 1 and the other 0.05.
@@ -31,7 +31,7 @@ pub(super) const ASPECTS: usize = 9;
 pub(super) const OF_SHAPE: usize = COSINES * TURNS * ASPECTS * ALPHAS;
 
 /// Both shapes as 16-bit numbers, little endian.
-const TABLES: &[u8; 4 * OF_SHAPE] = include_bytes!("brushed.bin");
+const TABLES: &[u8; 4 * OF_SHAPE] = include_bytes!("brushed_metal.bin");
 
 /// The factor `s` at the unit direction `w` above the surface.
 pub(super) fn factor(facets: &Microfacets, w: Vec3) -> f32 {
