@@ -19,6 +19,7 @@ mod brushed_clear;
 mod brushed_metal;
 pub mod conductor;
 mod dielectric;
+mod diffuse_normal;
 mod energy;
 pub mod fresnel;
 mod fuzz;
@@ -33,6 +34,7 @@ mod thin;
 
 pub use conductor::{Conductor, MetalFresnel};
 pub use dielectric::Dielectric;
+pub use diffuse_normal::{BumpedDiffuse, DiffuseNormal};
 pub use lambert::Lambert;
 pub use microfacet::Microfacets;
 pub use oren_nayar::OrenNayar;
@@ -52,6 +54,8 @@ pub enum Bsdf {
     Lambert(Lambert),
     /// Rough diffusion.
     OrenNayar(OrenNayar),
+    /// Either of these about a normal that is not that of the frame.
+    BumpedDiffuse(BumpedDiffuse),
     /// Metal.
     Conductor(Conductor),
     /// The boundary of two clear media.
@@ -137,9 +141,10 @@ impl Bsdf {
         match self {
             Bsdf::Lambert(lobe) => lobe.eval(wo, wi),
             Bsdf::OrenNayar(lobe) => lobe.eval(wo, wi),
+            Bsdf::BumpedDiffuse(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Conductor(lobe) => lobe.eval(wo, wi),
             Bsdf::Dielectric(lobe) => lobe.eval(wo, wi, mode),
-            Bsdf::Phong(lobe) => lobe.eval(wo, wi),
+            Bsdf::Phong(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Principled(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::ThinDielectric(lobe) => lobe.eval(wo, wi),
             Bsdf::Null => Spectrum::BLACK,
@@ -155,6 +160,7 @@ impl Bsdf {
         match self {
             Bsdf::Lambert(lobe) => lobe.pdf(wo, wi),
             Bsdf::OrenNayar(lobe) => lobe.pdf(wo, wi),
+            Bsdf::BumpedDiffuse(lobe) => lobe.pdf(wo, wi),
             Bsdf::Conductor(lobe) => lobe.pdf(wo, wi),
             Bsdf::Dielectric(lobe) => lobe.pdf(wo, wi),
             Bsdf::Phong(lobe) => lobe.pdf(wo, wi),
@@ -183,6 +189,7 @@ impl Bsdf {
         match self {
             Bsdf::Lambert(lobe) => lobe.sample(wo, u, uc),
             Bsdf::OrenNayar(lobe) => lobe.sample(wo, u, uc),
+            Bsdf::BumpedDiffuse(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Conductor(lobe) => lobe.sample(wo, u),
             Bsdf::Dielectric(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::ThinDielectric(lobe) => lobe.sample(wo, u, uc),
@@ -213,7 +220,7 @@ impl Bsdf {
     #[inline]
     pub fn is_delta(&self) -> bool {
         match self {
-            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::Principled(_) => false,
+            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::BumpedDiffuse(_) | Bsdf::Principled(_) => false,
             Bsdf::Conductor(lobe) => lobe.is_smooth(),
             Bsdf::Dielectric(lobe) => lobe.is_smooth(),
             Bsdf::Phong(lobe) => lobe.is_delta(),
@@ -227,6 +234,7 @@ impl Bsdf {
     pub fn transmits(&self) -> bool {
         match self {
             Bsdf::Lambert(lobe) => !lobe.transmittance.is_black(),
+            Bsdf::BumpedDiffuse(lobe) => lobe.transmits(),
             Bsdf::Dielectric(lobe) => !lobe.is_smooth(),
             Bsdf::ThinDielectric(lobe) => !lobe.is_polished(),
             Bsdf::Principled(lobe) => lobe.base == Base::Glass,
@@ -241,6 +249,7 @@ impl Bsdf {
         match self {
             Bsdf::Lambert(lobe) => lobe.albedo(),
             Bsdf::OrenNayar(lobe) => lobe.albedo(wo),
+            Bsdf::BumpedDiffuse(lobe) => lobe.albedo(wo),
             Bsdf::Conductor(lobe) => lobe.albedo(wo),
             Bsdf::Dielectric(lobe) => lobe.albedo(wo),
             Bsdf::ThinDielectric(lobe) => lobe.albedo(wo),

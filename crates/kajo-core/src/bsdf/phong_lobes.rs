@@ -14,6 +14,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 use kajo_color::Spectrum;
 use kajo_math::{Frame, Vec2, Vec3, fmath, warp};
 
+use super::diffuse_normal::DiffuseNormal;
 use super::{BsdfSample, Phong, ScatterKind, Transport, fresnel, same_side, upright};
 
 /// Diffuse and glossy reflection, a mirror, and clear transmission.
@@ -27,6 +28,7 @@ pub struct PhongLobes {
     eta: f32,
     /// Probabilities of diffuse and specular lobe and the mirror; the rest is transmission.
     share: [f32; 3],
+    diffuse_normal: DiffuseNormal,
 }
 
 impl From<&Phong> for PhongLobes {
@@ -40,7 +42,17 @@ impl From<&Phong> for PhongLobes {
         let sum: f32 = weights.iter().sum();
         let share = [0, 1, 2].map(|i| if sum > 0.0 { weights[i] / sum } else { 0.0 });
         let exponent = phong.exponent.clamp(0.0, 1e6);
-        PhongLobes { diffuse, specular, reflective, transparent, exponent, eta: phong.eta, share }
+        let diffuse_normal = DiffuseNormal::SAME;
+        PhongLobes {
+            diffuse,
+            specular,
+            reflective,
+            transparent,
+            exponent,
+            eta: phong.eta,
+            share,
+            diffuse_normal,
+        }
     }
 }
 
@@ -50,6 +62,15 @@ impl PhongLobes {
     pub fn within(mut self, eta_outside: f32) -> PhongLobes {
         self.eta /= eta_outside;
         self
+    }
+
+    pub(super) fn has_diffuse(&self) -> bool {
+        !self.diffuse.is_black()
+    }
+
+    /// The same with diffuse reflection about another normal.
+    pub(super) fn bumped(self, diffuse_normal: DiffuseNormal) -> PhongLobes {
+        PhongLobes { diffuse_normal, ..self }
     }
 
     pub(super) fn is_delta(&self) -> bool {
@@ -63,13 +84,17 @@ impl PhongLobes {
         if cos > 0.0 { fmath::pow(cos, self.exponent) } else { 0.0 }
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: Transport) -> Spectrum {
         if !same_side(wo, wi) {
             return Spectrum::BLACK;
         }
         let (wo, wi) = upright(wo, wi);
         let glossy = (self.exponent + 2.0) / TAU * self.lobe(wo, wi);
-        (self.diffuse * FRAC_1_PI + self.specular * glossy) * wi.z
+        if self.diffuse_normal == DiffuseNormal::SAME {
+            return (self.diffuse * FRAC_1_PI + self.specular * glossy) * wi.z;
+        }
+        let diffuse = self.diffuse_normal.eval(wo, wi, mode, |_, wi| self.diffuse * (FRAC_1_PI * wi.z));
+        diffuse + self.specular * (glossy * wi.z)
     }
 
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
@@ -78,15 +103,15 @@ impl PhongLobes {
         }
         let (wo, wi) = upright(wo, wi);
         let glossy = (self.exponent + 1.0) / TAU * self.lobe(wo, wi);
-        self.share[0] * wi.z * FRAC_1_PI + self.share[1] * glossy
+        let diffuse_cosine = self.diffuse_normal.directions(wo, wi).map_or(0.0, |(_, wi)| wi.z);
+        self.share[0] * diffuse_cosine * FRAC_1_PI + self.share[1] * glossy
     }
 
     pub(super) fn sample(&self, wo: Vec3, u: Vec2, uc: f32, mode: Transport) -> Option<BsdfSample> {
         let [diffuse, specular, reflective] = self.share;
-        let side = wo.z.signum();
         let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
         let wi = if uc < diffuse {
-            side * warp::cosine_hemisphere(u)
+            self.diffuse_direction(wo, u)?
         } else if uc < diffuse + specular {
             let cos = fmath::pow(1.0 - u.x, 1.0 / (self.exponent + 1.0));
             let sin = (1.0 - cos * cos).max(0.0).sqrt();
@@ -103,7 +128,17 @@ impl PhongLobes {
             return self.refract(wo, 1.0 - (diffuse + specular + reflective), mode);
         };
         let pdf = self.pdf(wo, wi);
-        BsdfSample::new(wi, self.eval(wo, wi) * (1.0 / pdf), pdf, ScatterKind::REFLECTION)
+        BsdfSample::new(wi, self.eval(wo, wi, mode) * (1.0 / pdf), pdf, ScatterKind::REFLECTION)
+    }
+
+    fn diffuse_direction(&self, wo: Vec3, u: Vec2) -> Option<Vec3> {
+        if self.diffuse_normal == DiffuseNormal::SAME {
+            return Some(wo.z.signum() * warp::cosine_hemisphere(u));
+        }
+        let drawn =
+            |_| BsdfSample::new(warp::cosine_hemisphere(u), Spectrum::WHITE, 1.0, ScatterKind::REFLECTION);
+        let BsdfSample { wi, .. } = self.diffuse_normal.sample(Vec3::new(wo.x, wo.y, wo.z.abs()), drawn)?;
+        Some(Vec3::new(wi.x, wi.y, wo.z.signum() * wi.z))
     }
 
     /// The refracted direction, chosen with probability `p`.

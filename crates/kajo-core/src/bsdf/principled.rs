@@ -21,6 +21,7 @@
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3, fmath};
 
+use super::diffuse_normal::DiffuseNormal;
 use super::fuzz::Fuzz;
 use super::gloss::Gloss;
 use super::microfacet::Shape;
@@ -86,6 +87,8 @@ pub struct Principled {
     pub fuzz_color: Spectrum,
     /// Roughness of the fuzz, in [0, 1].
     pub fuzz_roughness: f32,
+    /// Normal of a diffuse base.
+    pub diffuse_normal: DiffuseNormal,
 }
 
 impl Default for Principled {
@@ -105,6 +108,7 @@ impl Default for Principled {
             fuzz: 0.0,
             fuzz_color: white,
             fuzz_roughness: 0.5,
+            diffuse_normal: DiffuseNormal::SAME,
         }
     }
 }
@@ -127,6 +131,15 @@ struct Seen {
 }
 
 impl Principled {
+    pub(super) fn has_diffuse(&self) -> bool {
+        self.base == Base::Diffuse
+    }
+
+    /// The same with a diffuse base about another normal.
+    pub(super) fn bumped(self, diffuse_normal: DiffuseNormal) -> Principled {
+        Principled { diffuse_normal, ..self }
+    }
+
     fn facets(&self) -> Microfacets {
         Microfacets { shape: Shape::Ggx, alpha_x: self.alpha.x, alpha_y: self.alpha.y }.held()
     }
@@ -274,8 +287,9 @@ impl Principled {
             Base::Diffuse if !same_side(wo, wi) => Spectrum::BLACK,
             Base::Diffuse => {
                 let gloss = self.gloss();
-                let below = self.diffuse_base().eval(wo, wi) * (1.0 - self.gloss_kept(&gloss, v));
-                self.gloss_value(&gloss, wo, wi) + below
+                let diffuse =
+                    self.diffuse_normal.eval(wo, wi, mode, |wo, wi| self.diffuse_base().eval(wo, wi));
+                self.gloss_value(&gloss, wo, wi) + diffuse * (1.0 - self.gloss_kept(&gloss, v))
             }
         }
     }
@@ -287,7 +301,10 @@ impl Principled {
             * match self.base {
                 Base::Metal => self.metal().pdf(wo, wi),
                 Base::Glass => self.glass().pdf(wo, wi),
-                Base::Diffuse => self.diffuse_base().pdf(wo, wi),
+                Base::Diffuse => {
+                    let directions = self.diffuse_normal.directions(wo, wi);
+                    directions.map_or(0.0, |(wo, wi)| self.diffuse_base().pdf(wo, wi))
+                }
             };
         if wo.z > 0.0 && wi.z > 0.0 {
             if shares.gloss > 0.0 {
@@ -318,7 +335,7 @@ impl Principled {
         } else {
             let uc = ((uc - matte) / base).min(1.0 - f32::EPSILON);
             let sample = match self.base {
-                Base::Diffuse => self.diffuse_base().sample(wo, u, uc),
+                Base::Diffuse => self.diffuse_normal.sample(wo, |wo| self.diffuse_base().sample(wo, u, uc)),
                 Base::Metal => self.metal().sample(wo, u),
                 Base::Glass => self.glass().sample(wo, u, uc, mode),
             }?;

@@ -14,7 +14,9 @@ use super::{
     Appearance, Appearances, Grain, Interior, MaterialPoint, Materials, Orientation, PhongMaterial,
     ShadingPoint, may_be_polished,
 };
-use crate::bsdf::{self, Base, Bsdf, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape};
+use crate::bsdf::{
+    self, Base, Bsdf, DiffuseNormal, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape,
+};
 use crate::texture::{Paint, Share, SurfaceUv};
 
 /// The least light that a pane lets through, black ones too.
@@ -291,6 +293,7 @@ impl Appearance for LayeredMaterial {
             fuzz: layers.fuzz.at(uv),
             fuzz_color: layers.fuzz_color.at(uv, wavelengths),
             fuzz_roughness: layers.fuzz_roughness.at(uv),
+            diffuse_normal: DiffuseNormal::SAME,
         })
     }
 

@@ -56,4 +56,6 @@ mod limit_tests;
 #[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
+mod relief_tests;
+#[cfg(test)]
 mod tests;

@@ -72,6 +72,11 @@ fn glossy(alpha: f32, eta: f32, factor: f32, weight: f32) -> Bsdf {
     Bsdf::Principled(Principled { color, alpha, eta, specular, ..Principled::default() })
 }
 
+/// The same with its diffuse light scattered about a normal that leans by half a right angle from that of the frame.
+fn bumped(lobe: Bsdf) -> Bsdf {
+    lobe.with_diffuse_normal(Vec3::new(0.5, -0.5, 0.5f32.sqrt()), Vec3::Z).expect("a diffuse part")
+}
+
 /// A family without promises.
 const PLAIN: Family = Family { name: "", lobe: |_| Bsdf::Null, lossless: false, tolerance: 0.003 };
 
@@ -244,6 +249,26 @@ pub fn families() -> Vec<Family> {
             },
             ..PLAIN
         },
+        Family {
+            name: "leaf with a relief",
+            lobe: |r| {
+                let (reflectance, transmittance) = (Spectrum::grey(1.0 - r), Spectrum::grey(r));
+                bumped(Bsdf::Lambert(Lambert { reflectance, transmittance }))
+            },
+            ..PLAIN
+        },
+        Family {
+            name: "clay with a relief",
+            lobe: |r| bumped(Bsdf::OrenNayar(OrenNayar { reflectance: Spectrum::WHITE, roughness: r })),
+            ..PLAIN
+        },
+        Family {
+            name: "peach with a relief",
+            lobe: |a| bumped(layered(Base::Diffuse, a, 0.5, 0.9)),
+            tolerance: 0.1,
+            ..PLAIN
+        },
+        Family { name: "Phong with a relief", lobe: |a| bumped(phong(0.3, 0.5, 0.0, 0.0, a)), ..PLAIN },
         Family { name: "Phong", lobe: |a| phong(0.3, 0.5, 0.0, 0.0, a), ..PLAIN },
         Family { name: "Phong with a mirror and a window", lobe: |a| phong(0.2, 0.3, 0.2, 0.3, a), ..PLAIN },
     ]

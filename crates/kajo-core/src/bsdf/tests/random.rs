@@ -47,6 +47,7 @@ fn layers() -> impl Strategy<Value = Principled> {
             fuzz,
             fuzz_color,
             fuzz_roughness,
+            ..Principled::default()
         }
     })
 }

@@ -105,7 +105,9 @@ impl Subpath<'_> {
         let state = &mut self.state;
         let (u, choice) = (state.draws.next_2d(), state.draws.next_1d());
         let local = vertex.local(vertex.wo);
-        let Some(mut sample) = vertex.bsdf.sample(local.wo, u, choice, state.mode) else { return false };
+        let bumped = local.bumped(&vertex.bsdf);
+        let bsdf = bumped.as_ref().unwrap_or(&vertex.bsdf);
+        let Some(mut sample) = bsdf.sample(local.wo, u, choice, state.mode) else { return false };
         let Some(wi) = local.to_world(&sample) else { return false };
         let same_frame = vertex.shading.is_shared(vertex.wo, wi);
         let delta = sample.kind.delta;

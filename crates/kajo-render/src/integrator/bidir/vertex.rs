@@ -70,7 +70,9 @@ impl Vertex {
     /// Scattering of light from `wi` back along a path from the camera, with the cosine of `wi`.
     pub fn gathered(&self, wi: Vec3) -> Spectrum {
         let local = self.local(self.wo);
-        let scattered = |wi: Vec3| self.bsdf.eval(local.wo, wi, Transport::Radiance);
+        let bumped = local.bumped(&self.bsdf);
+        let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
+        let scattered = |wi: Vec3| bsdf.eval(local.wo, wi, Transport::Radiance);
         local.to_local(wi).map_or(Spectrum::BLACK, scattered)
     }
 
@@ -78,7 +80,9 @@ impl Vertex {
     pub fn passed_on(&self, wo: Vec3) -> Spectrum {
         let local = self.local(wo);
         let Some(wi) = local.to_local(self.wo) else { return Spectrum::BLACK };
-        self.bsdf.eval(wi, local.wo, Transport::Importance) * self.correction([wi, local.wo], wo)
+        let bumped = local.bumped(&self.bsdf);
+        let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
+        bsdf.eval(wi, local.wo, Transport::Importance) * self.correction([wi, local.wo], wo)
     }
 
     /// The factor for shading normals of light that goes from the light to `wo` [Veach 1997, 5.3.2].
@@ -92,7 +96,9 @@ impl Vertex {
     /// Density per solid angle with which a path that comes from `from` goes on to `to`.
     pub fn pdf(&self, from: Vec3, to: Vec3) -> f32 {
         let local = self.local(from);
-        local.to_local(to).map_or(0.0, |to| self.bsdf.pdf(local.wo, to))
+        let bumped = local.bumped(&self.bsdf);
+        let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
+        local.to_local(to).map_or(0.0, |to| bsdf.pdf(local.wo, to))
     }
 
     /// 0 for the side of `wo`, 1 for the other.

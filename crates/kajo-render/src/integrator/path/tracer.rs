@@ -253,6 +253,8 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
     fn scatter(&mut self, path: &mut CameraPath<'s>, surface: &SurfaceInteraction, bsdf: &Bsdf) -> bool {
         let settings = self.settings;
         let local = LocalFrame::new(&self.scene().shading(&surface.at, surface.u), surface.wo);
+        let bumped = local.bumped(bsdf);
+        let bsdf = bumped.as_ref().unwrap_or(bsdf);
         let is_delta = bsdf.is_delta();
         if self.estimate.albedo.is_none() && self.view.wants_albedo() && !is_delta {
             self.estimate.albedo = Some(bsdf.albedo(local.wo));

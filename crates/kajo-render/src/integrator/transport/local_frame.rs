@@ -1,6 +1,6 @@
 //! Directions at a surface in the frame in which it scatters.
 
-use kajo_core::bsdf::BsdfSample;
+use kajo_core::bsdf::{Bsdf, BsdfSample};
 use kajo_core::shading::Shading;
 use kajo_math::{Frame, Vec3};
 
@@ -12,6 +12,8 @@ pub struct LocalFrame {
     pub wo: Vec3,
     /// Unit geometric normal, outward.
     ng: Vec3,
+    /// The shading normal in the frame, where that was made for another one.
+    diffuse_normal: Option<Vec3>,
 }
 
 impl LocalFrame {
@@ -19,7 +21,17 @@ impl LocalFrame {
     #[inline]
     pub fn new(shading: &Shading, wo: Vec3) -> LocalFrame {
         let frame = shading.frame(wo);
-        LocalFrame { wo: frame.to_local(wo), frame, ng: shading.ng }
+        let is_held = shading.leans && frame.n != shading.n;
+        let diffuse_normal = is_held.then(|| frame.to_local(shading.n));
+        LocalFrame { wo: frame.to_local(wo), frame, ng: shading.ng, diffuse_normal }
+    }
+
+    /// What takes the place of `bsdf` in this frame: where a relief leans so far that the frame was made for a normal held up
+    /// towards the viewer, diffuse light is scattered about the normal of the relief all the same. `None` where `bsdf` holds as it
+    /// is.
+    #[inline]
+    pub fn bumped(&self, bsdf: &Bsdf) -> Option<Bsdf> {
+        bsdf.with_diffuse_normal(self.diffuse_normal?, self.wo)
     }
 
     /// The normal that the surface shows to `wo`.

@@ -13,16 +13,26 @@
 //! *Absorber.* Bodies of index 1 bend nothing, and weaken light by `exp(-sigma d)`; where two overlap, the one of the
 //! higher priority is there.
 //!
+//! *Relief.* A matt surface of albedo `rho` whose normals lean by `a` against parallel light of the irradiance `E` across it
+//! has the radiance `rho/pi E cos(t)` from everywhere, however low, with `t` between the leaning normal and the light.
+//!
 //! *White furnace.* In even light a surface that absorbs nothing is as bright as the light around it, whatever its
 //! roughness. The tables of energy that rough surfaces are completed by are good to a few parts in a thousand.
+
+use std::f64::consts::PI;
 
 use kajo_math::DVec3;
 
 use super::{Form, Parameters, spot_meter, text};
-use crate::selftest::method::{DIRECT, Method, PATH, PATH_LIGHTS, PATH_SCATTERING, PATH_SPECTRAL};
+use crate::selftest::method::{
+    BIDIRECTIONAL, DIRECT, Method, PATH, PATH_LIGHTS, PATH_SCATTERING, PATH_SPECTRAL,
+};
 
 /// What follows glass, and lights behind it that are met.
 const CLEAR: &[Method] = &[PATH, PATH_SPECTRAL, DIRECT];
+
+/// What solves a surface under one light of no size.
+const LIT: &[Method] = &[PATH, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];
 
 /// What follows light through a world of surfaces.
 const FURNACE: &[Method] = &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL];
@@ -41,6 +51,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         }
     }
     forms.extend([absorber(draw), overlapping_absorbers(draw)]);
+    forms.extend([5.0, 20.0, 60.0].map(|elevation| relief(draw, elevation)));
     let roughness = draw.between(0.2, 0.9);
     for (name, material) in [
         ("gold-like metal", format!("Metal m {{ color 1 1 1  roughness {roughness} }}")),
@@ -155,6 +166,38 @@ fn overlapping_absorbers(draw: &mut Parameters) -> Form {
     let (scene, expected) = before_a_wall(draw, &view, &materials, &objects, share);
     let name = format!("S9 overlapping bodies that absorb {first} and {second}, by priority");
     Form::new(name, scene, expected, CLEAR).bounces(8)
+}
+
+/// A floor with a normal map of one texel, under parallel light, seen from this many degrees above.
+fn relief(draw: &mut Parameters, elevation: f64) -> Form {
+    let (rho, irradiance) = (draw.between(0.2, 0.9), draw.between(0.5, 3.0));
+    let light = draw.direction(0.7);
+    let [lean, along, from] = [draw.between(10.0, 40.0), draw.between(0.0, 360.0), draw.between(0.0, 360.0)];
+    let [lean, along, from, elevation_angle] = [lean, along, from, elevation].map(f64::to_radians);
+    // In the numbers of the file, of 16 bits; u is along x and v along -z.
+    let leaning = DVec3::new(lean.sin() * along.cos(), lean.sin() * along.sin(), lean.cos());
+    let texel = leaning.to_array().map(|v| ((0.5 + 0.5 * v) * 65535.0).round());
+    let [nx, ny, nz] = texel.map(|v| v / 65535.0 * 2.0 - 1.0);
+    let n = DVec3::new(nx, nz, -ny).normalize();
+    let viewer = DVec3::new(
+        elevation_angle.cos() * from.cos(),
+        elevation_angle.sin(),
+        elevation_angle.cos() * from.sin(),
+    );
+    let scene = format!(
+        "{}Lights {{ DirectionalLight {{ direction {}  irradiance {irradiance} {irradiance} {irradiance} }} }}\n\
+         Materials {{ Matte m {{ color {rho} {rho} {rho}  normalMap leaning.ppm }} }}\n\
+         Group {{ MaterialIndex m Quad {{ corner -40 0 40  edge1 80 0 0  edge2 0 0 -80 }} }}",
+        spot_meter(3.0 * viewer, DVec3::ZERO),
+        text(-light)
+    );
+    let expected = rho / PI * irradiance * n.dot(light).max(0.0);
+    let name = format!("matt relief seen from {elevation} degrees above");
+    let [r, g, b] = texel;
+    Form::new(name, scene, expected, LIT)
+        .bounces(0)
+        .file("leaning.ppm", format!("P3 1 1 65535 {r} {g} {b}\n"))
+        .rounding(1e-4)
 }
 
 fn furnace(draw: &mut Parameters, name: &str, material: &str) -> Form {
