@@ -192,7 +192,7 @@ impl Scene {
         let usable = density > 0.0 && density.is_finite();
         // A plane without bounds may hide the disk that light from infinitely far passes before the scene.
         let hidden = leaving.at.is_infinite()
-            && !self.unbounded.is_empty()
+            && self.aggregate.has_unbounded()
             && self.occluded(&Ray { time, ..Ray::new(leaving.at.p(), -leaving.d) });
         (usable && !hidden).then_some(leaving)
     }

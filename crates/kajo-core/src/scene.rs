@@ -1,5 +1,6 @@
 //! The compiled scene: everything rays meet, immutable and shared by all threads.
 
+mod accel;
 mod extent;
 mod fitted;
 mod immersion;
@@ -9,7 +10,6 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use kajo_bvh::Bvh;
 use kajo_color::Spectrum;
 use kajo_math::{Aabb, Ray, Transform, Vec2, Vec3, Vec4};
 
@@ -25,13 +25,13 @@ use crate::light::{LightId, LightSampler, Lights};
 use crate::material::{Appearances, MaterialId, MaterialPoint, Materials};
 use crate::medium::Fog;
 use crate::motion::MovingTransform;
-use crate::moving_tree::MovingTree;
-use crate::nested::{Leaf, Nested, NestedPiece};
+use crate::nested::{Leaf, NestedPiece};
 use crate::objects::{Object, Objects};
 use crate::settings::{Rules, Settings};
 use crate::shape::{ShapeId, Shapes, Sphere, Surface};
 use crate::texture::{SurfaceUv, Textures};
 
+pub(crate) use accel::Aggregate;
 pub use extent::Extent;
 pub use fitted::{Fitted, FittedCamera};
 pub use immersion::Immersion;
@@ -152,13 +152,7 @@ pub struct Scene {
     /// Whether the file has a group of objects at all; without one the reference shows the uv picture.
     pub has_group: bool,
     pub(crate) material_numbers: HashMap<MaterialId, u32>,
-    pub(crate) bvh: Bvh,
-    /// A tree over what moves; what is in it is in no other.
-    pub(crate) moving: Option<MovingTree>,
-    /// Instances that are kept nested; what is in them is in no other tree.
-    pub(crate) nested: Option<Nested>,
-    /// Primitives without bounds, tested one by one.
-    pub(crate) unbounded: Vec<ObjectId>,
+    pub(crate) aggregate: Aggregate,
 }
 
 impl Scene {
@@ -197,13 +191,13 @@ impl Scene {
 
     /// How many objects there are, those in nested instances included, each as often as it stands somewhere.
     pub fn object_count(&self) -> u64 {
-        let nested = self.nested.as_ref().map_or(0, |nested| nested.count);
+        let nested = self.aggregate.nested().map_or(0, |nested| nested.count);
         self.primitives.len() as u64 + u64::from(nested)
     }
 
     /// Boxes around all nested instances, none of which [`Scene::primitives`] holds.
     pub fn nested_bounds(&self) -> impl Iterator<Item = Aabb> {
-        self.nested.iter().flat_map(|nested| nested.placement_bounds(&self.shapes))
+        self.aggregate.nested().into_iter().flat_map(|nested| nested.placement_bounds(&self.shapes))
     }
 
     /// Whether light may pass through any part of an object.
@@ -221,7 +215,7 @@ impl Scene {
     ///   boxes; of more than a twelfth of the budget some are left out
     pub fn nested_pieces(&self, cost: impl Fn(ShapeId) -> usize, budget: usize) -> Vec<NestedPiece> {
         let first = self.first_nested();
-        let nested = self.nested.as_ref();
+        let nested = self.aggregate.nested();
         nested.map_or_else(Vec::new, |nested| nested.pieces(&self.shapes, first, cost, budget))
     }
 
@@ -230,7 +224,7 @@ impl Scene {
     /// * `is_wanted`: whether it is about what the item of this number places; see [`Object::placed_by`]
     pub fn nested_objects(&self, is_wanted: impl Fn(u32) -> bool) -> Vec<Range<ObjectId>> {
         let first = self.first_nested();
-        self.nested.as_ref().map_or_else(Vec::new, |nested| nested.objects(first, is_wanted))
+        self.aggregate.nested().map_or_else(Vec::new, |nested| nested.objects(first, is_wanted))
     }
 
     /// The first object in a nested instance.
@@ -240,7 +234,7 @@ impl Scene {
 
     /// An object in a nested instance.
     fn leaf(&self, object: ObjectId) -> Option<Leaf> {
-        self.nested.as_ref()?.find(object.since(self.first_nested())?)
+        self.aggregate.nested()?.find(object.since(self.first_nested())?)
     }
 
     /// The name of an object in a nested instance among all.
@@ -416,9 +410,7 @@ impl Scene {
     pub fn bytes(&self) -> usize {
         let meshes: usize = self.shapes.meshes.iter().map(Surface::heap_bytes).sum();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
-        let moving = self.moving.as_ref().map_or(0, MovingTree::bytes);
-        let nested = self.nested.as_ref().map_or(0, Nested::bytes);
-        meshes + self.bvh.stats().bytes + moving + nested + placed + self.objects.bytes()
+        meshes + self.aggregate.bytes() + placed + self.objects.bytes()
     }
 
     pub(crate) fn world_bounds(&self, primitive: &Primitive) -> Aabb {

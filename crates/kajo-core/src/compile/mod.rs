@@ -42,9 +42,9 @@ pub use self::transform::{OPERATIONS, operations_matrix};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use kajo_bvh::{BuildSettings, Bvh};
+use kajo_bvh::BuildSettings;
 use kajo_color::Spectrum;
-use kajo_math::{Aabb, Transform};
+use kajo_math::Transform;
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
 
 use self::definition::Definition;
@@ -53,14 +53,13 @@ use crate::background::Background;
 use crate::camera::NamedCamera;
 use crate::family::Pooled;
 use crate::glow::VariedEmission;
-use crate::ids::{LightGroup, ObjectId};
+use crate::ids::LightGroup;
 use crate::light::{LightId, Lights};
 use crate::material::{MaterialId, Materials};
 use crate::motion::{MovingTransform, Shutter};
-use crate::moving_tree::MovingTree;
 use crate::nested::Nested;
 use crate::objects::Objects;
-use crate::scene::{Primitive, Scene};
+use crate::scene::{Aggregate, Primitive, Scene};
 use crate::settings::{Dialect, Rules, Settings};
 use crate::shape::{Mesh, ShapeId, Shapes};
 use crate::texture::Textures;
@@ -379,33 +378,15 @@ impl<'a> Compiler<'a> {
             rules: self.rules,
             has_group: rest.has_group,
             material_numbers,
-            bvh: Bvh::default(),
-            moving: None,
-            nested: None,
-            unbounded: Vec::new(),
+            aggregate: Aggregate::default(),
         };
-        if !self.nested.placements.is_empty() {
+        let nested = if self.nested.placements.is_empty() {
+            None
+        } else {
             self.nested.finish(&scene.shapes, &self.options.build);
-            scene.nested = Some(self.nested);
-        }
-        let bounds: Vec<Aabb> = scene.primitives.iter().map(|p| scene.world_bounds(p)).collect();
-        // Trees leave empty boxes out, so what moves and what has no bounds keeps its number and stands aside.
-        let is_unbounded = |i: &ObjectId| !bounds[i.index()].is_finite() && !bounds[i.index()].is_empty();
-        let objects = (0..bounds.len() as u32).map(ObjectId::from_index);
-        let unbounded = objects.filter(is_unbounded).collect();
-        let rests = |p: &Primitive, b: &Aabb| b.is_finite() && !scene.is_moving(p);
-        let resting: Vec<Aabb> = std::iter::zip(&scene.primitives, &bounds)
-            .map(|(p, b)| if rests(p, b) { *b } else { Aabb::EMPTY })
-            .collect();
-        let moving = scene.primitives.iter().any(|p| scene.is_moving(p)).then(|| {
-            let part = |i: usize, part| match bounds[i].is_finite() {
-                true => scene.moving_bounds(&scene.primitives[i], part),
-                false => [Aabb::EMPTY; 2],
-            };
-            MovingTree::build(bounds.len(), part, &self.options.build)
-        });
-        scene.bvh = Bvh::build(&resting, &self.options.build);
-        (scene.unbounded, scene.moving) = (unbounded, moving);
+            Some(self.nested)
+        };
+        scene.aggregate = Aggregate::build(&scene, nested, &self.options.build);
         scene
     }
 }

@@ -74,7 +74,7 @@ fn met(scene: &Scene, ray: &Ray) -> Option<Interaction> {
 #[test]
 fn at_each_moment_things_are_where_they_would_be_at_rest() {
     let moving = moving();
-    assert!(moving.moves() && moving.moving.is_some());
+    assert!(moving.moves() && moving.aggregate.has_moving());
     let mut hits = 0;
     for step in 0..=8u8 {
         let t = f32::from(step) / 8.0;
@@ -231,7 +231,7 @@ fn the_shutter_says_which_part_of_a_motion_is_seen() {
     assert!(sees(&late, 2.0, 0.0) && sees(&late, 2.5, 0.5) && sees(&late, 3.0, 1.0));
     for (shutter, x) in [("shutter 0.5 0.5", 1.0), ("shutter 5 9", 4.0), ("shutter -3 -2", 0.0)] {
         let still = through(shutter);
-        assert!(!still.moves() && still.moving.is_none(), "{shutter}");
+        assert!(!still.moves() && !still.aggregate.has_moving(), "{shutter}");
         assert!([0.0, 0.4, 1.0].iter().all(|&time| sees(&still, x, time)), "{shutter}");
         assert!((still.bounds().center().x - x).abs() < 1e-5);
     }

@@ -5,6 +5,7 @@ use kajo_math::{Ray, Vec3};
 use kajo_scene::{MemoryAssets, MemoryBudget};
 
 use super::*;
+use crate::ids::ObjectId;
 use crate::scene::{Event, Interaction};
 use crate::{NestedPiece, PieceContent};
 
@@ -103,7 +104,7 @@ fn nested_instances_are_the_flat_list_bit_for_bit() {
 /// Compares what rays find in both scenes of a forest.
 fn compare(text: &str, there: Vec3, n: u32) {
     let (flat, nested) = (scene(text, 10_000_000), scene(text, 4_000));
-    assert!(flat.nested.is_none() && flat.primitives.len() == 4 * 6 * (5 * 70 + 1) + 3);
+    assert!(flat.aggregate.nested().is_none() && flat.primitives.len() == 4 * 6 * (5 * 70 + 1) + 3);
     assert_eq!((nested.primitives.len(), nested.object_count()), (3, flat.object_count()));
     assert!(nested.transmits && flat.transmits);
     let (mut hits, mut within, mut passed) = (0, 0, 0);
@@ -211,7 +212,7 @@ fn lights_and_motion_stay_flat_or_are_refused() {
     let twig: String = (0..70).map(|i| format!("Sphere {{ center {i} 0 0 radius 0.4 }} ")).collect();
     let lit = format!("Define twig {{ {twig} MaterialIndex emitter Sphere {{ center 0 1 0 radius 0.1 }} }}");
     let s = scene(&format!("{lit} MaterialIndex 0 {}", "Instance twig ".repeat(4)), 1_000);
-    assert_eq!((s.nested.is_none(), s.light_list.len()), (true, 4));
+    assert_eq!((s.aggregate.nested().is_none(), s.light_list.len()), (true, 4));
     let defined = format!("Define twig {{ {twig} }} Define tree {{ {} }}", "Instance twig ".repeat(4));
     let s =
         scene(&format!("{defined} MaterialIndex 0 Instance tree MaterialIndex emitter Instance twig"), 1_000);

@@ -4,6 +4,7 @@ use kajo_scene::{MemoryAssets, Severity};
 use super::*;
 use crate::bsdf::{Base, Bsdf, Dielectric, ThinDielectric};
 use crate::camera::Camera;
+use crate::ids::ObjectId;
 use crate::scene::Event;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";

@@ -44,8 +44,9 @@ impl Scene {
         let wanted =
             single.filter(|(_, object)| is_wanted(object)).map(|(primitive, _)| self.body(primitive));
         let nested = self
-            .nested
-            .iter()
+            .aggregate
+            .nested()
+            .into_iter()
             .flat_map(|nested| std::iter::zip(&nested.placements, nested.placement_bounds(&self.shapes)));
         // Names within a definition are those of many objects, so what places them is asked for by the first of each.
         let of_nested = |(placement, bounds): (&Placement, Aabb)| {

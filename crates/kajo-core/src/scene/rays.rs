@@ -1,15 +1,15 @@
 //! Rays through a scene: what is the nearest surface, is anything in the way, which are all the crossings.
 //!
-//! Whatever has bounds stands in a tree of boxes, or for rays from and to one point in its [`ItemBuffer`]; what moves and
-//! what is nested have trees of their own, and what has no bounds is tried one by one.
+//! Which objects a ray comes near is for the [`Aggregate`](super::accel::Aggregate) to say; here they are tested.
 
 use kajo_math::Ray;
 
+use super::accel::{ClosestQuery, Visitor};
 use super::{Event, Interaction, Primitive, Scene, rarely};
 use crate::family::Pooled;
 use crate::ids::{ObjectId, PoseId};
 use crate::interaction::Hit;
-use crate::item_buffer::{Between, ItemBuffer};
+use crate::item_buffer::ItemBuffer;
 use crate::nested::Leaf;
 use crate::shape::{Plane, Sphere, Surface};
 
@@ -64,13 +64,7 @@ impl Scene {
 
     /// [`Scene::occluded`] for a ray that ends at the apex of a buffer, which makes it faster.
     pub fn occluded_towards(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> bool {
-        let blocked = self.any(
-            apex,
-            ray,
-            #[inline(always)]
-            |i| self.blocks(i, ray),
-        );
-        blocked || self.any_nested(ray, |leaf| self.leaf_blocks(leaf, ray))
+        self.aggregate.any(apex, ray, &mut Blockers { scene: self, ray })
     }
 
     /// Visits every crossing with things that light may pass through within the ray's range, in no
@@ -81,54 +75,18 @@ impl Scene {
         &self,
         apex: Option<&ItemBuffer>,
         ray: &Ray,
-        mut visit: impl FnMut(ObjectId, Hit) -> bool,
+        visit: impl FnMut(ObjectId, Hit) -> bool,
     ) -> bool {
-        let mut visit_all = |i: ObjectId| {
-            let mut blocked = false;
-            self.each_crossing(i, ray, |hit| blocked = blocked || visit(i, hit));
-            blocked
-        };
-        let blocked = self.any(
-            apex,
-            ray,
-            #[inline(always)]
-            |i| if self.primitives[i.index()].transmits { visit_all(i) } else { self.blocks(i, ray) },
-        );
-        blocked
-            || self.any_nested(ray, |leaf| {
-                if !self.leaf_transmits(leaf) {
-                    return self.leaf_blocks(leaf, ray);
-                }
-                let (mut blocked, object) = (false, self.object_of(leaf));
-                let visit = |hit| blocked = blocked || visit(object, hit);
-                leaf.in_object(ray, |ray| self.shapes.crossings(leaf.shape, ray, visit));
-                blocked
-            })
+        self.aggregate.any(apex, ray, &mut Passages { scene: self, ray, visit })
     }
 
     fn leaf_blocks(&self, leaf: &Leaf, ray: &Ray) -> bool {
         leaf.in_object(ray, |ray| self.shapes.blocks(leaf.shape, ray))
     }
 
-    /// Whether `blocks` is true of any object in nested instances that the ray may meet.
-    #[inline]
-    fn any_nested(&self, ray: &Ray, blocks: impl FnMut(&Leaf) -> bool) -> bool {
-        self.nested.as_ref().is_some_and(|nested| rarely(|| nested.any(ray, blocks)))
-    }
-
     /// Visits every crossing within the ray's range, in no particular order.
-    pub fn crossings(&self, ray: &Ray, mut visit: impl FnMut(ObjectId, Hit)) {
-        let mut each = |i: ObjectId| self.each_crossing(i, ray, |hit| visit(i, hit));
-        self.unbounded.iter().for_each(|&i| each(i));
-        self.bvh.each(ray, |i| each(ObjectId::from_index(i)));
-        if let Some(moving) = &self.moving {
-            moving.each(ray, |i| each(ObjectId::from_index(i)));
-        }
-        self.any_nested(ray, |leaf| {
-            let object = self.object_of(leaf);
-            leaf.in_object(ray, |ray| self.shapes.crossings(leaf.shape, ray, |hit| visit(object, hit)));
-            false
-        });
+    pub fn crossings(&self, ray: &Ray, visit: impl FnMut(ObjectId, Hit)) {
+        self.aggregate.each(ray, &mut Crossings { scene: self, ray, visit });
     }
 
     /// Position, normals and material at a crossing.
@@ -169,27 +127,6 @@ impl Scene {
         }
     }
 
-    /// Whether `blocks` is true of any primitive that the ray may meet, or it is known to be blocked.
-    #[inline]
-    fn any(&self, apex: Option<&ItemBuffer>, ray: &Ray, mut blocks: impl FnMut(ObjectId) -> bool) -> bool {
-        let between = apex.and_then(|apex| apex.between(ray));
-        if matches!(between, Some(Between::Blocked)) || self.unbounded.iter().any(|&i| blocks(i)) {
-            return true;
-        }
-        let blocked = match between {
-            Some(Between::Items(items, farthest)) => {
-                let mut nearer = items.iter().take_while(|item| item.near <= farthest);
-                nearer.any(|item| blocks(item.object))
-            }
-            _ => self.bvh.any(ray, |i| blocks(ObjectId::from_index(i))),
-        };
-        blocked
-            || self
-                .moving
-                .as_ref()
-                .is_some_and(|moving| rarely(|| moving.any(ray, |i| blocks(ObjectId::from_index(i)))))
-    }
-
     /// Finds the nearest hit and writes it and its primitive into `at`; `false` when there is none.
     #[inline]
     fn closest(&self, apex: Option<&ItemBuffer>, ray: &Ray, at: &mut Interaction) -> bool {
@@ -209,30 +146,9 @@ impl Scene {
         let mut nearest = Nearest { scene: self, ahead: *ray, at };
         let mut t_max = ray.t_max;
         if within != ObjectId::NONE {
-            t_max = nearest.consider(within, t_max);
+            t_max = nearest.object(within, t_max);
         }
-        t_max = self.unbounded.iter().fold(t_max, |t_max, &i| nearest.consider(i, t_max));
-        match apex.and_then(|apex| apex.seen_along(ray)) {
-            Some(items) => {
-                for item in items {
-                    if item.near > t_max {
-                        break;
-                    }
-                    t_max = nearest.consider(item.object, t_max);
-                }
-            }
-            None => self.bvh.closest(&ray.over(ray.t_min, t_max), |i, t_max| {
-                nearest.consider(ObjectId::from_index(i), t_max)
-            }),
-        }
-        if let Some(moving) = &self.moving {
-            let ahead = ray.over(ray.t_min, nearest.t_max(ray));
-            rarely(|| moving.closest(&ahead, |i, t_max| nearest.consider(ObjectId::from_index(i), t_max)));
-        }
-        if let Some(nested) = &self.nested {
-            let ahead = ray.over(ray.t_min, nearest.t_max(ray));
-            rarely(|| nested.closest(&ahead, |leaf, t_max| nearest.consider_leaf(leaf, t_max)));
-        }
+        self.aggregate.closest(apex, ray, t_max, &mut nearest);
         nearest.at.object != ObjectId::NONE
     }
 
@@ -322,38 +238,108 @@ struct Nearest<'a> {
     at: &'a mut Interaction,
 }
 
-impl Nearest<'_> {
-    /// Tries a primitive; returns the parameter up to which hits are of interest from here on, which is `t_max` or
-    /// less.
+impl ClosestQuery for Nearest<'_> {
     #[inline(always)]
-    fn consider(&mut self, i: ObjectId, t_max: f32) -> f32 {
-        if i == self.at.object {
+    fn object(&mut self, object: ObjectId, t_max: f32) -> f32 {
+        if object == self.at.object {
             return t_max; // It was tried before all others.
         }
-        let hit = self.scene.hit(i, &self.ahead);
-        self.offer(i, hit, t_max)
+        let hit = self.scene.hit(object, &self.ahead);
+        self.offer(object, hit, t_max)
     }
 
-    /// Tries an object in a nested instance.
-    fn consider_leaf(&mut self, leaf: &Leaf, t_max: f32) -> f32 {
+    fn leaf(&mut self, leaf: &Leaf, t_max: f32) -> f32 {
         let hit = leaf.in_object(&self.ahead, |ray| self.scene.shapes.hit(leaf.shape, ray));
         self.offer(self.scene.object_of(leaf), hit, t_max)
     }
 
+    fn t_max(&self, ray: &Ray) -> f32 {
+        if self.at.object == ObjectId::NONE { ray.t_max } else { self.at.hit.t }
+    }
+}
+
+impl Nearest<'_> {
     /// Keeps a hit that comes before the one so far.
     #[inline(always)]
-    fn offer(&mut self, i: ObjectId, hit: Option<Hit>, t_max: f32) -> f32 {
+    fn offer(&mut self, object: ObjectId, hit: Option<Hit>, t_max: f32) -> f32 {
         let Some(hit) = hit else { return t_max };
-        if self.at.object < i && hit.t == self.at.hit.t {
+        if self.at.object < object && hit.t == self.at.hit.t {
             return t_max;
         }
-        (self.at.object, self.at.hit) = (i, hit);
+        (self.at.object, self.at.hit) = (object, hit);
         self.ahead.t_max = hit.t.next_up();
         hit.t
     }
+}
 
-    /// Up to where hits are of interest along `ray`.
-    fn t_max(&self, ray: &Ray) -> f32 {
-        if self.at.object == ObjectId::NONE { ray.t_max } else { self.at.hit.t }
+/// Whatever is in the way of a ray.
+struct Blockers<'a> {
+    scene: &'a Scene,
+    ray: &'a Ray,
+}
+
+impl Visitor for Blockers<'_> {
+    #[inline(always)]
+    fn object(&mut self, object: ObjectId) -> bool {
+        self.scene.blocks(object, self.ray)
+    }
+
+    fn leaf(&mut self, leaf: &Leaf) -> bool {
+        self.scene.leaf_blocks(leaf, self.ray)
+    }
+}
+
+/// Whatever is in the way of a ray, and all crossings with what light may pass through.
+struct Passages<'a, F> {
+    scene: &'a Scene,
+    ray: &'a Ray,
+    /// Told of a crossing; whether nothing passes there.
+    visit: F,
+}
+
+impl<F: FnMut(ObjectId, Hit) -> bool> Visitor for Passages<'_, F> {
+    #[inline(always)]
+    fn object(&mut self, object: ObjectId) -> bool {
+        let Passages { scene, ray, visit } = self;
+        if !scene.primitives[object.index()].transmits {
+            return scene.blocks(object, ray);
+        }
+        let mut blocked = false;
+        scene.each_crossing(object, ray, |hit| blocked = blocked || visit(object, hit));
+        blocked
+    }
+
+    fn leaf(&mut self, leaf: &Leaf) -> bool {
+        let Passages { scene, ray, visit } = self;
+        if !scene.leaf_transmits(leaf) {
+            return scene.leaf_blocks(leaf, ray);
+        }
+        let (mut blocked, object) = (false, scene.object_of(leaf));
+        let visit = |hit| blocked = blocked || visit(object, hit);
+        leaf.in_object(ray, |ray| scene.shapes.crossings(leaf.shape, ray, visit));
+        blocked
+    }
+}
+
+/// All crossings.
+struct Crossings<'a, F> {
+    scene: &'a Scene,
+    ray: &'a Ray,
+    visit: F,
+}
+
+impl<F: FnMut(ObjectId, Hit)> Visitor for Crossings<'_, F> {
+    #[inline]
+    fn object(&mut self, object: ObjectId) -> bool {
+        let visit = &mut self.visit;
+        self.scene.each_crossing(object, self.ray, |hit| visit(object, hit));
+        false
+    }
+
+    fn leaf(&mut self, leaf: &Leaf) -> bool {
+        let (object, visit) = (self.scene.object_of(leaf), &mut self.visit);
+        let shapes = &self.scene.shapes;
+        leaf.in_object(self.ray, |ray| shapes.crossings(leaf.shape, ray, |hit| visit(object, hit)));
+        false
     }
 }
