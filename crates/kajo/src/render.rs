@@ -11,7 +11,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorKind, Shadows};
 use kajo_image::{BitDepth, Format, Image, ImageError};
 use kajo_render::integrator::{
-    AmbientOcclusion, Bidirectional, BidirectionalSettings, Classic, ClassicSettings, Path, PathSettings,
+    AmbientOcclusionSettings, BidirectionalSettings, ClassicSettings, IntegratorSettings, PathSettings,
 };
 use kajo_render::{
     Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
@@ -300,20 +300,20 @@ pub(crate) fn integrator<'a>(
     settings: &RenderSettings,
     layers: LayerSet,
 ) -> Box<dyn PixelIntegrator + 'a> {
-    let size = settings.size;
+    integrator_settings(settings, layers).prepare(scene, camera, settings.size, layers)
+}
+
+fn integrator_settings(settings: &RenderSettings, layers: LayerSet) -> IntegratorSettings {
     match settings.integrator {
-        IntegratorKind::Classic => {
-            Box::new(Classic::through(camera, scene, light_settings(settings, layers), size, layers))
-        }
+        IntegratorKind::Classic => IntegratorSettings::Classic(light_settings(settings, layers)),
         IntegratorKind::Path | IntegratorKind::Direct | IntegratorKind::Distribution => {
-            Box::new(Path::new(scene, settings.path, size, layers).through(camera))
+            IntegratorSettings::Path(settings.path)
         }
         IntegratorKind::Bidirectional | IntegratorKind::Light => {
-            let settings = bidirectional_settings(settings);
-            Box::new(Bidirectional::new(scene, settings, size, layers).through(camera))
+            IntegratorSettings::Bidirectional(bidirectional_settings(settings))
         }
         IntegratorKind::Occlusion => {
-            Box::new(AmbientOcclusion::new(scene, settings.reach, size, layers).through(camera))
+            IntegratorSettings::AmbientOcclusion(AmbientOcclusionSettings { reach: settings.reach })
         }
     }
 }

@@ -19,16 +19,28 @@ use super::transport::connect;
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, SampleContext};
 
+/// Options of [`AmbientOcclusion`].
+#[derive(Clone, Copy, Debug)]
+pub struct AmbientOcclusionSettings {
+    /// Distance beyond which nothing hides the light; may be infinite.
+    pub reach: f32,
+}
+
 /// The ambient occlusion integrator over one scene and one picture size.
 pub struct AmbientOcclusion<'a> {
     view: CameraView<'a>,
-    reach: f32,
+    settings: AmbientOcclusionSettings,
 }
 
 impl<'a> AmbientOcclusion<'a> {
-    /// * `reach`: distance beyond which nothing hides the light; may be infinite
-    pub fn new(scene: &'a Scene, reach: f32, size: [u32; 2], layers: LayerSet) -> AmbientOcclusion<'a> {
-        AmbientOcclusion { view: CameraView::new(scene, size, layers), reach }
+    /// The integrator for a picture of `size` pixels with these `layers`.
+    pub fn new(
+        scene: &'a Scene,
+        settings: AmbientOcclusionSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> AmbientOcclusion<'a> {
+        AmbientOcclusion { view: CameraView::new(scene, size, layers), settings }
     }
 
     /// The same through another camera than the scene's.
@@ -62,7 +74,7 @@ impl Integrator for AmbientOcclusion<'_> {
         let wo = -ray.d;
         let n = if wo.dot(at.point.n) < 0.0 { -at.point.n } else { at.point.n };
         let wi = Frame::from_normal(n).to_world(warp::cosine_hemisphere(draws.next_2d()));
-        let segment = at.point.ray_towards(wi, self.reach, ray.time, RayOffset::Auto);
+        let segment = at.point.ray_towards(wi, self.settings.reach, ray.time, RayOffset::Auto);
         // Below the true surface of a shading normal there is only that surface.
         let below = wi.dot(at.point.ng) * wo.dot(at.point.ng) < 0.0;
         let open = if below {

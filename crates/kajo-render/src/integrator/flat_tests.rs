@@ -24,7 +24,8 @@ use kajo_scene::MemoryAssets;
 
 use super::tests::{plain, scene_with};
 use super::{
-    AmbientOcclusion, Bidirectional, BidirectionalSettings, Classic, ClassicSettings, Path, PathSettings,
+    AmbientOcclusion, AmbientOcclusionSettings, Bidirectional, BidirectionalSettings, Classic,
+    ClassicSettings, Path, PathSettings,
 };
 use crate::{LayerSet, PixelIntegrator, SampleContext};
 
@@ -249,7 +250,8 @@ fn nothing_flat_hides_the_sky_from_itself() {
                     let path = Path::new(&scene, by_scattering(), [4, 4], empty());
                     check(&format!("path, {what}"), &place, &samples(&path), expected);
                     if name == "matt" {
-                        let occlusion = AmbientOcclusion::new(&scene, f32::INFINITY, [4, 4], empty());
+                        let reach = AmbientOcclusionSettings { reach: f32::INFINITY };
+                        let occlusion = AmbientOcclusion::new(&scene, reach, [4, 4], empty());
                         check(&format!("occlusion, {what}"), &place, &samples(&occlusion), 1.0);
                     }
                     if name == "cut-out" {

@@ -8,15 +8,56 @@ pub mod path;
 mod shadow;
 mod transport;
 
-pub use ambient_occlusion::AmbientOcclusion;
+pub use ambient_occlusion::{AmbientOcclusion, AmbientOcclusionSettings};
 pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use classic::{Classic, ClassicSettings};
 pub use path::{Path, PathSettings};
 
+use kajo_core::camera::Camera;
+use kajo_core::scene::Scene;
 use kajo_math::Vec2;
 
 use crate::trail::{Counting, PathObserver};
-use crate::{PixelIntegrator, PixelSample, SampleContext, Trail};
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
+
+/// All integrators, each with its settings: the one list of them.
+#[derive(Clone, Copy, Debug)]
+pub enum IntegratorSettings {
+    /// How open the surroundings of a surface are.
+    AmbientOcclusion(AmbientOcclusionSettings),
+    /// Light from both ends, or from lights alone.
+    Bidirectional(BidirectionalSettings),
+    /// Recursive ray tracing as in the course.
+    Classic(ClassicSettings),
+    /// Path tracing, distribution ray tracing and direct light.
+    Path(PathSettings),
+}
+
+impl IntegratorSettings {
+    /// The integrator, ready to take samples of a picture of `size` pixels with these `layers`.
+    pub fn prepare<'a>(
+        self,
+        scene: &'a Scene,
+        camera: &'a Camera,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Box<dyn PixelIntegrator + 'a> {
+        match self {
+            IntegratorSettings::AmbientOcclusion(settings) => {
+                Box::new(AmbientOcclusion::new(scene, settings, size, layers).through(camera))
+            }
+            IntegratorSettings::Bidirectional(settings) => {
+                Box::new(Bidirectional::new(scene, settings, size, layers).through(camera))
+            }
+            IntegratorSettings::Classic(settings) => {
+                Box::new(Classic::through(camera, scene, settings, size, layers))
+            }
+            IntegratorSettings::Path(settings) => {
+                Box::new(Path::new(scene, settings, size, layers).through(camera))
+            }
+        }
+    }
+}
 
 /// What all integrators of this family do: take a sample and tell of it. A member is a file with a type that does this.
 pub(crate) trait Integrator: Sync {

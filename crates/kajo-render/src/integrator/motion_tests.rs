@@ -7,7 +7,7 @@ use kajo_math::Vec2;
 use kajo_scene::MemoryAssets;
 
 use super::tests::{plain, scene_with};
-use super::{AmbientOcclusion, Classic, ClassicSettings, Path, PathSettings};
+use super::{AmbientOcclusion, AmbientOcclusionSettings, Classic, ClassicSettings, Path, PathSettings};
 use crate::{Layer, LayerSet, PixelIntegrator, SampleContext};
 
 /// The picture is 40 pixels wide and 20 high; ten of them are one unit.
@@ -117,7 +117,7 @@ fn layers_record_the_motion_in_pixels() {
         let integrators: [Box<dyn PixelIntegrator + '_>; 3] = [
             Box::new(classic(&scene, layers)),
             Box::new(Path::new(&scene, PathSettings::default(), SIZE, layers)),
-            Box::new(AmbientOcclusion::new(&scene, 1.0, SIZE, layers)),
+            Box::new(AmbientOcclusion::new(&scene, AmbientOcclusionSettings { reach: 1.0 }, SIZE, layers)),
         ];
         for integrator in integrators {
             let sampler = Sampler::new(SamplerKind::Uniform, 16);

@@ -10,7 +10,7 @@ use kajo_testkit::Estimate;
 
 use super::*;
 use crate::PixelIntegrator;
-use crate::integrator::ambient_occlusion::AmbientOcclusion;
+use crate::integrator::{AmbientOcclusion, AmbientOcclusionSettings};
 
 /// Black on the left, white on the right.
 const HALF: &[u8] = b"Pf\n2 1\n-1\n\0\0\0\0\0\0\x80\x3f";
@@ -358,7 +358,8 @@ fn lights_shine_through_panes() {
         // The share of the sky that a floor sees through the pane.
         let wide = "corner -900 0.6 -900 edge1 0 0 1800 edge2 1800 0 0";
         let below = scene(&text("").replace("corner -9 0.6 -9 edge1 0 0 18 edge2 18 0 0", wide));
-        let occlusion = AmbientOcclusion::new(&below, 1e5, [1, 1], LayerSet::of(&[]));
+        let occlusion =
+            AmbientOcclusion::new(&below, AmbientOcclusionSettings { reach: 1e5 }, [1, 1], LayerSet::of(&[]));
         let seen = (0..1000).map(|i| (f64::from(i) + 0.5) / 1000.0).map(|cos| 2e-3 * cos * passes(cos));
         let found = mean_of(&occlusion, 4000, 0);
         // Of a coloured pane the luminance counts.

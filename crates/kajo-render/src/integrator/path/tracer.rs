@@ -121,17 +121,16 @@ impl<'s, M> Fork<'s, M> {
     fn take(&mut self, path: &mut CameraPath<'s>) -> Part {
         let (n, i) = (self.branches, self.taken);
         self.taken += 1;
-        let (wavelengths, draws) = (path.state.wavelengths, path.state.draws);
-        *path = self.path;
-        path.state.wavelengths = wavelengths;
-        if n == 1 && i > 0 {
-            path.state.draws = draws;
-        }
+        let own = &self.path.state;
+        let draws = match n {
+            1 if i > 0 => path.state.draws,
+            2.. if i < n => own.draws.split(0, i, n),
+            _ => own.draws,
+        };
+        let state = PathState { wavelengths: path.state.wavelengths, draws, ..*own };
+        *path = CameraPath { state, ..self.path };
         if i == n {
             return Part::Mirror;
-        }
-        if n > 1 {
-            path.state.draws = path.state.draws.split(0, i, n);
         }
         path.state.beta *= 1.0 / n as f32;
         path.is_branch = true;
