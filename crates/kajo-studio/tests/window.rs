@@ -413,6 +413,25 @@ fn a_file_changed_elsewhere_is_read_again_and_mistakes_are_shown_in_place() {
 }
 
 #[test]
+fn mistakes_of_one_line_stand_side_by_side() {
+    let mut window = Window::new();
+    let path = window.path("scene.txt");
+    std::fs::write(&path, SCENE.replace("radius 1.5", "radius 1.5  rubbish 1  nonsense 2")).unwrap();
+    window.wait(|studio| studio.n_errors() > 1);
+    window.press("Text");
+    window.frames(3);
+    let messages: Vec<_> = window.studio().problems.iter().map(|problem| problem.message.clone()).collect();
+    let mut places: Vec<_> =
+        messages.iter().map(|message| window.harness.get_by_label(message).rect()).collect();
+    places.sort_by(|a, b| a.left().total_cmp(&b.left()));
+    assert!(places.len() > 1);
+    for pair in places.windows(2) {
+        assert!(pair[0].right() < pair[1].left(), "{places:?}");
+        assert_eq!(pair[0].top(), pair[1].top());
+    }
+}
+
+#[test]
 fn the_view_can_be_written_into_the_scene() {
     let mut window = Window::new();
     window.harness.key_down(Key::W);

@@ -1,5 +1,6 @@
 //! The text of the scene to be typed in: what is typed is an edit like any other, mistakes are marked at their places.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
@@ -13,7 +14,7 @@ use kajo::{TokenKind, tokens};
 
 use super::completion::{Chosen, CompletionList};
 use super::{problems_panel, theme};
-use crate::state::{Action, Problem, Selection, line_ends};
+use crate::state::{Action, Place, Problem, Selection, line_ends};
 
 /// Room for the numbers of lines, in points.
 const GUTTER: i8 = 46;
@@ -72,9 +73,11 @@ impl TextEditor {
                 number_lines(ui, &editor.galley, editor.galley_pos);
             }
             let rows = Rows { galley: &editor.galley, origin: editor.galley_pos };
-            for problem in problems.iter().filter(|p| p.place.as_ref().is_some_and(|at| at.file == file.name))
-            {
-                rows.mark(ui, problem);
+            let mut ends = HashMap::new();
+            for problem in problems {
+                let Some(place) = problem.place.as_ref().filter(|at| at.file == file.name) else { continue };
+                let end = ends.entry(place.line).or_insert_with(|| rows.rect(place.line - 1).right());
+                *end = rows.mark(ui, problem, place, *end);
             }
             self.visit(ui, &rows, document, (id, file), selection);
             let caret = editor.cursor_range.map(|range| range.primary.index.0);
@@ -194,9 +197,10 @@ impl Rows<'_> {
         row.map_or(Rect::NOTHING, |row| row.rect()).translate(self.origin.to_vec2())
     }
 
-    /// Underlines the place of a problem and says behind its line what it is.
-    fn mark(&self, ui: &mut Ui, problem: &Problem) {
-        let Some(place) = &problem.place else { return };
+    /// Underlines the place of a problem and says behind its line what it is; returns where the words end.
+    ///
+    /// * `after`: where the line ends, and what is said there already
+    fn mark(&self, ui: &mut Ui, problem: &Problem, place: &Place, after: f32) -> f32 {
         let color = problems_panel::color(ui, problem.severity);
         let row = self.rect(place.line - 1);
         let first = self.galley.rows.iter().take(place.line - 1);
@@ -204,13 +208,15 @@ impl Rows<'_> {
         let x = |at: usize| self.origin.x + self.galley.pos_from_cursor(CCursor::new(at)).left();
         ui.painter().hline(x(start)..=x(start + place.width), row.bottom() - 1.0, Stroke::new(1.5, color));
         let text = egui::RichText::new(&problem.message).color(color).font(FONT);
-        let at = row.right_top() + vec2(24.0, 0.0);
+        let at = Pos2::new(after + 24.0, row.top());
         let space = Rect::from_min_size(at, vec2(f32::INFINITY, row.height()));
         let builder = egui::UiBuilder::new().max_rect(space);
         let label = ui.scope_builder(builder, |ui| ui.add(egui::Label::new(text).extend())).inner;
+        let end = label.rect.right();
         if let Some(help) = &problem.help {
             label.on_hover_text(help);
         }
+        end
     }
 }
 
