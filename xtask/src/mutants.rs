@@ -24,7 +24,6 @@ const AREA: &str = "crates/kajo-core/src/light/area.rs";
 const LAMBERT: &str = "crates/kajo-core/src/bsdf/lambert.rs";
 const PHONG: &str = "crates/kajo-core/src/bsdf/phong_lobes.rs";
 const LIGHTING: &str = "crates/kajo-core/src/lighting.rs";
-const EMITTERS: &str = "crates/kajo-core/src/light/emitters.rs";
 const VIEW: &str = "crates/kajo-render/src/integrator/camera_view.rs";
 const CONNECT: &str = "crates/kajo-render/src/integrator/bidir/connect.rs";
 const TRACER: &str = "crates/kajo-render/src/integrator/path/tracer.rs";
@@ -43,27 +42,27 @@ const MUTANTS: [Mutant; 15] = [
     ),
     mutant(
         "the density of a light without that of its choice",
-        EMITTERS,
-        "sample.pdf *= probability;",
-        "sample.pdf *= 0.0 * probability + 1.0;",
+        STEPS,
+        "pdf: li.pdf * probability }",
+        "pdf: li.pdf * (0.0 * probability + 1.0) }",
     ),
     mutant(
         "half the density of a light that was met",
-        EMITTERS,
-        "{ probability * light.pdf(from, p, n, time) }",
-        "{ 0.5 * probability * light.pdf(from, p, n, time) }",
+        LIGHTING,
+        "probability * self.lights.pdf_li(self.light_sampler.id(light), to, at, wi)",
+        "0.5 * probability * self.lights.pdf_li(self.light_sampler.id(light), to, at, wi)",
     ),
     mutant(
         "half the density of a direction to a light that was drawn",
         TRACER,
-        "power_heuristic(drawn.pdf, directions::pdf(settings.directions, bsdf, local.wo, wi))",
-        "power_heuristic(drawn.pdf, 0.5 * directions::pdf(settings.directions, bsdf, local.wo, wi))",
+        "power_heuristic(pdf, directions::pdf(settings.directions, bsdf, local.wo, wi))",
+        "power_heuristic(pdf, 0.5 * directions::pdf(settings.directions, bsdf, local.wo, wi))",
     ),
     mutant(
         "a place of an emitter gives the light of the whole",
-        LIGHTING,
-        "self.radiance_of_place(varied, &sample.target, to.time, wavelengths)",
-        "self.radiance_of_place(varied, &Target::Infinity, to.time, wavelengths)",
+        AREA,
+        "Some(varied) => surfaces.radiance(self, varied, p, time, wavelengths),",
+        "Some(varied) => {\n                let _ = (varied, p, time, surfaces);\n                self.emission.at(wavelengths)\n            }",
     ),
     mutant(
         "rays start on the mesh that they leave",
@@ -83,8 +82,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "lights stay where they were when the shutter opened",
         AREA,
-        "Some(drift) => self.patch.sample_moved(&drift.map_at(time), p, u)?,",
-        "Some(_) => self.patch.sample(p, u)?,",
+        "Some(drift) => self.patch.sample_moved(&drift.map_at(to.time), to.p, u)?,",
+        "Some(_) => self.patch.sample(to.p, u)?,",
     ),
     mutant(
         "the shutter closes half-way",
