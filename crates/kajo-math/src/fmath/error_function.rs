@@ -2,7 +2,7 @@
 
 use super::exp;
 
-/// The error function, `2/sqrt(pi)` times the integral of `exp(-t^2)` from 0 to `x`, within 1 ulp.
+/// The error function, `2/sqrt(pi)` times the integral of `exp(-t^2)` from 0 to `x`, within 1.44 ulp.
 ///
 /// `x + x P(x²)` up to 0.92, and `1 - exp(-Q(x))` beyond; from 3.92 on it is 1.
 #[inline]

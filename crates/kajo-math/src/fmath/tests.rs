@@ -139,8 +139,8 @@ fn logarithm_is_within_an_ulp() {
 }
 
 #[test]
-fn error_function_is_within_a_little_more_than_an_ulp() {
-    check("erf", 1.2, erf, erf64);
+fn error_function_is_within_one_and_a_half_ulp() {
+    check("erf", 1.44, erf, erf64);
 }
 
 #[test]
