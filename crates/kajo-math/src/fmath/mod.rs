@@ -5,7 +5,7 @@
 //!
 //! Those of single precision are made of `+ - * /` and square root in single precision and of operations on the bits of 32-bit
 //! numbers, nothing else: vector lanes and graphics cards can compute the same. Tables are a few numbers, and choices are
-//! [`select`], but for arguments that are rare. Each states its largest error in units in the last place (ulp), from which the tests
+//! `select`, but for arguments that are rare. Each states its largest error in units in the last place (ulp), from which the tests
 //! let none depart. Those of double precision, whose names end in `64`, are the functions of the crate `libm`.
 //!
 //! Where rounding would cost too much, a number is cut in two of at most 12 bits each, whose products are exact, since the
