@@ -16,7 +16,7 @@ use kajo::{BitDepth, Format, ImageError, Picture, View};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, Work};
-use crate::job::{Destination, Output};
+use crate::output::{Destination, Output};
 
 /// How long to wait before another attempt.
 const PAUSES: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(2)];

@@ -5,10 +5,12 @@ mod commands;
 mod console;
 mod failure;
 mod gallery;
+mod guard;
 mod interrupt;
 mod job;
 mod json;
 mod keep;
+mod output;
 mod passes;
 mod progress;
 mod shortage;
@@ -21,7 +23,7 @@ use failure::Failure;
 use interrupt::Interrupt;
 
 fn main() -> ExitCode {
-    ExitCode::from(failure::guarded(run))
+    ExitCode::from(guard::guarded(run))
 }
 
 fn run() -> Result<(), Failure> {

@@ -12,7 +12,6 @@ use kajo_math::fmath;
 use crate::gamut::{ACES2065, ACESCG, SRGB};
 use crate::matrix::{Matrix3, apply_f32};
 use crate::srgb;
-use crate::tone::unit;
 
 const AP0_FROM_SRGB: Matrix3 = ACES2065.from(&SRGB);
 const AP1_FROM_AP0: Matrix3 = ACESCG.from(&ACES2065);
@@ -26,7 +25,7 @@ pub(crate) fn display(rgb: [f32; 3]) -> [f32; 3] {
     let rendered = saturate(apply_f32(&AP1_FROM_AP0, aces.map(|v| v.max(0.0))).map(|v| v.max(0.0)), 0.96);
     let nits = rendered.map(|v| SCREEN.at(REFERENCE.at(v)));
     let shown = dim_room(nits.map(|v| (v - BLACK_NITS) / (WHITE_NITS - BLACK_NITS)));
-    apply_f32(&SRGB_FROM_AP1, saturate(shown, 0.93)).map(|v| srgb::encode(unit(v)))
+    apply_f32(&SRGB_FROM_AP1, saturate(shown, 0.93)).map(|v| srgb::encode(srgb::unit(v)))
 }
 
 /// Mixes `rgb` of AP1 with its luminance.

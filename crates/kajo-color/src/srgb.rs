@@ -12,6 +12,11 @@ pub fn decode(display: f32) -> f32 {
     if display <= 0.040_45 { display / 12.92 } else { fmath::pow((display + 0.055) / 1.055, 2.4) }
 }
 
+/// `v` held to [0, 1]; what is not a number is 0.
+pub(crate) fn unit(v: f32) -> f32 {
+    if v > 0.0 { v.min(1.0) } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

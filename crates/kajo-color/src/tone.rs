@@ -20,6 +20,7 @@
 use kajo_math::fmath;
 
 use crate::matrix::{Matrix3, apply_f32, inverse};
+use crate::srgb::unit;
 use crate::{aces, srgb};
 
 /// How linear light is shown.
@@ -69,11 +70,6 @@ impl Tone {
 /// The factor of an exposure in stops: `2^stops`.
 pub fn exposure(stops: f32) -> f32 {
     fmath::exp(stops * std::f32::consts::LN_2)
-}
-
-/// `v` held to [0, 1]; what is not a number is 0.
-pub(crate) fn unit(v: f32) -> f32 {
-    if v > 0.0 { v.min(1.0) } else { 0.0 }
 }
 
 /// `v` held to what half floats can hold; what is not a number is 0.

@@ -1,7 +1,6 @@
-//! Picture files: which format a name or a file's first bytes mean, and the way there.
+//! Pictures to the bytes of files and back, whatever the format.
 
 use std::borrow::Cow;
-use std::fmt;
 use std::io::Cursor;
 
 use ::image::codecs::{bmp::BmpEncoder, hdr::HdrEncoder, pnm, tga::TgaEncoder};
@@ -11,150 +10,7 @@ use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Image
 use crate::contained::contained;
 use crate::exr::{ExrLayer, ExrPicture};
 use crate::quantise::clamp_or_zero;
-use crate::{BitDepth, DecodeLimits, Image, ImageError, Quantiser, exr, pfm, png};
-
-/// A picture file format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Format {
-    /// Portable Network Graphics, 8 or 16 bits.
-    Png,
-    /// OpenEXR, floats.
-    Exr,
-    /// Truevision TGA, 8 bits.
-    Tga,
-    /// Windows bitmap, 8 bits, without alpha when written.
-    Bmp,
-    /// Portable pixmap or greymap, 8 bits when written.
-    Ppm,
-    /// Portable float map.
-    Pfm,
-    /// Radiance HDR: three mantissas of 8 bits with one exponent.
-    Hdr,
-    /// JPEG, which is read and not written: it keeps no pixel as it is.
-    Jpeg,
-    /// WebP, which is read and not written.
-    WebP,
-}
-
-impl Format {
-    /// All formats that are written.
-    pub const ALL: [Self; 7] = [Self::Png, Self::Exr, Self::Tga, Self::Bmp, Self::Ppm, Self::Pfm, Self::Hdr];
-
-    /// The format of files that end in `.extension`, in any case, of those that are written.
-    pub fn from_extension(extension: &str) -> Option<Self> {
-        Some(match extension.to_ascii_lowercase().as_str() {
-            "png" => Self::Png,
-            "exr" => Self::Exr,
-            "tga" => Self::Tga,
-            "bmp" | "dib" => Self::Bmp,
-            "ppm" | "pgm" | "pbm" | "pnm" => Self::Ppm,
-            "pfm" => Self::Pfm,
-            "hdr" | "pic" | "rgbe" => Self::Hdr,
-            _ => return None,
-        })
-    }
-
-    /// The usual ending of such files.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Exr => "exr",
-            Self::Tga => "tga",
-            Self::Bmp => "bmp",
-            Self::Ppm => "ppm",
-            Self::Pfm => "pfm",
-            Self::Hdr => "hdr",
-            Self::Jpeg => "jpg",
-            Self::WebP => "webp",
-        }
-    }
-
-    /// The format a file's first bytes name. TGA has no such bytes.
-    pub fn from_magic(bytes: &[u8]) -> Option<Self> {
-        Some(match bytes {
-            [0x89, b'P', b'N', b'G', ..] => Self::Png,
-            [0x76, 0x2f, 0x31, 0x01, ..] => Self::Exr,
-            [b'#', b'?', ..] => Self::Hdr,
-            [0xff, 0xd8, 0xff, ..] => Self::Jpeg,
-            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Self::WebP,
-            // Six bytes on there are two zeros.
-            [b'B', b'M', _, _, _, _, 0, 0, ..] => Self::Bmp,
-            [b'P', b'F' | b'f', ..] => Self::Pfm,
-            [b'P', b'1'..=b'7', ..] => Self::Ppm,
-            _ => return None,
-        })
-    }
-
-    /// Whether the file holds floats, linear and unclamped, rather than numbers for a screen.
-    pub fn is_float(self) -> bool {
-        matches!(self, Self::Exr | Self::Pfm | Self::Hdr)
-    }
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Png => "PNG",
-            Self::Exr => "OpenEXR",
-            Self::Tga => "TGA",
-            Self::Bmp => "BMP",
-            Self::Ppm => "PPM",
-            Self::Pfm => "PFM",
-            Self::Hdr => "Radiance HDR",
-            Self::Jpeg => "JPEG",
-            Self::WebP => "WebP",
-        })
-    }
-}
-
-/// How a picture is written. Formats take from it what they can hold: float formats ignore
-/// the quantiser, only PNG has 16 bits, only PNG and OpenEXR have text.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct EncodeOptions {
-    /// Bits per sample in PNG.
-    pub depth: BitDepth,
-    /// From floats to whole numbers.
-    pub quantiser: Quantiser,
-    /// Write red, green, blue and an alpha of 1, whatever channels the picture has; this
-    /// is what the classic ray tracer writes. For PNG and TGA.
-    pub opaque_alpha: bool,
-    /// Remarks: keyword and text.
-    pub text: Vec<(String, String)>,
-}
-
-impl EncodeOptions {
-    /// The stored numbers of `image`, in its own order; alpha takes no curve.
-    pub(crate) fn quantise(&self, image: &Image) -> Vec<u16> {
-        let channels = image.channels();
-        let colours = if channels.is_multiple_of(2) { channels - 1 } else { channels };
-        let mut samples = Vec::with_capacity(image.data().len());
-        for pixel in image.pixels() {
-            let (colour, alpha) = pixel.split_at(colours);
-            samples.extend(colour.iter().map(|&v| self.quantiser.colour(v, self.depth)));
-            samples.extend(alpha.iter().map(|&v| self.quantiser.linear(v, self.depth)));
-        }
-        samples
-    }
-
-    fn bytes(&self, image: &Image) -> Vec<u8> {
-        let eight = Self { depth: BitDepth::Eight, ..self.clone() };
-        eight.quantise(image).iter().map(|&v| v as u8).collect()
-    }
-}
-
-/// A picture read from a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Decoded {
-    /// What the file was.
-    pub format: Format,
-    /// The numbers as stored: whole numbers divided by their maximum, floats as they are.
-    /// Of an OpenEXR file, the picture a viewer would show.
-    pub image: Image,
-    /// Bits per sample in the file; `None` for floats.
-    pub depth: Option<BitDepth>,
-    /// Remarks: keyword and text.
-    pub text: Vec<(String, String)>,
-}
+use crate::{BitDepth, DecodeLimits, Decoded, EncodeOptions, Format, Image, ImageError, exr, pfm, png};
 
 /// The bytes of a picture file.
 ///
@@ -341,7 +197,7 @@ fn by_fault(format: Format, limits: &DecodeLimits, error: ::image::ImageError) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Transfer;
+    use crate::{Quantiser, Transfer};
 
     fn picture<const N: usize>() -> Image {
         Image::from_fn::<N>(7, 5, |x, y| {

@@ -11,7 +11,10 @@
 
 mod codec;
 mod contained;
+mod decoded;
+mod encode_options;
 mod error;
+mod format;
 mod image;
 mod limits;
 mod quantise;
@@ -24,9 +27,12 @@ pub mod metrics;
 pub mod pfm;
 pub mod png;
 
-pub use codec::{Decoded, EncodeOptions, Format, decode, encode};
+pub use codec::{decode, encode};
 pub use contained::is_contained;
+pub use decoded::Decoded;
+pub use encode_options::EncodeOptions;
 pub use error::ImageError;
+pub use format::Format;
 pub use image::{Image, Rect};
 pub use limits::DecodeLimits;
 pub use quantise::{BitDepth, Quantiser, Rounding, Transfer};

@@ -8,6 +8,7 @@ pub mod context;
 pub mod film;
 pub mod integrator;
 pub mod order;
+mod ray_counters;
 pub mod rect;
 pub mod sample;
 pub mod schedule;
@@ -16,8 +17,9 @@ pub mod trail;
 pub use context::{Auxiliary, SampleContext, Splats};
 pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap};
 pub use kajo_core::light::MAX_LIGHT_GROUPS;
+pub use ray_counters::RayCounters;
 pub use rect::Rect;
-pub use sample::{FirstHit, PixelIntegrator, PixelSample, RayCounters};
+pub use sample::{FirstHit, PixelIntegrator, PixelSample};
 pub use schedule::{
     FailedUnit, Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Silent, Unit, render,
     render_passes, render_unit,

@@ -1,7 +1,5 @@
 //! What one camera ray brings to the film, and who casts it.
 
-use std::ops::AddAssign;
-
 use kajo_math::{Vec2, Vec3};
 
 use crate::{SampleContext, Trail};
@@ -44,40 +42,5 @@ pub trait PixelIntegrator: Sync {
     /// The same sample with all its rays, where the integrator tells of them.
     fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
         (self.sample(ctx, pixel, raster), Trail::default())
-    }
-}
-
-/// Rays cast, by what they were for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RayCounters {
-    /// From the camera.
-    pub camera: u64,
-    /// From a light.
-    pub light: u64,
-    /// Towards a light, or between two paths.
-    pub shadow: u64,
-    /// Mirrored at a surface.
-    pub reflected: u64,
-    /// Refracted through a surface.
-    pub refracted: u64,
-    /// Not cast, since paths of one sample had forked too often.
-    pub left_out: u64,
-}
-
-impl RayCounters {
-    /// Rays of every kind that were cast.
-    pub fn total(&self) -> u64 {
-        self.camera + self.light + self.shadow + self.reflected + self.refracted
-    }
-}
-
-impl AddAssign for RayCounters {
-    fn add_assign(&mut self, other: RayCounters) {
-        self.camera += other.camera;
-        self.light += other.light;
-        self.shadow += other.shadow;
-        self.reflected += other.reflected;
-        self.refracted += other.refracted;
-        self.left_out += other.left_out;
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::assets::AssetError;
 use crate::limits::Limits;
-use crate::line_reader::MeshFileError;
+use crate::mesh_file_error::MeshFileError;
 use std::io::{ErrorKind, Read};
 
 /// A stream of bytes with a buffer in front.

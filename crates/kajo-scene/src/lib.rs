@@ -39,6 +39,7 @@ mod limits;
 mod line_reader;
 mod memory_budget;
 mod mesh_file;
+mod mesh_file_error;
 mod mtl;
 mod nearest;
 mod obj;
@@ -70,9 +71,9 @@ pub use gltf::{
 pub use ies::{IesError, IesFile, read_ies};
 pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};
 pub use limits::Limits;
-pub use line_reader::{FileMistake, MeshFileError};
 pub use memory_budget::{MemoryBudget, MemoryShare, OverBudget, in_words};
 pub use mesh_file::{MeshFormat, read_mesh};
+pub use mesh_file_error::{FileMistake, MeshFileError};
 pub use mtl::{MtlFile, MtlMap, MtlMapUse, MtlMaterial, read_mtl};
 pub use nearest::nearest;
 pub use obj::read_obj;

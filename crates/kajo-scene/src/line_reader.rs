@@ -1,99 +1,16 @@
-//! Lines of mesh and material files, and mistakes in them.
+//! Lines of mesh and material files.
 //!
 //! A line ends in `\n`, `\r\n` or `\r`; one that ends in `\` goes on in the
 //! next. Lines are borrowed from the read buffer, which grows to the longest
 //! line seen and never beyond [`Limits::line_bytes`].
 
-use crate::assets::AssetError;
 use crate::byte_reader::ByteReader;
-use crate::diagnostic::{Diagnostic, quoted};
+use crate::diagnostic::quoted;
 use crate::limits::Limits;
-use crate::memory_budget::OverBudget;
-use crate::source::{Sources, Span, floor_char_boundary};
+use crate::mesh_file_error::{FileMistake, MeshFileError};
+use crate::source::floor_char_boundary;
 use crate::text_encoding::{UTF_16, is_utf16};
 use std::io::Read;
-
-/// A mesh or material file that could not be used.
-#[derive(Debug, thiserror::Error)]
-pub enum MeshFileError {
-    /// The file could not be read.
-    #[error("cannot read `{path}`: {source}")]
-    Read {
-        /// The file.
-        path: String,
-        /// Why not.
-        source: AssetError,
-    },
-    /// What it describes needs more memory than is left.
-    #[error("cannot read `{path}`: {source}")]
-    Memory {
-        /// The file.
-        path: String,
-        /// How much is asked for, and how much is left.
-        source: OverBudget,
-    },
-    /// The file could be read but holds a mistake.
-    #[error(transparent)]
-    Mistake(Box<FileMistake>),
-    /// The same, where there are no lines.
-    #[error("{path}: byte {byte}: {message}")]
-    Bytes {
-        /// The file.
-        path: String,
-        /// Bytes before the mistake.
-        byte: u64,
-        /// What was found and what was expected.
-        message: String,
-    },
-    /// The same, where the message says the place in the file's own terms.
-    #[error("{path}: {message}")]
-    Content {
-        /// The file.
-        path: String,
-        /// What was found and what was expected.
-        message: String,
-    },
-}
-
-/// A mistake at a place of a file that is not kept in memory.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{path}:{line}:{column}: {message}")]
-pub struct FileMistake {
-    /// The file.
-    pub path: String,
-    /// Line, from 1.
-    pub line: usize,
-    /// Character in the line, from 1.
-    pub column: usize,
-    /// What was found and what was expected.
-    pub message: String,
-    /// The line, cut if long.
-    text: String,
-    /// The place, in bytes of `text`.
-    place: (u32, u32),
-}
-
-impl MeshFileError {
-    /// The error as a message with the line it is about, which is added to
-    /// `sources`; `named_at` is where the scene names the file.
-    pub fn to_diagnostic(&self, sources: &mut Sources, named_at: Option<Span>) -> Diagnostic {
-        let diagnostic = match self {
-            MeshFileError::Read { .. }
-            | MeshFileError::Memory { .. }
-            | MeshFileError::Bytes { .. }
-            | MeshFileError::Content { .. } => Diagnostic::error(self.to_string()),
-            MeshFileError::Mistake(mistake) => {
-                let source = sources.add_excerpt(&mistake.path, &mistake.text, mistake.line);
-                let (start, end) = mistake.place;
-                Diagnostic::error(&mistake.message).label(Span { source, start, end }, "")
-            }
-        };
-        match named_at {
-            Some(span) => diagnostic.label(span, "the file is named here"),
-            None => diagnostic,
-        }
-    }
-}
 
 /// One line, its continuations included.
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use crate::assets::AssetFile;
 use crate::foreign::{HEAD_BYTES, foreign_file};
 use crate::limits::Limits;
-use crate::line_reader::MeshFileError;
+use crate::mesh_file_error::MeshFileError;
 use crate::obj::read_obj;
 use crate::ply::read_ply;
 use crate::stl::read_stl;

@@ -9,7 +9,8 @@
 //! named with its line in [`MtlFile::skipped`].
 
 use crate::limits::Limits;
-use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
+use crate::line_reader::{Field, Fields, Line, LineReader};
+use crate::mesh_file_error::MeshFileError;
 use crate::read_memory::ReadMemory;
 use crate::skipped::Skipped;
 use std::io::Read;

@@ -17,8 +17,9 @@
 //! 0 to 255. Vertices without one are white.
 
 use crate::limits::Limits;
-use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
+use crate::line_reader::{Field, Fields, Line, LineReader};
 use crate::memory_budget::OverBudget;
+use crate::mesh_file_error::MeshFileError;
 use crate::read_memory::ReadMemory;
 use crate::tri_mesh::{Corners, MeshReport, NO_INDEX, TriMesh};
 use crate::triangulate::triangulate;

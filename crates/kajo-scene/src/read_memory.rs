@@ -1,7 +1,7 @@
 //! Memory of a file that is being read: taken from the scene's budget before lists grow.
 
-use crate::line_reader::MeshFileError;
 use crate::memory_budget::{MemoryBudget, MemoryShare, OverBudget};
+use crate::mesh_file_error::MeshFileError;
 
 /// What lists of one reader hold; given back to the budget when the reader is done.
 ///

@@ -19,7 +19,8 @@
 
 use crate::byte_reader::ByteReader;
 use crate::limits::Limits;
-use crate::line_reader::{Fields, Line, LineReader, MeshFileError};
+use crate::line_reader::{Fields, Line, LineReader};
+use crate::mesh_file_error::MeshFileError;
 use crate::read_memory::ReadMemory;
 use crate::text_encoding::is_utf16;
 use crate::tri_mesh::{MeshReport, NO_INDEX, TriMesh};

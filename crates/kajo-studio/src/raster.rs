@@ -11,6 +11,7 @@ mod buffers;
 mod canvas;
 mod pipelines;
 mod targets;
+mod vertices;
 
 use std::ops::Range;
 
@@ -20,9 +21,10 @@ use kajo::preview::Preview;
 use kajo_math::{DMat3, Mat4, Vec3};
 use wgpu::util::DeviceExt as _;
 
-use buffers::{LineInstance, SceneBuffers};
+use buffers::SceneBuffers;
 use pipelines::Pipelines;
 use targets::Targets;
+use vertices::LineInstance;
 
 pub use canvas::{Canvas, Sheet};
 

@@ -36,12 +36,12 @@ use kajo::session::{Job, Status};
 use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View, suitable_size};
 use kajo_math::{Aabb, DVec3, Vec3};
 
-pub use action::Action;
-pub use asking::{Answer, Cause, Question};
+pub use action::{Action, Answer, Compare};
+pub use asking::{Cause, Question};
 pub use handling::{GIZMOS, Grip, Handles};
 pub use histogram::{BINS, Histogram, stops_of};
 pub use navigation::{Held, Navigation};
-pub use pictures::{Apart, Compare, Kept, Pictures, effort};
+pub use pictures::{Apart, Kept, Pictures, effort};
 pub use problems::{Place, Problem, problems};
 pub use rays::{Rays, color as ray_color, kind_name as ray_kind, legend as ray_legend};
 pub use recovery::LeftOver;

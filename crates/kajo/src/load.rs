@@ -1,64 +1,16 @@
 //! From a file to a scene ready to be rendered, with everything there is to say about it.
 
-use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use kajo_core::compile::{CompileOptions, compile};
+use kajo_core::compile::compile;
 use kajo_core::scene::Scene;
-use kajo_core::settings::Dialect;
 use kajo_scene::{
     Assets, Diagnostic, Diagnostics, Limits, MemoryBudget, Parsed, READ_FORMATS, SceneDesc, Sources,
     one_line, render,
 };
 
-use crate::model_scene::{ModelFile, ModelOptions};
-use crate::{FsAssets, LoadProgress, memory};
-
-/// What is known about a scene before it is read.
-#[derive(Clone, Debug, Default)]
-pub struct LoadOptions {
-    /// The dialect, where it is not to be the scene's own choice.
-    pub dialect: Option<Dialect>,
-    /// Folders besides the scene's own whose files it may name.
-    pub folders: Vec<PathBuf>,
-    /// Whether it may name any file at all.
-    pub allow_outside: bool,
-    /// Bounds on what it may demand; those on memory are the following.
-    pub limits: Limits,
-    /// Bytes that all of the scene may take; `None` for what the system has left.
-    pub memory: Option<u64>,
-    /// The name of the camera that takes the picture; the last one of the scene without.
-    pub camera: Option<String>,
-    /// Width of the picture over its height, for cameras that fit something into it, where the scene is not to say it.
-    pub aspect: Option<f64>,
-    /// How a model that is no scene is shown.
-    pub model: ModelOptions,
-    /// Whether cameras of models come before those of the scene: so for a model that is no scene.
-    pub model_cameras_first: bool,
-    /// Who hears how far it is.
-    pub progress: Option<Arc<dyn LoadProgress>>,
-}
-
-impl LoadOptions {
-    /// The bounds, with a budget of memory of which nothing is used.
-    pub(crate) fn budgeted(&self) -> Limits {
-        let memory = MemoryBudget::new(self.memory.unwrap_or_else(memory::available));
-        Limits { memory, ..self.limits.clone() }
-    }
-
-    /// The same for the compiler, within these bounds.
-    pub(crate) fn compile_options(&self, limits: Limits) -> CompileOptions {
-        CompileOptions {
-            dialect: self.dialect,
-            limits,
-            camera: self.camera.clone(),
-            aspect: self.aspect,
-            model_cameras_first: self.model_cameras_first,
-            ..CompileOptions::default()
-        }
-    }
-}
+use crate::model_scene::ModelFile;
+use crate::{FsAssets, LoadOptions};
 
 /// What came of reading a scene.
 #[derive(Debug)]
@@ -101,7 +53,7 @@ impl Loaded {
 ///
 /// Never fails: what is wrong is in [`Loaded::diagnostics`].
 pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
-    match assets(path, options) {
+    match options.assets(path) {
         Ok(assets) => {
             let loaded = match ModelFile::find(path, &assets) {
                 Some(model) => load_model(&model, &assets, options),
@@ -160,20 +112,6 @@ fn compiled(parsed: Parsed, assets: &dyn Assets, options: &LoadOptions, limits: 
         false => None,
     };
     Loaded { desc, diagnostics, scene, files: Vec::new(), memory }
-}
-
-/// The files that the scene at `path` may name.
-pub(crate) fn assets(path: &Path, options: &LoadOptions) -> Result<FsAssets, String> {
-    let open =
-        |folder: &Path, error: io::Error| format!("cannot enter the folder `{}`: {error}", folder.display());
-    let mut assets = FsAssets::new(path).map_err(|error| match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => open(folder, error),
-        _ => open(Path::new("."), error),
-    })?;
-    for folder in &options.folders {
-        assets = assets.with_folder(folder).map_err(|error| open(folder, error))?;
-    }
-    Ok(assets.allow_outside(options.allow_outside).watched_by(options.progress.clone()))
 }
 
 #[cfg(test)]

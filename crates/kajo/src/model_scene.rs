@@ -14,56 +14,7 @@ use kajo_scene::{
     Assets, Diagnostic, Diagnostics, HEAD_BYTES, MeshFormat, Parsed, SceneDesc, Severity, format_number,
 };
 
-use crate::{FsAssets, LoadOptions};
-
-/// How a model is shown that is no scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ModelOptions {
-    /// Which of its axes points up; by default y, and z for STL, whose programs have it so.
-    pub up: Option<UpAxis>,
-    /// Whether it stands on a ground.
-    pub ground: bool,
-}
-
-/// A direction of a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum UpAxis {
-    /// Along +x.
-    X,
-    /// Along +y.
-    Y,
-    /// Along +z.
-    Z,
-    /// Along -x.
-    MinusX,
-    /// Along -y.
-    MinusY,
-    /// Along -z.
-    MinusZ,
-}
-
-impl UpAxis {
-    /// All directions, with the names that they are asked for by.
-    pub const NAMES: [(&'static str, UpAxis); 6] = [
-        ("x", UpAxis::X),
-        ("y", UpAxis::Y),
-        ("z", UpAxis::Z),
-        ("-x", UpAxis::MinusX),
-        ("-y", UpAxis::MinusY),
-        ("-z", UpAxis::MinusZ),
-    ];
-
-    fn vector(self) -> Vec3 {
-        match self {
-            UpAxis::X => Vec3::X,
-            UpAxis::Y => Vec3::Y,
-            UpAxis::Z => Vec3::Z,
-            UpAxis::MinusX => Vec3::NEG_X,
-            UpAxis::MinusY => Vec3::NEG_Y,
-            UpAxis::MinusZ => Vec3::NEG_Z,
-        }
-    }
-}
+use crate::{FsAssets, LoadOptions, UpAxis};
 
 /// The text of a scene that shows a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -383,7 +334,7 @@ pub fn model_scene(
     folder: &Path,
     options: &LoadOptions,
 ) -> Result<(ModelScene, Vec<String>), ConvertError> {
-    let assets = crate::load::assets(path, options).map_err(ConvertError::Folder)?;
+    let assets = options.assets(path).map_err(ConvertError::Folder)?;
     let Some(model) = ModelFile::find(path, &assets) else {
         let parsed = SceneDesc::load(assets.scene_name(), &assets, &options.limits);
         let error = parsed.diagnostics.iter().find(|d| d.severity == Severity::Error);
@@ -429,6 +380,7 @@ fn relative(path: &Path, folder: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ModelOptions;
     use std::fs;
 
     const TETRAHEDRON: &str = "v 0 0 2\nv 1 0 2\nv 0 1 2\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";

@@ -7,6 +7,7 @@ mod bins;
 mod cut;
 mod linear;
 mod plan;
+mod planning;
 mod prim;
 mod reinsert;
 mod slices;

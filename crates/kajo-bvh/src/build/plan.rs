@@ -10,21 +10,16 @@
 //! D(n, i) = min over 0 < k < i of C(left, k) + C(right, i - k)
 //! ```
 //!
-//! found from the leaves up. The costs of a grove are forgotten once it is done; what was
-//! chosen stays with the nodes, in 22 bits each.
+//! found from the leaves up. What was chosen stays with the nodes, in 22 bits each.
 
-use rayon::prelude::*;
-
-use super::LeafShape;
-use super::binary::{Forest, Grove, Next};
 use super::prim::Box4;
 use crate::node::WIDTH;
 
 /// Cost of a leaf block relative to a visit of a wide node.
-const BLOCK_COST: f32 = 0.9;
+pub(super) const BLOCK_COST: f32 = 0.9;
 
 /// `C(n, 1)` to `C(n, 7)`.
-type Costs = [f32; WIDTH - 1];
+pub(super) type Costs = [f32; WIDTH - 1];
 
 /// What to do with a node of the binary tree: whether it is to be a leaf, and for each number
 /// of slots from 2 to 8 how many of them the left child gets; none where fewer slots do.
@@ -48,7 +43,7 @@ impl Plan {
     }
 
     /// The best plan for a node above two others, and what it costs.
-    fn over(bounds: Box4, as_leaf: f32, left: &Costs, right: &Costs) -> (Plan, Costs) {
+    pub(super) fn over(bounds: Box4, as_leaf: f32, left: &Costs, right: &Costs) -> (Plan, Costs) {
         let (cost, k) = share(left, right, WIDTH);
         let as_node = bounds.half_area() + cost;
         // Surfaces of huge boxes are infinite, and so is the cost of what is too much for a leaf.
@@ -78,55 +73,6 @@ fn share(left: &Costs, right: &Costs, slots: usize) -> (f32, usize) {
         }
     }
     best
-}
-
-impl Grove {
-    /// Plans all twigs and answers their costs.
-    fn plan(&mut self, shape: LeafShape) -> Vec<Costs> {
-        let mut costs = vec![[0.0; WIDTH - 1]; self.twigs.len()];
-        for (place, twig) in self.twigs.iter_mut().enumerate().rev() {
-            let as_leaf = if twig.len() <= shape.most {
-                twig.bounds().half_area() * BLOCK_COST * shape.blocks(twig.len()) as f32
-            } else {
-                f32::INFINITY
-            };
-            if twig.right == 0 {
-                costs[place] = [as_leaf; WIDTH - 1];
-            } else {
-                let (left, right) = (&costs[place + 1], &costs[usize::from(twig.right)]);
-                (twig.plan, costs[place]) = Plan::over(twig.bounds(), as_leaf, left, right);
-            }
-        }
-        costs
-    }
-}
-
-impl Forest {
-    /// Plans all nodes.
-    pub(super) fn plan(&mut self, shape: LeafShape) {
-        // Stems, and the twigs they stand for, by groves.
-        let mut ends = vec![Vec::new(); self.groves.len()];
-        for (place, stem) in self.stems.iter().enumerate() {
-            if let Next::Twig(spot) = stem.next {
-                ends[spot.grove as usize].push((place, spot.twig as usize));
-            }
-        }
-        let plan = |(grove, ends): (&mut Grove, Vec<(usize, usize)>)| {
-            let costs = grove.plan(shape);
-            ends.into_iter().map(|(stem, twig)| (stem, costs[twig])).collect::<Vec<_>>()
-        };
-        let found: Vec<_> = self.groves.par_iter_mut().zip(ends).map(plan).collect();
-        let mut costs = vec![[0.0; WIDTH - 1]; self.stems.len()];
-        for (stem, found) in found.into_iter().flatten() {
-            costs[stem] = found;
-        }
-        for (place, stem) in self.stems.iter_mut().enumerate().rev() {
-            if let Next::Right(right) = stem.next {
-                let (left, right) = (&costs[place + 1], &costs[right as usize]);
-                (stem.plan, costs[place]) = Plan::over(stem.bounds, f32::INFINITY, left, right);
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,8 @@ use kajo::{BitDepth, Defaults, FilterChoice, Format, LoadOptions, SamplerKind, S
 use super::values::{self, MakeFilter, Size};
 use super::{DevelopArgs, PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
-use crate::job::{ClassicWords, Destination, Diagram, DiagramKind, Job, Output};
+use crate::job::{ClassicWords, Diagram, DiagramKind, Job};
+use crate::output::{Destination, Output};
 
 /// Options of older programs that mean nothing here, and how many values each has.
 const MEANINGLESS: [(&str, usize); 12] = [

@@ -13,7 +13,8 @@ use kajo::{
 use super::values::{self, Aov, FilterArg, Samples, Size};
 use super::{DevelopArgs, PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
-use crate::job::{Destination, Job, Output};
+use crate::job::Job;
+use crate::output::{Destination, Output};
 
 /// What to render, how, and where to put it. What is not said here is up to the scene's `Settings`.
 #[derive(Args, Debug)]

@@ -7,7 +7,7 @@ use kajo::{EncodeOptions, Format, encode};
 use crate::args::DiffArgs;
 use crate::console;
 use crate::failure::Failure;
-use crate::job::Destination;
+use crate::output::Destination;
 
 pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
     let target = args.output.as_ref().map(|path| {

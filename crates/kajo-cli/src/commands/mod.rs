@@ -25,7 +25,8 @@ use crate::args::{CheckArgs, Cli, RunArgs};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::job::{Destination, Done, Job, Voice, has_errors};
+use crate::job::{Done, Job, Voice, has_errors};
+use crate::output::Destination;
 use crate::progress::{Meter, in_short};
 
 /// `kajo render` and `kajo classic`

@@ -8,9 +8,6 @@
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_math::Vec3;
 
-use super::spec::FilmSpec;
-use crate::{Auxiliary, PixelSample};
-
 /// One output of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layer {
@@ -32,9 +29,9 @@ pub enum Layer {
     MaterialId,
     /// Samples taken for the pixel. Own.
     SampleCount,
-    /// Share of white light that the first surface throws back; see [`Auxiliary::albedo`]. Filtered.
+    /// Share of white light that the first surface throws back; see [`Auxiliary::albedo`](crate::Auxiliary::albedo). Filtered.
     Albedo,
-    /// Motion in the picture in pixels; see [`Auxiliary::motion`]. Filtered.
+    /// Motion in the picture in pixels; see [`Auxiliary::motion`](crate::Auxiliary::motion). Filtered.
     Motion,
     /// Estimated variance of the mean of the pixel's own samples, `(Σv²/n - (Σv/n)²)/(n - 1)`, for each of
     /// red, green and blue; 0 where fewer than two samples were taken. Own.
@@ -137,10 +134,16 @@ impl LayerSet {
         Layer::ALL.into_iter().filter(move |&layer| self.has(layer))
     }
 
-    /// Whether a layer of the set takes its values from [`Auxiliary`].
+    /// Whether a layer of the set takes its values from [`Auxiliary`](crate::Auxiliary).
     #[inline]
     pub const fn wants_auxiliary(self) -> bool {
         self.0 & AUXILIARY.0 != 0
+    }
+
+    /// Whether colour is the only filtered layer of the set.
+    #[inline]
+    pub(crate) const fn filters_color_alone(self) -> bool {
+        self.0 & FILTERED.0 == LayerSet::of(&[Layer::Color]).0
     }
 
     /// The filtered layers of the set.
@@ -210,7 +213,7 @@ const FILTERED: LayerSet = AUXILIARY
     .with(Layer::Normal)
     .with(Layer::Uv);
 
-/// The layers whose values are in [`Auxiliary`].
+/// The layers whose values are in [`Auxiliary`](crate::Auxiliary).
 const AUXILIARY: LayerSet = {
     let mut set = LayerSet::of(&[Layer::Albedo, Layer::Motion]);
     let mut group = 0;
@@ -221,53 +224,9 @@ const AUXILIARY: LayerSet = {
     set
 };
 
-/// Most channels that the filtered layers can have together.
-pub(crate) const MAX_CHANNELS: usize = 17 + 3 * MAX_LIGHT_GROUPS;
-
-/// The values of a sample for the filtered layers of a film, in their order, written into `values`.
-///
-/// Returns how many there are.
-#[inline]
-pub(crate) fn filtered_values(
-    spec: &FilmSpec,
-    sample: &PixelSample,
-    aux: &Auxiliary,
-    values: &mut [f32; MAX_CHANNELS],
-) -> usize {
-    if spec.layers.0 & FILTERED.0 == LayerSet::of(&[Layer::Color]).0 {
-        [values[0], values[1], values[2]] = sample.radiance;
-        return 3;
-    }
-    let mut n = 0;
-    let mut put = |channels: &[f32]| {
-        values[n..n + channels.len()].copy_from_slice(channels);
-        n += channels.len();
-    };
-    let hit = sample.first.as_ref();
-    let normal = hit.map_or(Vec3::ZERO, |hit| hit.n);
-    for layer in spec.layers.filtered() {
-        match layer {
-            Layer::Color => put(&sample.radiance),
-            Layer::DepthMap => put(&[hit.map_or(0.0, |hit| spec.depth_map.value(hit.t))]),
-            Layer::NormalMap => put(&spec.normal_map.value(normal).to_array()),
-            Layer::Normal => put(&normal.to_array()),
-            Layer::Uv => put(&hit.map_or([0.0; 2], |hit| hit.uv.to_array())),
-            Layer::Albedo => put(&aux.albedo),
-            Layer::Motion => put(&aux.motion),
-            Layer::Light(group) => put(&aux.lights[usize::from(group)]),
-            Layer::Depth | Layer::ObjectId | Layer::MaterialId => {}
-            Layer::SampleCount | Layer::Variance => {}
-        }
-    }
-    n
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kajo_math::Vec2;
-
-    use crate::FirstHit;
 
     #[test]
     fn sets_hold_what_was_put_in() {
@@ -280,7 +239,6 @@ mod tests {
         for (i, layer) in (0..).zip(Layer::ALL) {
             assert_eq!(layer.index(), i);
         }
-        assert_eq!(all.filtered().map(Layer::channels).sum::<usize>(), MAX_CHANNELS);
     }
 
     #[test]
@@ -303,28 +261,5 @@ mod tests {
         assert_eq!(NormalMap::Biased.value(n), Vec3::new(0.25, 0.5, 0.875));
         assert_eq!(NormalMap::Absolute.value(Vec3::ZERO), Vec3::ZERO);
         assert_eq!(NormalMap::Biased.value(Vec3::ZERO), Vec3::splat(0.5));
-    }
-
-    #[test]
-    fn values_come_in_the_order_of_the_layers() {
-        let hit = FirstHit { t: 2.0, n: Vec3::NEG_Z, uv: Vec2::new(0.1, 0.2), object: 1, material: 2 };
-        let sample = PixelSample { radiance: [1.0, 2.0, 3.0], first: Some(hit) };
-        let mut aux = Auxiliary { albedo: [0.6, 0.7, 0.8], motion: [-4.0, 5.0], ..Auxiliary::default() };
-        aux.lights[2] = [0.5, 1.0, 1.5];
-        let depth_map = DepthMap { min: 0.0, max: 4.0, far_is_white: false };
-        let mut values = [0.0; MAX_CHANNELS];
-        let mut values_of = |layers: &[Layer]| {
-            let spec = FilmSpec { layers: LayerSet::of(layers), depth_map, ..FilmSpec::new(1, 1) };
-            let n = filtered_values(&spec, &sample, &aux, &mut values);
-            values[..n].to_vec()
-        };
-        let all = values_of(&Layer::ALL);
-        assert_eq!(all[..12], [1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.1, 0.2]);
-        assert_eq!(all[12..17], [0.6, 0.7, 0.8, -4.0, 5.0]);
-        assert_eq!(all[17..23], [0.0; 6]);
-        assert_eq!(values_of(&[Layer::Light(2)]), [0.5, 1.0, 1.5]);
-        assert_eq!(values_of(&[Layer::ObjectId, Layer::Color]), [1.0, 2.0, 3.0]);
-        assert_eq!(values_of(&[Layer::Normal]), [0.0, 0.0, -1.0]);
-        assert!(values_of(&[Layer::Depth]).is_empty());
     }
 }

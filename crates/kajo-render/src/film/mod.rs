@@ -17,12 +17,15 @@ pub mod filter;
 pub mod fixed;
 pub mod layer;
 pub mod noise;
+pub(crate) mod numbers;
 mod part;
 mod pixels;
+mod reach;
 pub mod spec;
 mod splats;
 pub mod state;
 mod sums;
+mod values;
 
 use std::sync::{
     Mutex, MutexGuard, PoisonError,

@@ -9,10 +9,11 @@ use kajo_math::Vec2;
 
 use super::{
     fixed::{Term, Weight},
-    layer::{self, MAX_CHANNELS},
     pixels::Pixels,
+    reach::Reach,
     spec::FilmSpec,
     sums::Sums,
+    values::{MAX_CHANNELS, filtered_values},
 };
 use crate::{Auxiliary, PixelSample, context::Splats, rect::Rect};
 
@@ -42,42 +43,6 @@ pub(crate) enum Store {
     Sums(Sums),
     /// Finished pixels: their only sample is all that they ever get.
     Pixels(Pixels),
-}
-
-/// How far samples reach beyond their own pixel, in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Reach {
-    /// To the left, to the right and upwards.
-    side: i32,
-    /// Downwards, where samples may overhang.
-    below: i32,
-}
-
-impl Reach {
-    /// How far samples of a film reach.
-    pub fn of(spec: &FilmSpec, sampler: &Sampler) -> Reach {
-        spec.filter.radius().map_or(Reach { side: 0, below: 0 }, |radius| Reach::new(radius, sampler))
-    }
-
-    /// To whichever side they reach farthest.
-    pub fn widest(self) -> u32 {
-        self.side.max(self.below).max(0) as u32
-    }
-
-    fn new(radius: f32, sampler: &Sampler) -> Reach {
-        Reach { below: Reach::beyond(sampler.height(), radius), ..Reach::within_pixel(radius) }
-    }
-
-    /// The reach of what lies within its own pixel.
-    fn within_pixel(radius: f32) -> Reach {
-        let side = Reach::beyond(1.0, radius);
-        Reach { side, below: side }
-    }
-
-    /// How many pixels further on places with offsets in [0, extent) reach; supports are half-open.
-    fn beyond(extent: f32, radius: f32) -> i32 {
-        (extent - 0.5 + radius).ceil() as i32 - 1
-    }
 }
 
 impl FilmPart {
@@ -139,7 +104,7 @@ impl FilmPart {
     /// A value that is no finite number counts as zero, and the sample is counted as such.
     #[inline]
     pub fn add(&mut self, x: u32, y: u32, k: u32, offset: Vec2, sample: &PixelSample, aux: &Auxiliary) {
-        let n = layer::filtered_values(&self.spec, sample, aux, &mut self.values);
+        let n = filtered_values(&self.spec, sample, aux, &mut self.values);
         let values = &self.values[..n];
         let finite = match (&mut self.store, self.reach) {
             (Store::Pixels(pixels), _) => pixels.put(&self.spec, pixels.rect.index(x, y), values, sample),

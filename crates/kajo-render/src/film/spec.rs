@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::{
     filter::Filter,
     layer::{DepthMap, Layer, LayerSet, NormalMap},
-    part::Reach,
+    reach::Reach,
 };
 use crate::rect::Rect;
 
@@ -79,7 +79,7 @@ impl FilmSpec {
         if self.shown.is_none() || self.samples_everywhere || self.halves {
             return self.rect();
         }
-        let reach = Reach::of(self, sampler).widest();
+        let reach = Reach::of(&self.filter, sampler).widest();
         let Rect { x0, y0, x1, y1 } = self.shown();
         let around = Rect {
             x0: x0.saturating_sub(reach),

@@ -23,8 +23,8 @@ use std::io::{self, Read};
 use super::{
     filter::Filter,
     fixed::{self, Term, Weight},
+    numbers::{restore_array, save_numbers},
     spec::FilmSpec,
-    state::{restore_array, save_numbers},
 };
 use crate::rect::Rect;
 

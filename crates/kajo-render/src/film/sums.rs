@@ -12,8 +12,8 @@ use std::{
 use super::{
     fixed::{self, Term, Weight},
     layer::Layer,
+    numbers::{restore_array, restore_numbers, save_numbers},
     spec::{FilmSpec, Parts},
-    state::{restore_array, restore_numbers, save_numbers},
 };
 use crate::{PixelSample, rect::Rect};
 

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     Film, PixelIntegrator,
-    film::state::{flag, invalid, restore_array, restore_numbers, save_numbers},
+    film::numbers::{flag, invalid, restore_array, restore_numbers, save_numbers},
 };
 
 /// Passes end at every power of two up to here, and then at every multiple of it.

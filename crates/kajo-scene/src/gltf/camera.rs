@@ -1,6 +1,5 @@
 //! Cameras of glTF. A camera stands where its node does, looks along the negative z axis of it, and has y upwards.
 
-use super::json::{Document, Node};
 use kajo_math::{DAffine3, DVec3};
 use serde::Deserialize;
 use std::sync::Arc;
@@ -55,35 +54,32 @@ struct Orthographic {
     ymag: f64,
 }
 
-/// The camera of a node, if it has one that sees anything.
-///
-/// * `place`: from the node's space to the model's
-pub(super) fn of_node(
-    document: &Document,
-    node: &Node,
-    place: &DAffine3,
-) -> Result<Option<ModelCamera>, String> {
-    let Some(number) = node.camera else { return Ok(None) };
-    let camera = document.cameras.get(number).ok_or_else(|| format!("there is no cameras[{number}]"))?;
-    let view = match (&camera.perspective, &camera.orthographic) {
-        (Some(Perspective { yfov }), _) => {
-            let sees = *yfov > 0.0 && *yfov < std::f64::consts::PI;
-            sees.then_some(ModelView::Perspective { angle: *yfov })
-        }
-        (None, Some(Orthographic { ymag })) => {
-            let height = 2.0 * ymag.abs();
-            (height > 0.0 && height.is_finite()).then_some(ModelView::Orthographic { height })
-        }
-        (None, None) => None,
-    };
-    let name = node.name.as_ref().or(camera.name.as_ref()).filter(|name| !name.is_empty());
-    let axis = |v: DVec3| place.transform_vector3(v).try_normalize();
-    let poses = axis(DVec3::NEG_Z).zip(axis(DVec3::Y)).filter(|_| place.translation.is_finite());
-    Ok(view.zip(poses).map(|(view, (direction, up))| ModelCamera {
-        name: name.cloned(),
-        center: place.translation,
-        direction,
-        up,
-        view,
-    }))
+impl Camera {
+    /// The camera at its place, if it sees anything.
+    ///
+    /// * `node_name`: the name of its node, which goes before its own
+    /// * `place`: from the node's space to the model's
+    pub(super) fn placed(&self, node_name: Option<&Arc<str>>, place: &DAffine3) -> Option<ModelCamera> {
+        let view = match (&self.perspective, &self.orthographic) {
+            (Some(Perspective { yfov }), _) => {
+                let sees = *yfov > 0.0 && *yfov < std::f64::consts::PI;
+                sees.then_some(ModelView::Perspective { angle: *yfov })
+            }
+            (None, Some(Orthographic { ymag })) => {
+                let height = 2.0 * ymag.abs();
+                (height > 0.0 && height.is_finite()).then_some(ModelView::Orthographic { height })
+            }
+            (None, None) => None,
+        };
+        let name = node_name.or(self.name.as_ref()).filter(|name| !name.is_empty());
+        let axis = |v: DVec3| place.transform_vector3(v).try_normalize();
+        let poses = axis(DVec3::NEG_Z).zip(axis(DVec3::Y)).filter(|_| place.translation.is_finite());
+        view.zip(poses).map(|(view, (direction, up))| ModelCamera {
+            name: name.cloned(),
+            center: place.translation,
+            direction,
+            up,
+            view,
+        })
+    }
 }

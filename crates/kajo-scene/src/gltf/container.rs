@@ -9,7 +9,7 @@ use super::material::Material;
 use super::{Budget, meshopt};
 use crate::assets::{AssetError, AssetFile, Assets, read_limited};
 use crate::limits::Limits;
-use crate::line_reader::MeshFileError;
+use crate::mesh_file_error::MeshFileError;
 use crate::read_memory::ReadMemory;
 use serde::Deserialize;
 use serde::de::IgnoredAny;

@@ -3,7 +3,6 @@
 //! A light stands where its node does and shines along the negative z axis of it. Scales of nodes change neither what it
 //! gives nor how far its cone opens. Its `range`, beyond which programs that have to save time may leave it out, is not read.
 
-use super::json::{Document, Node};
 use kajo_math::{DAffine3, DVec3};
 use serde::Deserialize;
 use std::f32::consts::FRAC_PI_4;
@@ -63,40 +62,40 @@ impl Default for Cone {
     }
 }
 
-/// The light of a node, if it has one and stands anywhere.
-///
-/// * `place`: from the node's space to the model's
-pub(super) fn of_node(
-    document: &Document,
-    node: &Node,
-    place: &DAffine3,
-) -> Result<Option<ModelLight>, String> {
-    let Some(said) = node.extensions.as_ref().and_then(|extensions| extensions.light.as_ref()) else {
-        return Ok(None);
-    };
-    let lights = document.extensions.as_ref().and_then(|extensions| extensions.lights.as_ref());
-    let light = lights.and_then(|lights| lights.lights.get(said.light));
-    let light = light.ok_or_else(|| format!("there is no light {}", said.light))?;
-    let Cone { inner_cone_angle, outer_cone_angle } = light.spot;
-    let outer = outer_cone_angle.clamp(0.0, std::f32::consts::FRAC_PI_2);
-    let kind = match light.r#type.as_str() {
-        "directional" => ModelLightKind::Directional,
-        "point" => ModelLightKind::Point,
-        "spot" => ModelLightKind::Spot { inner: inner_cone_angle.clamp(0.0, outer), outer },
-        other => return Err(format!("there is no type of light `{other}`")),
-    };
-    let amount = |factor: f32| Some((factor * light.intensity.unwrap_or(1.0)).max(0.0));
-    let finite = |x: &f32| x.is_finite();
-    let intensity = light.color.unwrap_or([1.0; 3]).map(|c| amount(c).filter(finite).unwrap_or(0.0));
-    if !place.translation.as_vec3().is_finite() {
-        return Ok(None);
+impl Light {
+    /// The light at its place; `None` where that is nowhere.
+    ///
+    /// * `node_name`: the name of its node, which goes before its own
+    /// * `place`: from the node's space to the model's
+    ///
+    /// # Errors
+    /// When there is no such type of light.
+    pub(super) fn placed(
+        &self,
+        node_name: Option<&Arc<str>>,
+        place: &DAffine3,
+    ) -> Result<Option<ModelLight>, String> {
+        let Cone { inner_cone_angle, outer_cone_angle } = self.spot;
+        let outer = outer_cone_angle.clamp(0.0, std::f32::consts::FRAC_PI_2);
+        let kind = match self.r#type.as_str() {
+            "directional" => ModelLightKind::Directional,
+            "point" => ModelLightKind::Point,
+            "spot" => ModelLightKind::Spot { inner: inner_cone_angle.clamp(0.0, outer), outer },
+            other => return Err(format!("there is no type of light `{other}`")),
+        };
+        let amount = |factor: f32| Some((factor * self.intensity.unwrap_or(1.0)).max(0.0));
+        let finite = |x: &f32| x.is_finite();
+        let intensity = self.color.unwrap_or([1.0; 3]).map(|c| amount(c).filter(finite).unwrap_or(0.0));
+        if !place.translation.as_vec3().is_finite() {
+            return Ok(None);
+        }
+        let name = node_name.or(self.name.as_ref()).filter(|name| !name.is_empty());
+        Ok(Some(ModelLight {
+            name: name.cloned(),
+            intensity,
+            kind,
+            position: place.translation,
+            direction: place.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z),
+        }))
     }
-    let name = node.name.as_ref().or(light.name.as_ref()).filter(|name| !name.is_empty());
-    Ok(Some(ModelLight {
-        name: name.cloned(),
-        intensity,
-        kind,
-        position: place.translation,
-        direction: place.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z),
-    }))
 }

@@ -4,7 +4,7 @@
 //! What the older extension `KHR_materials_pbrSpecularGlossiness` says of a surface is put into the terms of the
 //! newer ones: with `f` the reflectance straight on, the index of refraction is `(1 + √f) / (1 - √f)`.
 
-use super::json::{Sampler, Texture};
+use super::texture::{Sampler, Texture};
 use kajo_math::fmath;
 use serde::Deserialize;
 use serde::de::IgnoredAny;

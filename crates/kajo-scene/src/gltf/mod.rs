@@ -22,13 +22,14 @@ mod meshopt;
 mod nodes;
 mod primitive;
 mod skin;
+mod texture;
 
 use self::container::Buffers;
 use self::skin::Poses;
 use crate::assets::{AssetFile, Assets};
 use crate::limits::Limits;
-use crate::line_reader::MeshFileError;
 use crate::memory_budget::OverBudget;
+use crate::mesh_file_error::MeshFileError;
 use crate::read_memory::ReadMemory;
 use crate::tri_mesh::TriMesh;
 use kajo_math::DAffine3;

@@ -3,8 +3,7 @@
 use super::accessor::View;
 use super::container::Buffers;
 use super::json::{Document, Instancing, Node};
-use super::skin::affine;
-use super::{Budget, Model, ModelCamera, ModelInstance, ModelLight, camera, light};
+use super::{Budget, Model, ModelCamera, ModelInstance, ModelLight};
 use crate::limits::Limits;
 use kajo_math::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
@@ -80,11 +79,11 @@ pub(super) fn read(
                 model_from_mesh: place_of(i),
             }));
         }
-        if let Some(light) = light::of_node(document, node, &place).map_err(named)? {
+        if let Some(light) = light_of(document, node, &place).map_err(named)? {
             budget.take::<ModelLight>(1)?;
             tree.model.lights.push(light);
         }
-        if let Some(camera) = camera::of_node(document, node, &place).map_err(named)? {
+        if let Some(camera) = camera_of(document, node, &place).map_err(named)? {
             budget.take::<ModelCamera>(1)?;
             tree.model.cameras.push(camera);
         }
@@ -180,4 +179,27 @@ impl<'b> Many<'b> {
             self.scale.as_ref().map_or([1.0; 3], |view| view.get(i)),
         )
     }
+}
+
+/// A matrix given column by column, without its last row.
+pub(super) fn affine(m: &[f64; 16]) -> DAffine3 {
+    let column = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
+    DAffine3::from_cols(column(0), column(1), column(2), column(3))
+}
+
+/// The camera of a node, if it has one that sees anything.
+fn camera_of(document: &Document, node: &Node, place: &DAffine3) -> Result<Option<ModelCamera>, String> {
+    let Some(number) = node.camera else { return Ok(None) };
+    let camera = document.cameras.get(number).ok_or_else(|| format!("there is no cameras[{number}]"))?;
+    Ok(camera.placed(node.name.as_ref(), place))
+}
+
+/// The light of a node, if it has one and stands anywhere.
+fn light_of(document: &Document, node: &Node, place: &DAffine3) -> Result<Option<ModelLight>, String> {
+    let Some(said) = node.extensions.as_ref().and_then(|extensions| extensions.light.as_ref()) else {
+        return Ok(None);
+    };
+    let lights = document.extensions.as_ref().and_then(|extensions| extensions.lights.as_ref());
+    let light = lights.and_then(|lights| lights.lights.get(said.light));
+    light.ok_or_else(|| format!("there is no light {}", said.light))?.placed(node.name.as_ref(), place)
 }

@@ -13,7 +13,7 @@ use super::Budget;
 use super::accessor::View;
 use super::container::Buffers;
 use super::json::{Document, Skin};
-use super::nodes::{Shown, Tree};
+use super::nodes::{Shown, Tree, affine};
 use kajo_math::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -86,12 +86,6 @@ impl<'d> Poses<'d> {
         };
         Ok(skin.joints.iter().enumerate().map(joint).collect())
     }
-}
-
-/// A matrix given column by column, without its last row.
-pub(super) fn affine(m: &[f64; 16]) -> DAffine3 {
-    let column = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
-    DAffine3::from_cols(column(0), column(1), column(2), column(3))
 }
 
 /// The weighted mean of maps of joints; weights of joints that are not there count nothing.

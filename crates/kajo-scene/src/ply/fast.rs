@@ -8,7 +8,7 @@ use super::header::{ColorColumns, Column, Element, Kind, Scalar};
 use super::record::{Records, cut_off};
 use crate::byte_reader::ByteReader;
 use crate::limits::Limits;
-use crate::line_reader::MeshFileError;
+use crate::mesh_file_error::MeshFileError;
 use crate::read_memory::ReadMemory;
 use crate::tri_mesh::TriMesh;
 use std::io::Read;

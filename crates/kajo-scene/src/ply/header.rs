@@ -1,7 +1,8 @@
 //! The header of a PLY file: what elements there are and how each is laid out.
 
 use crate::limits::Limits;
-use crate::line_reader::{Field, Fields, Line, LineReader, MeshFileError};
+use crate::line_reader::{Field, Fields, Line, LineReader};
+use crate::mesh_file_error::MeshFileError;
 use crate::tri_mesh::NO_INDEX;
 use std::io::Read;
 

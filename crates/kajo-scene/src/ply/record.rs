@@ -2,7 +2,8 @@
 
 use super::header::{Element, Kind, Scalar};
 use crate::byte_reader::ByteReader;
-use crate::line_reader::{Fields, Line, LineReader, MeshFileError};
+use crate::line_reader::{Fields, Line, LineReader};
+use crate::mesh_file_error::MeshFileError;
 use std::io::Read;
 
 /// Where elements come from.

@@ -2,52 +2,12 @@
 
 use std::ops::Range;
 
-use bytemuck::{Pod, Zeroable};
 use kajo::preview::{Preview, PreviewInstance, PreviewMesh};
 use wgpu::util::DeviceExt as _;
 
+use super::is_within;
 use super::pipelines::Pipelines;
-use super::{Line, is_within};
-
-/// A corner of a triangle.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(super) struct Vertex {
-    /// Place in the mesh's own space.
-    p: [f32; 3],
-    /// Normal in the same space, each part times 127, and a spare; zero for the triangle's own.
-    n: [i8; 4],
-    /// Colour as shown, and a spare.
-    color: [u8; 4],
-}
-
-/// Where a mesh stands, and a colour that its own is multiplied with.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(super) struct Place {
-    /// World from the mesh's space, row by row.
-    rows: [[f32; 4]; 3],
-    color: [u8; 4],
-}
-
-/// A line as the shader reads it: the width goes with the first end.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(super) struct LineInstance {
-    from_and_width: [f32; 4],
-    to: [f32; 4],
-    color: [u8; 4],
-}
-
-impl From<&Line> for LineInstance {
-    fn from(line: &Line) -> LineInstance {
-        LineInstance {
-            from_and_width: line.from.extend(line.width).to_array(),
-            to: line.to.extend(0.0).to_array(),
-            color: line.color,
-        }
-    }
-}
+use super::vertices::{Place, Vertex};
 
 /// Corners, triangles and places of everything.
 #[derive(Default)]

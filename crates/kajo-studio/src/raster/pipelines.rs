@@ -1,6 +1,6 @@
 //! How the graphics card draws surfaces, lines, the mask of the selection and its outline.
 
-use super::buffers::{LineInstance, Place, Vertex};
+use super::vertices::{LineInstance, Place, Vertex};
 
 /// Format of the picture: values as shown, which is what the window expects.
 pub(super) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

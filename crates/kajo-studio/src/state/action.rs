@@ -7,7 +7,7 @@ use kajo::edit::{FieldValue, FileId, NodeId};
 use kajo::handles::Mode;
 use kajo_math::{DVec2, DVec3};
 
-use super::{Answer, Compare, Held};
+use super::Held;
 
 /// Something the user wants.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,4 +166,37 @@ pub enum Action {
     Undo,
     /// Does it again.
     Redo,
+}
+
+/// What the user decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Nothing is to be done.
+    Cancel,
+    /// Save the edits first.
+    Save,
+    /// Give the edits up.
+    Drop,
+    /// Replace the file.
+    Replace,
+    /// Take what the other program wrote.
+    Theirs,
+    /// Keep the edits made here.
+    Mine,
+    /// Go on with these edits that were left over.
+    Recover(usize),
+    /// Forget these.
+    Forget(usize),
+}
+
+/// How two pictures are shown together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compare {
+    /// One of them alone.
+    #[default]
+    Off,
+    /// One left of a line, the other right.
+    Wipe,
+    /// How far they are apart.
+    Difference,
 }

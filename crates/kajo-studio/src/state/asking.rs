@@ -7,7 +7,7 @@ use kajo::LoadOptions;
 use kajo::edit::{Conflict, Document};
 
 use super::recovery::{LeftOver, Recovery, left_over};
-use super::{Action, Studio};
+use super::{Action, Answer, Studio};
 
 /// Something the user has to decide.
 pub enum Question {
@@ -43,27 +43,6 @@ pub enum Cause {
     Saving,
     /// It was to be read again.
     Reloading,
-}
-
-/// What the user decides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
-    /// Nothing is to be done.
-    Cancel,
-    /// Save the edits first.
-    Save,
-    /// Give the edits up.
-    Drop,
-    /// Replace the file.
-    Replace,
-    /// Take what the other program wrote.
-    Theirs,
-    /// Keep the edits made here.
-    Mine,
-    /// Go on with these edits that were left over.
-    Recover(usize),
-    /// Forget these.
-    Forget(usize),
 }
 
 /// What is being asked, and what was decided.

@@ -10,7 +10,7 @@ use kajo::memory;
 use kajo::session::Frame;
 
 use super::tracer::Request;
-use super::{Action, CameraPlace, Shown, Studio};
+use super::{Action, CameraPlace, Compare, Shown, Studio};
 
 /// Pictures that are kept, at most.
 const MOST: usize = 8;
@@ -49,18 +49,6 @@ pub fn effort(frame: &Frame) -> String {
         n => format!("{n} samples"),
     };
     format!("{samples}, {:.1} s", frame.stats().seconds)
-}
-
-/// How two pictures are shown together.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Compare {
-    /// One of them alone.
-    #[default]
-    Off,
-    /// One left of a line, the other right.
-    Wipe,
-    /// How far they are apart.
-    Difference,
 }
 
 /// How far two pictures are apart.

@@ -21,8 +21,9 @@ use std::sync::Arc;
 use kajo_core::compile::{CompileOptions, MeshStore, compile};
 use kajo_core::scene::Scene;
 use kajo_core::{Object, ObjectId};
-use kajo_scene::{Diagnostics, SceneDesc, Sources, one_line, render};
+use kajo_scene::{Diagnostics, Sources, one_line, render};
 
+use super::compiled::{Compiled, Made};
 use super::overlay::Overlay;
 use super::tree::Tree;
 use super::{Document, FileId, NodeId, SceneFile};
@@ -38,29 +39,6 @@ pub struct Compilation {
     disk: Arc<FsAssets>,
     options: LoadOptions,
     meshes: Arc<MeshStore>,
-}
-
-/// What came of a [`Compilation`].
-#[derive(Clone, Debug, Default)]
-pub struct Compiled {
-    /// Of the texts; `None` before the first.
-    generation: Option<u64>,
-    diagnostics: Diagnostics,
-    /// The tree that was compiled: its texts are those that messages point into.
-    desc: Arc<SceneDesc>,
-    made: Option<Made>,
-}
-
-/// A scene, and the nodes that its objects come from.
-#[derive(Clone, Debug)]
-struct Made {
-    scene: Arc<Scene>,
-    /// [`Document::generation`] of the texts it was made from.
-    generation: u64,
-    /// For each object of no nested instance the nodes that place it and that describe it.
-    objects: Arc<[[Option<NodeId>; 2]]>,
-    /// What it was made from.
-    tree: Arc<Tree>,
 }
 
 impl Compilation {

@@ -10,13 +10,12 @@ use kajo_core::compile::MeshStore;
 use kajo_math::DAffine3;
 use kajo_scene::{Diagnostics, HEAD_BYTES, foreign_file};
 
-use super::compilation::Compiled;
+use super::compiled::Compiled;
 use super::history::{History, Step};
 use super::outline::{Identities, missing_from, not_carried};
 use super::texts::Change;
 use super::tree::{Before, Tree};
 use super::{Applied, Edit, EditRefused, Field, FieldValue, FileId, Node, NodeId, Outline, SceneFile};
-use crate::load::assets;
 use crate::model_scene::ModelFile;
 use crate::output::{OutputError, Target};
 use crate::{FsAssets, LoadOptions};
@@ -109,7 +108,7 @@ impl Document {
         saved: Option<Arc<str>>,
     ) -> Result<Document, DocumentError> {
         let error = |reason| DocumentError::Read { path: path.to_path_buf(), reason };
-        let disk = Arc::new(assets(path, &options).map_err(error)?);
+        let disk = Arc::new(options.assets(path).map_err(error)?);
         let mut document = Document {
             path: None,
             options,
@@ -398,7 +397,7 @@ impl Document {
         self.end_gesture();
         Target::check(path, &[])?.write(self.files[0].text.as_bytes())?;
         let error = |reason| DocumentError::Read { path: path.to_path_buf(), reason };
-        let disk = Arc::new(assets(path, &self.options).map_err(error)?);
+        let disk = Arc::new(self.options.assets(path).map_err(error)?);
         for index in 1..self.files.len() {
             if let Some(path) = self.real_path(FileId(index as u32)).filter(|_| self.files[index].is_dirty())
             {
@@ -514,7 +513,7 @@ pub(super) fn stamp(path: &Path) -> Option<Stamp> {
 
 /// The text of the scene that shows a model; `None` when the file is none.
 fn model_text(path: &Path, options: &LoadOptions) -> Option<String> {
-    let assets = assets(path, options).ok()?;
+    let assets = options.assets(path).ok()?;
     let model = ModelFile::find(path, &assets)?;
     Some(model.scene(model.name(), &assets, options, &mut Diagnostics::new()).text)
 }

@@ -31,6 +31,7 @@
 
 mod command;
 mod compilation;
+mod compiled;
 mod completion;
 mod difference;
 mod displace;
@@ -53,7 +54,8 @@ mod tree;
 mod unsaved;
 
 pub use command::{Applied, Edit, EditRefused};
-pub use compilation::{Compilation, Compiled};
+pub use compilation::Compilation;
+pub use compiled::Compiled;
 pub use completion::{Completion, Suggestion, completion};
 pub use difference::{Hunk, hunks};
 pub use document::{Document, DocumentError};
