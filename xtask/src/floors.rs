@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::manifest::{self, Dependencies};
 
 /// Each crate of the workspace, lowest floor first, and the crates it may import.
-const CRATES: [(&str, &[&str]); 12] = [
+const CRATES: [(&str, &[&str]); 14] = [
     ("kajo-math", &[]),
     ("kajo-color", &["kajo-math"]),
     ("kajo-bvh", &["kajo-math"]),
@@ -21,8 +21,34 @@ const CRATES: [(&str, &[&str]); 12] = [
         "kajo",
         &["kajo-render", "kajo-core", "kajo-scene", "kajo-image", "kajo-bvh", "kajo-color", "kajo-math"],
     ),
-    ("kajo-cli", &["kajo"]),
-    ("kajo-studio", &["kajo", "kajo-math"]),
+    (
+        "kajo-edit",
+        &[
+            "kajo",
+            "kajo-render",
+            "kajo-core",
+            "kajo-scene",
+            "kajo-image",
+            "kajo-bvh",
+            "kajo-color",
+            "kajo-math",
+        ],
+    ),
+    (
+        "kajo-selftest",
+        &[
+            "kajo",
+            "kajo-render",
+            "kajo-core",
+            "kajo-scene",
+            "kajo-image",
+            "kajo-bvh",
+            "kajo-color",
+            "kajo-math",
+        ],
+    ),
+    ("kajo-cli", &["kajo", "kajo-selftest"]),
+    ("kajo-studio", &["kajo", "kajo-edit", "kajo-math"]),
     ("kajo-testkit", &["kajo-math", "kajo-color", "kajo-image"]),
     ("xtask", &[]),
 ];

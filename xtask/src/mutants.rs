@@ -105,7 +105,7 @@ pub fn check(root: &Path, report: &mut Report) {
     if let Err(error) = copy_sources(root, &copy) {
         return report.add("copy of the sources", Err(vec![error.to_string()]));
     }
-    let test = "test --profile deep --package kajo --lib selftest::tests::every_row_passes";
+    let test = "test --profile deep --package kajo-selftest --lib tests::every_row_passes";
     report.run("the self-test as it is", Cargo::new(&copy, test));
     for mutant in &MUTANTS {
         let path = copy.join(mutant.file);

@@ -32,7 +32,7 @@ const STILL_NEEDED: [(&str, &str); 7] = [
     // It tells of the change.
     ("CHANGELOG.md", "lamp"),
     // A keyword of POV-Ray.
-    ("crates/kajo/src/bench/whitted/peers.rs", "pigment"),
+    ("crates/kajo-selftest/src/bench/whitted/peers.rs", "pigment"),
 ];
 
 /// Searches every text file that git would track.

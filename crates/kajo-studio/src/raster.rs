@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use egui_wgpu::RenderState;
-use kajo::preview::Preview;
+use kajo_edit::preview::Preview;
 use kajo_math::{DMat3, Mat4, Vec3};
 use wgpu::util::DeviceExt as _;
 

@@ -29,11 +29,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use kajo::edit::{Compilation, Compiled, Document, DocumentError, FileId};
-use kajo::handles::Mode;
-use kajo::preview::Preview;
 use kajo::session::{Job, Status};
 use kajo::{CameraPose, LoadOptions, RenderSettings, Scene, Severity, View, suitable_size};
+use kajo_edit::handles::Mode;
+use kajo_edit::preview::Preview;
+use kajo_edit::{Compilation, Compiled, Document, DocumentError, FileId};
 use kajo_math::{Aabb, DVec3, Vec3};
 
 pub use action::{Action, Answer, Compare};

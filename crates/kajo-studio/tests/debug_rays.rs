@@ -5,8 +5,8 @@ mod common;
 use common::Window;
 use egui::{Event, Key, Modifiers, Pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
-use kajo::edit::FieldValue;
 use kajo::kajo_math::DVec2;
+use kajo_edit::FieldValue;
 use kajo_studio::state::Action;
 
 /// Where the debug ray ends first, in the world.

@@ -5,7 +5,7 @@ mod common;
 use common::{SCENE, Window};
 use egui::{PointerButton, vec2};
 use egui_kittest::kittest::Queryable as _;
-use kajo::edit::FieldValue;
+use kajo_edit::FieldValue;
 
 /// What is written for a key in the block that begins with `head`.
 fn value_of(text: &str, head: &str, key: &str) -> Option<f64> {

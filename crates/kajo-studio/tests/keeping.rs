@@ -6,7 +6,7 @@ use common::{SCENE, Window};
 use egui::{Event, Key, Modifiers, PointerButton, Vec2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use kajo::View;
-use kajo::edit::FieldValue;
+use kajo_edit::FieldValue;
 use kajo_studio::state::{Action, Compare, PictureSize, Question, Shown};
 
 /// What the window is called, as its frame says it.

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{Dice, Window};
-use kajo::edit::{Document, NodeId};
 use kajo::{BitDepth, Defaults, Format, LoadOptions, RenderSettings, SamplerKind, Settings, View};
+use kajo_edit::{Document, NodeId};
 use kajo_studio::state::{Action, PictureSize, Studio};
 
 const SIZE: [u32; 2] = [32, 24];

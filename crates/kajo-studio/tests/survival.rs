@@ -18,7 +18,7 @@ use std::thread;
 use std::time::Duration;
 
 use common::Dice;
-use kajo::edit::{FieldValue, FileId};
+use kajo_edit::{FieldValue, FileId};
 use kajo_studio::state::{Action, Answer, Question, Studio};
 
 const SCENE: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }

@@ -253,7 +253,7 @@ fn what_is_saved_is_traced_as_the_window_showed_it() {
     window.select("ball");
     window.studio().options.habits.size = PictureSize::Fixed([64, 48]);
     let node = window.studio().selection.main().unwrap();
-    let value = kajo::edit::FieldValue::numbers([0.75]);
+    let value = kajo_edit::FieldValue::numbers([0.75]);
     window.studio().apply(Action::SetField { node, key: "radius".into(), nth: 0, value });
     window.studio().apply(Action::EndDrag);
     window.key(Key::Enter);
@@ -326,7 +326,7 @@ fn long_texts_are_edited_beside_the_window() {
     let ball = document.outline().nodes().iter().find(|node| &*node.keyword == "Sphere").unwrap().id;
     let now = |window: &mut Window| window.studio().document.as_ref().unwrap().text().to_owned();
     for radius in [1.6, 1.7, 1.8, 1.9] {
-        let (key, value) = ("radius".to_owned(), kajo::edit::FieldValue::numbers([radius]));
+        let (key, value) = ("radius".to_owned(), kajo_edit::FieldValue::numbers([radius]));
         window.studio().apply(Action::SetField { node: ball, key, nth: 0, value });
     }
     assert!(window.studio().is_compiling() && now(&mut window) == text, "the window does not wait");

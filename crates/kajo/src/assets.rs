@@ -97,7 +97,7 @@ impl FsAssets {
     }
 
     /// The real path of a file that was opened, by the name shown for it.
-    pub(crate) fn real_path(&self, shown: &str) -> Option<PathBuf> {
+    pub fn real_path(&self, shown: &str) -> Option<PathBuf> {
         self.lock().get(shown).cloned()
     }
 

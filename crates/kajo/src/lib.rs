@@ -27,15 +27,12 @@
 //! ```
 
 mod assets;
-pub mod bench;
 mod camera_pose;
 mod checkpoint;
 pub mod compare;
 mod denoise;
 mod development;
 pub mod diagrams;
-pub mod edit;
-pub mod handles;
 mod info;
 pub mod language;
 mod load;
@@ -43,11 +40,9 @@ mod load_options;
 pub mod memory;
 mod model_scene;
 pub mod output;
-pub mod preview;
 pub mod probe;
 mod reduction;
 mod render;
-pub mod selftest;
 pub mod session;
 mod settings;
 mod tev;
@@ -62,7 +57,7 @@ pub use development::Development;
 pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{Loaded, load, load_from};
 pub use load_options::{LoadOptions, ModelOptions, UpAxis};
-pub use model_scene::{ConvertError, ModelScene, model_scene};
+pub use model_scene::{ConvertError, ModelScene, model_scene, model_text};
 pub use reduction::Reduction;
 pub use render::{Passes, Picture, RenderError, RenderRequest, Resources, Snapshot, render, render_passes};
 pub use settings::{Defaults, RenderSettings, SettingsError, suitable_size};

@@ -38,13 +38,13 @@ pub struct LoadOptions {
 
 impl LoadOptions {
     /// The bounds, with a budget of memory of which nothing is used.
-    pub(crate) fn budgeted(&self) -> Limits {
+    pub fn budgeted(&self) -> Limits {
         let memory = MemoryBudget::new(self.memory.unwrap_or_else(memory::available));
         Limits { memory, ..self.limits.clone() }
     }
 
     /// The same for the compiler, within these bounds.
-    pub(crate) fn compile_options(&self, limits: Limits) -> CompileOptions {
+    pub fn compile_options(&self, limits: Limits) -> CompileOptions {
         CompileOptions {
             dialect: self.dialect,
             limits,
@@ -59,7 +59,7 @@ impl LoadOptions {
     ///
     /// # Errors
     /// When its folder, or one of [`LoadOptions::folders`], cannot be entered: why, in words.
-    pub(crate) fn assets(&self, path: &Path) -> Result<FsAssets, String> {
+    pub fn assets(&self, path: &Path) -> Result<FsAssets, String> {
         let open = |folder: &Path, error: io::Error| {
             format!("cannot enter the folder `{}`: {error}", folder.display())
         };

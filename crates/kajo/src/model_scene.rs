@@ -377,6 +377,13 @@ fn relative(path: &Path, folder: &Path) -> String {
     name.to_string_lossy().replace('\\', "/")
 }
 
+/// The text of the scene around the model at `path`, in memory; `None` when the file is no model.
+pub fn model_text(path: &Path, options: &LoadOptions) -> Option<String> {
+    let assets = options.assets(path).ok()?;
+    let model = ModelFile::find(path, &assets)?;
+    Some(model.scene(model.name(), &assets, options, &mut Diagnostics::new()).text)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,8 +1,8 @@
 //! The arguments of `kajo bench`.
 
 use clap::{Args, Subcommand, ValueEnum};
-use kajo::bench::rays::Quality;
-use kajo::bench::whitted::{AntiAliasing, WhittedScene};
+use kajo_selftest::bench::rays::Quality;
+use kajo_selftest::bench::whitted::{AntiAliasing, WhittedScene};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -2,7 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use kajo::selftest::{BATCHES, Effort, Row, Trial, Verdict, trials};
+use kajo_selftest::{BATCHES, Effort, Row, Trial, Verdict, trials};
 
 use crate::args::SelftestArgs;
 use crate::failure::Failure;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kajo::preview::{Preview, PreviewInstance, PreviewMesh};
+use kajo_edit::preview::{Preview, PreviewInstance, PreviewMesh};
 use wgpu::util::DeviceExt as _;
 
 use super::is_within;
@@ -116,7 +116,7 @@ fn runs(mesh: &PreviewMesh, indices: &[u32]) -> Vec<(u32, Range<u32>)> {
     runs
 }
 
-fn vertex(vertex: &kajo::preview::Vertex) -> Vertex {
+fn vertex(vertex: &kajo_edit::preview::Vertex) -> Vertex {
     let [x, y, z] = vertex.normal.map(|v| (127.0 * v) as i8);
     Vertex { p: vertex.position, n: [x, y, z, 0], color: vertex.color }
 }
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn triangles_of_an_object_are_drawn_together() {
-        let corner = |object| kajo::preview::Vertex {
+        let corner = |object| kajo_edit::preview::Vertex {
             position: [0.0; 3],
             normal: [0.0, 0.0, -1.0],
             color: [255; 4],

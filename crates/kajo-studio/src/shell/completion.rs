@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use egui::{Align, Area, Frame, Grid, Id, Key, Modifiers, Order, Pos2, Rect, RichText, ScrollArea, Ui};
-use kajo::edit::{Completion, completion};
+use kajo_edit::{Completion, completion};
 
 use super::theme;
 

@@ -2,7 +2,7 @@
 
 use egui::{Context, Event, Key, Modifiers};
 
-use kajo::handles::Mode;
+use kajo_edit::handles::Mode;
 
 use super::text_editor;
 use crate::state::{Action, Held};

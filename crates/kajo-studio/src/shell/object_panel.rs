@@ -4,7 +4,7 @@
 use egui::{
     CollapsingHeader, DragValue, Id, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui, UiBuilder,
 };
-use kajo::edit::{Document, Field, FieldKind, FieldValue, Kind, Node, NodeId};
+use kajo_edit::{Document, Field, FieldKind, FieldValue, Kind, Node, NodeId};
 
 use super::theme;
 use super::widgets::{choice, rows};

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use egui::{Align2, FontId, Key, RichText, ScrollArea, Sense, TextEdit, Ui, pos2, vec2};
-use kajo::edit::{Document, Kind, Node, NodeId, keywords_of};
+use kajo_edit::{Document, Kind, Node, NodeId, keywords_of};
 
 use super::theme;
 use crate::state::{Action, Selection};
@@ -244,7 +244,7 @@ fn add_menu(ui: &mut Ui, actions: &mut Vec<Action>) {
 }
 
 fn has_pattern(keyword: &str) -> bool {
-    kajo::edit::template(keyword, [0.0; 3], 1.0).is_some()
+    kajo_edit::template(keyword, [0.0; 3], 1.0).is_some()
 }
 
 fn color_of(kind: Kind) -> egui::Color32 {

@@ -4,7 +4,7 @@ use std::time::SystemTime;
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Button, Color32, Context, FontId, Modal, RichText, ScrollArea, Ui};
-use kajo::edit::{Conflict, hunks};
+use kajo_edit::{Conflict, hunks};
 
 use super::theme;
 use crate::state::{Answer, Cause, LeftOver, Question};
@@ -218,7 +218,7 @@ fn difference(conflict: &Conflict, [same, mine, theirs]: [Color32; 3]) -> Layout
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kajo::edit::Document;
+    use kajo_edit::Document;
     use std::time::Duration;
 
     #[test]
@@ -230,7 +230,7 @@ mod tests {
         let mut document = Document::open(&path, kajo::LoadOptions::default()).unwrap();
         let text = lines.replace("// 1\n", "// one\n").replace("// 9\n", "");
         let file = document.files().next().unwrap().0;
-        document.apply(&kajo::edit::Edit::Rewrite { file, text }).unwrap();
+        document.apply(&kajo_edit::Edit::Rewrite { file, text }).unwrap();
         let conflict = document.differences().remove(0);
         let text = difference(&conflict, [Color32::GRAY; 3]).text;
         let wanted = "  a.txt:  - mine   + theirs\n  // 0\n- // one\n+ // 1\n  // 2\n  // 3\n  ... line 8\n  // 7\n  \

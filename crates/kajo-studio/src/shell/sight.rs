@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use egui::{Color32, Stroke, Ui};
-use kajo::preview::TracedPreview;
+use kajo_edit::preview::TracedPreview;
 use kajo_math::{DVec3, Ray};
 
 use super::picture;

@@ -9,8 +9,8 @@ use egui::{
     Align2, Color32, FontId, Galley, Id, Key, Margin, Modifiers, Pos2, Rect, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
 };
-use kajo::edit::{Document, FileId, NodeId, SceneFile};
 use kajo::{TokenKind, tokens};
+use kajo_edit::{Document, FileId, NodeId, SceneFile};
 
 use super::completion::{Chosen, CompletionList};
 use super::{problems_panel, theme};

@@ -2,7 +2,7 @@
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{ComboBox, FontId, RichText, ScrollArea, Ui};
-use kajo::edit::{Document, FileId};
+use kajo_edit::{Document, FileId};
 
 use super::text_editor::TextEditor;
 use super::theme;

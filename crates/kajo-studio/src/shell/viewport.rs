@@ -1,7 +1,7 @@
 //! The middle of the window: the preview or the traced picture, and the mouse in it.
 
 use egui::{Align2, Color32, FontId, PointerButton, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2};
-use kajo::handles::HandleKind;
+use kajo_edit::handles::HandleKind;
 use kajo_math::DVec2;
 
 use super::theme;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use kajo::View;
-use kajo::edit::{FieldValue, FileId, NodeId};
-use kajo::handles::Mode;
+use kajo_edit::handles::Mode;
+use kajo_edit::{FieldValue, FileId, NodeId};
 use kajo_math::{DVec2, DVec3};
 
 use super::Held;

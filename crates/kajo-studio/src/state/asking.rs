@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use kajo::LoadOptions;
-use kajo::edit::{Conflict, Document};
+use kajo_edit::{Conflict, Document};
 
 use super::recovery::{LeftOver, Recovery, left_over};
 use super::{Action, Answer, Studio};

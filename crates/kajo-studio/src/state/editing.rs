@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use kajo::edit::{Document, Edit, Field, FieldValue, Kind, NodeId, template};
 use kajo::output::Target;
 use kajo::{BitDepth, Format, LoadOptions, View};
+use kajo_edit::{Document, Edit, Field, FieldValue, Kind, NodeId, template};
 use kajo_math::DVec3;
 
 use super::long_texts::Task;

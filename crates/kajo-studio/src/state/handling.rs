@@ -1,6 +1,6 @@
 //! Handles of what is selected, and what a drag of one does.
 
-use kajo::handles::{
+use kajo_edit::handles::{
     Axes, Eye, Handle, HandleLine, Mode, Snap, gizmo_of, handles_of, lines_of, pick, pivot_of,
 };
 use kajo_math::DVec2;

@@ -7,7 +7,7 @@
 
 use std::thread;
 
-use kajo::edit::{Document, Edit};
+use kajo_edit::{Document, Edit};
 
 use super::Studio;
 use super::tracer::Wake;

@@ -1,8 +1,8 @@
 //! Debug rays: all that becomes of one sample, as a list and as lines in the preview.
 
 use kajo::CameraPose;
-use kajo::edit::NodeId;
 use kajo::probe::{DebugRay, LightSource, RayKind, Segment, debug_ray, pick};
+use kajo_edit::NodeId;
 use kajo_math::DVec2;
 
 use super::{Action, Studio};

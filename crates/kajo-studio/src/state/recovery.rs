@@ -14,8 +14,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use kajo::edit::{Document, Unsaved, UnsavedText};
 use kajo::output::Target;
+use kajo_edit::{Document, Unsaved, UnsavedText};
 use serde::{Deserialize, Serialize};
 
 use super::tracer::Wake;
@@ -272,7 +272,7 @@ fn make_private(folder: &Path) -> io::Result<()> {
 mod tests {
     use super::*;
     use kajo::LoadOptions;
-    use kajo::edit::{Edit, FileId};
+    use kajo_edit::{Edit, FileId};
     use std::sync::Arc;
 
     fn begin(folder: &Path) -> Recovery {

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use kajo::edit::{Document, Kind, NodeId};
-use kajo::preview::{Preview, Vertex};
+use kajo_edit::preview::{Preview, Vertex};
+use kajo_edit::{Document, Kind, NodeId};
 use kajo_math::{Aabb, Vec3};
 
 use super::Studio;
@@ -95,7 +95,7 @@ fn alike<'a>(
     name: Option<&'a str>,
 ) -> impl Iterator<Item = NodeId> + 'a {
     let nodes = document.outline().nodes().iter();
-    let same = move |node: &&kajo::edit::Node| &*node.keyword == keyword && node.name.as_deref() == name;
+    let same = move |node: &&kajo_edit::Node| &*node.keyword == keyword && node.name.as_deref() == name;
     nodes.filter(same).map(|node| node.id)
 }
 

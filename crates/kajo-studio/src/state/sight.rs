@@ -4,8 +4,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use kajo::preview::TracedPreview;
 use kajo::{CameraPose, Scene};
+use kajo_edit::preview::TracedPreview;
 
 use super::tracer::Wake;
 use super::worker::Worker;

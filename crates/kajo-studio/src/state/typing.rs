@@ -1,7 +1,7 @@
 //! What one types, copies and pastes: edits of the text like any others.
 
-use kajo::edit::{Edit, FileId, Node};
 use kajo::{TokenKind, tokens};
+use kajo_edit::{Edit, FileId, Node};
 
 use super::Studio;
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use kajo::preview::LineKind;
 use kajo::{CameraPose, Scene};
+use kajo_edit::preview::LineKind;
 
 use super::{Action, Navigation, Studio};
 use crate::raster::{Eye, Line};

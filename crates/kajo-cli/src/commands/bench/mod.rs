@@ -3,7 +3,7 @@
 mod rays;
 mod whitted;
 
-use kajo::bench::{Machine, Spread, Times, memory, parse};
+use kajo_selftest::bench::{Machine, Spread, Times, memory, parse};
 
 use crate::args::{BenchArgs, BenchCommand, MemoryArgs, ParseArgs};
 use crate::failure::Failure;

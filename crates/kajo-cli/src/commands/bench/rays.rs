@@ -1,6 +1,8 @@
 //! `kajo bench rays`
 
-use kajo::bench::rays::{BuildSettings, Gate, Quality, Rates, Report, Settings, check, mesh, run as cast};
+use kajo_selftest::bench::rays::{
+    BuildSettings, Gate, Quality, Rates, Report, Settings, check, mesh, run as cast,
+};
 
 use super::header;
 use crate::args::RaysArgs;

@@ -3,13 +3,13 @@
 use std::fs;
 use std::path::Path;
 
-use kajo::bench::Times;
-use kajo::bench::whitted::{
+use kajo::output::Target;
+use kajo::{EncodeOptions, Format, encode};
+use kajo_selftest::bench::Times;
+use kajo_selftest::bench::whitted::{
     AntiAliasing, COUNT_TOLERANCE, MEAN_TOLERANCE, Report, Settings, WhittedError, WhittedScene,
     run as render,
 };
-use kajo::output::Target;
-use kajo::{EncodeOptions, Format, encode};
 
 use super::{header, machine_json, seconds, times_json};
 use crate::args::WhittedArgs;

@@ -1,0 +1,189 @@
+//! What can be done to a document.
+
+use super::texts::Change;
+use super::tree::Tree;
+use super::{FieldValue, FileId, Movement, Node, NodeId, TextEdit};
+use kajo::CameraPose;
+
+/// One thing to do.
+#[derive(Clone, Debug)]
+pub enum Edit {
+    /// Sets a value of a block; an absent one is inserted.
+    Set {
+        /// The block.
+        node: NodeId,
+        /// The word of the value.
+        key: String,
+        /// Which of several with this word; `None` for the one that counts.
+        nth: Option<usize>,
+        /// What it shall be.
+        value: FieldValue,
+    },
+    /// Sets some of the numbers of a value that is there.
+    SetSome {
+        /// The block.
+        node: NodeId,
+        /// The word of the value.
+        key: String,
+        /// What each number shall be; `None` for those that stay.
+        numbers: Vec<Option<f64>>,
+    },
+    /// Moves an object, light or camera in the world.
+    Move {
+        /// The node.
+        node: NodeId,
+        /// How it is moved, in world space.
+        movement: Movement,
+    },
+    /// Makes the scene's camera stand and look as this one.
+    Look(Box<CameraPose>),
+    /// Takes a value of a block out, so that its default holds.
+    Unset {
+        /// The block.
+        node: NodeId,
+        /// The word of the value.
+        key: String,
+        /// Which of several with this word; `None` for the one that counts.
+        nth: Option<usize>,
+    },
+    /// Gives an object another material.
+    Paint {
+        /// The object or group.
+        node: NodeId,
+        /// The material's block.
+        material: NodeId,
+    },
+    /// Gives a node another name, or none. References to it follow.
+    Rename {
+        /// The node.
+        node: NodeId,
+        /// Its new name.
+        name: Option<String>,
+    },
+    /// Adds a block, such as [`super::template`] makes.
+    Add {
+        /// The group, definition or transform it shall stand in; where such blocks stand, for `None`.
+        into: Option<NodeId>,
+        /// The text of one block.
+        block: String,
+    },
+    /// Puts a copy of a block after it.
+    Duplicate(NodeId),
+    /// Takes a block out.
+    Delete(NodeId),
+    /// Moves an object to the end of a group, definition or transform. It keeps its material.
+    MoveInto {
+        /// The object.
+        node: NodeId,
+        /// Where it shall stand.
+        into: NodeId,
+    },
+    /// Makes this the text of a file. What is the same at its beginning and end stays untouched, so that blocks there
+    /// remain what they are.
+    Rewrite {
+        /// The file.
+        file: FileId,
+        /// Its new text.
+        text: String,
+    },
+    /// Several edits as one, none of which changes what another one reads.
+    Together(Vec<Edit>),
+}
+
+impl Edit {
+    /// Sets the value that counts.
+    pub fn set(node: NodeId, key: impl Into<String>, value: FieldValue) -> Edit {
+        Edit::Set { node, key: key.into(), nth: None, value }
+    }
+
+    /// What it does, in a few words.
+    pub fn label(&self) -> String {
+        match self {
+            Edit::Set { key, .. } => format!("set {key}"),
+            Edit::SetSome { key, .. } => format!("set {key}"),
+            Edit::Move { movement: Movement::Rotate { .. }, .. } => "rotate".to_owned(),
+            Edit::Move { movement: Movement::Scale { .. }, .. } => "scale".to_owned(),
+            Edit::Move { .. } => "move".to_owned(),
+            Edit::Look(_) => "move the camera".to_owned(),
+            Edit::Unset { key, .. } => format!("remove {key}"),
+            Edit::Paint { .. } => "change material".to_owned(),
+            Edit::Rename { .. } => "rename".to_owned(),
+            Edit::Add { block, .. } => format!("add {}", block.split([' ', '{']).next().unwrap_or_default()),
+            Edit::Duplicate(_) => "duplicate".to_owned(),
+            Edit::Delete(_) => "delete".to_owned(),
+            Edit::MoveInto { .. } => "move to a group".to_owned(),
+            Edit::Rewrite { .. } => "edit text".to_owned(),
+            Edit::Together(edits) => edits.first().map_or_else(String::new, Edit::label),
+        }
+    }
+
+    /// The node whose identity goes over to the one that the edit makes.
+    pub(super) fn moves(&self) -> Option<NodeId> {
+        match self {
+            Edit::MoveInto { node, .. } => Some(*node),
+            _ => None,
+        }
+    }
+
+    /// The pieces of text to replace.
+    pub(super) fn plan(&self, tree: &Tree) -> Result<Vec<TextEdit>, EditRefused> {
+        if let Edit::Rewrite { file, text } = self {
+            return Ok(Change::between(*file, tree.text(*file), text).edits().collect());
+        }
+        if !tree.whole {
+            return Err(EditRefused::new(
+                "the text has blocks that are not closed or files that cannot be read",
+            ));
+        }
+        match self {
+            Edit::Set { node, key, nth, value } => tree.set_field(tree.node(*node)?, key, *nth, Some(value)),
+            Edit::Unset { node, key, nth } => tree.set_field(tree.node(*node)?, key, *nth, None),
+            Edit::SetSome { node, key, numbers } => tree.set_some(tree.node(*node)?, key, numbers),
+            Edit::Move { node, movement } => tree.displace(tree.node(*node)?, movement),
+            Edit::Look(pose) => tree.look(pose),
+            Edit::Paint { node, material } => tree.paint(tree.node(*node)?, tree.node(*material)?),
+            Edit::Rename { node, name } => tree.rename(tree.node(*node)?, name.as_deref()),
+            Edit::Add { into, block } => tree.add(into.map(|id| tree.node(id)).transpose()?, block),
+            Edit::Duplicate(node) => tree.duplicate(tree.node(*node)?),
+            Edit::Delete(node) => tree.delete(tree.node(*node)?),
+            Edit::MoveInto { node, into } => tree.move_into(tree.node(*node)?, tree.node(*into)?),
+            Edit::Rewrite { .. } => Ok(Vec::new()),
+            Edit::Together(edits) => {
+                let plans = edits.iter().map(|edit| edit.plan(tree)).collect::<Result<Vec<_>, _>>();
+                Ok(plans?.concat())
+            }
+        }
+    }
+}
+
+impl Tree {
+    fn node(&self, id: NodeId) -> Result<&Node, EditRefused> {
+        self.outline.get(id).ok_or_else(|| EditRefused::new("what was to be edited is no longer there"))
+    }
+}
+
+/// What an edit came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Applied {
+    /// Whether any byte changed.
+    pub changed: bool,
+    /// The block that the edit made, if it made one.
+    pub created: Option<NodeId>,
+}
+
+/// Why something cannot be done, for people.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct EditRefused(String);
+
+impl From<kajo_scene::EditError> for EditRefused {
+    fn from(error: kajo_scene::EditError) -> EditRefused {
+        EditRefused(error.to_string())
+    }
+}
+
+impl EditRefused {
+    pub(super) fn new(reason: impl Into<String>) -> EditRefused {
+        EditRefused(reason.into())
+    }
+}

@@ -1,0 +1,66 @@
+//! Blocks to start from.
+
+use kajo_core::compile::{block_of, kind_of};
+use kajo_core::schema::Kind;
+
+/// A block of this kind in one line, around the place `at` and about as large as `size`; `None` for words that make no
+/// object, light, material or camera.
+///
+/// ```
+/// let block = kajo_edit::template("Sphere", [0.0, 1.0, 0.0], 0.5).unwrap();
+/// assert_eq!(block, "Sphere { center 0 1 0  radius 0.5 }");
+/// ```
+pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
+    let [x, y, z] = at;
+    let text = |numbers: &[f64]| {
+        numbers.iter().map(|&n| kajo_core::schema::number_text(rounded(n))).collect::<Vec<_>>()
+    };
+    let point = |dx: f64, dy: f64, dz: f64| text(&[x + dx * size, y + dy * size, z + dz * size]).join(" ");
+    let vector = |dx: f64, dy: f64, dz: f64| text(&[dx * size, dy * size, dz * size]).join(" ");
+    let (center, radius) = (point(0.0, 0.0, 0.0), vector(1.0, 0.0, 0.0).split(' ').next()?.to_owned());
+    Some(match keyword {
+        "Sphere" => format!("Sphere {{ center {center}  radius {radius} }}"),
+        "Box" => format!("Box {{ min {}  max {} }}", point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0)),
+        "Plane" => format!("Plane {{ normal 0 1 0  offset {} }}", text(&[y]).join(" ")),
+        "Cylinder" | "Cone" => {
+            let (base, top) = (point(0.0, -1.0, 0.0), point(0.0, 1.0, 0.0));
+            format!("{keyword} {{ base {base}  top {top}  radius {radius} }}")
+        }
+        "Disk" => format!("Disk {{ center {center}  normal 0 1 0  radius {radius} }}"),
+        "Quad" => {
+            let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
+            format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")
+        }
+        "Triangle" => {
+            let [a, b, c] = [point(-1.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(0.0, 1.5, 0.0)];
+            format!("Triangle {{ vertex0 {a}  vertex1 {b}  vertex2 {c} }}")
+        }
+        "DirectionalLight" => "DirectionalLight { direction -1 -2 -1  color 0.8 0.8 0.8 }".to_owned(),
+        "PointLight" => format!("PointLight {{ position {center}  color 0.8 0.8 0.8 }}"),
+        "SpotLight" => {
+            format!("SpotLight {{ position {center}  direction 0 -1 0  angle 40  color 0.8 0.8 0.8 }}")
+        }
+        "PerspectiveCamera" => {
+            let eye = point(0.0, 0.0, 6.0);
+            format!("PerspectiveCamera {{ center {eye}  direction 0 0 -1  up 0 1 0  angle 30 }}")
+        }
+        "Group" => "Group { }".to_owned(),
+        "Transform" => "Transform { Translate 0 0 0  Group { } }".to_owned(),
+        "Checkerboard" | "Marble" | "Mix" | "Noise" | "Wood" => {
+            format!("{keyword} {{ materialIndex 0  materialIndex 0 }}")
+        }
+        _ if kind_of(keyword, None) == Kind::Material => {
+            let color = block_of(keyword)?.fields().find(|field| field.key.to_lowercase().ends_with("color"));
+            match color {
+                Some(field) => format!("{keyword} {{ {} 0.8 0.8 0.8 }}", field.key),
+                None => format!("{keyword} {{ }}"),
+            }
+        }
+        _ => return None,
+    })
+}
+
+/// To three digits behind the point, which is enough to start from.
+fn rounded(x: f64) -> f64 {
+    (x * 1000.0).round() / 1000.0
+}

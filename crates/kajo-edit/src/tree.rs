@@ -1,0 +1,102 @@
+//! The texts of a document as a tree, with the nodes that people see of it.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use kajo_core::settings::Dialect;
+use kajo_scene::{Diagnostics, Item, Parsed, SceneDesc, SourceId, Span};
+
+use super::outline::{Identities, Outline};
+use super::overlay::Overlay;
+use super::texts::Change;
+use super::{FileId, Node, NodeId, SceneFile};
+use kajo::{FsAssets, LoadOptions};
+use kajo_core::schema::Kind;
+
+/// The parsed texts.
+#[derive(Debug, Default)]
+pub(super) struct Tree {
+    pub desc: SceneDesc,
+    /// What the parser said.
+    pub diagnostics: Diagnostics,
+    /// See [`Parsed::whole`].
+    pub whole: bool,
+    pub outline: Outline,
+    /// The dialect, where it is not the text's own choice.
+    pub dialect: Option<Dialect>,
+    /// The document's file for each source.
+    files: HashMap<SourceId, FileId>,
+    /// The texts that were parsed.
+    texts: Vec<Arc<str>>,
+}
+
+/// From what a tree follows another.
+pub(super) struct Before<'a> {
+    pub outline: &'a Outline,
+    pub change: &'a Change,
+    /// Identities of nodes that come back.
+    pub remembered: &'a [(FileId, usize, NodeId)],
+}
+
+impl Tree {
+    /// Parses the scene that `disk` stands for, with `files` in the place of what is on disk. Files that are included
+    /// for the first time are added to them.
+    pub fn parse(
+        disk: &FsAssets,
+        options: &LoadOptions,
+        files: &mut Vec<SceneFile>,
+        before: Before<'_>,
+        identities: &mut Identities,
+    ) -> Tree {
+        let parsed = SceneDesc::load(disk.scene_name(), &Overlay { disk, files }, &options.limits);
+        let Parsed { desc, diagnostics, whole } = parsed;
+        let mut by_source = HashMap::new();
+        for (source, text) in desc.sources().iter() {
+            let known = files.iter().position(|file| file.name == text.path());
+            let index = known.unwrap_or_else(|| {
+                let read: Arc<str> = text.text().into();
+                files.push(SceneFile { name: text.path().to_owned(), text: read.clone(), saved: Some(read) });
+                files.len() - 1
+            });
+            by_source.insert(source, FileId(index as u32));
+        }
+        let file_of = |source| by_source.get(&source).copied().unwrap_or(FileId(0));
+        let outline = identities.outline(&desc, file_of, before.outline, before.change, before.remembered);
+        let texts = files.iter().map(|file| file.text.clone()).collect();
+        Tree { desc, diagnostics, whole, outline, dialect: options.dialect, files: by_source, texts }
+    }
+
+    pub fn file_of(&self, source: SourceId) -> FileId {
+        self.files.get(&source).copied().unwrap_or(FileId(0))
+    }
+
+    /// The text of a file as it was parsed.
+    pub fn text(&self, file: FileId) -> &str {
+        self.texts.get(file.0 as usize).map_or("", |text| text)
+    }
+
+    /// The file and bytes of an item.
+    pub fn place(&self, item: Item<'_>) -> (FileId, Range<usize>) {
+        self.place_of(item.span())
+    }
+
+    pub fn place_of(&self, span: Span) -> (FileId, Range<usize>) {
+        (self.file_of(span.source), span.range())
+    }
+
+    /// The item of a node.
+    pub fn item(&self, node: &Node) -> Option<Item<'_>> {
+        self.desc.item(node.item)
+    }
+
+    /// The parent of a node.
+    pub fn parent(&self, node: &Node) -> Option<&Node> {
+        node.parent.and_then(|id| self.outline.get(id))
+    }
+
+    /// The last block of a kind that stands in no other: the one that counts.
+    pub fn root(&self, kind: Kind) -> Option<&Node> {
+        self.outline.children(None).filter(|node| node.kind == kind).last()
+    }
+}

@@ -1,0 +1,112 @@
+//! The light that a glass ball throws on a screen.
+//!
+//! Parallel rays of irradiance `E` meet a ball of radius 1 and index `n` at heights `h` off its axis. With
+//! `sin i = h = n sin r` a ray is bent by `i - r` when it enters and again when it leaves, and meets the screen behind the
+//! ball at the distance `x(h)` from the axis. Unpolarised light passes both surfaces with the share `(1 - F)^2`. A
+//! part of the screen so receives the flux
+//!
+//! ```text
+//! E integral over h in [0, 1] of  (1 - F)^2 phi(x(h)) h dh
+//! ```
+//!
+//! with `phi(x)` the angle that the part covers of the circle of radius `x` around the axis. No path from the camera finds
+//! this light, since parallel light is met with probability zero. The screen is so small that no light passes beside
+//! the ball to it, and light is scattered so seldom that none comes to the screen by way of the screen.
+
+use std::f64::consts::PI;
+
+use kajo_math::DVec3;
+
+use super::quadrature::simpson;
+use super::{Form, Parameters, text};
+use crate::method::{BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, Method};
+
+/// What finds light that no ray meets by chance.
+const METHODS: &[Method] = &[BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT];
+
+pub fn forms(draw: &mut Parameters) -> Vec<Form> {
+    let far = (draw.between(1.8, 2.2), 0.4);
+    let near = (draw.between(1.2, 1.3), 0.15);
+    vec![screen(draw, far, 60.0), screen(draw, near, 75.0)]
+}
+
+/// * `distance`: of the screen from the middle of the ball; `half`: half the side of the square that is seen
+/// * `aslant`: degrees between the camera's direction and the axis, so that it looks past the ball
+fn screen(draw: &mut Parameters, (distance, half): (f64, f64), aslant: f64) -> Form {
+    let (n, rho, e) = (draw.between(1.4, 1.6), draw.between(0.3, 0.9), draw.between(0.5, 4.0));
+    let (sin, cos) = aslant.to_radians().sin_cos();
+    // Parallel rays aslant see a rectangle that is as wide as the picture and higher.
+    let half_height = half / cos;
+    let middle = DVec3::new(0.0, 0.0, distance);
+    let view = DVec3::new(0.0, sin, cos);
+    let scene = format!(
+        "OrthographicCamera {{ center {}  direction {}  up 0 {cos} {}  size {} }}\nBackground {{ color 0 0 0 }}\n\
+         Lights {{ DirectionalLight {{ direction 0 0 1  irradiance {e} {e} {e} }} }}\n\
+         Materials {{ Glass glass {{ indexOfRefraction {n} }}  Matte screen {{ color {rho} {rho} {rho} }} }}\n\
+         Group {{ MaterialIndex glass Sphere {{ center 0 0 0  radius 1 }}\n\
+         MaterialIndex screen Disk {{ center {}  normal 0 0 -1  radius 0.95 }} }}",
+        text(middle - 3.0 * view),
+        text(view),
+        -sin,
+        2.0 * half,
+        text(middle)
+    );
+    let covered = |x: f64| 4.0 * ((half_height / x).min(1.0).asin() - (half / x).min(1.0).acos()).max(0.0);
+    let flux = simpson(0.0, 1.0, 200_000, |h| share(h, n) * covered(landing(h, n, distance)) * h);
+    let expected = rho / PI * e * flux / (4.0 * half * half_height);
+    let name = format!("S13 caustic of a ball of index {n} on a screen at {distance}");
+    Form::new(name, scene, expected, METHODS).bounces(2).size([4, 4])
+}
+
+/// Share of unpolarised light that passes both surfaces.
+fn share(h: f64, n: f64) -> f64 {
+    let (ci, cr) = ((1.0 - h * h).sqrt(), (1.0 - h * h / (n * n)).sqrt());
+    let (s, p) = ((ci - n * cr) / (ci + n * cr), (n * ci - cr) / (n * ci + cr));
+    (1.0 - 0.5 * (s * s + p * p)).powi(2)
+}
+
+/// Distance from the axis at which a ray meets the screen; infinite when it does not.
+fn landing(h: f64, n: f64, distance: f64) -> f64 {
+    let (i, r) = (h.asin(), (h / n).asin());
+    // It enters at the angle i from the axis and leaves after the angle pi - 2 r around the middle.
+    let leaves = 2.0 * r - i;
+    let bent = 2.0 * (i - r);
+    if bent >= PI / 2.0 {
+        return f64::INFINITY;
+    }
+    // Towards positive x where it has not yet crossed the axis.
+    (leaves.sin() - bent.tan() * (distance - leaves.cos())).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Irradiance at a distance from the axis, as the mean over a narrow ring.
+    fn irradiance(x: f64, distance: f64) -> f64 {
+        let width = 2e-3 * x;
+        let within = |h: f64| (landing(h, 1.5, distance) - x).abs() < width;
+        let steps = 4_000_000;
+        let value = |k: i32| {
+            let h = (f64::from(k) + 0.5) / f64::from(steps);
+            if within(h) { share(h, 1.5) * h } else { 0.0 }
+        };
+        (0..steps).map(value).sum::<f64>() / f64::from(steps) / (2.0 * width * x)
+    }
+
+    #[test]
+    fn the_caustic_has_the_known_irradiance() {
+        // Sums over the branches of the map of heights to distances, checked by millions of rays.
+        for (distance, x, expected) in [
+            (2.0, 0.1, 5.679),
+            (2.0, 0.3, 1.697),
+            (2.0, 0.7, 0.3129),
+            (1.2, 0.05, 81.9),
+            (1.2, 0.1, 3.854),
+            (1.2, 0.3, 0.363),
+        ] {
+            let found = irradiance(x, distance);
+            assert!((found / expected - 1.0).abs() < 3e-3, "{distance} {x}: {found} for {expected}");
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Closed rooms, in which light goes on for ever.
+//!
+//! *A glowing room.* All walls send out `Le` and scatter the share `rho` evenly. The same light comes from
+//! everywhere, so after `k` scatterings
+//!
+//! ```text
+//! L = Le (1 + rho + ... + rho^k),    without end    L = Le / (1 - rho)
+//! ```
+//!
+//! whatever the shape of the room.
+//!
+//! *A point emitter in a ball.* A wall of a sphere sends the same light to all of the sphere, since between two of its
+//! points `cos cos' / d^2 = 1 / 4 R^2`. So all but the emitter's own light is even: with intensity `I` the radiance
+//! where the light is at distance `d` under the angle `theta` is
+//!
+//! ```text
+//! L = rho/pi I (cos theta / d^2 + rho / ((1 - rho) R^2))
+//! ```
+
+use std::f64::consts::PI;
+
+use kajo_math::DVec3;
+
+use super::{Form, Parameters, spot_meter, text};
+use crate::method::{
+    BIDIRECTIONAL, BOUNCES, DIRECT, GLOBAL, LIGHT, Method, PATH, PATH_LIGHTS, PATH_SPECTRAL,
+};
+
+/// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
+const WITHOUT_END: u32 = 200;
+
+pub fn forms(draw: &mut Parameters) -> Vec<Form> {
+    let mut forms: Vec<Form> =
+        ROOMS.iter().flat_map(|room| [glowing(draw, room, None), glowing(draw, room, Some(1))]).collect();
+    forms.push(glowing(draw, &ROOMS[0], Some(0)));
+    let wide = glowing(draw, &ROOMS[2], Some(1));
+    forms.push(Form {
+        name: wide.name.replace("box", "box, seen widely"),
+        scene: wide.scene.replace("angle 0.001", "angle 70"),
+        methods: SEEN_WIDELY,
+        ..wide
+    });
+    forms.push(light_in_ball(draw, GLOBAL_OF_POINTS, true));
+    forms.push(light_in_ball(draw, &[DIRECT], false));
+    forms
+}
+
+/// What solves a scene whose lights have no size.
+const GLOBAL_OF_POINTS: &[Method] = &[PATH, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL];
+
+/// What solves a scene of which the camera sees so much that light from emitters comes across it.
+const SEEN_WIDELY: &[Method] = &[PATH, BIDIRECTIONAL, LIGHT];
+
+/// A closed surface around the origin.
+struct Room {
+    name: &'static str,
+    scene: &'static str,
+    /// Vertices and faces, for rooms that are meshes.
+    mesh: &'static str,
+}
+
+const ROOMS: [Room; 5] = [
+    Room { name: "sphere", scene: "Sphere { center 0.1 0 -0.2  radius 1 }", mesh: "" },
+    Room {
+        name: "ellipsoid",
+        scene: "Transform { Scale 1 2 1.5  ZRotate 40  Sphere { center 0 0 0  radius 0.8 } }",
+        mesh: "",
+    },
+    Room { name: "box", scene: "Box { min -1 -1.2 -0.7  max 1.1 1 0.9 }", mesh: "" },
+    Room { name: "cylinder", scene: "Cylinder { base 0 -1 0.1  top 0.2 1 0  radius 1 }", mesh: "" },
+    Room { name: "octahedron, a mesh", scene: "TriangleMesh { file room.obj }", mesh: OCTAHEDRON },
+];
+
+const OCTAHEDRON: &str = "v 2 0 0\nv -2 0 0\nv 0 1.5 0\nv 0 -1.5 0\nv 0 0 1.8\nv 0 0 -1.8\n\
+    f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+
+fn glowing(draw: &mut Parameters, room: &Room, bounces: Option<u32>) -> Form {
+    let (rho, le) = (draw.between(0.2, 0.85), draw.between(0.5, 4.0));
+    let spin = draw.between(0.0, 360.0);
+    let (from, to) = (draw.point(0.2), draw.direction(-1.0));
+    let scene = format!(
+        "{}Materials {{ Material m {{ diffuseColor {rho} {rho} {rho}  emission {le} {le} {le} }} }}\n\
+         Group {{ MaterialIndex m  Transform {{ Rotate 0 0.6 0.8 {spin}  {} }} }}",
+        spot_meter(from, from + to),
+        room.scene
+    );
+    let scatterings = bounces.map(|n| n as i32 + 1);
+    let expected = le * scatterings.map_or(1.0, |k| 1.0 - rho.powi(k + 1)) / (1.0 - rho);
+    let ended = match bounces {
+        None => "no end of bounces".to_owned(),
+        Some(n) => format!("light scattered {} times", n + 1),
+    };
+    let name = format!("S1 glowing {}, albedo {rho}, {ended}", room.name);
+    let methods = if bounces.is_none() { GLOBAL } else { BOUNCES };
+    let form = Form::new(name, scene, expected, methods).bounces(bounces.unwrap_or(WITHOUT_END));
+    if room.mesh.is_empty() { form } else { form.file("room.obj", room.mesh.to_owned()) }
+}
+
+fn light_in_ball(draw: &mut Parameters, methods: &'static [Method], all_bounces: bool) -> Form {
+    let (rho, intensity, radius) = (draw.between(0.2, 0.85), draw.between(0.5, 4.0), draw.between(0.8, 2.0));
+    let light = radius * draw.between(0.1, 0.7) * draw.direction(-1.0);
+    let seen = radius * draw.direction(-1.0);
+    let to_light = light - seen;
+    let cos = to_light.normalize().dot(-seen / radius);
+    let direct = cos / to_light.length_squared();
+    let indirect = if all_bounces { rho / (1.0 - rho) / (radius * radius) } else { 0.0 };
+    let scene = format!(
+        "{}Lights {{ PointLight {{ position {}  intensity {intensity} {intensity} {intensity} }} }}\n\
+         Materials {{ Material m {{ diffuseColor {rho} {rho} {rho} }} }}\n\
+         Group {{ MaterialIndex m  Sphere {{ center 0 0 0  radius {radius} }} }}",
+        spot_meter(DVec3::ZERO, seen),
+        text(light)
+    );
+    let name = match all_bounces {
+        true => format!("S2 point light in a ball, albedo {rho}"),
+        false => format!("S2 point emitter in a ball, albedo {rho}, its own light only"),
+    };
+    let expected = rho / PI * intensity * (direct + indirect);
+    Form::new(name, scene, expected, methods).bounces(WITHOUT_END)
+}
