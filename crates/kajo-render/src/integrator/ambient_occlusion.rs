@@ -40,12 +40,18 @@ impl<'a> AmbientOcclusion<'a> {
         size: [u32; 2],
         layers: LayerSet,
     ) -> AmbientOcclusion<'a> {
-        AmbientOcclusion { view: CameraView::new(scene, size, layers), settings }
+        AmbientOcclusion::through(&scene.camera, scene, settings, size, layers)
     }
 
     /// The same through another camera than the scene's.
-    pub fn through(self, camera: &'a Camera) -> AmbientOcclusion<'a> {
-        AmbientOcclusion { view: self.view.through(camera), ..self }
+    pub fn through(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: AmbientOcclusionSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> AmbientOcclusion<'a> {
+        AmbientOcclusion { view: CameraView::new(scene, camera, size, layers), settings }
     }
 }
 

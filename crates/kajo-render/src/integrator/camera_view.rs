@@ -31,9 +31,9 @@ pub(super) struct CameraView<'a> {
 }
 
 impl<'a> CameraView<'a> {
-    pub fn new(scene: &'a Scene, size: [u32; 2], layers: LayerSet) -> CameraView<'a> {
-        let camera = &scene.camera;
-        let moves = scene.moves();
+    /// * `camera`: the scene's, or another one
+    pub fn new(scene: &'a Scene, camera: &'a Camera, size: [u32; 2], layers: LayerSet) -> CameraView<'a> {
+        let moves = scene.moves() || camera.moves();
         let film = raster(scene, camera, size);
         CameraView { scene, camera, size, film, layers, moves, is_immersed: false, spectral: None }.immersed()
     }
@@ -49,12 +49,6 @@ impl<'a> CameraView<'a> {
     pub fn wavelengths(&self, draws: &mut Draws<'_>) -> Wavelengths {
         let u = draws.number_if(self.spectral.is_some());
         self.spectral.as_ref().map_or(Wavelengths::RGB, |choice| choice.sample(u))
-    }
-
-    /// The same through another camera than the scene's.
-    pub fn through(self, camera: &'a Camera) -> CameraView<'a> {
-        let moves = self.scene.moves() || camera.moves();
-        CameraView { camera, film: raster(self.scene, camera, self.size), moves, ..self }.immersed()
     }
 
     /// The same, aware of whether camera rays may start in a medium.

@@ -130,7 +130,7 @@ impl<'a> Classic<'a> {
             Shadows::Opaque | Shadows::Transparent => LIGHTS_WITH_ITEMS,
         };
         let light_items = emitters.iter().take(hidden).map(|&(id, _)| items(scene.lights.apex(id))).collect();
-        let view = CameraView::new(scene, size, layers).through(camera);
+        let view = CameraView::new(scene, camera, size, layers);
         Classic { scene, settings, view, camera_items, emitters, light_items }
     }
 

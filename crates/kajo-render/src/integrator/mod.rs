@@ -44,16 +44,16 @@ impl IntegratorSettings {
     ) -> Box<dyn PixelIntegrator + 'a> {
         match self {
             IntegratorSettings::AmbientOcclusion(settings) => {
-                Box::new(AmbientOcclusion::new(scene, settings, size, layers).through(camera))
+                Box::new(AmbientOcclusion::through(camera, scene, settings, size, layers))
             }
             IntegratorSettings::Bidirectional(settings) => {
-                Box::new(Bidirectional::new(scene, settings, size, layers).through(camera))
+                Box::new(Bidirectional::through(camera, scene, settings, size, layers))
             }
             IntegratorSettings::Classic(settings) => {
                 Box::new(Classic::through(camera, scene, settings, size, layers))
             }
             IntegratorSettings::Path(settings) => {
-                Box::new(Path::new(scene, settings, size, layers).through(camera))
+                Box::new(Path::through(camera, scene, settings, size, layers))
             }
         }
     }

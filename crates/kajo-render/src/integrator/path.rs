@@ -94,16 +94,22 @@ pub struct Path<'a> {
 impl<'a> Path<'a> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub fn new(scene: &'a Scene, settings: PathSettings, size: [u32; 2], layers: LayerSet) -> Path<'a> {
+        Path::through(&scene.camera, scene, settings, size, layers)
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: PathSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Path<'a> {
         // Where no way to a light is known, lights are only met.
         let connects = scene.space().connects();
         let technique = if connects { settings.technique } else { Technique::Scattering };
         let settings = PathSettings { technique, ..settings };
-        Path { view: CameraView::new(scene, size, layers).spectral(settings.spectral), settings }
-    }
-
-    /// The same through another camera than the scene's.
-    pub fn through(self, camera: &'a Camera) -> Path<'a> {
-        Path { view: self.view.through(camera), ..self }
+        Path { view: CameraView::new(scene, camera, size, layers).spectral(settings.spectral), settings }
     }
 }
 

@@ -143,16 +143,22 @@ impl<'a> Bidirectional<'a> {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Bidirectional<'a> {
-        Bidirectional {
-            view: CameraView::new(scene, size, layers).spectral(settings.spectral),
-            settings,
-            power_sampler: scene.power_light_sampler(),
-        }
+        Bidirectional::through(&scene.camera, scene, settings, size, layers)
     }
 
     /// The same through another camera than the scene's.
-    pub fn through(self, camera: &'a Camera) -> Bidirectional<'a> {
-        Bidirectional { view: self.view.through(camera), ..self }
+    pub fn through(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: BidirectionalSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Bidirectional<'a> {
+        Bidirectional {
+            view: CameraView::new(scene, camera, size, layers).spectral(settings.spectral),
+            settings,
+            power_sampler: scene.power_light_sampler(),
+        }
     }
 
     fn scene(&self) -> &'a Scene {
