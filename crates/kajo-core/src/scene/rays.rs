@@ -84,7 +84,8 @@ impl Scene {
         leaf.in_object(ray, |ray| self.shapes.blocks(leaf.shape, ray))
     }
 
-    /// Visits every crossing within the ray's range, in no particular order.
+    /// Visits every crossing within the ray's range: the objects in no particular order and each once, with all of its
+    /// crossings one after the other.
     pub fn crossings(&self, ray: &Ray, visit: impl FnMut(ObjectId, Hit)) {
         self.aggregate.each(ray, &mut Crossings { scene: self, ray, visit });
     }

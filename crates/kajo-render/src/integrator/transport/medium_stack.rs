@@ -13,9 +13,6 @@ use kajo_math::Ray;
 /// Media that a stack has room for. Where more overlap, the one entered first is forgotten.
 const ROOM: usize = 4;
 
-/// Objects along a ray that are told apart to find out what is around its start.
-const MOST_CROSSED: usize = 32;
-
 /// What fills an object, as far as paths go by it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Medium {
@@ -57,25 +54,24 @@ impl MediumStack {
         if !scene.transmits || ray.t_min < 0.0 {
             return MediumStack::default();
         }
-        let mut crossed: [Option<Crossed>; MOST_CROSSED] = [None; MOST_CROSSED];
+        let mut around = Surroundings::default();
+        let mut last: Option<Crossed> = None;
         scene.crossings(ray, |object, hit| {
             let at = scene.interaction(ray, object, hit);
             let Some(interior) = scene.interior(&at, wavelengths, 0.5) else { return };
-            let is_it = |crossed: &&mut Option<Crossed>| crossed.is_none_or(|c| c.medium.object == object);
-            let Some(place) = crossed.iter_mut().find(is_it) else { return };
+            // The crossings of an object come one after the other, so where another one begins the last is done.
+            if let Some(done) = last.take_if(|last| last.medium.object != object) {
+                around.add(&done);
+            }
             let medium = Medium::of(object, &interior);
-            let crossed = place.get_or_insert(Crossed { medium, exits: 0, farthest: 0.0 });
+            let crossed = last.get_or_insert(Crossed { medium, exits: 0, farthest: 0.0 });
             crossed.exits += if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
             crossed.farthest = crossed.farthest.max(hit.t);
         });
-        // The one that ends last was entered first.
-        let end = |crossed: &Option<Crossed>| crossed.map_or(0.0, |crossed| crossed.farthest);
-        crossed.sort_by(|a, b| end(b).total_cmp(&end(a)));
-        let mut around = MediumStack::default();
-        for inside in crossed.into_iter().flatten().filter(|crossed| crossed.exits > 0) {
-            around.push(inside.medium);
+        if let Some(done) = last {
+            around.add(&done);
         }
-        around
+        around.media
     }
 
     /// Whether there are none.
@@ -178,6 +174,40 @@ struct Crossed {
     farthest: f32,
 }
 
+/// The media around the start of a ray, while objects that it crosses are looked at in any order.
+#[derive(Default)]
+struct Surroundings {
+    media: MediumStack,
+    /// Where the ray leaves each of them for the last time, farthest first.
+    ends: [f32; ROOM],
+}
+
+impl Surroundings {
+    /// Looks at an object, all of whose crossings are known.
+    fn add(&mut self, crossed: &Crossed) {
+        if crossed.exits <= 0 {
+            return;
+        }
+        let MediumStack { entries, len } = &mut self.media;
+        let known = *len as usize;
+        // The one that ends last was entered first.
+        let place = self.ends[..known].partition_point(|&end| end >= crossed.farthest);
+        let place = if known < ROOM {
+            entries.copy_within(place..known, place + 1);
+            self.ends.copy_within(place..known, place + 1);
+            *len += 1;
+            place
+        } else if place > 0 {
+            entries.copy_within(1..place, 0);
+            self.ends.copy_within(1..place, 0);
+            place - 1
+        } else {
+            return;
+        };
+        (entries[place], self.ends[place]) = (crossed.medium, crossed.farthest);
+    }
+}
+
 /// The medium that is there, of those of some objects in the order in which they were entered.
 fn uppermost<'a>(media: impl Iterator<Item = &'a Medium>) -> Option<&'a Medium> {
     media.fold(None, |top: Option<&Medium>, medium| match top {
@@ -247,18 +277,36 @@ mod tests {
     /// What lies ahead of a ray does not crowd out what is around its start.
     #[test]
     fn a_ray_that_starts_in_water_knows_it_behind_many_balls() {
-        let balls: String = (0..MOST_CROSSED - 1)
-            .map(|i| format!("Sphere {{ center 0 0 -{} radius 0.4 }} ", i + 1))
-            .collect();
+        let balls: String = (1..=100).map(|i| format!("Sphere {{ center 0 0 -{i} radius 0.4 }} ")).collect();
         let text = format!(
             "PerspectiveCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }}
              Materials {{ Glass water {{ indexOfRefraction 1.33 }}  Glass ball {{ }} }}
-             Group {{ MaterialIndex ball {balls} MaterialIndex water Box {{ min -9 -9 -99 max 9 9 1 }} }}"
+             Group {{ MaterialIndex ball {balls} MaterialIndex water Box {{ min -9 -9 -199 max 9 9 1 }} }}"
         );
         let scene = scene_with(&text, &MemoryAssets::new());
         let around =
             |z: f32| MediumStack::around(&scene, &Ray::new(z * Vec3::Z, -Vec3::Z), &Wavelengths::RGB);
         assert_eq!([around(0.0).eta(), around(-1.0).eta(), around(2.0).eta()], [1.33, 1.5, 1.0]);
+    }
+
+    /// Whatever the order of the file, the media are those in the order of their ends.
+    #[test]
+    fn of_many_media_around_a_start_the_innermost_are_known() {
+        for sizes in [[1, 2, 3, 4, 5, 6, 7], [7, 6, 5, 4, 3, 2, 1], [4, 7, 1, 6, 2, 5, 3]] {
+            let materials: String =
+                sizes.map(|i| format!("Glass g{i} {{ indexOfRefraction 1.{i} }} ")).concat();
+            let balls: String =
+                sizes.map(|i| format!("MaterialIndex g{i} Sphere {{ center 0 0 0 radius {i} }} ")).concat();
+            let text = format!(
+                "PerspectiveCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }}
+                 Materials {{ {materials} }} Group {{ {balls} }}"
+            );
+            let scene = scene_with(&text, &MemoryAssets::new());
+            let ray = Ray::new(Vec3::ZERO, -Vec3::Z);
+            let media = MediumStack::around(&scene, &ray, &Wavelengths::RGB);
+            let etas: Vec<_> = media.media().iter().map(|medium| medium.eta).collect();
+            assert_eq!(etas, [1.4, 1.3, 1.2, 1.1], "{sizes:?}");
+        }
     }
 
     #[test]
