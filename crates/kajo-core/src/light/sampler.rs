@@ -94,7 +94,8 @@ impl LightSampler {
 
     /// Bytes of the tree and the lists.
     pub fn bytes(&self) -> usize {
-        self.tree.bytes() + size_of_val(&*self.list) + size_of_val(&*self.groups)
+        let lists = size_of_val(&*self.list) + size_of_val(&*self.groups) + size_of_val(&*self.at_infinity);
+        self.tree.bytes() + lists
     }
 
     /// Chooses a light for a receiver; `None` when none can reach it.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::family::Pooled;
-use crate::ids::LightGroup;
+use crate::ids::{LightGroup, LightIndex};
 
 /// A grid of 100 by 100 lights at height 1, one apart; every third is a small square, the others are points.
 fn grid() -> (Lights, LightSampler) {
@@ -115,4 +115,18 @@ fn a_few_pieces_stand_for_those_of_a_large_object() {
         area.emission = Emission::BLACK;
     }
     assert_eq!(sampler.representatives(&lights, 16).len(), 16);
+}
+
+/// Discs in the sky are in one more list than directions without an extent.
+#[test]
+fn all_lists_count_as_memory() {
+    let bytes = |height: f32| {
+        let mut lights = Lights::default();
+        let emission = Emission::from_rgb([1.0; 3]);
+        let light = DirectionalLight { to_light: Vec3::Y, height, intensity: Spectrum::WHITE, emission };
+        let ids = (0..1000).flat_map(|_| light.clone().store(&mut lights)).collect::<Vec<_>>();
+        let list: Vec<_> = ids.into_iter().map(|id| (id, LightGroup::default())).collect();
+        LightSampler::new(list, 1000, None, &lights).bytes()
+    };
+    assert_eq!(bytes(1e-3) - bytes(0.0), 1000 * size_of::<LightIndex>());
 }
