@@ -19,9 +19,13 @@ use super::{Bsdf, BsdfSample, Lambert, OrenNayar, Transport};
 /// The viewer is taken to stand at least this cosine above a surface whose normal leans away.
 const LEAST_COSINE: f32 = 1e-3;
 
-/// The unit normal `n` of diffuse scattering in the shading frame, within a right angle of its z axis.
+/// The least `1 + z` that a projection is divided by.
+const LEAST_DENOMINATOR: f32 = 1e-6;
+
+/// The unit normal `n` of diffuse scattering in the shading frame.
 ///
-/// Kept as its stereographic projection `(x, y)/(1 + z)`, so that a [`Bsdf`] has room for it.
+/// Kept as its stereographic projection `(x, y)/(1 + z)`, so that a [`Bsdf`] has room for it; normals within 0.1 degrees of
+/// the negative z axis are approximate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiffuseNormal(Vec2);
 
@@ -30,7 +34,7 @@ impl DiffuseNormal {
     pub const SAME: DiffuseNormal = DiffuseNormal(Vec2::ZERO);
 
     fn new(n: Vec3) -> DiffuseNormal {
-        DiffuseNormal(n.truncate() / (1.0 + n.z.max(0.0)))
+        DiffuseNormal(n.truncate() / (1.0 + n.z).max(LEAST_DENOMINATOR))
     }
 
     /// The normal `n` as lobes see it that turn `wo` to be above.

@@ -235,7 +235,7 @@ impl<'a> Classic<'a> {
             at.point.n = shading.normal(-ray.d);
         }
         let carried = || (path.eta, *beta * self.fog_factor(ray, at.hit.t, path));
-        let mut local = self.shade(ray, at, phong, observer, carried);
+        let mut local = self.shade(ray, at, (phong, shading.n), observer, carried);
         let emitted = self.scene.surface_light(at, ray.d, &Wavelengths::RGB).map(|hit| hit.radiance);
         if let Some(emitted) = emitted {
             local += emitted;
@@ -252,12 +252,13 @@ impl<'a> Classic<'a> {
 
     /// Ambient light and every visible light, by the material's own model.
     ///
+    /// * `phong`: of the material, and the unit normal of its diffuse part: that of a relief is not held up
     /// * `carried`: index of refraction around the ray, and what becomes of light that leaves the surface along it
     fn shade(
         &self,
         ray: &Ray,
         at: &Interaction,
-        phong: &Phong,
+        (phong, diffuse_n): (&Phong, Vec3),
         observer: &mut impl PathObserver,
         carried: impl Fn() -> (f32, Spectrum),
     ) -> Spectrum {
@@ -266,18 +267,26 @@ impl<'a> Classic<'a> {
         if from_behind && !self.settings.shade_back {
             return light;
         }
-        let n = if from_behind { -at.point.n } else { at.point.n };
-        let wo = -ray.d;
+        let [n, diffuse_n] = [at.point.n, diffuse_n].map(|n| if from_behind { -n } else { n });
+        let (wo, highlight) = (-ray.d, self.settings.highlight);
+        let scattered = |wi: Vec3, light: Spectrum| {
+            if diffuse_n == n {
+                return phong.shade(n, wo, wi, light, highlight);
+            }
+            let matt = Phong { specular: Spectrum::BLACK, ..*phong };
+            let glossy = Phong { diffuse: Spectrum::BLACK, ..*phong };
+            matt.shade(diffuse_n, wo, wi, light, highlight) + glossy.shade(n, wo, wi, light, highlight)
+        };
         for (number, &(id, factor)) in self.emitters.iter().enumerate() {
             let Illumination { wi, distance, intensity } =
                 self.scene.lights.illuminate(id, at.point.p, at.time);
-            let shaded = phong.shade(n, wo, wi, intensity * factor, self.settings.highlight);
+            let shaded = scattered(wi, intensity * factor);
             if !shaded.is_black() {
                 let shadow_ray = at.point.ray_towards(wi, distance, ray.time, self.settings.ray_offset);
                 let arriving = shaded * self.visibility(number, &shadow_ray, observer.counters());
                 let about = || {
                     let (eta, weight) = carried();
-                    let white = phong.shade(n, wo, wi, Spectrum::WHITE, self.settings.highlight);
+                    let white = scattered(wi, Spectrum::WHITE);
                     About { eta, weight: (weight * white).to_rgb(), light: Some(id) }
                 };
                 observer.joined(RayKind::Shadow, self.scene, &shadow_ray, about, || {

@@ -1,29 +1,54 @@
 //! A matt floor whose normals lean has the radiance of its irradiance from wherever it is seen.
 //!
-//! Normals lean by 30 degrees to +x. Parallel light from straight above of the irradiance `E` across it gives the radiance
+//! Normals lean by an angle `t` to +x. Parallel light of the irradiance `E` across it, at the angle `s` from a normal, gives the
+//! radiance
 //!
 //! ```text
-//! L = R/π E cos 30
+//! L = R/π E cos s
 //! ```
 //!
-//! and a sky of radiance 1, of which the true surface hides what is below it, `L = R (1 + cos 30)/2`.
+//! and a sky of radiance 1, of which the true surface hides what is below it, `L = R (1 + cos t)/2`, also beyond a right angle.
 
 use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_core::scene::Scene;
 use kajo_math::Vec2;
 use kajo_scene::MemoryAssets;
 
-use super::tests::scene_with;
+use super::classic::Classic;
+use super::tests::{plain, scene_with};
 use super::{Bidirectional, BidirectionalSettings, Path, PathSettings};
 use crate::{LayerSet, PixelIntegrator, SampleContext};
 
 const REFLECTANCE: f64 = 0.5;
+const DARK: &str = "Background { color 0 0 0 }";
+const SIZE: [u32; 2] = [1, 1];
 
-/// A normal map that leans everywhere by 30 degrees to +u.
-fn leaning() -> Vec<u8> {
+/// A normal map that leans everywhere to +u.
+fn leaning(degrees: f32) -> MemoryAssets {
     let mut file = b"PF\n1 1\n-1.0\n".to_vec();
-    let (s, c) = 30f32.to_radians().sin_cos();
+    let (s, c) = degrees.to_radians().sin_cos();
     file.extend([s, 0.0, c].map(|v| 0.5 + 0.5 * v).into_iter().flat_map(f32::to_le_bytes));
-    file
+    MemoryAssets::new().with("leaning.pfm", file)
+}
+
+/// Parallel light that comes from `degrees` from the vertical, on the side of +x, with the irradiance π across it.
+fn sun(degrees: f64) -> String {
+    let (x, y) = degrees.to_radians().sin_cos();
+    const E: f64 = std::f64::consts::PI;
+    format!("{DARK} Lights {{ DirectionalLight {{ direction {} {} 0 irradiance {E} {E} {E} }} }}", -x, -y)
+}
+
+/// A floor of a leaning material, seen from so many degrees above -x.
+fn floor(material: &str, light: &str, degrees: f64, assets: &MemoryAssets) -> Scene {
+    let (y, x) = degrees.to_radians().sin_cos();
+    let text = format!(
+        "OrthographicCamera {{ center {} {} 0  direction {x} -{y} 0  up 0 1 0  size 0.01 }}
+         {light} Materials {{ {material}  normalMap leaning.pfm }} }}
+         Group {{ MaterialIndex m Quad {{ corner -5 0 5  edge1 10 0 0  edge2 0 0 -10 }} }}",
+        -3.0 * x,
+        3.0 * y
+    );
+    scene_with(&text, assets)
 }
 
 /// The mean radiance of the middle of the picture by an integrator.
@@ -38,41 +63,49 @@ fn mean(integrator: &dyn PixelIntegrator) -> f64 {
     (0..samples).map(radiance).sum::<f64>() / f64::from(samples)
 }
 
-#[test]
-fn matt_reliefs_are_as_bright_from_everywhere() {
-    let cos = 30f64.to_radians().cos();
-    let assets = MemoryAssets::new().with("leaning.pfm", leaning());
-    let lights = [
-        (
-            "Background { color 0 0 0 } Lights { DirectionalLight { direction 0 -1 0 irradiance 3.14159265 3.14159265 3.14159265 } }",
-            cos,
-        ),
-        ("Background { color 1 1 1 }", 0.5 * (1.0 + cos)),
-    ];
-    let materials = ["Matte m { color 0.5 0.5 0.5", "PhongMaterial m { diffuseColor 0.5 0.5 0.5"];
-    for degrees in [60.0f64, 45.0, 20.0, 5.0, 120.0, 160.0, 175.0] {
-        let (y, x) = degrees.to_radians().sin_cos();
-        for (light, irradiance) in lights {
-            for material in materials {
-                let scene = scene_with(
-                    &format!(
-                        "OrthographicCamera {{ center {cx} {cy} 0  direction {x} -{y} 0  up 0 1 0  size 0.01 }}
-                         {light} Materials {{ {material}  normalMap leaning.pfm }} }}
-                         Group {{ MaterialIndex m Quad {{ corner -5 0 5  edge1 10 0 0  edge2 0 0 -10 }} }}",
-                        cx = -3.0 * x,
-                        cy = 3.0 * y
-                    ),
-                    &assets,
-                );
-                let (size, layers) = ([1, 1], LayerSet::of(&[]));
-                let path = Path::new(&scene, PathSettings::default(), size, layers);
-                let both_ends = Bidirectional::new(&scene, BidirectionalSettings::default(), size, layers);
-                for found in [mean(&path), mean(&both_ends)] {
-                    let expected = REFLECTANCE * irradiance;
-                    let off = (found / expected - 1.0).abs();
-                    assert!(off < 2e-3, "{material} from {degrees}: {found} for {expected} by {light}");
-                }
+/// The radiance of a floor that leans by `lean` degrees, from many directions, under the light of `light`, in which it
+/// reflects `cos` of a full irradiance.
+fn check(lean: f32, light: &str, cos: f64) {
+    let assets = leaning(lean);
+    let is_classic = !light.contains("color 1 1 1");
+    for material in ["Matte m { color 0.5 0.5 0.5", "PhongMaterial m { diffuseColor 0.5 0.5 0.5"] {
+        for degrees in [60.0f64, 45.0, 20.0, 5.0, 120.0, 160.0, 175.0] {
+            let scene = floor(material, light, degrees, &assets);
+            let layers = || LayerSet::of(&[]);
+            let path = Path::new(&scene, PathSettings::default(), SIZE, layers());
+            let both_ends = Bidirectional::new(&scene, BidirectionalSettings::default(), SIZE, layers());
+            let classic = Classic::new(&scene, plain(&scene), SIZE, layers());
+            let mut integrators: Vec<&dyn PixelIntegrator> = vec![&path, &both_ends];
+            // Skies are no light to it.
+            integrators.extend(is_classic.then_some(&classic as &dyn PixelIntegrator));
+            for (i, integrator) in integrators.into_iter().enumerate() {
+                let (found, expected) = (mean(integrator), REFLECTANCE * cos);
+                let off = (found / expected - 1.0).abs();
+                let place = format!("{i}, {material} by {lean} degrees from {degrees}");
+                assert!(off < 2e-3, "{place}: {found} for {expected} by {light}");
             }
         }
     }
+}
+
+#[test]
+fn matt_reliefs_are_as_bright_from_everywhere() {
+    let cos = 30f64.to_radians().cos();
+    check(30.0, &sun(0.0), cos);
+    check(30.0, "Background { color 1 1 1 }", 0.5 * (1.0 + cos));
+}
+
+#[test]
+fn reliefs_that_lean_beyond_a_right_angle_keep_their_normal() {
+    check(110.0, &sun(60.0), 50f64.to_radians().cos());
+    check(110.0, "Background { color 1 1 1 }", 0.5 * (1.0 + 110f64.to_radians().cos()));
+}
+
+/// Light from behind the normal of a relief makes a highlight about the one that is held up, and nothing else.
+#[test]
+fn classic_highlights_go_by_the_normal_that_is_held_up() {
+    let material = "PhongMaterial m { diffuseColor 0.5 0.5 0.5  specularColor 0.25 0.25 0.25  exponent 0";
+    let scene = floor(material, &sun(0.0), 20.0, &leaning(110.0));
+    let found = mean(&Classic::new(&scene, plain(&scene), SIZE, LayerSet::of(&[])));
+    assert!((found - 0.25).abs() < 1e-6, "{found}");
 }
