@@ -10,14 +10,12 @@
 //!
 //! with `l_even` for facets of one roughness. What is left, `d`, is tabulated with both sides' averages `L` over the cosine, the
 //! azimuth in one quarter, the greater roughness, the lesser one over that, and the index, in `brushed_clear.bin`, made by the
-//! generator among the tests of these modules for the shape GGX. No material has brushed facets of another shape; they go
-//! without `d`, and with the averages of GGX.
+//! generator among the tests of these modules for the shape GGX.
 
 use std::f32::consts::FRAC_2_PI;
 
 use kajo_math::{Vec3, fmath};
 
-use super::Microfacets;
 use super::energy::{Between, EvenTables, outlets};
 use super::microfacet::Shape;
 
@@ -41,7 +39,6 @@ const TABLES: &[u8; 6 * OF_TABLE + 8 * SURFACES] = include_bytes!("brushed_clear
 /// What one boundary loses.
 #[derive(Clone, Copy)]
 pub(super) struct BrushedClear {
-    shape: Shape,
     /// The greater and the lesser roughness.
     alphas: [f32; 2],
     /// Whether the greater one is along y.
@@ -74,9 +71,10 @@ struct Seen {
 }
 
 impl BrushedClear {
+    /// That of facets of the shape GGX.
+    ///
     /// * `n`: the higher index over the lower
-    pub fn new(facets: &Microfacets, n: f32) -> BrushedClear {
-        let Microfacets { shape, alpha_x, alpha_y } = *facets;
+    pub fn new(alpha_x: f32, alpha_y: f32, n: f32) -> BrushedClear {
         let alphas @ [rough, fine] = [alpha_x.max(alpha_y), alpha_x.min(alpha_y)];
         let (index, alpha) = (Between::index(n, INDICES), Between::alpha(rough, ALPHAS));
         let aspect = Between::alpha(fine / rough, ASPECTS);
@@ -89,7 +87,7 @@ impl BrushedClear {
         };
         let (density, thin_share) = outlets([average(0), average(1)], n);
         let is_across = alpha_y > alpha_x;
-        BrushedClear { shape, alphas, is_across, n, index, alpha, aspect, density, thin_share }
+        BrushedClear { alphas, is_across, n, index, alpha, aspect, density, thin_share }
     }
 
     /// `l` for the unit direction `w`, on the side of the higher index or the other.
@@ -118,13 +116,10 @@ impl BrushedClear {
     fn even(&self, seen: &Seen) -> EvenTables {
         let [rough, fine] = self.alphas.map(|alpha| alpha * alpha);
         let alpha = (seen.cos2_phi * rough + (1.0 - seen.cos2_phi) * fine).sqrt();
-        EvenTables::new(self.shape, alpha, self.n)
+        EvenTables::new(Shape::Ggx, alpha, self.n)
     }
 
     fn difference(&self, table: Table, seen: &Seen) -> f32 {
-        if self.shape != Shape::Ggx {
-            return 0.0;
-        }
         let (turn, cosine) = (Between::new(seen.turn, TURNS), Between::cosine(seen.cos, COSINES));
         let node = |n: usize, a: usize, q: usize, p: usize, j: usize| {
             let node = (((n * ALPHAS + a) * ASPECTS + q) * TURNS + p) * COSINES + j;

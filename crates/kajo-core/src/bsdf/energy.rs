@@ -144,9 +144,10 @@ pub(super) fn saturate(f: f32, x: f32) -> f32 {
 /// Directions `w` are unit vectors, above or below the surface alike.
 #[derive(Clone, Copy)]
 pub(super) struct Loss {
-    /// That of facets as rough in all directions as these are in the roughest: by it directions are drawn.
+    /// That of facets as rough in all directions as these are in the roughest, by which directions are drawn; without `brushed`
+    /// as they are in the smoothest, so that hardly any light is made.
     even: EvenLoss,
-    /// What differs for facets whose roughness depends on the direction.
+    /// What differs for facets whose roughness depends on the direction, of the one shape that has a table of it.
     brushed: Option<BrushedClear>,
 }
 
@@ -154,10 +155,12 @@ impl Loss {
     /// * `n`: the higher index over the lower
     #[inline]
     pub fn new(facets: &Microfacets, n: f32) -> Loss {
-        let is_even = facets.alpha_x == facets.alpha_y;
+        let Microfacets { shape, alpha_x, alpha_y } = *facets;
+        let is_brushed = alpha_x != alpha_y && shape == Shape::Ggx;
+        let alpha = if is_brushed { alpha_x.max(alpha_y) } else { alpha_x.min(alpha_y) };
         Loss {
-            even: EvenLoss::new(facets.shape, facets.alpha_x.max(facets.alpha_y), n),
-            brushed: if is_even { None } else { Some(BrushedClear::new(facets, n)) },
+            even: EvenLoss::new(shape, alpha, n),
+            brushed: if is_brushed { Some(BrushedClear::new(alpha_x, alpha_y, n)) } else { None },
         }
     }
 

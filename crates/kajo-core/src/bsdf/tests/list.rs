@@ -172,6 +172,12 @@ pub fn families() -> Vec<Family> {
             tolerance: 0.02,
         },
         Family {
+            name: "scratched glass, Beckmann",
+            lobe: |a| glass(1.5, anisotropic(Shape::Beckmann, a)),
+            tolerance: 0.03,
+            ..PLAIN
+        },
+        Family {
             name: "grooved diamond",
             lobe: |a| glass(2.417, Microfacets::brushed(Shape::Ggx, a, 0.9)),
             lossless: true,
