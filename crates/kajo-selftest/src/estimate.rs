@@ -32,6 +32,19 @@ pub struct Exposure {
     pub size: [u32; 2],
 }
 
+/// What a mean is compared with, and how sharp it must be for that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// The expected value.
+    pub mu: f64,
+    /// Error that single precision alone may make, as a share of `mu`.
+    pub rounding: f64,
+    /// Largest standard error of the mean.
+    pub sigma: f64,
+    /// Samples after which no more are taken.
+    pub most_samples: u64,
+}
+
 /// A mean and how far to trust it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -46,11 +59,20 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Whether it may be an estimate of `mu`.
+    /// Whether it may be an estimate of what is expected.
+    pub fn agrees(&self, target: &Target) -> bool {
+        (self.mean - target.mu).abs() <= (4.0 * self.standard_error).max(target.rounding * target.mu.abs())
+    }
+
+    /// Whether batches without any spread may be off by chance, and more samples show it.
     ///
-    /// * `rounding`: error that single precision alone may make, as a share of `mu`
-    pub fn agrees(&self, mu: f64, rounding: f64) -> bool {
-        (self.mean - mu).abs() <= (4.0 * self.standard_error).max(rounding * mu.abs())
+    /// Of `n` stratified samples `n o` meet a surface of opacity `o`, rounded up or down. Where that is almost a whole number, all
+    /// batches are likely to agree on a mean that is off by a part of one sample. What is off by more is wrong.
+    fn may_be_even_by_chance(&self, target: &Target, samples_each: u64) -> bool {
+        /// Brightness of a sample, at most, in units of the mean.
+        const BRIGHTEST: f64 = 16.0;
+        let off = (self.mean / target.mu - 1.0).abs();
+        !self.agrees(target) && off < BRIGHTEST / samples_each as f64
     }
 
     /// From the sums of the batches over the same number of samples each.
@@ -66,19 +88,14 @@ impl Estimate {
 }
 
 impl Exposure {
-    /// Renders until the standard error of the mean is at most `sigma`, or about `most_samples` are taken.
+    /// Renders until the standard error of the mean is at most that of the target, or about as many samples are taken
+    /// as it allows.
     ///
     /// * `threads`: 0 for one on each core
     ///
     /// # Errors
     /// Why there is no picture.
-    pub fn measure(
-        &self,
-        seed: u64,
-        sigma: f64,
-        most_samples: u64,
-        threads: usize,
-    ) -> Result<Estimate, String> {
+    pub fn measure(&self, seed: u64, target: &Target, threads: usize) -> Result<Estimate, String> {
         let scene = self.load()?;
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         let mut samples = (u64::from(FIRST_SAMPLES) / pixels).max(1) as u32;
@@ -91,11 +108,19 @@ impl Exposure {
                 *sum += mean * taken as f64;
             }
             samples_each += taken;
-            let estimate = Estimate::of(&sums, samples_each, sigma);
+            let estimate = Estimate::of(&sums, samples_each, target.sigma);
             // A few samples may agree with each other by chance.
-            let settled = estimate.is_sharp && (round > 0 || estimate.standard_error == 0.0);
-            samples = next_round(samples, samples_each / pixels, estimate.standard_error / sigma);
-            if settled || estimate.samples + BATCHES * pixels * u64::from(samples) > most_samples {
+            let settled = match estimate.standard_error {
+                0.0 => !estimate.may_be_even_by_chance(target, samples_each),
+                _ => estimate.is_sharp && round > 0,
+            };
+            let noise = if estimate.standard_error == 0.0 {
+                f64::INFINITY
+            } else {
+                estimate.standard_error / target.sigma
+            };
+            samples = next_round(samples, samples_each / pixels, noise);
+            if settled || estimate.samples + BATCHES * pixels * u64::from(samples) > target.most_samples {
                 return Ok(estimate);
             }
         }
@@ -147,7 +172,7 @@ impl Exposure {
 /// best at; from a quarter to four times as many as in the last round, `samples`.
 ///
 /// * `taken`: in all rounds
-/// * `noise`: standard error over what is asked for
+/// * `noise`: standard error over what is asked for; infinite where it is not known
 fn next_round(samples: u32, taken: u64, noise: f64) -> u32 {
     /// The noise is an estimate too.
     const MARGIN: f64 = 1.2;

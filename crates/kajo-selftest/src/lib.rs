@@ -25,7 +25,7 @@ mod forms;
 mod method;
 mod parameters;
 
-use estimate::{Estimate, Exposure};
+use estimate::{Estimate, Exposure, Target};
 use forms::{Form, Number};
 
 pub use estimate::BATCHES;
@@ -137,11 +137,15 @@ impl Trial {
                 self.row(number.expected, Ok(number.estimate()), |estimate| number.agrees(estimate.mean))
             }
             Kind::Picture { exposure, expected, rounding } => {
-                let measure = |seed: u64, noise: f64| {
-                    exposure.measure(seed, noise * expected.abs(), effort.most_samples, threads)
+                let target = |noise: f64| Target {
+                    mu: *expected,
+                    rounding: *rounding,
+                    sigma: noise * expected.abs(),
+                    most_samples: effort.most_samples,
                 };
+                let measure = |seed: u64, noise: f64| exposure.measure(seed, &target(noise), threads);
                 let first = measure(seed, effort.noise);
-                let agrees = |estimate: &Estimate| estimate.agrees(*expected, *rounding);
+                let agrees = |estimate: &Estimate| estimate.agrees(&target(effort.noise));
                 let doubtful = first.as_ref().is_ok_and(|first| !agrees(first));
                 let last = if doubtful { measure(!seed, 0.5 * effort.noise) } else { first };
                 self.row(*expected, last, agrees)

@@ -71,6 +71,24 @@ fn a_wrong_value_a_noisy_one_and_a_broken_scene_are_told_apart() {
     assert_ne!(verdict(noisy), Verdict::Pass);
 }
 
+/// Of 64 stratified samples 16.0064 meet the disk: 32 batches of 16 are likely, and their mean is off by 1.3e-4.
+#[test]
+fn batches_that_agree_by_chance_are_measured_on() {
+    let scene = WALL
+        .replace("color 0 0 0 }\n    Materials", "color 1 1 1 }\n    Materials")
+        .replace(
+            "Material m { diffuseColor 0 0 0  emission 2 2 2 }",
+            "Matte m { color 0 0 0  opacity 0.2501 }",
+        )
+        .replace("Sphere { center 0 0 0 ", "Disk { center 0 0 0  normal 0 0 1 ");
+    let form = Form::new("", scene, 1.0 - 0.2501, &[method::PATH_SCATTERING]);
+    let row = |expected| of_form(Form { expected, ..form.clone() }).remove(0).run(1, COARSE, 0);
+    let right = row(form.expected);
+    assert_eq!(right.verdict, Verdict::Pass, "{right:?}");
+    assert!(right.sigma > 0.0 && right.samples > 2048, "{right:?}");
+    assert_eq!(row(form.expected * 1.001).verdict, Verdict::Wrong);
+}
+
 /// A glowing wall before the camera.
 const WALL: &str = "PerspectiveCamera { center 0 0 5  direction 0 0 -1  up 0 1 0  angle 1 }
     Background { color 0 0 0 }
