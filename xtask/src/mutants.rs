@@ -49,8 +49,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "half the density of a light that was met",
         LIGHTING,
-        "probability * self.lights.pdf_li(self.light_sampler.id(light), to, at, wi)",
-        "0.5 * probability * self.lights.pdf_li(self.light_sampler.id(light), to, at, wi)",
+        "probability * self.lighting.lights.pdf_li(self.lighting.sampler.id(light), to, at, wi)",
+        "0.5 * probability * self.lighting.lights.pdf_li(self.lighting.sampler.id(light), to, at, wi)",
     ),
     mutant(
         "half the density of a direction to a light that was drawn",

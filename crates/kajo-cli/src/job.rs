@@ -302,7 +302,7 @@ impl Job {
             settings = settings.cropped(part)?;
         }
         let left_out = settings.left_out(scene).into_iter().map(str::to_owned);
-        for note in left_out.chain(settings.without_effect(&self.asked, &scene.settings)) {
+        for note in left_out.chain(settings.without_effect(&self.asked, &scene.output.settings)) {
             voice.warn(note);
         }
         let splats = matches!(settings.integrator, IntegratorKind::Bidirectional | IntegratorKind::Light);
@@ -316,7 +316,7 @@ impl Job {
             ));
         }
         let Some(words) = self.classic else { return Ok(settings) };
-        let is_2004 = scene.rules.dialect == Dialect::Mit2004;
+        let is_2004 = scene.output.rules.dialect == Dialect::Mit2004;
         if words.uniform_samples && is_2004 {
             settings.samples.0 = SamplerKind::Regular;
         }

@@ -3,7 +3,8 @@
 //! A family is a trait with a fixed list of members. Each member type has a pool of its own,
 //! `Vec<Member>`, and a handle names a member by kind (upper bits) and index (lower bits).
 //! Dispatch is a `match` on the kind: no pointers to trait objects, no virtual calls. The one macro below writes handle,
-//! pools, dispatch and the names of all members from their list; adding a member is its file and one line. How a
+//! pools, dispatch and the names of all members from their list; adding a member is its file and one line. Methods of members
+//! that ask other members, or other pools, stand on a type that has all of these, which members are handed. How a
 //! member is written in a scene is for `compile` to know.
 
 /// How many low bits of a handle are the index: 2^27 members of each kind, 32 kinds.
@@ -37,6 +38,10 @@ macro_rules! family {
             $(#[$method_doc:meta])*
             fn $method:ident $(<$G:ident: $Bound:path>)? ($($args:tt)*) $(-> $Out:ty)?;
         )* }
+        $(methods of $Context:ident.$pools:ident { $(
+            $(#[$of_doc:meta])*
+            fn $of_method:ident ($($of_args:tt)*) $(-> $OfOut:ty)?;
+        )* })?
     ) => {
         $(#[$handle_doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -51,6 +56,11 @@ macro_rules! family {
                 $(family!(@method [$(#[$method_doc])*] $Handle $Contract $members
                     $method [$($G $Bound)?] ($($args)*) [$($Out)?]);)*
             }
+
+            $(impl $Context {
+                $(family!(@method_of $pools [$(#[$of_doc])*] $Handle $Contract $members
+                    $of_method ($($of_args)*) [$($OfOut)?]);)*
+            })?
         };
     };
 
@@ -133,11 +143,24 @@ macro_rules! family {
     };
 
     (
-        @match $self:ident $kind:ident $index:ident $Contract:ident $method:ident $args:tt
+        @method_of $pools:ident [$(#[$doc:meta])*] $Handle:ident $Contract:ident $members:tt
+        $method:ident ($($arg:ident: $Arg:ty),* $(,)?) [$($Out:ty)?]
+    ) => {
+        $(#[$doc])*
+        #[inline]
+        pub fn $method(&self, id: $Handle $(, $arg: $Arg)*) $(-> $Out)? {
+            let (kind, index) = crate::family::split(id.0);
+            let (pools, context) = (&self.$pools, self);
+            family!(@match pools kind index $Contract $method (context $(, $arg)*) $members)
+        }
+    };
+
+    (
+        @match $pools:ident $kind:ident $index:ident $Contract:ident $method:ident $args:tt
         { $($field:ident: $Member:ty),+ $(,)? }
     ) => {
         match $kind {
-            $(k if k == Kind::$field as u32 => family!(@call $Contract $method (&$self.$field[$index]) $args),)+
+            $(k if k == Kind::$field as u32 => family!(@call $Contract $method (&$pools.$field[$index]) $args),)+
             _ => unreachable!("handles are made by their own pools"),
         }
     };

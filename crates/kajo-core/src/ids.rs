@@ -36,17 +36,17 @@ index! {
 }
 
 index! {
-    /// Names an entry of [`crate::Scene::varied_emissions`].
+    /// Names an entry of [`crate::scene::Lighting::varied_emissions`].
     VariedEmissionId
 }
 
 index! {
-    /// Names an entry of [`crate::Scene::transforms`].
+    /// Names an entry of [`crate::scene::Geometry::transforms`].
     TransformId
 }
 
 index! {
-    /// Names an entry of [`crate::Scene::motions`].
+    /// Names an entry of [`crate::scene::Geometry::motions`].
     MotionId
 }
 
@@ -90,7 +90,7 @@ impl PoseId {
     }
 }
 
-/// Names an object: an entry of [`crate::Scene::primitives`], or past their end an object in a nested instance.
+/// Names an object: an entry of [`crate::scene::Geometry::primitives`], or past their end an object in a nested instance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectId(u32);
 
@@ -145,12 +145,12 @@ pub const MAX_LIGHT_GROUPS: usize = 8;
 pub struct LightGroup(u8);
 
 impl LightGroup {
-    /// The group at an index into [`crate::Scene::light_groups`]; `None` from [`MAX_LIGHT_GROUPS`] on.
+    /// The group at an index into [`crate::scene::Lighting::groups`]; `None` from [`MAX_LIGHT_GROUPS`] on.
     pub fn new(index: usize) -> Option<LightGroup> {
         u8::try_from(index).ok().filter(|_| index < MAX_LIGHT_GROUPS).map(LightGroup)
     }
 
-    /// Its index into [`crate::Scene::light_groups`].
+    /// Its index into [`crate::scene::Lighting::groups`].
     #[inline]
     pub fn index(self) -> usize {
         self.0.into()

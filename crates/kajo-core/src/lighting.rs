@@ -23,13 +23,13 @@ impl Scene {
     #[inline]
     pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf {
         let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside, u };
-        self.appearances().bsdf(at.material, &point)
+        self.appearance.bsdf(at.material, &point)
     }
 
     /// Whether [`Scene::bsdf`] chooses among parts there, so that it needs a number.
     #[inline]
     pub fn is_mixture(&self, at: &Interaction) -> bool {
-        self.materials.is_mixture(at.material)
+        self.appearance.materials.is_mixture(at.material)
     }
 
     /// The share of light that comes straight along a segment between two points in one medium: less than 1 through
@@ -47,7 +47,7 @@ impl Scene {
         wavelengths: &Wavelengths,
         _draws: &mut Draws<'_>,
     ) -> Spectrum {
-        if !self.has_passages {
+        if !self.appearance.has_passages {
             return if self.occluded(segment) { Spectrum::BLACK } else { Spectrum::WHITE };
         }
         let mut passed = Spectrum::WHITE;
@@ -56,7 +56,7 @@ impl Scene {
             let place = self.material_point(&at);
             let point = ShadingPoint { place, wavelengths, eta_outside: eta, u: 0.0 };
             let cos = at.crossing_cosine(segment.d);
-            passed *= self.appearances().passage(at.material, &point, cos);
+            passed *= self.appearance.passage(at.material, &point, cos);
             passed.is_black()
         });
         if blocked { Spectrum::BLACK } else { passed }
@@ -69,7 +69,7 @@ impl Scene {
     pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths, u: f32) -> Option<Interior> {
         if self.may_transmit(at.object) {
             let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside: 1.0, u };
-            self.appearances().interior(at.material, &point)
+            self.appearance.interior(at.material, &point)
         } else {
             None
         }
@@ -81,15 +81,15 @@ impl Scene {
     #[inline]
     pub fn surface_light(&self, at: &Interaction, d: Vec3, wavelengths: &Wavelengths) -> Option<LightHit> {
         // Nothing in nested instances has any.
-        if !self.primitives.get(at.object.index())?.glows {
+        if !self.geometry.primitives.get(at.object.index())?.glows {
             return None;
         }
-        let (light, area) = self.light_sampler.area(&self.lights, at.object, at.hit.part)?;
+        let (light, area) = self.lighting.sampler.area(&self.lighting.lights, at.object, at.hit.part)?;
         let radiance = match area.varied {
             None => area.emission.at(wavelengths),
             Some(varied) => rarely(|| self.varied_radiance(varied, at, wavelengths)),
         };
-        let hit = || LightHit { light, group: self.light_sampler.group(light), radiance };
+        let hit = || LightHit { light, group: self.lighting.sampler.group(light), radiance };
         area.sides.emit(-d.dot(at.point.ng)).then(hit)
     }
 
@@ -100,7 +100,7 @@ impl Scene {
         d: Vec3,
         wavelengths: &'a Wavelengths,
     ) -> impl Iterator<Item = LightHit> {
-        self.light_sampler.at_infinity(&self.lights, d, wavelengths)
+        self.lighting.sampler.at_infinity(&self.lighting.lights, d, wavelengths)
     }
 
     /// Light of a light for a receiver, whether or not anything is in the way; its density leaves out the choice of the
@@ -115,7 +115,7 @@ impl Scene {
         u: Vec2,
         wavelengths: &Wavelengths,
     ) -> Option<LightLiSample> {
-        self.lights.sample_li(self.light_sampler.id(light), to, u, wavelengths, self)
+        self.lighting.lights.sample_li(self.lighting.sampler.id(light), to, u, wavelengths, self)
     }
 
     /// Density with which a light is chosen for a receiver and the direction `wi` drawn to it, in the measure of
@@ -131,9 +131,9 @@ impl Scene {
         wi: Vec3,
         choice: LightChoice,
     ) -> f32 {
-        let probability = self.light_sampler.pmf(light, to, choice);
+        let probability = self.lighting.sampler.pmf(light, to, choice);
         if probability > 0.0 {
-            probability * self.lights.pdf_li(self.light_sampler.id(light), to, at, wi)
+            probability * self.lighting.lights.pdf_li(self.lighting.sampler.id(light), to, at, wi)
         } else {
             0.0
         }
@@ -146,28 +146,28 @@ impl Scene {
         at: &Interaction,
         wavelengths: &Wavelengths,
     ) -> Spectrum {
-        let varied: &VariedEmission = &self.varied_emissions[emission.index()];
-        let uv = if varied.needs_uv() { self.surface_uv(at) } else { SurfaceUv::default() };
-        let place = MaterialPoint { p: self.pattern_point(at), uv, tint: self.tint(at) };
-        varied.at(&self.textures, &place, wavelengths)
+        let varied: &VariedEmission = &self.lighting.varied_emissions[emission.index()];
+        let uv = if varied.needs_uv() { self.geometry.surface_uv(at) } else { SurfaceUv::default() };
+        let place = MaterialPoint { p: self.geometry.pattern_point(at), uv, tint: self.geometry.tint(at) };
+        varied.at(&self.appearance.textures, &place, wavelengths)
     }
 
     /// The lights for paths to begin at.
     pub fn power_light_sampler(&self) -> PowerLightSampler {
-        PowerLightSampler::new(&self.light_sampler, &self.lights, &self.bounds())
+        PowerLightSampler::new(&self.lighting.sampler, &self.lighting.lights, &self.geometry.bounds())
     }
 
     /// How wavelengths are drawn so that spectral lines are found: by the spectra of all light and its power.
     pub fn wavelength_choice(&self) -> WavelengthChoice {
-        let (world, white) = (BoundingSphere::around(&self.bounds()), Emission::from_rgb([1.0; 3]));
+        let (world, white) = (BoundingSphere::around(&self.geometry.bounds()), Emission::from_rgb([1.0; 3]));
         let mut spectra = Vec::new();
-        for &id in self.light_sampler.list() {
-            let power = self.lights.power(id, &world);
-            let Some(varied) = self.lights.varied_emission(id) else {
-                spectra.push((power, self.lights.emission(id).unwrap_or(&white)));
+        for &id in self.lighting.sampler.list() {
+            let power = self.lighting.lights.power(id, &world);
+            let Some(varied) = self.lighting.lights.varied_emission(id) else {
+                spectra.push((power, self.lighting.lights.emission(id).unwrap_or(&white)));
                 continue;
             };
-            let varied = &self.varied_emissions[varied.index()];
+            let varied = &self.lighting.varied_emissions[varied.index()];
             let all: f32 = varied.emissions().map(Emission::luminance).sum();
             spectra.extend(varied.emissions().map(|light| (power * light.luminance() / all, light)));
         }
@@ -186,13 +186,13 @@ impl Scene {
         wavelengths: &Wavelengths,
         world: &BoundingSphere,
     ) -> Option<LightLeSample> {
-        let id = self.light_sampler.id(light);
-        let leaving = self.lights.sample_le(id, time, u, wavelengths, world, self)?;
+        let id = self.lighting.sampler.id(light);
+        let leaving = self.lighting.lights.sample_le(id, time, u, wavelengths, world, self)?;
         let density = leaving.pdf.position * leaving.pdf.direction;
         let usable = density > 0.0 && density.is_finite();
         // A plane without bounds may hide the disk that light from infinitely far passes before the scene.
         let hidden = leaving.at.is_infinite()
-            && self.aggregate.has_unbounded()
+            && self.geometry.has_unbounded()
             && self.occluded(&Ray { time, ..Ray::new(leaving.at.p(), -leaving.d) });
         (usable && !hidden).then_some(leaving)
     }
@@ -206,7 +206,7 @@ impl Scene {
         d: Vec3,
         world: &BoundingSphere,
     ) -> EmissionPdf {
-        self.lights.pdf_le(self.light_sampler.id(light), time, at, d, world)
+        self.lighting.lights.pdf_le(self.lighting.sampler.id(light), time, at, d, world)
     }
 }
 
@@ -220,9 +220,9 @@ impl EmissiveSurfaces for Scene {
         time: f32,
         wavelengths: &Wavelengths,
     ) -> Spectrum {
-        let primitive = &self.primitives[light.object.index()];
-        let own = self.place(primitive, time).object_from_world.transform_point3(p);
-        let hit = self.shapes.hit_at(primitive.shape, light.part, own);
+        let primitive = &self.geometry.primitives[light.object.index()];
+        let own = self.geometry.place(primitive, time).object_from_world.transform_point3(p);
+        let hit = self.geometry.shapes.hit_at(primitive.shape, light.part, own);
         let point = SurfacePoint { p, ..SurfacePoint::default() };
         let at = Interaction { point, hit, object: light.object, time, ..Interaction::default() };
         self.varied_radiance(emission, &at, wavelengths)

@@ -80,7 +80,7 @@ impl Objects {
         (0..self.labels.len()).filter_map(|primitive| self.get(primitive))
     }
 
-    /// The words of a primitive, by its index into [`crate::Scene::primitives`].
+    /// The words of a primitive, by its index into [`crate::scene::Geometry::primitives`].
     pub fn get(&self, primitive: usize) -> Option<Object<'_>> {
         self.words(*self.labels.get(primitive)?, *self.placed_by.get(primitive)?)
     }

@@ -84,22 +84,22 @@ impl Scene {
     /// * `u`: as in [`Scene::bsdf`]
     #[inline]
     pub fn shading(&self, at: &Interaction, u: f32) -> Shading {
-        if self.has_orientations { self.oriented(at, u) } else { Shading::plain(&at.point) }
+        if self.appearance.has_orientations { self.oriented(at, u) } else { Shading::plain(&at.point) }
     }
 
     #[inline(never)]
     fn oriented(&self, at: &Interaction, u: f32) -> Shading {
         let plain = Shading::plain(&at.point);
-        if !self.materials.is_oriented(at.material, &self.materials) {
+        if !self.appearance.is_oriented(at.material) {
             return plain;
         }
         let place = self.material_point(at);
         let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-        let orientation = self.appearances().orientation(at.material, &point);
+        let orientation = self.appearance.orientation(at.material, &point);
         if orientation == Orientation::default() {
             return plain;
         }
-        let tangents = self.tangents(at);
+        let tangents = self.geometry.tangents(at);
         let Frame { s, t, n } = Frame::from_tangent(plain.n, tangents.dpdu);
         // Turns go from u to v, whichever way round the coordinates are.
         let t = if t.dot(tangents.dpdv) < 0.0 { -t } else { t };

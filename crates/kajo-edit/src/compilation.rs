@@ -56,7 +56,7 @@ impl Compilation {
             false => None,
         };
         let made = scene.map(|scene| {
-            let nodes = scene.objects.iter().map(|object| nodes_of(&tree, &object));
+            let nodes = scene.geometry.objects.iter().map(|object| nodes_of(&tree, &object));
             Made { generation, objects: nodes.collect(), tree: Arc::clone(&tree), scene: Arc::new(scene) }
         });
         Compiled { generation: Some(generation), diagnostics, desc: Arc::new(desc), made }
@@ -175,7 +175,7 @@ impl Document {
         let made = self.compiled.made.as_ref()?;
         let id = ObjectId::from_number(number)?;
         let known = made.objects.get(id.index()).copied();
-        known.or_else(|| made.scene.object(id).map(|object| nodes_of(&made.tree, &object)))
+        known.or_else(|| made.scene.geometry.object(id).map(|object| nodes_of(&made.tree, &object)))
     }
 
     /// Numbers of the objects of [`Document::scene`] that a node places or describes, or nodes within it do; without
@@ -193,7 +193,7 @@ impl Document {
         let Some(made) = &self.compiled.made else { return Vec::new() };
         let nodes: HashSet<NodeId> = self.outline().subtree(id).iter().map(|n| n.id).collect();
         let is_within = |item| made.tree.outline.at_item(item).is_some_and(|node| nodes.contains(&node.id));
-        let objects = made.scene.nested_objects(is_within).into_iter();
+        let objects = made.scene.geometry.nested_objects(is_within).into_iter();
         objects.map(|range| range.start.number()..range.end.number()).collect()
     }
 
@@ -231,11 +231,11 @@ mod tests {
         let late = document.compilation().unwrap();
         document.adopt(early.run());
         assert!(document.scene().is_some() && !document.is_current() && !document.is_compiled());
-        assert_eq!(document.scene().unwrap().primitives.len(), 2, "the text of before");
+        assert_eq!(document.scene().unwrap().geometry.primitives.len(), 2, "the text of before");
         assert_eq!(document.node_of_object(1), Some(ball));
         document.adopt(late.run());
         assert!(document.is_current() && document.compilation().is_none());
-        assert_eq!(document.scene().unwrap().primitives.len(), 1);
+        assert_eq!(document.scene().unwrap().geometry.primitives.len(), 1);
         assert_ne!(document.node_of_object(1), Some(ball));
     }
 
@@ -271,7 +271,7 @@ mod tests {
         let generation = document.scene_generation();
         document.adopt(early.run());
         assert_eq!(document.scene_generation(), generation);
-        assert_eq!(document.scene().unwrap().primitives.len(), 1);
+        assert_eq!(document.scene().unwrap().geometry.primitives.len(), 1);
     }
 
     #[test]
@@ -306,7 +306,7 @@ mod tests {
         let mut document = Document::untitled(Path::new("."), &text, options).unwrap();
         document.compile();
         let scene = document.scene().unwrap().clone();
-        assert_eq!((scene.primitives.len(), scene.object_count()), (1, 201));
+        assert_eq!((scene.geometry.primitives.len(), scene.geometry.object_count()), (1, 201));
         let of = |word: &str| {
             document.outline().nodes().iter().filter(|n| &*n.keyword == word).collect::<Vec<_>>()
         };

@@ -349,9 +349,9 @@ impl Document {
     pub fn objects_painted(&self, id: NodeId) -> Vec<u32> {
         let Some(scene) = self.scene() else { return Vec::new() };
         let Some(index) = self.tree.materials().position(|node| node.id == id) else { return Vec::new() };
-        let numbers = (1..).zip(&scene.primitives);
+        let numbers = (1..).zip(&scene.geometry.primitives);
         numbers
-            .filter(|(_, p)| scene.material_number(p.material) == index as u32 + 1)
+            .filter(|(_, p)| scene.appearance.number(p.material) == index as u32 + 1)
             .map(|(number, _)| number)
             .collect()
     }

@@ -101,11 +101,11 @@ impl Preview {
     pub fn of(scene: &Scene) -> Preview {
         let bounds = extent(scene);
         let mut builder = Builder::new(scene, bounds);
-        for (object, primitive) in (1..).zip(&scene.primitives) {
-            let place = scene.place(primitive, 0.0);
+        for (object, primitive) in (1..).zip(&scene.geometry.primitives) {
+            let place = scene.geometry.place(primitive, 0.0);
             builder.add(object, primitive.shape, &place, primitive.material);
         }
-        for piece in scene.nested_pieces(|shape| builder.cost(shape), NESTED_TRIANGLES) {
+        for piece in scene.geometry.nested_pieces(|shape| builder.cost(shape), NESTED_TRIANGLES) {
             builder.add_piece(&piece);
         }
         let lines = lines::of(scene, &bounds);
@@ -120,7 +120,7 @@ impl Preview {
 
 /// A box around what has bounds, never empty.
 fn extent(scene: &Scene) -> Aabb {
-    let bounds = scene.bounds();
+    let bounds = scene.geometry.bounds();
     if bounds.is_empty() { Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE } } else { bounds }
 }
 
@@ -142,8 +142,10 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(scene: &'a Scene, bounds: Aabb) -> Builder<'a> {
-        let curved = scene.primitives.iter().filter(|p| is_curved(&scene.shapes, p.shape)).count() as u64;
-        let curved = curved + scene.object_count() - scene.primitives.len() as u64;
+        let curved =
+            scene.geometry.primitives.iter().filter(|p| is_curved(&scene.geometry.shapes, p.shape)).count()
+                as u64;
+        let curved = curved + scene.geometry.object_count() - scene.geometry.primitives.len() as u64;
         // A sphere has as many triangles as the square of the segments around it.
         let around = |triangles: u32| (f64::from(triangles) / curved.max(1) as f64).sqrt();
         let around = around(CURVED_TRIANGLES).max(around(MOST_CURVED_TRIANGLES).min(ROUND));
@@ -164,7 +166,7 @@ impl<'a> Builder<'a> {
 
     /// Triangles that a shape takes.
     fn cost(&self, id: ShapeId) -> usize {
-        let shapes = &self.scene.shapes;
+        let shapes = &self.scene.geometry.shapes;
         let else_about = if is_curved(shapes, id) { (self.around * self.around) as usize } else { 12 };
         Mesh::find(shapes, id).map_or(else_about, Mesh::triangle_count)
     }
@@ -172,20 +174,20 @@ impl<'a> Builder<'a> {
     fn add(&mut self, object: u32, id: ShapeId, transform: &Transform, material: MaterialId) {
         let scene = self.scene;
         let place = transform.world_from_object;
-        if let Some(sphere) = Sphere::find(&scene.shapes, id) {
+        if let Some(sphere) = Sphere::find(&scene.geometry.shapes, id) {
             let mesh = self.unit_sphere();
             let sized = Affine3A::from_scale(Vec3::splat(sphere.radius));
             let sphere = Affine3A::from_translation(sphere.center) * sized;
             self.instance(mesh, object, place * sphere, material);
-        } else if let Some(mesh) = Mesh::find(&scene.shapes, id) {
+        } else if let Some(mesh) = Mesh::find(&scene.geometry.shapes, id) {
             for (piece, own) in self.pieces(id, mesh) {
                 self.instance(piece, object, place, own.unwrap_or(material));
             }
         } else {
             let mut triangles = Tessellation::default();
-            match Plane::find(&scene.shapes, id) {
+            match Plane::find(&scene.geometry.shapes, id) {
                 Some(plane) => self.square(plane, transform, &mut triangles),
-                None => scene.shapes.tessellate(id, self.around, &mut triangles),
+                None => scene.geometry.shapes.tessellate(id, self.around, &mut triangles),
             }
             self.add_single(object, material, transform, &triangles);
         }
@@ -247,7 +249,7 @@ impl<'a> Builder<'a> {
         let mut triangles = Tessellation::default();
         mesh.tessellate(self.around, &mut triangles);
         let vertices = white_vertices(&triangles);
-        let own = |part: u32| mesh.material_slot(part).map(|slot| self.scene.slot_materials[slot as usize]);
+        let own = |part: u32| mesh.material_slot(part).map(|slot| self.scene.appearance.slots[slot as usize]);
         let mut by_material: HashMap<Option<MaterialId>, Vec<u32>> = HashMap::new();
         let mut materials = Vec::new();
         for (face, &part) in triangles.faces.iter().zip(&triangles.parts) {
@@ -305,9 +307,12 @@ impl<'a> Builder<'a> {
         }
         let inverse = to.object_from_world;
         let onto = |p: Vec3| p - (n.dot(p) - plane.offset() as f32) * n;
-        let near =
-            Aabb::around([self.bounds.min, self.bounds.max, self.scene.camera.frame().center.as_vec3()])
-                .transformed(&inverse);
+        let near = Aabb::around([
+            self.bounds.min,
+            self.bounds.max,
+            self.scene.output.camera.frame().center.as_vec3(),
+        ])
+        .transformed(&inverse);
         let center = onto(near.center());
         let (s, t) = kajo_math::warp::basis(n);
         let reach = 2.0 * near.extent().length().max((near.center() - center).length()).max(1.0);

@@ -68,13 +68,13 @@ pub enum LightSource {
 
 impl LightSource {
     fn of(scene: &Scene, id: LightId) -> Option<LightSource> {
-        if let Some(piece) = AreaLight::find(&scene.lights, id) {
+        if let Some(piece) = AreaLight::find(&scene.lighting.lights, id) {
             return Some(LightSource::Object(piece.object.number()));
         }
-        if SkyLight::find(&scene.lights, id).is_some() {
+        if SkyLight::find(&scene.lighting.lights, id).is_some() {
             return Some(LightSource::Background);
         }
-        scene.light_list.iter().position(|&listed| listed == id).map(|at| LightSource::Listed(at as u32))
+        scene.lighting.list.iter().position(|&listed| listed == id).map(|at| LightSource::Listed(at as u32))
     }
 }
 
@@ -369,7 +369,7 @@ fn product(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 
 impl TrailHit {
     fn of(scene: &Scene, at: &Interaction) -> TrailHit {
-        let material = scene.material_number(at.material);
+        let material = scene.appearance.number(at.material);
         TrailHit { object: at.object.number(), material, p: at.point.p, n: at.point.n, ng: at.point.ng }
     }
 }

@@ -144,7 +144,7 @@ impl Exposure {
 
     /// The mean of a picture's red channel.
     fn render(&self, scene: &Scene, samples: u32, seed: u64) -> Result<f64, String> {
-        let pattern = scene.settings.samples.map_or(SamplerKind::Sobol, |(pattern, _)| pattern);
+        let pattern = scene.output.settings.samples.map_or(SamplerKind::Sobol, |(pattern, _)| pattern);
         let asked = Settings {
             size: Some(self.size),
             samples: Some((pattern, samples)),

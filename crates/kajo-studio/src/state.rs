@@ -352,7 +352,7 @@ impl Studio {
     /// A box around the scene; one around the origin where there is none.
     pub fn bounds(&self) -> Aabb {
         let unit = Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE };
-        let bounds = self.scene().map(|scene| scene.bounds());
+        let bounds = self.scene().map(|scene| scene.geometry.bounds());
         bounds.filter(|bounds| !bounds.is_empty() && bounds.is_finite()).unwrap_or(unit)
     }
 

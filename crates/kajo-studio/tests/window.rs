@@ -220,11 +220,11 @@ fn the_outliner_selects_and_its_buttons_edit() {
 #[test]
 fn blocks_are_added_from_the_menu() {
     let mut window = Window::new();
-    let objects = window.studio().scene().unwrap().primitives.len();
+    let objects = window.studio().scene().unwrap().geometry.primitives.len();
     window.press("+ Add");
     window.press("Shape");
     window.press("Sphere");
-    assert_eq!(window.studio().scene().unwrap().primitives.len(), objects + 1);
+    assert_eq!(window.studio().scene().unwrap().geometry.primitives.len(), objects + 1);
     assert!(window.selected()[0].starts_with("Sphere"));
     window.studio().apply(Action::Undo);
     assert_eq!(window.text(), SCENE);
@@ -371,7 +371,7 @@ fn a_click_selects_nested_instances() {
     std::fs::write(&path, text).unwrap();
     window.studio().apply(Action::Open(path));
     window.wait(|studio| studio.scene().is_some() && studio.preview_is_current());
-    assert_eq!(window.studio().scene().unwrap().object_count(), 700_000);
+    assert_eq!(window.studio().scene().unwrap().geometry.object_count(), 700_000);
     // So many are not drawn as boxes: the preview shows what rays meet, and that is picked, shot at and grabbed.
     assert!(window.studio().camera.is_flat() && !window.studio().is_drawn());
     window.wait(|studio| studio.sight_is_current());
@@ -722,7 +722,7 @@ fn blocks_are_copied_cut_and_pasted_as_text() {
     window.frames(2);
     assert_eq!(window.notice(), "Pasted 3 blocks.");
     assert_eq!(window.studio().n_errors(), 0);
-    assert_eq!(window.studio().scene().unwrap().primitives.len(), 4);
+    assert_eq!(window.studio().scene().unwrap().geometry.primitives.len(), 4);
     assert!(window.text().contains("Material red_2 {"), "a name that is taken is not taken twice");
     for _ in 0..4 {
         window.key_with(Modifiers::COMMAND, Key::Z);

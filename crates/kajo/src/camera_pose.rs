@@ -43,7 +43,7 @@ pub struct CameraPose {
 impl CameraPose {
     /// The scene's own camera.
     pub fn of(scene: &Scene) -> CameraPose {
-        CameraPose::with(scene, scene.camera.clone())
+        CameraPose::with(scene, scene.output.camera.clone())
     }
 
     /// The scene's own camera in a picture of another shape; see [`Scene::camera_for`].
@@ -56,7 +56,7 @@ impl CameraPose {
     fn with(scene: &Scene, camera: Camera) -> CameraPose {
         let still = still(&camera);
         let level = nearest_axis(still.frame().up);
-        let Rules { corner_samples, spans_width, .. } = scene.rules;
+        let Rules { corner_samples, spans_width, .. } = scene.output.rules;
         CameraPose { camera, still, corner_samples, spans_width, level }
     }
 

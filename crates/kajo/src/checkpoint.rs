@@ -239,7 +239,7 @@ impl Identity {
         let camera = camera_digest(camera);
         let text = format!(
             "scene {digest}\ncamera {camera}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
-            scene.rules
+            scene.output.rules
         );
         Identity { text, build: Arc::default(), adaptive: goal.adaptive }
     }

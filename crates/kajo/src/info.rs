@@ -61,22 +61,29 @@ impl SceneInfo {
     pub fn of(loaded: &Loaded) -> Option<SceneInfo> {
         let scene = loaded.scene.as_ref()?;
         let objects = scene
+            .geometry
             .objects
             .iter()
             .map(|o| ObjectInfo { keyword: o.keyword.to_string(), name: o.name.map(str::to_owned) })
             .collect();
         Some(SceneInfo {
             files: loaded.files.clone(),
-            dialect: scene.rules.dialect,
-            camera: camera_keyword(&scene.camera),
-            lights: scene.light_list.len(),
-            materials: scene.material_list.iter().map(|(_, name)| name.clone()).collect(),
+            dialect: scene.output.rules.dialect,
+            camera: camera_keyword(&scene.output.camera),
+            lights: scene.lighting.list.len(),
+            materials: scene.appearance.list.iter().map(|(_, name)| name.clone()).collect(),
             objects,
-            nested_objects: scene.object_count() - scene.primitives.len() as u64,
-            shapes: scene.shapes.counts(),
-            mesh_triangles: scene.shapes.meshes.iter().map(|mesh| mesh.triangle_count() as u64).sum(),
+            nested_objects: scene.geometry.object_count() - scene.geometry.primitives.len() as u64,
+            shapes: scene.geometry.shapes.counts(),
+            mesh_triangles: scene
+                .geometry
+                .shapes
+                .meshes
+                .iter()
+                .map(|mesh| mesh.triangle_count() as u64)
+                .sum(),
             bounds: bounds(scene),
-            bytes: scene.bytes(),
+            bytes: scene.geometry.bytes(),
             tree: tree(&loaded.desc),
         })
     }
@@ -94,7 +101,7 @@ pub(crate) fn camera_keyword(camera: &Camera) -> &'static str {
 }
 
 fn bounds(scene: &Scene) -> Option<[[f32; 3]; 2]> {
-    let bounds = scene.bounds();
+    let bounds = scene.geometry.bounds();
     (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()])
 }
 

@@ -180,7 +180,7 @@ impl ModelFile {
         let Parsed { mut desc, .. } = SceneDesc::parse(&self.scene_name(), text, assets, &limits);
         let mut unsaid = Diagnostics::new();
         let options = CompileOptions { camera: None, ..options.compile_options(limits) };
-        let bounds = compile(&mut desc, assets, &options, &mut unsaid)?.bounds();
+        let bounds = compile(&mut desc, assets, &options, &mut unsaid)?.geometry.bounds();
         (bounds.is_finite() && !bounds.is_empty()).then(|| lowest(&bounds, up))
     }
 }

@@ -45,14 +45,14 @@ pub struct Pick {
 pub fn pick(scene: &Scene, camera: &CameraPose, place: DVec2, size: [u32; 2]) -> Option<Pick> {
     let ray = camera.ray(place, size)?;
     let Event::Surface(at) = scene.trace(&ray) else { return None };
-    let words = scene.object(at.object)?;
+    let words = scene.geometry.object(at.object)?;
     Some(Pick {
         object: at.object.number(),
-        material: scene.material_number(at.material),
+        material: scene.appearance.number(at.material),
         t: at.hit.t,
         point: at.point.p,
         normal: at.point.n,
-        uv: scene.uv(&at),
+        uv: scene.geometry.uv(&at),
         keyword: words.keyword,
         name: words.name.map(str::to_owned),
         described_by: words.described_by,

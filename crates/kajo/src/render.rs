@@ -163,7 +163,7 @@ impl<'a> RenderRequest<'a> {
     }
 
     fn camera(&self) -> &'a Camera {
-        self.camera.map_or(&self.scene.camera, CameraPose::camera)
+        self.camera.map_or(&self.scene.output.camera, CameraPose::camera)
     }
 
     fn layers(&self) -> LayerSet {
@@ -253,7 +253,7 @@ pub fn render_passes(
     let reserve = request.reserve(&spec)?;
     let integrator = request.integrator(layers);
     let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
-        let (groups, identity, threads) = (&*scene.light_groups, &identity, resources.threads);
+        let (groups, identity, threads) = (&*scene.lighting.groups, &identity, resources.threads);
         look(Snapshot { film, groups, settings, position, identity, threads, stats })
     };
     let result =
@@ -392,7 +392,7 @@ impl Picture {
     ) -> Picture {
         Picture {
             film,
-            groups: Arc::clone(&scene.light_groups),
+            groups: Arc::clone(&scene.lighting.groups),
             settings: *settings,
             position,
             light: None,
@@ -478,7 +478,7 @@ impl Picture {
 }
 
 fn layers(scene: &Scene, outputs: &[(View, Format)], settings: &RenderSettings) -> LayerSet {
-    let n_groups = scene.light_groups.len();
+    let n_groups = scene.lighting.groups.len();
     let of = |(view, format): &(View, Format)| view.layers(*format, settings, n_groups);
     let mut layers: Vec<Layer> = outputs.iter().flat_map(of).collect();
     if layers.is_empty() {
@@ -534,7 +534,7 @@ fn to_finish(scene: &Scene, outputs: &[(View, Format)], settings: &RenderSetting
     let together: Vec<Layer> = View::ALL
         .iter()
         .filter(|&&view| outputs.contains(&(view, Format::Exr)))
-        .flat_map(|view| view.layers(Format::Exr, settings, scene.light_groups.len()))
+        .flat_map(|view| view.layers(Format::Exr, settings, scene.lighting.groups.len()))
         .collect();
     let channels: usize = together.into_iter().map(Layer::channels).sum();
     let encoding = BYTES_TO_ENCODE.max(LIGHT + CHANNEL * channels as u64);

@@ -92,10 +92,10 @@ impl RenderSettings {
         defaults: Defaults,
         uv: bool,
     ) -> Result<RenderSettings, SettingsError> {
-        let own = &scene.settings;
+        let own = &scene.output.settings;
         let classic = defaults == Defaults::Classic;
-        let size = asked.size.or(own.size).unwrap_or_else(|| default_size(&scene.camera, defaults));
-        check_size(&scene.camera, size)?;
+        let size = asked.size.or(own.size).unwrap_or_else(|| default_size(&scene.output.camera, defaults));
+        check_size(&scene.output.camera, size)?;
         let filter = asked.filter.or(own.filter).unwrap_or(FilterChoice::None);
         let integrator = asked.integrator.or(own.integrator).unwrap_or_default();
         let default_samples = match (classic, integrator) {
@@ -109,7 +109,7 @@ impl RenderSettings {
         Ok(RenderSettings {
             size,
             samples: asked.samples.or(own.samples).unwrap_or(default_samples),
-            filter: film_filter(filter, &scene.rules, integrator),
+            filter: film_filter(filter, &scene.output.rules, integrator),
             seed: asked.seed.or(own.seed).unwrap_or(0),
             integrator,
             path: path_settings(integrator, asked, own),
@@ -118,16 +118,16 @@ impl RenderSettings {
                 bounces: asked.bounces.or(own.bounces).unwrap_or(if classic { 0 } else { 4 }),
                 weight: asked.weight.or(own.weight).unwrap_or(0.0),
                 shadows: asked.shadows.or(own.shadows).unwrap_or(default_shadows),
-                shadow_attenuation: attenuation.unwrap_or(scene.rules.shadow_attenuation),
+                shadow_attenuation: attenuation.unwrap_or(scene.output.rules.shadow_attenuation),
                 shade_back: asked.shade_back.or(own.shade_back).unwrap_or(false),
-                uv: uv || (classic && !scene.has_group),
+                uv: uv || (classic && !scene.output.has_group),
                 fresnel: asked.fresnel.or(own.fresnel).unwrap_or(false),
                 total_reflection: asked.total_reflection.or(own.total_reflection).unwrap_or(false),
                 ray_offset: asked.ray_offset.or(own.ray_offset).unwrap_or(default_offset),
-                highlight: scene.rules.highlight,
+                highlight: scene.output.rules.highlight,
             },
             depth_range: asked.depth_range.or(own.depth_range),
-            maps: scene.rules.maps,
+            maps: scene.output.rules.maps,
             development: development(integrator, asked, own),
             opaque_alpha: classic,
             reduction: None,
@@ -158,17 +158,20 @@ impl RenderSettings {
     pub fn left_out(&self, scene: &Scene) -> Vec<&'static str> {
         let traced = self.integrator != IntegratorKind::Classic;
         let shaded = traced && self.integrator != IntegratorKind::Occlusion;
-        let emitters = &scene.lights;
+        let emitters = &scene.lighting.lights;
         let unfading = emitters.point.iter().any(|light| light.attenuation[2] == 0.0)
             || emitters.spots.iter().any(|light| light.point.attenuation[2] == 0.0);
         let notes = [
-            (traced && scene.fog.is_some(), "`Fog` is left out: only the classic integrator knows it"),
             (
-                shaded && !scene.ambient.is_black() && !scene.light_list.is_empty(),
+                traced && scene.lighting.fog.is_some(),
+                "`Fog` is left out: only the classic integrator knows it",
+            ),
+            (
+                shaded && !scene.lighting.ambient.is_black() && !scene.lighting.list.is_empty(),
                 "`ambientLight` is left out: indirect light takes its place",
             ),
             (
-                shaded && scene.light_sampler.is_empty(),
+                shaded && scene.lighting.sampler.is_empty(),
                 "nothing in this scene gives light, so the picture is black",
             ),
             (
@@ -176,7 +179,7 @@ impl RenderSettings {
                 "light from emitters does not find this camera, only perspective and orthographic ones",
             ),
             (
-                self.integrator == IntegratorKind::Light && scene.moves() && scene.readout > 0.0,
+                self.integrator == IntegratorKind::Light && scene.moves() && scene.output.readout > 0.0,
                 "light from emitters does not find a camera whose rows open one after the other while things move",
             ),
             (
@@ -184,7 +187,7 @@ impl RenderSettings {
                 "a light here does not fade with the square of the distance, as real ones do; give it an `intensity`",
             ),
             (
-                !shaded && scene.light_groups.len() > 1,
+                !shaded && scene.lighting.groups.len() > 1,
                 "groups of lights are not told apart here: only integrators that follow paths do so",
             ),
             (
@@ -257,9 +260,10 @@ fn path_settings(integrator: IntegratorKind, asked: &Settings, own: &Settings) -
 
 /// Whether points can be joined with the camera.
 fn connects(scene: &Scene, size: [u32; 2]) -> bool {
-    let knows_places = matches!(scene.camera.at_rest(), Camera::Perspective(_) | Camera::Orthographic(_));
+    let knows_places =
+        matches!(scene.output.camera.at_rest(), Camera::Perspective(_) | Camera::Orthographic(_));
     let [width, height] = size;
-    knows_places && !scene.rules.corner_samples && !(scene.rules.spans_width && width != height)
+    knows_places && !scene.output.rules.corner_samples && !(scene.output.rules.spans_width && width != height)
 }
 
 /// A size that the camera's picture looks right in.

@@ -101,7 +101,7 @@ fn the_groups_add_up_to_the_light() {
         let file = rendered(&scene, &asked);
         for channel in ["R", "G", "B"] {
             let light = values(&file, None, channel);
-            let parts = scene.light_groups.iter().map(|name| format!("lights.{name}"));
+            let parts = scene.lighting.groups.iter().map(|name| format!("lights.{name}"));
             let parts: Vec<&[f32]> = parts.map(|name| values(&file, Some(&name), channel)).collect();
             assert_eq!(parts.len(), 4);
             for (i, light) in light.iter().enumerate() {

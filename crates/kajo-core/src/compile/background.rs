@@ -257,7 +257,7 @@ mod tests {
     fn color(background: &str) -> [f32; 3] {
         let (scene, said) = compiled(background);
         let scene = scene.unwrap_or_else(|| panic!("{background}: {said:?}"));
-        scene.background.color(Vec3::new(0.3, 0.2, -1.0)).to_rgb()
+        scene.lighting.background.color(Vec3::new(0.3, 0.2, -1.0)).to_rgb()
     }
 
     #[test]
@@ -278,7 +278,7 @@ mod tests {
         let (n, mut sum) = (20_000, Vec3::ZERO);
         for i in 0..n {
             let lambda = Wavelengths::sample((i as f32 + 0.5) / n as f32);
-            let seen = scene.background.radiance(Vec3::X, &lambda);
+            let seen = scene.lighting.background.radiance(Vec3::X, &lambda);
             sum += Vec3::from(kajo_color::sensor::to_rgb(seen, &lambda)) / n as f32;
         }
         assert!(sum.distance(Vec3::new(2.0, 0.5, 0.25)) < 5e-3, "{sum}");

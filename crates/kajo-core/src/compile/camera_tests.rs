@@ -28,7 +28,7 @@ fn scene(block: &str) -> Result<Scene, Vec<String>> {
 /// The lens of a perspective camera with these keys.
 fn lens(keys: &str) -> Result<Option<ThinLens>, Vec<String>> {
     let scene = scene(&format!("PerspectiveCamera {{ {BASIS} angle 30 {keys} }}"))?;
-    let Camera::Perspective(camera) = scene.camera else { panic!("another camera") };
+    let Camera::Perspective(camera) = scene.output.camera else { panic!("another camera") };
     Ok(camera.lens().cloned())
 }
 
@@ -47,7 +47,7 @@ fn a_lens_has_the_diameter_and_the_shape_that_was_asked_for() {
         Some(Aperture::Polygon { blades: 6, rotation }) if (rotation - std::f64::consts::PI).abs() < 1e-9));
     assert!(matches!(shape("bokeh \"white.png\""), Some(Aperture::Picture(_))));
     let telecentric = scene(&format!("OrthographicCamera {{ {BASIS} size 3 aperture 1 focus 5 }}"));
-    assert!(telecentric.expect("no errors").camera.has_lens());
+    assert!(telecentric.expect("no errors").output.camera.has_lens());
 }
 
 #[test]
@@ -66,7 +66,9 @@ fn a_lens_that_cannot_be_is_an_error() {
 #[test]
 fn fisheyes_have_limits_by_their_projection() {
     let fisheye = |keys: &str| scene(&format!("FisheyeCamera {{ {BASIS} {keys} }}"));
-    let Camera::Fisheye(camera) = fisheye("").expect("no errors").camera else { panic!("another camera") };
+    let Camera::Fisheye(camera) = fisheye("").expect("no errors").output.camera else {
+        panic!("another camera")
+    };
     assert_eq!((camera.projection, camera.to_corners), (FisheyeProjection::Equidistant, false));
     assert!((camera.angle - std::f64::consts::PI).abs() < 1e-6);
     assert!(fisheye("angle 220 projection equisolid fit corners").is_ok());
@@ -79,7 +81,7 @@ fn fisheyes_have_limits_by_their_projection() {
 fn every_pattern_of_samples_has_its_name() {
     for (name, kind) in SamplerKind::NAMES {
         let text = format!("PerspectiveCamera {{ {BASIS} angle 30 }} Settings {{ samples {name} 9 }}");
-        assert_eq!(scene(&text).expect("no errors").settings.samples, Some((kind, 9)), "{name}");
+        assert_eq!(scene(&text).expect("no errors").output.settings.samples, Some((kind, 9)), "{name}");
         assert_eq!(SamplerKind::from_name(name), Some(kind));
     }
     let text = format!("PerspectiveCamera {{ {BASIS} angle 30 }} Settings {{ samples sobel 9 }}");
@@ -100,8 +102,8 @@ fn room(cameras: &str) -> String {
 /// The eye, the direction, and where a point appears in a picture twice as wide as high.
 fn seen(cameras: &str, p: DVec3) -> (DVec3, DVec3, kajo_math::DVec2) {
     let scene = scene(&room(cameras)).unwrap_or_else(|errors| panic!("{cameras}: {errors:?}"));
-    let frame = *scene.camera.frame();
-    (frame.center, frame.forward, scene.camera.project(p, 2.0, 0.0).expect("in view"))
+    let frame = *scene.output.camera.frame();
+    (frame.center, frame.forward, scene.output.camera.project(p, 2.0, 0.0).expect("in view"))
 }
 
 #[test]
@@ -137,7 +139,7 @@ fn what_is_fitted_touches_the_margin() {
     ] {
         let (_, forward, _) = seen(&format!("{kind} {{ {keys} }}"), DVec3::new(2.0, 1.0, 0.0));
         // The highest and lowest point of the ball as it is seen, by small steps around its rim.
-        let camera = scene(&room(&format!("{kind} {{ {keys} }}"))).unwrap().camera;
+        let camera = scene(&room(&format!("{kind} {{ {keys} }}"))).unwrap().output.camera;
         let up = camera.frame().up;
         let rim = (0..2000).map(|i| {
             let angle = f64::from(i) * std::f64::consts::TAU / 2000.0;
@@ -171,7 +173,7 @@ fn the_picture_that_is_asked_for_decides_what_fits() {
         let options = CompileOptions { aspect: Some(aspect), ..CompileOptions::default() };
         let scene =
             compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut parsed.diagnostics).unwrap();
-        let at = |p: DVec3| scene.camera.project(p, aspect, 0.0).unwrap().abs();
+        let at = |p: DVec3| scene.output.camera.project(p, aspect, 0.0).unwrap().abs();
         [at(DVec3::new(-4.1, 0.0, 0.0)).x, at(DVec3::new(0.0, 5.5, 0.0)).y]
     };
     let ([x, y], [wide_x, wide_y]) = (reach(0.5), reach(3.0));
@@ -216,7 +218,7 @@ fn lenses_focus_on_points_and_objects() {
             "PerspectiveCamera {{ center 2 1 9 direction 0 0 -1 up 0 1 0 angle 40 aperture 0.1 {keys} }}"
         ));
         let scene = scene(&text)?;
-        let Camera::Perspective(camera) = &scene.camera else { panic!("another camera") };
+        let Camera::Perspective(camera) = &scene.output.camera else { panic!("another camera") };
         Ok::<f64, Vec<String>>(camera.lens().unwrap().focus)
     };
     assert_eq!(focus("focus 4"), Ok(4.0));
@@ -246,11 +248,11 @@ fn cameras_are_chosen_by_name() {
     };
     let (scene, said) = chosen(None);
     let scene = scene.unwrap();
-    assert!(said.is_empty() && scene.camera.frame().center.z == 5.0, "{said:?}");
-    let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_deref()).collect();
+    assert!(said.is_empty() && scene.output.camera.frame().center.z == 5.0, "{said:?}");
+    let names: Vec<_> = scene.output.cameras.iter().map(|camera| camera.name.as_deref()).collect();
     assert_eq!(names, [Some("front"), Some("top"), Some("last")]);
-    assert_eq!(chosen(Some("front")).0.unwrap().camera.frame().center.z, 9.0);
-    assert!(matches!(chosen(Some("top")).0.unwrap().camera, Camera::Orthographic(_)));
+    assert_eq!(chosen(Some("front")).0.unwrap().output.camera.frame().center.z, 9.0);
+    assert!(matches!(chosen(Some("top")).0.unwrap().output.camera, Camera::Orthographic(_)));
     let (scene, said) = chosen(Some("frnt"));
     assert!(scene.is_none() && said[0].contains("no camera named `frnt`"), "{said:?}");
     assert!(said[0].contains("`front`, `top`, `last`"), "{said:?}");
@@ -275,5 +277,5 @@ fn what_cannot_be_fitted_is_said() {
     assert!(errors("PerspectiveCamera { target 0 0 0 angle 30 }").contains("needs `center`"));
     // What the disk of a fisheye fills and what fills the picture are two things.
     let fisheye = scene(&room("FisheyeCamera { fit corners fit red }")).expect("no errors");
-    assert!(matches!(fisheye.camera, Camera::Fisheye(camera) if camera.to_corners));
+    assert!(matches!(fisheye.output.camera, Camera::Fisheye(camera) if camera.to_corners));
 }

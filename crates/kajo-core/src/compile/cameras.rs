@@ -38,9 +38,9 @@ pub(super) fn place(
     options: &CompileOptions,
     diagnostics: &mut Diagnostics,
 ) {
-    let own = scene.settings.size.map(|[width, height]| f64::from(width) / f64::from(height.max(1)));
+    let own = scene.output.settings.size.map(|[width, height]| f64::from(width) / f64::from(height.max(1)));
     let has_own = !requests.is_empty();
-    let mut cameras = Vec::with_capacity(requests.len() + scene.cameras.len());
+    let mut cameras = Vec::with_capacity(requests.len() + scene.output.cameras.len());
     let mut fits = Vec::with_capacity(requests.len());
     for request in requests {
         let natural = request.camera.natural_aspect().map(f64::from);
@@ -52,19 +52,19 @@ pub(super) fn place(
             fits.push(fitted);
         }
     }
-    let of_model = scene.cameras.first().filter(|_| options.model_cameras_first || !has_own);
+    let of_model = scene.output.cameras.first().filter(|_| options.model_cameras_first || !has_own);
     let is_of_model = of_model.is_some();
     if let Some(NamedCamera { camera, .. }) = of_model.or(cameras.last()).cloned() {
-        scene.camera = camera;
-        scene.fitted = if is_of_model { None } else { fits.last().cloned().flatten() };
+        scene.output.camera = camera;
+        scene.output.fitted = if is_of_model { None } else { fits.last().cloned().flatten() };
     }
-    cameras.append(&mut scene.cameras);
-    scene.cameras = cameras;
+    cameras.append(&mut scene.output.cameras);
+    scene.output.cameras = cameras;
     let Some(name) = options.camera.as_deref() else { return };
-    match scene.cameras.iter().rposition(|camera| camera.name.as_deref() == Some(name)) {
+    match scene.output.cameras.iter().rposition(|camera| camera.name.as_deref() == Some(name)) {
         Some(found) => {
-            scene.camera = scene.cameras[found].camera.clone();
-            scene.fitted = fits.get(found).cloned().flatten();
+            scene.output.camera = scene.output.cameras[found].camera.clone();
+            scene.output.fitted = fits.get(found).cloned().flatten();
         }
         None if diagnostics.has_errors() => {}
         None => diagnostics.push(no_such_camera(scene, name)),
@@ -72,7 +72,7 @@ pub(super) fn place(
 }
 
 fn no_such_camera(scene: &Scene, name: &str) -> Diagnostic {
-    let names = || scene.cameras.iter().filter_map(|camera| camera.name.as_deref());
+    let names = || scene.output.cameras.iter().filter_map(|camera| camera.name.as_deref());
     let list: Vec<String> = names().map(|name| format!("`{name}`")).collect();
     let help = match (nearest(name, names()), list.is_empty()) {
         (_, true) => {
@@ -215,7 +215,7 @@ impl<'s, 't> Resolver<'s, 't, '_> {
     fn extent(&mut self, subject: &Subject<'_>, place: Span) -> Option<Extent<'s>> {
         let name = match subject {
             Subject::Point(_) | Subject::Scene => {
-                let extent = self.scene.extent(|_| true);
+                let extent = self.scene.geometry.extent(|_| true);
                 if extent.is_empty() {
                     let warning = Diagnostic::warning("there is nothing in this scene that has an end");
                     self.diagnostics.push(warning.label(place, "a ball around the origin is taken for it"));
@@ -228,18 +228,24 @@ impl<'s, 't> Resolver<'s, 't, '_> {
         let is_named = |own: Option<&str>, placed_by: u32| {
             own == Some(&**name) || places.iter().any(|range| range.contains(&placed_by))
         };
-        let extent = self.scene.extent(|object| is_named(object.name, object.placed_by));
+        let extent = self.scene.geometry.extent(|object| is_named(object.name, object.placed_by));
         if !extent.is_empty() {
             return Some(extent);
         }
-        let is_there = !places.is_empty() || self.scene.objects.iter().any(|o| o.name == Some(&**name));
+        let is_there =
+            !places.is_empty() || self.scene.geometry.objects.iter().any(|o| o.name == Some(&**name));
         let error = match is_there {
             true => Diagnostic::error(format!("`{name}` has no end, or nothing in it")),
             false => Diagnostic::error(format!("there is no object named `{name}`")),
         };
         let words = self.words();
-        let known =
-            self.scene.objects.iter().filter_map(|object| object.name).chain(words.iter().map(|w| &**w));
+        let known = self
+            .scene
+            .geometry
+            .objects
+            .iter()
+            .filter_map(|object| object.name)
+            .chain(words.iter().map(|w| &**w));
         let near = nearest(name, known).filter(|_| !is_there);
         let help = match near {
             Some(near) => format!("did you mean `{near}`?"),

@@ -136,7 +136,8 @@ impl Compiler<'_> {
     /// Whether there may be `more` objects; if not, that is reported once.
     pub(super) fn has_room(&mut self, more: usize, at: Span, open: usize) -> bool {
         let most = self.options.limits.objects;
-        let so_far = self.primitives.len() + self.nested.placements.len() + self.parts_defined + open;
+        let so_far =
+            self.geometry.primitives.len() + self.nested.placements.len() + self.parts_defined + open;
         if so_far.saturating_add(more) <= most {
             return self.has_memory(more.saturating_mul(BYTES_PER_OBJECT), at);
         }
@@ -156,7 +157,7 @@ impl Compiler<'_> {
 
     /// Takes memory for the materials that have come since this was asked last, as [`has_memory`](Self::has_memory).
     pub(super) fn has_memory_for_materials(&mut self, at: Span) -> bool {
-        let bytes = self.materials.bytes() + self.textures.bytes();
+        let bytes = self.appearance.materials.bytes() + self.appearance.textures.bytes();
         let more = bytes.saturating_sub(std::mem::replace(&mut self.material_bytes, bytes));
         let taken = self.options.limits.memory.take(more as u64);
         taken.map_err(|over| self.report_memory("materials", over, at)).is_ok()

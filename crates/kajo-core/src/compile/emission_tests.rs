@@ -102,7 +102,7 @@ fn places_give_the_light_that_is_seen_of_them() {
                 let time = u(0);
                 let to = Receiver { p: 8.0 * Vec3::new(u(1), u(2), u(3)) - 4.0, n: Vec3::ZERO, time };
                 let place = Vec2::new(u(4), u(5));
-                let chosen = scene.light_sampler.sample(&to, u(6), LightChoice::Tree);
+                let chosen = scene.lighting.sampler.sample(&to, u(6), LightChoice::Tree);
                 let drawn = chosen.and_then(|it| scene.sample_li(it.light, &to, place, &Wavelengths::RGB));
                 if let Some(sample) = drawn
                     && let LightPoint::Surface { p, .. } = sample.at
@@ -139,7 +139,7 @@ fn lights_are_as_strong_as_the_mean_of_their_places() {
             sum + leaving.map_or(Spectrum::BLACK, |leaving| leaving.radiance)
         });
         let mean = sum * (1.0 / n as f32);
-        let known = Spectrum::from(Vec3::from(scene.lights.areas[0].emission.rgb()));
+        let known = Spectrum::from(Vec3::from(scene.lighting.lights.areas[0].emission.rgb()));
         let off = (mean - known).to_rgb().map(f32::abs);
         // The pattern is not even over the piece.
         assert!(off.iter().all(|&d| d < 0.1 * known.luminance()), "{materials}: {mean:?} {known:?}");
@@ -325,8 +325,8 @@ fn pieces_are_as_strong_as_what_is_on_them() {
     let mut diagnostics = parsed.diagnostics;
     let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
     let scene = scene.unwrap_or_else(|| panic!("{diagnostics:?}"));
-    let light = |part: u32| scene.lights.areas[part as usize].emission.luminance();
-    assert_eq!(scene.lights.areas.len(), 24);
+    let light = |part: u32| scene.lighting.lights.areas[part as usize].emission.luminance();
+    assert_eq!(scene.lighting.lights.areas.len(), 24);
     // The mean is 2: a tenth of it is left to the dark ones.
     for part in 0..24 {
         let expected = if (6..12).contains(&part) { 0.9 * 8.0 + 0.2 } else { 0.2 };
@@ -345,7 +345,7 @@ fn parts_of_a_mixture_shine_alike() {
     };
     let (even, said) = scene("");
     assert!(said.is_empty(), "{said:?}");
-    assert_eq!(even.unwrap().lights.areas[0].emission.rgb(), [1.5; 3]);
+    assert_eq!(even.unwrap().lighting.lights.areas[0].emission.rgb(), [1.5; 3]);
     assert_eq!(
         scene("emits front").1,
         ["the parts of a mixture shine from the same sides and in the same group"]

@@ -134,18 +134,18 @@ impl Compiler<'_> {
         let mut unbounded = false;
         let mut drifts = HashMap::new();
         let glows = self.shining();
-        for i in 0..self.primitives.len() {
-            let primitive = self.primitives[i];
+        for i in 0..self.geometry.primitives.len() {
+            let primitive = self.geometry.primitives[i];
             if !glows.contains_key(&primitive.material) && !self.brings_lights(primitive.shape) {
                 continue;
             }
-            let bounds = self.shapes.bounds(primitive.shape);
+            let bounds = self.geometry.shapes.bounds(primitive.shape);
             unbounded |= !bounds.is_finite() && !bounds.is_empty();
             let mut lights = Vec::new();
             let (map, drift) = self.start(primitive.pose, &mut drifts);
-            self.shapes.patches(primitive.shape, |part, patch| {
-                let slot = self.shapes.material_slot(primitive.shape, part);
-                let material = slot.map_or(primitive.material, |slot| self.slot_materials[slot as usize]);
+            self.geometry.shapes.patches(primitive.shape, |part, patch| {
+                let slot = self.geometry.shapes.material_slot(primitive.shape, part);
+                let material = slot.map_or(primitive.material, |slot| self.appearance.slots[slot as usize]);
                 let Some(Shining { emission, varied, sides, group }) = glows.get(&material) else { return };
                 let emission = match *varied {
                     None => emission.clone(),
@@ -175,7 +175,7 @@ impl Compiler<'_> {
                 self.diagnostics.push(error);
                 return;
             }
-            self.primitives[i].glows = !lights.is_empty();
+            self.geometry.primitives[i].glows = !lights.is_empty();
             for (light, group) in lights {
                 if let Some(id) = light.store(&mut self.lights) {
                     self.light_list.push(id);
@@ -210,15 +210,15 @@ impl Compiler<'_> {
         let light = |i: u8| {
             let u = Vec2::new((i % GRID).into(), (i / GRID).into()) + 0.5;
             let p = patch.sample_area(u / f32::from(GRID))?.p;
-            let hit = self.shapes.hit_at(shape, part, p);
-            let uv = self.shapes.uv_at(shape, &hit, p);
-            let second = self.shapes.second_uv_at(shape, &hit).unwrap_or(uv);
+            let hit = self.geometry.shapes.hit_at(shape, part, p);
+            let uv = self.geometry.shapes.uv_at(shape, &hit, p);
+            let second = self.geometry.shapes.second_uv_at(shape, &hit).unwrap_or(uv);
             let place = MaterialPoint {
                 p: map.transform_point3(p.as_dvec3()).as_vec3(),
                 uv: SurfaceUv { first: uv, second },
-                tint: self.shapes.color_at(shape, &hit),
+                tint: self.geometry.shapes.color_at(shape, &hit),
             };
-            Some(varied.at(&self.textures, &place, &Wavelengths::RGB).luminance())
+            Some(varied.at(&self.appearance.textures, &place, &Wavelengths::RGB).luminance())
         };
         let found: Vec<f32> = (0..GRID * GRID).filter_map(light).collect();
         let share = found.iter().sum::<f32>() / (found.len() as f32 * mean.luminance());
@@ -250,10 +250,10 @@ impl Compiler<'_> {
         pose: PoseId,
         drifts: &mut HashMap<PoseId, Arc<MovingTransform>>,
     ) -> (DAffine3, Option<Arc<MovingTransform>>) {
-        if let Some(still) = pose.still_in(&self.transforms) {
+        if let Some(still) = pose.still_in(&self.geometry.transforms) {
             return (double(&still.world_from_object), None);
         }
-        let Some(motion) = pose.moving_in(&self.motions) else { return (DAffine3::IDENTITY, None) };
+        let Some(motion) = pose.moving_in(&self.geometry.motions) else { return (DAffine3::IDENTITY, None) };
         let drift = || Arc::new(motion.since_opening());
         let drift = motion.moves().then(|| Arc::clone(drifts.entry(pose).or_insert_with(drift)));
         (motion.map_at(0.0), drift)

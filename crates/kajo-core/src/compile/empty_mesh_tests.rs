@@ -77,13 +77,17 @@ fn nothing_is_hit_and_nothing_shines() {
                 let (scene, said) = compiled(&text);
                 let scene = scene.unwrap_or_else(|| panic!("{text}\n{said:?}"));
                 assert_eq!(look(&scene), look(&plain), "{text}");
-                assert_eq!(scene.light_sampler.list().len(), plain.light_sampler.list().len(), "{text}");
-                assert_eq!(scene.bounds(), plain.bounds(), "{text}");
+                assert_eq!(
+                    scene.lighting.sampler.list().len(),
+                    plain.lighting.sampler.list().len(),
+                    "{text}"
+                );
+                assert_eq!(scene.geometry.bounds(), plain.geometry.bounds(), "{text}");
                 assert!(!said.iter().any(|m| m.contains("plane without bounds")), "{text}\n{said:?}");
                 assert!(!said.is_empty(), "{text}");
                 assert!(!scene.occluded(&ray.over(0.0, 1.0)), "{text}");
-                scene.item_buffer(Vec3::ZERO, 64);
-                assert!(scene.nested_pieces(|_| 1, 1000).len() <= 140);
+                scene.geometry.item_buffer(Vec3::ZERO, 64);
+                assert!(scene.geometry.nested_pieces(|_| 1, 1000).len() <= 140);
             }
         }
     }
@@ -98,5 +102,5 @@ fn any_triangle_of_a_mesh_may_shine() {
     let mut parsed = SceneDesc::parse_str(&format!("{SCENE}{group}"));
     let mut diagnostics = parsed.diagnostics;
     let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics).unwrap();
-    assert_eq!(scene.lights.areas.iter().map(|light| light.part).collect::<Vec<_>>(), [1]);
+    assert_eq!(scene.lighting.lights.areas.iter().map(|light| light.part).collect::<Vec<_>>(), [1]);
 }

@@ -277,7 +277,7 @@ impl Compiler<'_> {
             content: Content::Shape(shape),
             map: Motion::still(DAffine3::IDENTITY),
             material: None,
-            label: self.objects.label(name, keyword, item.index()),
+            label: self.geometry.objects.label(name, keyword, item.index()),
             brings_materials,
         };
         self.put(&part, item, place, walk);
@@ -302,16 +302,16 @@ impl Compiler<'_> {
         let material = part.material.or_else(|| self.material_for(by, walk));
         let (Some(material), Some(pose)) = (material, self.pose(place, by)) else { return };
         let material = self.see_through(part.content, material);
-        let transmits = part.brings_materials || self.materials.may_transmit(material, &self.materials);
-        self.primitives.push(Primitive { shape, pose, material, transmits, glows: false });
-        self.objects.push(part.label, by.index());
+        let transmits = part.brings_materials || self.appearance.may_transmit(material);
+        self.geometry.primitives.push(Primitive { shape, pose, material, transmits, glows: false });
+        self.geometry.objects.push(part.label, by.index());
     }
 
     /// The material of a part: one that is not everywhere, if the colours of a mesh say so.
     fn see_through(&mut self, content: Content, material: MaterialId) -> MaterialId {
         let is_clear = matches!(content, Content::Shape(shape) if self.clear_meshes.contains(&shape));
         // Light passes such a material anyway, or it has the opacities of vertices as a factor already.
-        if !is_clear || self.materials.may_transmit(material, &self.materials) {
+        if !is_clear || self.appearance.may_transmit(material) {
             return material;
         }
         if let Some(&known) = self.see_through.get(&material) {
@@ -326,7 +326,7 @@ impl Compiler<'_> {
 
     /// The material in force; its absence is reported.
     pub(super) fn material_for(&mut self, item: Item<'_>, walk: &Walk) -> Option<MaterialId> {
-        let materials_failed = self.diagnostics.has_errors() && self.material_list.is_empty();
+        let materials_failed = self.diagnostics.has_errors() && self.appearance.list.is_empty();
         if walk.material.is_none() && walk.parts.is_none() && !walk.material_failed && !materials_failed {
             let error = Diagnostic::error(format!("`{}` has no material", item.keyword()));
             let help = "write `MaterialIndex 0`, or the name of a material, before it";
@@ -349,13 +349,13 @@ impl Compiler<'_> {
         let pose = match (place.pose, place.world.constant()) {
             (Some(pose), _) => pose,
             (None, Some(_)) => {
-                let pose = PoseId::still(TransformId::new(self.transforms.len())?);
-                self.transforms.push(transform);
+                let pose = PoseId::still(TransformId::new(self.geometry.transforms.len())?);
+                self.geometry.transforms.push(transform);
                 pose
             }
             (None, None) => {
-                let pose = PoseId::moving(MotionId::new(self.motions.len())?);
-                self.motions.push(MovingTransform::new(place.world.clone(), self.shutter));
+                let pose = PoseId::moving(MotionId::new(self.geometry.motions.len())?);
+                self.geometry.motions.push(MovingTransform::new(place.world.clone(), self.shutter));
                 pose
             }
         };

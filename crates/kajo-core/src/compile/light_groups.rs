@@ -82,14 +82,14 @@ mod tests {
                      MaterialIndex emitter Sphere { center 3 0 0 radius 1 } }",
         )
         .unwrap();
-        assert_eq!(&*scene.light_groups, ["other", "sky", "key", "rim"]);
+        assert_eq!(&*scene.lighting.groups, ["other", "sky", "key", "rim"]);
         let groups: Vec<usize> =
-            LightIndex::all(6).map(|light| scene.light_sampler.group(light).index()).collect();
+            LightIndex::all(6).map(|light| scene.lighting.sampler.group(light).index()).collect();
         assert_eq!(groups, [2, 0, 2, 0, 3, 1]);
         let seen: Vec<_> = scene.lights_at_infinity(Vec3::Y, &Wavelengths::RGB).collect();
         assert_eq!(seen.iter().map(|hit| hit.group.index()).collect::<Vec<_>>(), [1], "the background");
         let plain = compiled("Lights { PointLight { position 0 1 0 color 1 1 1 group other } }").unwrap();
-        assert_eq!(&*plain.light_groups, ["other"]);
+        assert_eq!(&*plain.lighting.groups, ["other"]);
     }
 
     #[test]

@@ -115,7 +115,7 @@ mod tests {
     /// Irradiance at the point `p` from a luminaire at the origin.
     fn irradiance(keys: &str, p: Vec3) -> f32 {
         let scene = compiled(&format!("PointLight {{ position 0 0 0  ies luminaire.ies  {keys} }}")).unwrap();
-        sample_li(&scene.lights.photometric[0], p, Vec2::ZERO).unwrap().radiance[0]
+        sample_li(&scene.lighting.lights.photometric[0], p, Vec2::ZERO).unwrap().radiance[0]
     }
 
     #[test]

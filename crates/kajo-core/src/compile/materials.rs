@@ -149,7 +149,7 @@ impl Compiler<'_> {
             if let State::Done(id, _) = self.resolve(i, &drafts, &names, &mut states) {
                 let name = drafts[i].1.clone();
                 self.material_names.extend(name.clone().map(|name| (name, id)));
-                self.material_list.push((id, name));
+                self.appearance.list.push((id, name));
             } else {
                 self.failed_materials.insert(drafts[i].1.clone());
             }
@@ -163,8 +163,8 @@ impl Compiler<'_> {
     pub(super) fn material(&mut self, reference: &Reference<'_>) -> Option<MaterialId> {
         match reference {
             Reference::Number(i, place) => {
-                let found = self.material_list.get(*i).map(|&(id, _)| id);
-                self.report_missing(found, reference, self.material_list.len(), *place, None)
+                let found = self.appearance.list.get(*i).map(|&(id, _)| id);
+                self.report_missing(found, reference, self.appearance.list.len(), *place, None)
             }
             Reference::Name(name, place) => {
                 let found = self.material_names.get(&**name).copied();
@@ -173,7 +173,7 @@ impl Compiler<'_> {
                     .is_none()
                     .then(|| self.diagnostics.nearest(name, self.material_names.keys().map(String::as_str)));
                 let near = near.flatten().map(str::to_owned);
-                self.report_missing(found, reference, self.material_list.len(), *place, near)
+                self.report_missing(found, reference, self.appearance.list.len(), *place, near)
             }
         }
     }
@@ -195,7 +195,7 @@ impl Compiler<'_> {
             let extras = Extras::read(params, sources);
             Some((material?, extras?))
         })?;
-        Some(Draft::Stored(material.store(&mut self.materials), extras))
+        Some(Draft::Stored(material.store(&mut self.appearance.materials), extras))
     }
 
     /// Two materials that a pattern mixes.
@@ -223,7 +223,7 @@ impl Compiler<'_> {
             self.diagnostics.push(error.label(item.keyword_span(), "mixes two materials"));
             return None;
         };
-        let pattern = pattern?.store(&mut self.textures)?;
+        let pattern = pattern?.store(&mut self.appearance.textures)?;
         Some(Draft::Blend(BlendDraft { pattern, pattern_from_world, parts, place: item.head_span() }))
     }
 
@@ -298,7 +298,8 @@ impl Compiler<'_> {
             return State::Failed;
         }
         let BlendDraft { pattern, pattern_from_world, .. } = *blend.draft;
-        let Some(id) = Blend { pattern, pattern_from_world, materials }.store(&mut self.materials) else {
+        let Some(id) = Blend { pattern, pattern_from_world, materials }.store(&mut self.appearance.materials)
+        else {
             return State::Failed;
         };
         let glow = self.mixed_glow(blend.draft, materials);
@@ -308,7 +309,7 @@ impl Compiler<'_> {
 
     /// The light of a mixture, if any of its parts gives light.
     fn mixed_glow(&mut self, blend: &BlendDraft<'_>, parts: [MaterialId; 2]) -> Option<Glow> {
-        let even = Constant::find(&self.textures, blend.pattern).map(|constant| constant.value);
+        let even = Constant::find(&self.appearance.textures, blend.pattern).map(|constant| constant.value);
         let pattern = (blend.pattern, blend.pattern_from_world);
         let glow = |i: usize| self.glows.get(&parts[i])?.clone().mixed(pattern, even, i == 1);
         match [glow(0), glow(1)] {
@@ -330,14 +331,15 @@ impl Compiler<'_> {
         let mut id = inner;
         let mut share = None;
         if let Some(relief) = extras.relief.clone() {
-            let Some(embossed) = Embossed { material: inner, relief }.store(&mut self.materials) else {
+            let Some(embossed) = Embossed { material: inner, relief }.store(&mut self.appearance.materials)
+            else {
                 return State::Failed;
             };
             id = embossed;
         }
         if let Some((opacity, place)) = extras.opacity.clone().filter(|(opacity, _)| opacity.range()[0] < 1.0)
         {
-            if self.materials.may_transmit(inner, &self.materials) {
+            if self.appearance.may_transmit(inner) {
                 let error =
                     Diagnostic::error("light passes this material anyway, so that it can have no holes");
                 self.diagnostics.push(error.label(place, "`opacity` is for opaque materials"));
@@ -359,7 +361,7 @@ impl Compiler<'_> {
     ) -> Option<MaterialId> {
         if let Some(opacity) = opacity {
             glow = glow.and_then(|glow| glow.weakened(&opacity));
-            id = Perforated { material: id, opacity }.store(&mut self.materials)?;
+            id = Perforated { material: id, opacity }.store(&mut self.appearance.materials)?;
         }
         self.glows.extend(glow.map(|glow| (id, glow)));
         Some(id)

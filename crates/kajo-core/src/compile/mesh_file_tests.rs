@@ -39,7 +39,7 @@ fn at(scene: &Scene, x: f32, y: f32) -> Interaction {
 
 fn phong(scene: &Scene, x: f32, y: f32) -> Phong {
     let at = at(scene, x, y);
-    scene.appearances().phong(at.material, &scene.material_point(&at))
+    scene.appearance.phong(at.material, &scene.material_point(&at))
 }
 
 fn diffuse(scene: &Scene, x: f32, y: f32) -> Vec3 {
@@ -109,7 +109,7 @@ fn numbers_of_the_extension_become_layers() {
         let met = at(&scene, x, y);
         let place = scene.material_point(&met);
         let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-        match scene.appearances().bsdf(met.material, &point) {
+        match scene.appearance.bsdf(met.material, &point) {
             Bsdf::Principled(layers) => Some(layers),
             _ => None,
         }
@@ -141,7 +141,7 @@ fn bodies_of_blender_are_of_glass() {
         let base = |u| {
             let place = scene.material_point(&met);
             let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-            match scene.appearances().bsdf(met.material, &point) {
+            match scene.appearance.bsdf(met.material, &point) {
                 Bsdf::Principled(layers) => Some((layers.base, layers.eta)),
                 _ => None,
             }
@@ -214,7 +214,7 @@ fn colours_of_vertices_tint_the_material_where_they_are_asked_for() {
         let (scene, _) = compiled(&format!("MaterialIndex gold {mesh}"), assets());
         let scene = scene.unwrap();
         let met = at(&scene, 0.0, 0.0);
-        let plain = scene.appearances().phong(met.material, &MaterialPoint::default());
+        let plain = scene.appearance.phong(met.material, &MaterialPoint::default());
         assert_eq!(phong(&scene, 0.0, 0.0), plain, "measured metal has no colour to be tinted");
     }
     let clear = ply.replace("property uchar blue\n", "property uchar blue\nproperty uchar alpha\n");
@@ -225,7 +225,7 @@ fn colours_of_vertices_tint_the_material_where_they_are_asked_for() {
         let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
         let seen = scene.transmittance_in_air(&Ray::new(Vec3::new(0.0, -0.5, 5.0), Vec3::NEG_Z));
         assert!((seen.to_rgb()[0] - 0.8).abs() < 1e-5, "{things}: {seen:?}");
-        assert_eq!(scene.material_number(at(&scene, 0.0, -0.5).material), 1, "{things}");
+        assert_eq!(scene.appearance.number(at(&scene, 0.0, -0.5).material), 1, "{things}");
     }
     let assets = MemoryAssets::new().with("m.obj", SQUARE);
     let (_, said) = compiled("TriangleMesh { file m.obj  colors on }", assets);

@@ -44,7 +44,6 @@ use std::sync::Arc;
 
 use kajo_bvh::BuildSettings;
 use kajo_color::Spectrum;
-use kajo_math::Transform;
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
 
 use self::definition::Definition;
@@ -55,14 +54,12 @@ use crate::family::Pooled;
 use crate::glow::VariedEmission;
 use crate::ids::LightGroup;
 use crate::light::{LightId, Lights};
-use crate::material::{MaterialId, Materials};
-use crate::motion::{MovingTransform, Shutter};
+use crate::material::{Appearance, MaterialId};
+use crate::motion::Shutter;
 use crate::nested::Nested;
-use crate::objects::Objects;
-use crate::scene::{Aggregate, Primitive, Scene};
+use crate::scene::{Geometry, Lighting, Output, Scene};
 use crate::settings::{Dialect, Rules, Settings};
 use crate::shape::{Mesh, ShapeId, Shapes};
-use crate::texture::Textures;
 
 /// What the compiler is told besides the text.
 #[derive(Clone, Debug, Default)]
@@ -183,13 +180,10 @@ struct Compiler<'a> {
     diagnostics: &'a mut Diagnostics,
     /// Mistakes in files other than the scene's, with where the scene names them.
     file_errors: &'a mut Vec<(MeshFileError, Span)>,
-    shapes: Shapes,
-    transforms: Vec<Transform>,
+    geometry: Geometry,
+    appearance: Appearance,
     shutter: Shutter,
     readout: f32,
-    motions: Vec<MovingTransform>,
-    primitives: Vec<Primitive>,
-    objects: Objects,
     definitions: HashMap<String, Definition>,
     /// How often the text places each definition.
     uses: HashMap<String, usize>,
@@ -207,17 +201,13 @@ struct Compiler<'a> {
     material_bytes: usize,
     /// Triangles without area, and where the first one stands.
     flat_triangles: Option<(usize, Span)>,
-    materials: Materials,
-    material_list: Vec<(MaterialId, Option<String>)>,
     material_names: HashMap<String, MaterialId>,
     /// The names, where they have any, of materials that could not be made, which has been reported.
     failed_materials: HashSet<Option<String>>,
-    slot_materials: Vec<MaterialId>,
-    /// Whether light may pass through any of those.
+    /// Whether light may pass through any material of a mesh part.
     slots_transmit: bool,
     glows: HashMap<MaterialId, emitters::Glow>,
     varied_emissions: Vec<VariedEmission>,
-    textures: Textures,
     pictures: pictures::PictureCache,
     lights: Lights,
     light_list: Vec<LightId>,
@@ -252,13 +242,10 @@ impl<'a> Compiler<'a> {
             rules,
             diagnostics,
             file_errors,
-            shapes: Shapes::default(),
-            transforms: vec![Transform::IDENTITY],
+            geometry: Geometry::default(),
+            appearance: Appearance::default(),
             shutter: Shutter::default(),
             readout: 0.0,
-            motions: Vec::new(),
-            primitives: Vec::new(),
-            objects: Objects::default(),
             definitions: HashMap::new(),
             uses: HashMap::new(),
             nested: Nested::default(),
@@ -268,15 +255,11 @@ impl<'a> Compiler<'a> {
             left_out_pictures: HashSet::new(),
             material_bytes: 0,
             flat_triangles: None,
-            materials: Materials::default(),
-            material_list: Vec::new(),
             material_names: HashMap::new(),
             failed_materials: HashSet::new(),
-            slot_materials: Vec::new(),
             slots_transmit: false,
             glows: HashMap::new(),
             varied_emissions: Vec::new(),
-            textures: Textures::default(),
             pictures: pictures::PictureCache::default(),
             lights: Lights::default(),
             light_list: Vec::new(),
@@ -328,7 +311,7 @@ impl<'a> Compiler<'a> {
 
     /// Puts a shape into its pool.
     fn shape(&mut self, item: Item<'_>, shape: impl Pooled<Shapes, Handle = ShapeId>) -> Option<ShapeId> {
-        let id = shape.store(&mut self.shapes);
+        let id = shape.store(&mut self.geometry.shapes);
         if id.is_none() {
             let message = "there are too many objects of this kind in one scene";
             self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "one too many"));
@@ -338,56 +321,48 @@ impl<'a> Compiler<'a> {
 
     fn finish(mut self, rest: Surroundings) -> Scene {
         let background = Arc::new(rest.background);
-        let light_sampler = self.light_sampler(&background);
-        let numbers = self.material_list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
-        let mut material_numbers: HashMap<MaterialId, u32> = numbers.rev().collect();
+        let sampler = self.light_sampler(&background);
+        let Compiler { mut geometry, mut appearance, mut nested, .. } = self;
+        let build = &self.options.build;
+        geometry.transmits = self.nested_transmits || geometry.primitives.iter().any(|p| p.transmits);
+        geometry.has_vertex_colors = geometry.shapes.meshes.iter().any(Mesh::has_colors);
+        let nested = (!nested.placements.is_empty()).then(|| {
+            nested.finish(&geometry.shapes, build);
+            nested
+        });
+        geometry.build_trees(nested, build);
+        let numbers = appearance.list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
+        appearance.numbers = numbers.rev().collect();
         for (plain, seen) in &self.see_through {
-            material_numbers.extend(material_numbers.get(plain).copied().map(|number| (*seen, number)));
+            let number = appearance.numbers.get(plain).copied();
+            appearance.numbers.extend(number.map(|number| (*seen, number)));
         }
-        let has_passages = self.materials.ids().any(|id| self.materials.has_passages(id, &self.materials));
-        let has_orientations = self.materials.ids().any(|id| self.materials.is_oriented(id, &self.materials));
-        let has_vertex_colors = self.shapes.meshes.iter().any(Mesh::has_colors);
-        let mut scene = Scene {
-            shapes: self.shapes,
-            transforms: self.transforms,
-            motions: self.motions,
-            transmits: self.nested_transmits || self.primitives.iter().any(|p| p.transmits),
-            has_pictures: !self.pictures.is_empty(),
-            has_vertex_colors,
-            has_orientations,
-            has_passages,
-            primitives: self.primitives,
-            objects: self.objects,
-            materials: self.materials,
-            material_list: self.material_list,
-            slot_materials: self.slot_materials,
-            textures: self.textures,
-            varied_emissions: self.varied_emissions,
-            lights: self.lights,
-            light_list: self.light_list,
-            light_groups: self.light_groups.into_names(),
-            light_sampler,
-            ambient: rest.ambient,
-            background,
-            fog: rest.fog,
-            camera: camera::none(),
-            fitted: None,
-            cameras: self.model_cameras,
-            readout: self.readout,
-            settings: rest.settings,
-            rules: self.rules,
-            has_group: rest.has_group,
-            material_numbers,
-            aggregate: Aggregate::default(),
-        };
-        let nested = if self.nested.placements.is_empty() {
-            None
-        } else {
-            self.nested.finish(&scene.shapes, &self.options.build);
-            Some(self.nested)
-        };
-        scene.aggregate = Aggregate::build(&scene, nested, &self.options.build);
-        scene
+        appearance.has_pictures = !self.pictures.is_empty();
+        appearance.has_passages = appearance.materials.ids().any(|id| appearance.has_passages(id));
+        appearance.has_orientations = appearance.materials.ids().any(|id| appearance.is_oriented(id));
+        Scene {
+            geometry,
+            appearance,
+            lighting: Lighting {
+                lights: self.lights,
+                list: self.light_list,
+                groups: self.light_groups.into_names(),
+                sampler,
+                varied_emissions: self.varied_emissions,
+                background,
+                ambient: rest.ambient,
+                fog: rest.fog,
+            },
+            output: Output {
+                camera: camera::none(),
+                fitted: None,
+                cameras: self.model_cameras,
+                readout: self.readout,
+                settings: rest.settings,
+                rules: self.rules,
+                has_group: rest.has_group,
+            },
+        }
     }
 }
 

@@ -188,7 +188,7 @@ impl Compiler<'_> {
         }
         let mut parts = Vec::with_capacity(count);
         for instance in instances {
-            let label = self.objects.label(instance.name.clone(), "Model", item.index());
+            let label = self.geometry.objects.label(instance.name.clone(), "Model", item.index());
             let map = Motion::still(instance.model_from_mesh);
             parts.extend(meshes[instance.mesh].iter().map(|&(shape, material)| Part {
                 content: Content::Shape(shape),

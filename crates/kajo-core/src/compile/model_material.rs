@@ -61,12 +61,12 @@ impl Compiler<'_> {
         let is_body = layers.transmission.range()[1] > 0.0 && !layers.thin;
         let opacity = opacity(material, color.as_ref()).filter(|_| !is_body);
         let look = PhongMaterial::from(phong(material)).with_picture(color.clone());
-        let mut id = LayeredMaterial::from(layers).with_look(look).store(&mut self.materials)?;
+        let mut id = LayeredMaterial::from(layers).with_look(look).store(&mut self.appearance.materials)?;
         if let Some((shown, scale)) = material.normals
             && let Some(map) = self.model_picture(Some(shown), AMOUNTS, pictures)
         {
             let relief = Relief::Normals { map, scale };
-            id = Embossed { material: id, relief }.store(&mut self.materials)?;
+            id = Embossed { material: id, relief }.store(&mut self.appearance.materials)?;
         }
         let (slide, light) = match material.unlit {
             true => (color, material.base_color),

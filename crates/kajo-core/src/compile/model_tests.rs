@@ -85,7 +85,7 @@ fn met(scene: &Scene, x: f32, y: f32) -> Interaction {
 fn color(scene: &Scene, x: f32, y: f32) -> Vec3 {
     let at = met(scene, x, y);
     let place = scene.material_point(&at);
-    scene.appearances().phong(at.material, &place).diffuse.to_rgb().into()
+    scene.appearance.phong(at.material, &place).diffuse.to_rgb().into()
 }
 
 /// A triangle with these attributes and this in its material.
@@ -112,19 +112,19 @@ fn lights_shine_in_their_units_where_the_model_stands() {
         )
     };
     let lit = placed("");
-    assert_eq!(lit.light_list.len(), 3);
-    let emitter = &lit.lights.point[0];
+    assert_eq!(lit.lighting.list.len(), 3);
+    let emitter = &lit.lighting.lights.point[0];
     assert_eq!(emitter.position, Vec3::new(3.0, 2.0, 0.0));
     // Illuminance is candela over the square of the distance.
     let sample = sample_li(emitter, Vec3::new(3.0, 0.0, 0.0), Vec2::ZERO).unwrap();
     assert_eq!(sample.radiance.to_rgb(), [2.0, 1.0, 0.0]);
-    let sun = sample_li(&lit.lights.directional[0], Vec3::ZERO, Vec2::ZERO).unwrap();
+    let sun = sample_li(&lit.lighting.lights.directional[0], Vec3::ZERO, Vec2::ZERO).unwrap();
     assert_eq!((sun.wi, sun.radiance.to_rgb()), (Vec3::Z, [3.0; 3]));
-    let spot = &lit.lights.spots[0];
+    let spot = &lit.lighting.lights.spots[0];
     assert_eq!((spot.axis, spot.cone.inner), (Vec3::NEG_Z, 0.0));
-    assert_eq!(placed("lightScale 0.25").lights.point[0].emission.rgb(), [2.0, 1.0, 0.0]);
-    assert!(placed("lights off").light_list.is_empty());
-    assert_eq!(placed("group key").light_groups[1], *"key");
+    assert_eq!(placed("lightScale 0.25").lighting.lights.point[0].emission.rgb(), [2.0, 1.0, 0.0]);
+    assert!(placed("lights off").lighting.list.is_empty());
+    assert_eq!(placed("group key").lighting.groups[1], *"key");
     let (_, said) = compiled("Define emitters { Model { file a.gltf } }  Instance emitters", LIGHTS);
     assert_eq!(said, ["the lights of a model within a `Define` block are left out"]);
 }
@@ -133,7 +133,7 @@ fn lights_shine_in_their_units_where_the_model_stands() {
 fn cameras_are_listed_where_the_model_stands() {
     let objects = "Transform { Translate 0 2 0  YRotate 90  Model { file a.gltf  lights off } }";
     let scene = scene(objects, LIGHTS);
-    let [_, camera] = &scene.cameras[..] else { panic!("{:?}", scene.cameras) };
+    let [_, camera] = &scene.output.cameras[..] else { panic!("{:?}", scene.output.cameras) };
     let Camera::Perspective(view) = &camera.camera else { panic!("{camera:?}") };
     assert_eq!(camera.name.as_deref(), Some("light"));
     let frame = view.frame();
@@ -231,11 +231,11 @@ fn pictures_are_laid_by_the_second_coordinates() {
 fn unlit_surfaces_have_their_colour_in_any_light() {
     let material = r#""pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1]},"extensions":{"KHR_materials_unlit":{}}"#;
     let unlit = scene("Model { file a.gltf }", &triangle("", material));
-    assert_eq!(unlit.lights.areas.len(), 1);
+    assert_eq!(unlit.lighting.lights.areas.len(), 1);
     let at = met(&unlit, 0.0, 0.0);
     let bsdf = unlit.bsdf(&at, &Wavelengths::RGB, 1.0, 0.5);
     assert!(bsdf.albedo(Vec3::Z).to_rgb().iter().all(|&c| c < 1e-6));
-    assert_eq!(unlit.lights.areas[0].emission.rgb(), [0.25, 0.5, 0.75]);
+    assert_eq!(unlit.lighting.lights.areas[0].emission.rgb(), [0.25, 0.5, 0.75]);
 }
 
 #[test]
@@ -288,15 +288,15 @@ fn points_and_lines_are_shown_on_request() {
     let (_, said) = compiled("Model { file a.gltf }", &beads(0));
     assert_eq!(said, ["`a.gltf`: left out: 3 points; `points RADIUS` shows them"]);
     let points = scene("Model { file a.gltf  points 0.25 }", &beads(0));
-    assert_eq!((points.primitives.len(), points.shapes.spheres.len()), (3, 3));
+    assert_eq!((points.geometry.primitives.len(), points.geometry.shapes.spheres.len()), (3, 3));
     let at = met(&points, -1.0, -1.0);
     assert!((at.hit.t - 4.75).abs() < 1e-4);
     let point = points.material_point(&at);
-    let phong = points.appearances().phong(at.material, &point);
+    let phong = points.appearance.phong(at.material, &point);
     assert_eq!(phong.diffuse.to_rgb(), [1.0, 0.0, 0.0]);
     let (_, said) = compiled("Model { file a.gltf  points 1 }", &beads(2));
     assert_eq!(said, ["`a.gltf`: left out: 3 lines; `lines RADIUS` shows them"]);
     let lines = scene("Model { file a.gltf  lines 0.25 }", &beads(2));
-    assert_eq!((lines.shapes.spheres.len(), lines.shapes.cones.len()), (3, 3));
+    assert_eq!((lines.geometry.shapes.spheres.len(), lines.geometry.shapes.cones.len()), (3, 3));
     assert!((met(&lines, 1.0, -1.0).hit.t - 4.75).abs() < 1e-4);
 }

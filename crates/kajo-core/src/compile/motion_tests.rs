@@ -74,7 +74,7 @@ fn met(scene: &Scene, ray: &Ray) -> Option<Interaction> {
 #[test]
 fn at_each_moment_things_are_where_they_would_be_at_rest() {
     let moving = moving();
-    assert!(moving.moves() && moving.aggregate.has_moving());
+    assert!(moving.moves() && moving.geometry.aggregate.has_moving());
     let mut hits = 0;
     for step in 0..=8u8 {
         let t = f32::from(step) / 8.0;
@@ -95,7 +95,7 @@ fn at_each_moment_things_are_where_they_would_be_at_rest() {
                 a.point.p.distance(b.point.p) < 1e-4 && a.point.n.distance(b.point.n) < 1e-3,
                 "{k} at {t}"
             );
-            let uv = [moving.uv(&a), resting.uv(&b)];
+            let uv = [moving.geometry.uv(&a), resting.geometry.uv(&b)];
             assert!((uv[0] - uv[1]).abs().min_element() < 1e-3, "{k} at {t}: {uv:?}");
             assert_eq!(
                 moving.occluded(&ray.over(0.0, a.hit.t * 0.9)),
@@ -114,7 +114,7 @@ fn sample_light(
     place: Vec2,
     choice: LightChoice,
 ) -> Option<LightLiSample> {
-    let chosen = scene.light_sampler.sample(to, u, choice)?;
+    let chosen = scene.lighting.sampler.sample(to, u, choice)?;
     let sample = scene.sample_li(chosen.light, to, place, &Wavelengths::RGB)?;
     Some(LightLiSample { pdf: sample.pdf * chosen.probability, ..sample })
 }
@@ -191,14 +191,14 @@ fn trees_find_what_a_search_of_everything_finds() {
     let (mut hits, mut moved) = (0, 0);
     for k in 0..4000 {
         let ray = ray(k, random(k)(9));
-        let brute = (0..scene.primitives.len() as u32).filter_map(|i| {
-            let primitive = &scene.primitives[i as usize];
-            let map = match primitive.pose.still_in(&scene.transforms) {
+        let brute = (0..scene.geometry.primitives.len() as u32).filter_map(|i| {
+            let primitive = &scene.geometry.primitives[i as usize];
+            let map = match primitive.pose.still_in(&scene.geometry.transforms) {
                 Some(map) => *map,
-                None => primitive.pose.moving_in(&scene.motions).unwrap().at(ray.time),
+                None => primitive.pose.moving_in(&scene.geometry.motions).unwrap().at(ray.time),
             };
             let own = if primitive.pose.is_identity() { ray } else { map.ray_in_object(&ray) };
-            scene.shapes.hit(primitive.shape, &own).map(|hit| (hit.t, ObjectId::from_index(i)))
+            scene.geometry.shapes.hit(primitive.shape, &own).map(|hit| (hit.t, ObjectId::from_index(i)))
         });
         let nearest = brute.min_by(|a, b| a.0.total_cmp(&b.0));
         let found = met(&scene, &ray);
@@ -208,7 +208,9 @@ fn trees_find_what_a_search_of_everything_finds() {
         scene.crossings(&ray, |i, hit| crossings.push((hit.t, i)));
         assert_eq!(crossings.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)), nearest);
         hits += u32::from(found.is_some());
-        moved += u32::from(found.is_some_and(|at| scene.is_moving(&scene.primitives[at.object.index()])));
+        moved += u32::from(
+            found.is_some_and(|at| scene.geometry.is_moving(&scene.geometry.primitives[at.object.index()])),
+        );
     }
     assert!(hits > 2000 && moved > 300, "{hits} {moved}");
 }
@@ -231,9 +233,9 @@ fn the_shutter_says_which_part_of_a_motion_is_seen() {
     assert!(sees(&late, 2.0, 0.0) && sees(&late, 2.5, 0.5) && sees(&late, 3.0, 1.0));
     for (shutter, x) in [("shutter 0.5 0.5", 1.0), ("shutter 5 9", 4.0), ("shutter -3 -2", 0.0)] {
         let still = through(shutter);
-        assert!(!still.moves() && !still.aggregate.has_moving(), "{shutter}");
+        assert!(!still.moves() && !still.geometry.aggregate.has_moving(), "{shutter}");
         assert!([0.0, 0.4, 1.0].iter().all(|&time| sees(&still, x, time)), "{shutter}");
-        assert!((still.bounds().center().x - x).abs() < 1e-5);
+        assert!((still.geometry.bounds().center().x - x).abs() < 1e-5);
     }
 }
 
@@ -246,8 +248,8 @@ fn motions_nest_and_instances_share_their_shapes() {
            Instance pair { Motion { key 0 { } key 1 { Translate 1 0 0 } }  UniformScale 2 } }
          Instance pair",
     );
-    assert_eq!(nested.shapes.spheres.len(), 2, "definitions are not copied");
-    assert_eq!((nested.primitives.len(), nested.motions.len()), (4, 3));
+    assert_eq!(nested.geometry.shapes.spheres.len(), 2, "definitions are not copied");
+    assert_eq!((nested.geometry.primitives.len(), nested.geometry.motions.len()), (4, 3));
     // At the end: (1, 0, 0) scaled, moved along x, turned to y, lifted.
     for (k, center) in [(0, Vec3::new(0.0, 4.0, 0.0)), (1, Vec3::new(0.0, 6.0, 2.0)), (2, Vec3::X)] {
         let ray = Ray { time: 1.0, ..Ray::new(center + 5.0 * Vec3::Y, Vec3::NEG_Y) };
@@ -262,7 +264,7 @@ fn cameras_move_and_are_found_where_they_are() {
         scene(&format!(
             "PerspectiveCamera {{ center 0 1 10 direction 0 0 -1 up 0 1 0 angle 30 aperture 0.1 focus 4 {motion} }}"
         ))
-        .camera
+        .output.camera
     };
     let (moving, still) = (camera("Motion { key 0 { } key 1 { Translate 2 0 0 YRotate 60 } }"), camera(""));
     assert!(moving.moves() && !still.moves() && moving.has_lens());

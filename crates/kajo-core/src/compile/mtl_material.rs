@@ -63,7 +63,7 @@ impl Compiler<'_> {
                 None => *grey.get_or_insert_with(|| {
                     let diffuse = Spectrum::rgb(GREY, GREY, GREY);
                     let phong = Phong { ambient: diffuse, diffuse, ..Phong::BLACK };
-                    let id = PhongMaterial::from(phong).store(&mut self.materials);
+                    let id = PhongMaterial::from(phong).store(&mut self.appearance.materials);
                     self.slot(id)
                 }),
             });
@@ -74,9 +74,9 @@ impl Compiler<'_> {
     /// The number of a material among those that meshes bring.
     fn slot(&mut self, id: Option<MaterialId>) -> u32 {
         let Some(id) = id else { return ABSENT };
-        self.slots_transmit |= self.materials.may_transmit(id, &self.materials);
-        self.slot_materials.push(id);
-        self.slot_materials.len() as u32 - 1
+        self.slots_transmit |= self.appearance.may_transmit(id);
+        self.appearance.slots.push(id);
+        self.appearance.slots.len() as u32 - 1
     }
 
     /// The materials of a mesh's libraries, and whether all of these could be read.
@@ -130,12 +130,12 @@ impl Compiler<'_> {
             let layers = self.mtl_layers(described, color);
             let opacity = cover.or(mtl.opacity.map(|d| Share::Plain(d.clamp(0.0, 1.0))));
             let opacity = opacity.filter(|share| share.range()[0] < 1.0);
-            (LayeredMaterial::from(layers).store(&mut self.materials)?, opacity)
+            (LayeredMaterial::from(layers).store(&mut self.appearance.materials)?, opacity)
         } else {
             let material = PhongMaterial::from(phong(mtl)).with_picture(color);
-            (material.store(&mut self.materials)?, cover)
+            (material.store(&mut self.appearance.materials)?, cover)
         };
-        let is_clear = self.materials.may_transmit(id, &self.materials);
+        let is_clear = self.appearance.may_transmit(id);
         if is_clear && share.is_some() {
             let written = if mtl.map(MtlMapUse::Opacity).is_some() { "map_d" } else { "d" };
             let message =
@@ -144,7 +144,7 @@ impl Compiler<'_> {
             share = None;
         }
         if let Some(relief) = self.mtl_relief(described) {
-            id = Embossed { material: id, relief }.store(&mut self.materials)?;
+            id = Embossed { material: id, relief }.store(&mut self.appearance.materials)?;
         }
         let share = share.filter(|share| share.mean() < 1.0);
         // Of a light of which only the picture is written the picture is all there is.

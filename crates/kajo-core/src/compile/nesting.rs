@@ -140,8 +140,8 @@ impl Compiler<'_> {
             return None;
         }
         let members: Option<Vec<Member>> = definition.parts.iter().map(|part| self.member(part)).collect();
-        let may_transmit = |material| self.materials.may_transmit(material, &self.materials);
-        let number = self.nested.assemble(members?, &self.shapes, may_transmit, &self.options.build);
+        let may_transmit = |material| self.appearance.may_transmit(material);
+        let number = self.nested.assemble(members?, &self.geometry.shapes, may_transmit, &self.options.build);
         if number.is_none() {
             self.too_many_to_number(item);
         } else if let Some(definition) = self.definitions.get_mut(name) {
@@ -163,7 +163,7 @@ impl Compiler<'_> {
         let map = *part.map.constant()?;
         let takes_material = match part.content {
             Content::Shape(shape) => {
-                let bounds = self.shapes.bounds(shape);
+                let bounds = self.geometry.shapes.bounds(shape);
                 let is_unbounded = !bounds.is_finite() && !bounds.is_empty();
                 if is_unbounded || self.brings_lights(shape) {
                     return None;
@@ -188,9 +188,9 @@ impl Compiler<'_> {
     /// Whether a shape has materials of its own, and any such material of the scene gives light.
     pub(super) fn brings_lights(&self, shape: ShapeId) -> bool {
         // A mesh may have no triangles, and its first one none of its own materials.
-        let slots = Mesh::find(&self.shapes, shape).map_or(&[][..], Mesh::material_slots);
+        let slots = Mesh::find(&self.geometry.shapes, shape).map_or(&[][..], Mesh::material_slots);
         slots.iter().any(|&slot| slot != ABSENT)
-            && self.slot_materials.iter().any(|material| self.glows.contains_key(material))
+            && self.appearance.slots.iter().any(|material| self.glows.contains_key(material))
     }
 
     /// An assembly as the only part of what is placed.
@@ -199,7 +199,7 @@ impl Compiler<'_> {
             content: Content::Assembly(number),
             map: Motion::still(DAffine3::IDENTITY),
             material: None,
-            label: self.objects.label(None, "Instance", item.index()),
+            label: self.geometry.objects.label(None, "Instance", item.index()),
             brings_materials: false,
         }
     }
@@ -244,7 +244,7 @@ impl Compiler<'_> {
             self.diagnostics.push(error);
             return;
         }
-        let may_transmit = |material| self.materials.may_transmit(material, &self.materials);
+        let may_transmit = |material| self.appearance.may_transmit(material);
         self.nested_transmits |= transmits || material.is_some_and(may_transmit);
         let Some(&map) = place.world.constant() else { return };
         let placement = Placement { assembly: number, map, material, first: 0, placed_by: by.index() };

@@ -89,8 +89,8 @@ fn rays(n: u32) -> impl Iterator<Item = Ray> {
 
 /// All that is known of a hit but the number of the object.
 fn facts(scene: &Scene, at: &Interaction) -> String {
-    let object = scene.object(at.object);
-    format!("{:?} {:?} {:?} {:?} {object:?}", at.point, at.hit, at.material, scene.uv(at))
+    let object = scene.geometry.object(at.object);
+    format!("{:?} {:?} {:?} {:?} {object:?}", at.point, at.hit, at.material, scene.geometry.uv(at))
 }
 
 #[test]
@@ -104,9 +104,15 @@ fn nested_instances_are_the_flat_list_bit_for_bit() {
 /// Compares what rays find in both scenes of a forest.
 fn compare(text: &str, there: Vec3, n: u32) {
     let (flat, nested) = (scene(text, 10_000_000), scene(text, 4_000));
-    assert!(flat.aggregate.nested().is_none() && flat.primitives.len() == 4 * 6 * (5 * 70 + 1) + 3);
-    assert_eq!((nested.primitives.len(), nested.object_count()), (3, flat.object_count()));
-    assert!(nested.transmits && flat.transmits);
+    assert!(
+        flat.geometry.aggregate.nested().is_none()
+            && flat.geometry.primitives.len() == 4 * 6 * (5 * 70 + 1) + 3
+    );
+    assert_eq!(
+        (nested.geometry.primitives.len(), nested.geometry.object_count()),
+        (3, flat.geometry.object_count())
+    );
+    assert!(nested.geometry.transmits && flat.geometry.transmits);
     let (mut hits, mut within, mut passed) = (0, 0, 0);
     for ray in rays(n) {
         let ray = Ray { o: ray.o + there, ..ray };
@@ -127,7 +133,11 @@ fn compare(text: &str, there: Vec3, n: u32) {
         let through = |scene: &Scene| {
             let mut all = Vec::new();
             let blocked = scene.occluded_or(None, &ray, |i, hit| {
-                all.push(format!("{hit:?} {:?} {:?}", scene.transparency(&ray, i, hit), scene.object(i)));
+                all.push(format!(
+                    "{hit:?} {:?} {:?}",
+                    scene.transparency(&ray, i, hit),
+                    scene.geometry.object(i)
+                ));
                 false
             });
             all.sort_unstable();
@@ -140,7 +150,7 @@ fn compare(text: &str, there: Vec3, n: u32) {
         within += u32::from(nested.trace(&ray).surface().is_some_and(|at| at.object.index() >= 3));
     }
     assert!(hits > n / 3 && within > n / 20 && passed > 100, "{hits} {within} {passed}");
-    let (a, b) = (nested.bounds(), flat.bounds());
+    let (a, b) = (nested.geometry.bounds(), flat.geometry.bounds());
     assert!((a.min - b.min).max_element() <= 1e-2 && (b.max - a.max).max_element() <= 1e-2, "{a:?} {b:?}");
 }
 
@@ -149,13 +159,13 @@ fn compare(text: &str, there: Vec3, n: u32) {
 fn every_nested_object_is_found_by_its_number() {
     let nested = scene(&forest(), 4_000);
     let mut last = None;
-    for number in 3..nested.object_count() as u32 {
-        let place = nested.object(ObjectId::from_index(number)).map(|object| object.placed_by);
+    for number in 3..nested.geometry.object_count() as u32 {
+        let place = nested.geometry.object(ObjectId::from_index(number)).map(|object| object.placed_by);
         assert!(place.is_some() && place >= last, "{number}");
         last = place;
     }
-    let beyond = ObjectId::from_index(nested.object_count() as u32);
-    assert!(nested.object(beyond).is_none() && nested.shape(ObjectId::NONE).is_none());
+    let beyond = ObjectId::from_index(nested.geometry.object_count() as u32);
+    assert!(nested.geometry.object(beyond).is_none() && nested.geometry.shape(ObjectId::NONE).is_none());
 }
 
 /// A thousand groves of a thousand trees of a thousand leaves, all in one plane.
@@ -173,8 +183,8 @@ fn a_thousand_million_objects_take_little_memory() {
         row("grove", 1000, false)
     );
     let s = scene(&text, 10_000_000);
-    assert_eq!((s.object_count(), s.primitives.len()), (1_000_000_000, 0));
-    assert!(s.bytes() < 2_000_000, "{}", s.bytes());
+    assert_eq!((s.geometry.object_count(), s.geometry.primitives.len()), (1_000_000_000, 0));
+    assert!(s.geometry.bytes() < 2_000_000, "{}", s.geometry.bytes());
     for k in 0..1000 {
         let x = signed(k);
         let [column, row] = [x(0), x(1)].map(|x| ((0.5 * x + 0.5) * 1000.0) as u32);
@@ -201,7 +211,7 @@ fn nesting_without_end_is_refused_and_deep_nesting_is_not() {
     for levels in [5, 31, 200] {
         let text = tower(levels, "Instance d# { Translate 0 0.5 0 }") + " Instance d0 Instance d0";
         let s = scene(&text, 1_500);
-        assert_eq!(s.object_count(), 3 * 64);
+        assert_eq!(s.geometry.object_count(), 3 * 64);
         let top = s.trace(&Ray::new(Vec3::new(0.0, 1000.0, 0.0), Vec3::NEG_Y));
         assert_eq!(top.surface().map(|at| at.hit.t), Some(1000.0 - 0.5 * levels as f32 - 1.0));
     }
@@ -212,11 +222,14 @@ fn lights_and_motion_stay_flat_or_are_refused() {
     let twig: String = (0..70).map(|i| format!("Sphere {{ center {i} 0 0 radius 0.4 }} ")).collect();
     let lit = format!("Define twig {{ {twig} MaterialIndex emitter Sphere {{ center 0 1 0 radius 0.1 }} }}");
     let s = scene(&format!("{lit} MaterialIndex 0 {}", "Instance twig ".repeat(4)), 1_000);
-    assert_eq!((s.aggregate.nested().is_none(), s.light_list.len()), (true, 4));
+    assert_eq!((s.geometry.aggregate.nested().is_none(), s.lighting.list.len()), (true, 4));
     let defined = format!("Define twig {{ {twig} }} Define tree {{ {} }}", "Instance twig ".repeat(4));
     let s =
         scene(&format!("{defined} MaterialIndex 0 Instance tree MaterialIndex emitter Instance twig"), 1_000);
-    assert_eq!((s.primitives.len(), s.object_count(), s.light_list.len()), (70, 350, 70));
+    assert_eq!(
+        (s.geometry.primitives.len(), s.geometry.object_count(), s.lighting.list.len()),
+        (70, 350, 70)
+    );
     let motion = "Motion { key 0 { Translate 0 0 0 } key 1 { Translate 1 0 0 } }";
     for (placed, words) in [
         ("MaterialIndex emitter Instance tree", "make lights of 280 objects"),
@@ -236,18 +249,19 @@ fn lights_and_motion_stay_flat_or_are_refused() {
 fn all_pieces_of_nested_instances_are_the_flat_list() {
     let text = forest();
     let (flat, nested) = (scene(&text, 10_000_000), scene(&text, 4_000));
-    let mut pieces = nested.nested_pieces(|_| 1, usize::MAX);
+    let mut pieces = nested.geometry.nested_pieces(|_| 1, usize::MAX);
     pieces.sort_by_key(|piece| piece.object);
     // The sphere before them, the plane and the box after them are in the list of both scenes.
-    let listed = &flat.primitives[1..flat.primitives.len() - 2];
+    let listed = &flat.geometry.primitives[1..flat.geometry.primitives.len() - 2];
     assert_eq!(pieces.len(), listed.len());
     for (i, (piece, primitive)) in (0..).zip(pieces.iter().zip(listed)) {
-        assert_eq!(piece.object.index(), nested.primitives.len() + i);
+        assert_eq!(piece.object.index(), nested.geometry.primitives.len() + i);
         let PieceContent::Shape(shape) = piece.content else { panic!("{piece:?}") };
-        let found = piece.place.bounds(&nested.shapes.bounds(shape));
-        let expected = flat.place(primitive, 0.0).bounds(&flat.shapes.bounds(primitive.shape));
+        let found = piece.place.bounds(&nested.geometry.shapes.bounds(shape));
+        let expected =
+            flat.geometry.place(primitive, 0.0).bounds(&flat.geometry.shapes.bounds(primitive.shape));
         assert!(found.min.distance(expected.min) + found.max.distance(expected.max) < 1e-4, "{piece:?}");
-        let number = |scene: &Scene, material| scene.material_number(material);
+        let number = |scene: &Scene, material| scene.appearance.number(material);
         assert_eq!(number(&nested, piece.material), number(&flat, primitive.material));
     }
 }
@@ -255,15 +269,15 @@ fn all_pieces_of_nested_instances_are_the_flat_list() {
 #[test]
 fn few_pieces_of_nested_instances_leave_nothing_out() {
     let nested = scene(&forest(), 4_000);
-    let all = nested.nested_pieces(|_| 1, usize::MAX);
+    let all = nested.geometry.nested_pieces(|_| 1, usize::MAX);
     let bounds = |piece: &NestedPiece| {
         piece.place.bounds(&match piece.content {
-            PieceContent::Shape(shape) => nested.shapes.bounds(shape),
+            PieceContent::Shape(shape) => nested.geometry.shapes.bounds(shape),
             PieceContent::Whole(bounds) => bounds,
         })
     };
     for budget in [48, 400, 3000] {
-        let mut few = nested.nested_pieces(|_| 1, budget);
+        let mut few = nested.geometry.nested_pieces(|_| 1, budget);
         let cost = |piece: &NestedPiece| if matches!(piece.content, PieceContent::Shape(_)) { 1 } else { 12 };
         assert!(few.iter().map(cost).sum::<usize>() <= budget && few.len() >= 4, "{budget} {}", few.len());
         few.sort_by_key(|piece| piece.object);
@@ -275,16 +289,16 @@ fn few_pieces_of_nested_instances_leave_nothing_out() {
             assert!((inner.min + grown).cmpge(outer.min).all() && (inner.max - grown).cmple(outer.max).all());
         }
     }
-    assert!(scene("", 4_000).nested_pieces(|_| 1, 100).is_empty());
+    assert!(scene("", 4_000).geometry.nested_pieces(|_| 1, 100).is_empty());
 }
 
 #[test]
 fn numbers_of_nested_objects_are_known_by_what_places_them() {
     let nested = scene(&forest(), 4_000);
-    let placed_by = |number| nested.object(ObjectId::from_index(number)).unwrap().placed_by;
-    let placed: Vec<u32> = (3..nested.object_count() as u32).map(placed_by).collect();
+    let placed_by = |number| nested.geometry.object(ObjectId::from_index(number)).unwrap().placed_by;
+    let placed: Vec<u32> = (3..nested.geometry.object_count() as u32).map(placed_by).collect();
     let wanted = placed[placed.len() / 2];
-    let found = nested.nested_objects(|item| item == wanted).into_iter();
+    let found = nested.geometry.nested_objects(|item| item == wanted).into_iter();
     let found = found.flat_map(|range| range.start.index() as u32..range.end.index() as u32);
     let expected: Vec<u32> = (3..).zip(&placed).filter(|(_, by)| **by == wanted).map(|(i, _)| i).collect();
     assert_eq!(found.collect::<Vec<_>>(), expected);
@@ -335,5 +349,5 @@ fn what_moves_little_is_not_refused() {
         "Sphere { center 0 0 0 radius 1 }".repeat(100)
     );
     let scene = scene(&group, 1000);
-    assert_eq!(scene.object_count(), 10_004);
+    assert_eq!(scene.geometry.object_count(), 10_004);
 }

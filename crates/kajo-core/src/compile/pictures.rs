@@ -512,7 +512,7 @@ mod tests {
 
     fn classic(materials: &str, x: f32, y: f32) -> Phong {
         let (scene, at) = met(materials, SQUARE, x, y);
-        scene.appearances().phong(at.material, &scene.material_point(&at))
+        scene.appearance.phong(at.material, &scene.material_point(&at))
     }
 
     fn assert_near(found: [f32; 3], expected: [f32; 3]) {
@@ -616,7 +616,7 @@ mod tests {
             let event = scene.trace(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z));
             let at = event.surface().expect("the ray meets the square");
             let place = scene.material_point(at);
-            scene.appearances().phong(at.material, &place).diffuse.to_rgb()
+            scene.appearance.phong(at.material, &place).diffuse.to_rgb()
         };
         assert_near(color(0.5, -0.5), [1.0; 3]);
         assert_near(color(-0.5, 0.5), RED);
@@ -651,7 +651,7 @@ mod tests {
             let event = scene.trace(&Ray::new(Vec3::new(-0.5, 0.5, 5.0), Vec3::NEG_Z));
             let at = event.surface().expect("the ray meets the model");
             let place = scene.material_point(at);
-            let phong = scene.appearances().phong(at.material, &place);
+            let phong = scene.appearance.phong(at.material, &place);
             let bsdf = scene.bsdf(at, &Wavelengths::RGB, 1.0, 0.5);
             (phong.diffuse.to_rgb(), said, scene.shading(at, 0.5), bsdf)
         };

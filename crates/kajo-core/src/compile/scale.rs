@@ -17,10 +17,16 @@ const FARTHEST: f64 = (1 << 20) as f64;
 
 /// Warns of what will not look right.
 pub(super) fn check(scene: &Scene, diagnostics: &mut Diagnostics) {
-    let mut boxes = scene.primitives.iter().map(|primitive| scene.shapes.bounds(primitive.shape));
+    let mut boxes =
+        scene.geometry.primitives.iter().map(|primitive| scene.geometry.shapes.bounds(primitive.shape));
     let far = boxes.find(|bounds| is_farther(bounds, FARTHEST));
-    let far_mesh =
-        scene.shapes.meshes.iter().map(Surface::bounds).find(|bounds| is_farther(bounds, FARTHEST_MESH));
+    let far_mesh = scene
+        .geometry
+        .shapes
+        .meshes
+        .iter()
+        .map(Surface::bounds)
+        .find(|bounds| is_farther(bounds, FARTHEST_MESH));
     if let Some(bounds) = far_mesh.or(far) {
         let [x, y, z] = bounds.center().to_array();
         let message = format!(
@@ -32,8 +38,8 @@ pub(super) fn check(scene: &Scene, diagnostics: &mut Diagnostics) {
         diagnostics.push(Diagnostic::warning(message).help(help));
     }
     // Parallel light does not fall off, but where it is followed from its source it comes through a disc of that size.
-    let lights = scene.light_sampler.list().iter().filter_map(|&id| scene.lights.bounds(id));
-    let all = lights.fold(scene.bounds(), |all, light| all.union(light.bounds));
+    let lights = scene.lighting.sampler.list().iter().filter_map(|&id| scene.lighting.lights.bounds(id));
+    let all = lights.fold(scene.geometry.bounds(), |all, light| all.union(light.bounds));
     if all.is_empty() {
         return;
     }

@@ -76,7 +76,7 @@ fn materials_that_ask_for_nothing_get_the_plain_frame() {
     let objects = [FLOOR, "Sphere { center 0 0 0  radius 1 }"];
     for object in objects {
         let plain = scene("Metal { metal gold  roughness 0.5 }", object);
-        assert!(!plain.has_orientations);
+        assert!(!plain.appearance.has_orientations);
         let shading = seen(&plain, 0.3, 0.2);
         let wo = Vec3::new(0.0, 0.8, 0.6);
         assert_eq!(shading.frame(wo), Frame::from_normal(shading.n));
@@ -91,7 +91,7 @@ fn materials_that_ask_for_nothing_get_the_plain_frame() {
 fn a_mixture_has_the_grain_of_the_part_that_is_there() {
     let parts = format!("Checkerboard {{ materialIndex 1  materialIndex 2 }} Matte {{}} {BRUSHED}");
     let scene = scene(&parts, FLOOR);
-    assert!(scene.has_orientations);
+    assert!(scene.appearance.has_orientations);
     let found = [0.4, -0.4].map(|x| seen(&scene, x, 0.2).tangent);
     assert!(found.contains(&Vec3::ZERO) && found.contains(&Vec3::X), "{found:?}");
 }

@@ -42,7 +42,7 @@ fn look(scene: &Scene, x: f32, y: f32) -> Option<(Vec3, Vec3, [f32; 3])> {
     match scene.trace(&ray) {
         Event::Escaped => None,
         Event::Surface(at) => {
-            let phong = scene.appearances().phong(at.material, &scene.material_point(&at));
+            let phong = scene.appearance.phong(at.material, &scene.material_point(&at));
             Some((at.point.p, at.point.n, phong.diffuse.to_rgb()))
         }
     }
@@ -57,7 +57,7 @@ fn material_index_runs_through_the_whole_file() {
     assert_eq!(look(&s, 0.0, 0.0).unwrap().2, [0.0, 1.0, 0.0]);
     assert_eq!(look(&s, 3.0, 0.0).unwrap().2, [1.0, 0.0, 0.0]);
     assert_eq!(look(&s, 6.0, 0.0).unwrap().2, [1.0, 0.0, 0.0], "set in a nested group, in force after it");
-    let numbers: Vec<u32> = s.primitives.iter().map(|p| s.material_number(p.material)).collect();
+    let numbers: Vec<u32> = s.geometry.primitives.iter().map(|p| s.appearance.number(p.material)).collect();
     assert_eq!(numbers, [2, 1, 1]);
 }
 
@@ -79,7 +79,7 @@ fn later_operations_act_first_and_matrices_from_the_left() {
         let s = scene(&format!(
             "{CAMERA}{RED}Group {{ MaterialIndex 0 Transform {{ {ops} Sphere {{ center 1 0 0 radius 0.1 }} }} }}"
         ));
-        s.bounds().center()
+        s.geometry.bounds().center()
     };
     let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-4, "{a} {b}");
     near(at("Translate 5 0 0 Scale 2 2 2"), Vec3::new(7.0, 0.0, 0.0));
@@ -127,7 +127,7 @@ fn a_plane_is_no_light_and_a_spot_without_its_angle_is_one_mistake() {
     let (scene, said) = compiled(&format!(
         "{CAMERA} {emitter} Plane {{ normal 0 1 0 offset 0 }} Sphere {{ center 0 0 0 radius 1 }} }}"
     ));
-    assert_eq!(scene.unwrap().light_sampler.len(), 2, "the ball and the background");
+    assert_eq!(scene.unwrap().lighting.sampler.len(), 2, "the ball and the background");
     assert!(said.len() == 1 && said[0].1.contains("without bounds"), "{said:?}");
     let spot = "SpotLight { position 0 1 0 direction 0 -1 0 color 1 1 1 angle 400 }";
     let (_, said) = compiled(&format!("{CAMERA}{RED}Lights {{ {spot} }}"));
@@ -138,19 +138,19 @@ fn a_plane_is_no_light_and_a_spot_without_its_angle_is_one_mistake() {
 fn a_background_keeps_the_numbers_of_the_text() {
     // The classic format knows negative colours; as light they are none.
     let s = scene(&format!("{CAMERA} Background {{ color 0.7 -0.3 1.5 }} Group {{}}"));
-    assert_eq!(s.background.color(Vec3::Y), Spectrum::rgb(0.7, -0.3, 1.5));
-    let light = s.background.radiance(Vec3::Y, &kajo_color::Wavelengths::RGB);
+    assert_eq!(s.lighting.background.color(Vec3::Y), Spectrum::rgb(0.7, -0.3, 1.5));
+    let light = s.lighting.background.radiance(Vec3::Y, &kajo_color::Wavelengths::RGB);
     assert_eq!(light, Spectrum::rgb(0.7, 0.0, 1.5));
 }
 
 #[test]
 fn without_lights_the_ambient_light_is_white() {
     let dark = scene(&format!("{CAMERA} Background {{ ambientLight 0.1 0.2 0.3 }} Lights {{ numLights 0 }}"));
-    assert_eq!(dark.ambient, Spectrum::WHITE);
+    assert_eq!(dark.lighting.ambient, Spectrum::WHITE);
     let lit = scene(&format!(
         "{CAMERA} Background {{ ambientLight 0.1 0.2 0.3 }} Lights {{ DirectionalLight {{ direction 0 -1 0 color 0 0 0 }} }}"
     ));
-    assert_eq!(lit.ambient, Spectrum::rgb(0.1, 0.2, 0.3));
+    assert_eq!(lit.lighting.ambient, Spectrum::rgb(0.1, 0.2, 0.3));
 }
 
 #[test]
@@ -229,21 +229,21 @@ fn circles_and_towers_of_blends_are_refused() {
 fn dialects_change_what_they_should() {
     let mesh = "Group { MaterialIndex 0 Transform { Matrix { 1 0 0 3  0 1 0 0  0 0 1 0  0 0 0 1 } Sphere { center 0 0 0 radius 1 } } }";
     let text = format!("{CAMERA}{RED}{mesh}");
-    let center = |dialect| compiled_as(&text, Some(dialect)).0.unwrap().bounds().center();
+    let center = |dialect| compiled_as(&text, Some(dialect)).0.unwrap().geometry.bounds().center();
     assert!(center(Dialect::Handout).distance(Vec3::ZERO) < 1e-5, "the fourth row is ignored");
     assert!(center(Dialect::Mit2004).distance(Vec3::new(3.0, 0.0, 0.0)) < 1e-5, "row by row");
     let a2 = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 2 1 angle 30 }
               Materials { Material { specularColor 0.5 0.5 0.5 } } Lights { PointLight { position 0 0 0 color 1 1 1 falloff 2 } }";
     let s = compiled_as(a2, Some(Dialect::MitA2)).0.unwrap();
-    let Camera::Perspective(camera) = s.camera else { panic!("a perspective camera") };
+    let Camera::Perspective(camera) = s.output.camera else { panic!("a perspective camera") };
     assert_eq!(camera.frame().up.as_vec3(), Vec3::new(0.0, 2.0, 1.0));
-    assert_eq!(s.materials.phongs[0].phong.reflective, Spectrum::rgb(0.5, 0.5, 0.5));
-    assert_eq!(s.materials.phongs[0].phong.exponent, 0.0);
-    assert_eq!(s.lights.point[0].attenuation, [0.0, 0.0, 2.0]);
+    assert_eq!(s.appearance.materials.phongs[0].phong.reflective, Spectrum::rgb(0.5, 0.5, 0.5));
+    assert_eq!(s.appearance.materials.phongs[0].phong.exponent, 0.0);
+    assert_eq!(s.lighting.lights.point[0].attenuation, [0.0, 0.0, 2.0]);
     // The scene's own choice gives way to the command line's.
     let chosen = format!("Settings {{ dialect mit-2004 }} {CAMERA}");
-    assert_eq!(compiled(&chosen).0.unwrap().rules.dialect, Dialect::Mit2004);
-    assert_eq!(compiled_as(&chosen, Some(Dialect::MitA2)).0.unwrap().rules.dialect, Dialect::MitA2);
+    assert_eq!(compiled(&chosen).0.unwrap().output.rules.dialect, Dialect::Mit2004);
+    assert_eq!(compiled_as(&chosen, Some(Dialect::MitA2)).0.unwrap().output.rules.dialect, Dialect::MitA2);
 }
 
 /// A plane, and two hundred shapes of four kinds.
@@ -284,10 +284,10 @@ fn the_tree_and_the_planes_agree_with_brute_force() {
         let r = kajo_math::rng::Stream::new(43, [i, 0], 0);
         let v = |k| Vec3::new(r.uniform(k), r.uniform(k + 1), r.uniform(k + 2)) * 12.0 - 6.0;
         let ray = Ray::new(v(0), v(3) - v(0));
-        let each = s.primitives.iter().enumerate().filter_map(|(j, p)| {
-            let local = p.pose.still_in(&s.transforms).unwrap().ray_in_object(&ray);
+        let each = s.geometry.primitives.iter().enumerate().filter_map(|(j, p)| {
+            let local = p.pose.still_in(&s.geometry.transforms).unwrap().ray_in_object(&ray);
             let local = if p.pose.is_identity() { ray } else { local };
-            Some((s.shapes.hit(p.shape, &local)?.t, ObjectId::from_index(j as u32)))
+            Some((s.geometry.shapes.hit(p.shape, &local)?.t, ObjectId::from_index(j as u32)))
         });
         let brute = each.min_by(|a, b| a.partial_cmp(b).unwrap());
         let found = match s.trace(&ray) {
@@ -314,7 +314,7 @@ fn rays_from_and_to_a_point_need_no_tree() {
     let (mut hits, mut hidden) = (0, 0);
     let apexes = [Vec3::new(0.0, 0.0, 20.0), Vec3::new(7.0, 5.0, -3.0), Vec3::new(0.5, 1.0, -0.7)];
     for (apex, cells) in apexes.into_iter().zip([0, 10_000, 100_000]) {
-        let buffer = s.item_buffer(apex, cells).unwrap();
+        let buffer = s.geometry.item_buffer(apex, cells).unwrap();
         for i in 0..5000u32 {
             let r = kajo_math::rng::Stream::new(45, [i, 0], 0);
             let p = Vec3::new(r.uniform(0), r.uniform(1), r.uniform(2)) * 12.0 - 6.0;
@@ -361,7 +361,7 @@ fn what_a_flattened_transform_holds_is_read_but_never_seen() {
     let text =
         |inner: &str| format!("{CAMERA}{RED}Group {{ MaterialIndex 0 Transform {{ {ops} {inner} }} }} }} }}");
     let (scene, said) = compiled(&text("Sphere { center 0 0 0 radius 1 }"));
-    assert!(scene.unwrap().primitives.is_empty());
+    assert!(scene.unwrap().geometry.primitives.is_empty());
     assert_eq!(said.len(), 1, "one warning, for the outer block: {said:?}");
     assert!(said[0].1.contains("no inverse"));
 
@@ -570,7 +570,7 @@ fn texture_coordinates_of_vertices_reach_the_hit() {
     let scene = scene.unwrap();
     let ray = Ray::new(Vec3::new(0.0, 0.25, 10.0), Vec3::NEG_Z);
     let Event::Surface(at) = scene.trace(&ray) else { panic!("missed") };
-    assert!(scene.uv(&at).distance(Vec2::new(0.375, 0.25)) < 1e-5, "{}", scene.uv(&at));
+    assert!(scene.geometry.uv(&at).distance(Vec2::new(0.375, 0.25)) < 1e-5, "{}", scene.geometry.uv(&at));
 }
 
 const BALL: &str = "Sphere { center 0 0 0 radius 1 }";
@@ -595,8 +595,8 @@ fn instances_stand_where_their_operations_say() {
         let (p, _, found) = look(&s, x, y).unwrap_or_else(|| panic!("nothing at {x} {y}"));
         assert!((p.z - z).abs() < 1e-4 && found == color, "{x} {y}: {p} {found:?}");
     }
-    assert_eq!(s.shapes.spheres.len(), 2, "stored once");
-    assert_eq!(s.primitives.len(), 6);
+    assert_eq!(s.geometry.shapes.spheres.len(), 2, "stored once");
+    assert_eq!(s.geometry.primitives.len(), 6);
 }
 
 #[test]
@@ -607,11 +607,11 @@ fn definitions_nest_and_take_the_material_in_force() {
          Define block {{ Instance row  Instance row {{ Translate 0 1 0 }} Instance ball {{ Translate 0 2 0 }} }}
          MaterialIndex 1 Instance block  MaterialIndex red  Instance block {{ Translate 0 0 -3 }} }}"
     ));
-    assert_eq!((s.primitives.len(), s.shapes.spheres.len()), (10, 1));
-    let numbers: Vec<u32> = s.primitives.iter().map(|p| s.material_number(p.material)).collect();
+    assert_eq!((s.geometry.primitives.len(), s.geometry.shapes.spheres.len()), (10, 1));
+    let numbers: Vec<u32> = s.geometry.primitives.iter().map(|p| s.appearance.number(p.material)).collect();
     assert_eq!(numbers, [2, 1, 2, 1, 2, 2, 1, 2, 1, 1], "a definition's own first, then the instance's");
-    assert!(s.objects.iter().all(|o| o.name == Some("pearl") && o.keyword == "Sphere"));
-    let all: Vec<_> = s.objects.iter().collect();
+    assert!(s.geometry.objects.iter().all(|o| o.name == Some("pearl") && o.keyword == "Sphere"));
+    let all: Vec<_> = s.geometry.objects.iter().collect();
     assert!(all.iter().all(|o| o.described_by == all[0].described_by), "one text for all of them");
     let first = all[0].placed_by;
     assert!(all[..5].iter().all(|o| o.placed_by == first), "the outermost instance");
@@ -675,7 +675,7 @@ fn many_names_are_looked_up_one_by_one() {
         .map(|i| format!("Checkerboard {{ materialIndex {} materialIndex {} }}\n", named(i), named(i - 1)))
         .collect();
     let s = scene(&format!("{CAMERA}Materials {{ {materials}{mixtures} }} Group {{ {objects} }}"));
-    assert_eq!(s.object_count() as usize, count);
+    assert_eq!(s.geometry.object_count() as usize, count);
     // As many wrong ones; suggestions are made for the first twenty.
     let wrong = objects.replace("MaterialIndex material", "MaterialIndex Material");
     let text = format!("{CAMERA}Materials {{ {materials} }} Group {{ {wrong} }}");
@@ -698,9 +698,9 @@ fn many_instances_take_little_memory_and_are_all_hit() {
         "{CAMERA}{RED}Group {{ Define ball {{ Sphere {{ center 0 0 0 radius 0.25 }} }} Define row {{ {row} }}
          MaterialIndex 0 {block} }}"
     ));
-    let objects = s.object_count() as usize;
-    assert_eq!((objects, s.shapes.spheres.len()), (side * side, 1));
-    let each = s.bytes() / objects;
+    let objects = s.geometry.object_count() as usize;
+    assert_eq!((objects, s.geometry.shapes.spheres.len()), (side * side, 1));
+    let each = s.geometry.bytes() / objects;
     assert!(each < 250, "{each} bytes an object");
     for i in 0..side {
         let (x, y) = (i as f32, (i * 7 % side) as f32);
@@ -722,8 +722,8 @@ fn a_mesh_is_stored_once_however_often_it_is_placed() {
         scene.unwrap_or_else(|| panic!("{said:?}"))
     };
     let (few, many) = (place(1), place(50));
-    assert_eq!((few.shapes.meshes.len(), many.shapes.meshes.len()), (1, 1));
-    assert_eq!((few.object_count(), many.object_count()), (3, 52));
+    assert_eq!((few.geometry.shapes.meshes.len(), many.geometry.shapes.meshes.len()), (1, 1));
+    assert_eq!((few.geometry.object_count(), many.geometry.object_count()), (3, 52));
 }
 
 #[test]
@@ -734,7 +734,7 @@ fn a_definition_in_a_transform_is_not_moved_and_not_counted() {
          Transform {{ Translate 9 0 0 Define ball {{ numObjects 1 {BALL} }} Instance ball }} Instance ball }}"
     ));
     assert!(look(&s, 0.0, 0.0).is_some() && look(&s, 9.0, 0.0).is_some());
-    assert_eq!(s.primitives.len(), 2);
+    assert_eq!(s.geometry.primitives.len(), 2);
 }
 
 #[test]
@@ -744,7 +744,7 @@ fn triangles_without_area_are_counted_in_one_warning() {
         [(1, "this triangle has no area and is left out"), (7, "7 triangles have no area and are left out")]
     {
         let (scene, said) = compiled(&format!("{CAMERA}{RED}Group {{ MaterialIndex 0 {} }}", flat.repeat(n)));
-        assert!(scene.unwrap().primitives.is_empty());
+        assert!(scene.unwrap().geometry.primitives.is_empty());
         assert_eq!(said, [(Severity::Warning, expected.to_owned())]);
     }
 }
@@ -771,7 +771,11 @@ fn models_are_placed_with_their_materials_or_without() {
         &flag(),
     );
     let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
-    assert_eq!((scene.shapes.meshes.len(), scene.primitives.len()), (2, 6), "with and without materials");
+    assert_eq!(
+        (scene.geometry.shapes.meshes.len(), scene.geometry.primitives.len()),
+        (2, 6),
+        "with and without materials"
+    );
     let (own, red) = ([0.25, 0.5, 1.0], [1.0, 0.0, 0.0]);
     for (x, y, z, color) in [
         (0.2, 0.2, 0.0, own),
@@ -783,7 +787,7 @@ fn models_are_placed_with_their_materials_or_without() {
         let (p, n, found) = look(&scene, x, y).unwrap_or_else(|| panic!("nothing at {x} {y}"));
         assert!((p.z - z).abs() < 1e-5 && found == color && n == Vec3::Z, "{x} {y}: {p} {found:?}");
     }
-    let names: Vec<_> = scene.objects.iter().map(|o| (o.keyword, o.name)).collect();
+    let names: Vec<_> = scene.geometry.objects.iter().map(|o| (o.keyword, o.name)).collect();
     assert_eq!(names[..2], [("Model", Some("near")), ("Model", None)]);
     assert_eq!(said, ["`models/flag.gltf`: left out: 1 animations"; 2]);
 }

@@ -11,13 +11,11 @@ use crate::Pooled;
 use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
 use crate::material::{
-    Appearances, Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId,
+    Appearance, Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId,
     MaterialPoint, Materials, Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular,
     Substance,
 };
-use crate::texture::{
-    Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, SurfaceUv, Textures,
-};
+use crate::texture::{Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, SurfaceUv};
 
 /// How far off the energy of a material without losses may be.
 const TOLERANCE: f64 = 3e-3;
@@ -32,10 +30,9 @@ const PLACE: MaterialPoint = MaterialPoint {
 /// Numbers that choose among the parts of a mixture.
 const CHOICES: u32 = 16;
 
-/// Materials, their patterns, and who is in the list.
+/// Materials with their patterns, and who is in the list.
 struct Samples {
-    materials: Materials,
-    textures: Textures,
+    appearance: Appearance,
     /// Each with its name and whether all light leaves it again.
     list: Vec<(MaterialId, &'static str, bool)>,
 }
@@ -47,7 +44,7 @@ impl Samples {
         lossless: bool,
         material: impl Pooled<Materials, Handle = MaterialId>,
     ) -> MaterialId {
-        let id = material.store(&mut self.materials).expect("there is room");
+        let id = material.store(&mut self.appearance.materials).expect("there is room");
         self.list.push((id, name, lossless));
         id
     }
@@ -56,12 +53,8 @@ impl Samples {
         ShadingPoint { place: PLACE, wavelengths, eta_outside: 1.0, u }
     }
 
-    fn appearances(&self) -> Appearances<'_> {
-        Appearances { materials: &self.materials, textures: &self.textures }
-    }
-
     fn bsdf(&self, id: MaterialId, wavelengths: &Wavelengths, u: f32) -> Bsdf {
-        self.appearances().bsdf(id, &self.at(wavelengths, u))
+        self.appearance.bsdf(id, &self.at(wavelengths, u))
     }
 }
 
@@ -103,8 +96,7 @@ fn white_layers() -> Layers {
 }
 
 fn samples() -> Samples {
-    let mut all =
-        Samples { materials: Materials::default(), textures: Textures::default(), list: Vec::new() };
+    let mut all = Samples { appearance: Appearance::default(), list: Vec::new() };
     let white = || Reflectance::constant(1.0);
     let grey = Spectrum::grey;
     let plaster = all.add("plaster", true, Matte::new(white(), 0.0));
@@ -150,10 +142,10 @@ fn samples() -> Samples {
     let relief = Relief::Normals { map: map.clone(), scale: 0.5 };
     all.add("hammered silver", true, Embossed { material: silver, relief });
     all.add("Phong, painted", false, PhongMaterial::from(classic).with_picture(Some(map.clone())));
-    let pattern = Constant { value: 0.3 }.store(&mut all.textures).expect("there is room");
+    let pattern = Constant { value: 0.3 }.store(&mut all.appearance.textures).expect("there is room");
     let mix = |pattern, materials| Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials };
     all.add("plaster and silver", true, mix(pattern, [plaster, silver]));
-    let pattern = Checker.store(&mut all.textures).expect("there is room");
+    let pattern = Checker.store(&mut all.appearance.textures).expect("there is room");
     all.add("checks", false, mix(pattern, [silver, clay]));
     all
 }
@@ -222,13 +214,13 @@ pub(super) fn furnaces() -> Vec<Furnace> {
 #[test]
 fn materials_are_what_they_say() {
     let all = samples();
-    let (materials, appearances) = (&all.materials, all.appearances());
+    let appearance = &all.appearance;
     let u = [0.05, 0.25, 0.45, 0.65, 0.85, 0.95];
     for &(id, name, _) in &all.list {
         let parts: Vec<Bsdf> =
             (0..1000).map(|i| all.bsdf(id, &Wavelengths::RGB, (i as f32 + 0.5) / 1000.0)).collect();
         let differs = |bsdf: &Bsdf| format!("{bsdf:?}") != format!("{:?}", parts[0]);
-        assert!(materials.is_mixture(id) || !parts.iter().any(differs), "{name} has parts");
+        assert!(appearance.materials.is_mixture(id) || !parts.iter().any(differs), "{name} has parts");
         let cos = 0.4;
         let passed = |bsdf: &Bsdf| match bsdf {
             Bsdf::Null => Spectrum::WHITE,
@@ -236,24 +228,24 @@ fn materials_are_what_they_say() {
             _ => Spectrum::BLACK,
         };
         let mean = parts.iter().map(passed).fold(Spectrum::BLACK, |sum, share| sum + share) * 1e-3;
-        let passage = appearances.passage(id, &all.at(&Wavelengths::RGB, 0.5), cos);
+        let passage = appearance.passage(id, &all.at(&Wavelengths::RGB, 0.5), cos);
         let off = (passage - mean).to_rgb().map(f32::abs);
         assert!(
             off.iter().all(|&off| off < 2e-3),
             "{name} lets {passage:?} pass straight on, its parts {mean:?}"
         );
-        assert_eq!(!mean.is_black(), materials.has_passages(id, materials), "{name}");
+        assert_eq!(!mean.is_black(), appearance.has_passages(id), "{name}");
         let crosses = parts.iter().any(|bsdf| {
             let samples = u
                 .iter()
                 .flat_map(|&uc| u.map(|v| bsdf.sample(Vec3::Z, Vec2::new(v, uc), uc, Transport::Radiance)));
             samples.flatten().any(|sample| sample.kind.transmission)
         });
-        assert_eq!(crosses, materials.may_transmit(id, materials), "{name}");
-        if let Some(constant) = materials.constant(id) {
-            assert_eq!(*constant, appearances.phong(id, &PLACE), "{name}");
+        assert_eq!(crosses, appearance.may_transmit(id), "{name}");
+        if let Some(constant) = appearance.materials.constant(id) {
+            assert_eq!(*constant, appearance.phong(id, &PLACE), "{name}");
         }
-        let enters = u.map(|u| appearances.interior(id, &all.at(&Wavelengths::RGB, u)));
+        let enters = u.map(|u| appearance.interior(id, &all.at(&Wavelengths::RGB, u)));
         assert!(crosses || enters.iter().all(Option::is_none), "{name} has no inside that light can reach");
     }
 }

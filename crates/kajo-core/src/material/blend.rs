@@ -7,13 +7,11 @@
 //! Scene: `Mix { amount 0.3  materialIndex 0  materialIndex 1 }`
 
 use kajo_color::Spectrum;
-use kajo_math::Affine3A;
+use kajo_math::{Affine3A, Vec3};
 
-use super::{
-    Appearance, Appearances, Interior, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint,
-};
+use super::{Appearance, Interior, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
-use crate::texture::{TextureId, Textures};
+use crate::texture::TextureId;
 
 /// A mixture of two materials.
 #[derive(Clone, Copy, Debug)]
@@ -27,11 +25,14 @@ pub struct Blend {
 }
 
 impl Blend {
+    /// The share of the second material at a world-space point; a number of the pattern, in [0, 1] but for rounding.
+    fn share_of_second(&self, appearance: &Appearance, p: Vec3) -> f32 {
+        appearance.textures.value(self.pattern, self.pattern_from_world.transform_point3(p))
+    }
+
     /// The material that is there by the number `at.u`, and what to ask it.
-    fn part<'a>(&self, textures: &Textures, at: &ShadingPoint<'a>) -> (MaterialId, ShadingPoint<'a>) {
-        let t = textures
-            .value(self.pattern, self.pattern_from_world.transform_point3(at.place.p))
-            .clamp(0.0, 1.0);
+    fn part<'a>(&self, appearance: &Appearance, at: &ShadingPoint<'a>) -> (MaterialId, ShadingPoint<'a>) {
+        let t = self.share_of_second(appearance, at.place.p).clamp(0.0, 1.0);
         let [first, second] = self.materials;
         // What is left of the number after the choice is uniform again.
         let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
@@ -39,61 +40,58 @@ impl Blend {
     }
 }
 
-impl Appearance for Blend {
-    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
-        let t = appearances.textures.value(self.pattern, self.pattern_from_world.transform_point3(at.p));
+impl Material for Blend {
+    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
+        let t = self.share_of_second(appearance, at.p);
         let [first, second] = self.materials;
         if t == 0.0 {
-            return appearances.phong(first, at);
+            return appearance.phong(first, at);
         }
         if t == 1.0 {
-            return appearances.phong(second, at);
+            return appearance.phong(second, at);
         }
-        let first = appearances.phong(first, at);
-        first.lerp(&appearances.phong(second, at), t)
+        let first = appearance.phong(first, at);
+        first.lerp(&appearance.phong(second, at), t)
     }
 
-    fn bsdf(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
-        let (part, at) = self.part(appearances.textures, at);
-        appearances.bsdf(part, &at)
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+        let (part, at) = self.part(appearance, at);
+        appearance.bsdf(part, &at)
     }
 
-    fn passage(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let t = appearances
-            .textures
-            .value(self.pattern, self.pattern_from_world.transform_point3(at.place.p))
-            .clamp(0.0, 1.0);
-        let [first, second] = self.materials.map(|m| appearances.passage(m, at, cos));
+    fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        let t = self.share_of_second(appearance, at.place.p).clamp(0.0, 1.0);
+        let [first, second] = self.materials.map(|m| appearance.passage(m, at, cos));
         first.lerp(second, t)
     }
 
-    fn has_passages(&self, materials: &Materials) -> bool {
-        self.materials.iter().any(|&m| materials.has_passages(m, materials))
+    fn has_passages(&self, appearance: &Appearance) -> bool {
+        self.materials.iter().any(|&m| appearance.has_passages(m))
     }
 
-    fn interior(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior> {
-        let (part, at) = self.part(appearances.textures, at);
-        appearances.interior(part, &at)
+    fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
+        let (part, at) = self.part(appearance, at);
+        appearance.interior(part, &at)
     }
 
-    fn orientation(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
-        let (part, at) = self.part(appearances.textures, at);
-        appearances.orientation(part, &at)
+    fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
+        let (part, at) = self.part(appearance, at);
+        appearance.orientation(part, &at)
     }
 
-    fn is_oriented(&self, materials: &Materials) -> bool {
-        self.materials.iter().any(|&m| materials.is_oriented(m, materials))
+    fn is_oriented(&self, appearance: &Appearance) -> bool {
+        self.materials.iter().any(|&m| appearance.is_oriented(m))
     }
 
     fn is_mixture(&self) -> bool {
         true
     }
 
-    fn needs_uv(&self, materials: &Materials) -> bool {
-        self.materials.iter().any(|&m| materials.needs_uv(m, materials))
+    fn needs_uv(&self, appearance: &Appearance) -> bool {
+        self.materials.iter().any(|&m| appearance.needs_uv(m))
     }
 
-    fn may_transmit(&self, materials: &Materials) -> bool {
-        self.materials.iter().any(|&m| materials.may_transmit(m, materials))
+    fn may_transmit(&self, appearance: &Appearance) -> bool {
+        self.materials.iter().any(|&m| appearance.may_transmit(m))
     }
 }

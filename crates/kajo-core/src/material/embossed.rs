@@ -21,9 +21,7 @@
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
-use super::{
-    Appearance, Appearances, Interior, Lean, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint,
-};
+use super::{Appearance, Interior, Lean, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
 use crate::texture::{Channel, PictureMap, SurfaceUv};
 
@@ -90,29 +88,29 @@ pub struct Embossed {
     pub relief: Relief,
 }
 
-impl Appearance for Embossed {
-    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
-        appearances.phong(self.material, at)
+impl Material for Embossed {
+    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
+        appearance.phong(self.material, at)
     }
 
-    fn needs_uv(&self, _materials: &Materials) -> bool {
+    fn needs_uv(&self, _appearance: &Appearance) -> bool {
         true
     }
 
-    fn may_transmit(&self, materials: &Materials) -> bool {
-        materials.may_transmit(self.material, materials)
+    fn may_transmit(&self, appearance: &Appearance) -> bool {
+        appearance.may_transmit(self.material)
     }
 
-    fn bsdf(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
-        appearances.bsdf(self.material, at)
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+        appearance.bsdf(self.material, at)
     }
 
-    fn orientation(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
-        let own = appearances.orientation(self.material, at);
+    fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
+        let own = appearance.orientation(self.material, at);
         Orientation { lean: Some(self.relief.lean(at.place.uv)), ..own }
     }
 
-    fn is_oriented(&self, _materials: &Materials) -> bool {
+    fn is_oriented(&self, _appearance: &Appearance) -> bool {
         true
     }
 
@@ -121,15 +119,15 @@ impl Appearance for Embossed {
         true
     }
 
-    fn passage(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        appearances.passage(self.material, at, cos)
+    fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        appearance.passage(self.material, at, cos)
     }
 
-    fn has_passages(&self, materials: &Materials) -> bool {
-        materials.has_passages(self.material, materials)
+    fn has_passages(&self, appearance: &Appearance) -> bool {
+        appearance.has_passages(self.material)
     }
 
-    fn interior(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior> {
-        appearances.interior(self.material, at)
+    fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
+        appearance.interior(self.material, at)
     }
 }

@@ -11,8 +11,7 @@ use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
 use kajo_math::Vec3;
 
 use super::{
-    Appearance, Appearances, Grain, Interior, MaterialPoint, Materials, Orientation, ShadingPoint,
-    may_be_polished,
+    Appearance, Grain, Interior, Material, MaterialPoint, Orientation, ShadingPoint, may_be_polished,
 };
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
 use crate::texture::{Share, SurfaceUv};
@@ -87,8 +86,8 @@ impl Glass {
     }
 }
 
-impl Appearance for Glass {
-    fn phong(&self, _appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
+impl Material for Glass {
+    fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
         self.constant.unwrap_or_else(|| self.classic(at.uv))
     }
 
@@ -96,23 +95,23 @@ impl Appearance for Glass {
         self.constant.as_ref()
     }
 
-    fn needs_uv(&self, _materials: &Materials) -> bool {
+    fn needs_uv(&self, _appearance: &Appearance) -> bool {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
+    fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         self.settings.grain.orientation(at.place.uv)
     }
 
-    fn is_oriented(&self, _materials: &Materials) -> bool {
+    fn is_oriented(&self, _appearance: &Appearance) -> bool {
         self.settings.grain.exists()
     }
 
-    fn may_transmit(&self, _materials: &Materials) -> bool {
+    fn may_transmit(&self, _appearance: &Appearance) -> bool {
         true
     }
 
-    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         if let Some(pane) = self.pane(at) {
             return Bsdf::ThinDielectric(pane);
         }
@@ -120,15 +119,15 @@ impl Appearance for Glass {
         Bsdf::Dielectric(Dielectric::new(eta, self.facets(at.place.uv)))
     }
 
-    fn passage(&self, _: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+    fn passage(&self, _: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
         self.pane(at).map_or(Spectrum::BLACK, |pane| pane.passage(cos))
     }
 
-    fn has_passages(&self, _materials: &Materials) -> bool {
+    fn has_passages(&self, _appearance: &Appearance) -> bool {
         self.settings.pane.is_some() && may_be_polished(&self.settings.roughness)
     }
 
-    fn interior(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
         let wavelengths = at.wavelengths;
         self.settings.pane.is_none().then(|| Interior {
             eta: self.eta(wavelengths),

@@ -7,7 +7,7 @@
 
 use kajo_color::Wavelengths;
 
-use super::{Appearance, Appearances, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, Material, MaterialPoint, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, OrenNayar, Phong};
 use crate::texture::{Paint, Share};
 
@@ -35,8 +35,8 @@ fn classic(color: &Paint, at: &MaterialPoint) -> Phong {
     Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
 }
 
-impl Appearance for Matte {
-    fn phong(&self, _appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
+impl Material for Matte {
+    fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| classic(&self.color, at))
     }
 
@@ -44,15 +44,15 @@ impl Appearance for Matte {
         self.constant.as_ref()
     }
 
-    fn needs_uv(&self, _materials: &Materials) -> bool {
+    fn needs_uv(&self, _appearance: &Appearance) -> bool {
         self.color.varies() || self.roughness.varies()
     }
 
-    fn may_transmit(&self, _materials: &Materials) -> bool {
+    fn may_transmit(&self, _appearance: &Appearance) -> bool {
         false
     }
 
-    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         let reflectance = at.place.tinted(self.color.at(at.place.uv, at.wavelengths), at.wavelengths);
         let roughness = self.roughness.at(at.place.uv);
         if roughness == 0.0 {

@@ -8,7 +8,7 @@
 use kajo_color::{Spectrum, Wavelengths, metal};
 use kajo_math::Vec3;
 
-use super::{Appearance, Appearances, Grain, MaterialPoint, Materials, Orientation, ShadingPoint};
+use super::{Appearance, Grain, Material, MaterialPoint, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::Shape};
 use crate::texture::{Paint, Share, SurfaceUv};
 
@@ -70,8 +70,8 @@ impl Metal {
     }
 }
 
-impl Appearance for Metal {
-    fn phong(&self, _appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
+impl Material for Metal {
+    fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.classic(at))
     }
 
@@ -79,23 +79,23 @@ impl Appearance for Metal {
         self.constant.as_ref()
     }
 
-    fn needs_uv(&self, _materials: &Materials) -> bool {
+    fn needs_uv(&self, _appearance: &Appearance) -> bool {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
+    fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         self.grain.orientation(at.place.uv)
     }
 
-    fn is_oriented(&self, _materials: &Materials) -> bool {
+    fn is_oriented(&self, _appearance: &Appearance) -> bool {
         self.grain.exists()
     }
 
-    fn may_transmit(&self, _materials: &Materials) -> bool {
+    fn may_transmit(&self, _appearance: &Appearance) -> bool {
         false
     }
 
-    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         let fresnel = match &self.substance {
             Substance::Measured(metal) => {
                 let (eta, k) = metal.at(at.wavelengths);

@@ -1,5 +1,6 @@
 //! Materials: which reflection model a surface has at each of its points.
 
+mod appearance;
 mod blend;
 mod embossed;
 mod glass;
@@ -10,6 +11,7 @@ mod perforated;
 mod phong;
 mod principled;
 
+pub use appearance::Appearance;
 pub use blend::Blend;
 pub use embossed::{Embossed, Relief};
 pub use glass::{Glass, GlassSettings};
@@ -25,14 +27,14 @@ use kajo_math::{Vec3, Vec4};
 
 use crate::bsdf::{Bsdf, POLISHED, Phong};
 use crate::family::family;
-use crate::texture::{Share, SurfaceUv, Textures, rgb_reflectance};
+use crate::texture::{Share, SurfaceUv, rgb_reflectance};
 
 /// Where on a surface a material is asked.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MaterialPoint {
     /// World-space point, where patterns are evaluated.
     pub p: Vec3,
-    /// Surface coordinates, where pictures are looked up; of effect where [`Appearance::needs_uv`].
+    /// Surface coordinates, where pictures are looked up; of effect where [`Material::needs_uv`].
     pub uv: SurfaceUv,
     /// Linear RGB in [0, 1] that the base colour of the material is multiplied by, and a factor of the opacity of
     /// [`Perforated`]: the colours at the corners of a mesh.
@@ -85,51 +87,10 @@ pub struct Interior {
     pub priority: i32,
 }
 
-/// What materials are looked up in: the pool of the materials that others are made of, and that of their patterns.
-#[derive(Clone, Copy, Debug)]
-pub struct Appearances<'a> {
-    /// Materials.
-    pub materials: &'a Materials,
-    /// Patterns that materials use.
-    pub textures: &'a Textures,
-}
-
-impl Appearances<'_> {
-    /// See [`Appearance::phong`].
-    #[inline]
-    pub fn phong(self, id: MaterialId, at: &MaterialPoint) -> Phong {
-        self.materials.phong(id, self, at)
-    }
-
-    /// See [`Appearance::bsdf`].
-    #[inline]
-    pub fn bsdf(self, id: MaterialId, at: &ShadingPoint<'_>) -> Bsdf {
-        self.materials.bsdf(id, self, at)
-    }
-
-    /// See [`Appearance::passage`].
-    #[inline]
-    pub fn passage(self, id: MaterialId, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        self.materials.passage(id, self, at, cos)
-    }
-
-    /// See [`Appearance::orientation`].
-    #[inline]
-    pub fn orientation(self, id: MaterialId, at: &ShadingPoint<'_>) -> Orientation {
-        self.materials.orientation(id, self, at)
-    }
-
-    /// See [`Appearance::interior`].
-    #[inline]
-    pub fn interior(self, id: MaterialId, at: &ShadingPoint<'_>) -> Option<Interior> {
-        self.materials.interior(id, self, at)
-    }
-}
-
 /// What every material can do.
-pub trait Appearance {
+pub trait Material {
     /// The classic reflection model at a point.
-    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong;
+    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong;
 
     /// The classic reflection model, where it is the same at every point.
     fn constant(&self) -> Option<&Phong> {
@@ -137,49 +98,49 @@ pub trait Appearance {
     }
 
     /// Whether any answer depends on surface coordinates.
-    fn needs_uv(&self, _materials: &Materials) -> bool {
+    fn needs_uv(&self, _appearance: &Appearance) -> bool {
         false
     }
 
     /// Whether light can pass through anywhere.
-    fn may_transmit(&self, materials: &Materials) -> bool;
+    fn may_transmit(&self, appearance: &Appearance) -> bool;
 
     /// How light is scattered at a point, for integrators that estimate integrals.
     ///
     /// A mixture answers with one of its parts, drawn with its share; the mean of the answers is the mixture.
-    fn bsdf(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf;
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf;
 
-    /// Whether [`Appearance::bsdf`] chooses among parts.
+    /// Whether [`Material::bsdf`] chooses among parts.
     fn is_mixture(&self) -> bool {
         false
     }
 
-    /// The share of light that goes straight on at a point: through holes, where [`Appearance::bsdf`] answers with
+    /// The share of light that goes straight on at a point: through holes, where [`Material::bsdf`] answers with
     /// [`Bsdf::Null`], and through panes, where it answers with [`Bsdf::ThinDielectric`]. Of a mixture it is the mean,
     /// whatever `at.u` is.
     ///
     /// * `cos`: of the angle between light and normal
-    fn passage(&self, _appearances: Appearances<'_>, _at: &ShadingPoint<'_>, _cos: f32) -> Spectrum {
+    fn passage(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>, _cos: f32) -> Spectrum {
         Spectrum::BLACK
     }
 
-    /// Whether [`Appearance::passage`] is more than nothing anywhere.
-    fn has_passages(&self, _materials: &Materials) -> bool {
+    /// Whether [`Material::passage`] is more than nothing anywhere.
+    fn has_passages(&self, _appearance: &Appearance) -> bool {
         false
     }
 
-    /// How the frame of [`Appearance::bsdf`] is to be turned.
-    fn orientation(&self, _appearances: Appearances<'_>, _at: &ShadingPoint<'_>) -> Orientation {
+    /// How the frame of [`Material::bsdf`] is to be turned.
+    fn orientation(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>) -> Orientation {
         Orientation::default()
     }
 
-    /// Whether [`Appearance::orientation`] asks for anything anywhere.
-    fn is_oriented(&self, _materials: &Materials) -> bool {
+    /// Whether [`Material::orientation`] asks for anything anywhere.
+    fn is_oriented(&self, _appearance: &Appearance) -> bool {
         false
     }
 
     /// What is behind the surface, for materials that refract.
-    fn interior(&self, _appearances: Appearances<'_>, _at: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>) -> Option<Interior> {
         None
     }
 }
@@ -189,7 +150,7 @@ family! {
     handle MaterialId;
     /// All materials of a scene.
     pools Materials;
-    contract Appearance;
+    contract Material;
     members {
         blends: Blend,
         embossed: Embossed,
@@ -201,28 +162,30 @@ family! {
         phongs: PhongMaterial,
     }
     methods {
-        /// See [`Appearance::phong`].
-        fn phong(appearances: Appearances<'_>, at: &MaterialPoint) -> Phong;
-        /// See [`Appearance::constant`].
+        /// See [`Material::constant`].
         fn constant() -> Option<&Phong>;
-        /// See [`Appearance::may_transmit`].
-        fn may_transmit(materials: &Materials) -> bool;
-        /// See [`Appearance::needs_uv`].
-        fn needs_uv(materials: &Materials) -> bool;
-        /// See [`Appearance::bsdf`].
-        fn bsdf(appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf;
-        /// See [`Appearance::is_mixture`].
+        /// See [`Material::is_mixture`].
         fn is_mixture() -> bool;
-        /// See [`Appearance::passage`].
-        fn passage(appearances: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum;
-        /// See [`Appearance::has_passages`].
-        fn has_passages(materials: &Materials) -> bool;
-        /// See [`Appearance::orientation`].
-        fn orientation(appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation;
-        /// See [`Appearance::is_oriented`].
-        fn is_oriented(materials: &Materials) -> bool;
-        /// See [`Appearance::interior`].
-        fn interior(appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior>;
+    }
+    methods of Appearance.materials {
+        /// See [`Material::phong`].
+        fn phong(at: &MaterialPoint) -> Phong;
+        /// See [`Material::may_transmit`].
+        fn may_transmit() -> bool;
+        /// See [`Material::needs_uv`].
+        fn needs_uv() -> bool;
+        /// See [`Material::bsdf`].
+        fn bsdf(at: &ShadingPoint<'_>) -> Bsdf;
+        /// See [`Material::passage`].
+        fn passage(at: &ShadingPoint<'_>, cos: f32) -> Spectrum;
+        /// See [`Material::has_passages`].
+        fn has_passages() -> bool;
+        /// See [`Material::orientation`].
+        fn orientation(at: &ShadingPoint<'_>) -> Orientation;
+        /// See [`Material::is_oriented`].
+        fn is_oriented() -> bool;
+        /// See [`Material::interior`].
+        fn interior(at: &ShadingPoint<'_>) -> Option<Interior>;
     }
 }
 

@@ -15,7 +15,7 @@
 use kajo_color::Spectrum;
 use kajo_math::fmath;
 
-use super::{Appearance, Appearances, MaterialId, MaterialPoint, Materials, Orientation, ShadingPoint};
+use super::{Appearance, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
 use crate::texture::Share;
 
@@ -42,9 +42,9 @@ impl Perforated {
     }
 }
 
-impl Appearance for Perforated {
-    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
-        let inner = appearances.phong(self.material, at);
+impl Material for Perforated {
+    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
+        let inner = appearance.phong(self.material, at);
         let opacity = self.opacity(at);
         if opacity >= 1.0 {
             return inner;
@@ -55,41 +55,41 @@ impl Appearance for Perforated {
         Phong { absorption, eta: 1.0, ..inner.lerp(&clear, 1.0 - opacity) }
     }
 
-    fn may_transmit(&self, _materials: &Materials) -> bool {
+    fn may_transmit(&self, _appearance: &Appearance) -> bool {
         true
     }
 
-    fn bsdf(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         match self.between_holes(at) {
-            Some(at) => appearances.bsdf(self.material, &at),
+            Some(at) => appearance.bsdf(self.material, &at),
             None => Bsdf::Null,
         }
     }
 
-    fn orientation(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
-        let inner = |at| appearances.orientation(self.material, &at);
+    fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
+        let inner = |at| appearance.orientation(self.material, &at);
         self.between_holes(at).map(inner).unwrap_or_default()
     }
 
-    fn is_oriented(&self, materials: &Materials) -> bool {
-        materials.is_oriented(self.material, materials)
+    fn is_oriented(&self, appearance: &Appearance) -> bool {
+        appearance.is_oriented(self.material)
     }
 
     fn is_mixture(&self) -> bool {
         true
     }
 
-    fn needs_uv(&self, materials: &Materials) -> bool {
-        self.opacity.varies() || materials.needs_uv(self.material, materials)
+    fn needs_uv(&self, appearance: &Appearance) -> bool {
+        self.opacity.varies() || appearance.needs_uv(self.material)
     }
 
-    fn passage(&self, appearances: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+    fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
         let opacity = self.opacity(&at.place);
-        let between = appearances.passage(self.material, at, cos);
+        let between = appearance.passage(self.material, at, cos);
         Spectrum::WHITE * (1.0 - opacity) + between * opacity
     }
 
-    fn has_passages(&self, _materials: &Materials) -> bool {
+    fn has_passages(&self, _appearance: &Appearance) -> bool {
         true
     }
 }

@@ -9,7 +9,7 @@
 
 use kajo_color::{Reflectance, Spectrum, Wavelengths};
 
-use super::{Appearance, Appearances, Interior, MaterialPoint, Materials, ShadingPoint};
+use super::{Appearance, Interior, Material, MaterialPoint, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, Phong, PhongLobes};
 use crate::texture::{PictureMap, picture_reflectance};
 
@@ -82,9 +82,9 @@ impl From<Phong> for PhongMaterial {
     }
 }
 
-impl Appearance for PhongMaterial {
+impl Material for PhongMaterial {
     #[inline]
-    fn phong(&self, _appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
         if !self.varies_at(at) {
             return self.phong;
         }
@@ -98,16 +98,16 @@ impl Appearance for PhongMaterial {
         if self.picture.is_none() { Some(&self.phong) } else { None }
     }
 
-    fn needs_uv(&self, _materials: &Materials) -> bool {
+    fn needs_uv(&self, _appearance: &Appearance) -> bool {
         self.picture.is_some()
     }
 
-    fn may_transmit(&self, _materials: &Materials) -> bool {
+    fn may_transmit(&self, _appearance: &Appearance) -> bool {
         !self.phong.transparent.is_black()
     }
 
     #[inline]
-    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         if self.varies_at(&at.place) {
             return self.painted(at);
         }
@@ -123,7 +123,7 @@ impl Appearance for PhongMaterial {
         Bsdf::Phong(lobes.within(at.eta_outside))
     }
 
-    fn interior(&self, _: Appearances<'_>, _: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, _: &Appearance, _: &ShadingPoint<'_>) -> Option<Interior> {
         let absorption = Spectrum::BLACK;
         let interior = Interior { eta: self.phong.eta, is_dispersive: false, absorption, priority: 0 };
         (!self.phong.transparent.is_black()).then_some(interior)

@@ -11,8 +11,8 @@ use kajo_color::{Dispersion, Reflectance, Spectrum, Unbounded, Wavelengths};
 use kajo_math::{Vec2, Vec3, fmath};
 
 use super::{
-    Appearance, Appearances, Grain, Interior, MaterialPoint, Materials, Orientation, PhongMaterial,
-    ShadingPoint, may_be_polished,
+    Appearance, Grain, Interior, Material, MaterialPoint, Orientation, PhongMaterial, ShadingPoint,
+    may_be_polished,
 };
 use crate::bsdf::{
     self, Base, Bsdf, DiffuseNormal, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape,
@@ -228,10 +228,10 @@ fn squared(roughness: &Share, uv: SurfaceUv) -> f32 {
     roughness * roughness
 }
 
-impl Appearance for LayeredMaterial {
-    fn phong(&self, appearances: Appearances<'_>, at: &MaterialPoint) -> Phong {
+impl Material for LayeredMaterial {
+    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
         if let Some(look) = &self.look {
-            return look.phong(appearances, at);
+            return look.phong(appearance, at);
         }
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.layers.classic(at))
     }
@@ -240,15 +240,15 @@ impl Appearance for LayeredMaterial {
         self.look.as_ref().map_or(self.constant.as_ref(), |look| look.constant())
     }
 
-    fn needs_uv(&self, _materials: &Materials) -> bool {
+    fn needs_uv(&self, _appearance: &Appearance) -> bool {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Orientation {
+    fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         self.layers.grain.orientation(at.place.uv)
     }
 
-    fn is_oriented(&self, _materials: &Materials) -> bool {
+    fn is_oriented(&self, _appearance: &Appearance) -> bool {
         self.layers.grain.exists()
     }
 
@@ -256,11 +256,11 @@ impl Appearance for LayeredMaterial {
         true
     }
 
-    fn may_transmit(&self, _materials: &Materials) -> bool {
+    fn may_transmit(&self, _appearance: &Appearance) -> bool {
         self.layers.transmit()
     }
 
-    fn bsdf(&self, _appearances: Appearances<'_>, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         let layers = &self.layers;
         let (uv, wavelengths) = (at.place.uv, at.wavelengths);
         let metal = layers.metalness.at(uv);
@@ -297,7 +297,7 @@ impl Appearance for LayeredMaterial {
         })
     }
 
-    fn passage(&self, _: Appearances<'_>, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+    fn passage(&self, _: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
         let (layers, uv) = (&self.layers, at.place.uv);
         let glass = (1.0 - layers.metalness.at(uv)) * layers.transmission.at(uv);
         if !layers.thin || glass == 0.0 {
@@ -306,11 +306,11 @@ impl Appearance for LayeredMaterial {
         layers.pane(at).passage(cos) * glass
     }
 
-    fn has_passages(&self, _materials: &Materials) -> bool {
+    fn has_passages(&self, _appearance: &Appearance) -> bool {
         self.layers.thin && self.layers.transmit() && may_be_polished(&self.layers.roughness)
     }
 
-    fn interior(&self, _: Appearances<'_>, at: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
         let Layers { priority, thin, ref dispersion, .. } = self.layers;
         (self.layers.transmit() && !thin).then(|| Interior {
             eta: self.layers.glass_eta(at.wavelengths),

@@ -10,7 +10,7 @@ use crate::family::Pooled;
 const TINT: Vec3 = Vec3::new(0.5, 0.25, 1.0);
 
 /// What a material of a colour, each times `by`, scatters where there is such a tint.
-fn materials(by: Vec3) -> [(&'static str, Materials, MaterialId); 5] {
+fn materials(by: Vec3) -> [(&'static str, Appearance, MaterialId); 5] {
     let color = |rgb: Vec3| Reflectance::from_rgb((rgb * by).to_array());
     let grey = color(Vec3::new(0.6, 0.8, 0.4));
     let spectrum = |rgb: Vec3| Spectrum::from(rgb * by);
@@ -23,13 +23,13 @@ fn materials(by: Vec3) -> [(&'static str, Materials, MaterialId); 5] {
     };
     let layers =
         Layers { color: grey.clone().into(), coat: 0.5.into(), metalness: 0.25.into(), ..Layers::default() };
-    let mut pools: [Materials; 5] = Default::default();
+    let mut pools: [Appearance; 5] = Default::default();
     let ids = [
-        Matte::new(grey.clone(), 0.3).store(&mut pools[0]),
-        Matte::new(grey.clone(), 0.0).store(&mut pools[1]),
-        Metal::new(Substance::Color(grey.into()), Shape::Ggx, 0.4).store(&mut pools[2]),
-        PhongMaterial::from(phong).store(&mut pools[3]),
-        LayeredMaterial::from(layers).store(&mut pools[4]),
+        Matte::new(grey.clone(), 0.3).store(&mut pools[0].materials),
+        Matte::new(grey.clone(), 0.0).store(&mut pools[1].materials),
+        Metal::new(Substance::Color(grey.into()), Shape::Ggx, 0.4).store(&mut pools[2].materials),
+        PhongMaterial::from(phong).store(&mut pools[3].materials),
+        LayeredMaterial::from(layers).store(&mut pools[4].materials),
     ];
     let mut ids = ids.into_iter().flatten();
     let names = ["rough", "matt", "metal", "phong", "layers"];
@@ -39,7 +39,6 @@ fn materials(by: Vec3) -> [(&'static str, Materials, MaterialId); 5] {
 
 #[test]
 fn a_tint_is_a_factor_of_the_base_colour() {
-    let textures = Textures::default();
     let tinted = MaterialPoint { tint: Some(TINT.extend(1.0)), ..MaterialPoint::default() };
     let wo = Vec3::new(0.3, 0.1, 0.9).normalize();
     let wi = Vec3::new(-0.4, 0.2, 0.8).normalize();
@@ -48,30 +47,18 @@ fn a_tint_is_a_factor_of_the_base_colour() {
             let (a, b) = (Vec3::from(a.to_rgb()), Vec3::from(b.to_rgb()));
             assert!((a - b).abs().max_element() <= 1e-5 * (1.0 + b.abs().max_element()), "{name}: {a} {b}");
         };
-        let [a, b] = [
-            Appearances { materials: &plain, textures: &textures }.phong(id, &tinted),
-            Appearances { materials: &other, textures: &textures }.phong(own, &MaterialPoint::default()),
-        ];
+        let [a, b] = [plain.phong(id, &tinted), other.phong(own, &MaterialPoint::default())];
         near(a.diffuse, b.diffuse);
         near(a.ambient, b.ambient);
         near(a.specular, b.specular);
         near(a.reflective, b.reflective);
         for u in [0.1, 0.6] {
             let at = |place| ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
-            let a = Appearances { materials: &plain, textures: &textures }.bsdf(id, &at(tinted)).eval(
-                wo,
-                wi,
-                Transport::Radiance,
-            );
-            let b = Appearances { materials: &other, textures: &textures }
-                .bsdf(own, &at(MaterialPoint::default()));
+            let a = plain.bsdf(id, &at(tinted)).eval(wo, wi, Transport::Radiance);
+            let b = other.bsdf(own, &at(MaterialPoint::default()));
             near(a, b.eval(wo, wi, Transport::Radiance));
         }
         let untinted = MaterialPoint { uv: Vec2::ONE.into(), ..MaterialPoint::default() };
-        assert_eq!(
-            plain.constant(id),
-            Some(&Appearances { materials: &plain, textures: &textures }.phong(id, &untinted)),
-            "{name}"
-        );
+        assert_eq!(plain.materials.constant(id), Some(&plain.phong(id, &untinted)), "{name}");
     }
 }

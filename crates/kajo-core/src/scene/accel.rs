@@ -7,7 +7,7 @@
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::{Aabb, Ray};
 
-use super::{Primitive, Scene, rarely};
+use super::rarely;
 use crate::ids::ObjectId;
 use crate::item_buffer::{Between, ItemBuffer};
 use crate::moving_tree::MovingTree;
@@ -48,21 +48,30 @@ pub(super) trait Visitor {
 }
 
 impl Aggregate {
-    /// Puts the primitives of a scene into their trees.
+    /// Puts objects into their trees.
     ///
+    /// * `bounds`: world-space boxes of all objects, at any time while the shutter is open
+    /// * `is_moving`: whether each of them moves
+    /// * `moving_bounds`: boxes of one that moves, by its index, at both ends of a part of the shutter's interval; empty for
+    ///   one without bounds
     /// * `nested`: instances that are kept nested, if there are any
-    pub fn build(scene: &Scene, nested: Option<Nested>, settings: &BuildSettings) -> Aggregate {
-        let bounds: Vec<Aabb> = scene.primitives.iter().map(|p| scene.world_bounds(p)).collect();
+    pub fn build(
+        bounds: &[Aabb],
+        is_moving: &[bool],
+        moving_bounds: impl Fn(usize, [f64; 2]) -> [Aabb; 2],
+        nested: Option<Nested>,
+        settings: &BuildSettings,
+    ) -> Aggregate {
         // Trees leave empty boxes out, so what moves and what has no bounds keeps its number and stands aside.
         let is_unbounded = |i: &ObjectId| !bounds[i.index()].is_finite() && !bounds[i.index()].is_empty();
         let unbounded = (0..bounds.len() as u32).map(ObjectId::from_index).filter(is_unbounded).collect();
-        let rests = |p: &Primitive, b: &Aabb| b.is_finite() && !scene.is_moving(p);
-        let boxes: Vec<Aabb> = std::iter::zip(&scene.primitives, &bounds)
-            .map(|(p, b)| if rests(p, b) { *b } else { Aabb::EMPTY })
+        let rests = |b: &Aabb, moves: bool| b.is_finite() && !moves;
+        let boxes: Vec<Aabb> = std::iter::zip(bounds, is_moving)
+            .map(|(b, &moves)| if rests(b, moves) { *b } else { Aabb::EMPTY })
             .collect();
-        let moving = scene.primitives.iter().any(|p| scene.is_moving(p)).then(|| {
+        let moving = is_moving.contains(&true).then(|| {
             let part = |i: usize, part| match bounds[i].is_finite() {
-                true => scene.moving_bounds(&scene.primitives[i], part),
+                true => moving_bounds(i, part),
                 false => [Aabb::EMPTY; 2],
             };
             MovingTree::build(bounds.len(), part, settings)

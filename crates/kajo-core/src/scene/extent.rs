@@ -6,7 +6,8 @@
 
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Vec3};
 
-use super::{Primitive, Scene};
+use super::Geometry;
+use super::geometry::Primitive;
 use crate::family::Pooled;
 use crate::nested::Placement;
 use crate::objects::Object;
@@ -37,7 +38,7 @@ enum Form<'a> {
     Shape { shapes: &'a Shapes, shape: ShapeId, map: DAffine3 },
 }
 
-impl Scene {
+impl Geometry {
     /// What the objects reach to that are wanted and have bounds.
     pub fn extent(&self, is_wanted: impl Fn(&Object<'_>) -> bool) -> Extent<'_> {
         let single = std::iter::zip(&self.primitives, self.objects.iter());

@@ -86,11 +86,11 @@ impl Scene {
     ///
     /// * `aspect`: width of the picture over its height
     pub fn camera_for(&self, aspect: f64) -> Camera {
-        let fitted = self.fitted.as_ref().filter(|fitted| fitted.fit.aspect != aspect);
+        let fitted = self.output.fitted.as_ref().filter(|fitted| fitted.fit.aspect != aspect);
         let fitted = fitted.and_then(|fitted| {
-            let extent = self.extent(|object| fitted.objects.holds(object));
+            let extent = self.geometry.extent(|object| fitted.objects.holds(object));
             FittedCamera { fit: Fit { aspect, ..fitted.fit }, ..fitted.clone() }.finished(&extent)
         });
-        fitted.unwrap_or_else(|| self.camera.clone())
+        fitted.unwrap_or_else(|| self.output.camera.clone())
     }
 }

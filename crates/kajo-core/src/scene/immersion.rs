@@ -3,7 +3,7 @@
 
 use kajo_math::Aabb;
 
-use super::Scene;
+use super::Geometry;
 
 /// What a region may have in common with the insides of objects that light passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub enum Immersion {
     Moving,
 }
 
-impl Scene {
+impl Geometry {
     /// Whether any point of a region may be inside an object that light passes, at any time while the shutter is open.
     pub fn immersion(&self, region: &Aabb) -> Immersion {
         if !self.transmits {

@@ -48,7 +48,7 @@ impl Scene {
     /// The far side of a sphere is looked for first: few other things are nearer.
     #[inline]
     pub fn trace_inwards(&self, ray: &Ray, at: &mut Interaction) -> bool {
-        let met = self.primitives.get(at.object.index()).map(|primitive| self.plain(primitive));
+        let met = self.geometry.primitives.get(at.object.index()).map(|primitive| self.plain(primitive));
         let within = if matches!(met, Some(Plain::Sphere(_))) { at.object } else { ObjectId::NONE };
         if !self.closest_within(within, None, ray, at) {
             return false;
@@ -64,7 +64,7 @@ impl Scene {
 
     /// [`Scene::occluded`] for a ray that ends at the apex of a buffer, which makes it faster.
     pub fn occluded_towards(&self, apex: Option<&ItemBuffer>, ray: &Ray) -> bool {
-        self.aggregate.any(apex, ray, &mut Blockers { scene: self, ray })
+        self.geometry.aggregate.any(apex, ray, &mut Blockers { scene: self, ray })
     }
 
     /// Visits every crossing with things that light may pass through within the ray's range, in no
@@ -77,17 +77,17 @@ impl Scene {
         ray: &Ray,
         visit: impl FnMut(ObjectId, Hit) -> bool,
     ) -> bool {
-        self.aggregate.any(apex, ray, &mut Passages { scene: self, ray, visit })
+        self.geometry.aggregate.any(apex, ray, &mut Passages { scene: self, ray, visit })
     }
 
     fn leaf_blocks(&self, leaf: &Leaf, ray: &Ray) -> bool {
-        leaf.in_object(ray, |ray| self.shapes.blocks(leaf.shape, ray))
+        leaf.in_object(ray, |ray| self.geometry.shapes.blocks(leaf.shape, ray))
     }
 
     /// Visits every crossing within the ray's range: the objects in no particular order and each once, with all of its
     /// crossings one after the other.
     pub fn crossings(&self, ray: &Ray, visit: impl FnMut(ObjectId, Hit)) {
-        self.aggregate.each(ray, &mut Crossings { scene: self, ray, visit });
+        self.geometry.aggregate.each(ray, &mut Crossings { scene: self, ray, visit });
     }
 
     /// Position, normals and material at a crossing.
@@ -101,16 +101,17 @@ impl Scene {
     /// Works out position, normals and material where `at` knows the primitive and the hit.
     #[inline]
     fn complete(&self, ray: &Ray, at: &mut Interaction) {
-        let Some(placed) = self.primitives.get(at.object.index()) else {
+        let Some(placed) = self.geometry.primitives.get(at.object.index()) else {
             return rarely(|| self.complete_nested(ray, at));
         };
         if let Plain::Sphere(sphere) = self.plain(placed) {
             at.point = sphere.surface_at(ray, &at.hit);
         } else if placed.pose.is_identity() {
-            at.point = self.shapes.surface_at(placed.shape, ray, &at.hit);
+            at.point = self.geometry.shapes.surface_at(placed.shape, ray, &at.hit);
         } else {
-            at.point = self.transform_at(placed.pose, ray.time, |transform| {
-                self.shapes
+            at.point = self.geometry.transform_at(placed.pose, ray.time, |transform| {
+                self.geometry
+                    .shapes
                     .surface_at(placed.shape, &transform.ray_in_object(ray), &at.hit)
                     .transformed(transform)
             });
@@ -121,8 +122,8 @@ impl Scene {
 
     /// The same for an object in a nested instance.
     fn complete_nested(&self, ray: &Ray, at: &mut Interaction) {
-        if let Some(leaf) = self.leaf(at.object) {
-            at.point = leaf.surface_at(&self.shapes, ray, &at.hit);
+        if let Some(leaf) = self.geometry.leaf(at.object) {
+            at.point = leaf.surface_at(&self.geometry.shapes, ray, &at.hit);
             at.material = self.material_at(leaf.shape, leaf.material.unwrap_or_default(), &at.hit);
             at.time = ray.time;
         }
@@ -149,14 +150,14 @@ impl Scene {
         if within != ObjectId::NONE {
             t_max = nearest.object(within, t_max);
         }
-        self.aggregate.closest(apex, ray, t_max, &mut nearest);
+        self.geometry.aggregate.closest(apex, ray, t_max, &mut nearest);
         nearest.at.object != ObjectId::NONE
     }
 
     /// The nearest hit of a primitive.
     #[inline(always)]
     fn hit(&self, object: ObjectId, ray: &Ray) -> Option<Hit> {
-        let primitive = &self.primitives[object.index()];
+        let primitive = &self.geometry.primitives[object.index()];
         match self.plain(primitive) {
             Plain::Sphere(sphere) => sphere.hit(ray),
             Plain::Plane(plane) => plane.hit(ray),
@@ -167,7 +168,7 @@ impl Scene {
     /// Whether a primitive is in the way.
     #[inline(always)]
     fn blocks(&self, object: ObjectId, ray: &Ray) -> bool {
-        let primitive = &self.primitives[object.index()];
+        let primitive = &self.geometry.primitives[object.index()];
         match self.plain(primitive) {
             Plain::Sphere(sphere) => sphere.blocks(ray),
             Plain::Plane(plane) => plane.blocks(ray),
@@ -180,27 +181,27 @@ impl Scene {
         if !primitive.pose.is_identity() {
             return Plain::Neither;
         }
-        if let Some(sphere) = Sphere::find(&self.shapes, primitive.shape) {
+        if let Some(sphere) = Sphere::find(&self.geometry.shapes, primitive.shape) {
             return Plain::Sphere(sphere);
         }
-        Plane::find(&self.shapes, primitive.shape).map_or(Plain::Neither, Plain::Plane)
+        Plane::find(&self.geometry.shapes, primitive.shape).map_or(Plain::Neither, Plain::Plane)
     }
 
     #[inline(never)]
     fn hit_any(&self, primitive: &Primitive, ray: &Ray) -> Option<Hit> {
-        self.in_object(primitive, ray, |ray| self.shapes.hit(primitive.shape, ray))
+        self.in_object(primitive, ray, |ray| self.geometry.shapes.hit(primitive.shape, ray))
     }
 
     #[inline(never)]
     fn blocked_by_any(&self, primitive: &Primitive, ray: &Ray) -> bool {
-        self.in_object(primitive, ray, |ray| self.shapes.blocks(primitive.shape, ray))
+        self.in_object(primitive, ray, |ray| self.geometry.shapes.blocks(primitive.shape, ray))
     }
 
     /// Visits every crossing with a primitive.
     #[inline]
     fn each_crossing(&self, object: ObjectId, ray: &Ray, visit: impl FnMut(Hit)) {
-        let primitive = &self.primitives[object.index()];
-        self.in_object(primitive, ray, |ray| self.shapes.crossings(primitive.shape, ray, visit));
+        let primitive = &self.geometry.primitives[object.index()];
+        self.in_object(primitive, ray, |ray| self.geometry.shapes.crossings(primitive.shape, ray, visit));
     }
 
     /// `f` of the ray in the space of a primitive.
@@ -219,7 +220,7 @@ impl Scene {
 
     #[inline(never)]
     fn ray_in_object(&self, pose: PoseId, ray: &Ray) -> Ray {
-        self.transform_at(pose, ray.time, |map| map.ray_in_object(ray))
+        self.geometry.transform_at(pose, ray.time, |map| map.ray_in_object(ray))
     }
 }
 
@@ -250,8 +251,8 @@ impl ClosestQuery for Nearest<'_> {
     }
 
     fn leaf(&mut self, leaf: &Leaf, t_max: f32) -> f32 {
-        let hit = leaf.in_object(&self.ahead, |ray| self.scene.shapes.hit(leaf.shape, ray));
-        self.offer(self.scene.object_of(leaf), hit, t_max)
+        let hit = leaf.in_object(&self.ahead, |ray| self.scene.geometry.shapes.hit(leaf.shape, ray));
+        self.offer(self.scene.geometry.object_of(leaf), hit, t_max)
     }
 
     fn t_max(&self, ray: &Ray) -> f32 {
@@ -302,7 +303,7 @@ impl<F: FnMut(ObjectId, Hit) -> bool> Visitor for Passages<'_, F> {
     #[inline(always)]
     fn object(&mut self, object: ObjectId) -> bool {
         let Passages { scene, ray, visit } = self;
-        if !scene.primitives[object.index()].transmits {
+        if !scene.geometry.primitives[object.index()].transmits {
             return scene.blocks(object, ray);
         }
         let mut blocked = false;
@@ -315,9 +316,9 @@ impl<F: FnMut(ObjectId, Hit) -> bool> Visitor for Passages<'_, F> {
         if !scene.leaf_transmits(leaf) {
             return scene.leaf_blocks(leaf, ray);
         }
-        let (mut blocked, object) = (false, scene.object_of(leaf));
+        let (mut blocked, object) = (false, scene.geometry.object_of(leaf));
         let visit = |hit| blocked = blocked || visit(object, hit);
-        leaf.in_object(ray, |ray| scene.shapes.crossings(leaf.shape, ray, visit));
+        leaf.in_object(ray, |ray| scene.geometry.shapes.crossings(leaf.shape, ray, visit));
         blocked
     }
 }
@@ -338,8 +339,8 @@ impl<F: FnMut(ObjectId, Hit)> Visitor for Crossings<'_, F> {
     }
 
     fn leaf(&mut self, leaf: &Leaf) -> bool {
-        let (object, visit) = (self.scene.object_of(leaf), &mut self.visit);
-        let shapes = &self.scene.shapes;
+        let (object, visit) = (self.scene.geometry.object_of(leaf), &mut self.visit);
+        let shapes = &self.scene.geometry.shapes;
         leaf.in_object(self.ray, |ray| shapes.crossings(leaf.shape, ray, |hit| visit(object, hit)));
         false
     }

@@ -197,7 +197,7 @@ impl Around<'_> {
 
     /// The conventions of the scene's dialect.
     pub fn rules(&self) -> Rules {
-        self.scene.map_or_else(|| Dialect::default().rules(), |scene| scene.rules)
+        self.scene.map_or_else(|| Dialect::default().rules(), |scene| scene.output.rules)
     }
 }
 

@@ -227,8 +227,8 @@ fn the_material_of_others_stays_what_it_is() {
     let mut d = good(&text);
     let materials = |d: &Document| -> Vec<(String, u32)> {
         let scene = d.scene().unwrap();
-        let objects = scene.objects.iter().zip(&scene.primitives);
-        objects.map(|(o, p)| (o.keyword.to_owned(), scene.material_number(p.material))).collect()
+        let objects = scene.geometry.objects.iter().zip(&scene.geometry.primitives);
+        objects.map(|(o, p)| (o.keyword.to_owned(), scene.appearance.number(p.material))).collect()
     };
     let before = materials(&d);
     let group = d.node(find(&d, "Cone")).unwrap().parent.unwrap();
@@ -295,7 +295,7 @@ fn definitions_are_kept_while_they_are_used() {
     let sphere = find(&d, "Sphere");
     assert!(refusal(&mut d, &Edit::MoveInto { node: instance, into: pin }).contains("before"));
     diff(&mut d, &Edit::MoveInto { node: sphere, into: pin });
-    let objects = d.scene().unwrap().objects.len();
+    let objects = d.scene().unwrap().geometry.objects.len();
     assert_eq!(objects, 4);
     // Both objects of the instance lead to it, and to what describes them.
     let [ball, cone] = [2, 1].map(|number| (d.node_of_object(number), d.part_of_object(number)));
@@ -402,15 +402,16 @@ fn a_mesh_is_read_once_until_its_file_changes() {
     let triangles = |d: &mut Document| {
         d.compile();
         assert!(d.is_current(), "{}", d.report(false));
-        d.scene().unwrap().shapes.meshes[0].triangle_count()
+        d.scene().unwrap().geometry.shapes.meshes[0].triangle_count()
     };
     assert_eq!((triangles(&mut d), d.meshes.len()), (1, 1));
     let first = d.scene().unwrap().clone();
     let light = find(&d, "PointLight");
     d.apply(&Edit::set(light, "position", FieldValue::numbers([4.0, 4.0, 4.0]))).unwrap();
     triangles(&mut d);
-    let shared =
-        |a: &Scene, b: &Scene| std::ptr::eq(a.shapes.meshes[0].positions(), b.shapes.meshes[0].positions());
+    let shared = |a: &Scene, b: &Scene| {
+        std::ptr::eq(a.geometry.shapes.meshes[0].positions(), b.geometry.shapes.meshes[0].positions())
+    };
     assert!(shared(&first, d.scene().unwrap()), "an edit elsewhere reads nothing again");
 
     fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n").unwrap();

@@ -165,18 +165,18 @@ fn made(document: &Document) -> Option<String> {
     }
     let world = format!(
         "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {render:?}",
-        scene.shapes,
-        scene.materials,
-        scene.textures,
-        scene.transforms,
-        scene.motions,
-        scene.lights,
-        scene.light_groups,
-        scene.camera,
-        scene.readout,
-        scene.background,
-        scene.ambient,
-        scene.fog,
+        scene.geometry.shapes,
+        scene.appearance.materials,
+        scene.appearance.textures,
+        scene.geometry.transforms,
+        scene.geometry.motions,
+        scene.lighting.lights,
+        scene.lighting.groups,
+        scene.output.camera,
+        scene.output.readout,
+        scene.lighting.background,
+        scene.lighting.ambient,
+        scene.lighting.fog,
     );
     Some(without_spare_lanes(&world))
 }
@@ -196,8 +196,8 @@ fn without_spare_lanes(world: &str) -> String {
 /// The matt colour of the last material.
 fn diffuse(document: &Document) -> Option<[f32; 3]> {
     let scene = document.scene()?;
-    let (material, _) = scene.material_list.last()?;
-    scene.materials.constant(*material).map(|phong| phong.diffuse.to_rgb())
+    let (material, _) = scene.appearance.list.last()?;
+    scene.appearance.materials.constant(*material).map(|phong| phong.diffuse.to_rgb())
 }
 
 /// What else may stand in a block and changes what holds for the fields that are absent.

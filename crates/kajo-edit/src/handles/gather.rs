@@ -137,7 +137,7 @@ impl Gather<'_> {
 
     /// The middle of what has bounds, or the origin.
     fn middle(&self) -> DVec3 {
-        let bounds = self.document.scene().map(|scene| scene.bounds());
+        let bounds = self.document.scene().map(|scene| scene.geometry.bounds());
         let bounds = bounds.filter(|bounds| bounds.is_finite() && !bounds.is_empty());
         bounds.map_or(DVec3::ZERO, |bounds| 0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3()))
     }

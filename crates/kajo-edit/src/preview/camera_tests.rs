@@ -93,7 +93,7 @@ fn the_object_under_a_thousand_pixels_is_the_one_drawn_there() {
         let loaded = load_from("a.txt", &assets, &LoadOptions::default());
         let scene = loaded.scene.unwrap_or_else(|| panic!("{camera}: no scene"));
         let pose = CameraPose::of(&scene);
-        let size = suitable_size(&scene.camera, [480, 320]);
+        let size = suitable_size(&scene.output.camera, [480, 320]);
         let asked =
             Settings { size: Some(size), samples: Some((SamplerKind::Regular, 1)), ..Settings::default() };
         let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
@@ -106,7 +106,7 @@ fn the_object_under_a_thousand_pixels_is_the_one_drawn_there() {
             all.map(|(corners, object)| (in_clip_space(corners), object)).collect::<Vec<_>>()
         });
         let traced = TracedPreview::of(&scene, &pose, size, size, [0; 3], || true).unwrap();
-        let is_pinhole = !scene.camera.has_lens() && !scene.camera.moves();
+        let is_pinhole = !scene.output.camera.has_lens() && !scene.output.camera.moves();
         let (mut edges, mut things) = (0, std::collections::BTreeSet::new());
         for i in 0..1000 {
             let s = Stream::new(21, [i, 0], 0);
@@ -166,14 +166,14 @@ fn what_rays_show_of_nested_instances_is_picked_there_through_every_camera() {
         options.limits.objects = 4_000;
         let loaded = load_from("a.txt", &assets, &options);
         let scene = loaded.scene.unwrap_or_else(|| panic!("{camera}: no scene"));
-        assert!(Preview::of(&scene).has_boxes && scene.primitives.len() == 1);
+        assert!(Preview::of(&scene).has_boxes && scene.geometry.primitives.len() == 1);
         let pose = CameraPose::of(&scene);
-        let size = suitable_size(&scene.camera, [240, 160]);
+        let size = suitable_size(&scene.output.camera, [240, 160]);
         let asked =
             Settings { size: Some(size), samples: Some((SamplerKind::Regular, 1)), ..Settings::default() };
         let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
         let traced = TracedPreview::of(&scene, &pose, size, size, [0; 3], || true).unwrap();
-        let is_pinhole = !scene.camera.has_lens() && !scene.camera.moves();
+        let is_pinhole = !scene.output.camera.has_lens() && !scene.output.camera.moves();
         let mut things = std::collections::BTreeSet::new();
         for i in 0..1000 {
             let s = Stream::new(22, [i, 0], 0);
@@ -212,7 +212,7 @@ fn a_place_is_the_same_in_a_picture_of_another_shape() {
         let assets = MemoryAssets::new().with("a.txt", format!("{camera} {WORLD}"));
         let scene = load_from("a.txt", &assets, &LoadOptions::default()).scene.unwrap();
         let pose = CameraPose::of(&scene);
-        let [of, to] = [[480, 320], [480, 250]].map(|size| suitable_size(&scene.camera, size));
+        let [of, to] = [[480, 320], [480, 250]].map(|size| suitable_size(&scene.output.camera, size));
         let place = 0.4 * DVec2::new(of[0].into(), of[1].into());
         let there = pose.place_in(place, of, to);
         let [a, b] = [pose.ray(place, of).unwrap(), pose.ray(there, to).unwrap()];

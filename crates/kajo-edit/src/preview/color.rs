@@ -10,11 +10,11 @@ const DARKEST: f32 = 0.03;
 
 /// What a material looks like around the world-space point `p` and in the middle of its pictures, encoded in sRGB, and 255.
 pub(super) fn of(scene: &Scene, material: MaterialId, p: Vec3) -> [u8; 4] {
-    let phong = match scene.materials.constant(material) {
+    let phong = match scene.appearance.materials.constant(material) {
         Some(phong) => *phong,
         None => {
             let place = MaterialPoint { p, uv: Vec2::splat(0.5).into(), tint: None };
-            scene.appearances().phong(material, &place)
+            scene.appearance.phong(material, &place)
         }
     };
     let rgb = (phong.diffuse + (phong.reflective + phong.transparent + phong.specular * 0.5) * 0.4).to_rgb();

@@ -44,7 +44,7 @@ pub struct Line {
 /// The wires of a scene.
 pub(super) fn of(scene: &Scene, bounds: &Aabb) -> Vec<Line> {
     let mut wires = Wires { lines: Vec::new(), bounds: *bounds, size: bounds.extent().length().max(1e-6) };
-    for (number, &id) in (0..).zip(scene.light_list.iter().take(MOST_LIGHTS)) {
+    for (number, &id) in (0..).zip(scene.lighting.list.iter().take(MOST_LIGHTS)) {
         wires.light(scene, number, id);
     }
     wires.camera(&CameraPose::of(scene));
@@ -65,7 +65,7 @@ impl Wires {
 
     fn light(&mut self, scene: &Scene, number: u32, id: LightId) {
         let kind = LineKind::Light(number);
-        let lights = &scene.lights;
+        let lights = &scene.lighting.lights;
         if let Some(light) = PointLight::find(lights, id) {
             self.star(kind, hue(light.intensity), light.position);
         } else if let Some(light) = SpotLight::find(lights, id) {

@@ -61,14 +61,14 @@ fn every_object_has_triangles_where_it_is() {
          Transform { Translate 0 0 2 TriangleMesh { file one.obj } }",
     );
     let preview = Preview::of(&scene);
-    let mut boxes = vec![Aabb::EMPTY; scene.primitives.len()];
+    let mut boxes = vec![Aabb::EMPTY; scene.geometry.primitives.len()];
     for (corners, object) in triangles(&preview) {
         boxes[object as usize - 1] = boxes[object as usize - 1].union(Aabb::around(corners));
     }
     for (i, found) in boxes.iter().enumerate() {
-        let primitive = &scene.primitives[i];
-        let bounds = scene.shapes.bounds(primitive.shape);
-        let bounds = primitive.pose.still_in(&scene.transforms).unwrap().bounds(&bounds);
+        let primitive = &scene.geometry.primitives[i];
+        let bounds = scene.geometry.shapes.bounds(primitive.shape);
+        let bounds = primitive.pose.still_in(&scene.geometry.transforms).unwrap().bounds(&bounds);
         let missing = (bounds.extent() - found.extent()).max_element();
         assert!(bounds.padded(1e-4).contains(found.min) && bounds.padded(1e-4).contains(found.max), "{i}");
         // Boxes around turned boxes are somewhat larger than need be.
@@ -146,7 +146,10 @@ fn nested_instances_are_shown_as_far_as_that_is_not_too_much() {
     for squares in [3, 400] {
         let text = format!("MaterialIndex 1 Define square {{ {} }} {}", balls(100), rows(squares));
         let scene = limited_scene(&text, 4_000);
-        assert_eq!((scene.primitives.len(), scene.object_count()), (0, 100 * u64::from(squares)));
+        assert_eq!(
+            (scene.geometry.primitives.len(), scene.geometry.object_count()),
+            (0, 100 * u64::from(squares))
+        );
         let preview = Preview::of(&scene);
         let is_box = |i: &PreviewInstance| preview.meshes[i.mesh as usize].vertices.len() == 8;
         let n_boxes = preview.instances.iter().filter(|i| is_box(i)).count();
@@ -157,12 +160,13 @@ fn nested_instances_are_shown_as_far_as_that_is_not_too_much() {
         assert!(n_spheres > 200 && preview.triangle_count() < 1_000_000, "{}", preview.triangle_count());
         let mut all = Aabb::EMPTY;
         for (corners, object) in triangles(&preview) {
-            let word =
-                ObjectId::from_number(object).and_then(|id| scene.object(id)).map(|object| object.keyword);
+            let word = ObjectId::from_number(object)
+                .and_then(|id| scene.geometry.object(id))
+                .map(|object| object.keyword);
             assert_eq!(word, Some("Sphere"));
             all = all.union(Aabb::around(corners));
         }
-        let expected = scene.bounds();
+        let expected = scene.geometry.bounds();
         assert!((all.min - expected.min).abs().max_element() < 0.1, "{all:?}");
         assert!((all.max - expected.max).abs().max_element() < 0.1, "{all:?}");
         assert!(preview.instances.iter().all(|instance| instance.color[2] > 200 && instance.color[0] < 60));

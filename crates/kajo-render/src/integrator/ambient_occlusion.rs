@@ -40,7 +40,7 @@ impl<'a> AmbientOcclusion<'a> {
         size: [u32; 2],
         layers: LayerSet,
     ) -> AmbientOcclusion<'a> {
-        AmbientOcclusion::through(&scene.camera, scene, settings, size, layers)
+        AmbientOcclusion::through(&scene.output.camera, scene, settings, size, layers)
     }
 
     /// The same through another camera than the scene's.

@@ -61,7 +61,7 @@ impl<'a> CameraView<'a> {
         // Patterns of samples may hang over by a pixel.
         let corners = [Vec2::NEG_ONE, size + 1.0].map(|place| film.picture(place));
         let Some(origins) = self.camera.origins(corners, film.aspect()) else { return self };
-        let is_immersed = match self.scene.immersion(&origins) {
+        let is_immersed = match self.scene.geometry.immersion(&origins) {
             Immersion::Moving => true,
             _ if origins.min == origins.max && !self.camera.moves() => self.is_middle_immersed(),
             immersion => immersion == Immersion::Still,
@@ -106,7 +106,7 @@ impl<'a> CameraView<'a> {
     /// * `u`: uniform in [0, 1)
     #[inline]
     fn moment(&self, y: f32, u: f32) -> f32 {
-        let readout = self.scene.readout;
+        let readout = self.scene.output.readout;
         if readout == 0.0 {
             return u;
         }
@@ -135,7 +135,7 @@ impl<'a> CameraView<'a> {
     fn is_joined(&self) -> bool {
         // Samples that lie on the picture's corners cover more than the film, as do picture coordinates of other scales.
         // Where rows open one after the other, a place seen at the moment of a path is not open then.
-        let rolls = self.moves && self.scene.readout > 0.0;
+        let rolls = self.moves && self.scene.output.readout > 0.0;
         !self.film.corner_samples && self.film.scale() == 1.0 && !rolls
     }
 
@@ -154,9 +154,9 @@ impl<'a> CameraView<'a> {
         if self.moves && self.layers.has(Layer::Motion) {
             aux.motion = self.motion(at).unwrap_or_default().to_array();
         }
-        let uv = if self.layers.has(Layer::Uv) { self.scene.uv(at) } else { Vec2::ZERO };
+        let uv = if self.layers.has(Layer::Uv) { self.scene.geometry.uv(at) } else { Vec2::ZERO };
         let numbered = self.layers.has(Layer::MaterialId);
-        let material = if numbered { self.scene.material_number(at.material) } else { 0 };
+        let material = if numbered { self.scene.appearance.number(at.material) } else { 0 };
         FirstHit { t: at.hit.t, n: self.scene.shading(at, 0.5).n, uv, object: at.object.number(), material }
     }
 
@@ -165,7 +165,7 @@ impl<'a> CameraView<'a> {
     fn motion(&self, at: &Interaction) -> Option<Vec2> {
         let film = &self.film;
         let place = |time: f32| {
-            let p = self.scene.point_at(at, time).as_dvec3();
+            let p = self.scene.geometry.point_at(at, time).as_dvec3();
             self.camera.project(p, film.aspect().into(), time).map(|at| film.place(at))
         };
         Some((place(1.0)? - place(0.0)?).as_vec2())
@@ -174,7 +174,7 @@ impl<'a> CameraView<'a> {
 
 /// How a camera counts the places of a picture of this size.
 fn raster(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Raster {
-    let Rules { corner_samples, spans_width, .. } = scene.rules;
+    let Rules { corner_samples, spans_width, .. } = scene.output.rules;
     Raster { size, corner_samples, spans_width: spans_width && camera.has_extent() }
 }
 

@@ -107,7 +107,7 @@ struct Path {
 impl<'a> Classic<'a> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub fn new(scene: &'a Scene, settings: ClassicSettings, size: [u32; 2], layers: LayerSet) -> Classic<'a> {
-        Classic::through(&scene.camera, scene, settings, size, layers)
+        Classic::through(&scene.output.camera, scene, settings, size, layers)
     }
 
     /// The same through another camera than the scene's.
@@ -119,17 +119,19 @@ impl<'a> Classic<'a> {
         layers: LayerSet,
     ) -> Classic<'a> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let pays = pixels >= PIXELS_PER_PRIMITIVE * scene.primitives.len() as u64;
+        let pays = pixels >= PIXELS_PER_PRIMITIVE * scene.geometry.primitives.len() as u64;
         let cells = usize::try_from(pixels / PIXELS_PER_CELL).unwrap_or(usize::MAX);
-        let items =
-            |apex: Option<Vec3>| apex.filter(|_| pays).and_then(|apex| scene.item_buffer(apex, cells));
+        let items = |apex: Option<Vec3>| {
+            apex.filter(|_| pays).and_then(|apex| scene.geometry.item_buffer(apex, cells))
+        };
         let camera_items = items(camera.apex());
-        let emitters = scene.light_sampler.representatives(&scene.lights, PIECES_OF_OBJECT);
+        let emitters = scene.lighting.sampler.representatives(&scene.lighting.lights, PIECES_OF_OBJECT);
         let hidden = match settings.shadows {
             Shadows::Off => 0,
             Shadows::Opaque | Shadows::Transparent => LIGHTS_WITH_ITEMS,
         };
-        let light_items = emitters.iter().take(hidden).map(|&(id, _)| items(scene.lights.apex(id))).collect();
+        let light_items =
+            emitters.iter().take(hidden).map(|&(id, _)| items(scene.lighting.lights.apex(id))).collect();
         let view = CameraView::new(scene, camera, size, layers);
         Classic { scene, settings, view, camera_items, emitters, light_items }
     }
@@ -216,7 +218,7 @@ impl<'a> Classic<'a> {
         let about = || About { eta: path.eta, weight: beta.to_rgb(), light: None };
         observer.ended(self.scene, ray, end.as_deref(), about);
         let Some(at) = end else {
-            let behind = self.scene.background.color(ray.d);
+            let behind = self.scene.lighting.background.color(ray.d);
             let arriving = *beta * self.through_fog(ray, f32::INFINITY, path, behind);
             observer.found(|| arriving.to_rgb());
             *light += arriving;
@@ -226,7 +228,7 @@ impl<'a> Classic<'a> {
         let phong = match self.scene.constant(at.material) {
             Some(phong) => phong,
             None => {
-                mixed = self.scene.appearances().phong(at.material, &self.scene.material_point(at));
+                mixed = self.scene.appearance.phong(at.material, &self.scene.material_point(at));
                 &mixed
             }
         };
@@ -241,7 +243,7 @@ impl<'a> Classic<'a> {
             local += emitted;
         }
         observer.found(|| {
-            let own = self.scene.ambient * phong.ambient + emitted.unwrap_or(Spectrum::BLACK);
+            let own = self.scene.lighting.ambient * phong.ambient + emitted.unwrap_or(Spectrum::BLACK);
             (*beta * self.through_fog(ray, at.hit.t, path, own)).to_rgb()
         });
         // Fog weakens everything that comes from the surface, also what arrives there later.
@@ -262,7 +264,7 @@ impl<'a> Classic<'a> {
         observer: &mut impl PathObserver,
         carried: impl Fn() -> (f32, Spectrum),
     ) -> Spectrum {
-        let mut light = self.scene.ambient * phong.ambient;
+        let mut light = self.scene.lighting.ambient * phong.ambient;
         let from_behind = ray.d.dot(at.point.n) > 0.0;
         if from_behind && !self.settings.shade_back {
             return light;
@@ -279,7 +281,7 @@ impl<'a> Classic<'a> {
         };
         for (number, &(id, factor)) in self.emitters.iter().enumerate() {
             let Illumination { wi, distance, intensity } =
-                self.scene.lights.illuminate(id, at.point.p, at.time);
+                self.scene.lighting.lights.illuminate(id, at.point.p, at.time);
             let shaded = scattered(wi, intensity * factor);
             if !shaded.is_black() {
                 let shadow_ray = at.point.ray_towards(wi, distance, ray.time, self.settings.ray_offset);
@@ -303,7 +305,7 @@ impl<'a> Classic<'a> {
         let apex = self.light_items.get(number).and_then(Option::as_ref);
         match self.settings.shadows {
             Shadows::Off => Spectrum::WHITE,
-            Shadows::Transparent if self.scene.transmits => {
+            Shadows::Transparent if self.scene.geometry.transmits => {
                 rays.shadow += 1;
                 shadow::transmittance(self.scene, apex, shadow_ray, self.settings.shadow_attenuation)
             }
@@ -370,7 +372,7 @@ impl<'a> Classic<'a> {
 
     /// `behind` as it is seen through the fog along the first `t` of a ray.
     fn through_fog(&self, ray: &Ray, t: f32, path: &Path, behind: Spectrum) -> Spectrum {
-        match &self.scene.fog {
+        match &self.scene.lighting.fog {
             Some(fog) if !path.inside => fog.seen_through(behind, ray.o, ray.d, t.max(0.0)),
             _ => behind,
         }
@@ -378,7 +380,7 @@ impl<'a> Classic<'a> {
 
     /// What remains of light from behind the first `t` of a ray.
     fn fog_factor(&self, ray: &Ray, t: f32, path: &Path) -> f32 {
-        match &self.scene.fog {
+        match &self.scene.lighting.fog {
             Some(fog) if !path.inside => fog.transmittance(ray.o, ray.d, t.max(0.0)),
             _ => 1.0,
         }
@@ -386,7 +388,7 @@ impl<'a> Classic<'a> {
 
     /// What a surface does with white light in all: scatter, mirror and let through.
     fn albedo(&self, at: &Interaction) -> [f32; 3] {
-        let phong = self.scene.appearances().phong(at.material, &self.scene.material_point(at));
+        let phong = self.scene.appearance.phong(at.material, &self.scene.material_point(at));
         (phong.diffuse + phong.reflective + phong.transparent).to_rgb().map(|v| v.min(1.0))
     }
 

@@ -94,7 +94,7 @@ pub struct Path<'a> {
 impl<'a> Path<'a> {
     /// The integrator for a picture of `size` pixels with these `layers`.
     pub fn new(scene: &'a Scene, settings: PathSettings, size: [u32; 2], layers: LayerSet) -> Path<'a> {
-        Path::through(&scene.camera, scene, settings, size, layers)
+        Path::through(&scene.output.camera, scene, settings, size, layers)
     }
 
     /// The same through another camera than the scene's.

@@ -60,8 +60,8 @@ fn by_length(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
     let blocked = scene.occluded_or(apex, ray, |object, hit| {
         let at = scene.interaction(ray, object, hit);
         let place = scene.material_point(&at);
-        let phong = scene.appearances().phong(at.material, &place);
-        let closed = scene.shape(object).is_some_and(|shape| scene.shapes.is_closed(shape));
+        let phong = scene.appearance.phong(at.material, &place);
+        let closed = scene.geometry.shape(object).is_some_and(|shape| scene.geometry.shapes.is_closed(shape));
         if phong.transparent.is_black() || !closed {
             through *= phong.transparent;
             return through.is_black();

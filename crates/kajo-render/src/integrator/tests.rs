@@ -40,7 +40,7 @@ pub(super) fn plain(scene: &Scene) -> ClassicSettings {
         fresnel: false,
         total_reflection: false,
         ray_offset: RayOffset::Reference,
-        highlight: scene.rules.highlight,
+        highlight: scene.output.rules.highlight,
     }
 }
 

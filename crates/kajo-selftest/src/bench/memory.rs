@@ -70,7 +70,7 @@ pub fn run(triangles: usize) -> Result<Report, MemoryError> {
         return Err(MemoryError::Empty);
     }
     let peak = fs::read_to_string("/proc/self/status").ok().and_then(|status| peak_in(&status));
-    Ok(Report { triangles: 2 * side * side, file, kept: scene.bytes(), peak })
+    Ok(Report { triangles: 2 * side * side, file, kept: scene.geometry.bytes(), peak })
 }
 
 /// `side` × `side` squares of two triangles over [-1, 1]².

@@ -49,7 +49,7 @@ pub fn run(lines: usize, passes: usize) -> Result<Report, ParseError> {
         let (mut parsed, parse) = timed(|| SceneDesc::parse("bench.txt", text.as_str(), &assets, &limits));
         let (scene, compiled) =
             timed(|| compile(&mut parsed.desc, &assets, &options, &mut parsed.diagnostics));
-        let found = scene.map_or(0, |scene| scene.primitives.len());
+        let found = scene.map_or(0, |scene| scene.geometry.primitives.len());
         if found != expected {
             let report = kajo_scene::render(&parsed.diagnostics, parsed.desc.sources(), false);
             return Err(ParseError { expected, found, report });

@@ -355,7 +355,7 @@ impl App {
             }
             return;
         }
-        let Some(own) = self.studio.scene().map(|scene| scene.settings.clone()) else {
+        let Some(own) = self.studio.scene().map(|scene| scene.output.settings.clone()) else {
             ui.label(RichText::new("Open a scene to set how it is traced.").color(theme::quiet(ui)));
             return;
         };

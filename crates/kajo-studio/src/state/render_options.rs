@@ -74,14 +74,14 @@ impl RenderOptions {
     pub fn resolve(&self, scene: &Scene, window: [u32; 2]) -> Result<RenderSettings, SettingsError> {
         let mut asked = self.asked.clone();
         asked.size = match self.habits.size {
-            PictureSize::Window => Some(suitable_size(&scene.camera, window)),
+            PictureSize::Window => Some(suitable_size(&scene.output.camera, window)),
             PictureSize::Scene => None,
             PictureSize::Fixed(size) => Some(size.map(|pixels| pixels.max(1))),
         };
         let mut settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, self.uv)?;
         if !self.habits.progressive {
             let coarse = settings.size.map(|pixels| pixels.div_ceil(self.habits.downscale.max(1)));
-            settings.size = suitable_size(&scene.camera, coarse);
+            settings.size = suitable_size(&scene.output.camera, coarse);
         }
         Ok(settings)
     }

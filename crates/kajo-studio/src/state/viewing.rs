@@ -24,7 +24,7 @@ impl Studio {
     pub fn lines(&self) -> Vec<Line> {
         // Who looks all around from the scene's camera would see its own wires, and those of a camera that is fitted to
         // another picture stand elsewhere.
-        let is_fitted = self.is_home && self.scene().is_some_and(|scene| scene.fitted.is_some());
+        let is_fitted = self.is_home && self.scene().is_some_and(|scene| scene.output.fitted.is_some());
         let is_there = || self.scene().is_some_and(|scene| CameraPose::of(scene).eye() == self.camera.eye());
         let is_inside = is_fitted || !self.camera.is_flat() && is_there();
         let wires = self.preview.iter().flat_map(|(_, preview)| &preview.lines);
@@ -68,7 +68,7 @@ impl Studio {
                 if let Some(scene) = self.scene().cloned() {
                     self.begin_camera_step(true);
                     let camera = CameraPose::of(&scene);
-                    self.navigation = Navigation::of(Some(&scene.bounds()), &camera);
+                    self.navigation = Navigation::of(Some(&scene.geometry.bounds()), &camera);
                     self.camera = camera;
                     self.is_home = true;
                     self.fitted_to = None;
@@ -83,7 +83,7 @@ impl Studio {
     ///
     /// The debug ray stays with the point that it has met.
     pub fn fit_camera(&mut self) {
-        let is_fitted = |scene: &&Arc<Scene>| self.is_home && scene.fitted.is_some();
+        let is_fitted = |scene: &&Arc<Scene>| self.is_home && scene.output.fitted.is_some();
         let Some(scene) = self.scene().filter(is_fitted).cloned() else { return };
         let size = self.picture_size();
         let aspect = f64::from(size[0]) / f64::from(size[1]);

@@ -92,7 +92,7 @@ fn a_moving_camera_starts_where_the_shutter_opens() {
     let p = ray.o.as_dvec3() + 3.0 * ray.d.as_dvec3();
     assert!(ray.o.as_dvec3().distance(pose.eye()) < 1e-5);
     assert!(pose.project(p, SIZE).unwrap().distance(place) < 0.01);
-    let original = scene.camera.ray(Vec2::new(0.3, 0.1), 1.0, Vec2::ZERO, 0.0).unwrap();
+    let original = scene.output.camera.ray(Vec2::new(0.3, 0.1), 1.0, Vec2::ZERO, 0.0).unwrap();
     assert!(original.o.as_dvec3().distance(pose.eye()) < 1e-5, "{original:?}");
     pose.fly(DVec3::ZERO);
     assert!(!pose.camera().moves());

@@ -79,7 +79,8 @@ fn contributions_add_up_to_the_sample() {
     let camera = CameraPose::of(&scene);
     for asked in ways() {
         let settings = settings(&scene, asked);
-        let integrator = render::integrator(&scene, &scene.camera, &settings, LayerSet::of(&[Layer::Color]));
+        let integrator =
+            render::integrator(&scene, &scene.output.camera, &settings, LayerSet::of(&[Layer::Color]));
         let sampler = settings.sampler();
         let (mut lit, mut kinds) = (0, Vec::new());
         for i in 0..400 {
@@ -202,7 +203,7 @@ fn picks_are_the_numbers_of_the_id_layers() {
         let loaded = load(&path, &LoadOptions::default());
         let Some(scene) = &loaded.scene else { panic!("{}", loaded.report(false)) };
         // One sample in the middle; lenses and shutters would see something else beside it.
-        if scene.camera.has_lens() || scene.moves() || scene.camera.cells() != [1, 1] {
+        if scene.output.camera.has_lens() || scene.moves() || scene.output.camera.cells() != [1, 1] {
             continue;
         }
         let asked = Settings {

@@ -116,7 +116,7 @@ fn memory_is_counted_for_all_that_is_made_of_a_picture() {
     };
     let spec = FilmSpec {
         one_pass: true,
-        ..film_spec(&scene.camera, &settings, layers(&scene, &DENOISE_OUTPUTS, &settings))
+        ..film_spec(&scene.output.camera, &settings, layers(&scene, &DENOISE_OUTPUTS, &settings))
     };
     assert_eq!(needed(&DENOISE_OUTPUTS), spec.bytes() + 10_000 * u128::from(denoise::BYTES_A_PIXEL));
 }

@@ -127,7 +127,7 @@ enum Outcome {
 
 impl Run<'_> {
     fn render(&self, job: &Job) -> Result<Outcome, RenderError> {
-        let camera = job.camera.as_ref().map_or(&job.scene.camera, |pose| pose.camera());
+        let camera = job.camera.as_ref().map_or(&job.scene.output.camera, |pose| pose.camera());
         let layers = layers(&job.scene, &job.views, &job.settings);
         let resources = Resources { threads: self.shared.threads, ..Resources::default() };
         check_memory(&film_spec(camera, &job.settings, layers), BYTES_TO_ENCODE, &resources)?;
@@ -166,7 +166,7 @@ impl Run<'_> {
             self.publish(Frame::new(
                 self.number,
                 Arc::clone(&film),
-                Arc::clone(&job.scene.light_groups),
+                Arc::clone(&job.scene.lighting.groups),
                 settings,
                 job.settings.size,
                 samples,
@@ -257,7 +257,7 @@ fn coarse(settings: &RenderSettings, camera: &Camera, factor: u32) -> RenderSett
 /// What films must record for these views, as pictures and as numbers.
 fn layers(scene: &Scene, views: &[View], settings: &RenderSettings) -> LayerSet {
     let pairs = views.iter().flat_map(|&view| [Format::Png, Format::Exr].map(|format| (view, format)));
-    let of = |(view, format): (View, Format)| view.layers(format, settings, scene.light_groups.len());
+    let of = |(view, format): (View, Format)| view.layers(format, settings, scene.lighting.groups.len());
     let layers: Vec<Layer> = pairs.flat_map(of).chain([Layer::Color]).collect();
     LayerSet::of(&layers)
 }

@@ -71,7 +71,7 @@ mod tests {
         assert!(loaded.diagnostics.is_empty(), "{}", loaded.report(false));
         let scene = loaded.scene.unwrap();
         let settings = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false).unwrap();
-        settings.without_effect(&asked, &scene.settings)
+        settings.without_effect(&asked, &scene.output.settings)
     }
 
     #[test]

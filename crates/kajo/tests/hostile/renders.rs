@@ -46,7 +46,7 @@ pub fn picture(text: &[u8], files: &[(&str, &[u8])], integrator: IntegratorKind)
         size: Some([3, 3]),
         samples: Some((SamplerKind::Uniform, 2)),
         integrator: Some(integrator),
-        bounces: Some(scene.settings.bounces.unwrap_or(6).min(12)),
+        bounces: Some(scene.output.settings.bounces.unwrap_or(6).min(12)),
         branches: Some(2),
         ..Settings::default()
     };

@@ -115,7 +115,7 @@ fn draft<'t>(compiler: &mut Compiler<'_>, item: Item<'t>) -> Option<Draft<'t>> {
         Some((phong?, veins, extras?))
     })?;
     let id = match veins {
-        None => phong.store(&mut compiler.materials),
+        None => phong.store(&mut compiler.appearance.materials),
         Some(item) => compiler.veined(item, &phong),
     };
     Some(Draft::Stored(id, extras))
@@ -165,9 +165,9 @@ impl Compiler<'_> {
         };
         let parts = [color(0, Vec3::ZERO), color(1, Vec3::ONE)];
         let VeinKeys { octaves, frequency, amplitude } = veins;
-        let pattern = Marble { octaves, frequency, amplitude }.store(&mut self.textures)?;
-        let [first, second] = parts.map(|part| part.store(&mut self.materials));
+        let pattern = Marble { octaves, frequency, amplitude }.store(&mut self.appearance.textures)?;
+        let [first, second] = parts.map(|part| part.store(&mut self.appearance.materials));
         let blend = Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials: [first?, second?] };
-        blend.store(&mut self.materials)
+        blend.store(&mut self.appearance.materials)
     }
 }

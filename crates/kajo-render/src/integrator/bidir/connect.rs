@@ -129,7 +129,7 @@ impl Bidirectional<'_> {
             light: z.beta * scattered * radiance * z.transmittance(wi, distance) * visible * pdf.recip(),
             weight: mis_weight(w_light, w_camera),
             is_single: z.is_single,
-            group: scene.light_sampler.group(light),
+            group: scene.lighting.sampler.group(light),
             raster: None,
         };
         self.tell(observer, &join, &path.wavelengths, Some(&found));
@@ -238,7 +238,7 @@ impl Bidirectional<'_> {
         let about = || About {
             eta: 1.0,
             weight: sensor::to_rgb(join.carried, wavelengths),
-            light: join.light.map(|light| self.scene().light_sampler.id(light)),
+            light: join.light.map(|light| self.scene().lighting.sampler.id(light)),
         };
         let light = || found.map_or([0.0; 3], |found| found.value(wavelengths));
         observer.joined(join.kind, self.scene(), join.segment, about, light);

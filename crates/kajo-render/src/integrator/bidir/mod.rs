@@ -143,7 +143,7 @@ impl<'a> Bidirectional<'a> {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Bidirectional<'a> {
-        Bidirectional::through(&scene.camera, scene, settings, size, layers)
+        Bidirectional::through(&scene.output.camera, scene, settings, size, layers)
     }
 
     /// The same through another camera than the scene's.
@@ -216,12 +216,12 @@ impl<'a> Bidirectional<'a> {
     ) -> Draws<'s> {
         let scene = self.scene();
         let world = self.power_sampler.world();
-        let u = draws.number_if(scene.light_sampler.len() > 1);
+        let u = draws.number_if(scene.lighting.sampler.len() > 1);
         let numbers = LeNumbers { position: draws.next_2d(), direction: draws.next_2d() };
         let Some(SampledLight { light, probability }) = self.power_sampler.sample(u) else { return draws };
         let Some(emitted) = scene.sample_le(light, time, numbers, wavelengths, world) else { return draws };
         let mut path = light_end(scene, &emitted, (time, probability), wavelengths, draws);
-        let group = scene.light_sampler.group(light);
+        let group = scene.lighting.sampler.group(light);
         observer.counters().light += 1;
         observer.next(RayKind::Light);
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
@@ -335,7 +335,7 @@ impl<'a> Bidirectional<'a> {
                 found(met, wavelengths);
             }
             // The last surface may be a hole or a pane.
-            if is_last && !scene.has_passages {
+            if is_last && !scene.appearance.has_passages {
                 return None;
             }
             let mut bsdf = shade_one_way(scene, &mut path.state, surface);

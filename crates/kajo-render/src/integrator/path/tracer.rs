@@ -208,7 +208,7 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
             }
             self.add_emission(path, surface);
             // The last surface may be a hole or a pane.
-            if path.ends_at_lights && !scene.has_passages {
+            if path.ends_at_lights && !scene.appearance.has_passages {
                 return;
             }
             if surface.is_dispersive() {
@@ -372,7 +372,7 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         let about = || About {
             eta: state.media.eta(),
             weight: sensor::to_rgb(carried, &state.wavelengths),
-            light: Some(scene.light_sampler.id(light)),
+            light: Some(scene.lighting.sampler.id(light)),
         };
         if visible.is_black() {
             self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
@@ -387,7 +387,7 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         let added = carried * li.radiance * visible * (weight / pdf);
         let rgb = || sensor::to_rgb(added, &state.wavelengths);
         self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
-        self.estimate.add(state, added, scene.light_sampler.group(light));
+        self.estimate.add(state, added, scene.lighting.sampler.group(light));
     }
 }
 

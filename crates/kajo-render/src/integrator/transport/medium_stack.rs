@@ -51,7 +51,7 @@ impl MediumStack {
     /// The media around the start of a ray: those of objects that it leaves more often than it enters them.
     pub fn around(scene: &Scene, ray: &Ray, wavelengths: &Wavelengths) -> MediumStack {
         // Parallel rays of a camera without a place come from infinitely far behind it.
-        if !scene.transmits || ray.t_min < 0.0 {
+        if !scene.geometry.transmits || ray.t_min < 0.0 {
             return MediumStack::default();
         }
         let mut around = Surroundings::default();

@@ -139,7 +139,7 @@ pub fn pass_straight(
     surface: &SurfaceInteraction,
     bsdf: &mut Bsdf,
 ) -> bool {
-    if !scene.has_passages {
+    if !scene.appearance.has_passages {
         return false;
     }
     let draws = &mut path.draws;
@@ -175,9 +175,9 @@ pub fn sample_light(
     receiver: &Receiver,
     choice: LightChoice,
 ) -> Option<DrawnLight> {
-    let u = path.draws.number_if(scene.light_sampler.len() > 1);
+    let u = path.draws.number_if(scene.lighting.sampler.len() > 1);
     let place = path.draws.next_2d();
-    let SampledLight { light, probability } = scene.light_sampler.sample(receiver, u, choice)?;
+    let SampledLight { light, probability } = scene.lighting.sampler.sample(receiver, u, choice)?;
     let li = scene.sample_li(light, receiver, place, &path.wavelengths)?;
     (!li.radiance.is_black()).then_some(DrawnLight { light, li, pdf: li.pdf * probability })
 }

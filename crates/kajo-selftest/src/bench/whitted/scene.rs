@@ -195,8 +195,8 @@ mod tests {
             let loaded = load_from("scene.txt", &assets, &LoadOptions::default());
             assert_eq!(loaded.diagnostics.count(Severity::Warning), 0, "{}", loaded.report(false));
             let compiled = loaded.scene.unwrap();
-            assert_eq!(compiled.primitives.len(), balls + 1);
-            assert_eq!(compiled.settings.size, Some([1024, 768]));
+            assert_eq!(compiled.geometry.primitives.len(), balls + 1);
+            assert_eq!(compiled.output.settings.size, Some([1024, 768]));
         }
     }
 

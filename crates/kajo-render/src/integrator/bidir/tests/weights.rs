@@ -71,7 +71,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
         let mut draws = ctx.draws;
         let (mut again, mut path) = (draws.split(0, 0, 1), Vec::new());
         it.follow_light(&mut rays, &mut path, again, 0.0, &wavelengths);
-        let u = again.number_if(scene.light_sampler.len() > 1);
+        let u = again.number_if(scene.lighting.sampler.len() > 1);
         let numbers = LeNumbers { position: again.next_2d(), direction: again.next_2d() };
         let chosen = it.power_sampler.sample(u).expect("a light");
         let world = it.power_sampler.world();

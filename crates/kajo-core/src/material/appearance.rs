@@ -1,0 +1,35 @@
+//! What things look like: all materials of a scene, and the patterns that they use.
+
+use std::collections::HashMap;
+
+use super::{MaterialId, Materials};
+use crate::texture::Textures;
+
+/// Materials, and what they are made of: what any of them is asked in.
+#[derive(Debug, Default)]
+pub struct Appearance {
+    /// Materials.
+    pub materials: Materials,
+    /// Patterns that materials use.
+    pub textures: Textures,
+    /// Every material of the file, in its order, with its name. Number `i + 1` of the id layers is entry `i`.
+    pub list: Vec<(MaterialId, Option<String>)>,
+    /// Materials of mesh parts, by [`crate::shape::Surface::material_slot`].
+    pub slots: Vec<MaterialId>,
+    /// Whether any material shows a picture, so that it has to know surface coordinates.
+    pub has_pictures: bool,
+    /// Whether any material turns the frame in which it scatters, so that it has to be asked; see [`crate::Scene::shading`].
+    pub has_orientations: bool,
+    /// Whether light goes straight on through any material, so that what is behind is seen and lit through its holes or
+    /// panes.
+    pub has_passages: bool,
+    pub(crate) numbers: HashMap<MaterialId, u32>,
+}
+
+impl Appearance {
+    /// The number of a material in the id layers: its place in the file from 1 on; 0 for a material
+    /// that came with a mesh.
+    pub fn number(&self, material: MaterialId) -> u32 {
+        self.numbers.get(&material).copied().unwrap_or(0)
+    }
+}
