@@ -16,7 +16,7 @@ use std::f32::consts::FRAC_2_PI;
 
 use kajo_math::{Vec3, fmath};
 
-use super::energy::{Between, EvenTables, outlets};
+use super::energy_tables::{Between, EvenTables, outlets};
 use super::microfacet::Shape;
 
 /// Nodes of the cosine, of the azimuth in a quarter, of the ratio of both roughnesses, of the greater one, and of the index.

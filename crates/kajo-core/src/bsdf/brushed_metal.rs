@@ -18,7 +18,7 @@ use std::f32::consts::FRAC_2_PI;
 use kajo_math::{Vec3, fmath};
 
 use super::Microfacets;
-use super::energy::{Between, LARGEST};
+use super::energy_tables::{Between, LARGEST};
 use super::microfacet::Shape;
 
 /// Nodes of the cosine, of the azimuth in a quarter, of the greater roughness and of the ratio of both.

@@ -21,6 +21,7 @@ pub mod conductor;
 mod dielectric;
 mod diffuse_normal;
 mod energy;
+mod energy_tables;
 pub mod fresnel;
 mod fuzz;
 mod gloss;

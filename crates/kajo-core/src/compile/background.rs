@@ -11,7 +11,7 @@ use super::fields::{
 };
 use super::pictures::read_picture;
 use super::spectra::Written;
-use super::{Compiler, light_groups};
+use super::{Compiler, fields};
 use crate::background::{Background, CubeMap, FACE_NAMES};
 use crate::daylight::{Sky, SkySettings};
 use crate::environment::Environment;
@@ -38,7 +38,7 @@ keys! {
             .not_beside(&["environment"])
             .placed()
             .option("a folder of six pictures"),
-        group: Option<LightGroup> = light_groups::GROUP,
+        group: Option<LightGroup> = fields::GROUP,
     }
 }
 

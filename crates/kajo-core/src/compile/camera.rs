@@ -6,92 +6,17 @@ use kajo_math::{DVec3, Motion};
 use kajo_scene::{Diagnostic, Item, Params};
 
 use super::aim::{Aim, Subject};
-use super::blocks::{
-    Member, fisheye_camera, keywords, orthographic_camera, panorama_camera, perspective_camera,
-    stereo_cubemap_camera,
-};
-use super::fields::{Defaulted, Keys, Sources, Typed, at_least, between, keys};
+use super::blocks::CAMERAS as MEMBERS;
+use super::camera_keys::{OwnKeys, ShutterKeys, View};
+use super::fields::Keys;
 use super::lens::{Focus, LensKeys};
+use super::member::keywords;
 use super::{Compiler, motion};
 use crate::camera::{Camera, Frame, OrthographicCamera};
 use crate::motion::{MovingTransform, Shutter};
-use crate::schema::FieldKind;
 
-/// A kind of camera.
-pub(super) type CameraMember = Member<CameraReader>;
-
-/// All kinds of cameras, in the order in which they are offered.
-pub(super) const MEMBERS: [&CameraMember; 5] = [
-    &perspective_camera::MEMBER,
-    &orthographic_camera::MEMBER,
-    &fisheye_camera::MEMBER,
-    &panorama_camera::MEMBER,
-    &stereo_cubemap_camera::MEMBER,
-];
 /// Words that make a camera.
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
-
-/// What reads the keys that a kind of camera has of its own.
-pub(super) struct CameraReader {
-    /// Words after `fit` that mean something else to this camera.
-    pub other_fits: &'static [&'static str],
-    pub read: for<'t> fn(&mut Params<'t, '_>, &mut Sources<'_>, &View) -> OwnKeys<'t>,
-}
-
-/// Where a camera stands and looks, as far as that is known before the scene is.
-pub(super) struct View {
-    pub frame: Option<Frame>,
-    /// Whether what it sees is found by what it is to see.
-    pub is_fitted: bool,
-}
-
-/// What a kind of camera says of its own.
-pub(super) struct OwnKeys<'t> {
-    pub camera: Option<Camera>,
-    /// Whether its angle or size was written.
-    pub has_opening: bool,
-    pub lens: Option<LensKeys<'t>>,
-    /// Columns and rows of the picture.
-    pub size: Option<[u32; 2]>,
-}
-
-impl OwnKeys<'_> {
-    /// A camera that says nothing else.
-    pub fn of(camera: Option<Camera>) -> OwnKeys<'static> {
-        OwnKeys { camera, has_opening: true, lens: None, size: None }
-    }
-}
-
-keys! {
-    ShutterKeys {
-        shutter: Shutter = Typed::<Shutter>::new("shutter", FieldKind::Numbers(2))
-            .or([0.0, 1.0], "from when to when light is gathered"),
-        rolling: f32 = between("rollingShutter", 0.0, 1.0)
-            .or(0.0, "the share of that time in which rows open one after the other"),
-    }
-}
-
-/// Distance between the eyes, which is that of a grown person's in metres.
-pub(super) const EYE_SEPARATION: Defaulted<f32> =
-    at_least("eyeSeparation", 0.0).unit("length").or(0.065, "distance between the eyes");
-
-/// How much a camera sees, and whether that was written: what is usual where it is found by what the camera is to see.
-pub(super) fn opening(
-    params: &mut Params<'_, '_>,
-    key: &'static str,
-    written: Option<f32>,
-    usual: f32,
-    view: &View,
-) -> (Option<f32>, bool) {
-    let has_opening = params.contains(key);
-    if view.is_fitted && !has_opening {
-        return (Some(usual), false);
-    }
-    if written.is_none() {
-        params.report_missing(key);
-    }
-    (written, has_opening)
-}
 
 /// A camera as the scene describes it, before what it names is looked up.
 pub(super) struct CameraRequest<'a> {

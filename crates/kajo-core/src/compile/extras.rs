@@ -4,7 +4,7 @@ use kajo_scene::{Diagnostic, Params, Span};
 
 use super::emitters::Glow;
 use super::fields::{At, Keys, Sources, Typed, choice, choices, keys, light_group};
-use super::pictures::{HeightMap, NormalMap, Opacity, SurfaceLight};
+use super::picture_values::{HeightMap, NormalMap, Opacity, SurfaceLight};
 use crate::ids::LightGroup;
 use crate::light::Sides;
 use crate::material::Relief;

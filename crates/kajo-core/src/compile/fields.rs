@@ -860,6 +860,10 @@ pub(super) const fn light_group(key: &'static str) -> Typed<LightGroup> {
     Typed::new(key, FieldKind::Text)
 }
 
+/// The group of lights that something is seen in.
+pub(super) const GROUP: Optional<LightGroup> =
+    light_group("group").option("name of the lights it is seen among");
+
 /// The name of a file, as it is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct FileName(pub String);

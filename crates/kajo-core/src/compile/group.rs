@@ -3,12 +3,14 @@
 use kajo_math::{DAffine3, Motion, Transform};
 use kajo_scene::{Args, Diagnostic, Item, Params, not_supported_yet, unknown_word};
 
-use super::blocks::{self, Member, keywords};
-use super::definition::{BYTES_PER_OBJECT, Part};
+use super::blocks::{self, MATERIAL_INDEX, OBJECTS as MEMBERS};
 use super::fields::Sources;
-use super::materials::Reference;
+use super::material_draft::Reference;
+use super::member::keywords;
+use super::part::{BYTES_PER_OBJECT, Part};
+use super::place::{Place, Walk};
 use super::places::misplaced;
-use super::{Compiler, motion, transform};
+use super::{Compiler, motion, operations};
 use crate::family::Pooled;
 use crate::ids::{MotionId, PoseId, TransformId};
 use crate::material::MaterialId;
@@ -18,30 +20,8 @@ use crate::scene::Primitive;
 use crate::shape::{ShapeId, Shapes};
 use crate::texture::{Channel, PictureMap, Share};
 
-/// A kind of object, groups and transforms included.
-pub(super) type ObjectMember = Member<fn(&mut Compiler<'_>, Item<'_>, &mut Place, &mut Walk)>;
-
-/// All kinds of objects, in the order in which they are offered.
-pub(super) const MEMBERS: [&ObjectMember; 13] = [
-    &blocks::sphere::MEMBER,
-    &blocks::cuboid::MEMBER,
-    &blocks::plane::MEMBER,
-    &blocks::cylinder::MEMBER,
-    &blocks::cone::MEMBER,
-    &blocks::disk::MEMBER,
-    &blocks::quad::MEMBER,
-    &blocks::triangle::MEMBER,
-    &blocks::triangle_mesh::MEMBER,
-    &blocks::model::MEMBER,
-    &blocks::group::GROUP,
-    &blocks::group::TRANSFORM,
-    &blocks::group::INSTANCE,
-];
 /// The word that describes objects which are placed elsewhere.
 const DEFINE: &str = blocks::group::DEFINE.keyword;
-
-/// The word that chooses the material of what follows.
-pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Words for objects, groups and transforms included.
 pub(super) const OBJECTS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
@@ -58,68 +38,6 @@ const LATER: [&str; 11] = [
     "Torus",
     "Union",
 ];
-
-/// The running state of a walk through groups.
-#[derive(Default)]
-pub(super) struct Walk {
-    /// Set by `MaterialIndex`; stays in force after the group it stands in, as in the classic format.
-    pub material: Option<MaterialId>,
-    /// A `MaterialIndex` was wrong, which has been reported: objects without a material are no news.
-    pub material_failed: bool,
-    /// What has been found of a definition, while one is read: nothing in it is an object of the scene yet.
-    pub parts: Option<Vec<Part>>,
-}
-
-/// Where objects stand.
-pub(super) struct Place {
-    pub world: Motion,
-    /// The same with its inverse at a moment; `None` when there is none, and what stands here is never hit.
-    transform: Option<Transform>,
-    /// Its name among the scene's, once an object needs it.
-    pose: Option<PoseId>,
-}
-
-impl Place {
-    /// Where nothing has been moved.
-    pub fn origin() -> Place {
-        Place::new(Motion::still(DAffine3::IDENTITY))
-    }
-
-    fn new(world: Motion) -> Place {
-        let transform = match world.constant() {
-            Some(map) => Transform::new(map),
-            None => Transform::new(&world.at(0.0)),
-        };
-        let stays = transform.filter(|transform| world.constant().is_some() && transform.is_identity());
-        Place { world, transform, pose: stays.map(|_| PoseId::IDENTITY) }
-    }
-
-    /// The transform of a place that does not move.
-    pub fn fixed(&self) -> Option<&Transform> {
-        self.transform.as_ref().filter(|_| self.world.constant().is_some())
-    }
-
-    /// The same place for something that has no inverse whatever rounding makes of it.
-    fn flattened(self) -> Place {
-        Place { transform: None, ..self }
-    }
-
-    /// The place of something that stands within what stands here.
-    pub fn around(&self, map: &Motion) -> Place {
-        let there = Place::new(self.world.then(map));
-        if self.is_flat() { there.flattened() } else { there }
-    }
-
-    /// The place of something that has been taken here already.
-    pub fn baked(&self) -> Place {
-        let origin = Place::origin();
-        if self.is_flat() { origin.flattened() } else { origin }
-    }
-
-    pub fn is_flat(&self) -> bool {
-        self.transform.is_none()
-    }
-}
 
 impl Compiler<'_> {
     /// Everything in the scene's group.
@@ -178,7 +96,7 @@ impl Compiler<'_> {
         let mut operations = Vec::new();
         let mut objects = Vec::new();
         for child in self.children(item) {
-            if !transform::MOVING_OPERATIONS.contains(&child.keyword()) {
+            if !operations::MOVING_OPERATIONS.contains(&child.keyword()) {
                 objects.push(child);
             } else if objects.is_empty() {
                 operations.push(child);
@@ -224,15 +142,15 @@ impl Compiler<'_> {
     /// A map after one more operation.
     fn operate(&mut self, map: Motion, operation: Item<'_>) -> Motion {
         let by_rows = self.rules.matrix_by_rows;
-        if operation.keyword() == transform::MOTION {
+        if operation.keyword() == operations::MOTION {
             let keys = motion::read(operation, by_rows, self.diagnostics);
             return keys.map_or(map.clone(), |keys| map.then(&Motion::keyed(keys)));
         }
-        let mut apply = |m| Motion::still(transform::apply(m, operation, by_rows, self.diagnostics));
+        let mut apply = |m| Motion::still(operations::apply(m, operation, by_rows, self.diagnostics));
         match map.constant() {
             Some(map) => apply(*map),
             // `Matrix` multiplies from the left.
-            None if transform::is_from_left(operation) => apply(DAffine3::IDENTITY).then(&map),
+            None if operations::is_from_left(operation) => apply(DAffine3::IDENTITY).then(&map),
             None => map.then(&apply(DAffine3::IDENTITY)),
         }
     }
@@ -371,19 +289,4 @@ impl Compiler<'_> {
         params.finish();
         children
     }
-}
-
-/// A shape; one that cannot be is reported at `place`.
-pub(super) fn reported<T>(
-    params: &mut Params<'_, '_>,
-    shape: Option<T>,
-    place: Item<'_>,
-    message: &str,
-) -> Option<T> {
-    if shape.is_none() {
-        params
-            .diagnostics()
-            .push(Diagnostic::error(message).label(place.head_span(), "leaves no such shape"));
-    }
-    shape
 }

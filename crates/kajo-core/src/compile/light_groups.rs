@@ -4,13 +4,8 @@ use std::sync::Arc;
 
 use kajo_scene::{Args, Diagnostic};
 
-use super::fields::{Optional, light_group};
 use crate::ids::LightGroup;
 use crate::light::MAX_LIGHT_GROUPS;
-
-/// The group of lights that something is seen in.
-pub(super) const GROUP: Optional<LightGroup> =
-    light_group("group").option("name of the lights it is seen among");
 
 /// The group of what is in none.
 const OTHER: &str = "other";

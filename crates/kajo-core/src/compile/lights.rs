@@ -1,31 +1,17 @@
 //! The `Lights` block.
 
-use std::f32::consts::PI;
-
-use kajo_color::{Emission, Spectrum};
-use kajo_math::Vec3;
 use kajo_scene::{Diagnostic, Item, Params};
 
 use super::Compiler;
-use super::blocks::{Member, directional_light, keywords, point_light, spot_light};
+use super::blocks::LIGHTS as MEMBERS;
 use super::fields::Sources;
+use super::member::keywords;
 use super::places::misplaced;
-use super::spectra::Written;
 use crate::family::Pooled;
 use crate::ids::LightGroup;
 use crate::light::{LightId, Lights};
-use crate::schema::{Block, Kind};
 
-/// A kind of light.
-pub(super) type LightMember = Member<fn(&mut Compiler<'_>, Item<'_>)>;
-
-/// All kinds of lights.
-pub(super) const MEMBERS: [&LightMember; 3] =
-    [&directional_light::MEMBER, &point_light::MEMBER, &spot_light::MEMBER];
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
-
-pub(super) const LIST: Block =
-    Block { keyword: "Lights", kind: Kind::Lights, about: "the lights of the scene", groups: &[] };
 
 /// Words of other programs for lights that are written elsewhere here, and where that is.
 const ELSEWHERE: [(&str, &str); 3] = [
@@ -77,16 +63,6 @@ fn written_elsewhere(item: Item<'_>) -> Option<Diagnostic> {
     let (word, place) = ELSEWHERE.iter().find(|(word, _)| *word == item.keyword())?;
     let error = Diagnostic::error(format!("`{word}` is no word of this language"));
     Some(error.label(item.keyword_span(), "not a light of its own").help(*place))
-}
-
-/// The factor of the classic formula, and the irradiance that makes a white surface just as bright.
-pub(super) fn classic(color: Written<Emission>) -> (Spectrum, Emission) {
-    (color.rgb, color.value.scaled(PI))
-}
-
-/// The same from the physical quantity: a white surface under the irradiance `pi` has the radiance 1.
-pub(super) fn physical(quantity: Emission) -> (Spectrum, Emission) {
-    (Spectrum::from(Vec3::from(quantity.rgb()) / PI), quantity)
 }
 
 #[cfg(test)]

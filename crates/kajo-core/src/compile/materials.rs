@@ -4,89 +4,27 @@
 //! others by number or name, earlier or later ones; a blend that leads back to itself is refused,
 //! and so is a tower of blends that would take more than [`MAX_PARTS`] evaluations a hit.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 
 use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Item, Params, Span};
 
-use super::blocks::{self, Member, keywords};
+use super::blocks::MATERIALS as MEMBERS;
 use super::emitters::Glow;
 use super::extras::Extras;
 use super::fields::Sources;
+use super::material_draft::{BlendDraft, Draft, PART, Reference};
+use super::member::keywords;
 use super::places::misplaced;
 use super::{Compiler, transform};
 use crate::family::Pooled;
 use crate::material::{Blend, Embossed, MaterialId, Materials, Perforated};
-use crate::schema::{Block, FieldKind, FieldSpec, Kind};
 use crate::texture::{Constant, Share, TextureId, Textures};
 
-/// A kind of material.
-pub(super) type MaterialMember = Member<for<'t> fn(&mut Compiler<'_>, Item<'t>) -> Option<Draft<'t>>>;
-
-/// All kinds of materials, in the order in which they are offered.
-pub(super) const MEMBERS: [&MaterialMember; 11] = [
-    &blocks::phong_material::MEMBER,
-    &blocks::phong_material::SHORT,
-    &blocks::matte::MEMBER,
-    &blocks::metal::MEMBER,
-    &blocks::glass::MEMBER,
-    &blocks::principled::MEMBER,
-    &blocks::checkerboard::MEMBER,
-    &blocks::mix::MEMBER,
-    &blocks::noise::MEMBER,
-    &blocks::marble::MEMBER,
-    &blocks::wood::MEMBER,
-];
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
-
-pub(super) const LIST: Block =
-    Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
-
-/// What one of two materials of a pattern is written by.
-const PART: FieldSpec = FieldSpec {
-    about: "the two materials that it mixes",
-    ..FieldSpec::new("materialIndex", FieldKind::Material)
-};
-
-/// The two materials of a pattern.
-pub(super) const PARTS: &[FieldSpec] = &[PART; 2];
 
 /// The most materials that one hit may have to evaluate.
 const MAX_PARTS: u32 = 1024;
-
-/// A material before its references are followed.
-pub(super) enum Draft<'t> {
-    /// One that has none, with what stands around it.
-    Stored(Option<MaterialId>, Extras),
-    Blend(BlendDraft<'t>),
-}
-
-/// A blend before the references to its parts are followed.
-pub(super) struct BlendDraft<'t> {
-    pattern: TextureId,
-    pattern_from_world: Affine3A,
-    parts: [Reference<'t>; 2],
-    place: Span,
-}
-
-/// Another material, by number or name.
-#[derive(Clone)]
-pub(super) enum Reference<'t> {
-    Number(usize, Span),
-    Name(Cow<'t, str>, Span),
-}
-
-impl<'t> Reference<'t> {
-    /// The value of a `MaterialIndex`.
-    pub(super) fn read(args: &mut Args<'t>) -> Result<Reference<'t>, Diagnostic> {
-        let place = args.item().head_span();
-        if args.is_word() {
-            return Ok(Reference::Name(args.text()?, place));
-        }
-        Ok(Reference::Number(args.int_in(0..=i64::from(u32::MAX))? as usize, place))
-    }
-}
 
 /// A blend whose parts are being resolved.
 struct Opened<'d, 't> {

@@ -9,24 +9,13 @@ use kajo_math::{Vec2, Vec3, Vec4};
 use kajo_scene::{AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Span, TriMesh, read_mesh};
 
 use super::Compiler;
-use super::mesh_store::{Kept, StoreKey};
+use super::mesh_store::{Kept, Shading, StoreKey};
 use super::pictures::{PictureReader, ReadPicture};
 use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, VertexAttributes, vertex_normals};
 use crate::texture::{Encoding, PictureMap};
 
 /// Meshes read so far.
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
-
-/// Where the normals of a mesh come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Shading {
-    /// The winding of each face.
-    Flat,
-    /// The file, or the faces around a point where the file has none: `smooth on`.
-    Smooth,
-    /// The faces around a vertex, whatever the file says: the rule of mit-a2.
-    Averaged,
-}
 
 /// A mesh as a block asks for it.
 pub(super) struct MeshRequest {

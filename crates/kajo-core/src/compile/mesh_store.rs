@@ -6,8 +6,18 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::mesh::Shading;
 use crate::shape::Mesh;
+
+/// Where the normals of a mesh come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Shading {
+    /// The winding of each face.
+    Flat,
+    /// The file, or the faces around a point where the file has none: `smooth on`.
+    Smooth,
+    /// The faces around a vertex, whatever the file says: the rule of mit-a2.
+    Averaged,
+}
 
 /// What makes two meshes the same.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

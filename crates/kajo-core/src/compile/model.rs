@@ -13,15 +13,15 @@ use kajo_scene::{
 };
 
 use super::Compiler;
-use super::definition::{Part, Parts};
-use super::group::{Place, Walk};
 use super::mesh::{corner_colors, corner_values};
-use super::model_beads::{BeadMaterials, BeadRadii};
+use super::model_beads::{BeadMaterials, BeadRadii, Stored};
 use super::model_material::ModelPictures;
+use super::part::{Part, Parts};
+use super::place::{Place, Walk};
 use crate::ids::LightGroup;
 use crate::material::MaterialId;
 use crate::nested::Content;
-use crate::shape::{MeshData, ShapeId, VertexAttributes};
+use crate::shape::{MeshData, VertexAttributes};
 
 /// Models read so far.
 pub(super) type ModelCache = HashMap<ModelKey, Option<CompiledModel>>;
@@ -43,9 +43,6 @@ pub(super) struct CompiledModel {
     lights: Rc<[ModelLight]>,
     cameras: Rc<[ModelCamera]>,
 }
-
-/// A part of a mesh: the shape and its material.
-pub(super) type Stored = (ShapeId, Option<MaterialId>);
 
 /// A model as a block asks for it.
 pub(super) struct ModelRequest {

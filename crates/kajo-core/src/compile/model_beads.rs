@@ -6,10 +6,9 @@ use kajo_math::Vec3;
 use kajo_scene::{Item, ModelMaterial, ModelPart, VertexColors};
 
 use super::Compiler;
-use super::model::Stored;
 use super::model_material::ModelPictures;
 use crate::material::MaterialId;
-use crate::shape::{Cone, Sphere};
+use crate::shape::{Cone, ShapeId, Sphere};
 
 /// Levels that a channel of a colour may have: each colour is a material of its own.
 const LEVELS: f32 = 31.0;
@@ -20,6 +19,9 @@ pub(super) struct BeadRadii {
     pub points: Option<f32>,
     pub lines: Option<f32>,
 }
+
+/// A part of a mesh: the shape and its material.
+pub(super) type Stored = (ShapeId, Option<MaterialId>);
 
 /// Materials of points by those of their parts and by their colours, in levels.
 pub(super) type BeadMaterials = HashMap<(Option<usize>, [u8; 3]), Option<MaterialId>>;

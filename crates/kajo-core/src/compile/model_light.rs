@@ -8,8 +8,8 @@ use kajo_math::DAffine3;
 use kajo_scene::{Diagnostic, Item, ModelCamera, ModelLight, ModelLightKind, ModelView};
 
 use super::Compiler;
-use super::group::Place;
-use super::lights::physical;
+use super::light_quantities::physical;
+use super::place::Place;
 use crate::camera::{Camera, Frame, NamedCamera, OrthographicCamera, PerspectiveCamera};
 use crate::ids::LightGroup;
 use crate::light::{Cone, DirectionalLight, PointLight, SpotLight};

@@ -6,12 +6,12 @@ use kajo_math::{DAffine3, KeyError, Keyframes};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
 use super::fields::{Defaulted, Plain, Sources, Stated, Typed};
-use super::transform;
+use super::operations;
 use crate::motion::Shutter;
 use crate::schema::{Block, Constant, FieldSpec, Kind};
 
 pub(super) const BLOCK: Block = Block {
-    keyword: transform::MOTION,
+    keyword: operations::MOTION,
     kind: Kind::Part,
     about: "an operation that changes with time",
     groups: &[],
@@ -21,7 +21,7 @@ pub(super) const KEY: Block = Block {
     keyword: "key",
     kind: Kind::Part,
     about: "the operations that hold at a moment",
-    groups: &[transform::FIELDS],
+    groups: &[operations::FIELDS],
 };
 
 /// Reads a `Motion` block; `None` when an error was reported.
@@ -49,9 +49,9 @@ pub(super) fn read(item: Item<'_>, by_rows: bool, diagnostics: &mut Diagnostics)
 fn read_key(item: Item<'_>, by_rows: bool, diagnostics: &mut Diagnostics) -> Option<(f64, DAffine3)> {
     let mut params = Params::new(item, diagnostics);
     let time = params.own(Args::double);
-    let operations = params.take(&transform::OPERATIONS);
+    let operations = params.take(&operations::OPERATIONS);
     params.finish();
-    let apply = |m, item| transform::apply(m, item, by_rows, diagnostics);
+    let apply = |m, item| operations::apply(m, item, by_rows, diagnostics);
     Some((time?, operations.into_iter().fold(DAffine3::IDENTITY, apply)))
 }
 

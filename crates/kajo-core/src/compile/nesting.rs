@@ -14,8 +14,10 @@ use kajo_math::{DAffine3, Motion};
 use kajo_scene::{Diagnostic, Item, Limits, SceneDesc};
 
 use super::Compiler;
-use super::definition::{BYTES_PER_OBJECT, Definition, Part};
-use super::group::{OBJECTS, Place, Walk};
+use super::definition::Definition;
+use super::group::OBJECTS;
+use super::part::{BYTES_PER_OBJECT, Part};
+use super::place::{Place, Walk};
 use crate::family::Pooled;
 use crate::ids::ObjectId;
 use crate::material::MaterialId;

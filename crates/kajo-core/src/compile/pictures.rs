@@ -16,16 +16,15 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
-use kajo_color::{Emission, Reflectance};
+use kajo_color::Reflectance;
 use kajo_image::{DecodeLimits, Decoded, Format, ImageError};
 use kajo_math::Vec2;
 use kajo_scene::{
-    Args, AssetFile, Assets, Diagnostic, Diagnostics, Item, MemoryBudget, Params, Span, read_limited,
+    Args, AssetFile, Assets, Diagnostic, Diagnostics, Item, MemoryBudget, Params, read_limited,
 };
 
 use super::CompileOptions;
-use super::fields::{Sources, Value};
-use super::spectra::{SpectrumReader, Written, factor};
+use super::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
 use crate::texture::{Channel, Encoding, Paint, Picture, PictureMap, Share, TexelFilter, Wrap};
 
@@ -50,7 +49,7 @@ pub(super) struct PictureReader<'a> {
 /// Reads what may be plain or a picture.
 pub(super) struct PaintReader<'a> {
     pub spectra: SpectrumReader<'a>,
-    pictures: PictureReader<'a>,
+    pub pictures: PictureReader<'a>,
 }
 
 impl<'a> PaintReader<'a> {
@@ -87,7 +86,7 @@ impl PaintReader<'_> {
     }
 
     /// * `more`: reads what of the picture's block is for `of`
-    fn share_of<T: Default>(
+    pub fn share_of<T: Default>(
         &mut self,
         spec: &FieldSpec,
         item: Item<'_>,
@@ -103,131 +102,6 @@ impl PaintReader<'_> {
     }
 }
 
-/// The share of a surface that is there, and where that is said.
-pub(super) struct Opacity {
-    pub share: Share,
-    pub place: Span,
-}
-
-impl Value<'_> for Opacity {
-    fn read(
-        spec: &FieldSpec,
-        item: Item<'_>,
-        diagnostics: &mut Diagnostics,
-        sources: &mut Sources<'_>,
-    ) -> Option<Opacity> {
-        let read = |params: &mut Params<'_, '_>| {
-            (read_channel(params), params.optional("cutoff", |args| args.number_in(0.0..=1.0)))
-        };
-        let share =
-            sources.paints.share_of(spec, item, diagnostics, read, |map, (channel, cutoff)| match cutoff {
-                None => Share::Picture(map, channel),
-                Some(least) => Share::Cut(map, channel, least),
-            });
-        share.map(|share| Opacity { share, place: item.head_span() })
-    }
-}
-
-/// A picture of normals.
-pub(super) struct NormalMap {
-    pub map: PictureMap,
-    /// How steep they are made.
-    pub scale: f32,
-}
-
-impl Value<'_> for NormalMap {
-    fn read(
-        _: &FieldSpec,
-        item: Item<'_>,
-        diagnostics: &mut Diagnostics,
-        sources: &mut Sources<'_>,
-    ) -> Option<NormalMap> {
-        let scale = |params: &mut Params<'_, '_>| Scale(params.or("scale", 1.0, Args::number));
-        let (map, Scale(scale)) =
-            sources.paints.pictures.map(item, Some(Encoding::Linear), diagnostics, scale)?;
-        Some(NormalMap { map, scale })
-    }
-}
-
-/// A picture of heights.
-pub(super) struct HeightMap {
-    pub map: PictureMap,
-    pub channel: Channel,
-    /// How far white rises above black.
-    pub height: f32,
-}
-
-impl Value<'_> for HeightMap {
-    fn read(
-        _: &FieldSpec,
-        item: Item<'_>,
-        diagnostics: &mut Diagnostics,
-        sources: &mut Sources<'_>,
-    ) -> Option<HeightMap> {
-        let read = |params: &mut Params<'_, '_>| {
-            (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
-        };
-        let (map, (Height(height), channel)) =
-            sources.paints.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
-        Some(HeightMap { map, channel, height })
-    }
-}
-
-/// The light of a surface, and the picture that it shines through like a slide, if there is one.
-pub(super) struct SurfaceLight {
-    pub light: Emission,
-    pub slide: Option<PictureMap>,
-}
-
-impl Value<'_> for SurfaceLight {
-    fn read(
-        _: &FieldSpec,
-        item: Item<'_>,
-        diagnostics: &mut Diagnostics,
-        sources: &mut Sources<'_>,
-    ) -> Option<SurfaceLight> {
-        let spectra = sources.paints.spectra;
-        if !is_picture(item) {
-            let light = Args::read(item, diagnostics, |args| spectra.emission(args))?;
-            return Some(SurfaceLight { light, slide: None });
-        }
-        let light = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
-        let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
-        let ((map, factor), light) = sources.paints.pictures.map_and(item, None, diagnostics, name, light)?;
-        let light = light.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor);
-        Some(SurfaceLight { light, slide: Some(map) })
-    }
-}
-
-impl Value<'_> for PictureMap {
-    fn read(
-        _: &FieldSpec,
-        item: Item<'_>,
-        diagnostics: &mut Diagnostics,
-        sources: &mut Sources<'_>,
-    ) -> Option<PictureMap> {
-        sources.paints.pictures.map(item, None, diagnostics, |_| ()).map(|(map, ())| map)
-    }
-}
-
-/// How steep a picture of normals is made.
-struct Scale(f32);
-
-impl Default for Scale {
-    fn default() -> Scale {
-        Scale(1.0)
-    }
-}
-
-/// How far white rises above black.
-struct Height(f32);
-
-impl Default for Height {
-    fn default() -> Height {
-        Height(0.01)
-    }
-}
-
 fn share_of_light(spectra: SpectrumReader<'_>, args: &mut Args<'_>) -> Result<Reflectance, Diagnostic> {
     let Written { rgb, value } = spectra.reflectance(args)?;
     // A measured one has been checked, and its colour may be none of the screen's.
@@ -238,7 +112,7 @@ fn share_of_light(spectra: SpectrumReader<'_>, args: &mut Args<'_>) -> Result<Re
 }
 
 /// Whether the item names a picture.
-fn is_picture(item: Item<'_>) -> bool {
+pub(super) fn is_picture(item: Item<'_>) -> bool {
     let Some(word) = item.word() else { return false };
     let name = word.text();
     let Some((_, ending)) = name.rsplit_once('.') else { return false };
@@ -246,7 +120,7 @@ fn is_picture(item: Item<'_>) -> bool {
     is_other || Format::from_extension(ending).is_some()
 }
 
-fn read_channel(params: &mut Params<'_, '_>) -> Channel {
+pub(super) fn read_channel(params: &mut Params<'_, '_>) -> Channel {
     const CHANNELS: [(&str, Channel); 4] = [
         ("alpha", Channel::Alpha),
         ("blue", Channel::Blue),
@@ -272,7 +146,7 @@ impl PictureReader<'_> {
     ///
     /// * `encoding`: what the colours mean if the block does not say; `None` leaves it to the file
     /// * `more`: reads what else may stand in the block
-    fn map<T: Default>(
+    pub fn map<T: Default>(
         &mut self,
         item: Item<'_>,
         encoding: Option<Encoding>,
@@ -285,7 +159,7 @@ impl PictureReader<'_> {
     }
 
     /// As [`PictureReader::map`], and what stands after the name.
-    fn map_and<U, T: Default>(
+    pub fn map_and<U, T: Default>(
         &mut self,
         item: Item<'_>,
         encoding: Option<Encoding>,
@@ -446,7 +320,7 @@ pub(super) fn decode(bytes: &[u8], hint: Option<Format>, memory: &MemoryBudget) 
 
 #[cfg(test)]
 mod tests {
-    use kajo_color::Wavelengths;
+    use kajo_color::{Emission, Wavelengths};
     use kajo_image::{EncodeOptions, Image, encode};
     use kajo_math::{Ray, Vec3};
     use kajo_scene::{MemoryAssets, SceneDesc};

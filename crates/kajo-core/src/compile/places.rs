@@ -2,9 +2,7 @@
 
 use kajo_scene::{Diagnostic, Item};
 
-use super::blocks::{self, block_of};
-use super::group::MATERIAL_INDEX;
-use super::{lights, materials};
+use super::blocks::{self, LIGHT_LIST, MATERIAL_INDEX, MATERIAL_LIST, block_of};
 use crate::schema::Kind;
 
 /// The error for a word of the language that belongs elsewhere; `None` where it does not, or not by its word alone.
@@ -36,8 +34,8 @@ fn home(word: &str) -> Option<Option<&'static str>> {
         Kind::Camera | Kind::Settings | Kind::Background | Kind::Fog | Kind::Lights | Kind::Materials => {
             Some(None)
         }
-        Kind::Light => Some(Some(lights::LIST.keyword)),
-        Kind::Material => Some(Some(materials::LIST.keyword)),
+        Kind::Light => Some(Some(LIGHT_LIST.keyword)),
+        Kind::Material => Some(Some(MATERIAL_LIST.keyword)),
         Kind::Group | Kind::Define | Kind::Transform | Kind::Instance | Kind::Shape => Some(Some(GROUP)),
         Kind::Part => None,
     }

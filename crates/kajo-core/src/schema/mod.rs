@@ -7,8 +7,8 @@
 mod spec;
 mod value;
 
-pub use spec::{Absent, Around, Constant, FieldKind, FieldSpec};
-pub use value::{FieldValue, number_text, quoted};
+pub use spec::{Absent, Around, FieldKind, FieldSpec};
+pub use value::{Constant, FieldValue, number_text, quoted};
 
 /// What a block describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

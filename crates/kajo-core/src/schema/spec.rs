@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Bound;
 
-use super::FieldValue;
+use super::{Constant, FieldValue};
 use crate::scene::Scene;
 use crate::settings::{Dialect, Rules, Settings};
 
@@ -155,21 +155,6 @@ impl fmt::Display for Range {
             (false, false) => write!(f, " from {min} to {max}"),
         }
     }
-}
-
-/// A value that a description states.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Constant {
-    /// One number.
-    Number(f64),
-    /// Two numbers.
-    Pair([f64; 2]),
-    /// Three numbers.
-    Triple([f64; 3]),
-    /// A word.
-    Word(&'static str),
-    /// A value as a scene writes it.
-    Text(&'static str),
 }
 
 /// What is around a field.

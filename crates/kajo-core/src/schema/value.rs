@@ -4,7 +4,20 @@ use std::borrow::Cow;
 
 use kajo_scene::{Item, TokenKind, format_number, tokens};
 
-use super::Constant;
+/// A value that a description states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Constant {
+    /// One number.
+    Number(f64),
+    /// Two numbers.
+    Pair([f64; 2]),
+    /// Three numbers.
+    Triple([f64; 3]),
+    /// A word.
+    Word(&'static str),
+    /// A value as a scene writes it.
+    Text(&'static str),
+}
 
 /// What stands after a key: at most one word, then numbers.
 #[derive(Clone, Debug, Default, PartialEq)]

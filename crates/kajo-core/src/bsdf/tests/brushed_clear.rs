@@ -10,7 +10,7 @@ use kajo_math::{Vec2, Vec3};
 use super::super::microfacet::Shape;
 use super::super::*;
 use brushed_clear::{ALPHAS, ASPECTS, BrushedClear, COSINES, INDICES, OF_TABLE, SURFACES, TURNS};
-use energy::{EvenTables, STRONGEST};
+use energy_tables::{EvenTables, STRONGEST};
 
 /// Samples of one direction.
 const SAMPLES: u32 = 4_096;
@@ -87,7 +87,7 @@ impl Surface {
             let [x, t] = [i / STEPS, i % STEPS].map(|k| (k as f32 + 0.5) / STEPS as f32);
             let w = direction(t, x);
             let even = self.even(w);
-            let place = |x: f32, nodes: usize| energy::Between::new(x, nodes);
+            let place = |x: f32, nodes: usize| energy_tables::Between::new(x, nodes);
             for (side, sum) in sums.iter_mut().enumerate() {
                 let node = |p: usize, j: usize| f32::from(nodes[p * COSINES + j][side]) / 32767.0;
                 let d = place(t, TURNS).mix(|p| place(x, COSINES).mix(|j| node(p, j)));

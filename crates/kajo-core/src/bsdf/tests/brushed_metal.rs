@@ -9,7 +9,7 @@ use kajo_math::{Vec2, Vec3};
 use super::super::microfacet::Shape;
 use super::super::*;
 use brushed_metal::{ALPHAS, ASPECTS, COSINES, OF_SHAPE, TURNS};
-use energy::LARGEST;
+use energy_tables::LARGEST;
 
 /// Samples of one direction.
 const SAMPLES: u32 = 2_048;

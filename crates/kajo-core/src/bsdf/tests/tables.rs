@@ -6,7 +6,7 @@ use kajo_math::{Vec2, Vec3};
 
 use super::super::microfacet::Shape;
 use super::super::*;
-use energy::{ALPHAS, COSINES, INDICES, LARGEST, METAL_ALPHAS, STRONGEST, average};
+use energy_tables::{ALPHAS, COSINES, INDICES, LARGEST, METAL_ALPHAS, STRONGEST, average};
 
 /// Samples of one direction.
 const SAMPLES: u32 = 4_096;

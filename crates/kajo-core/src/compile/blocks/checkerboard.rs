@@ -1,7 +1,7 @@
 //! `Checkerboard`: two materials in cubes.
 
-use super::Member;
-use crate::compile::materials::{MaterialMember, PARTS};
+use crate::compile::material_draft::PARTS;
+use crate::compile::member::{MaterialMember, Member};
 use crate::schema::{Block, Kind};
 use crate::texture::Checker;
 

@@ -3,9 +3,8 @@
 use kajo_math::Vec3;
 use kajo_scene::Params;
 
-use super::Member;
 use crate::compile::fields::{Keys, Sources, keys, point};
-use crate::compile::group::ObjectMember;
+use crate::compile::member::{Member, ObjectMember};
 use crate::schema::{Block, Kind};
 use crate::shape::Cuboid;
 

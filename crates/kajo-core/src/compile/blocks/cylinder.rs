@@ -3,10 +3,9 @@
 use kajo_math::Vec3;
 use kajo_scene::Params;
 
-use super::Member;
 use super::cone::{CAPPED, along_axis, base, top};
 use crate::compile::fields::{At, Keys, Sources, keys, number};
-use crate::compile::group::ObjectMember;
+use crate::compile::member::{Member, ObjectMember};
 use crate::schema::{Block, Kind};
 use crate::shape::Cone;
 

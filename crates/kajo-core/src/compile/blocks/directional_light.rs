@@ -4,10 +4,10 @@ use kajo_color::Emission;
 use kajo_math::fmath;
 use kajo_scene::Params;
 
-use super::Member;
+use crate::compile::fields;
 use crate::compile::fields::{Direction, Keys, Sources, classic_light, degrees, direction, emission, keys};
-use crate::compile::light_groups;
-use crate::compile::lights::{LightMember, classic, physical};
+use crate::compile::light_quantities::{classic, physical};
+use crate::compile::member::{LightMember, Member};
 use crate::compile::spectra::Written;
 use crate::ids::LightGroup;
 use crate::light::DirectionalLight;
@@ -24,7 +24,7 @@ keys! {
             .unit("W/m²")
             .unlike("none", "3 3 3", "light on a surface that faces it"),
         angle: f32 = degrees("angle", 0.0, 180.0).or(0.0, "how wide it is in the sky; the sun: 0.53"),
-        group: Option<LightGroup> = light_groups::GROUP,
+        group: Option<LightGroup> = fields::GROUP,
     }
 }
 

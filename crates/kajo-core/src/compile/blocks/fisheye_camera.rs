@@ -2,13 +2,13 @@
 
 use kajo_scene::{Args, Item, Params};
 
-use super::Member;
 use crate::camera::{Camera, FisheyeCamera, FisheyeProjection};
 use crate::compile::aim;
-use crate::compile::camera::{CameraMember, CameraReader, OwnKeys, ShutterKeys, View};
+use crate::compile::camera_keys::{CameraReader, OwnKeys, ShutterKeys, View};
 use crate::compile::fields::{
     Choice, Defaulted, Field, Given, Keys, Sources, choice, choices, degrees, keys,
 };
+use crate::compile::member::{CameraMember, Member};
 use crate::schema::{Block, FieldSpec, Kind};
 
 choices! {

@@ -3,7 +3,6 @@
 use kajo_color::{Dispersion, named};
 use kajo_scene::{Args, Diagnostic, Params};
 
-use super::Member;
 use super::metal::{ANISOTROPY, DISTRIBUTION, ROTATION, by_name};
 use crate::bsdf::microfacet::Shape;
 use crate::compile::extras::ExtraKeys;
@@ -11,7 +10,7 @@ use crate::compile::fields::{
     Absorption, Defaulted, Keys, Plain, Sources, Typed, absorption, at_least, between, flag, keys, positive,
     share, whole,
 };
-use crate::compile::materials::MaterialMember;
+use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Glass, GlassSettings, Grain};
 use crate::schema::{Around, Block, FieldKind, FieldSpec, FieldValue, Kind};
 use crate::texture::Share;

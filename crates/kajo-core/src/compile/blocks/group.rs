@@ -1,8 +1,7 @@
 //! `Group`, `Transform` and `Instance`: what holds objects, moves them or places them again.
 
-use super::Member;
-use crate::compile::group::ObjectMember;
-use crate::compile::transform;
+use crate::compile::member::{Member, ObjectMember};
+use crate::compile::operations;
 use crate::schema::{Block, Kind};
 
 pub const GROUP: ObjectMember = Member {
@@ -15,7 +14,7 @@ pub const INSTANCE: ObjectMember = Member {
         keyword: "Instance",
         kind: Kind::Instance,
         about: "what was defined, put into its place",
-        groups: &[transform::FIELDS],
+        groups: &[operations::FIELDS],
     },
     read: |compiler, item, place, walk| compiler.instance(item, place, walk),
 };
@@ -25,7 +24,7 @@ pub const TRANSFORM: ObjectMember = Member {
         keyword: "Transform",
         kind: Kind::Transform,
         about: "moves, turns and scales an object or a group",
-        groups: &[transform::FIELDS],
+        groups: &[operations::FIELDS],
     },
     read: |compiler, item, place, walk| compiler.transform(item, place, walk),
 };

@@ -1,8 +1,8 @@
 //! `Marble`: veins of two materials.
 
-use super::Member;
 use crate::compile::fields::{Defaulted, Keys, count, keys, number};
-use crate::compile::materials::{MaterialMember, PARTS};
+use crate::compile::material_draft::PARTS;
+use crate::compile::member::{MaterialMember, Member};
 use crate::schema::{Block, Kind};
 use crate::texture::Marble;
 

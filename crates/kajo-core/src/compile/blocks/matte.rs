@@ -1,9 +1,8 @@
 //! `Matte`: paper, plaster, chalk.
 
-use super::Member;
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{Keys, keys, paint, share};
-use crate::compile::materials::MaterialMember;
+use crate::compile::member::{MaterialMember, Member};
 use crate::material::Matte;
 use crate::schema::{Block, Kind};
 use crate::texture::{Paint, Share};

@@ -3,11 +3,10 @@
 use kajo_color::{metal, named};
 use kajo_scene::{Args, Diagnostic, Params, nearest};
 
-use super::Member;
 use crate::bsdf::microfacet::Shape;
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{Defaulted, Keys, Plain, Sources, Typed, choice, choices, keys, paint, share};
-use crate::compile::materials::MaterialMember;
+use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Grain, Metal, Substance};
 use crate::schema::{Block, FieldKind, FieldSpec, Kind};
 use crate::texture::{Paint, Share};

@@ -1,8 +1,8 @@
 //! `Mix`: two materials in the same proportion everywhere.
 
-use super::Member;
 use crate::compile::fields::{Keys, between, keys};
-use crate::compile::materials::{MaterialMember, PARTS};
+use crate::compile::material_draft::PARTS;
+use crate::compile::member::{MaterialMember, Member};
 use crate::schema::{Block, Kind};
 use crate::texture::Constant;
 

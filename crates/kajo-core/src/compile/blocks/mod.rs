@@ -1,7 +1,7 @@
 //! The blocks of the language, a file for each: what its fields are, and what is made of them.
 //!
-//! A family of blocks has a list of its members beside the code that walks over them (`lights.rs` for lights). A new
-//! block is its own file here and one line in that list; the editor, `kajo help` and the manual follow.
+//! A new block is its own file and one line in the list of its family, here; the parser, the editor, `kajo help` and the
+//! manual follow.
 
 pub(super) mod checkerboard;
 pub(super) mod cone;
@@ -33,24 +33,62 @@ pub(super) mod triangle;
 pub(super) mod triangle_mesh;
 pub(super) mod wood;
 
+use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
-/// A block of a family, and what reads it.
-pub(super) struct Member<F> {
-    pub block: Block,
-    pub read: F,
-}
+/// All kinds of objects, in the order in which they are offered.
+pub(super) const OBJECTS: [&ObjectMember; 13] = [
+    &sphere::MEMBER,
+    &cuboid::MEMBER,
+    &plane::MEMBER,
+    &cylinder::MEMBER,
+    &cone::MEMBER,
+    &disk::MEMBER,
+    &quad::MEMBER,
+    &triangle::MEMBER,
+    &triangle_mesh::MEMBER,
+    &model::MEMBER,
+    &group::GROUP,
+    &group::TRANSFORM,
+    &group::INSTANCE,
+];
 
-/// The words of the members of a family.
-pub(super) const fn keywords<F, const N: usize>(members: &[&Member<F>; N]) -> [&'static str; N] {
-    let mut words = [""; N];
-    let mut i = 0;
-    while i < N {
-        words[i] = members[i].block.keyword;
-        i += 1;
-    }
-    words
-}
+/// All kinds of cameras, in the order in which they are offered.
+pub(super) const CAMERAS: [&CameraMember; 5] = [
+    &perspective_camera::MEMBER,
+    &orthographic_camera::MEMBER,
+    &fisheye_camera::MEMBER,
+    &panorama_camera::MEMBER,
+    &stereo_cubemap_camera::MEMBER,
+];
+
+/// All kinds of lights.
+pub(super) const LIGHTS: [&LightMember; 3] =
+    [&directional_light::MEMBER, &point_light::MEMBER, &spot_light::MEMBER];
+
+/// All kinds of materials, in the order in which they are offered.
+pub(super) const MATERIALS: [&MaterialMember; 11] = [
+    &phong_material::MEMBER,
+    &phong_material::SHORT,
+    &matte::MEMBER,
+    &metal::MEMBER,
+    &glass::MEMBER,
+    &principled::MEMBER,
+    &checkerboard::MEMBER,
+    &mix::MEMBER,
+    &noise::MEMBER,
+    &marble::MEMBER,
+    &wood::MEMBER,
+];
+
+pub(super) const LIGHT_LIST: Block =
+    Block { keyword: "Lights", kind: Kind::Lights, about: "the lights of the scene", groups: &[] };
+
+pub(super) const MATERIAL_LIST: Block =
+    Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
+
+/// The word that chooses the material of what follows.
+pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
 const OTHERS: [&Block; 9] = [
@@ -58,8 +96,8 @@ const OTHERS: [&Block; 9] = [
     &super::background::BLOCK,
     &super::background::SKY,
     &super::background::FOG,
-    &super::lights::LIST,
-    &super::materials::LIST,
+    &LIGHT_LIST,
+    &MATERIAL_LIST,
     &group::DEFINE,
     &super::motion::BLOCK,
     &super::motion::KEY,
@@ -67,10 +105,10 @@ const OTHERS: [&Block; 9] = [
 
 /// All kinds of blocks.
 pub fn blocks() -> impl Iterator<Item = &'static Block> {
-    let objects = super::group::MEMBERS.iter().map(|member| &member.block);
-    let lights = super::lights::MEMBERS.iter().map(|member| &member.block);
-    let cameras = super::camera::MEMBERS.iter().map(|member| &member.block);
-    let materials = super::materials::MEMBERS.iter().map(|member| &member.block);
+    let objects = OBJECTS.iter().map(|member| &member.block);
+    let lights = LIGHTS.iter().map(|member| &member.block);
+    let cameras = CAMERAS.iter().map(|member| &member.block);
+    let materials = MATERIALS.iter().map(|member| &member.block);
     objects.chain(cameras).chain(materials).chain(OTHERS).chain(lights)
 }
 

@@ -2,13 +2,13 @@
 
 use kajo_scene::{Item, Params};
 
-use super::Member;
 use crate::compile::Compiler;
+use crate::compile::fields;
 use crate::compile::fields::{At, FileName, Keys, Sources, at_least, file, flag, keys};
-use crate::compile::group::{ObjectMember, Place, Walk};
-use crate::compile::light_groups;
+use crate::compile::member::{Member, ObjectMember};
 use crate::compile::model::ModelRequest;
 use crate::compile::model_beads::BeadRadii;
+use crate::compile::place::{Place, Walk};
 use crate::ids::LightGroup;
 use crate::schema::{Block, Kind};
 
@@ -19,7 +19,7 @@ keys! {
         materials: bool = flag("materials").or(true, "in the materials of its own file"),
         lights: bool = flag("lights").or(true, "with the lights of its file"),
         light_scale: f32 = at_least("lightScale", 0.0).or(1.0, "factor of these lights"),
-        group: Option<LightGroup> = light_groups::GROUP,
+        group: Option<LightGroup> = fields::GROUP,
         points: Option<f32> =
             at_least("points", 0.0).unit("length").option("radius of spheres in place of points"),
         lines: Option<f32> = at_least("lines", 0.0).unit("length").option("radius of tubes in place of lines"),

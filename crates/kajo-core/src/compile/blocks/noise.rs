@@ -1,9 +1,9 @@
 //! `Noise`: clouds of two materials.
 
-use super::Member;
 use super::marble::OCTAVES;
 use crate::compile::fields::{Keys, keys};
-use crate::compile::materials::{MaterialMember, PARTS};
+use crate::compile::material_draft::PARTS;
+use crate::compile::member::{MaterialMember, Member};
 use crate::schema::{Block, Kind};
 use crate::texture::Noise;
 

@@ -2,12 +2,12 @@
 
 use kajo_scene::Params;
 
-use super::Member;
 use crate::camera::{Camera, OrthographicCamera};
 use crate::compile::aim;
-use crate::compile::camera::{CameraMember, CameraReader, OwnKeys, ShutterKeys, View, opening};
+use crate::compile::camera_keys::{CameraReader, OwnKeys, ShutterKeys, View, opening};
 use crate::compile::fields::{Keys, Sources, keys, number};
 use crate::compile::lens::{LensFields, LensKeys};
+use crate::compile::member::{CameraMember, Member};
 use crate::schema::{Block, Kind};
 
 /// Height of the view of a camera that may stand where it likes.

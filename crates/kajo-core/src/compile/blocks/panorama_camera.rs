@@ -2,11 +2,11 @@
 
 use kajo_scene::Params;
 
-use super::Member;
 use crate::camera::{Camera, EyePair, PanoramaCamera};
 use crate::compile::aim;
-use crate::compile::camera::{CameraMember, CameraReader, EYE_SEPARATION, OwnKeys, ShutterKeys, View};
+use crate::compile::camera_keys::{CameraReader, EYE_SEPARATION, OwnKeys, ShutterKeys, View};
 use crate::compile::fields::{Keys, Sources, choice, choices, keys};
+use crate::compile::member::{CameraMember, Member};
 use crate::schema::{Block, Kind};
 
 /// For how many eyes the picture is.

@@ -2,12 +2,12 @@
 
 use kajo_scene::{Diagnostic, Params};
 
-use super::Member;
 use crate::camera::{Camera, PerspectiveCamera};
 use crate::compile::aim;
-use crate::compile::camera::{CameraMember, CameraReader, OwnKeys, ShutterKeys, View, opening};
+use crate::compile::camera_keys::{CameraReader, OwnKeys, ShutterKeys, View, opening};
 use crate::compile::fields::{At, Keys, Sources, any_angle, count, keys};
 use crate::compile::lens::{LensFields, LensKeys};
+use crate::compile::member::{CameraMember, Member};
 use crate::schema::{Block, Kind};
 
 /// Angle of view of a camera that may stand where it likes, in degrees.

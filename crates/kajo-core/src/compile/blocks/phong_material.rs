@@ -4,13 +4,13 @@ use kajo_color::{Reflectance, Spectrum};
 use kajo_math::{Affine3A, Vec3, fmath};
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
-use super::Member;
 use super::marble::VeinKeys;
 use crate::bsdf::Phong;
 use crate::compile::Compiler;
 use crate::compile::extras::{ExtraKeys, Extras};
 use crate::compile::fields::{Given, Keys, Sources, Typed, at_least, color, keys, positive, reflectance};
-use crate::compile::materials::{Draft, MaterialMember};
+use crate::compile::material_draft::Draft;
+use crate::compile::member::{MaterialMember, Member};
 use crate::compile::spectra::Written;
 use crate::family::Pooled;
 use crate::material::{Blend, PhongMaterial};

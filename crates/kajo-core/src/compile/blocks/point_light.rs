@@ -7,13 +7,13 @@ use kajo_color::Emission;
 use kajo_math::{Frame, Vec3, fmath};
 use kajo_scene::{Args, Assets, Diagnostic, Item, Params, read_ies, read_limited};
 
-use super::Member;
+use crate::compile::fields;
 use crate::compile::fields::{
     At, Direction, Given, Keys, Plain, Required, Sources, Typed, any_angle, at_least, classic_light,
     direction, emission, keys, number, point, report_beside, report_without, triple,
 };
-use crate::compile::light_groups;
-use crate::compile::lights::{LightMember, classic, physical};
+use crate::compile::light_quantities::{classic, physical};
+use crate::compile::member::{LightMember, Member};
 use crate::compile::spectra::Written;
 use crate::ids::LightGroup;
 use crate::light::{PhotometricLight, Photometry, PointLight};
@@ -52,7 +52,7 @@ keys! {
             .not_beside(&["attenuation", "intensity", "power", "ies"])
             .placed()
             .unlike("by `attenuation`", "1", "divides the colour by f d² at the distance d"),
-        group: Option<LightGroup> = light_groups::GROUP,
+        group: Option<LightGroup> = fields::GROUP,
     }
 }
 

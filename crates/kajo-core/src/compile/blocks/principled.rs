@@ -2,12 +2,11 @@
 
 use kajo_scene::Params;
 
-use super::Member;
 use super::glass::PRIORITY;
 use super::metal::{ANISOTROPY, ROTATION};
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{Absorption, Keys, Sources, absorption, between, flag, keys, paint, share};
-use crate::compile::materials::MaterialMember;
+use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Grain, LayeredMaterial, Layers, Specular};
 use crate::schema::{Block, Kind};
 use crate::texture::{Paint, Share};

@@ -3,9 +3,8 @@
 use kajo_math::Vec3;
 use kajo_scene::Params;
 
-use super::Member;
 use crate::compile::fields::{At, Keys, Sources, keys, point, vector};
-use crate::compile::group::{ObjectMember, reported};
+use crate::compile::member::{Member, ObjectMember, reported};
 use crate::schema::{Block, Kind};
 use crate::shape::Quad;
 

@@ -3,10 +3,9 @@
 use kajo_math::Vec3;
 use kajo_scene::Params;
 
-use super::Member;
 use super::point_light::{BrightnessKeys, POSITION};
 use crate::compile::fields::{Direction, Keys, Sources, degrees, direction, keys};
-use crate::compile::lights::LightMember;
+use crate::compile::member::{LightMember, Member};
 use crate::ids::LightGroup;
 use crate::light::{Cone, SpotLight};
 use crate::schema::{Around, Block, FieldValue, Kind};

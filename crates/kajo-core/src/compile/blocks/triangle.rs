@@ -3,10 +3,10 @@
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Item, Params};
 
-use super::Member;
 use crate::compile::Compiler;
 use crate::compile::fields::{Keys, Sources, keys, pair, point};
-use crate::compile::group::{ObjectMember, Place, Walk};
+use crate::compile::member::{Member, ObjectMember};
+use crate::compile::place::{Place, Walk};
 use crate::schema::{Block, Kind};
 use crate::shape::{ShapeId, Triangle};
 

@@ -2,11 +2,12 @@
 
 use kajo_scene::{Item, Params};
 
-use super::Member;
 use crate::compile::Compiler;
 use crate::compile::fields::{At, FileName, Keys, Sources, file, flag, keys};
-use crate::compile::group::{ObjectMember, Place, Walk};
-use crate::compile::mesh::{MeshRequest, Shading};
+use crate::compile::member::{Member, ObjectMember};
+use crate::compile::mesh::MeshRequest;
+use crate::compile::mesh_store::Shading;
+use crate::compile::place::{Place, Walk};
 use crate::schema::{Around, Block, FieldValue, Kind};
 
 keys! {

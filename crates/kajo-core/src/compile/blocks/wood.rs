@@ -1,9 +1,9 @@
 //! `Wood`: rings of two materials.
 
-use super::Member;
 use super::marble::VeinKeys;
 use crate::compile::fields::Keys;
-use crate::compile::materials::{MaterialMember, PARTS};
+use crate::compile::material_draft::PARTS;
+use crate::compile::member::{MaterialMember, Member};
 use crate::schema::{Block, Kind};
 use crate::texture::Wood;
 

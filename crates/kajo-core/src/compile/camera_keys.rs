@@ -1,0 +1,71 @@
+//! What the kinds of cameras say of their own.
+
+use kajo_scene::Params;
+
+use super::fields::{Defaulted, Sources, Typed, at_least, between, keys};
+use super::lens::LensKeys;
+use crate::camera::{Camera, Frame};
+use crate::motion::Shutter;
+use crate::schema::FieldKind;
+
+/// What reads the keys that a kind of camera has of its own.
+pub(super) struct CameraReader {
+    /// Words after `fit` that mean something else to this camera.
+    pub other_fits: &'static [&'static str],
+    pub read: for<'t> fn(&mut Params<'t, '_>, &mut Sources<'_>, &View) -> OwnKeys<'t>,
+}
+
+/// Where a camera stands and looks, as far as that is known before the scene is.
+pub(super) struct View {
+    pub frame: Option<Frame>,
+    /// Whether what it sees is found by what it is to see.
+    pub is_fitted: bool,
+}
+
+/// What a kind of camera says of its own.
+pub(super) struct OwnKeys<'t> {
+    pub camera: Option<Camera>,
+    /// Whether its angle or size was written.
+    pub has_opening: bool,
+    pub lens: Option<LensKeys<'t>>,
+    /// Columns and rows of the picture.
+    pub size: Option<[u32; 2]>,
+}
+
+impl OwnKeys<'_> {
+    /// A camera that says nothing else.
+    pub fn of(camera: Option<Camera>) -> OwnKeys<'static> {
+        OwnKeys { camera, has_opening: true, lens: None, size: None }
+    }
+}
+
+keys! {
+    pub ShutterKeys {
+        shutter: Shutter = Typed::<Shutter>::new("shutter", FieldKind::Numbers(2))
+            .or([0.0, 1.0], "from when to when light is gathered"),
+        rolling: f32 = between("rollingShutter", 0.0, 1.0)
+            .or(0.0, "the share of that time in which rows open one after the other"),
+    }
+}
+
+/// Distance between the eyes, which is that of a grown person's in metres.
+pub(super) const EYE_SEPARATION: Defaulted<f32> =
+    at_least("eyeSeparation", 0.0).unit("length").or(0.065, "distance between the eyes");
+
+/// How much a camera sees, and whether that was written: what is usual where it is found by what the camera is to see.
+pub(super) fn opening(
+    params: &mut Params<'_, '_>,
+    key: &'static str,
+    written: Option<f32>,
+    usual: f32,
+    view: &View,
+) -> (Option<f32>, bool) {
+    let has_opening = params.contains(key);
+    if view.is_fitted && !has_opening {
+        return (Some(usual), false);
+    }
+    if written.is_none() {
+        params.report_missing(key);
+    }
+    (written, has_opening)
+}

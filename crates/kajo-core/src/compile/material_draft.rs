@@ -1,0 +1,53 @@
+//! Materials before their references to others are followed.
+
+use std::borrow::Cow;
+
+use kajo_math::Affine3A;
+use kajo_scene::{Args, Diagnostic, Span};
+
+use super::extras::Extras;
+use crate::material::MaterialId;
+use crate::schema::{FieldKind, FieldSpec};
+use crate::texture::TextureId;
+
+/// What one of two materials of a pattern is written by.
+pub(super) const PART: FieldSpec = FieldSpec {
+    about: "the two materials that it mixes",
+    ..FieldSpec::new("materialIndex", FieldKind::Material)
+};
+
+/// The two materials of a pattern.
+pub(super) const PARTS: &[FieldSpec] = &[PART; 2];
+
+/// A material before its references are followed.
+pub(super) enum Draft<'t> {
+    /// One that has none, with what stands around it.
+    Stored(Option<MaterialId>, Extras),
+    Blend(BlendDraft<'t>),
+}
+
+/// A blend before the references to its parts are followed.
+pub(super) struct BlendDraft<'t> {
+    pub pattern: TextureId,
+    pub pattern_from_world: Affine3A,
+    pub parts: [Reference<'t>; 2],
+    pub place: Span,
+}
+
+/// Another material, by number or name.
+#[derive(Clone)]
+pub(super) enum Reference<'t> {
+    Number(usize, Span),
+    Name(Cow<'t, str>, Span),
+}
+
+impl<'t> Reference<'t> {
+    /// The value of a `MaterialIndex`.
+    pub(super) fn read(args: &mut Args<'t>) -> Result<Reference<'t>, Diagnostic> {
+        let place = args.item().head_span();
+        if args.is_word() {
+            return Ok(Reference::Name(args.text()?, place));
+        }
+        Ok(Reference::Number(args.int_in(0..=i64::from(u32::MAX))? as usize, place))
+    }
+}

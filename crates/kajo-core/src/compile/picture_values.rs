@@ -1,0 +1,135 @@
+//! Values of materials that pictures may say: holes, normals, heights and light.
+
+use kajo_color::Emission;
+use kajo_scene::{Args, Diagnostics, Item, Params, Span};
+
+use super::fields::{Sources, Value};
+use super::pictures::{is_picture, read_channel};
+use super::spectra::factor;
+use crate::schema::FieldSpec;
+use crate::texture::{Channel, Encoding, PictureMap, Share};
+
+/// The share of a surface that is there, and where that is said.
+pub(super) struct Opacity {
+    pub share: Share,
+    pub place: Span,
+}
+
+impl Value<'_> for Opacity {
+    fn read(
+        spec: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<Opacity> {
+        let read = |params: &mut Params<'_, '_>| {
+            (read_channel(params), params.optional("cutoff", |args| args.number_in(0.0..=1.0)))
+        };
+        let share =
+            sources.paints.share_of(spec, item, diagnostics, read, |map, (channel, cutoff)| match cutoff {
+                None => Share::Picture(map, channel),
+                Some(least) => Share::Cut(map, channel, least),
+            });
+        share.map(|share| Opacity { share, place: item.head_span() })
+    }
+}
+
+/// A picture of normals.
+pub(super) struct NormalMap {
+    pub map: PictureMap,
+    /// How steep they are made.
+    pub scale: f32,
+}
+
+impl Value<'_> for NormalMap {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<NormalMap> {
+        let scale = |params: &mut Params<'_, '_>| Scale(params.or("scale", 1.0, Args::number));
+        let (map, Scale(scale)) =
+            sources.paints.pictures.map(item, Some(Encoding::Linear), diagnostics, scale)?;
+        Some(NormalMap { map, scale })
+    }
+}
+
+/// A picture of heights.
+pub(super) struct HeightMap {
+    pub map: PictureMap,
+    pub channel: Channel,
+    /// How far white rises above black.
+    pub height: f32,
+}
+
+impl Value<'_> for HeightMap {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<HeightMap> {
+        let read = |params: &mut Params<'_, '_>| {
+            (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
+        };
+        let (map, (Height(height), channel)) =
+            sources.paints.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
+        Some(HeightMap { map, channel, height })
+    }
+}
+
+/// The light of a surface, and the picture that it shines through like a slide, if there is one.
+pub(super) struct SurfaceLight {
+    pub light: Emission,
+    pub slide: Option<PictureMap>,
+}
+
+impl Value<'_> for SurfaceLight {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<SurfaceLight> {
+        let spectra = sources.paints.spectra;
+        if !is_picture(item) {
+            let light = Args::read(item, diagnostics, |args| spectra.emission(args))?;
+            return Some(SurfaceLight { light, slide: None });
+        }
+        let light = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
+        let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
+        let ((map, factor), light) = sources.paints.pictures.map_and(item, None, diagnostics, name, light)?;
+        let light = light.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor);
+        Some(SurfaceLight { light, slide: Some(map) })
+    }
+}
+
+impl Value<'_> for PictureMap {
+    fn read(
+        _: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<PictureMap> {
+        sources.paints.pictures.map(item, None, diagnostics, |_| ()).map(|(map, ())| map)
+    }
+}
+
+/// How steep a picture of normals is made.
+struct Scale(f32);
+
+impl Default for Scale {
+    fn default() -> Scale {
+        Scale(1.0)
+    }
+}
+
+/// How far white rises above black.
+struct Height(f32);
+
+impl Default for Height {
+    fn default() -> Height {
+        Height(0.01)
+    }
+}
