@@ -2,7 +2,7 @@
 
 use super::texts::Change;
 use super::tree::Tree;
-use super::{FieldValue, FileId, Movement, Node, NodeId, TextEdit};
+use super::{FieldValue, FileId, Movement, Node, NodeId, TextEdit, expressions};
 use kajo::CameraPose;
 
 /// One thing to do.
@@ -135,6 +135,10 @@ impl Edit {
                 "the text has blocks that are not closed or files that cannot be read",
             ));
         }
+        expressions::kept(tree, self.pieces(tree)?)
+    }
+
+    fn pieces(&self, tree: &Tree) -> Result<Vec<TextEdit>, EditRefused> {
         match self {
             Edit::Set { node, key, nth, value } => tree.set_field(tree.node(*node)?, key, *nth, Some(value)),
             Edit::Unset { node, key, nth } => tree.set_field(tree.node(*node)?, key, *nth, None),
@@ -149,7 +153,7 @@ impl Edit {
             Edit::MoveInto { node, into } => tree.move_into(tree.node(*node)?, tree.node(*into)?),
             Edit::Rewrite { .. } => Ok(Vec::new()),
             Edit::Together(edits) => {
-                let plans = edits.iter().map(|edit| edit.plan(tree)).collect::<Result<Vec<_>, _>>();
+                let plans = edits.iter().map(|edit| edit.pieces(tree)).collect::<Result<Vec<_>, _>>();
                 Ok(plans?.concat())
             }
         }

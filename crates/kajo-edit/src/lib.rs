@@ -39,6 +39,7 @@ mod completion;
 mod difference;
 mod displace;
 mod document;
+mod expressions;
 mod fields;
 pub mod handles;
 mod history;

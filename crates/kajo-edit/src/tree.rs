@@ -61,14 +61,15 @@ impl Tree {
             });
             by_source.insert(source, FileId(index as u32));
         }
-        let file_of = |source| by_source.get(&source).copied().unwrap_or(FileId(0));
+        let sources = desc.sources();
+        let file_of = |source| by_source.get(&sources.original(source)).copied().unwrap_or(FileId(0));
         let outline = identities.outline(&desc, file_of, before.outline, before.change, before.remembered);
         let texts = files.iter().map(|file| file.text.clone()).collect();
         Tree { desc, diagnostics, whole, outline, dialect: options.dialect, files: by_source, texts }
     }
 
     pub fn file_of(&self, source: SourceId) -> FileId {
-        self.files.get(&source).copied().unwrap_or(FileId(0))
+        self.files.get(&self.desc.sources().original(source)).copied().unwrap_or(FileId(0))
     }
 
     /// The text of a file as it was parsed.

@@ -1,7 +1,8 @@
 //! Messages about input, as values: what was found, what was expected, what to do.
 
 use crate::nearest::nearest;
-use crate::source::Span;
+use crate::source::{Sources, Span};
+use std::collections::HashSet;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -131,6 +132,22 @@ impl Diagnostics {
         if *count <= Self::KEPT {
             self.list.push(diagnostic);
         }
+    }
+
+    /// Keeps one of the messages that say the same about one place in several turns of a repeated block: the first.
+    pub fn merge_turns(&mut self, sources: &Sources) {
+        let mut seen = HashSet::new();
+        let counts = &mut self.counts;
+        self.list.retain(|diagnostic| {
+            let Some(span) = diagnostic.span().filter(|span| !sources.repetition(span.source).is_empty())
+            else {
+                return true;
+            };
+            let place = (sources.original(span.source), span.start, span.end);
+            let is_new = seen.insert((diagnostic.severity as usize, diagnostic.message.clone(), place));
+            counts[diagnostic.severity as usize] -= usize::from(!is_new);
+            is_new
+        });
     }
 
     /// Adds all messages of `other` after these.

@@ -4,14 +4,17 @@
 //! file  := item*
 //! item  := WORD (WORD | STRING)? NUMBER* ( '{' NUMBER* item* '}' )?
 //!        | 'include' (WORD | STRING)            the items of that file
+//!        | 'let' NAME '=' EXPRESSION            a value with a name
+//!        | 'repeat' NAME EXPRESSION '{' item* '}'   the items several times
 //! ```
 //!
-//! No keyword but `include` is known. After a mistake the parser goes on with
+//! A NUMBER may be an expression (`values`). No keywords but `include`, `let` and `repeat` are known. After a mistake the parser goes on with
 //! the next token, so that one run shows all of them. Open blocks and open
 //! files are kept on explicit stacks: deep nesting costs no program stack.
 
 mod files;
 mod hex_color;
+mod values;
 
 use crate::assets::{Assets, MemoryAssets};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, quoted};
@@ -20,6 +23,7 @@ use crate::limits::Limits;
 use crate::source::{SourceId, Span};
 use crate::tree::{Node, Number, SceneDesc};
 use std::collections::HashMap;
+use values::{LET, REPEAT, Repeat, Scope};
 
 /// Memory is taken for so many items at a time.
 const ITEMS_AT_ONCE: usize = 1024;
@@ -75,6 +79,17 @@ struct Frame {
     outer_blocks: usize,
 }
 
+/// What a `{` belongs to.
+#[derive(Clone, Copy)]
+enum Block {
+    /// The item with this number.
+    Item(u32),
+    /// No keyword: the content counts as that of the surroundings.
+    Stray,
+    /// A `repeat` at this place.
+    Repeat(Span),
+}
+
 /// What the item last begun may still take.
 #[derive(Clone, Copy, PartialEq)]
 enum Expect {
@@ -95,9 +110,14 @@ struct Parser<'l> {
     diagnostics: Diagnostics,
     /// Files open, the scene itself first.
     frames: Vec<Frame>,
-    /// Items whose blocks are open; `None` for a brace without a keyword, whose
-    /// content counts as its surroundings'.
-    blocks: Vec<Option<u32>>,
+    /// The blocks that are open, each with the number of values that were named outside of it.
+    blocks: Vec<(Block, usize)>,
+    /// The values that have names here.
+    scope: Scope,
+    /// Repeated blocks that are open, the innermost last.
+    repeats: Vec<Repeat>,
+    /// How many turns of repeated blocks there were.
+    turns: usize,
     expect: Expect,
     includes: usize,
     by_path: HashMap<String, SourceId>,
@@ -118,6 +138,9 @@ impl<'l> Parser<'l> {
             diagnostics: Diagnostics::new(),
             frames: Vec::new(),
             blocks: Vec::new(),
+            scope: Scope::default(),
+            repeats: Vec::new(),
+            turns: 0,
             expect: Expect::Keyword,
             includes: 0,
             by_path: HashMap::new(),
@@ -146,7 +169,7 @@ impl<'l> Parser<'l> {
     }
 
     fn finish(mut self) -> Parsed {
-        while let Some(block) = self.blocks.pop() {
+        while let Some((block, _)) = self.blocks.pop() {
             self.close(block, None);
         }
         Parsed { desc: self.desc, diagnostics: self.diagnostics, whole: self.whole }
@@ -154,7 +177,7 @@ impl<'l> Parser<'l> {
 
     /// Reads the innermost file up to its end or to an include.
     fn read_frame(&mut self) -> Result<(), Stop> {
-        let Some(&Frame { source, at, outer_blocks }) = self.frames.last() else { return Err(Stop) };
+        let Some(&Frame { mut source, at, outer_blocks }) = self.frames.last() else { return Err(Stop) };
         let text = self.desc.sources.get(source).shared_text();
         let mut tokens = Tokens::resume(&text, at);
         while let Some(token) = tokens.next_significant() {
@@ -169,7 +192,22 @@ impl<'l> Parser<'l> {
                     }
                     return self.include(span, name);
                 }
+                TokenKind::Word if word == LET && self.expect != Expect::Value => {
+                    self.end_item();
+                    self.let_value(span, &mut tokens, &text);
+                }
+                TokenKind::Word
+                    if word == REPEAT && self.expect != Expect::Value && self.is_loop(&tokens, &text) =>
+                {
+                    self.end_item();
+                    self.begin_repeat(span, &mut tokens, &text)?;
+                    source = self.source();
+                }
                 TokenKind::Word => {
+                    if let Some(end) = self.expression(span, &text) {
+                        tokens = Tokens::resume(&text, end);
+                        continue;
+                    }
                     self.word(span, word)?;
                     if self.expect == Expect::Value
                         && let Some(end) = self.hex_color(span, &text)
@@ -180,7 +218,12 @@ impl<'l> Parser<'l> {
                 TokenKind::String => self.string(span),
                 TokenKind::Number(value) => self.number(span, word, value),
                 TokenKind::OpenBrace => self.open_brace(span)?,
-                TokenKind::CloseBrace => self.close_brace(span, outer_blocks),
+                TokenKind::CloseBrace => {
+                    if let Some(body) = self.close_brace(span, outer_blocks)? {
+                        tokens = Tokens::resume(&text, body);
+                    }
+                    source = self.source();
+                }
                 TokenKind::Error(error) => self.lex_error(span, error),
                 TokenKind::Whitespace | TokenKind::Comment => {}
             }
@@ -191,6 +234,11 @@ impl<'l> Parser<'l> {
         }
         self.end_of_file(source, outer_blocks, text.len() as u32);
         Ok(())
+    }
+
+    /// The source that is being read, or the turn of it.
+    fn source(&self) -> SourceId {
+        self.frames.last().map_or(SourceId(0), |frame| frame.source)
     }
 
     fn word(&mut self, span: Span, word: &str) -> Result<(), Stop> {
@@ -211,7 +259,7 @@ impl<'l> Parser<'l> {
 
     fn begin_item(&mut self, span: Span) -> Result<(), Stop> {
         self.end_item();
-        if self.desc.nodes.len() >= self.limits.items {
+        if self.desc.nodes.len() + self.turns >= self.limits.items {
             self.damage(
                 Diagnostic::error(format!(
                     "the scene has more than {} items, files included by it counted",
@@ -222,13 +270,7 @@ impl<'l> Parser<'l> {
             );
             return Err(Stop);
         }
-        if self.desc.nodes.len().is_multiple_of(ITEMS_AT_ONCE)
-            && let Err(over) = self.limits.memory.take((ITEMS_AT_ONCE * BYTES_PER_ITEM) as u64)
-        {
-            let error = Diagnostic::error(format!("there is no memory for the rest of the scene: {over}"));
-            self.damage(error.label(span, "from here on"));
-            return Err(Stop);
-        }
+        self.memory_for_items(span)?;
         let index = self.desc.nodes.len() as u32;
         let first_number = self.desc.numbers.len() as u32;
         self.desc.nodes.push(Node {
@@ -241,6 +283,18 @@ impl<'l> Parser<'l> {
             has_block: false,
         });
         self.expect = Expect::Value;
+        Ok(())
+    }
+
+    /// Takes memory for some more items and turns, every so many of them.
+    fn memory_for_items(&mut self, span: Span) -> Result<(), Stop> {
+        if (self.desc.nodes.len() + self.turns).is_multiple_of(ITEMS_AT_ONCE)
+            && let Err(over) = self.limits.memory.take((ITEMS_AT_ONCE * BYTES_PER_ITEM) as u64)
+        {
+            let error = Diagnostic::error(format!("there is no memory for the rest of the scene: {over}"));
+            self.damage(error.label(span, "from here on"));
+            return Err(Stop);
+        }
         Ok(())
     }
 
@@ -263,7 +317,10 @@ impl<'l> Parser<'l> {
     fn number_taker(&self) -> Option<u32> {
         match self.expect {
             Expect::Value | Expect::Number => (self.desc.nodes.len() as u32).checked_sub(1),
-            Expect::BlockNumber => self.blocks.last().copied().flatten(),
+            Expect::BlockNumber => match self.blocks.last() {
+                Some(&(Block::Item(index), _)) => Some(index),
+                _ => None,
+            },
             Expect::Keyword => None,
         }
     }
@@ -330,16 +387,22 @@ impl<'l> Parser<'l> {
         );
     }
 
-    fn open_brace(&mut self, span: Span) -> Result<(), Stop> {
-        if self.blocks.len() >= self.limits.nesting {
-            self.damage(
-                Diagnostic::error(format!("blocks are nested more than {} deep", self.limits.nesting))
-                    .label(span, "this block is too deep; the rest was not read"),
-            );
-            return Err(Stop);
+    /// One more block may be opened.
+    fn room_for_block(&mut self, span: Span) -> Result<(), Stop> {
+        if self.blocks.len() < self.limits.nesting {
+            return Ok(());
         }
+        self.damage(
+            Diagnostic::error(format!("blocks are nested more than {} deep", self.limits.nesting))
+                .label(span, "this block is too deep; the rest was not read"),
+        );
+        Err(Stop)
+    }
+
+    fn open_brace(&mut self, span: Span) -> Result<(), Stop> {
+        self.room_for_block(span)?;
         let taker = if self.expect == Expect::BlockNumber { None } else { self.number_taker() };
-        self.blocks.push(taker);
+        self.blocks.push((taker.map_or(Block::Stray, Block::Item), self.scope.len()));
         match taker {
             Some(index) => {
                 let node = &mut self.desc.nodes[index as usize];
@@ -358,7 +421,8 @@ impl<'l> Parser<'l> {
         Ok(())
     }
 
-    fn close_brace(&mut self, span: Span, outer_blocks: usize) {
+    /// Returns where reading goes on, if that is not behind the brace.
+    fn close_brace(&mut self, span: Span, outer_blocks: usize) -> Result<Option<u32>, Stop> {
         self.end_item();
         if self.blocks.len() <= outer_blocks {
             self.damage(
@@ -366,17 +430,23 @@ impl<'l> Parser<'l> {
                     .label(span, "no `{` of this file is open here")
                     .help("remove it, or add the missing `{`"),
             );
-            return;
+            return Ok(None);
         }
-        if let Some(block) = self.blocks.pop() {
-            self.close(block, Some(span.end));
+        match self.blocks.pop() {
+            Some((Block::Repeat(_), scope)) => return self.end_turn(span, scope),
+            Some((block, scope)) => {
+                self.scope.forget(scope);
+                self.close(block, Some(span.end));
+            }
+            None => {}
         }
+        Ok(None)
     }
 
     /// Ends a block; `end` is where its brace ends, if there is one.
-    fn close(&mut self, block: Option<u32>, end: Option<u32>) {
+    fn close(&mut self, block: Block, end: Option<u32>) {
         let next = self.desc.nodes.len() as u32;
-        if let Some(index) = block {
+        if let Block::Item(index) = block {
             let node = &mut self.desc.nodes[index as usize];
             node.next = next;
             node.end = end.unwrap_or(node.end);
@@ -386,18 +456,26 @@ impl<'l> Parser<'l> {
     fn end_of_file(&mut self, source: SourceId, outer_blocks: usize, end: u32) {
         self.end_item();
         while self.blocks.len() > outer_blocks {
-            let Some(block) = self.blocks.pop() else { break };
+            let Some((block, _)) = self.blocks.pop() else { break };
             self.close(block, Some(end));
-            if let Some(index) = block {
-                self.unclosed(index, Span { source, start: end, end });
+            let end = Span { source, start: end, end };
+            match block {
+                Block::Item(index) => {
+                    let node = self.desc.nodes[index as usize];
+                    let (start, stop) = node.keyword;
+                    self.unclosed(Span { source: node.source, start, end: stop }, end);
+                }
+                Block::Repeat(keyword) => {
+                    self.repeats.pop();
+                    self.unclosed(keyword, end);
+                }
+                Block::Stray => {}
             }
         }
         self.frames.pop();
     }
 
-    fn unclosed(&mut self, index: u32, end: Span) {
-        let node = self.desc.nodes[index as usize];
-        let keyword = Span { source: node.source, start: node.keyword.0, end: node.keyword.1 };
+    fn unclosed(&mut self, keyword: Span, end: Span) {
         let name = quoted(self.desc.sources.text(keyword));
         self.damage(
             Diagnostic::error(format!("the block of {name} is not closed"))

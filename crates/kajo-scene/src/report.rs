@@ -56,6 +56,9 @@ pub fn render_one(diagnostic: &Diagnostic, sources: &Sources, color: bool) -> St
     for excerpt in excerpts(&diagnostic.labels, sources) {
         group = excerpt.draw(group, sources);
     }
+    if let Some(turn) = turn_of(diagnostic, sources) {
+        group = group.element(Padding).element(Level::NOTE.message(turn));
+    }
     if let Some(help) = &diagnostic.help {
         if !diagnostic.labels.is_empty() {
             group = group.element(Padding);
@@ -72,7 +75,15 @@ pub fn one_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
         let Position { line, column } = sources.position(span);
         format!("{}:{line}:{column}: ", sources.get(span.source).path())
     });
-    printable(&(place.unwrap_or_default() + &text))
+    let turn = turn_of(diagnostic, sources).map(|turn| format!(" ({turn})")).unwrap_or_default();
+    printable(&(place.unwrap_or_default() + &text + &turn))
+}
+
+/// The turn of the repeated blocks in which a mistake was found: "in `repeat`: i = 3, j = 0".
+fn turn_of(diagnostic: &Diagnostic, sources: &Sources) -> Option<String> {
+    let variables = sources.repetition(diagnostic.span()?.source);
+    let shown: Vec<String> = variables.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    (!shown.is_empty()).then(|| format!("in `repeat`: {}", shown.join(", ")))
 }
 
 /// A piece of one line, and the labels on it.
@@ -94,7 +105,9 @@ fn excerpts<'a>(labels: &'a [Label], sources: &Sources) -> Vec<Excerpt<'a>> {
         let line = source.line_range(label.span.start);
         let start = label.span.start as usize;
         let on_it = |e: &&mut Excerpt<'a>| {
-            e.source == label.span.source && e.line == line && e.window.contains(&start)
+            sources.original(e.source) == sources.original(label.span.source)
+                && e.line == line
+                && e.window.contains(&start)
         };
         match list.iter_mut().find(on_it) {
             Some(excerpt) => excerpt.labels.push((label, i == 0)),

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-/// Which file of a [`Sources`] a [`Span`] points into.
+/// Which file of a [`Sources`] a [`Span`] points into, and in which turn of repeated blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SourceId(pub(crate) u32);
 
@@ -119,10 +119,30 @@ pub(crate) fn floor_char_boundary(text: &str, offset: usize) -> usize {
 }
 
 /// Every text that places may point into.
+///
+/// A text of which a part is repeated has an id for each turn besides its own, so that a place in it says which turn is
+/// meant.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     list: Vec<Source>,
+    turns: Vec<Turn>,
+    /// Names of the variables of repeated blocks.
+    variables: Vec<String>,
 }
+
+/// A text in a turn of a repeated block.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    /// The text itself.
+    text: u32,
+    /// The turn of the block around, if that is repeated too.
+    outer: Option<SourceId>,
+    variable: u32,
+    value: f64,
+}
+
+/// Ids from here on are turns.
+const TURNS: u32 = 1 << 31;
 
 impl Sources {
     /// Adds a text. Texts longer than `u32::MAX` bytes are cut; readers refuse them earlier.
@@ -154,7 +174,48 @@ impl Sources {
     /// # Panics
     /// When `id` came from another `Sources`.
     pub fn get(&self, id: SourceId) -> &Source {
-        &self.list[id.0 as usize]
+        &self.list[self.original(id).0 as usize]
+    }
+
+    /// The text that an id stands for, in whatever turn of a repeated block.
+    pub fn original(&self, id: SourceId) -> SourceId {
+        self.turn(id).map_or(id, |turn| SourceId(turn.text))
+    }
+
+    /// The variables of the repeated blocks that a place is in, outermost first, and their values.
+    pub fn repetition(&self, id: SourceId) -> Vec<(&str, f64)> {
+        let mut variables = Vec::new();
+        let mut next = self.turn(id);
+        while let Some(turn) = next {
+            variables.push((&*self.variables[turn.variable as usize], turn.value));
+            next = turn.outer.and_then(|outer| self.turn(outer));
+        }
+        variables.reverse();
+        variables
+    }
+
+    fn turn(&self, id: SourceId) -> Option<&Turn> {
+        self.turns.get(id.0.checked_sub(TURNS)? as usize)
+    }
+
+    /// Names the variable of a repeated block, for [`Sources::add_turn`].
+    pub(crate) fn add_variable(&mut self, name: &str) -> u32 {
+        self.variables.push(name.to_owned());
+        self.variables.len() as u32 - 1
+    }
+
+    /// An id for a turn of a repeated block in `outer`.
+    pub(crate) fn add_turn(&mut self, outer: SourceId, variable: u32, value: f64) -> SourceId {
+        let text = self.original(outer).0;
+        self.turns.push(Turn { text, outer: Some(outer), variable, value });
+        SourceId(TURNS + self.turns.len() as u32 - 1)
+    }
+
+    /// An id for a file that is included in `turn`.
+    pub(crate) fn within(&mut self, file: SourceId, turn: SourceId) -> SourceId {
+        let Some(&around) = self.turn(turn) else { return file };
+        self.turns.push(Turn { text: file.0, ..around });
+        SourceId(TURNS + self.turns.len() as u32 - 1)
     }
 
     /// All sources in the order they were read.

@@ -14,6 +14,27 @@ pub struct SceneDesc {
     pub(crate) sources: Sources,
     pub(crate) nodes: Vec<Node>,
     pub(crate) numbers: Vec<Number>,
+    /// The values that have names.
+    pub(crate) values: Vec<NamedValue>,
+    /// The numbers that are written as expressions.
+    pub(crate) expressions: Vec<Expression>,
+}
+
+/// A value with a name.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedValue {
+    /// Where `let` or `repeat` gives it the name.
+    pub name: Span,
+    /// Where it is written, if as a number: the one place that decides it.
+    pub literal: Option<Span>,
+}
+
+/// A number that is written as an expression.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Expression {
+    pub place: Span,
+    /// The value that it names, if it is a name and nothing else.
+    pub value: Option<u32>,
 }
 
 /// An item in the array; spans are bytes of `source`.
@@ -63,6 +84,16 @@ impl SceneDesc {
     /// Whether there is no item.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
+    }
+
+    /// The values that `let` and `repeat` name, in the order of the text; those in a repeated block once for each turn.
+    pub fn named_values(&self) -> impl Iterator<Item = (&str, NamedValue)> {
+        self.values.iter().map(|&value| (self.sources.text(value.name), value))
+    }
+
+    /// The numbers that are written as expressions, where they stand, and the named value where they are its name alone.
+    pub fn expressions(&self) -> impl Iterator<Item = (Span, Option<NamedValue>)> {
+        self.expressions.iter().map(|found| (found.place, found.value.map(|i| self.values[i as usize])))
     }
 
     /// The texts that spans point into.

@@ -42,6 +42,7 @@ mod scale;
 mod settings;
 mod spectra;
 mod transform;
+mod value_names;
 
 pub use self::blocks::{block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
@@ -106,6 +107,7 @@ pub fn compile(
     let meshes = options.meshes.as_deref();
     meshes.into_iter().for_each(MeshStore::begin);
     let scene = compile_tree(desc, assets, options, diagnostics, &mut file_errors);
+    diagnostics.merge_turns(desc.sources());
     if file_errors.is_empty() {
         meshes.filter(|_| scene.is_some()).into_iter().for_each(MeshStore::keep_used);
         return scene;
@@ -123,6 +125,7 @@ fn compile_tree(
     diagnostics: &mut Diagnostics,
     file_errors: &mut Vec<(MeshFileError, Span)>,
 ) -> Option<Scene> {
+    value_names::check(desc, diagnostics);
     let mut root = Params::root(desc, diagnostics);
     let camera_items = root.take(&camera::KEYWORDS);
     let settings = root.block(settings::BLOCK.keyword);

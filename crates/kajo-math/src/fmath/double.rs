@@ -36,6 +36,12 @@ pub fn asin64(x: f64) -> f64 {
     libm::asin(x)
 }
 
+/// Arc cosine in double precision.
+#[inline]
+pub fn acos64(x: f64) -> f64 {
+    libm::acos(x)
+}
+
 /// Arc tangent in double precision.
 #[inline]
 pub fn atan64(x: f64) -> f64 {
@@ -52,6 +58,18 @@ pub fn atan2_64(y: f64, x: f64) -> f64 {
 #[inline]
 pub fn exp64(x: f64) -> f64 {
     libm::exp(x)
+}
+
+/// Natural logarithm in double precision.
+#[inline]
+pub fn ln64(x: f64) -> f64 {
+    libm::log(x)
+}
+
+/// `x` to the power `y` in double precision.
+#[inline]
+pub fn pow64(x: f64, y: f64) -> f64 {
+    libm::pow(x, y)
 }
 
 /// `e^x - 1` in double precision, accurate near zero.

@@ -45,6 +45,7 @@ impl Parser<'_> {
         }
         match self.read_source(&name, Some(span)) {
             Ok(source) => {
+                let source = self.desc.sources.within(source, span.source);
                 self.frames.push(Frame { source, at: 0, outer_blocks: self.blocks.len() });
                 Ok(())
             }
