@@ -1,11 +1,13 @@
 //! Who may import whom.
 //!
 //! A crate imports crates of lower floors only, as `ARCHITECTURE.md` lists them; some third-party crates
-//! are kept to one crate of ours. Inside `kajo-core` the modules are ordered in the same way.
+//! are kept to one crate of ours. Inside `kajo-core` the modules are ordered in the same way, and in no crate do files need
+//! each other in a circle.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::cycles;
 use crate::manifest::{self, Dependencies};
 
 /// Each crate of the workspace, lowest floor first, and the crates it may import.
@@ -197,6 +199,7 @@ pub fn check(root: &Path) -> Result<(), Vec<String>> {
     let mut problems = Vec::new();
     let result = check_crates(root, &mut problems)
         .and_then(|()| check_modules(root, &mut problems))
+        .and_then(|()| check_cycles(root, &mut problems))
         .and_then(|()| check_unsafe(root, &mut problems));
     problems.extend(result.err());
     if problems.is_empty() { Ok(()) } else { Err(problems) }
@@ -250,6 +253,20 @@ fn check_modules(root: &Path, problems: &mut Vec<String>) -> Result<(), String> 
             if known && import != module && !allowed.contains(&import) {
                 problems.push(format!("{}:{line}: {module} must not see {import}", relative(root, &path)));
             }
+        }
+    }
+    Ok(())
+}
+
+fn check_cycles(root: &Path, problems: &mut Vec<String>) -> Result<(), String> {
+    for folder in folders(&root.join("crates"))?.into_iter().chain([root.join("xtask")]) {
+        let sources = folder.join("src");
+        let read = |path: PathBuf| Ok((relative(&sources, &path), read(&path)?));
+        let sources = rust_files(&sources)?.into_iter().map(read).collect::<Result<Vec<_>, String>>()?;
+        for cycle in cycles::find(&sources) {
+            let files = cycle.files.join(", ");
+            problems.push(format!("{}: these files need each other: {files}", file_name(&folder)));
+            problems.extend(cycle.ties.iter().map(|tie| format!("  {tie}")));
         }
     }
     Ok(())

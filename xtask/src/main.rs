@@ -1,5 +1,6 @@
 //! Tasks of the workspace, each one word: `cargo xtask test`.
 
+mod cycles;
 mod floors;
 mod instructions;
 mod manifest;
@@ -18,7 +19,7 @@ Usage: cargo xtask <TASK>
 
   test             everything a change must pass: format, lints, docs, floors, words, all tests
   check            the quick part of it: format, lints, floors, words
-  floors           only the floors: which crate and which module may import which
+  floors           only the floors: which crate and which module may import which, and that no files need each other
   words            only the words that no file may hold
   deep             all tests with fast code, the slow ones in full, and instructions
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed

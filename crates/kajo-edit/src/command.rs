@@ -2,7 +2,7 @@
 
 use super::texts::Change;
 use super::tree::Tree;
-use super::{FieldValue, FileId, Movement, Node, NodeId, TextEdit, expressions};
+use super::{EditRefused, FieldValue, FileId, Movement, Node, NodeId, TextEdit, expressions};
 use kajo::CameraPose;
 
 /// One thing to do.
@@ -173,21 +173,4 @@ pub struct Applied {
     pub changed: bool,
     /// The block that the edit made, if it made one.
     pub created: Option<NodeId>,
-}
-
-/// Why something cannot be done, for people.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct EditRefused(String);
-
-impl From<kajo_scene::EditError> for EditRefused {
-    fn from(error: kajo_scene::EditError) -> EditRefused {
-        EditRefused(error.to_string())
-    }
-}
-
-impl EditRefused {
-    pub(super) fn new(reason: impl Into<String>) -> EditRefused {
-        EditRefused(reason.into())
-    }
 }
