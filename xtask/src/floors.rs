@@ -74,7 +74,7 @@ const KEPT: [(&str, &str); 10] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 29] = [
+const CORE_MODULES: [(&str, &[&str]); 30] = [
     ("ids", &[]),
     ("family", &[]),
     ("interaction", &[]),
@@ -82,8 +82,8 @@ const CORE_MODULES: [(&str, &[&str]); 29] = [
     ("moving_tree", &["motion"]),
     ("bsdf", &["interaction"]),
     ("texture", &["family", "interaction"]),
-    ("material", &["family", "interaction", "texture", "bsdf"]),
-    ("glow", &["texture", "material"]),
+    ("material", &["family", "interaction", "texture", "emission", "bsdf"]),
+    ("emission", &["ids", "family", "texture", "material", "light"]),
     ("shape", &["family", "interaction"]),
     (
         "light",
@@ -120,7 +120,7 @@ const CORE_MODULES: [(&str, &[&str]); 29] = [
             "settings",
             "texture",
             "material",
-            "glow",
+            "emission",
             "shape",
             "light",
             "item_buffer",
@@ -135,9 +135,29 @@ const CORE_MODULES: [(&str, &[&str]); 29] = [
         ],
     ),
     ("schema", &["scene", "settings"]),
-    ("lighting", &["ids", "interaction", "bsdf", "glow", "light", "material", "sampler", "scene"]),
+    ("lighting", &["ids", "interaction", "bsdf", "emission", "light", "material", "sampler", "scene"]),
     ("shading", &["interaction", "material", "scene"]),
     ("space", &["scene"]),
+    (
+        "builder",
+        &[
+            "ids",
+            "family",
+            "settings",
+            "texture",
+            "material",
+            "emission",
+            "shape",
+            "light",
+            "medium",
+            "motion",
+            "nested",
+            "objects",
+            "camera",
+            "background",
+            "scene",
+        ],
+    ),
     // Tests only: what holds for all families.
     (
         "laws",
@@ -164,7 +184,7 @@ const CORE_MODULES: [(&str, &[&str]); 29] = [
             "settings",
             "texture",
             "material",
-            "glow",
+            "emission",
             "shape",
             "light",
             "medium",
@@ -179,6 +199,7 @@ const CORE_MODULES: [(&str, &[&str]); 29] = [
             "daylight",
             "scene",
             "schema",
+            "builder",
             "lighting",
             "shading",
         ],

@@ -134,6 +134,11 @@ impl Emission {
         if self.luminance > 0.0 { f64::from(sum) / (3.0 * f64::from(self.luminance)) } else { 0.0 }
     }
 
+    /// Whether it is finite at every wavelength.
+    pub fn is_finite(&self) -> bool {
+        self.scale.is_finite() && self.rgb.iter().all(|v| v.is_finite())
+    }
+
     /// Whether there is no light at any wavelength.
     pub fn is_black(&self) -> bool {
         self.scale == 0.0

@@ -33,7 +33,22 @@ pub enum Background {
     Sky(Box<Sky>),
 }
 
+impl Default for Background {
+    /// Black.
+    fn default() -> Background {
+        Background::constant([0.0; 3])
+    }
+}
+
 impl Background {
+    /// Whether all its numbers are finite; those of pictures are.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Background::Constant { color, emission } => color.is_finite() && emission.is_finite(),
+            Background::CubeMap(_) | Background::Environment(_) | Background::Sky(_) => true,
+        }
+    }
+
     /// The same linear RGB from everywhere.
     pub fn constant(rgb: [f32; 3]) -> Background {
         Background::Constant { color: Vec3::from(rgb).into(), emission: Emission::from_rgb(rgb) }

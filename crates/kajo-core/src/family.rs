@@ -3,7 +3,7 @@
 //! A family is a trait with a fixed list of members. Each member type has a pool of its own,
 //! `Vec<Member>`, and a handle names a member by kind (upper bits) and index (lower bits).
 //! Dispatch is a `match` on the kind: no pointers to trait objects, no virtual calls. The one macro below writes handle,
-//! pools, dispatch and the names of all members from their list; adding a member is its file and one line. Methods of members
+//! pools, an enum of any member by value, dispatch and the names of all members from their list; adding a member is its file and one line. Methods of members
 //! that ask other members, or other pools, stand on a type that has all of these, which members are handed. How a
 //! member is written in a scene is for `compile` to know.
 
@@ -32,8 +32,13 @@ macro_rules! family {
     (
         $(#[$handle_doc:meta])* handle $Handle:ident;
         $(#[$pools_doc:meta])* pools $Pools:ident;
+        $(#[$any_doc:meta])* any $Any:ident;
         contract $Contract:ident;
         members $members:tt
+        any methods { $(
+            $(#[$own_doc:meta])*
+            fn $own_method:ident() -> $OwnOut:ty;
+        )* }
         methods { $(
             $(#[$method_doc:meta])*
             fn $method:ident $(<$G:ident: $Bound:path>)? ($($args:tt)*) $(-> $Out:ty)?;
@@ -48,9 +53,14 @@ macro_rules! family {
         pub struct $Handle(u32);
 
         family!(@pools [$(#[$pools_doc])*] $Pools $members);
+        family!(@any [$(#[$any_doc])*] $Any $Handle $Pools $members);
 
         const _: () = {
             family!(@kinds $Handle $Pools $members);
+
+            impl $Any {
+                $(family!(@any_method [$(#[$own_doc])*] $Any $Contract $members $own_method [$OwnOut]);)*
+            }
 
             impl $Pools {
                 $(family!(@method [$(#[$method_doc])*] $Handle $Contract $members
@@ -64,7 +74,7 @@ macro_rules! family {
         };
     };
 
-    (@pools [$(#[$doc:meta])*] $Pools:ident { $($field:ident: $Member:ty),+ $(,)? }) => {
+    (@pools [$(#[$doc:meta])*] $Pools:ident { $($field:ident: $Member:ident),+ $(,)? }) => {
         $(#[$doc])*
         #[derive(Debug, Default)]
         pub struct $Pools {
@@ -75,7 +85,57 @@ macro_rules! family {
         }
     };
 
-    (@kinds $Handle:ident $Pools:ident { $($field:ident: $Member:ty),+ $(,)? }) => {
+    (
+        @any [$(#[$doc:meta])*] $Any:ident $Handle:ident $Pools:ident { $($field:ident: $Member:ident),+ $(,)? }
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug)]
+        #[allow(clippy::large_enum_variant, reason = "on its way into a pool")]
+        pub enum $Any {
+            $(
+                #[doc = concat!("A `", stringify!($Member), "`.")]
+                $Member($Member),
+            )+
+        }
+
+        $(
+            impl From<$Member> for $Any {
+                fn from(member: $Member) -> $Any {
+                    $Any::$Member(member)
+                }
+            }
+        )+
+
+        impl $Any {
+            /// The name of the member's type.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $($Any::$Member(_) => stringify!($Member),)+
+                }
+            }
+
+            /// Stores the member and returns its name; `None` when its pool is full.
+            pub fn store(self, pools: &mut $Pools) -> Option<$Handle> {
+                match self {
+                    $($Any::$Member(member) => crate::family::Pooled::store(member, pools),)+
+                }
+            }
+        }
+    };
+
+    (
+        @any_method [$(#[$doc:meta])*] $Any:ident $Contract:ident { $($field:ident: $Member:ident),+ $(,)? }
+        $method:ident [$Out:ty]
+    ) => {
+        $(#[$doc])*
+        pub fn $method(&self) -> $Out {
+            match self {
+                $($Any::$Member(member) => $Contract::$method(member),)+
+            }
+        }
+    };
+
+    (@kinds $Handle:ident $Pools:ident { $($field:ident: $Member:ident),+ $(,)? }) => {
         #[expect(non_camel_case_types, reason = "kinds are named after their pools")]
         enum Kind { $($field),+ }
 
@@ -86,6 +146,19 @@ macro_rules! family {
             /// The name of a member's kind.
             pub fn kind(id: $Handle) -> &'static str {
                 $Pools::KINDS[crate::family::split(id.0).0 as usize]
+            }
+
+            /// The name of a member's type.
+            pub fn type_name(id: $Handle) -> &'static str {
+                const TYPES: &[&str] = &[$(stringify!($Member)),+];
+                TYPES[crate::family::split(id.0).0 as usize]
+            }
+
+            /// Whether a handle names a member of these pools.
+            pub fn contains(&self, id: $Handle) -> bool {
+                let (kind, index) = crate::family::split(id.0);
+                let counts = [$(self.$field.len()),+];
+                counts.get(kind as usize).is_some_and(|&count| index < count)
             }
 
             /// The names of all members, kind by kind.

@@ -31,6 +31,11 @@ macro_rules! index {
 }
 
 index! {
+    /// Names an assembly: a tree of its own that can stand in many places.
+    AssemblyId
+}
+
+index! {
     /// Names a light among all that integrators sample: those of the file, then the emissive surfaces, then the background.
     LightIndex
 }

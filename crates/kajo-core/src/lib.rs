@@ -5,12 +5,13 @@
 
 pub mod background;
 pub mod bsdf;
+pub mod builder;
 pub mod camera;
 pub mod compile;
 pub mod daylight;
+pub mod emission;
 pub mod environment;
 mod family;
-pub mod glow;
 pub mod ids;
 pub mod interaction;
 mod item_buffer;

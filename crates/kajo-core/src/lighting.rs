@@ -4,7 +4,7 @@ use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
 use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
-use crate::glow::VariedEmission;
+use crate::emission::VariedEmission;
 use crate::ids::{LightIndex, VariedEmissionId};
 use crate::interaction::{SurfacePoint, SurfaceUv, test_error};
 use crate::light::{
@@ -81,7 +81,7 @@ impl Scene {
     #[inline]
     pub fn surface_light(&self, at: &Interaction, d: Vec3, wavelengths: &Wavelengths) -> Option<LightHit> {
         // Nothing in nested instances has any.
-        if !self.geometry.primitives.get(at.object.index())?.glows {
+        if !self.geometry.primitives.get(at.object.index())?.emits {
             return None;
         }
         let (light, area) = self.lighting.sampler.area(&self.lighting.lights, at.object, at.hit.part)?;

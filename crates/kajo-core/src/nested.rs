@@ -31,6 +31,7 @@ mod pieces;
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::{Aabb, DAffine3, Ray, Transform, Vec3};
 
+use crate::ids::AssemblyId;
 use crate::interaction::{Hit, SurfacePoint};
 use crate::material::MaterialId;
 use crate::objects::Label;
@@ -42,16 +43,17 @@ pub(crate) const MOST_LEVELS: u32 = 32;
 
 /// What stands at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Content {
+pub enum PartContent {
+    /// A shape.
     Shape(ShapeId),
-    /// Index into [`Nested::assemblies`].
-    Assembly(u32),
+    /// All parts of an assembly.
+    Assembly(AssemblyId),
 }
 
 /// A shape or an assembly in an assembly.
 #[derive(Clone, Debug)]
 pub(crate) struct Member {
-    pub content: Content,
+    pub content: PartContent,
     /// To the space of the assembly.
     pub map: DAffine3,
     /// For parts that have none of their own; without it they take that of what the assembly stands in.
@@ -81,7 +83,7 @@ pub(crate) struct Assembly {
 /// An assembly in the world.
 #[derive(Clone, Debug)]
 pub(crate) struct Placement {
-    pub assembly: u32,
+    pub assembly: AssemblyId,
     pub map: DAffine3,
     /// Of what brings none.
     pub material: Option<MaterialId>,
@@ -199,22 +201,22 @@ impl<'a> Way<'a> {
 impl Nested {
     /// Makes an assembly of members, none of which moves or is unbounded.
     ///
-    /// Returns its number, or `None` where it would have more objects than can be numbered, or too many levels.
+    /// Returns its name, or `None` where it would have more objects than can be numbered, or too many levels.
     pub fn assemble(
         &mut self,
         mut members: Vec<Member>,
         shapes: &Shapes,
         may_transmit: impl Fn(MaterialId) -> bool,
         settings: &BuildSettings,
-    ) -> Option<u32> {
+    ) -> Option<AssemblyId> {
         let (mut count, mut levels) = (0u32, 1);
         let (mut inherits, mut transmits) = (false, false);
         for member in &mut members {
             member.first = count;
             let (n, takes_material) = match member.content {
-                Content::Shape(_) => (1, true),
-                Content::Assembly(number) => {
-                    let inner = &self.assemblies[number as usize];
+                PartContent::Shape(_) => (1, true),
+                PartContent::Assembly(id) => {
+                    let inner = self.assembly(id);
                     levels = levels.max(inner.levels + 1);
                     transmits |= inner.transmits;
                     (inner.count, inner.inherits)
@@ -228,16 +230,21 @@ impl Nested {
         let boxes: Vec<Aabb> = members.iter().map(|m| self.bounds(m.content, &m.map, shapes)).collect();
         let tree = Bvh::build(&boxes, settings);
         let assembly = Assembly { members, tree, count, levels, inherits, transmits };
-        let number = u32::try_from(self.assemblies.len()).ok().filter(|_| levels <= MOST_LEVELS)?;
+        let id = AssemblyId::new(self.assemblies.len()).filter(|_| levels <= MOST_LEVELS)?;
         self.assemblies.push(assembly);
-        Some(number)
+        Some(id)
+    }
+
+    /// The assembly of a name.
+    pub fn assembly(&self, id: AssemblyId) -> &Assembly {
+        &self.assemblies[id.index()]
     }
 
     /// Places an assembly in the world; `false` where its objects could not all be numbered.
     ///
     /// * `room`: how many numbers there are for nested objects
     pub fn place(&mut self, placement: Placement, room: u32) -> bool {
-        let count = self.count.checked_add(self.assemblies[placement.assembly as usize].count);
+        let count = self.count.checked_add(self.assembly(placement.assembly).count);
         let Some(count) = count.filter(|&count| count <= room) else { return false };
         self.placements.push(Placement { first: self.count, ..placement });
         self.count = count;
@@ -252,13 +259,13 @@ impl Nested {
 
     /// World-space boxes of all placements.
     pub fn placement_bounds(&self, shapes: &Shapes) -> impl Iterator<Item = Aabb> {
-        self.placements.iter().map(|p| self.bounds(Content::Assembly(p.assembly), &p.map, shapes))
+        self.placements.iter().map(|p| self.bounds(PartContent::Assembly(p.assembly), &p.map, shapes))
     }
 
-    fn bounds(&self, content: Content, map: &DAffine3, shapes: &Shapes) -> Aabb {
+    fn bounds(&self, content: PartContent, map: &DAffine3, shapes: &Shapes) -> Aabb {
         let own = match content {
-            Content::Shape(shape) => shapes.bounds(shape),
-            Content::Assembly(number) => self.assemblies[number as usize].tree.bounds(),
+            PartContent::Shape(shape) => shapes.bounds(shape),
+            PartContent::Assembly(id) => self.assembly(id).tree.bounds(),
         };
         Transform::of_invertible(map).bounds(&own)
     }
@@ -267,7 +274,7 @@ impl Nested {
         let placement = &self.placements[placement as usize];
         Way {
             above: None,
-            assembly: &self.assemblies[placement.assembly as usize],
+            assembly: self.assembly(placement.assembly),
             map: &placement.map,
             world_from_assembly: placement.map,
             material: placement.material,
@@ -302,9 +309,9 @@ impl Nested {
         way.assembly.tree.closest_of_derived(&inner, size, |i, t_max| {
             let member = &way.assembly.members[i as usize];
             nearest = match member.content {
-                Content::Shape(shape) => way.leaf(member, shape).map_or(t_max, |leaf| hit(&leaf, t_max)),
-                Content::Assembly(number) => {
-                    let below = way.into(member, &self.assemblies[number as usize]);
+                PartContent::Shape(shape) => way.leaf(member, shape).map_or(t_max, |leaf| hit(&leaf, t_max)),
+                PartContent::Assembly(id) => {
+                    let below = way.into(member, self.assembly(id));
                     self.closest_in(&below, &ray.over(ray.t_min, t_max), extent, hit)
                 }
             };
@@ -324,9 +331,9 @@ impl Nested {
         way.assembly.tree.any_of_derived(&inner, size, |i| {
             let member = &way.assembly.members[i as usize];
             match member.content {
-                Content::Shape(shape) => way.leaf(member, shape).is_some_and(|leaf| hit(&leaf)),
-                Content::Assembly(number) => {
-                    self.any_in(&way.into(member, &self.assemblies[number as usize]), ray, extent, hit)
+                PartContent::Shape(shape) => way.leaf(member, shape).is_some_and(|leaf| hit(&leaf)),
+                PartContent::Assembly(id) => {
+                    self.any_in(&way.into(member, self.assembly(id)), ray, extent, hit)
                 }
             }
         })
@@ -346,10 +353,8 @@ impl Nested {
         let place = members.partition_point(|m| way.first + m.first <= number).checked_sub(1)?;
         let member = &members[place];
         match member.content {
-            Content::Shape(shape) => way.leaf(member, shape),
-            Content::Assembly(below) => {
-                self.find_in(&way.into(member, &self.assemblies[below as usize]), number)
-            }
+            PartContent::Shape(shape) => way.leaf(member, shape),
+            PartContent::Assembly(below) => self.find_in(&way.into(member, self.assembly(below)), number),
         }
     }
 

@@ -59,6 +59,15 @@ impl Objects {
         self.placed_by.push(placed_by);
     }
 
+    /// Gives an object another name; `false` where there is none of that number.
+    pub(crate) fn rename(&mut self, primitive: usize, name: Arc<str>) -> bool {
+        let number = self.names.len() as u32;
+        let Some(label) = self.labels.get_mut(primitive) else { return false };
+        label.name = number;
+        self.names.push(name);
+        true
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.labels.len()

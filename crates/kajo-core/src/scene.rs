@@ -16,7 +16,7 @@ use kajo_math::Ray;
 use crate::background::Background;
 use crate::bsdf::Phong;
 use crate::camera::{Camera, NamedCamera};
-use crate::glow::VariedEmission;
+use crate::emission::VariedEmission;
 use crate::ids::ObjectId;
 use crate::interaction::{Hit, SurfaceUv};
 use crate::light::{LightId, LightSampler, Lights};

@@ -283,3 +283,28 @@ pub struct Settings {
     /// Temperature in kelvin and tint of the light that is to look white.
     pub white_balance: Option<[f64; 2]>,
 }
+
+impl FilterChoice {
+    /// Whether its size is finite.
+    fn is_finite(self) -> bool {
+        match self {
+            FilterChoice::None => true,
+            FilterChoice::Box(size)
+            | FilterChoice::Tent(size)
+            | FilterChoice::Gaussian(size)
+            | FilterChoice::Mitchell(size)
+            | FilterChoice::Lanczos(size) => size.is_finite(),
+        }
+    }
+}
+
+impl Settings {
+    /// Whether all its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let numbers = [self.weight, self.reach, self.exposure].into_iter().flatten();
+        let mut all = numbers.chain(self.depth_range.into_iter().flatten());
+        all.all(f32::is_finite)
+            && self.filter.is_none_or(FilterChoice::is_finite)
+            && self.white_balance.is_none_or(|[kelvin, tint]| kelvin.is_finite() && tint.is_finite())
+    }
+}

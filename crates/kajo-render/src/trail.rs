@@ -376,16 +376,18 @@ impl TrailHit {
 
 #[cfg(test)]
 mod tests {
-    use kajo_core::compile::{CompileOptions, compile};
-    use kajo_scene::{MemoryAssets, SceneDesc};
+    use kajo_core::builder::SceneBuilder;
+    use kajo_core::camera::{Frame, PerspectiveCamera};
+    use kajo_core::settings::Settings;
+    use kajo_math::DVec3;
 
     use super::*;
 
     fn nothing() -> Scene {
-        let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
-        let mut parsed = SceneDesc::parse_str(camera);
-        let options = CompileOptions::default();
-        compile(&mut parsed.desc, &MemoryAssets::new(), &options, &mut parsed.diagnostics).expect("no errors")
+        let mut scene = SceneBuilder::default();
+        let frame = Frame::new(9.0 * DVec3::Z, DVec3::NEG_Z, DVec3::Y);
+        scene.camera(PerspectiveCamera::new(frame, 0.5)).expect("a camera");
+        scene.finish(Settings::default()).expect("a scene")
     }
 
     fn about() -> About {

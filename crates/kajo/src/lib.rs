@@ -27,6 +27,7 @@
 //! ```
 
 mod assets;
+pub mod build;
 mod camera_pose;
 mod checkpoint;
 pub mod compare;

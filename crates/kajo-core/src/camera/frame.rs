@@ -26,6 +26,11 @@ impl Frame {
         Frame { center, right, up: right.cross(forward).normalize_or_zero(), forward }
     }
 
+    /// Whether all its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        [self.center, self.right, self.up, self.forward].iter().all(|v| v.is_finite())
+    }
+
     /// The same frame with `up` taken as it stands, which the `mit-a2` programs do.
     pub fn with_raw_up(self, up: DVec3) -> Frame {
         Frame { up, ..self }

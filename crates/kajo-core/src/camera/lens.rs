@@ -29,6 +29,11 @@ pub struct ThinLens {
 }
 
 impl ThinLens {
+    /// Whether its radius and its focus are finite.
+    pub fn is_finite(&self) -> bool {
+        self.radius.is_finite() && self.focus.is_finite()
+    }
+
     /// A point of the lens relative to its middle, right and up in world units.
     pub(super) fn sample(&self, u: Vec2) -> DVec2 {
         self.radius * self.aperture.sample(u)

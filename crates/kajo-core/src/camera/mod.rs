@@ -57,7 +57,46 @@ pub enum Camera {
     Moving(Box<MovingCamera>),
 }
 
+/// Makes any camera of one.
+macro_rules! into_camera {
+    ($($Variant:ident($Own:ty)),+) => {
+        $(
+            impl From<$Own> for Camera {
+                fn from(camera: $Own) -> Camera {
+                    Camera::$Variant(camera)
+                }
+            }
+        )+
+    };
+}
+
+into_camera! {
+    Orthographic(OrthographicCamera),
+    Perspective(PerspectiveCamera),
+    Panorama(PanoramaCamera),
+    Fisheye(FisheyeCamera),
+    StereoCubemap(StereoCubemapCamera)
+}
+
 impl Camera {
+    /// Whether all its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let own = match self {
+            Camera::Orthographic(camera) => camera.size.is_finite(),
+            Camera::Perspective(camera) => camera.is_finite(),
+            Camera::Panorama(camera) => camera.eyes.is_none_or(|eyes| eyes.separation.is_finite()),
+            Camera::Fisheye(camera) => camera.angle.is_finite(),
+            Camera::StereoCubemap(camera) => camera.eyes.separation.is_finite(),
+            Camera::Moving(moving) => return moving.camera.is_finite(),
+        };
+        let lens = match self {
+            Camera::Orthographic(camera) => camera.lens.as_ref(),
+            Camera::Perspective(camera) => camera.lens(),
+            _ => None,
+        };
+        own && self.frame().is_finite() && lens.is_none_or(ThinLens::is_finite)
+    }
+
     /// The ray through a place of the picture, with a unit direction; `None` where no light gets.
     ///
     /// * `at`: picture coordinates; samples may lie somewhat outside [-1, 1]

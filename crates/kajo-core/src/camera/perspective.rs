@@ -16,6 +16,10 @@ pub struct PerspectiveCamera {
 }
 
 impl PerspectiveCamera {
+    pub(super) fn is_finite(&self) -> bool {
+        self.distance.is_finite()
+    }
+
     /// A pinhole camera with the full vertical field of view `angle`, in radians.
     pub fn new(frame: Frame, angle: f64) -> PerspectiveCamera {
         PerspectiveCamera { frame, distance: 1.0 / fmath::tan64(0.5 * angle), lens: None }

@@ -1,6 +1,6 @@
 //! `Background` and `Fog` blocks.
 
-use kajo_color::{Emission, Spectrum, srgb};
+use kajo_color::{Emission, srgb};
 use kajo_image::{Decoded, Format, Image};
 use kajo_math::Vec3;
 use kajo_scene::{Diagnostic, Item, Params};
@@ -88,9 +88,9 @@ pub(super) const FOG: Block = Block {
 
 impl Compiler<'_> {
     /// Background and ambient light.
-    pub(super) fn background(&mut self, item: Option<Item<'_>>) -> (Background, Spectrum) {
+    pub(super) fn background(&mut self, item: Option<Item<'_>>) {
         let read = item.and_then(|item| {
-            self.read_keys(item, |params, sources| {
+            let keys = self.read_keys(item, |params, sources| {
                 if !params.contains("environment") {
                     report_without(params, BackgroundKeys::FIELDS, "environment");
                 }
@@ -98,11 +98,13 @@ impl Compiler<'_> {
                 let sky = params.block(SKY.keyword);
                 check_pictures(params, &keys, sky);
                 Some((keys, sky))
-            })
+            });
+            keys.map(|(keys, sky)| (keys, sky, item.head_span()))
         });
-        let Some((keys, sky)) = read else { return (Background::constant(GREY), Spectrum::BLACK) };
+        let Some((keys, sky, at)) = read else {
+            return self.scene.surround(LightGroup::default(), Background::constant(GREY));
+        };
         let BackgroundKeys { color, ambient, environment, rotate, scale, cube_map, group } = keys;
-        self.sky_group = group.unwrap_or_default();
         let picture = match (sky, environment, cube_map) {
             (Some(item), ..) => self.sky(item).map(Background::Sky),
             (None, Some(file), _) => self.environment(&file, rotate, scale).map(Background::Environment),
@@ -112,7 +114,9 @@ impl Compiler<'_> {
             (None, None, None) => None,
         };
         let plain = || Background::Constant { color: color.rgb, emission: color.value };
-        (picture.unwrap_or_else(plain), ambient.into())
+        let set = self.scene.background_in(group.unwrap_or_default(), picture.unwrap_or_else(plain));
+        self.accepted(set, at);
+        self.scene.ambient(ambient.into());
     }
 
     fn sky(&mut self, item: Item<'_>) -> Option<Box<Sky>> {
@@ -182,9 +186,10 @@ impl Compiler<'_> {
     }
 
     /// The fog of the scene.
-    pub(super) fn fog(&mut self, item: Item<'_>) -> Option<Fog> {
-        let FogKeys { color, density, falloff, height } = self.read_keys(item, FogKeys::read)?;
-        Some(Fog { color: color.into(), density, falloff, height })
+    pub(super) fn fog(&mut self, item: Item<'_>) {
+        if let Some(FogKeys { color, density, falloff, height }) = self.read_keys(item, FogKeys::read) {
+            self.scene.fog(Fog { color: color.into(), density, falloff, height });
+        }
     }
 }
 

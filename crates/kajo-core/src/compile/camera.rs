@@ -68,10 +68,8 @@ impl<'a> Compiler<'_> {
         let OwnKeys { camera, has_opening, lens: lens_keys, size } = own;
         let focus = lens_keys.as_ref().and_then(LensKeys::subject);
         let lens = lens_keys.and_then(|keys| self.lens(keys));
-        // What moves with the camera does so while its own shutter is open.
-        let scenes = std::mem::replace(&mut self.shutter, shutter);
-        let motion = moves.and_then(|item| self.camera_motion(item));
-        self.shutter = scenes;
+        // A camera moves while its own shutter is open.
+        let motion = moves.and_then(|item| self.camera_motion(item, shutter));
         let camera = camera?.with_lens(lens);
         Some(CameraRequest {
             item,
@@ -88,15 +86,15 @@ impl<'a> Compiler<'_> {
         })
     }
 
-    /// The motion of a camera, which keeps its size, while the compiler's shutter is open.
-    fn camera_motion(&mut self, item: Item<'_>) -> Option<MovingTransform> {
+    /// The motion of a camera, which keeps its size.
+    fn camera_motion(&mut self, item: Item<'_>, shutter: Shutter) -> Option<MovingTransform> {
         let keys = motion::read(item, self.rules.matrix_by_rows, self.diagnostics)?;
         if !keys.is_rigid() {
             let error = Diagnostic::error("a camera can be moved and turned, but not stretched");
             self.diagnostics.push(error.label(item.keyword_span(), "stretches the camera"));
             return None;
         }
-        Some(MovingTransform::new(Motion::keyed(keys), self.shutter))
+        Some(MovingTransform::new(Motion::keyed(keys), shutter))
     }
 }
 

@@ -12,13 +12,15 @@ use kajo_scene::{Diagnostic, Item, OverBudget, Params, Span};
 use super::part::{BYTES_PER_OBJECT, Part, Parts};
 use super::place::{Place, Walk};
 use super::{Compiler, operations};
+use crate::ids::AssemblyId;
+use crate::material::Appearance;
 
 /// What a `Define` block holds.
 #[derive(Clone)]
 pub(super) struct Definition {
     pub parts: Parts,
-    /// The number of the assembly that has been made of it, if any.
-    pub assembly: Option<u32>,
+    /// The assembly that has been made of it, if any.
+    pub assembly: Option<AssemblyId>,
 }
 
 impl Compiler<'_> {
@@ -115,8 +117,10 @@ impl Compiler<'_> {
     /// Whether there may be `more` objects; if not, that is reported once.
     pub(super) fn has_room(&mut self, more: usize, at: Span, open: usize) -> bool {
         let most = self.options.limits.objects;
-        let so_far =
-            self.geometry.primitives.len() + self.nested.placements.len() + self.parts_defined + open;
+        let so_far = self.scene.geometry().primitives.len()
+            + self.scene.nested().placements.len()
+            + self.parts_defined
+            + open;
         if so_far.saturating_add(more) <= most {
             return self.has_memory(more.saturating_mul(BYTES_PER_OBJECT), at);
         }
@@ -136,7 +140,8 @@ impl Compiler<'_> {
 
     /// Takes memory for the materials that have come since this was asked last, as [`has_memory`](Self::has_memory).
     pub(super) fn has_memory_for_materials(&mut self, at: Span) -> bool {
-        let bytes = self.appearance.materials.bytes() + self.appearance.textures.bytes();
+        let Appearance { materials, textures, .. } = self.scene.appearance();
+        let bytes = materials.bytes() + textures.bytes();
         let more = bytes.saturating_sub(std::mem::replace(&mut self.material_bytes, bytes));
         let taken = self.options.limits.memory.take(more as u64);
         taken.map_err(|over| self.report_memory("materials", over, at)).is_ok()

@@ -2,9 +2,9 @@
 
 use kajo_scene::{Diagnostic, Params, Span};
 
-use super::emitters::Glow;
 use super::fields::{At, Keys, Sources, Typed, choice, choices, keys, light_group};
 use super::picture_values::{HeightMap, NormalMap, Opacity, SurfaceLight};
+use crate::emission::SurfaceEmission;
 use crate::ids::LightGroup;
 use crate::light::Sides;
 use crate::material::Relief;
@@ -43,7 +43,7 @@ keys! {
 
 /// What any material of its own may have besides.
 pub(super) struct Extras {
-    pub glow: Option<Glow>,
+    pub emission: SurfaceEmission,
     /// Less than 1 for a material with holes, and where that is said.
     pub opacity: Option<(Share, Span)>,
     pub relief: Option<Relief>,
@@ -58,10 +58,11 @@ impl Extras {
             let message = format!("`{}` says nothing without an `emission`", item.keyword());
             params.diagnostics().push(Diagnostic::warning(message).label(item.head_span(), "has no effect"));
         }
-        let glow = emission.and_then(|SurfaceLight { light, slide }| {
+        let emission = emission.map(|SurfaceLight { light, slide }| {
             let sides = emits.map_or(Sides::Both, |at| at.value);
             let group = group.map(|at| at.value).unwrap_or_default();
-            Some(slide.into_iter().fold(Glow::even(light)?, Glow::through).on(sides).in_group(group))
+            let even = SurfaceEmission::from(light);
+            slide.into_iter().fold(even, SurfaceEmission::through).on(sides).in_group(group)
         });
         let relief = match (normals, heights) {
             (Some(NormalMap { map, scale }), _) => Some(Relief::Normals { map, scale }),
@@ -70,6 +71,8 @@ impl Extras {
             }
             (None, None) => None,
         };
-        Some(Extras { glow, opacity: opacity.map(|opacity| (opacity.share, opacity.place)), relief })
+        let emission = emission.unwrap_or_default();
+        let opacity = opacity.map(|opacity| (opacity.share, opacity.place));
+        Some(Extras { emission, opacity, relief })
     }
 }

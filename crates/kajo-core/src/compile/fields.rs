@@ -19,10 +19,11 @@ use kajo_color::{Emission, Reflectance, Spectrum};
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
-use super::light_groups::LightGroups;
+use super::light_groups;
 use super::pictures::PaintReader;
 use super::spectra::Written;
 use crate::ids::LightGroup;
+use crate::light::LightGroups;
 use crate::schema::{Absent, Around, Constant, FieldKind, FieldSpec, FieldValue};
 use crate::settings::Rules;
 use crate::texture::{Paint, Share};
@@ -851,7 +852,7 @@ impl Plain<'_> for LightGroup {
         args: &mut Args<'_>,
         sources: &mut Sources<'_>,
     ) -> Result<LightGroup, Diagnostic> {
-        sources.groups.group(args)
+        light_groups::read(args, sources.groups)
     }
 }
 

@@ -11,14 +11,11 @@ use super::part::{BYTES_PER_OBJECT, Part};
 use super::place::{Place, Walk};
 use super::places::misplaced;
 use super::{Compiler, motion, operations};
-use crate::family::Pooled;
-use crate::ids::{MotionId, PoseId, TransformId};
+use crate::ids::PoseId;
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
-use crate::nested::Content;
-use crate::scene::Primitive;
-use crate::shape::{ShapeId, Shapes};
-use crate::texture::{Channel, PictureMap, Share};
+use crate::nested::PartContent;
+use crate::shape::{AnyShape, ShapeId};
 
 /// The word that describes objects which are placed elsewhere.
 const DEFINE: &str = blocks::group::DEFINE.keyword;
@@ -156,7 +153,7 @@ impl Compiler<'_> {
     }
 
     /// Makes an object of the shape that `read` makes of an item.
-    pub(super) fn solid<'t, S: Pooled<Shapes, Handle = ShapeId>>(
+    pub(super) fn solid<'t, S: Into<AnyShape>>(
         &mut self,
         item: Item<'t>,
         place: &mut Place,
@@ -168,16 +165,13 @@ impl Compiler<'_> {
             read(params, sources)
         });
         let shape = shape.and_then(|shape| self.shape(item, shape));
-        self.put_shape(shape, false, item, place, walk);
+        self.put_shape(shape, item, place, walk);
     }
 
     /// Makes an object of a shape; `None` for one that there is nothing of, which was reported.
-    ///
-    /// * `brings_materials`: whether it has materials of its own that may let light through
     pub(super) fn put_shape(
         &mut self,
         shape: Option<ShapeId>,
-        brings_materials: bool,
         item: Item<'_>,
         place: &mut Place,
         walk: &mut Walk,
@@ -192,11 +186,10 @@ impl Compiler<'_> {
         }
         let name = item.word().map(|word| word.text().into());
         let part = Part {
-            content: Content::Shape(shape),
+            content: PartContent::Shape(shape),
             map: Motion::still(DAffine3::IDENTITY),
             material: None,
-            label: self.geometry.objects.label(name, keyword, item.index()),
-            brings_materials,
+            label: self.scene.label(name, keyword, item.index()),
         };
         self.put(&part, item, place, walk);
     }
@@ -214,37 +207,30 @@ impl Compiler<'_> {
             return;
         }
         let shape = match part.content {
-            Content::Shape(shape) => shape,
-            Content::Assembly(number) => return self.place_assembly(number, part.material, by, place, walk),
+            PartContent::Shape(shape) => shape,
+            PartContent::Assembly(number) => {
+                return self.place_assembly(number, part.material, by, place, walk);
+            }
         };
         let material = part.material.or_else(|| self.material_for(by, walk));
         let (Some(material), Some(pose)) = (material, self.pose(place, by)) else { return };
         let material = self.see_through(part.content, material);
-        let transmits = part.brings_materials || self.appearance.may_transmit(material);
-        self.geometry.primitives.push(Primitive { shape, pose, material, transmits, glows: false });
-        self.geometry.objects.push(part.label, by.index());
+        self.scene.put(shape, material, pose, part.label, by.index());
     }
 
     /// The material of a part: one that is not everywhere, if the colours of a mesh say so.
-    fn see_through(&mut self, content: Content, material: MaterialId) -> MaterialId {
-        let is_clear = matches!(content, Content::Shape(shape) if self.clear_meshes.contains(&shape));
-        // Light passes such a material anyway, or it has the opacities of vertices as a factor already.
-        if !is_clear || self.appearance.may_transmit(material) {
-            return material;
+    fn see_through(&mut self, content: PartContent, material: MaterialId) -> MaterialId {
+        match content {
+            PartContent::Shape(shape) if self.clear_meshes.contains(&shape) => {
+                self.scene.see_through(material).unwrap_or(material)
+            }
+            _ => material,
         }
-        if let Some(&known) = self.see_through.get(&material) {
-            return known;
-        }
-        let opacity = Share::Picture(PictureMap::white(), Channel::Alpha);
-        let glow = self.glows.get(&material).cloned();
-        let id = self.lit_and_cut(material, glow, Some(opacity)).unwrap_or(material);
-        self.see_through.insert(material, id);
-        id
     }
 
     /// The material in force; its absence is reported.
     pub(super) fn material_for(&mut self, item: Item<'_>, walk: &Walk) -> Option<MaterialId> {
-        let materials_failed = self.diagnostics.has_errors() && self.appearance.list.is_empty();
+        let materials_failed = self.diagnostics.has_errors() && self.scene.appearance().list.is_empty();
         if walk.material.is_none() && walk.parts.is_none() && !walk.material_failed && !materials_failed {
             let error = Diagnostic::error(format!("`{}` has no material", item.keyword()));
             let help = "write `MaterialIndex 0`, or the name of a material, before it";
@@ -266,16 +252,8 @@ impl Compiler<'_> {
         }
         let pose = match (place.pose, place.world.constant()) {
             (Some(pose), _) => pose,
-            (None, Some(_)) => {
-                let pose = PoseId::still(TransformId::new(self.geometry.transforms.len())?);
-                self.geometry.transforms.push(transform);
-                pose
-            }
-            (None, None) => {
-                let pose = PoseId::moving(MotionId::new(self.geometry.motions.len())?);
-                self.geometry.motions.push(MovingTransform::new(place.world.clone(), self.shutter));
-                pose
-            }
+            (None, Some(_)) => self.scene.place(transform).ok()?,
+            (None, None) => self.scene.motion(place.world.clone()).ok()?,
         };
         place.pose = Some(pose);
         Some(pose)

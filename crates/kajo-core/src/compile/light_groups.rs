@@ -1,47 +1,20 @@
 //! Groups of lights: the light of each can be seen apart.
 
-use std::sync::Arc;
-
 use kajo_scene::{Args, Diagnostic};
 
 use crate::ids::LightGroup;
-use crate::light::MAX_LIGHT_GROUPS;
+use crate::light::{LightGroupError, LightGroups, MAX_LIGHT_GROUPS, OTHER};
 
-/// The group of what is in none.
-const OTHER: &str = "other";
-
-/// The names of groups, in the order in which they are met; the first is that of lights without a group.
-pub(super) struct LightGroups {
-    names: Vec<String>,
-}
-
-impl Default for LightGroups {
-    fn default() -> LightGroups {
-        LightGroups { names: vec![OTHER.to_owned()] }
-    }
-}
-
-impl LightGroups {
-    /// The group that a key names.
-    pub fn group(&mut self, args: &mut Args<'_>) -> Result<LightGroup, Diagnostic> {
-        let name = args.text()?;
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) {
-            return Err(args.error("the name of a group has letters, digits, `_` and `-` only"));
-        }
-        let known = self.names.iter().position(|known| *known == name);
-        let Some(group) = LightGroup::new(known.unwrap_or(self.names.len())) else {
+/// The group that a key names.
+pub(super) fn read(args: &mut Args<'_>, groups: &mut LightGroups) -> Result<LightGroup, Diagnostic> {
+    let name = args.text()?;
+    groups.group(&name).map_err(|error| match error {
+        LightGroupError::Name => args.error("the name of a group has letters, digits, `_` and `-` only"),
+        LightGroupError::TooMany => {
             let most = MAX_LIGHT_GROUPS - 1;
-            return Err(args.error(format!("a scene has at most {most} groups of lights, and `{OTHER}`")));
-        };
-        if known.is_none() {
-            self.names.push(name.into_owned());
+            args.error(format!("a scene has at most {most} groups of lights, and `{OTHER}`"))
         }
-        Ok(group)
-    }
-
-    pub fn into_names(self) -> Arc<[String]> {
-        self.names.into()
-    }
+    })
 }
 
 #[cfg(test)]

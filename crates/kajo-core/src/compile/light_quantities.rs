@@ -3,9 +3,9 @@
 use std::f32::consts::PI;
 
 use kajo_color::{Emission, Spectrum};
-use kajo_math::Vec3;
 
 use super::spectra::Written;
+use crate::light::classic_factor;
 
 /// The factor of the classic formula, and the irradiance that makes a white surface just as bright.
 pub(super) fn classic(color: Written<Emission>) -> (Spectrum, Emission) {
@@ -14,5 +14,5 @@ pub(super) fn classic(color: Written<Emission>) -> (Spectrum, Emission) {
 
 /// The same from the physical quantity: a white surface under the irradiance `pi` has the radiance 1.
 pub(super) fn physical(quantity: Emission) -> (Spectrum, Emission) {
-    (Spectrum::from(Vec3::from(quantity.rgb()) / PI), quantity)
+    (classic_factor(&quantity), quantity)
 }

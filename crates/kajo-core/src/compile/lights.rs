@@ -1,15 +1,14 @@
 //! The `Lights` block.
 
-use kajo_scene::{Diagnostic, Item, Params};
+use kajo_scene::{Diagnostic, Item, Params, Span};
 
 use super::Compiler;
 use super::blocks::LIGHTS as MEMBERS;
 use super::fields::Sources;
 use super::member::keywords;
 use super::places::misplaced;
-use crate::family::Pooled;
 use crate::ids::LightGroup;
-use crate::light::{LightId, Lights};
+use crate::light::AnyLight;
 
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
 
@@ -38,23 +37,21 @@ impl Compiler<'_> {
         }
     }
 
-    /// Puts the light that `read` makes of an item into its pool.
-    pub(super) fn light<'t, L: Pooled<Lights, Handle = LightId>>(
+    /// Adds the light that `read` makes of an item.
+    pub(super) fn light<'t, L: Into<AnyLight>>(
         &mut self,
         item: Item<'t>,
         read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<(L, LightGroup)>,
     ) {
         if let Some((light, group)) = self.read_keys(item, read) {
-            self.add_light(light, group);
+            self.add_light(light, group, item.head_span());
         }
     }
 
-    /// Puts a light into its pool and its group.
-    pub(super) fn add_light(&mut self, light: impl Pooled<Lights, Handle = LightId>, group: LightGroup) {
-        if let Some(id) = light.store(&mut self.lights) {
-            self.light_list.push(id);
-            self.groups_of_lights.push(group);
-        }
+    /// Puts a light that stands at `at` into its group.
+    pub(super) fn add_light(&mut self, light: impl Into<AnyLight>, group: LightGroup, at: Span) {
+        let added = self.scene.light_in(group, light);
+        self.accepted(added, at);
     }
 }
 

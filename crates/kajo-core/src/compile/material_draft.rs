@@ -21,8 +21,8 @@ pub(super) const PARTS: &[FieldSpec] = &[PART; 2];
 
 /// A material before its references are followed.
 pub(super) enum Draft<'t> {
-    /// One that has none, with what stands around it.
-    Stored(Option<MaterialId>, Extras),
+    /// One that has none, with what it has besides, and where it stands.
+    Stored(Option<MaterialId>, Extras, Span),
     Blend(BlendDraft<'t>),
 }
 

@@ -10,16 +10,15 @@ use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Item, Params, Span};
 
 use super::blocks::MATERIALS as MEMBERS;
-use super::emitters::Glow;
 use super::extras::Extras;
 use super::fields::Sources;
 use super::material_draft::{BlendDraft, Draft, PART, Reference};
 use super::member::keywords;
 use super::places::misplaced;
 use super::{Compiler, transform};
-use crate::family::Pooled;
-use crate::material::{Blend, Embossed, MaterialId, Materials, Perforated};
-use crate::texture::{Constant, Share, TextureId, Textures};
+use crate::emission::SurfaceEmission;
+use crate::material::{AnyMaterial, Blend, Embossed, MaterialId, Perforated};
+use crate::texture::{AnyPattern, Share};
 
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
 
@@ -87,7 +86,7 @@ impl Compiler<'_> {
             if let State::Done(id, _) = self.resolve(i, &drafts, &names, &mut states) {
                 let name = drafts[i].1.clone();
                 self.material_names.extend(name.clone().map(|name| (name, id)));
-                self.appearance.list.push((id, name));
+                self.scene.list_material(id, name);
             } else {
                 self.failed_materials.insert(drafts[i].1.clone());
             }
@@ -101,8 +100,8 @@ impl Compiler<'_> {
     pub(super) fn material(&mut self, reference: &Reference<'_>) -> Option<MaterialId> {
         match reference {
             Reference::Number(i, place) => {
-                let found = self.appearance.list.get(*i).map(|&(id, _)| id);
-                self.report_missing(found, reference, self.appearance.list.len(), *place, None)
+                let found = self.scene.appearance().list.get(*i).map(|&(id, _)| id);
+                self.report_missing(found, reference, self.scene.appearance().list.len(), *place, None)
             }
             Reference::Name(name, place) => {
                 let found = self.material_names.get(&**name).copied();
@@ -111,7 +110,7 @@ impl Compiler<'_> {
                     .is_none()
                     .then(|| self.diagnostics.nearest(name, self.material_names.keys().map(String::as_str)));
                 let near = near.flatten().map(str::to_owned);
-                self.report_missing(found, reference, self.appearance.list.len(), *place, near)
+                self.report_missing(found, reference, self.scene.appearance().list.len(), *place, near)
             }
         }
     }
@@ -122,7 +121,7 @@ impl Compiler<'_> {
     }
 
     /// A material that refers to no other.
-    pub(super) fn pooled<'t, M: Pooled<Materials, Handle = MaterialId>>(
+    pub(super) fn pooled<'t, M: Into<AnyMaterial>>(
         &mut self,
         item: Item<'t>,
         read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<M>,
@@ -133,11 +132,12 @@ impl Compiler<'_> {
             let extras = Extras::read(params, sources);
             Some((material?, extras?))
         })?;
-        Some(Draft::Stored(material.store(&mut self.appearance.materials), extras))
+        let place = item.head_span();
+        Some(Draft::Stored(self.store_material(material, place), extras, place))
     }
 
     /// Two materials that a pattern mixes.
-    pub(super) fn blend<'t, T: Pooled<Textures, Handle = TextureId>>(
+    pub(super) fn blend<'t, T: Into<AnyPattern>>(
         &mut self,
         item: Item<'t>,
         read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<T>,
@@ -161,8 +161,9 @@ impl Compiler<'_> {
             self.diagnostics.push(error.label(item.keyword_span(), "mixes two materials"));
             return None;
         };
-        let pattern = pattern?.store(&mut self.appearance.textures)?;
-        Some(Draft::Blend(BlendDraft { pattern, pattern_from_world, parts, place: item.head_span() }))
+        let (pattern, place) = (self.scene.texture(pattern?), item.head_span());
+        let pattern = self.accepted(pattern, place)?;
+        Some(Draft::Blend(BlendDraft { pattern, pattern_from_world, parts, place }))
     }
 
     /// Puts draft `i` and everything it refers to into the pools.
@@ -206,7 +207,7 @@ impl Compiler<'_> {
         }
         states[i] = match &drafts[i].0 {
             None => State::Failed,
-            Some(Draft::Stored(id, extras)) => self.with_extras(*id, extras),
+            Some(Draft::Stored(id, extras, place)) => self.with_extras(*id, extras, *place),
             Some(Draft::Blend(draft)) if matches!(states[i], State::Open) => {
                 let error = Diagnostic::error("this material is made of itself");
                 self.diagnostics.push(error.label(draft.place, "leads back here"));
@@ -236,56 +237,42 @@ impl Compiler<'_> {
             return State::Failed;
         }
         let BlendDraft { pattern, pattern_from_world, .. } = *blend.draft;
-        let Some(id) = Blend { pattern, pattern_from_world, materials }.store(&mut self.appearance.materials)
-        else {
-            return State::Failed;
-        };
-        let glow = self.mixed_glow(blend.draft, materials);
-        self.glows.extend(glow.map(|glow| (id, glow)));
-        State::Done(id, cost)
+        self.warn_of_unlike_emissions(materials, place);
+        let blend = Blend { pattern, pattern_from_world, materials };
+        self.store_material(blend, place).map_or(State::Failed, |id| State::Done(id, cost))
     }
 
-    /// The light of a mixture, if any of its parts gives light.
-    fn mixed_glow(&mut self, blend: &BlendDraft<'_>, parts: [MaterialId; 2]) -> Option<Glow> {
-        let even = Constant::find(&self.appearance.textures, blend.pattern).map(|constant| constant.value);
-        let pattern = (blend.pattern, blend.pattern_from_world);
-        let glow = |i: usize| self.glows.get(&parts[i])?.clone().mixed(pattern, even, i == 1);
-        match [glow(0), glow(1)] {
-            [Some(first), Some(second)] => {
-                if !first.agrees_with(&second) {
-                    let message = "the parts of a mixture shine from the same sides and in the same group";
-                    let warning = Diagnostic::warning(message).label(blend.place, "its two parts differ");
-                    self.diagnostics.push(warning.help("`emits` and `group` of the first one count"));
-                }
-                Some(first.with(second))
-            }
-            [first, second] => first.or(second),
+    fn warn_of_unlike_emissions(&mut self, parts: [MaterialId; 2], place: Span) {
+        if let [Some(first), Some(second)] = parts.map(|part| self.scene.emission(part))
+            && !first.agrees_with(second)
+        {
+            let message = "the parts of a mixture shine from the same sides and in the same group";
+            let warning = Diagnostic::warning(message).label(place, "its two parts differ");
+            self.diagnostics.push(warning.help("`emits` and `group` of the first one count"));
         }
     }
 
     /// A material with its relief, its light and its holes.
-    fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras) -> State {
-        let Some(inner) = id else { return State::Failed };
+    fn with_extras(&mut self, id: Option<MaterialId>, extras: &Extras, place: Span) -> State {
+        let made = id.and_then(|id| self.finished(id, extras, place));
+        made.map_or(State::Failed, |id| State::Done(id, 1))
+    }
+
+    fn finished(&mut self, inner: MaterialId, extras: &Extras, place: Span) -> Option<MaterialId> {
         let mut id = inner;
-        let mut share = None;
         if let Some(relief) = extras.relief.clone() {
-            let Some(embossed) = Embossed { material: inner, relief }.store(&mut self.appearance.materials)
-            else {
-                return State::Failed;
-            };
-            id = embossed;
+            id = self.store_material(Embossed { material: inner, relief }, place)?;
         }
-        if let Some((opacity, place)) = extras.opacity.clone().filter(|(opacity, _)| opacity.range()[0] < 1.0)
+        let holes = extras.opacity.as_ref().filter(|(opacity, _)| opacity.range()[0] < 1.0);
+        if let Some((_, place)) = holes
+            && self.scene.appearance().may_transmit(inner)
         {
-            if self.appearance.may_transmit(inner) {
-                let error =
-                    Diagnostic::error("light passes this material anyway, so that it can have no holes");
-                self.diagnostics.push(error.label(place, "`opacity` is for opaque materials"));
-                return State::Failed;
-            }
-            share = Some(opacity);
+            let error = Diagnostic::error("light passes this material anyway, so that it can have no holes");
+            self.diagnostics.push(error.label(*place, "`opacity` is for opaque materials"));
+            return None;
         }
-        self.lit_and_cut(id, extras.glow.clone(), share).map_or(State::Failed, |id| State::Done(id, 1))
+        let opacity = holes.map(|(opacity, _)| opacity.clone());
+        self.lit_and_cut(id, extras.emission.clone(), opacity, place)
     }
 
     /// A material with its light and its holes.
@@ -293,16 +280,26 @@ impl Compiler<'_> {
     /// * `opacity`: of a material that lets no light through, where it has holes
     pub(super) fn lit_and_cut(
         &mut self,
-        mut id: MaterialId,
-        mut glow: Option<Glow>,
+        id: MaterialId,
+        emission: SurfaceEmission,
         opacity: Option<Share>,
+        place: Span,
     ) -> Option<MaterialId> {
-        if let Some(opacity) = opacity {
-            glow = glow.and_then(|glow| glow.weakened(&opacity));
-            id = Perforated { material: id, opacity }.store(&mut self.appearance.materials)?;
+        self.scene.set_emission(id, emission);
+        match opacity {
+            Some(opacity) => self.store_material(Perforated { material: id, opacity }, place),
+            None => Some(id),
         }
-        self.glows.extend(glow.map(|glow| (id, glow)));
-        Some(id)
+    }
+
+    /// Stores a material that is described at `place`.
+    pub(super) fn store_material(
+        &mut self,
+        material: impl Into<AnyMaterial>,
+        place: Span,
+    ) -> Option<MaterialId> {
+        let stored = self.scene.store_material(material);
+        self.accepted(stored, place)
     }
 
     fn report_too_many_parts(&mut self, place: Span) {

@@ -11,7 +11,6 @@ mod camera;
 mod camera_keys;
 mod cameras;
 mod definition;
-mod emitters;
 mod extras;
 mod fields;
 mod group;
@@ -53,24 +52,17 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use kajo_bvh::BuildSettings;
-use kajo_color::Spectrum;
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
 
 use self::blocks::{LIGHT_LIST, MATERIAL_LIST};
 use self::definition::Definition;
 use self::places::misplaced;
-use crate::background::Background;
+use crate::builder::{SceneBuilder, SceneError};
 use crate::camera::NamedCamera;
-use crate::family::Pooled;
-use crate::glow::VariedEmission;
-use crate::ids::LightGroup;
-use crate::light::{LightId, Lights};
-use crate::material::{Appearance, MaterialId};
-use crate::motion::Shutter;
-use crate::nested::Nested;
-use crate::scene::{Geometry, Lighting, Output, Scene};
+use crate::material::MaterialId;
+use crate::scene::{Output, Scene};
 use crate::settings::{Dialect, Rules, Settings};
-use crate::shape::{Mesh, ShapeId, Shapes};
+use crate::shape::{AnyShape, ShapeId};
 
 /// What the compiler is told besides the text.
 #[derive(Clone, Debug, Default)]
@@ -144,10 +136,13 @@ fn compile_tree(
     let camera_name = options.camera.as_deref();
     let cameras = compiler.cameras(&camera_items, camera_name);
     let chosen = cameras::chosen(&cameras, camera_name);
-    (compiler.shutter, compiler.readout) = cameras::shutter_of(&cameras, chosen);
+    let (shutter, readout) = cameras::shutter_of(&cameras, chosen);
+    compiler.scene.expose(shutter, readout);
     let camera_size = chosen.and_then(|i| cameras[i].size);
-    let (background, ambient) = compiler.background(background);
-    let fog = fog.and_then(|item| compiler.fog(item));
+    compiler.background(background);
+    if let Some(item) = fog {
+        compiler.fog(item);
+    }
     if let Some(item) = lights {
         compiler.lights(item);
     }
@@ -157,7 +152,7 @@ fn compile_tree(
     if let Some(item) = group.filter(|_| compiler.moving_fit(desc)) {
         compiler.objects(item);
     }
-    compiler.glowing_objects();
+    compiler.check_emitters();
     // A model that could not be read may have brought one.
     let may_have_camera = compiler.lacks_a_model || !compiler.model_cameras.is_empty();
     if group.is_some() && camera_items.is_empty() && !may_have_camera {
@@ -166,23 +161,11 @@ fn compile_tree(
     if compiler.has_failed() {
         return None;
     }
-    // Classic rule: a scene without lights is fully lit by ambient light.
-    let ambient = if compiler.light_list.is_empty() { Spectrum::WHITE } else { ambient };
-    let has_group = group.is_some();
     let settings = Settings { size: settings.size.or(camera_size), ..settings };
-    let mut scene = compiler.finish(Surroundings { background, ambient, fog, settings, has_group });
+    let mut scene = compiler.finish(settings, group.is_some())?;
     cameras::place(&mut scene, cameras, desc, options, diagnostics);
     scale::check(&scene, diagnostics);
     (!diagnostics.has_errors()).then_some(scene)
-}
-
-/// What a scene has besides objects, materials and lights.
-struct Surroundings {
-    background: Background,
-    ambient: Spectrum,
-    fog: Option<crate::medium::Fog>,
-    settings: Settings,
-    has_group: bool,
 }
 
 /// The scene while it is being put together.
@@ -193,17 +176,10 @@ struct Compiler<'a> {
     diagnostics: &'a mut Diagnostics,
     /// Mistakes in files other than the scene's, with where the scene names them.
     file_errors: &'a mut Vec<(MeshFileError, Span)>,
-    geometry: Geometry,
-    appearance: Appearance,
-    shutter: Shutter,
-    readout: f32,
+    scene: SceneBuilder,
     definitions: HashMap<String, Definition>,
     /// How often the text places each definition.
     uses: HashMap<String, usize>,
-    /// What is kept nested.
-    nested: Nested,
-    /// Whether light may pass through any of that.
-    nested_transmits: bool,
     /// Parts of all definitions.
     parts_defined: usize,
     /// There are more objects than there may be, which has been reported.
@@ -217,23 +193,10 @@ struct Compiler<'a> {
     material_names: HashMap<String, MaterialId>,
     /// The names, where they have any, of materials that could not be made, which has been reported.
     failed_materials: HashSet<Option<String>>,
-    /// Whether light may pass through any material of a mesh part.
-    slots_transmit: bool,
-    glows: HashMap<MaterialId, emitters::Glow>,
-    varied_emissions: Vec<VariedEmission>,
     pictures: pictures::PictureCache,
-    lights: Lights,
-    light_list: Vec<LightId>,
-    /// The group of each light.
-    groups_of_lights: Vec<LightGroup>,
-    /// The group of the background.
-    sky_group: LightGroup,
-    light_groups: light_groups::LightGroups,
     meshes: mesh::MeshCache,
     /// Those whose colours have opacities.
     clear_meshes: HashSet<ShapeId>,
-    /// What materials are on these.
-    see_through: HashMap<MaterialId, MaterialId>,
     models: model::ModelCache,
     /// Cameras that models bring, in world space.
     model_cameras: Vec<NamedCamera>,
@@ -255,14 +218,9 @@ impl<'a> Compiler<'a> {
             rules,
             diagnostics,
             file_errors,
-            geometry: Geometry::default(),
-            appearance: Appearance::default(),
-            shutter: Shutter::default(),
-            readout: 0.0,
+            scene: SceneBuilder::new(options.limits.clone(), options.build),
             definitions: HashMap::new(),
             uses: HashMap::new(),
-            nested: Nested::default(),
-            nested_transmits: false,
             parts_defined: 0,
             too_many: false,
             left_out_pictures: HashSet::new(),
@@ -270,18 +228,9 @@ impl<'a> Compiler<'a> {
             flat_triangles: None,
             material_names: HashMap::new(),
             failed_materials: HashSet::new(),
-            slots_transmit: false,
-            glows: HashMap::new(),
-            varied_emissions: Vec::new(),
             pictures: pictures::PictureCache::default(),
-            lights: Lights::default(),
-            light_list: Vec::new(),
-            groups_of_lights: Vec::new(),
-            sky_group: LightGroup::default(),
-            light_groups: light_groups::LightGroups::default(),
             meshes: mesh::MeshCache::default(),
             clear_meshes: HashSet::new(),
-            see_through: HashMap::new(),
             models: model::ModelCache::default(),
             model_cameras: Vec::new(),
             lacks_a_model: false,
@@ -302,7 +251,8 @@ impl<'a> Compiler<'a> {
         read: impl FnOnce(&mut Params<'t, '_>, &mut fields::Sources<'_>) -> Option<T>,
     ) -> Option<T> {
         let paints = pictures::PaintReader::new(self.assets, self.options, &mut self.pictures);
-        let mut sources = fields::Sources { paints, groups: &mut self.light_groups, rules: self.rules };
+        let mut sources =
+            fields::Sources { paints, groups: self.scene.light_groups_mut(), rules: self.rules };
         let mut params = Params::new(item, self.diagnostics);
         let value = read(&mut params, &mut sources);
         params.finish();
@@ -322,60 +272,43 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    /// Puts a shape into its pool.
-    fn shape(&mut self, item: Item<'_>, shape: impl Pooled<Shapes, Handle = ShapeId>) -> Option<ShapeId> {
-        let id = shape.store(&mut self.geometry.shapes);
-        if id.is_none() {
-            let message = "there are too many objects of this kind in one scene";
-            self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "one too many"));
-        }
-        id
+    /// Adds a shape.
+    fn shape(&mut self, item: Item<'_>, shape: impl Into<AnyShape>) -> Option<ShapeId> {
+        let added = self.scene.shape(shape);
+        self.accepted(added, item.head_span())
     }
 
-    fn finish(mut self, rest: Surroundings) -> Scene {
-        let background = Arc::new(rest.background);
-        let sampler = self.light_sampler(&background);
-        let Compiler { mut geometry, mut appearance, mut nested, .. } = self;
-        let build = &self.options.build;
-        geometry.transmits = self.nested_transmits || geometry.primitives.iter().any(|p| p.transmits);
-        geometry.has_vertex_colors = geometry.shapes.meshes.iter().any(Mesh::has_colors);
-        let nested = (!nested.placements.is_empty()).then(|| {
-            nested.finish(&geometry.shapes, build);
-            nested
-        });
-        geometry.build_trees(nested, build);
-        let numbers = appearance.list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
-        appearance.numbers = numbers.rev().collect();
-        for (plain, seen) in &self.see_through {
-            let number = appearance.numbers.get(plain).copied();
-            appearance.numbers.extend(number.map(|number| (*seen, number)));
+    /// What the scene answers to what stands at `at`; why it refuses that is reported.
+    fn accepted<T>(&mut self, answer: Result<T, SceneError>, at: Span) -> Option<T> {
+        let report = |error: &SceneError| {
+            self.diagnostics.push(Diagnostic::error(error.to_string()).label(at, "cannot be in a scene"));
+        };
+        answer.inspect_err(report).ok()
+    }
+
+    /// Warns of objects that give no light although their material does.
+    fn check_emitters(&mut self) {
+        if self.scene.has_unbounded_emitters() {
+            let message = "a plane without bounds gives no light, whatever its material says";
+            let warning = Diagnostic::warning(message).help("a `Quad` or a `Disk` can be a light");
+            self.diagnostics.push(warning);
         }
-        appearance.has_pictures = !self.pictures.is_empty();
-        appearance.has_passages = appearance.materials.ids().any(|id| appearance.has_passages(id));
-        appearance.has_orientations = appearance.materials.ids().any(|id| appearance.is_oriented(id));
-        Scene {
-            geometry,
-            appearance,
-            lighting: Lighting {
-                lights: self.lights,
-                list: self.light_list,
-                groups: self.light_groups.into_names(),
-                sampler,
-                varied_emissions: self.varied_emissions,
-                background,
-                ambient: rest.ambient,
-                fog: rest.fog,
-            },
-            output: Output {
-                camera: camera::none(),
-                fitted: None,
-                cameras: self.model_cameras,
-                readout: self.readout,
-                settings: rest.settings,
-                rules: self.rules,
-                has_group: rest.has_group,
-            },
-        }
+    }
+
+    /// The scene, but for the cameras of the text.
+    fn finish(self, settings: Settings, has_group: bool) -> Option<Scene> {
+        let output = Output {
+            camera: camera::none(),
+            fitted: None,
+            cameras: self.model_cameras,
+            readout: self.scene.readout(),
+            settings,
+            rules: self.rules,
+            has_group,
+        };
+        let scene = self.scene.finish_with(output);
+        let report = |error: &SceneError| self.diagnostics.push(Diagnostic::error(error.to_string()));
+        scene.inspect_err(report).ok()
     }
 }
 

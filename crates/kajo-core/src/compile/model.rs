@@ -20,7 +20,7 @@ use super::part::{Part, Parts};
 use super::place::{Place, Walk};
 use crate::ids::LightGroup;
 use crate::material::MaterialId;
-use crate::nested::Content;
+use crate::nested::PartContent;
 use crate::shape::{MeshData, VertexAttributes};
 
 /// Models read so far.
@@ -185,14 +185,13 @@ impl Compiler<'_> {
         }
         let mut parts = Vec::with_capacity(count);
         for instance in instances {
-            let label = self.geometry.objects.label(instance.name.clone(), "Model", item.index());
+            let label = self.scene.label(instance.name.clone(), "Model", item.index());
             let map = Motion::still(instance.model_from_mesh);
             parts.extend(meshes[instance.mesh].iter().map(|&(shape, material)| Part {
-                content: Content::Shape(shape),
+                content: PartContent::Shape(shape),
                 map: map.clone(),
                 material,
                 label,
-                brings_materials: false,
             }));
         }
         parts

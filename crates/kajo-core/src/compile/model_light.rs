@@ -8,14 +8,10 @@ use kajo_math::DAffine3;
 use kajo_scene::{Diagnostic, Item, ModelCamera, ModelLight, ModelLightKind, ModelView};
 
 use super::Compiler;
-use super::light_quantities::physical;
 use super::place::Place;
 use crate::camera::{Camera, Frame, NamedCamera, OrthographicCamera, PerspectiveCamera};
 use crate::ids::LightGroup;
 use crate::light::{Cone, DirectionalLight, PointLight, SpotLight};
-
-/// Falloff of a light given by its intensity.
-const INVERSE_SQUARE: [f32; 3] = [0.0, 0.0, 1.0];
 
 impl Compiler<'_> {
     /// Adds the lights of a model that stands at `place`.
@@ -36,22 +32,22 @@ impl Compiler<'_> {
             let warning = Diagnostic::warning("the lights of a model that moves stay where it begins");
             self.diagnostics.push(warning.label(item.keyword_span(), "holds lights"));
         }
-        let map = place.world.at(0.0);
+        let (map, at) = (place.world.at(0.0), item.head_span());
         for light in lights {
-            let (intensity, emission) = physical(Emission::from_rgb(light.intensity).scaled(scale));
+            let emission = Emission::from_rgb(light.intensity).scaled(scale);
             let direction = map.transform_vector3(light.direction).normalize_or_zero().as_vec3();
             let position = map.transform_point3(light.position).as_vec3();
-            let point = PointLight { position, intensity, emission, attenuation: INVERSE_SQUARE };
+            let point = PointLight::new(position, emission);
             match light.kind {
-                ModelLightKind::Point => self.add_light(point, group),
+                ModelLightKind::Point => self.add_light(point, group, at),
                 ModelLightKind::Directional => {
                     let PointLight { intensity, emission, .. } = point;
                     let light = DirectionalLight { to_light: -direction, height: 0.0, intensity, emission };
-                    self.add_light(light, group);
+                    self.add_light(light, group, at);
                 }
                 ModelLightKind::Spot { inner, outer } => {
                     let cone = Cone::new(inner, outer);
-                    self.add_light(SpotLight { point, axis: direction, cone }, group);
+                    self.add_light(SpotLight { point, axis: direction, cone }, group, at);
                 }
             }
         }

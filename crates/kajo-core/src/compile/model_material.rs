@@ -8,9 +8,8 @@ use kajo_math::Vec3;
 use kajo_scene::{ModelAmount, ModelCover, ModelMaterial, ModelTint, PictureSource, Span, VertexColors};
 
 use super::Compiler;
-use super::emitters::Glow;
 use crate::bsdf::Phong;
-use crate::family::Pooled;
+use crate::emission::SurfaceEmission;
 use crate::light::Sides;
 use crate::material::{
     Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief, Specular,
@@ -61,23 +60,24 @@ impl Compiler<'_> {
         let is_body = layers.transmission.range()[1] > 0.0 && !layers.thin;
         let opacity = opacity(material, color.as_ref()).filter(|_| !is_body);
         let look = PhongMaterial::from(phong(material)).with_picture(color.clone());
-        let mut id = LayeredMaterial::from(layers).with_look(look).store(&mut self.appearance.materials)?;
+        let layered = LayeredMaterial::from(layers).with_look(look);
+        let mut id = self.store_material(layered, pictures.at)?;
         if let Some((shown, scale)) = material.normals
             && let Some(map) = self.model_picture(Some(shown), AMOUNTS, pictures)
         {
             let relief = Relief::Normals { map, scale };
-            id = Embossed { material: id, relief }.store(&mut self.appearance.materials)?;
+            id = self.store_material(Embossed { material: id, relief }, pictures.at)?;
         }
         let (slide, light) = match material.unlit {
             true => (color, material.base_color),
             false => (self.model_picture(material.emissive_picture, None, pictures), material.emissive),
         };
-        let even = Glow::even(Emission::from_rgb(light));
+        let even = SurfaceEmission::from(Emission::from_rgb(light));
         let sides = if material.two_sided { Sides::Both } else { Sides::Front };
-        let glow = even.map(|glow| slide.into_iter().fold(glow.on(sides), Glow::through));
+        let emission = slide.into_iter().fold(even.on(sides), SurfaceEmission::through);
         let is_tinted = material.unlit && material.vertex_colors > VertexColors::None;
-        let glow = if is_tinted { glow.map(Glow::tinted) } else { glow };
-        self.lit_and_cut(id, glow, opacity)
+        let emission = if is_tinted { emission.tinted() } else { emission };
+        self.lit_and_cut(id, emission, opacity, pictures.at)
     }
 
     /// * `color`, `metal`: the pictures of the base colour, and of roughness and metalness

@@ -10,10 +10,9 @@ use kajo_scene::{MtlMapUse, MtlMaterial, Span, TriMesh, read_mtl};
 
 use super::Compiler;
 use super::blocks::phong_material::absorption_of;
-use super::emitters::Glow;
 use super::model_material::{paint, share};
 use crate::bsdf::Phong;
-use crate::family::Pooled;
+use crate::emission::SurfaceEmission;
 use crate::material::{Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief};
 use crate::shape::ABSENT;
 use crate::texture::{Channel, Encoding, PictureMap, Share, Wrap};
@@ -53,7 +52,7 @@ impl Compiler<'_> {
                     if !self.has_memory_for_materials(place) {
                         return None;
                     }
-                    self.slot(id)
+                    self.slot(id, place)
                 }
                 None if all_read => {
                     let message = format!("it uses the material `{name}`, which none of its libraries has");
@@ -63,8 +62,8 @@ impl Compiler<'_> {
                 None => *grey.get_or_insert_with(|| {
                     let diffuse = Spectrum::rgb(GREY, GREY, GREY);
                     let phong = Phong { ambient: diffuse, diffuse, ..Phong::BLACK };
-                    let id = PhongMaterial::from(phong).store(&mut self.appearance.materials);
-                    self.slot(id)
+                    let id = self.store_material(PhongMaterial::from(phong), place);
+                    self.slot(id, place)
                 }),
             });
         }
@@ -72,11 +71,10 @@ impl Compiler<'_> {
     }
 
     /// The number of a material among those that meshes bring.
-    fn slot(&mut self, id: Option<MaterialId>) -> u32 {
+    fn slot(&mut self, id: Option<MaterialId>, place: Span) -> u32 {
         let Some(id) = id else { return ABSENT };
-        self.slots_transmit |= self.appearance.may_transmit(id);
-        self.appearance.slots.push(id);
-        self.appearance.slots.len() as u32 - 1
+        let number = self.scene.mesh_material(id);
+        self.accepted(number, place).unwrap_or(ABSENT)
     }
 
     /// The materials of a mesh's libraries, and whether all of these could be read.
@@ -130,12 +128,12 @@ impl Compiler<'_> {
             let layers = self.mtl_layers(described, color);
             let opacity = cover.or(mtl.opacity.map(|d| Share::Plain(d.clamp(0.0, 1.0))));
             let opacity = opacity.filter(|share| share.range()[0] < 1.0);
-            (LayeredMaterial::from(layers).store(&mut self.appearance.materials)?, opacity)
+            (self.store_material(LayeredMaterial::from(layers), described.place)?, opacity)
         } else {
             let material = PhongMaterial::from(phong(mtl)).with_picture(color);
-            (material.store(&mut self.appearance.materials)?, cover)
+            (self.store_material(material, described.place)?, cover)
         };
-        let is_clear = self.appearance.may_transmit(id);
+        let is_clear = self.scene.appearance().may_transmit(id);
         if is_clear && share.is_some() {
             let written = if mtl.map(MtlMapUse::Opacity).is_some() { "map_d" } else { "d" };
             let message =
@@ -144,14 +142,14 @@ impl Compiler<'_> {
             share = None;
         }
         if let Some(relief) = self.mtl_relief(described) {
-            id = Embossed { material: id, relief }.store(&mut self.appearance.materials)?;
+            id = self.store_material(Embossed { material: id, relief }, described.place)?;
         }
         let share = share.filter(|share| share.mean() < 1.0);
         // Of a light of which only the picture is written the picture is all there is.
         let light = mtl.emission.unwrap_or(if slide.is_some() { [1.0; 3] } else { [0.0; 3] });
-        let even = Glow::even(Emission::from_rgb(light));
-        let glow = even.map(|even| slide.into_iter().fold(even, Glow::through));
-        self.lit_and_cut(id, glow, share)
+        let even = SurfaceEmission::from(Emission::from_rgb(light));
+        let emission = slide.into_iter().fold(even, SurfaceEmission::through);
+        self.lit_and_cut(id, emission, share, described.place)
     }
 
     /// The share of the surface that is there, of a material with a picture of that.

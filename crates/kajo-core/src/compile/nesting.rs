@@ -18,11 +18,10 @@ use super::definition::Definition;
 use super::group::OBJECTS;
 use super::part::{BYTES_PER_OBJECT, Part};
 use super::place::{Place, Walk};
-use crate::family::Pooled;
-use crate::ids::ObjectId;
+use crate::builder::{self, SceneError};
+use crate::ids::AssemblyId;
 use crate::material::MaterialId;
-use crate::nested::{Content, MOST_LEVELS, Member, Placement};
-use crate::shape::{ABSENT, Mesh, ShapeId};
+use crate::nested::{Assembly, Member, PartContent};
 
 /// Definitions of fewer objects are never worth a tree of their own.
 const LEAST: usize = 64;
@@ -115,7 +114,7 @@ impl Compiler<'_> {
         found.is_none_or(|(item, count)| self.has_room(count, item.head_span(), 0))
     }
 
-    /// The number of the assembly that stands for a definition at a place; `None` where its parts are to be placed one by one.
+    /// The assembly that stands for a definition at a place; `None` where its parts are to be placed one by one.
     pub(super) fn assembly_of(
         &mut self,
         name: &str,
@@ -123,33 +122,32 @@ impl Compiler<'_> {
         place: &Place,
         walk: &Walk,
         item: Item<'_>,
-    ) -> Option<u32> {
-        let number = definition.assembly.or_else(|| self.assemble(name, definition, item))?;
-        let assembly = &self.nested.assemblies[number as usize];
-        let light = walk.material.is_some_and(|material| self.glows.contains_key(&material));
+    ) -> Option<AssemblyId> {
+        let id = definition.assembly.or_else(|| self.assemble(name, definition, item))?;
+        let assembly = self.scene.nested().assembly(id);
+        let light = walk.material.is_some_and(|material| self.scene.is_emissive(material));
         let may_stand = place.world.constant().is_some() && !(light && assembly.inherits);
         // Where it may not, what holds assemblies cannot be taken apart either, and one error is enough.
-        (may_stand || assembly.levels > 1).then_some(number)
+        (may_stand || assembly.levels > 1).then_some(id)
     }
 
     /// Makes an assembly of a definition where that pays and can be.
-    fn assemble(&mut self, name: &str, definition: &Definition, item: Item<'_>) -> Option<u32> {
+    fn assemble(&mut self, name: &str, definition: &Definition, item: Item<'_>) -> Option<AssemblyId> {
         let count = definition.parts.len();
         let uses = self.uses.get(name).copied().unwrap_or(0);
         let is_long = count >= LEAST && count.saturating_mul(uses) > self.options.limits.objects / FLAT_SHARE;
-        let is_nested = definition.parts.iter().any(|part| matches!(part.content, Content::Assembly(_)));
+        let is_nested = definition.parts.iter().any(|part| matches!(part.content, PartContent::Assembly(_)));
         if !is_long && !is_nested {
             return None;
         }
         let members: Option<Vec<Member>> = definition.parts.iter().map(|part| self.member(part)).collect();
-        let may_transmit = |material| self.appearance.may_transmit(material);
-        let number = self.nested.assemble(members?, &self.geometry.shapes, may_transmit, &self.options.build);
-        if number.is_none() {
+        let assembly = self.scene.assemble(members?).ok();
+        if assembly.is_none() {
             self.too_many_to_number(item);
         } else if let Some(definition) = self.definitions.get_mut(name) {
-            definition.assembly = number;
+            definition.assembly = assembly;
         }
-        number
+        assembly
     }
 
     /// Reports once that numbers of objects do not reach that far.
@@ -162,57 +160,28 @@ impl Compiler<'_> {
 
     /// A part as a member of an assembly, if it can be one.
     fn member(&self, part: &Part) -> Option<Member> {
-        let map = *part.map.constant()?;
-        let takes_material = match part.content {
-            Content::Shape(shape) => {
-                let bounds = self.geometry.shapes.bounds(shape);
-                let is_unbounded = !bounds.is_finite() && !bounds.is_empty();
-                if is_unbounded || self.brings_lights(shape) {
-                    return None;
-                }
-                true
-            }
-            Content::Assembly(number) => {
-                let inner = &self.nested.assemblies[number as usize];
-                if inner.levels >= MOST_LEVELS {
-                    return None;
-                }
-                inner.inherits
-            }
-        };
-        let light = part.material.is_some_and(|material| self.glows.contains_key(&material));
-        let (content, material, label) = (part.content, part.material, part.label);
-        let brings_materials = part.brings_materials;
-        let member = Member { content, map, material, first: 0, label, brings_materials };
-        (!light || !takes_material).then_some(member)
-    }
-
-    /// Whether a shape has materials of its own, and any such material of the scene gives light.
-    pub(super) fn brings_lights(&self, shape: ShapeId) -> bool {
-        // A mesh may have no triangles, and its first one none of its own materials.
-        let slots = Mesh::find(&self.geometry.shapes, shape).map_or(&[][..], Mesh::material_slots);
-        slots.iter().any(|&slot| slot != ABSENT)
-            && self.appearance.slots.iter().any(|material| self.glows.contains_key(material))
+        let &Part { content, material, label, .. } = part;
+        let part = builder::Part { content, map: *part.map.constant()?, material };
+        self.scene.member(&part, label).ok()
     }
 
     /// An assembly as the only part of what is placed.
-    pub(super) fn assembly_part(&mut self, number: u32, item: Item<'_>) -> Part {
+    pub(super) fn assembly_part(&mut self, assembly: AssemblyId, item: Item<'_>) -> Part {
         Part {
-            content: Content::Assembly(number),
+            content: PartContent::Assembly(assembly),
             map: Motion::still(DAffine3::IDENTITY),
             material: None,
-            label: self.geometry.objects.label(None, "Instance", item.index()),
-            brings_materials: false,
+            label: self.scene.label(None, "Instance", item.index()),
         }
     }
 
     /// Whether a part can stand at a place of a definition; if not, that is reported.
     pub(super) fn may_stand(&mut self, part: &Part, by: Item<'_>, place: &Place) -> bool {
-        let Content::Assembly(number) = part.content else { return true };
+        let PartContent::Assembly(assembly) = part.content else { return true };
         if place.world.constant().is_some() {
             return true;
         }
-        let count = self.nested.assemblies[number as usize].count;
+        let count = self.scene.nested().assembly(assembly).count;
         let message = format!("this would move {count} objects, which are too many to move one by one");
         let error = Diagnostic::error(message).label(by.head_span(), "nested instances cannot move");
         self.diagnostics.push(error);
@@ -224,36 +193,28 @@ impl Compiler<'_> {
     /// * `material`: of its parts that have none, if not the one in force
     pub(super) fn place_assembly(
         &mut self,
-        number: u32,
+        assembly: AssemblyId,
         material: Option<MaterialId>,
         by: Item<'_>,
         place: &Place,
         walk: &Walk,
     ) {
-        let part = &self.nested.assemblies[number as usize];
-        let (count, inherits, transmits) = (part.count, part.inherits, part.transmits);
-        let stands = Part { material, ..self.assembly_part(number, by) };
+        let Assembly { count, inherits, .. } = *self.scene.nested().assembly(assembly);
+        let stands = Part { material, ..self.assembly_part(assembly, by) };
         if place.is_flat() || !self.may_stand(&stands, by, place) {
             return;
         }
         let material = if inherits { material.or_else(|| self.material_for(by, walk)) } else { None };
-        if inherits && material.is_none() {
-            return;
-        }
-        if material.is_some_and(|material| self.glows.contains_key(&material)) {
-            let message = format!("this would make lights of {count} objects, which are too many");
-            let error = Diagnostic::error(message).label(by.head_span(), "nested instances give no light");
-            self.diagnostics.push(error);
-            return;
-        }
-        let may_transmit = |material| self.appearance.may_transmit(material);
-        self.nested_transmits |= transmits || material.is_some_and(may_transmit);
-        let Some(&map) = place.world.constant() else { return };
-        let placement = Placement { assembly: number, map, material, first: 0, placed_by: by.index() };
-        let most = ObjectId::MOST;
-        let room = most.saturating_sub(self.options.limits.objects.try_into().unwrap_or(most));
-        if !self.nested.place(placement, room) {
-            self.too_many_to_number(by);
+        let Some(map) = place.world.constant() else { return };
+        match self.scene.put_assembly(assembly, map, material, by.index()) {
+            Ok(()) | Err(SceneError::NoMaterial) => {}
+            Err(SceneError::EmissivePart) => {
+                let message = format!("this would make lights of {count} objects, which are too many");
+                let error =
+                    Diagnostic::error(message).label(by.head_span(), "nested instances give no light");
+                self.diagnostics.push(error);
+            }
+            Err(_) => self.too_many_to_number(by),
         }
     }
 }

@@ -3,20 +3,18 @@
 use kajo_math::Motion;
 
 use crate::material::MaterialId;
-use crate::nested::Content;
+use crate::nested::PartContent;
 use crate::objects::Label;
 
 /// An object of a definition, or an assembly of many.
 #[derive(Clone)]
 pub(super) struct Part {
-    pub content: Content,
+    pub content: PartContent,
     /// From its own space to the definition's.
     pub map: Motion,
     /// Its own material; without one it takes what is in force where the definition is placed.
     pub material: Option<MaterialId>,
     pub label: Label,
-    /// Whether the shape has materials of its own that may let light through.
-    pub brings_materials: bool,
 }
 
 /// Memory of an object: as a part of a definition, or as one of the scene's with its words and its share of a tree.

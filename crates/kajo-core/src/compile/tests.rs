@@ -1,3 +1,4 @@
+use kajo_color::Spectrum;
 use kajo_math::{Ray, Vec2, Vec3};
 use kajo_scene::{MemoryAssets, Severity};
 

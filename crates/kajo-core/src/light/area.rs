@@ -136,6 +136,10 @@ impl Emitter for AreaLight {
         Illumination { wi, distance: distance * reach.clamp(0.0, 0.999), intensity: irradiance * (1.0 / PI) }
     }
 
+    fn is_finite(&self) -> bool {
+        self.emission.is_finite() && self.patch.bounds().is_finite()
+    }
+
     #[inline]
     fn sample_li<S: EmissiveSurfaces>(
         &self,

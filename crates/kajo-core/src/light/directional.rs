@@ -14,7 +14,7 @@ use kajo_math::{Vec2, Vec3};
 use super::sample::INVERSE_SQUARE;
 use super::{
     BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
-    LightLeSample, LightLiSample, LightPoint, Receiver,
+    LightLeSample, LightLiSample, LightPoint, Receiver, classic_factor,
 };
 use crate::sky_disc::SkyDisc;
 
@@ -35,6 +35,20 @@ pub struct DirectionalLight {
 }
 
 impl DirectionalLight {
+    /// Light from a point of the sky.
+    ///
+    /// * `direction`: in which the light goes, of any length
+    /// * `irradiance`: of a surface that faces it, in W/m²
+    pub fn new(direction: Vec3, irradiance: Emission) -> DirectionalLight {
+        let to_light = -direction.normalize_or_zero();
+        DirectionalLight {
+            to_light,
+            height: 0.0,
+            intensity: classic_factor(&irradiance),
+            emission: irradiance,
+        }
+    }
+
     /// What rays may hit of it.
     #[inline]
     pub fn disc(&self) -> Option<SkyDisc> {
@@ -51,6 +65,11 @@ impl Emitter for DirectionalLight {
     #[inline]
     fn illuminate(&self, _p: Vec3, _time: f32) -> Illumination {
         Illumination { wi: self.to_light, distance: f32::INFINITY, intensity: self.intensity }
+    }
+
+    fn is_finite(&self) -> bool {
+        let has_numbers = self.to_light.is_finite() && self.height.is_finite();
+        has_numbers && self.intensity.is_finite() && self.emission.is_finite()
     }
 
     #[inline]

@@ -12,6 +12,7 @@
 mod area;
 mod bounding_sphere;
 mod directional;
+mod groups;
 mod photometric;
 mod point;
 mod power_sampler;
@@ -25,6 +26,8 @@ pub use crate::ids::MAX_LIGHT_GROUPS;
 pub use area::{AreaLight, Sides};
 pub use bounding_sphere::BoundingSphere;
 pub use directional::DirectionalLight;
+pub(crate) use groups::OTHER;
+pub use groups::{LightGroupError, LightGroups};
 pub use photometric::{PhotometricLight, Photometry};
 pub use point::PointLight;
 pub use power_sampler::PowerLightSampler;
@@ -72,8 +75,16 @@ pub trait EmissiveSurfaces {
     ) -> Spectrum;
 }
 
+/// What makes a white surface under a light that it faces just as bright in the classic formula: the irradiance over π.
+pub(crate) fn classic_factor(quantity: &Emission) -> Spectrum {
+    Spectrum::from(Vec3::from(quantity.rgb()) / std::f32::consts::PI)
+}
+
 /// What every light can do.
 pub trait Emitter {
+    /// Whether all its numbers are finite.
+    fn is_finite(&self) -> bool;
+
     /// The light that arrives at the world-space point `p`, in the classic integrator's units.
     ///
     /// * `time`: moment within the shutter interval
@@ -148,6 +159,8 @@ family! {
     handle LightId;
     /// All lights of a scene.
     pools Lights;
+    /// Any light.
+    any AnyLight;
     contract Emitter;
     members {
         areas: AreaLight,
@@ -156,6 +169,10 @@ family! {
         point: PointLight,
         skies: SkyLight,
         spots: SpotLight,
+    }
+    any methods {
+        /// See [`Emitter::is_finite`].
+        fn is_finite() -> bool;
     }
     methods {
         /// See [`Emitter::illuminate`].

@@ -206,6 +206,12 @@ impl Emitter for PhotometricLight {
         Illumination { wi, distance, intensity: self.intensity * share }
     }
 
+    fn is_finite(&self) -> bool {
+        let Frame { s, t, n } = self.frame;
+        let places = [self.position, s, t, n];
+        places.iter().all(|v| v.is_finite()) && self.intensity.is_finite() && self.emission.is_finite()
+    }
+
     #[inline]
     fn sample_li<S: EmissiveSurfaces>(
         &self,

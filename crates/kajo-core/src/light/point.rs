@@ -12,9 +12,10 @@ use std::f32::consts::FRAC_1_PI;
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::{Aabb, Vec2, Vec3, warp};
 
+use super::sample::INVERSE_SQUARE;
 use super::{
     BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
-    LightLeSample, LightLiSample, LightPoint, Receiver,
+    LightLeSample, LightLiSample, LightPoint, Receiver, classic_factor,
 };
 
 /// A point light.
@@ -31,6 +32,14 @@ pub struct PointLight {
 }
 
 impl PointLight {
+    /// A light that falls off with the square of the distance.
+    ///
+    /// * `intensity`: in W/sr
+    pub fn new(position: Vec3, intensity: Emission) -> PointLight {
+        let factor = classic_factor(&intensity);
+        PointLight { position, intensity: factor, emission: intensity, attenuation: INVERSE_SQUARE }
+    }
+
     /// Unit direction to the light, its distance, and the falloff there.
     #[inline]
     pub(super) fn seen_from(&self, p: Vec3) -> (Vec3, f32, f32) {
@@ -71,6 +80,11 @@ impl Emitter for PointLight {
     fn illuminate(&self, p: Vec3, _time: f32) -> Illumination {
         let (wi, distance, falloff) = self.seen_from(p);
         Illumination { wi, distance, intensity: self.intensity * falloff }
+    }
+
+    fn is_finite(&self) -> bool {
+        let has_numbers = self.position.is_finite() && self.attenuation.iter().all(|v| v.is_finite());
+        has_numbers && self.intensity.is_finite() && self.emission.is_finite()
     }
 
     #[inline]

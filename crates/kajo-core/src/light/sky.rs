@@ -80,6 +80,10 @@ impl Emitter for SkyLight {
         Illumination { wi: Vec3::Y, distance: f32::INFINITY, intensity: Spectrum::BLACK }
     }
 
+    fn is_finite(&self) -> bool {
+        self.background.is_finite()
+    }
+
     #[inline]
     fn sample_li<S: EmissiveSurfaces>(
         &self,

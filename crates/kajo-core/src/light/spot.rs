@@ -86,6 +86,11 @@ impl Emitter for SpotLight {
         Illumination { intensity: arriving.intensity * self.profile(-arriving.wi), ..arriving }
     }
 
+    fn is_finite(&self) -> bool {
+        let cone = [self.cone.inner, self.cone.outer];
+        self.point.is_finite() && self.axis.is_finite() && cone.iter().all(|v| v.is_finite())
+    }
+
     #[inline]
     fn sample_li<S: EmissiveSurfaces>(
         &self,

@@ -11,6 +11,7 @@ use kajo_math::{Affine3A, Vec3};
 
 use super::{Appearance, Interior, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
+use crate::emission::SurfaceEmission;
 use crate::texture::TextureId;
 
 /// A mixture of two materials.
@@ -41,6 +42,30 @@ impl Blend {
 }
 
 impl Material for Blend {
+    fn is_finite(&self) -> bool {
+        self.pattern_from_world.is_finite()
+    }
+
+    fn parts(&self) -> &[MaterialId] {
+        &self.materials
+    }
+
+    fn pattern(&self) -> Option<TextureId> {
+        Some(self.pattern)
+    }
+
+    fn emission(
+        &self,
+        appearance: &Appearance,
+        of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
+    ) -> SurfaceEmission {
+        let [first, second] = self.materials.map(of_part);
+        let mixed = |part: SurfaceEmission, is_second| {
+            part.mixed(self.pattern, self.pattern_from_world, is_second, &appearance.textures)
+        };
+        mixed(first, false).with(mixed(second, true))
+    }
+
     fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
         let t = self.share_of_second(appearance, at.p);
         let [first, second] = self.materials;

@@ -23,6 +23,7 @@ use kajo_math::{Vec2, Vec3};
 
 use super::{Appearance, Interior, Lean, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
+use crate::emission::SurfaceEmission;
 use crate::texture::{Channel, PictureMap, SurfaceUv};
 
 /// A relief.
@@ -89,6 +90,25 @@ pub struct Embossed {
 }
 
 impl Material for Embossed {
+    fn is_finite(&self) -> bool {
+        match &self.relief {
+            Relief::Normals { map, scale } => map.is_finite() && scale.is_finite(),
+            Relief::Heights { map, height, .. } => map.is_finite() && height.is_finite(),
+        }
+    }
+
+    fn parts(&self) -> &[MaterialId] {
+        std::slice::from_ref(&self.material)
+    }
+
+    fn emission(
+        &self,
+        _appearance: &Appearance,
+        of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
+    ) -> SurfaceEmission {
+        of_part(self.material)
+    }
+
     fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
         appearance.phong(self.material, at)
     }

@@ -35,6 +35,21 @@ pub struct GlassSettings {
     pub priority: i32,
 }
 
+impl Default for GlassSettings {
+    /// A clear body of the index 1.5.
+    fn default() -> GlassSettings {
+        GlassSettings {
+            index: Dispersion::Constant(1.5),
+            shape: Shape::Ggx,
+            roughness: 0.0.into(),
+            grain: Grain::default(),
+            absorption: [0.0; 3],
+            pane: None,
+            priority: 0,
+        }
+    }
+}
+
 /// A clear material.
 #[derive(Clone, Debug)]
 pub struct Glass {
@@ -87,6 +102,14 @@ impl Glass {
 }
 
 impl Material for Glass {
+    fn is_finite(&self) -> bool {
+        let GlassSettings { index, roughness, grain, absorption, pane, .. } = &self.settings;
+        index.at(&Wavelengths::RGB).is_finite()
+            && absorption.iter().chain(pane).all(|v| v.is_finite())
+            && roughness.is_finite()
+            && grain.is_finite()
+    }
+
     fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
         self.constant.unwrap_or_else(|| self.classic(at.uv))
     }

@@ -36,6 +36,10 @@ fn classic(color: &Paint, at: &MaterialPoint) -> Phong {
 }
 
 impl Material for Matte {
+    fn is_finite(&self) -> bool {
+        self.color.is_finite() && self.roughness.is_finite()
+    }
+
     fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| classic(&self.color, at))
     }

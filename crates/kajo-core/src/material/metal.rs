@@ -71,6 +71,14 @@ impl Metal {
 }
 
 impl Material for Metal {
+    fn is_finite(&self) -> bool {
+        let substance = match &self.substance {
+            Substance::Measured(_) => true,
+            Substance::Color(color) => color.is_finite(),
+        };
+        substance && self.roughness.is_finite() && self.grain.is_finite()
+    }
+
     fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.classic(at))
     }

@@ -26,8 +26,9 @@ use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Vec3, Vec4};
 
 use crate::bsdf::{Bsdf, POLISHED, Phong};
+use crate::emission::SurfaceEmission;
 use crate::family::family;
-use crate::texture::{Share, SurfaceUv, rgb_reflectance};
+use crate::texture::{Share, SurfaceUv, TextureId, rgb_reflectance};
 
 /// Where on a surface a material is asked.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,6 +90,30 @@ pub struct Interior {
 
 /// What every material can do.
 pub trait Material {
+    /// Whether all its numbers are finite.
+    fn is_finite(&self) -> bool;
+
+    /// The materials that it is made of.
+    fn parts(&self) -> &[MaterialId] {
+        &[]
+    }
+
+    /// The pattern that it is made of.
+    fn pattern(&self) -> Option<TextureId> {
+        None
+    }
+
+    /// The light that its surfaces give because those of its parts do.
+    ///
+    /// * `of_part`: the light of each of these
+    fn emission(
+        &self,
+        _appearance: &Appearance,
+        _of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
+    ) -> SurfaceEmission {
+        SurfaceEmission::default()
+    }
+
     /// The classic reflection model at a point.
     fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong;
 
@@ -150,6 +175,8 @@ family! {
     handle MaterialId;
     /// All materials of a scene.
     pools Materials;
+    /// Any material.
+    any AnyMaterial;
     contract Material;
     members {
         blends: Blend,
@@ -161,6 +188,14 @@ family! {
         perforated: Perforated,
         phongs: PhongMaterial,
     }
+    any methods {
+        /// See [`Material::is_finite`].
+        fn is_finite() -> bool;
+        /// See [`Material::parts`].
+        fn parts() -> &[MaterialId];
+        /// See [`Material::pattern`].
+        fn pattern() -> Option<TextureId>;
+    }
     methods {
         /// See [`Material::constant`].
         fn constant() -> Option<&Phong>;
@@ -168,6 +203,8 @@ family! {
         fn is_mixture() -> bool;
     }
     methods of Appearance.materials {
+        /// See [`Material::emission`].
+        fn emission(of_part: &dyn Fn(MaterialId) -> SurfaceEmission) -> SurfaceEmission;
         /// See [`Material::phong`].
         fn phong(at: &MaterialPoint) -> Phong;
         /// See [`Material::may_transmit`].

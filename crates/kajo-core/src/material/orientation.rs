@@ -36,6 +36,13 @@ pub struct Grain {
     pub rotation: Share,
 }
 
+impl Grain {
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        self.anisotropy.is_finite() && self.rotation.is_finite()
+    }
+}
+
 impl Default for Grain {
     fn default() -> Grain {
         Grain { anisotropy: 0.0.into(), rotation: 0.0.into() }

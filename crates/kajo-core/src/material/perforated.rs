@@ -17,6 +17,7 @@ use kajo_math::fmath;
 
 use super::{Appearance, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Phong};
+use crate::emission::SurfaceEmission;
 use crate::texture::Share;
 
 /// An opaque material that is not everywhere.
@@ -43,6 +44,22 @@ impl Perforated {
 }
 
 impl Material for Perforated {
+    fn is_finite(&self) -> bool {
+        self.opacity.is_finite()
+    }
+
+    fn parts(&self) -> &[MaterialId] {
+        std::slice::from_ref(&self.material)
+    }
+
+    fn emission(
+        &self,
+        _appearance: &Appearance,
+        of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
+    ) -> SurfaceEmission {
+        of_part(self.material).weakened(&self.opacity)
+    }
+
     fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
         let inner = appearance.phong(self.material, at);
         let opacity = self.opacity(at);

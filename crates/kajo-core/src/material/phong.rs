@@ -83,6 +83,14 @@ impl From<Phong> for PhongMaterial {
 }
 
 impl Material for PhongMaterial {
+    fn is_finite(&self) -> bool {
+        let Phong { ambient, diffuse, specular, reflective, transparent, absorption, exponent, eta } =
+            self.phong;
+        let colors = [ambient, diffuse, specular, reflective, transparent, absorption];
+        let picture = self.picture.as_ref().is_none_or(PictureMap::is_finite);
+        picture && colors.iter().all(|color| color.is_finite()) && exponent.is_finite() && eta.is_finite()
+    }
+
     #[inline]
     fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
         if !self.varies_at(at) {

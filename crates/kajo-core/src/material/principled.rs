@@ -53,6 +53,15 @@ impl Specular {
         }
     }
 
+    fn is_finite(&self) -> bool {
+        match self {
+            Specular::Factor(color) => color.is_finite(),
+            Specular::F0 { factor, scale, weight } => {
+                factor.is_finite() && scale.is_finite() && weight.is_finite()
+            }
+        }
+    }
+
     fn at(&self, uv: SurfaceUv, wavelengths: &Wavelengths) -> bsdf::Specular {
         match self {
             Specular::Factor(color) => bsdf::Specular::Factor(color.at(uv, wavelengths)),
@@ -164,13 +173,28 @@ impl LayeredMaterial {
 }
 
 impl Layers {
+    /// All colours but that of the gloss.
+    fn colors(&self) -> [&Paint; 3] {
+        [&self.color, &self.coat_color, &self.fuzz_color]
+    }
+
+    /// All numbers that may be pictures, but for those of gloss and grain.
+    fn shares(&self) -> [&Share; 8] {
+        [
+            &self.metalness,
+            &self.transmission,
+            &self.coat,
+            &self.fuzz,
+            &self.roughness,
+            &self.diffuse_roughness,
+            &self.coat_roughness,
+            &self.fuzz_roughness,
+        ]
+    }
+
     fn vary(&self) -> bool {
-        let colors = [&self.color, &self.coat_color, &self.fuzz_color];
-        let kinds = [&self.metalness, &self.transmission, &self.coat, &self.fuzz];
-        let roughnesses =
-            [&self.roughness, &self.diffuse_roughness, &self.coat_roughness, &self.fuzz_roughness];
-        colors.into_iter().any(Paint::varies)
-            || kinds.into_iter().chain(roughnesses).any(Share::varies)
+        self.colors().into_iter().any(Paint::varies)
+            || self.shares().into_iter().any(Share::varies)
             || self.specular.varies()
             || self.grain.varies()
     }
@@ -229,6 +253,17 @@ fn squared(roughness: &Share, uv: SurfaceUv) -> f32 {
 }
 
 impl Material for LayeredMaterial {
+    fn is_finite(&self) -> bool {
+        let layers = &self.layers;
+        let numbers = [layers.eta, layers.coat_eta].into_iter().chain(layers.absorption);
+        let look = self.look.as_ref().is_none_or(|look| look.is_finite());
+        look && numbers.into_iter().all(f32::is_finite)
+            && layers.colors().into_iter().all(Paint::is_finite)
+            && layers.shares().into_iter().all(Share::is_finite)
+            && layers.specular.is_finite()
+            && layers.grain.is_finite()
+    }
+
     fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
         if let Some(look) = &self.look {
             return look.phong(appearance, at);

@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use kajo_math::{Aabb, DAffine3, Transform};
 
-use super::{Assembly, Content, Nested};
-use crate::ids::ObjectId;
+use super::{Assembly, Nested, PartContent};
+use crate::ids::{AssemblyId, ObjectId};
 use crate::material::MaterialId;
 use crate::shape::{ShapeId, Shapes};
 
@@ -53,8 +53,8 @@ impl Nested {
         let mut gathering = Gathering { nested: self, shapes, first_object, pieces, wholes };
         // The cost of what stands in each assembly, one level down.
         let of_member = |content| match content {
-            Content::Shape(shape) => cost(shape),
-            Content::Assembly(_) => WHOLE,
+            PartContent::Shape(shape) => cost(shape),
+            PartContent::Assembly(_) => WHOLE,
         };
         let of_assembly =
             |a: &Assembly| a.members.iter().map(|m| of_member(m.content)).fold(0, usize::saturating_add);
@@ -64,7 +64,7 @@ impl Nested {
         }
         let mut spent = WHOLE * gathering.wholes.len();
         while let Some(whole) = gathering.wholes.pop() {
-            let apart = spent.saturating_add(costs[whole.assembly as usize]) - WHOLE;
+            let apart = spent.saturating_add(costs[whole.assembly.index()]) - WHOLE;
             if apart <= budget {
                 spent = apart;
                 gathering.take_apart(&whole);
@@ -83,7 +83,7 @@ impl Nested {
         let objects =
             self.placements.iter().filter(|placement| is_wanted(placement.placed_by)).map(|placement| {
                 let first = first_object.after(placement.first);
-                first..first.after(self.assemblies[placement.assembly as usize].count)
+                first..first.after(self.assembly(placement.assembly).count)
             });
         objects.collect()
     }
@@ -105,7 +105,7 @@ struct Gathering<'a> {
 struct Whole {
     /// Diagonal of its box in world space.
     size: f32,
-    assembly: u32,
+    assembly: AssemblyId,
     map: DAffine3,
     material: Option<MaterialId>,
     /// Its first object among the nested ones.
@@ -113,8 +113,8 @@ struct Whole {
 }
 
 impl Gathering<'_> {
-    fn hold(&mut self, assembly: u32, map: DAffine3, material: Option<MaterialId>, first: u32) {
-        let bounds = self.nested.bounds(Content::Assembly(assembly), &map, self.shapes);
+    fn hold(&mut self, assembly: AssemblyId, map: DAffine3, material: Option<MaterialId>, first: u32) {
+        let bounds = self.nested.bounds(PartContent::Assembly(assembly), &map, self.shapes);
         if bounds.is_empty() {
             return;
         }
@@ -122,18 +122,18 @@ impl Gathering<'_> {
     }
 
     fn take_apart(&mut self, whole: &Whole) {
-        for member in &self.nested.assemblies[whole.assembly as usize].members {
+        for member in &self.nested.assembly(whole.assembly).members {
             let (map, first) = (whole.map * member.map, whole.first + member.first);
             let material = member.material.or(whole.material);
             match member.content {
-                Content::Assembly(number) => self.hold(number, map, material, first),
-                Content::Shape(shape) => self.push(PieceContent::Shape(shape), &map, material, first),
+                PartContent::Assembly(number) => self.hold(number, map, material, first),
+                PartContent::Shape(shape) => self.push(PieceContent::Shape(shape), &map, material, first),
             }
         }
     }
 
     fn keep(&mut self, whole: &Whole) {
-        let assembly = &self.nested.assemblies[whole.assembly as usize];
+        let assembly = self.nested.assembly(whole.assembly);
         let material = self.first_material(assembly, whole.material);
         self.push(PieceContent::Whole(assembly.tree.bounds()), &whole.map, material, whole.first);
     }
@@ -150,10 +150,8 @@ impl Gathering<'_> {
         let member = assembly.members.first()?;
         let material = member.material.or(inherited);
         match member.content {
-            Content::Shape(_) => material,
-            Content::Assembly(number) => {
-                self.first_material(&self.nested.assemblies[number as usize], material)
-            }
+            PartContent::Shape(_) => material,
+            PartContent::Assembly(number) => self.first_material(self.nested.assembly(number), material),
         }
     }
 }

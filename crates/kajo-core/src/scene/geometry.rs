@@ -30,7 +30,7 @@ pub struct Primitive {
     /// Whether light may pass through any part.
     pub transmits: bool,
     /// Whether any part gives light.
-    pub glows: bool,
+    pub emits: bool,
 }
 
 /// Primitives beyond which [`Geometry::item_buffer`] would take longer than it saves.

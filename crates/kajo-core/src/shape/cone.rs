@@ -61,6 +61,11 @@ impl Surface for Cone {
         disk(self.base, self.base_radius).union(disk(top, self.top_radius)).padded(1e-6)
     }
 
+    fn is_finite(&self) -> bool {
+        let numbers = [self.height, self.base_radius, self.top_radius];
+        self.base.is_finite() && self.axis.is_finite() && numbers.iter().all(|v| v.is_finite())
+    }
+
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         nearest_crossing(self, ray)

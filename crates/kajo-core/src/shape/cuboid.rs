@@ -56,6 +56,10 @@ impl Surface for Cuboid {
         Aabb { min: self.min.as_vec3(), max: self.max.as_vec3() }
     }
 
+    fn is_finite(&self) -> bool {
+        self.min.is_finite() && self.max.is_finite()
+    }
+
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let crossings = self.interval(ray)?;

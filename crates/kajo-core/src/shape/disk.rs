@@ -35,6 +35,11 @@ impl Surface for Disk {
         Aabb { min: (self.center - reach).as_vec3(), max: (self.center + reach).as_vec3() }.padded(1e-6)
     }
 
+    fn is_finite(&self) -> bool {
+        let radii = [self.radius, self.inner_radius];
+        self.center.is_finite() && self.normal.is_finite() && radii.iter().all(|v| v.is_finite())
+    }
+
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let r = Ray64::new(ray);

@@ -167,6 +167,11 @@ impl Surface for Mesh {
         self.0.bvh.bounds()
     }
 
+    fn is_finite(&self) -> bool {
+        // Triangles with corners that are not finite are left out.
+        true
+    }
+
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let hit = self.0.bvh.closest(ray)?;

@@ -39,6 +39,9 @@ pub trait Surface: Sized {
     /// A box that holds the shape; [`Aabb::EVERYWHERE`] for unbounded ones.
     fn bounds(&self) -> Aabb;
 
+    /// Whether all its numbers are finite.
+    fn is_finite(&self) -> bool;
+
     /// The nearest crossing with `t_min < t < t_max`.
     fn hit(&self, ray: &Ray) -> Option<Hit>;
 
@@ -105,6 +108,8 @@ family! {
     handle ShapeId;
     /// All shapes of a scene, each kind in a pool of its own.
     pools Shapes;
+    /// Any shape.
+    any AnyShape;
     contract Surface;
     members {
         cones: Cone,
@@ -115,6 +120,10 @@ family! {
         quads: Quad,
         spheres: Sphere,
         triangles: Triangle,
+    }
+    any methods {
+        /// See [`Surface::is_finite`].
+        fn is_finite() -> bool;
     }
     methods {
         /// See [`Surface::bounds`].

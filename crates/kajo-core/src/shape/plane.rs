@@ -38,6 +38,10 @@ impl Surface for Plane {
         Aabb::EVERYWHERE
     }
 
+    fn is_finite(&self) -> bool {
+        self.normal.is_finite() && self.offset.is_finite()
+    }
+
     #[inline(always)]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let Ray64 { o, d } = Ray64::new(ray);

@@ -39,6 +39,10 @@ impl Surface for Quad {
         Aabb::around(corners.map(|c| c.as_vec3())).padded(1e-6)
     }
 
+    fn is_finite(&self) -> bool {
+        self.corner.is_finite() && self.edges.iter().chain(&self.dual).all(|v| v.is_finite())
+    }
+
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let r = Ray64::new(ray);

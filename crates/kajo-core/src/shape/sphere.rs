@@ -84,6 +84,10 @@ impl Surface for Sphere {
         Aabb { min: self.center - r, max: self.center + r }.padded(1e-6)
     }
 
+    fn is_finite(&self) -> bool {
+        self.center.is_finite() && self.radius.is_finite()
+    }
+
     #[inline(always)]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let chord = self.chord(ray)?;

@@ -37,6 +37,10 @@ impl Surface for Triangle {
         Aabb::around(self.vertices)
     }
 
+    fn is_finite(&self) -> bool {
+        self.vertices.iter().all(|v| v.is_finite()) && self.uvs.iter().all(|uv| uv.is_finite())
+    }
+
     #[inline]
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let Ray64 { o, d } = Ray64::new(ray);

@@ -18,4 +18,8 @@ impl Pattern for Checker {
         let odd = (1 + parity(q.x) + parity(q.y) + parity(q.z)) % 2 != 0;
         if odd { 0.0 } else { 1.0 }
     }
+
+    fn is_finite(&self) -> bool {
+        true
+    }
 }

@@ -15,4 +15,8 @@ impl Pattern for Constant {
     fn value(&self, _q: Vec3) -> f32 {
         self.value
     }
+
+    fn is_finite(&self) -> bool {
+        self.value.is_finite()
+    }
 }

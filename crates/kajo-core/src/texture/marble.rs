@@ -20,4 +20,8 @@ impl Pattern for Marble {
         let phase = self.frequency * q.x + self.amplitude * noise::turbulence(q, self.octaves);
         unit_from_signed(fmath::sin(phase))
     }
+
+    fn is_finite(&self) -> bool {
+        self.frequency.is_finite() && self.amplitude.is_finite()
+    }
 }

@@ -26,6 +26,9 @@ pub use crate::interaction::SurfaceUv;
 
 /// What every pattern can do.
 pub trait Pattern {
+    /// Whether all its numbers are finite.
+    fn is_finite(&self) -> bool;
+
     /// The pattern's value at a point of its own space, in [0, 1].
     fn value(&self, q: Vec3) -> f32;
 }
@@ -35,6 +38,8 @@ family! {
     handle TextureId;
     /// All patterns of a scene.
     pools Textures;
+    /// Any pattern.
+    any AnyPattern;
     contract Pattern;
     members {
         checkers: Checker,
@@ -42,6 +47,10 @@ family! {
         marbles: Marble,
         noises: Noise,
         woods: Wood,
+    }
+    any methods {
+        /// See [`Pattern::is_finite`].
+        fn is_finite() -> bool;
     }
     methods {
         /// See [`Pattern::value`].

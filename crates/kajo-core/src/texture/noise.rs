@@ -15,4 +15,8 @@ impl Pattern for Noise {
     fn value(&self, q: Vec3) -> f32 {
         unit_from_signed(noise::turbulence(q, self.octaves))
     }
+
+    fn is_finite(&self) -> bool {
+        true
+    }
 }

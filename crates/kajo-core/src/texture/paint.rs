@@ -42,6 +42,14 @@ impl Paint {
     pub fn varies(&self) -> bool {
         matches!(self, Paint::Picture(_))
     }
+
+    /// Whether all its numbers are finite; reflectances are.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Paint::Plain(_) => true,
+            Paint::Picture(map) => map.is_finite(),
+        }
+    }
 }
 
 /// The colour of a picture as a reflectance.
@@ -113,6 +121,15 @@ impl Share {
     /// Whether it differs between places.
     pub fn varies(&self) -> bool {
         !matches!(self, Share::Plain(_))
+    }
+
+    /// Whether all its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Share::Plain(value) => value.is_finite(),
+            Share::Picture(map, _) => map.is_finite(),
+            Share::Cut(map, _, least) => map.is_finite() && least.is_finite(),
+        }
     }
 
     /// Its mean over all texels, about that for a picture that is cut.

@@ -177,6 +177,12 @@ pub struct PictureMap {
 }
 
 impl PictureMap {
+    /// Whether all its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let place = [self.repeat, self.cross, self.offset];
+        place.iter().all(|v| v.is_finite()) && self.factor.iter().all(|v| v.is_finite())
+    }
+
     /// A picture that fills the unit square.
     pub fn new(picture: Arc<Picture>) -> PictureMap {
         PictureMap {

@@ -21,4 +21,8 @@ impl Pattern for Wood {
         let rings = self.frequency * (q.x * q.x + q.z * q.z).sqrt();
         unit_from_signed(fmath::sin(rings + self.amplitude * noise::turbulence(q, self.octaves)))
     }
+
+    fn is_finite(&self) -> bool {
+        self.frequency.is_finite() && self.amplitude.is_finite()
+    }
 }

@@ -1,13 +1,20 @@
 //! No sample lasts for ever: paths meet a bounded number of surfaces, fork into a bounded number of others, and are
 //! given up when the render is to stop.
 
-use std::fmt::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use kajo_color::Reflectance;
 use kajo_core::RayOffset;
+use kajo_core::background::Background;
+use kajo_core::builder::{SceneBuilder, SceneError};
+use kajo_core::camera::{Frame, PerspectiveCamera};
+use kajo_core::ids::PoseId;
+use kajo_core::material::{Matte, Perforated};
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_math::Vec2;
+use kajo_core::settings::Settings;
+use kajo_core::shape::Triangle;
+use kajo_math::{DVec3, Vec2, Vec3};
 use kajo_scene::MemoryAssets;
 
 use super::tests::{plain, scene_with};
@@ -30,23 +37,27 @@ fn sample(integrator: &dyn PixelIntegrator) -> ([f32; 3], RayCounters) {
 }
 
 /// A white sky behind a stack of sheets that are cut out altogether.
-fn behind_holes(sheets: u32) -> Scene {
-    let mut obj = String::new();
+fn behind_holes(sheets: u32) -> Result<Scene, SceneError> {
+    let mut scene = SceneBuilder::default();
+    scene.background(Background::constant([1.0; 3]))?;
+    let red = scene.material(Matte::new(Reflectance::from_rgb([1.0, 0.0, 0.0]), 0.0))?;
+    let hole = scene.material(Perforated { material: red, opacity: 0.0.into() })?;
+    let [low, right, high] = [(-900.0, -900.0), (900.0, -900.0), (0.0, 900.0)];
     for i in 0..sheets {
-        let z = -f64::from(i) * 1e-2;
-        writeln!(obj, "v -900 -900 {z}\nv 900 -900 {z}\nv 0 900 {z}\nf -3 -2 -1").expect("memory");
+        let z = -1e-2 * i as f32;
+        let vertices = [low, right, high].map(|(x, y)| Vec3::new(x, y, z));
+        let sheet = scene.shape(Triangle { vertices, uvs: [Vec2::ZERO; 3] })?;
+        scene.object(sheet, hole, PoseId::IDENTITY)?;
     }
-    let text = format!(
-        "{CAMERA} Background {{ color 1 1 1 }} Lights {{ }} Materials {{ Matte m {{ color 1 0 0 opacity 0 }} }}
-         Group {{ MaterialIndex m TriangleMesh {{ file sheets.obj }} }}"
-    );
-    scene_with(&text, &MemoryAssets::new().with("sheets.obj", obj))
+    let frame = Frame::new(8.0 * DVec3::Z, DVec3::NEG_Z, DVec3::Y);
+    scene.camera(PerspectiveCamera::new(frame, 0.3))?;
+    scene.finish(Settings::default())
 }
 
 #[test]
 fn a_path_passes_many_holes_but_not_more_than_there_may_be() {
     for (sheets, expected) in [(MOST_SURFACES - 1, [1.0; 3]), (MOST_SURFACES, [0.0; 3])] {
-        let scene = behind_holes(sheets);
+        let scene = behind_holes(sheets).expect("a scene");
         let path = Path::new(&scene, PathSettings::default(), [1, 1], LayerSet::of(&[]));
         assert_eq!(sample(&path).0, expected, "path through {sheets}");
         let settings = BidirectionalSettings::default();

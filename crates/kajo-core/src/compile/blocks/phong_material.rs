@@ -12,7 +12,6 @@ use crate::compile::fields::{Given, Keys, Sources, Typed, at_least, color, keys,
 use crate::compile::material_draft::Draft;
 use crate::compile::member::{MaterialMember, Member};
 use crate::compile::spectra::Written;
-use crate::family::Pooled;
 use crate::material::{Blend, PhongMaterial};
 use crate::schema::{Around, Block, Constant, FieldKind, FieldValue, Kind};
 use crate::settings::Rules;
@@ -114,11 +113,12 @@ fn draft<'t>(compiler: &mut Compiler<'_>, item: Item<'t>) -> Option<Draft<'t>> {
         let extras = Extras::read(params, sources);
         Some((phong?, veins, extras?))
     })?;
+    let place = item.head_span();
     let id = match veins {
-        None => phong.store(&mut compiler.appearance.materials),
+        None => compiler.store_material(phong, place),
         Some(item) => compiler.veined(item, &phong),
     };
-    Some(Draft::Stored(id, extras))
+    Some(Draft::Stored(id, extras, place))
 }
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<PhongMaterial> {
@@ -165,9 +165,11 @@ impl Compiler<'_> {
         };
         let parts = [color(0, Vec3::ZERO), color(1, Vec3::ONE)];
         let VeinKeys { octaves, frequency, amplitude } = veins;
-        let pattern = Marble { octaves, frequency, amplitude }.store(&mut self.appearance.textures)?;
-        let [first, second] = parts.map(|part| part.store(&mut self.appearance.materials));
+        let pattern = self.scene.texture(Marble { octaves, frequency, amplitude });
+        let place = item.head_span();
+        let pattern = self.accepted(pattern, place)?;
+        let [first, second] = parts.map(|part| self.store_material(part, place));
         let blend = Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials: [first?, second?] };
-        blend.store(&mut self.appearance.materials)
+        self.store_material(blend, place)
     }
 }

@@ -34,8 +34,8 @@ pub const MEMBER: ObjectMember = Member {
 fn place_triangle(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
     let shape = compiler.triangle(item, place);
     match place.world.constant() {
-        Some(_) => compiler.put_shape(shape, false, item, &mut place.baked(), walk),
-        None => compiler.put_shape(shape, false, item, place, walk),
+        Some(_) => compiler.put_shape(shape, item, &mut place.baked(), walk),
+        None => compiler.put_shape(shape, item, place, walk),
     }
 }
 

@@ -38,8 +38,7 @@ fn smooth(around: &Around<'_>) -> Option<FieldValue> {
 
 fn place_mesh(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
     let shape = compiler.read_keys(item, read).and_then(|request| compiler.mesh(item, request));
-    let brings_materials = compiler.slots_transmit;
-    compiler.put_shape(shape, brings_materials, item, place, walk);
+    compiler.put_shape(shape, item, place, walk);
 }
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<MeshRequest> {

@@ -1,0 +1,209 @@
+//! Objects that give light: each patch of their surfaces becomes a light of its own.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use kajo_color::{Emission, Wavelengths};
+use kajo_math::{Affine3A, DAffine3, DMat3, Vec2};
+use kajo_scene::OverBudget;
+
+use super::SceneBuilder;
+use crate::background::Background;
+use crate::emission::VariedEmission;
+use crate::family::Pooled;
+use crate::ids::{LightGroup, LightIndex, ObjectId, PoseId, VariedEmissionId};
+use crate::light::{AreaLight, LightSampler, Sides, SkyLight};
+use crate::material::{MaterialId, MaterialPoint};
+use crate::motion::MovingTransform;
+use crate::scene::Primitive;
+use crate::shape::{Patch, ShapeId};
+use crate::texture::SurfaceUv;
+
+/// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
+const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
+
+/// What patches have to know of the emission of their material.
+struct PatchEmission {
+    /// The radiance, or its mean.
+    emission: Emission,
+    /// Where it varies.
+    varied: Option<VariedEmissionId>,
+    sides: Sides,
+    group: LightGroup,
+}
+
+/// What patches have to know of their materials and places.
+struct Emissive {
+    materials: HashMap<MaterialId, PatchEmission>,
+    varied: Vec<VariedEmission>,
+    /// How objects that move have moved since the shutter opened.
+    drifts: HashMap<PoseId, Arc<MovingTransform>>,
+}
+
+impl SceneBuilder {
+    /// Makes the lights of all emissive objects, and marks these; returns the light that varies.
+    pub(super) fn area_lights(&mut self) -> Result<Vec<VariedEmission>, OverBudget> {
+        let mut emissive = self.emissive();
+        if emissive.materials.is_empty() {
+            return Ok(emissive.varied);
+        }
+        for i in 0..self.geometry.primitives.len() {
+            let primitive = self.geometry.primitives[i];
+            if !self.emits(&primitive) {
+                continue;
+            }
+            let lights = self.patches_of(ObjectId::from_index(i as u32), &primitive, &mut emissive);
+            self.limits.memory.take((lights.len() * BYTES_PER_LIGHT) as u64)?;
+            self.geometry.primitives[i].emits = !lights.is_empty();
+            for (light, group) in lights {
+                let id = light.store(&mut self.lights);
+                self.light_list.extend(id.map(|id| (id, group)));
+            }
+        }
+        Ok(emissive.varied)
+    }
+
+    /// Whether any object would give light if it had an end.
+    pub(crate) fn has_unbounded_emitters(&self) -> bool {
+        let is_unbounded = |primitive: &Primitive| {
+            let bounds = self.geometry.shapes.bounds(primitive.shape);
+            !bounds.is_finite() && !bounds.is_empty()
+        };
+        self.geometry.primitives.iter().any(|primitive| self.emits(primitive) && is_unbounded(primitive))
+    }
+
+    /// Whether the material of an object, or one of its own, gives light.
+    fn emits(&self, primitive: &Primitive) -> bool {
+        self.is_emissive(primitive.material) || self.own_materials_of(primitive.shape).emit
+    }
+
+    /// The patches of an emissive object, and the group of each.
+    fn patches_of(
+        &self,
+        object: ObjectId,
+        primitive: &Primitive,
+        emissive: &mut Emissive,
+    ) -> Vec<(AreaLight, LightGroup)> {
+        let &Primitive { shape, pose, material, .. } = primitive;
+        let shapes = &self.geometry.shapes;
+        let (map, drift) = self.start(pose, &mut emissive.drifts);
+        let mut lights = Vec::new();
+        shapes.patches(shape, |part, patch| {
+            let slot = shapes.material_slot(shape, part);
+            let material = slot.map_or(material, |slot| self.appearance.slots[slot as usize]);
+            let Some(of_material) = emissive.materials.get(&material) else { return };
+            let &PatchEmission { ref emission, varied, sides, group } = of_material;
+            let emission = match varied {
+                None => emission.clone(),
+                Some(varied) => {
+                    let varied = &emissive.varied[varied.index()];
+                    self.emission_of_patch(emission, varied, shape, (part, &patch), &map)
+                }
+            };
+            let patch = if pose.is_identity() { Some(patch) } else { patch.transformed(&map) };
+            let patch = match &drift {
+                Some(drift) => patch.and_then(|patch| patch.movable(drift.sampled_maps())),
+                None => patch,
+            };
+            let light =
+                |patch| AreaLight { patch, drift: drift.clone(), emission, varied, sides, object, part };
+            lights.extend(patch.filter(|patch| patch.area() > 0.0).map(|patch| (light(patch), group)));
+        });
+        lights
+    }
+
+    /// The light of a patch whose points differ, for lights to be chosen by: nine tenths of it what some of the points
+    /// give, and a tenth what the material does on the whole, lest light between them be left undrawn.
+    ///
+    /// * `mean`: of all points of the material
+    /// * `patch`: in the shape's own space; `map` takes it to the world's
+    fn emission_of_patch(
+        &self,
+        mean: &Emission,
+        varied: &VariedEmission,
+        shape: ShapeId,
+        (part, patch): (u32, &Patch),
+        map: &DAffine3,
+    ) -> Emission {
+        /// Points across and up.
+        const GRID: u8 = 4;
+        const KNOWN: f32 = 0.9;
+        let shapes = &self.geometry.shapes;
+        let light = |i: u8| {
+            let u = Vec2::new((i % GRID).into(), (i / GRID).into()) + 0.5;
+            let p = patch.sample_area(u / f32::from(GRID))?.p;
+            let hit = shapes.hit_at(shape, part, p);
+            let uv = shapes.uv_at(shape, &hit, p);
+            let second = shapes.second_uv_at(shape, &hit).unwrap_or(uv);
+            let place = MaterialPoint {
+                p: map.transform_point3(p.as_dvec3()).as_vec3(),
+                uv: SurfaceUv { first: uv, second },
+                tint: shapes.color_at(shape, &hit),
+            };
+            Some(varied.at(&self.appearance.textures, &place, &Wavelengths::RGB).luminance())
+        };
+        let found: Vec<f32> = (0..GRID * GRID).filter_map(light).collect();
+        let share = found.iter().sum::<f32>() / (found.len() as f32 * mean.luminance());
+        let share = if share.is_finite() { KNOWN * share + (1.0 - KNOWN) } else { 1.0 };
+        mean.clone().scaled(share)
+    }
+
+    /// What patches have to know, of every material that gives light.
+    fn emissive(&self) -> Emissive {
+        let (mut materials, mut varied) = (HashMap::new(), Vec::new());
+        for id in self.appearance.materials.ids() {
+            let Some(of_surface) = self.emission(id) else { continue };
+            let (sides, group) = (of_surface.sides, of_surface.group);
+            let of_patch = match of_surface.constant() {
+                Some(emission) => PatchEmission { emission: emission.clone(), varied: None, sides, group },
+                None => {
+                    let light = VariedEmission::from(of_surface.clone());
+                    let (emission, id) = (light.mean(), VariedEmissionId::new(varied.len()));
+                    varied.push(light);
+                    PatchEmission { emission, varied: id, sides, group }
+                }
+            };
+            materials.insert(id, of_patch);
+        }
+        Emissive { materials, varied, drifts: HashMap::new() }
+    }
+
+    /// The map of an object as the shutter opens, and how it moves from there if it does; `drifts` has those of the
+    /// objects before it.
+    fn start(
+        &self,
+        pose: PoseId,
+        drifts: &mut HashMap<PoseId, Arc<MovingTransform>>,
+    ) -> (DAffine3, Option<Arc<MovingTransform>>) {
+        if let Some(still) = pose.still_in(&self.geometry.transforms) {
+            return (double(&still.world_from_object), None);
+        }
+        let motion = pose.moving_in(&self.geometry.motions);
+        let Some(motion) = motion else { return (DAffine3::IDENTITY, None) };
+        let drift = || Arc::new(motion.since_opening());
+        let drift = motion.moves().then(|| Arc::clone(drifts.entry(pose).or_insert_with(drift)));
+        (motion.map_at(0.0), drift)
+    }
+
+    /// The lights that integrators draw from: those of the file, emissive patches, and the background.
+    pub(super) fn light_sampler(&mut self, background: &Arc<Background>) -> LightSampler {
+        let mut list = self.light_list.clone();
+        let first_area = list.len() - self.lights.areas.len();
+        let mut sky = None;
+        if !background.is_black()
+            && let Some(id) = SkyLight::new(Arc::clone(background)).store(&mut self.lights)
+        {
+            sky = LightIndex::new(list.len());
+            list.push((id, self.background_group));
+        }
+        LightSampler::new(list, first_area, sky, &self.lights)
+    }
+}
+
+/// The same map in double precision.
+fn double(m: &Affine3A) -> DAffine3 {
+    let column = |v: kajo_math::Vec3A| kajo_math::Vec3::from(v).as_dvec3();
+    let matrix3 =
+        DMat3::from_cols(column(m.matrix3.x_axis), column(m.matrix3.y_axis), column(m.matrix3.z_axis));
+    DAffine3 { matrix3, translation: column(m.translation) }
+}

@@ -1,0 +1,83 @@
+//! Why a scene cannot be made.
+
+use kajo_scene::OverBudget;
+
+use crate::ids::{AssemblyId, LightGroup, MAX_LIGHT_GROUPS, PoseId};
+use crate::material::MaterialId;
+use crate::nested::MOST_LEVELS;
+use crate::shape::ShapeId;
+use crate::texture::TextureId;
+
+/// Why something cannot be part of a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A number that is infinite or none; the type it stands in.
+    #[error("a number of a {0} is infinite or none")]
+    NotFinite(&'static str),
+    /// A map that is not invertible, so that nothing under it could be hit.
+    #[error("a map from object to world space has no inverse")]
+    NoInverse,
+    /// A shape that this builder has not named.
+    #[error("the scene has no shape {0:?}")]
+    UnknownShape(ShapeId),
+    /// A material that this builder has not named.
+    #[error("the scene has no material {0:?}")]
+    UnknownMaterial(MaterialId),
+    /// A pattern that this builder has not named.
+    #[error("the scene has no texture {0:?}")]
+    UnknownTexture(TextureId),
+    /// A place that this builder has not named.
+    #[error("the scene has no transform and no motion {0:?}")]
+    UnknownPose(PoseId),
+    /// An assembly that this builder has not named.
+    #[error("the scene has no assembly {0:?}")]
+    UnknownAssembly(AssemblyId),
+    /// A group that this builder has not named.
+    #[error("the scene has no group of lights {0:?}")]
+    UnknownLightGroup(LightGroup),
+    /// A mesh names a material by a number that [`SceneBuilder::mesh_material`](super::SceneBuilder::mesh_material) has not given.
+    #[error("the scene has no material number {0} for triangles of meshes")]
+    UnknownMeshMaterial(u32),
+    /// An object that was not pushed; its index.
+    #[error("the scene has no object {0}")]
+    UnknownObject(usize),
+    /// More members of one type than a handle can name.
+    #[error("there are too many of the type {0}")]
+    TooMany(&'static str),
+    /// More objects than [`kajo_scene::Limits::objects`], or than numbers can name.
+    #[error("there would be more than {0} objects")]
+    TooManyObjects(usize),
+    /// More groups of lights than have layers.
+    #[error("a scene has at most {} groups of lights, and that of all others", MAX_LIGHT_GROUPS - 1)]
+    TooManyLightGroups,
+    /// A name of a group that would be none of a layer.
+    #[error("`{0}` cannot name a group of lights: it takes letters, digits, `_` and `-`")]
+    LightGroupName(String),
+    /// Assemblies one in the other.
+    #[error("there are more than {MOST_LEVELS} levels of assemblies")]
+    TooManyLevels,
+    /// A part of an assembly has no bounds, so that no tree can hold it.
+    #[error("a shape without bounds cannot be part of an assembly")]
+    UnboundedPart,
+    /// A part of an assembly would give light: each object that does is listed, and these are too many.
+    #[error("parts of an assembly cannot give light")]
+    EmissivePart,
+    /// An assembly has parts without a material, and its instance has none for them.
+    #[error("an instance of an assembly whose parts have no material needs one")]
+    NoMaterial,
+    /// A light that the scene makes itself, of emissive objects or of the background.
+    #[error("a {0} is made by the scene itself")]
+    OwnLight(&'static str),
+    /// There is no camera to take the picture.
+    #[error("the scene has no camera")]
+    NoCamera,
+    /// A picture without pixels.
+    #[error("the picture would have no pixels: {0} by {1}")]
+    EmptyPicture(u32, u32),
+    /// A shutter that closes before it opens.
+    #[error("the shutter closes before it opens")]
+    Shutter,
+    /// There is too little memory for the lights that emissive objects are.
+    #[error("there is no memory for so many lights: {0}")]
+    LightMemory(OverBudget),
+}

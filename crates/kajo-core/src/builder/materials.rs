@@ -1,0 +1,157 @@
+//! Materials and what they are made of.
+
+use super::{SceneBuilder, SceneError, check_finite};
+use crate::emission::SurfaceEmission;
+use crate::material::{AnyMaterial, Appearance, MaterialId, Perforated};
+use crate::shape::ABSENT;
+use crate::texture::{AnyPattern, Channel, PictureMap, Share, TextureId};
+
+impl SceneBuilder {
+    /// Adds a pattern.
+    ///
+    /// # Errors
+    /// [`SceneError::NotFinite`], [`SceneError::TooMany`].
+    pub fn texture(&mut self, pattern: impl Into<AnyPattern>) -> Result<TextureId, SceneError> {
+        let pattern = pattern.into();
+        check_finite(pattern.is_finite(), pattern.name())?;
+        let name = pattern.name();
+        pattern.store(&mut self.appearance.textures).ok_or(SceneError::TooMany(name))
+    }
+
+    /// Adds a material, which has the next number in the id layers.
+    ///
+    /// One that is made of others gives the light of these, as far as it shows them.
+    ///
+    /// # Errors
+    /// [`SceneError::NotFinite`], [`SceneError::UnknownMaterial`], [`SceneError::UnknownTexture`],
+    /// [`SceneError::TooMany`].
+    pub fn material(&mut self, material: impl Into<AnyMaterial>) -> Result<MaterialId, SceneError> {
+        let id = self.store_material(material)?;
+        self.list_material(id, None);
+        Ok(id)
+    }
+
+    /// As [`SceneBuilder::material`], of surfaces that give light: each object that has it becomes a light.
+    ///
+    /// # Errors
+    /// As [`SceneBuilder::material`]; [`SceneError::UnknownLightGroup`].
+    pub fn emissive_material(
+        &mut self,
+        material: impl Into<AnyMaterial>,
+        emission: SurfaceEmission,
+    ) -> Result<MaterialId, SceneError> {
+        check_finite(emission.is_finite(), "SurfaceEmission")?;
+        self.check_group(emission.group)?;
+        let id = self.material(material)?;
+        self.set_emission(id, emission);
+        Ok(id)
+    }
+
+    /// Gives a name to a material, by which programs show it.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownMaterial`].
+    pub fn name_material(&mut self, material: MaterialId, name: &str) -> Result<(), SceneError> {
+        let listed = self.appearance.list.iter_mut().find(|(id, _)| *id == material);
+        let (_, own) = listed.ok_or(SceneError::UnknownMaterial(material))?;
+        *own = Some(name.to_owned());
+        Ok(())
+    }
+
+    /// The number by which triangles of meshes name a material; see [`crate::shape::MeshData::material_slots`].
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownMaterial`], [`SceneError::TooMany`].
+    pub fn mesh_material(&mut self, material: MaterialId) -> Result<u32, SceneError> {
+        self.check_material(material)?;
+        let number = u32::try_from(self.appearance.slots.len()).ok().filter(|&number| number != ABSENT);
+        self.appearance.slots.push(material);
+        number.ok_or(SceneError::TooMany("Mesh"))
+    }
+
+    /// A material that lets be seen what is behind it where the colours of a mesh have opacities less than 1; the material itself
+    /// where light passes it anyway.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownMaterial`], [`SceneError::TooMany`].
+    pub fn see_through(&mut self, material: MaterialId) -> Result<MaterialId, SceneError> {
+        self.check_material(material)?;
+        if self.appearance.may_transmit(material) {
+            return Ok(material);
+        }
+        if let Some(&known) = self.see_through.get(&material) {
+            return Ok(known);
+        }
+        let opacity = Share::Picture(PictureMap::white(), Channel::Alpha);
+        let id = self.store_material(Perforated { material, opacity })?;
+        self.see_through.insert(material, id);
+        Ok(id)
+    }
+
+    /// Adds a material that has no number in the id layers.
+    pub(crate) fn store_material(
+        &mut self,
+        material: impl Into<AnyMaterial>,
+    ) -> Result<MaterialId, SceneError> {
+        let material = material.into();
+        let name = material.name();
+        check_finite(material.is_finite(), name)?;
+        material.parts().iter().try_for_each(|&part| self.check_material(part))?;
+        if let Some(pattern) = material.pattern()
+            && !self.appearance.textures.contains(pattern)
+        {
+            return Err(SceneError::UnknownTexture(pattern));
+        }
+        let id = material.store(&mut self.appearance.materials).ok_or(SceneError::TooMany(name))?;
+        let of_part = |part| self.emissions.get(&part).cloned().unwrap_or_default();
+        let emission = self.appearance.emission(id, &of_part);
+        self.set_emission(id, emission);
+        Ok(id)
+    }
+
+    /// Gives a material its number in the id layers, the next one.
+    pub(crate) fn list_material(&mut self, material: MaterialId, name: Option<String>) {
+        self.appearance.list.push((material, name));
+    }
+
+    /// Makes surfaces of a material give light; before others are made of it.
+    pub(crate) fn set_emission(&mut self, material: MaterialId, emission: SurfaceEmission) {
+        if !emission.is_black() {
+            self.emissions.insert(material, emission);
+        }
+    }
+
+    /// Whether surfaces of a material give light.
+    pub(crate) fn is_emissive(&self, material: MaterialId) -> bool {
+        self.emissions.contains_key(&material)
+    }
+
+    /// The light of surfaces of a material.
+    pub(crate) fn emission(&self, material: MaterialId) -> Option<&SurfaceEmission> {
+        self.emissions.get(&material)
+    }
+
+    /// Materials and patterns so far.
+    pub fn appearance(&self) -> &Appearance {
+        &self.appearance
+    }
+
+    pub(super) fn check_material(&self, material: MaterialId) -> Result<(), SceneError> {
+        let known = self.appearance.materials.contains(material);
+        known.then_some(()).ok_or(SceneError::UnknownMaterial(material))
+    }
+
+    /// What is to be known of all materials together.
+    pub(super) fn finish_appearance(&mut self) {
+        let appearance = &mut self.appearance;
+        let numbers = appearance.list.iter().enumerate().map(|(i, &(id, _))| (id, i as u32 + 1));
+        appearance.numbers = numbers.rev().collect();
+        for (plain, seen) in &self.see_through {
+            let number = appearance.numbers.get(plain).copied();
+            appearance.numbers.extend(number.map(|number| (*seen, number)));
+        }
+        appearance.has_pictures = appearance.materials.ids().any(|id| appearance.needs_uv(id));
+        appearance.has_passages = appearance.materials.ids().any(|id| appearance.has_passages(id));
+        appearance.has_orientations = appearance.materials.ids().any(|id| appearance.is_oriented(id));
+    }
+}
