@@ -9,8 +9,9 @@
 use kajo_color::Spectrum;
 use kajo_math::{Affine3A, Vec3};
 
-use super::{Appearance, Interior, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
-use crate::bsdf::{Bsdf, Phong};
+use super::parts::answers_of_part;
+use super::{Appearance, Material, MaterialId, MaterialPoint, ShadingPoint};
+use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
 use crate::texture::TextureId;
 
@@ -32,12 +33,16 @@ impl Blend {
     }
 
     /// The material that is there by the number `at.u`, and what to ask it.
-    fn part<'a>(&self, appearance: &Appearance, at: &ShadingPoint<'a>) -> (MaterialId, ShadingPoint<'a>) {
+    fn chosen<'a>(
+        &self,
+        appearance: &Appearance,
+        at: &ShadingPoint<'a>,
+    ) -> Option<(MaterialId, ShadingPoint<'a>)> {
         let t = self.share_of_second(appearance, at.place.p).clamp(0.0, 1.0);
         let [first, second] = self.materials;
         // What is left of the number after the choice is uniform again.
         let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
-        (part, ShadingPoint { u: u.min(1.0f32.next_down()), ..*at })
+        Some((part, ShadingPoint { u: u.min(1.0f32.next_down()), ..*at }))
     }
 }
 
@@ -79,44 +84,11 @@ impl Material for Blend {
         first.lerp(&appearance.phong(second, at), t)
     }
 
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
-        let (part, at) = self.part(appearance, at);
-        appearance.bsdf(part, &at)
-    }
+    answers_of_part!(bsdf, interior, orientation);
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
         let t = self.share_of_second(appearance, at.place.p).clamp(0.0, 1.0);
         let [first, second] = self.materials.map(|m| appearance.passage(m, at, cos));
         first.lerp(second, t)
-    }
-
-    fn has_passages(&self, appearance: &Appearance) -> bool {
-        self.materials.iter().any(|&m| appearance.has_passages(m))
-    }
-
-    fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
-        let (part, at) = self.part(appearance, at);
-        appearance.interior(part, &at)
-    }
-
-    fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        let (part, at) = self.part(appearance, at);
-        appearance.orientation(part, &at)
-    }
-
-    fn is_oriented(&self, appearance: &Appearance) -> bool {
-        self.materials.iter().any(|&m| appearance.is_oriented(m))
-    }
-
-    fn is_mixture(&self) -> bool {
-        true
-    }
-
-    fn needs_uv(&self, appearance: &Appearance) -> bool {
-        self.materials.iter().any(|&m| appearance.needs_uv(m))
-    }
-
-    fn may_transmit(&self, appearance: &Appearance) -> bool {
-        self.materials.iter().any(|&m| appearance.may_transmit(m))
     }
 }

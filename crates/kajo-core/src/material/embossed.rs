@@ -21,8 +21,9 @@
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
-use super::{Appearance, Interior, Lean, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
-use crate::bsdf::{Bsdf, Phong};
+use super::parts::answers_of_part;
+use super::{Appearance, Lean, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
+use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
 use crate::texture::{Channel, PictureMap, SurfaceUv};
 
@@ -89,6 +90,17 @@ pub struct Embossed {
     pub relief: Relief,
 }
 
+impl Embossed {
+    /// What there is under the relief.
+    fn chosen<'a>(
+        &self,
+        _appearance: &Appearance,
+        at: &ShadingPoint<'a>,
+    ) -> Option<(MaterialId, ShadingPoint<'a>)> {
+        Some((self.material, *at))
+    }
+}
+
 impl Material for Embossed {
     fn is_finite(&self) -> bool {
         match &self.relief {
@@ -117,13 +129,7 @@ impl Material for Embossed {
         true
     }
 
-    fn may_transmit(&self, appearance: &Appearance) -> bool {
-        appearance.may_transmit(self.material)
-    }
-
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
-        appearance.bsdf(self.material, at)
-    }
+    answers_of_part!(bsdf, interior);
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         let own = appearance.orientation(self.material, at);
@@ -134,20 +140,7 @@ impl Material for Embossed {
         true
     }
 
-    fn is_mixture(&self) -> bool {
-        // It may be of one.
-        true
-    }
-
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
         appearance.passage(self.material, at, cos)
-    }
-
-    fn has_passages(&self, appearance: &Appearance) -> bool {
-        appearance.has_passages(self.material)
-    }
-
-    fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
-        appearance.interior(self.material, at)
     }
 }

@@ -52,10 +52,6 @@ impl Material for Matte {
         self.color.varies() || self.roughness.varies()
     }
 
-    fn may_transmit(&self, _appearance: &Appearance) -> bool {
-        false
-    }
-
     fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         let reflectance = at.place.tinted(self.color.at(at.place.uv, at.wavelengths), at.wavelengths);
         let roughness = self.roughness.at(at.place.uv);

@@ -99,10 +99,6 @@ impl Material for Metal {
         self.grain.exists()
     }
 
-    fn may_transmit(&self, _appearance: &Appearance) -> bool {
-        false
-    }
-
     fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         let fresnel = match &self.substance {
             Substance::Measured(metal) => {

@@ -7,6 +7,7 @@ mod glass;
 mod matte;
 mod metal;
 mod orientation;
+mod parts;
 mod perforated;
 mod phong;
 mod principled;
@@ -123,12 +124,14 @@ pub trait Material {
     }
 
     /// Whether any answer depends on surface coordinates.
-    fn needs_uv(&self, _appearance: &Appearance) -> bool {
-        false
+    fn needs_uv(&self, appearance: &Appearance) -> bool {
+        self.parts().iter().any(|&part| appearance.needs_uv(part))
     }
 
     /// Whether light can pass through anywhere.
-    fn may_transmit(&self, appearance: &Appearance) -> bool;
+    fn may_transmit(&self, appearance: &Appearance) -> bool {
+        self.parts().iter().any(|&part| appearance.may_transmit(part))
+    }
 
     /// How light is scattered at a point, for integrators that estimate integrals.
     ///
@@ -150,8 +153,8 @@ pub trait Material {
     }
 
     /// Whether [`Material::passage`] is more than nothing anywhere.
-    fn has_passages(&self, _appearance: &Appearance) -> bool {
-        false
+    fn has_passages(&self, appearance: &Appearance) -> bool {
+        self.parts().iter().any(|&part| appearance.has_passages(part))
     }
 
     /// How the frame of [`Material::bsdf`] is to be turned.
@@ -160,8 +163,8 @@ pub trait Material {
     }
 
     /// Whether [`Material::orientation`] asks for anything anywhere.
-    fn is_oriented(&self, _appearance: &Appearance) -> bool {
-        false
+    fn is_oriented(&self, appearance: &Appearance) -> bool {
+        self.parts().iter().any(|&part| appearance.is_oriented(part))
     }
 
     /// What is behind the surface, for materials that refract.

@@ -15,8 +15,9 @@
 use kajo_color::Spectrum;
 use kajo_math::fmath;
 
-use super::{Appearance, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
-use crate::bsdf::{Bsdf, Phong};
+use super::parts::answers_of_part;
+use super::{Appearance, Material, MaterialId, MaterialPoint, ShadingPoint};
+use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
 use crate::texture::Share;
 
@@ -36,10 +37,15 @@ impl Perforated {
     }
 
     /// What to ask the material there; `None` in a hole, by the number `at.u`.
-    fn between_holes<'a>(&self, at: &ShadingPoint<'a>) -> Option<ShadingPoint<'a>> {
+    fn chosen<'a>(
+        &self,
+        _appearance: &Appearance,
+        at: &ShadingPoint<'a>,
+    ) -> Option<(MaterialId, ShadingPoint<'a>)> {
         let opacity = self.opacity(&at.place);
         // What is left of the number after the choice is uniform again.
-        (at.u < opacity).then(|| ShadingPoint { u: (at.u / opacity).min(1.0f32.next_down()), ..*at })
+        let u = (at.u / opacity).min(1.0f32.next_down());
+        (at.u < opacity).then_some((self.material, ShadingPoint { u, ..*at }))
     }
 }
 
@@ -76,25 +82,7 @@ impl Material for Perforated {
         true
     }
 
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
-        match self.between_holes(at) {
-            Some(at) => appearance.bsdf(self.material, &at),
-            None => Bsdf::Null,
-        }
-    }
-
-    fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        let inner = |at| appearance.orientation(self.material, &at);
-        self.between_holes(at).map(inner).unwrap_or_default()
-    }
-
-    fn is_oriented(&self, appearance: &Appearance) -> bool {
-        appearance.is_oriented(self.material)
-    }
-
-    fn is_mixture(&self) -> bool {
-        true
-    }
+    answers_of_part!(bsdf, orientation);
 
     fn needs_uv(&self, appearance: &Appearance) -> bool {
         self.opacity.varies() || appearance.needs_uv(self.material)
