@@ -83,7 +83,7 @@ const CORE_MODULES: [(&str, &[&str]); 30] = [
     ("bsdf", &["interaction"]),
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "emission", "bsdf"]),
-    ("emission", &["ids", "family", "texture", "material", "light"]),
+    ("emission", &["ids", "family", "texture", "light"]),
     ("shape", &["family", "interaction"]),
     (
         "light",
@@ -135,7 +135,10 @@ const CORE_MODULES: [(&str, &[&str]); 30] = [
         ],
     ),
     ("schema", &["scene", "settings"]),
-    ("lighting", &["ids", "interaction", "bsdf", "emission", "light", "material", "sampler", "scene"]),
+    (
+        "lighting",
+        &["ids", "interaction", "bsdf", "texture", "emission", "light", "material", "sampler", "scene"],
+    ),
     ("shading", &["interaction", "material", "scene"]),
     ("space", &["scene"]),
     (

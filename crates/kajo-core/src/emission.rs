@@ -16,8 +16,7 @@ use kajo_math::Affine3A;
 use crate::family::Pooled;
 use crate::ids::LightGroup;
 use crate::light::Sides;
-use crate::material::MaterialPoint;
-use crate::texture::{Constant, PictureMap, Share, TextureId, Textures, picture_reflectance};
+use crate::texture::{Constant, PictureMap, Share, TextureContext, TextureId, Textures, picture_reflectance};
 
 /// The light that the surfaces of a material give; none by default.
 #[derive(Clone, Debug, Default)]
@@ -185,7 +184,7 @@ impl VariedEmission {
     /// The radiance at a place.
     ///
     /// * `at`: surface coordinates are of effect where [`VariedEmission::needs_uv`]
-    pub fn at(&self, textures: &Textures, at: &MaterialPoint, wavelengths: &Wavelengths) -> Spectrum {
+    pub fn at(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
         let radiance = |term: &EmissionTerm| {
             let light = term.emission.at(wavelengths);
             term.factors.iter().fold(light, |light, factor| light * factor.at(textures, at, wavelengths))
@@ -217,7 +216,7 @@ impl VariedEmission {
 }
 
 impl EmissionFactor {
-    fn at(&self, textures: &Textures, at: &MaterialPoint, wavelengths: &Wavelengths) -> Spectrum {
+    fn at(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
         match self {
             EmissionFactor::Share(share) => Spectrum::WHITE * share.covered_at(at.uv, at.cover()),
             EmissionFactor::Tint => at.tinted(Spectrum::WHITE, wavelengths),

@@ -1,5 +1,6 @@
 //! What integrators that estimate integrals ask of a scene: how surfaces scatter, what they emit, which light arrives.
 
+use crate::texture::TextureContext;
 use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
 use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
 
@@ -11,7 +12,7 @@ use crate::light::{
     AreaLight, BoundingSphere, EmissionPdf, EmissiveSurfaces, LeNumbers, LightChoice, LightHit,
     LightLeSample, LightLiSample, LightPoint, PowerLightSampler, Receiver,
 };
-use crate::material::{Interior, MaterialPoint, ShadingPoint};
+use crate::material::{Interior, ShadingPoint};
 use crate::sampler::Draws;
 use crate::scene::{Interaction, Scene, rarely};
 
@@ -22,7 +23,7 @@ impl Scene {
     /// * `u`: uniform in [0, 1), chooses among the parts of a mixture; any number where it is none
     #[inline]
     pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf {
-        let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside, u };
+        let point = ShadingPoint { context: self.texture_context(at), wavelengths, eta_outside, u };
         self.appearance.bsdf(at.material, &point)
     }
 
@@ -53,8 +54,8 @@ impl Scene {
         let mut passed = Spectrum::WHITE;
         let blocked = self.occluded_or(None, segment, |object, hit| {
             let at = self.interaction(segment, object, hit);
-            let place = self.material_point(&at);
-            let point = ShadingPoint { place, wavelengths, eta_outside: eta, u: 0.0 };
+            let context = self.texture_context(&at);
+            let point = ShadingPoint { context, wavelengths, eta_outside: eta, u: 0.0 };
             let cos = at.crossing_cosine(segment.d);
             passed *= self.appearance.passage(at.material, &point, cos);
             passed.is_black()
@@ -68,7 +69,7 @@ impl Scene {
     #[inline]
     pub fn interior(&self, at: &Interaction, wavelengths: &Wavelengths, u: f32) -> Option<Interior> {
         if self.may_transmit(at.object) {
-            let point = ShadingPoint { place: self.material_point(at), wavelengths, eta_outside: 1.0, u };
+            let point = ShadingPoint { context: self.texture_context(at), wavelengths, eta_outside: 1.0, u };
             self.appearance.interior(at.material, &point)
         } else {
             None
@@ -148,7 +149,7 @@ impl Scene {
     ) -> Spectrum {
         let varied: &VariedEmission = &self.lighting.varied_emissions[emission.index()];
         let uv = if varied.needs_uv() { self.geometry.surface_uv(at) } else { SurfaceUv::default() };
-        let place = MaterialPoint { p: self.geometry.pattern_point(at), uv, tint: self.geometry.tint(at) };
+        let place = TextureContext { p: self.geometry.pattern_point(at), uv, tint: self.geometry.tint(at) };
         varied.at(&self.appearance.textures, &place, wavelengths)
     }
 

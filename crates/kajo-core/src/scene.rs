@@ -8,6 +8,7 @@ mod geometry;
 mod immersion;
 mod rays;
 
+use crate::texture::TextureContext;
 use std::sync::Arc;
 
 use kajo_color::Spectrum;
@@ -20,7 +21,7 @@ use crate::emission::VariedEmission;
 use crate::ids::ObjectId;
 use crate::interaction::{Hit, SurfaceUv};
 use crate::light::{LightId, LightSampler, Lights};
-use crate::material::{Appearance, MaterialId, MaterialPoint};
+use crate::material::{Appearance, MaterialId};
 use crate::medium::Fog;
 use crate::motion::MovingTransform;
 use crate::nested::Leaf;
@@ -107,14 +108,14 @@ impl Scene {
 
     /// Where materials are evaluated for an interaction.
     #[inline]
-    pub fn material_point(&self, at: &Interaction) -> MaterialPoint {
+    pub fn texture_context(&self, at: &Interaction) -> TextureContext {
         let needs_uv = || self.appearance.needs_uv(at.material);
         let uv = if self.appearance.has_pictures && needs_uv() {
             rarely(|| self.geometry.surface_uv(at))
         } else {
             SurfaceUv::default()
         };
-        MaterialPoint { p: self.geometry.pattern_point(at), uv, tint: self.geometry.tint(at) }
+        TextureContext { p: self.geometry.pattern_point(at), uv, tint: self.geometry.tint(at) }
     }
 
     /// The classic reflection model of a material, where it is the same at every point whatever has the material.
@@ -133,7 +134,7 @@ impl Scene {
         if let Some(phong) = self.constant(material) {
             return phong.transparent;
         }
-        let place = self.material_point(&self.interaction(ray, object, hit));
+        let place = self.texture_context(&self.interaction(ray, object, hit));
         self.appearance.phong(material, &place).transparent
     }
 

@@ -13,11 +13,11 @@ use crate::emission::VariedEmission;
 use crate::family::Pooled;
 use crate::ids::{LightGroup, LightIndex, ObjectId, PoseId, VariedEmissionId};
 use crate::light::{AreaLight, LightSampler, Sides, SkyLight};
-use crate::material::{MaterialId, MaterialPoint};
+use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::scene::Primitive;
 use crate::shape::{Patch, ShapeId};
-use crate::texture::SurfaceUv;
+use crate::texture::{SurfaceUv, TextureContext};
 
 /// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
 const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
@@ -135,7 +135,7 @@ impl SceneBuilder {
             let hit = shapes.hit_at(shape, part, p);
             let uv = shapes.uv_at(shape, &hit, p);
             let second = shapes.second_uv_at(shape, &hit).unwrap_or(uv);
-            let place = MaterialPoint {
+            let place = TextureContext {
                 p: map.transform_point3(p.as_dvec3()).as_vec3(),
                 uv: SurfaceUv { first: uv, second },
                 tint: shapes.color_at(shape, &hit),

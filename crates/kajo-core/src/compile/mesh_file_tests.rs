@@ -1,5 +1,6 @@
 //! What materials and colours of mesh files look like.
 
+use crate::texture::TextureContext;
 use kajo_color::Wavelengths;
 use kajo_image::{EncodeOptions, Format, Image, encode};
 use kajo_math::{Ray, Vec3};
@@ -7,7 +8,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, compile};
 use crate::bsdf::{Base, Bsdf, Phong};
-use crate::material::{MaterialPoint, ShadingPoint};
+use crate::material::ShadingPoint;
 use crate::scene::{Event, Interaction, Scene};
 
 /// A square of two triangles from (-1, -1) to (1, 1), each with a material of its own.
@@ -39,7 +40,7 @@ fn at(scene: &Scene, x: f32, y: f32) -> Interaction {
 
 fn phong(scene: &Scene, x: f32, y: f32) -> Phong {
     let at = at(scene, x, y);
-    scene.appearance.phong(at.material, &scene.material_point(&at))
+    scene.appearance.phong(at.material, &scene.texture_context(&at))
 }
 
 fn diffuse(scene: &Scene, x: f32, y: f32) -> Vec3 {
@@ -107,8 +108,8 @@ fn numbers_of_the_extension_become_layers() {
     assert_eq!(said, [""; 0]);
     let layers = |x: f32, y: f32, u: f32| {
         let met = at(&scene, x, y);
-        let place = scene.material_point(&met);
-        let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+        let place = scene.texture_context(&met);
+        let point = ShadingPoint { context: place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
         match scene.appearance.bsdf(met.material, &point) {
             Bsdf::Principled(layers) => Some(layers),
             _ => None,
@@ -139,8 +140,8 @@ fn bodies_of_blender_are_of_glass() {
     let bases = |scene: &Scene| {
         let met = at(scene, 0.5, -0.5);
         let base = |u| {
-            let place = scene.material_point(&met);
-            let point = ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+            let place = scene.texture_context(&met);
+            let point = ShadingPoint { context: place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
             match scene.appearance.bsdf(met.material, &point) {
                 Bsdf::Principled(layers) => Some((layers.base, layers.eta)),
                 _ => None,
@@ -214,7 +215,7 @@ fn colours_of_vertices_tint_the_material_where_they_are_asked_for() {
         let (scene, _) = compiled(&format!("MaterialIndex gold {mesh}"), assets());
         let scene = scene.unwrap();
         let met = at(&scene, 0.0, 0.0);
-        let plain = scene.appearance.phong(met.material, &MaterialPoint::default());
+        let plain = scene.appearance.phong(met.material, &TextureContext::default());
         assert_eq!(phong(&scene, 0.0, 0.0), plain, "measured metal has no colour to be tinted");
     }
     let clear = ply.replace("property uchar blue\n", "property uchar blue\nproperty uchar alpha\n");

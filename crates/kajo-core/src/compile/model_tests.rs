@@ -84,7 +84,7 @@ fn met(scene: &Scene, x: f32, y: f32) -> Interaction {
 /// The colour that the classic integrator sees there.
 fn color(scene: &Scene, x: f32, y: f32) -> Vec3 {
     let at = met(scene, x, y);
-    let place = scene.material_point(&at);
+    let place = scene.texture_context(&at);
     scene.appearance.phong(at.material, &place).diffuse.to_rgb().into()
 }
 
@@ -291,7 +291,7 @@ fn points_and_lines_are_shown_on_request() {
     assert_eq!((points.geometry.primitives.len(), points.geometry.shapes.spheres.len()), (3, 3));
     let at = met(&points, -1.0, -1.0);
     assert!((at.hit.t - 4.75).abs() < 1e-4);
-    let point = points.material_point(&at);
+    let point = points.texture_context(&at);
     let phong = points.appearance.phong(at.material, &point);
     assert_eq!(phong.diffuse.to_rgb(), [1.0, 0.0, 0.0]);
     let (_, said) = compiled("Model { file a.gltf  points 1 }", &beads(2));

@@ -386,7 +386,7 @@ mod tests {
 
     fn classic(materials: &str, x: f32, y: f32) -> Phong {
         let (scene, at) = met(materials, SQUARE, x, y);
-        scene.appearance.phong(at.material, &scene.material_point(&at))
+        scene.appearance.phong(at.material, &scene.texture_context(&at))
     }
 
     fn assert_near(found: [f32; 3], expected: [f32; 3]) {
@@ -489,7 +489,7 @@ mod tests {
         let color = |x, y| {
             let event = scene.trace(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z));
             let at = event.surface().expect("the ray meets the square");
-            let place = scene.material_point(at);
+            let place = scene.texture_context(at);
             scene.appearance.phong(at.material, &place).diffuse.to_rgb()
         };
         assert_near(color(0.5, -0.5), [1.0; 3]);
@@ -524,7 +524,7 @@ mod tests {
             let scene = scene.unwrap_or_else(|| panic!("{said:?}"));
             let event = scene.trace(&Ray::new(Vec3::new(-0.5, 0.5, 5.0), Vec3::NEG_Z));
             let at = event.surface().expect("the ray meets the model");
-            let place = scene.material_point(at);
+            let place = scene.texture_context(at);
             let phong = scene.appearance.phong(at.material, &place);
             let bsdf = scene.bsdf(at, &Wavelengths::RGB, 1.0, 0.5);
             (phong.diffuse.to_rgb(), said, scene.shading(at, 0.5), bsdf)

@@ -43,7 +43,7 @@ fn look(scene: &Scene, x: f32, y: f32) -> Option<(Vec3, Vec3, [f32; 3])> {
     match scene.trace(&ray) {
         Event::Escaped => None,
         Event::Surface(at) => {
-            let phong = scene.appearance.phong(at.material, &scene.material_point(&at));
+            let phong = scene.appearance.phong(at.material, &scene.texture_context(&at));
             Some((at.point.p, at.point.n, phong.diffuse.to_rgb()))
         }
     }

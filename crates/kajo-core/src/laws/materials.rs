@@ -11,17 +11,18 @@ use crate::Pooled;
 use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
 use crate::material::{
-    Appearance, Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId,
-    MaterialPoint, Materials, Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular,
-    Substance,
+    Appearance, Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, Materials,
+    Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular, Substance,
 };
-use crate::texture::{Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, SurfaceUv};
+use crate::texture::{
+    Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, SurfaceUv, TextureContext,
+};
 
 /// How far off the energy of a material without losses may be.
 const TOLERANCE: f64 = 3e-3;
 
 /// Where materials are asked.
-const PLACE: MaterialPoint = MaterialPoint {
+const PLACE: TextureContext = TextureContext {
     p: Vec3::new(0.3, 0.2, 0.1),
     uv: SurfaceUv { first: Vec2::new(0.6, 0.3), second: Vec2::new(0.6, 0.3) },
     tint: None,
@@ -50,7 +51,7 @@ impl Samples {
     }
 
     fn at<'a>(&self, wavelengths: &'a Wavelengths, u: f32) -> ShadingPoint<'a> {
-        ShadingPoint { place: PLACE, wavelengths, eta_outside: 1.0, u }
+        ShadingPoint { context: PLACE, wavelengths, eta_outside: 1.0, u }
     }
 
     fn bsdf(&self, id: MaterialId, wavelengths: &Wavelengths, u: f32) -> Bsdf {

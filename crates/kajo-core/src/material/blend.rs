@@ -10,10 +10,10 @@ use kajo_color::Spectrum;
 use kajo_math::{Affine3A, Vec3};
 
 use super::parts::answers_of_part;
-use super::{Appearance, Material, MaterialId, MaterialPoint, ShadingPoint};
+use super::{Appearance, Material, MaterialId, ShadingPoint};
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
-use crate::texture::TextureId;
+use crate::texture::{TextureContext, TextureId};
 
 /// A mixture of two materials.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +38,7 @@ impl Blend {
         appearance: &Appearance,
         at: &ShadingPoint<'a>,
     ) -> Option<(MaterialId, ShadingPoint<'a>)> {
-        let t = self.share_of_second(appearance, at.place.p).clamp(0.0, 1.0);
+        let t = self.share_of_second(appearance, at.context.p).clamp(0.0, 1.0);
         let [first, second] = self.materials;
         // What is left of the number after the choice is uniform again.
         let (part, u) = if at.u < t { (second, at.u / t) } else { (first, (at.u - t) / (1.0 - t)) };
@@ -71,7 +71,7 @@ impl Material for Blend {
         mixed(first, false).with(mixed(second, true))
     }
 
-    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
         let t = self.share_of_second(appearance, at.p);
         let [first, second] = self.materials;
         if t == 0.0 {
@@ -87,7 +87,7 @@ impl Material for Blend {
     answers_of_part!(bsdf, interior, orientation);
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let t = self.share_of_second(appearance, at.place.p).clamp(0.0, 1.0);
+        let t = self.share_of_second(appearance, at.context.p).clamp(0.0, 1.0);
         let [first, second] = self.materials.map(|m| appearance.passage(m, at, cos));
         first.lerp(second, t)
     }

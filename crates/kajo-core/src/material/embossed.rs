@@ -22,10 +22,10 @@ use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
 use super::parts::answers_of_part;
-use super::{Appearance, Lean, Material, MaterialId, MaterialPoint, Orientation, ShadingPoint};
+use super::{Appearance, Lean, Material, MaterialId, Orientation, ShadingPoint};
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
-use crate::texture::{Channel, PictureMap, SurfaceUv};
+use crate::texture::{Channel, PictureMap, SurfaceUv, TextureContext};
 
 /// A relief.
 #[derive(Clone, Debug)]
@@ -121,7 +121,7 @@ impl Material for Embossed {
         of_part(self.material)
     }
 
-    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
         appearance.phong(self.material, at)
     }
 
@@ -133,7 +133,7 @@ impl Material for Embossed {
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         let own = appearance.orientation(self.material, at);
-        Orientation { lean: Some(self.relief.lean(at.place.uv)), ..own }
+        Orientation { lean: Some(self.relief.lean(at.context.uv)), ..own }
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {

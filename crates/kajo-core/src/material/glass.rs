@@ -10,11 +10,9 @@
 use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
 use kajo_math::Vec3;
 
-use super::{
-    Appearance, Grain, Interior, Material, MaterialPoint, Orientation, ShadingPoint, may_be_polished,
-};
+use super::{Appearance, Grain, Interior, Material, Orientation, ShadingPoint, may_be_polished};
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
-use crate::texture::{Share, SurfaceUv};
+use crate::texture::{Share, SurfaceUv, TextureContext};
 
 /// What glass is like.
 #[derive(Clone, Debug)]
@@ -81,7 +79,7 @@ impl Glass {
     fn pane(&self, at: &ShadingPoint<'_>) -> Option<ThinDielectric> {
         let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?;
         let eta = self.eta(at.wavelengths) / at.eta_outside;
-        Some(ThinDielectric { eta, optical_depth, microfacets: self.facets(at.place.uv) })
+        Some(ThinDielectric { eta, optical_depth, microfacets: self.facets(at.context.uv) })
     }
 
     fn facets(&self, uv: SurfaceUv) -> Microfacets {
@@ -110,7 +108,7 @@ impl Material for Glass {
             && grain.is_finite()
     }
 
-    fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearance: &Appearance, at: &TextureContext) -> Phong {
         self.constant.unwrap_or_else(|| self.classic(at.uv))
     }
 
@@ -123,7 +121,7 @@ impl Material for Glass {
     }
 
     fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.settings.grain.orientation(at.place.uv)
+        self.settings.grain.orientation(at.context.uv)
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
@@ -139,7 +137,7 @@ impl Material for Glass {
             return Bsdf::ThinDielectric(pane);
         }
         let eta = self.eta(at.wavelengths) / at.eta_outside;
-        Bsdf::Dielectric(Dielectric::new(eta, self.facets(at.place.uv)))
+        Bsdf::Dielectric(Dielectric::new(eta, self.facets(at.context.uv)))
     }
 
     fn passage(&self, _: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {

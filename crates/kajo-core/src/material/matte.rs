@@ -7,9 +7,9 @@
 
 use kajo_color::Wavelengths;
 
-use super::{Appearance, Material, MaterialPoint, ShadingPoint};
+use super::{Appearance, Material, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, OrenNayar, Phong};
-use crate::texture::{Paint, Share};
+use crate::texture::{Paint, Share, TextureContext};
 
 /// A matt material.
 #[derive(Clone, Debug)]
@@ -24,13 +24,13 @@ impl Matte {
     /// * `color`: albedo; `roughness`: in [0, 1]
     pub fn new(color: impl Into<Paint>, roughness: impl Into<Share>) -> Matte {
         let (color, roughness) = (color.into(), roughness.into());
-        let constant = (!color.varies()).then(|| classic(&color, &MaterialPoint::default()));
+        let constant = (!color.varies()).then(|| classic(&color, &TextureContext::default()));
         Matte { color, roughness, constant }
     }
 }
 
 /// The classic model: roughness is nothing to it.
-fn classic(color: &Paint, at: &MaterialPoint) -> Phong {
+fn classic(color: &Paint, at: &TextureContext) -> Phong {
     let diffuse = at.tinted(color.rgb(at.uv), &Wavelengths::RGB);
     Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
 }
@@ -40,7 +40,7 @@ impl Material for Matte {
         self.color.is_finite() && self.roughness.is_finite()
     }
 
-    fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearance: &Appearance, at: &TextureContext) -> Phong {
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| classic(&self.color, at))
     }
 
@@ -53,8 +53,8 @@ impl Material for Matte {
     }
 
     fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
-        let reflectance = at.place.tinted(self.color.at(at.place.uv, at.wavelengths), at.wavelengths);
-        let roughness = self.roughness.at(at.place.uv);
+        let reflectance = at.context.tinted(self.color.at(at.context.uv, at.wavelengths), at.wavelengths);
+        let roughness = self.roughness.at(at.context.uv);
         if roughness == 0.0 {
             return Bsdf::Lambert(Lambert::new(reflectance));
         }

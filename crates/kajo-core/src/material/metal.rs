@@ -8,9 +8,9 @@
 use kajo_color::{Spectrum, Wavelengths, metal};
 use kajo_math::Vec3;
 
-use super::{Appearance, Grain, Material, MaterialPoint, Orientation, ShadingPoint};
+use super::{Appearance, Grain, Material, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::Shape};
-use crate::texture::{Paint, Share, SurfaceUv};
+use crate::texture::{Paint, Share, SurfaceUv, TextureContext};
 
 /// What a metal is made of.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ impl Metal {
 
     /// With what is the same everywhere worked out.
     fn known(self) -> Metal {
-        let constant = (!self.varies()).then(|| self.classic(&MaterialPoint::default()));
+        let constant = (!self.varies()).then(|| self.classic(&TextureContext::default()));
         Metal { constant, ..self }
     }
 
@@ -61,7 +61,7 @@ impl Metal {
         self.grain.facets(self.shape, roughness * roughness, uv)
     }
 
-    fn classic(&self, at: &MaterialPoint) -> Phong {
+    fn classic(&self, at: &TextureContext) -> Phong {
         let f0 = match &self.substance {
             Substance::Measured(metal) => Spectrum::from(Vec3::from(metal.rgb())),
             Substance::Color(color) => at.tinted(color.rgb(at.uv), &Wavelengths::RGB),
@@ -79,7 +79,7 @@ impl Material for Metal {
         substance && self.roughness.is_finite() && self.grain.is_finite()
     }
 
-    fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearance: &Appearance, at: &TextureContext) -> Phong {
         self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.classic(at))
     }
 
@@ -92,7 +92,7 @@ impl Material for Metal {
     }
 
     fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.grain.orientation(at.place.uv)
+        self.grain.orientation(at.context.uv)
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
@@ -107,10 +107,10 @@ impl Material for Metal {
                 MetalFresnel::Complex { eta: eta * outside, k: k * outside }
             }
             Substance::Color(color) => {
-                let f0 = at.place.tinted(color.at(at.place.uv, at.wavelengths), at.wavelengths);
+                let f0 = at.context.tinted(color.at(at.context.uv, at.wavelengths), at.wavelengths);
                 MetalFresnel::Tinted { f0, f82: Spectrum::WHITE }
             }
         };
-        Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets(at.place.uv) })
+        Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets(at.context.uv) })
     }
 }

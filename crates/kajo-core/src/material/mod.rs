@@ -24,44 +24,17 @@ pub use phong::PhongMaterial;
 pub use principled::{LayeredMaterial, Layers, Specular};
 
 use kajo_color::{Spectrum, Wavelengths};
-use kajo_math::{Vec3, Vec4};
 
 use crate::bsdf::{Bsdf, POLISHED, Phong};
 use crate::emission::SurfaceEmission;
 use crate::family::family;
-use crate::texture::{Share, SurfaceUv, TextureId, rgb_reflectance};
-
-/// Where on a surface a material is asked.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MaterialPoint {
-    /// World-space point, where patterns are evaluated.
-    pub p: Vec3,
-    /// Surface coordinates, where pictures are looked up; of effect where [`Material::needs_uv`].
-    pub uv: SurfaceUv,
-    /// Linear RGB in [0, 1] that the base colour of the material is multiplied by, and a factor of the opacity of
-    /// [`Perforated`]: the colours at the corners of a mesh.
-    pub tint: Option<Vec4>,
-}
-
-impl MaterialPoint {
-    /// A base colour as it is here.
-    #[inline]
-    pub(crate) fn tinted(&self, color: Spectrum, wavelengths: &Wavelengths) -> Spectrum {
-        self.tint.map_or(color, |tint| color * rgb_reflectance(tint.truncate().to_array(), wavelengths))
-    }
-
-    /// The factor of the opacity here.
-    #[inline]
-    pub(crate) fn cover(&self) -> f32 {
-        self.tint.map_or(1.0, |tint| tint.w)
-    }
-}
+use crate::texture::{Share, TextureContext, TextureId};
 
 /// Where a material is asked how it scatters.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadingPoint<'a> {
     /// The place.
-    pub place: MaterialPoint,
+    pub context: TextureContext,
     /// What the lanes of the answer stand for.
     pub wavelengths: &'a Wavelengths,
     /// Index of refraction outside, on the side of the normal, at the first wavelength.
@@ -116,7 +89,7 @@ pub trait Material {
     }
 
     /// The classic reflection model at a point.
-    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong;
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong;
 
     /// The classic reflection model, where it is the same at every point.
     fn constant(&self) -> Option<&Phong> {
@@ -209,7 +182,7 @@ family! {
         /// See [`Material::emission`].
         fn emission(of_part: &dyn Fn(MaterialId) -> SurfaceEmission) -> SurfaceEmission;
         /// See [`Material::phong`].
-        fn phong(at: &MaterialPoint) -> Phong;
+        fn phong(at: &TextureContext) -> Phong;
         /// See [`Material::may_transmit`].
         fn may_transmit() -> bool;
         /// See [`Material::needs_uv`].

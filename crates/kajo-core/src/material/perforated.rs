@@ -16,10 +16,10 @@ use kajo_color::Spectrum;
 use kajo_math::fmath;
 
 use super::parts::answers_of_part;
-use super::{Appearance, Material, MaterialId, MaterialPoint, ShadingPoint};
+use super::{Appearance, Material, MaterialId, ShadingPoint};
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
-use crate::texture::Share;
+use crate::texture::{Share, TextureContext};
 
 /// An opaque material that is not everywhere.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ pub struct Perforated {
 
 impl Perforated {
     /// The share of the surface that is there at a place.
-    fn opacity(&self, at: &MaterialPoint) -> f32 {
+    fn opacity(&self, at: &TextureContext) -> f32 {
         self.opacity.covered_at(at.uv, at.cover())
     }
 
@@ -42,7 +42,7 @@ impl Perforated {
         _appearance: &Appearance,
         at: &ShadingPoint<'a>,
     ) -> Option<(MaterialId, ShadingPoint<'a>)> {
-        let opacity = self.opacity(&at.place);
+        let opacity = self.opacity(&at.context);
         // What is left of the number after the choice is uniform again.
         let u = (at.u / opacity).min(1.0f32.next_down());
         (at.u < opacity).then_some((self.material, ShadingPoint { u, ..*at }))
@@ -66,7 +66,7 @@ impl Material for Perforated {
         of_part(self.material).weakened(&self.opacity)
     }
 
-    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
         let inner = appearance.phong(self.material, at);
         let opacity = self.opacity(at);
         if opacity >= 1.0 {
@@ -89,7 +89,7 @@ impl Material for Perforated {
     }
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let opacity = self.opacity(&at.place);
+        let opacity = self.opacity(&at.context);
         let between = appearance.passage(self.material, at, cos);
         Spectrum::WHITE * (1.0 - opacity) + between * opacity
     }

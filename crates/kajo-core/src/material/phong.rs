@@ -9,9 +9,9 @@
 
 use kajo_color::{Reflectance, Spectrum, Wavelengths};
 
-use super::{Appearance, Interior, Material, MaterialPoint, ShadingPoint};
+use super::{Appearance, Interior, Material, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, Phong, PhongLobes};
-use crate::texture::{PictureMap, picture_reflectance};
+use crate::texture::{PictureMap, TextureContext, picture_reflectance};
 
 /// A Phong material.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ impl PhongMaterial {
     fn painted(&self, at: &ShadingPoint<'_>) -> Bsdf {
         let [diffuse, specular, reflective, transparent] =
             self.colors.each_ref().map(|color| color.at(at.wavelengths));
-        let diffuse = self.as_painted(diffuse, &at.place, at.wavelengths);
+        let diffuse = self.as_painted(diffuse, &at.context, at.wavelengths);
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(diffuse));
         }
@@ -63,14 +63,14 @@ impl PhongMaterial {
     }
 
     /// A diffuse or ambient colour where it differs from place to place.
-    fn as_painted(&self, color: Spectrum, at: &MaterialPoint, wavelengths: &Wavelengths) -> Spectrum {
+    fn as_painted(&self, color: Spectrum, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
         let picture = self.picture.as_ref();
         let color = picture.map_or(color, |map| color * picture_reflectance(map, at.uv, wavelengths));
         at.tinted(color, wavelengths)
     }
 
     #[inline]
-    fn varies_at(&self, at: &MaterialPoint) -> bool {
+    fn varies_at(&self, at: &TextureContext) -> bool {
         self.picture.is_some() || at.tint.is_some()
     }
 }
@@ -92,7 +92,7 @@ impl Material for PhongMaterial {
     }
 
     #[inline]
-    fn phong(&self, _appearance: &Appearance, at: &MaterialPoint) -> Phong {
+    fn phong(&self, _appearance: &Appearance, at: &TextureContext) -> Phong {
         if !self.varies_at(at) {
             return self.phong;
         }
@@ -116,7 +116,7 @@ impl Material for PhongMaterial {
 
     #[inline]
     fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
-        if self.varies_at(&at.place) {
+        if self.varies_at(&at.context) {
             return self.painted(at);
         }
         if self.is_matt {

@@ -11,13 +11,12 @@ use kajo_color::{Dispersion, Reflectance, Spectrum, Unbounded, Wavelengths};
 use kajo_math::{Vec2, Vec3, fmath};
 
 use super::{
-    Appearance, Grain, Interior, Material, MaterialPoint, Orientation, PhongMaterial, ShadingPoint,
-    may_be_polished,
+    Appearance, Grain, Interior, Material, Orientation, PhongMaterial, ShadingPoint, may_be_polished,
 };
 use crate::bsdf::{
     self, Base, Bsdf, DiffuseNormal, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape,
 };
-use crate::texture::{Paint, Share, SurfaceUv};
+use crate::texture::{Paint, Share, SurfaceUv, TextureContext};
 
 /// The least light that a pane lets through, black ones too.
 const LEAST_PASSED: f32 = 1e-30;
@@ -159,7 +158,7 @@ pub struct LayeredMaterial {
 
 impl From<Layers> for LayeredMaterial {
     fn from(layers: Layers) -> LayeredMaterial {
-        let constant = (!layers.vary()).then(|| layers.classic(&MaterialPoint::default()));
+        let constant = (!layers.vary()).then(|| layers.classic(&TextureContext::default()));
         let absorption = Unbounded::from_rgb(layers.absorption);
         LayeredMaterial { layers, absorption, look: None, constant }
     }
@@ -199,7 +198,7 @@ impl Layers {
             || self.grain.varies()
     }
 
-    fn classic(&self, at: &MaterialPoint) -> Phong {
+    fn classic(&self, at: &TextureContext) -> Phong {
         let uv = at.uv;
         let color = at.tinted(self.color.rgb(uv), &Wavelengths::RGB);
         let metal = self.metalness.at(uv);
@@ -223,7 +222,7 @@ impl Layers {
     }
 
     fn color_at(&self, at: &ShadingPoint<'_>) -> Spectrum {
-        at.place.tinted(self.color.at(at.place.uv, at.wavelengths), at.wavelengths)
+        at.context.tinted(self.color.at(at.context.uv, at.wavelengths), at.wavelengths)
     }
 
     /// The index of refraction of the glass at the first wavelength.
@@ -235,7 +234,7 @@ impl Layers {
     fn pane(&self, at: &ShadingPoint<'_>) -> ThinDielectric {
         let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
         let optical_depth = self.color_at(at).map(depth);
-        let microfacets = self.facets(at.place.uv);
+        let microfacets = self.facets(at.context.uv);
         ThinDielectric { eta: self.eta / at.eta_outside, optical_depth, microfacets }
     }
 
@@ -264,7 +263,7 @@ impl Material for LayeredMaterial {
             && layers.grain.is_finite()
     }
 
-    fn phong(&self, appearance: &Appearance, at: &MaterialPoint) -> Phong {
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
         if let Some(look) = &self.look {
             return look.phong(appearance, at);
         }
@@ -280,7 +279,7 @@ impl Material for LayeredMaterial {
     }
 
     fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.layers.grain.orientation(at.place.uv)
+        self.layers.grain.orientation(at.context.uv)
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
@@ -297,7 +296,7 @@ impl Material for LayeredMaterial {
 
     fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         let layers = &self.layers;
-        let (uv, wavelengths) = (at.place.uv, at.wavelengths);
+        let (uv, wavelengths) = (at.context.uv, at.wavelengths);
         let metal = layers.metalness.at(uv);
         let glass = metal + (1.0 - metal) * layers.transmission.at(uv);
         let base = match at.u {
@@ -333,7 +332,7 @@ impl Material for LayeredMaterial {
     }
 
     fn passage(&self, _: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let (layers, uv) = (&self.layers, at.place.uv);
+        let (layers, uv) = (&self.layers, at.context.uv);
         let glass = (1.0 - layers.metalness.at(uv)) * layers.transmission.at(uv);
         if !layers.thin || glass == 0.0 {
             return Spectrum::BLACK;

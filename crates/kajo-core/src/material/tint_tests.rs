@@ -39,7 +39,7 @@ fn materials(by: Vec3) -> [(&'static str, Appearance, MaterialId); 5] {
 
 #[test]
 fn a_tint_is_a_factor_of_the_base_colour() {
-    let tinted = MaterialPoint { tint: Some(TINT.extend(1.0)), ..MaterialPoint::default() };
+    let tinted = TextureContext { tint: Some(TINT.extend(1.0)), ..TextureContext::default() };
     let wo = Vec3::new(0.3, 0.1, 0.9).normalize();
     let wi = Vec3::new(-0.4, 0.2, 0.8).normalize();
     for ((name, plain, id), (_, other, own)) in std::iter::zip(materials(Vec3::ONE), materials(TINT)) {
@@ -47,18 +47,18 @@ fn a_tint_is_a_factor_of_the_base_colour() {
             let (a, b) = (Vec3::from(a.to_rgb()), Vec3::from(b.to_rgb()));
             assert!((a - b).abs().max_element() <= 1e-5 * (1.0 + b.abs().max_element()), "{name}: {a} {b}");
         };
-        let [a, b] = [plain.phong(id, &tinted), other.phong(own, &MaterialPoint::default())];
+        let [a, b] = [plain.phong(id, &tinted), other.phong(own, &TextureContext::default())];
         near(a.diffuse, b.diffuse);
         near(a.ambient, b.ambient);
         near(a.specular, b.specular);
         near(a.reflective, b.reflective);
         for u in [0.1, 0.6] {
-            let at = |place| ShadingPoint { place, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
+            let at = |context| ShadingPoint { context, wavelengths: &Wavelengths::RGB, eta_outside: 1.0, u };
             let a = plain.bsdf(id, &at(tinted)).eval(wo, wi, Transport::Radiance);
-            let b = other.bsdf(own, &at(MaterialPoint::default()));
+            let b = other.bsdf(own, &at(TextureContext::default()));
             near(a, b.eval(wo, wi, Transport::Radiance));
         }
-        let untinted = MaterialPoint { uv: Vec2::ONE.into(), ..MaterialPoint::default() };
+        let untinted = TextureContext { uv: Vec2::ONE.into(), ..TextureContext::default() };
         assert_eq!(plain.materials.constant(id), Some(&plain.phong(id, &untinted)), "{name}");
     }
 }

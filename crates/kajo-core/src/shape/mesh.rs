@@ -72,7 +72,7 @@ pub struct MeshData {
     /// Texture coordinates at the corners.
     pub uvs: Option<CornerValues<Vec2>>,
     /// Linear RGB and opacity in [0, 1] at the corners, factors of those of the material; see
-    /// [`crate::material::MaterialPoint::tint`].
+    /// [`crate::texture::TextureContext::tint`].
     pub colors: Option<CornerValues<Vec4>>,
     /// What else vertices have.
     pub attributes: VertexAttributes,

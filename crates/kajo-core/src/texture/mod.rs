@@ -2,6 +2,7 @@
 
 mod checker;
 mod constant;
+mod context;
 mod coordinates;
 mod marble;
 mod noise;
@@ -11,6 +12,7 @@ mod wood;
 
 pub use checker::Checker;
 pub use constant::Constant;
+pub use context::TextureContext;
 pub use coordinates::UvSet;
 pub use marble::Marble;
 pub use noise::Noise;

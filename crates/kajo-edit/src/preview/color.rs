@@ -1,8 +1,9 @@
 //! One colour for a material, to tell things apart by.
 
 use kajo_color::srgb;
-use kajo_core::material::{MaterialId, MaterialPoint};
+use kajo_core::material::MaterialId;
 use kajo_core::scene::Scene;
+use kajo_core::texture::TextureContext;
 use kajo_math::{Vec2, Vec3};
 
 /// How dark anything may be: a black mirror is still to be seen.
@@ -13,7 +14,7 @@ pub(super) fn of(scene: &Scene, material: MaterialId, p: Vec3) -> [u8; 4] {
     let phong = match scene.appearance.materials.constant(material) {
         Some(phong) => *phong,
         None => {
-            let place = MaterialPoint { p, uv: Vec2::splat(0.5).into(), tint: None };
+            let place = TextureContext { p, uv: Vec2::splat(0.5).into(), tint: None };
             scene.appearance.phong(material, &place)
         }
     };

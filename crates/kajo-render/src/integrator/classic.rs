@@ -228,7 +228,7 @@ impl<'a> Classic<'a> {
         let phong = match self.scene.constant(at.material) {
             Some(phong) => phong,
             None => {
-                mixed = self.scene.appearance.phong(at.material, &self.scene.material_point(at));
+                mixed = self.scene.appearance.phong(at.material, &self.scene.texture_context(at));
                 &mixed
             }
         };
@@ -388,7 +388,7 @@ impl<'a> Classic<'a> {
 
     /// What a surface does with white light in all: scatter, mirror and let through.
     fn albedo(&self, at: &Interaction) -> [f32; 3] {
-        let phong = self.scene.appearance.phong(at.material, &self.scene.material_point(at));
+        let phong = self.scene.appearance.phong(at.material, &self.scene.texture_context(at));
         (phong.diffuse + phong.reflective + phong.transparent).to_rgb().map(|v| v.min(1.0))
     }
 

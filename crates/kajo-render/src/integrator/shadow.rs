@@ -59,7 +59,7 @@ fn by_length(scene: &Scene, apex: Option<&ItemBuffer>, ray: &Ray) -> Spectrum {
     let mut bodies: [Option<Body>; MAX_BODIES] = [None; MAX_BODIES];
     let blocked = scene.occluded_or(apex, ray, |object, hit| {
         let at = scene.interaction(ray, object, hit);
-        let place = scene.material_point(&at);
+        let place = scene.texture_context(&at);
         let phong = scene.appearance.phong(at.material, &place);
         let closed = scene.geometry.shape(object).is_some_and(|shape| scene.geometry.shapes.is_closed(shape));
         if phong.transparent.is_black() || !closed {
