@@ -152,8 +152,8 @@ impl Parser<'_> {
         };
         if let Some(name) = name_at(unsigned) {
             let rest = &unsigned[name.len()..];
-            let is_call = expression::is_function(name) && rest.starts_with('(');
-            let is_known = self.scope.get(name).is_some() && (rest.is_empty() || goes_on(rest));
+            let is_call = rest.starts_with('(') && expression::is_function(name);
+            let is_known = (rest.is_empty() || goes_on(rest)) && self.scope.get(name).is_some();
             return if is_call || is_known { Meaning::Expression } else { Meaning::Word };
         }
         let digits = unsigned.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
