@@ -195,13 +195,14 @@ pub enum Technique {
 
 impl Technique {
     /// Names on the command line and in `Settings`, with the techniques.
-    pub const NAMES: [(&'static str, Technique); 4] = [
+    pub const NAMES: [(&'static str, Technique); 3] = [
         ("combined", Technique::Combined),
         ("lights", Technique::Lights),
         ("scattering", Technique::Scattering),
-        // An older word of the language for `lights`.
-        ("lamps", Technique::Lights),
     ];
+
+    /// Words that scenes and scripts may hold for one of these: understood, but listed nowhere.
+    pub const SYNONYMS: [(&'static str, Technique); 1] = [("lamps", Technique::Lights)];
 }
 
 /// How the directions of indirect light are drawn at surfaces that are no mirrors.

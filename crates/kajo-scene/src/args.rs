@@ -147,13 +147,22 @@ impl<'a> Args<'a> {
 
     /// A word or string of the table, and what it stands for there.
     pub fn choice<T: Copy>(&mut self, table: &[(&'static str, T)]) -> Result<T, Diagnostic> {
+        self.choice_or(table, &[])
+    }
+
+    /// The same where further words are understood, of which messages say nothing.
+    pub fn choice_or<T: Copy>(
+        &mut self,
+        table: &[(&'static str, T)],
+        synonyms: &[(&'static str, T)],
+    ) -> Result<T, Diagnostic> {
         let words = || table.iter().map(|&(word, _)| word);
         let Some(word) = self.word else {
             let found = self.found();
             return Err(self.mismatch(&one_of(words()), &found));
         };
         let text = word.text();
-        match table.iter().find(|(name, _)| *name == text) {
+        match table.iter().chain(synonyms).find(|(name, _)| *name == text) {
             Some(&(_, value)) => {
                 self.word = None;
                 Ok(value)

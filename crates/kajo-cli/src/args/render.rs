@@ -101,7 +101,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Directions::NAMES))]
     pub directions: Option<Directions>,
     /// How direct light is estimated: combined, lights or scattering
-    #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Technique::NAMES))]
+    #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice_or(Technique::NAMES, Technique::SYNONYMS))]
     pub technique: Option<Technique>,
     /// How lights are chosen: tree or uniform
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(LightChoice::NAMES))]

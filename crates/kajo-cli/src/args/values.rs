@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kajo::{Dialect, FilterChoice, SamplerKind, View};
 
 /// Columns and rows: `800x600`.
@@ -151,8 +151,19 @@ pub fn dialect() -> impl TypedValueParser<Value = Dialect> {
 pub fn choice<T: Copy + Send + Sync + 'static, const N: usize>(
     choices: [(&'static str, T); N],
 ) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(choices.map(|(name, _)| name)).try_map(move |word| {
-        let found = choices.iter().find(|(name, _)| *name == word);
+    choice_or(choices, [])
+}
+
+/// The same where further words are understood, of which neither help nor messages say anything.
+pub fn choice_or<T: Copy + Send + Sync + 'static, const N: usize, const M: usize>(
+    choices: [(&'static str, T); N],
+    synonyms: [(&'static str, T); M],
+) -> impl TypedValueParser<Value = T> {
+    let shown = choices.iter().map(|&(name, _)| PossibleValue::new(name));
+    let hidden = synonyms.iter().map(|&(name, _)| PossibleValue::new(name).hide(true));
+    let words: Vec<_> = shown.chain(hidden).collect();
+    PossibleValuesParser::new(words).try_map(move |word| {
+        let found = choices.iter().chain(&synonyms).find(|(name, _)| *name == word);
         found.map(|&(_, value)| value).ok_or_else(|| format!("{word} is none of the choices"))
     })
 }
@@ -230,6 +241,17 @@ mod tests {
         for wrong in ["gauss", "tent:0", "tent:-1", "tent:65", "tent:nan", "tent:", ""] {
             assert!(wrong.parse::<FilterArg>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn synonyms_are_understood_and_not_shown() {
+        let parser = choice_or([("new", 1), ("other", 2)], [("old", 1)]);
+        let read = |word: &str| parser.parse_ref(&clap::Command::new("kajo"), None, word.as_ref());
+        assert_eq!([read("new").ok(), read("old").ok(), read("other").ok()], [Some(1), Some(1), Some(2)]);
+        let message = read("young").unwrap_err().to_string();
+        assert!(message.contains("new") && !message.contains("old"), "{message}");
+        let shown = parser.possible_values().into_iter().flatten().filter(|value| !value.is_hide_set());
+        assert_eq!(shown.map(|value| value.get_name().to_owned()).collect::<Vec<_>>(), ["new", "other"]);
     }
 
     #[test]

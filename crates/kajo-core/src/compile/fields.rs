@@ -621,6 +621,8 @@ pub(super) trait Choice: Copy + 'static {
     const NAMES: &'static [(&'static str, Self)];
     /// The words alone.
     const WORDS: &'static [&'static str];
+    /// Words that are understood as well, and listed nowhere.
+    const SYNONYMS: &'static [(&'static str, Self)] = &[];
 }
 
 /// The words of a table.
@@ -636,10 +638,11 @@ pub(super) const fn words<T: Copy, const N: usize>(table: &[(&'static str, T); N
 
 /// Declares the words of a [`Choice`].
 macro_rules! choices {
-    ($type:ty: $names:expr) => {
+    ($type:ty: $names:expr $(, or $synonyms:expr)?) => {
         impl $crate::compile::fields::Choice for $type {
             const NAMES: &'static [(&'static str, $type)] = &$names;
             const WORDS: &'static [&'static str] = &$crate::compile::fields::words(&$names);
+            $(const SYNONYMS: &'static [(&'static str, $type)] = &$synonyms;)?
         }
     };
     ($type:ty { $($word:literal => $value:expr),* $(,)? }) => {
@@ -654,7 +657,7 @@ pub(super) use choices;
 
 impl<C: Choice> Plain<'_> for C {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<C, Diagnostic> {
-        args.choice(C::NAMES)
+        args.choice_or(C::NAMES, C::SYNONYMS)
     }
 }
 

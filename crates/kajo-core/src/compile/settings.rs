@@ -42,7 +42,7 @@ choices! {
 choices!(Directions: Directions::NAMES);
 choices!(IntegratorKind: IntegratorKind::NAMES);
 choices!(LightChoice: LightChoice::NAMES);
-choices!(Technique: Technique::NAMES);
+choices!(Technique: Technique::NAMES, or Technique::SYNONYMS);
 choices!(Dialect: {
     let [handout, mit_2004, mit_a2] = Dialect::ALL;
     [(handout.name(), handout), (mit_2004.name(), mit_2004), (mit_a2.name(), mit_a2)]

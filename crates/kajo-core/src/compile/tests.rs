@@ -7,6 +7,7 @@ use crate::bsdf::{Base, Bsdf, Dielectric, ThinDielectric};
 use crate::camera::Camera;
 use crate::ids::ObjectId;
 use crate::scene::Event;
+use crate::settings::Technique;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
 const RED: &str = "Materials { Material red { diffuseColor 1 0 0 } Material { diffuseColor 0 1 0 } }\n";
@@ -245,6 +246,19 @@ fn dialects_change_what_they_should() {
     let chosen = format!("Settings {{ dialect mit-2004 }} {CAMERA}");
     assert_eq!(compiled(&chosen).0.unwrap().output.rules.dialect, Dialect::Mit2004);
     assert_eq!(compiled_as(&chosen, Some(Dialect::MitA2)).0.unwrap().output.rules.dialect, Dialect::MitA2);
+}
+
+#[test]
+fn synonyms_of_choices_are_read_and_never_listed() {
+    let read = |word: &str| compiled(&format!("{CAMERA} Settings {{ technique {word} }}"));
+    for (word, technique) in Technique::SYNONYMS {
+        let (scene, said) = read(word);
+        assert_eq!((scene.unwrap().output.settings.technique, said), (Some(technique), vec![]));
+    }
+    let (_, said) = read("x");
+    assert_eq!(said[0].1, "expected `combined`, `lights` or `scattering` after `technique`, found `x`");
+    let kind = settings::BLOCK.field("technique").unwrap().kind;
+    assert_eq!(kind.to_string(), "combined, lights or scattering");
 }
 
 /// A plane, and two hundred shapes of four kinds.

@@ -272,7 +272,11 @@ fn words_choice(
 ) -> Option<FieldValue> {
     let current = value.word.as_deref().unwrap_or_default();
     let mut chosen = words.iter().position(|word| *word == current).unwrap_or(usize::MAX);
-    let all: Vec<(&str, usize)> = words.iter().copied().zip(0..).collect();
+    let mut all: Vec<(&str, usize)> = words.iter().copied().zip(0..).collect();
+    if chosen == usize::MAX && !current.is_empty() {
+        // A word that is understood without being one of those that are offered.
+        all.push((current, chosen));
+    }
     let response = choice(ui, "words", &mut chosen, &all).labelled_by(label);
     let word = response.changed().then(|| words.get(chosen)).flatten()?;
     Some(FieldValue::word(*word))
