@@ -6,7 +6,7 @@ use std::thread;
 use kajo::output::Target;
 use kajo::{
     BitDepth, DENOISE_OUTPUTS, Defaults, Dialect, EncodeOptions, Format, Highlight, ImageError,
-    IntegratorKind, LoadOptions, Loaded, Passes, Picture, Rect, Reduction, RenderError, RenderSettings,
+    IntegratorSettings, LoadOptions, Loaded, Passes, Picture, Rect, Reduction, RenderError, RenderSettings,
     RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Severity, Snapshot, View, diagrams,
 };
 
@@ -305,8 +305,7 @@ impl Job {
         for note in left_out.chain(settings.without_effect(&self.asked, &scene.output.settings)) {
             voice.warn(note);
         }
-        let splats = matches!(settings.integrator, IntegratorKind::Bidirectional | IntegratorKind::Light);
-        if splats && self.passes.adaptive {
+        if settings.integrator.splats && self.passes.adaptive {
             let plan = match self.passes.noise {
                 Some(_) => "; leave out `--adaptive` to reach that `--noise`",
                 None => "",
@@ -325,7 +324,11 @@ impl Job {
             settings = settings.reduced(reduction, words.jitter);
         }
         match (words.specular_fix, is_2004) {
-            (true, true) => settings.classic.highlight = Highlight::HalfTimesCosine,
+            (true, true) => {
+                if let IntegratorSettings::Classic(classic) = &mut settings.integrator_settings {
+                    classic.highlight = Highlight::HalfTimesCosine;
+                }
+            }
             (true, false) => voice.warn("`-specular_fix` works in dialect mit-2004 only"),
             (false, _) => {}
         }

@@ -1,5 +1,7 @@
 //! What a scene file may say about how it is to be rendered, and the rules of its dialect.
 
+use std::fmt;
+
 use kajo_color::Tone;
 
 use crate::bsdf::Highlight;
@@ -143,41 +145,14 @@ pub enum ShadowAttenuation {
     Surface,
 }
 
-/// How light is followed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum IntegratorKind {
-    /// Recursive ray tracing with the classic shading formula.
-    #[default]
-    Classic,
-    /// Path tracing.
-    Path,
-    /// Light that comes straight from emitters, and through mirrors and glass.
-    Direct,
-    /// Distribution ray tracing: many rays from the first surface that is no mirror.
-    Distribution,
-    /// How open the surroundings are.
-    Occlusion,
-    /// Paths from the camera and from lights, joined.
-    Bidirectional,
-    /// Paths from lights alone.
-    Light,
-}
+/// An integrator, by the name that it has in `Settings` and on the command line. Which there are is for the crate that has them
+/// to say; the compiler is told by `CompileOptions`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegratorName(pub &'static str);
 
-impl IntegratorKind {
-    /// Names on the command line and in `Settings`, with the integrators.
-    pub const NAMES: [(&'static str, IntegratorKind); 7] = [
-        ("bidirectional", IntegratorKind::Bidirectional),
-        ("classic", IntegratorKind::Classic),
-        ("direct", IntegratorKind::Direct),
-        ("distribution", IntegratorKind::Distribution),
-        ("light", IntegratorKind::Light),
-        ("occlusion", IntegratorKind::Occlusion),
-        ("path", IntegratorKind::Path),
-    ];
-
-    /// Its name among them.
-    pub fn name(self) -> &'static str {
-        IntegratorKind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+impl fmt::Display for IntegratorName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
     }
 }
 
@@ -262,7 +237,7 @@ pub struct Settings {
     pub dialect: Option<Dialect>,
     pub depth_range: Option<[f32; 2]>,
     /// How light is followed.
-    pub integrator: Option<IntegratorKind>,
+    pub integrator: Option<IntegratorName>,
     /// Whether light is followed by wavelength.
     pub spectral: Option<bool>,
     /// Rays from the first surface that is no mirror, for distribution ray tracing.
@@ -307,5 +282,110 @@ impl Settings {
         all.all(f32::is_finite)
             && self.filter.is_none_or(FilterChoice::is_finite)
             && self.white_balance.is_none_or(|[kelvin, tint]| kelvin.is_finite() && tint.is_finite())
+    }
+}
+
+impl Settings {
+    /// What is said here, and where nothing is, what is said there.
+    pub fn or(&self, there: &Settings) -> Settings {
+        Settings {
+            size: self.size.or(there.size),
+            bounces: self.bounces.or(there.bounces),
+            weight: self.weight.or(there.weight),
+            shadows: self.shadows.or(there.shadows),
+            shadow_attenuation: self.shadow_attenuation.or(there.shadow_attenuation),
+            shade_back: self.shade_back.or(there.shade_back),
+            samples: self.samples.or(there.samples),
+            filter: self.filter.or(there.filter),
+            seed: self.seed.or(there.seed),
+            fresnel: self.fresnel.or(there.fresnel),
+            total_reflection: self.total_reflection.or(there.total_reflection),
+            ray_offset: self.ray_offset.or(there.ray_offset),
+            dialect: self.dialect.or(there.dialect),
+            depth_range: self.depth_range.or(there.depth_range),
+            integrator: self.integrator.or(there.integrator),
+            spectral: self.spectral.or(there.spectral),
+            branches: self.branches.or(there.branches),
+            directions: self.directions.or(there.directions),
+            technique: self.technique.or(there.technique),
+            light_choice: self.light_choice.or(there.light_choice),
+            roulette: self.roulette.or(there.roulette),
+            reach: self.reach.or(there.reach),
+            exposure: self.exposure.or(there.exposure),
+            tone: self.tone.or(there.tone),
+            white_balance: self.white_balance.or(there.white_balance),
+        }
+    }
+}
+
+/// A key of [`Settings`] that some integrators have a use for and others have not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "these are fields of `Settings`")]
+pub enum SettingsKey {
+    Bounces,
+    Weight,
+    Fresnel,
+    TotalReflection,
+    RayOffset,
+    Technique,
+    Directions,
+    LightChoice,
+    Roulette,
+    Spectral,
+    Branches,
+    Reach,
+    Shadows,
+    ShadowAttenuation,
+    ShadeBack,
+}
+
+impl SettingsKey {
+    /// All of them, in the order in which they are shown.
+    pub const ALL: [SettingsKey; 15] = [
+        SettingsKey::Bounces,
+        SettingsKey::Weight,
+        SettingsKey::Fresnel,
+        SettingsKey::TotalReflection,
+        SettingsKey::RayOffset,
+        SettingsKey::Technique,
+        SettingsKey::Directions,
+        SettingsKey::LightChoice,
+        SettingsKey::Roulette,
+        SettingsKey::Spectral,
+        SettingsKey::Branches,
+        SettingsKey::Reach,
+        SettingsKey::Shadows,
+        SettingsKey::ShadowAttenuation,
+        SettingsKey::ShadeBack,
+    ];
+
+    /// The key as a scene writes it, where `settings` have it and somebody without a use for it cannot comply.
+    ///
+    /// Shadows are cast wherever light is followed, so to ask for them is no mistake anywhere.
+    pub fn said(self, settings: &Settings) -> Option<&'static str> {
+        let said = |is_said: bool, key: &'static str| is_said.then_some(key);
+        match self {
+            SettingsKey::Bounces => said(settings.bounces.is_some(), "bounces"),
+            SettingsKey::Weight => said(settings.weight.is_some(), "weight"),
+            SettingsKey::Fresnel => said(settings.fresnel.is_some(), "fresnel"),
+            SettingsKey::TotalReflection => said(settings.total_reflection.is_some(), "totalReflection"),
+            SettingsKey::RayOffset => said(settings.ray_offset.is_some(), "rayOffset"),
+            SettingsKey::Technique => said(settings.technique.is_some(), "technique"),
+            SettingsKey::Directions => said(settings.directions.is_some(), "directions"),
+            SettingsKey::LightChoice => said(settings.light_choice.is_some(), "lightChoice"),
+            SettingsKey::Roulette => said(settings.roulette.is_some(), "roulette"),
+            SettingsKey::Spectral => said(settings.spectral.is_some(), "spectral"),
+            SettingsKey::Branches => said(settings.branches.is_some(), "branches"),
+            SettingsKey::Reach => said(settings.reach.is_some(), "reach"),
+            SettingsKey::Shadows => match settings.shadows? {
+                Shadows::Off => Some("shadows off"),
+                Shadows::Opaque => None,
+                Shadows::Transparent => Some("shadows transparent"),
+            },
+            SettingsKey::ShadowAttenuation => {
+                said(settings.shadow_attenuation.is_some(), "transparentShadows")
+            }
+            SettingsKey::ShadeBack => said(settings.shade_back.is_some(), "shadeBack"),
+        }
     }
 }

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use kajo_core::compile::{block_of, blocks, kind_of};
+use kajo::language::{block_of, blocks, kind_of};
 use kajo_core::schema::{Block, FieldKind, FieldSpec, Kind};
 use kajo_scene::{TokenKind, tokens};
 

@@ -5,14 +5,14 @@
 
 use std::ops::Range;
 
-use kajo_core::compile::block_of;
 use kajo_core::scene::Scene;
 use kajo_core::schema::{Absent, Around, Block, FieldKind, FieldSpec, FieldValue, Kind, number_text, quoted};
-use kajo_core::settings::{IntegratorKind, Settings};
+use kajo_core::settings::Settings;
 use kajo_scene::Item;
 
 use super::tree::Tree;
 use super::{EditRefused, FileId, Node, TextEdit, layout};
+use kajo::language::block_of;
 use kajo::{Defaults, RenderSettings};
 
 /// A value of a block.
@@ -330,18 +330,7 @@ fn fields_of(keyword: &str) -> impl Iterator<Item = &'static FieldSpec> + Clone 
 /// The settings with which a scene is rendered when nobody asks for anything else, those that depend on it.
 fn settled(scene: &Scene) -> Option<Settings> {
     let render = RenderSettings::resolve(scene, &Settings::default(), Defaults::Modern, false).ok()?;
-    let is_classic = render.integrator == IntegratorKind::Classic;
-    Some(Settings {
-        size: Some(render.size),
-        integrator: Some(render.integrator),
-        samples: Some(render.samples),
-        bounces: Some(if is_classic { render.classic.bounces } else { render.path.bounces }),
-        shadow_attenuation: Some(render.classic.shadow_attenuation),
-        branches: Some(render.path.branches),
-        roulette: Some(render.path.roulette),
-        tone: Some(render.development.tone),
-        ..Settings::default()
-    })
+    Some(render.values())
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Blocks to start from.
 
-use kajo_core::compile::{block_of, kind_of};
+use kajo::language::{block_of, kind_of};
 use kajo_core::schema::Kind;
 
 /// A block of this kind in one line, around the place `at` and about as large as `size`; `None` for words that make no

@@ -5,6 +5,7 @@ mod chooser;
 mod completion;
 mod help;
 mod keys;
+mod light_rows;
 mod menu;
 mod object_panel;
 mod outliner;

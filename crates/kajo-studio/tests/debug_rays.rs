@@ -141,7 +141,7 @@ fn the_key_that_is_held_shoots_wherever_the_pointer_goes() {
 #[test]
 fn other_samples_of_the_pixel_can_be_followed() {
     let mut window = Window::new();
-    window.studio().options.asked.integrator = Some(kajo::IntegratorKind::Path);
+    window.studio().options.asked.integrator = Some(kajo::IntegratorName("path"));
     let floor = window.point([0.0, -1.0, 2.0]);
     shoot(&mut window, floor);
     let first = window.studio().rays.clone().unwrap();

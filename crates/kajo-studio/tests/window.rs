@@ -5,7 +5,7 @@ mod common;
 use common::{SCENE, Window};
 use egui::{Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
-use kajo::{IntegratorKind, SamplerKind, View};
+use kajo::{IntegratorName, SamplerKind, View};
 use kajo_studio::shell::{Bottom, Tab};
 use kajo_studio::state::{Action, PictureSize, Shown};
 
@@ -288,7 +288,7 @@ fn settings_change_what_is_traced() {
     assert_eq!(window.studio().options.asked.fresnel, None);
     let combo = window.harness.get_all_by_label("Integrator").last().unwrap().rect();
     assert!(combo.is_positive());
-    window.studio().options.asked.integrator = Some(IntegratorKind::Path);
+    window.studio().options.asked.integrator = Some(IntegratorName("path"));
     window.studio().options.asked.samples = Some((SamplerKind::Sobol, 4));
     window.frames(2);
     assert!(window.harness.query_by_label("Roulette").is_some(), "the path tracer's own options");

@@ -9,7 +9,7 @@ use kajo::{
 };
 use kajo_core::sampler::{Draws, Sampler};
 use kajo_math::poisson;
-use kajo_render::integrator::Classic;
+use kajo_render::integrator::Prepare;
 use kajo_render::{Film, FilmSpec, Layer, LayerSet, RenderSettings};
 use kajo_testkit::spectrum::Spectrum;
 
@@ -110,9 +110,9 @@ fn picture(scene: &Scene, sampler: Sampler, seed: u64) -> Result<Image, Box<dyn 
     let settings = kajo::RenderSettings::resolve(scene, &asked, Defaults::Modern, false)?;
     let layers = LayerSet::of(&[Layer::Color]);
     let film = Film::new(FilmSpec { layers, ..FilmSpec::new(SIDE, SIDE) }, u64::MAX)?;
-    let integrator = Classic::new(scene, settings.classic, settings.size, layers);
+    let integrator = settings.integrator_settings.prepare(scene, &scene.output.camera, settings.size, layers);
     kajo_render::render(
-        &integrator,
+        &*integrator,
         &film,
         &RenderSettings { seed, ..RenderSettings::new(sampler) },
         &Silent,

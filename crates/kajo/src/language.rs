@@ -1,7 +1,41 @@
 //! The blocks of the scene language, and what fields they have.
 
-pub use kajo_core::compile::{block_of, blocks, keywords_of, kind_of};
+use kajo_core::compile;
+pub use kajo_core::compile::{keywords_of, kind_of};
 pub use kajo_core::schema::{Absent, Block, FieldKind, FieldSpec, FieldValue, Kind};
+use kajo_render::integrator;
+
+/// All blocks.
+pub fn blocks() -> impl Iterator<Item = &'static Block> {
+    compile::blocks().map(known)
+}
+
+/// The block that begins with a word.
+pub fn block_of(keyword: &str) -> Option<&'static Block> {
+    compile::block_of(keyword).map(known)
+}
+
+/// The same block, with the names of all integrators where it may have one.
+fn known(block: &'static Block) -> &'static Block {
+    if block.kind == Kind::Settings { &SETTINGS } else { block }
+}
+
+const SETTINGS: Block = Block { groups: &[&SETTINGS_FIELDS], ..compile::SETTINGS };
+
+const SETTINGS_FIELDS: [FieldSpec; compile::SETTINGS.groups[0].len()] = {
+    let mut fields = [compile::SETTINGS.groups[0][0]; compile::SETTINGS.groups[0].len()];
+    let mut i = 0;
+    while i < fields.len() {
+        let field = compile::SETTINGS.groups[0][i];
+        let kind = match field.kind {
+            FieldKind::Integrator => FieldKind::Choice(&integrator::NAMES),
+            kind => kind,
+        };
+        fields[i] = FieldSpec { kind, ..field };
+        i += 1;
+    }
+    fields
+};
 
 /// The tables of the manual are written from the descriptions of blocks, between two comments in the page of each block.
 #[cfg(test)]
@@ -10,6 +44,14 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
+
+    #[test]
+    fn an_integrator_is_one_of_those_that_there_are() {
+        let kind = block_of("Settings").unwrap().field("integrator").unwrap().kind;
+        assert_eq!(kind, FieldKind::Choice(&integrator::NAMES));
+        let bare = |block: &Block| block.fields().any(|field| field.kind == FieldKind::Integrator);
+        assert!(!blocks().any(bare));
+    }
 
     /// Set to write the tables in place of checking them.
     const WRITE: &str = "KAJO_WRITE_TABLES";

@@ -61,7 +61,7 @@ pub use load_options::{LoadOptions, ModelOptions, UpAxis};
 pub use model_scene::{ConvertError, ModelScene, model_scene, model_text};
 pub use reduction::Reduction;
 pub use render::{Passes, Picture, RenderError, RenderRequest, Resources, Snapshot, render, render_passes};
-pub use settings::{Defaults, RenderSettings, SettingsError, suitable_size};
+pub use settings::{RenderSettings, SettingsError, suitable_size};
 pub use tev::Tev;
 pub use view::View;
 
@@ -73,11 +73,13 @@ pub use kajo_core::light::LightChoice;
 pub use kajo_core::sampler::SamplerKind;
 pub use kajo_core::scene::Scene;
 pub use kajo_core::settings::{
-    Dialect, Directions, FilterChoice, IntegratorKind, Settings, ShadowAttenuation, Shadows, Technique,
+    Dialect, Directions, FilterChoice, IntegratorName, Settings, SettingsKey, ShadowAttenuation, Shadows,
+    Technique,
 };
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode, is_contained};
 pub use kajo_math;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
+pub use kajo_render::integrator::{Defaults, INTEGRATORS, IntegratorSettings, IntegratorSpec};
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
 pub use kajo_render::{Goal, Progress, RayCounters, Rect, RenderStats, Silent};
 pub use kajo_scene::{

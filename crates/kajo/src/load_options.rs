@@ -7,6 +7,7 @@ use std::sync::Arc;
 use kajo_core::compile::CompileOptions;
 use kajo_core::settings::Dialect;
 use kajo_math::Vec3;
+use kajo_render::integrator;
 use kajo_scene::{Limits, MemoryBudget};
 
 use crate::{FsAssets, LoadProgress, memory};
@@ -51,6 +52,7 @@ impl LoadOptions {
             camera: self.camera.clone(),
             aspect: self.aspect,
             model_cameras_first: self.model_cameras_first,
+            integrators: &integrator::NAMES,
             ..CompileOptions::default()
         }
     }

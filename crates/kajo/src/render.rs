@@ -8,11 +8,8 @@ use std::sync::Arc;
 use kajo_core::camera::Camera;
 use kajo_core::sampler::SamplerKind;
 use kajo_core::scene::Scene;
-use kajo_core::settings::{IntegratorKind, Shadows};
 use kajo_image::{BitDepth, Format, Image, ImageError};
-use kajo_render::integrator::{
-    AmbientOcclusionSettings, BidirectionalSettings, ClassicSettings, IntegratorSettings, PathSettings,
-};
+use kajo_render::integrator::Prepare;
 use kajo_render::{
     Film, FilmError, FilmSpec, Goal, Layer, LayerSet, PixelIntegrator, Position, Progress,
     RenderError as PassError, RenderStats,
@@ -300,29 +297,7 @@ pub(crate) fn integrator<'a>(
     settings: &RenderSettings,
     layers: LayerSet,
 ) -> Box<dyn PixelIntegrator + 'a> {
-    integrator_settings(settings, layers).prepare(scene, camera, settings.size, layers)
-}
-
-fn integrator_settings(settings: &RenderSettings, layers: LayerSet) -> IntegratorSettings {
-    match settings.integrator {
-        IntegratorKind::Classic => IntegratorSettings::Classic(light_settings(settings, layers)),
-        IntegratorKind::Path | IntegratorKind::Direct | IntegratorKind::Distribution => {
-            IntegratorSettings::Path(settings.path)
-        }
-        IntegratorKind::Bidirectional | IntegratorKind::Light => {
-            IntegratorSettings::Bidirectional(bidirectional_settings(settings))
-        }
-        IntegratorKind::Occlusion => {
-            IntegratorSettings::AmbientOcclusion(AmbientOcclusionSettings { reach: settings.reach })
-        }
-    }
-}
-
-/// What path tracing and light from both ends have in common.
-fn bidirectional_settings(settings: &RenderSettings) -> BidirectionalSettings {
-    let PathSettings { bounces, light_choice, roulette, spectral, .. } = settings.path;
-    let only_from_lights = settings.integrator == IntegratorKind::Light;
-    BidirectionalSettings { bounces, only_from_lights, light_choice, roulette, spectral }
+    settings.integrator_settings.prepare(scene, camera, settings.size, layers)
 }
 
 /// The name of the pattern of samples, if it needs a fixed number of them.
@@ -500,21 +475,10 @@ pub(crate) fn film_spec(camera: &Camera, settings: &RenderSettings, layers: Laye
         layers,
         shown: settings.crop,
         // Light from emitters may appear anywhere in the picture.
-        samples_everywhere: matches!(
-            settings.integrator,
-            IntegratorKind::Bidirectional | IntegratorKind::Light
-        ),
+        samples_everywhere: settings.integrator.splats,
         depth_map: settings.depth_map(),
         normal_map: settings.normal_map(),
         ..FilmSpec::new(width, height)
-    }
-}
-
-/// Depth and normals are those of the first surface, so that without colour nothing further is followed.
-fn light_settings(settings: &RenderSettings, layers: LayerSet) -> ClassicSettings {
-    match layers.has(Layer::Color) {
-        true => settings.classic,
-        false => ClassicSettings { bounces: 0, shadows: Shadows::Off, ..settings.classic },
     }
 }
 

@@ -1,29 +1,19 @@
 //! What a render is asked to do: the command line wins over the scene, the scene over the defaults.
 
 use kajo_color::Tone;
-use kajo_core::RayOffset;
 use kajo_core::camera::Camera;
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
-use kajo_core::settings::{FilterChoice, IntegratorKind, MapRules, Rules, Settings, Shadows};
-use kajo_render::integrator::{ClassicSettings, PathSettings};
+use kajo_core::settings::{FilterChoice, IntegratorName, MapRules, Rules, Settings};
+use kajo_render::integrator::{
+    self, Defaults, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext,
+};
 use kajo_render::{DepthMap, Filter, NormalMap, Rect};
 
 use crate::reduction::SIDE;
 use crate::{Development, Reduction};
 
 mod idle;
-
-/// Where a render starts from when neither the scene nor the user says anything.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Defaults {
-    /// The course program's: 100 × 100 pixels, one ray through the middle of each, no bounces, no shadows,
-    /// rays that start 0.001 off surfaces. A scene without a `Group` shows the uv test picture.
-    Classic,
-    /// What one wants to see: 800 × 600 pixels with 16 jittered rays each, shadows, four bounces, rays that
-    /// start as close as rounding allows.
-    Modern,
-}
 
 /// Everything about a render but who runs it.
 #[derive(Clone, Copy, Debug)]
@@ -37,13 +27,9 @@ pub struct RenderSettings {
     /// Seed of every random number.
     pub seed: u64,
     /// How light is followed.
-    pub integrator: IntegratorKind,
-    /// Options of the classic integrator.
-    pub classic: ClassicSettings,
-    /// Options of the integrators that follow paths.
-    pub path: PathSettings,
-    /// Distance beyond which nothing occludes, for ambient occlusion.
-    pub reach: f32,
+    pub integrator: &'static IntegratorSpec,
+    /// The options of that integrator.
+    pub integrator_settings: IntegratorSettings,
     /// Distances that are white and black in a depth picture; what the picture spans, where absent.
     pub depth_range: Option<[f32; 2]>,
     /// How depth, normals and numbers become pictures.
@@ -77,6 +63,9 @@ pub enum SettingsError {
         /// Columns and rows of the picture.
         size: [u32; 2],
     },
+    /// There is no integrator of that name; scenes and command lines are told so before.
+    #[error("there is no integrator `{0}`")]
+    NoIntegrator(IntegratorName),
 }
 
 impl RenderSettings {
@@ -92,44 +81,28 @@ impl RenderSettings {
         defaults: Defaults,
         uv: bool,
     ) -> Result<RenderSettings, SettingsError> {
-        let own = &scene.output.settings;
-        let classic = defaults == Defaults::Classic;
-        let size = asked.size.or(own.size).unwrap_or_else(|| default_size(&scene.output.camera, defaults));
+        let said = asked.or(&scene.output.settings);
+        let is_course = defaults == Defaults::Classic;
+        let size = said.size.unwrap_or_else(|| default_size(&scene.output.camera, defaults));
         check_size(&scene.output.camera, size)?;
-        let filter = asked.filter.or(own.filter).unwrap_or(FilterChoice::None);
-        let integrator = asked.integrator.or(own.integrator).unwrap_or_default();
-        let default_samples = match (classic, integrator) {
-            (true, _) => (SamplerKind::Regular, 1),
-            (false, IntegratorKind::Classic | IntegratorKind::Distribution) => (SamplerKind::Jittered, 16),
-            (false, _) => (SamplerKind::Jittered, 64),
+        let integrator = match said.integrator {
+            Some(name) => IntegratorSpec::named(name).ok_or(SettingsError::NoIntegrator(name))?,
+            None => integrator::DEFAULT,
         };
-        let default_shadows = if classic { Shadows::Off } else { Shadows::Opaque };
-        let default_offset = if classic { RayOffset::Reference } else { RayOffset::Auto };
-        let attenuation = asked.shadow_attenuation.or(own.shadow_attenuation);
+        let default_samples =
+            if is_course { (SamplerKind::Regular, 1) } else { (SamplerKind::Jittered, integrator.samples) };
+        let context = SettingsContext { said: &said, scene, defaults, uv };
         Ok(RenderSettings {
             size,
-            samples: asked.samples.or(own.samples).unwrap_or(default_samples),
-            filter: film_filter(filter, &scene.output.rules, integrator),
-            seed: asked.seed.or(own.seed).unwrap_or(0),
+            samples: said.samples.unwrap_or(default_samples),
+            filter: film_filter(said.filter.unwrap_or(FilterChoice::None), &scene.output.rules, integrator),
+            seed: said.seed.unwrap_or(0),
             integrator,
-            path: path_settings(integrator, asked, own),
-            reach: asked.reach.or(own.reach).unwrap_or(f32::INFINITY),
-            classic: ClassicSettings {
-                bounces: asked.bounces.or(own.bounces).unwrap_or(if classic { 0 } else { 4 }),
-                weight: asked.weight.or(own.weight).unwrap_or(0.0),
-                shadows: asked.shadows.or(own.shadows).unwrap_or(default_shadows),
-                shadow_attenuation: attenuation.unwrap_or(scene.output.rules.shadow_attenuation),
-                shade_back: asked.shade_back.or(own.shade_back).unwrap_or(false),
-                uv: uv || (classic && !scene.output.has_group),
-                fresnel: asked.fresnel.or(own.fresnel).unwrap_or(false),
-                total_reflection: asked.total_reflection.or(own.total_reflection).unwrap_or(false),
-                ray_offset: asked.ray_offset.or(own.ray_offset).unwrap_or(default_offset),
-                highlight: scene.output.rules.highlight,
-            },
-            depth_range: asked.depth_range.or(own.depth_range),
+            integrator_settings: (integrator.settings)(&context),
+            depth_range: said.depth_range,
             maps: scene.output.rules.maps,
-            development: development(integrator, asked, own),
-            opaque_alpha: classic,
+            development: development(integrator, &said),
+            opaque_alpha: is_course,
             reduction: None,
             crop: None,
         })
@@ -156,46 +129,35 @@ impl RenderSettings {
 
     /// What of the scene and of the settings the integrator leaves out, a sentence each.
     pub fn left_out(&self, scene: &Scene) -> Vec<&'static str> {
-        let traced = self.integrator != IntegratorKind::Classic;
-        let shaded = traced && self.integrator != IntegratorKind::Occlusion;
+        let is_shading = self.integrator.quantity == Quantity::Shading;
+        let is_light = self.integrator.quantity == Quantity::Radiance;
         let emitters = &scene.lighting.lights;
         let unfading = emitters.point.iter().any(|light| light.attenuation[2] == 0.0)
             || emitters.spots.iter().any(|light| light.point.attenuation[2] == 0.0);
         let notes = [
             (
-                traced && scene.lighting.fog.is_some(),
+                !is_shading && scene.lighting.fog.is_some(),
                 "`Fog` is left out: only the classic integrator knows it",
             ),
             (
-                shaded && !scene.lighting.ambient.is_black() && !scene.lighting.list.is_empty(),
+                is_light && !scene.lighting.ambient.is_black() && !scene.lighting.list.is_empty(),
                 "`ambientLight` is left out: indirect light takes its place",
             ),
             (
-                shaded && scene.lighting.sampler.is_empty(),
+                is_light && scene.lighting.sampler.is_empty(),
                 "nothing in this scene gives light, so the picture is black",
             ),
             (
-                self.integrator == IntegratorKind::Light && !connects(scene, self.size),
-                "light from emitters does not find this camera, only perspective and orthographic ones",
-            ),
-            (
-                self.integrator == IntegratorKind::Light && scene.moves() && scene.output.readout > 0.0,
-                "light from emitters does not find a camera whose rows open one after the other while things move",
-            ),
-            (
-                shaded && unfading,
+                is_light && unfading,
                 "a light here does not fade with the square of the distance, as real ones do; give it an `intensity`",
             ),
             (
-                !shaded && scene.lighting.groups.len() > 1,
+                !is_light && scene.lighting.groups.len() > 1,
                 "groups of lights are not told apart here: only integrators that follow paths do so",
             ),
-            (
-                self.path.spectral && !shaded,
-                "`spectral` is left out: only integrators that follow paths know wavelengths",
-            ),
         ];
-        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
+        let general = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
+        general.chain(self.integrator_settings.left_out(scene, self.size)).collect()
     }
 
     /// The same for a picture whose pixels are made of three by three each, of one ray.
@@ -205,6 +167,17 @@ impl RenderSettings {
         let kind = if at_random { SamplerKind::Jittered } else { SamplerKind::Regular };
         let size = self.size.map(|n| n.saturating_mul(SIDE));
         RenderSettings { size, samples: (kind, 1), filter: Filter::None, reduction: Some(reduction), ..self }
+    }
+
+    /// The values that hold for the keys of `Settings` that have a say in the light.
+    pub fn values(&self) -> Settings {
+        Settings {
+            size: Some(self.size),
+            integrator: Some(self.integrator.name),
+            samples: Some(self.samples),
+            tone: Some(self.development.tone),
+            ..self.integrator_settings.values()
+        }
     }
 
     /// Where samples lie within a pixel.
@@ -228,42 +201,14 @@ impl RenderSettings {
 }
 
 /// The classic integrator's numbers are the picture's, as in the course; light is encoded for a display.
-fn development(integrator: IntegratorKind, asked: &Settings, own: &Settings) -> Development {
-    let tone = if integrator == IntegratorKind::Classic { Tone::Linear } else { Tone::Srgb };
+fn development(integrator: &IntegratorSpec, said: &Settings) -> Development {
+    let tone = if integrator.quantity == Quantity::Shading { Tone::Linear } else { Tone::Srgb };
     Development {
-        exposure: asked.exposure.or(own.exposure).unwrap_or(0.0),
-        white: asked.white_balance.or(own.white_balance),
-        tone: asked.tone.or(own.tone).unwrap_or(tone),
+        exposure: said.exposure.unwrap_or(0.0),
+        white: said.white_balance,
+        tone: said.tone.unwrap_or(tone),
         ..Development::default()
     }
-}
-
-/// Options of the integrators that follow paths.
-fn path_settings(integrator: IntegratorKind, asked: &Settings, own: &Settings) -> PathSettings {
-    let default = PathSettings::default();
-    let bounces = asked.bounces.or(own.bounces);
-    let branches = asked.branches.or(own.branches);
-    let is_distribution = integrator == IntegratorKind::Distribution;
-    PathSettings {
-        bounces: bounces.unwrap_or(if is_distribution { 1 } else { default.bounces }),
-        // What is behind glass has its indirect light too.
-        free_mirrors: if is_distribution { default.bounces } else { 0 },
-        only_mirrors: integrator == IntegratorKind::Direct,
-        technique: asked.technique.or(own.technique).unwrap_or(default.technique),
-        light_choice: asked.light_choice.or(own.light_choice).unwrap_or(default.light_choice),
-        directions: asked.directions.or(own.directions).unwrap_or(default.directions),
-        branches: if is_distribution { branches.unwrap_or(16) } else { 1 },
-        roulette: asked.roulette.or(own.roulette).unwrap_or(!is_distribution),
-        spectral: asked.spectral.or(own.spectral).unwrap_or(default.spectral),
-    }
-}
-
-/// Whether points can be joined with the camera.
-fn connects(scene: &Scene, size: [u32; 2]) -> bool {
-    let knows_places =
-        matches!(scene.output.camera.at_rest(), Camera::Perspective(_) | Camera::Orthographic(_));
-    let [width, height] = size;
-    knows_places && !scene.output.rules.corner_samples && !(scene.output.rules.spans_width && width != height)
 }
 
 /// A size that the camera's picture looks right in.
@@ -299,14 +244,10 @@ fn check_size(camera: &Camera, size: [u32; 2]) -> Result<(), SettingsError> {
     }
 }
 
-/// Whether an integrator brings light for any place of the picture, whose sums know products of profiles only.
-fn splats(integrator: IntegratorKind) -> bool {
-    matches!(integrator, IntegratorKind::Bidirectional | IntegratorKind::Light)
-}
-
-fn film_filter(choice: FilterChoice, rules: &Rules, integrator: IntegratorKind) -> Filter {
+fn film_filter(choice: FilterChoice, rules: &Rules, integrator: &IntegratorSpec) -> Filter {
     match choice {
-        FilterChoice::Tent(radius) if rules.radial_tent && !splats(integrator) => Filter::Cone { radius },
+        // The sums of splats know products of profiles only.
+        FilterChoice::Tent(radius) if rules.radial_tent && !integrator.splats => Filter::Cone { radius },
         FilterChoice::Gaussian(sigma) if rules.gaussian_of_whole_pixels => {
             Filter::gaussian_of_whole_pixels(sigma)
         }
@@ -321,6 +262,9 @@ fn film_filter(choice: FilterChoice, rules: &Rules, integrator: IntegratorKind) 
 
 #[cfg(test)]
 mod tests {
+    use kajo_core::RayOffset;
+    use kajo_core::settings::Shadows;
+
     use super::*;
     use crate::{LoadOptions, MemoryAssets, load_from};
 
@@ -342,19 +286,23 @@ mod tests {
         let scene = scene(&format!("{CAMERA} Group {{}} Settings {{ size 40 30  bounces 7 }}"));
         let asked = Settings { bounces: Some(2), ..Settings::default() };
         let settings = resolve(&scene, &asked, Defaults::Modern);
-        assert_eq!((settings.size, settings.classic.bounces), ([40, 30], 2));
+        assert_eq!((settings.size, settings.values().bounces), ([40, 30], Some(2)));
         assert_eq!(settings.samples, (SamplerKind::Jittered, 16));
-        assert_eq!(settings.classic.shadows, Shadows::Opaque);
+        assert_eq!(settings.values().shadows, Some(Shadows::Opaque));
     }
 
     #[test]
     fn classic_defaults_are_those_of_the_course() {
         let settings = resolve(&scene(CAMERA), &Settings::default(), Defaults::Classic);
         assert_eq!((settings.size, settings.samples), ([100, 100], (SamplerKind::Regular, 1)));
-        assert_eq!((settings.classic.bounces, settings.classic.shadows), (0, Shadows::Off));
-        assert_eq!((settings.filter, settings.classic.ray_offset), (Filter::None, RayOffset::Reference));
-        assert!(settings.classic.uv, "there is no group");
-        assert!(!resolve(&scene(CAMERA), &Settings::default(), Defaults::Modern).classic.uv);
+        let IntegratorSettings::Classic(classic) = settings.integrator_settings else {
+            panic!("{settings:?}")
+        };
+        assert_eq!((classic.bounces, classic.shadows), (0, Shadows::Off));
+        assert_eq!((settings.filter, classic.ray_offset), (Filter::None, RayOffset::Reference));
+        assert!(classic.uv, "there is no group");
+        let modern = resolve(&scene(CAMERA), &Settings::default(), Defaults::Modern);
+        assert!(matches!(modern.integrator_settings, IntegratorSettings::Classic(classic) if !classic.uv));
     }
 
     #[test]
@@ -362,18 +310,16 @@ mod tests {
         let world = "Fog { color 1 1 1 density 0.1 } Background { color 0 0 0 ambientLight 1 1 1 }
             Lights { PointLight { position 0 1 0 color 1 1 1 } } Group {}";
         let scene = scene(&format!("{CAMERA} {world}"));
-        let left_out = |integrator, spectral| {
-            let asked =
-                Settings { integrator: Some(integrator), spectral: Some(spectral), ..Settings::default() };
+        let left_out = |integrator| {
+            let asked = Settings { integrator: Some(IntegratorName(integrator)), ..Settings::default() };
             resolve(&scene, &asked, Defaults::Modern).left_out(&scene).join("; ")
         };
-        assert_eq!(left_out(IntegratorKind::Classic, false), "");
-        assert!(left_out(IntegratorKind::Classic, true).contains("`spectral`"));
-        let path = left_out(IntegratorKind::Path, true);
+        assert_eq!(left_out("classic"), "");
+        let path = left_out("path");
         let expected = ["`Fog`", "`ambientLight`", "does not fade"];
         assert!(expected.iter().all(|word| path.contains(word)) && !path.contains("black"), "{path}");
-        assert!(!left_out(IntegratorKind::Light, false).contains("does not find"));
-        assert_eq!(left_out(IntegratorKind::Occlusion, false).matches("left out").count(), 1);
+        assert!(!left_out("light").contains("does not find"));
+        assert_eq!(left_out("occlusion").matches("left out").count(), 1);
     }
 
     #[test]
@@ -387,7 +333,7 @@ mod tests {
                 Group {{ MaterialIndex grey Transform {{ {motion} Sphere {{ center 0 0 0 radius 1 }} }} }}"
             );
             let scene = scene(&format!("{camera} {world}"));
-            let asked = Settings { integrator: Some(IntegratorKind::Light), ..Settings::default() };
+            let asked = Settings { integrator: Some(IntegratorName("light")), ..Settings::default() };
             !resolve(&scene, &asked, Defaults::Modern).left_out(&scene).join("; ").contains("does not find")
         };
         let motion = "Motion { key 0 { } key 1 { Translate 1 0 0 } }";
@@ -399,12 +345,13 @@ mod tests {
     fn light_is_encoded_for_a_display_and_classic_numbers_are_not() {
         let scene = scene(&format!("{CAMERA} Group {{}} Settings {{ exposure 1.5 }}"));
         let tone = |integrator, tone| {
-            let asked = Settings { integrator: Some(integrator), tone, ..Settings::default() };
+            let asked =
+                Settings { integrator: Some(IntegratorName(integrator)), tone, ..Settings::default() };
             resolve(&scene, &asked, Defaults::Modern).development.tone
         };
-        assert_eq!(tone(IntegratorKind::Classic, None), Tone::Linear);
-        assert_eq!(tone(IntegratorKind::Path, None), Tone::Srgb);
-        assert_eq!(tone(IntegratorKind::Path, Some(Tone::Agx)), Tone::Agx);
+        assert_eq!(tone("classic", None), Tone::Linear);
+        assert_eq!(tone("path", None), Tone::Srgb);
+        assert_eq!(tone("path", Some(Tone::Agx)), Tone::Agx);
         assert_eq!(resolve(&scene, &Settings::default(), Defaults::Modern).development.exposure, 1.5);
     }
 

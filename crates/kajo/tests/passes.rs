@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use kajo::output::Target;
 use kajo::{
-    BitDepth, CheckpointError, Defaults, Format, Goal, IntegratorKind, LoadOptions, MemoryAssets, Passes,
+    BitDepth, CheckpointError, Defaults, Format, Goal, IntegratorName, LoadOptions, MemoryAssets, Passes,
     Picture, RenderError, RenderSettings, SamplerKind, Scene, SceneDigest, Settings, Silent, Snapshot, View,
 };
 
@@ -25,7 +25,12 @@ fn scene() -> Scene {
 }
 
 fn settings(samples: (SamplerKind, u32)) -> RenderSettings {
-    let asked = Settings { size: Some([60, 40]), samples: Some(samples), ..Settings::default() };
+    settings_of("classic", samples)
+}
+
+fn settings_of(integrator: &'static str, samples: (SamplerKind, u32)) -> RenderSettings {
+    let integrator = Some(IntegratorName(integrator));
+    let asked = Settings { integrator, size: Some([60, 40]), samples: Some(samples), ..Settings::default() };
     RenderSettings::resolve(&scene(), &asked, Defaults::Modern, false).unwrap()
 }
 
@@ -100,9 +105,8 @@ fn a_render_goes_on_to_more_samples() {
     let target = Target::check(&path, &[]).unwrap();
     let without_end = &mut |_: Snapshot<'_>| ControlFlow::Continue(());
     for kind in [SamplerKind::Sobol, SamplerKind::Uniform] {
-        for integrator in [IntegratorKind::Path, IntegratorKind::Bidirectional, IntegratorKind::Distribution]
-        {
-            let of = |n| RenderSettings { integrator, ..settings((kind, n)) };
+        for integrator in ["path", "bidirectional", "distribution"] {
+            let of = |n| settings_of(integrator, (kind, n));
             let at_once =
                 kajo::render(&kajo::RenderRequest::new(&scene(), &of(64), &OUTPUTS), &Silent).unwrap();
             // Finished with a number that is no power of two, and begun only.

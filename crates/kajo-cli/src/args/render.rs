@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use kajo::{
-    BitDepth, Defaults, Directions, Format, IntegratorKind, LightChoice, LoadOptions, RayOffset, Rect,
+    BitDepth, Defaults, Directions, Format, IntegratorName, LightChoice, LoadOptions, RayOffset, Rect,
     Settings, ShadowAttenuation, Shadows, Technique, View,
 };
 
@@ -60,8 +60,8 @@ pub struct RenderArgs {
 
     /// How light is followed: classic is for the course, path for right pictures
     #[arg(long, value_name = "NAME", help_heading = "Light",
-        value_parser = values::choice(IntegratorKind::NAMES))]
-    pub integrator: Option<IntegratorKind>,
+        value_parser = values::integrator())]
+    pub integrator: Option<IntegratorName>,
     /// Follow light by wavelength
     #[arg(long, value_name = "ON|OFF", help_heading = "Light", value_parser = values::on_off())]
     pub spectral: Option<bool>,

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use kajo::{Dialect, FilterChoice, SamplerKind, View};
+use kajo::{Dialect, FilterChoice, INTEGRATORS, IntegratorName, SamplerKind, View};
 
 /// Columns and rows: `800x600`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,6 +145,11 @@ fn suffix(text: &OsString, start: usize) -> OsString {
 pub fn dialect() -> impl TypedValueParser<Value = Dialect> {
     PossibleValuesParser::new(Dialect::NAMES)
         .try_map(|name| Dialect::from_name(&name).ok_or_else(|| format!("no dialect is called {name}")))
+}
+
+/// Reads the name of an integrator.
+pub fn integrator() -> impl TypedValueParser<Value = IntegratorName> {
+    choice(INTEGRATORS.map(|spec| (spec.name.0, spec.name)))
 }
 
 /// Reads one of a few words.

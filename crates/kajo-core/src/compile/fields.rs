@@ -36,6 +36,8 @@ pub(super) struct Sources<'a> {
     pub groups: &'a mut LightGroups,
     /// The conventions of the dialect.
     pub rules: Rules,
+    /// Names of the integrators that there are.
+    pub integrators: &'static [&'static str],
 }
 
 /// A value that can be read where it is written.

@@ -46,6 +46,7 @@ mod value_names;
 pub use self::blocks::{block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
 pub use self::operations::OPERATIONS;
+pub use self::settings::BLOCK as SETTINGS;
 pub use self::transform::operations_matrix;
 
 use std::collections::{HashMap, HashSet};
@@ -82,6 +83,8 @@ pub struct CompileOptions {
     pub aspect: Option<f64>,
     /// Meshes that need not be read again. The same store is for the same limits and the same way to build.
     pub meshes: Option<Arc<MeshStore>>,
+    /// Names that `integrator` may say. The compiler itself knows none: integrators are made of scenes.
+    pub integrators: &'static [&'static str],
 }
 
 /// Turns a scene's tree into a scene.
@@ -251,8 +254,9 @@ impl<'a> Compiler<'a> {
         read: impl FnOnce(&mut Params<'t, '_>, &mut fields::Sources<'_>) -> Option<T>,
     ) -> Option<T> {
         let paints = pictures::PaintReader::new(self.assets, self.options, &mut self.pictures);
-        let mut sources =
-            fields::Sources { paints, groups: self.scene.light_groups_mut(), rules: self.rules };
+        let (rules, integrators) = (self.rules, self.options.integrators);
+        let groups = self.scene.light_groups_mut();
+        let mut sources = fields::Sources { paints, groups, rules, integrators };
         let mut params = Params::new(item, self.diagnostics);
         let value = read(&mut params, &mut sources);
         params.finish();

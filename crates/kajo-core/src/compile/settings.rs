@@ -14,7 +14,7 @@ use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
 use crate::schema::{Around, Block, Constant, FieldKind, FieldSpec, FieldValue, Kind};
 use crate::settings::{
-    Dialect, Directions, FilterChoice, IntegratorKind, Settings, ShadowAttenuation, Shadows, Technique,
+    Dialect, Directions, FilterChoice, IntegratorName, Settings, ShadowAttenuation, Shadows, Technique,
 };
 
 choices! {
@@ -40,7 +40,6 @@ choices! {
 }
 
 choices!(Directions: Directions::NAMES);
-choices!(IntegratorKind: IntegratorKind::NAMES);
 choices!(LightChoice: LightChoice::NAMES);
 choices!(Technique: Technique::NAMES, or Technique::SYNONYMS);
 choices!(Dialect: {
@@ -84,7 +83,7 @@ keys! {
         size: Option<Size> = Typed::<Size>::new("size", FieldKind::Wholes(2))
             .unit("pixels")
             .ruled(size, "800 600", "columns and rows of the picture"),
-        integrator: Option<IntegratorKind> = choice::<IntegratorKind>("integrator")
+        integrator: Option<IntegratorName> = Typed::<IntegratorName>::new("integrator", FieldKind::Integrator)
             .ruled(integrator, "classic", "how light is followed"),
         samples: Option<Samples> = Typed::<Samples>::new(
             "samples",
@@ -145,7 +144,8 @@ keys! {
     }
 }
 
-pub(super) const BLOCK: Block = Block {
+/// The block with which a scene says how it is to be rendered.
+pub const BLOCK: Block = Block {
     keyword: "Settings",
     kind: Kind::Settings,
     about: "how the scene is to be rendered",
@@ -159,7 +159,7 @@ fn size(around: &Around<'_>) -> Option<FieldValue> {
 }
 
 fn integrator(around: &Around<'_>) -> Option<FieldValue> {
-    word((around.render)()?.integrator?.name())
+    word((around.render)()?.integrator?.0)
 }
 
 fn samples(around: &Around<'_>) -> Option<FieldValue> {
@@ -250,6 +250,16 @@ impl Plain<'_> for Samples {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Samples, Diagnostic> {
         let kind = args.choice(&SamplerKind::NAMES)?;
         Ok(Samples(kind, args.int_in(1..=MAX_SAMPLES.into())? as u32))
+    }
+}
+
+impl Plain<'_> for IntegratorName {
+    fn parse(
+        _: &FieldSpec,
+        args: &mut Args<'_>,
+        sources: &mut Sources<'_>,
+    ) -> Result<IntegratorName, Diagnostic> {
+        args.word_of(sources.integrators).map(IntegratorName)
     }
 }
 

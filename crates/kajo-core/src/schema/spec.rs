@@ -59,6 +59,8 @@ pub enum FieldKind {
     Text,
     /// The name or number of a material.
     Material,
+    /// The name of an integrator. Whoever knows which there are puts a [`FieldKind::Choice`] in its place.
+    Integrator,
 }
 
 impl FieldKind {
@@ -86,7 +88,9 @@ impl FieldKind {
             FieldKind::Numbers(count) | FieldKind::Wholes(count) => {
                 FieldValue::numbers(std::iter::repeat_n(1.0, count))
             }
-            FieldKind::File | FieldKind::Text | FieldKind::Material => FieldValue::default(),
+            FieldKind::File | FieldKind::Text | FieldKind::Material | FieldKind::Integrator => {
+                FieldValue::default()
+            }
         }
     }
 
@@ -125,6 +129,7 @@ impl fmt::Display for FieldKind {
             FieldKind::File => f.write_str("file"),
             FieldKind::Text => f.write_str("word or text"),
             FieldKind::Material => f.write_str("name or number"),
+            FieldKind::Integrator => f.write_str("name of an integrator"),
         }
     }
 }

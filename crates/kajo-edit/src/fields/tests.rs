@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use kajo_core::settings::Dialect;
-use kajo_render::integrator::PathSettings;
 
-use kajo_core::compile::{blocks, kind_of};
+use kajo::language::{blocks, kind_of};
 
 use super::*;
 use crate::Document;
@@ -157,12 +156,7 @@ fn document(folder: &Path, text: &str) -> Document {
 /// What the compiler makes of a text, and a render of that; `None` with mistakes in it.
 fn made(document: &Document) -> Option<String> {
     let scene = document.scene()?;
-    let mut render = RenderSettings::resolve(scene, &Settings::default(), Defaults::Modern, false).unwrap();
-    // Each integrator has its own settings, and those of the others have no effect.
-    match render.integrator {
-        IntegratorKind::Classic => render.path = PathSettings::default(),
-        _ => render.classic.bounces = 0,
-    }
+    let render = RenderSettings::resolve(scene, &Settings::default(), Defaults::Modern, false).unwrap();
     let world = format!(
         "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {render:?}",
         scene.geometry.shapes,

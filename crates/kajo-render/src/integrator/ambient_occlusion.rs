@@ -11,19 +11,50 @@ use kajo_color::Wavelengths;
 use kajo_core::RayOffset;
 use kajo_core::camera::Camera;
 use kajo_core::scene::{Interaction, Scene};
+use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 use kajo_math::{Frame, Vec2, warp};
 
-use super::Integrator;
 use super::camera_view::CameraView;
 use super::transport::connect;
+use super::{Integrator, IntegratorSettings, IntegratorSpec, Prepare, Quantity};
 use crate::trail::{About, PathObserver, RayKind};
-use crate::{LayerSet, PixelSample, SampleContext};
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 
 /// Options of [`AmbientOcclusion`].
 #[derive(Clone, Copy, Debug)]
 pub struct AmbientOcclusionSettings {
     /// Distance beyond which nothing hides the light; may be infinite.
     pub reach: f32,
+}
+
+/// Ambient occlusion.
+pub const OCCLUSION: IntegratorSpec = IntegratorSpec {
+    name: IntegratorName("occlusion"),
+    about: "how open the surroundings of a surface are",
+    quantity: Quantity::Geometry,
+    splats: false,
+    samples: 64,
+    keys: &[SettingsKey::Reach],
+    settings: |context| {
+        let reach = context.said.reach.unwrap_or(f32::INFINITY);
+        IntegratorSettings::AmbientOcclusion(AmbientOcclusionSettings { reach })
+    },
+};
+
+impl Prepare for AmbientOcclusionSettings {
+    fn prepare<'a>(
+        self,
+        scene: &'a Scene,
+        camera: &'a Camera,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Box<dyn PixelIntegrator + 'a> {
+        Box::new(AmbientOcclusion::through(camera, scene, self, size, layers))
+    }
+
+    fn values(&self) -> Settings {
+        Settings { reach: Some(self.reach), ..Settings::default() }
+    }
 }
 
 /// The ambient occlusion integrator over one scene and one picture size.

@@ -15,13 +15,15 @@
 //! mirror direction where it cannot pass. `fresnel` divides it everywhere: the share `F` of
 //! [`fresnel::dielectric`] is mirrored and `1 - F` passes.
 
+mod settings;
+
 use kajo_color::{Spectrum, Wavelengths};
-use kajo_core::bsdf::{Highlight, Phong, fresnel};
+use kajo_core::ItemBuffer;
+use kajo_core::bsdf::{Phong, fresnel};
 use kajo_core::camera::Camera;
 use kajo_core::light::{Illumination, LightId};
 use kajo_core::scene::{Interaction, Scene};
-use kajo_core::settings::{ShadowAttenuation, Shadows};
-use kajo_core::{ItemBuffer, RayOffset};
+use kajo_core::settings::Shadows;
 use kajo_math::{Ray, Vec2, Vec3};
 
 use super::Integrator;
@@ -30,34 +32,7 @@ use super::shadow;
 use crate::context::Scratch;
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, RayCounters, SampleContext};
-
-/// The most mirror and refracted rays in a row that may be asked for.
-pub const MAX_BOUNCES: u32 = 1000;
-
-/// Options of [`Classic`].
-#[derive(Clone, Copy, Debug)]
-pub struct ClassicSettings {
-    /// Mirror and refracted rays in a row, at most [`MAX_BOUNCES`].
-    pub bounces: u32,
-    /// A branch ends where the product of the magnitudes of its colours falls below this.
-    pub weight: f32,
-    /// Whether and how lights are hidden.
-    pub shadows: Shadows,
-    /// How transparent shadows weaken light.
-    pub shadow_attenuation: ShadowAttenuation,
-    /// Whether surfaces are lit on their back sides too.
-    pub shade_back: bool,
-    /// Show the uv test picture instead of the scene.
-    pub uv: bool,
-    /// Divide light at transparent surfaces by Fresnel's equations.
-    pub fresnel: bool,
-    /// Mirror what cannot leave a transparent body.
-    pub total_reflection: bool,
-    /// How rays keep clear of the surface they leave.
-    pub ray_offset: RayOffset,
-    /// The vector of the highlight.
-    pub highlight: Highlight,
-}
+pub use settings::{CLASSIC, ClassicSettings, MAX_BOUNCES};
 
 /// The classic integrator over one scene and one picture size.
 pub struct Classic<'a> {

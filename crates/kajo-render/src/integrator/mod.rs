@@ -1,4 +1,8 @@
 //! Integrators: from a camera ray to the light that arrives along it.
+//!
+//! One is a file with a type that takes samples, its settings, and an [`IntegratorSpec`] for each name by which the language
+//! knows it. Two lines here, one for the settings and one for the name, make it known to scenes, the command line, the
+//! studio and the manual.
 
 pub mod ambient_occlusion;
 pub mod bidir;
@@ -6,23 +10,61 @@ mod camera_view;
 pub mod classic;
 pub mod path;
 mod shadow;
+mod spec;
 mod transport;
 
 pub use ambient_occlusion::{AmbientOcclusion, AmbientOcclusionSettings};
 pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use classic::{Classic, ClassicSettings};
 pub use path::{Path, PathSettings};
+pub use spec::{Defaults, IntegratorSpec, Prepare, Quantity, SettingsContext};
 
 use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
+use kajo_core::settings::Settings;
 use kajo_math::Vec2;
 
 use crate::trail::{Counting, PathObserver};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
 
-/// All integrators, each with its settings: the one list of them.
-#[derive(Clone, Copy, Debug)]
-pub enum IntegratorSettings {
+/// Writes the enum of all settings, with a `match` for each method of [`Prepare`].
+macro_rules! settings {
+    ($($(#[$doc:meta])* $Variant:ident($Settings:ty),)+) => {
+        /// The settings of an integrator: those that take samples, each with its own fields.
+        #[derive(Clone, Copy, Debug)]
+        pub enum IntegratorSettings {
+            $($(#[$doc])* $Variant($Settings),)+
+        }
+
+        impl Prepare for IntegratorSettings {
+            fn prepare<'a>(
+                self,
+                scene: &'a Scene,
+                camera: &'a Camera,
+                size: [u32; 2],
+                layers: LayerSet,
+            ) -> Box<dyn PixelIntegrator + 'a> {
+                match self {
+                    $(IntegratorSettings::$Variant(settings) => settings.prepare(scene, camera, size, layers),)+
+                }
+            }
+
+            fn values(&self) -> Settings {
+                match self {
+                    $(IntegratorSettings::$Variant(settings) => settings.values(),)+
+                }
+            }
+
+            fn left_out(&self, scene: &Scene, size: [u32; 2]) -> Vec<&'static str> {
+                match self {
+                    $(IntegratorSettings::$Variant(settings) => settings.left_out(scene, size),)+
+                }
+            }
+        }
+    };
+}
+
+settings! {
     /// How open the surroundings of a surface are.
     AmbientOcclusion(AmbientOcclusionSettings),
     /// Light from both ends, or from lights alone.
@@ -33,31 +75,30 @@ pub enum IntegratorSettings {
     Path(PathSettings),
 }
 
-impl IntegratorSettings {
-    /// The integrator, ready to take samples of a picture of `size` pixels with these `layers`.
-    pub fn prepare<'a>(
-        self,
-        scene: &'a Scene,
-        camera: &'a Camera,
-        size: [u32; 2],
-        layers: LayerSet,
-    ) -> Box<dyn PixelIntegrator + 'a> {
-        match self {
-            IntegratorSettings::AmbientOcclusion(settings) => {
-                Box::new(AmbientOcclusion::through(camera, scene, settings, size, layers))
-            }
-            IntegratorSettings::Bidirectional(settings) => {
-                Box::new(Bidirectional::through(camera, scene, settings, size, layers))
-            }
-            IntegratorSettings::Classic(settings) => {
-                Box::new(Classic::through(camera, scene, settings, size, layers))
-            }
-            IntegratorSettings::Path(settings) => {
-                Box::new(Path::through(camera, scene, settings, size, layers))
-            }
-        }
+/// All integrators, by their names.
+pub const INTEGRATORS: [&IntegratorSpec; 7] = [
+    &bidir::BIDIRECTIONAL,
+    &classic::CLASSIC,
+    &path::DIRECT,
+    &path::DISTRIBUTION,
+    &bidir::LIGHT,
+    &ambient_occlusion::OCCLUSION,
+    &path::PATH,
+];
+
+/// The names of all integrators, in the same order.
+pub const NAMES: [&str; INTEGRATORS.len()] = {
+    let mut names = [""; INTEGRATORS.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = INTEGRATORS[i].name.0;
+        i += 1;
     }
-}
+    names
+};
+
+/// The integrator of scenes that ask for none.
+pub const DEFAULT: &IntegratorSpec = &classic::CLASSIC;
 
 /// What all integrators of this family do: take a sample and tell of it. A member is a file with a type that does this.
 pub(crate) trait Integrator: Sync {
@@ -98,5 +139,7 @@ mod limit_tests;
 mod motion_tests;
 #[cfg(test)]
 mod relief_tests;
+#[cfg(test)]
+mod spec_tests;
 #[cfg(test)]
 mod tests;

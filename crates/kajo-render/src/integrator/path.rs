@@ -26,6 +26,7 @@
 //! the others end.
 
 mod directions;
+mod settings;
 mod tracer;
 
 use std::mem;
@@ -33,7 +34,6 @@ use std::mem;
 use kajo_color::Spectrum;
 use kajo_core::bsdf::Transport;
 use kajo_core::camera::Camera;
-use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{Directions, Technique};
 use kajo_math::Vec2;
@@ -43,47 +43,8 @@ use super::camera_view::{CameraView, in_white_light};
 use super::transport::PathState;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
+pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
 use tracer::{CameraPath, Fork, PathTracer};
-
-/// Options of [`Path`].
-#[derive(Clone, Copy, Debug)]
-pub struct PathSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
-    pub bounces: u32,
-    /// Mirrors and clear boundaries that a path may meet before any other surface without a bounce being counted.
-    pub free_mirrors: u32,
-    /// Whether paths go on from mirrors and glass only, so that nothing but direct light is seen.
-    pub only_mirrors: bool,
-    /// How direct light is estimated.
-    pub technique: Technique,
-    /// How lights are chosen.
-    pub light_choice: LightChoice,
-    /// How directions are drawn.
-    pub directions: Directions,
-    /// Paths that go on from the first surface that is no mirror: more than one is distribution ray tracing
-    /// [Cook et al. 1984].
-    pub branches: u32,
-    /// Whether paths of little weight end at random.
-    pub roulette: bool,
-    /// Whether light is followed by wavelength.
-    pub spectral: bool,
-}
-
-impl Default for PathSettings {
-    fn default() -> PathSettings {
-        PathSettings {
-            bounces: 16,
-            free_mirrors: 0,
-            only_mirrors: false,
-            technique: Technique::Combined,
-            light_choice: LightChoice::Tree,
-            directions: Directions::Scattering,
-            branches: 1,
-            roulette: true,
-            spectral: false,
-        }
-    }
-}
 
 /// The path tracer over one scene and one picture size.
 pub struct Path<'a> {

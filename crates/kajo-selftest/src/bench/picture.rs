@@ -3,7 +3,7 @@
 use kajo_core::sampler::Sampler;
 use kajo_core::scene::Scene;
 use kajo_image::Image;
-use kajo_render::integrator::Classic;
+use kajo_render::integrator::Prepare;
 use kajo_render::{Film, FilmSpec, Layer, LayerSet, RayCounters, Silent};
 
 use super::time::{Seconds, timed};
@@ -42,12 +42,13 @@ pub fn render(
     let layers = LayerSet::of(&[Layer::Color]);
     let spec = FilmSpec { layers, one_pass: samplers.len() == 1, ..FilmSpec::new(width, height) };
     let work = || {
-        let integrator = Classic::new(scene, settings.classic, settings.size, layers);
+        let integrator =
+            settings.integrator_settings.prepare(scene, &scene.output.camera, settings.size, layers);
         let film = Film::new(spec, u64::MAX).map_err(|error| error.to_string())?;
         let mut rays = RayCounters::default();
         for sampler in samplers.iter().cloned() {
             let schedule = kajo_render::RenderSettings { seed: settings.seed, threads, tile: 0, sampler };
-            let stats = kajo_render::render(&integrator, &film, &schedule, &Silent)
+            let stats = kajo_render::render(&*integrator, &film, &schedule, &Silent)
                 .map_err(|error| error.to_string())?;
             rays += stats.rays;
         }

@@ -130,7 +130,8 @@ fn value_of_row(ui: &mut Ui, field: &Field, label: Id) -> Option<FieldValue> {
         ui.label(RichText::new(in_words(why)).italics());
         return None;
     }
-    let is_typed = matches!(field.kind, FieldKind::File | FieldKind::Text | FieldKind::Material);
+    let is_typed =
+        matches!(field.kind, FieldKind::File | FieldKind::Text | FieldKind::Material | FieldKind::Integrator);
     match &field.value {
         Some(value) => editor(ui, field.kind, value, "", label),
         None if is_typed || field.required => {
@@ -189,6 +190,7 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
         | FieldKind::Point
         | FieldKind::Vector
         | FieldKind::Material
+        | FieldKind::Integrator
         | FieldKind::Reflectance
         | FieldKind::Emission => text(ui, value, hint, label),
     }

@@ -1,11 +1,9 @@
 //! The panel with everything that is asked of a trace.
 
 use egui::{DragValue, Slider, Ui};
-use kajo::{
-    CameraPose, FilterChoice, IntegratorKind, RenderSettings, SamplerKind, Settings, ShadowAttenuation,
-    Shadows,
-};
+use kajo::{CameraPose, FilterChoice, RenderSettings, SamplerKind, Settings};
 
+use super::light_rows;
 use super::widgets::{choice, option, row, rows, section};
 use crate::state::{Action, PictureSize, RenderOptions};
 
@@ -15,9 +13,9 @@ use crate::state::{Action, PictureSize, RenderOptions};
 /// * `settings`: what holds now
 pub fn show(ui: &mut Ui, options: &mut RenderOptions, own: &Settings, settings: &RenderSettings) {
     section(ui, "Picture", true, |ui| picture(ui, options, settings));
-    section(ui, "Light", true, |ui| light(ui, options, settings));
+    light_rows::light(ui, &mut options.asked, settings);
     section(ui, "Samples", true, |ui| samples(ui, options, own, settings));
-    section(ui, "Shadows and surfaces", true, |ui| surfaces(ui, options, settings));
+    light_rows::surfaces(ui, &mut options.asked, settings);
     section(ui, "Machine", false, |ui| machine(ui, options));
     if !ui.ctx().text_edit_focused() && options.asked != Settings::default() {
         ui.add_space(4.0);
@@ -114,75 +112,6 @@ fn side(ui: &mut Ui, pixels: &mut u32) -> egui::Response {
     ui.add(DragValue::new(pixels).range(1..=32768).speed(2.0))
 }
 
-fn light(ui: &mut Ui, options: &mut RenderOptions, settings: &RenderSettings) {
-    let asked = &mut options.asked;
-    let kind = settings.integrator;
-    let is_classic = kind == IntegratorKind::Classic;
-    rows(ui, "light", |ui| {
-        option(ui, "Integrator", "How light is followed", &mut asked.integrator, kind, |ui, kind| {
-            choice(ui, "integrator", kind, &IntegratorKind::NAMES)
-        });
-        if kind != IntegratorKind::Occlusion {
-            let bounces = if is_classic { settings.classic.bounces } else { settings.path.bounces };
-            let hint = "Mirror, refracted or scattered rays in a row";
-            option(ui, "Bounces", hint, &mut asked.bounces, bounces, |ui, bounces| {
-                ui.add(Slider::new(bounces, 0..=32).clamping(egui::SliderClamping::Never))
-            });
-        }
-        match kind {
-            IntegratorKind::Classic => {
-                let hint = "Rays that count less than this are not followed";
-                option(ui, "Least weight", hint, &mut asked.weight, settings.classic.weight, |ui, weight| {
-                    ui.add(Slider::new(weight, 0.0..=1.0))
-                });
-                let hint = "Mirrors reflect by the Fresnel formula";
-                option(ui, "Fresnel", hint, &mut asked.fresnel, settings.classic.fresnel, |ui, on| {
-                    ui.checkbox(on, "On")
-                });
-                let hint = "Light that cannot leave a dense body is reflected inside";
-                let value = settings.classic.total_reflection;
-                option(ui, "Total reflection", hint, &mut asked.total_reflection, value, |ui, on| {
-                    ui.checkbox(on, "On")
-                });
-            }
-            IntegratorKind::Occlusion => {
-                let hint = "Distance beyond which nothing occludes; 0 for none";
-                let value = if settings.reach.is_finite() { settings.reach } else { 0.0 };
-                option(ui, "Reach", hint, &mut asked.reach, value, |ui, reach| {
-                    let response = ui.add(DragValue::new(reach).range(0.0..=f32::MAX).speed(0.02));
-                    if *reach <= 0.0 {
-                        *reach = f32::INFINITY;
-                    }
-                    response
-                });
-            }
-            _ => paths(ui, asked, settings),
-        }
-    });
-}
-
-fn paths(ui: &mut Ui, asked: &mut Settings, settings: &RenderSettings) {
-    let path = &settings.path;
-    let hint = "How direct light is estimated";
-    option(ui, "Direct light", hint, &mut asked.technique, path.technique, |ui, value| {
-        choice(ui, "technique", value, &kajo::Technique::NAMES)
-    });
-    let hint = "How directions of indirect light are drawn";
-    option(ui, "Directions", hint, &mut asked.directions, path.directions, |ui, value| {
-        choice(ui, "directions", value, &kajo::Directions::NAMES)
-    });
-    let hint = "Paths of little weight end at random";
-    option(ui, "Roulette", hint, &mut asked.roulette, path.roulette, |ui, on| ui.checkbox(on, "On"));
-    let hint = "Light is followed by wavelength: rainbows, dispersion";
-    option(ui, "Spectral", hint, &mut asked.spectral, path.spectral, |ui, on| ui.checkbox(on, "On"));
-    if settings.integrator == IntegratorKind::Distribution {
-        let hint = "Rays from the first surface that is no mirror";
-        option(ui, "Branches", hint, &mut asked.branches, path.branches, |ui, branches| {
-            ui.add(Slider::new(branches, 1..=256).logarithmic(true))
-        });
-    }
-}
-
 fn samples(ui: &mut Ui, options: &mut RenderOptions, own: &Settings, settings: &RenderSettings) {
     let asked = &mut options.asked;
     rows(ui, "samples", |ui| {
@@ -211,41 +140,6 @@ fn samples(ui: &mut Ui, options: &mut RenderOptions, own: &Settings, settings: &
         }
         option(ui, "Seed", "Another seed, another noise", &mut asked.seed, settings.seed, |ui, seed| {
             ui.add(DragValue::new(seed))
-        });
-    });
-}
-
-fn surfaces(ui: &mut Ui, options: &mut RenderOptions, settings: &RenderSettings) {
-    let asked = &mut options.asked;
-    let classic = &settings.classic;
-    rows(ui, "surfaces", |ui| {
-        option(
-            ui,
-            "Shadows",
-            "Whether things cast shadows",
-            &mut asked.shadows,
-            classic.shadows,
-            |ui, value| {
-                let all = [
-                    ("off", Shadows::Off),
-                    ("opaque", Shadows::Opaque),
-                    ("transparent", Shadows::Transparent),
-                ];
-                choice(ui, "shadows", value, &all)
-            },
-        );
-        if classic.shadows == Shadows::Transparent {
-            let hint = "How glass weakens the light that passes";
-            let value = classic.shadow_attenuation;
-            option(ui, "Attenuation", hint, &mut asked.shadow_attenuation, value, |ui, value| {
-                let all =
-                    [("by length", ShadowAttenuation::Length), ("by surface", ShadowAttenuation::Surface)];
-                choice(ui, "attenuation", value, &all)
-            });
-        }
-        let hint = "Lights the far side of surfaces too";
-        option(ui, "Shade back", hint, &mut asked.shade_back, classic.shade_back, |ui, on| {
-            ui.checkbox(on, "Both sides")
         });
     });
 }

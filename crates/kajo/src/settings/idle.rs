@@ -1,32 +1,9 @@
 //! Settings that the integrator has no use for.
 
-use kajo_core::settings::{IntegratorKind, Settings, Shadows};
+use kajo_core::settings::{Settings, SettingsKey, Shadows};
+use kajo_render::integrator::{DEFAULT, INTEGRATORS, Prepare};
 
 use super::RenderSettings;
-
-use IntegratorKind::{Bidirectional, Classic, Direct, Distribution, Light, Occlusion, Path};
-
-/// A key of the settings, whether it says anything, and the integrators that listen.
-type Key = (&'static str, fn(&Settings) -> bool, &'static [IntegratorKind]);
-
-/// Keys that only some integrators have a use for. What happens anyway, such as shadows where paths are followed, may
-/// be said to any of them.
-const KEYS: [Key; 14] = [
-    ("bounces", |s| s.bounces.is_some(), &[Classic, Path, Direct, Distribution, Bidirectional, Light]),
-    ("weight", |s| s.weight.is_some(), &[Classic]),
-    ("shadows off", |s| s.shadows == Some(Shadows::Off), &[Classic]),
-    ("shadows transparent", |s| s.shadows == Some(Shadows::Transparent), &[Classic]),
-    ("transparentShadows", |s| s.shadow_attenuation.is_some(), &[Classic]),
-    ("shadeBack", |s| s.shade_back.is_some(), &[Classic]),
-    ("fresnel", |s| s.fresnel.is_some(), &[Classic]),
-    ("totalReflection", |s| s.total_reflection.is_some(), &[Classic]),
-    ("rayOffset", |s| s.ray_offset.is_some(), &[Classic]),
-    ("branches", |s| s.branches.is_some(), &[Distribution]),
-    ("directions", |s| s.directions.is_some(), &[Path, Direct, Distribution]),
-    ("technique", |s| s.technique.is_some(), &[Path, Direct, Distribution]),
-    ("roulette", |s| s.roulette.is_some(), &[Path, Direct, Distribution, Bidirectional, Light]),
-    ("reach", |s| s.reach.is_some(), &[Occlusion]),
-];
 
 impl RenderSettings {
     /// What was said to no effect, a sentence each: keys that are for other integrators, ranges without an extent.
@@ -35,18 +12,20 @@ impl RenderSettings {
     ///
     /// * `asked`, `own`: as in [`RenderSettings::resolve`]
     pub fn without_effect(&self, asked: &Settings, own: &Settings) -> Vec<String> {
-        let is_own = own.integrator.unwrap_or_default() == self.integrator;
-        let is_said = |says: fn(&Settings) -> bool| says(asked) || (is_own && says(own));
-        let idle = KEYS.iter().filter(|(_, says, users)| is_said(*says) && !users.contains(&self.integrator));
+        let is_own = own.integrator.unwrap_or(DEFAULT.name) == self.integrator.name;
+        let said = if is_own { &asked.or(own) } else { asked };
+        let idle = SettingsKey::ALL.into_iter().filter(|key| !self.integrator.keys.contains(key));
         let mut notes: Vec<String> = idle
-            .map(|(key, _, users)| {
-                let users: Vec<_> = users.iter().map(|user| format!("`{}`", user.name())).collect();
-                let (own, users) = (self.integrator.name(), users.join(", "));
-                format!("`{key}` has no effect with `integrator {own}`; it is for {users}")
+            .filter_map(|key| {
+                let users = INTEGRATORS.iter().filter(|user| user.keys.contains(&key));
+                let users: Vec<_> = users.map(|user| format!("`{}`", user.name)).collect();
+                let (said, own, users) = (key.said(said)?, self.integrator.name, users.join(", "));
+                Some(format!("`{said}` has no effect with `integrator {own}`; it is for {users}"))
             })
             .collect();
-        let attenuates = |s: &Settings| s.shadow_attenuation.is_some();
-        if self.integrator == Classic && is_said(attenuates) && self.classic.shadows != Shadows::Transparent {
+        let listens = self.integrator.keys.contains(&SettingsKey::ShadowAttenuation);
+        let has_clear_shadows = self.integrator_settings.values().shadows == Some(Shadows::Transparent);
+        if listens && said.shadow_attenuation.is_some() && !has_clear_shadows {
             notes.push("`transparentShadows` has no effect without `shadows transparent`".to_owned());
         }
         if let Some([near, far]) = self.depth_range.filter(|[near, far]| near == far) {
@@ -60,6 +39,9 @@ impl RenderSettings {
 
 #[cfg(test)]
 mod tests {
+    use kajo_core::settings::IntegratorName;
+    use kajo_render::integrator;
+
     use super::*;
     use crate::{Defaults, LoadOptions, MemoryAssets, load_from};
 
@@ -90,21 +72,24 @@ mod tests {
             ("directions cosine", "path direct distribution"),
             ("technique lights", "path direct distribution"),
             ("roulette off", "path direct distribution bidirectional light"),
+            ("spectral on", "path direct distribution bidirectional light"),
+            ("lightChoice uniform", "path direct distribution bidirectional"),
             ("reach 2", "occlusion"),
         ] {
-            for (name, kind) in IntegratorKind::NAMES {
+            for name in integrator::NAMES {
                 let notes = said(&format!("integrator {name}  {text}"), Settings::default());
                 let is_used = users.split(' ').any(|user| user == name);
                 assert_eq!(notes.is_empty(), is_used, "{text} with {name}: {notes:?}");
                 let told = notes.iter().all(|note| note.contains(&format!("with `integrator {name}`")));
                 assert!(told && notes.iter().all(|note| note.starts_with(&format!("`{}", key(text)))));
                 // Another integrator on the command line is no mistake of the scene's.
-                let other = if kind == Classic { "path" } else { "classic" };
-                let asked = Settings { integrator: Some(kind), ..Settings::default() };
+                let other = if name == "classic" { "path" } else { "classic" };
+                let asked = Settings { integrator: Some(IntegratorName(name)), ..Settings::default() };
                 assert_eq!(said(&format!("integrator {other}  {text}"), asked), [""; 0]);
             }
         }
-        let asked = Settings { integrator: Some(Path), branches: Some(4), ..Settings::default() };
+        let asked =
+            Settings { integrator: Some(IntegratorName("path")), branches: Some(4), ..Settings::default() };
         assert_eq!(
             said("", asked),
             ["`branches` has no effect with `integrator path`; it is for `distribution`"]

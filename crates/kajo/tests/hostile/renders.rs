@@ -5,7 +5,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use kajo::{
-    Defaults, Format, IntegratorKind, Limits, LoadOptions, MemoryAssets, Progress, RenderError,
+    Defaults, Format, INTEGRATORS, IntegratorName, Limits, LoadOptions, MemoryAssets, Progress, RenderError,
     RenderRequest, RenderSettings, Resources, SamplerKind, Settings, View, load_from, render,
 };
 
@@ -37,7 +37,7 @@ impl Progress for Patience {
 ///
 /// # Panics
 /// When anything panics, or the picture holds what is no finite number.
-pub fn picture(text: &[u8], files: &[(&str, &[u8])], integrator: IntegratorKind) {
+pub fn picture(text: &[u8], files: &[(&str, &[u8])], integrator: IntegratorName) {
     let assets = MemoryAssets::new().with("scene.txt", text);
     let assets = files.iter().fold(assets, |assets, (name, content)| assets.with(*name, content));
     let options = LoadOptions { limits: limits(), ..LoadOptions::default() };
@@ -80,7 +80,7 @@ pub const PARTS: [&str; 9] = [
 ];
 
 /// Renders any bytes as a mesh of a format, in a part.
-pub fn mesh(data: &[u8], extension: &str, part: usize, integrator: IntegratorKind) {
+pub fn mesh(data: &[u8], extension: &str, part: usize, integrator: IntegratorName) {
     let name = format!("mesh.{extension}");
     let object = match extension {
         "glb" | "gltf" => format!("Model {{ file {name} }}"),
@@ -107,6 +107,6 @@ pub fn mesh(data: &[u8], extension: &str, part: usize, integrator: IntegratorKin
 }
 
 /// Integrators, each as likely as the others.
-pub fn integrator(choice: u8) -> IntegratorKind {
-    IntegratorKind::NAMES[usize::from(choice) % IntegratorKind::NAMES.len()].1
+pub fn integrator(choice: u8) -> IntegratorName {
+    INTEGRATORS[usize::from(choice) % INTEGRATORS.len()].name
 }

@@ -20,6 +20,7 @@
 
 mod connect;
 mod partial_mis;
+mod settings;
 mod subpath;
 mod vertex;
 
@@ -29,9 +30,7 @@ use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::camera::Camera;
-use kajo_core::light::{
-    LeNumbers, LightChoice, LightLeSample, MAX_LIGHT_GROUPS, PowerLightSampler, SampledLight,
-};
+use kajo_core::light::{LeNumbers, LightLeSample, MAX_LIGHT_GROUPS, PowerLightSampler, SampledLight};
 use kajo_core::sampler::Draws;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
@@ -43,35 +42,9 @@ use crate::trail::{PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, SampleContext};
 use connect::parts;
 use partial_mis::{PartialMis, square};
+pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
 use subpath::{Departure, Subpath};
 use vertex::Vertex;
-
-/// Options of [`Bidirectional`].
-#[derive(Clone, Copy, Debug)]
-pub struct BidirectionalSettings {
-    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
-    pub bounces: u32,
-    /// Whether light is followed from lights only.
-    pub only_from_lights: bool,
-    /// How lights are chosen for a point.
-    pub light_choice: LightChoice,
-    /// Whether paths of little weight end at random.
-    pub roulette: bool,
-    /// Whether light is followed by wavelength.
-    pub spectral: bool,
-}
-
-impl Default for BidirectionalSettings {
-    fn default() -> BidirectionalSettings {
-        BidirectionalSettings {
-            bounces: 16,
-            only_from_lights: false,
-            light_choice: LightChoice::Tree,
-            roulette: true,
-            spectral: false,
-        }
-    }
-}
 
 /// The bidirectional path tracer over one scene and one picture size.
 pub struct Bidirectional<'a> {

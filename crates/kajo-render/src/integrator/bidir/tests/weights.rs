@@ -2,6 +2,7 @@
 
 use crate::trail::Counting;
 use kajo_core::bsdf::Transport;
+use kajo_core::light::LightChoice;
 use kajo_math::Vec3;
 
 use super::*;

@@ -1,0 +1,141 @@
+//! The integrators that are path tracing with other settings.
+
+use kajo_core::camera::Camera;
+use kajo_core::light::LightChoice;
+use kajo_core::scene::Scene;
+use kajo_core::settings::{Directions, IntegratorName, Settings, SettingsKey, Technique};
+
+use super::Path;
+use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext};
+use crate::{LayerSet, PixelIntegrator};
+
+/// Options of [`Path`].
+#[derive(Clone, Copy, Debug)]
+pub struct PathSettings {
+    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
+    pub bounces: u32,
+    /// Mirrors and clear boundaries that a path may meet before any other surface without a bounce being counted.
+    pub free_mirrors: u32,
+    /// Whether paths go on from mirrors and glass only, so that nothing but direct light is seen.
+    pub only_mirrors: bool,
+    /// How direct light is estimated.
+    pub technique: Technique,
+    /// How lights are chosen.
+    pub light_choice: LightChoice,
+    /// How directions are drawn.
+    pub directions: Directions,
+    /// Paths that go on from the first surface that is no mirror: more than one is distribution ray tracing
+    /// [Cook et al. 1984].
+    pub branches: u32,
+    /// Whether paths of little weight end at random.
+    pub roulette: bool,
+    /// Whether light is followed by wavelength.
+    pub spectral: bool,
+}
+
+impl Default for PathSettings {
+    fn default() -> PathSettings {
+        PathSettings {
+            bounces: 16,
+            free_mirrors: 0,
+            only_mirrors: false,
+            technique: Technique::Combined,
+            light_choice: LightChoice::Tree,
+            directions: Directions::Scattering,
+            branches: 1,
+            roulette: true,
+            spectral: false,
+        }
+    }
+}
+
+/// Path tracing.
+pub const PATH: IntegratorSpec = IntegratorSpec {
+    name: IntegratorName("path"),
+    about: "light along paths of any length",
+    quantity: Quantity::Radiance,
+    splats: false,
+    samples: 64,
+    keys: &KEYS,
+    settings: |context| IntegratorSettings::Path(said(context, PathSettings::default())),
+};
+
+/// Direct light.
+pub const DIRECT: IntegratorSpec = IntegratorSpec {
+    name: IntegratorName("direct"),
+    about: "light that comes straight from emitters, and through mirrors and glass",
+    settings: |context| {
+        let default = PathSettings { only_mirrors: true, ..PathSettings::default() };
+        IntegratorSettings::Path(said(context, default))
+    },
+    ..PATH
+};
+
+/// Distribution ray tracing.
+pub const DISTRIBUTION: IntegratorSpec = IntegratorSpec {
+    name: IntegratorName("distribution"),
+    about: "many rays from the first surface that is no mirror",
+    samples: 16,
+    keys: &{
+        let [bounces, technique, directions, light_choice, roulette, spectral] = KEYS;
+        [bounces, technique, directions, light_choice, roulette, spectral, SettingsKey::Branches]
+    },
+    settings: |context| {
+        let path = PathSettings::default();
+        // What is behind glass has its indirect light too.
+        let free_mirrors = path.bounces;
+        let default = PathSettings { bounces: 1, free_mirrors, roulette: false, ..path };
+        let branches = context.said.branches.unwrap_or(16);
+        IntegratorSettings::Path(PathSettings { branches, ..said(context, default) })
+    },
+    ..PATH
+};
+
+/// What all of them listen to.
+const KEYS: [SettingsKey; 6] = [
+    SettingsKey::Bounces,
+    SettingsKey::Technique,
+    SettingsKey::Directions,
+    SettingsKey::LightChoice,
+    SettingsKey::Roulette,
+    SettingsKey::Spectral,
+];
+
+/// What is said for the keys that all of them listen to, and `default` where nothing is.
+fn said(context: &SettingsContext<'_>, default: PathSettings) -> PathSettings {
+    let said = context.said;
+    PathSettings {
+        bounces: said.bounces.unwrap_or(default.bounces),
+        technique: said.technique.unwrap_or(default.technique),
+        directions: said.directions.unwrap_or(default.directions),
+        light_choice: said.light_choice.unwrap_or(default.light_choice),
+        roulette: said.roulette.unwrap_or(default.roulette),
+        spectral: said.spectral.unwrap_or(default.spectral),
+        ..default
+    }
+}
+
+impl Prepare for PathSettings {
+    fn prepare<'a>(
+        self,
+        scene: &'a Scene,
+        camera: &'a Camera,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Box<dyn PixelIntegrator + 'a> {
+        Box::new(Path::through(camera, scene, self, size, layers))
+    }
+
+    fn values(&self) -> Settings {
+        Settings {
+            bounces: Some(self.bounces),
+            technique: Some(self.technique),
+            directions: Some(self.directions),
+            light_choice: Some(self.light_choice),
+            roulette: Some(self.roulette),
+            spectral: Some(self.spectral),
+            branches: Some(self.branches),
+            ..Settings::default()
+        }
+    }
+}

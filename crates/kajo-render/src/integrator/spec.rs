@@ -1,0 +1,102 @@
+//! What an integrator says of itself, so that nobody else needs to know which there are.
+
+use std::fmt;
+
+use kajo_core::camera::Camera;
+use kajo_core::scene::Scene;
+use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
+
+use super::{INTEGRATORS, IntegratorSettings};
+use crate::{LayerSet, PixelIntegrator};
+
+/// An integrator of the language: one way to use one of the types that take samples.
+#[derive(Clone, Copy)]
+pub struct IntegratorSpec {
+    /// Its name in `Settings` and on the command line.
+    pub name: IntegratorName,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// What the numbers of its picture are.
+    pub quantity: Quantity,
+    /// Whether it finds light for any place of the picture, and not only for the pixel that asks.
+    pub splats: bool,
+    /// Jittered samples of each pixel, unless others are asked for.
+    pub samples: u32,
+    /// The keys of `Settings` that it has a use for.
+    pub keys: &'static [SettingsKey],
+    /// Its settings, made of what is said and of its own defaults.
+    pub settings: fn(&SettingsContext<'_>) -> IntegratorSettings,
+}
+
+impl IntegratorSpec {
+    /// The integrator of that name.
+    pub fn named(name: IntegratorName) -> Option<&'static IntegratorSpec> {
+        INTEGRATORS.into_iter().find(|spec| spec.name == name)
+    }
+}
+
+/// Says the name, which stands for the rest.
+impl fmt::Debug for IntegratorSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("IntegratorSpec").field(&self.name.0).finish()
+    }
+}
+
+/// What the numbers of a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Values of the classic formula, which are those of pixels.
+    Shading,
+    /// Radiance, of light that is followed along paths.
+    Radiance,
+    /// How things lie to each other; lights have no part in it.
+    Geometry,
+}
+
+/// Where a render starts from when neither the scene nor the user says anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Defaults {
+    /// The course program's: 100 × 100 pixels, one ray through the middle of each, no bounces, no shadows,
+    /// rays that start 0.001 off surfaces. A scene without a `Group` shows the uv test picture.
+    Classic,
+    /// What one wants to see: 800 × 600 pixels with 16 jittered rays each, shadows, four bounces, rays that
+    /// start as close as rounding allows.
+    Modern,
+}
+
+/// What an integrator's settings are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct SettingsContext<'a> {
+    /// What the user says, and what the scene says where the user says nothing.
+    pub said: &'a Settings,
+    /// The scene, for the rules of its dialect.
+    pub scene: &'a Scene,
+    /// What holds where nothing is said.
+    pub defaults: Defaults,
+    /// Whether the uv test picture is asked for in place of the scene.
+    pub uv: bool,
+}
+
+/// The settings of an integrator, of which it is made: what each variant of [`IntegratorSettings`] does.
+pub trait Prepare: Copy {
+    /// The integrator, ready to take samples of a picture of `size` pixels with these `layers`.
+    ///
+    /// * `camera`: the scene's, or another one
+    fn prepare<'a>(
+        self,
+        scene: &'a Scene,
+        camera: &'a Camera,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Box<dyn PixelIntegrator + 'a>;
+
+    /// The values that hold for the keys of `Settings` which it listens to.
+    fn values(&self) -> Settings;
+
+    /// What it leaves out of a scene, a sentence each, beyond what follows from its [`Quantity`].
+    ///
+    /// * `size`: columns and rows of the picture
+    fn left_out(&self, _scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
+        Vec::new()
+    }
+}
