@@ -70,7 +70,7 @@ impl<'a> Draws<'a> {
             return self.next_2d();
         }
         let d = self.take(2);
-        let uniform = || Vec2::new(self.stream.uniform(d), self.stream.uniform(d + 1));
+        let uniform = || Vec2::new(self.independent(d), self.independent(d + 1));
         match self.sampler.kind {
             SamplerKind::Regular => self.sampler.in_sub_pixel(self.sample, Vec2::splat(0.5)),
             SamplerKind::Jittered => self.sampler.in_sub_pixel(self.sample, uniform()),
@@ -83,7 +83,7 @@ impl<'a> Draws<'a> {
     pub fn next_1d(&mut self) -> f32 {
         let d = self.take(1);
         match self.sampler.kind {
-            SamplerKind::Uniform => self.stream.uniform(d),
+            SamplerKind::Uniform => self.independent(d),
             SamplerKind::Sobol | SamplerKind::ZSobol => {
                 let (index, hash) = self.place_in_sequence(d);
                 unit(sobol::scrambled_number(index, hash as u32))
@@ -97,7 +97,7 @@ impl<'a> Draws<'a> {
     pub fn next_2d(&mut self) -> Vec2 {
         let d = self.take(2);
         match self.sampler.kind {
-            SamplerKind::Uniform => Vec2::new(self.stream.uniform(d), self.stream.uniform(d + 1)),
+            SamplerKind::Uniform => Vec2::new(self.independent(d), self.independent(d + 1)),
             SamplerKind::Regular | SamplerKind::Jittered => self.multi_jittered(d),
             SamplerKind::Sobol | SamplerKind::ZSobol => point(self.sobol(d)),
             // The sets are laid out for the samples of the pixel, not for what these split into.
@@ -137,19 +137,27 @@ impl<'a> Draws<'a> {
 
     /// The numbers of ray `i` of `n` into which a path splits, from a first dimension of their own on.
     ///
-    /// The rays of all samples of the pixel are spread together.
+    /// The rays of all samples of the pixel are spread together. With `n` 1 the path goes on, and another is followed
+    /// beside it.
     ///
     /// * `branch`: tells splits at the same dimension apart
     pub fn split(&self, branch: u32, i: u32, n: u32) -> Draws<'a> {
         let place = u64::from(branch) << 32 | u64::from(self.dimension);
         let seed = mix(self.seed ^ mix(place ^ PATTERN_SALT));
         let sample = self.sample.wrapping_mul(n).wrapping_add(i);
-        Draws::with_count(self.sampler, seed, self.pixel, sample, self.count.saturating_mul(n))
+        let count = self.count.saturating_mul(n);
+        Draws::with_count(self.sampler.of_split(n), seed, self.pixel, sample, count)
     }
 
     /// Independent numbers by dimension, for those who know their dimensions.
     pub fn stream(&self) -> &Stream {
         &self.stream
+    }
+
+    /// The number of a dimension that is given, or one independent of all others.
+    #[inline]
+    fn independent(&self, d: u32) -> f32 {
+        self.sampler.given.get(d as usize).copied().unwrap_or_else(|| self.stream.uniform(d))
     }
 
     #[inline]

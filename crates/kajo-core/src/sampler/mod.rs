@@ -15,6 +15,10 @@
 //! | sobol | Owen-scrambled (0, 2)-sequence, shuffled for each pair [Burley 2020] | powers of two |
 //! | zsobol | the same along a shuffled Z-curve through the picture [Ahmed and Wonka 2020] | few samples |
 //!
+//! Numbers can also be given: methods that change a path a little, as Metropolis light transport does, see it as a point in
+//! the cube of its numbers [Kelemen et al. 2002], and move that point. [`Sampler::given`] hands the coordinates of one out,
+//! and independent ones behind its end.
+//!
 //! Scene: `Settings { samples sobol 64 }`
 
 mod draws;
@@ -98,15 +102,21 @@ pub struct Sampler {
     side: u32,
     /// The point set of the kinds that have one, as fractions of 2^32.
     points: Arc<[[u32; 2]]>,
+    /// The first numbers of each sample, where they are given.
+    given: Vec<f32>,
+    /// Where numbers are given, what those of a path beside are.
+    beside: Option<Box<Sampler>>,
 }
 
 impl PartialEq for Sampler {
     fn eq(&self, other: &Sampler) -> bool {
-        // The point set follows from these.
-        (self.kind, self.samples) == (other.kind, other.samples)
+        // The point set follows from the first two.
+        let parts = |sampler: &Sampler| (sampler.kind, sampler.samples);
+        parts(self) == parts(other) && self.given == other.given && self.beside == other.beside
     }
 }
 
+/// Given numbers are in [0, 1).
 impl Eq for Sampler {}
 
 impl Sampler {
@@ -119,7 +129,27 @@ impl Sampler {
             SamplerKind::Poisson => poisson_points(samples),
             _ => Vec::new(),
         };
-        Sampler { kind, samples, side: samples.isqrt().max(1), points: points.into() }
+        let side = samples.isqrt().max(1);
+        Sampler { kind, samples, side, points: points.into(), given: Vec::new(), beside: None }
+    }
+
+    /// Numbers that are known: those of a sample are `path` in the order of its dimensions, and those of the path that
+    /// splits off to be followed beside it are `beside`. Whatever is asked for behind the end of either is independent and
+    /// uniform, a hash of seed, pixel, sample and dimension as ever; so is all that a path needs which splits in several.
+    ///
+    /// * `path`, `beside`: in [0, 1)
+    pub fn given(path: Vec<f32>, beside: Vec<f32>) -> Sampler {
+        debug_assert!(path.iter().chain(&beside).all(|u| (0.0..1.0).contains(u)), "{path:?} {beside:?}");
+        let unknown = Sampler::new(SamplerKind::Uniform, 1);
+        let beside = Sampler { given: beside, beside: Some(Box::new(unknown.clone())), ..unknown.clone() };
+        Sampler { given: path, beside: Some(Box::new(beside)), ..unknown }
+    }
+
+    /// Where the numbers of a path come from that splits off as one of `n`.
+    fn of_split(&self, n: u32) -> &Sampler {
+        let beside = self.beside.as_deref().unwrap_or(self);
+        // The numbers that are given are for one path.
+        if n == 1 { beside } else { beside.beside.as_deref().unwrap_or(beside) }
     }
 
     /// The rule.

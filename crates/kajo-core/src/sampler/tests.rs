@@ -1,4 +1,5 @@
 mod convergence;
+mod given;
 mod spectra;
 mod strata;
 
