@@ -15,8 +15,8 @@ use kajo::build::{
 };
 use kajo::kajo_math::{Affine3A, DAffine3, DVec3, Keyframes, Motion, Vec3};
 use kajo::{
-    Defaults, Format, IntegratorKind, LoadOptions, MemoryAssets, RenderRequest, RenderSettings, SamplerKind,
-    Scene, Settings, Shadows, Silent, View, load_from, render,
+    Defaults, Format, INTEGRATORS, LoadOptions, MemoryAssets, RenderRequest, RenderSettings, SamplerKind,
+    Scene, Settings, SettingsKey, Shadows, Silent, View, load_from, render,
 };
 
 const SIZE: [u32; 2] = [24, 18];
@@ -177,10 +177,10 @@ fn a_scene_by_program_has_the_picture_of_the_text() {
         assert!(light.data().iter().sum::<f32>() > 1.0);
         light.data().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
     };
-    for (_, integrator) in IntegratorKind::NAMES {
+    for spec in INTEGRATORS {
+        let integrator = spec.name;
         for spectral in [false, true] {
-            let classic = integrator == IntegratorKind::Classic;
-            if classic && spectral {
+            if spectral && !spec.keys.contains(&SettingsKey::Spectral) {
                 continue;
             }
             let [a, b] = [&text, &program].map(|scene| light(scene, integrator, spectral));
