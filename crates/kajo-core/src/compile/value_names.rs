@@ -64,10 +64,9 @@ mod tests {
     fn words_of_the_language_are_no_names() {
         assert_eq!(said("let r = 1 let x = 2 repeat i 2 { }"), [""; 0]);
         for word in ["roughness", "Sphere", "wrap", "samples"] {
-            assert_eq!(
-                said(&format!("let {word} = 1")),
-                [format!("`{word}` is a word of the scene language")]
-            );
+            // What else it was read for is said after that.
+            let first = said(&format!("let {word} = 1")).swap_remove(0);
+            assert_eq!(first, format!("`{word}` is a word of the scene language"));
         }
         let repeated = said("repeat i 2 { repeat height 2 { let r = 1 } }");
         assert_eq!(repeated, ["`height` is a word of the scene language"]);
