@@ -118,7 +118,7 @@ fn draw(who: Who, camera: Camera) -> Option<Draw> {
             let projected = move |w: Vec3| match &still {
                 Camera::Fisheye(fisheye) => fisheye_pdf(fisheye, w),
                 Camera::StereoCubemap(_) => 1.0 / (24.0 * w.abs().max_element().powi(3)),
-                _ => 1.0 / (2.0 * PI * PI * (1.0 - w.y * w.y).max(1e-12).sqrt()),
+                _ => 1.0 / (2.0 * PI * PI * w.x.hypot(w.z).max(1e-6)),
             };
             Some(Draw {
                 who,
