@@ -18,7 +18,7 @@ use std::collections::HashMap;
 
 use kajo_core::material::MaterialId;
 use kajo_core::scene::Scene;
-use kajo_core::shape::{Cone, Mesh, Plane, ShapeId, Shapes, Sphere, Surface, Tessellation};
+use kajo_core::shape::{Cone, Mesh, Plane, ShapeId, Shapes, Sphere, Surface, Tessellation, Torus};
 use kajo_core::{NestedPiece, PieceContent, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
@@ -343,7 +343,9 @@ impl<'a> Builder<'a> {
 
 /// Whether a shape has the more triangles the more segments there are around it.
 fn is_curved(shapes: &Shapes, id: ShapeId) -> bool {
-    Sphere::find(shapes, id).is_some() || Cone::find(shapes, id).is_some()
+    Sphere::find(shapes, id).is_some()
+        || Cone::find(shapes, id).is_some()
+        || Torus::find(shapes, id).is_some()
 }
 
 fn white_vertices(triangles: &Tessellation) -> Vec<Vertex> {

@@ -64,6 +64,11 @@ impl Block<'_> {
                 let lengths = [self.length("radius", factor)?, self.length("innerRadius", factor)?];
                 Some([self.point("center")?, self.turned("normal")?].into_iter().chain(lengths).collect())
             }
+            "Torus" => {
+                let factor = similar?;
+                let lengths = [self.length("majorRadius", factor)?, self.length("minorRadius", factor)?];
+                Some([self.point("center")?, self.turned("axis")?].into_iter().chain(lengths).collect())
+            }
             "Box" if matches!(self.linear, Linear::Identity | Linear::Aligned) || self.only_scales() => {
                 Some(vec![self.point("min")?, self.point("max")?])
             }

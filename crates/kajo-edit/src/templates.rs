@@ -27,6 +27,10 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             format!("{keyword} {{ base {base}  top {top}  radius {radius} }}")
         }
         "Disk" => format!("Disk {{ center {center}  normal 0 1 0  radius {radius} }}"),
+        "Torus" => {
+            let minor = vector(0.3, 0.0, 0.0).split(' ').next()?.to_owned();
+            format!("Torus {{ center {center}  majorRadius {radius}  minorRadius {minor} }}")
+        }
         "Quad" => {
             let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")

@@ -20,6 +20,109 @@ pub fn quadratic(a: f64, h: f64, c: f64) -> Option<(f64, f64)> {
     Some(if t0 <= t1 { (t0, t1) } else { (t1, t0) })
 }
 
+/// The Bernstein coefficients on [0, 1] of `a[0] + a[1] t + a[2] t^2 + ...`.
+///
+/// `b_i = sum_{k <= i} C(i, k) / C(n, k) a_k` [Farouki 2012, eq. 27].
+pub fn bernstein_of<const N: usize>(a: &[f64; N]) -> [f64; N] {
+    let degree = (N - 1) as f64;
+    let mut scaled = *a;
+    let mut binomial = 1.0;
+    for (k, coefficient) in scaled.iter_mut().enumerate() {
+        *coefficient /= binomial;
+        binomial *= (degree - k as f64) / (k + 1) as f64;
+    }
+    // What Pascal's triangle makes of them, in place: a row of sums for each degree.
+    for row in 1..N {
+        for i in (row..N).rev() {
+            scaled[i] += scaled[i - 1];
+        }
+    }
+    scaled
+}
+
+/// Visits the places in [0, 1] where a polynomial changes its sign, in ascending order.
+///
+/// Zero counts as positive everywhere, so that the number of places visited is even exactly if the first and the last
+/// coefficient have the same sign: two roots nearer to each other than their rounding are both found or both passed over.
+///
+/// Intervals are halved until the coefficients of one change their sign at most once: then there is one root or none, by
+/// Descartes' rule [Collins and Akritas 1976].
+///
+/// * `b`: Bernstein coefficients on [0, 1]; for those that are not finite nothing is visited
+pub fn sign_changes<const N: usize>(b: &[f64; N], mut visit: impl FnMut(f64)) {
+    if b.iter().all(|b| b.is_finite()) {
+        isolate(b, 0.0, 1.0, &mut visit);
+    }
+}
+
+/// Visits the sign changes on the interval from `lo` of a width, whose coefficients are `b`.
+fn isolate<const N: usize>(b: &[f64; N], lo: f64, width: f64, visit: &mut impl FnMut(f64)) {
+    /// Below this width all that is left of a polynomial is rounding.
+    const NARROWEST: f64 = 1.0 / (1u64 << 50) as f64;
+    let changes = b.windows(2).filter(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).count();
+    if changes == 0 {
+        return;
+    }
+    if changes == 1 {
+        return visit(lo + width * single_root(b));
+    }
+    if width <= NARROWEST {
+        if (b[0] < 0.0) != (b[N - 1] < 0.0) {
+            visit(lo + 0.5 * width);
+        }
+        return;
+    }
+    let (left, right) = halves(b);
+    isolate(&left, lo, 0.5 * width, visit);
+    isolate(&right, lo + 0.5 * width, 0.5 * width, visit);
+}
+
+/// The coefficients of both halves of the interval, by de Casteljau's algorithm. They share the value in the middle.
+fn halves<const N: usize>(b: &[f64; N]) -> ([f64; N], [f64; N]) {
+    let (mut left, mut right) = (*b, *b);
+    for (level, last) in left.iter_mut().enumerate().skip(1) {
+        for i in 0..N - level {
+            right[i] = 0.5 * (right[i] + right[i + 1]);
+        }
+        *last = right[0];
+    }
+    (left, right)
+}
+
+/// The only root of a polynomial whose ends differ in sign: Newton's method, kept within its bracket by bisection.
+fn single_root<const N: usize>(b: &[f64; N]) -> f64 {
+    const MOST_STEPS: u32 = 64;
+    let rises = b[0] < 0.0;
+    let (mut lo, mut hi) = (0.0, 1.0);
+    let mut t = (b[0] / (b[0] - b[N - 1])).clamp(0.0, 1.0);
+    for _ in 0..MOST_STEPS {
+        let (value, slope) = value_and_slope(b, t);
+        if (value < 0.0) == rises {
+            lo = t;
+        } else {
+            hi = t;
+        }
+        let newton = t - value / slope;
+        if (newton - t).abs() <= f64::EPSILON * t {
+            return t;
+        }
+        t = if newton > lo && newton < hi { newton } else { 0.5 * (lo + hi) };
+    }
+    t
+}
+
+/// Value and derivative at `t`, by de Casteljau's algorithm.
+#[inline]
+fn value_and_slope<const N: usize>(b: &[f64; N], t: f64) -> (f64, f64) {
+    let (mut row, s) = (*b, 1.0 - t);
+    for level in 1..N - 1 {
+        for i in 0..N - level {
+            row[i] = s * row[i] + t * row[i + 1];
+        }
+    }
+    (s * row[0] + t * row[1], (N - 1) as f64 * (row[1] - row[0]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -33,5 +136,67 @@ mod tests {
         assert_eq!(quadratic(0.0, 1.0, -4.0), Some((2.0, 2.0)));
         assert_eq!(quadratic(0.0, 0.0, 1.0), None);
         assert_eq!(quadratic(1.0, 0.0, 0.0), Some((0.0, 0.0)));
+    }
+
+    fn roots_of<const N: usize>(power: [f64; N]) -> Vec<f64> {
+        let mut found = Vec::new();
+        sign_changes(&bernstein_of(&power), |t| found.push(t));
+        found
+    }
+
+    /// The coefficients of the product of `t - r`.
+    fn product<const N: usize>(roots: &[f64]) -> [f64; N] {
+        let mut a = [0.0; N];
+        a[0] = 1.0;
+        for (degree, root) in roots.iter().enumerate() {
+            for i in (0..=degree + 1).rev() {
+                a[i] = if i > 0 { a[i - 1] } else { 0.0 } - root * a[i];
+            }
+        }
+        a
+    }
+
+    #[test]
+    fn all_roots_in_the_interval_are_found_in_order() {
+        let roots = [0.125, 0.25, 0.375, 0.875];
+        let found = roots_of(product::<5>(&roots));
+        assert!(found.len() == 4 && found.iter().zip(roots).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+        assert_eq!(roots_of(product::<5>(&[-0.5, 0.5, 1.5, 2.0])).len(), 1);
+        assert_eq!(roots_of(product::<5>(&[-0.5, -0.25, 1.5, 2.0])).len(), 0);
+    }
+
+    /// Roots of Chebyshev's polynomial of degree 8, moved to [0, 1]: `(1 + cos((2 k + 1) pi / 16)) / 2`.
+    #[test]
+    fn roots_of_a_chebyshev_polynomial() {
+        let t8 = [1.0, -128.0, 2688.0, -21504.0, 84480.0, -180224.0, 212992.0, -131072.0, 32768.0];
+        let found = roots_of::<9>(t8);
+        assert_eq!(found.len(), 8);
+        for (k, root) in found.iter().enumerate() {
+            let angle = f64::from(15 - 2 * k as u32) * std::f64::consts::PI / 16.0;
+            assert!((root - 0.5 * (1.0 + angle.cos())).abs() < 1e-12, "{root}");
+        }
+    }
+
+    /// Two roots that draw nearer until they are one and none: two or none are found.
+    #[test]
+    fn roots_that_touch_come_in_pairs() {
+        for exponent in 1..60 {
+            let gap = 0.3 * f64::powi(0.5, exponent);
+            for middle in [0.5, 0.37, 0.7112] {
+                let found = roots_of(product::<5>(&[middle - gap, middle + gap, 2.0, 3.0]));
+                assert!(found.is_empty() || found.len() == 2, "{gap}: {found:?}");
+                let separate =
+                    gap < 1e-7 || (found.len() == 2 && (found[1] - found[0] - 2.0 * gap).abs() < 1e-8);
+                assert!(separate, "{gap}: {found:?}");
+            }
+        }
+        assert_eq!(roots_of([0.25, -1.0, 1.0]).len(), 0);
+        assert_eq!(roots_of([-0.25, 1.0, -1.0]).len() % 2, 0);
+    }
+
+    #[test]
+    fn numbers_that_are_none_have_no_roots() {
+        assert!(roots_of([f64::NAN, 1.0, -2.0]).is_empty() && roots_of([0.0; 4]).is_empty());
+        assert!(roots_of([-1.0, f64::INFINITY, 0.0]).is_empty());
     }
 }

@@ -22,7 +22,7 @@ const DEFINE: &str = blocks::group::DEFINE.keyword;
 
 /// Words for objects, groups and transforms included.
 pub(super) const OBJECTS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
-const LATER: [&str; 11] = [
+const LATER: [&str; 10] = [
     "BezierCurve",
     "Blob",
     "BsplineCurve",
@@ -32,7 +32,6 @@ const LATER: [&str; 11] = [
     "Isosurface",
     "Quartic",
     "RevSurface",
-    "Torus",
     "Union",
 ];
 

@@ -2,12 +2,12 @@ use std::f64::consts::PI;
 
 use kajo_color::{Emission, Wavelengths};
 use kajo_math::solid_angle::polygon_irradiance;
-use kajo_math::{DAffine3, DQuat, DVec3, Vec2, Vec3, rng::Stream};
+use kajo_math::{DAffine3, DQuat, DVec3, Ray, Vec2, Vec3, rng::Stream};
 
 use super::*;
 use crate::daylight::SkySettings;
 use crate::ids::ObjectId;
-use crate::shape::{Canonical, DiskPatch, Patch, PatchWay};
+use crate::shape::{Canonical, DiskPatch, Patch, PatchWay, Surface, Torus};
 
 pub(crate) mod densities;
 pub(crate) mod emission;

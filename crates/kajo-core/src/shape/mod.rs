@@ -14,6 +14,7 @@ mod plane;
 mod quad;
 mod sphere;
 mod tessellate;
+mod torus;
 mod triangle;
 mod vertex_attributes;
 
@@ -26,6 +27,7 @@ pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;
 pub use tessellate::Tessellation;
+pub use torus::Torus;
 pub use triangle::Triangle;
 pub use vertex_attributes::VertexAttributes;
 
@@ -119,6 +121,7 @@ family! {
         planes: Plane,
         quads: Quad,
         spheres: Sphere,
+        tori: Torus,
         triangles: Triangle,
     }
     any methods {

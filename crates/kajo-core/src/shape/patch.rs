@@ -83,6 +83,13 @@ pub enum Canonical {
     Sphere,
     /// The side of a cone around z, of these radii at z = 0 and z = 1.
     Frustum([f64; 2]),
+    /// A torus around z, whose tube's middle is the unit circle.
+    Torus {
+        /// Radius of the tube.
+        minor: f64,
+        /// Angle around the tube, from its outermost circle, up to which it counts.
+        widest: f64,
+    },
 }
 
 /// A curved surface and its map to world space.
@@ -466,6 +473,7 @@ impl CurvedPatch {
         match self.surface {
             Canonical::Sphere => 4.0 * PI,
             Canonical::Frustum([r0, r1]) => PI * (r0 + r1) * (1.0 + (r1 - r0) * (r1 - r0)).sqrt(),
+            Canonical::Torus { minor, widest } => 2.0 * TAU * minor * tube_area(minor, widest),
         }
     }
 
@@ -478,6 +486,7 @@ impl CurvedPatch {
                 let z = if r1 == r0 { x } else { (r - r0) / (r1 - r0) };
                 DVec3::new(r * fmath::cos64(TAU * y), r * fmath::sin64(TAU * y), z)
             }
+            Canonical::Torus { minor, widest } => on_torus(minor, angle_of_tube(minor, widest, x), TAU * y),
         }
     }
 
@@ -507,6 +516,10 @@ impl CurvedPatch {
                 let out = DVec3::new(q.x, q.y, 0.0).normalize_or(DVec3::X);
                 (out + (r0 - r1) * DVec3::Z).normalize()
             }
+            Canonical::Torus { .. } => {
+                let out = DVec3::new(q.x, q.y, 0.0).normalize_or(DVec3::X);
+                (q - out).normalize_or(out)
+            }
         }
     }
 
@@ -531,11 +544,12 @@ impl CurvedPatch {
             min: (center - reach).as_vec3(),
             max: (center + reach).as_vec3(),
         };
+        let rows = m.transpose();
+        let of_ball = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
         match self.surface {
-            Canonical::Sphere => {
-                let rows = m.transpose();
-                let reach = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-                around(self.map.translation, reach)
+            Canonical::Sphere => around(self.map.translation, of_ball),
+            Canonical::Torus { minor, .. } => {
+                around(self.map.translation, ellipse_reach([m.x_axis, m.y_axis]) + minor * of_ball)
             }
             Canonical::Frustum([r0, r1]) => {
                 let reach = ellipse_reach([m.x_axis, m.y_axis]);
@@ -551,6 +565,42 @@ fn on_unit_sphere(x: f64, y: f64) -> DVec3 {
     let z = 1.0 - 2.0 * x;
     let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * y);
     DVec3::new(r * fmath::cos64(phi), r * fmath::sin64(phi), z)
+}
+
+/// The point of a torus around z at an angle around its tube, from the outermost circle, and one around the axis.
+pub(super) fn on_torus(minor: f64, around_tube: f64, around_axis: f64) -> DVec3 {
+    let (sin, cos) = fmath::sincos64(around_tube);
+    let (sin_axis, cos_axis) = fmath::sincos64(around_axis);
+    let r = 1.0 + minor * cos;
+    DVec3::new(r * cos_axis, r * sin_axis, minor * sin)
+}
+
+/// Area of a tube around the unit circle up to an angle from its outermost circle, in units of `2 pi r`.
+fn tube_area(minor: f64, angle: f64) -> f64 {
+    angle + minor * fmath::sin64(angle)
+}
+
+/// The angle below which a share `x` of a tube's area lies: Newton's method, kept within its bracket.
+fn angle_of_tube(minor: f64, widest: f64, x: f64) -> f64 {
+    const MOST_STEPS: u32 = 60;
+    let target = (2.0 * x - 1.0) * tube_area(minor, widest);
+    let (mut lo, mut hi) = (-widest, widest);
+    let mut angle = lo + x * (hi - lo);
+    for _ in 0..MOST_STEPS {
+        let excess = tube_area(minor, angle) - target;
+        if excess < 0.0 {
+            lo = angle;
+        } else {
+            hi = angle;
+        }
+        let newton = angle - excess / (1.0 + minor * fmath::cos64(angle));
+        let next = if newton > lo && newton < hi { newton } else { 0.5 * (lo + hi) };
+        if (next - angle).abs() <= 1e-15 * widest {
+            return next;
+        }
+        angle = next;
+    }
+    angle
 }
 
 /// How far an ellipse with these half axes reaches along each coordinate.

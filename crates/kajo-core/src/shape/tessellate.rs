@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use kajo_math::{DVec3, Vec3, fmath};
 
+use super::patch::on_torus;
 use super::{Canonical, CurvedPatch, DiskPatch, Patch, QuadPatch};
 
 /// Triangles that stand for a surface, in its own space. They wind counter-clockwise seen from outside.
@@ -80,6 +81,13 @@ impl Tessellation {
                 let r = r0 + y * (r1 - r0);
                 curved.placed(DVec3::new(r * cos, r * sin, y), DVec3::new(cos, sin, r0 - r1))
             }),
+            Canonical::Torus { minor, widest } => {
+                self.grid(part, [around, around.div_ceil(2)], |x, y| {
+                    let middle = on_torus(0.0, 0.0, TAU * x);
+                    let q = on_torus(minor, (2.0 * y - 1.0) * widest, TAU * x);
+                    curved.placed(q, (q - middle) / minor)
+                });
+            }
         }
     }
 

@@ -22,6 +22,7 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         (Kind::Shape, "Plane") => gather.plane(),
         (Kind::Shape, "Cylinder" | "Cone") => gather.cone(),
         (Kind::Shape, "Disk") => gather.disk(),
+        (Kind::Shape, "Torus") => gather.torus(),
         (Kind::Shape, "Quad") => gather.quad(),
         (Kind::Shape, "Triangle") => gather.points(&["vertex0", "vertex1", "vertex2"], "corner"),
         (Kind::Light, _) => gather.light(),
@@ -181,6 +182,16 @@ impl Gather<'_> {
             self.radius("innerRadius", center, Some(axis))?;
         }
         self.direction("normal", center, normal.length(), false, "normal")
+    }
+
+    fn torus(&mut self) -> Option<()> {
+        let center = self.point("center", "centre")?;
+        let direction = self.vec3("axis")?;
+        let axis = direction.try_normalize()?;
+        self.radius("majorRadius", center, Some(axis))?;
+        let middle = center + self.number("majorRadius")?.abs() * self.sideways(center, Some(axis))?;
+        self.radius("minorRadius", middle, None)?;
+        self.direction("axis", center, direction.length(), false, "axis")
     }
 
     fn quad(&mut self) -> Option<()> {

@@ -28,6 +28,7 @@ Group {
   Cylinder { base 1 0 0  top 1 1 0.3  radius 0.3 }
   Transform { ZRotate 50  Cone { base -1 0 0.4  top -1 1 0  radius 0.5  topRadius 0.2 } }
   Disk { center 0 1 0.5  normal 0.4 0.5 1  radius 0.8  innerRadius 0.3 }
+  Transform { XRotate 20  Torus { center 0 1 -0.5  axis 0.4 2 0.5  majorRadius 0.8  minorRadius 0.3 } }
   Quad { corner -1 0 1  edge1 1.5 0.1 0  edge2 0 0.2 -1 }
   Triangle { vertex0 0 0 1  vertex1 1 0.2 1  vertex2 0.3 1 0.8 }
   Define pair { Sphere { center 0 0 0  radius 0.2 } }

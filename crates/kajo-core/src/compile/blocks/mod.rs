@@ -29,6 +29,7 @@ pub(super) mod quad;
 pub(super) mod sphere;
 pub(super) mod spot_light;
 pub(super) mod stereo_cubemap_camera;
+pub(super) mod torus;
 pub(super) mod triangle;
 pub(super) mod triangle_mesh;
 pub(super) mod wood;
@@ -37,12 +38,13 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 13] = [
+pub(super) const OBJECTS: [&ObjectMember; 14] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
     &cylinder::MEMBER,
     &cone::MEMBER,
+    &torus::MEMBER,
     &disk::MEMBER,
     &quad::MEMBER,
     &triangle::MEMBER,

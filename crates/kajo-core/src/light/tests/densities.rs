@@ -6,7 +6,7 @@ use super::*;
 
 const TESTS: u32 = 17;
 
-/// A surface before its map: unit triangle, unit square, ring, unit sphere, side of a cone.
+/// A surface before its map: unit triangle, unit square, ring, unit sphere, side of a cone, torus around the unit circle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Simple {
     Triangle,
@@ -14,6 +14,7 @@ pub(crate) enum Simple {
     Ring(f64),
     Sphere,
     Frustum([f64; 2]),
+    Torus(f64),
 }
 
 impl Simple {
@@ -25,6 +26,10 @@ impl Simple {
             Simple::Ring(inner) => Patch::Disk(DiskPatch { center: o, axes: [x, y], inner }),
             Simple::Sphere => Patch::Sphere { center: o, radius: 1.0 },
             Simple::Frustum(radii) => return Patch::curved(Canonical::Frustum(radii), *map).unwrap(),
+            Simple::Torus(minor) => {
+                let widest = if minor > 1.0 { (-1.0 / minor).acos() } else { PI };
+                return Patch::curved(Canonical::Torus { minor, widest }, *map).unwrap();
+            }
         };
         simple.transformed(map).unwrap()
     }
@@ -48,6 +53,13 @@ impl Simple {
                 let normal = |p: DVec3| DVec3::new(p.x, p.y, 0.0).normalize() - k * DVec3::Z;
                 roots(a, b, c).filter(on).map(|t| (t, normal(at(t)))).collect()
             }
+            Simple::Torus(minor) => {
+                let torus = Torus::new(Vec3::ZERO, Vec3::Z, 1.0, minor as f32).unwrap();
+                let mut found = Vec::new();
+                torus.crossings(&Ray::new(o.as_vec3(), d.as_vec3()), |hit| found.push(f64::from(hit.t)));
+                let normal = |p: DVec3| p - DVec3::new(p.x, p.y, 0.0).normalize();
+                found.into_iter().map(|t| (t, normal(at(t)))).collect()
+            }
             flat => {
                 let t = -o.z / d.z;
                 let (p, r) = (at(t), at(t).truncate().length());
@@ -55,7 +67,7 @@ impl Simple {
                     Simple::Triangle => p.x >= 0.0 && p.y >= 0.0 && p.x + p.y <= 1.0,
                     Simple::Square => p.x.min(p.y) >= 0.0 && p.x.max(p.y) <= 1.0,
                     Simple::Ring(inner) => (inner..=1.0).contains(&r),
-                    Simple::Sphere | Simple::Frustum(_) => false,
+                    Simple::Sphere | Simple::Frustum(_) | Simple::Torus(_) => false,
                 };
                 if inside { vec![(t, DVec3::Z)] } else { Vec::new() }
             }
@@ -86,7 +98,7 @@ impl KnownSurface {
         let mut crossings = self.shape.crossings(o, d);
         crossings.retain(|crossing| crossing.0 > 1e-6);
         crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        crossings.truncate(if matches!(self.shape, Simple::Sphere) { 1 } else { 2 });
+        crossings.truncate(if matches!(self.shape, Simple::Sphere) { 1 } else { 4 });
         let point = |(t, n): (f64, DVec3)| LightPoint::Surface {
             p: self.map.transform_point3(o + t * d).as_vec3(),
             p_error: Vec3::ZERO,
@@ -108,7 +120,7 @@ fn check(simple: Simple, map: DAffine3, from: Vec3, nearest_only: bool) {
         let mut crossings = simple.crossings(o, d);
         crossings.retain(|crossing| crossing.0 > 1e-6);
         crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        crossings.truncate(if nearest_only { 1 } else { 2 });
+        crossings.truncate(if nearest_only { 1 } else { 4 });
         let density = |(t, n): &(f64, DVec3)| {
             let p = map.transform_point3(o + *t * d).as_vec3();
             patch.pdf(from, p, (normals * *n).normalize().as_vec3())
@@ -167,6 +179,18 @@ fn ellipsoids_and_cones() {
         false,
     );
     check(Simple::Frustum([0.5, 0.5]), DAffine3::IDENTITY, Vec3::new(0.0, 0.2, 0.7), false);
+}
+
+#[test]
+fn tori() {
+    // From the middle of tubes that leave no hole all of the surface is in view, and none of it edge on.
+    check(Simple::Torus(2.0), DAffine3::IDENTITY, Vec3::new(0.1, 0.05, 0.0), false);
+    check(
+        Simple::Torus(1.5),
+        skewed(),
+        skewed().transform_point3(DVec3::new(0.0, 0.1, 0.1)).as_vec3(),
+        false,
+    );
 }
 
 #[test]

@@ -99,6 +99,12 @@ pub(crate) fn every_light() -> (Lights, Vec<KnownLight>) {
         intensity: Spectrum::WHITE,
     };
     known(luminaire.store(&mut lights), 2.0 * 2.0 * PI * (80.0 - 60.0 * 2.0 / PI));
+    let (torus, receiver) = (Simple::Torus(0.5), Vec3::new(0.0, 0.2, 0.1));
+    let patch = torus.patch(&cone);
+    let power = 2.0 * PI * patch.area();
+    let surface = Some(KnownSurface::new(torus, cone, receiver));
+    let id = area(patch, Sides::Front).store(&mut lights);
+    list.extend(id.map(|id| KnownLight { id, power, surface }));
     (lights, list)
 }
 
