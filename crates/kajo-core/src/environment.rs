@@ -6,15 +6,15 @@
 //! u = 1/2 + atan2(dx, -dz) / 2 pi,      v = acos(dy) / pi
 //! ```
 //!
-//! so that its middle looks along -z, as the pictures of a `PanoramaCamera` do. Between pixels colours are
-//! blended. A direction is drawn by drawing a place of the picture, with a density in proportion to luminance times
+//! so that its middle looks along -z, as the pictures of a `PanoramaCamera` do. Between the middles of pixels colours are
+//! blended linearly. A direction is drawn by drawing a place of the picture, with a density in proportion to luminance times
 //! `sin theta`, where `theta = pi v`; per solid angle that density is
 //!
 //! ```text
 //! p(w) = p(u, v) / (2 pi^2 sin theta)
 //! ```
 //!
-//! [Pharr et al. 2023, 12.5.2]
+//! [Pharr et al. 2023, 12.5.2], with `p(u, v)` bilinear between the middles of pixels as the light is, and zero at the poles.
 //!
 //! Scene: `Background { environment sky.exr  rotate 30  scale 2 }`
 
@@ -22,10 +22,11 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 use kajo_color::Spectrum;
 use kajo_image::Image;
-use kajo_math::piecewise::Piecewise2D;
+use kajo_math::bilinear::Bilinear2D;
 use kajo_math::{Vec2, Vec3, fmath};
 
-/// Part of the mean brightness that every place counts with at least, so that no light is left undrawn.
+/// Part of the mean brightness of the picture and of its row that every place counts with at least, so that no light is left
+/// undrawn, not even beside a sun that is brighter than single precision can tell from the sky.
 const LEAST_SHARE: f32 = 1e-3;
 
 /// The direction that a place of a picture shows, of unit length.
@@ -124,16 +125,18 @@ impl Environment {
     }
 }
 
-/// A density over directions that is constant over the cells of a grid of longitudes and latitudes.
+/// A density over directions that is bilinear between the places of a grid of longitudes and latitudes.
 #[derive(Clone, Debug)]
 pub struct SphereDensity {
-    cells: Piecewise2D,
-    /// By what share of the circle the grid is turned.
+    /// Its columns and rows of nodes are the middles of pixels. The first column is there again at the end, and before and
+    /// after the rows, at half the distance, are the poles.
+    places: Bilinear2D,
+    /// By what share of the circle the first column is turned.
     turn: f32,
 }
 
 impl SphereDensity {
-    /// The density in proportion to the brightness in the middles of `width` times `height` cells, blended between
+    /// The density in proportion to the brightness in the middles of `width` times `height` pixels, blended between
     /// them; `None` where there is none.
     pub fn new(
         width: usize,
@@ -141,23 +144,24 @@ impl SphereDensity {
         turn: f32,
         brightness: impl Fn(usize, usize) -> f32,
     ) -> Option<SphereDensity> {
-        let rows: Vec<Vec<f32>> =
-            (0..height).map(|y| blurred_around((0..width).map(|x| brightness(x, y)).collect())).collect();
-        let sin = |y: usize| fmath::sin(PI * (y as f32 + 0.5) / height as f32);
-        let mut cells = Vec::with_capacity(width * height);
-        for y in 0..height {
-            let [above, below] = [y.saturating_sub(1), (y + 1).min(height - 1)];
-            cells.extend((0..width).map(|x| mean_of_blend(rows[above][x], rows[y][x], rows[below][x])));
-        }
-        let sum: f64 = cells.iter().map(|&v| f64::from(v)).sum();
+        let values: Vec<f32> = (0..width * height).map(|i| brightness(i % width, i / width)).collect();
+        let sum: f64 = values.iter().map(|&v| f64::from(v)).sum();
         if sum <= 0.0 {
             return None;
         }
-        let least = LEAST_SHARE * (sum / cells.len() as f64) as f32;
-        for (i, cell) in cells.iter_mut().enumerate() {
-            *cell = cell.max(least) * sin(i / width);
-        }
-        Some(SphereDensity { cells: Piecewise2D::new(&cells, width)?, turn })
+        let least = LEAST_SHARE * (sum / values.len() as f64) as f32;
+        let least: Vec<f32> = values
+            .chunks(width)
+            .map(|row| least.max(LEAST_SHARE * row.iter().sum::<f32>() / width as f32))
+            .collect();
+        let sines: Vec<f32> =
+            (0..height).map(|y| fmath::sin(PI * (y as f32 + 0.5) / height as f32)).collect();
+        let node = |x: usize, row: usize| match row {
+            pole if pole == 0 || pole > height => 0.0,
+            _ => values[(row - 1) * width + x % width].max(least[row - 1]) * sines[row - 1],
+        };
+        let places = Bilinear2D::new([width, height + 1], 0.5, node)?;
+        Some(SphereDensity { places, turn: turn + 0.5 / width as f32 })
     }
 
     /// A unit direction drawn with this density, and its density per solid angle.
@@ -165,7 +169,7 @@ impl SphereDensity {
     /// * `u`: uniform in [0, 1)²
     #[inline]
     pub fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
-        let (place, pdf) = self.cells.sample(u);
+        let (place, pdf) = self.places.sample(u);
         let pdf = pdf / area_of_places(place);
         (pdf > 0.0 && pdf.is_finite()).then(|| (direction_of(turned(place, self.turn)), pdf))
     }
@@ -174,7 +178,7 @@ impl SphereDensity {
     #[inline]
     pub fn pdf(&self, wi: Vec3) -> f32 {
         let place = turned(place_of(wi), -self.turn);
-        let pdf = self.cells.pdf(place) / area_of_places(place);
+        let pdf = self.places.pdf(place) / area_of_places(place);
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 }
@@ -183,18 +187,6 @@ impl SphereDensity {
 #[inline]
 fn area_of_places(place: Vec2) -> f32 {
     2.0 * PI * PI * fmath::sin(PI * place.y)
-}
-
-/// The mean over a cell of what is blended linearly between the middles of three.
-#[inline]
-fn mean_of_blend(before: f32, here: f32, after: f32) -> f32 {
-    0.125 * before + 0.75 * here + 0.125 * after
-}
-
-/// A row of cells around the circle, each with the mean of what is blended between the middles.
-fn blurred_around(row: Vec<f32>) -> Vec<f32> {
-    let n = row.len();
-    (0..n).map(|x| mean_of_blend(row[(x + n - 1) % n], row[x], row[(x + 1) % n])).collect()
 }
 
 #[cfg(test)]
@@ -278,6 +270,29 @@ mod tests {
         }
     }
 
+    /// The light is bilinear and so is the density: what a direction stands for is the same everywhere, but for the change of
+    /// `sin theta` from row to row.
+    #[test]
+    fn the_light_over_its_density_is_even() {
+        let sun = |x: u32, y: u32| if y == 20 && (x == 40 || x == 41) { 300.0f32 } else { 0.2 };
+        let rough = |x: u32, y: u32| Stream::new(7, [x, y], 0).uniform(0) + 0.05;
+        for brightness in [&sun as &dyn Fn(u32, u32) -> f32, &rough] {
+            let picture = Image::from_fn(128, 64, |x, y| [brightness(x, y); 3]).unwrap();
+            let map = Environment::new(&picture, 1.0, 25.0).0;
+            let density = map.density().unwrap();
+            let weights = (0..4000).map(|k| {
+                let s = Stream::new(12, [k, 0], 0);
+                let (wi, pdf) = density.sample(Vec2::new(s.uniform(0), s.uniform(1))).unwrap();
+                // Next to the poles a row is as wide as its distance from them.
+                (wi.y.abs() < 0.97).then(|| map.color(wi).luminance() / pdf)
+            });
+            let weights: Vec<f32> = weights.flatten().collect();
+            let mean = weights.iter().sum::<f32>() / weights.len() as f32;
+            let worst = weights.iter().map(|w| (w / mean - 1.0).abs()).fold(0.0, f32::max);
+            assert!(worst < 0.08, "{mean}: {worst}");
+        }
+    }
+
     #[test]
     fn drawing_by_brightness_finds_the_same_light_with_less_noise() {
         let map = sky(40.0);
@@ -305,13 +320,45 @@ mod tests {
         assert!(by_brightness.1 < everywhere.1 / 50.0, "{by_brightness:?} {everywhere:?}");
     }
 
+    /// One pixel is the same light from everywhere, and so is one row or one column of a colour.
+    #[test]
+    fn the_smallest_pictures_have_their_density() {
+        for (i, size) in [[1, 1], [1, 5], [7, 1], [2, 2]].into_iter().enumerate() {
+            let picture = Image::from_fn(size[0], size[1], |_, _| [0.5; 3]).unwrap();
+            let density = Environment::new(&picture, 1.0, 77.0).0.density().unwrap();
+            let drawn = |u: Vec2, _| density.sample(u).map(|(wi, _)| wi);
+            let result = sphere::test(50_000, 50 + i as u64, drawn, |wi| density.pdf(wi));
+            assert!(result.passes(0.01, 4), "{size:?}: {result:?}");
+        }
+    }
+
     #[test]
     fn nothing_that_shines_is_left_out() {
+        let sun = |x: u32, y: u32| [if (x, y) == (1000, 3) { 1e9 } else { 1.0 }; 3];
+        for map in [sky(0.0), Environment::new(&Image::from_fn(4096, 8, sun).unwrap(), 1.0, 0.0).0] {
+            let density = map.density().unwrap();
+            for i in 0..20_000 {
+                let d = uniform(i);
+                assert!(map.color(d).is_black() || density.pdf(d) > 0.0, "{d}");
+            }
+        }
+    }
+
+    /// At the poles, on the seam, and for numbers at the ends of their range.
+    #[test]
+    fn densities_are_numbers_everywhere() {
         let map = sky(0.0);
         let density = map.density().unwrap();
-        for i in 0..20_000 {
-            let d = uniform(i);
-            assert!(map.color(d).is_black() || density.pdf(d) > 0.0, "{d}");
+        let seam = [-1e-7, 0.0, 1e-7].map(|x| Vec3::new(x, 0.3, 1.0).normalize());
+        for d in [Vec3::Y, Vec3::NEG_Y, Vec3::new(1e-20, 1.0, 0.0), seam[0], seam[1], seam[2]] {
+            assert!(density.pdf(d).is_finite() && density.pdf(d) >= 0.0, "{d}");
+        }
+        assert!((density.pdf(seam[0]) / density.pdf(seam[2]) - 1.0).abs() < 1e-3);
+        let last = 1.0f32.next_down();
+        for u in [Vec2::ZERO, Vec2::splat(last), Vec2::new(0.0, last), Vec2::new(last, 0.0)] {
+            if let Some((wi, pdf)) = density.sample(u) {
+                assert!(wi.is_normalized() && pdf > 0.0 && pdf.is_finite(), "{u}: {wi} {pdf}");
+            }
         }
     }
 }

@@ -6,6 +6,7 @@
 //! picture does not depend on the machine it was made on.
 
 pub mod aabb;
+pub mod bilinear;
 pub mod fmath;
 pub mod frame;
 pub mod motion;
