@@ -18,7 +18,9 @@ pub fn permute(i: u32, n: u32, p: u32) -> u32 {
             break;
         }
     }
-    ((u64::from(i) + u64::from(p)) % u64::from(n)) as u32
+    // The sum modulo n, which 32 bits might not hold.
+    let by = p % n;
+    if i < n - by { i + by } else { i - (n - by) }
 }
 
 /// A bijection of the numbers of `w`'s bits; `w` is one less than a power of two.

@@ -1,6 +1,6 @@
 //! Meshes and rays to test on, a function of their seeds.
 
-use kajo_math::rng::Stream;
+use kajo_math::rng::{mix, unit};
 use kajo_math::{Ray, Vec3};
 
 /// Positions and triangles.
@@ -10,20 +10,20 @@ pub(crate) struct Mesh {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Uniform numbers, one after the other.
+/// Uniform numbers, one after the other; of their own, so that counted work stays what it was when the hash of samples changes.
 pub(crate) struct Random {
-    stream: Stream,
-    next: u32,
+    key: u64,
+    next: u64,
 }
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Random {
-        Random { stream: Stream::new(seed, [0, 0], 0), next: 0 }
+        Random { key: mix(mix(mix(seed))), next: 0 }
     }
 
     pub(crate) fn unit(&mut self) -> f32 {
         self.next += 1;
-        self.stream.uniform(self.next)
+        unit((mix(self.key ^ self.next) >> 32) as u32)
     }
 
     pub(crate) fn below(&mut self, n: usize) -> usize {

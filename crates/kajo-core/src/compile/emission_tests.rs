@@ -44,7 +44,7 @@ const MATERIALS: [&str; 5] = [
     "Matte a { emission 5 1 1 } Matte b { emission slide.ppm 7 }
      Marble emitter { materialIndex a  materialIndex b  Transform { UniformScale 2 } frequency 3 }",
     "Matte a { color 0 0 0 } Matte b { emission 1 4 2  opacity 0.5 } Mix m { materialIndex a  materialIndex b  amount 0.25 }
-     Checkerboard emitter { materialIndex m  materialIndex b  Transform { UniformScale 3 } }",
+     Checkerboard emitter { materialIndex m  materialIndex b  Transform { Translate 0.1 0.2 0.3 UniformScale 3 } }",
 ];
 
 const THINGS: [&str; 10] = [
@@ -116,7 +116,7 @@ fn places_give_the_light_that_is_seen_of_them() {
                     count(leaving.radiance, seen(&scene, p + 0.1 * leaving.d, p, time));
                 }
             }
-            assert!(same > 200 && other * 50 < same, "{materials} {things}: {same} {other}");
+            assert!(same > 200 && other * 200 < same, "{materials} {things}: {same} {other}");
             assert!(values.len() > 1, "{materials} {things} is the same everywhere");
         }
     }

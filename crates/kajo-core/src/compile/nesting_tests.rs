@@ -28,9 +28,9 @@ fn scene(group: &str, objects: usize) -> Scene {
     scene.unwrap_or_else(|| panic!("{said:?}"))
 }
 
-/// Numbers in [-1, 1).
+/// Numbers in [-1, 1). Of the forests of seeds 23 to 39 half are hit by a twentieth of the rays; this one is.
 fn signed(k: u32) -> impl Fn(u32) -> f32 {
-    let stream = Stream::new(23, [k, 0], 0);
+    let stream = Stream::new(28, [k, 0], 0);
     move |d| 2.0 * stream.uniform(d) - 1.0
 }
 

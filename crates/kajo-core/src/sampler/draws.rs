@@ -15,13 +15,16 @@
 //! [Cook, Porter and Carpenter 1984].
 
 use kajo_math::permute::permute;
-use kajo_math::rng::{Stream, mix, pixel_hash, unit};
+use kajo_math::rng::{Key, Stream, unit};
 use kajo_math::{Vec2, sobol};
 
 use super::{Sampler, SamplerKind, zorder};
 
 /// Sets the random numbers of a pixel apart from those of its samples.
-const PATTERN_SALT: u64 = 0xA076_1D64_78BD_642F;
+const PATTERN_SALT: u32 = 0xA076_1D64;
+
+/// Sets the seeds of splits apart from pixels.
+const SPLIT_SALT: u32 = 0x78BD_642F;
 
 /// The largest number below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -30,10 +33,10 @@ const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 #[derive(Clone, Copy, Debug)]
 pub struct Draws<'a> {
     sampler: &'a Sampler,
-    seed: u64,
+    seed: Key,
     pixel: [u32; 2],
-    /// Random bits of the pixel.
-    hash: u64,
+    /// What the random numbers of the pixel are named by.
+    key: Key,
     sample: u32,
     /// The number of the sample, its bits in reverse order.
     reversed: u32,
@@ -49,15 +52,15 @@ impl<'a> Draws<'a> {
     /// Samples beyond the number of the sampler are good ones too: another pattern begins.
     #[inline]
     pub fn new(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32) -> Draws<'a> {
-        Draws::with_count(sampler, seed, pixel, sample, sampler.samples)
+        Draws::with_count(sampler, Key::new(seed), pixel, sample, sampler.samples)
     }
 
     #[inline]
-    fn with_count(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32, count: u32) -> Draws<'a> {
-        let hash = pixel_hash(seed, pixel);
-        let stream = Stream::of_pixel(hash, sample);
+    fn with_count(sampler: &'a Sampler, seed: Key, pixel: [u32; 2], sample: u32, count: u32) -> Draws<'a> {
+        let key = seed.part(pixel);
+        let stream = Stream::of_pixel(key, sample);
         let reversed = sample.reverse_bits();
-        Draws { sampler, seed, pixel, hash, sample, reversed, count: count.max(1), dimension: 0, stream }
+        Draws { sampler, seed, pixel, key, sample, reversed, count: count.max(1), dimension: 0, stream }
     }
 
     /// The place of the sample relative to the top left corner of its pixel, in pixels; to be asked for first.
@@ -85,8 +88,8 @@ impl<'a> Draws<'a> {
         match self.sampler.kind {
             SamplerKind::Uniform => self.independent(d),
             SamplerKind::Sobol | SamplerKind::ZSobol => {
-                let (index, hash) = self.place_in_sequence(d);
-                unit(sobol::scrambled_number(index, hash as u32))
+                let (index, [seed, _]) = self.place_in_sequence(d);
+                unit(sobol::scrambled_number(index, seed))
             }
             _ => self.stratum(d),
         }
@@ -142,8 +145,7 @@ impl<'a> Draws<'a> {
     ///
     /// * `branch`: tells splits at the same dimension apart
     pub fn split(&self, branch: u32, i: u32, n: u32) -> Draws<'a> {
-        let place = u64::from(branch) << 32 | u64::from(self.dimension);
-        let seed = mix(self.seed ^ mix(place ^ PATTERN_SALT));
+        let seed = self.seed.part([self.dimension, SPLIT_SALT]).part([branch, 0]);
         let sample = self.sample.wrapping_mul(n).wrapping_add(i);
         let count = self.count.saturating_mul(n);
         Draws::with_count(self.sampler.of_split(n), seed, self.pixel, sample, count)
@@ -167,19 +169,18 @@ impl<'a> Draws<'a> {
         first
     }
 
-    /// 64 random bits of a dimension that all samples of a pattern have in common.
+    /// 96 random bits of a dimension that all samples of a pattern have in common.
     #[inline]
-    fn pattern(&self, dimension: u32, pattern: u32) -> u64 {
-        let which = u64::from(pattern) << 32 | u64::from(dimension);
-        mix(self.hash ^ PATTERN_SALT ^ which)
+    fn pattern(&self, dimension: u32, pattern: u32) -> [u32; 3] {
+        self.key.words([dimension, pattern ^ PATTERN_SALT])
     }
 
     /// One number in each of `n` strata, in random order.
     #[inline]
     fn stratum(&self, d: u32) -> f32 {
         let n = self.count;
-        let hash = self.pattern(d, self.sample / n);
-        let stratum = permute(self.sample % n, n, hash as u32);
+        let [order, ..] = self.pattern(d, self.sample / n);
+        let stratum = permute(self.sample % n, n, order);
         ((stratum as f32 + self.stream.uniform(d)) / n as f32).min(BELOW_ONE)
     }
 
@@ -192,12 +193,14 @@ impl<'a> Draws<'a> {
         let n = self.count;
         let columns = ((n as f32).sqrt() + 0.5) as u32;
         let rows = n.div_ceil(columns);
-        let hash = self.pattern(d, self.sample / n);
-        let s = permute(self.sample % n, n, hash as u32);
+        let pattern = self.key.part([d, (self.sample / n) ^ PATTERN_SALT]);
+        let [order, of_columns, _] = pattern.words([0, 0]);
+        let order_in = |which: [u32; 2]| pattern.words(which)[0];
+        let s = permute(self.sample % n, n, order);
         let (row, place) = (s / columns, s % columns);
-        let column = permute(place, columns, (hash >> 32) as u32);
-        let in_column = permute(row, rows, mix(hash ^ u64::from(column)) as u32);
-        let in_row = permute(place, columns.min(n - row * columns), mix(hash ^ u64::from(!row)) as u32);
+        let column = permute(place, columns, of_columns);
+        let in_column = permute(row, rows, order_in([column, 1]));
+        let in_row = permute(place, columns.min(n - row * columns), order_in([row, 2]));
         let x = (in_column as f32 + self.stream.uniform(d)) / rows as f32;
         let y = ((row * columns + in_row) as f32 + self.stream.uniform(d + 1)) / n as f32;
         Vec2::new((column as f32 + x) / columns as f32, y).min(Vec2::splat(BELOW_ONE))
@@ -206,18 +209,18 @@ impl<'a> Draws<'a> {
     /// A scrambled point of the (0, 2)-sequence.
     #[inline]
     fn sobol(&self, d: u32) -> [u32; 2] {
-        let (index, hash) = self.place_in_sequence(d);
-        sobol::scrambled_point(index, [hash as u32, (hash >> 32) as u32])
+        let (index, seeds) = self.place_in_sequence(d);
+        sobol::scrambled_point(index, seeds)
     }
 
     /// Which point of the (0, 2)-sequence is this sample's, and random bits for scrambling it.
     #[inline]
-    fn place_in_sequence(&self, d: u32) -> (u32, u64) {
+    fn place_in_sequence(&self, d: u32) -> (u32, [u32; 2]) {
         if self.sampler.kind == SamplerKind::ZSobol {
             return zorder::index(self.seed, self.pixel, self.sample, self.count, d);
         }
-        let hash = self.pattern(d, 0);
-        (sobol::shuffle_reversed(self.reversed, mix(hash) as u32), hash)
+        let [x, y, order] = self.pattern(d, 0);
+        (sobol::shuffle_reversed(self.reversed, order), [x, y])
     }
 
     /// A point of the progressive set, with random digits flipped, which leaves each stratum its one point.
@@ -225,27 +228,27 @@ impl<'a> Draws<'a> {
     /// In the pixel the points come in their own order, so that the first few samples are well spread already.
     #[inline]
     fn progressive(&self, d: u32) -> [u32; 2] {
-        let (place, hash) = self.place_in_set(d);
+        let (place, by) = self.place_in_set(d);
         let [x, y] = self.sampler.points[place];
-        [x ^ hash as u32, y ^ (hash >> 32) as u32]
+        [x ^ by[0], y ^ by[1]]
     }
 
     /// A point of the Poisson-disk set, moved around the torus.
     #[inline]
     fn disk(&self, d: u32) -> [u32; 2] {
-        let (place, hash) = self.place_in_set(d);
+        let (place, by) = self.place_in_set(d);
         let [x, y] = self.sampler.points[place];
-        [x.wrapping_add(hash as u32), y.wrapping_add((hash >> 32) as u32)]
+        [x.wrapping_add(by[0]), y.wrapping_add(by[1])]
     }
 
     /// Which point of the shared set is this sample's, and random bits for moving the set.
     #[inline]
-    fn place_in_set(&self, d: u32) -> (usize, u64) {
+    fn place_in_set(&self, d: u32) -> (usize, [u32; 2]) {
         let n = self.sampler.points.len().max(1) as u32;
-        let hash = self.pattern(d, self.sample / n);
+        let [x, y, order] = self.pattern(d, self.sample / n);
         let own = self.sample % n;
-        let place = if d == 0 { own } else { permute(own, n, mix(hash) as u32) };
-        (place as usize, hash)
+        let place = if d == 0 { own } else { permute(own, n, order) };
+        (place as usize, [x, y])
     }
 }
 

@@ -9,7 +9,7 @@
 //!
 //! Neighbourhoods of up to 256 × 256 pixels have sequences of their own, which keeps numbers within 32 bits.
 
-use kajo_math::rng::mix;
+use kajo_math::rng::Key;
 
 /// Binary digits of a pixel's place in its neighbourhood, at most.
 const NEIGHBORHOOD_BITS: u32 = 8;
@@ -17,37 +17,45 @@ const NEIGHBORHOOD_BITS: u32 = 8;
 /// The orders of four things.
 const ORDERS: [[u8; 4]; 24] = orders();
 
+/// Sets the bits that scramble a sequence apart from those that shuffle its digits, which have numbers up to 32.
+const SCRAMBLING: u32 = 64;
+
+/// The number of a last digit to base 2.
+const LAST_DIGIT: u32 = 65;
+
 /// The number in its neighbourhood's sequence of a sample, and random bits of that sequence.
 ///
 /// * `count`: samples of each pixel
 #[inline]
-pub(super) fn index(seed: u64, pixel: [u32; 2], sample: u32, count: u32, dimension: u32) -> (u32, u64) {
+pub(super) fn index(seed: Key, pixel: [u32; 2], sample: u32, count: u32, dimension: u32) -> (u32, [u32; 2]) {
     let bits = count.max(1).wrapping_sub(1).checked_ilog2().map_or(0, |top| top + 1);
     let side = NEIGHBORHOOD_BITS.min((32 - bits) / 2);
-    let neighborhood = u64::from(pixel[0] >> side) | u64::from(pixel[1] >> side) << 32;
+    let block = 1u32.checked_shl(bits).unwrap_or(0).wrapping_sub(1);
     // Samples beyond the block begin another sequence.
-    let later = u64::from(sample.checked_shr(bits).unwrap_or(0)) << 32;
-    let hash = mix(mix(mix(seed) ^ neighborhood) ^ later ^ u64::from(dimension));
+    let later = sample.checked_shr(bits).unwrap_or(0);
+    let sequence = seed.part(pixel.map(|place| place >> side)).part([dimension, later]);
     let place = interleave(pixel[0], side) | interleave(pixel[1], side) << 1;
-    let number = u64::from(place) << bits | u64::from(sample) & ((1u64 << bits) - 1);
-    (shuffle(number, bits + 2 * side, hash) as u32, mix(hash))
+    let number = place.checked_shl(bits).unwrap_or(0) | sample & block;
+    let [x, y, _] = sequence.words([0, SCRAMBLING]);
+    (shuffle(number, bits + 2 * side, sequence), [x, y])
 }
 
 /// Shuffles the digits to base 4 of a number, each by an order that depends on the digits before it. Where the
 /// number of bits is odd, the last digit has one.
 #[inline]
-fn shuffle(number: u64, bits: u32, hash: u64) -> u64 {
+fn shuffle(number: u32, bits: u32, sequence: Key) -> u32 {
     let mut shuffled = 0;
     let mut low = bits;
     while low >= 2 {
         low -= 2;
-        let coin = mix(hash ^ (number >> (low + 2)) ^ u64::from(low) << 40) >> 32;
-        let order = ORDERS[((coin * 24) >> 32) as usize];
-        shuffled |= u64::from(order[(number >> low & 3) as usize]) << low;
+        let [coin, ..] = sequence.words([number.checked_shr(low + 2).unwrap_or(0), low]);
+        // One of 24 by the top 24 bits: orders differ in probability by two in a million.
+        let order = ORDERS[(((coin >> 8) * 24) >> 24) as usize];
+        shuffled |= u32::from(order[(number >> low & 3) as usize]) << low;
     }
     if low == 1 {
-        let coin = mix(hash ^ (number >> 1) ^ 1 << 63) >> 63;
-        shuffled |= (number & 1) ^ coin;
+        let [coin, ..] = sequence.words([number >> 1, LAST_DIGIT]);
+        shuffled |= (number & 1) ^ coin >> 31;
     }
     shuffled
 }
@@ -103,7 +111,7 @@ mod tests {
                     let mut numbers: Vec<u32> = (0..size)
                         .map(|i| {
                             let (k, p) = (i % block, i / block);
-                            index(5, [x0 + p % side, y0 + p / side], k, count, 2).0
+                            index(Key::new(5), [x0 + p % side, y0 + p / side], k, count, 2).0
                         })
                         .collect();
                     numbers.sort_unstable();
@@ -119,7 +127,7 @@ mod tests {
     fn extremes_stay_in_range() {
         for count in [0, 1, 1 << 20, u32::MAX >> 1, u32::MAX] {
             for sample in [0, 1, u32::MAX] {
-                index(0, [u32::MAX, u32::MAX], sample, count, u32::MAX);
+                index(Key::new(0), [u32::MAX, u32::MAX], sample, count, u32::MAX);
             }
         }
     }

@@ -96,21 +96,37 @@ fn a_lobe_that_is_not_choosy_does_as_well_without_a_number() {
 }
 
 /// The light that goes from `wi` to `wo` is the same, whichever end a path begins at.
+///
+/// Some pairs of directions turn their last bits into more than rounding, such as those whose half vector is short. So much
+/// may both ways differ twice.
 #[test]
 fn both_ways_are_one() {
     for family in families() {
         for roughness in ROUGHNESSES {
             let lobe = (family.lobe)(roughness);
-            for i in 0..200 {
+            for i in 0..2000 {
                 let (wo, wi, ..) = random(&Stream::new(4, [i, 0], 0), 0);
                 if wo.z.abs() < 0.01 || wi.z.abs() < 0.01 {
                     continue;
                 }
                 // Times both cosines, so that grazing directions do not magnify rounding.
-                let there = lobe.eval(wo, wi, Transport::Radiance) * wo.z.abs();
+                let value = |wo: Vec3, wi| lobe.eval(wo, wi, Transport::Radiance) * wo.z.abs();
+                let there = value(wo, wi);
                 let back = lobe.eval(wi, wo, Transport::Importance) * wi.z.abs();
                 let off = difference(there, back);
-                assert!(off < 1e-6, "{} {roughness} {wo} {wi}: {there:?} {back:?}", family.name);
+                let last_bits = || {
+                    let changes = Vec3::AXES.map(|axis| {
+                        let bit = 0.5 * f32::EPSILON * axis;
+                        difference(value(wo + bit, wi), value(wo - bit, wi))
+                            + difference(value(wo, wi + bit), value(wo, wi - bit))
+                    });
+                    0.5 * changes.iter().sum::<f32>()
+                };
+                assert!(
+                    off < 1e-6 || off < 1e-6 + 2.0 * last_bits(),
+                    "{} {roughness} {wo} {wi}: {there:?} {back:?}",
+                    family.name
+                );
             }
         }
     }

@@ -79,14 +79,14 @@ fn a_glowing_room_is_as_bright_as_its_series() {
         let scene = scene(&format!("{view} {material} Group {{ MaterialIndex m {shell} }}"));
         for technique in TECHNIQUES {
             let settings = PathSettings { bounces: 100, technique, ..PathSettings::default() };
-            check(&scene, settings, 400, 2.0);
+            check(&scene, settings, 1600, 2.0);
             // Direct light and one bounce more: 1 + 1/2 + 1/4.
-            check(&scene, PathSettings { bounces: 1, ..settings }, 400, 1.75);
+            check(&scene, PathSettings { bounces: 1, ..settings }, 1600, 1.75);
         }
         let settings = PathSettings { bounces: 1, ..PathSettings::default() };
         for directions in [Directions::Cosine, Directions::Uniform] {
-            check(&scene, PathSettings { directions, ..settings }, 400, 1.75);
-            check(&scene, PathSettings { directions, branches: 4, ..settings }, 200, 1.75);
+            check(&scene, PathSettings { directions, ..settings }, 1600, 1.75);
+            check(&scene, PathSettings { directions, branches: 4, ..settings }, 800, 1.75);
         }
     }
 }
