@@ -82,8 +82,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "lights stay where they were when the shutter opened",
         AREA,
-        "Some(drift) => self.patch.sample_moved(&drift.map_at(to.time), to.p, u)?,",
-        "Some(_) => self.patch.sample(to.p, u)?,",
+        "self.drift.as_ref().map(|drift| drift.map_at(time))",
+        "self.drift.as_ref().map(|drift| drift.map_at(0.0 * time))",
     ),
     mutant(
         "the shutter closes half-way",

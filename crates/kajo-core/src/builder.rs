@@ -5,6 +5,7 @@
 
 mod area_lights;
 mod assemblies;
+mod emission_density;
 mod error;
 mod lights;
 mod materials;

@@ -7,8 +7,7 @@
 //! L(p) = Σ_i  L_i Π_k f_ik(p)
 //! ```
 //!
-//! Where it differs, points are still drawn as if the whole surface gave the same light; which patch of it is asked goes by what is on
-//! it.
+//! Which patch of a surface is asked for light, and which of its points, goes by what is on it: see `light/emission_density.rs`.
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
 use kajo_math::Affine3A;
@@ -16,7 +15,9 @@ use kajo_math::Affine3A;
 use crate::family::Pooled;
 use crate::ids::LightGroup;
 use crate::light::Sides;
-use crate::texture::{Constant, PictureMap, Share, TextureContext, TextureId, Textures, picture_reflectance};
+use crate::texture::{
+    Constant, PictureMap, Share, TexelFilter, TextureContext, TextureId, Textures, picture_reflectance,
+};
 
 /// The light that the surfaces of a material give; none by default.
 #[derive(Clone, Debug, Default)]
@@ -195,6 +196,33 @@ impl VariedEmission {
     /// The light of each material.
     pub fn emissions(&self) -> impl Iterator<Item = &Emission> {
         self.terms.iter().map(|term| &term.emission)
+    }
+
+    /// The pictures that it depends on.
+    pub fn pictures(&self) -> impl Iterator<Item = &PictureMap> {
+        self.factors().filter_map(|factor| match factor {
+            EmissionFactor::Slide(map)
+            | EmissionFactor::Share(Share::Picture(map, _) | Share::Cut(map, ..)) => Some(map),
+            EmissionFactor::Share(Share::Plain(_))
+            | EmissionFactor::Tint
+            | EmissionFactor::Pattern { .. } => None,
+        })
+    }
+
+    /// Whether it may change at once and not linearly between the middles of texels.
+    pub fn jumps(&self) -> bool {
+        let nearest = |map: &PictureMap| map.filter == TexelFilter::Nearest;
+        let cut = |factor: &EmissionFactor| matches!(factor, EmissionFactor::Share(Share::Cut(..)));
+        self.has_pattern() || self.pictures().any(nearest) || self.factors().any(cut)
+    }
+
+    /// Whether it depends on a pattern in space.
+    pub fn has_pattern(&self) -> bool {
+        self.factors().any(|factor| matches!(factor, EmissionFactor::Pattern { .. }))
+    }
+
+    fn factors(&self) -> impl Iterator<Item = &EmissionFactor> {
+        self.terms.iter().flat_map(|term| &term.factors)
     }
 
     /// Whether it depends on surface coordinates.

@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use kajo_color::{Emission, Wavelengths};
-use kajo_math::{Affine3A, DAffine3, DMat3, Vec2};
+use kajo_color::Emission;
+use kajo_math::{Affine3A, DAffine3, DMat3};
 use kajo_scene::OverBudget;
 
 use super::SceneBuilder;
+use super::emission_density::EmissivePatch;
 use crate::background::Background;
 use crate::emission::VariedEmission;
 use crate::family::Pooled;
@@ -16,8 +17,6 @@ use crate::light::{AreaLight, LightSampler, Sides, SkyLight};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::scene::Primitive;
-use crate::shape::{Patch, ShapeId};
-use crate::texture::{SurfaceUv, TextureContext};
 
 /// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
 const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
@@ -53,7 +52,9 @@ impl SceneBuilder {
                 continue;
             }
             let lights = self.patches_of(ObjectId::from_index(i as u32), &primitive, &mut emissive);
-            self.limits.memory.take((lights.len() * BYTES_PER_LIGHT) as u64)?;
+            let densities = lights.iter().filter_map(|(light, _)| Some(light.density.as_ref()?.bytes()));
+            let bytes = densities.sum::<usize>() + lights.len() * BYTES_PER_LIGHT;
+            self.limits.memory.take(bytes as u64)?;
             self.geometry.primitives[i].emits = !lights.is_empty();
             for (light, group) in lights {
                 let id = light.store(&mut self.lights);
@@ -87,65 +88,36 @@ impl SceneBuilder {
         let &Primitive { shape, pose, material, .. } = primitive;
         let shapes = &self.geometry.shapes;
         let (map, drift) = self.start(pose, &mut emissive.drifts);
+        let object_from_world = map.inverse();
+        let mut n_patches = 0;
+        if !emissive.varied.is_empty() {
+            shapes.patches(shape, |_, _| n_patches += 1);
+        }
         let mut lights = Vec::new();
         shapes.patches(shape, |part, patch| {
             let slot = shapes.material_slot(shape, part);
             let material = slot.map_or(material, |slot| self.appearance.slots[slot as usize]);
             let Some(of_material) = emissive.materials.get(&material) else { return };
             let &PatchEmission { ref emission, varied, sides, group } = of_material;
-            let emission = match varied {
-                None => emission.clone(),
-                Some(varied) => {
-                    let varied = &emissive.varied[varied.index()];
-                    self.emission_of_patch(emission, varied, shape, (part, &patch), &map)
-                }
-            };
             let patch = if pose.is_identity() { Some(patch) } else { patch.transformed(&map) };
             let patch = match &drift {
                 Some(drift) => patch.and_then(|patch| patch.movable(drift.sampled_maps())),
                 None => patch,
             };
-            let light =
-                |patch| AreaLight { patch, drift: drift.clone(), emission, varied, sides, object, part };
-            lights.extend(patch.filter(|patch| patch.area() > 0.0).map(|patch| (light(patch), group)));
+            let Some(patch) = patch.filter(|patch| patch.area() > 0.0) else { return };
+            let (emission, density) = match varied {
+                None => (emission.clone(), None),
+                Some(varied) => {
+                    let varied = &emissive.varied[varied.index()];
+                    let patch = EmissivePatch { varied, shape, part, patch: &patch, object_from_world };
+                    self.emission_of_patch(emission, &patch, n_patches)
+                }
+            };
+            let drift = drift.clone();
+            let light = AreaLight { patch, drift, emission, varied, density, sides, object, part };
+            lights.push((light, group));
         });
         lights
-    }
-
-    /// The light of a patch whose points differ, for lights to be chosen by: nine tenths of it what some of the points
-    /// give, and a tenth what the material does on the whole, lest light between them be left undrawn.
-    ///
-    /// * `mean`: of all points of the material
-    /// * `patch`: in the shape's own space; `map` takes it to the world's
-    fn emission_of_patch(
-        &self,
-        mean: &Emission,
-        varied: &VariedEmission,
-        shape: ShapeId,
-        (part, patch): (u32, &Patch),
-        map: &DAffine3,
-    ) -> Emission {
-        /// Points across and up.
-        const GRID: u8 = 4;
-        const KNOWN: f32 = 0.9;
-        let shapes = &self.geometry.shapes;
-        let light = |i: u8| {
-            let u = Vec2::new((i % GRID).into(), (i / GRID).into()) + 0.5;
-            let p = patch.sample_area(u / f32::from(GRID))?.p;
-            let hit = shapes.hit_at(shape, part, p);
-            let uv = shapes.uv_at(shape, &hit, p);
-            let second = shapes.second_uv_at(shape, &hit).unwrap_or(uv);
-            let place = TextureContext {
-                p: map.transform_point3(p.as_dvec3()).as_vec3(),
-                uv: SurfaceUv { first: uv, second },
-                tint: shapes.color_at(shape, &hit),
-            };
-            Some(varied.at(&self.appearance.textures, &place, &Wavelengths::RGB).luminance())
-        };
-        let found: Vec<f32> = (0..GRID * GRID).filter_map(light).collect();
-        let share = found.iter().sum::<f32>() / (found.len() as f32 * mean.luminance());
-        let share = if share.is_finite() { KNOWN * share + (1.0 - KNOWN) } else { 1.0 };
-        mean.clone().scaled(share)
     }
 
     /// What patches have to know, of every material that gives light.

@@ -9,6 +9,7 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 
 use super::{CompileOptions, compile};
 use crate::bsdf::{Base, Bsdf, Specular, ThinDielectric};
+use crate::ids::LightIndex;
 use crate::light::{LeNumbers, LightChoice, LightLeSample, LightPoint, PowerLightSampler, Receiver};
 use crate::scene::{Event, Scene};
 
@@ -21,6 +22,9 @@ const TILE: &str = "mtllib a.mtl\nusemtl neon\nv -1 0 0\nv 1 0 0\nv 1 1 0.3\nv -
 fn read(text: &str) -> (Option<Scene>, Vec<String>) {
     let assets = MemoryAssets::new().with("slide.ppm", SLIDE).with("tile.obj", TILE);
     let assets = assets.with("a.mtl", "newmtl neon\nKe 4 2 1\nmap_Ke slide.ppm\n");
+    let texel = |i: u32| 10 + 240 * u32::from(i == 19) + i * 7 % 5;
+    let texels: Vec<String> = (0..64).map(|i| texel(i).to_string()).collect();
+    let assets = assets.with("texel.pgm", format!("P2 8 8 255 {}\n", texels.join(" ")));
     let mut parsed = SceneDesc::parse_str(text);
     let mut diagnostics = parsed.diagnostics;
     let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
@@ -46,6 +50,9 @@ const MATERIALS: [&str; 5] = [
     "Matte a { color 0 0 0 } Matte b { emission 1 4 2  opacity 0.5 } Mix m { materialIndex a  materialIndex b  amount 0.25 }
      Checkerboard emitter { materialIndex m  materialIndex b  Transform { Translate 0.1 0.2 0.3 UniformScale 3 } }",
 ];
+
+/// One bright texel of 64.
+const TEXEL: &str = "Matte emitter { emission texel.pgm 20 }";
 
 const THINGS: [&str; 10] = [
     "Quad { corner -1 -1 0  edge1 2 0 0  edge2 0.3 2 0 }",
@@ -122,6 +129,91 @@ fn places_give_the_light_that_is_seen_of_them() {
     }
 }
 
+/// Mean and variance of the irradiance that a receiver is found to have from the only light, without its own cosine.
+fn irradiance(scene: &Scene, p: Vec3) -> [f64; 2] {
+    let (mut sum, mut squares, n) = (0.0, 0.0, 20_000);
+    for k in 0..n {
+        let s = Stream::new(33, [k, 0], 0);
+        let to = Receiver { p, n: Vec3::ZERO, time: s.uniform(0) };
+        let chosen = scene.lighting.sampler.sample(&to, s.uniform(1), LightChoice::Tree);
+        let drawn = chosen.and_then(|chosen| {
+            let place = Vec2::new(s.uniform(2), s.uniform(3));
+            let li = scene.sample_li(chosen.light, &to, place, &Wavelengths::RGB)?;
+            // What is on the far side of a body does not arrive.
+            let LightPoint::Surface { p: point, .. } = li.at else { return None };
+            seen(scene, p, point, to.time)?;
+            Some(f64::from(li.radiance.luminance() / (li.pdf * chosen.probability)))
+        });
+        let value = drawn.unwrap_or(0.0);
+        sum += value;
+        squares += value * value;
+    }
+    let mean = sum / f64::from(n);
+    [mean, squares / f64::from(n) - mean * mean]
+}
+
+/// Drawn by what they emit places give the same light as drawn evenly, and on the whole with less noise.
+#[test]
+fn drawing_places_by_their_emission_changes_no_light() {
+    let (mut tables, mut quieter) = (0, 0);
+    for materials in MATERIALS.into_iter().chain([TEXEL]) {
+        for things in THINGS {
+            let scene = lit(materials, things);
+            let mut evenly = lit(materials, things);
+            evenly.lighting.lights.areas.iter_mut().for_each(|light| light.density = None);
+            tables += usize::from(scene.lighting.lights.areas.iter().any(|light| light.density.is_some()));
+            for p in [Vec3::new(0.5, 1.5, 2.5), Vec3::new(-4.0, 1.0, 20.0), Vec3::new(1.0, -1.5, -0.7)] {
+                let [[mean, variance], [even_mean, even_variance]] =
+                    [&scene, &evenly].map(|scene| irradiance(scene, p));
+                let sigma = ((variance + even_variance) / 20_000.0).sqrt();
+                let place = format!("{materials} {things} from {p}");
+                assert!(
+                    (mean - even_mean).abs() < 5.0 * sigma + 1e-6,
+                    "{place}: {mean} {even_mean} ± {sigma}"
+                );
+                // A bright texel that faces away is drawn in vain.
+                let is_quiet = materials == TEXEL || variance < 1.5 * even_variance + 1e-9;
+                assert!(is_quiet, "{place}: {variance} {even_variance}");
+                quieter += usize::from(variance < 0.8 * even_variance);
+            }
+        }
+    }
+    assert!(tables > 20 && quieter > 45, "{tables} of 60, {quieter} of 180");
+}
+
+/// The relative variance of emission over density, of points drawn for nobody.
+fn unevenness(scene: &Scene, light: LightIndex) -> f64 {
+    let world = *scene.power_light_sampler().world();
+    let (mut sum, mut squares, n) = (0.0, 0.0, 4000);
+    for k in 0..n {
+        let s = Stream::new(34, [k, 0], 0);
+        let position = Vec2::new(s.uniform(0), s.uniform(1));
+        let numbers = LeNumbers { position, direction: Vec2::new(s.uniform(2), s.uniform(3)) };
+        let leaving = scene.sample_le(light, 0.0, numbers, &Wavelengths::RGB, &world).unwrap();
+        let weight = f64::from(leaving.radiance.luminance() / leaving.pdf.position);
+        sum += weight;
+        squares += weight * weight;
+    }
+    squares * f64::from(n) / (sum * sum) - 1.0
+}
+
+/// What a drawn point stands for is everywhere the same on flat patches along whose edges the picture lies, and nearly so elsewhere.
+#[test]
+fn the_emission_over_its_density_is_even() {
+    let floor = "Quad { corner -1 -1 0  edge1 2 0 0  edge2 0 2 0 }";
+    for (things, allowed) in
+        [(floor, 1e-5), (THINGS[0], 1e-5), (THINGS[1], 0.1), (THINGS[2], 0.1), (THINGS[6], 0.1)]
+    {
+        let scene = lit(TEXEL, things);
+        let mut evenly = lit(TEXEL, things);
+        evenly.lighting.lights.areas.iter_mut().for_each(|light| light.density = None);
+        for light in LightIndex::all(scene.lighting.lights.areas.len()) {
+            let [found, even] = [&scene, &evenly].map(|scene| unevenness(scene, light));
+            assert!(found < allowed * even + 0.1 * allowed, "{things} {light:?}: {found} of {even}");
+        }
+    }
+}
+
 /// What lights are chosen by is the mean of their places.
 #[test]
 fn lights_are_as_strong_as_the_mean_of_their_places() {
@@ -136,7 +228,8 @@ fn lights_are_as_strong_as_the_mean_of_their_places() {
             let position = Vec2::new(s.uniform(0), s.uniform(1));
             let numbers = LeNumbers { position, direction: Vec2::new(s.uniform(2), s.uniform(3)) };
             let leaving = leaving(&scene, &sampler, 0.0, 0.5, numbers);
-            sum + leaving.map_or(Spectrum::BLACK, |leaving| leaving.radiance)
+            let area = scene.lighting.lights.areas[0].patch.area() as f32;
+            sum + leaving.map_or(Spectrum::BLACK, |it| it.radiance * (1.0 / (it.pdf.position * area)))
         });
         let mean = sum * (1.0 / n as f32);
         let known = Spectrum::from(Vec3::from(scene.lighting.lights.areas[0].emission.rgb()));

@@ -3,8 +3,8 @@
 //! Such a light exists for each patch of every object whose material has an `emission`; it is not written on its
 //! own. The power of one side is `pi A L`.
 //!
-//! A patch that moves is sampled where it is at the time of the receiver's ray, and its density is that of the moved
-//! patch.
+//! Where the radiance differs over the patch, places are drawn by it: see `emission_density.rs`. A patch that moves is sampled
+//! where it is at the time of the receiver's ray, and its density is that of the moved patch.
 
 use std::f32::consts::PI;
 
@@ -15,12 +15,12 @@ use kajo_math::{Aabb, Frame, Vec2, Vec3, warp};
 
 use super::sample::INVERSE_SQUARE;
 use super::{
-    BoundingSphere, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers, LightBounds,
-    LightLeSample, LightLiSample, LightPoint, Receiver,
+    BoundingSphere, EmissionDensity, EmissionPdf, EmissiveSurfaces, Emitter, Illumination, LeNumbers,
+    LightBounds, LightLeSample, LightLiSample, LightPoint, Receiver,
 };
 use crate::ids::{ObjectId, VariedEmissionId};
 use crate::motion::MovingTransform;
-use crate::shape::{Patch, PatchWay};
+use crate::shape::{Patch, PatchWay, PlacedPatch};
 
 /// Which sides of a surface give light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +57,8 @@ pub struct AreaLight {
     pub emission: Emission,
     /// Where the radiance differs over the patch: what [`EmissiveSurfaces::radiance`] is to evaluate.
     pub varied: Option<VariedEmissionId>,
+    /// What places are then drawn by; absent where they are as good as alike.
+    pub density: Option<Box<EmissionDensity>>,
     /// Which sides give light.
     pub sides: Sides,
     /// The object it belongs to.
@@ -79,6 +81,12 @@ impl AreaLight {
             None => self.emission.at(wavelengths),
             Some(varied) => surfaces.radiance(self, varied, p, time, wavelengths),
         }
+    }
+
+    /// The patch where it is at a time.
+    #[inline]
+    fn placed(&self, time: f32) -> PlacedPatch<'_> {
+        PlacedPatch { patch: &self.patch, moved: self.drift.as_ref().map(|drift| drift.map_at(time)) }
     }
 
     /// A box around the patch, its unit normal where it is the same everywhere, and its area.
@@ -148,9 +156,10 @@ impl Emitter for AreaLight {
         wavelengths: &Wavelengths,
         surfaces: &S,
     ) -> Option<LightLiSample> {
-        let PatchWay { at, wi } = match &self.drift {
-            None => self.patch.sample(to.p, u)?,
-            Some(drift) => self.patch.sample_moved(&drift.map_at(to.time), to.p, u)?,
+        let patch = self.placed(to.time);
+        let PatchWay { at, wi } = match &self.density {
+            None => patch.sample(to.p, u)?,
+            Some(density) => density.sample(&patch, to.p, u)?,
         };
         if !self.sides.emit(-wi.dot(at.n)) {
             return None;
@@ -166,9 +175,10 @@ impl Emitter for AreaLight {
         if !self.sides.emit(-wi.dot(n)) {
             return 0.0;
         }
-        match &self.drift {
-            None => self.patch.pdf(to.p, p, n),
-            Some(drift) => self.patch.pdf_moved(&drift.map_at(to.time), to.p, p, n),
+        let patch = self.placed(to.time);
+        match &self.density {
+            None => patch.pdf(to.p, p, n),
+            Some(density) => density.pdf(&patch, to.p, p, n),
         }
     }
 
@@ -189,9 +199,10 @@ impl Emitter for AreaLight {
         world: &BoundingSphere,
         surfaces: &S,
     ) -> Option<LightLeSample> {
-        let drawn = match &self.drift {
-            None => self.patch.sample_area(u.position)?,
-            Some(drift) => self.patch.sample_area_moved(&drift.map_at(time), u.position)?,
+        let patch = self.placed(time);
+        let drawn = match &self.density {
+            None => patch.sample_area(u.position)?,
+            Some(density) => density.sample_area(&patch, u.position)?,
         };
         let n = if self.sides == Sides::Back { -drawn.n } else { drawn.n };
         let d = cosine_around(n, u.direction, self.sides == Sides::Both);
@@ -211,9 +222,10 @@ impl Emitter for AreaLight {
         let cos = n.dot(d);
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
         let direction = if self.sides.emit(cos) { cos.abs() / (sides * PI) } else { 0.0 };
-        let position = match &self.drift {
-            None => self.patch.pdf_area(p),
-            Some(drift) => self.patch.pdf_area_moved(&drift.map_at(time), p),
+        let patch = self.placed(time);
+        let position = match &self.density {
+            None => patch.pdf_area(p),
+            Some(density) => density.pdf_area(&patch, p),
         };
         EmissionPdf { position, direction }
     }

@@ -12,6 +12,7 @@
 mod area;
 mod bounding_sphere;
 mod directional;
+mod emission_density;
 mod groups;
 mod photometric;
 mod point;
@@ -26,6 +27,7 @@ pub use crate::ids::MAX_LIGHT_GROUPS;
 pub use area::{AreaLight, Sides};
 pub use bounding_sphere::BoundingSphere;
 pub use directional::DirectionalLight;
+pub use emission_density::EmissionDensity;
 pub(crate) use groups::OTHER;
 pub use groups::{LightGroupError, LightGroups};
 pub use photometric::{PhotometricLight, Photometry};

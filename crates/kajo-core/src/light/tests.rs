@@ -7,7 +7,7 @@ use kajo_math::{DAffine3, DQuat, DVec3, Ray, Vec2, Vec3, rng::Stream};
 use super::*;
 use crate::daylight::SkySettings;
 use crate::ids::ObjectId;
-use crate::shape::{Canonical, DiskPatch, Patch, PatchWay, Surface, Torus};
+use crate::shape::{Canonical, DiskPatch, Patch, PatchWay, PlacedPatch, Surface, Torus};
 
 pub(crate) mod densities;
 pub(crate) mod emission;
@@ -196,6 +196,7 @@ fn an_area_light_emits_from_its_sides_only() {
     let light = |sides| AreaLight {
         drift: None,
         varied: None,
+        density: None,
         patch: square(1.0),
         emission: Emission::from_rgb([1.0; 3]),
         sides,

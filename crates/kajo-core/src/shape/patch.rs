@@ -11,7 +11,10 @@
 //! and [`Patch::pdf`] goes by the very rules of [`Patch::sample`]: two estimators combined by weights need
 //! one truth about the density, on the light itself and inside it too.
 
+mod coordinates;
 mod moved;
+
+pub use moved::PlacedPatch;
 
 use std::f64::consts::{PI, TAU};
 
@@ -245,14 +248,8 @@ impl Patch {
                 let root = x.sqrt();
                 a + root * (1.0 - y) * (b - a) + root * y * (c - a)
             }
-            Patch::Rectangle(rectangle) => {
-                let [a, b] = rectangle.edges();
-                rectangle.corner() + x * a + y * b
-            }
-            Patch::Quad(QuadPatch { corner, edges: [a, b] }) => corner + x * a + y * b,
-            Patch::Disk(disk) => disk.point(x, y),
-            Patch::Sphere { center, radius } => center + *radius * on_unit_sphere(x, y),
             Patch::Curved(curved) => return curved.sample_area(u),
+            _ => self.point(x, y),
         };
         let pdf = (1.0 / self.area()) as f32;
         (pdf.is_finite() && pdf > 0.0).then(|| self.place(p, pdf))
@@ -293,6 +290,12 @@ impl Patch {
         let flat = !matches!(view, View::Cap(_) | View::Around);
         let usable = !flat || (SMALLEST_SOLID_ANGLE..LARGEST_SOLID_ANGLE).contains(&view.solid_angle());
         usable.then_some(view)
+    }
+
+    /// Whether [`Patch::sample`] draws places by area for the receiver `from`, as far as can be told by its distance.
+    #[inline]
+    pub fn is_drawn_by_area(&self, from: Vec3) -> bool {
+        matches!(self, Patch::Disk(_) | Patch::Curved(_)) || self.is_far_from(from.as_dvec3())
     }
 
     /// Whether a flat piece is seen as if from infinitely far.
@@ -366,7 +369,7 @@ fn mapped(m: &DAffine3, corner: DVec3, edges: [DVec3; 2], flips: bool) -> Patch 
 impl PatchSample {
     /// A place drawn by area, as the receiver `from` has it; `None` where it is seen edge on.
     #[inline]
-    fn seen_from(self, from: Vec3) -> Option<PatchWay> {
+    pub(crate) fn seen_from(self, from: Vec3) -> Option<PatchWay> {
         let (pdf, wi) = seen_from(self.pdf, from, self.p, self.n)?;
         Some(PatchWay { at: PatchSample { pdf, ..self }, wi })
     }

@@ -221,14 +221,22 @@ impl PictureMap {
     /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].
     #[inline]
     pub fn at(&self, uv: impl Into<SurfaceUv>) -> [f32; 4] {
-        let uv = uv.into();
+        let texel = self.unscaled(self.place(uv.into()));
+        std::array::from_fn(|c| self.factor[c] * texel[c])
+    }
+
+    /// Where surface coordinates are on the picture and its repetitions, in texels.
+    pub(crate) fn in_texels(&self, uv: SurfaceUv) -> Vec2 {
+        self.place(uv) * Vec2::new(self.picture.width as f32, self.picture.height as f32)
+    }
+
+    #[inline]
+    fn place(&self, uv: SurfaceUv) -> Vec2 {
         let place = match self.set {
             UvSet::First => uv.first,
             UvSet::Second => uv.second,
         };
-        let texel =
-            self.unscaled(place * self.repeat + self.cross * Vec2::new(place.y, place.x) + self.offset);
-        std::array::from_fn(|c| self.factor[c] * texel[c])
+        place * self.repeat + self.cross * Vec2::new(place.y, place.x) + self.offset
     }
 
     /// The picture's own numbers at a place of its own.

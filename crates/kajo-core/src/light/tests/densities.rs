@@ -181,6 +181,35 @@ fn ellipsoids_and_cones() {
     check(Simple::Frustum([0.5, 0.5]), DAffine3::IDENTITY, Vec3::new(0.0, 0.2, 0.7), false);
 }
 
+/// Every place of a piece has coordinates, also where the piece has moved to.
+#[test]
+fn coordinates_name_places() {
+    let moved = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(1.5),
+        DQuat::from_rotation_x(0.8),
+        DVec3::new(0.1, -0.4, 0.7),
+    );
+    let flat = [Simple::Triangle, Simple::Square, Simple::Ring(0.3)];
+    let curved = [Simple::Sphere, Simple::Frustum([1.0, 0.4]), Simple::Torus(0.4), Simple::Torus(1.5)];
+    let shapes = [&flat[..], &curved].concat();
+    for (simple, map) in shapes.iter().flat_map(|s| [DAffine3::IDENTITY, skewed()].map(|map| (s, map))) {
+        let patch = simple.patch(&map);
+        let [here, there] = [None, Some(moved)].map(|moved| PlacedPatch { patch: &patch, moved });
+        for k in 0..200 {
+            let coordinates = 0.01 + 0.98 * draw(k);
+            let [at, image] = [here, there].map(|patch| patch.place_at(coordinates).unwrap());
+            let mapped = moved.transform_point3(at.p.as_dvec3()).as_vec3();
+            assert!(image.p.distance(mapped) < 1e-5, "{simple:?}: {} for {mapped}", image.p);
+            let again = [here.coordinates(at.p), there.coordinates(image.p)];
+            assert!(
+                again.iter().all(|c| c.distance(coordinates) < 1e-4),
+                "{simple:?}: {again:?} {coordinates}"
+            );
+            assert!((image.pdf * 2.25 / at.pdf - 1.0).abs() < 1e-3, "{simple:?}: {} {}", image.pdf, at.pdf);
+        }
+    }
+}
+
 #[test]
 fn tori() {
     // From the middle of tubes that leave no hole all of the surface is in view, and none of it edge on.

@@ -26,6 +26,7 @@ fn area(patch: Patch, sides: Sides) -> AreaLight {
         patch,
         drift: None,
         varied: None,
+        density: None,
         emission: Emission::from_rgb([2.0; 3]),
         sides,
         object: ObjectId::default(),
@@ -105,6 +106,26 @@ pub(crate) fn every_light() -> (Lights, Vec<KnownLight>) {
     let surface = Some(KnownSurface::new(torus, cone, receiver));
     let id = area(patch, Sides::Front).store(&mut lights);
     list.extend(id.map(|id| KnownLight { id, power, surface }));
+    // Whose points are drawn by another density.
+    let triangle = DAffine3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y, DVec3::new(-0.5, 1.0, -0.5));
+    for (shape, map, sides, receiver) in [
+        (Simple::Square, square, Sides::Front, below),
+        (Simple::Triangle, triangle, Sides::Both, above),
+        (Simple::Sphere, ball, Sides::Front, above),
+        (Simple::Ring(0.5), ring, Sides::Back, above),
+        (Simple::Frustum([1.0, 0.2]), cone, Sides::Both, Vec3::new(0.1, 0.2, 0.6)),
+        (torus, cone, Sides::Both, receiver),
+    ] {
+        let patch = shape.patch(&map);
+        let power = if sides == Sides::Both { 2.0 } else { 1.0 } * 2.0 * PI * patch.area();
+        let luminance = |i: usize| 1.0 + (i * 29 % 13) as f32 / 4.0 + if i % 24 == 10 { 40.0 } else { 0.0 };
+        let luminances: Vec<f32> = (0..48).map(luminance).collect();
+        let density = EmissionDensity::new(&patch, [7, 5], &luminances).map(Box::new);
+        let surface = Some(KnownSurface::new(shape, map, receiver));
+        assert!(density.is_some(), "{shape:?}");
+        let light = AreaLight { density, ..area(patch, sides) };
+        list.extend(light.store(&mut lights).map(|id| KnownLight { id, power, surface }));
+    }
     (lights, list)
 }
 

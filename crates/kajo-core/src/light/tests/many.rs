@@ -22,6 +22,7 @@ fn grid() -> (Lights, LightSampler) {
                 emission,
                 drift: None,
                 varied: None,
+                density: None,
                 sides: Sides::Both,
                 object: ObjectId::from_index(i),
                 part: 0,
@@ -115,7 +116,8 @@ fn a_few_pieces_stand_for_those_of_a_large_object() {
             let patch = Patch::parallelogram(corner, [f64::from(u(3)) * DVec3::X, DVec3::Z]);
             let emission = Emission::from_rgb([if part % 4 == 3 { 0.0 } else { 1.0 }; 3]);
             let (sides, object) = (Sides::Both, ObjectId::from_index(primitive));
-            let area = AreaLight { patch, emission, drift: None, varied: None, sides, object, part };
+            let area =
+                AreaLight { patch, emission, drift: None, varied: None, density: None, sides, object, part };
             powers[primitive as usize] += area.bounds().unwrap().power;
             list.extend(area.store(&mut lights).map(|id| (id, LightGroup::default())));
         }

@@ -51,7 +51,7 @@ impl Patch {
     }
 
     /// The image of a piece that is not curved.
-    fn moved(&self, m: &DAffine3) -> Option<Patch> {
+    pub(super) fn moved(&self, m: &DAffine3) -> Option<Patch> {
         match self {
             Patch::Sphere { center, radius } => Some(Patch::Sphere {
                 center: m.transform_point3(*center),
@@ -64,7 +64,73 @@ impl Patch {
 
 impl CurvedPatch {
     /// The image; its area is not measured anew.
-    fn moved(&self, m: &DAffine3) -> CurvedPatch {
+    pub(super) fn moved(&self, m: &DAffine3) -> CurvedPatch {
         CurvedPatch { map: *m * self.map, inverse: self.inverse * m.inverse(), ..*self }
+    }
+}
+
+/// A piece where it is at some moment.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedPatch<'a> {
+    /// The piece where it was once.
+    pub patch: &'a Patch,
+    /// How it has moved since then; a sphere must stay one.
+    pub moved: Option<DAffine3>,
+}
+
+impl PlacedPatch<'_> {
+    /// See [`Patch::sample`].
+    #[inline]
+    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<PatchWay> {
+        match &self.moved {
+            None => self.patch.sample(from, u),
+            Some(m) => self.patch.sample_moved(m, from, u),
+        }
+    }
+
+    /// See [`Patch::pdf`].
+    #[inline]
+    pub fn pdf(&self, from: Vec3, p: Vec3, n: Vec3) -> f32 {
+        match &self.moved {
+            None => self.patch.pdf(from, p, n),
+            Some(m) => self.patch.pdf_moved(m, from, p, n),
+        }
+    }
+
+    /// See [`Patch::sample_area`].
+    pub fn sample_area(&self, u: Vec2) -> Option<PatchSample> {
+        match &self.moved {
+            None => self.patch.sample_area(u),
+            Some(m) => self.patch.sample_area_moved(m, u),
+        }
+    }
+
+    /// See [`Patch::pdf_area`].
+    pub fn pdf_area(&self, p: Vec3) -> f32 {
+        match &self.moved {
+            None => self.patch.pdf_area(p),
+            Some(m) => self.patch.pdf_area_moved(m, p),
+        }
+    }
+
+    /// See [`Patch::place_at`].
+    pub fn place_at(&self, at: Vec2) -> Option<PatchSample> {
+        match &self.moved {
+            None => Some(self.patch.place_at(at)),
+            Some(m) => self.patch.place_at_moved(m, at),
+        }
+    }
+
+    /// See [`Patch::coordinates`].
+    pub fn coordinates(&self, p: Vec3) -> Vec2 {
+        match &self.moved {
+            None => self.patch.coordinates(p),
+            Some(m) => self.patch.coordinates_moved(m, p),
+        }
+    }
+
+    /// See [`Patch::is_drawn_by_area`]; one that has moved is not asked.
+    pub fn is_drawn_by_area(&self, from: Vec3) -> bool {
+        self.moved.is_none() && self.patch.is_drawn_by_area(from)
     }
 }
