@@ -56,7 +56,7 @@ macro_rules! family {
         family!(@any [$(#[$any_doc])*] $Any $Handle $Pools $members);
 
         const _: () = {
-            family!(@kinds $Handle $Pools $members);
+            family!(@kinds $Handle $Any $Pools $members);
 
             impl $Any {
                 $(family!(@any_method [$(#[$own_doc])*] $Any $Contract $members $own_method [$OwnOut]);)*
@@ -135,7 +135,7 @@ macro_rules! family {
         }
     };
 
-    (@kinds $Handle:ident $Pools:ident { $($field:ident: $Member:ident),+ $(,)? }) => {
+    (@kinds $Handle:ident $Any:ident $Pools:ident { $($field:ident: $Member:ident),+ $(,)? }) => {
         #[expect(non_camel_case_types, reason = "kinds are named after their pools")]
         enum Kind { $($field),+ }
 
@@ -146,6 +146,15 @@ macro_rules! family {
             /// The name of a member's kind.
             pub fn kind(id: $Handle) -> &'static str {
                 $Pools::KINDS[crate::family::split(id.0).0 as usize]
+            }
+
+            /// A copy of the member that a handle names.
+            pub fn any(&self, id: $Handle) -> $Any {
+                let (kind, index) = crate::family::split(id.0);
+                match kind {
+                    $(k if k == Kind::$field as u32 => $Any::$Member(self.$field[index].clone()),)+
+                    _ => unreachable!("handles are made by their own pools"),
+                }
             }
 
             /// The name of a member's type.

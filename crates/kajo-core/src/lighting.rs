@@ -228,6 +228,13 @@ impl EmissiveSurfaces for Scene {
         let at = Interaction { point, hit, object: light.object, time, ..Interaction::default() };
         self.varied_radiance(emission, &at, wavelengths)
     }
+
+    #[inline(never)]
+    fn shows(&self, light: &AreaLight, p: Vec3, time: f32) -> bool {
+        let primitive = &self.geometry.primitives[light.object.index()];
+        let own = self.geometry.place(primitive, time).object_from_world.transform_point3(p);
+        self.geometry.shapes.shows(primitive.shape, light.part, own)
+    }
 }
 
 impl SurfacePoint {

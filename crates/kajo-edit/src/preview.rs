@@ -18,7 +18,7 @@ use std::collections::HashMap;
 
 use kajo_core::material::MaterialId;
 use kajo_core::scene::Scene;
-use kajo_core::shape::{Cone, Mesh, Plane, ShapeId, Shapes, Sphere, Surface, Tessellation, Torus};
+use kajo_core::shape::{Cone, Csg, Mesh, Plane, ShapeId, Shapes, Sphere, Surface, Tessellation, Torus};
 use kajo_core::{NestedPiece, PieceContent, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
@@ -189,7 +189,10 @@ impl<'a> Builder<'a> {
                 Some(plane) => self.square(plane, transform, &mut triangles),
                 None => scene.geometry.shapes.tessellate(id, self.around, &mut triangles),
             }
-            self.add_single(object, material, transform, &triangles);
+            let own = |part: u32| scene.geometry.shapes.material_slot(id, part);
+            let of_part =
+                |part: u32| own(part).map_or(material, |slot| scene.appearance.slots[slot as usize]);
+            self.add_single(object, of_part, transform, &triangles);
         }
     }
 
@@ -282,11 +285,31 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds triangles at their place in the world.
-    fn add_single(&mut self, object: u32, material: MaterialId, to: &Transform, triangles: &Tessellation) {
+    ///
+    /// * `material`: of each part
+    fn add_single(
+        &mut self,
+        object: u32,
+        material: impl Fn(u32) -> MaterialId,
+        to: &Transform,
+        triangles: &Tessellation,
+    ) {
         let points: Vec<Vec3> = triangles.positions.iter().map(|&p| to.point(p)).collect();
-        let color = color::of(self.scene, material, Aabb::around(points.iter().copied()).center());
+        let middle = Aabb::around(points.iter().copied()).center();
+        let mut colors: HashMap<MaterialId, [u8; 4]> = HashMap::new();
+        let mut color_of = |part: u32| {
+            let material = material(part);
+            *colors.entry(material).or_insert_with(|| color::of(self.scene, material, middle))
+        };
+        // Corners are shared within a part at most.
+        let mut of_vertices = vec![[255; 4]; points.len()];
+        for (face, &part) in triangles.faces.iter().zip(&triangles.parts) {
+            let color = color_of(part);
+            face.iter().for_each(|&i| of_vertices[i as usize] = color);
+        }
         let base = self.single.vertices.len() as u32;
-        self.single.vertices.extend(points.iter().zip(&triangles.normals).map(|(p, &n)| Vertex {
+        let vertices = points.iter().zip(&triangles.normals).zip(of_vertices);
+        self.single.vertices.extend(vertices.map(|((p, &n), color)| Vertex {
             position: p.to_array(),
             normal: to.normal(n).to_array(),
             color,
@@ -346,6 +369,7 @@ fn is_curved(shapes: &Shapes, id: ShapeId) -> bool {
     Sphere::find(shapes, id).is_some()
         || Cone::find(shapes, id).is_some()
         || Torus::find(shapes, id).is_some()
+        || Csg::find(shapes, id).is_some()
 }
 
 fn white_vertices(triangles: &Tessellation) -> Vec<Vertex> {

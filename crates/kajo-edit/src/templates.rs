@@ -48,7 +48,13 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             let eye = point(0.0, 0.0, 6.0);
             format!("PerspectiveCamera {{ center {eye}  direction 0 0 -1  up 0 1 0  angle 30 }}")
         }
-        "Group" => "Group { }".to_owned(),
+        "Group" | "Union" => format!("{keyword} {{ }}"),
+        "Intersection" | "Difference" | "Merge" => {
+            let (min, max, corner) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0), point(1.0, 1.0, 1.0));
+            format!(
+                "{keyword} {{ Box {{ min {min}  max {max} }}  Sphere {{ center {corner}  radius {radius} }} }}"
+            )
+        }
         "Transform" => "Transform { Translate 0 0 0  Group { } }".to_owned(),
         "Checkerboard" | "Marble" | "Mix" | "Noise" | "Wood" => {
             format!("{keyword} {{ materialIndex 0  materialIndex 0 }}")

@@ -13,7 +13,7 @@ use crate::background::Background;
 use crate::emission::VariedEmission;
 use crate::family::Pooled;
 use crate::ids::{LightGroup, LightIndex, ObjectId, PoseId, VariedEmissionId};
-use crate::light::{AreaLight, LightSampler, Sides, SkyLight};
+use crate::light::{AreaLight, LightSampler, PatchExtent, Sides, SkyLight};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::scene::Primitive;
@@ -113,8 +113,13 @@ impl SceneBuilder {
                     self.emission_of_patch(emission, &patch, n_patches)
                 }
             };
+            let extent = match (shapes.is_partial(shape), shapes.is_inverted(shape, part)) {
+                (false, _) => PatchExtent::Whole,
+                (true, false) => PatchExtent::Part,
+                (true, true) => PatchExtent::InvertedPart,
+            };
             let drift = drift.clone();
-            let light = AreaLight { patch, drift, emission, varied, density, sides, object, part };
+            let light = AreaLight { patch, drift, emission, varied, density, sides, extent, object, part };
             lights.push((light, group));
         });
         lights

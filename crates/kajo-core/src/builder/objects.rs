@@ -21,9 +21,11 @@ impl SceneBuilder {
         let name = shape.name();
         check_finite(shape.is_finite(), name)?;
         let own = match &shape {
-            AnyShape::Mesh(mesh) => Some(self.own_materials(mesh)?).filter(|own| own.transmit || own.emit),
-            _ => None,
+            AnyShape::Mesh(mesh) => self.own_materials(mesh.material_slots().iter().copied())?,
+            AnyShape::Csg(csg) => self.own_materials(csg.material_slots())?,
+            _ => OwnMaterials::default(),
         };
+        let own = (own.transmit || own.emit).then_some(own);
         let id = shape.store(&mut self.geometry.shapes).ok_or(SceneError::TooMany(name))?;
         self.own_materials.extend(own.map(|own| (id, own)));
         Ok(id)
@@ -137,10 +139,10 @@ impl SceneBuilder {
         self.geometry.shapes.contains(shape).then_some(()).ok_or(SceneError::UnknownShape(shape))
     }
 
-    /// What is known of the materials of a mesh.
-    fn own_materials(&self, mesh: &Mesh) -> Result<OwnMaterials, SceneError> {
+    /// What is known of the materials that a shape brings.
+    fn own_materials(&self, slots: impl Iterator<Item = u32>) -> Result<OwnMaterials, SceneError> {
         let (mut own, mut latest) = (OwnMaterials::default(), ABSENT);
-        for &slot in mesh.material_slots() {
+        for slot in slots {
             // Neighbours mostly have the same.
             if slot == latest || slot == ABSENT {
                 continue;

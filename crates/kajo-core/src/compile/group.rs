@@ -22,18 +22,8 @@ const DEFINE: &str = blocks::group::DEFINE.keyword;
 
 /// Words for objects, groups and transforms included.
 pub(super) const OBJECTS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
-const LATER: [&str; 10] = [
-    "BezierCurve",
-    "Blob",
-    "BsplineCurve",
-    "Difference",
-    "HeightField",
-    "Intersection",
-    "Isosurface",
-    "Quartic",
-    "RevSurface",
-    "Union",
-];
+const LATER: [&str; 7] =
+    ["BezierCurve", "Blob", "BsplineCurve", "HeightField", "Isosurface", "Quartic", "RevSurface"];
 
 impl Compiler<'_> {
     /// Everything in the scene's group.
@@ -66,7 +56,7 @@ impl Compiler<'_> {
         self.check_count("numObjects", count, objects, "object");
     }
 
-    fn object(&mut self, item: Item<'_>, parent: &str, place: &mut Place, walk: &mut Walk) {
+    pub(super) fn object(&mut self, item: Item<'_>, parent: &str, place: &mut Place, walk: &mut Walk) {
         match item.keyword() {
             DEFINE => self.define(item, walk),
             MATERIAL_INDEX => {

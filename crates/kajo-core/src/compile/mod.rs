@@ -10,6 +10,7 @@ mod blocks;
 mod camera;
 mod camera_keys;
 mod cameras;
+mod csg;
 mod definition;
 mod extras;
 mod fields;
@@ -181,6 +182,8 @@ struct Compiler<'a> {
     file_errors: &'a mut Vec<(MeshFileError, Span)>,
     scene: SceneBuilder,
     definitions: HashMap<String, Definition>,
+    /// The numbers by which solids made of others name materials.
+    solid_slots: HashMap<MaterialId, u32>,
     /// How often the text places each definition.
     uses: HashMap<String, usize>,
     /// Parts of all definitions.
@@ -223,6 +226,7 @@ impl<'a> Compiler<'a> {
             file_errors,
             scene: SceneBuilder::new(options.limits.clone(), options.build),
             definitions: HashMap::new(),
+            solid_slots: HashMap::new(),
             uses: HashMap::new(),
             parts_defined: 0,
             too_many: false,
@@ -318,6 +322,8 @@ impl<'a> Compiler<'a> {
 
 #[cfg(test)]
 mod camera_tests;
+#[cfg(test)]
+mod csg_tests;
 #[cfg(test)]
 mod emission_tests;
 #[cfg(test)]

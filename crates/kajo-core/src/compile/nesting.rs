@@ -78,7 +78,7 @@ fn too_many_moving<'t>(desc: &'t SceneDesc, most: usize) -> Option<(Item<'t>, us
                 more.parts = if more.moves { more.parts } else { more.parts.min(1) };
             }
             "Transform" => more.moves = moves(item) && item.children().any(|child| is_object(child)),
-            "Group" | "Model" => {}
+            "Group" | "Union" | "Model" => {}
             _ if is_object(item) => more.parts = 1,
             _ => {}
         }

@@ -15,6 +15,8 @@ pub(super) struct Walk {
     pub material_failed: bool,
     /// What has been found of a definition, while one is read: nothing in it is an object of the scene yet.
     pub parts: Option<Vec<Part>>,
+    /// Whether what is read is an operand of a set operation.
+    pub is_operand: bool,
 }
 
 /// Where objects stand.

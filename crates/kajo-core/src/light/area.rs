@@ -46,6 +46,18 @@ impl Sides {
     }
 }
 
+/// What of a patch there is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PatchExtent {
+    /// All of it.
+    #[default]
+    Whole,
+    /// What [`EmissiveSurfaces::shows`] says, facing as the patch does.
+    Part,
+    /// The same, facing the other way.
+    InvertedPart,
+}
+
 /// An emissive patch.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
@@ -61,6 +73,8 @@ pub struct AreaLight {
     pub density: Option<Box<EmissionDensity>>,
     /// Which sides give light.
     pub sides: Sides,
+    /// What of the patch there is.
+    pub extent: PatchExtent,
     /// The object it belongs to.
     pub object: ObjectId,
     /// The part of that object.
@@ -68,6 +82,16 @@ pub struct AreaLight {
 }
 
 impl AreaLight {
+    /// The normal of the surface where the patch has the normal `n`; `None` where it is not there.
+    #[inline]
+    fn surface_normal(&self, p: Vec3, n: Vec3, time: f32, surfaces: &impl EmissiveSurfaces) -> Option<Vec3> {
+        match self.extent {
+            PatchExtent::Whole => Some(n),
+            PatchExtent::Part => surfaces.shows(self, p, time).then_some(n),
+            PatchExtent::InvertedPart => surfaces.shows(self, p, time).then_some(-n),
+        }
+    }
+
     /// The radiance of the point `p` at a time.
     #[inline]
     fn radiance(
@@ -89,12 +113,13 @@ impl AreaLight {
         PlacedPatch { patch: &self.patch, moved: self.drift.as_ref().map(|drift| drift.map_at(time)) }
     }
 
-    /// A box around the patch, its unit normal where it is the same everywhere, and its area.
+    /// A box around the patch, the unit normal of its surface where it is the same everywhere, and its area.
     ///
     /// The area of a curved patch is that at the opening of the shutter.
     fn outline(&self, time: f32) -> (Aabb, Option<Vec3>, f32) {
         let (bounds, area) = (self.patch.bounds(), self.patch.area() as f32);
-        let normal = self.patch.normal().map(|n| n.as_vec3());
+        let facing = if self.extent == PatchExtent::InvertedPart { -1.0 } else { 1.0 };
+        let normal = self.patch.normal().map(|n| facing * n.as_vec3());
         let Some(drift) = &self.drift else { return (bounds, normal, area) };
         let map = drift.at(time);
         let Some(n) = normal else { return (map.bounds(&bounds), None, area) };
@@ -161,11 +186,12 @@ impl Emitter for AreaLight {
             None => patch.sample(to.p, u)?,
             Some(density) => density.sample(&patch, to.p, u)?,
         };
-        if !self.sides.emit(-wi.dot(at.n)) {
+        let n = self.surface_normal(at.p, at.n, to.time, surfaces)?;
+        if !self.sides.emit(-wi.dot(n)) {
             return None;
         }
         let radiance = self.radiance(at.p, to.time, wavelengths, surfaces);
-        let point = LightPoint::Surface { p: at.p, p_error: at.p_error, n: at.n };
+        let point = LightPoint::Surface { p: at.p, p_error: at.p_error, n };
         Some(LightLiSample { wi, radiance, pdf: at.pdf, is_delta: false, at: point })
     }
 
@@ -204,9 +230,10 @@ impl Emitter for AreaLight {
             None => patch.sample_area(u.position)?,
             Some(density) => density.sample_area(&patch, u.position)?,
         };
-        let n = if self.sides == Sides::Back { -drawn.n } else { drawn.n };
+        let outward = self.surface_normal(drawn.p, drawn.n, time, surfaces)?;
+        let n = if self.sides == Sides::Back { -outward } else { outward };
         let d = cosine_around(n, u.direction, self.sides == Sides::Both);
-        let at = LightPoint::Surface { p: drawn.p, p_error: drawn.p_error, n: drawn.n };
+        let at = LightPoint::Surface { p: drawn.p, p_error: drawn.p_error, n: outward };
         Some(LightLeSample {
             at,
             d,

@@ -24,7 +24,7 @@ mod spot;
 mod tree;
 
 pub use crate::ids::MAX_LIGHT_GROUPS;
-pub use area::{AreaLight, Sides};
+pub use area::{AreaLight, PatchExtent, Sides};
 pub use bounding_sphere::BoundingSphere;
 pub use directional::DirectionalLight;
 pub use emission_density::EmissionDensity;
@@ -75,6 +75,9 @@ pub trait EmissiveSurfaces {
         time: f32,
         wavelengths: &Wavelengths,
     ) -> Spectrum;
+
+    /// Whether the world-space point `p` of a light's patch is one of the surface, where there may be less of that.
+    fn shows(&self, light: &AreaLight, p: Vec3, time: f32) -> bool;
 }
 
 /// What makes a white surface under a light that it faces just as bright in the classic formula: the irradiance over π.

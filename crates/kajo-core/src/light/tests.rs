@@ -37,6 +37,10 @@ impl EmissiveSurfaces for MeanEmission {
     ) -> Spectrum {
         light.emission.at(wavelengths)
     }
+
+    fn shows(&self, _light: &AreaLight, _p: Vec3, _time: f32) -> bool {
+        true
+    }
 }
 
 /// What a light sends to a point.
@@ -200,6 +204,7 @@ fn an_area_light_emits_from_its_sides_only() {
         patch: square(1.0),
         emission: Emission::from_rgb([1.0; 3]),
         sides,
+        extent: PatchExtent::Whole,
         object: ObjectId::default(),
         part: 0,
     };

@@ -175,4 +175,8 @@ impl Surface for Cone {
     fn is_closed(&self) -> bool {
         self.capped
     }
+
+    fn part_count(&self) -> u32 {
+        TOP + 1
+    }
 }

@@ -117,4 +117,8 @@ impl Surface for Cuboid {
     fn is_closed(&self) -> bool {
         true
     }
+
+    fn part_count(&self) -> u32 {
+        6
+    }
 }

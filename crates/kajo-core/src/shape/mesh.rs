@@ -7,6 +7,7 @@
 //! Scene: `TriangleMesh { file bunny.ply  smooth on }`
 
 use std::cmp::Ordering;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use kajo_bvh::{BuildError, BuildSettings, TriangleBvh};
@@ -123,6 +124,27 @@ impl Mesh {
     /// Number of triangles that no ray can hit, for want of area or of finite corners.
     pub fn dropped(&self) -> usize {
         self.0.bvh.stats().dropped
+    }
+
+    /// The ends of an edge that has a triangle on one side only, or two that wind against each other, if there is one.
+    pub fn open_edge(&self) -> Option<[Vec3; 2]> {
+        // Adding zero makes one of the two zeros.
+        let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
+        let mut balance: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
+        let edges = || {
+            self.0.faces.iter().flat_map(|&[a, b, c]| {
+                [(a, b), (b, c), (c, a)]
+                    .map(|(from, to)| [self.0.positions[from as usize], self.0.positions[to as usize]])
+            })
+        };
+        for [from, to] in edges() {
+            let (from, to) = (bits(from), bits(to));
+            *balance.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
+        }
+        edges().find(|&[from, to]| {
+            let (from, to) = (bits(from), bits(to));
+            from != to && balance[&[from.min(to), from.max(to)]] != 0
+        })
     }
 
     /// The vertices.
@@ -256,6 +278,10 @@ impl Surface for Mesh {
 
     fn is_closed(&self) -> bool {
         self.0.closed
+    }
+
+    fn part_count(&self) -> u32 {
+        self.0.faces.len() as u32
     }
 
     fn material_slot(&self, part: u32) -> Option<u32> {

@@ -6,6 +6,7 @@
 //! modelling need.
 
 mod cone;
+mod csg;
 mod cuboid;
 mod disk;
 mod mesh;
@@ -19,6 +20,7 @@ mod triangle;
 mod vertex_attributes;
 
 pub use cone::Cone;
+pub use csg::{Csg, CsgError, SetOperation, SolidPart};
 pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
@@ -84,6 +86,36 @@ pub trait Surface: Sized {
     /// Whether the surface encloses a volume, so that crossings come in pairs.
     fn is_closed(&self) -> bool;
 
+    /// Whether it has an inside: closed surfaces, and those that bound half of space.
+    fn is_solid(&self) -> bool {
+        self.is_closed()
+    }
+
+    /// Whether the line of a ray comes from within a solid without an end; see [`Surface::is_solid`].
+    fn starts_inside(&self, _ray: &Ray) -> bool {
+        false
+    }
+
+    /// How many parts there are to hit: one more than the largest [`Hit::part`].
+    fn part_count(&self) -> u32 {
+        1
+    }
+
+    /// Whether patches may be larger than the surface; then [`Surface::shows`] says where it is.
+    fn is_partial(&self) -> bool {
+        false
+    }
+
+    /// Whether a point of the patches of a part is one of the surface.
+    fn shows(&self, _part: u32, _p: Vec3) -> bool {
+        true
+    }
+
+    /// Whether the surface faces where the patches of a part have their backs.
+    fn is_inverted(&self, _part: u32) -> bool {
+        false
+    }
+
     /// The pieces that the surface consists of with their parts, for surfaces that give light; none for
     /// unbounded ones.
     fn patches<F: FnMut(u32, Patch)>(&self, _visit: F) {}
@@ -116,6 +148,7 @@ family! {
     contract Surface;
     members {
         cones: Cone,
+        csgs: Csg,
         cuboids: Cuboid,
         disks: Disk,
         meshes: Mesh,
@@ -128,6 +161,8 @@ family! {
     any methods {
         /// See [`Surface::is_finite`].
         fn is_finite() -> bool;
+        /// See [`Surface::is_solid`].
+        fn is_solid() -> bool;
     }
     methods {
         /// See [`Surface::bounds`].
@@ -152,12 +187,24 @@ family! {
         fn tangents_at(hit: &Hit, p: Vec3) -> Tangents;
         /// See [`Surface::is_closed`].
         fn is_closed() -> bool;
+        /// See [`Surface::starts_inside`].
+        fn starts_inside(ray: &Ray) -> bool;
+        /// See [`Surface::part_count`].
+        fn part_count() -> u32;
+        /// See [`Surface::is_partial`].
+        fn is_partial() -> bool;
+        /// See [`Surface::shows`].
+        fn shows(part: u32, p: Vec3) -> bool;
+        /// See [`Surface::is_inverted`].
+        fn is_inverted(part: u32) -> bool;
         /// See [`Surface::patches`].
         fn patches<F: FnMut(u32, Patch)>(visit: F);
         /// See [`Surface::tessellate`].
         fn tessellate(around: u32, out: &mut Tessellation);
         /// See [`Surface::material_slot`].
         fn material_slot(part: u32) -> Option<u32>;
+        /// See [`Surface::heap_bytes`].
+        fn heap_bytes() -> usize;
     }
 }
 

@@ -164,6 +164,17 @@ impl Patch {
         })
     }
 
+    /// The same surface, drawn by area where it would be drawn by what of it a point sees from outside; `None` where it has none.
+    pub fn by_area(self) -> Option<Patch> {
+        match self {
+            Patch::Sphere { center, radius } => {
+                let placed = DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
+                Patch::curved(Canonical::Sphere, placed)
+            }
+            _ => Some(self),
+        }
+    }
+
     /// The image of a canonical surface; `None` when the map has no inverse.
     pub fn curved(surface: Canonical, map: DAffine3) -> Option<Patch> {
         let inverse = map.inverse();

@@ -81,4 +81,14 @@ impl Surface for Plane {
     fn is_closed(&self) -> bool {
         false
     }
+
+    /// It bounds the half of space that its normal points away from.
+    fn is_solid(&self) -> bool {
+        true
+    }
+
+    fn starts_inside(&self, ray: &Ray) -> bool {
+        let speed = self.normal.dot(ray.d.as_dvec3());
+        speed > 0.0 || (speed == 0.0 && self.normal.dot(ray.o.as_dvec3()) < self.offset)
+    }
 }

@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use kajo_math::{DVec3, Vec3, fmath};
+use kajo_math::{Aabb, DVec3, Transform, Vec3, fmath};
 
 use super::patch::on_torus;
 use super::{Canonical, CurvedPatch, DiskPatch, Patch, QuadPatch};
@@ -111,6 +111,42 @@ impl Tessellation {
         }
     }
 
+    /// Takes the triangles to another space.
+    pub fn place(&mut self, to: &Transform) {
+        self.positions.iter_mut().for_each(|p| *p = to.point(*p));
+        self.normals.iter_mut().filter(|n| **n != Vec3::ZERO).for_each(|n| *n = to.normal(*n));
+        if to.mirrors() {
+            self.faces.iter_mut().for_each(|face| face.swap(1, 2));
+        }
+    }
+
+    /// Makes the outside of the inside.
+    pub fn turn_inside_out(&mut self) {
+        self.normals.iter_mut().for_each(|n| *n = -*n);
+        self.faces.iter_mut().for_each(|face| face.swap(1, 2));
+    }
+
+    /// Adds to `out` what of the triangles is at points that are kept: large ones, and those at the border, in pieces.
+    ///
+    /// * `first_part`: what to add to the numbers of parts
+    pub fn cut(&self, first_part: u32, keeps: impl Fn(Vec3) -> bool, out: &mut Tessellation) {
+        /// Pieces are looked at that are this much smaller than the whole, and pieces of those at the border.
+        const PIECES: f32 = 12.0;
+        const AT_BORDER: u32 = 2;
+        let coarse = Aabb::around(self.positions.iter().copied()).extent().length() / PIECES;
+        for (face, part) in self.faces.iter().zip(&self.parts) {
+            let corners = face.map(|i| (self.positions[i as usize], self.normals[i as usize]));
+            let extent = Aabb::around(corners.map(|corner| corner.0)).extent().length();
+            let least = (extent / coarse).max(1.0).log2().ceil() as u32;
+            let mut kept = Vec::new();
+            Cut { keeps: &keeps, least, most: least + AT_BORDER }.piece(corners, 0, &mut kept);
+            for corners in kept {
+                let face = corners.map(|(p, n)| out.vertex(p, n));
+                out.face(first_part + part, face);
+            }
+        }
+    }
+
     /// Adds a triangle, wound as its normals say, unless it has shrunk to a line.
     fn turned(&mut self, part: u32, [a, b, c]: [u32; 3]) {
         let [p, q, r] = [a, b, c].map(|i| self.positions[i as usize]);
@@ -120,6 +156,41 @@ impl Tessellation {
         let n: Vec3 = [a, b, c].map(|i| self.normals[i as usize]).iter().sum();
         let outward = (q - p).cross(r - p).dot(n) >= 0.0;
         self.face(part, if outward { [a, b, c] } else { [a, c, b] });
+    }
+}
+
+/// Which pieces of a triangle are kept.
+struct Cut<'a, F> {
+    keeps: &'a F,
+    /// How often it is divided in any case, and at most.
+    least: u32,
+    most: u32,
+}
+
+impl<F: Fn(Vec3) -> bool> Cut<'_, F> {
+    /// Adds what is kept of a piece, position and normal of each corner; whether that is all of it.
+    fn piece(&self, corners: [(Vec3, Vec3); 3], depth: u32, kept: &mut Vec<[(Vec3, Vec3); 3]>) -> bool {
+        let [a, b, c] = corners;
+        let middle = (a.0 + b.0 + c.0) / 3.0;
+        if depth >= self.least {
+            let keeps = (self.keeps)(middle);
+            // At corners themselves other surfaces may begin.
+            let uniform = || corners.iter().all(|(p, _)| (self.keeps)(p.lerp(middle, 0.02)) == keeps);
+            if depth == self.most || uniform() {
+                kept.extend(keeps.then_some(corners));
+                return keeps;
+            }
+        }
+        let half = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (0.5 * (a.0 + b.0), (a.1 + b.1).normalize_or_zero());
+        let (ab, bc, ca) = (half(a, b), half(b, c), half(c, a));
+        let before = kept.len();
+        let pieces = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        let whole = pieces.map(|piece| self.piece(piece, depth + 1, kept)).iter().all(|&whole| whole);
+        if whole {
+            kept.truncate(before);
+            kept.push(corners);
+        }
+        whole
     }
 }
 

@@ -22,6 +22,9 @@ macro_rules! closed_shapes {
         $check("torus", &torus(0.7, 0.25) $(, $arg)*);
         $check("torus without a hole", &torus(0.4, 0.4) $(, $arg)*);
         $check("torus that crosses itself", &torus(0.3, 0.5) $(, $arg)*);
+        $check("difference", &carved(SetOperation::Difference) $(, $arg)*);
+        $check("merge", &carved(SetOperation::Union) $(, $arg)*);
+        $check("intersection", &carved(SetOperation::Intersection) $(, $arg)*);
     }};
 }
 
@@ -47,6 +50,23 @@ fn cone(base: f32, top: f32, capped: bool) -> Cone {
 
 fn torus(major: f32, minor: f32) -> Torus {
     Torus::new(Vec3::new(0.1, -0.1, 0.05), Vec3::new(0.3, 1.0, -0.4), major, minor).unwrap()
+}
+
+/// A box, and a ball and a mesh somewhere else.
+fn carved(operation: SetOperation) -> Csg {
+    let map = kajo_math::DAffine3::from_translation(DVec3::new(0.4, 0.3, 0.2))
+        * kajo_math::DAffine3::from_rotation_z(0.4)
+        * kajo_math::DAffine3::from_scale(DVec3::new(1.0, 0.8, 1.2));
+    let part = |shape: AnyShape, map| vec![SolidPart { shape, map, material: None }];
+    let still = kajo_math::DAffine3::IDENTITY;
+    let cuboid = Cuboid::new(Vec3::new(-0.6, -0.7, -0.5), Vec3::new(0.5, 0.4, 0.6));
+    let operands = [
+        part(cuboid.into(), still),
+        part(Sphere::new(Vec3::new(0.2, 0.1, 0.3), 0.6).into(), map),
+        part(octahedron().into(), map),
+    ];
+    let first = if operation == SetOperation::Intersection { &operands[..] } else { &operands[..2] };
+    Csg::new(operation, first).unwrap()
 }
 
 fn triangle() -> Triangle {

@@ -12,6 +12,7 @@ mod polygon;
 mod quadrature;
 mod rainbow;
 mod rooms;
+mod solids;
 mod surfaces;
 mod tables;
 
@@ -120,7 +121,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 12] = [
+    let makers: [(&str, Maker); 13] = [
         ("rooms", rooms::forms),
         ("lights", lights::forms),
         ("bodies", bodies::forms),
@@ -133,6 +134,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("materials", materials::forms),
         ("camera", camera::forms),
         ("motion", motion::forms),
+        ("solids", solids::forms),
     ];
     makers.into_iter().flat_map(|(name, make)| make(&mut Parameters::new(seed, name))).collect()
 }

@@ -235,7 +235,7 @@ fn add_menu(ui: &mut Ui, actions: &mut Vec<Action>) {
             });
         }
         ui.separator();
-        for keyword in ["Group", "Transform"] {
+        for keyword in keywords_of(Kind::Group).chain(["Transform"]) {
             if ui.button(keyword).clicked() {
                 actions.push(Action::Add(keyword));
             }

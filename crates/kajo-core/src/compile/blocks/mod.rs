@@ -26,6 +26,7 @@ pub(super) mod plane;
 pub(super) mod point_light;
 pub(super) mod principled;
 pub(super) mod quad;
+pub(super) mod set_operations;
 pub(super) mod sphere;
 pub(super) mod spot_light;
 pub(super) mod stereo_cubemap_camera;
@@ -38,7 +39,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 14] = [
+pub(super) const OBJECTS: [&ObjectMember; 18] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -50,6 +51,10 @@ pub(super) const OBJECTS: [&ObjectMember; 14] = [
     &triangle::MEMBER,
     &triangle_mesh::MEMBER,
     &model::MEMBER,
+    &set_operations::UNION,
+    &set_operations::INTERSECTION,
+    &set_operations::DIFFERENCE,
+    &set_operations::MERGE,
     &group::GROUP,
     &group::TRANSFORM,
     &group::INSTANCE,

@@ -29,6 +29,7 @@ fn area(patch: Patch, sides: Sides) -> AreaLight {
         density: None,
         emission: Emission::from_rgb([2.0; 3]),
         sides,
+        extent: PatchExtent::Whole,
         object: ObjectId::default(),
         part: 0,
     }

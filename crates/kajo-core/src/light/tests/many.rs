@@ -24,6 +24,7 @@ fn grid() -> (Lights, LightSampler) {
                 varied: None,
                 density: None,
                 sides: Sides::Both,
+                extent: PatchExtent::Whole,
                 object: ObjectId::from_index(i),
                 part: 0,
             };
@@ -115,9 +116,9 @@ fn a_few_pieces_stand_for_those_of_a_large_object() {
             let corner = 9.0 * DVec3::new(u(0).into(), u(1).into(), u(2).into());
             let patch = Patch::parallelogram(corner, [f64::from(u(3)) * DVec3::X, DVec3::Z]);
             let emission = Emission::from_rgb([if part % 4 == 3 { 0.0 } else { 1.0 }; 3]);
-            let (sides, object) = (Sides::Both, ObjectId::from_index(primitive));
-            let area =
-                AreaLight { patch, emission, drift: None, varied: None, density: None, sides, object, part };
+            let (sides, extent, object) = (Sides::Both, PatchExtent::Whole, ObjectId::from_index(primitive));
+            let (drift, varied, density) = (None, None, None);
+            let area = AreaLight { patch, emission, drift, varied, density, sides, extent, object, part };
             powers[primitive as usize] += area.bounds().unwrap().power;
             list.extend(area.store(&mut lights).map(|id| (id, LightGroup::default())));
         }

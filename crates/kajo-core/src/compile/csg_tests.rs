@@ -1,0 +1,118 @@
+//! Solids made of solids, as they are written.
+
+use kajo_math::{Ray, Vec3};
+use kajo_scene::{MemoryAssets, SceneDesc};
+
+use super::tests::scene;
+use super::*;
+use crate::scene::Event;
+
+const HEAD: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }
+Materials { Material red { diffuseColor 1 0 0 } Material green { diffuseColor 0 1 0 } }\n";
+
+fn of(group: &str) -> Scene {
+    scene(&format!("{HEAD}Group {{ MaterialIndex red {group} }}"))
+}
+
+/// What a ray down the z axis from (x, y) meets first: how high, and of which colour.
+fn look(scene: &Scene, x: f32, y: f32) -> Option<(f32, [f32; 3])> {
+    match scene.trace(&Ray::new(Vec3::new(x, y, 10.0), Vec3::NEG_Z)) {
+        Event::Surface(at) => {
+            let phong = scene.appearance.phong(at.material, &scene.texture_context(&at));
+            Some(((at.point.p.z * 1e4).round() / 1e4, phong.diffuse.to_rgb()))
+        }
+        Event::Escaped => None,
+    }
+}
+
+/// Everything that is said about a group with a mistake.
+fn report(group: &str) -> String {
+    let open = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
+    let assets = MemoryAssets::new().with("open.obj", open);
+    let mut parsed = SceneDesc::parse_str(&format!("{HEAD}Group {{ MaterialIndex red {group} }}"));
+    let mut diagnostics = parsed.diagnostics;
+    let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+    assert!(scene.is_none(), "accepted: {group}");
+    diagnostics.iter().map(|diagnostic| format!("{diagnostic:?}\n")).collect()
+}
+
+const RED: [f32; 3] = [1.0, 0.0, 0.0];
+const GREEN: [f32; 3] = [0.0, 1.0, 0.0];
+
+#[test]
+fn faces_keep_the_materials_of_their_operands() {
+    let cube = "Box { min -1 -1 -1 max 1 1 1 }";
+    let scene =
+        of(&format!("Difference {{ {cube} MaterialIndex green Sphere {{ center 0 0 1 radius 0.5 }} }}"));
+    assert_eq!(look(&scene, 0.8, 0.8), Some((1.0, RED)));
+    assert_eq!(look(&scene, 0.0, 0.0), Some((0.5, GREEN)));
+    assert_eq!(scene.geometry.primitives.len(), 1);
+    // Without a material of its own a block has the one before it, wherever what it is made of was described.
+    let scene = of(&format!(
+        "Define cube {{ {cube} }} MaterialIndex green
+         Difference {{ Instance cube Group {{ Sphere {{ center 0 0 1 radius 0.5 }} Sphere {{ center 0.8 0.8 1 radius 0.1 }} }} }}"
+    ));
+    assert_eq!(look(&scene, 0.0, 0.0), Some((0.5, GREEN)));
+    assert_eq!(look(&scene, 0.8, 0.8), Some((0.9, GREEN)));
+    assert_eq!(look(&scene, -0.8, 0.8), Some((1.0, GREEN)));
+}
+
+#[test]
+fn operations_stand_in_operations_and_under_transforms() {
+    let scene = of("Define pill { Merge { Sphere { center -1 0 0 radius 0.5 } Sphere { center 1 0 0 radius 0.5 }
+                    Cylinder { base -1 0 0 top 1 0 0 radius 0.5 } } }
+                    Difference {
+                      Union { Instance pill Instance pill { ZRotate 90 } }
+                      Transform { Translate 0 0 0.5 Intersection { Box { min -9 -9 0 max 9 9 9 } Plane { normal 0 1 0 offset 0.2 } } }
+                      Instance pill { UniformScale 0.5 }
+                    }");
+    assert_eq!(look(&scene, 0.0, 1.0), Some((0.5, RED)), "above the cut");
+    assert_eq!(look(&scene, 0.0, -1.4), Some((0.3, RED)), "the rounded end");
+    assert_eq!(look(&scene, 0.0, 0.0), Some((0.5, RED)), "the cut touches the top");
+    let hollow = Ray::new(Vec3::new(0.0, 0.0, 0.0), Vec3::NEG_Z);
+    let Event::Surface(at) = scene.trace(&hollow) else { panic!("the cavity has a wall") };
+    assert!((at.point.p.z + 0.25).abs() < 1e-5 && at.point.n.z > 0.99, "{} {}", at.point.p, at.point.n);
+}
+
+#[test]
+fn a_union_by_itself_is_a_group() {
+    let scene = of("Union { Sphere { center 0 0 0 radius 1 } Disk { center 3 0 0 normal 0 0 1 radius 1 } }");
+    assert_eq!(scene.geometry.primitives.len(), 2);
+    let scene = of("Merge pair { Sphere { center 0 0 0 radius 1 } Sphere { center 1 0 0 radius 1 } }");
+    assert_eq!(scene.geometry.primitives.len(), 1);
+}
+
+#[test]
+fn a_solid_moves_as_a_whole() {
+    let moving = "Motion { key 0 { } key 1 { Translate 4 0 0 } }";
+    let ball = "Sphere { center 0 0 0 radius 1 }";
+    let hole = "Sphere { center 0 0 1 radius 0.5 }";
+    let text = format!("Transform {{ {moving} Difference {{ {ball} {hole} }} }}");
+    let scene = of(&text);
+    assert!(scene.moves());
+    let said = report(&format!("Difference {{ {ball} Transform {{ {moving} {hole} }} }}"));
+    assert!(said.contains("an operand cannot move by itself"), "{said}");
+}
+
+#[test]
+fn what_encloses_nothing_is_refused_with_its_place() {
+    let ball = "Sphere { center 0 0 0 radius 1 }";
+    let said = report(&format!("Difference {{ {ball} Disk {{ center 0 0 0 normal 0 1 0 radius 1 }} }}"));
+    assert!(said.contains("must have an inside") && said.contains("encloses nothing"), "{said}");
+    let said =
+        report(&format!("Intersection {{ {ball} Cylinder {{ base 0 0 0 top 0 1 0 radius 1 capped off }} }}"));
+    assert!(said.contains("encloses nothing"), "{said}");
+    let said = report(&format!("Intersection {{ {ball} TriangleMesh {{ file open.obj }} }}"));
+    assert!(said.contains("the edge from 0 0 0 to 0 1 0 has a triangle on one side only"), "{said}");
+    assert!(report("Merge { }").contains("`Merge` has no operands"));
+    assert!(report("Difference { Box { min 0 0 0 max 1 1 1 } radius 3 }").contains("unknown word `radius`"));
+}
+
+/// The first operand is the first one, whether there is anything of it or not.
+#[test]
+fn nothing_less_something_is_nothing() {
+    let scene = of("Difference { Group { } Sphere { center 0 0 0 radius 1 } }");
+    assert_eq!(look(&scene, 0.0, 0.0), None);
+    let scene = of("Difference { Sphere { center 0 0 0 radius 1 } Sphere { center 0 0 0 radius 1 } }");
+    assert_eq!(look(&scene, 0.3, 0.2), None);
+}

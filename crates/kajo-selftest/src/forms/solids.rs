@@ -1,0 +1,138 @@
+//! Tori, and solids made by set operations, where the closed form of another shape holds.
+//!
+//! *Torus.* Seen from its axis at a distance `h` below, a torus fills the directions whose angle with the axis differs by less
+//! than `beta` from `alpha`, `tan alpha = R/h`, `sin beta = r / sqrt(R^2 + h^2)`. The irradiance there is
+//!
+//! ```text
+//! E = pi (sin^2(alpha + beta) - sin^2(alpha - beta)).
+//! ```
+//!
+//! *Set operations.* What is cut out of a ball by a box around it is the ball; half a ball with its flat side towards the floor
+//! is a disk from there; two half balls that meet are one, without anything between them; a clear body in even light is not to
+//! be seen.
+
+use std::f64::consts::PI;
+
+use kajo_math::DVec3;
+use kajo_math::solid_angle::polygon_irradiance;
+
+use super::lights::lit;
+use super::{Form, Parameters, spot_meter, text};
+use crate::method::{LIGHTS, MIRRORS};
+
+pub fn forms(draw: &mut Parameters) -> Vec<Form> {
+    let ring = |draw: &mut Parameters| {
+        let (major, minor) = (draw.between(0.5, 0.9), draw.between(0.2, 0.4));
+        format!("Torus {{ axis {}  majorRadius {major}  minorRadius {minor} }}", text(draw.direction(-1.0)))
+    };
+    vec![
+        torus(draw),
+        cut_ball(draw),
+        half_ball(draw),
+        shell(draw),
+        trough(draw),
+        clear(draw, "torus", ring),
+        clear(draw, "ball of two halves", two_halves),
+        clear(draw, "ball less a ball", hollow),
+    ]
+}
+
+fn torus(draw: &mut Parameters) -> Form {
+    let (h, up) = (draw.between(0.8, 2.0), draw.direction(-1.0));
+    let (major, minor) = (draw.between(0.4, 1.2), draw.between(0.05, 0.3));
+    let emitter = format!(
+        "Torus {{ center {}  axis {}  majorRadius {major}  minorRadius {minor} }}",
+        text(h * up),
+        text(up)
+    );
+    let (scene, factor) = lit(draw, &emitter, up);
+    let (alpha, beta) = ((major / h).atan(), (minor / major.hypot(h)).asin());
+    let expected = factor * PI * ((alpha + beta).sin().powi(2) - (alpha - beta).sin().powi(2));
+    Form::new(format!("torus, radii {major} and {minor}, height {h}"), scene, expected, LIGHTS).bounces(0)
+}
+
+fn cut_ball(draw: &mut Parameters) -> Form {
+    let (r, d, up) = (draw.between(0.3, 0.8), draw.between(1.5, 3.0), draw.direction(-1.0));
+    let towards = (up + 0.8 * up.any_orthonormal_vector()).normalize();
+    let center = d * towards;
+    let [low, high] = [-1.0, 1.0].map(|side| text(center + side * 1.5 * r));
+    let emitter = format!(
+        "Intersection {{ Box {{ min {low}  max {high} }}  Sphere {{ center {}  radius {r} }} }}",
+        text(center)
+    );
+    let (scene, factor) = lit(draw, &emitter, up);
+    let expected = factor * PI * (r / d).powi(2) * towards.dot(up);
+    Form::new(format!("ball cut out of a box, radius {r}, distance {d}"), scene, expected, LIGHTS).bounces(0)
+}
+
+fn half_ball(draw: &mut Parameters) -> Form {
+    let (r, h, up) = (draw.between(0.3, 1.0), draw.between(1.1, 2.0), draw.direction(-1.0));
+    // The half space above the plane is behind its normal.
+    let emitter = format!(
+        "Intersection {{ Sphere {{ center {}  radius {r} }}  Plane {{ normal {}  offset {} }} }}",
+        text(h * up),
+        text(-up),
+        -h
+    );
+    let (scene, factor) = lit(draw, &emitter, up);
+    let expected = factor * PI * r * r / (r * r + h * h);
+    Form::new(format!("half a ball, radius {r}, height {h}"), scene, expected, LIGHTS).bounces(0)
+}
+
+/// The floor sees the inside of a bowl: the rim's disk, by what is taken away.
+fn shell(draw: &mut Parameters) -> Form {
+    let (r, h) = (draw.between(0.4, 0.9), draw.between(1.1, 2.0));
+    let inner = r * draw.between(0.7, 0.95);
+    let emitter = format!(
+        "Difference {{ Sphere {{ center 0 {h} 0  radius {r} }}\n  Sphere {{ center 0 {h} 0  radius {inner} }}\n  \
+         Box {{ min -2 -2 -2  max 2 {h} 2 }} }}"
+    );
+    let (scene, factor) = lit(draw, &emitter, DVec3::Y);
+    let expected = factor * PI * r * r / (r * r + h * h);
+    Form::new(format!("bowl, radii {inner} and {r}, height {h}"), scene, expected, LIGHTS).bounces(0)
+}
+
+/// The same with a box that is open below, and a rectangle.
+fn trough(draw: &mut Parameters) -> Form {
+    let [a, b] = [draw.between(0.4, 0.9), draw.between(0.4, 0.9)];
+    let (wall, h) = (draw.between(0.05, 0.2), draw.between(0.8, 1.5));
+    let (x, z) = (a - wall, b - wall);
+    let emitter = format!(
+        "Difference {{ Box {{ min -{a} {h} -{b}  max {a} {} {b} }}  Box {{ min -{x} 0 -{z}  max {x} {} {z} }} }}",
+        h + 0.7,
+        h + 0.6
+    );
+    let (scene, factor) = lit(draw, &emitter, DVec3::Y);
+    let rim = [[-a, -b], [a, -b], [a, b], [-a, b]].map(|[x, z]| DVec3::new(x, h, z));
+    let expected = factor * polygon_irradiance(DVec3::ZERO, DVec3::Y, &rim).abs();
+    Form::new(format!("trough of {a} and {b}, height {h}"), scene, expected, LIGHTS).bounces(0)
+}
+
+fn clear(draw: &mut Parameters, name: &str, body: impl Fn(&mut Parameters) -> String) -> Form {
+    let (sky, n) = (draw.between(0.5, 4.0), draw.between(1.2, 2.0));
+    let body = body(draw);
+    let scene = format!(
+        "{}Materials {{ Material glass {{ diffuseColor 0 0 0  transparentColor 1 1 1  indexOfRefraction {n} }} }}\n\
+         Group {{ MaterialIndex glass {body} }}",
+        spot_meter(4.0 * draw.direction(-1.0), draw.point(0.5))
+            .replace("color 0 0 0", &format!("color {sky} {sky} {sky}"))
+    );
+    Form::new(format!("clear {name} of index {n} in even light"), scene, sky, MIRRORS).bounces(100)
+}
+
+fn two_halves(draw: &mut Parameters) -> String {
+    let (n, offset) = (draw.direction(-1.0), draw.between(-0.5, 0.5));
+    let half = |n: DVec3, offset: f64| {
+        let n = text(n);
+        format!(
+            "Intersection {{ Sphere {{ center 0 0 0  radius 1 }}  Plane {{ normal {n}  offset {offset} }} }}"
+        )
+    };
+    format!("Merge {{ {} {} }}", half(n, offset), half(-n, -offset))
+}
+
+fn hollow(draw: &mut Parameters) -> String {
+    let (center, radius) = (draw.point(0.2), draw.between(0.2, 0.5));
+    let inner = format!("Sphere {{ center {}  radius {radius} }}", text(center));
+    format!("Difference {{ Sphere {{ center 0 0 0  radius 1 }}  {inner} }}")
+}
