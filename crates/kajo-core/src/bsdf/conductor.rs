@@ -12,11 +12,11 @@
 //! unpolarised light [Born and Wolf 1999, sec. 14.2]:
 //!
 //! ```text
-//! a² + b² = √((eta² - k² - sin²)² + 4 eta² k²)      a² = (a² + b² + eta² - k² - sin²) / 2
+//! a² - b² = t = eta² - k² - sin²      a² + b² = √(t² + 4 eta² k²)      a b = eta k
 //!
-//!        a² + b² - 2 a cos + cos²               cos² (a² + b²) - 2 a cos sin² + sin⁴
-//! Rs  =  ————————————————————————      Rp = Rs  ————————————————————————————————————      F = (Rs + Rp) / 2
-//!        a² + b² + 2 a cos + cos²               cos² (a² + b²) + 2 a cos sin² + sin⁴
+//!      (a - cos)² + b²               (a cos - sin²)² + (b cos)²
+//! Rs = ———————————————       Rp = Rs ——————————————————————————      F = (Rs + Rp) / 2
+//!      (a + cos)² + b²               (a cos + sin²)² + (b cos)²
 //! ```
 
 use kajo_color::Spectrum;
@@ -84,23 +84,29 @@ pub fn complex(cos: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
 }
 
 /// Reflectances of a conductor for light polarised across and along the plane of incidence.
+///
+/// Of `a` and `b` the larger is a root and the smaller `eta k` over it, and squares are added, so that nothing cancels: their mean
+/// is off by at most 5e-7 where `k >= 0.5`.
 #[inline]
 pub fn complex_polarised(cos: f32, eta: Spectrum, k: Spectrum) -> (Spectrum, Spectrum) {
     let cos = cos.clamp(0.0, 1.0);
-    let cos2 = cos * cos;
-    let sin2 = 1.0 - cos2;
+    let sin2 = (1.0 - cos) * (1.0 + cos);
     let ratio = |a: Spectrum, b: Spectrum| a * b.map(|b| 1.0 / b.max(f32::MIN_POSITIVE));
-    let one = |v: f32| Spectrum::grey(v);
-    let (eta2, k2) = (eta * eta, k * k);
-    let t0 = eta2 - k2 - one(sin2);
-    let a2_plus_b2 = (t0 * t0 + eta2 * k2 * 4.0).map(f32::sqrt);
-    let a = ((a2_plus_b2 + t0) * 0.5).map(|a2| a2.max(0.0).sqrt());
-    let t1 = a2_plus_b2 + one(cos2);
-    let t2 = a * (2.0 * cos);
-    let rs = ratio(t1 - t2, t1 + t2);
-    let t3 = a2_plus_b2 * cos2 + one(sin2 * sin2);
-    let t4 = t2 * sin2;
-    (rs, rs * ratio(t3 - t4, t3 + t4))
+    let square = |v: Spectrum| v * v;
+    let grey = Spectrum::grey;
+    let product = eta * k;
+    let t = (eta - k) * (eta + k) - grey(sin2);
+    let sum = (square(t) + square(product) * 4.0).sqrt();
+    let larger = ((sum + t.map(f32::abs)) * 0.5).sqrt();
+    let smaller = product.safe_div(larger);
+    let choose = |first: Spectrum, other: Spectrum| {
+        Spectrum::from([0, 1, 2, 3].map(|lane| if t[lane] > 0.0 { first[lane] } else { other[lane] }))
+    };
+    let (a, b) = (choose(larger, smaller), choose(smaller, larger));
+    let rs = ratio(square(a - grey(cos)) + square(b), square(a + grey(cos)) + square(b));
+    let (along, b2) = (a * cos, square(b * cos));
+    let rp = ratio(square(along - grey(sin2)) + b2, square(along + grey(sin2)) + b2);
+    (rs, rs * rp)
 }
 
 /// A metal surface.

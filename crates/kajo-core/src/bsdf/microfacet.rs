@@ -190,8 +190,8 @@ fn sample_ggx(w: Vec3, u: Vec2) -> Vec3 {
 /// `(cos + s sin)⁺ exp(-s²)`.
 fn sample_beckmann(w: Vec3, u: Vec2) -> Vec3 {
     let sin = w.truncate().length();
-    let along = slope(f64::from(sin), f64::from(w.z), f64::from(u.x));
-    let across = slope(0.0, 1.0, f64::from(u.y));
+    let along = slope(sin, w.z, u.x);
+    let across = slope(0.0, 1.0, u.y);
     let (c, s) = if sin > 0.0 { (w.x / sin, w.y / sin) } else { (1.0, 0.0) };
     Vec3::new(c * along - s * across, s * along + c * across, 1.0)
 }
@@ -203,33 +203,36 @@ fn sample_beckmann(w: Vec3, u: Vec2) -> Vec3 {
 /// ```
 ///
 /// with `b = cos/sin`, where facets turn away. Newton's method, kept within its bracket by bisection.
-fn slope(sin: f64, cos: f64, u: f64) -> f32 {
-    /// Beyond this slope there is less than 1e-15 of a Gaussian.
-    const FAR: f64 = 5.7;
-    let root_pi = std::f64::consts::PI.sqrt();
+///
+/// The share below the result is off by at most 1.1e-6, and by 7e-8 on average; `u` is a multiple of 6e-8.
+fn slope(sin: f32, cos: f32, u: f32) -> f32 {
+    /// Beyond this slope there is an eighth of 2^-24 of a Gaussian.
+    const FAR: f32 = 4.0;
+    const ROOT_PI: f32 = 1.772_453_9;
     let b = if cos < FAR * sin { cos / sin } else { FAR };
-    let gauss = |s: f64| fmath::exp64(-s * s);
-    let primitive = |s: f64| 0.5 * (cos * fmath::erf64(s) - sin * gauss(s) / root_pi);
+    let gauss = |s: f32| fmath::exp(-s * s);
+    let primitive = |s: f32| 0.5 * (cos * fmath::erf(s) - sin * gauss(s) / ROOT_PI);
     let (bottom, top) = (primitive(-b), primitive(FAR));
     let target = bottom + u * (top - bottom);
     let (mut low, mut high) = (-b, FAR);
     let mut s = (2.0 * u - 1.0).clamp(low, high);
-    for _ in 0..64 {
+    for _ in 0..32 {
         let error = primitive(s) - target;
         if error > 0.0 {
             high = s
         } else {
             low = s
         }
-        let next = s - error * root_pi / ((cos + s * sin) * gauss(s));
-        let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-        let step = (next - s).abs();
-        s = next;
-        if step < 1e-9 {
-            break;
+        let seen = cos + s * sin;
+        let step = error * ROOT_PI / (seen * gauss(s));
+        // Of so small a step the square is left, which is rounding.
+        if step.abs() <= 1e-3 * seen {
+            return (s - step).clamp(-b, FAR);
         }
+        let next = s - step;
+        s = if next > low && next < high { next } else { 0.5 * (low + high) };
     }
-    s as f32
+    s
 }
 
 #[inline]

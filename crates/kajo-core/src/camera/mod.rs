@@ -1,6 +1,9 @@
 //! Cameras: from a place in the picture to a ray.
 //!
 //! A picture's own coordinates run from (-1, -1) at the lower left to (1, 1) at the upper right.
+//!
+//! Rays are worked out in double precision and then rounded, as the reference program of the classic scenes does: a ray decides by
+//! its last bit which of two things a pixel at their edge shows.
 
 mod aperture;
 mod fisheye;

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use kajo_color::Spectrum;
-use kajo_math::{Vec2, Vec3, rng::Stream};
+use kajo_math::{Vec2, Vec3, fmath, rng::Stream};
 use kajo_testkit::sphere;
 
 use super::super::conductor::complex_polarised;
@@ -114,6 +114,28 @@ fn fresnel_table_of_a_conductor() {
             (f64::from(rs[0]) - across).abs() < 2e-6 && (f64::from(rp[0]) - along).abs() < 2e-6,
             "{deg} {rs:?} {rp:?}"
         );
+    }
+}
+
+/// The same equations in double precision, as they are printed [Born and Wolf 1999, sec. 14.2].
+#[test]
+fn reflectance_of_metals_is_as_exact_as_it_says() {
+    let exact = |cos: f64, eta: f64, k: f64| {
+        let (cos2, sin2) = (cos * cos, 1.0 - cos * cos);
+        let t = eta * eta - k * k - sin2;
+        let sum = (t * t + 4.0 * (eta * k).powi(2)).sqrt();
+        let a = (0.5 * (sum + t)).max(0.0).sqrt();
+        let rs = (sum + cos2 - 2.0 * a * cos) / (sum + cos2 + 2.0 * a * cos);
+        let [even, odd] = [cos2 * sum + sin2 * sin2, 2.0 * a * cos * sin2];
+        0.5 * rs * (1.0 + (even - odd) / (even + odd))
+    };
+    for i in 0..1 << 19 {
+        let number = Stream::new(15, [i, 0], 0);
+        let (eta, k) = (0.03 + 5.0 * number.uniform(0).powi(2), 0.5 + 8.0 * number.uniform(1).powi(2));
+        let cos = number.uniform(2).powi(if i & 1 == 0 { 1 } else { 4 });
+        let found = conductor::complex(cos, Spectrum::grey(eta), Spectrum::grey(k))[0];
+        let off = (f64::from(found) - exact(cos.into(), eta.into(), k.into())).abs();
+        assert!(off < 5e-7, "cosine {cos}, index {eta} + {k} i: {off}");
     }
 }
 
@@ -238,4 +260,33 @@ fn a_frosted_pane_divides_light_as_a_polished_one() {
             }
         }
     }
+}
+
+/// The share of what is seen below the slope that stands for `u` is `u`, for 2^19 pairs of a direction and a number, many of
+/// them next to the ends of their ranges.
+#[test]
+fn slopes_of_beckmann_have_their_share_below_them() {
+    let facets = Microfacets::new(Shape::Beckmann, 1.0);
+    let (mut worst, mut sum, n) = (0.0f64, 0.0, 1 << 19);
+    for i in 0..n {
+        let numbers = Stream::new(12, [i, 0], 0);
+        let towards_ends = |v: f32, which| match which {
+            0 => v,
+            1 => v.powi(4),
+            _ => (1.0 - v.powi(4)).min(1.0 - 0.5 * f32::EPSILON),
+        };
+        let w = at(towards_ends(numbers.uniform(0), i % 3).max(1e-4));
+        let u = towards_ends(numbers.uniform(1), i / 3 % 3);
+        // Half of the slopes across are below 0, and `m` is `(-slope, 1)` normalised where `w` is in the plane of x and z.
+        let m = facets.sample(w, Vec2::new(u, 0.5));
+        let slope = f64::from(m.x) / f64::from(m.z);
+        let (sin, cos) = (f64::from(w.x), f64::from(w.z));
+        let primitive = |s: f64| 0.5 * (cos * fmath::erf64(s) - sin * (-s * s).exp() / PI.sqrt());
+        let (bottom, top) = (primitive(-(cos / sin.max(1e-9)).min(6.0)), primitive(6.0));
+        let off = ((primitive(slope) - bottom) / (top - bottom) - f64::from(u)).abs();
+        worst = worst.max(off);
+        sum += off;
+    }
+    let mean = sum / f64::from(n);
+    assert!(worst < 1.3e-6 && mean < 1e-7, "worst {worst}, mean {mean}");
 }
