@@ -21,13 +21,47 @@ const LN_2_PARTS: [f32; 2] = [0.693_145_75, 1.428_606_8e-6];
 /// `e` to the power `x`, within 1 ulp, also where the result is subnormal.
 #[inline]
 pub fn exp(x: f32) -> f32 {
-    let x = x.clamp(-110.0, 90.0);
-    let (k, exponent) = whole(x * LOG2_E);
-    let (high, low) = (x - k * LN_2_PARTS[0], k * LN_2_PARTS[1]);
-    let r = high - low;
-    let lost = (high - r) - low;
-    let p = 0.5 + r * (0.166_665_2 + r * (0.041_666_403 + r * (0.008_368_828 + r * 0.001_394_061_6)));
-    times_two_to(1.0 + (r + (r * r * p + lost)), exponent)
+    let Reduced { r, rest, k } = Reduced::new(x.clamp(-110.0, 90.0));
+    times_two_to(1.0 + (r + rest), k)
+}
+
+/// `e^x - 1` within 1.2 ulp, also next to 0.
+#[inline]
+pub fn exp_m1(x: f32) -> f32 {
+    // Below it is -1.
+    let Reduced { r, rest, k } = Reduced::new(x.clamp(-20.0, 90.0));
+    let power = times_two_to(1.0, k);
+    // The sum of `2^k - 1` and `2^k r`, and what rounding takes from it, which follows from the larger of them.
+    let (one, other) = (power - 1.0, times_two_to(r, k));
+    let sum = one + other;
+    let lost = if one.abs() >= other.abs() { (one - sum) + other } else { (other - sum) + one };
+    if k == 0 {
+        r + rest
+    } else if power < f32::INFINITY {
+        sum + (lost + times_two_to(rest, k))
+    } else {
+        times_two_to(1.0 + (r + rest), k)
+    }
+}
+
+/// `e^x = 2^k (1 + r + rest)`.
+struct Reduced {
+    r: f32,
+    rest: f32,
+    k: u32,
+}
+
+impl Reduced {
+    /// * `x`: from -110 to 90
+    #[inline]
+    fn new(x: f32) -> Reduced {
+        let (whole, k) = whole(x * LOG2_E);
+        let (high, low) = (x - whole * LN_2_PARTS[0], whole * LN_2_PARTS[1]);
+        let r = high - low;
+        let lost = (high - r) - low;
+        let p = 0.5 + r * (0.166_665_2 + r * (0.041_666_403 + r * (0.008_368_828 + r * 0.001_394_061_6)));
+        Reduced { r, rest: r * r * p + lost, k }
+    }
 }
 
 /// `x 2^k`, rounded once.

@@ -25,7 +25,7 @@ pub use double::{
     acos64, asin64, atan2_64, atan64, cos64, erf64, exp_m1_64, exp64, ln64, pow64, sin64, sincos64, tan64,
 };
 pub use error_function::erf;
-pub use exponentials::{exp, ln, pow, powi};
+pub use exponentials::{exp, exp_m1, ln, pow, powi};
 
 /// The first 12 of the 24 binary digits of `x`. The product of two such numbers is exact.
 #[inline]

@@ -134,6 +134,11 @@ fn exponential_is_within_an_ulp() {
 }
 
 #[test]
+fn exponential_less_one_is_within_an_ulp_and_a_fifth() {
+    check("exp_m1", 1.2, exp_m1, exp_m1_64);
+}
+
+#[test]
 fn logarithm_is_within_an_ulp() {
     check("ln", 1.0, ln, libm::log);
 }
