@@ -10,13 +10,12 @@
 //! Which patch of a surface is asked for light, and which of its points, goes by what is on it: see `light/emission_density.rs`.
 
 use kajo_color::{Emission, Spectrum, Wavelengths};
-use kajo_math::Affine3A;
 
-use crate::family::Pooled;
 use crate::ids::LightGroup;
 use crate::light::Sides;
 use crate::texture::{
-    Constant, PictureMap, Share, TexelFilter, TextureContext, TextureId, Textures, picture_reflectance,
+    AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureDetail, TextureEvaluator, Textures,
+    VertexOpacity,
 };
 
 /// The light that the surfaces of a material give; none by default.
@@ -33,7 +32,7 @@ pub struct SurfaceEmission {
 impl From<Emission> for SurfaceEmission {
     /// The same radiance everywhere, on both sides.
     fn from(emission: Emission) -> SurfaceEmission {
-        let terms = vec![EmissionTerm { emission, factors: Vec::new() }];
+        let terms = vec![EmissionTerm { emission, colors: Vec::new(), amounts: Vec::new() }];
         SurfaceEmission { terms, ..SurfaceEmission::default() }.without_black()
     }
 }
@@ -49,43 +48,40 @@ impl SurfaceEmission {
         SurfaceEmission { group, ..self }
     }
 
-    /// The light as it shines through a picture.
-    pub fn through(self, slide: PictureMap) -> SurfaceEmission {
-        self.times(&EmissionFactor::Slide(slide))
+    /// The light as it shines through a texture, as through a slide.
+    pub fn through(mut self, slide: &ColorTexture) -> SurfaceEmission {
+        self.terms.iter_mut().for_each(|term| term.colors.push(slide.clone()));
+        self
     }
 
-    /// The light of a surface that the colours at its vertices tint too.
-    pub fn tinted(self) -> SurfaceEmission {
-        self.times(&EmissionFactor::Tint)
-    }
-
-    /// The light of which a share is left at each place.
-    pub fn weakened(mut self, share: &Share) -> SurfaceEmission {
-        match share {
-            Share::Plain(value) => {
-                for term in &mut self.terms {
-                    term.emission = term.emission.clone().scaled(*value);
-                }
-                self.without_black()
-            }
-            Share::Picture(..) | Share::Cut(..) => self.times(&EmissionFactor::Share(share.clone())),
-        }
-    }
-
-    /// The light of one of two materials that a pattern mixes.
+    /// The light of which a share is left at each place; `None` where there are too many textures.
     ///
-    /// * `is_second`: whether it is the one that the pattern shows where it is 1
-    pub fn mixed(
-        self,
-        pattern: TextureId,
-        pattern_from_world: Affine3A,
-        is_second: bool,
-        textures: &Textures,
-    ) -> SurfaceEmission {
-        if let Some(&Constant { value: t }) = Constant::find(textures, pattern) {
-            return self.weakened(&Share::Plain(if is_second { t } else { 1.0 - t }));
+    /// * `opacity`: that share, which the opacity at the corners of a mesh is another factor of
+    pub fn weakened(self, opacity: FloatTexture, textures: &mut Textures) -> Option<SurfaceEmission> {
+        match opacity {
+            FloatTexture::Node(_) if !self.is_black() => {
+                Some(self.times(textures.float(VertexOpacity(opacity))?))
+            }
+            _ => Some(self.times(opacity)),
         }
-        self.times(&EmissionFactor::Pattern { pattern, pattern_from_world, is_second })
+    }
+
+    /// The light times a number in [0, 1].
+    pub fn times(mut self, amount: FloatTexture) -> SurfaceEmission {
+        match amount {
+            FloatTexture::Constant(value) => self.scaled(value),
+            FloatTexture::Node(_) => {
+                self.terms.iter_mut().for_each(|term| term.amounts.push(amount));
+                self
+            }
+        }
+    }
+
+    fn scaled(mut self, factor: f32) -> SurfaceEmission {
+        for term in &mut self.terms {
+            term.emission = term.emission.clone().scaled(factor);
+        }
+        self.without_black()
     }
 
     /// The light of both, on the sides and in the group of this one unless it is black.
@@ -107,24 +103,22 @@ impl SurfaceEmission {
         self.terms.is_empty()
     }
 
-    /// Whether all numbers are finite.
+    /// The textures that it is made of.
+    pub fn textures(&self) -> impl Iterator<Item = AnyTexture<'_>> {
+        self.terms.iter().flat_map(EmissionTerm::textures)
+    }
+
+    /// Whether all its own numbers are finite.
     pub fn is_finite(&self) -> bool {
-        self.terms
-            .iter()
-            .all(|term| term.emission.is_finite() && term.factors.iter().all(EmissionFactor::is_finite))
+        self.terms.iter().all(|term| term.emission.is_finite())
     }
 
     /// The light, where it is the same everywhere.
     pub fn constant(&self) -> Option<&Emission> {
         match &*self.terms {
-            [EmissionTerm { emission, factors }] if factors.is_empty() => Some(emission),
+            [term] => term.textures().next().is_none().then_some(&term.emission),
             _ => None,
         }
-    }
-
-    fn times(mut self, factor: &EmissionFactor) -> SurfaceEmission {
-        self.terms.iter_mut().for_each(|term| term.factors.push(factor.clone()));
-        self
     }
 
     fn without_black(mut self) -> SurfaceEmission {
@@ -138,58 +132,60 @@ impl SurfaceEmission {
 pub struct VariedEmission {
     terms: Vec<EmissionTerm>,
     needs_uv: bool,
+    detail: TextureDetail,
 }
 
 /// What one material adds to the light of a surface.
 #[derive(Clone, Debug)]
-pub struct EmissionTerm {
+struct EmissionTerm {
     /// Its radiance where all factors are 1.
-    pub emission: Emission,
-    /// What it is multiplied by.
-    pub factors: Vec<EmissionFactor>,
+    emission: Emission,
+    /// Factors that are colours.
+    colors: Vec<ColorTexture>,
+    /// Factors that are numbers, held to [0, 1].
+    amounts: Vec<FloatTexture>,
 }
 
-/// What the light of a surface is multiplied by from place to place.
-#[derive(Clone, Debug)]
-pub enum EmissionFactor {
-    /// The share of the surface between its holes.
-    Share(Share),
-    /// The colours at the vertices.
-    Tint,
-    /// The colours of a picture, through which light shines as through a slide.
-    Slide(PictureMap),
-    /// The share of a mixture that one of its two materials has.
-    Pattern {
-        /// 0 shows the first material, 1 the second.
-        pattern: TextureId,
-        /// World space to the pattern's space.
-        pattern_from_world: Affine3A,
-        /// Whether it is the share of the second material.
-        is_second: bool,
-    },
-}
+impl EmissionTerm {
+    fn textures(&self) -> impl Iterator<Item = AnyTexture<'_>> {
+        let amounts = self.amounts.iter().copied().map(AnyTexture::from);
+        self.colors.iter().map(AnyTexture::from).chain(amounts)
+    }
 
-impl From<SurfaceEmission> for VariedEmission {
-    fn from(emission: SurfaceEmission) -> VariedEmission {
-        let terms = emission.terms;
-        let needs_uv = terms.iter().flat_map(|term| &term.factors).any(|factor| match factor {
-            EmissionFactor::Share(share) => share.varies(),
-            EmissionFactor::Slide(_) => true,
-            EmissionFactor::Tint | EmissionFactor::Pattern { .. } => false,
-        });
-        VariedEmission { terms, needs_uv }
+    fn at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
+        let light = self.emission.at(wavelengths);
+        let light = self.colors.iter().fold(light, |light, color| light * color.at(place, wavelengths));
+        self.amounts.iter().fold(light, |light, amount| light * amount.at(place).clamp(0.0, 1.0))
+    }
+
+    fn mean(&self, textures: &Textures) -> [f32; 3] {
+        let colors = self.colors.iter().map(|color| color.mean(textures));
+        let amounts = self.amounts.iter().map(|amount| [amount.mean(textures); 3]);
+        colors
+            .chain(amounts)
+            .fold(self.emission.rgb(), |light, factor| [0, 1, 2].map(|i| light[i] * factor[i]))
     }
 }
 
 impl VariedEmission {
+    /// The light of a surface that differs from place to place.
+    pub fn new(emission: SurfaceEmission, textures: &Textures) -> VariedEmission {
+        let terms = emission.terms;
+        let mut detail = TextureDetail::default();
+        let mut needs_uv = false;
+        for texture in terms.iter().flat_map(EmissionTerm::textures) {
+            texture.detail(textures, &mut detail);
+            needs_uv |= texture.needs_uv(textures);
+        }
+        VariedEmission { terms, needs_uv, detail }
+    }
+
     /// The radiance at a place.
     ///
     /// * `at`: surface coordinates are of effect where [`VariedEmission::needs_uv`]
     pub fn at(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
-        let radiance = |term: &EmissionTerm| {
-            let light = term.emission.at(wavelengths);
-            term.factors.iter().fold(light, |light, factor| light * factor.at(textures, at, wavelengths))
-        };
+        let place = textures.evaluator(at);
+        let radiance = |term: &EmissionTerm| term.at(place, wavelengths);
         self.terms.iter().map(radiance).fold(Spectrum::BLACK, |sum, light| sum + light)
     }
 
@@ -198,31 +194,9 @@ impl VariedEmission {
         self.terms.iter().map(|term| &term.emission)
     }
 
-    /// The pictures that it depends on.
-    pub fn pictures(&self) -> impl Iterator<Item = &PictureMap> {
-        self.factors().filter_map(|factor| match factor {
-            EmissionFactor::Slide(map)
-            | EmissionFactor::Share(Share::Picture(map, _) | Share::Cut(map, ..)) => Some(map),
-            EmissionFactor::Share(Share::Plain(_))
-            | EmissionFactor::Tint
-            | EmissionFactor::Pattern { .. } => None,
-        })
-    }
-
-    /// Whether it may change at once and not linearly between the middles of texels.
-    pub fn jumps(&self) -> bool {
-        let nearest = |map: &PictureMap| map.filter == TexelFilter::Nearest;
-        let cut = |factor: &EmissionFactor| matches!(factor, EmissionFactor::Share(Share::Cut(..)));
-        self.has_pattern() || self.pictures().any(nearest) || self.factors().any(cut)
-    }
-
-    /// Whether it depends on a pattern in space.
-    pub fn has_pattern(&self) -> bool {
-        self.factors().any(|factor| matches!(factor, EmissionFactor::Pattern { .. }))
-    }
-
-    fn factors(&self) -> impl Iterator<Item = &EmissionFactor> {
-        self.terms.iter().flat_map(|term| &term.factors)
+    /// How finely it differs from place to place.
+    pub fn detail(&self) -> &TextureDetail {
+        &self.detail
     }
 
     /// Whether it depends on surface coordinates.
@@ -233,47 +207,8 @@ impl VariedEmission {
 
     /// The light of a surface whose places are all alike and each the mean of these, of pictures the mean of all their
     /// texels.
-    pub fn mean(&self) -> Emission {
-        let mean = |term: &EmissionTerm| {
-            let means = term.factors.iter().map(EmissionFactor::mean);
-            means.fold(term.emission.rgb(), |light, factor| [0, 1, 2].map(|i| light[i] * factor[i]))
-        };
-        let sum = self.terms.iter().map(mean);
+    pub fn mean(&self, textures: &Textures) -> Emission {
+        let sum = self.terms.iter().map(|term| term.mean(textures));
         Emission::from_rgb(sum.fold([0.0; 3], |sum, light| [0, 1, 2].map(|i| sum[i] + light[i])))
-    }
-}
-
-impl EmissionFactor {
-    fn at(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
-        match self {
-            EmissionFactor::Share(share) => Spectrum::WHITE * share.covered_at(at.uv, at.cover()),
-            EmissionFactor::Tint => at.tinted(Spectrum::WHITE, wavelengths),
-            EmissionFactor::Slide(map) => picture_reflectance(map, at.uv, wavelengths),
-            EmissionFactor::Pattern { pattern, pattern_from_world, is_second } => {
-                let t = textures.value(*pattern, pattern_from_world.transform_point3(at.p)).clamp(0.0, 1.0);
-                Spectrum::WHITE * if *is_second { t } else { 1.0 - t }
-            }
-        }
-    }
-
-    fn is_finite(&self) -> bool {
-        match self {
-            EmissionFactor::Share(share) => share.is_finite(),
-            EmissionFactor::Tint => true,
-            EmissionFactor::Slide(map) => map.is_finite(),
-            EmissionFactor::Pattern { pattern_from_world, .. } => pattern_from_world.is_finite(),
-        }
-    }
-
-    fn mean(&self) -> [f32; 3] {
-        match self {
-            EmissionFactor::Share(share) => [share.mean(); 3],
-            EmissionFactor::Tint => [1.0; 3],
-            EmissionFactor::Slide(map) => {
-                let [r, g, b, _] = map.mean();
-                [r, g, b]
-            }
-            EmissionFactor::Pattern { .. } => [0.5; 3],
-        }
     }
 }

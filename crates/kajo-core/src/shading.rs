@@ -105,7 +105,7 @@ impl Scene {
         let t = if t.dot(tangents.dpdv) < 0.0 { -t } else { t };
         let leaning = orientation.lean.map(|lean| match lean {
             Lean::Tangent(m) => (m.x * s + m.y * t + m.z * n).normalize_or(n),
-            Lean::Slope(slope) => raised(n, &tangents, slope),
+            Lean::Slope { by_uv, by_p } => raised(n, &tangents, by_uv, by_p),
         });
         let tangent = orientation.turn.map_or(Vec3::ZERO, |turn| {
             let (sin, cos) = fmath::sin_cos(std::f32::consts::TAU * turn);
@@ -121,8 +121,21 @@ fn along(n: Vec3, tangent: Vec3) -> Frame {
     Frame::from_tangent(n, tangent)
 }
 
+/// The normal of a surface that rises by the sum of both from place to place.
+///
+/// * `by_uv`: for each unit of its coordinates; `by_p`: for each unit of the world
+fn raised(n: Vec3, tangents: &Tangents, by_uv: Vec2, by_p: Vec3) -> Vec3 {
+    let raised = raised_by_uv(n, tangents, by_uv);
+    let cos = raised.dot(n);
+    if by_p == Vec3::ZERO || cos <= 0.0 {
+        return raised;
+    }
+    // Both parts are taken off the normal; the first one was made a unit vector.
+    (raised / cos - by_p.reject_from_normalized(n)).normalize_or(n)
+}
+
 /// The normal of a surface that rises by `slope` for each unit of its coordinates [Mikkelsen 2010, eq. 4].
-fn raised(n: Vec3, tangents: &Tangents, slope: Vec2) -> Vec3 {
+fn raised_by_uv(n: Vec3, tangents: &Tangents, slope: Vec2) -> Vec3 {
     let Tangents { dpdu, dpdv } = *tangents;
     let (across_v, across_u) = (dpdv.cross(n), n.cross(dpdu));
     let d = dpdu.dot(across_v);

@@ -9,7 +9,7 @@ use kajo::build::material::{
     Blend, Glass, GlassSettings, LayeredMaterial, Layers, Matte, Perforated, PhongMaterial,
 };
 use kajo::build::shape::{Cuboid, Mesh, MeshData, Plane, Sphere};
-use kajo::build::texture::Checker;
+use kajo::build::texture::{Checker, Placed};
 use kajo::build::{
     Background, BuildSettings, Emission, Fog, PoseId, Reflectance, SceneBuilder, Spectrum, SurfaceEmission,
 };
@@ -104,15 +104,15 @@ fn by_program() -> Result<Scene, Box<dyn Error>> {
         ..Layers::default()
     };
     let coated = scene.material(LayeredMaterial::from(layers))?;
-    let pattern = scene.texture(Checker)?;
-    let pattern_from_world = Affine3A::from_scale(Vec3::splat(2.0));
-    let tiles = scene.material(Blend { pattern, pattern_from_world, materials: [grey, glossy] })?;
+    let checks = scene.float_texture(Checker)?;
+    let texture_from_world = Affine3A::from_scale(Vec3::splat(2.0));
+    let small = scene.float_texture(Placed { texture: checks, texture_from_world })?;
+    let tiles = scene.material(Blend { amount: small, materials: [grey, glossy] })?;
     let leaf = scene.material(Matte::new(color([0.1, 0.4, 0.1]), 0.0))?;
     let leaf = scene.material(Perforated { material: leaf, opacity: 0.4.into() })?;
     let emission = SurfaceEmission::from(light([6.0, 4.0, 2.0])).on(Sides::Front).in_group(warm?);
     let warm = scene.emissive_material(Matte::new(color([0.0; 3]), 0.0), emission)?;
-    let pattern_from_world = Affine3A::IDENTITY;
-    let half = scene.material(Blend { pattern, pattern_from_world, materials: [warm, grey] })?;
+    let half = scene.material(Blend { amount: checks, materials: [warm, grey] })?;
 
     let moved = |x, y, z| DAffine3::from_translation(Vec3::new(x, y, z).as_dvec3());
     let still = PoseId::IDENTITY;

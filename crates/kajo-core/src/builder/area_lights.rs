@@ -134,8 +134,9 @@ impl SceneBuilder {
             let of_patch = match of_surface.constant() {
                 Some(emission) => PatchEmission { emission: emission.clone(), varied: None, sides, group },
                 None => {
-                    let light = VariedEmission::from(of_surface.clone());
-                    let (emission, id) = (light.mean(), VariedEmissionId::new(varied.len()));
+                    let textures = &self.appearance.textures;
+                    let light = VariedEmission::new(of_surface.clone(), textures);
+                    let (emission, id) = (light.mean(textures), VariedEmissionId::new(varied.len()));
                     varied.push(light);
                     PatchEmission { emission, varied: id, sides, group }
                 }

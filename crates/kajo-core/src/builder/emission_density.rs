@@ -7,7 +7,7 @@ use super::SceneBuilder;
 use crate::emission::VariedEmission;
 use crate::light::EmissionDensity;
 use crate::shape::{Patch, ShapeId};
-use crate::texture::{SurfaceUv, TextureContext};
+use crate::texture::{SurfaceUv, TextureContext, TextureDetail};
 
 /// The most cells of a table across or up, each about half a texel; beyond them a cell has several.
 const MOST_CELLS: f32 = 512.0;
@@ -57,7 +57,7 @@ impl EmissivePatch<'_> {
         let side = if is_even { 2 } else { 8 };
         let at = |i: u8, j: u8| (Vec2::new(i.into(), j.into()) + 0.5) / f32::from(side);
         let mut texels = Vec2::ZERO;
-        for map in self.varied.pictures() {
+        for map in &self.varied.detail().pictures {
             let place = |i, j| map.in_texels(self.place(builder, at(i, j)).uv);
             let [across, up] = [[1, 0], [0, 1]].map(|[di, dj]| {
                 let starts = (0..side - dj).flat_map(|j| (0..side - di).map(move |i| (i, j)));
@@ -108,7 +108,7 @@ impl SceneBuilder {
     /// texel.
     fn table(&self, patch: &EmissivePatch<'_>, n_patches: usize) -> Option<([usize; 2], Vec<f32>)> {
         let mut texels = patch.texels(self);
-        let (jumps, has_pattern) = (patch.varied.jumps(), patch.varied.has_pattern());
+        let &TextureDetail { has_pattern, jumps, .. } = patch.varied.detail();
         if has_pattern && n_patches <= PATCHES_WITH_PATTERN {
             texels = texels.max(Vec2::splat(OF_PATTERN));
         }

@@ -6,7 +6,6 @@ use crate::ids::{AssemblyId, LightGroup, MAX_LIGHT_GROUPS, PoseId};
 use crate::material::MaterialId;
 use crate::nested::MOST_LEVELS;
 use crate::shape::ShapeId;
-use crate::texture::TextureId;
 
 /// Why something cannot be part of a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -23,9 +22,9 @@ pub enum SceneError {
     /// A material that this builder has not named.
     #[error("the scene has no material {0:?}")]
     UnknownMaterial(MaterialId),
-    /// A pattern that this builder has not named.
-    #[error("the scene has no texture {0:?}")]
-    UnknownTexture(TextureId),
+    /// A texture that this builder has not named.
+    #[error("the scene has no such texture")]
+    UnknownTexture,
     /// A place that this builder has not named.
     #[error("the scene has no transform and no motion {0:?}")]
     UnknownPose(PoseId),

@@ -5,7 +5,7 @@ use kajo_color::Spectrum;
 use super::{SceneBuilder, SceneError, check_finite};
 use crate::background::Background;
 use crate::ids::{LightGroup, LightIndex};
-use crate::light::{AnyLight, LightGroupError, LightGroups};
+use crate::light::{AnyLight, LightGroupError};
 use crate::medium::Fog;
 
 impl SceneBuilder {
@@ -81,10 +81,6 @@ impl SceneBuilder {
     /// What fills the air, for the classic integrator.
     pub fn fog(&mut self, fog: Fog) {
         self.fog = Some(fog);
-    }
-
-    pub(crate) fn light_groups_mut(&mut self) -> &mut LightGroups {
-        &mut self.light_groups
     }
 
     pub(super) fn check_group(&self, group: LightGroup) -> Result<(), SceneError> {

@@ -2,20 +2,36 @@
 
 use super::{SceneBuilder, SceneError, check_finite};
 use crate::emission::SurfaceEmission;
+use crate::light::LightGroups;
 use crate::material::{AnyMaterial, Appearance, MaterialId, Perforated};
 use crate::shape::ABSENT;
-use crate::texture::{AnyPattern, Channel, PictureMap, Share, TextureId};
+use crate::texture::{
+    AnyColorNode, AnyFloatNode, AnyTexture, Channel, ColorTexture, FloatTexture, PictureChannel, PictureMap,
+    Textures,
+};
 
 impl SceneBuilder {
-    /// Adds a pattern.
+    /// Adds a number that differs from place to place: a channel of a picture, or a pattern.
+    ///
+    /// # Errors
+    /// [`SceneError::NotFinite`], [`SceneError::UnknownTexture`], [`SceneError::TooMany`].
+    pub fn float_texture(&mut self, node: impl Into<AnyFloatNode>) -> Result<FloatTexture, SceneError> {
+        let node = node.into();
+        let name = node.name();
+        check_finite(node.is_finite(), name)?;
+        self.check_textures(node.part().map(AnyTexture::from), name)?;
+        self.appearance.textures.float(node).ok_or(SceneError::TooMany(name))
+    }
+
+    /// Adds a colour that differs from place to place: a picture.
     ///
     /// # Errors
     /// [`SceneError::NotFinite`], [`SceneError::TooMany`].
-    pub fn texture(&mut self, pattern: impl Into<AnyPattern>) -> Result<TextureId, SceneError> {
-        let pattern = pattern.into();
-        check_finite(pattern.is_finite(), pattern.name())?;
-        let name = pattern.name();
-        pattern.store(&mut self.appearance.textures).ok_or(SceneError::TooMany(name))
+    pub fn color_texture(&mut self, node: impl Into<AnyColorNode>) -> Result<ColorTexture, SceneError> {
+        let node = node.into();
+        let name = node.name();
+        check_finite(node.is_finite(), name)?;
+        self.appearance.textures.color(node).ok_or(SceneError::TooMany(name))
     }
 
     /// Adds a material, which has the next number in the id layers.
@@ -41,6 +57,7 @@ impl SceneBuilder {
         emission: SurfaceEmission,
     ) -> Result<MaterialId, SceneError> {
         check_finite(emission.is_finite(), "SurfaceEmission")?;
+        self.check_textures(emission.textures(), "SurfaceEmission")?;
         self.check_group(emission.group)?;
         let id = self.material(material)?;
         self.set_emission(id, emission);
@@ -82,7 +99,8 @@ impl SceneBuilder {
         if let Some(&known) = self.see_through.get(&material) {
             return Ok(known);
         }
-        let opacity = Share::Picture(PictureMap::white(), Channel::Alpha);
+        let white = PictureChannel { map: PictureMap::white(), channel: Channel::Alpha };
+        let opacity = self.float_texture(white)?;
         let id = self.store_material(Perforated { material, opacity })?;
         self.see_through.insert(material, id);
         Ok(id)
@@ -97,14 +115,11 @@ impl SceneBuilder {
         let name = material.name();
         check_finite(material.is_finite(), name)?;
         material.parts().iter().try_for_each(|&part| self.check_material(part))?;
-        if let Some(pattern) = material.pattern()
-            && !self.appearance.textures.contains(pattern)
-        {
-            return Err(SceneError::UnknownTexture(pattern));
-        }
+        self.check_textures(material.textures(), name)?;
         let id = material.store(&mut self.appearance.materials).ok_or(SceneError::TooMany(name))?;
         let of_part = |part| self.emissions.get(&part).cloned().unwrap_or_default();
-        let emission = self.appearance.emission(id, &of_part);
+        let Appearance { materials, textures, .. } = &mut self.appearance;
+        let emission = materials.emission(id, &of_part, textures).ok_or(SceneError::TooMany(name))?;
         self.set_emission(id, emission);
         Ok(id)
     }
@@ -134,6 +149,24 @@ impl SceneBuilder {
     /// Materials and patterns so far.
     pub fn appearance(&self) -> &Appearance {
         &self.appearance
+    }
+
+    /// Refuses textures of another scene, and constants of `what` that are not finite.
+    fn check_textures<'a>(
+        &self,
+        textures: impl IntoIterator<Item = AnyTexture<'a>>,
+        what: &'static str,
+    ) -> Result<(), SceneError> {
+        textures.into_iter().try_for_each(|texture| {
+            check_finite(texture.is_finite(), what)?;
+            let is_known = texture.is_known(&self.appearance.textures);
+            is_known.then_some(()).ok_or(SceneError::UnknownTexture)
+        })
+    }
+
+    /// Textures, for whoever reads some, and names of groups.
+    pub(crate) fn textures_and_groups(&mut self) -> (&mut Textures, &mut LightGroups) {
+        (&mut self.appearance.textures, &mut self.light_groups)
     }
 
     pub(super) fn check_material(&self, material: MaterialId) -> Result<(), SceneError> {

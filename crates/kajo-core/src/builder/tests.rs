@@ -1,6 +1,6 @@
 //! Scenes made by program: what is refused, and what comes out.
 
-use kajo_color::{Emission, Reflectance};
+use kajo_color::{Emission, Reflectance, Wavelengths};
 use kajo_math::{Affine3A, DAffine3, DVec3, Keyframes, Motion, Ray, Vec3};
 
 use super::*;
@@ -10,7 +10,10 @@ use crate::light::{PointLight, Sides, SpotLight};
 use crate::material::{Blend, Embossed, Matte, Perforated, Relief};
 use crate::scene::Event;
 use crate::shape::{Mesh, MeshData, Plane, Sphere};
-use crate::texture::{Constant, Marble, PictureMap, Share};
+use crate::texture::{
+    Channel, Checker, ColorTexture, FloatTexture, Marble, Picture, PictureChannel, PictureMap, Placed,
+    TexelFilter,
+};
 
 fn matte(albedo: f32) -> Matte {
     Matte::new(Reflectance::constant(albedo), 0.0)
@@ -52,7 +55,8 @@ fn triangle(slot: u32) -> Mesh {
 struct Strange {
     shape: ShapeId,
     material: MaterialId,
-    texture: crate::texture::TextureId,
+    number: FloatTexture,
+    color: ColorTexture,
     pose: PoseId,
     moving: PoseId,
     assembly: crate::ids::AssemblyId,
@@ -72,7 +76,8 @@ fn strange() -> Strange {
     Strange {
         shape,
         material,
-        texture: other.texture(Constant { value: 0.5 }).unwrap(),
+        number: other.float_texture(Checker).unwrap(),
+        color: other.color_texture(PictureMap::white()).unwrap(),
         pose: other.transform(&DAffine3::from_scale(DVec3::splat(2.0))).unwrap(),
         moving: other.motion(turning()).unwrap(),
         assembly: other.assembly(&[part]).unwrap(),
@@ -84,7 +89,14 @@ fn strange() -> Strange {
 fn ids_of_another_scene_are_refused() {
     let s = strange();
     let mut scene = SceneBuilder::default();
-    let blend = |materials| Blend { pattern: s.texture, pattern_from_world: Affine3A::IDENTITY, materials };
+    let blend = |materials| Blend { amount: s.number, materials };
+    let no = SceneError::UnknownTexture;
+    let placed = Placed { texture: s.number, texture_from_world: Affine3A::IDENTITY };
+    assert_eq!(scene.float_texture(placed), Err(no.clone()));
+    assert_eq!(scene.material(Matte::new(s.color.clone(), 0.0)), Err(no.clone()));
+    assert_eq!(scene.material(Matte::new(Reflectance::constant(0.5), s.number)), Err(no.clone()));
+    let slide = SurfaceEmission::from(Emission::from_rgb([1.0; 3])).through(&s.color);
+    assert_eq!(scene.emissive_material(matte(0.5), slide), Err(no.clone()));
     let unknown = SceneError::UnknownMaterial(s.material);
     assert_eq!(scene.material(blend([s.material; 2])), Err(unknown.clone()));
     assert_eq!(scene.mesh_material(s.material), Err(unknown.clone()));
@@ -96,7 +108,7 @@ fn ids_of_another_scene_are_refused() {
     let shape = scene.shape(ball(1.0)).unwrap();
     assert_eq!(scene.object(shape, s.material, PoseId::IDENTITY), Err(unknown.clone()));
     let material = scene.material(matte(0.5)).unwrap();
-    assert_eq!(scene.material(blend([material; 2])), Err(SceneError::UnknownTexture(s.texture)));
+    assert_eq!(scene.material(blend([material; 2])), Err(no));
     for pose in [s.pose, s.moving] {
         assert_eq!(scene.object(shape, material, pose), Err(SceneError::UnknownPose(pose)));
     }
@@ -123,17 +135,25 @@ fn numbers_that_are_none_are_refused() {
         let no = SceneError::NotFinite;
         assert_eq!(scene.shape(ball(bad)), Err(no("Sphere")));
         assert_eq!(scene.shape(Plane::new(DVec3::Y, wide)), Err(no("Plane")));
-        assert_eq!(scene.texture(Constant { value: bad }), Err(no("Constant")));
+        let texture = FloatTexture::Constant(bad);
+        let placed = Placed { texture, texture_from_world: Affine3A::IDENTITY };
+        assert_eq!(scene.float_texture(placed), Err(no("Placed")));
+        let texture_from_world = Affine3A::from_scale(Vec3::splat(bad));
+        let placed = Placed { texture: 0.5.into(), texture_from_world };
+        assert_eq!(scene.float_texture(placed), Err(no("Placed")));
         let marble = Marble { octaves: 1, frequency: bad, amplitude: 1.0 };
-        assert_eq!(scene.texture(marble), Err(no("Marble")));
+        assert_eq!(scene.float_texture(marble), Err(no("Marble")));
         assert_eq!(scene.material(Matte::new(Reflectance::constant(0.5), bad)), Err(no("Matte")));
         assert_eq!(scene.light(point(bad)), Err(no("PointLight")));
         let cone = crate::light::Cone { inner: 0.1, outer: bad };
         let spot = SpotLight { point: point(0.0), axis: Vec3::Y, cone };
         assert_eq!(scene.light(spot), Err(no("SpotLight")));
         let slide = PictureMap { factor: [1.0, bad, 1.0, 1.0], ..PictureMap::white() };
-        let emission = SurfaceEmission::from(Emission::from_rgb([1.0; 3])).through(slide);
-        assert_eq!(scene.emissive_material(matte(0.5), emission), Err(no("SurfaceEmission")));
+        assert_eq!(scene.color_texture(slide).err(), Some(no("PictureMap")));
+        let emission = SurfaceEmission::from(Emission::from_rgb([bad; 3]));
+        // What is no number is no light.
+        let expected = if bad.is_nan() { None } else { Some(no("SurfaceEmission")) };
+        assert_eq!(scene.emissive_material(matte(0.5), emission).err(), expected);
         let color = Spectrum::grey(bad);
         let background = Background::Constant { color, emission: Emission::from_rgb([1.0; 3]) };
         assert_eq!(scene.background(background), Err(no("Background")));
@@ -270,14 +290,14 @@ fn materials_give_the_light_of_their_parts() {
     let first = scene.emissive_material(matte(0.0), front).unwrap();
     let second = scene.emissive_material(matte(0.0), light(8.0)).unwrap();
     let dark = scene.material(matte(0.0)).unwrap();
-    let even = scene.texture(Constant { value: 0.25 }).unwrap();
-    let blend = |materials| Blend { pattern: even, pattern_from_world: Affine3A::IDENTITY, materials };
-    let relief = Relief::Normals { map: PictureMap::white(), scale: 0.0 };
+    let blend = |materials| Blend { amount: 0.25.into(), materials };
+    let normals = scene.color_texture(PictureMap::white()).unwrap();
+    let relief = Relief::Normals { normals, scale: 0.0.into() };
     let shape = scene.shape(ball(1.0)).unwrap();
     let materials = [
         scene.material(blend([first, second])),
         scene.material(blend([dark, first])),
-        scene.material(Perforated { material: first, opacity: Share::Plain(0.5) }),
+        scene.material(Perforated { material: first, opacity: 0.5.into() }),
         scene.material(Embossed { material: first, relief }),
         scene.material(blend([dark, dark])),
     ];
@@ -296,4 +316,64 @@ fn materials_give_the_light_of_their_parts() {
         scene.geometry.primitives.iter().map(|p| p.emits).collect::<Vec<_>>(),
         [true, true, true, true, false]
     );
+}
+
+/// A ball of radius 2 at the origin, seen from far along z.
+fn ball_of(make: impl FnOnce(&mut SceneBuilder) -> MaterialId) -> Scene {
+    let mut scene = SceneBuilder::default();
+    let material = make(&mut scene);
+    let shape = scene.shape(ball(2.0)).unwrap();
+    scene.object(shape, material, PoseId::IDENTITY).unwrap();
+    scene.camera(camera(0.5)).unwrap();
+    scene.finish(Settings::default()).unwrap()
+}
+
+/// A ball of radius r that is raised by h(x) has the normal along n - (h' x - (h' x . n) n).
+#[test]
+fn a_relief_of_a_pattern_leans_against_its_gradient() {
+    let scene = ball_of(|scene| {
+        let heights = scene.float_texture(Marble { octaves: 1, frequency: 3.0, amplitude: 0.0 }).unwrap();
+        let material = scene.material(matte(0.5)).unwrap();
+        scene.material(Embossed { material, relief: Relief::Heights { heights, height: 0.5 } }).unwrap()
+    });
+    for (x, y) in [(0.0, 0.0), (0.4, 0.3), (-1.2, 0.7)] {
+        let event = scene.trace(&Ray::new(Vec3::new(x, y, 9.0), Vec3::NEG_Z));
+        let at = event.surface().unwrap();
+        let n = at.point.n;
+        let gradient = 0.75 * (3.0 * x).cos() * Vec3::X;
+        let expected = (n - (gradient - gradient.dot(n) * n)).normalize();
+        let found = scene.shading(at, 0.5);
+        assert!(found.leans && found.n.distance(expected) < 2e-3, "{} for {expected}", found.n);
+    }
+}
+
+/// What a picture says holds where it is laid, also where no part of a mixture shows one.
+#[test]
+fn a_picture_mixes_materials_and_their_light() {
+    let scene = ball_of(|scene| {
+        // Black on the left half of the longitudes, white on the right one.
+        let picture = Picture::from_fn(2, 1, |x, _| [x as f32; 4]);
+        let map = PictureMap { filter: TexelFilter::Nearest, ..PictureMap::new(picture.into()) };
+        let halves = PictureChannel { map, channel: Channel::Red };
+        let amount = scene.float_texture(halves).unwrap();
+        let light = |v: f32| SurfaceEmission::from(Emission::from_rgb([v; 3]));
+        let first = scene.emissive_material(matte(0.2), light(1.0)).unwrap();
+        let second = scene.emissive_material(matte(0.6), light(5.0)).unwrap();
+        scene.material(Blend { amount, materials: [first, second] }).unwrap()
+    });
+    let mut met = Vec::new();
+    for angle in [0.3f32, 1.2, 2.0, 2.9, 3.5, 4.4, 5.3, 6.1] {
+        let d = Vec3::new(angle.cos(), 0.0, angle.sin());
+        let ray = Ray::new(-5.0 * d, d);
+        let event = scene.trace(&ray);
+        let at = event.surface().unwrap();
+        let right = scene.geometry.surface_uv(at).first.x >= 0.5;
+        let (albedo, light) = if right { (0.6, 5.0) } else { (0.2, 1.0) };
+        let place = scene.texture_context(at);
+        assert_eq!(scene.appearance.phong(at.material, &place).diffuse.to_rgb(), [albedo; 3]);
+        let given = scene.surface_light(at, d, &Wavelengths::RGB).unwrap();
+        assert_eq!(given.radiance.to_rgb(), [light; 3]);
+        met.push(right);
+    }
+    assert!(met.contains(&true) && met.contains(&false));
 }

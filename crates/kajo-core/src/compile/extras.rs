@@ -9,7 +9,7 @@ use crate::ids::LightGroup;
 use crate::light::Sides;
 use crate::material::Relief;
 use crate::schema::{Constant, FieldKind};
-use crate::texture::Share;
+use crate::texture::FloatTexture;
 
 choices! {
     Sides {
@@ -45,7 +45,7 @@ keys! {
 pub(super) struct Extras {
     pub emission: SurfaceEmission,
     /// Less than 1 for a material with holes, and where that is said.
-    pub opacity: Option<(Share, Span)>,
+    pub opacity: Option<(FloatTexture, Span)>,
     pub relief: Option<Relief>,
 }
 
@@ -62,13 +62,11 @@ impl Extras {
             let sides = emits.map_or(Sides::Both, |at| at.value);
             let group = group.map(|at| at.value).unwrap_or_default();
             let even = SurfaceEmission::from(light);
-            slide.into_iter().fold(even, SurfaceEmission::through).on(sides).in_group(group)
+            slide.iter().fold(even, SurfaceEmission::through).on(sides).in_group(group)
         });
         let relief = match (normals, heights) {
-            (Some(NormalMap { map, scale }), _) => Some(Relief::Normals { map, scale }),
-            (None, Some(HeightMap { map, channel, height })) => {
-                Some(Relief::Heights { map, channel, height })
-            }
+            (Some(NormalMap { normals, scale }), _) => Some(Relief::Normals { normals, scale: scale.into() }),
+            (None, Some(HeightMap { heights, height })) => Some(Relief::Heights { heights, height }),
             (None, None) => None,
         };
         let emission = emission.unwrap_or_default();

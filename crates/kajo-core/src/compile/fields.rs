@@ -20,18 +20,18 @@ use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
 use super::light_groups;
-use super::pictures::PaintReader;
+use super::pictures::TextureReader;
 use super::spectra::Written;
 use crate::ids::LightGroup;
 use crate::light::LightGroups;
 use crate::schema::{Absent, Around, Constant, FieldKind, FieldSpec, FieldValue};
 use crate::settings::Rules;
-use crate::texture::{Paint, Share};
+use crate::texture::{ColorTexture, FloatTexture};
 
 /// What values may need besides their text.
 pub(super) struct Sources<'a> {
     /// What reads light, colours and pictures.
-    pub paints: PaintReader<'a>,
+    pub textures: TextureReader<'a>,
     /// Groups of lights met so far.
     pub groups: &'a mut LightGroups,
     /// The conventions of the dialect.
@@ -186,14 +186,14 @@ impl Typed<u32> {
     }
 }
 
-impl Typed<Share> {
-    pub const fn or(self, default: f32, about: &'static str) -> Defaulted<Share> {
+impl Typed<FloatTexture> {
+    pub const fn or(self, default: f32, about: &'static str) -> Defaulted<FloatTexture> {
         self.otherwise(Constant::Number(default as f64), about)
     }
 }
 
-impl Typed<Paint> {
-    pub const fn or(self, default: [f32; 3], about: &'static str) -> Defaulted<Paint> {
+impl Typed<ColorTexture> {
+    pub const fn or(self, default: [f32; 3], about: &'static str) -> Defaulted<ColorTexture> {
         self.otherwise(triple_of(default), about)
     }
 }
@@ -725,7 +725,7 @@ pub(super) const fn direction(key: &'static str) -> Typed<Direction> {
 
 impl Plain<'_> for Emission {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, sources: &mut Sources<'_>) -> Result<Emission, Diagnostic> {
-        sources.paints.spectra.emission(args)
+        sources.textures.spectra.emission(args)
     }
 }
 
@@ -740,7 +740,7 @@ impl Plain<'_> for Written<Emission> {
         args: &mut Args<'_>,
         sources: &mut Sources<'_>,
     ) -> Result<Written<Emission>, Diagnostic> {
-        sources.paints.spectra.classic_light(args)
+        sources.textures.spectra.classic_light(args)
     }
 }
 
@@ -762,7 +762,7 @@ impl Plain<'_> for Written<Reflectance> {
         args: &mut Args<'_>,
         sources: &mut Sources<'_>,
     ) -> Result<Written<Reflectance>, Diagnostic> {
-        sources.paints.spectra.reflectance(args)
+        sources.textures.spectra.reflectance(args)
     }
 }
 
@@ -807,47 +807,47 @@ pub(super) const fn absorption(key: &'static str) -> Typed<Absorption> {
     Typed::new(key, FieldKind::Color)
 }
 
-impl Value<'_> for Paint {
+impl Value<'_> for ColorTexture {
     fn read(
         _: &FieldSpec,
         item: Item<'_>,
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
-    ) -> Option<Paint> {
-        sources.paints.paint(item, diagnostics)
+    ) -> Option<ColorTexture> {
+        sources.textures.color(item, diagnostics)
     }
 }
 
-impl Stated for Paint {
-    fn of(constant: Constant) -> Option<Paint> {
-        Vec3::of(constant).map(|color| Paint::Plain(Reflectance::from_rgb(color.to_array())))
+impl Stated for ColorTexture {
+    fn of(constant: Constant) -> Option<ColorTexture> {
+        Vec3::of(constant).map(|color| ColorTexture::Constant(Reflectance::from_rgb(color.to_array())))
     }
 }
 
 /// A colour whose components are shares of light, a measured spectrum of such, or a picture.
-pub(super) const fn paint(key: &'static str) -> Typed<Paint> {
+pub(super) const fn paint(key: &'static str) -> Typed<ColorTexture> {
     Typed::new(key, FieldKind::Reflectance)
 }
 
-impl Value<'_> for Share {
+impl Value<'_> for FloatTexture {
     fn read(
         spec: &FieldSpec,
         item: Item<'_>,
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
-    ) -> Option<Share> {
-        sources.paints.share(spec, item, diagnostics)
+    ) -> Option<FloatTexture> {
+        sources.textures.float(spec, item, diagnostics)
     }
 }
 
-impl Stated for Share {
-    fn of(constant: Constant) -> Option<Share> {
-        f32::of(constant).map(Share::Plain)
+impl Stated for FloatTexture {
+    fn of(constant: Constant) -> Option<FloatTexture> {
+        f32::of(constant).map(FloatTexture::Constant)
     }
 }
 
 /// A number in [0, 1], or a picture of such.
-pub(super) const fn share(key: &'static str) -> Typed<Share> {
+pub(super) const fn share(key: &'static str) -> Typed<FloatTexture> {
     Typed::new(key, FieldKind::SHARE)
 }
 

@@ -2,13 +2,12 @@
 
 use std::borrow::Cow;
 
-use kajo_math::Affine3A;
 use kajo_scene::{Args, Diagnostic, Span};
 
 use super::extras::Extras;
 use crate::material::MaterialId;
 use crate::schema::{FieldKind, FieldSpec};
-use crate::texture::TextureId;
+use crate::texture::FloatTexture;
 
 /// What one of two materials of a pattern is written by.
 pub(super) const PART: FieldSpec = FieldSpec {
@@ -28,8 +27,8 @@ pub(super) enum Draft<'t> {
 
 /// A blend before the references to its parts are followed.
 pub(super) struct BlendDraft<'t> {
-    pub pattern: TextureId,
-    pub pattern_from_world: Affine3A,
+    /// The share of the second part.
+    pub amount: FloatTexture,
     pub parts: [Reference<'t>; 2],
     pub place: Span,
 }

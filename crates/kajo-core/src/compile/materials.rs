@@ -18,7 +18,7 @@ use super::places::misplaced;
 use super::{Compiler, transform};
 use crate::emission::SurfaceEmission;
 use crate::material::{AnyMaterial, Blend, Embossed, MaterialId, Perforated};
-use crate::texture::{AnyPattern, Share};
+use crate::texture::{FloatTexture, Placed};
 
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
 
@@ -137,13 +137,15 @@ impl Compiler<'_> {
     }
 
     /// Two materials that a pattern mixes.
-    pub(super) fn blend<'t, T: Into<AnyPattern>>(
+    ///
+    /// * `read`: reads the share of the second one in the pattern's own space
+    pub(super) fn blend<'t>(
         &mut self,
         item: Item<'t>,
-        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<T>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<FloatTexture>,
     ) -> Option<Draft<'t>> {
         let by_rows = self.rules.matrix_by_rows;
-        let (transform, parts, pattern) = self.read_keys(item, |params, sources| {
+        let (transform, parts, amount) = self.read_keys(item, |params, sources| {
             params.name();
             let transform = params.block("Transform");
             let parts = params.take(&[PART.key]);
@@ -153,7 +155,7 @@ impl Compiler<'_> {
             .into_iter()
             .filter_map(|part| Args::read(part, self.diagnostics, Reference::read))
             .collect();
-        let pattern_from_world = transform
+        let texture_from_world = transform
             .and_then(|item| transform::read_alone(item, by_rows, self.diagnostics))
             .unwrap_or(Affine3A::IDENTITY);
         let Ok(parts) = <[Reference<'t>; 2]>::try_from(parts) else {
@@ -161,9 +163,15 @@ impl Compiler<'_> {
             self.diagnostics.push(error.label(item.keyword_span(), "mixes two materials"));
             return None;
         };
-        let (pattern, place) = (self.scene.texture(pattern?), item.head_span());
-        let pattern = self.accepted(pattern, place)?;
-        Some(Draft::Blend(BlendDraft { pattern, pattern_from_world, parts, place }))
+        let place = item.head_span();
+        let amount = match amount? {
+            texture @ FloatTexture::Node(_) => {
+                let placed = self.scene.float_texture(Placed { texture, texture_from_world });
+                self.accepted(placed, place)?
+            }
+            even => even,
+        };
+        Some(Draft::Blend(BlendDraft { amount, parts, place }))
     }
 
     /// Puts draft `i` and everything it refers to into the pools.
@@ -236,9 +244,8 @@ impl Compiler<'_> {
             self.report_too_many_parts(place);
             return State::Failed;
         }
-        let BlendDraft { pattern, pattern_from_world, .. } = *blend.draft;
         self.warn_of_unlike_emissions(materials, place);
-        let blend = Blend { pattern, pattern_from_world, materials };
+        let blend = Blend { amount: blend.draft.amount, materials };
         self.store_material(blend, place).map_or(State::Failed, |id| State::Done(id, cost))
     }
 
@@ -271,7 +278,7 @@ impl Compiler<'_> {
             self.diagnostics.push(error.label(*place, "`opacity` is for opaque materials"));
             return None;
         }
-        let opacity = holes.map(|(opacity, _)| opacity.clone());
+        let opacity = holes.map(|(opacity, _)| *opacity);
         self.lit_and_cut(id, extras.emission.clone(), opacity, place)
     }
 
@@ -282,7 +289,7 @@ impl Compiler<'_> {
         &mut self,
         id: MaterialId,
         emission: SurfaceEmission,
-        opacity: Option<Share>,
+        opacity: Option<FloatTexture>,
         place: Span,
     ) -> Option<MaterialId> {
         self.scene.set_emission(id, emission);

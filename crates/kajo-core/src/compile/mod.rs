@@ -257,10 +257,10 @@ impl<'a> Compiler<'a> {
         item: Item<'t>,
         read: impl FnOnce(&mut Params<'t, '_>, &mut fields::Sources<'_>) -> Option<T>,
     ) -> Option<T> {
-        let paints = pictures::PaintReader::new(self.assets, self.options, &mut self.pictures);
         let (rules, integrators) = (self.rules, self.options.integrators);
-        let groups = self.scene.light_groups_mut();
-        let mut sources = fields::Sources { paints, groups, rules, integrators };
+        let (nodes, groups) = self.scene.textures_and_groups();
+        let textures = pictures::TextureReader::new(self.assets, self.options, &mut self.pictures, nodes);
+        let mut sources = fields::Sources { textures, groups, rules, integrators };
         let mut params = Params::new(item, self.diagnostics);
         let value = read(&mut params, &mut sources);
         params.finish();

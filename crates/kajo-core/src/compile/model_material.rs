@@ -14,7 +14,10 @@ use crate::light::Sides;
 use crate::material::{
     Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief, Specular,
 };
-use crate::texture::{Channel, Encoding, Paint, PictureMap, Share};
+use crate::texture::{
+    AnyFloatNode, Channel, ColorTexture, Encoding, FloatTexture, PictureChannel, PictureCut, PictureMap,
+    VertexColor,
+};
 
 /// The index of refraction of glTF's coat.
 const COAT_ETA: f32 = 1.5;
@@ -58,14 +61,16 @@ impl Compiler<'_> {
             false => self.model_layers(material, color.as_ref(), metal, pictures),
         };
         let is_body = layers.transmission.range()[1] > 0.0 && !layers.thin;
-        let opacity = opacity(material, color.as_ref()).filter(|_| !is_body);
-        let look = PhongMaterial::from(phong(material)).with_picture(color.clone());
+        let opacity = if is_body { None } else { self.model_opacity(material, color.as_ref(), pictures.at) };
+        let shown = color.clone().and_then(|map| self.color_picture(map, pictures.at));
+        let look = PhongMaterial::from(phong(material)).with_picture(shown);
         let layered = LayeredMaterial::from(layers).with_look(look);
         let mut id = self.store_material(layered, pictures.at)?;
         if let Some((shown, scale)) = material.normals
             && let Some(map) = self.model_picture(Some(shown), AMOUNTS, pictures)
         {
-            let relief = Relief::Normals { map, scale };
+            let normals = self.color_picture(map, pictures.at)?;
+            let relief = Relief::Normals { normals, scale: scale.into() };
             id = self.store_material(Embossed { material: id, relief }, pictures.at)?;
         }
         let (slide, light) = match material.unlit {
@@ -74,9 +79,10 @@ impl Compiler<'_> {
         };
         let even = SurfaceEmission::from(Emission::from_rgb(light));
         let sides = if material.two_sided { Sides::Both } else { Sides::Front };
-        let emission = slide.into_iter().fold(even.on(sides), SurfaceEmission::through);
+        let slide = slide.and_then(|map| self.color_picture(map, pictures.at));
         let is_tinted = material.unlit && material.vertex_colors > VertexColors::None;
-        let emission = if is_tinted { emission.tinted() } else { emission };
+        let tint = is_tinted.then(|| self.scene.color_texture(VertexColor).ok()).flatten();
+        let emission = slide.iter().chain(&tint).fold(even.on(sides), SurfaceEmission::through);
         self.lit_and_cut(id, emission, opacity, pictures.at)
     }
 
@@ -88,21 +94,22 @@ impl Compiler<'_> {
         metal: Option<PictureMap>,
         pictures: &ModelPictures<'_>,
     ) -> Layers {
-        let roughness = share(metal.clone(), material.roughness, Channel::Green);
-        let metalness = share(metal, material.metallic, Channel::Blue);
+        let roughness = self.number(metal.clone(), material.roughness, Channel::Green, pictures.at);
+        let metalness = self.number(metal, material.metallic, Channel::Blue, pictures.at);
         let mut amount = |ModelAmount { value, picture }, channel| {
-            share(self.model_picture(picture, AMOUNTS, pictures), value, channel)
+            let map = self.model_picture(picture, AMOUNTS, pictures);
+            self.number(map, value, channel, pictures.at)
         };
         let transmission = amount(material.transmission, Channel::Red);
         let coat = amount(material.coat, Channel::Red);
         let coat_roughness = amount(material.coat_roughness, Channel::Green);
         let fuzz_roughness = amount(material.sheen_roughness, Channel::Alpha);
         let specular = self.model_specular(material, pictures);
-        let mut tint = |picture, color| paint(self.model_picture(picture, None, pictures), color);
         let fuzz = material.sheen.color.into_iter().fold(0.0, f32::max);
         let fuzz_color = material.sheen.color.map(|c| if fuzz > 0.0 { c / fuzz } else { 0.0 });
+        let fuzz_map = self.model_picture(material.sheen.picture, None, pictures);
         Layers {
-            color: paint(color.cloned(), material.base_color),
+            color: self.color(color.cloned(), material.base_color, pictures.at),
             specular,
             metalness,
             transmission,
@@ -117,7 +124,7 @@ impl Compiler<'_> {
             coat_roughness,
             coat_eta: COAT_ETA,
             fuzz: fuzz.into(),
-            fuzz_color: tint(material.sheen.picture, fuzz_color),
+            fuzz_color: self.color(fuzz_map, fuzz_color, pictures.at),
             fuzz_roughness,
             ..brushed(material, roughness)
         }
@@ -126,68 +133,93 @@ impl Compiler<'_> {
     /// How the gloss of what is no metal differs from that of its index.
     fn model_specular(&mut self, material: &ModelMaterial, pictures: &ModelPictures<'_>) -> Specular {
         let ModelTint { color, picture } = material.specular;
-        let weight = share(
-            self.model_picture(material.gloss.picture, AMOUNTS, pictures),
-            material.gloss.value,
-            Channel::Alpha,
-        );
+        let gloss = self.model_picture(material.gloss.picture, AMOUNTS, pictures);
+        let weight = self.number(gloss, material.gloss.value, Channel::Alpha, pictures.at);
         let map = self.model_picture(picture, None, pictures);
         if map.is_none() && color == [1.0; 3] && weight.range()[0] >= 1.0 {
             return Specular::default();
         }
         let scale = color.into_iter().fold(1.0, f32::max);
-        Specular::F0 { factor: paint(map, color.map(|c| c / scale)), scale, weight }
+        Specular::F0 { factor: self.color(map, color.map(|c| c / scale), pictures.at), scale, weight }
     }
+
+    /// The share of a surface that is there, where that is not all of it.
+    ///
+    /// * `color`: the picture of its colour
+    fn model_opacity(
+        &mut self,
+        material: &ModelMaterial,
+        color: Option<&PictureMap>,
+        place: Span,
+    ) -> Option<FloatTexture> {
+        let value = material.opacity;
+        // Most pictures have no holes, whatever the material says of them.
+        let is_clear = material.vertex_colors == VertexColors::ColorAndOpacity;
+        let map = color.filter(|map| is_clear || map.means()[Channel::Alpha as usize] < 1.0).cloned();
+        // Vertices make holes of their own.
+        let map = map.or_else(|| is_clear.then(PictureMap::white));
+        let map = map.map(|map| PictureMap { factor: [1.0, 1.0, 1.0, value], ..map });
+        let channel = Channel::Alpha;
+        let node: AnyFloatNode = match (material.cover, map) {
+            (ModelCover::Everything, _) => return None,
+            (ModelCover::Share, None) => return hole(value),
+            (ModelCover::FromOn(least), None) => return hole(if value < least { 0.0 } else { 1.0 }),
+            (ModelCover::Share, Some(map)) => PictureChannel { map, channel }.into(),
+            (ModelCover::FromOn(least), Some(map)) => PictureCut { map, channel, least }.into(),
+        };
+        let texture = self.scene.float_texture(node);
+        self.accepted(texture, place)
+    }
+
+    /// A number or, where there is one, a channel of a picture times that.
+    pub(super) fn number(
+        &mut self,
+        map: Option<PictureMap>,
+        value: f32,
+        channel: Channel,
+        place: Span,
+    ) -> FloatTexture {
+        let Some(map) = map.filter(|_| value > 0.0) else { return value.into() };
+        let node = PictureChannel { map: PictureMap { factor: [value; 4], ..map }, channel };
+        let texture = self.scene.float_texture(node);
+        self.accepted(texture, place).unwrap_or(FloatTexture::Constant(value))
+    }
+
+    /// A colour or, where there is one, a picture times that.
+    pub(super) fn color(
+        &mut self,
+        map: Option<PictureMap>,
+        color @ [r, g, b]: [f32; 3],
+        place: Span,
+    ) -> ColorTexture {
+        let map = map.map(|map| PictureMap { factor: [r, g, b, 1.0], ..map });
+        let texture = map.and_then(|map| self.color_picture(map, place));
+        texture.unwrap_or_else(|| Reflectance::from_rgb(color).into())
+    }
+
+    /// The colours of a picture.
+    pub(super) fn color_picture(&mut self, map: PictureMap, place: Span) -> Option<ColorTexture> {
+        let texture = self.scene.color_texture(map);
+        self.accepted(texture, place)
+    }
+}
+
+/// An opacity that is the same everywhere, where it is less than all.
+fn hole(opacity: f32) -> Option<FloatTexture> {
+    (opacity < 1.0).then_some(FloatTexture::Constant(opacity))
 }
 
 /// A surface that reflects nothing.
 fn black() -> Layers {
-    let black = || Paint::from(Reflectance::constant(0.0));
+    let black = || ColorTexture::from(Reflectance::constant(0.0));
     Layers { color: black(), specular: Specular::Factor(black()), ..Layers::default() }
-}
-
-/// The share of a surface that is there, where that is not all of it.
-///
-/// * `color`: the picture of its colour
-fn opacity(material: &ModelMaterial, color: Option<&PictureMap>) -> Option<Share> {
-    let value = material.opacity;
-    // Most pictures have no holes, whatever the material says of them.
-    let is_clear = material.vertex_colors == VertexColors::ColorAndOpacity;
-    let map = color.filter(|map| is_clear || map.mean()[Channel::Alpha as usize] < 1.0).cloned();
-    // Vertices make holes of their own.
-    let map = map.or_else(|| is_clear.then(PictureMap::white));
-    let map = map.map(|map| PictureMap { factor: [1.0, 1.0, 1.0, value], ..map });
-    let share = match (material.cover, map) {
-        (ModelCover::Everything, _) => return None,
-        (ModelCover::Share, None) => Share::Plain(value),
-        (ModelCover::Share, Some(map)) => Share::Picture(map, Channel::Alpha),
-        (ModelCover::FromOn(least), None) => Share::Plain(if value < least { 0.0 } else { 1.0 }),
-        (ModelCover::FromOn(least), Some(map)) => Share::Cut(map, Channel::Alpha, least),
-    };
-    (share.range()[0] < 1.0).then_some(share)
-}
-
-/// A number or, where there is one, a channel of a picture times that.
-pub(super) fn share(map: Option<PictureMap>, value: f32, channel: Channel) -> Share {
-    match map {
-        Some(map) if value > 0.0 => Share::Picture(PictureMap { factor: [value; 4], ..map }, channel),
-        _ => value.into(),
-    }
-}
-
-/// A colour or, where there is one, a picture times that.
-pub(super) fn paint(map: Option<PictureMap>, color @ [r, g, b]: [f32; 3]) -> Paint {
-    match map {
-        Some(map) => Paint::Picture(PictureMap { factor: [r, g, b, 1.0], ..map }),
-        None => Reflectance::from_rgb(color).into(),
-    }
 }
 
 /// Layers of a roughness, with facets that run one way where the material has them.
 ///
 /// The roughnesses of glTF are `α` across and `mix(α, 1, strength²)` along; here they are told by the root of their mean
 /// square and by their proportion. Under a picture of the roughness the proportion is that of its factor.
-fn brushed(material: &ModelMaterial, roughness: Share) -> Layers {
+fn brushed(material: &ModelMaterial, roughness: FloatTexture) -> Layers {
     let (strength, turns) = material.anisotropy;
     if strength <= 0.0 {
         return Layers { roughness, ..Layers::default() };

@@ -10,12 +10,11 @@ use kajo_scene::{MtlMapUse, MtlMaterial, Span, TriMesh, read_mtl};
 
 use super::Compiler;
 use super::blocks::phong_material::absorption_of;
-use super::model_material::{paint, share};
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
 use crate::material::{Embossed, Grain, LayeredMaterial, Layers, MaterialId, PhongMaterial, Relief};
 use crate::shape::ABSENT;
-use crate::texture::{Channel, Encoding, PictureMap, Share, Wrap};
+use crate::texture::{Channel, Encoding, FloatTexture, PictureChannel, PictureMap, Wrap};
 
 /// Albedo of what a library that cannot be read would describe.
 const GREY: f32 = 0.5;
@@ -123,13 +122,15 @@ impl Compiler<'_> {
         let mtl = described.mtl;
         let color = self.mtl_picture(described, MtlMapUse::Diffuse, None);
         let slide = self.mtl_picture(described, MtlMapUse::Emission, None);
+        let slide = slide.and_then(|map| self.color_picture(map, described.place));
         let cover = self.mtl_cover(described);
         let (mut id, mut share) = if is_physical(mtl) {
             let layers = self.mtl_layers(described, color);
-            let opacity = cover.or(mtl.opacity.map(|d| Share::Plain(d.clamp(0.0, 1.0))));
+            let opacity = cover.or(mtl.opacity.map(|d| FloatTexture::Constant(d.clamp(0.0, 1.0))));
             let opacity = opacity.filter(|share| share.range()[0] < 1.0);
             (self.store_material(LayeredMaterial::from(layers), described.place)?, opacity)
         } else {
+            let color = color.and_then(|map| self.color_picture(map, described.place));
             let material = PhongMaterial::from(phong(mtl)).with_picture(color);
             (self.store_material(material, described.place)?, cover)
         };
@@ -144,36 +145,41 @@ impl Compiler<'_> {
         if let Some(relief) = self.mtl_relief(described) {
             id = self.store_material(Embossed { material: id, relief }, described.place)?;
         }
-        let share = share.filter(|share| share.mean() < 1.0);
+        let share = share.filter(|share| share.mean(&self.scene.appearance().textures) < 1.0);
         // Of a light of which only the picture is written the picture is all there is.
         let light = mtl.emission.unwrap_or(if slide.is_some() { [1.0; 3] } else { [0.0; 3] });
         let even = SurfaceEmission::from(Emission::from_rgb(light));
-        let emission = slide.into_iter().fold(even, SurfaceEmission::through);
+        let emission = slide.iter().fold(even, SurfaceEmission::through);
         self.lit_and_cut(id, emission, share, described.place)
     }
 
     /// The share of the surface that is there, of a material with a picture of that.
-    fn mtl_cover(&mut self, described: &Described<'_>) -> Option<Share> {
+    fn mtl_cover(&mut self, described: &Described<'_>) -> Option<FloatTexture> {
         let map = self.mtl_picture(described, MtlMapUse::Opacity, AMOUNTS)?;
         // Where a picture has an alpha channel, that is what programs mean.
-        let usual = if map.mean()[Channel::Alpha as usize] < 1.0 { Channel::Alpha } else { Channel::Red };
+        let usual = if map.means()[Channel::Alpha as usize] < 1.0 { Channel::Alpha } else { Channel::Red };
         let channel = described.channel(MtlMapUse::Opacity).unwrap_or(usual);
-        Some(Share::Picture(map, channel))
+        let texture = self.scene.float_texture(PictureChannel { map, channel });
+        self.accepted(texture, described.place)
     }
 
     fn mtl_relief(&mut self, described: &Described<'_>) -> Option<Relief> {
         if let Some(map) = self.mtl_picture(described, MtlMapUse::Normals, AMOUNTS) {
-            return Some(Relief::Normals { map, scale: 1.0 });
+            let normals = self.color_picture(map, described.place)?;
+            return Some(Relief::Normals { normals, scale: 1.0.into() });
         }
         let map = self.mtl_picture(described, MtlMapUse::Bump, AMOUNTS)?;
         let bump = described.mtl.map(MtlMapUse::Bump)?.bump;
         // Many programs write pictures of normals there, which are blue on the whole.
-        let [r, g, b, _] = map.mean();
+        let [r, g, b, _] = map.means();
         if (r - 0.5).abs() < 0.15 && (g - 0.5).abs() < 0.15 && b > 0.7 {
-            return Some(Relief::Normals { map, scale: bump });
+            let normals = self.color_picture(map, described.place)?;
+            return Some(Relief::Normals { normals, scale: bump.into() });
         }
         let channel = described.channel(MtlMapUse::Bump).unwrap_or_default();
-        Some(Relief::Heights { map, channel, height: BUMP_HEIGHT * bump })
+        let heights = self.scene.float_texture(PictureChannel { map, channel });
+        let heights = self.accepted(heights, described.place)?;
+        Some(Relief::Heights { heights, height: BUMP_HEIGHT * bump })
     }
 
     fn mtl_layers(&mut self, described: &Described<'_>, color: Option<PictureMap>) -> Layers {
@@ -182,18 +188,18 @@ impl Compiler<'_> {
             let map = self.mtl_picture(described, shows, AMOUNTS);
             let default = if map.is_some() { 1.0 } else { default };
             let channel = described.channel(shows).unwrap_or_default();
-            share(map, value.unwrap_or(default).clamp(0.0, 1.0), channel)
+            self.number(map, value.unwrap_or(default).clamp(0.0, 1.0), channel, described.place)
         };
         let diffuse = mtl.diffuse.unwrap_or([1.0; 3]).map(|v| v.clamp(0.0, 1.0));
         let defaults = Layers::default();
         let exponent = mtl.exponent.filter(|&e| e > 0.0);
         Layers {
-            color: paint(color, diffuse),
             metalness: amount(MtlMapUse::Metalness, mtl.metalness, 0.0),
             roughness: amount(MtlMapUse::Roughness, mtl.roughness, exponent.map_or(0.5, roughness_of)),
             coat: amount(MtlMapUse::Coat, mtl.coat, 0.0),
             coat_roughness: amount(MtlMapUse::CoatRoughness, mtl.coat_roughness, 0.0),
             fuzz: amount(MtlMapUse::Sheen, mtl.sheen, 0.0),
+            color: self.color(color, diffuse, described.place),
             grain: Grain {
                 anisotropy: mtl.anisotropy.unwrap_or(0.0).clamp(0.0, 1.0).into(),
                 rotation: mtl.anisotropy_rotation.unwrap_or(0.0).rem_euclid(1.0).into(),

@@ -7,11 +7,11 @@ use super::fields::{Sources, Value};
 use super::pictures::{is_picture, read_channel};
 use super::spectra::factor;
 use crate::schema::FieldSpec;
-use crate::texture::{Channel, Encoding, PictureMap, Share};
+use crate::texture::{ColorTexture, Encoding, FloatTexture, PictureChannel, PictureCut};
 
 /// The share of a surface that is there, and where that is said.
 pub(super) struct Opacity {
-    pub share: Share,
+    pub share: FloatTexture,
     pub place: Span,
 }
 
@@ -25,18 +25,18 @@ impl Value<'_> for Opacity {
         let read = |params: &mut Params<'_, '_>| {
             (read_channel(params), params.optional("cutoff", |args| args.number_in(0.0..=1.0)))
         };
-        let share =
-            sources.paints.share_of(spec, item, diagnostics, read, |map, (channel, cutoff)| match cutoff {
-                None => Share::Picture(map, channel),
-                Some(least) => Share::Cut(map, channel, least),
-            });
+        let node = |map, (channel, cutoff)| match cutoff {
+            None => PictureChannel { map, channel }.into(),
+            Some(least) => PictureCut { map, channel, least }.into(),
+        };
+        let share = sources.textures.float_of(spec, item, diagnostics, read, node);
         share.map(|share| Opacity { share, place: item.head_span() })
     }
 }
 
 /// A picture of normals.
 pub(super) struct NormalMap {
-    pub map: PictureMap,
+    pub normals: ColorTexture,
     /// How steep they are made.
     pub scale: f32,
 }
@@ -50,15 +50,14 @@ impl Value<'_> for NormalMap {
     ) -> Option<NormalMap> {
         let scale = |params: &mut Params<'_, '_>| Scale(params.or("scale", 1.0, Args::number));
         let (map, Scale(scale)) =
-            sources.paints.pictures.map(item, Some(Encoding::Linear), diagnostics, scale)?;
-        Some(NormalMap { map, scale })
+            sources.textures.pictures.map(item, Some(Encoding::Linear), diagnostics, scale)?;
+        Some(NormalMap { normals: sources.textures.nodes.color(map)?, scale })
     }
 }
 
 /// A picture of heights.
 pub(super) struct HeightMap {
-    pub map: PictureMap,
-    pub channel: Channel,
+    pub heights: FloatTexture,
     /// How far white rises above black.
     pub height: f32,
 }
@@ -74,15 +73,16 @@ impl Value<'_> for HeightMap {
             (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
         };
         let (map, (Height(height), channel)) =
-            sources.paints.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
-        Some(HeightMap { map, channel, height })
+            sources.textures.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
+        let heights = sources.textures.nodes.float(PictureChannel { map, channel })?;
+        Some(HeightMap { heights, height })
     }
 }
 
 /// The light of a surface, and the picture that it shines through like a slide, if there is one.
 pub(super) struct SurfaceLight {
     pub light: Emission,
-    pub slide: Option<PictureMap>,
+    pub slide: Option<ColorTexture>,
 }
 
 impl Value<'_> for SurfaceLight {
@@ -92,27 +92,32 @@ impl Value<'_> for SurfaceLight {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<SurfaceLight> {
-        let spectra = sources.paints.spectra;
+        let spectra = sources.textures.spectra;
         if !is_picture(item) {
             let light = Args::read(item, diagnostics, |args| spectra.emission(args))?;
             return Some(SurfaceLight { light, slide: None });
         }
         let light = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
         let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
-        let ((map, factor), light) = sources.paints.pictures.map_and(item, None, diagnostics, name, light)?;
+        let ((map, factor), light) =
+            sources.textures.pictures.map_and(item, None, diagnostics, name, light)?;
         let light = light.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor);
-        Some(SurfaceLight { light, slide: Some(map) })
+        Some(SurfaceLight { light, slide: Some(sources.textures.nodes.color(map)?) })
     }
 }
 
-impl Value<'_> for PictureMap {
+/// The colours of a picture.
+pub(super) struct ColorPicture(pub ColorTexture);
+
+impl Value<'_> for ColorPicture {
     fn read(
         _: &FieldSpec,
         item: Item<'_>,
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
-    ) -> Option<PictureMap> {
-        sources.paints.pictures.map(item, None, diagnostics, |_| ()).map(|(map, ())| map)
+    ) -> Option<ColorPicture> {
+        let (map, ()) = sources.textures.pictures.map(item, None, diagnostics, |_| ())?;
+        sources.textures.nodes.color(map).map(ColorPicture)
     }
 }
 

@@ -26,7 +26,10 @@ use kajo_scene::{
 use super::CompileOptions;
 use super::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
-use crate::texture::{Channel, Encoding, Paint, Picture, PictureMap, Share, TexelFilter, Wrap};
+use crate::texture::{
+    AnyFloatNode, Channel, ColorTexture, Encoding, FloatTexture, Picture, PictureChannel, PictureMap,
+    TexelFilter, Textures, Wrap,
+};
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
 pub(super) type PictureCache = HashMap<(String, Option<Encoding>), Option<Arc<Picture>>>;
@@ -46,59 +49,64 @@ pub(super) struct PictureReader<'a> {
     cache: &'a mut PictureCache,
 }
 
-/// Reads what may be plain or a picture.
-pub(super) struct PaintReader<'a> {
+/// Reads textures.
+pub(super) struct TextureReader<'a> {
     pub spectra: SpectrumReader<'a>,
     pub pictures: PictureReader<'a>,
+    /// Of the scene.
+    pub nodes: &'a mut Textures,
 }
 
-impl<'a> PaintReader<'a> {
+impl<'a> TextureReader<'a> {
     pub fn new(
         assets: &'a dyn Assets,
         options: &'a CompileOptions,
         cache: &'a mut PictureCache,
-    ) -> PaintReader<'a> {
-        PaintReader {
+        nodes: &'a mut Textures,
+    ) -> TextureReader<'a> {
+        TextureReader {
             spectra: SpectrumReader { assets },
             pictures: PictureReader::new(assets, options, cache),
+            nodes,
         }
     }
 }
 
-impl PaintReader<'_> {
+impl TextureReader<'_> {
     /// A colour whose components are shares of light, a measured spectrum of such, or a picture.
-    pub fn paint(&mut self, item: Item<'_>, diagnostics: &mut Diagnostics) -> Option<Paint> {
+    pub fn color(&mut self, item: Item<'_>, diagnostics: &mut Diagnostics) -> Option<ColorTexture> {
         if is_picture(item) {
             let (map, ()) = self.pictures.map(item, None, diagnostics, |_| ())?;
-            return Some(Paint::Picture(map));
+            return self.nodes.color(map);
         }
-        Args::read(item, diagnostics, |args| share_of_light(self.spectra, args)).map(Paint::Plain)
+        Args::read(item, diagnostics, |args| share_of_light(self.spectra, args)).map(ColorTexture::Constant)
     }
 
     /// A number within the bounds of its field, or a picture of such.
-    pub fn share(
+    pub fn float(
         &mut self,
         spec: &FieldSpec,
         item: Item<'_>,
         diagnostics: &mut Diagnostics,
-    ) -> Option<Share> {
-        self.share_of(spec, item, diagnostics, read_channel, Share::Picture)
+    ) -> Option<FloatTexture> {
+        let node = |map, channel| PictureChannel { map, channel }.into();
+        self.float_of(spec, item, diagnostics, read_channel, node)
     }
 
     /// * `more`: reads what of the picture's block is for `of`
-    pub fn share_of<T: Default>(
+    pub fn float_of<T: Default>(
         &mut self,
         spec: &FieldSpec,
         item: Item<'_>,
         diagnostics: &mut Diagnostics,
         more: impl FnOnce(&mut Params<'_, '_>) -> T,
-        of: impl FnOnce(PictureMap, T) -> Share,
-    ) -> Option<Share> {
+        of: impl FnOnce(PictureMap, T) -> AnyFloatNode,
+    ) -> Option<FloatTexture> {
         if is_picture(item) {
             let (map, said) = self.pictures.map(item, Some(Encoding::Linear), diagnostics, more)?;
-            return Some(of(map, said));
+            return self.nodes.float(of(map, said));
         }
-        Args::read(item, diagnostics, |args| args.number_in(spec.kind.bounds())).map(Share::Plain)
+        Args::read(item, diagnostics, |args| args.number_in(spec.kind.bounds())).map(FloatTexture::Constant)
     }
 }
 

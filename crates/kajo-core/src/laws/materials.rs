@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kajo_color::{Reflectance, Spectrum, Wavelengths, dispersion::Dispersion, named};
 use kajo_image::Image;
-use kajo_math::{Affine3A, Vec2, Vec3};
+use kajo_math::{Vec2, Vec3};
 
 use super::{Census, Draw, Furnace, Who};
 use crate::Pooled;
@@ -15,7 +15,8 @@ use crate::material::{
     Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular, Substance,
 };
 use crate::texture::{
-    Channel, Checker, Constant, Encoding, Paint, Picture, PictureMap, Share, SurfaceUv, TextureContext,
+    Channel, Checker, ColorTexture, Encoding, Noise, Picture, PictureChannel, PictureMap, SurfaceUv,
+    TextureContext,
 };
 
 /// How far off the energy of a material without losses may be.
@@ -72,7 +73,7 @@ fn glass(roughness: f32, pane: Option<f32>) -> Glass {
 }
 
 fn white_layers() -> Layers {
-    let white = Paint::from(Reflectance::constant(1.0));
+    let white = ColorTexture::from(Reflectance::constant(1.0));
     Layers {
         color: white.clone(),
         specular: Specular::Factor(white.clone()),
@@ -107,7 +108,7 @@ fn samples() -> Samples {
     all.add("gold", false, Metal::new(Substance::Measured(gold.clone()), Shape::Beckmann, 0.5));
     all.add("frosted glass", true, glass(0.5, None));
     let brushed = Grain { anisotropy: 0.7.into(), rotation: 0.1.into() };
-    let tray = Metal::new(Substance::Measured(gold), Shape::Ggx, 0.5).brushed(brushed.clone());
+    let tray = Metal::new(Substance::Measured(gold), Shape::Ggx, 0.5).brushed(brushed);
     all.add("tray", false, tray);
     all.add("knife", false, LayeredMaterial::from(Layers { grain: brushed, ..white_layers() }));
     all.add("pane", true, glass(0.0, Some(0.1)));
@@ -134,20 +135,24 @@ fn samples() -> Samples {
     all.add("gauze", true, Perforated { material: plaster, opacity: 0.6.into() });
     let spots = Image::from_fn(3, 3, |x, y| [0.4, 0.1 * x as f32, 0.3 * y as f32]).expect("a small picture");
     let map = PictureMap::new(Arc::new(Picture::new(&spots, Encoding::Linear).0));
-    let share = || Share::Picture(map.clone(), Channel::Red);
-    all.add("painted", false, Matte::new(Paint::Picture(map.clone()), share()));
-    all.add("tarnished", true, Metal::new(Substance::Color(white().into()), Shape::Ggx, share()));
-    all.add("net", true, Perforated { material: plaster, opacity: share() });
-    let layers = Layers { roughness: share(), metalness: share(), coat: share(), ..white_layers() };
+    let textures = &mut all.appearance.textures;
+    let node = PictureChannel { map: map.clone(), channel: Channel::Red };
+    let (share, color) = (textures.float(node).unwrap(), textures.color(map.clone()).unwrap());
+    let (checks, clouds) = (textures.float(Checker).unwrap(), textures.float(Noise { octaves: 2 }).unwrap());
+    all.add("painted", false, Matte::new(color.clone(), share));
+    all.add("tarnished", true, Metal::new(Substance::Color(white().into()), Shape::Ggx, share));
+    all.add("net", true, Perforated { material: plaster, opacity: share });
+    let layers = Layers { roughness: share, metalness: share, coat: share, ..white_layers() };
     all.add("worn", true, LayeredMaterial::from(layers));
-    let relief = Relief::Normals { map: map.clone(), scale: 0.5 };
+    let layers = Layers { roughness: clouds, metalness: checks, fuzz: clouds, ..white_layers() };
+    all.add("cloudy", false, LayeredMaterial::from(layers));
+    let relief = Relief::Normals { normals: color.clone(), scale: 0.5.into() };
     all.add("hammered silver", true, Embossed { material: silver, relief });
-    all.add("Phong, painted", false, PhongMaterial::from(classic).with_picture(Some(map.clone())));
-    let pattern = Constant { value: 0.3 }.store(&mut all.appearance.textures).expect("there is room");
-    let mix = |pattern, materials| Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials };
-    all.add("plaster and silver", true, mix(pattern, [plaster, silver]));
-    let pattern = Checker.store(&mut all.appearance.textures).expect("there is room");
-    all.add("checks", false, mix(pattern, [silver, clay]));
+    let relief = Relief::Heights { heights: clouds, height: 0.1 };
+    all.add("dented silver", true, Embossed { material: silver, relief });
+    all.add("Phong, painted", false, PhongMaterial::from(classic).with_picture(Some(color)));
+    all.add("plaster and silver", true, Blend { amount: 0.3.into(), materials: [plaster, silver] });
+    all.add("checks", false, Blend { amount: checks, materials: [silver, clay] });
     all
 }
 

@@ -1,84 +1,76 @@
-//! A material with a relief that is not modelled: what a picture says of its bumps and dents moves the normals, not the surface.
+//! A material with a relief that is not modelled: what a texture says of its bumps and dents moves the normals, not the surface.
 //!
-//! A picture of normals gives one for each texel, `m = 2 rgb - 1`, in the frame of the tangents and the normal, and `scale`
+//! A texture of normals gives one at each point, `m = 2 rgb - 1`, in the frame of the tangents and the normal, and `scale`
 //! makes the relief flatter or steeper:
 //!
 //! ```text
 //! n' along scale (mx t + my b) + mz n
 //! ```
 //!
-//! A picture of heights `h` gives the normal of the surface that is raised by `h` [Blinn 1978], without leaving the tangent plane
+//! A texture of heights `h` gives the normal of the surface that is raised by `h` [Blinn 1978], without leaving the tangent plane
 //! [Mikkelsen 2010]:
 //!
 //! ```text
 //! n' along |d| n - sign(d) (h_u (p_v x n) + h_v (n x p_u)),     d = p_u . (p_v x n)
 //! ```
 //!
-//! with its derivatives from differences over one texel.
+//! with its derivatives by surface coordinates from differences over one texel of a picture. Heights that fill space have the gradient
+//! `g`, of which the part across `n` is taken off: `n' along n - (g - (g . n) n)`.
 //!
 //! Scene: `Matte { color 0.5 0.5 0.5  bump stones.png { height 0.02 } }`
 
 use kajo_color::Spectrum;
-use kajo_math::{Vec2, Vec3};
+use kajo_math::Vec3;
 
 use super::parts::answers_of_part;
 use super::{Appearance, Lean, Material, MaterialId, Orientation, ShadingPoint};
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
-use crate::texture::{Channel, PictureMap, SurfaceUv, TextureContext};
+use crate::texture::{
+    AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, TextureSlope, Textures,
+};
 
 /// A relief.
 #[derive(Clone, Debug)]
 pub enum Relief {
-    /// By the normals of a picture.
+    /// By normals.
     Normals {
         /// Red to the first tangent, green to the second, blue along the normal; a half is nothing.
-        map: PictureMap,
+        normals: ColorTexture,
         /// Factor of the components across the normal.
-        scale: f32,
+        scale: FloatTexture,
     },
-    /// By the heights of a picture.
+    /// By heights.
     Heights {
-        /// Where the heights are.
-        map: PictureMap,
-        /// Which of its channels they are.
-        channel: Channel,
-        /// How far white rises above black, in units of the world.
+        /// The heights.
+        heights: FloatTexture,
+        /// How far 1 rises above 0, in units of the world.
         height: f32,
     },
 }
 
 impl Relief {
-    /// How the normal leans at surface coordinates.
-    fn lean(&self, uv: SurfaceUv) -> Lean {
+    /// How the normal leans at a point.
+    fn lean(&self, place: TextureEvaluator<'_>) -> Lean {
         match self {
-            Relief::Normals { map, scale } => {
-                let [r, g, b, _] = map.at(uv);
-                let m = 2.0 * Vec3::new(r, g, b) - 1.0;
-                let across = *scale * along(map, m.truncate());
+            Relief::Normals { normals, scale } => {
+                let m = 2.0 * Vec3::from(normals.rgb(place).to_rgb()) - 1.0;
+                let across = scale.at(place) * normals.along(place.textures, m.truncate());
                 Lean::Tangent(across.extend(m.z))
             }
-            Relief::Heights { map, channel, height } => {
-                let half = 0.5 * map.texel();
-                let rise = |step: Vec2| {
-                    let [there, back] = [step, -step].map(|step| map.at(uv.moved(step))[*channel as usize]);
-                    there - back
-                };
-                let rises = Vec2::new(rise(Vec2::new(half.x, 0.0)), rise(Vec2::new(0.0, half.y)));
-                Lean::Slope(*height * rises / map.texel())
+            Relief::Heights { heights, height } => {
+                let TextureSlope { uv, p } = heights.slope(place, *height);
+                Lean::Slope { by_uv: uv, by_p: p }
             }
         }
     }
-}
 
-/// A direction of the picture as one of the coordinates that place it.
-fn along(map: &PictureMap, m: Vec2) -> Vec2 {
-    if map.cross == Vec2::ZERO {
-        return m * map.repeat.map(f32::signum);
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        match self {
+            Relief::Normals { normals, scale } => vec![normals.into(), (*scale).into()],
+            Relief::Heights { heights, .. } => vec![(*heights).into()],
+        }
     }
-    let right = Vec2::new(map.repeat.x, map.cross.x).normalize_or_zero();
-    let up = Vec2::new(map.cross.y, map.repeat.y).normalize_or_zero();
-    m.x * right + m.y * up
 }
 
 /// Another material with a relief.
@@ -104,9 +96,13 @@ impl Embossed {
 impl Material for Embossed {
     fn is_finite(&self) -> bool {
         match &self.relief {
-            Relief::Normals { map, scale } => map.is_finite() && scale.is_finite(),
-            Relief::Heights { map, height, .. } => map.is_finite() && height.is_finite(),
+            Relief::Normals { .. } => true,
+            Relief::Heights { height, .. } => height.is_finite(),
         }
+    }
+
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        self.relief.textures()
     }
 
     fn parts(&self) -> &[MaterialId] {
@@ -115,25 +111,26 @@ impl Material for Embossed {
 
     fn emission(
         &self,
-        _appearance: &Appearance,
         of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
-    ) -> SurfaceEmission {
-        of_part(self.material)
+        _textures: &mut Textures,
+    ) -> Option<SurfaceEmission> {
+        Some(of_part(self.material))
     }
 
     fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
         appearance.phong(self.material, at)
     }
 
-    fn needs_uv(&self, _appearance: &Appearance) -> bool {
-        true
+    fn needs_uv(&self, appearance: &Appearance) -> bool {
+        let of_relief = |texture: AnyTexture<'_>| texture.needs_uv(&appearance.textures);
+        appearance.needs_uv(self.material) || self.relief.textures().into_iter().any(of_relief)
     }
 
     answers_of_part!(bsdf, interior);
 
     fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
         let own = appearance.orientation(self.material, at);
-        Orientation { lean: Some(self.relief.lean(at.context.uv)), ..own }
+        Orientation { lean: Some(self.relief.lean(appearance.textures.evaluator(&at.context))), ..own }
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {

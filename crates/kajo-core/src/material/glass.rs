@@ -12,7 +12,7 @@ use kajo_math::Vec3;
 
 use super::{Appearance, Grain, Interior, Material, Orientation, ShadingPoint, may_be_polished};
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
-use crate::texture::{Share, SurfaceUv, TextureContext};
+use crate::texture::{AnyTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
 
 /// What glass is like.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub struct GlassSettings {
     /// Distribution of facets.
     pub shape: Shape,
     /// In [0, 1]; facets have its square.
-    pub roughness: Share,
+    pub roughness: FloatTexture,
     /// Which way the facets run.
     pub grain: Grain,
     /// Absorption per unit length in linear RGB.
@@ -61,7 +61,8 @@ impl From<GlassSettings> for Glass {
     fn from(settings: GlassSettings) -> Glass {
         let absorption = Unbounded::from_rgb(settings.absorption);
         let mut glass = Glass { settings, absorption, constant: None };
-        glass.constant = (!glass.varies()).then(|| glass.classic(SurfaceUv::default()));
+        glass.constant = (!glass.varies())
+            .then(|| glass.classic(Textures::default().evaluator(&TextureContext::default())));
         glass
     }
 }
@@ -76,22 +77,23 @@ impl Glass {
         self.settings.index.at(wavelengths)[0]
     }
 
-    fn pane(&self, at: &ShadingPoint<'_>) -> Option<ThinDielectric> {
+    fn pane(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<ThinDielectric> {
         let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?;
         let eta = self.eta(at.wavelengths) / at.eta_outside;
-        Some(ThinDielectric { eta, optical_depth, microfacets: self.facets(at.context.uv) })
+        let microfacets = self.facets(appearance.textures.evaluator(&at.context));
+        Some(ThinDielectric { eta, optical_depth, microfacets })
     }
 
-    fn facets(&self, uv: SurfaceUv) -> Microfacets {
-        let roughness = self.settings.roughness.at(uv);
-        self.settings.grain.facets(self.settings.shape, roughness * roughness, uv)
+    fn facets(&self, place: TextureEvaluator<'_>) -> Microfacets {
+        let roughness = self.settings.roughness.at(place);
+        self.settings.grain.facets(self.settings.shape, roughness * roughness, place)
     }
 
-    fn classic(&self, uv: SurfaceUv) -> Phong {
+    fn classic(&self, place: TextureEvaluator<'_>) -> Phong {
         Phong {
             transparent: Spectrum::rgb(1.0, 1.0, 1.0),
             specular: Spectrum::rgb(0.04, 0.04, 0.04),
-            exponent: self.facets(uv).exponent(),
+            exponent: self.facets(place).exponent(),
             absorption: Vec3::from(self.settings.absorption).into(),
             eta: if self.settings.pane.is_some() { 1.0 } else { self.settings.index.index_d() as f32 },
             ..Phong::BLACK
@@ -101,15 +103,18 @@ impl Glass {
 
 impl Material for Glass {
     fn is_finite(&self) -> bool {
-        let GlassSettings { index, roughness, grain, absorption, pane, .. } = &self.settings;
-        index.at(&Wavelengths::RGB).is_finite()
-            && absorption.iter().chain(pane).all(|v| v.is_finite())
-            && roughness.is_finite()
-            && grain.is_finite()
+        let GlassSettings { index, absorption, pane, .. } = &self.settings;
+        let numbers = absorption.iter().chain(pane);
+        index.at(&Wavelengths::RGB).is_finite() && numbers.into_iter().all(|v| v.is_finite())
     }
 
-    fn phong(&self, _appearance: &Appearance, at: &TextureContext) -> Phong {
-        self.constant.unwrap_or_else(|| self.classic(at.uv))
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        let [anisotropy, rotation] = self.settings.grain.textures();
+        [self.settings.roughness, anisotropy, rotation].map(AnyTexture::from).into()
+    }
+
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
+        self.constant.unwrap_or_else(|| self.classic(appearance.textures.evaluator(at)))
     }
 
     fn constant(&self) -> Option<&Phong> {
@@ -120,8 +125,8 @@ impl Material for Glass {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.settings.grain.orientation(at.context.uv)
+    fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
+        self.settings.grain.orientation(appearance.textures.evaluator(&at.context))
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
@@ -132,20 +137,21 @@ impl Material for Glass {
         true
     }
 
-    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
-        if let Some(pane) = self.pane(at) {
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+        if let Some(pane) = self.pane(appearance, at) {
             return Bsdf::ThinDielectric(pane);
         }
         let eta = self.eta(at.wavelengths) / at.eta_outside;
-        Bsdf::Dielectric(Dielectric::new(eta, self.facets(at.context.uv)))
+        let facets = self.facets(appearance.textures.evaluator(&at.context));
+        Bsdf::Dielectric(Dielectric::new(eta, facets))
     }
 
-    fn passage(&self, _: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        self.pane(at).map_or(Spectrum::BLACK, |pane| pane.passage(cos))
+    fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        self.pane(appearance, at).map_or(Spectrum::BLACK, |pane| pane.passage(cos))
     }
 
     fn has_passages(&self, _appearance: &Appearance) -> bool {
-        self.settings.pane.is_some() && may_be_polished(&self.settings.roughness)
+        self.settings.pane.is_some() && may_be_polished(self.settings.roughness)
     }
 
     fn interior(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {

@@ -9,39 +9,45 @@ use kajo_color::Wavelengths;
 
 use super::{Appearance, Material, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, OrenNayar, Phong};
-use crate::texture::{Paint, Share, TextureContext};
+use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
 
 /// A matt material.
 #[derive(Clone, Debug)]
 pub struct Matte {
-    color: Paint,
-    roughness: Share,
+    color: ColorTexture,
+    roughness: FloatTexture,
     /// Where it is the same everywhere.
     constant: Option<Phong>,
 }
 
 impl Matte {
     /// * `color`: albedo; `roughness`: in [0, 1]
-    pub fn new(color: impl Into<Paint>, roughness: impl Into<Share>) -> Matte {
+    pub fn new(color: impl Into<ColorTexture>, roughness: impl Into<FloatTexture>) -> Matte {
         let (color, roughness) = (color.into(), roughness.into());
-        let constant = (!color.varies()).then(|| classic(&color, &TextureContext::default()));
+        let constant = (!color.varies())
+            .then(|| classic(&color, Textures::default().evaluator(&TextureContext::default())));
         Matte { color, roughness, constant }
     }
 }
 
 /// The classic model: roughness is nothing to it.
-fn classic(color: &Paint, at: &TextureContext) -> Phong {
-    let diffuse = at.tinted(color.rgb(at.uv), &Wavelengths::RGB);
+fn classic(color: &ColorTexture, place: TextureEvaluator<'_>) -> Phong {
+    let diffuse = place.at.tinted(color.rgb(place), &Wavelengths::RGB);
     Phong { ambient: diffuse, diffuse, ..Phong::BLACK }
 }
 
 impl Material for Matte {
     fn is_finite(&self) -> bool {
-        self.color.is_finite() && self.roughness.is_finite()
+        true
     }
 
-    fn phong(&self, _appearance: &Appearance, at: &TextureContext) -> Phong {
-        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| classic(&self.color, at))
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        vec![(&self.color).into(), self.roughness.into()]
+    }
+
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
+        let here = || classic(&self.color, appearance.textures.evaluator(at));
+        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(here)
     }
 
     fn constant(&self) -> Option<&Phong> {
@@ -52,9 +58,10 @@ impl Material for Matte {
         self.color.varies() || self.roughness.varies()
     }
 
-    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
-        let reflectance = at.context.tinted(self.color.at(at.context.uv, at.wavelengths), at.wavelengths);
-        let roughness = self.roughness.at(at.context.uv);
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+        let place = appearance.textures.evaluator(&at.context);
+        let reflectance = at.context.tinted(self.color.at(place, at.wavelengths), at.wavelengths);
+        let roughness = self.roughness.at(place);
         if roughness == 0.0 {
             return Bsdf::Lambert(Lambert::new(reflectance));
         }

@@ -10,7 +10,7 @@ use kajo_math::Vec3;
 
 use super::{Appearance, Grain, Material, Orientation, ShadingPoint};
 use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::Shape};
-use crate::texture::{Paint, Share, SurfaceUv, TextureContext};
+use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
 
 /// What a metal is made of.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ pub enum Substance {
     /// Measured index and extinction.
     Measured(metal::Metal),
     /// Reflectance straight on; towards the horizon it goes to white.
-    Color(Paint),
+    Color(ColorTexture),
 }
 
 /// A metal.
@@ -26,7 +26,7 @@ pub enum Substance {
 pub struct Metal {
     substance: Substance,
     shape: Shape,
-    roughness: Share,
+    roughness: FloatTexture,
     grain: Grain,
     /// Where it is the same everywhere.
     constant: Option<Phong>,
@@ -34,7 +34,7 @@ pub struct Metal {
 
 impl Metal {
     /// * `roughness`: in [0, 1]
-    pub fn new(substance: Substance, shape: Shape, roughness: impl Into<Share>) -> Metal {
+    pub fn new(substance: Substance, shape: Shape, roughness: impl Into<FloatTexture>) -> Metal {
         let (roughness, grain) = (roughness.into(), Grain::default());
         Metal { substance, shape, roughness, grain, constant: None }.known()
     }
@@ -46,7 +46,8 @@ impl Metal {
 
     /// With what is the same everywhere worked out.
     fn known(self) -> Metal {
-        let constant = (!self.varies()).then(|| self.classic(&TextureContext::default()));
+        let constant =
+            (!self.varies()).then(|| self.classic(Textures::default().evaluator(&TextureContext::default())));
         Metal { constant, ..self }
     }
 
@@ -56,31 +57,37 @@ impl Metal {
             || matches!(&self.substance, Substance::Color(color) if color.varies())
     }
 
-    fn facets(&self, uv: SurfaceUv) -> Microfacets {
-        let roughness = self.roughness.at(uv);
-        self.grain.facets(self.shape, roughness * roughness, uv)
+    fn facets(&self, place: TextureEvaluator<'_>) -> Microfacets {
+        let roughness = self.roughness.at(place);
+        self.grain.facets(self.shape, roughness * roughness, place)
     }
 
-    fn classic(&self, at: &TextureContext) -> Phong {
+    fn classic(&self, place: TextureEvaluator<'_>) -> Phong {
         let f0 = match &self.substance {
             Substance::Measured(metal) => Spectrum::from(Vec3::from(metal.rgb())),
-            Substance::Color(color) => at.tinted(color.rgb(at.uv), &Wavelengths::RGB),
+            Substance::Color(color) => place.at.tinted(color.rgb(place), &Wavelengths::RGB),
         };
-        Phong { specular: f0, reflective: f0, exponent: self.facets(at.uv).exponent(), ..Phong::BLACK }
+        Phong { specular: f0, reflective: f0, exponent: self.facets(place).exponent(), ..Phong::BLACK }
     }
 }
 
 impl Material for Metal {
     fn is_finite(&self) -> bool {
-        let substance = match &self.substance {
-            Substance::Measured(_) => true,
-            Substance::Color(color) => color.is_finite(),
-        };
-        substance && self.roughness.is_finite() && self.grain.is_finite()
+        true
     }
 
-    fn phong(&self, _appearance: &Appearance, at: &TextureContext) -> Phong {
-        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.classic(at))
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        let [anisotropy, rotation] = self.grain.textures();
+        let mut textures = vec![self.roughness.into(), anisotropy.into(), rotation.into()];
+        if let Substance::Color(color) = &self.substance {
+            textures.push(color.into());
+        }
+        textures
+    }
+
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
+        let here = || self.classic(appearance.textures.evaluator(at));
+        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(here)
     }
 
     fn constant(&self) -> Option<&Phong> {
@@ -91,15 +98,16 @@ impl Material for Metal {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.grain.orientation(at.context.uv)
+    fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
+        self.grain.orientation(appearance.textures.evaluator(&at.context))
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
         self.grain.exists()
     }
 
-    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+        let place = appearance.textures.evaluator(&at.context);
         let fresnel = match &self.substance {
             Substance::Measured(metal) => {
                 let (eta, k) = metal.at(at.wavelengths);
@@ -107,10 +115,10 @@ impl Material for Metal {
                 MetalFresnel::Complex { eta: eta * outside, k: k * outside }
             }
             Substance::Color(color) => {
-                let f0 = at.context.tinted(color.at(at.context.uv, at.wavelengths), at.wavelengths);
+                let f0 = at.context.tinted(color.at(place, at.wavelengths), at.wavelengths);
                 MetalFresnel::Tinted { f0, f82: Spectrum::WHITE }
             }
         };
-        Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets(at.context.uv) })
+        Bsdf::Conductor(Conductor { fresnel, microfacets: self.facets(place) })
     }
 }

@@ -28,7 +28,7 @@ use kajo_color::{Spectrum, Wavelengths};
 use crate::bsdf::{Bsdf, POLISHED, Phong};
 use crate::emission::SurfaceEmission;
 use crate::family::family;
-use crate::texture::{Share, TextureContext, TextureId};
+use crate::texture::{AnyTexture, FloatTexture, TextureContext, Textures};
 
 /// Where a material is asked how it scatters.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ pub struct ShadingPoint<'a> {
 }
 
 /// Whether a pane of a roughness lets light go straight on anywhere.
-fn may_be_polished(roughness: &Share) -> bool {
+fn may_be_polished(roughness: FloatTexture) -> bool {
     let least = roughness.range()[0];
     least * least <= POLISHED
 }
@@ -64,28 +64,27 @@ pub struct Interior {
 
 /// What every material can do.
 pub trait Material {
-    /// Whether all its numbers are finite.
+    /// Whether all its own numbers are finite.
     fn is_finite(&self) -> bool;
+
+    /// The textures that it is made of.
+    fn textures(&self) -> Vec<AnyTexture<'_>>;
 
     /// The materials that it is made of.
     fn parts(&self) -> &[MaterialId] {
         &[]
     }
 
-    /// The pattern that it is made of.
-    fn pattern(&self) -> Option<TextureId> {
-        None
-    }
-
-    /// The light that its surfaces give because those of its parts do.
+    /// The light that its surfaces give because those of its parts do; `None` where there are too many textures.
     ///
     /// * `of_part`: the light of each of these
+    /// * `textures`: has room for those that are factors of that light
     fn emission(
         &self,
-        _appearance: &Appearance,
         _of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
-    ) -> SurfaceEmission {
-        SurfaceEmission::default()
+        _textures: &mut Textures,
+    ) -> Option<SurfaceEmission> {
+        Some(SurfaceEmission::default())
     }
 
     /// The classic reflection model at a point.
@@ -169,18 +168,21 @@ family! {
         fn is_finite() -> bool;
         /// See [`Material::parts`].
         fn parts() -> &[MaterialId];
-        /// See [`Material::pattern`].
-        fn pattern() -> Option<TextureId>;
+        /// See [`Material::textures`].
+        fn textures() -> Vec<AnyTexture<'_>>;
     }
     methods {
+        /// See [`Material::emission`].
+        fn emission(
+            of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
+            textures: &mut Textures,
+        ) -> Option<SurfaceEmission>;
         /// See [`Material::constant`].
         fn constant() -> Option<&Phong>;
         /// See [`Material::is_mixture`].
         fn is_mixture() -> bool;
     }
     methods of Appearance.materials {
-        /// See [`Material::emission`].
-        fn emission(of_part: &dyn Fn(MaterialId) -> SurfaceEmission) -> SurfaceEmission;
         /// See [`Material::phong`].
         fn phong(at: &TextureContext) -> Phong;
         /// See [`Material::may_transmit`].

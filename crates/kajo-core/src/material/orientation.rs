@@ -6,7 +6,7 @@
 use kajo_math::{Vec2, Vec3};
 
 use crate::bsdf::{Microfacets, microfacet::Shape};
-use crate::texture::{Share, SurfaceUv};
+use crate::texture::{FloatTexture, TextureEvaluator};
 
 /// What a material asks of its frame at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,24 +23,22 @@ pub struct Orientation {
 pub enum Lean {
     /// To the vector with these components along the two tangents, made perpendicular unit vectors, and the normal.
     Tangent(Vec3),
-    /// As the surface leans that rises by so much for each unit of its coordinates.
-    Slope(Vec2),
+    /// As the surface leans that rises by the sum of both from place to place.
+    Slope {
+        /// For each unit of its coordinates.
+        by_uv: Vec2,
+        /// For each unit of the world.
+        by_p: Vec3,
+    },
 }
 
 /// Which way the facets of a surface run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Grain {
     /// In [0, 1]: 0 for facets that are alike all around, 1 for grooves.
-    pub anisotropy: Share,
+    pub anisotropy: FloatTexture,
     /// By how much the direction of the greater roughness is turned from `u`, in full turns.
-    pub rotation: Share,
-}
-
-impl Grain {
-    /// Whether all numbers are finite.
-    pub fn is_finite(&self) -> bool {
-        self.anisotropy.is_finite() && self.rotation.is_finite()
-    }
+    pub rotation: FloatTexture,
 }
 
 impl Default for Grain {
@@ -52,21 +50,26 @@ impl Default for Grain {
 impl Grain {
     /// The facets of a surface with the roughness `alpha` on the whole.
     #[inline]
-    pub fn facets(&self, shape: Shape, alpha: f32, uv: SurfaceUv) -> Microfacets {
+    pub fn facets(&self, shape: Shape, alpha: f32, place: TextureEvaluator<'_>) -> Microfacets {
         match self.anisotropy {
-            Share::Plain(0.0) => Microfacets::new(shape, alpha),
-            _ => Microfacets::brushed(shape, alpha, self.anisotropy.at(uv)),
+            FloatTexture::Constant(0.0) => Microfacets::new(shape, alpha),
+            _ => Microfacets::brushed(shape, alpha, self.anisotropy.at(place)),
         }
     }
 
     /// The frame that the facets need.
-    pub fn orientation(&self, uv: SurfaceUv) -> Orientation {
-        Orientation { turn: self.exists().then(|| self.rotation.at(uv)), lean: None }
+    pub fn orientation(&self, place: TextureEvaluator<'_>) -> Orientation {
+        Orientation { turn: self.exists().then(|| self.rotation.at(place)), lean: None }
     }
 
     /// Whether the facets are not alike all around.
     pub fn exists(&self) -> bool {
         self.anisotropy.range()[1] > 0.0
+    }
+
+    /// Its textures.
+    pub(super) fn textures(&self) -> [FloatTexture; 2] {
+        [self.anisotropy, self.rotation]
     }
 
     /// Whether it differs between places.

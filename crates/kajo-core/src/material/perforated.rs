@@ -19,7 +19,7 @@ use super::parts::answers_of_part;
 use super::{Appearance, Material, MaterialId, ShadingPoint};
 use crate::bsdf::Phong;
 use crate::emission::SurfaceEmission;
-use crate::texture::{Share, TextureContext};
+use crate::texture::{AnyTexture, FloatTexture, TextureContext, Textures};
 
 /// An opaque material that is not everywhere.
 #[derive(Clone, Debug)]
@@ -27,22 +27,22 @@ pub struct Perforated {
     /// The material between the holes; light enters no body there.
     pub material: MaterialId,
     /// The share of the surface that is there; less than 1 somewhere.
-    pub opacity: Share,
+    pub opacity: FloatTexture,
 }
 
 impl Perforated {
     /// The share of the surface that is there at a place.
-    fn opacity(&self, at: &TextureContext) -> f32 {
-        self.opacity.covered_at(at.uv, at.cover())
+    fn opacity(&self, appearance: &Appearance, at: &TextureContext) -> f32 {
+        self.opacity.covered_at(appearance.textures.evaluator(at))
     }
 
     /// What to ask the material there; `None` in a hole, by the number `at.u`.
     fn chosen<'a>(
         &self,
-        _appearance: &Appearance,
+        appearance: &Appearance,
         at: &ShadingPoint<'a>,
     ) -> Option<(MaterialId, ShadingPoint<'a>)> {
-        let opacity = self.opacity(&at.context);
+        let opacity = self.opacity(appearance, &at.context);
         // What is left of the number after the choice is uniform again.
         let u = (at.u / opacity).min(1.0f32.next_down());
         (at.u < opacity).then_some((self.material, ShadingPoint { u, ..*at }))
@@ -51,7 +51,11 @@ impl Perforated {
 
 impl Material for Perforated {
     fn is_finite(&self) -> bool {
-        self.opacity.is_finite()
+        true
+    }
+
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        vec![self.opacity.into()]
     }
 
     fn parts(&self) -> &[MaterialId] {
@@ -60,15 +64,15 @@ impl Material for Perforated {
 
     fn emission(
         &self,
-        _appearance: &Appearance,
         of_part: &dyn Fn(MaterialId) -> SurfaceEmission,
-    ) -> SurfaceEmission {
-        of_part(self.material).weakened(&self.opacity)
+        textures: &mut Textures,
+    ) -> Option<SurfaceEmission> {
+        of_part(self.material).weakened(self.opacity, textures)
     }
 
     fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
         let inner = appearance.phong(self.material, at);
-        let opacity = self.opacity(at);
+        let opacity = self.opacity(appearance, at);
         if opacity >= 1.0 {
             return inner;
         }
@@ -85,11 +89,11 @@ impl Material for Perforated {
     answers_of_part!(bsdf, orientation);
 
     fn needs_uv(&self, appearance: &Appearance) -> bool {
-        self.opacity.varies() || appearance.needs_uv(self.material)
+        self.opacity.needs_uv(&appearance.textures) || appearance.needs_uv(self.material)
     }
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let opacity = self.opacity(&at.context);
+        let opacity = self.opacity(appearance, &at.context);
         let between = appearance.passage(self.material, at, cos);
         Spectrum::WHITE * (1.0 - opacity) + between * opacity
     }

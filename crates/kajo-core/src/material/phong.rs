@@ -11,7 +11,7 @@ use kajo_color::{Reflectance, Spectrum, Wavelengths};
 
 use super::{Appearance, Interior, Material, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, Phong, PhongLobes};
-use crate::texture::{PictureMap, TextureContext, picture_reflectance};
+use crate::texture::{AnyTexture, ColorTexture, TextureContext, TextureEvaluator};
 
 /// A Phong material.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ pub struct PhongMaterial {
     /// Whether there is nothing but matt reflection.
     is_matt: bool,
     /// A factor of the diffuse and the ambient colour.
-    picture: Option<PictureMap>,
+    picture: Option<ColorTexture>,
 }
 
 impl PhongMaterial {
@@ -37,7 +37,7 @@ impl PhongMaterial {
     }
 
     /// The same material with a picture as a factor of its diffuse and ambient colour.
-    pub fn with_picture(self, picture: Option<PictureMap>) -> PhongMaterial {
+    pub fn with_picture(self, picture: Option<ColorTexture>) -> PhongMaterial {
         PhongMaterial { picture, ..self }
     }
 
@@ -51,10 +51,10 @@ impl PhongMaterial {
 
     /// What light is scattered by where there is a picture or the mesh has colours.
     #[inline(never)]
-    fn painted(&self, at: &ShadingPoint<'_>) -> Bsdf {
+    fn painted(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         let [diffuse, specular, reflective, transparent] =
             self.colors.each_ref().map(|color| color.at(at.wavelengths));
-        let diffuse = self.as_painted(diffuse, &at.context, at.wavelengths);
+        let diffuse = self.as_painted(diffuse, appearance.textures.evaluator(&at.context), at.wavelengths);
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(diffuse));
         }
@@ -63,10 +63,15 @@ impl PhongMaterial {
     }
 
     /// A diffuse or ambient colour where it differs from place to place.
-    fn as_painted(&self, color: Spectrum, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
+    fn as_painted(
+        &self,
+        color: Spectrum,
+        place: TextureEvaluator<'_>,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
         let picture = self.picture.as_ref();
-        let color = picture.map_or(color, |map| color * picture_reflectance(map, at.uv, wavelengths));
-        at.tinted(color, wavelengths)
+        let color = picture.map_or(color, |picture| color * picture.at(place, wavelengths));
+        place.at.tinted(color, wavelengths)
     }
 
     #[inline]
@@ -87,17 +92,20 @@ impl Material for PhongMaterial {
         let Phong { ambient, diffuse, specular, reflective, transparent, absorption, exponent, eta } =
             self.phong;
         let colors = [ambient, diffuse, specular, reflective, transparent, absorption];
-        let picture = self.picture.as_ref().is_none_or(PictureMap::is_finite);
-        picture && colors.iter().all(|color| color.is_finite()) && exponent.is_finite() && eta.is_finite()
+        colors.iter().all(|color| color.is_finite()) && exponent.is_finite() && eta.is_finite()
+    }
+
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        self.picture.iter().map(AnyTexture::from).collect()
     }
 
     #[inline]
-    fn phong(&self, _appearance: &Appearance, at: &TextureContext) -> Phong {
+    fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
         if !self.varies_at(at) {
             return self.phong;
         }
         let [ambient, diffuse] = [self.phong.ambient, self.phong.diffuse]
-            .map(|color| self.as_painted(color, at, &Wavelengths::RGB));
+            .map(|color| self.as_painted(color, appearance.textures.evaluator(at), &Wavelengths::RGB));
         Phong { ambient, diffuse, ..self.phong }
     }
 
@@ -115,9 +123,9 @@ impl Material for PhongMaterial {
     }
 
     #[inline]
-    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         if self.varies_at(&at.context) {
-            return self.painted(at);
+            return self.painted(appearance, at);
         }
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(self.colors[0].at(at.wavelengths)));

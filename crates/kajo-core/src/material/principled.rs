@@ -16,7 +16,7 @@ use super::{
 use crate::bsdf::{
     self, Base, Bsdf, DiffuseNormal, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape,
 };
-use crate::texture::{Paint, Share, SurfaceUv, TextureContext};
+use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
 
 /// The least light that a pane lets through, black ones too.
 const LEAST_PASSED: f32 = 1e-30;
@@ -25,15 +25,15 @@ const LEAST_PASSED: f32 = 1e-30;
 #[derive(Clone, Debug)]
 pub enum Specular {
     /// A factor at every angle.
-    Factor(Paint),
+    Factor(ColorTexture),
     /// A factor at normal incidence.
     F0 {
         /// The factor, over the scale.
-        factor: Paint,
+        factor: ColorTexture,
         /// What that is multiplied by, at least 1.
         scale: f32,
         /// Another factor at every angle.
-        weight: Share,
+        weight: FloatTexture,
     },
 }
 
@@ -52,23 +52,24 @@ impl Specular {
         }
     }
 
-    fn is_finite(&self) -> bool {
+    /// Its textures; whether what else it has is finite.
+    fn textures(&self) -> (Vec<AnyTexture<'_>>, bool) {
         match self {
-            Specular::Factor(color) => color.is_finite(),
+            Specular::Factor(color) => (vec![color.into()], true),
             Specular::F0 { factor, scale, weight } => {
-                factor.is_finite() && scale.is_finite() && weight.is_finite()
+                (vec![factor.into(), (*weight).into()], scale.is_finite())
             }
         }
     }
 
-    fn at(&self, uv: SurfaceUv, wavelengths: &Wavelengths) -> bsdf::Specular {
+    fn at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> bsdf::Specular {
         match self {
-            Specular::Factor(color) => bsdf::Specular::Factor(color.at(uv, wavelengths)),
+            Specular::Factor(color) => bsdf::Specular::Factor(color.at(place, wavelengths)),
             &Specular::F0 { ref factor, scale, ref weight } => bsdf::Specular::F0 {
-                factor: factor.at(uv, wavelengths) * scale,
+                factor: factor.at(place, wavelengths) * scale,
                 // Of the colour, so that it does not depend on the wavelengths of a path.
-                largest: factor.rgb(uv).max_lane() * scale,
-                weight: weight.at(uv),
+                largest: factor.rgb(place).max_lane() * scale,
+                weight: weight.at(place),
             },
         }
     }
@@ -78,41 +79,41 @@ impl Specular {
 #[derive(Clone, Debug)]
 pub struct Layers {
     /// Albedo of the diffuse base, of the metal straight on, and factor of light that enters or leaves the glass.
-    pub color: Paint,
+    pub color: ColorTexture,
     /// What differs in glossy reflection.
     pub specular: Specular,
     /// Share of metal.
-    pub metalness: Share,
+    pub metalness: FloatTexture,
     /// Share of glass in what is not metal.
-    pub transmission: Share,
+    pub transmission: FloatTexture,
     /// Absorption of the glass per unit length in linear RGB.
     pub absorption: [f32; 3],
     /// Whether the glass is a pane with nothing inside.
     pub thin: bool,
     /// Of the glossy surface.
-    pub roughness: Share,
+    pub roughness: FloatTexture,
     /// Which way the facets of the glossy surface run.
     pub grain: Grain,
     /// Of the diffuse base.
-    pub diffuse_roughness: Share,
+    pub diffuse_roughness: FloatTexture,
     /// Index of refraction of diffuse base and glass.
     pub eta: f32,
     /// That of the glass where it differs between wavelengths.
     pub dispersion: Option<Dispersion>,
     /// Amount of coat, in [0, 1].
-    pub coat: Share,
+    pub coat: FloatTexture,
     /// Light that the coat lets through in and out again.
-    pub coat_color: Paint,
+    pub coat_color: ColorTexture,
     /// Of the coat.
-    pub coat_roughness: Share,
+    pub coat_roughness: FloatTexture,
     /// Index of refraction of the coat.
     pub coat_eta: f32,
     /// Amount of fuzz, in [0, 1].
-    pub fuzz: Share,
+    pub fuzz: FloatTexture,
     /// Of the fuzz.
-    pub fuzz_color: Paint,
+    pub fuzz_color: ColorTexture,
     /// How far its fibers stand up.
-    pub fuzz_roughness: Share,
+    pub fuzz_roughness: FloatTexture,
     /// The body of the higher priority is there where several overlap.
     pub priority: i32,
 }
@@ -120,7 +121,7 @@ pub struct Layers {
 impl Default for Layers {
     /// A grey diffuse base under a gloss.
     fn default() -> Layers {
-        let grey = |value: f32| Paint::from(Reflectance::constant(value));
+        let grey = |value: f32| ColorTexture::from(Reflectance::constant(value));
         Layers {
             color: grey(0.8),
             specular: Specular::default(),
@@ -158,7 +159,8 @@ pub struct LayeredMaterial {
 
 impl From<Layers> for LayeredMaterial {
     fn from(layers: Layers) -> LayeredMaterial {
-        let constant = (!layers.vary()).then(|| layers.classic(&TextureContext::default()));
+        let constant = (!layers.vary())
+            .then(|| layers.classic(Textures::default().evaluator(&TextureContext::default())));
         let absorption = Unbounded::from_rgb(layers.absorption);
         LayeredMaterial { layers, absorption, look: None, constant }
     }
@@ -173,36 +175,35 @@ impl LayeredMaterial {
 
 impl Layers {
     /// All colours but that of the gloss.
-    fn colors(&self) -> [&Paint; 3] {
+    fn colors(&self) -> [&ColorTexture; 3] {
         [&self.color, &self.coat_color, &self.fuzz_color]
     }
 
     /// All numbers that may be pictures, but for those of gloss and grain.
-    fn shares(&self) -> [&Share; 8] {
+    fn shares(&self) -> [FloatTexture; 8] {
         [
-            &self.metalness,
-            &self.transmission,
-            &self.coat,
-            &self.fuzz,
-            &self.roughness,
-            &self.diffuse_roughness,
-            &self.coat_roughness,
-            &self.fuzz_roughness,
+            self.metalness,
+            self.transmission,
+            self.coat,
+            self.fuzz,
+            self.roughness,
+            self.diffuse_roughness,
+            self.coat_roughness,
+            self.fuzz_roughness,
         ]
     }
 
     fn vary(&self) -> bool {
-        self.colors().into_iter().any(Paint::varies)
-            || self.shares().into_iter().any(Share::varies)
+        self.colors().into_iter().any(ColorTexture::varies)
+            || self.shares().into_iter().any(FloatTexture::varies)
             || self.specular.varies()
             || self.grain.varies()
     }
 
-    fn classic(&self, at: &TextureContext) -> Phong {
-        let uv = at.uv;
-        let color = at.tinted(self.color.rgb(uv), &Wavelengths::RGB);
-        let metal = self.metalness.at(uv);
-        let glass = (1.0 - metal) * self.transmission.at(uv);
+    fn classic(&self, place: TextureEvaluator<'_>) -> Phong {
+        let color = place.at.tinted(self.color.rgb(place), &Wavelengths::RGB);
+        let metal = self.metalness.at(place);
+        let glass = (1.0 - metal) * self.transmission.at(place);
         let gloss = Spectrum::rgb(0.04, 0.04, 0.04) * (1.0 - metal);
         Phong {
             ambient: color * (1.0 - metal - glass),
@@ -210,19 +211,19 @@ impl Layers {
             specular: color * metal + gloss,
             reflective: color * metal,
             transparent: color * glass,
-            exponent: self.facets(uv).exponent(),
+            exponent: self.facets(place).exponent(),
             absorption: Vec3::from(self.absorption).into(),
             eta: if self.thin { 1.0 } else { self.eta },
         }
     }
 
     /// The facets of the glossy surface.
-    fn facets(&self, uv: SurfaceUv) -> Microfacets {
-        self.grain.facets(Shape::Ggx, squared(&self.roughness, uv), uv)
+    fn facets(&self, place: TextureEvaluator<'_>) -> Microfacets {
+        self.grain.facets(Shape::Ggx, squared(self.roughness, place), place)
     }
 
-    fn color_at(&self, at: &ShadingPoint<'_>) -> Spectrum {
-        at.context.tinted(self.color.at(at.context.uv, at.wavelengths), at.wavelengths)
+    fn color_at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
+        place.at.tinted(self.color.at(place, wavelengths), wavelengths)
     }
 
     /// The index of refraction of the glass at the first wavelength.
@@ -231,10 +232,10 @@ impl Layers {
     }
 
     /// The glass of a thin surface.
-    fn pane(&self, at: &ShadingPoint<'_>) -> ThinDielectric {
+    fn pane(&self, place: TextureEvaluator<'_>, at: &ShadingPoint<'_>) -> ThinDielectric {
         let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
-        let optical_depth = self.color_at(at).map(depth);
-        let microfacets = self.facets(at.context.uv);
+        let optical_depth = self.color_at(place, at.wavelengths).map(depth);
+        let microfacets = self.facets(place);
         ThinDielectric { eta: self.eta / at.eta_outside, optical_depth, microfacets }
     }
 
@@ -246,28 +247,35 @@ impl Layers {
 
 /// The facets' `α` of a roughness.
 #[inline]
-fn squared(roughness: &Share, uv: SurfaceUv) -> f32 {
-    let roughness = roughness.at(uv);
+fn squared(roughness: FloatTexture, place: TextureEvaluator<'_>) -> f32 {
+    let roughness = roughness.at(place);
     roughness * roughness
 }
 
 impl Material for LayeredMaterial {
     fn is_finite(&self) -> bool {
         let layers = &self.layers;
-        let numbers = [layers.eta, layers.coat_eta].into_iter().chain(layers.absorption);
+        let mut numbers = [layers.eta, layers.coat_eta].into_iter().chain(layers.absorption);
         let look = self.look.as_ref().is_none_or(|look| look.is_finite());
-        look && numbers.into_iter().all(f32::is_finite)
-            && layers.colors().into_iter().all(Paint::is_finite)
-            && layers.shares().into_iter().all(Share::is_finite)
-            && layers.specular.is_finite()
-            && layers.grain.is_finite()
+        look && numbers.all(f32::is_finite) && layers.specular.textures().1
+    }
+
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        let layers = &self.layers;
+        let numbers = layers.shares().into_iter().chain(layers.grain.textures());
+        let mut textures: Vec<AnyTexture<'_>> = numbers.map(AnyTexture::from).collect();
+        textures.extend(layers.colors().map(AnyTexture::from));
+        textures.extend(layers.specular.textures().0);
+        textures.extend(self.look.iter().flat_map(|look| look.textures()));
+        textures
     }
 
     fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {
         if let Some(look) = &self.look {
             return look.phong(appearance, at);
         }
-        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(|| self.layers.classic(at))
+        let here = || self.layers.classic(appearance.textures.evaluator(at));
+        self.constant.filter(|_| at.tint.is_none()).unwrap_or_else(here)
     }
 
     fn constant(&self) -> Option<&Phong> {
@@ -278,8 +286,8 @@ impl Material for LayeredMaterial {
         self.constant.is_none()
     }
 
-    fn orientation(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
-        self.layers.grain.orientation(at.context.uv)
+    fn orientation(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Orientation {
+        self.layers.grain.orientation(appearance.textures.evaluator(&at.context))
     }
 
     fn is_oriented(&self, _appearance: &Appearance) -> bool {
@@ -294,11 +302,11 @@ impl Material for LayeredMaterial {
         self.layers.transmit()
     }
 
-    fn bsdf(&self, _appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         let layers = &self.layers;
-        let (uv, wavelengths) = (at.context.uv, at.wavelengths);
-        let metal = layers.metalness.at(uv);
-        let glass = metal + (1.0 - metal) * layers.transmission.at(uv);
+        let (place, wavelengths) = (appearance.textures.evaluator(&at.context), at.wavelengths);
+        let metal = layers.metalness.at(place);
+        let glass = metal + (1.0 - metal) * layers.transmission.at(place);
         let base = match at.u {
             u if u < metal => Base::Metal,
             u if u < glass => Base::Glass,
@@ -310,38 +318,38 @@ impl Material for LayeredMaterial {
         };
         let eta = eta / at.eta_outside;
         if layers.thin && base == Base::Glass {
-            return Bsdf::ThinDielectric(layers.pane(at));
+            return Bsdf::ThinDielectric(layers.pane(place, at));
         }
-        let facets = layers.facets(uv);
+        let facets = layers.facets(place);
         Bsdf::Principled(Principled {
             base,
-            color: layers.color_at(at),
-            specular: layers.specular.at(uv, wavelengths),
-            diffuse_roughness: layers.diffuse_roughness.at(uv),
+            color: layers.color_at(place, wavelengths),
+            specular: layers.specular.at(place, wavelengths),
+            diffuse_roughness: layers.diffuse_roughness.at(place),
             alpha: Vec2::new(facets.alpha_x, facets.alpha_y),
             eta: if base == Base::Glass { eta } else { eta.max(1.0) },
-            coat: layers.coat.at(uv),
-            coat_color: layers.coat_color.at(uv, wavelengths),
-            coat_alpha: squared(&layers.coat_roughness, uv),
+            coat: layers.coat.at(place),
+            coat_color: layers.coat_color.at(place, wavelengths),
+            coat_alpha: squared(layers.coat_roughness, place),
             coat_eta: (layers.coat_eta / at.eta_outside).max(1.0),
-            fuzz: layers.fuzz.at(uv),
-            fuzz_color: layers.fuzz_color.at(uv, wavelengths),
-            fuzz_roughness: layers.fuzz_roughness.at(uv),
+            fuzz: layers.fuzz.at(place),
+            fuzz_color: layers.fuzz_color.at(place, wavelengths),
+            fuzz_roughness: layers.fuzz_roughness.at(place),
             diffuse_normal: DiffuseNormal::SAME,
         })
     }
 
-    fn passage(&self, _: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
-        let (layers, uv) = (&self.layers, at.context.uv);
-        let glass = (1.0 - layers.metalness.at(uv)) * layers.transmission.at(uv);
+    fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {
+        let (layers, place) = (&self.layers, appearance.textures.evaluator(&at.context));
+        let glass = (1.0 - layers.metalness.at(place)) * layers.transmission.at(place);
         if !layers.thin || glass == 0.0 {
             return Spectrum::BLACK;
         }
-        layers.pane(at).passage(cos) * glass
+        layers.pane(place, at).passage(cos) * glass
     }
 
     fn has_passages(&self, _appearance: &Appearance) -> bool {
-        self.layers.thin && self.layers.transmit() && may_be_polished(&self.layers.roughness)
+        self.layers.thin && self.layers.transmit() && may_be_polished(self.layers.roughness)
     }
 
     fn interior(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {

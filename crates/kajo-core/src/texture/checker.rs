@@ -6,20 +6,27 @@
 
 use kajo_math::Vec3;
 
-use super::Pattern;
+use super::{FloatNode, TextureContext, Textures};
 
 /// 0 in the cells of the first material, 1 in those of the second.
 #[derive(Clone, Copy, Debug)]
 pub struct Checker;
 
-impl Pattern for Checker {
-    fn value(&self, q: Vec3) -> f32 {
+impl Checker {
+    /// The number at a point of its own space.
+    pub fn at(&self, q: Vec3) -> f32 {
         let parity = |v: f32| (v as i64 % 2) + i64::from(v < 0.0);
         let odd = (1 + parity(q.x) + parity(q.y) + parity(q.z)) % 2 != 0;
         if odd { 0.0 } else { 1.0 }
     }
+}
 
+impl FloatNode for Checker {
     fn is_finite(&self) -> bool {
         true
+    }
+
+    fn value(&self, _textures: &Textures, at: &TextureContext) -> f32 {
+        self.at(at.p)
     }
 }

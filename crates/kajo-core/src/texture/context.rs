@@ -3,7 +3,8 @@
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Vec3, Vec4};
 
-use super::{SurfaceUv, rgb_reflectance};
+use super::SurfaceUv;
+use super::rgb::rgb_reflectance;
 
 /// A point of a surface, as far as textures depend on it.
 #[derive(Clone, Copy, Debug, Default)]

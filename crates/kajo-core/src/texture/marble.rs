@@ -2,7 +2,7 @@
 
 use kajo_math::{Vec3, fmath, noise};
 
-use super::{Pattern, unit_from_signed};
+use super::{FloatNode, TextureContext, Textures, unit_from_signed};
 
 /// Perlin's marble.
 #[derive(Clone, Copy, Debug)]
@@ -15,13 +15,20 @@ pub struct Marble {
     pub amplitude: f32,
 }
 
-impl Pattern for Marble {
-    fn value(&self, q: Vec3) -> f32 {
+impl Marble {
+    /// The number at a point of its own space.
+    pub fn at(&self, q: Vec3) -> f32 {
         let phase = self.frequency * q.x + self.amplitude * noise::turbulence(q, self.octaves);
         unit_from_signed(fmath::sin(phase))
     }
+}
 
+impl FloatNode for Marble {
     fn is_finite(&self) -> bool {
         self.frequency.is_finite() && self.amplitude.is_finite()
+    }
+
+    fn value(&self, _textures: &Textures, at: &TextureContext) -> f32 {
+        self.at(at.p)
     }
 }

@@ -1,62 +1,213 @@
-//! What varies over a surface: patterns, numbers in [0, 1] that vary over space, and pictures laid on surfaces.
+//! Textures: numbers and colours of surfaces that differ from place to place.
+//!
+//! A parameter of a material is a [`FloatTexture`] or a [`ColorTexture`]: the same everywhere, or the name of a node in [`Textures`], which
+//! is evaluated at a [`TextureContext`]. Nodes are pictures laid on surfaces, and patterns, which fill space; a node may be
+//! made of others.
 
+mod channel;
 mod checker;
-mod constant;
 mod context;
 mod coordinates;
 mod marble;
 mod noise;
-mod paint;
+mod operations;
 mod picture;
+mod placed;
+mod rgb;
+mod slope;
+mod value;
+mod vertex_color;
 mod wood;
 
+pub use channel::{Channel, PictureChannel, PictureCut};
 pub use checker::Checker;
-pub use constant::Constant;
 pub use context::TextureContext;
 pub use coordinates::UvSet;
 pub use marble::Marble;
 pub use noise::Noise;
-pub use paint::{Channel, Paint, Share};
-pub(crate) use paint::{picture_reflectance, rgb_reflectance};
-pub use picture::{Encoding, Picture, PictureMap, TexelFilter, Wrap};
+pub use operations::{Complement, Remapped};
+pub use picture::{Encoding, Picture, PictureMap, TexelFilter, TextureDetail, Wrap};
+pub use placed::Placed;
+pub use slope::TextureSlope;
+pub use value::{AnyTexture, ColorTexture, FloatTexture, TextureEvaluator};
+pub use vertex_color::{VertexColor, VertexOpacity};
 pub use wood::Wood;
 
-use kajo_math::Vec3;
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_math::Vec2;
 
 use crate::family::family;
 pub use crate::interaction::SurfaceUv;
 
-/// What every pattern can do.
-pub trait Pattern {
-    /// Whether all its numbers are finite.
+/// What every node can do that is a number, in [0, 1].
+pub trait FloatNode {
+    /// Whether all its own numbers are finite.
     fn is_finite(&self) -> bool;
 
-    /// The pattern's value at a point of its own space, in [0, 1].
-    fn value(&self, q: Vec3) -> f32;
+    /// The texture that it is made of.
+    fn part(&self) -> Option<FloatTexture> {
+        None
+    }
+
+    /// The number at a point.
+    fn value(&self, textures: &Textures, at: &TextureContext) -> f32;
+
+    /// The number where it is an opacity, which the opacity at the corners of a mesh is another factor of.
+    fn covered(&self, textures: &Textures, at: &TextureContext) -> f32 {
+        self.value(textures, at) * at.cover()
+    }
+
+    /// Whether the number depends on surface coordinates.
+    fn needs_uv(&self, textures: &Textures) -> bool {
+        self.part().is_some_and(|part| part.needs_uv(textures))
+    }
+
+    /// The derivatives of `factor` times it; those of a pattern unless it says otherwise.
+    fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {
+        TextureSlope::in_space(at, factor, |at| self.value(textures, at))
+    }
+
+    /// Adds to what is `found` of other textures; a pattern unless it has a part or says otherwise.
+    fn detail(&self, textures: &Textures, found: &mut TextureDetail) {
+        match self.part() {
+            Some(part) => part.detail(textures, found),
+            None => (found.has_pattern, found.jumps) = (true, true),
+        }
+    }
+
+    /// Its mean over all places, about.
+    fn mean(&self, _textures: &Textures) -> f32 {
+        0.5
+    }
 }
 
 family! {
-    /// Names a pattern in [`Textures`].
-    handle TextureId;
-    /// All patterns of a scene.
-    pools Textures;
-    /// Any pattern.
-    any AnyPattern;
-    contract Pattern;
+    /// Names a node in [`FloatNodes`].
+    handle FloatNodeId;
+    /// All nodes of a scene that are numbers.
+    pools FloatNodes;
+    /// Any node that is a number.
+    any AnyFloatNode;
+    contract FloatNode;
     members {
+        channels: PictureChannel,
         checkers: Checker,
-        constants: Constant,
+        complements: Complement,
+        cuts: PictureCut,
         marbles: Marble,
         noises: Noise,
+        placed: Placed,
+        remapped: Remapped,
+        vertex_opacities: VertexOpacity,
         woods: Wood,
     }
     any methods {
-        /// See [`Pattern::is_finite`].
+        /// See [`FloatNode::is_finite`].
+        fn is_finite() -> bool;
+        /// See [`FloatNode::part`].
+        fn part() -> Option<FloatTexture>;
+    }
+    methods {}
+    methods of Textures.floats {
+        /// See [`FloatNode::mean`].
+        fn mean() -> f32;
+        /// See [`FloatNode::needs_uv`].
+        fn needs_uv() -> bool;
+        /// See [`FloatNode::detail`].
+        fn detail(found: &mut TextureDetail);
+        /// See [`FloatNode::value`].
+        fn value(at: &TextureContext) -> f32;
+        /// See [`FloatNode::covered`].
+        fn covered(at: &TextureContext) -> f32;
+        /// See [`FloatNode::slope`].
+        fn slope(at: &TextureContext, factor: f32) -> TextureSlope;
+    }
+}
+
+/// What every node can do that is a colour.
+pub trait ColorNode {
+    /// Whether all its own numbers are finite.
+    fn is_finite(&self) -> bool;
+
+    /// The reflectance at a point.
+    fn reflectance(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
+
+    /// Whether the colour depends on surface coordinates.
+    fn needs_uv(&self) -> bool;
+
+    /// Adds to what is `found` of other textures.
+    fn detail(&self, found: &mut TextureDetail);
+
+    /// A direction of the texture's own coordinates as one of the surface coordinates that place it.
+    fn along(&self, m: Vec2) -> Vec2 {
+        m
+    }
+
+    /// Its mean over all places in linear RGB, about.
+    fn mean(&self) -> [f32; 3];
+}
+
+family! {
+    /// Names a node in [`ColorNodes`].
+    handle ColorNodeId;
+    /// All nodes of a scene that are colours.
+    pools ColorNodes;
+    /// Any node that is a colour.
+    any AnyColorNode;
+    contract ColorNode;
+    members {
+        pictures: PictureMap,
+        vertex_colors: VertexColor,
+    }
+    any methods {
+        /// See [`ColorNode::is_finite`].
         fn is_finite() -> bool;
     }
     methods {
-        /// See [`Pattern::value`].
-        fn value(q: Vec3) -> f32;
+        /// See [`ColorNode::mean`].
+        fn mean() -> [f32; 3];
+        /// See [`ColorNode::needs_uv`].
+        fn needs_uv() -> bool;
+        /// See [`ColorNode::detail`].
+        fn detail(found: &mut TextureDetail);
+        /// See [`ColorNode::along`].
+        fn along(m: Vec2) -> Vec2;
+    }
+    methods of Textures.colors {
+        /// See [`ColorNode::reflectance`].
+        fn reflectance(at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
+    }
+}
+
+/// All textures of a scene: what nodes are evaluated in.
+#[derive(Debug, Default)]
+pub struct Textures {
+    /// Numbers.
+    pub floats: FloatNodes,
+    /// Colours.
+    pub colors: ColorNodes,
+}
+
+impl Textures {
+    /// The texture of a node that is a number; `None` where there are too many.
+    pub fn float(&mut self, node: impl Into<AnyFloatNode>) -> Option<FloatTexture> {
+        node.into().store(&mut self.floats).map(FloatTexture::Node)
+    }
+
+    /// The texture of a node that is a colour; `None` where there are too many.
+    pub fn color(&mut self, node: impl Into<AnyColorNode>) -> Option<ColorTexture> {
+        node.into().store(&mut self.colors).map(ColorTexture::Node)
+    }
+
+    /// What textures are evaluated by at a point.
+    #[inline]
+    pub fn evaluator<'a>(&'a self, at: &'a TextureContext) -> TextureEvaluator<'a> {
+        TextureEvaluator { textures: self, at }
+    }
+
+    /// Bytes of memory of all nodes, without what they point to.
+    pub fn bytes(&self) -> usize {
+        self.floats.bytes() + self.colors.bytes()
     }
 }
 
@@ -68,7 +219,7 @@ pub(crate) fn unit_from_signed(v: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kajo_math::noise::perlin;
+    use kajo_math::{Affine3A, Vec3, noise::perlin};
 
     #[test]
     fn checker_follows_the_classic_parity() {
@@ -82,13 +233,13 @@ mod tests {
             (Vec3::new(7.2, -3.1, 2.9), false),
             (Vec3::new(-1.0, 0.5, 0.5), true),
         ] {
-            assert_eq!(Checker.value(q) == 0.0, first, "{q}");
+            assert_eq!(Checker.at(q) == 0.0, first, "{q}");
         }
         for i in 0..1000 {
             let s = kajo_math::rng::Stream::new(5, [i, 0], 0);
             let q = 20.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2)) - 10.0;
             let even = q.floor().element_sum().rem_euclid(2.0) == 0.0;
-            assert_eq!(Checker.value(q) == 0.0, even, "{q}");
+            assert_eq!(Checker.at(q) == 0.0, even, "{q}");
         }
     }
 
@@ -96,12 +247,59 @@ mod tests {
     fn patterns_follow_their_formulas() {
         let q = Vec3::new(0.3, 1.7, -2.2);
         let turbulence = perlin(q) + 0.5 * perlin(2.0 * q);
-        let noise = Noise { octaves: 2 }.value(q);
+        let noise = Noise { octaves: 2 }.at(q);
         assert!((noise - (0.5 + 0.5 * turbulence)).abs() < 1e-6);
-        let marble = Marble { octaves: 2, frequency: 3.0, amplitude: 4.0 }.value(q);
+        let marble = Marble { octaves: 2, frequency: 3.0, amplitude: 4.0 }.at(q);
         assert!((marble - (0.5 + 0.5 * (3.0 * 0.3 + 4.0 * turbulence).sin())).abs() < 1e-5);
-        let wood = Wood { octaves: 2, frequency: 3.0, amplitude: 4.0 }.value(q);
+        let wood = Wood { octaves: 2, frequency: 3.0, amplitude: 4.0 }.at(q);
         let rings = 3.0 * (0.3f32 * 0.3 + 2.2 * 2.2).sqrt();
         assert!((wood - (0.5 + 0.5 * (rings + 4.0 * turbulence).sin())).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_placed_texture_is_evaluated_in_its_own_space() {
+        let mut textures = Textures::default();
+        let noise = Noise { octaves: 2 };
+        let texture = textures.float(noise).unwrap();
+        let texture_from_world = Affine3A::from_scale(Vec3::new(2.0, 3.0, -1.0));
+        let twice = textures.float(Placed { texture, texture_from_world }).unwrap();
+        let thrice = textures.float(Placed { texture: twice, texture_from_world }).unwrap();
+        let p = Vec3::new(0.4, -0.3, 0.9);
+        let at = TextureContext { p, ..TextureContext::default() };
+        let own = Vec3::new(2.0, 3.0, -1.0) * p;
+        assert_eq!(twice.at(textures.evaluator(&at)), noise.at(own));
+        assert_eq!(thrice.at(textures.evaluator(&at)), noise.at(Vec3::new(2.0, 3.0, -1.0) * own));
+    }
+
+    #[test]
+    fn slopes_are_derivatives() {
+        let mut textures = Textures::default();
+        let bands = textures.float(Marble { octaves: 1, frequency: 3.0, amplitude: 0.0 }).unwrap();
+        let texture_from_world = Affine3A::from_scale(Vec3::new(2.0, 1.0, 1.0));
+        let narrow = textures.float(Placed { texture: bands, texture_from_world }).unwrap();
+        let rest = textures.float(Complement(narrow)).unwrap();
+        let wide = textures.float(Remapped { texture: rest, range: [1.0, 5.0] }).unwrap();
+        for p in [Vec3::new(0.3, 0.1, -0.2), Vec3::new(-4.0, 0.0, 9.0)] {
+            let at = TextureContext { p, ..TextureContext::default() };
+            let place = textures.evaluator(&at);
+            let slope = |texture: FloatTexture| {
+                let TextureSlope { uv, p } = texture.slope(place, 0.5);
+                assert!(uv == Vec2::ZERO && p.y.abs() < 1e-4 && p.z.abs() < 1e-4, "{p}");
+                p.x
+            };
+            // Of (1 + sin 3x) / 2, half of it.
+            let expected = |x: f32| 0.75 * (3.0 * x).cos();
+            for (texture, expected) in [
+                (0.7.into(), 0.0),
+                (bands, expected(p.x)),
+                (narrow, 2.0 * expected(2.0 * p.x)),
+                (rest, -2.0 * expected(2.0 * p.x)),
+                (wide, -8.0 * expected(2.0 * p.x)),
+            ] {
+                assert!((slope(texture) - expected).abs() < 5e-3, "{texture:?} at {p}: {expected}");
+            }
+            let [number, left] = [narrow, rest].map(|texture| texture.at(place));
+            assert_eq!((left, wide.at(place)), (1.0 - number, 1.0 + 4.0 * left));
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use kajo_math::{Vec3, noise};
 
-use super::{Pattern, unit_from_signed};
+use super::{FloatNode, TextureContext, Textures, unit_from_signed};
 
 /// Perlin turbulence.
 #[derive(Clone, Copy, Debug)]
@@ -11,12 +11,19 @@ pub struct Noise {
     pub octaves: u32,
 }
 
-impl Pattern for Noise {
-    fn value(&self, q: Vec3) -> f32 {
+impl Noise {
+    /// The number at a point of its own space.
+    pub fn at(&self, q: Vec3) -> f32 {
         unit_from_signed(noise::turbulence(q, self.octaves))
     }
+}
 
+impl FloatNode for Noise {
     fn is_finite(&self) -> bool {
         true
+    }
+
+    fn value(&self, _textures: &Textures, at: &TextureContext) -> f32 {
+        self.at(at.p)
     }
 }

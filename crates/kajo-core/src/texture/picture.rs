@@ -18,11 +18,12 @@
 
 use std::sync::Arc;
 
-use kajo_color::srgb;
+use kajo_color::{Spectrum, Wavelengths, srgb};
 use kajo_image::Image;
 use kajo_math::Vec2;
 
-use super::{SurfaceUv, UvSet};
+use super::rgb::rgb_reflectance;
+use super::{ColorNode, SurfaceUv, TextureContext, Textures, UvSet};
 
 /// What the colours of a file mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -176,13 +177,54 @@ pub struct PictureMap {
     pub factor: [f32; 4],
 }
 
-impl PictureMap {
-    /// Whether all its numbers are finite.
-    pub fn is_finite(&self) -> bool {
+/// What is to be known of textures before they are tabulated.
+#[derive(Clone, Debug, Default)]
+pub struct TextureDetail {
+    /// The pictures that they show.
+    pub pictures: Vec<PictureMap>,
+    /// Whether any of them is a pattern that fills space.
+    pub has_pattern: bool,
+    /// Whether any of them may change at once and not linearly between the middles of texels.
+    pub jumps: bool,
+}
+
+impl ColorNode for PictureMap {
+    fn is_finite(&self) -> bool {
         let place = [self.repeat, self.cross, self.offset];
         place.iter().all(|v| v.is_finite()) && self.factor.iter().all(|v| v.is_finite())
     }
 
+    fn reflectance(&self, _textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
+        let [r, g, b, _] = self.at(at.uv);
+        rgb_reflectance([r, g, b], wavelengths)
+    }
+
+    fn needs_uv(&self) -> bool {
+        true
+    }
+
+    fn detail(&self, found: &mut TextureDetail) {
+        found.jumps |= self.filter == TexelFilter::Nearest;
+        found.pictures.push(self.clone());
+    }
+
+    fn mean(&self) -> [f32; 3] {
+        let [r, g, b, _] = self.means();
+        [r, g, b]
+    }
+
+    /// A direction of the picture as one of the coordinates that place it.
+    fn along(&self, m: Vec2) -> Vec2 {
+        if self.cross == Vec2::ZERO {
+            return m * self.repeat.map(f32::signum);
+        }
+        let right = Vec2::new(self.repeat.x, self.cross.x).normalize_or_zero();
+        let up = Vec2::new(self.cross.y, self.repeat.y).normalize_or_zero();
+        m.x * right + m.y * up
+    }
+}
+
+impl PictureMap {
     /// A picture that fills the unit square.
     pub fn new(picture: Arc<Picture>) -> PictureMap {
         PictureMap {
@@ -213,8 +255,19 @@ impl PictureMap {
         1.0 / (self.repeat.abs() * Vec2::new(self.picture.width as f32, self.picture.height as f32))
     }
 
-    /// The mean of all texels, however much of the picture is shown.
-    pub fn mean(&self) -> [f32; 4] {
+    /// How `factor` times a number that is read from the texels changes with surface coordinates, over one texel.
+    pub(super) fn slope(&self, uv: SurfaceUv, factor: f32, value: impl Fn([f32; 4]) -> f32) -> Vec2 {
+        let half = 0.5 * self.texel();
+        let rise = |step: Vec2| {
+            let [there, back] = [step, -step].map(|step| value(self.at(uv.moved(step))));
+            there - back
+        };
+        let rises = Vec2::new(rise(Vec2::new(half.x, 0.0)), rise(Vec2::new(0.0, half.y)));
+        factor * rises / self.texel()
+    }
+
+    /// The means of all texels in each channel, however much of the picture is shown.
+    pub fn means(&self) -> [f32; 4] {
         std::array::from_fn(|c| self.factor[c] * self.picture.mean[c])
     }
 

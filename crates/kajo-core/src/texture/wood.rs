@@ -3,7 +3,7 @@
 
 use kajo_math::{Vec3, fmath, noise};
 
-use super::{Pattern, unit_from_signed};
+use super::{FloatNode, TextureContext, Textures, unit_from_signed};
 
 /// Perlin's wood.
 #[derive(Clone, Copy, Debug)]
@@ -16,13 +16,20 @@ pub struct Wood {
     pub amplitude: f32,
 }
 
-impl Pattern for Wood {
-    fn value(&self, q: Vec3) -> f32 {
+impl Wood {
+    /// The number at a point of its own space.
+    pub fn at(&self, q: Vec3) -> f32 {
         let rings = self.frequency * (q.x * q.x + q.z * q.z).sqrt();
         unit_from_signed(fmath::sin(rings + self.amplitude * noise::turbulence(q, self.octaves)))
     }
+}
 
+impl FloatNode for Wood {
     fn is_finite(&self) -> bool {
         self.frequency.is_finite() && self.amplitude.is_finite()
+    }
+
+    fn value(&self, _textures: &Textures, at: &TextureContext) -> f32 {
+        self.at(at.p)
     }
 }

@@ -12,5 +12,5 @@ pub const MEMBER: MaterialMember = Member {
         about: "two materials in cubes of length one",
         groups: &[PARTS],
     },
-    read: |compiler, item| compiler.blend(item, |_, _| Some(Checker)),
+    read: |compiler, item| compiler.blend(item, |_, sources| sources.textures.nodes.float(Checker)),
 };

@@ -13,7 +13,7 @@ use crate::compile::fields::{
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Glass, GlassSettings, Grain};
 use crate::schema::{Around, Block, FieldKind, FieldSpec, FieldValue, Kind};
-use crate::texture::Share;
+use crate::texture::FloatTexture;
 
 /// Which of several bodies counts.
 pub const PRIORITY: Defaulted<i32> =
@@ -36,9 +36,9 @@ keys! {
         thin: Option<bool> =
             flag("thin").ruled(thin, "on with a `thickness`", "a pane, whose surface stands for both its sides"),
         distribution: Shape = DISTRIBUTION,
-        roughness: Share = share("roughness").or(0.0, "0 is clear, more is frosted"),
-        anisotropy: Share = ANISOTROPY,
-        rotation: Share = ROTATION,
+        roughness: FloatTexture = share("roughness").or(0.0, "0 is clear, more is frosted"),
+        anisotropy: FloatTexture = ANISOTROPY,
+        rotation: FloatTexture = ROTATION,
         priority: i32 = PRIORITY,
     }
 }

@@ -28,7 +28,7 @@ pub const MEMBER: MaterialMember = Member {
     read: |compiler, item| {
         compiler.blend(item, |params, sources| {
             let VeinKeys { octaves, frequency, amplitude } = VeinKeys::read(params, sources)?;
-            Some(Marble { octaves, frequency, amplitude })
+            sources.textures.nodes.float(Marble { octaves, frequency, amplitude })
         })
     },
 };

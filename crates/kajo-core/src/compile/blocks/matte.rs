@@ -5,12 +5,12 @@ use crate::compile::fields::{Keys, keys, paint, share};
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::Matte;
 use crate::schema::{Block, Kind};
-use crate::texture::{Paint, Share};
+use crate::texture::{ColorTexture, FloatTexture};
 
 keys! {
     MatteKeys {
-        color: Paint = paint("color").or([0.8; 3], "its colour"),
-        roughness: Share = share("roughness").or(0.0, "0 is as paper, 1 as plaster"),
+        color: ColorTexture = paint("color").or([0.8; 3], "its colour"),
+        roughness: FloatTexture = share("roughness").or(0.0, "0 is as paper, 1 as plaster"),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::compile::fields::{Defaulted, Keys, Plain, Sources, Typed, choice, cho
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Grain, Metal, Substance};
 use crate::schema::{Block, FieldKind, FieldSpec, Kind};
-use crate::texture::{Paint, Share};
+use crate::texture::{ColorTexture, FloatTexture};
 
 choices! {
     Shape {
@@ -22,10 +22,10 @@ choices! {
 pub const DISTRIBUTION: Defaulted<Shape> =
     choice::<Shape>("distribution").or_word("ggx", "how the facets of a rough surface lie");
 /// The strength of a grain.
-pub const ANISOTROPY: Defaulted<Share> =
+pub const ANISOTROPY: Defaulted<FloatTexture> =
     share("anisotropy").or(0.0, "how far the highlight of a brushed surface is drawn out");
 /// The direction of a grain.
-pub const ROTATION: Defaulted<Share> =
+pub const ROTATION: Defaulted<FloatTexture> =
     share("rotation").unit("turns").or(0.0, "by how many full turns the brushing is turned");
 
 /// A metal of the list of measured ones.
@@ -35,11 +35,11 @@ keys! {
     MetalKeys {
         metal: Option<Measured> = Typed::<Measured>::new("metal", FieldKind::Text)
             .unlike("by `color`", "", "a measured metal, such as gold"),
-        color: Paint = paint("color").or([0.9; 3], "its colour, where no metal is named"),
+        color: ColorTexture = paint("color").or([0.9; 3], "its colour, where no metal is named"),
         distribution: Shape = DISTRIBUTION,
-        roughness: Share = share("roughness").or(0.0, "0 is a mirror"),
-        anisotropy: Share = ANISOTROPY,
-        rotation: Share = ROTATION,
+        roughness: FloatTexture = share("roughness").or(0.0, "0 is a mirror"),
+        anisotropy: FloatTexture = ANISOTROPY,
+        rotation: FloatTexture = ROTATION,
     }
 }
 

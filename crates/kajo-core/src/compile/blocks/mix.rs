@@ -4,7 +4,6 @@ use crate::compile::fields::{Keys, between, keys};
 use crate::compile::material_draft::PARTS;
 use crate::compile::member::{MaterialMember, Member};
 use crate::schema::{Block, Kind};
-use crate::texture::Constant;
 
 keys! {
     MixKeys {
@@ -21,7 +20,7 @@ pub const MEMBER: MaterialMember = Member {
     },
     read: |compiler, item| {
         compiler.blend(item, |params, sources| {
-            MixKeys::read(params, sources).map(|MixKeys { amount }| Constant { value: amount })
+            MixKeys::read(params, sources).map(|MixKeys { amount }| amount.into())
         })
     },
 };

@@ -22,7 +22,8 @@ pub const MEMBER: MaterialMember = Member {
     },
     read: |compiler, item| {
         compiler.blend(item, |params, sources| {
-            NoiseKeys::read(params, sources).map(|NoiseKeys { octaves }| Noise { octaves })
+            let NoiseKeys { octaves } = NoiseKeys::read(params, sources)?;
+            sources.textures.nodes.float(Noise { octaves })
         })
     },
 };

@@ -1,7 +1,7 @@
 //! `PhongMaterial`, also called `Material`: the classic material.
 
 use kajo_color::{Reflectance, Spectrum};
-use kajo_math::{Affine3A, Vec3, fmath};
+use kajo_math::{Vec3, fmath};
 use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::marble::VeinKeys;
@@ -11,11 +11,12 @@ use crate::compile::extras::{ExtraKeys, Extras};
 use crate::compile::fields::{Given, Keys, Sources, Typed, at_least, color, keys, positive, reflectance};
 use crate::compile::material_draft::Draft;
 use crate::compile::member::{MaterialMember, Member};
+use crate::compile::picture_values::ColorPicture;
 use crate::compile::spectra::Written;
 use crate::material::{Blend, PhongMaterial};
 use crate::schema::{Around, Block, Constant, FieldKind, FieldValue, Kind};
 use crate::settings::Rules;
-use crate::texture::{Marble, PictureMap};
+use crate::texture::Marble;
 
 /// Absorption that lets nothing through.
 const OPAQUE: f32 = 1e30;
@@ -24,7 +25,7 @@ keys! {
     PhongKeys<'t> {
         diffuse: Written<Reflectance> =
             reflectance("diffuseColor").or_grey(1.0, "colour of matte reflection"),
-        texture: Option<PictureMap> = Typed::<PictureMap>::new("texture", FieldKind::Text)
+        texture: Option<ColorPicture> = Typed::<ColorPicture>::new("texture", FieldKind::Text)
             .option("a picture that tints it, such as wood.png"),
         specular: Written<Reflectance> =
             reflectance("specularColor").or_grey(0.0, "colour of the highlight"),
@@ -145,7 +146,10 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<PhongM
     let colors = [diffuse, specular, reflective, transparent];
     let [diffuse, specular, reflective, transparent] = colors.each_ref().map(|color| color.rgb);
     let phong = Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta };
-    Some(PhongMaterial::new(phong, colors.map(|color| color.value)).with_picture(texture))
+    Some(
+        PhongMaterial::new(phong, colors.map(|color| color.value))
+            .with_picture(texture.map(|picture| picture.0)),
+    )
 }
 
 impl Compiler<'_> {
@@ -165,11 +169,11 @@ impl Compiler<'_> {
         };
         let parts = [color(0, Vec3::ZERO), color(1, Vec3::ONE)];
         let VeinKeys { octaves, frequency, amplitude } = veins;
-        let pattern = self.scene.texture(Marble { octaves, frequency, amplitude });
+        let amount = self.scene.float_texture(Marble { octaves, frequency, amplitude });
         let place = item.head_span();
-        let pattern = self.accepted(pattern, place)?;
+        let amount = self.accepted(amount, place)?;
         let [first, second] = parts.map(|part| self.store_material(part, place));
-        let blend = Blend { pattern, pattern_from_world: Affine3A::IDENTITY, materials: [first?, second?] };
+        let blend = Blend { amount, materials: [first?, second?] };
         self.store_material(blend, place)
     }
 }

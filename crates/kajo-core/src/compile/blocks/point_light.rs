@@ -145,7 +145,7 @@ impl Plain<'_> for Photometry {
         args: &mut Args<'_>,
         sources: &mut Sources<'_>,
     ) -> Result<Photometry, Diagnostic> {
-        let assets: &dyn Assets = sources.paints.spectra.assets;
+        let assets: &dyn Assets = sources.textures.spectra.assets;
         let name = args.text()?;
         let bytes = assets.open(&name, args.item().path());
         let bytes = bytes.and_then(|file| read_limited(file, LARGEST_IES_FILE)).map_err(|e| e.to_string());

@@ -9,29 +9,29 @@ use crate::compile::fields::{Absorption, Keys, Sources, absorption, between, fla
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Grain, LayeredMaterial, Layers, Specular};
 use crate::schema::{Block, Kind};
-use crate::texture::{Paint, Share};
+use crate::texture::{ColorTexture, FloatTexture};
 
 keys! {
     PrincipledKeys {
-        color: Paint = paint("color").or([0.8; 3], "its colour"),
-        metalness: Share = share("metalness").or(0.0, "from plastic to metal"),
-        roughness: Share = share("roughness").or(0.3, "of the highlight"),
-        anisotropy: Share = ANISOTROPY,
-        rotation: Share = ROTATION,
-        specular_color: Paint = paint("specularColor").or([1.0; 3], "tints the highlight"),
+        color: ColorTexture = paint("color").or([0.8; 3], "its colour"),
+        metalness: FloatTexture = share("metalness").or(0.0, "from plastic to metal"),
+        roughness: FloatTexture = share("roughness").or(0.3, "of the highlight"),
+        anisotropy: FloatTexture = ANISOTROPY,
+        rotation: FloatTexture = ROTATION,
+        specular_color: ColorTexture = paint("specularColor").or([1.0; 3], "tints the highlight"),
         index: f32 = between("indexOfRefraction", 1.0, 4.0).or(1.5, "strength of the highlight"),
-        transmission: Share = share("transmission").or(0.0, "from plastic to glass"),
+        transmission: FloatTexture = share("transmission").or(0.0, "from plastic to glass"),
         absorption: Absorption =
             absorption("absorption").unit("1/length").or([0.0; 3], "of the glass, per length inside"),
         thin: bool = flag("thin").or(false, "its glass is a pane"),
-        diffuse_roughness: Share = share("diffuseRoughness").or(0.0, "0 is as paper, 1 as plaster"),
-        coat: Share = share("coat").or(0.0, "share of a clear coat"),
-        coat_color: Paint = paint("coatColor").or([1.0; 3], "tint of the coat"),
-        coat_roughness: Share = share("coatRoughness").or(0.0, "of the coat"),
+        diffuse_roughness: FloatTexture = share("diffuseRoughness").or(0.0, "0 is as paper, 1 as plaster"),
+        coat: FloatTexture = share("coat").or(0.0, "share of a clear coat"),
+        coat_color: ColorTexture = paint("coatColor").or([1.0; 3], "tint of the coat"),
+        coat_roughness: FloatTexture = share("coatRoughness").or(0.0, "of the coat"),
         coat_index: f32 = between("coatIndexOfRefraction", 1.0, 4.0).or(1.6, "of the coat"),
-        fuzz: Share = share("fuzz").or(0.0, "share of fuzz, as of velvet"),
-        fuzz_color: Paint = paint("fuzzColor").or([1.0; 3], "colour of the fuzz"),
-        fuzz_roughness: Share = share("fuzzRoughness").or(0.5, "of the fuzz"),
+        fuzz: FloatTexture = share("fuzz").or(0.0, "share of fuzz, as of velvet"),
+        fuzz_color: ColorTexture = paint("fuzzColor").or([1.0; 3], "colour of the fuzz"),
+        fuzz_roughness: FloatTexture = share("fuzzRoughness").or(0.5, "of the fuzz"),
         priority: i32 = PRIORITY,
     }
 }

@@ -17,7 +17,7 @@ pub const MEMBER: MaterialMember = Member {
     read: |compiler, item| {
         compiler.blend(item, |params, sources| {
             let VeinKeys { octaves, frequency, amplitude } = VeinKeys::read(params, sources)?;
-            Some(Wood { octaves, frequency, amplitude })
+            sources.textures.nodes.float(Wood { octaves, frequency, amplitude })
         })
     },
 };

@@ -1,0 +1,229 @@
+//! Numbers and colours that are the same everywhere or named by a node.
+
+use kajo_color::{Reflectance, Spectrum, Wavelengths};
+use kajo_math::{Vec2, Vec3};
+
+use super::{ColorNodeId, FloatNodeId, TextureContext, TextureDetail, TextureSlope, Textures};
+
+/// What textures are evaluated by: their nodes, at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureEvaluator<'a> {
+    /// The nodes.
+    pub textures: &'a Textures,
+    /// The point.
+    pub at: &'a TextureContext,
+}
+
+/// A number in [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FloatTexture {
+    /// The same everywhere.
+    Constant(f32),
+    /// What a node says.
+    Node(FloatNodeId),
+}
+
+impl From<f32> for FloatTexture {
+    fn from(value: f32) -> FloatTexture {
+        FloatTexture::Constant(value)
+    }
+}
+
+impl From<FloatNodeId> for FloatTexture {
+    fn from(node: FloatNodeId) -> FloatTexture {
+        FloatTexture::Node(node)
+    }
+}
+
+impl FloatTexture {
+    /// The number at a point.
+    #[inline]
+    pub fn at(self, place: TextureEvaluator<'_>) -> f32 {
+        match self {
+            FloatTexture::Constant(value) => value,
+            FloatTexture::Node(node) => place.textures.value(node, place.at),
+        }
+    }
+
+    /// The number where it is an opacity, which the opacity at the corners of a mesh is another factor of.
+    #[inline]
+    pub fn covered_at(self, place: TextureEvaluator<'_>) -> f32 {
+        match self {
+            FloatTexture::Constant(value) => value * place.at.cover(),
+            FloatTexture::Node(node) => place.textures.covered(node, place.at),
+        }
+    }
+
+    /// The derivatives of `factor` times it at a point.
+    pub fn slope(self, place: TextureEvaluator<'_>, factor: f32) -> TextureSlope {
+        match self {
+            FloatTexture::Constant(_) => TextureSlope::default(),
+            FloatTexture::Node(node) => place.textures.slope(node, place.at, factor),
+        }
+    }
+
+    /// Whether it differs between places.
+    pub fn varies(self) -> bool {
+        matches!(self, FloatTexture::Node(_))
+    }
+
+    /// Whether it depends on surface coordinates.
+    pub fn needs_uv(self, textures: &Textures) -> bool {
+        match self {
+            FloatTexture::Constant(_) => false,
+            FloatTexture::Node(node) => textures.needs_uv(node),
+        }
+    }
+
+    /// Adds to what is `found` of other textures.
+    pub fn detail(self, textures: &Textures, found: &mut TextureDetail) {
+        if let FloatTexture::Node(node) = self {
+            textures.detail(node, found);
+        }
+    }
+
+    /// Its mean over all places, about.
+    pub fn mean(self, textures: &Textures) -> f32 {
+        match self {
+            FloatTexture::Constant(value) => value,
+            FloatTexture::Node(node) => textures.mean(node),
+        }
+    }
+
+    /// The least and the largest number that it may be anywhere.
+    pub fn range(self) -> [f32; 2] {
+        match self {
+            FloatTexture::Constant(value) => [value; 2],
+            FloatTexture::Node(_) => [0.0, 1.0],
+        }
+    }
+}
+
+/// A colour of a surface.
+#[derive(Clone, Debug)]
+pub enum ColorTexture {
+    /// The same everywhere.
+    Constant(Reflectance),
+    /// What a node says.
+    Node(ColorNodeId),
+}
+
+impl From<Reflectance> for ColorTexture {
+    fn from(color: Reflectance) -> ColorTexture {
+        ColorTexture::Constant(color)
+    }
+}
+
+impl From<ColorNodeId> for ColorTexture {
+    fn from(node: ColorNodeId) -> ColorTexture {
+        ColorTexture::Node(node)
+    }
+}
+
+impl ColorTexture {
+    /// The reflectance at a point.
+    #[inline]
+    pub fn at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
+        match self {
+            ColorTexture::Constant(color) => color.at(wavelengths),
+            ColorTexture::Node(node) => place.textures.reflectance(*node, place.at, wavelengths),
+        }
+    }
+
+    /// Linear RGB at a point.
+    pub fn rgb(&self, place: TextureEvaluator<'_>) -> Spectrum {
+        match self {
+            ColorTexture::Constant(color) => Spectrum::from(Vec3::from(color.rgb())),
+            ColorTexture::Node(node) => place.textures.reflectance(*node, place.at, &Wavelengths::RGB),
+        }
+    }
+
+    /// A direction of the texture's own coordinates as one of the surface coordinates that place it.
+    pub fn along(&self, textures: &Textures, m: Vec2) -> Vec2 {
+        match self {
+            ColorTexture::Constant(_) => m,
+            ColorTexture::Node(node) => textures.colors.along(*node, m),
+        }
+    }
+
+    /// Whether it differs between places.
+    pub fn varies(&self) -> bool {
+        matches!(self, ColorTexture::Node(_))
+    }
+
+    /// Whether it depends on surface coordinates.
+    pub fn needs_uv(&self, textures: &Textures) -> bool {
+        match self {
+            ColorTexture::Constant(_) => false,
+            ColorTexture::Node(node) => textures.colors.needs_uv(*node),
+        }
+    }
+
+    /// Adds to what is `found` of other textures.
+    pub fn detail(&self, textures: &Textures, found: &mut TextureDetail) {
+        if let ColorTexture::Node(node) = self {
+            textures.colors.detail(*node, found);
+        }
+    }
+
+    /// Its mean over all places in linear RGB, about.
+    pub fn mean(&self, textures: &Textures) -> [f32; 3] {
+        match self {
+            ColorTexture::Constant(color) => color.rgb(),
+            ColorTexture::Node(node) => textures.colors.mean(*node),
+        }
+    }
+}
+
+/// Any texture that something is made of.
+#[derive(Clone, Copy, Debug)]
+pub enum AnyTexture<'a> {
+    /// A number.
+    Float(FloatTexture),
+    /// A colour.
+    Color(&'a ColorTexture),
+}
+
+impl From<FloatTexture> for AnyTexture<'_> {
+    fn from(texture: FloatTexture) -> Self {
+        AnyTexture::Float(texture)
+    }
+}
+
+impl<'a> From<&'a ColorTexture> for AnyTexture<'a> {
+    fn from(texture: &'a ColorTexture) -> AnyTexture<'a> {
+        AnyTexture::Color(texture)
+    }
+}
+
+impl AnyTexture<'_> {
+    /// Whether it is finite where it is the same everywhere; nodes have been asked, and reflectances are.
+    pub fn is_finite(self) -> bool {
+        !matches!(self, AnyTexture::Float(FloatTexture::Constant(value)) if !value.is_finite())
+    }
+
+    /// Whether it depends on surface coordinates.
+    pub fn needs_uv(self, textures: &Textures) -> bool {
+        match self {
+            AnyTexture::Float(texture) => texture.needs_uv(textures),
+            AnyTexture::Color(texture) => texture.needs_uv(textures),
+        }
+    }
+
+    /// Adds to what is `found` of other textures.
+    pub fn detail(self, textures: &Textures, found: &mut TextureDetail) {
+        match self {
+            AnyTexture::Float(texture) => texture.detail(textures, found),
+            AnyTexture::Color(texture) => texture.detail(textures, found),
+        }
+    }
+
+    /// Whether its node, if it names one, is among these.
+    pub fn is_known(self, textures: &Textures) -> bool {
+        match self {
+            AnyTexture::Float(FloatTexture::Node(node)) => textures.floats.contains(node),
+            AnyTexture::Color(ColorTexture::Node(node)) => textures.colors.contains(*node),
+            AnyTexture::Float(_) | AnyTexture::Color(_) => true,
+        }
+    }
+}
