@@ -18,7 +18,9 @@ use std::collections::HashMap;
 
 use kajo_core::material::MaterialId;
 use kajo_core::scene::Scene;
-use kajo_core::shape::{Cone, Csg, Mesh, Plane, ShapeId, Shapes, Sphere, Surface, Tessellation, Torus};
+use kajo_core::shape::{
+    Cuboid, Disk, Mesh, Plane, Quad, ShapeId, Shapes, Sphere, Surface, Tessellation, Triangle,
+};
 use kajo_core::{NestedPiece, PieceContent, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
@@ -366,10 +368,13 @@ impl<'a> Builder<'a> {
 
 /// Whether a shape has the more triangles the more segments there are around it.
 fn is_curved(shapes: &Shapes, id: ShapeId) -> bool {
-    Sphere::find(shapes, id).is_some()
-        || Cone::find(shapes, id).is_some()
-        || Torus::find(shapes, id).is_some()
-        || Csg::find(shapes, id).is_some()
+    let flat = Mesh::find(shapes, id).is_some()
+        || Plane::find(shapes, id).is_some()
+        || Quad::find(shapes, id).is_some()
+        || Triangle::find(shapes, id).is_some()
+        || Cuboid::find(shapes, id).is_some()
+        || Disk::find(shapes, id).is_some();
+    !flat
 }
 
 fn white_vertices(triangles: &Tessellation) -> Vec<Vertex> {

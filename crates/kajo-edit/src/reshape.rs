@@ -5,7 +5,8 @@ use kajo_math::{DAffine3, DVec3};
 use super::movement::{Linear, Movement};
 use super::tree::Tree;
 use super::{FieldValue, Node};
-use kajo_core::schema::Kind;
+use kajo::language::block_of;
+use kajo_core::schema::{FieldKind, Kind};
 
 /// New values of a block.
 pub(super) type Values = Vec<(&'static str, FieldValue)>;
@@ -46,39 +47,45 @@ struct Block<'a> {
 
 impl Block<'_> {
     fn shape(&self) -> Option<Values> {
-        let (similar, direct) = (self.similarity(), self.linear != Linear::Mirrored);
+        let direct = self.linear != Linear::Mirrored;
         match &*self.node.keyword {
-            "Sphere" => {
-                let factor = similar?;
-                Some(vec![self.point("center")?, self.length("radius", factor)?])
-            }
-            "Cylinder" | "Cone" => {
-                let factor = similar?;
-                let mut values =
-                    vec![self.point("base")?, self.point("top")?, self.length("radius", factor)?];
-                values.extend(self.length("topRadius", factor));
-                Some(values)
-            }
-            "Disk" => {
-                let factor = similar?;
-                let lengths = [self.length("radius", factor)?, self.length("innerRadius", factor)?];
-                Some([self.point("center")?, self.turned("normal")?].into_iter().chain(lengths).collect())
-            }
-            "Torus" => {
-                let factor = similar?;
-                let lengths = [self.length("majorRadius", factor)?, self.length("minorRadius", factor)?];
-                Some([self.point("center")?, self.turned("axis")?].into_iter().chain(lengths).collect())
-            }
-            "Box" if matches!(self.linear, Linear::Identity | Linear::Aligned) || self.only_scales() => {
-                Some(vec![self.point("min")?, self.point("max")?])
+            "Box" => {
+                let keeps = matches!(self.linear, Linear::Identity | Linear::Aligned) || self.only_scales();
+                if keeps { Some(vec![self.point("min")?, self.point("max")?]) } else { None }
             }
             "Quad" if direct => Some(vec![self.point("corner")?, self.edge("edge1")?, self.edge("edge2")?]),
             "Triangle" if direct => {
                 Some(vec![self.point("vertex0")?, self.point("vertex1")?, self.point("vertex2")?])
             }
             "Plane" if direct => self.plane(),
-            _ => None,
+            "Quad" | "Triangle" | "Plane" => None,
+            _ => self.by_fields(),
         }
+    }
+
+    /// Points are moved, directions turned and lengths scaled, where a block is told by these and says where it is.
+    fn by_fields(&self) -> Option<Values> {
+        let factor = self.similarity()?;
+        let (mut values, mut has_place) = (Vec::new(), false);
+        for field in block_of(&self.node.keyword)?.fields() {
+            match field.kind {
+                FieldKind::Point => {
+                    has_place = true;
+                    values.push(self.point(field.key)?);
+                }
+                FieldKind::Vector => values.push(self.turned(field.key)?),
+                FieldKind::Number { .. } if field.unit == "length" => {
+                    values.push(self.length(field.key, factor)?);
+                }
+                FieldKind::Number { .. }
+                | FieldKind::Whole { .. }
+                | FieldKind::Angle { .. }
+                | FieldKind::Flag
+                | FieldKind::Choice(_) => {}
+                _ => return None,
+            }
+        }
+        has_place.then_some(values)
     }
 
     /// A light or a camera: a place and directions, of whatever length.

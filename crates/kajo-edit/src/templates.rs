@@ -1,7 +1,7 @@
 //! Blocks to start from.
 
 use kajo::language::{block_of, kind_of};
-use kajo_core::schema::Kind;
+use kajo_core::schema::{Absent, FieldKind, Kind};
 
 /// A block of this kind in one line, around the place `at` and about as large as `size`; `None` for words that make no
 /// object, light, material or camera.
@@ -27,10 +27,6 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             format!("{keyword} {{ base {base}  top {top}  radius {radius} }}")
         }
         "Disk" => format!("Disk {{ center {center}  normal 0 1 0  radius {radius} }}"),
-        "Torus" => {
-            let minor = vector(0.3, 0.0, 0.0).split(' ').next()?.to_owned();
-            format!("Torus {{ center {center}  majorRadius {radius}  minorRadius {minor} }}")
-        }
         "Quad" => {
             let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")
@@ -65,6 +61,27 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
                 Some(field) => format!("{keyword} {{ {} 0.8 0.8 0.8 }}", field.key),
                 None => format!("{keyword} {{ }}"),
             }
+        }
+        _ if kind_of(keyword, None) == Kind::Shape => {
+            // Where it is, and what it cannot do without: the first length is the size, others are parts of it.
+            let (mut text, mut length) = (String::new(), 1.0);
+            for field in block_of(keyword)?.fields() {
+                let is_required = matches!(field.absent, Absent::Required);
+                let value = match field.kind {
+                    FieldKind::Point if is_required || field.key == "center" => center.clone(),
+                    _ if !is_required => continue,
+                    FieldKind::Vector => "0 1 0".to_owned(),
+                    FieldKind::Number { .. } => {
+                        let value = vector(length, 0.0, 0.0).split(' ').next()?.to_owned();
+                        length *= 0.3;
+                        value
+                    }
+                    _ => return None,
+                };
+                text += &format!(" {} {value} ", field.key);
+            }
+            // What needs a file, say, has nothing to start from.
+            (!text.is_empty()).then(|| format!("{keyword} {{{text}}}"))?
         }
         _ => return None,
     })

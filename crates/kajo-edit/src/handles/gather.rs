@@ -3,7 +3,9 @@
 use kajo_math::{DAffine3, DVec3};
 
 use super::{Eye, Handle, HandleKind, Meaning, Track};
-use crate::{Document, Kind, NodeId};
+use crate::{Document, FieldKind, FieldSpec, Kind, NodeId};
+use kajo::language::block_of;
+use kajo_core::schema::Absent;
 
 /// Length of a direction's handle, in pixels.
 const REACH: f64 = 90.0;
@@ -17,14 +19,13 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
     }
     let mut gather = Gather { document, node, eye, world_from_local, handles: Vec::new() };
     match (found.kind, &*found.keyword) {
-        (Kind::Shape, "Sphere") => gather.sphere(),
         (Kind::Shape, "Box") => gather.corners(),
         (Kind::Shape, "Plane") => gather.plane(),
         (Kind::Shape, "Cylinder" | "Cone") => gather.cone(),
-        (Kind::Shape, "Disk") => gather.disk(),
         (Kind::Shape, "Torus") => gather.torus(),
         (Kind::Shape, "Quad") => gather.quad(),
         (Kind::Shape, "Triangle") => gather.points(&["vertex0", "vertex1", "vertex2"], "corner"),
+        (Kind::Shape, keyword) => gather.by_fields(keyword),
         (Kind::Light, _) => gather.light(),
         (Kind::Camera, _) => gather.camera(),
         _ => None,
@@ -98,9 +99,32 @@ impl Gather<'_> {
         (right - right.dot(line) * line).try_normalize()
     }
 
-    fn sphere(&mut self) -> Option<()> {
-        let center = self.point("center", "centre")?;
-        self.radius("radius", center, None)
+    /// Those of a shape that is told by points, directions and lengths: lengths are those from the first point, across the
+    /// first direction if there is one.
+    fn by_fields(&mut self, keyword: &str) -> Option<()> {
+        let fields: Vec<&'static FieldSpec> = block_of(keyword)?.fields().collect();
+        let of = |kind: FieldKind| fields.iter().filter(move |field| field.kind == kind);
+        let mut first = None;
+        for field in of(FieldKind::Point) {
+            let p = self.point(field.key, field.about);
+            first = first.or(p);
+        }
+        let from = first?;
+        let mut line = None;
+        for field in of(FieldKind::Vector) {
+            let vector = self.vec3(field.key)?;
+            line = line.or(vector.try_normalize());
+            self.direction(field.key, from, vector.length(), false, field.about)?;
+        }
+        for field in &fields {
+            let is_length = matches!(field.kind, FieldKind::Number { .. }) && field.unit == "length";
+            // One of zero that could be absent is not there.
+            let is_there = matches!(field.absent, Absent::Required) || self.number(field.key) != Some(0.0);
+            if is_length && is_there {
+                self.radius(field.key, from, line)?;
+            }
+        }
+        Some(())
     }
 
     fn corners(&mut self) -> Option<()> {
@@ -171,17 +195,6 @@ impl Gather<'_> {
         let axis = (top - base).try_normalize()?;
         self.radius("radius", base, Some(axis))?;
         if self.number("topRadius").is_some() { self.radius("topRadius", top, Some(axis)) } else { Some(()) }
-    }
-
-    fn disk(&mut self) -> Option<()> {
-        let center = self.point("center", "centre")?;
-        let normal = self.vec3("normal")?;
-        let axis = normal.try_normalize()?;
-        self.radius("radius", center, Some(axis))?;
-        if self.number("innerRadius")? != 0.0 {
-            self.radius("innerRadius", center, Some(axis))?;
-        }
-        self.direction("normal", center, normal.length(), false, "normal")
     }
 
     fn torus(&mut self) -> Option<()> {

@@ -3,7 +3,8 @@
 use kajo_math::{DMat3, DQuat, DVec2, DVec3};
 
 use super::{Eye, Handle, HandleKind, Meaning, Track};
-use crate::{Document, Kind, NodeId};
+use crate::{Document, FieldKind, Kind, NodeId};
+use kajo::language::block_of;
 
 /// Length of an arrow, in pixels.
 const ARM: f64 = 80.0;
@@ -51,18 +52,21 @@ pub fn pivot_of(document: &Document, node: NodeId) -> Option<DVec3> {
     let value = |key: &str| document.value(node, key).and_then(|value| value.vec3()).map(DVec3::from_array);
     let middle = |keys: &[&str]| {
         let points: Vec<DVec3> = keys.iter().filter_map(|key| value(key)).collect();
-        (points.len() == keys.len()).then(|| points.iter().sum::<DVec3>() / keys.len() as f64)
+        (!keys.is_empty() && points.len() == keys.len())
+            .then(|| points.iter().sum::<DVec3>() / keys.len() as f64)
     };
     let local = match (found.kind, &*found.keyword) {
-        (Kind::Shape, "Box") => middle(&["min", "max"]),
-        (Kind::Shape, "Cylinder" | "Cone") => middle(&["base", "top"]),
-        (Kind::Shape, "Triangle") => middle(&["vertex0", "vertex1", "vertex2"]),
         (Kind::Shape, "Quad") => Some(value("corner")? + 0.5 * (value("edge1")? + value("edge2")?)),
         (Kind::Shape, "Plane") => {
             let offset = document.value(node, "offset")?.numbers.first().copied()?;
             Some(value("normal")?.try_normalize()? * offset)
         }
-        (Kind::Shape, _) => Some(value("center").unwrap_or(DVec3::ZERO)),
+        (Kind::Shape, keyword) => {
+            let fields = block_of(keyword).into_iter().flat_map(|block| block.fields());
+            let points: Vec<&str> =
+                fields.filter(|field| field.kind == FieldKind::Point).map(|field| field.key).collect();
+            Some(value("center").or_else(|| middle(&points)).unwrap_or(DVec3::ZERO))
+        }
         (Kind::Light | Kind::Camera, _) => value("position").or(value("center")),
         (Kind::Transform | Kind::Instance, _) => Some(document.own_map(node).translation),
         (Kind::Group, _) => {
