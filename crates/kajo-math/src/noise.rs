@@ -1,7 +1,8 @@
 //! Perlin's improved noise and its turbulence.
 //!
 //! Gradients at the points of the integer lattice, blended by `6t^5 - 15t^4 + 10t^3`
-//! [Perlin 2002].
+//! [Perlin 2002]. In double precision, as his program and that of the classic scenes have it: next to 1 the polynomial cancels, and
+//! stripes of marble and wood are functions of the noise times large numbers.
 
 use crate::Vec3;
 

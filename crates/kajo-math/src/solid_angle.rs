@@ -5,7 +5,8 @@
 //! * rectangle: [Ureña et al. 2013], with angles from products so that flat views keep their digits
 //! * cap: the cone of directions to a sphere
 //!
-//! All in double precision: solid angles are sums that cancel.
+//! All in double precision: solid angles are sums that cancel. A light of 1e-7 sr is a difference of angles of a few radians, of which
+//! single precision leaves nothing.
 
 use std::f64::consts::{PI, TAU};
 
