@@ -94,6 +94,16 @@ impl Background {
         }
     }
 
+    /// The mean luminance of all directions, that of the sun included.
+    pub fn mean_luminance(&self) -> f32 {
+        match self {
+            Background::Constant { emission, .. } => emission.luminance(),
+            Background::CubeMap(map) => map.mean_luminance(),
+            Background::Environment(environment) => environment.mean_luminance(),
+            Background::Sky(sky) => sky.mean_luminance(),
+        }
+    }
+
     /// Whether no light comes from anywhere.
     pub fn is_black(&self) -> bool {
         match self {
@@ -127,6 +137,23 @@ impl CubeMap {
             self.color(direction_of(uv)).luminance()
         };
         SphereDensity::new(width, height, 0.0, luminance)
+    }
+
+    /// The mean luminance of all directions.
+    fn mean_luminance(&self) -> f32 {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for face in &self.faces {
+            let [w, h] = [face.width(), face.height()];
+            for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
+                // The solid angle of a pixel of a cube, up to a factor.
+                let [a, b] = [(x, w), (y, h)].map(|(i, n)| 2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0);
+                let r2 = 1.0 + a * a + b * b;
+                let weight = 1.0 / (r2 * r2.sqrt() * f64::from(w) * f64::from(h));
+                sum += weight * f64::from(Spectrum::from(Vec3::from(face.rgb(x, y))).luminance());
+                weights += weight;
+            }
+        }
+        (sum / weights) as f32
     }
 
     /// Which picture shows the direction, and where: `u` to the right and `v` upward, in [0, 1].

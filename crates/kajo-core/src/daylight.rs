@@ -22,7 +22,7 @@
 //!
 //! Scene: `Background { sky { turbidity 3  elevation 40  azimuth 120  scale 0.05 } }`
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
 use kajo_color::emission::planck;
 use kajo_color::matrix::apply;
@@ -149,6 +149,12 @@ impl Sky {
     /// The density in proportion to the brightness of sky and ground, without the sun.
     pub fn density(&self) -> Option<SphereDensity> {
         self.picture.density()
+    }
+
+    /// The mean luminance over all directions of the sky, the ground and the sun.
+    pub fn mean_luminance(&self) -> f32 {
+        let sun = self.sun.as_ref().map_or(0.0, |sun| sun.radiance.luminance() * Sun::SOLID_ANGLE);
+        self.picture.mean_luminance() + 0.25 * FRAC_1_PI * sun
     }
 
     /// Whether there is no light.

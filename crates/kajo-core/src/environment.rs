@@ -64,6 +64,8 @@ pub struct Environment {
     /// By what share of the circle the picture is turned.
     turn: f32,
     is_black: bool,
+    /// Over all directions.
+    mean_luminance: f32,
 }
 
 impl Environment {
@@ -84,18 +86,20 @@ impl Environment {
             unusable += 1;
             Vec3::ZERO
         };
-        let pixels = picture.rgb_pixels().map(usable).collect();
+        let pixels: Vec<Vec3> = picture.rgb_pixels().map(usable).collect();
         let (width, height) = (picture.width() as usize, picture.height() as usize);
         // From above, with x to the right and -z upward, longitudes run clockwise.
         let turn = -rotate_deg.rem_euclid(360.0) / 360.0;
-        (Environment { pixels, width, height, turn, is_black }, unusable)
+        let mean_luminance = mean_luminance(&pixels, width);
+        (Environment { pixels, width, height, turn, is_black, mean_luminance }, unusable)
     }
 
     /// An environment of these colours, linear sRGB without negative parts, by column and row.
     pub(crate) fn from_fn(width: usize, height: usize, color: impl Fn(usize, usize) -> Vec3) -> Environment {
         let pixels: Vec<Vec3> = (0..width * height).map(|i| color(i % width, i / width)).collect();
         let is_black = pixels.iter().all(|&rgb| rgb == Vec3::ZERO);
-        Environment { pixels, width, height, turn: 0.0, is_black }
+        let mean_luminance = mean_luminance(&pixels, width);
+        Environment { pixels, width, height, turn: 0.0, is_black, mean_luminance }
     }
 
     /// Linear RGB from the direction `d`, not necessarily of unit length.
@@ -118,11 +122,28 @@ impl Environment {
         self.is_black
     }
 
+    /// The mean luminance of all directions.
+    pub fn mean_luminance(&self) -> f32 {
+        self.mean_luminance
+    }
+
     /// The density in proportion to brightness; `None` for a black picture.
     pub fn density(&self) -> Option<SphereDensity> {
         let luminance = |x: usize, y: usize| Spectrum::from(self.pixels[y * self.width + x]).luminance();
         SphereDensity::new(self.width, self.height, self.turn, luminance)
     }
+}
+
+/// The mean over all directions of a picture's luminance.
+fn mean_luminance(pixels: &[Vec3], width: usize) -> f32 {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    let height = (pixels.len() / width.max(1)) as f32;
+    for (y, row) in pixels.chunks(width.max(1)).enumerate() {
+        let weight = f64::from(fmath::sin(PI * (y as f32 + 0.5) / height));
+        sum += weight * row.iter().map(|&rgb| f64::from(Spectrum::from(rgb).luminance())).sum::<f64>();
+        weights += weight * row.len() as f64;
+    }
+    (sum / weights) as f32
 }
 
 /// A density over directions that is bilinear between the places of a grid of longitudes and latitudes.

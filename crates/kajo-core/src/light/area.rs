@@ -214,7 +214,15 @@ impl Emitter for AreaLight {
         let (bounds, n, cos_spread) = self.bounds_of_all_times();
         let axis = if self.sides == Sides::Back { -n } else { n };
         let two_sided = self.sides == Sides::Both;
-        Some(LightBounds { bounds, axis, cos_spread, cos_reach: 0.0, two_sided, power })
+        Some(LightBounds {
+            bounds,
+            axis,
+            cos_spread,
+            cos_reach: 0.0,
+            two_sided,
+            power,
+            is_inverse_square: true,
+        })
     }
 
     fn sample_le<S: EmissiveSurfaces>(

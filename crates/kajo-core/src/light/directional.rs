@@ -96,6 +96,10 @@ impl Emitter for DirectionalLight {
         None
     }
 
+    fn irradiance(&self) -> f32 {
+        0.25 * self.emission.luminance()
+    }
+
     fn sample_le<S: EmissiveSurfaces>(
         &self,
         _time: f32,

@@ -14,6 +14,7 @@ mod bounding_sphere;
 mod directional;
 mod emission_density;
 mod groups;
+mod infinite;
 mod photometric;
 mod point;
 mod power_sampler;
@@ -132,6 +133,12 @@ pub trait Emitter {
     /// Where the light is and how strong, for the choice among many; `None` when it is infinitely far.
     fn bounds(&self) -> Option<LightBounds>;
 
+    /// The irradiance that light from infinitely far away makes on a surface, the mean over all that its normal may be, as a luminance:
+    /// a quarter of the integral of its radiance over all directions. 0 for a light that has a place.
+    fn irradiance(&self) -> f32 {
+        0.0
+    }
+
     /// The world-space point where all its light comes from, if there is one.
     fn apex(&self) -> Option<Vec3> {
         None
@@ -192,6 +199,8 @@ family! {
         fn pdf_le(time: f32, at: &LightPoint, d: Vec3, world: &BoundingSphere) -> EmissionPdf;
         /// See [`Emitter::bounds`].
         fn bounds() -> Option<LightBounds>;
+        /// See [`Emitter::irradiance`].
+        fn irradiance() -> f32;
         /// See [`Emitter::apex`].
         fn apex() -> Option<Vec3>;
         /// See [`Emitter::is_seen_at_infinity`].

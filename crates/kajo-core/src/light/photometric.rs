@@ -242,6 +242,7 @@ impl Emitter for PhotometricLight {
             cos_reach: 0.0,
             two_sided: false,
             power: self.photometry.flux() as f32 * self.emission.luminance(),
+            is_inverse_square: true,
         })
     }
 

@@ -71,6 +71,7 @@ impl PointLight {
             cos_reach: 0.0,
             two_sided: false,
             power,
+            is_inverse_square: self.attenuation == INVERSE_SQUARE,
         }
     }
 }

@@ -34,7 +34,12 @@ impl PowerLightSampler {
     pub fn sample(&self, u: f32) -> Option<SampledLight> {
         let all = *self.sums.last()?;
         let light = LightIndex::new(self.sums.partition_point(|&sum| sum <= u * all))?;
-        (light.index() < self.sums.len()).then(|| SampledLight { light, probability: self.pmf(light) })
+        if light.index() >= self.sums.len() {
+            return None;
+        }
+        let probability = self.pmf(light);
+        let before = light.index().checked_sub(1).map_or(0.0, |i| self.sums[i] / all);
+        Some(SampledLight::new(light, probability, (u - before) / probability))
     }
 
     /// Probability with which [`PowerLightSampler::sample`] chooses a light.

@@ -197,6 +197,32 @@ pub struct SampledLight {
     pub light: LightIndex,
     /// Probability of the choice.
     pub probability: f32,
+    /// What the choice left of its number: how far into the part of [0, 1) that chooses this light it was, in [0, 1).
+    pub rest: f32,
+}
+
+impl SampledLight {
+    /// * `rest`: may be out of range by rounding
+    #[inline]
+    pub(super) fn new(light: LightIndex, probability: f32, rest: f32) -> SampledLight {
+        SampledLight { light, probability, rest: rest.clamp(0.0, 1.0f32.next_down()) }
+    }
+
+    /// A pair of uniform numbers for the light, of the pair `u` whose `x` chose it.
+    ///
+    /// The pairs of all samples that choose this light are then as evenly spread as all pairs are: a part of a stratified
+    /// square is stratified too. Of what few numbers choose few digits are left; more are taken from the last ones of `y`.
+    #[inline]
+    pub fn pair(&self, u: Vec2) -> Vec2 {
+        /// Digits of a uniform number, and those that are left to do without others.
+        const STEP: f32 = 1.0 / (1 << 24) as f32;
+        const ENOUGH: f32 = 1.0 / (1 << 12) as f32;
+        if self.probability >= ENOUGH {
+            return Vec2::new(self.rest, u.y);
+        }
+        let last = (u.y * (1 << 12) as f32).fract();
+        Vec2::new((self.rest + last * STEP / self.probability).min(1.0f32.next_down()), u.y)
+    }
 }
 
 /// Emission that a ray hits.

@@ -3,6 +3,7 @@
 use kajo_color::Wavelengths;
 use kajo_math::Vec3;
 
+use super::infinite::InfiniteLights;
 use super::{AreaLight, Emitter, LightChoice, LightHit, LightId, LightTree, Lights, Receiver, SampledLight};
 use crate::ids::{LightGroup, LightIndex, ObjectId};
 
@@ -17,6 +18,9 @@ pub struct LightSampler {
     /// Those that rays hit when they leave the scene, the background first.
     at_infinity: Vec<LightIndex>,
     tree: LightTree,
+    infinite: InfiniteLights,
+    /// All that can be chosen, those infinitely far away first.
+    choosable: Vec<LightIndex>,
 }
 
 impl LightSampler {
@@ -33,17 +37,24 @@ impl LightSampler {
         let others = LightIndex::all(list.len()).filter(|&light| Some(light) != background);
         let hit = background.into_iter().chain(others);
         let at_infinity = hit.filter(|light| lights.is_seen_at_infinity(list[light.index()])).collect();
-        LightSampler { list, groups, first_area, at_infinity, tree: LightTree::build(&bounds) }
+        let tree = LightTree::build(&bounds);
+        let all = || LightIndex::all(list.len());
+        let is_infinite = |light: &LightIndex| bounds[light.index()].is_none();
+        let irradiances =
+            all().filter(is_infinite).map(|light| (light, lights.irradiance(list[light.index()])));
+        let infinite = InfiniteLights::new(irradiances, background);
+        let choosable = all().filter(is_infinite).chain(all().filter(|&light| tree.has(light))).collect();
+        LightSampler { list, groups, first_area, at_infinity, tree, infinite, choosable }
     }
 
     /// Number of lights that can be chosen.
     pub fn len(&self) -> usize {
-        self.tree.len()
+        self.choosable.len()
     }
 
     /// Whether nothing gives light.
     pub fn is_empty(&self) -> bool {
-        self.tree.is_empty()
+        self.choosable.is_empty()
     }
 
     /// All lights by their indices.
@@ -95,7 +106,7 @@ impl LightSampler {
     /// Bytes of the tree and the lists.
     pub fn bytes(&self) -> usize {
         let lists = size_of_val(&*self.list) + size_of_val(&*self.groups) + size_of_val(&*self.at_infinity);
-        self.tree.bytes() + lists
+        self.tree.bytes() + self.infinite.bytes() + lists + size_of_val(&*self.choosable)
     }
 
     /// Chooses a light for a receiver; `None` when none can reach it.
@@ -103,13 +114,43 @@ impl LightSampler {
     /// * `u`: uniform in [0, 1)
     #[inline]
     pub fn sample(&self, to: &Receiver, u: f32, choice: LightChoice) -> Option<SampledLight> {
-        self.tree.sample(to, u, choice)
+        if let [only] = *self.choosable {
+            return Some(SampledLight::new(only, 1.0, u));
+        }
+        if choice == LightChoice::Uniform {
+            let n = self.len();
+            let place = u * n as f32;
+            let i = (place as usize).min(n.checked_sub(1)?);
+            return Some(SampledLight::new(self.choosable[i], 1.0 / n as f32, place - i as f32));
+        }
+        let step = self.tree.first_step(to);
+        let share = self.infinite.share_of_tree(&step);
+        if u < share {
+            let chosen = self.tree.sample(to, &step, u / share)?;
+            return Some(SampledLight { probability: share * chosen.probability, ..chosen });
+        }
+        let chosen = self.infinite.sample((u - share) / (1.0 - share))?;
+        Some(SampledLight { probability: (1.0 - share) * chosen.probability, ..chosen })
     }
 
     /// Probability with which [`LightSampler::sample`] chooses a light for a receiver.
     #[inline]
     pub fn pmf(&self, light: LightIndex, to: &Receiver, choice: LightChoice) -> f32 {
-        self.tree.pmf(light, to, choice)
+        if let [only] = *self.choosable {
+            return if only == light { 1.0 } else { 0.0 };
+        }
+        let in_tree = self.tree.has(light);
+        if choice == LightChoice::Uniform {
+            let can_be_chosen = in_tree || self.infinite.pmf(light) > 0.0;
+            return if can_be_chosen { 1.0 / self.len() as f32 } else { 0.0 };
+        }
+        let step = self.tree.first_step(to);
+        let share = self.infinite.share_of_tree(&step);
+        if in_tree {
+            share * self.tree.pmf(light, to, &step)
+        } else {
+            (1.0 - share) * self.infinite.pmf(light)
+        }
     }
 
     /// The patch of a part of an emissive object.

@@ -107,6 +107,10 @@ impl Emitter for SkyLight {
         None
     }
 
+    fn irradiance(&self) -> f32 {
+        PI * self.background.mean_luminance()
+    }
+
     fn sample_le<S: EmissiveSurfaces>(
         &self,
         _time: f32,

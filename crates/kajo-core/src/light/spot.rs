@@ -143,7 +143,7 @@ impl Emitter for SpotLight {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LightChoice, LightTree};
+    use super::super::LightTree;
     use super::*;
     use crate::ids::LightIndex;
     use kajo_color::{Emission, Spectrum};
@@ -209,7 +209,10 @@ mod tests {
         let point = PointLight { position: Vec3::X, ..narrow.point.clone() };
         let tree = LightTree::build(&[narrow.bounds(), point.bounds()]);
         let first = LightIndex::new(0).expect("an index");
-        let chance = |p: Vec3| tree.pmf(first, &Receiver { p, n: Vec3::Y, time: 0.0 }, LightChoice::Tree);
+        let chance = |p: Vec3| {
+            let to = Receiver { p, n: Vec3::Y, time: 0.0 };
+            tree.pmf(first, &to, &tree.first_step(&to))
+        };
         let between = chance(Vec3::new(0.0, -30.0, 0.0));
         assert!((between - 0.5).abs() < 0.01, "{between}");
         assert_eq!(chance(Vec3::new(9.0, -30.0, 0.0)), 0.0, "outside its cone");

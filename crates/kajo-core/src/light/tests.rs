@@ -9,6 +9,7 @@ use crate::daylight::SkySettings;
 use crate::ids::ObjectId;
 use crate::shape::{Canonical, DiskPatch, Patch, PatchWay, PlacedPatch, Surface, Torus};
 
+mod choice;
 pub(crate) mod densities;
 pub(crate) mod emission;
 mod many;

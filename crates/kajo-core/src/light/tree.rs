@@ -1,7 +1,7 @@
-//! The choice of one light among many.
+//! The choice of one light among many that have a place.
 //!
-//! A binary tree over the lights that have a place; a walk from the root goes to each child with a
-//! probability proportional to a bound on what it can send to the receiver,
+//! A binary tree over the lights; a walk from the root goes to each child with a probability proportional to a bound on what it
+//! can send to the receiver,
 //!
 //! ```text
 //! I = power cos(max(0, a - spread - b)) cos(max(0, i - b)) / d^2
@@ -10,7 +10,7 @@
 //! with `d` the distance to the centre of the child's box, `b` the angle its box fills, `a` the angle
 //! between the cone of its axes and the way to the receiver, `i` the receiver's own angle. What cannot send
 //! anything is never chosen [Conty Estévez and Kulla 2018]; the layout and the cost of a split follow
-//! [Pharr et al. 2023, 12.6]. Lights infinitely far away stand beside the tree, each chosen as often as the tree.
+//! [Pharr et al. 2023, 12.6]. Lights infinitely far away stand beside the tree: see `infinite.rs`.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -32,9 +32,10 @@ pub struct LightBounds {
     pub cos_reach: f32,
     /// Whether light leaves against the axes as well.
     pub two_sided: bool,
-    /// Power, in any unit that all lights share; of light that leaves into a narrow cone, that of a light as bright in all
-    /// directions, since the cone is in the angles.
+    /// Power; of light that leaves into a narrow cone, that of a light as bright in all directions, since the cone is in the angles.
     pub power: f32,
+    /// Whether its light falls off by the square of the distance, as is taken for granted of all.
+    pub is_inverse_square: bool,
 }
 
 /// How a light is chosen.
@@ -53,17 +54,13 @@ impl LightChoice {
         [("tree", LightChoice::Tree), ("uniform", LightChoice::Uniform)];
 }
 
-/// The lights of a scene, ready to be chosen from.
+/// The lights of a scene that have a place, ready to be chosen from.
 #[derive(Debug, Default)]
 pub struct LightTree {
     /// Of inner node `i` the first child is `i + 1`.
     nodes: Vec<Node>,
-    /// For each light the turns from the root to its leaf, first turn in bit 0; unused for infinite ones.
+    /// For each light of the scene the turns from the root to its leaf, first turn in bit 0.
     trails: Vec<u64>,
-    /// Lights of the tree, in the order of their indices.
-    placed: Vec<LightIndex>,
-    infinite: Vec<LightIndex>,
-    is_infinite: Vec<bool>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -105,129 +102,105 @@ const NEVER: u64 = u64::MAX;
 const BUCKETS: usize = 12;
 
 impl LightTree {
-    /// The tree over lights given by their bounds; `None` for those infinitely far away.
+    /// The tree over lights given by their bounds; `None` for those infinitely far away, which are not in it.
     ///
-    /// Lights without power are never chosen.
+    /// Nor are lights that give none.
     pub fn build(lights: &[Option<LightBounds>]) -> LightTree {
-        let mut tree = LightTree {
-            trails: vec![0; lights.len()],
-            is_infinite: lights.iter().map(Option::is_none).collect(),
-            ..LightTree::default()
-        };
-        let mut placed = Vec::new();
-        for (light, bounds) in LightIndex::all(lights.len()).zip(lights) {
-            match *bounds {
-                None => tree.infinite.push(light),
-                Some(bounds) if bounds.power > 0.0 && bounds.bounds.is_finite() => {
-                    placed.push(PlacedLight { light, bounds });
-                }
-                Some(_) => tree.trails[light.index()] = NEVER,
-            }
-        }
-        tree.placed = placed.iter().map(|placed| placed.light).collect();
-        if !placed.is_empty() {
-            tree.add(&mut placed, 0, 0);
-        }
+        let mut tree = LightTree { trails: vec![NEVER; lights.len()], nodes: Vec::new() };
+        let is_light = |bounds: &LightBounds| bounds.power > 0.0 && bounds.bounds.is_finite();
+        let placed = LightIndex::all(lights.len()).zip(lights);
+        let placed = placed.filter_map(|(light, bounds)| {
+            bounds.filter(is_light).map(|bounds| PlacedLight { light, bounds })
+        });
+        let mut placed: Vec<_> = placed.collect();
+        tree.add(&mut placed, 0, 0);
         tree
-    }
-
-    /// Number of lights that can be chosen.
-    pub fn len(&self) -> usize {
-        self.placed.len() + self.infinite.len()
     }
 
     /// Whether there is no light.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.nodes.is_empty()
+    }
+
+    /// Whether a light is in it.
+    pub fn has(&self, light: LightIndex) -> bool {
+        self.trails[light.index()] != NEVER
     }
 
     /// Bytes of the tree.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.trails) + size_of_val(&*self.is_infinite)
+        size_of_val(&*self.nodes) + size_of_val(&*self.trails)
+    }
+
+    /// What the root leads to.
+    #[inline]
+    pub(super) fn first_step(&self, to: &Receiver) -> FirstStep {
+        let Some(root) = self.nodes.first() else { return FirstStep::NONE };
+        let importance = |at: usize| self.nodes[at].bounds.importance(to.p, to.n);
+        let importances = match root.content {
+            NodeContent::Leaf(_) => [importance(0), 0.0],
+            NodeContent::Inner { second } => [importance(1), importance(second as usize)],
+        };
+        FirstStep { importances, is_inverse_square: root.bounds.is_inverse_square }
     }
 
     /// Chooses a light for a receiver; `None` when none can reach it.
+    ///
+    /// * `step`: that of the receiver
+    /// * `u`: uniform in [0, 1)
     #[inline]
-    pub fn sample(&self, to: &Receiver, u: f32, choice: LightChoice) -> Option<SampledLight> {
-        let beside = self.infinite.len();
-        if choice == LightChoice::Uniform {
-            let n = self.len();
-            let i = ((u * n as f32) as usize).min(n.checked_sub(1)?);
-            let light = self.infinite.get(i).or_else(|| self.placed.get(i - beside))?;
-            return Some(SampledLight { light: *light, probability: 1.0 / n as f32 });
-        }
-        let choices = beside + usize::from(!self.nodes.is_empty());
-        let place = u * choices as f32;
-        let i = (place as usize).min(choices.checked_sub(1)?);
-        let share = 1.0 / choices as f32;
-        if let [only] = *self.placed
-            && i == beside
-        {
-            return Some(SampledLight { light: only, probability: share });
-        }
-        if let Some(&light) = self.infinite.get(i) {
-            return Some(SampledLight { light, probability: share });
-        }
-        self.descend(to, (place - i as f32).clamp(0.0, 1.0f32.next_down()), share)
-    }
-
-    fn descend(&self, to: &Receiver, mut u: f32, mut probability: f32) -> Option<SampledLight> {
-        let mut at = 0;
+    pub(super) fn sample(&self, to: &Receiver, step: &FirstStep, mut u: f32) -> Option<SampledLight> {
+        let (mut at, mut probability) = (0, 1.0);
+        let mut first = step.share_of_first();
         loop {
-            let second = match self.nodes[at].content {
-                NodeContent::Leaf(light) => return Some(SampledLight { light, probability }),
+            let second = match self.nodes.get(at)?.content {
+                NodeContent::Leaf(light) => return Some(SampledLight::new(light, probability, u)),
                 NodeContent::Inner { second } => second as usize,
             };
-            let first = self.share_of_first([at + 1, second], to)?;
-            if u < first {
-                u = (u / first).min(1.0f32.next_down());
-                probability *= first;
+            let share = first?;
+            if u < share {
+                u = (u / share).min(1.0f32.next_down());
+                probability *= share;
                 at += 1;
             } else {
-                u = ((u - first) / (1.0 - first)).clamp(0.0, 1.0f32.next_down());
-                probability *= 1.0 - first;
+                u = ((u - share) / (1.0 - share)).clamp(0.0, 1.0f32.next_down());
+                probability *= 1.0 - share;
                 at = second;
             }
+            first = self.share_of_first(at, to);
         }
     }
 
     /// The probability with which [`LightTree::sample`] chooses a light for a receiver.
     #[inline]
-    pub fn pmf(&self, light: LightIndex, to: &Receiver, choice: LightChoice) -> f32 {
-        let light = light.index();
-        if choice == LightChoice::Uniform {
-            return if self.trails[light] == NEVER { 0.0 } else { 1.0 / self.len() as f32 };
-        }
-        let share = 1.0 / (self.infinite.len() + usize::from(!self.nodes.is_empty())) as f32;
-        if self.is_infinite[light] {
-            return share;
-        }
-        let mut trail = self.trails[light];
+    pub(super) fn pmf(&self, light: LightIndex, to: &Receiver, step: &FirstStep) -> f32 {
+        let mut trail = self.trails[light.index()];
         if trail == NEVER {
             return 0.0;
         }
-        let (mut at, mut probability) = (0, share);
+        let (mut at, mut probability) = (0, 1.0);
+        let mut first = step.share_of_first();
         loop {
             let NodeContent::Inner { second } = self.nodes[at].content else { return probability };
-            let second = second as usize;
-            let Some(first) = self.share_of_first([at + 1, second], to) else { return 0.0 };
+            let Some(share) = first else { return 0.0 };
             if trail & 1 == 0 {
-                probability *= first;
+                probability *= share;
                 at += 1;
             } else {
-                probability *= 1.0 - first;
-                at = second;
+                probability *= 1.0 - share;
+                at = second as usize;
             }
             trail >>= 1;
+            first = self.share_of_first(at, to);
         }
     }
 
-    /// The probability of the first of two children; `None` when neither reaches the receiver.
+    /// The probability of the first of a node's two children; `None` when neither reaches the receiver, or it has none.
     #[inline]
-    fn share_of_first(&self, children: [usize; 2], to: &Receiver) -> Option<f32> {
-        let [first, second] = children.map(|at| self.nodes[at].bounds.importance(to.p, to.n));
-        let sum = first + second;
-        (sum > 0.0).then(|| first / sum)
+    fn share_of_first(&self, at: usize, to: &Receiver) -> Option<f32> {
+        let NodeContent::Inner { second } = self.nodes[at].content else { return None };
+        let importances = [at + 1, second as usize].map(|at| self.nodes[at].bounds.importance(to.p, to.n));
+        share_of_first(importances)
     }
 
     /// Adds the subtree over some lights.
@@ -247,6 +220,38 @@ impl LightTree {
         self.nodes[at].content = NodeContent::Inner { second: self.nodes.len() as u32 };
         self.add(second, trail | 1 << depth, depth + 1);
     }
+}
+
+/// The first step of a walk from the root.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstStep {
+    /// Of the root's children for the receiver; where the root is a light, of that.
+    importances: [f32; 2],
+    is_inverse_square: bool,
+}
+
+impl FirstStep {
+    /// Of a tree without lights.
+    const NONE: FirstStep = FirstStep { importances: [0.0; 2], is_inverse_square: true };
+
+    /// About the irradiance that all lights of the tree make where nothing is in the way, as if each were
+    /// a surface that sends its power to one side; `None` where it cannot be told.
+    #[inline]
+    pub fn irradiance(&self) -> Option<f32> {
+        let [first, second] = self.importances;
+        self.is_inverse_square.then_some((first + second).min(f32::MAX) / PI)
+    }
+
+    #[inline]
+    fn share_of_first(&self) -> Option<f32> {
+        share_of_first(self.importances)
+    }
+}
+
+#[inline]
+fn share_of_first([first, second]: [f32; 2]) -> Option<f32> {
+    let sum = first + second;
+    (sum > 0.0).then(|| first / sum)
 }
 
 /// Sorts the lights of a node into two parts; returns the length of the first, at least 1.
@@ -308,6 +313,7 @@ impl LightBounds {
             cos_reach: self.cos_reach.min(other.cos_reach),
             two_sided: self.two_sided || other.two_sided,
             power: self.power + other.power,
+            is_inverse_square: self.is_inverse_square && other.is_inverse_square,
         }
     }
 
@@ -421,6 +427,7 @@ mod tests {
                 cos_reach: 0.0,
                 two_sided: i.is_multiple_of(5),
                 power: 0.1 + s.uniform(6),
+                is_inverse_square: true,
             }
         };
         (0..n).map(|i| (i % 97 != 96).then(|| light(i))).collect()
@@ -430,7 +437,7 @@ mod tests {
     fn probabilities_agree_with_the_walk_and_sum_to_one() {
         let lights = lights(200);
         let tree = LightTree::build(&lights);
-        assert_eq!((tree.len(), tree.infinite.len()), (200, 2));
+        assert_eq!(LightIndex::all(200).filter(|&light| tree.has(light)).count(), 198);
         for k in 0..30 {
             let s = Stream::new(5, [k, 0], 0);
             let p = 12.0 * Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2));
@@ -439,20 +446,19 @@ mod tests {
             } else {
                 warp::uniform_sphere(Vec2::new(s.uniform(3), s.uniform(4)))
             };
-            for choice in [LightChoice::Tree, LightChoice::Uniform] {
-                let to = Receiver { p, n, time: 0.0 };
-                let sum: f32 = LightIndex::all(200).map(|light| tree.pmf(light, &to, choice)).sum();
-                // A walk may end among lights that turn out not to reach the receiver.
-                assert!(sum > 0.9 && sum < 1.0 + 1e-4, "{sum}");
-                for j in 0..50 {
-                    let Some(SampledLight { light, probability }) =
-                        tree.sample(&to, s.uniform(10 + j), choice)
-                    else {
-                        continue;
-                    };
-                    let again = tree.pmf(light, &to, choice);
-                    assert!((again / probability - 1.0).abs() < 1e-4, "{light:?}: {again} {probability}");
-                }
+            let to = Receiver { p, n, time: 0.0 };
+            let sum: f32 =
+                LightIndex::all(200).map(|light| tree.pmf(light, &to, &tree.first_step(&to))).sum();
+            // A walk may end among lights that turn out not to reach the receiver.
+            assert!(sum > 0.8 && sum < 1.0 + 1e-4, "{sum}");
+            for j in 0..50 {
+                let Some(SampledLight { light, probability, .. }) =
+                    tree.sample(&to, &tree.first_step(&to), s.uniform(10 + j))
+                else {
+                    continue;
+                };
+                let again = tree.pmf(light, &to, &tree.first_step(&to));
+                assert!((again / probability - 1.0).abs() < 1e-4, "{light:?}: {again} {probability}");
             }
         }
     }
@@ -470,7 +476,7 @@ mod tests {
                 let w = (p - light.bounds.center()).normalize();
                 let sends = light.cos_spread < 0.0 || light.axis.dot(w) > 0.0 || light.two_sided;
                 let to = Receiver { p, ..Receiver::default() };
-                let found = tree.pmf(i, &to, LightChoice::Tree) > 0.0;
+                let found = tree.pmf(i, &to, &tree.first_step(&to)) > 0.0;
                 assert!(found || !sends, "receiver {k}, light {i:?}");
             }
         }
@@ -487,23 +493,22 @@ mod tests {
                 cos_reach: 0.0,
                 two_sided: false,
                 power,
+                is_inverse_square: true,
             })
         };
         let tree = LightTree::build(&[at(0.0, 1.0), at(10.0, 1.0), at(20.0, 4.0), at(30.0, 0.0)]);
         let to = Receiver { p: Vec3::X, ..Receiver::default() };
         let chances: Vec<f32> =
-            LightIndex::all(4).map(|light| tree.pmf(light, &to, LightChoice::Tree)).collect();
+            LightIndex::all(4).map(|light| tree.pmf(light, &to, &tree.first_step(&to))).collect();
         assert!(chances[0] > 10.0 * chances[1] && chances[2] > 0.5 * chances[1]);
         assert_eq!(chances[3], 0.0);
-        assert_eq!(tree.len(), 3);
+        assert!(!tree.has(LightIndex::new(3).unwrap()));
     }
 
     #[test]
     fn no_light_is_no_choice() {
         let tree = LightTree::build(&[]);
         assert!(tree.is_empty());
-        for choice in [LightChoice::Tree, LightChoice::Uniform] {
-            assert!(tree.sample(&Receiver::default(), 0.5, choice).is_none());
-        }
+        assert!(tree.sample(&Receiver::default(), &FirstStep::NONE, 0.5).is_none());
     }
 }

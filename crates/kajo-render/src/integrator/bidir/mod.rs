@@ -189,9 +189,11 @@ impl<'a> Bidirectional<'a> {
     ) -> Draws<'s> {
         let scene = self.scene();
         let world = self.power_sampler.world();
-        let u = draws.number_if(scene.lighting.sampler.len() > 1);
-        let numbers = LeNumbers { position: draws.next_2d(), direction: draws.next_2d() };
-        let Some(SampledLight { light, probability }) = self.power_sampler.sample(u) else { return draws };
+        draws.skip(1);
+        let [position, direction] = [draws.next_2d(), draws.next_2d()];
+        let Some(chosen) = self.power_sampler.sample(position.x) else { return draws };
+        let SampledLight { light, probability, .. } = chosen;
+        let numbers = LeNumbers { position: chosen.pair(position), direction };
         let Some(emitted) = scene.sample_le(light, time, numbers, wavelengths, world) else { return draws };
         let mut path = light_end(scene, &emitted, (time, probability), wavelengths, draws);
         let group = scene.lighting.sampler.group(light);

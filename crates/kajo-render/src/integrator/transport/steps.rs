@@ -167,7 +167,7 @@ pub struct DrawnLight {
 
 /// Light drawn for a vertex, whether or not anything is in the way; `None` where none can arrive.
 ///
-/// Takes a number for the light, where there are several, and two for the place on it.
+/// Takes three numbers. The first one is left out; the other two are for the light and the place on it.
 #[inline]
 pub fn sample_light(
     scene: &Scene,
@@ -175,10 +175,11 @@ pub fn sample_light(
     receiver: &Receiver,
     choice: LightChoice,
 ) -> Option<DrawnLight> {
-    let u = path.draws.number_if(scene.lighting.sampler.len() > 1);
-    let place = path.draws.next_2d();
-    let SampledLight { light, probability } = scene.lighting.sampler.sample(receiver, u, choice)?;
-    let li = scene.sample_li(light, receiver, place, &path.wavelengths)?;
+    path.draws.skip(1);
+    let u = path.draws.next_2d();
+    let chosen = scene.lighting.sampler.sample(receiver, u.x, choice)?;
+    let SampledLight { light, probability, .. } = chosen;
+    let li = scene.sample_li(light, receiver, chosen.pair(u), &path.wavelengths)?;
     (!li.radiance.is_black()).then_some(DrawnLight { light, li, pdf: li.pdf * probability })
 }
 

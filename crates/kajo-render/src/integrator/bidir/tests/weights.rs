@@ -72,9 +72,10 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
         let mut draws = ctx.draws;
         let (mut again, mut path) = (draws.split(0, 0, 1), Vec::new());
         it.follow_light(&mut rays, &mut path, again, 0.0, &wavelengths);
-        let u = again.number_if(scene.lighting.sampler.len() > 1);
-        let numbers = LeNumbers { position: again.next_2d(), direction: again.next_2d() };
-        let chosen = it.power_sampler.sample(u).expect("a light");
+        again.skip(1);
+        let [position, direction] = [again.next_2d(), again.next_2d()];
+        let chosen = it.power_sampler.sample(position.x).expect("a light");
+        let numbers = LeNumbers { position: chosen.pair(position), direction };
         let world = it.power_sampler.world();
         let emitted =
             scene.sample_le(chosen.light, 0.0, numbers, &wavelengths, world).expect("light that leaves");

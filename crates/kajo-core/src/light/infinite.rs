@@ -1,0 +1,117 @@
+//! The choice among lights infinitely far away, and between them and all others.
+//!
+//! What they send to a receiver is known but for what is in the way, which may be everything: in a room the sun is the
+//! strongest light by far and not seen. So the background, all directional lights together, and the tree of lights that have a
+//! place are chosen in proportion to the roots of the irradiances that they are estimated to make at the receiver; so are directional
+//! lights among themselves. Of two lights whose irradiances have the ratio `r` the variance is then at most an eighth larger than
+//! with choices in proportion where both are seen, and where the stronger one is hidden it grows by the factor `1 + sqrt r`, not
+//! `1 + r`.
+
+use super::SampledLight;
+use super::tree::FirstStep;
+use crate::ids::LightIndex;
+
+/// Lights infinitely far away.
+#[derive(Debug, Default)]
+pub(super) struct InfiniteLights {
+    background: Option<LightIndex>,
+    /// The others, in the order of their indices.
+    directional: Vec<LightIndex>,
+    /// For each of them the share of their roots up to it.
+    upto: Vec<f32>,
+    /// The roots of the irradiances of the background and of all others.
+    weights: [f32; 2],
+}
+
+impl InfiniteLights {
+    /// * `lights`: with estimates of their irradiance, in the order of their indices
+    pub fn new(
+        lights: impl Iterator<Item = (LightIndex, f32)>,
+        background: Option<LightIndex>,
+    ) -> InfiniteLights {
+        let (mut of_background, mut sum, mut roots) = (0.0, 0.0, 0.0);
+        let (mut directional, mut upto) = (Vec::new(), Vec::<f64>::new());
+        for (light, irradiance) in lights {
+            // Colours may have no luminance and be light all the same.
+            let irradiance = f64::from(irradiance).clamp(1e-30, 1e30);
+            if Some(light) == background {
+                of_background = irradiance;
+            } else {
+                (sum, roots) = (sum + irradiance, roots + irradiance.sqrt());
+                directional.push(light);
+                upto.push(roots);
+            }
+        }
+        let upto = upto.iter().map(|root| (root / roots) as f32).collect();
+        let weights = [of_background, sum].map(|irradiance| irradiance.sqrt() as f32);
+        InfiniteLights { background, directional, upto, weights }
+    }
+
+    fn len(&self) -> usize {
+        self.directional.len() + usize::from(self.background.is_some())
+    }
+
+    /// Bytes of the lists.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.directional) + size_of_val(&*self.upto)
+    }
+
+    /// The probability that one of a tree is chosen for a receiver, and not one of these.
+    #[inline]
+    pub fn share_of_tree(&self, step: &FirstStep) -> f32 {
+        let weight = self.weights[0] + self.weights[1];
+        if weight == 0.0 {
+            return 1.0;
+        }
+        match step.irradiance() {
+            Some(irradiance) => {
+                let tree = irradiance.sqrt();
+                tree / (tree + weight)
+            }
+            None => 1.0 / (self.len() + 1) as f32,
+        }
+    }
+
+    /// Chooses one of these; `None` where there are none.
+    ///
+    /// * `u`: uniform in [0, 1)
+    #[inline]
+    pub fn sample(&self, u: f32) -> Option<SampledLight> {
+        let share = self.share_of_background();
+        if let Some(background) = self.background
+            && u < share
+        {
+            return Some(SampledLight::new(background, share, u / share));
+        }
+        let u = (u - share) / (1.0 - share);
+        let i = self.upto.partition_point(|&upto| upto <= u).min(self.upto.len().checked_sub(1)?);
+        let probability = self.probability(i);
+        let rest = (u - self.before(i)) / probability;
+        Some(SampledLight::new(self.directional[i], (1.0 - share) * probability, rest))
+    }
+
+    /// Probability with which [`InfiniteLights::sample`] chooses a light; 0 for one that is not among these.
+    #[inline]
+    pub fn pmf(&self, light: LightIndex) -> f32 {
+        if Some(light) == self.background {
+            return self.share_of_background();
+        }
+        let i = self.directional.binary_search(&light);
+        i.map_or(0.0, |i| (1.0 - self.share_of_background()) * self.probability(i))
+    }
+
+    fn share_of_background(&self) -> f32 {
+        let [background, directional] = self.weights;
+        if background > 0.0 { background / (background + directional) } else { 0.0 }
+    }
+
+    /// The probability of the directional lights before one of them.
+    fn before(&self, i: usize) -> f32 {
+        i.checked_sub(1).map_or(0.0, |i| self.upto[i])
+    }
+
+    /// The probability of one among the directional lights.
+    fn probability(&self, i: usize) -> f32 {
+        self.upto[i] - self.before(i)
+    }
+}

@@ -1,0 +1,115 @@
+//! The choice between lights that have a place and those infinitely far away.
+
+use super::*;
+use crate::background::Background;
+use crate::family::Pooled;
+use crate::ids::{LightGroup, LightIndex};
+use std::sync::Arc;
+
+/// Points at height 1, a sky and suns, in this order, of these strengths.
+fn lit(points: &[f32], attenuation: [f32; 3], suns: &[f32], sky: Option<f32>) -> (Lights, LightSampler) {
+    let mut lights = Lights::default();
+    let mut list = Vec::new();
+    for (i, &strength) in points.iter().enumerate() {
+        let position = Vec3::new(i as f32, 1.0, 0.0);
+        let emission = Emission::from_rgb([strength; 3]);
+        let point = PointLight { position, intensity: Spectrum::WHITE, emission, attenuation };
+        list.extend(point.store(&mut lights));
+    }
+    for &strength in suns {
+        list.extend(DirectionalLight::new(Vec3::NEG_Y, Emission::from_rgb([strength; 3])).store(&mut lights));
+    }
+    let first_area = list.len();
+    let background = sky.map(|strength| {
+        let sky = SkyLight::new(Arc::new(Background::constant([strength; 3])));
+        list.extend(sky.store(&mut lights));
+        LightIndex::new(first_area).unwrap()
+    });
+    let list = list.into_iter().map(|id| (id, LightGroup::default())).collect();
+    let sampler = LightSampler::new(list, first_area, background, &lights);
+    (lights, sampler)
+}
+
+const SQUARE: [f32; 3] = [0.0, 0.0, 1.0];
+
+fn scenes() -> Vec<(Lights, LightSampler)> {
+    vec![
+        lit(&[1.0], SQUARE, &[], None),
+        lit(&[], SQUARE, &[], Some(0.3)),
+        lit(&[], SQUARE, &[0.0, 2.0, 1e-3], None),
+        lit(&[1.0], SQUARE, &[], Some(1e-3)),
+        lit(&[3.0, 0.01, 2.0], SQUARE, &[1.0, 0.5], Some(0.2)),
+        lit(&[3.0, 0.01, 2.0], [1.0, 0.0, 0.0], &[1.0, 0.5], Some(0.2)),
+        lit(&[5.0; 200], SQUARE, &[1.0; 7], Some(0.2)),
+    ]
+}
+
+/// Lights are chosen as often as is said, and what is left of the number is spread evenly over [0, 1).
+#[test]
+fn a_light_takes_its_share_of_the_numbers_and_gives_them_back() {
+    let n = 1 << 16;
+    for (k, (_, sampler)) in scenes().into_iter().enumerate() {
+        for choice in [LightChoice::Tree, LightChoice::Uniform] {
+            let to = Receiver { p: Vec3::new(0.3, 0.1, 0.2), n: Vec3::new(0.0, 0.6, 0.8), time: 0.0 };
+            let mut rests = vec![Vec::new(); sampler.list().len()];
+            for i in 0..n {
+                let u = (i as f32 + 0.5) / n as f32;
+                let chosen = sampler.sample(&to, u, choice).unwrap();
+                let pmf = sampler.pmf(chosen.light, &to, choice);
+                assert!((chosen.probability / pmf - 1.0).abs() < 1e-5, "{k} {u}: {chosen:?} {pmf}");
+                rests[chosen.light.index()].push(chosen.rest);
+            }
+            let mut sum = 0.0;
+            for (light, rests) in LightIndex::all(rests.len()).zip(&mut rests) {
+                let pmf = sampler.pmf(light, &to, choice);
+                sum += pmf;
+                let count = rests.len() as f32;
+                assert!((count - pmf * n as f32).abs() < 2.0, "{k} {light:?}: {count} {pmf}");
+                rests.sort_by(f32::total_cmp);
+                let even = rests.iter().enumerate().map(|(i, rest)| (rest - (i as f32 + 0.5) / count).abs());
+                let worst = even.fold(0.0, f32::max);
+                assert!(worst < 2.0 / count, "{k} {light:?}: {worst} of {count}");
+            }
+            assert!((sum - 1.0).abs() < 1e-4, "{k}: {sum}");
+        }
+    }
+}
+
+/// Beside lights of another kind each kind is chosen by the root of its irradiance, where that can be told.
+#[test]
+fn kinds_of_lights_are_chosen_by_the_roots_of_their_irradiances() {
+    let to = Receiver { p: Vec3::ZERO, n: Vec3::Y, time: 0.0 };
+    let pmf = |(_, sampler): (Lights, LightSampler), i: usize| {
+        sampler.pmf(LightIndex::new(i).unwrap(), &to, LightChoice::Tree)
+    };
+    let expected = |a: f32, b: f32| a.sqrt() / (a.sqrt() + b.sqrt());
+    let sky = pmf(lit(&[4.0], SQUARE, &[], Some(0.01)), 1);
+    assert!((sky - expected(0.01 * PI as f32, 16.0)).abs() < 1e-4, "{sky}");
+    let sun = pmf(lit(&[4.0], SQUARE, &[0.5], None), 1);
+    assert!((sun - expected(0.125, 16.0)).abs() < 1e-4, "{sun}");
+    let strong = pmf(lit(&[], SQUARE, &[9.0, 1.0], None), 0);
+    assert!((strong - 0.75).abs() < 1e-5, "{strong}");
+    // The classic format's points may be as bright from everywhere.
+    let even = pmf(lit(&[4.0], [1.0, 0.0, 0.0], &[0.5], Some(0.01)), 2);
+    assert!((even - 2.0 / 3.0 * expected(0.01 * PI as f32, 0.125)).abs() < 1e-4, "{even}");
+}
+
+/// Of few numbers that choose a light all that are drawn for it differ.
+#[test]
+fn a_choice_among_many_leaves_numbers_enough() {
+    let (_, sampler) = lit(&vec![1.0; 30_000], SQUARE, &[], None);
+    let to = Receiver { p: Vec3::new(15_000.2, -100.0, 0.3), n: Vec3::ZERO, time: 0.0 };
+    let (mut sum, mut squares, mut coarse, n) = (0.0, 0.0, 0, 20_000);
+    for i in 0..n {
+        let s = Stream::new(71, [i, 0], 0);
+        let chosen = sampler.sample(&to, s.uniform(0), LightChoice::Uniform).unwrap();
+        let pair = chosen.pair(Vec2::new(s.uniform(0), s.uniform(1)));
+        assert!(pair.cmpge(Vec2::ZERO).all() && pair.cmplt(Vec2::ONE).all());
+        coarse += usize::from((pair.x * 4096.0).fract() == 0.0);
+        sum += f64::from(pair.x);
+        squares += f64::from(pair.x) * f64::from(pair.x);
+    }
+    let (mean, square) = (sum / f64::from(n), squares / f64::from(n));
+    assert!((mean - 0.5).abs() < 0.01 && (square - 1.0 / 3.0).abs() < 0.01, "{mean} {square}");
+    assert!(coarse < 40, "{coarse}");
+}
