@@ -81,7 +81,9 @@ mod tests {
             FieldKind::Reflectance => "r g b, or [a file or `spectrum`](spectra.md)".to_owned(),
             kind => kind.to_string(),
         };
-        if field.unit.is_empty() { what } else { format!("{what}, {}", field.unit) }
+        let unit = if field.unit.is_empty() { String::new() } else { format!(", {}", field.unit) };
+        let texture = if field.texture { ", or a [texture](pictures.md)" } else { "" };
+        format!("{what}{unit}{texture}")
     }
 
     fn default(field: &FieldSpec) -> String {

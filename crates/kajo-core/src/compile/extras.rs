@@ -3,7 +3,7 @@
 use kajo_scene::{Diagnostic, Params, Span};
 
 use super::fields::{At, Keys, Sources, Typed, choice, choices, keys, light_group};
-use super::picture_values::{HeightMap, NormalMap, Opacity, SurfaceLight};
+use super::picture_values::{HeightMap, NormalMap, Opacity, SurfaceLight, opacity, surface_light};
 use crate::emission::SurfaceEmission;
 use crate::ids::LightGroup;
 use crate::light::Sides;
@@ -21,7 +21,7 @@ choices! {
 
 keys! {
     ExtraKeys<'t> {
-        emission: Option<SurfaceLight> = Typed::<SurfaceLight>::new("emission", FieldKind::Emission)
+        emission: Option<SurfaceLight> = surface_light("emission")
             .unit("W/(m² sr)")
             .presumed(Constant::Triple([0.0; 3]), "light that it gives itself"),
         emits: Option<At<'t, Sides>> = choice::<Sides>("emits")
@@ -32,7 +32,7 @@ keys! {
             .only_beside("emission")
             .placed()
             .option("name of the lights it is seen among"),
-        opacity: Option<Opacity> = Typed::<Opacity>::new("opacity", FieldKind::SHARE)
+        opacity: Option<Opacity> = opacity("opacity")
             .presumed(Constant::Number(1.0), "the share of it that is there, between holes"),
         normals: Option<NormalMap> = Typed::<NormalMap>::new("normalMap", FieldKind::Text)
             .option("a picture of normals that dents it, such as hammered.png"),

@@ -20,7 +20,7 @@ use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
 use super::light_groups;
-use super::pictures::TextureReader;
+use super::pictures::{TextureReader, is_picture};
 use super::spectra::Written;
 use crate::ids::LightGroup;
 use crate::light::LightGroups;
@@ -93,6 +93,11 @@ impl<V> Typed<V> {
     /// The same with what its numbers count.
     pub const fn unit(self, unit: &'static str) -> Typed<V> {
         Typed::with(FieldSpec { unit, ..self.spec })
+    }
+
+    /// The same for a field that may be a texture as well.
+    pub const fn textured(self) -> Typed<V> {
+        Typed::with(self.spec.or_texture())
     }
 
     /// The same for a field that says nothing, or is an error, where `key` is not written.
@@ -260,12 +265,22 @@ impl<V> Defaulted<V> {
         Defaulted(Typed::with(self.0.spec))
     }
 
+    /// The same where a texture may be a factor of white.
+    pub const fn or_texture(self) -> Defaulted<Textured<V>> {
+        Defaulted(Typed::with(self.0.spec.or_texture()))
+    }
+
     pub const fn spec(self) -> FieldSpec {
         self.0.spec
     }
 }
 
 impl<V> Optional<V> {
+    /// The same where a texture may be a factor of white.
+    pub const fn or_texture(self) -> Optional<Textured<V>> {
+        Optional(Typed::with(self.0.spec.or_texture()))
+    }
+
     pub const fn spec(self) -> FieldSpec {
         self.0.spec
     }
@@ -824,9 +839,43 @@ impl Stated for ColorTexture {
     }
 }
 
-/// A colour whose components are shares of light, a measured spectrum of such, or a picture.
-pub(super) const fn paint(key: &'static str) -> Typed<ColorTexture> {
-    Typed::new(key, FieldKind::Reflectance)
+/// A colour whose components are shares of light, a measured spectrum of such, or a texture.
+pub(super) const fn color_texture(key: &'static str) -> Typed<ColorTexture> {
+    Typed::new(key, FieldKind::Reflectance).textured()
+}
+
+/// A colour of the classic format, or a texture as a factor of white.
+#[derive(Clone)]
+pub(super) struct Textured<V> {
+    pub value: V,
+    pub texture: Option<ColorTexture>,
+}
+
+impl<V> From<V> for Textured<V> {
+    fn from(value: V) -> Textured<V> {
+        Textured { value, texture: None }
+    }
+}
+
+impl<'t, V: Plain<'t> + Stated> Value<'t> for Textured<V> {
+    fn read(
+        spec: &FieldSpec,
+        item: Item<'t>,
+        diagnostics: &mut Diagnostics,
+        sources: &mut Sources<'_>,
+    ) -> Option<Textured<V>> {
+        if !is_picture(item) {
+            return V::read(spec, item, diagnostics, sources).map(Textured::from);
+        }
+        let texture = Some(sources.textures.color(item, diagnostics)?);
+        V::of(triple_of([1.0; 3])).map(|value| Textured { value, texture })
+    }
+}
+
+impl<V: Stated> Stated for Textured<V> {
+    fn of(constant: Constant) -> Option<Textured<V>> {
+        V::of(constant).map(Textured::from)
+    }
 }
 
 impl Value<'_> for FloatTexture {
@@ -846,9 +895,14 @@ impl Stated for FloatTexture {
     }
 }
 
-/// A number in [0, 1], or a picture of such.
+/// A number from `min` to `max`, or a texture of such.
+pub(super) const fn float_texture(key: &'static str, min: f64, max: f64) -> Typed<FloatTexture> {
+    Typed::new(key, FieldKind::Number { min, max }).textured()
+}
+
+/// A number in [0, 1], or a texture of such.
 pub(super) const fn share(key: &'static str) -> Typed<FloatTexture> {
-    Typed::new(key, FieldKind::SHARE)
+    float_texture(key, 0.0, 1.0)
 }
 
 impl Plain<'_> for LightGroup {

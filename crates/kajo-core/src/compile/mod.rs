@@ -340,3 +340,5 @@ mod nesting_tests;
 mod shading_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_law_tests;

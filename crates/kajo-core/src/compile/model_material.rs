@@ -115,14 +115,14 @@ impl Compiler<'_> {
             transmission,
             absorption: material.body.unwrap_or_default(),
             thin: material.body.is_none(),
-            eta: material.eta,
+            eta: material.eta.into(),
             dispersion: material
                 .abbe
                 .is_finite()
                 .then(|| Dispersion::from_abbe(material.eta.into(), material.abbe.into())),
             coat,
             coat_roughness,
-            coat_eta: COAT_ETA,
+            coat_eta: COAT_ETA.into(),
             fuzz: fuzz.into(),
             fuzz_color: self.color(fuzz_map, fuzz_color, pictures.at),
             fuzz_roughness,

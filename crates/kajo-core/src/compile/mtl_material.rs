@@ -205,7 +205,10 @@ impl Compiler<'_> {
                 rotation: mtl.anisotropy_rotation.unwrap_or(0.0).rem_euclid(1.0).into(),
             },
             transmission: transmission(mtl).into(),
-            eta: mtl.index_of_refraction.filter(|&eta| eta >= 1.0).unwrap_or(defaults.eta),
+            eta: mtl
+                .index_of_refraction
+                .filter(|&eta| eta >= 1.0)
+                .map_or(defaults.eta, FloatTexture::Constant),
             ..defaults
         }
     }

@@ -3,11 +3,21 @@
 use kajo_color::Emission;
 use kajo_scene::{Args, Diagnostics, Item, Params, Span};
 
-use super::fields::{Sources, Value};
+use super::fields::{Sources, Typed, Value};
 use super::pictures::{is_picture, read_channel};
 use super::spectra::factor;
-use crate::schema::FieldSpec;
+use crate::schema::{FieldKind, FieldSpec};
 use crate::texture::{ColorTexture, Encoding, FloatTexture, PictureChannel, PictureCut};
+
+/// The share of a surface that is there, or a texture of it.
+pub(super) const fn opacity(key: &'static str) -> Typed<Opacity> {
+    Typed::new(key, FieldKind::SHARE).textured()
+}
+
+/// The light of a surface, or a texture that light shines through.
+pub(super) const fn surface_light(key: &'static str) -> Typed<SurfaceLight> {
+    Typed::new(key, FieldKind::Emission).textured()
+}
 
 /// The share of a surface that is there, and where that is said.
 pub(super) struct Opacity {

@@ -3,7 +3,7 @@
 //! ```text
 //! color planks.png
 //! color planks.png { repeat 4 2  offset 0.5 0  wrap mirror  filter nearest  encoding linear }
-//! roughness scratches.png { channel green }
+//! roughness scratches.png { channel green  range 0.1 0.4 }
 //! emission slide.png 5
 //! emission slide.png { light blackbody 3200 5 }
 //! ```
@@ -14,6 +14,7 @@
 
 use std::collections::HashMap;
 use std::fmt;
+use std::ops::RangeBounds;
 use std::sync::Arc;
 
 use kajo_color::Reflectance;
@@ -28,7 +29,7 @@ use super::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
 use crate::texture::{
     AnyFloatNode, Channel, ColorTexture, Encoding, FloatTexture, Picture, PictureChannel, PictureMap,
-    TexelFilter, Textures, Wrap,
+    Remapped, TexelFilter, Textures, Wrap,
 };
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
@@ -93,6 +94,8 @@ impl TextureReader<'_> {
         self.float_of(spec, item, diagnostics, read_channel, node)
     }
 
+    /// As [`TextureReader::float`] of what `of` makes of a picture.
+    ///
     /// * `more`: reads what of the picture's block is for `of`
     pub fn float_of<T: Default>(
         &mut self,
@@ -102,11 +105,28 @@ impl TextureReader<'_> {
         more: impl FnOnce(&mut Params<'_, '_>) -> T,
         of: impl FnOnce(PictureMap, T) -> AnyFloatNode,
     ) -> Option<FloatTexture> {
-        if is_picture(item) {
-            let (map, said) = self.pictures.map(item, Some(Encoding::Linear), diagnostics, more)?;
-            return self.nodes.float(of(map, said));
+        let bounds = spec.kind.bounds();
+        if !is_picture(item) {
+            return Args::read(item, diagnostics, |args| args.number_in(bounds)).map(FloatTexture::Constant);
         }
-        Args::read(item, diagnostics, |args| args.number_in(spec.kind.bounds())).map(FloatTexture::Constant)
+        let read = |params: &mut Params<'_, '_>| {
+            let range =
+                params.optional("range", |args| Ok([args.number_in(bounds)?, args.number_in(bounds)?]));
+            (more(params), range)
+        };
+        let (map, (said, range)) = self.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
+        let texture = self.nodes.float(of(map, said))?;
+        match range {
+            Some(range) => self.nodes.float(Remapped { texture, range }),
+            None if bounds.contains(&0.0) && bounds.contains(&1.0) => Some(texture),
+            None => {
+                let message =
+                    format!("a picture of `{}` needs a `range`: its value is a {}", spec.key, spec.kind);
+                let error = Diagnostic::error(message).label(item.head_span(), "from 0 to 1");
+                diagnostics.push(error.help("`range` has the two values that black and white stand for"));
+                None
+            }
+        }
     }
 }
 

@@ -15,8 +15,8 @@ use crate::material::{
     Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular, Substance,
 };
 use crate::texture::{
-    Channel, Checker, ColorTexture, Encoding, Noise, Picture, PictureChannel, PictureMap, SurfaceUv,
-    TextureContext,
+    Channel, Checker, ColorTexture, Encoding, FloatTexture, Noise, Picture, PictureChannel, PictureMap,
+    SurfaceUv, TextureContext,
 };
 
 /// How far off the energy of a material without losses may be.
@@ -67,7 +67,7 @@ fn glass(roughness: f32, pane: Option<f32>) -> Glass {
         roughness: roughness.into(),
         grain: Grain::default(),
         absorption: [0.0; 3],
-        pane,
+        pane: pane.map(FloatTexture::Constant),
         priority: 0,
     })
 }
@@ -84,12 +84,12 @@ fn white_layers() -> Layers {
         roughness: 0.6.into(),
         grain: Grain::default(),
         diffuse_roughness: 0.3.into(),
-        eta: 1.5,
+        eta: 1.5.into(),
         dispersion: None,
         coat: 0.5.into(),
         coat_color: white.clone(),
         coat_roughness: 0.4.into(),
-        coat_eta: 1.6,
+        coat_eta: 1.6.into(),
         fuzz: 0.3.into(),
         fuzz_color: white,
         fuzz_roughness: 0.5.into(),

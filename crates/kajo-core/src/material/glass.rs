@@ -28,7 +28,7 @@ pub struct GlassSettings {
     /// Absorption per unit length in linear RGB.
     pub absorption: [f32; 3],
     /// Thickness of a pane; `None` for a body.
-    pub pane: Option<f32>,
+    pub pane: Option<FloatTexture>,
     /// The body of the higher priority is there where several overlap.
     pub priority: i32,
 }
@@ -69,7 +69,8 @@ impl From<GlassSettings> for Glass {
 
 impl Glass {
     fn varies(&self) -> bool {
-        self.settings.roughness.varies() || self.settings.grain.varies()
+        let GlassSettings { roughness, grain, pane, .. } = &self.settings;
+        roughness.varies() || grain.varies() || pane.is_some_and(FloatTexture::varies)
     }
 
     /// The index at the first wavelength.
@@ -78,9 +79,10 @@ impl Glass {
     }
 
     fn pane(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<ThinDielectric> {
-        let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?;
+        let place = appearance.textures.evaluator(&at.context);
+        let optical_depth = self.absorption.at(at.wavelengths) * self.settings.pane?.at(place);
         let eta = self.eta(at.wavelengths) / at.eta_outside;
-        let microfacets = self.facets(appearance.textures.evaluator(&at.context));
+        let microfacets = self.facets(place);
         Some(ThinDielectric { eta, optical_depth, microfacets })
     }
 
@@ -103,14 +105,13 @@ impl Glass {
 
 impl Material for Glass {
     fn is_finite(&self) -> bool {
-        let GlassSettings { index, absorption, pane, .. } = &self.settings;
-        let numbers = absorption.iter().chain(pane);
-        index.at(&Wavelengths::RGB).is_finite() && numbers.into_iter().all(|v| v.is_finite())
+        let GlassSettings { index, absorption, .. } = &self.settings;
+        index.at(&Wavelengths::RGB).is_finite() && absorption.iter().all(|v| v.is_finite())
     }
 
     fn textures(&self) -> Vec<AnyTexture<'_>> {
-        let [anisotropy, rotation] = self.settings.grain.textures();
-        [self.settings.roughness, anisotropy, rotation].map(AnyTexture::from).into()
+        let GlassSettings { roughness, grain, pane, .. } = &self.settings;
+        grain.textures().into_iter().chain([*roughness]).chain(*pane).map(AnyTexture::from).collect()
     }
 
     fn phong(&self, appearance: &Appearance, at: &TextureContext) -> Phong {

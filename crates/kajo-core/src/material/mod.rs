@@ -20,7 +20,7 @@ pub use matte::Matte;
 pub use metal::{Metal, Substance};
 pub use orientation::{Grain, Lean, Orientation};
 pub use perforated::Perforated;
-pub use phong::PhongMaterial;
+pub use phong::{PhongMaterial, PhongTextures};
 pub use principled::{LayeredMaterial, Layers, Specular};
 
 use kajo_color::{Spectrum, Wavelengths};

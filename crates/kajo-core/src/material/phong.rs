@@ -2,8 +2,7 @@
 //!
 //! The classic integrator takes its numbers as they stand; integrators that estimate integrals see
 //! [`PhongLobes`], the same model with its lobes normalised. Its colour `transparentColor` then tints each
-//! passage through the surface, and the inside absorbs nothing. A picture is a factor of the diffuse and the ambient
-//! colour.
+//! passage through the surface, and the inside absorbs nothing. Textures are factors of its colours.
 //!
 //! Scene: `Material { diffuseColor 0.8 0.3 0.2  specularColor 1 1 1  exponent 32 }`
 
@@ -11,7 +10,7 @@ use kajo_color::{Reflectance, Spectrum, Wavelengths};
 
 use super::{Appearance, Interior, Material, ShadingPoint};
 use crate::bsdf::{Bsdf, Lambert, Phong, PhongLobes};
-use crate::texture::{AnyTexture, ColorTexture, TextureContext, TextureEvaluator};
+use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator};
 
 /// A Phong material.
 #[derive(Clone, Debug)]
@@ -24,8 +23,25 @@ pub struct PhongMaterial {
     lobes: PhongLobes,
     /// Whether there is nothing but matt reflection.
     is_matt: bool,
-    /// A factor of the diffuse and the ambient colour.
-    picture: Option<ColorTexture>,
+    /// What differs from place to place, if anything does.
+    textures: Option<Box<PhongTextures>>,
+}
+
+/// What of a Phong material differs from place to place.
+#[derive(Clone, Debug, Default)]
+pub struct PhongTextures {
+    /// A factor of the ambient colour.
+    pub ambient: Option<ColorTexture>,
+    /// A factor of the diffuse colour.
+    pub diffuse: Option<ColorTexture>,
+    /// A factor of the colour of the highlight.
+    pub specular: Option<ColorTexture>,
+    /// A factor of the colour of the mirror.
+    pub reflective: Option<ColorTexture>,
+    /// A factor of the colour of what shines through.
+    pub transparent: Option<ColorTexture>,
+    /// In place of the exponent.
+    pub exponent: Option<FloatTexture>,
 }
 
 impl PhongMaterial {
@@ -33,12 +49,23 @@ impl PhongMaterial {
     pub fn new(phong: Phong, colors: [Reflectance; 4]) -> PhongMaterial {
         let is_matt =
             [phong.specular, phong.reflective, phong.transparent].iter().all(|color| color.is_black());
-        PhongMaterial { phong, colors, lobes: PhongLobes::from(&phong), is_matt, picture: None }
+        PhongMaterial { phong, colors, lobes: PhongLobes::from(&phong), is_matt, textures: None }
     }
 
-    /// The same material with a picture as a factor of its diffuse and ambient colour.
+    /// The same material with a texture as a factor of its diffuse and ambient colour.
     pub fn with_picture(self, picture: Option<ColorTexture>) -> PhongMaterial {
-        PhongMaterial { picture, ..self }
+        self.with_textures(PhongTextures {
+            ambient: picture.clone(),
+            diffuse: picture,
+            ..PhongTextures::default()
+        })
+    }
+
+    /// The same material where this differs from place to place.
+    pub fn with_textures(self, textures: PhongTextures) -> PhongMaterial {
+        let varies =
+            textures.colors().into_iter().any(|color| color.is_some()) || textures.exponent.is_some();
+        PhongMaterial { textures: varies.then(|| Box::new(textures)), ..self }
     }
 
     /// The same material with another diffuse colour, under ambient light as well.
@@ -46,37 +73,58 @@ impl PhongMaterial {
         let phong = Phong { diffuse, ambient: diffuse, ..self.phong };
         let [_, specular, reflective, transparent] = self.colors.clone();
         let colors = [Reflectance::from_rgb(diffuse.to_rgb()), specular, reflective, transparent];
-        PhongMaterial::new(phong, colors).with_picture(self.picture.clone())
+        PhongMaterial { textures: self.textures.clone(), ..PhongMaterial::new(phong, colors) }
     }
 
-    /// What light is scattered by where there is a picture or the mesh has colours.
+    /// What light is scattered by where anything differs from place to place.
     #[inline(never)]
-    fn painted(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn varied(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+        let wavelengths = at.wavelengths;
         let [diffuse, specular, reflective, transparent] =
-            self.colors.each_ref().map(|color| color.at(at.wavelengths));
-        let diffuse = self.as_painted(diffuse, appearance.textures.evaluator(&at.context), at.wavelengths);
+            self.colors.each_ref().map(|color| color.at(wavelengths));
+        let plain = Phong { diffuse, specular, reflective, transparent, ..self.phong };
+        let phong = self.textured(plain, appearance.textures.evaluator(&at.context), wavelengths);
         if self.is_matt {
-            return Bsdf::Lambert(Lambert::new(diffuse));
+            return Bsdf::Lambert(Lambert::new(phong.diffuse));
         }
-        let phong = Phong { diffuse, specular, reflective, transparent, ..self.phong };
         Bsdf::Phong(PhongLobes::from(&phong).within(at.eta_outside))
     }
 
-    /// A diffuse or ambient colour where it differs from place to place.
-    fn as_painted(
-        &self,
-        color: Spectrum,
-        place: TextureEvaluator<'_>,
-        wavelengths: &Wavelengths,
-    ) -> Spectrum {
-        let picture = self.picture.as_ref();
-        let color = picture.map_or(color, |picture| color * picture.at(place, wavelengths));
-        place.at.tinted(color, wavelengths)
+    /// The model at a place.
+    ///
+    /// * `phong`: what it is without textures and colours of a mesh
+    fn textured(&self, phong: Phong, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Phong {
+        let mut phong = phong;
+        if let Some(textures) = &self.textures {
+            let colors = [
+                &mut phong.ambient,
+                &mut phong.diffuse,
+                &mut phong.specular,
+                &mut phong.reflective,
+                &mut phong.transparent,
+            ];
+            for (color, texture) in std::iter::zip(colors, textures.colors()) {
+                if let Some(texture) = texture {
+                    *color *= texture.at(place, wavelengths);
+                }
+            }
+            phong.exponent = textures.exponent.map_or(phong.exponent, |exponent| exponent.at(place));
+        }
+        let [ambient, diffuse] =
+            [phong.ambient, phong.diffuse].map(|color| place.at.tinted(color, wavelengths));
+        Phong { ambient, diffuse, ..phong }
     }
 
     #[inline]
     fn varies_at(&self, at: &TextureContext) -> bool {
-        self.picture.is_some() || at.tint.is_some()
+        self.textures.is_some() || at.tint.is_some()
+    }
+}
+
+impl PhongTextures {
+    fn colors(&self) -> [Option<&ColorTexture>; 5] {
+        [&self.ambient, &self.diffuse, &self.specular, &self.reflective, &self.transparent]
+            .map(Option::as_ref)
     }
 }
 
@@ -96,7 +144,9 @@ impl Material for PhongMaterial {
     }
 
     fn textures(&self) -> Vec<AnyTexture<'_>> {
-        self.picture.iter().map(AnyTexture::from).collect()
+        let Some(textures) = &self.textures else { return Vec::new() };
+        let colors = textures.colors().into_iter().flatten().map(AnyTexture::from);
+        colors.chain(textures.exponent.map(AnyTexture::from)).collect()
     }
 
     #[inline]
@@ -104,18 +154,16 @@ impl Material for PhongMaterial {
         if !self.varies_at(at) {
             return self.phong;
         }
-        let [ambient, diffuse] = [self.phong.ambient, self.phong.diffuse]
-            .map(|color| self.as_painted(color, appearance.textures.evaluator(at), &Wavelengths::RGB));
-        Phong { ambient, diffuse, ..self.phong }
+        self.textured(self.phong, appearance.textures.evaluator(at), &Wavelengths::RGB)
     }
 
     #[inline]
     fn constant(&self) -> Option<&Phong> {
-        if self.picture.is_none() { Some(&self.phong) } else { None }
+        if self.textures.is_none() { Some(&self.phong) } else { None }
     }
 
     fn needs_uv(&self, _appearance: &Appearance) -> bool {
-        self.picture.is_some()
+        self.textures.is_some()
     }
 
     fn may_transmit(&self, _appearance: &Appearance) -> bool {
@@ -125,7 +173,7 @@ impl Material for PhongMaterial {
     #[inline]
     fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
         if self.varies_at(&at.context) {
-            return self.painted(appearance, at);
+            return self.varied(appearance, at);
         }
         if self.is_matt {
             return Bsdf::Lambert(Lambert::new(self.colors[0].at(at.wavelengths)));

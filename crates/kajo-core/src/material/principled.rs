@@ -96,8 +96,8 @@ pub struct Layers {
     pub grain: Grain,
     /// Of the diffuse base.
     pub diffuse_roughness: FloatTexture,
-    /// Index of refraction of diffuse base and glass.
-    pub eta: f32,
+    /// Index of refraction of diffuse base and glass; that of a body is the same everywhere.
+    pub eta: FloatTexture,
     /// That of the glass where it differs between wavelengths.
     pub dispersion: Option<Dispersion>,
     /// Amount of coat, in [0, 1].
@@ -107,7 +107,7 @@ pub struct Layers {
     /// Of the coat.
     pub coat_roughness: FloatTexture,
     /// Index of refraction of the coat.
-    pub coat_eta: f32,
+    pub coat_eta: FloatTexture,
     /// Amount of fuzz, in [0, 1].
     pub fuzz: FloatTexture,
     /// Of the fuzz.
@@ -132,12 +132,12 @@ impl Default for Layers {
             roughness: 0.3.into(),
             grain: Grain::default(),
             diffuse_roughness: 0.0.into(),
-            eta: 1.5,
+            eta: 1.5.into(),
             dispersion: None,
             coat: 0.0.into(),
             coat_color: grey(1.0),
             coat_roughness: 0.0.into(),
-            coat_eta: 1.6,
+            coat_eta: 1.6.into(),
             fuzz: 0.0.into(),
             fuzz_color: grey(1.0),
             fuzz_roughness: 0.5.into(),
@@ -179,8 +179,8 @@ impl Layers {
         [&self.color, &self.coat_color, &self.fuzz_color]
     }
 
-    /// All numbers that may be pictures, but for those of gloss and grain.
-    fn shares(&self) -> [FloatTexture; 8] {
+    /// All numbers but those of gloss and grain.
+    fn numbers(&self) -> [FloatTexture; 10] {
         [
             self.metalness,
             self.transmission,
@@ -190,12 +190,14 @@ impl Layers {
             self.diffuse_roughness,
             self.coat_roughness,
             self.fuzz_roughness,
+            self.eta,
+            self.coat_eta,
         ]
     }
 
     fn vary(&self) -> bool {
         self.colors().into_iter().any(ColorTexture::varies)
-            || self.shares().into_iter().any(FloatTexture::varies)
+            || self.numbers().into_iter().any(FloatTexture::varies)
             || self.specular.varies()
             || self.grain.varies()
     }
@@ -213,7 +215,7 @@ impl Layers {
             transparent: color * glass,
             exponent: self.facets(place).exponent(),
             absorption: Vec3::from(self.absorption).into(),
-            eta: if self.thin { 1.0 } else { self.eta },
+            eta: if self.thin { 1.0 } else { self.eta.at(place) },
         }
     }
 
@@ -227,8 +229,11 @@ impl Layers {
     }
 
     /// The index of refraction of the glass at the first wavelength.
-    fn glass_eta(&self, wavelengths: &Wavelengths) -> f32 {
-        self.dispersion.as_ref().map_or(self.eta, |dispersion| dispersion.at(wavelengths)[0])
+    fn glass_eta(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> f32 {
+        match &self.dispersion {
+            None => self.eta.at(place),
+            Some(dispersion) => dispersion.at(wavelengths)[0],
+        }
     }
 
     /// The glass of a thin surface.
@@ -236,7 +241,7 @@ impl Layers {
         let depth = |passed: f32| -fmath::ln(passed.max(LEAST_PASSED));
         let optical_depth = self.color_at(place, at.wavelengths).map(depth);
         let microfacets = self.facets(place);
-        ThinDielectric { eta: self.eta / at.eta_outside, optical_depth, microfacets }
+        ThinDielectric { eta: self.eta.at(place) / at.eta_outside, optical_depth, microfacets }
     }
 
     /// Whether light enters the material anywhere.
@@ -255,14 +260,13 @@ fn squared(roughness: FloatTexture, place: TextureEvaluator<'_>) -> f32 {
 impl Material for LayeredMaterial {
     fn is_finite(&self) -> bool {
         let layers = &self.layers;
-        let mut numbers = [layers.eta, layers.coat_eta].into_iter().chain(layers.absorption);
         let look = self.look.as_ref().is_none_or(|look| look.is_finite());
-        look && numbers.all(f32::is_finite) && layers.specular.textures().1
+        look && layers.absorption.iter().all(|v| v.is_finite()) && layers.specular.textures().1
     }
 
     fn textures(&self) -> Vec<AnyTexture<'_>> {
         let layers = &self.layers;
-        let numbers = layers.shares().into_iter().chain(layers.grain.textures());
+        let numbers = layers.numbers().into_iter().chain(layers.grain.textures());
         let mut textures: Vec<AnyTexture<'_>> = numbers.map(AnyTexture::from).collect();
         textures.extend(layers.colors().map(AnyTexture::from));
         textures.extend(layers.specular.textures().0);
@@ -313,8 +317,8 @@ impl Material for LayeredMaterial {
             _ => Base::Diffuse,
         };
         let eta = match base {
-            Base::Glass => layers.glass_eta(wavelengths),
-            Base::Diffuse | Base::Metal => layers.eta,
+            Base::Glass => layers.glass_eta(place, wavelengths),
+            Base::Diffuse | Base::Metal => layers.eta.at(place),
         };
         let eta = eta / at.eta_outside;
         if layers.thin && base == Base::Glass {
@@ -331,7 +335,7 @@ impl Material for LayeredMaterial {
             coat: layers.coat.at(place),
             coat_color: layers.coat_color.at(place, wavelengths),
             coat_alpha: squared(layers.coat_roughness, place),
-            coat_eta: (layers.coat_eta / at.eta_outside).max(1.0),
+            coat_eta: (layers.coat_eta.at(place) / at.eta_outside).max(1.0),
             fuzz: layers.fuzz.at(place),
             fuzz_color: layers.fuzz_color.at(place, wavelengths),
             fuzz_roughness: layers.fuzz_roughness.at(place),
@@ -352,10 +356,10 @@ impl Material for LayeredMaterial {
         self.layers.thin && self.layers.transmit() && may_be_polished(self.layers.roughness)
     }
 
-    fn interior(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
         let Layers { priority, thin, ref dispersion, .. } = self.layers;
         (self.layers.transmit() && !thin).then(|| Interior {
-            eta: self.layers.glass_eta(at.wavelengths),
+            eta: self.layers.glass_eta(appearance.textures.evaluator(&at.context), at.wavelengths),
             is_dispersive: dispersion.as_ref().is_some_and(Dispersion::is_dispersive),
             absorption: self.absorption.at(at.wavelengths),
             priority,

@@ -221,6 +221,8 @@ pub struct FieldSpec {
     pub key: &'static str,
     /// The type of its value.
     pub kind: FieldKind,
+    /// Whether a texture may stand in place of its value.
+    pub texture: bool,
     /// What its numbers count; empty where that is no unit.
     pub unit: &'static str,
     /// What holds while it is absent.
@@ -243,6 +245,7 @@ impl FieldSpec {
         FieldSpec {
             key,
             kind,
+            texture: false,
             unit: "",
             absent: Absent::Required,
             needs: None,
@@ -251,6 +254,11 @@ impl FieldSpec {
             pair: None,
             about: "",
         }
+    }
+
+    /// The same for a field that may be a texture.
+    pub const fn or_texture(self) -> FieldSpec {
+        FieldSpec { texture: true, ..self }
     }
 
     /// The same for a field that says nothing, or is an error, where `key` is not written.
@@ -280,8 +288,9 @@ impl FieldSpec {
 
     /// What may be written, with its range and its unit, for people.
     pub fn values(&self) -> String {
-        let what = self.kind.to_string();
-        if self.unit.is_empty() { what } else { format!("{what}, {}", self.unit) }
+        let unit = if self.unit.is_empty() { String::new() } else { format!(", {}", self.unit) };
+        let texture = if self.texture { ", or a texture" } else { "" };
+        format!("{}{unit}{texture}", self.kind)
     }
 
     /// What holds while it is absent, for people.

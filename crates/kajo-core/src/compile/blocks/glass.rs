@@ -7,8 +7,8 @@ use super::metal::{ANISOTROPY, DISTRIBUTION, ROTATION, by_name};
 use crate::bsdf::microfacet::Shape;
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{
-    Absorption, Defaulted, Keys, Plain, Sources, Typed, absorption, at_least, between, flag, keys, positive,
-    share, whole,
+    Absorption, Defaulted, Keys, Plain, Sources, Typed, absorption, between, flag, float_texture, keys,
+    positive, share, whole,
 };
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Glass, GlassSettings, Grain};
@@ -31,8 +31,8 @@ keys! {
             positive("abbeNumber").unlike("all colours alike", "60", "how little it splits colours"),
         absorption: Absorption =
             absorption("absorption").unit("1/length").or([0.0; 3], "per length inside"),
-        thickness: Option<f32> =
-            at_least("thickness", 0.0).unit("length").unlike("a solid body", "0.01", "of a pane"),
+        thickness: Option<FloatTexture> =
+            float_texture("thickness", 0.0, f64::MAX).unit("length").unlike("a solid body", "0.01", "of a pane"),
         thin: Option<bool> =
             flag("thin").ruled(thin, "on with a `thickness`", "a pane, whose surface stands for both its sides"),
         distribution: Shape = DISTRIBUTION,
@@ -78,7 +78,7 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Glass>
         roughness: keys.roughness,
         grain: Grain { anisotropy: keys.anisotropy, rotation: keys.rotation },
         absorption: keys.absorption.0,
-        pane: thin.then(|| keys.thickness.unwrap_or(0.0)),
+        pane: thin.then(|| keys.thickness.unwrap_or(0.0.into())),
         priority: keys.priority,
     };
     Some(settings.into())

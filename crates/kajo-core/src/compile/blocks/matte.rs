@@ -1,7 +1,7 @@
 //! `Matte`: paper, plaster, chalk.
 
 use crate::compile::extras::ExtraKeys;
-use crate::compile::fields::{Keys, keys, paint, share};
+use crate::compile::fields::{Keys, color_texture, keys, share};
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::Matte;
 use crate::schema::{Block, Kind};
@@ -9,7 +9,7 @@ use crate::texture::{ColorTexture, FloatTexture};
 
 keys! {
     MatteKeys {
-        color: ColorTexture = paint("color").or([0.8; 3], "its colour"),
+        color: ColorTexture = color_texture("color").or([0.8; 3], "its colour"),
         roughness: FloatTexture = share("roughness").or(0.0, "0 is as paper, 1 as plaster"),
     }
 }

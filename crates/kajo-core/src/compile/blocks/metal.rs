@@ -5,7 +5,9 @@ use kajo_scene::{Args, Diagnostic, Params, nearest};
 
 use crate::bsdf::microfacet::Shape;
 use crate::compile::extras::ExtraKeys;
-use crate::compile::fields::{Defaulted, Keys, Plain, Sources, Typed, choice, choices, keys, paint, share};
+use crate::compile::fields::{
+    Defaulted, Keys, Plain, Sources, Typed, choice, choices, color_texture, keys, share,
+};
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Grain, Metal, Substance};
 use crate::schema::{Block, FieldKind, FieldSpec, Kind};
@@ -35,7 +37,7 @@ keys! {
     MetalKeys {
         metal: Option<Measured> = Typed::<Measured>::new("metal", FieldKind::Text)
             .unlike("by `color`", "", "a measured metal, such as gold"),
-        color: ColorTexture = paint("color").or([0.9; 3], "its colour, where no metal is named"),
+        color: ColorTexture = color_texture("color").or([0.9; 3], "its colour, where no metal is named"),
         distribution: Shape = DISTRIBUTION,
         roughness: FloatTexture = share("roughness").or(0.0, "0 is a mirror"),
         anisotropy: FloatTexture = ANISOTROPY,

@@ -1,13 +1,14 @@
-//! `Mix`: two materials in the same proportion everywhere.
+//! `Mix`: two materials in the same proportion everywhere, or in that of a texture.
 
-use crate::compile::fields::{Keys, between, keys};
+use crate::compile::fields::{Keys, keys, share};
 use crate::compile::material_draft::PARTS;
 use crate::compile::member::{MaterialMember, Member};
 use crate::schema::{Block, Kind};
+use crate::texture::FloatTexture;
 
 keys! {
     MixKeys {
-        amount: f32 = between("amount", 0.0, 1.0).or(0.5, "share of the second"),
+        amount: FloatTexture = share("amount").or(0.5, "share of the second"),
     }
 }
 
@@ -19,8 +20,7 @@ pub const MEMBER: MaterialMember = Member {
         groups: &[PARTS, MixKeys::FIELDS],
     },
     read: |compiler, item| {
-        compiler.blend(item, |params, sources| {
-            MixKeys::read(params, sources).map(|MixKeys { amount }| amount.into())
-        })
+        compiler
+            .blend(item, |params, sources| MixKeys::read(params, sources).map(|MixKeys { amount }| amount))
     },
 };

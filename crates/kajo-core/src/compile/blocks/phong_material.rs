@@ -8,43 +8,48 @@ use super::marble::VeinKeys;
 use crate::bsdf::Phong;
 use crate::compile::Compiler;
 use crate::compile::extras::{ExtraKeys, Extras};
-use crate::compile::fields::{Given, Keys, Sources, Typed, at_least, color, keys, positive, reflectance};
+use crate::compile::fields::{
+    Given, Keys, Sources, Textured, Typed, at_least, color, float_texture, keys, positive, reflectance,
+};
 use crate::compile::material_draft::Draft;
 use crate::compile::member::{MaterialMember, Member};
 use crate::compile::picture_values::ColorPicture;
 use crate::compile::spectra::Written;
-use crate::material::{Blend, PhongMaterial};
+use crate::material::{Blend, PhongMaterial, PhongTextures};
 use crate::schema::{Around, Block, Constant, FieldKind, FieldValue, Kind};
 use crate::settings::Rules;
-use crate::texture::Marble;
+use crate::texture::{FloatTexture, Marble};
 
 /// Absorption that lets nothing through.
 const OPAQUE: f32 = 1e30;
 
 keys! {
     PhongKeys<'t> {
-        diffuse: Written<Reflectance> =
-            reflectance("diffuseColor").or_grey(1.0, "colour of matte reflection"),
+        diffuse: Textured<Written<Reflectance>> =
+            reflectance("diffuseColor").or_grey(1.0, "colour of matte reflection").or_texture(),
         texture: Option<ColorPicture> = Typed::<ColorPicture>::new("texture", FieldKind::Text)
             .option("a picture that tints it, such as wood.png"),
-        specular: Written<Reflectance> =
-            reflectance("specularColor").or_grey(0.0, "colour of the highlight"),
-        exponent: Option<f32> =
-            at_least("exponent", 0.0).ruled(exponent, "1, or 0 in mit-a2", "sharpness of the highlight"),
-        shininess: Option<f32> = at_least("shininess", 0.0)
+        specular: Textured<Written<Reflectance>> =
+            reflectance("specularColor").or_grey(0.0, "colour of the highlight").or_texture(),
+        exponent: Option<FloatTexture> = float_texture("exponent", 0.0, f64::MAX)
+            .ruled(exponent, "1, or 0 in mit-a2", "sharpness of the highlight"),
+        shininess: Option<FloatTexture> = float_texture("shininess", 0.0, f64::MAX)
             .spelling_of("exponent")
             .ruled(exponent, "1, or 0 in mit-a2", "sharpness of the highlight"),
-        reflective: Option<Written<Reflectance>> = reflectance("reflectiveColor")
-            .ruled(reflective_color, "as `specularColor`", "colour of mirror reflection"),
-        transparent: Option<Written<Reflectance>> = reflectance("transparentColor")
-            .presumed(Constant::Triple([0.0; 3]), "colour of what shines through"),
+        reflective: Option<Textured<Written<Reflectance>>> = reflectance("reflectiveColor")
+            .ruled(reflective_color, "as `specularColor`", "colour of mirror reflection")
+            .or_texture(),
+        transparent: Option<Textured<Written<Reflectance>>> = reflectance("transparentColor")
+            .presumed(Constant::Triple([0.0; 3]), "colour of what shines through")
+            .or_texture(),
         index: Given<'t, f32> =
             positive("indexOfRefraction").or(1.0, "how strongly it bends light").given(),
         refraction_index: Option<f32> = at_least("refractionIndex", 0.0)
             .spelling_of("indexOfRefraction")
             .presumed(Constant::Number(0.0), "how strongly it bends light; 0 is opaque"),
-        ambient: Option<Vec3> =
-            color("ambientColor").ruled(ambient_color, "as `diffuseColor`", "colour under ambient light"),
+        ambient: Option<Textured<Vec3>> = color("ambientColor")
+            .ruled(ambient_color, "as `diffuseColor`", "colour under ambient light")
+            .or_texture(),
         absorption: Option<Vec3> = color("absorption")
             .unit("1/length")
             .only_beside("transparentColor")
@@ -125,10 +130,16 @@ fn draft<'t>(compiler: &mut Compiler<'_>, item: Item<'t>) -> Option<Draft<'t>> {
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<PhongMaterial> {
     let reflects_specular = sources.rules.reflects_specular;
     let keys = PhongKeys::read(params, sources)?;
-    let PhongKeys { mut diffuse, texture, specular, .. } = keys;
-    let plain = |rgb: Spectrum| Written { rgb, value: Reflectance::from_rgb(rgb.to_rgb()) };
-    if sources.rules.texture_is_diffuse && texture.is_some() {
-        diffuse = plain(Spectrum::rgb(1.0, 1.0, 1.0));
+    let PhongKeys { mut diffuse, specular, .. } = keys;
+    let plain = |rgb: Spectrum| Textured::from(Written { rgb, value: Reflectance::from_rgb(rgb.to_rgb()) });
+    let picture = keys.texture.map(|ColorPicture(picture)| picture);
+    if picture.is_some() {
+        if diffuse.texture.is_some() {
+            params.refuse("texture", "beside a `diffuseColor` that is a texture");
+        }
+        let color =
+            if sources.rules.texture_is_diffuse { plain(Spectrum::rgb(1.0, 1.0, 1.0)) } else { diffuse };
+        diffuse = Textured { texture: picture.clone(), ..color };
     }
     let otherwise = |is_specular| if is_specular { specular.clone() } else { plain(Spectrum::BLACK) };
     let reflective = keys.reflective.unwrap_or_else(|| otherwise(reflects_specular));
@@ -136,20 +147,39 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<PhongM
     let index = keys.refraction_index.filter(|&eta| eta > 0.0);
     let clear = index.is_some() && reflects_specular;
     let transparent = keys.transparent.unwrap_or_else(|| otherwise(clear));
-    let ambient = keys.ambient.map_or(diffuse.rgb, Spectrum::from);
-    let absorption = keys.absorption.map_or_else(|| transparent.rgb.map(absorption_of), Spectrum::from);
-    let exponent = keys.shininess.or(keys.exponent).unwrap_or_else(|| default_exponent(&sources.rules));
+    let ambient = match keys.ambient {
+        Some(Textured { value, texture }) => Textured { value: value.into(), texture: texture.or(picture) },
+        None => Textured { value: diffuse.value.rgb, texture: diffuse.texture.clone() },
+    };
+    let absorption = keys.absorption.map_or_else(|| transparent.value.rgb.map(absorption_of), Spectrum::from);
+    let exponent = keys.shininess.or(keys.exponent);
     let eta = match keys.index {
         Given { value, item: None } => index.unwrap_or(value),
         Given { value, .. } => value,
     };
-    let colors = [diffuse, specular, reflective, transparent];
-    let [diffuse, specular, reflective, transparent] = colors.each_ref().map(|color| color.rgb);
-    let phong = Phong { ambient, diffuse, specular, exponent, reflective, transparent, absorption, eta };
-    Some(
-        PhongMaterial::new(phong, colors.map(|color| color.value))
-            .with_picture(texture.map(|picture| picture.0)),
-    )
+    let phong = Phong {
+        ambient: ambient.value,
+        diffuse: diffuse.value.rgb,
+        specular: specular.value.rgb,
+        exponent: match exponent {
+            Some(FloatTexture::Constant(exponent)) => exponent,
+            _ => default_exponent(&sources.rules),
+        },
+        reflective: reflective.value.rgb,
+        transparent: transparent.value.rgb,
+        absorption,
+        eta,
+    };
+    let colors = [&diffuse, &specular, &reflective, &transparent].map(|color| color.value.value.clone());
+    let textures = PhongTextures {
+        ambient: ambient.texture,
+        diffuse: diffuse.texture,
+        specular: specular.texture,
+        reflective: reflective.texture,
+        transparent: transparent.texture,
+        exponent: exponent.filter(|exponent| exponent.varies()),
+    };
+    Some(PhongMaterial::new(phong, colors).with_textures(textures))
 }
 
 impl Compiler<'_> {

@@ -5,7 +5,9 @@ use kajo_scene::Params;
 use super::glass::PRIORITY;
 use super::metal::{ANISOTROPY, ROTATION};
 use crate::compile::extras::ExtraKeys;
-use crate::compile::fields::{Absorption, Keys, Sources, absorption, between, flag, keys, paint, share};
+use crate::compile::fields::{
+    Absorption, Keys, Sources, absorption, color_texture, flag, float_texture, keys, share,
+};
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Grain, LayeredMaterial, Layers, Specular};
 use crate::schema::{Block, Kind};
@@ -13,24 +15,24 @@ use crate::texture::{ColorTexture, FloatTexture};
 
 keys! {
     PrincipledKeys {
-        color: ColorTexture = paint("color").or([0.8; 3], "its colour"),
+        color: ColorTexture = color_texture("color").or([0.8; 3], "its colour"),
         metalness: FloatTexture = share("metalness").or(0.0, "from plastic to metal"),
         roughness: FloatTexture = share("roughness").or(0.3, "of the highlight"),
         anisotropy: FloatTexture = ANISOTROPY,
         rotation: FloatTexture = ROTATION,
-        specular_color: ColorTexture = paint("specularColor").or([1.0; 3], "tints the highlight"),
-        index: f32 = between("indexOfRefraction", 1.0, 4.0).or(1.5, "strength of the highlight"),
+        specular_color: ColorTexture = color_texture("specularColor").or([1.0; 3], "tints the highlight"),
+        index: FloatTexture = float_texture("indexOfRefraction", 1.0, 4.0).or(1.5, "strength of the highlight"),
         transmission: FloatTexture = share("transmission").or(0.0, "from plastic to glass"),
         absorption: Absorption =
             absorption("absorption").unit("1/length").or([0.0; 3], "of the glass, per length inside"),
         thin: bool = flag("thin").or(false, "its glass is a pane"),
         diffuse_roughness: FloatTexture = share("diffuseRoughness").or(0.0, "0 is as paper, 1 as plaster"),
         coat: FloatTexture = share("coat").or(0.0, "share of a clear coat"),
-        coat_color: ColorTexture = paint("coatColor").or([1.0; 3], "tint of the coat"),
+        coat_color: ColorTexture = color_texture("coatColor").or([1.0; 3], "tint of the coat"),
         coat_roughness: FloatTexture = share("coatRoughness").or(0.0, "of the coat"),
-        coat_index: f32 = between("coatIndexOfRefraction", 1.0, 4.0).or(1.6, "of the coat"),
+        coat_index: FloatTexture = float_texture("coatIndexOfRefraction", 1.0, 4.0).or(1.6, "of the coat"),
         fuzz: FloatTexture = share("fuzz").or(0.0, "share of fuzz, as of velvet"),
-        fuzz_color: ColorTexture = paint("fuzzColor").or([1.0; 3], "colour of the fuzz"),
+        fuzz_color: ColorTexture = color_texture("fuzzColor").or([1.0; 3], "colour of the fuzz"),
         fuzz_roughness: FloatTexture = share("fuzzRoughness").or(0.5, "of the fuzz"),
         priority: i32 = PRIORITY,
     }
@@ -52,6 +54,11 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Layere
         params.idle(&["absorption", "priority", "thin"], "without `transmission`");
     } else if keys.thin {
         params.idle(&["absorption", "priority"], "with `thin on`: a pane has no inside");
+    } else if keys.index.varies() {
+        params.refuse(
+            "indexOfRefraction",
+            "as a texture beside `transmission`: the inside of a body has one index",
+        );
     }
     let layers = Layers {
         color: keys.color,
