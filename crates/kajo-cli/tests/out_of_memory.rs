@@ -131,7 +131,7 @@ fn materials_and_models_are_counted_as_they_are_read() {
     let ball = "Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }";
     folder.write("many.txt", format!("{camera} Materials {{\n{materials}}}\n{ball}"));
     let said = &["many.txt:", "no memory for the materials", "not enough memory"];
-    folder.fail("render many.txt -o none.png --size 30 20 --samples 1 --memory 100", 6, said);
+    folder.fail("render many.txt -o none.png --size 30 20 --samples 1 --memory 50", 6, said);
     let libraries: String = (0..60_000).map(|i| format!("newmtl m{i}\nPr 1\n")).collect();
     let uses: String = (0..60_000).map(|i| format!("usemtl m{i}\nf 1 2 3\n")).collect();
     folder.write("many.mtl", libraries);
