@@ -137,7 +137,7 @@ fn materials_and_models_are_counted_as_they_are_read() {
     folder.write("many.mtl", libraries);
     folder.write("many.obj", format!("mtllib many.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{uses}"));
     folder.fail(
-        "render many.obj -o none.png --size 30 20 --samples 1 --memory 50",
+        "render many.obj -o none.png --size 30 20 --samples 1 --memory 30",
         6,
         &["not enough memory"],
     );
