@@ -27,6 +27,12 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             format!("{keyword} {{ base {base}  top {top}  radius {radius} }}")
         }
         "Disk" => format!("Disk {{ center {center}  normal 0 1 0  radius {radius} }}"),
+        "Blob" => {
+            let (a, b, radius) = (point(-0.5, 0.0, 0.0), point(0.5, 0.0, 0.0), vector(0.7, 0.0, 0.0));
+            let radius = radius.split(' ').next()?.to_owned();
+            let ball = |center: String| format!("sphere {{ center {center}  radius {radius} }}");
+            format!("Blob {{ {}  {} }}", ball(a), ball(b))
+        }
         "Quad" => {
             let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")

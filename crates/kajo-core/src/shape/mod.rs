@@ -5,6 +5,7 @@
 //! test. Every shape can also report all crossings, which transparent shadows and solid
 //! modelling need.
 
+mod blob;
 mod cone;
 mod csg;
 mod cuboid;
@@ -19,6 +20,7 @@ mod torus;
 mod triangle;
 mod vertex_attributes;
 
+pub use blob::{Blob, BlobComponent, BlobCore, BlobKernel};
 pub use cone::Cone;
 pub use csg::{Csg, CsgError, SetOperation, SolidPart};
 pub use cuboid::Cuboid;
@@ -147,6 +149,7 @@ family! {
     any AnyShape;
     contract Surface;
     members {
+        blobs: Blob,
         cones: Cone,
         csgs: Csg,
         cuboids: Cuboid,

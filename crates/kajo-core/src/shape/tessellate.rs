@@ -5,6 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use std::collections::HashMap;
+
 use kajo_math::{Aabb, DVec3, Transform, Vec3, fmath};
 
 use super::patch::on_torus;
@@ -145,6 +147,77 @@ impl Tessellation {
                 out.face(first_part + part, face);
             }
         }
+    }
+
+    /// Adds the surface in a box where a function is zero, by tetrahedra: six in each cube of a grid [Doi and Koide 1991].
+    ///
+    /// * `cells`: cubes along the longest side
+    /// * `f`: value, positive inside, and outward normal of any length
+    pub fn level_set(&mut self, bounds: Aabb, cells: u32, f: impl Fn(DVec3) -> (f64, DVec3)) {
+        if bounds.is_empty() || !bounds.is_finite() {
+            return;
+        }
+        let (low, extent) = (bounds.min.as_dvec3(), bounds.extent().as_dvec3());
+        let size = extent.max_element() / f64::from(cells.clamp(2, 256));
+        let n = (extent / size).ceil().as_uvec3() + 1;
+        let point = |[x, y, z]: [u32; 3]| low + size * DVec3::new(x.into(), y.into(), z.into());
+        let index = |[x, y, z]: [u32; 3]| ((z * n.y + y) * n.x + x) as usize;
+        let mut values = Vec::with_capacity((n.x * n.y * n.z) as usize);
+        for z in 0..n.z {
+            for y in 0..n.y {
+                values.extend((0..n.x).map(|x| f(point([x, y, z])).0));
+            }
+        }
+        // The tetrahedra around the diagonal of a cube, by the order in which its axes are gone along.
+        const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let mut edges: HashMap<[usize; 2], u32> = HashMap::new();
+        for z in 0..n.z - 1 {
+            for y in 0..n.y - 1 {
+                for x in 0..n.x - 1 {
+                    for order in ORDERS {
+                        let mut corner = [x, y, z];
+                        let corners = [None, Some(order[0]), Some(order[1]), Some(order[2])].map(|axis| {
+                            axis.into_iter().for_each(|axis: usize| corner[axis] += 1);
+                            (index(corner), point(corner))
+                        });
+                        self.tetrahedron(corners, &values, &f, &mut edges);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds what of a surface is in a tetrahedron: a triangle, two or none.
+    fn tetrahedron(
+        &mut self,
+        corners: [(usize, DVec3); 4],
+        values: &[f64],
+        f: &impl Fn(DVec3) -> (f64, DVec3),
+        edges: &mut HashMap<[usize; 2], u32>,
+    ) {
+        let (mut inside, mut outside) = (Vec::with_capacity(4), Vec::with_capacity(4));
+        for corner in corners {
+            if values[corner.0] > 0.0 { inside.push(corner) } else { outside.push(corner) }
+        }
+        let mut vertex = |(i, p): (usize, DVec3), (j, q): (usize, DVec3)| {
+            *edges.entry([i.min(j), i.max(j)]).or_insert_with(|| {
+                let at = p + values[i] / (values[i] - values[j]) * (q - p);
+                let (value, n) = f(at);
+                // One step of Newton's method, not farther than the edge is long.
+                let step = value / n.length_squared() * n;
+                let at = if step.length_squared() < (q - p).length_squared() { at + step } else { at };
+                self.vertex(at.as_vec3(), f(at).1.normalize_or_zero().as_vec3())
+            })
+        };
+        let faces = match (&*inside, &*outside) {
+            ([a], [b, c, d]) | ([b, c, d], [a]) => vec![[vertex(*a, *b), vertex(*a, *c), vertex(*a, *d)]],
+            ([a, b], [c, d]) => {
+                let [ac, ad, bc, bd] = [vertex(*a, *c), vertex(*a, *d), vertex(*b, *c), vertex(*b, *d)];
+                vec![[ac, ad, bd], [ac, bd, bc]]
+            }
+            _ => Vec::new(),
+        };
+        faces.into_iter().for_each(|face| self.turned(0, face));
     }
 
     /// Adds a triangle, wound as its normals say, unless it has shrunk to a line.

@@ -22,6 +22,7 @@ macro_rules! closed_shapes {
         $check("torus", &torus(0.7, 0.25) $(, $arg)*);
         $check("torus without a hole", &torus(0.4, 0.4) $(, $arg)*);
         $check("torus that crosses itself", &torus(0.3, 0.5) $(, $arg)*);
+        $check("blob", &blob() $(, $arg)*);
         $check("difference", &carved(SetOperation::Difference) $(, $arg)*);
         $check("merge", &carved(SetOperation::Union) $(, $arg)*);
         $check("intersection", &carved(SetOperation::Intersection) $(, $arg)*);
@@ -50,6 +51,17 @@ fn cone(base: f32, top: f32, capped: bool) -> Cone {
 
 fn torus(major: f32, minor: f32) -> Torus {
     Torus::new(Vec3::new(0.1, -0.1, 0.05), Vec3::new(0.3, 1.0, -0.4), major, minor).unwrap()
+}
+
+fn blob() -> Blob {
+    let ball = |x: f64, strength: f64| BlobComponent {
+        core: BlobCore::Ball(DVec3::new(x, 0.2 * x, -0.1)),
+        radius: 0.6,
+        strength,
+    };
+    let rod = BlobCore::Cylinder([DVec3::new(-0.3, -0.5, 0.0), DVec3::new(0.2, 0.5, 0.3)]);
+    let rod = BlobComponent { core: rod, radius: 0.4, strength: 0.7 };
+    Blob::new(BlobKernel::Gaussian, 0.5, &[ball(-0.4, 1.0), ball(0.5, 1.2), ball(0.0, -0.4), rod]).unwrap()
 }
 
 /// A box, and a ball and a mesh somewhere else.
@@ -246,7 +258,7 @@ fn tangents_are_derivatives(name: &str, shape: &impl Surface) {
 
 #[test]
 fn every_tangent_is_a_derivative() {
-    // A mesh without coordinates has no tangents.
+    // A mesh without coordinates has no tangents, and no blob has.
     every_shape!(tangents_are_derivatives_of_shapes_with_coordinates);
     let plane = Plane::new(DVec3::new(1.0, 2.0, -0.5), 0.3);
     tangents_are_derivatives("plane", &plane);
@@ -261,7 +273,7 @@ fn every_tangent_is_a_derivative() {
 fn tangents_are_derivatives_of_shapes_with_coordinates(name: &str, shape: &impl Surface) {
     let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), Vec3::new(0.0, 0.0, -1.0));
     match shape.hit(&ray).map(|hit| shape.tangents_at(&hit, ray.at(hit.t))) {
-        Some(tangents) if name == "mesh" => assert_eq!(tangents, Tangents::default()),
+        Some(tangents) if ["mesh", "blob"].contains(&name) => assert_eq!(tangents, Tangents::default()),
         _ => tangents_are_derivatives(name, shape),
     }
 }

@@ -3,6 +3,7 @@
 //! A new block is its own file and one line in the list of its family, here; the parser, the editor, `kajo help` and the
 //! manual follow.
 
+pub(super) mod blob;
 pub(super) mod checkerboard;
 pub(super) mod cone;
 pub(super) mod cuboid;
@@ -39,13 +40,14 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 18] = [
+pub(super) const OBJECTS: [&ObjectMember; 19] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
     &cylinder::MEMBER,
     &cone::MEMBER,
     &torus::MEMBER,
+    &blob::MEMBER,
     &disk::MEMBER,
     &quad::MEMBER,
     &triangle::MEMBER,
@@ -98,7 +100,9 @@ pub(super) const MATERIAL_LIST: Block =
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 9] = [
+const OTHERS: [&Block; 11] = [
+    &blob::SPHERE,
+    &blob::CYLINDER,
     &super::settings::BLOCK,
     &super::background::BLOCK,
     &super::background::SKY,

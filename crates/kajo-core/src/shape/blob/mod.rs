@@ -1,0 +1,316 @@
+//! Blobs: surfaces where the sum of fields around balls and cylinders reaches a threshold.
+//!
+//! ```text
+//! f(p) = sum_i b_i k(d_i(p)^2 / r_i^2) = T
+//! ```
+//!
+//! with `d_i` the distance from the core of component `i` and a kernel `k` that falls [Blinn 1982; Wyvill, McPheeters and
+//! Wyvill 1986]. Negative strengths take away. Inside is where the sum is larger.
+//!
+//! Along a ray each `d_i^2` is convex, so the bounds of a component on a piece of it, and of its derivative, follow from the
+//! ends. A piece whose sum cannot reach the threshold holds no crossing, one on which the derivative cannot vanish holds one
+//! or none, and any other is halved: every crossing is found, and none that is not there [Mitchell 1990].
+//!
+//! Scene: `Blob { threshold 0.5  sphere { center 0 0 0  radius 1 }  sphere { center 1.2 0 0  radius 1 } }`
+
+mod field;
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use kajo_bvh::{BuildSettings, Bvh};
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
+
+use self::field::{Term, sum_of_bounds};
+use super::{Ray64, Surface, Tessellation, in_range, stored};
+use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
+pub use field::{BlobComponent, BlobCore, BlobKernel};
+
+/// From this many components on a tree finds those that a ray comes near.
+const TERMS_FOR_A_TREE: usize = 8;
+
+/// What is cut off the tails of all Gaussians together may move the surface by about as much as this, in parts of the radius.
+const CUT: f64 = 1e-9;
+
+/// A blob. A clone is the same blob.
+#[derive(Clone, Debug)]
+pub struct Blob(Arc<Parts>);
+
+#[derive(Debug)]
+struct Parts {
+    kernel: BlobKernel,
+    threshold: f64,
+    terms: Vec<Term>,
+    tree: Option<Bvh>,
+    bounds: Aabb,
+    /// The largest coordinate.
+    reach: f64,
+    /// More than all the strengths' rounding.
+    rounding: f64,
+}
+
+/// A component that a ray passes.
+#[derive(Clone, Copy)]
+struct Passage {
+    term: u32,
+    from: f64,
+    to: f64,
+}
+
+/// Memory that rays use again and again.
+#[derive(Default)]
+struct Scratch {
+    passages: Vec<Passage>,
+    /// Where components begin or end to say anything.
+    borders: Vec<f64>,
+    /// Those that do on the piece at hand.
+    active: Vec<Term>,
+    roots: Vec<f64>,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+impl Blob {
+    /// * `threshold`: value of the field at the surface, above zero
+    /// * `components`: radii above zero
+    ///
+    /// `None` when one of these is not so.
+    pub fn new(kernel: BlobKernel, threshold: f64, components: &[BlobComponent]) -> Option<Blob> {
+        let usable = threshold > 0.0 && components.iter().all(|component| component.radius > 0.0);
+        usable.then_some(())?;
+        let negligible = CUT * threshold / components.len().max(1) as f64;
+        let said = components.iter().filter(|component| component.strength != 0.0);
+        let terms: Vec<Term> = said.map(|component| Term::new(component, kernel, negligible)).collect();
+        let boxes: Vec<Aabb> = terms.iter().map(Term::bounds).collect();
+        let tree = (boxes.len() >= TERMS_FOR_A_TREE).then(|| Bvh::build(&boxes, &BuildSettings::default()));
+        // Only what adds to the field can bring it to the threshold.
+        let adds = terms.iter().zip(&boxes).filter(|(term, _)| term.adds()).map(|(_, bounds)| *bounds);
+        let bounds = adds.fold(Aabb::EMPTY, Aabb::union);
+        let far = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let strengths: f64 = components.iter().map(|component| component.strength.abs()).sum();
+        let rounding = 64.0 * f64::EPSILON * (strengths + threshold);
+        let reach = if bounds.is_empty() { 0.0 } else { far.into() };
+        Some(Blob(Arc::new(Parts { kernel, threshold, terms, tree, bounds, reach, rounding })))
+    }
+
+    /// The field less the threshold, and its gradient.
+    pub fn field(&self, p: DVec3) -> (f64, DVec3) {
+        let parts = &*self.0;
+        let (mut value, mut gradient) = (-parts.threshold, DVec3::ZERO);
+        let mut add = |term: &Term| {
+            let (v, g) = term.at(parts.kernel, p);
+            value += v;
+            gradient += g;
+        };
+        match &parts.tree {
+            None => parts.terms.iter().for_each(add),
+            Some(tree) => {
+                let margin = (1e-5 * (parts.reach + p.abs().max_element())) as f32;
+                let here = Ray::new(p.as_vec3(), Vec3::X).over(-margin, margin);
+                let mut near = Vec::new();
+                tree.each(&here, |i| near.push(i));
+                // The sum has the same bits whatever way the tree goes.
+                near.sort_unstable();
+                near.into_iter().for_each(|i| add(&parts.terms[i as usize]));
+            }
+        }
+        (value, gradient)
+    }
+}
+
+impl Parts {
+    /// Visits all crossings within a ray's range, in ascending order, until `visit` says that it is enough.
+    fn crossings(&self, ray: &Ray, mut visit: impl FnMut(f64) -> bool) {
+        let Some((near, far)) = self.bounds.clip(ray) else { return };
+        SCRATCH.with_borrow_mut(|scratch| {
+            let line = Ray64::new(ray);
+            self.gather(ray, &line, scratch);
+            // Beyond the box nothing reaches the threshold; numbers stay finite.
+            let margin = 1e-3 * f64::from(far - near) + f64::from(f32::MIN_POSITIVE);
+            let lo = f64::from(near) - if near > ray.t_min { margin } else { 0.0 };
+            let hi = f64::from(far) + if far < ray.t_max { margin } else { 0.0 };
+            scratch.borders.retain(|&t| t > lo && t < hi);
+            scratch.borders.push(hi);
+            scratch.borders.sort_unstable_by(f64::total_cmp);
+            let (mut from, mut before) = (lo, None);
+            let borders = std::mem::take(&mut scratch.borders);
+            for &to in &borders {
+                if to <= from {
+                    continue;
+                }
+                scratch.active.clear();
+                let meets = |passage: &&Passage| passage.from < to && passage.to > from;
+                let active = scratch.passages.iter().filter(meets);
+                scratch.active.extend(active.map(|passage| self.terms[passage.term as usize]));
+                let piece = Piece { parts: self, line: &line, terms: &scratch.active };
+                let [a, b] = [from, to].map(|t| piece.at(t).0);
+                // At borders components that begin or end are zero but for rounding, which must not hide a crossing.
+                let a = before.unwrap_or(a);
+                piece.isolate([from, to], [a, b], &mut scratch.roots);
+                if scratch.roots.drain(..).any(&mut visit) {
+                    break;
+                }
+                (from, before) = (to, Some(b));
+            }
+            scratch.borders = borders;
+        });
+    }
+
+    /// The components that a ray passes, in their order.
+    fn gather(&self, ray: &Ray, line: &Ray64, scratch: &mut Scratch) {
+        let Scratch { passages, borders, roots, .. } = scratch;
+        passages.clear();
+        borders.clear();
+        roots.clear();
+        let mut add = |i: u32| {
+            if let Some([from, to]) = self.terms[i as usize].extent_along(line.o, line.d) {
+                passages.push(Passage { term: i, from, to });
+                borders.extend([from, to]);
+            }
+        };
+        match &self.tree {
+            Some(tree) => tree.each(ray, add),
+            None => (0..self.terms.len() as u32).for_each(&mut add),
+        }
+        passages.sort_unstable_by_key(|passage| passage.term);
+    }
+}
+
+/// A piece of a ray on which the same components say anything.
+struct Piece<'a> {
+    parts: &'a Parts,
+    line: &'a Ray64,
+    terms: &'a [Term],
+}
+
+impl Piece<'_> {
+    /// The field less the threshold, and its derivative.
+    fn at(&self, t: f64) -> (f64, f64) {
+        let p = self.line.at(t);
+        let mut sum = (-self.parts.threshold, 0.0);
+        for term in self.terms {
+            let (value, slope) = term.along(self.parts.kernel, p, self.line.d);
+            sum.0 += value;
+            sum.1 += slope;
+        }
+        sum
+    }
+
+    /// Adds the crossings between two parameters with these values of the field.
+    fn isolate(&self, [a, b]: [f64; 2], [at_a, at_b]: [f64; 2], roots: &mut Vec<f64>) {
+        let (value, slope) =
+            sum_of_bounds(self.terms.iter(), self.parts.kernel, (self.line.o, self.line.d), [a, b]);
+        let (threshold, rounding) = (self.parts.threshold, self.parts.rounding);
+        let changes = (at_a < 0.0) != (at_b < 0.0);
+        if !changes && (value.lo > threshold + rounding || value.hi < threshold - rounding) {
+            return;
+        }
+        let middle = 0.5 * (a + b);
+        let narrow = b - a <= 1e-12 * (a.abs() + b.abs()) || middle <= a || middle >= b;
+        if narrow || !slope.contains(0.0) {
+            if changes {
+                roots.push(self.single_root([a, b], at_a < 0.0));
+            }
+            return;
+        }
+        let at_middle = self.at(middle).0;
+        self.isolate([a, middle], [at_a, at_middle], roots);
+        self.isolate([middle, b], [at_middle, at_b], roots);
+    }
+
+    /// The crossing between two parameters at whose ends the field has different signs: Newton's method within its bracket.
+    fn single_root(&self, [mut lo, mut hi]: [f64; 2], rises: bool) -> f64 {
+        const MOST_STEPS: u32 = 64;
+        let mut t = 0.5 * (lo + hi);
+        for _ in 0..MOST_STEPS {
+            let (value, slope) = self.at(t);
+            if (value < 0.0) == rises {
+                lo = t;
+            } else {
+                hi = t;
+            }
+            let newton = t - value / slope;
+            if (newton - t).abs() <= 2.0 * f64::EPSILON * t.abs() {
+                return t;
+            }
+            t = if newton > lo && newton < hi { newton } else { 0.5 * (lo + hi) };
+        }
+        t
+    }
+}
+
+impl Surface for Blob {
+    fn bounds(&self) -> Aabb {
+        self.0.bounds
+    }
+
+    fn is_finite(&self) -> bool {
+        self.0.bounds.is_empty() || self.0.bounds.is_finite()
+    }
+
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let mut first = None;
+        self.0.crossings(ray, |t| {
+            first = in_range(ray, t).map(|t| Hit { t, ..Hit::default() });
+            first.is_some()
+        });
+        first
+    }
+
+    fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
+        // Whoever visits may ask another blob.
+        let mut all = Vec::new();
+        self.0.crossings(ray, |t| {
+            all.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));
+            false
+        });
+        all.into_iter().for_each(&mut visit);
+    }
+
+    /// The point is brought onto the surface along the gradient.
+    fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        const STEPS: u32 = 2;
+        let mut p = Ray64::new(ray).at(hit.t.into());
+        for _ in 0..STEPS {
+            let (value, gradient) = self.field(p);
+            let length2 = gradient.length_squared();
+            if length2 > 0.0 {
+                p -= value / length2 * gradient;
+            }
+        }
+        let n = (-self.field(p).1).normalize_or(DVec3::Z);
+        let (p, p_error) = stored(p, self.0.reach);
+        SurfacePoint::flat(p, p_error, n.as_vec3())
+    }
+
+    /// A blob has no surface coordinates.
+    fn uv_at(&self, _hit: &Hit, _p: Vec3) -> Vec2 {
+        NO_UV
+    }
+
+    fn tangents_at(&self, _hit: &Hit, _p: Vec3) -> Tangents {
+        Tangents::default()
+    }
+
+    fn is_closed(&self) -> bool {
+        true
+    }
+
+    fn tessellate(&self, around: u32, out: &mut Tessellation) {
+        out.level_set(self.0.bounds, around, |p| {
+            let (value, gradient) = self.field(p);
+            (value, -gradient)
+        });
+    }
+
+    fn heap_bytes(&self) -> usize {
+        size_of::<Parts>()
+            + size_of_val(&*self.0.terms)
+            + self.0.tree.as_ref().map_or(0, |tree| tree.stats().bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,157 @@
+//! Blobs against closed forms, and against their field.
+
+use kajo_math::{fmath, rng::Stream, warp};
+
+use super::*;
+
+fn ball(x: f64, strength: f64) -> BlobComponent {
+    BlobComponent { core: BlobCore::Ball(x * DVec3::X), radius: 1.0, strength }
+}
+
+fn gaussian(components: &[BlobComponent]) -> Blob {
+    Blob::new(BlobKernel::Gaussian, 1.0, components).unwrap()
+}
+
+/// Where the line along x at a height y crosses.
+fn along_x(blob: &Blob, y: f32) -> Vec<f64> {
+    let mut found = Vec::new();
+    let ray = Ray::new(Vec3::new(-10.0, y, 0.0), Vec3::X);
+    blob.0.crossings(&ray, |t| {
+        found.push(t - 10.0);
+        false
+    });
+    found
+}
+
+fn agree(found: &[f64], expected: &[f64]) -> bool {
+    found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-8)
+}
+
+#[test]
+fn crossings_are_where_formulas_have_them() {
+    // One ball of strength 2: a sphere of radius sqrt(ln 2).
+    let r = fmath::ln64(2.0).sqrt();
+    let found = along_x(&gaussian(&[ball(0.0, 2.0)]), 0.0);
+    assert!(agree(&found, &[-r, r]), "{found:?}");
+    // Two balls apart, found by bisection in 30 digits.
+    let pair = gaussian(&[ball(-1.5, 2.0), ball(1.5, 2.0)]);
+    let found = along_x(&pair, 0.0);
+    assert!(agree(&found, &[-2.332_555_113, -0.655_905_188, 0.655_905_188, 2.332_555_113]), "{found:?}");
+    let found = along_x(&pair, 0.2);
+    let expected = [-2.308_175_815, -0.681_615_680, 0.681_615_680, 2.308_175_815];
+    assert!(found.len() == 4 && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 2e-8), "{found:?}");
+    // POV-Ray's kernel: (1 - r^2)^2 = 1/4.
+    let pov = Blob::new(BlobKernel::Povray, 0.25, &[ball(0.0, 1.0)]).unwrap();
+    assert!(agree(&along_x(&pov, 0.0), &[-0.5f64.sqrt(), 0.5f64.sqrt()]));
+    // Wyvill's kernel is one half at half of the radius.
+    let wyvill = Blob::new(BlobKernel::Wyvill, 0.5, &[ball(0.0, 1.0)]).unwrap();
+    assert!(agree(&along_x(&wyvill, 0.0), &[-0.5, 0.5]));
+}
+
+/// Two equal balls join at the distance `2 sqrt(ln(2 b / T) / a)`.
+#[test]
+fn balls_join_at_their_distance() {
+    let joins = 2.0 * fmath::ln64(4.0).sqrt();
+    assert!((joins - 2.354_820).abs() < 1e-6);
+    for (off, crossings) in [(-1e-6, 2), (1e-6, 4)] {
+        let half = 0.5 * (joins + off);
+        assert_eq!(along_x(&gaussian(&[ball(-half, 2.0), ball(half, 2.0)]), 0.0).len(), crossings, "{off}");
+    }
+}
+
+fn random(n: u32, kernel: BlobKernel) -> Blob {
+    let component = |i: u32| {
+        let s = Stream::new(67, [i, n], 0);
+        let point = |k: u32| {
+            DVec3::new(s.uniform(k).into(), s.uniform(k + 1).into(), s.uniform(k + 2).into()) * 2.0 - 1.0
+        };
+        let core = if i.is_multiple_of(3) {
+            BlobCore::Cylinder([point(0), point(3)])
+        } else {
+            BlobCore::Ball(point(0))
+        };
+        let strength = if i % 4 == 3 { -0.8 } else { 1.0 };
+        BlobComponent { core, radius: 0.2 + 0.3 * f64::from(s.uniform(7)), strength }
+    };
+    Blob::new(kernel, 0.4, &(0..n).map(component).collect::<Vec<_>>()).unwrap()
+}
+
+/// The sign of the field on a fine grid of many lines changes where there are crossings, and nowhere else.
+#[test]
+fn no_crossing_is_missed_and_none_is_made_up() {
+    for kernel in [BlobKernel::Gaussian, BlobKernel::Wyvill, BlobKernel::Povray] {
+        for n in [1, 2, 5, 40] {
+            let blob = random(n, kernel);
+            for i in 0..150 {
+                let s = Stream::new(71, [i, n], 0);
+                let u = |k| Vec2::new(s.uniform(k), s.uniform(k + 1));
+                let d = warp::uniform_sphere(u(0));
+                let ray = Ray::new(warp::uniform_sphere(u(2)) * s.uniform(4) - 4.0 * d, d);
+                let mut found = Vec::new();
+                blob.0.crossings(&ray, |t| {
+                    found.push(t);
+                    false
+                });
+                assert!(found.is_sorted() && found.len().is_multiple_of(2), "{found:?}");
+                const STEPS: u32 = 800;
+                let line = Ray64::new(&ray);
+                let inside = |k: u32| blob.field(line.at(8.0 * f64::from(k) / f64::from(STEPS))).0 >= 0.0;
+                for k in 0..STEPS {
+                    let step = |k: u32| 8.0 * f64::from(k) / f64::from(STEPS);
+                    let between = found.iter().filter(|&&t| step(k) <= t && t < step(k + 1)).count();
+                    let changes = inside(k) != inside(k + 1);
+                    assert_eq!(between % 2 == 1, changes, "{kernel:?} {n}, ray {i}, {} {found:?}", step(k));
+                }
+            }
+        }
+    }
+}
+
+/// Normals are the gradient's direction, and points lie on the surface.
+#[test]
+fn points_are_on_the_surface() {
+    let blob = random(40, BlobKernel::Gaussian);
+    let mut hits = 0;
+    for i in 0..2000 {
+        let s = Stream::new(73, [i, 0], 0);
+        let d = warp::uniform_sphere(Vec2::new(s.uniform(0), s.uniform(1)));
+        let ray = Ray::new(Vec3::new(s.uniform(2), s.uniform(3), s.uniform(4)) - 0.5 - 4.0 * d, d);
+        let Some(hit) = blob.hit(&ray) else { continue };
+        hits += 1;
+        let at = blob.surface_at(&ray, &hit);
+        let (value, gradient) = blob.field(at.p.as_dvec3());
+        assert!(value.abs() < 1e-6 * gradient.length().max(1.0), "{value} at {}", at.p);
+        assert!(at.n.dot(ray.d) < 1e-3, "the first crossing enters");
+        let h = 1e-5;
+        let difference = |axis: DVec3| {
+            let at = |by: f64| blob.field(at.p.as_dvec3() + by * axis).0;
+            (at(h) - at(-h)) / (2.0 * h)
+        };
+        let expected = -DVec3::new(difference(DVec3::X), difference(DVec3::Y), difference(DVec3::Z));
+        assert!(expected.normalize().distance(at.n.as_dvec3()) < 1e-4, "{expected} {}", at.n);
+    }
+    assert!(hits > 1000);
+}
+
+/// A hole by a negative ball within a positive one, seen from outside and from within the hole.
+#[test]
+fn negative_balls_make_holes() {
+    let small = BlobComponent { core: BlobCore::Ball(DVec3::ZERO), radius: 0.4, strength: -3.0 };
+    let blob = gaussian(&[ball(0.0, 3.0), small]);
+    assert_eq!(along_x(&blob, 0.0).len(), 4);
+    assert!(blob.field(DVec3::ZERO).0 < 0.0);
+    let from_within = Ray::new(Vec3::ZERO, Vec3::new(0.3, 0.5, -0.4));
+    let hit = blob.hit(&from_within).unwrap();
+    assert!(blob.surface_at(&from_within, &hit).n.dot(from_within.d) < 0.0);
+}
+
+#[test]
+fn what_is_no_blob() {
+    assert!(Blob::new(BlobKernel::Gaussian, 0.0, &[ball(0.0, 1.0)]).is_none());
+    let flat = BlobComponent { radius: 0.0, ..ball(0.0, 1.0) };
+    assert!(Blob::new(BlobKernel::Gaussian, 1.0, &[flat]).is_none());
+    let nothing = Blob::new(BlobKernel::Wyvill, 1.0, &[]).unwrap();
+    assert!(nothing.hit(&Ray::new(Vec3::ZERO, Vec3::X)).is_none() && nothing.bounds().is_empty());
+    let weak = gaussian(&[ball(0.0, 0.5)]);
+    assert!(weak.hit(&Ray::new(-3.0 * Vec3::X, Vec3::X)).is_none());
+}
