@@ -22,6 +22,9 @@ fn scene_with(block: &Block, text: &str) -> String {
             let ball = "Sphere { center 0 0 0  radius 1 }";
             format!("{camera} {materials} Group {{ MaterialIndex 0 Transform {{ {moving} {ball} }} }}")
         }
+        Kind::Part if ["sphere", "cylinder"].contains(&block.keyword) => {
+            format!("{camera} {materials} Group {{ MaterialIndex 0 Blob {{ {text} }} }}")
+        }
         Kind::Part => format!("{camera} Background {{ {text} }}"),
         Kind::Light => format!("{camera} Lights {{ {text} }}"),
         Kind::Material => format!("{camera} Materials {{ Matte {{ }} {text} }}"),
@@ -96,7 +99,8 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
         let here: BTreeSet<String> = block.fields().map(|field| field.key.to_owned()).collect();
         // Blocks within are nodes of their own.
         let mut there = known_to_compiler(block);
-        there.retain(|key| !["sky", "Transform", "Motion", "Noise"].contains(&&**key));
+        let within = ["sky", "Transform", "Motion", "Noise", "sphere", "cylinder"];
+        there.retain(|key| !within.contains(&&**key));
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {
             there.insert("obj_file".to_owned());
