@@ -66,6 +66,10 @@ struct Scratch {
     /// Those that do on the piece at hand.
     active: Vec<Term>,
     roots: Vec<f64>,
+    /// Components near a point.
+    near: Vec<u32>,
+    /// Crossings on their way to who asked for them.
+    found: Vec<Hit>,
 }
 
 thread_local! {
@@ -109,11 +113,13 @@ impl Blob {
             Some(tree) => {
                 let margin = (1e-5 * (parts.reach + p.abs().max_element())) as f32;
                 let here = Ray::new(p.as_vec3(), Vec3::X).over(-margin, margin);
-                let mut near = Vec::new();
-                tree.each(&here, |i| near.push(i));
-                // The sum has the same bits whatever way the tree goes.
-                near.sort_unstable();
-                near.into_iter().for_each(|i| add(&parts.terms[i as usize]));
+                SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
+                    near.clear();
+                    tree.each(&here, |i| near.push(i));
+                    // The sum has the same bits whatever way the tree goes.
+                    near.sort_unstable();
+                    near.iter().for_each(|&i| add(&parts.terms[i as usize]));
+                });
             }
         }
         (value, gradient)
@@ -261,12 +267,13 @@ impl Surface for Blob {
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
         // Whoever visits may ask another blob.
-        let mut all = Vec::new();
+        let mut all = SCRATCH.with_borrow_mut(|scratch| std::mem::take(&mut scratch.found));
         self.0.crossings(ray, |t| {
             all.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));
             false
         });
-        all.into_iter().for_each(&mut visit);
+        all.drain(..).for_each(&mut visit);
+        SCRATCH.with_borrow_mut(|scratch| scratch.found = all);
     }
 
     /// The point is brought onto the surface along the gradient.
