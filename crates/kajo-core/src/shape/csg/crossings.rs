@@ -157,11 +157,21 @@ impl Solid {
     pub(super) fn depends_on(&self, leaf: u32, p: Vec3, scratch: &mut Scratch) -> bool {
         let counts = &mut scratch.counts;
         self.sets.reset(counts);
-        for (i, other) in (0..).zip(&self.leaves) {
+        let mut count = |i: u32| {
+            let other = &self.leaves[i as usize];
             if i != leaf && other.bounds.contains(p) && self.leaf_holds(other, p) {
                 self.sets.set(counts, i, true);
             }
+        };
+        match &self.tree {
+            // Boxes are widened by more than the length of this ray.
+            Some(tree) => {
+                let here = Ray::new(p, Vec3::X).over(0.0, f32::MIN_POSITIVE);
+                tree.each(&here, |i| count(self.bounded[i as usize]));
+            }
+            None => self.bounded.iter().for_each(|&i| count(i)),
         }
+        self.unbounded.iter().for_each(|&i| count(i));
         let without = self.sets.holds(counts);
         self.sets.set(counts, leaf, true);
         self.sets.holds(counts) != without

@@ -268,3 +268,35 @@ fn the_surface_is_what_shows_of_the_leaves() {
     // Where two surfaces meet another one is nearer than its points are known.
     assert!(different < 5, "{different}");
 }
+
+/// Of many leaves, those that hold a point decide whether it is for another one to say if the result does.
+#[test]
+fn many_leaves_say_which_of_them_shows() {
+    const LEAVES: u32 = 60;
+    let center = |i: u32| {
+        let s = Stream::new(83, [i, 0], 0);
+        Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2))
+    };
+    let ball = |i: u32| part(Sphere::new(center(i), 0.25));
+    let halves = [0, LEAVES / 2].map(|first| (first..first + LEAVES / 2).flat_map(ball).collect());
+    let solid = solid(Difference, &halves);
+    let (mut shown, mut unclear) = (0, 0);
+    for k in 0..5000 {
+        let s = Stream::new(89, [k, 0], 0);
+        let (leaf, p) = (k % LEAVES, Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2)));
+        let near = |i: u32| (center(i).distance(p) - 0.25).abs() < 1e-5;
+        if (0..LEAVES).any(near) {
+            unclear += 1;
+            continue;
+        }
+        let any = |mut of: std::ops::Range<u32>| of.any(|i| i != leaf && center(i).distance(p) < 0.25);
+        let expected = if leaf < LEAVES / 2 {
+            !any(0..LEAVES / 2) && !any(LEAVES / 2..LEAVES)
+        } else {
+            any(0..LEAVES / 2) && !any(LEAVES / 2..LEAVES)
+        };
+        assert_eq!(solid.shows(leaf, p), expected, "leaf {leaf} at {p}");
+        shown += u32::from(expected);
+    }
+    assert!(shown > 500 && unclear < 50, "{shown} {unclear}");
+}
