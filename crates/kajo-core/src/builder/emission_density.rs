@@ -119,16 +119,9 @@ impl SceneBuilder {
         let most = (MOST_OF_OBJECT / (n_patches as f32).sqrt()).clamp(2.0, MOST_CELLS);
         let cells = wanted.round().clamp(Vec2::splat(2.0), Vec2::splat(most));
         // Between the nodes a table goes on linearly. Where emission does not, they have means.
-        let places = match (wanted / cells).max_element() {
-            few if few < 1.1 => {
-                if jumps {
-                    2
-                } else {
-                    1
-                }
-            }
-            many => (many.ceil() as u8).clamp(2, 4),
-        };
+        let coarseness = (wanted / cells).max_element();
+        let places =
+            if coarseness < 1.1 { 1 + u8::from(jumps) } else { (coarseness.ceil() as u8).clamp(2, 4) };
         let offset = |k: u8| (f32::from(k) + 0.5) / f32::from(places) - 0.5;
         let luminance = |node: Vec2| {
             let at = |k: u8| (node + Vec2::new(offset(k % places), offset(k / places))) / cells;
