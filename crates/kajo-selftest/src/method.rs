@@ -59,6 +59,10 @@ pub const CLASSIC: Method = method("classic", "integrator classic");
 pub const GLOBAL: &[Method] =
     &[PATH, PATH_SCATTERING, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
 
+/// The same with light that cannot leave a clear body mirrored in it.
+pub const CLASSIC_TOTAL: Method =
+    method("classic, total reflection", "integrator classic  totalReflection on");
+
 /// Everything that takes a number of bounces.
 pub const BOUNCES: &[Method] = &[
     PATH,
@@ -79,6 +83,9 @@ pub const SMALL_LIGHTS: &[Method] = &[PATH, PATH_LIGHTS, BIDIRECTIONAL, DIRECT];
 
 /// Everything that follows mirrors and glass.
 pub const MIRRORS: &[Method] = &[PATH, BIDIRECTIONAL, DIRECT, CLASSIC];
+
+/// The same where light is totally reflected.
+pub const TOTAL_MIRRORS: &[Method] = &[PATH, BIDIRECTIONAL, DIRECT, CLASSIC_TOTAL];
 
 /// The same without the classic integrator, which does not divide radiance by the squared index.
 pub const GLASS: &[Method] = &[PATH, PATH_SPECTRAL, BIDIRECTIONAL, DIRECT];

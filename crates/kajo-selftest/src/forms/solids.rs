@@ -18,7 +18,7 @@ use kajo_math::solid_angle::polygon_irradiance;
 
 use super::lights::lit;
 use super::{Form, Parameters, spot_meter, text};
-use crate::method::{LIGHTS, MIRRORS};
+use crate::method::{LIGHTS, TOTAL_MIRRORS};
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let ring = |draw: &mut Parameters| {
@@ -117,7 +117,7 @@ fn clear(draw: &mut Parameters, name: &str, body: impl Fn(&mut Parameters) -> St
         spot_meter(4.0 * draw.direction(-1.0), draw.point(0.5))
             .replace("color 0 0 0", &format!("color {sky} {sky} {sky}"))
     );
-    Form::new(format!("clear {name} of index {n} in even light"), scene, sky, MIRRORS).bounces(100)
+    Form::new(format!("clear {name} of index {n} in even light"), scene, sky, TOTAL_MIRRORS).bounces(100)
 }
 
 fn two_halves(draw: &mut Parameters) -> String {
