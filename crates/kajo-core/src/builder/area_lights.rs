@@ -17,7 +17,6 @@ use crate::light::{AreaLight, LightSampler, PatchExtent, Sides, SkyLight};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::scene::Primitive;
-use crate::shape::Blob;
 
 /// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
 const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
@@ -72,12 +71,6 @@ impl SceneBuilder {
             !bounds.is_finite() && !bounds.is_empty()
         };
         self.geometry.primitives.iter().any(|primitive| self.emits(primitive) && is_unbounded(primitive))
-    }
-
-    /// Whether any blob has a material that emits: there are no patches to draw its light from.
-    pub(crate) fn has_emissive_blobs(&self) -> bool {
-        let is_blob = |primitive: &Primitive| Blob::find(&self.geometry.shapes, primitive.shape).is_some();
-        self.geometry.primitives.iter().any(|primitive| is_blob(primitive) && self.emits(primitive))
     }
 
     /// Whether the material of an object, or one of its own, gives light.

@@ -1,7 +1,7 @@
 //! Tables of what patches emit that do not emit the same everywhere, for points to be drawn by and lights to be chosen by.
 
 use kajo_color::{Emission, Wavelengths};
-use kajo_math::{DAffine3, Vec2};
+use kajo_math::{DAffine3, Vec2, Vec3};
 
 use super::SceneBuilder;
 use crate::emission::VariedEmission;
@@ -37,7 +37,7 @@ pub(super) struct EmissivePatch<'a> {
 impl EmissivePatch<'_> {
     /// What is at coordinates of the patch.
     fn place(&self, builder: &SceneBuilder, at: Vec2) -> TextureContext {
-        let p = self.patch.place_at(at).p;
+        let p = self.patch.place_at(at).map_or(Vec3::ZERO, |place| place.p);
         let own = self.object_from_world.transform_point3(p.as_dvec3()).as_vec3();
         let shapes = &builder.geometry.shapes;
         let hit = shapes.hit_at(self.shape, self.part, own);
@@ -89,6 +89,10 @@ impl SceneBuilder {
         /// Points across and up where there is no table.
         const GRID: u8 = 4;
         const KNOWN: f32 = 0.9;
+        // What has no coordinates is asked for nothing.
+        if matches!(patch.patch, Patch::Traced(_)) {
+            return (mean.clone(), None);
+        }
         let (found, density) = match self.table(patch, n_patches) {
             Some((cells, found)) => {
                 let density = EmissionDensity::new(patch.patch, cells, &found);

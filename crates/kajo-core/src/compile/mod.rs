@@ -301,11 +301,6 @@ impl<'a> Compiler<'a> {
             let warning = Diagnostic::warning(message).help("a `Quad` or a `Disk` can be a light");
             self.diagnostics.push(warning);
         }
-        if self.scene.has_emissive_blobs() {
-            let message = "a blob gives no light, whatever its material says";
-            let warning = Diagnostic::warning(message).help("a `Sphere` or a mesh can be a light");
-            self.diagnostics.push(warning);
-        }
     }
 
     /// The scene, but for the cameras of the text.

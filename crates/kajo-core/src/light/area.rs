@@ -234,13 +234,21 @@ impl Emitter for AreaLight {
         surfaces: &S,
     ) -> Option<LightLeSample> {
         let patch = self.placed(time);
-        let drawn = match &self.density {
-            None => patch.sample_area(u.position)?,
-            Some(density) => density.sample_area(&patch, u.position)?,
+        let traced = patch.traced();
+        let (drawn, along) = match (&self.density, &traced) {
+            (_, Some(traced)) => traced.sample_line(u.position, u.direction).map(|(at, d)| (at, Some(d)))?,
+            (None, None) => (patch.sample_area(u.position)?, None),
+            (Some(density), None) => (density.sample_area(&patch, u.position)?, None),
         };
         let outward = self.surface_normal(drawn.p, drawn.n, time, surfaces)?;
-        let n = if self.sides == Sides::Back { -outward } else { outward };
-        let d = cosine_around(n, u.direction, self.sides == Sides::Both);
+        let d = match along {
+            Some(d) if self.sides.emit(outward.dot(d)) => d,
+            Some(d) => -d,
+            None => {
+                let n = if self.sides == Sides::Back { -outward } else { outward };
+                cosine_around(n, u.direction, self.sides == Sides::Both)
+            }
+        };
         let at = LightPoint::Surface { p: drawn.p, p_error: drawn.p_error, n: outward };
         Some(LightLeSample {
             at,
@@ -258,9 +266,10 @@ impl Emitter for AreaLight {
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
         let direction = if self.sides.emit(cos) { cos.abs() / (sides * PI) } else { 0.0 };
         let patch = self.placed(time);
-        let position = match &self.density {
-            None => patch.pdf_area(p),
-            Some(density) => density.pdf_area(&patch, p),
+        let position = match (&self.density, patch.traced()) {
+            (_, Some(traced)) => traced.pdf_line(p, d),
+            (None, None) => patch.pdf_area(p),
+            (Some(density), None) => density.pdf_area(&patch, p),
         };
         EmissionPdf { position, direction }
     }

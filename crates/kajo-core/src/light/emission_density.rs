@@ -51,6 +51,7 @@ impl EmissionDensity {
             Patch::Disk(_) | Patch::Curved(_) => WORTH_BY_AREA,
             Patch::Triangle(_) | Patch::Rectangle(_) | Patch::Quad(_) => WORTH_BY_SOLID_ANGLE,
             Patch::Sphere { .. } => WORTH_ON_SPHERE,
+            Patch::Traced(_) => return None,
         };
         if !variance.is_finite() || variance < worth {
             return None;

@@ -13,6 +13,7 @@ mod choice;
 pub(crate) mod densities;
 pub(crate) mod emission;
 mod many;
+mod traced;
 
 /// A clear sky with its sun, dim enough to be told from other lights.
 pub(crate) const AFTERNOON: SkySettings = SkySettings {

@@ -27,7 +27,10 @@ pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
 pub(crate) use patch::per_solid_angle;
-pub use patch::{Canonical, CurvedPatch, DiskPatch, Patch, PatchSample, PatchWay, PlacedPatch, QuadPatch};
+pub use patch::{
+    Canonical, CurvedPatch, DiskPatch, Patch, PatchSample, PatchWay, PlacedPatch, PlacedTraced, QuadPatch,
+    TracedPatch,
+};
 pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;
@@ -119,7 +122,7 @@ pub trait Surface: Sized {
     }
 
     /// The pieces that the surface consists of with their parts, for surfaces that give light; none for
-    /// unbounded ones.
+    /// unbounded ones. What has no closed form is a [`TracedPatch`].
     fn patches<F: FnMut(u32, Patch)>(&self, _visit: F) {}
 
     /// Triangles that stand for the surface; none for unbounded ones.

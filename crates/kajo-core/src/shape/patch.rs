@@ -2,7 +2,7 @@
 //!
 //! Flat pieces and spheres are drawn uniformly over the solid angle they fill, so that the estimate of
 //! unobstructed light has no variance but the cosine's; ellipses, cones and what is seen too small or from too
-//! near are drawn uniformly over the area. Every density given out is per solid angle at the receiver,
+//! near are drawn uniformly over the area, and what has no closed form is met by rays. Every density given out is per solid angle at the receiver,
 //!
 //! ```text
 //! p = p_area d^2 / |n . w|,
@@ -13,8 +13,10 @@
 
 mod coordinates;
 mod moved;
+mod traced;
 
 pub use moved::PlacedPatch;
+pub use traced::{PlacedTraced, TracedPatch};
 
 use std::f64::consts::{PI, TAU};
 
@@ -57,6 +59,8 @@ pub enum Patch {
     },
     /// The image of a curved surface under an affine map.
     Curved(Box<CurvedPatch>),
+    /// A surface of no closed form, which has no coordinates.
+    Traced(Box<TracedPatch>),
 }
 
 /// A parallelogram.
@@ -161,16 +165,19 @@ impl Patch {
                 }
             },
             Patch::Curved(curved) => Patch::curved(curved.surface, *m * curved.map)?,
+            Patch::Traced(traced) => Patch::Traced(Box::new(traced.mapped(m)?)),
         })
     }
 
-    /// The same surface, drawn by area where it would be drawn by what of it a point sees from outside; `None` where it has none.
+    /// The same surface, drawn by area, or all of it alike, where it would be drawn by what of it a point sees from outside; `None`
+    /// where it has none.
     pub fn by_area(self) -> Option<Patch> {
         match self {
             Patch::Sphere { center, radius } => {
                 let placed = DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
                 Patch::curved(Canonical::Sphere, placed)
             }
+            Patch::Traced(traced) => Some(Patch::Traced(Box::new(traced.all_alike()))),
             _ => Some(self),
         }
     }
@@ -193,6 +200,7 @@ impl Patch {
             Patch::Disk(disk) => disk.area(),
             Patch::Sphere { radius, .. } => 4.0 * PI * radius * radius,
             Patch::Curved(curved) => curved.area,
+            Patch::Traced(traced) => traced.area(),
         }
     }
 
@@ -213,6 +221,7 @@ impl Patch {
             Patch::Disk(disk) => around(disk.center, ellipse_reach(disk.axes)),
             Patch::Sphere { center, radius } => around(*center, DVec3::splat(*radius)),
             Patch::Curved(curved) => curved.bounds(),
+            Patch::Traced(traced) => traced.bounds(),
         }
     }
 
@@ -224,7 +233,7 @@ impl Patch {
             Patch::Quad(QuadPatch { edges: [a, b], .. }) | Patch::Disk(DiskPatch { axes: [a, b], .. }) => {
                 a.cross(*b).try_normalize()
             }
-            Patch::Sphere { .. } | Patch::Curved(_) => None,
+            Patch::Sphere { .. } | Patch::Curved(_) | Patch::Traced(_) => None,
         }
     }
 
@@ -237,7 +246,10 @@ impl Patch {
             let at = self.place(p, (1.0 / view.solid_angle()) as f32);
             return Some(PatchWay { at, wi: (at.p - from).normalize_or_zero() });
         }
-        self.sample_area(u)?.seen_from(from)
+        match self {
+            Patch::Traced(traced) => traced.placed(None).sample(from, u),
+            _ => self.sample_area(u)?.seen_from(from),
+        }
     }
 
     /// Density per solid angle at `from` with which [`Patch::sample`] draws the place `p` of this piece.
@@ -247,11 +259,14 @@ impl Patch {
     pub fn pdf(&self, from: Vec3, p: Vec3, n: Vec3) -> f32 {
         match self.view(from.as_dvec3()) {
             Some(view) => (1.0 / view.solid_angle()) as f32,
-            None => per_solid_angle(self.pdf_area(p), from, p, n).unwrap_or(0.0),
+            None => match self {
+                Patch::Traced(traced) => traced.placed(None).pdf(from, p),
+                _ => per_solid_angle(self.pdf_area(p), from, p, n).unwrap_or(0.0),
+            },
         }
     }
 
-    /// A place drawn for nobody, its density per area.
+    /// A place drawn for nobody, its density per area; `None` for traced surfaces, see [`PlacedPatch::traced`].
     pub fn sample_area(&self, u: Vec2) -> Option<PatchSample> {
         let (x, y) = (f64::from(u.x), f64::from(u.y));
         let p = match self {
@@ -260,7 +275,7 @@ impl Patch {
                 a + root * (1.0 - y) * (b - a) + root * y * (c - a)
             }
             Patch::Curved(curved) => return curved.sample_area(u),
-            _ => self.point(x, y),
+            _ => self.point(x, y)?,
         };
         let pdf = (1.0 / self.area()) as f32;
         (pdf.is_finite() && pdf > 0.0).then(|| self.place(p, pdf))
@@ -270,6 +285,7 @@ impl Patch {
     pub fn pdf_area(&self, p: Vec3) -> f32 {
         match self {
             Patch::Curved(curved) => curved.pdf_area(p.as_dvec3()) as f32,
+            Patch::Traced(_) => 0.0,
             _ => (1.0 / self.area()) as f32,
         }
     }
@@ -296,7 +312,7 @@ impl Patch {
                     return None;
                 }
             }
-            Patch::Disk(_) | Patch::Curved(_) => return None,
+            Patch::Disk(_) | Patch::Curved(_) | Patch::Traced(_) => return None,
         };
         let flat = !matches!(view, View::Cap(_) | View::Around);
         let usable = !flat || (SMALLEST_SOLID_ANGLE..LARGEST_SOLID_ANGLE).contains(&view.solid_angle());
@@ -364,6 +380,7 @@ impl Patch {
             }
             Patch::Sphere { center, radius } => (center.abs() + *radius).as_vec3(),
             Patch::Curved(curved) => curved.reach(),
+            Patch::Traced(traced) => traced.bounds().min.abs().max(traced.bounds().max.abs()),
         }
     }
 }

@@ -70,6 +70,8 @@ impl Tessellation {
                 (center + *radius * n, n)
             }),
             Patch::Curved(curved) => self.curved(part, curved, around),
+            // Its shape knows better.
+            Patch::Traced(_) => {}
         }
     }
 

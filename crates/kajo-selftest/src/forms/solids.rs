@@ -10,6 +10,8 @@
 //! *Set operations.* What is cut out of a ball by a box around it is the ball; half a ball with its flat side towards the floor
 //! is a disk from there; two half balls that meet are one, without anything between them; a clear body in even light is not to
 //! be seen.
+//!
+//! *Blobs.* A single ball of strength `b` and radius `a` makes a sphere of radius `a sqrt(ln(b/T))` for the threshold `T`.
 
 use std::f64::consts::PI;
 
@@ -31,6 +33,8 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         half_ball(draw),
         shell(draw),
         trough(draw),
+        blob(draw),
+        hollow_blob(draw),
         clear(draw, "torus", ring),
         clear(draw, "ball of two halves", two_halves),
         clear(draw, "ball less a ball", hollow),
@@ -106,6 +110,39 @@ fn trough(draw: &mut Parameters) -> Form {
     let rim = [[-a, -b], [a, -b], [a, b], [-a, b]].map(|[x, z]| DVec3::new(x, h, z));
     let expected = factor * polygon_irradiance(DVec3::ZERO, DVec3::Y, &rim).abs();
     Form::new(format!("trough of {a} and {b}, height {h}"), scene, expected, LIGHTS).bounces(0)
+}
+
+/// A sphere of radius `r`, as a blob of one ball.
+fn blob_of(draw: &mut Parameters, center: DVec3, r: f64) -> String {
+    let (strength, threshold) = (draw.between(1.5, 3.0), draw.between(0.4, 1.2));
+    let radius = r / (strength / threshold).ln().sqrt();
+    format!(
+        "Blob {{ threshold {threshold}  sphere {{ center {}  radius {radius}  strength {strength} }} }}",
+        text(center)
+    )
+}
+
+fn blob(draw: &mut Parameters) -> Form {
+    let (r, d, up) = (draw.between(0.3, 0.8), draw.between(1.5, 3.0), draw.direction(-1.0));
+    let towards = (up + 0.8 * up.any_orthonormal_vector()).normalize();
+    let emitter = blob_of(draw, d * towards, r);
+    let (scene, factor) = lit(draw, &emitter, up);
+    let expected = factor * PI * (r / d).powi(2) * towards.dot(up);
+    Form::new(format!("ball as a blob, radius {r}, distance {d}"), scene, expected, LIGHTS).bounces(0)
+}
+
+/// The floor sees the inside of a bowl whose hollow is a blob.
+fn hollow_blob(draw: &mut Parameters) -> Form {
+    let (r, h) = (draw.between(0.4, 0.9), draw.between(1.1, 2.0));
+    let inner = r * draw.between(0.7, 0.95);
+    let ball = blob_of(draw, h * DVec3::Y, inner);
+    let emitter = format!(
+        "Difference {{ Sphere {{ center 0 {h} 0  radius {r} }}\n  {ball}\n  Box {{ min -2 -2 -2  max 2 {h} 2 }} }}"
+    );
+    let (scene, factor) = lit(draw, &emitter, DVec3::Y);
+    let expected = factor * PI * r * r / (r * r + h * h);
+    Form::new(format!("bowl by a blob, radii {inner} and {r}, height {h}"), scene, expected, LIGHTS)
+        .bounces(0)
 }
 
 fn clear(draw: &mut Parameters, name: &str, body: impl Fn(&mut Parameters) -> String) -> Form {

@@ -21,7 +21,7 @@ fn point(attenuation: [f32; 3]) -> PointLight {
     }
 }
 
-fn area(patch: Patch, sides: Sides) -> AreaLight {
+pub(super) fn area(patch: Patch, sides: Sides) -> AreaLight {
     AreaLight {
         patch,
         drift: None,

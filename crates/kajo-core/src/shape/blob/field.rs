@@ -2,6 +2,8 @@
 
 use kajo_math::{Aabb, DVec3, fmath, roots};
 
+use super::cell::Cell;
+
 /// How the strength of a component falls off, by `u`, the squared distance over the squared radius.
 ///
 /// All of them fall, and less and less so, and end at some `u` with the value zero.
@@ -120,6 +122,24 @@ impl Term {
             BlobCore::Cylinder([a, b]) => around(a).union(around(b)),
         }
         .padded(1e-6)
+    }
+
+    /// The most that it may say in a box; `None` where that is nothing.
+    pub fn most_in(&self, kernel: BlobKernel, cell: &Cell) -> Option<f64> {
+        let [near2, far2] = match self.core {
+            BlobCore::Ball(center) => cell.distances2(center),
+            BlobCore::Cylinder(_) => {
+                let (middle, half) = (0.5 * (cell.min + cell.max), 0.5 * (cell.max - cell.min).length());
+                let distance = self.offset(middle).length();
+                [(distance - half).max(0.0), distance + half].map(|d| d * d)
+            }
+        };
+        let [nearest, farthest] = [near2, far2].map(|d2| d2 * self.inverse2);
+        if nearest >= self.farthest {
+            return None;
+        }
+        let u = if self.adds() { nearest } else { farthest.min(self.farthest) };
+        Some(self.strength * (kernel.value(u) - self.cut))
     }
 
     /// The vector to `p` from what is nearest to it.

@@ -13,6 +13,8 @@
 //!
 //! Scene: `Blob { threshold 0.5  sphere { center 0 0 0  radius 1 }  sphere { center 1.2 0 0  radius 1 } }`
 
+mod cell;
+mod extent;
 mod field;
 
 use std::cell::RefCell;
@@ -21,8 +23,9 @@ use std::sync::Arc;
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
+use self::extent::Extent;
 use self::field::{Term, sum_of_bounds};
-use super::{Ray64, Surface, Tessellation, in_range, stored};
+use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 pub use field::{BlobComponent, BlobCore, BlobKernel};
 
@@ -91,7 +94,8 @@ impl Blob {
         let tree = (boxes.len() >= TERMS_FOR_A_TREE).then(|| Bvh::build(&boxes, &BuildSettings::default()));
         // Only what adds to the field can bring it to the threshold.
         let adds = terms.iter().zip(&boxes).filter(|(term, _)| term.adds()).map(|(_, bounds)| *bounds);
-        let bounds = adds.fold(Aabb::EMPTY, Aabb::union);
+        let reaches = adds.fold(Aabb::EMPTY, Aabb::union);
+        let bounds = Extent { kernel, threshold, terms: &terms }.bounds(reaches);
         let far = bounds.min.abs().max(bounds.max.abs()).max_element();
         let strengths: f64 = components.iter().map(|component| component.strength.abs()).sum();
         let rounding = 64.0 * f64::EPSILON * (strengths + threshold);
@@ -303,6 +307,16 @@ impl Surface for Blob {
 
     fn is_closed(&self) -> bool {
         true
+    }
+
+    fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
+        let Parts { kernel, threshold, terms, bounds, .. } = &*self.0;
+        let center = bounds.center().as_dvec3();
+        let extent = Extent { kernel: *kernel, threshold: *threshold, terms };
+        if let Some(patch) = TracedPatch::new(self.clone(), 0) {
+            let patch = patch.within(center, extent.radius(*bounds, center));
+            visit(0, Patch::Traced(Box::new(patch)));
+        }
     }
 
     fn tessellate(&self, around: u32, out: &mut Tessellation) {

@@ -155,3 +155,35 @@ fn what_is_no_blob() {
     let weak = gaussian(&[ball(0.0, 0.5)]);
     assert!(weak.hit(&Ray::new(-3.0 * Vec3::X, Vec3::X)).is_none());
 }
+
+/// Boxes and balls around blobs hold them and are hardly larger.
+#[test]
+fn extents_are_tight() {
+    let blob = gaussian(&[ball(0.0, 2.0)]);
+    let r = fmath::ln64(2.0).sqrt();
+    let Aabb { min, max } = blob.bounds();
+    for x in [max, -min].into_iter().flat_map(|corner| corner.to_array()) {
+        assert!((r..1.15 * r).contains(&f64::from(x)), "{x} for {r}");
+    }
+    let parts = &*blob.0;
+    let extent = Extent { kernel: parts.kernel, threshold: parts.threshold, terms: &parts.terms };
+    let around = extent.radius(blob.bounds(), DVec3::ZERO);
+    assert!((r..1.1 * r).contains(&around), "{around} for {r}");
+    let negative = gaussian(&[ball(0.0, 2.0), ball(0.9, -1.5)]);
+    assert!(negative.bounds().max.x < blob.bounds().max.x, "what is taken away");
+    // Every point of the field above the threshold lies within.
+    for kernel in [BlobKernel::Gaussian, BlobKernel::Wyvill, BlobKernel::Povray] {
+        let blob = random(40, kernel);
+        let parts = &*blob.0;
+        let center = blob.bounds().center().as_dvec3();
+        let extent = Extent { kernel, threshold: parts.threshold, terms: &parts.terms };
+        let around = extent.radius(blob.bounds(), center);
+        for i in 0..20_000 {
+            let s = Stream::new(97, [i, 0], 0);
+            let p = (Vec3::new(s.uniform(0), s.uniform(1), s.uniform(2)) * 4.0 - 2.0).as_dvec3();
+            if blob.field(p).0 >= 0.0 {
+                assert!(blob.bounds().contains(p.as_vec3()) && p.distance(center) <= around, "{p}");
+            }
+        }
+    }
+}

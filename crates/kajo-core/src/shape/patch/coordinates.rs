@@ -17,15 +17,16 @@ use kajo_math::{DAffine3, DVec3, Vec2, Vec3, fmath};
 use super::{Canonical, CurvedPatch, Patch, PatchSample, on_unit_sphere, tube_area};
 
 impl Patch {
-    /// The place at coordinates in [0, 1)², its density per area that of evenly drawn coordinates.
-    pub fn place_at(&self, at: Vec2) -> PatchSample {
-        let p = self.point(f64::from(at.x), f64::from(at.y));
-        self.place(p, self.pdf_area(p.as_vec3()))
+    /// The place at coordinates in [0, 1)², its density per area that of evenly drawn coordinates; `None` for traced surfaces,
+    /// which have none.
+    pub fn place_at(&self, at: Vec2) -> Option<PatchSample> {
+        let p = self.point(f64::from(at.x), f64::from(at.y))?;
+        Some(self.place(p, self.pdf_area(p.as_vec3())))
     }
 
     /// [`Patch::place_at`] of the image of this patch under `m`.
     pub fn place_at_moved(&self, m: &DAffine3, at: Vec2) -> Option<PatchSample> {
-        let p = m.transform_point3(self.point(f64::from(at.x), f64::from(at.y)));
+        let p = m.transform_point3(self.point(f64::from(at.x), f64::from(at.y))?);
         let pdf = self.pdf_area_moved(m, p.as_vec3());
         Some(match self {
             Patch::Curved(curved) => curved.moved(m).place(p, pdf),
@@ -33,7 +34,7 @@ impl Patch {
         })
     }
 
-    /// The coordinates of a place on the patch, in [0, 1)².
+    /// The coordinates of a place on the patch, in [0, 1)²; zero for traced surfaces.
     pub fn coordinates(&self, p: Vec3) -> Vec2 {
         let p = p.as_dvec3();
         let [x, y] = match self {
@@ -51,6 +52,7 @@ impl Patch {
             }
             Patch::Sphere { center, .. } => on_sphere(p - center),
             Patch::Curved(curved) => curved.coordinates(curved.inverse.transform_point3(p)),
+            Patch::Traced(_) => [0.0; 2],
         };
         Vec2::new(x as f32, y as f32).clamp(Vec2::ZERO, Vec2::splat(1.0f32.next_down()))
     }
@@ -61,8 +63,8 @@ impl Patch {
     }
 
     /// The place at coordinates.
-    pub(super) fn point(&self, x: f64, y: f64) -> DVec3 {
-        match self {
+    pub(super) fn point(&self, x: f64, y: f64) -> Option<DVec3> {
+        Some(match self {
             Patch::Triangle([a, b, c]) => {
                 let [b0, b1] = if x < y { [0.5 * x, y - 0.5 * x] } else { [x - 0.5 * y, 0.5 * y] };
                 c + b0 * (a - c) + b1 * (b - c)
@@ -75,7 +77,8 @@ impl Patch {
             Patch::Disk(disk) => disk.point(x, y),
             Patch::Sphere { center, radius } => center + *radius * on_unit_sphere(x, y),
             Patch::Curved(curved) => curved.map.transform_point3(curved.canonical(x, y)),
-        }
+            Patch::Traced(_) => return None,
+        })
     }
 }
 

@@ -1,31 +1,40 @@
 //! Pieces that have moved since they were made, for lights that move: everything is drawn and measured on the
 //! image of the piece under a map, and nothing is allocated for it.
 
-use super::{Canonical, CurvedPatch, Patch, PatchSample, PatchWay, per_solid_angle, scale_of_similarity};
+use super::{
+    Canonical, CurvedPatch, Patch, PatchSample, PatchWay, PlacedTraced, per_solid_angle, scale_of_similarity,
+};
 use kajo_math::{DAffine3, DVec3, Vec2, Vec3};
 
 impl Patch {
     /// [`Patch::sample`] of the image of this piece under `m`; that of a sphere must be a sphere.
     pub fn sample_moved(&self, m: &DAffine3, from: Vec3, u: Vec2) -> Option<PatchWay> {
-        let Patch::Curved(curved) = self else { return self.moved(m)?.sample(from, u) };
-        curved.moved(m).sample_area(u)?.seen_from(from)
+        match self {
+            Patch::Curved(curved) => curved.moved(m).sample_area(u)?.seen_from(from),
+            Patch::Traced(traced) => traced.placed(Some(m)).sample(from, u),
+            other => other.moved(m)?.sample(from, u),
+        }
     }
 
     /// [`Patch::pdf`] of the image of this piece under `m`.
     ///
     /// * `p`, `n`: the place and its unit geometric normal
     pub fn pdf_moved(&self, m: &DAffine3, from: Vec3, p: Vec3, n: Vec3) -> f32 {
-        let Patch::Curved(curved) = self else {
-            return self.moved(m).map_or(0.0, |moved| moved.pdf(from, p, n));
-        };
-        let pdf_area = curved.moved(m).pdf_area(p.as_dvec3()) as f32;
-        per_solid_angle(pdf_area, from, p, n).unwrap_or(0.0)
+        match self {
+            Patch::Curved(curved) => {
+                let pdf_area = curved.moved(m).pdf_area(p.as_dvec3()) as f32;
+                per_solid_angle(pdf_area, from, p, n).unwrap_or(0.0)
+            }
+            Patch::Traced(traced) => traced.placed(Some(m)).pdf(from, p),
+            other => other.moved(m).map_or(0.0, |moved| moved.pdf(from, p, n)),
+        }
     }
 
     /// [`Patch::sample_area`] of the image of this piece under `m`.
     pub fn sample_area_moved(&self, m: &DAffine3, u: Vec2) -> Option<PatchSample> {
         match self {
             Patch::Curved(curved) => curved.moved(m).sample_area(u),
+            Patch::Traced(_) => None,
             other => other.moved(m)?.sample_area(u),
         }
     }
@@ -34,6 +43,7 @@ impl Patch {
     pub fn pdf_area_moved(&self, m: &DAffine3, p: Vec3) -> f32 {
         match self {
             Patch::Curved(curved) => curved.moved(m).pdf_area(p.as_dvec3()) as f32,
+            Patch::Traced(_) => 0.0,
             other => other.moved(m).map_or(0.0, |moved| moved.pdf_area(p)),
         }
     }
@@ -113,10 +123,17 @@ impl PlacedPatch<'_> {
         }
     }
 
+    /// The surface, if it is one whose points are found by rays.
+    #[inline]
+    pub fn traced(&self) -> Option<PlacedTraced<'_>> {
+        let Patch::Traced(traced) = self.patch else { return None };
+        Some(traced.placed(self.moved.as_ref()))
+    }
+
     /// See [`Patch::place_at`].
     pub fn place_at(&self, at: Vec2) -> Option<PatchSample> {
         match &self.moved {
-            None => Some(self.patch.place_at(at)),
+            None => self.patch.place_at(at),
             Some(m) => self.patch.place_at_moved(m, at),
         }
     }
