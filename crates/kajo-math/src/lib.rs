@@ -9,6 +9,7 @@ pub mod aabb;
 pub mod bilinear;
 pub mod fmath;
 pub mod frame;
+pub mod interval;
 pub mod motion;
 pub mod noise;
 pub mod permute;
@@ -21,6 +22,7 @@ pub mod robust;
 pub mod roots;
 pub mod sobol;
 pub mod solid_angle;
+pub mod tape;
 pub mod transform;
 pub mod warp;
 

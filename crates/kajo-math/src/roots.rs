@@ -89,21 +89,37 @@ fn halves<const N: usize>(b: &[f64; N]) -> ([f64; N], [f64; N]) {
     (left, right)
 }
 
-/// The only root of a polynomial whose ends differ in sign: Newton's method, kept within its bracket by bisection.
+/// The only root of a polynomial whose ends differ in sign.
 fn single_root<const N: usize>(b: &[f64; N]) -> f64 {
+    let start = (b[0] / (b[0] - b[N - 1])).clamp(0.0, 1.0);
+    bracketed([0.0, 1.0], start, b[0] < 0.0, f64::EPSILON, |t| value_and_slope(b, t))
+}
+
+/// A place where a function changes its sign, of which it has different ones at the ends of a bracket: Newton's method,
+/// kept within the bracket by bisection.
+///
+/// * `start`: a place in the bracket to begin with
+/// * `rises`: whether it is negative at the lower end
+/// * `tolerance`: when a step is shorter than this part of the place it is the last one
+/// * `f`: value and derivative
+pub fn bracketed(
+    [mut lo, mut hi]: [f64; 2],
+    start: f64,
+    rises: bool,
+    tolerance: f64,
+    f: impl Fn(f64) -> (f64, f64),
+) -> f64 {
     const MOST_STEPS: u32 = 64;
-    let rises = b[0] < 0.0;
-    let (mut lo, mut hi) = (0.0, 1.0);
-    let mut t = (b[0] / (b[0] - b[N - 1])).clamp(0.0, 1.0);
+    let mut t = start;
     for _ in 0..MOST_STEPS {
-        let (value, slope) = value_and_slope(b, t);
+        let (value, slope) = f(t);
         if (value < 0.0) == rises {
             lo = t;
         } else {
             hi = t;
         }
         let newton = t - value / slope;
-        if (newton - t).abs() <= f64::EPSILON * t {
+        if (newton - t).abs() <= tolerance * t.abs() {
             return t;
         }
         t = if newton > lo && newton < hi { newton } else { 0.5 * (lo + hi) };
