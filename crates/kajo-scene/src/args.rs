@@ -4,10 +4,12 @@ use crate::diagnostic::{Diagnostic, Diagnostics, quoted};
 use crate::lexer::looks_like_number;
 use crate::nearest::nearest;
 use crate::source::Span;
-use crate::tree::{Item, Number, Word};
+use crate::tree::{Item, Number, Value, Word};
+use kajo_math::tape::{Node, Tape, TapeBuilder};
 use kajo_math::{Vec2, Vec3};
 use std::borrow::Cow;
 use std::ops::{Bound, RangeBounds, RangeInclusive};
+use std::sync::Arc;
 
 /// The values of an item, taken one after the other.
 ///
@@ -203,13 +205,28 @@ impl<'a> Args<'a> {
 
     /// A word or string, such as a name or a path.
     pub fn text(&mut self) -> Result<Cow<'a, str>, Diagnostic> {
-        match self.word.take() {
+        match self.word.take_if(|word| !matches!(word.value(), Value::Function(_))) {
             Some(word) => Ok(word.text()),
             None => {
                 let found = self.found();
                 Err(self.mismatch("a word or a string in quotes", &found))
             }
         }
+    }
+
+    /// A function of the place; a number is one that is the same everywhere.
+    pub fn function(&mut self) -> Result<Arc<Tape>, Diagnostic> {
+        if let Some(function) = self.item.function() {
+            self.word = None;
+            return Ok(function.clone());
+        }
+        if self.word.is_none() && self.numbers_left() == 1 {
+            let value = self.double()?;
+            return Ok(Arc::new(TapeBuilder::new().finish(Node::Constant(value))));
+        }
+        let found = self.found();
+        let error = self.mismatch("`=` and a function of x, y and z", &found);
+        Err(error.help(format!("write `{} = x^2 + y^2 + z^2 - 1`", self.key())))
     }
 
     /// An error about this item's values, placed at them.
@@ -274,6 +291,11 @@ impl<'a> Args<'a> {
     }
 
     fn word_for_number(&self, word: Word<'_>, n: usize) -> Diagnostic {
+        if let Value::Function(_) = word.value() {
+            let message =
+                format!("expected {} after `{}`, found a function of the place", count(n), self.key());
+            return Diagnostic::error(message).label(word.span, "expected no `x`, `y` or `z` here");
+        }
         let text = word.text();
         let found = match text.parse::<f64>() {
             // The lexer takes any number that a float can hold.

@@ -1,4 +1,4 @@
-//! Numbers as expressions: `2 * r + 1`, `sin(30 deg)`, `random(7, 0, 1)`.
+//! Numbers as expressions: `2 * r + 1`, `sin(30 deg)`, `random(7, 0, 1)`; and functions of the place: `x^2 + y^2 - r`.
 //!
 //! ```text
 //! sum      = product { ("+" | "-") product }
@@ -15,12 +15,23 @@
 //! A list of numbers has blanks between them and no commas, so that outside of parentheses `1 -2` are two numbers and
 //! `1 - 2` is one: there a `+` or `-` joins two terms only where blanks stand on both its sides.
 
-use kajo_math::fmath;
-use std::f64::consts::{PI, TAU};
+mod functions;
+
+use std::f64::consts::PI;
 use std::ops::Range;
+
+use kajo_math::tape::{Binary, Node, Tape, TapeBuilder, Unary};
+
+use self::functions::{FUNCTIONS, Function, constant};
 
 /// Parentheses and signs within each other.
 const DEEPEST: usize = 64;
+
+/// The names of the variables of a [`Formula`], in the order of [`Tape`]'s: coordinates of a point.
+pub(crate) const VARIABLES: [&str; 3] = ["x", "y", "z"];
+
+/// Operations of a function at most.
+const MOST_OPERATIONS: usize = 10_000;
 
 /// What an expression is worth, and where it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +42,15 @@ pub(crate) struct Evaluated {
     pub end: usize,
     /// Whether it is the name of a value and nothing else.
     pub is_name: bool,
+}
+
+/// What an expression with variables is.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Formula {
+    /// The same everywhere.
+    Number(f64),
+    /// A function of the variables.
+    Function(Tape),
 }
 
 /// Why there is no value.
@@ -56,7 +76,7 @@ pub(crate) enum Around {
 /// The value of the expression that starts at byte `start` of `text`, as far as it reaches.
 ///
 /// * `start`: where a number, a name, a function, a sign or a parenthesis stands
-/// * `value_of`: the values of names
+/// * `value_of`: the values of names, which stand at these bytes
 ///
 /// # Errors
 /// What cannot be read or has no finite value, with its place.
@@ -64,14 +84,40 @@ pub(crate) fn evaluate(
     text: &str,
     start: usize,
     around: Around,
-    value_of: &dyn Fn(&str) -> Option<f64>,
+    value_of: &dyn Fn(&str, Range<usize>) -> Option<f64>,
 ) -> Result<Evaluated, ExpressionError> {
-    let open = usize::from(around == Around::Nothing);
-    let mut reader = Reader { text, at: start, value_of, open, depth: 0 };
-    let is_name = name_at(&text[start..]).is_some_and(|name| value_of(name).is_some());
+    let mut reader = Reader::new(text, start, around, value_of, &[]);
+    let is_name =
+        name_at(&text[start..]).is_some_and(|name| value_of(name, start..start + name.len()).is_some());
     let name_end = start + name_at(&text[start..]).map_or(0, str::len);
     let value = reader.sum()?;
-    Ok(Evaluated { value, end: reader.at, is_name: is_name && reader.at == name_end })
+    let end = reader.at;
+    match value {
+        Node::Constant(value) => Ok(Evaluated { value, end, is_name: is_name && end == name_end }),
+        Node::Slot(_) => {
+            Err(ExpressionError { message: "this is no number".to_owned(), at: start..end, help: None })
+        }
+    }
+}
+
+/// The function of the place that starts at byte `start` of `text`, as far as it reaches, and where it ends.
+///
+/// * `start`, `value_of`: as for [`evaluate`]; a variable hides a value of its name
+///
+/// # Errors
+/// What cannot be read, and parts without variables that have no finite value, with the place.
+pub(crate) fn formula(
+    text: &str,
+    start: usize,
+    value_of: &dyn Fn(&str, Range<usize>) -> Option<f64>,
+) -> Result<(Formula, usize), ExpressionError> {
+    let mut reader = Reader::new(text, start, Around::Nothing, value_of, &VARIABLES);
+    let value = reader.sum()?;
+    let formula = match value {
+        Node::Constant(number) => Formula::Number(number),
+        Node::Slot(_) => Formula::Function(reader.tape.finish(value)),
+    };
+    Ok((formula, reader.at))
 }
 
 /// The name at the start of `text`: letters, digits and `_`, the first no digit.
@@ -91,126 +137,66 @@ pub(crate) fn is_reserved(name: &str) -> bool {
     is_function(name) || name == "deg" || constant(name).is_some()
 }
 
-fn constant(name: &str) -> Option<f64> {
-    match name {
-        "pi" => Some(PI),
-        "tau" => Some(TAU),
-        _ => None,
-    }
-}
-
-/// A function of expressions.
-struct Function {
-    name: &'static str,
-    /// How it is written, for messages.
-    usage: &'static str,
-    /// Least and most arguments.
-    arguments: (usize, usize),
-    value: fn(&[f64]) -> f64,
-}
-
-impl Function {
-    const fn one(name: &'static str, usage: &'static str, value: fn(&[f64]) -> f64) -> Function {
-        Function { name, usage, arguments: (1, 1), value }
-    }
-
-    const fn of(n: usize, name: &'static str, usage: &'static str, value: fn(&[f64]) -> f64) -> Function {
-        Function { name, usage, arguments: (n, n), value }
-    }
-}
-
-const FUNCTIONS: [Function; 24] = [
-    Function::one("sin", "sin(x)", |v| fmath::sin64(v[0])),
-    Function::one("cos", "cos(x)", |v| fmath::cos64(v[0])),
-    Function::one("tan", "tan(x)", |v| fmath::tan64(v[0])),
-    Function::one("asin", "asin(x)", |v| fmath::asin64(v[0])),
-    Function::one("acos", "acos(x)", |v| fmath::acos64(v[0])),
-    Function::one("atan", "atan(x)", |v| fmath::atan64(v[0])),
-    Function::of(2, "atan2", "atan2(y, x)", |v| fmath::atan2_64(v[0], v[1])),
-    Function::one("sqrt", "sqrt(x)", |v| v[0].sqrt()),
-    Function::one("exp", "exp(x)", |v| fmath::exp64(v[0])),
-    Function::one("ln", "ln(x)", |v| fmath::ln64(v[0])),
-    Function::one("abs", "abs(x)", |v| v[0].abs()),
-    Function::one("sign", "sign(x)", |v| if v[0] == 0.0 { 0.0 } else { v[0].signum() }),
-    Function::one("floor", "floor(x)", |v| v[0].floor()),
-    Function::one("ceil", "ceil(x)", |v| v[0].ceil()),
-    Function::one("round", "round(x)", |v| v[0].round()),
-    Function::one("fract", "fract(x)", |v| v[0] - v[0].floor()),
-    Function {
-        name: "min",
-        usage: "min(a, b, ...)",
-        arguments: (1, 16),
-        value: |v| v.iter().copied().fold(f64::INFINITY, f64::min),
-    },
-    Function {
-        name: "max",
-        usage: "max(a, b, ...)",
-        arguments: (1, 16),
-        value: |v| v.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-    },
-    Function::of(3, "clamp", "clamp(x, low, high)", |v| v[0].max(v[1]).min(v[2])),
-    Function::of(3, "mix", "mix(a, b, t)", |v| v[0] * (1.0 - v[2]) + v[1] * v[2]),
-    Function::of(2, "step", "step(edge, x)", |v| if v[1] < v[0] { 0.0 } else { 1.0 }),
-    Function::of(3, "smoothstep", "smoothstep(low, high, x)", |v| {
-        let t = ((v[2] - v[0]) / (v[1] - v[0])).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
-    }),
-    Function::of(2, "hypot", "hypot(x, y)", |v| (v[0] * v[0] + v[1] * v[1]).sqrt()),
-    Function::of(3, "random", "random(seed, low, high)", |v| v[1] + (v[2] - v[1]) * random(v[0])),
-];
-
-/// A number in [0, 1) that looks like no other seed's: the output function of SplitMix64 [Steele et al. 2014].
-fn random(seed: f64) -> f64 {
-    // Zero has two signs.
-    let mut z = (seed + 0.0).to_bits().wrapping_add(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 * f64::from_bits(0x3CA0_0000_0000_0000)
-}
-
 struct Reader<'a> {
     text: &'a str,
     at: usize,
-    value_of: &'a dyn Fn(&str) -> Option<f64>,
+    value_of: &'a dyn Fn(&str, Range<usize>) -> Option<f64>,
+    /// The names of variables.
+    variables: &'static [&'static str],
+    tape: TapeBuilder,
     /// Parentheses open, and one more where nothing is around: between them blanks mean nothing.
     open: usize,
     depth: usize,
 }
 
-impl Reader<'_> {
-    fn sum(&mut self) -> Result<f64, ExpressionError> {
+impl<'a> Reader<'a> {
+    fn new(
+        text: &'a str,
+        start: usize,
+        around: Around,
+        value_of: &'a dyn Fn(&str, Range<usize>) -> Option<f64>,
+        variables: &'static [&'static str],
+    ) -> Reader<'a> {
+        let open = usize::from(around == Around::Nothing);
+        Reader { text, at: start, value_of, variables, tape: TapeBuilder::new(), open, depth: 0 }
+    }
+
+    fn sum(&mut self) -> Result<Node, ExpressionError> {
         let start = self.at;
         let mut sum = self.product()?;
         while let Some(operator) = self.operator(b"+-") {
             let right = self.product()?;
-            sum = self.finite(if operator == b'+' { sum + right } else { sum - right }, start)?;
+            let operator = if operator == b'+' { Binary::Add } else { Binary::Sub };
+            let value = self.tape.binary(operator, sum, right);
+            sum = self.checked(value, start)?;
         }
         Ok(sum)
     }
 
-    fn product(&mut self) -> Result<f64, ExpressionError> {
+    fn product(&mut self) -> Result<Node, ExpressionError> {
         let start = self.at;
         let mut product = self.signed()?;
         while let Some(operator) = self.operator(b"*/%") {
             let divisor = self.at;
             let right = self.signed()?;
-            if operator != b'*' && right == 0.0 {
+            if operator != b'*' && right == Node::Constant(0.0) {
                 let shown = self.text[divisor..self.at].trim_start();
                 let at = self.at - shown.len()..self.at;
                 return Err(ExpressionError { message: "division by zero".to_owned(), at, help: None });
             }
-            let value = match operator {
-                b'*' => product * right,
-                b'/' => product / right,
+            let operator = match operator {
+                b'*' => Binary::Mul,
+                b'/' => Binary::Div,
                 // With the sign of the divisor, so that angles and numbers of rows wrap as one expects.
-                _ => product - right * (product / right).floor(),
+                _ => Binary::Modulo,
             };
-            product = self.finite(value, start)?;
+            let value = self.tape.binary(operator, product, right);
+            product = self.checked(value, start)?;
         }
         Ok(product)
     }
 
-    fn signed(&mut self) -> Result<f64, ExpressionError> {
+    fn signed(&mut self) -> Result<Node, ExpressionError> {
         self.blanks();
         self.depth += 1;
         if self.depth > DEEPEST {
@@ -220,7 +206,8 @@ impl Reader<'_> {
         let value = match self.peek() {
             Some(b'-') => {
                 self.at += 1;
-                -self.signed()?
+                let value = self.signed()?;
+                self.tape.unary(Unary::Neg, value)
             }
             Some(b'+') => {
                 self.at += 1;
@@ -232,27 +219,28 @@ impl Reader<'_> {
         Ok(value)
     }
 
-    fn power(&mut self) -> Result<f64, ExpressionError> {
+    fn power(&mut self) -> Result<Node, ExpressionError> {
         let start = self.at;
         let base = self.unit()?;
         if self.operator(b"^").is_none() {
             return Ok(base);
         }
         let exponent = self.signed()?;
-        self.finite(fmath::pow64(base, exponent), start)
+        let value = self.tape.binary(Binary::Pow, base, exponent);
+        self.checked(value, start)
     }
 
-    fn unit(&mut self) -> Result<f64, ExpressionError> {
+    fn unit(&mut self) -> Result<Node, ExpressionError> {
         let value = self.primary()?;
         let rest = self.text[self.at..].trim_start();
         if self.open > 0 && name_at(rest) == Some("deg") {
             self.at = self.text.len() - rest.len() + "deg".len();
-            return Ok(value * (PI / 180.0));
+            return Ok(self.tape.mul(value, Node::Constant(PI / 180.0)));
         }
         Ok(value)
     }
 
-    fn primary(&mut self) -> Result<f64, ExpressionError> {
+    fn primary(&mut self) -> Result<Node, ExpressionError> {
         self.blanks();
         let rest = &self.text[self.at..];
         if rest.starts_with('(') {
@@ -270,7 +258,7 @@ impl Reader<'_> {
         match rest[..length].parse::<f64>() {
             Ok(value) if value.is_finite() => {
                 self.at += length;
-                Ok(value)
+                Ok(Node::Constant(value))
             }
             _ => {
                 let found = rest.chars().next();
@@ -284,14 +272,17 @@ impl Reader<'_> {
         }
     }
 
-    fn named(&mut self, name: &str) -> Result<f64, ExpressionError> {
+    fn named(&mut self, name: &str) -> Result<Node, ExpressionError> {
         let at = self.at..self.at + name.len();
         self.at = at.end;
         if let Some(function) = FUNCTIONS.iter().find(|function| function.name == name) {
             return self.call(function, at);
         }
-        if let Some(value) = (self.value_of)(name).or_else(|| constant(name)) {
-            return Ok(value);
+        if let Some(i) = self.variables.iter().position(|variable| *variable == name) {
+            return Ok(self.tape.variable(i as u32));
+        }
+        if let Some(value) = (self.value_of)(name, at.clone()).or_else(|| constant(name)) {
+            return Ok(Node::Constant(value));
         }
         let what = if self.text[self.at..].starts_with('(') { "function" } else { "value" };
         let functions = || FUNCTIONS.iter().map(|function| function.name).chain(["pi", "tau"]);
@@ -300,7 +291,7 @@ impl Reader<'_> {
         Err(ExpressionError { message: format!("there is no {what} named `{name}`"), at, help })
     }
 
-    fn call(&mut self, function: &Function, name: Range<usize>) -> Result<f64, ExpressionError> {
+    fn call(&mut self, function: &Function, name: Range<usize>) -> Result<Node, ExpressionError> {
         let wrong = |at: Range<usize>, message: String| {
             Err(ExpressionError { message, at, help: Some(format!("it is written `{}`", function.usage)) })
         };
@@ -325,13 +316,19 @@ impl Reader<'_> {
             let message = format!("`{}` takes no {} arguments", function.name, arguments.len());
             return wrong(name.start..self.at, message);
         }
-        let value = (function.value)(&arguments);
-        if value.is_finite() {
-            return Ok(value);
-        }
-        let shown: Vec<String> = arguments.iter().map(f64::to_string).collect();
-        let message = format!("`{}` has no finite value at {}", function.name, shown.join(", "));
-        Err(ExpressionError { message, at: name.start..self.at, help: None })
+        let Some(value) = (function.apply)(&mut self.tape, &arguments) else {
+            let message = format!("what `{}` is called with must be the same everywhere", function.name);
+            return wrong(name.start..self.at, message);
+        };
+        let finite = self.checked(value, name.start);
+        finite.map_err(|error| match value {
+            Node::Constant(_) => {
+                let shown: Vec<String> = arguments.iter().map(shown).collect();
+                let message = format!("`{}` has no finite value at {}", function.name, shown.join(", "));
+                ExpressionError { message, at: name.start..self.at, help: None }
+            }
+            Node::Slot(_) => error,
+        })
     }
 
     fn close(&mut self, open: usize) -> Result<(), ExpressionError> {
@@ -364,11 +361,15 @@ impl Reader<'_> {
         Some(operator)
     }
 
-    fn finite(&self, value: f64, start: usize) -> Result<f64, ExpressionError> {
-        if value.is_finite() {
-            return Ok(value);
-        }
-        let message = "this has no finite value".to_owned();
+    /// The value of what begins at `start`, if it is a finite number or a function that is not too long.
+    fn checked(&self, value: Node, start: usize) -> Result<Node, ExpressionError> {
+        let message = match value {
+            Node::Constant(number) if !number.is_finite() => "this has no finite value".to_owned(),
+            _ if self.tape.len() > MOST_OPERATIONS => {
+                format!("a function has at most {MOST_OPERATIONS} operations")
+            }
+            _ => return Ok(value),
+        };
         let start = self.at - self.text[start..self.at].trim_start().len();
         Err(ExpressionError { message, at: start..self.at, help: None })
     }
@@ -401,151 +402,12 @@ fn number_length(text: &str) -> usize {
     end
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn value_of(name: &str) -> Option<f64> {
-        match name {
-            "r" => Some(0.5),
-            "i" => Some(3.0),
-            _ => None,
-        }
-    }
-
-    /// The value of all of `text`, or the message and the piece it is about.
-    fn value(text: &str) -> Result<f64, (String, &str)> {
-        match evaluate(text, 0, Around::List, &value_of) {
-            Ok(found) => {
-                assert_eq!(found.end, text.len(), "{text}");
-                Ok(found.value)
-            }
-            Err(error) => Err((error.message, &text[error.at])),
-        }
-    }
-
-    #[test]
-    fn operators_bind_as_in_mathematics() {
-        for (text, expected) in [
-            ("2 * r + 1", 2.0),
-            ("1 + 2 * 3", 7.0),
-            ("(1 + 2) * 3", 9.0),
-            ("2 ^ 3 ^ 2", 512.0),
-            ("-2 ^ 2", -4.0),
-            ("2 ^ -1", 0.5),
-            ("8 / 4 / 2", 1.0),
-            ("7 - 3 - 2", 2.0),
-            ("-7 % 3", 2.0),
-            ("--2", 2.0),
-            ("(1-2)", -1.0),
-            ("(1 -2)", -1.0),
-            ("2*r", 1.0),
-            (".5e1", 5.0),
-            ("(2e)", f64::NAN),
-            ("max(1, i, 2)", 3.0),
-            ("( 4\n)", 4.0),
-        ] {
-            match value(text) {
-                Ok(found) => assert_eq!(found, expected, "{text}"),
-                Err(_) => assert!(expected.is_nan(), "{text}"),
-            }
-        }
-    }
-
-    #[test]
-    fn functions_have_their_values() {
-        for (text, expected) in [
-            ("sin(30 deg)", 0.5),
-            ("cos(pi)", -1.0),
-            ("atan2(1, -1)", 0.75 * PI),
-            ("acos(0)", 0.5 * PI),
-            ("sqrt(2) ^ 2", 2.0),
-            ("ln(exp(3))", 3.0),
-            ("mix(2, 4, 0.25)", 2.5),
-            ("clamp(7, 0, 1)", 1.0),
-            ("smoothstep(0, 2, 1)", 0.5),
-            ("sign(-3) + step(1, 2) + fract(-0.25) + hypot(3, 4)", 5.75),
-        ] {
-            let found = value(text).unwrap();
-            assert!((found - expected).abs() < 1e-15 * expected.abs().max(1.0), "{text}: {found}");
-        }
-        for function in &FUNCTIONS {
-            assert!(function.usage.starts_with(&format!("{}(", function.name)));
-            assert!(is_reserved(function.name));
-        }
-    }
-
-    #[test]
-    fn random_numbers_fill_their_range_evenly() {
-        let n = 4096;
-        let drawn: Vec<f64> = (0..n).map(|i| random(f64::from(i))).collect();
-        let mean = drawn.iter().sum::<f64>() / f64::from(n);
-        // The standard deviation of the mean is 0.0045.
-        assert!((mean - 0.5).abs() < 0.018, "{mean}");
-        let mut bins = [0_u32; 16];
-        drawn.iter().for_each(|x| bins[(x * 16.0) as usize] += 1);
-        let chi_square: f64 = bins.iter().map(|&n| (f64::from(n) - 256.0).powi(2) / 256.0).sum();
-        // One in ten thousand lies above 44.3 with 15 degrees of freedom.
-        assert!(chi_square < 44.3, "{chi_square}");
-        let neighbours: f64 = drawn.windows(2).map(|pair| (pair[0] - 0.5) * (pair[1] - 0.5)).sum();
-        assert!((neighbours * 12.0 / f64::from(n)).abs() < 4.0 / f64::from(n).sqrt());
-        assert_eq!(value("random(0, 2, 3)"), value("random(-0, 2, 3)"));
-        assert!((2.0..3.0).contains(&value("random(7, 2, 3)").unwrap()));
-    }
-
-    #[test]
-    fn an_expression_ends_where_a_list_goes_on() {
-        for (text, end) in [("1 -2", 1), ("r -r", 1), ("1 - 2 3", 5), ("r 4", 1), ("2 // c", 1), ("3 deg", 1)]
-        {
-            assert_eq!(evaluate(text, 0, Around::List, &value_of).unwrap().end, end, "{text}");
-        }
-        for (text, end) in [("1 -2 3", 4), ("2 * 3 deg c", 9), ("1-2", 3)] {
-            assert_eq!(evaluate(text, 0, Around::Nothing, &value_of).unwrap().end, end, "{text}");
-        }
-        let names = ["r", "r + 1", "(r)", "2"]
-            .map(|text| evaluate(text, 0, Around::List, &value_of).unwrap().is_name);
-        assert_eq!(names, [true, false, false, false]);
-    }
-
-    #[test]
-    fn mistakes_have_a_place() {
-        for (text, message, place) in [
-            ("1 / (i - 3)", "division by zero", "(i - 3)"),
-            ("4 % 0", "division by zero", "0"),
-            ("2 * q", "there is no value named `q`", "q"),
-            ("sqrt(0 - 1)", "`sqrt` has no finite value at -1", "sqrt(0 - 1)"),
-            ("1 + ln(0)", "`ln` has no finite value at 0", "ln(0)"),
-            ("(1 + 2", "this `(` is not closed", "("),
-            ("(1 2)", "this `(` is not closed", "("),
-            ("sin(1, 2)", "`sin` takes no 2 arguments", "sin(1, 2)"),
-            ("sin * 2", "the function `sin` has no arguments", "sin"),
-            ("(2 * )", "expected a number, a name or `(`, found `)`", ")"),
-            ("2 *", "expected a number, a name or `(` at the end of this", ""),
-            ("1e300 * 1e300", "this has no finite value", "1e300 * 1e300"),
-            ("sine(1)", "there is no function named `sine`", "sine"),
-            ("0 ^ -1", "this has no finite value", "0 ^ -1"),
-        ] {
-            assert_eq!(value(text), Err((message.to_owned(), place)), "{text}");
-        }
-        let deep = "(".repeat(100) + "1" + &")".repeat(100);
-        assert!(value(&deep).unwrap_err().0.contains("more than 64 deep"));
-        assert!(value(&("-".repeat(1_000_000) + "1")).is_err(), "no stack overflow");
-    }
-
-    proptest! {
-        #[test]
-        fn sums_and_products_are_those_of_rust(a in -1e3..1e3f64, b in -1e3..1e3f64, c in 1e-3..1e3f64) {
-            let text = format!("{a:?} * {b:?} - {b:?} / {c:?}");
-            prop_assert_eq!(value(&text), Ok(a * b - b / c));
-        }
-
-        #[test]
-        fn any_text_ends_in_a_value_or_a_message(text in "[-+*/%^() ,.0-9a-zé]{0,30}") {
-            match evaluate(&text, 0, Around::List, &value_of) {
-                Ok(found) => prop_assert!(found.value.is_finite() && text.is_char_boundary(found.end)),
-                Err(error) => prop_assert!(text.get(error.at).is_some()),
-            }
-        }
+fn shown(argument: &Node) -> String {
+    match argument {
+        Node::Constant(number) => number.to_string(),
+        Node::Slot(_) => "a function".to_owned(),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -151,6 +151,14 @@ impl<'a, 'd> Params<'a, 'd> {
         }
     }
 
+    /// Reports what is to be said of the block itself.
+    pub fn report(&mut self, diagnostic: Diagnostic, label: &str) {
+        self.diagnostics.push(match self.item {
+            Some(item) => diagnostic.label(item.head_span(), label),
+            None => diagnostic,
+        });
+    }
+
     /// Warns at the last item called `key`, asked for or not.
     pub fn warn(&mut self, key: &str, message: impl Into<String>, label: &str) {
         let warning = Diagnostic::warning(message);

@@ -13,6 +13,7 @@
 //! files are kept on explicit stacks: deep nesting costs no program stack.
 
 mod files;
+mod functions;
 mod hex_color;
 mod values;
 
@@ -203,8 +204,18 @@ impl<'l> Parser<'l> {
                     self.begin_repeat(span, &mut tokens, &text)?;
                     source = self.source();
                 }
+                TokenKind::Word if word.starts_with('=') && self.expect == Expect::Value => {
+                    let end = self.equals(span.start, span, &text);
+                    tokens = Tokens::resume(&text, end);
+                }
                 TokenKind::Word => {
                     if let Some(end) = self.expression(span, &text) {
+                        tokens = Tokens::resume(&text, end);
+                        continue;
+                    }
+                    if let Some(keyword) = self.keyword_of_equation(word) {
+                        let end = span.start + keyword.len() as u32;
+                        self.word(Span { end, ..span }, keyword)?;
                         tokens = Tokens::resume(&text, end);
                         continue;
                     }

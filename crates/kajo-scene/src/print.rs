@@ -51,6 +51,11 @@ fn head(out: &mut String, item: Item<'_>) {
         match value {
             Value::Number(number) => out.push_str(&format_number(number)),
             Value::Word(word) => out.push_str(word),
+            Value::Function(text) => {
+                let text = item.function_text().unwrap_or_else(|| text.to_owned());
+                let words: Vec<&str> = text.split_whitespace().collect();
+                out.push_str(&words.join(" "));
+            }
             Value::String(text) => {
                 let _ = write!(out, "\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
             }
@@ -69,7 +74,8 @@ mod tests {
             let numbers: Vec<u64> = item.numbers().map(|(value, _)| value.to_bits()).collect();
             let word = item.word().map(|word| word.value());
             let children = item.children().count();
-            format!("{} {word:?} {numbers:?} {} {children}", item.keyword(), item.has_block())
+            let function = item.function();
+            format!("{} {word:?} {function:?} {numbers:?} {} {children}", item.keyword(), item.has_block())
         };
         desc.items().map(describe).collect()
     }
@@ -93,9 +99,12 @@ mod tests {
             "a \"x y\" 1 -0 1e300 5e-324 { b {} c \"\" }",
             r#"f "q\"\\ \n" g C:\dir"#,
             "a include b 1",
+            "a = x^2 + y b 2",
         ] {
             check_round_trip(text);
         }
+        let values = SceneDesc::parse_str("let r = -2 a =\n  r * x -\n y b=2*r");
+        assert_eq!(print(&values.desc), "a = (-2) * x - y\nb -4\n");
     }
 
     #[test]

@@ -5,8 +5,11 @@
 //! array in pre-order and know where their subtree ends; numbers lie in
 //! another. Text is not copied: words are spans of the kept sources.
 
+use crate::edit::format_number;
 use crate::source::{SourceId, Sources, Span};
+use kajo_math::tape::Tape;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// The items of a scene and the texts they came from.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +21,26 @@ pub struct SceneDesc {
     pub(crate) values: Vec<NamedValue>,
     /// The numbers that are written as expressions.
     pub(crate) expressions: Vec<Expression>,
+    /// The functions, in the order of their items.
+    pub(crate) functions: Vec<Function>,
+}
+
+/// A function of the place.
+#[derive(Clone, Debug)]
+pub(crate) struct Function {
+    /// The item whose value it is.
+    pub node: u32,
+    pub tape: Arc<Tape>,
+    /// The named values in its text.
+    pub inserts: Vec<Insert>,
+}
+
+/// A named value in the text of a function.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Insert {
+    pub start: u32,
+    pub end: u32,
+    pub value: f64,
 }
 
 /// A value with a name.
@@ -42,7 +65,7 @@ pub(crate) struct Expression {
 pub(crate) struct Node {
     pub source: SourceId,
     pub keyword: (u32, u32),
-    /// The word or string after the keyword; empty when there is none.
+    /// The word or string after the keyword, or a function with its equals sign; empty when there is none.
     pub word: (u32, u32),
     /// One past the last byte of the item.
     pub end: u32,
@@ -140,10 +163,35 @@ impl<'a> Item<'a> {
         self.span()
     }
 
-    /// The word or string after the keyword.
+    /// The word, string or function after the keyword.
     pub fn word(&self) -> Option<Word<'a>> {
         let range = self.node().word;
         (range.0 < range.1).then(|| Word { raw: self.text(range), span: self.span_of(range) })
+    }
+
+    /// The function of the place that is its value, of `x`, `y` and `z`.
+    pub fn function(&self) -> Option<&'a Arc<Tape>> {
+        self.function_record().map(|function| &function.tape)
+    }
+
+    /// The text of its function, with its equals sign, and numbers in place of named values.
+    pub fn function_text(&self) -> Option<String> {
+        let function = self.function_record()?;
+        let (mut at, end) = self.node().word;
+        let mut text = String::new();
+        for insert in &function.inserts {
+            let number = format_number(insert.value);
+            text.push_str(self.text((at, insert.start)));
+            text.push_str(&if insert.value < 0.0 { format!("({number})") } else { number });
+            at = insert.end;
+        }
+        text.push_str(self.text((at, end)));
+        Some(text)
+    }
+
+    fn function_record(&self) -> Option<&'a Function> {
+        let functions = &self.desc.functions;
+        functions.binary_search_by_key(&self.index, |function| function.node).ok().map(|i| &functions[i])
     }
 
     /// The numbers after the keyword and the word, or first in the block.
@@ -262,6 +310,7 @@ impl<'a> Word<'a> {
     pub fn value(&self) -> Value<'a> {
         match self.raw.strip_prefix('"') {
             Some(rest) => Value::String(unescape(rest.strip_suffix('"').unwrap_or(rest))),
+            None if self.raw.starts_with('=') => Value::Function(self.raw),
             None => Value::Word(self.raw),
         }
     }
@@ -276,14 +325,16 @@ pub enum Value<'a> {
     Word(&'a str),
     /// A string, unescaped.
     String(Cow<'a, str>),
+    /// A function of the place, as it is written behind an equals sign, which is there too.
+    Function(&'a str),
 }
 
 impl<'a> Value<'a> {
-    /// The text of a word or string.
+    /// The text of a word, string or function.
     pub fn text(self) -> Option<Cow<'a, str>> {
         match self {
             Value::Number(_) => None,
-            Value::Word(word) => Some(Cow::Borrowed(word)),
+            Value::Word(text) | Value::Function(text) => Some(Cow::Borrowed(text)),
             Value::String(string) => Some(string),
         }
     }

@@ -14,7 +14,7 @@ fn shape<'a>(items: impl Iterator<Item = Item<'a>>) -> String {
         for (value, _) in item.values() {
             text += &match value {
                 Value::Number(number) => format!(" {number}"),
-                Value::Word(word) => format!(" {word}"),
+                Value::Word(word) | Value::Function(word) => format!(" {word}"),
                 Value::String(string) => format!(" {string:?}"),
             };
         }

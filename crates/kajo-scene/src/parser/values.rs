@@ -34,7 +34,7 @@ impl Scope {
         self.find(name).map(|(value, _)| value)
     }
 
-    fn find(&self, name: &str) -> Option<(f64, u32)> {
+    pub fn find(&self, name: &str) -> Option<(f64, u32)> {
         self.values.get(name)?.last().copied()
     }
 
@@ -101,7 +101,7 @@ impl Parser<'_> {
             }
         };
         let scope = &self.scope;
-        let found = evaluate(text, start as usize, Around::List, &|name| scope.get(name));
+        let found = evaluate(text, start as usize, Around::List, &|name, _| scope.get(name));
         let found = found.and_then(|found| {
             // A sign at the end of a block joins nothing.
             if found.end <= span.start as usize {
@@ -160,7 +160,7 @@ impl Parser<'_> {
         if looks_like_number(word) && goes_on(digits) { Meaning::Expression } else { Meaning::Word }
     }
 
-    fn expression_error(&mut self, source: SourceId, error: ExpressionError) {
+    pub(super) fn expression_error(&mut self, source: SourceId, error: ExpressionError) {
         let span = Span { source, start: error.at.start as u32, end: error.at.end as u32 };
         self.error(Diagnostic::error(error.message).label(span, "").maybe_help(error.help));
     }
@@ -190,7 +190,7 @@ impl Parser<'_> {
         let start = text.len() - expression.trim_start().len();
         let name_span = Span { source, start: token.start, end: behind as u32 };
         let scope = &self.scope;
-        let found = evaluate(text, start, Around::Nothing, &|name| scope.get(name));
+        let found = evaluate(text, start, Around::Nothing, &|name, _| scope.get(name));
         let mut literal = None;
         let value = match found.and_then(|found| ends_well(text, found.end).map(|()| found)) {
             Ok(found) => {
@@ -232,7 +232,7 @@ impl Parser<'_> {
         // A picture may be repeated as often as a value says.
         let Some(count) = ahead.next_significant() else { return false };
         let scope = &self.scope;
-        let found = evaluate(text, count.start as usize, Around::Nothing, &|name| scope.get(name));
+        let found = evaluate(text, count.start as usize, Around::Nothing, &|name, _| scope.get(name));
         let mut ahead = Tokens::resume(text, found.map_or(count.end, |found| found.end as u32));
         count.kind == TokenKind::OpenBrace
             || ahead.next_significant().is_some_and(|token| token.kind == TokenKind::OpenBrace)
@@ -258,7 +258,7 @@ impl Parser<'_> {
             return Err(Stop);
         };
         let scope = &self.scope;
-        let found = evaluate(text, count.start as usize, Around::Nothing, &|name| scope.get(name));
+        let found = evaluate(text, count.start as usize, Around::Nothing, &|name, _| scope.get(name));
         let found = match found {
             Ok(found) => found,
             Err(error) => {
@@ -381,7 +381,7 @@ impl Parser<'_> {
 }
 
 /// What stands right behind an expression must not look like a part of it.
-fn ends_well(text: &str, end: usize) -> Result<(), ExpressionError> {
+pub(super) fn ends_well(text: &str, end: usize) -> Result<(), ExpressionError> {
     let rest = &text[end..];
     let Some(next) = rest.chars().next() else { return Ok(()) };
     if next.is_whitespace() || matches!(next, '{' | '}') || rest.starts_with("//") || rest.starts_with("/*") {
@@ -391,6 +391,8 @@ fn ends_well(text: &str, end: usize) -> Result<(), ExpressionError> {
     let sign = matches!(next, '+' | '-');
     let help = if sign {
         format!("write blanks on both sides of `{next}`, or parentheses around it all")
+    } else if next == '(' || next.is_alphabetic() {
+        "write a blank between them, or `*` to multiply".to_owned()
     } else {
         "write a blank between them".to_owned()
     };
@@ -399,7 +401,7 @@ fn ends_well(text: &str, end: usize) -> Result<(), ExpressionError> {
 
 /// Where reading goes on after an expression with a mistake that reaches up to `at`: behind its parentheses and its last
 /// word, at the end of the line at the latest.
-fn resume_after(text: &str, start: usize, at: usize) -> u32 {
+pub(super) fn resume_after(text: &str, start: usize, at: usize) -> u32 {
     let mut open = 0_usize;
     for (i, c) in text[start..].char_indices() {
         let here = start + i;
