@@ -72,8 +72,8 @@ fn deep_nesting_is_refused() {
 #[test]
 fn features_to_come_are_named() {
     refused(
-        BALL.replace("Sphere ball { center 0 0 0  radius 1 }", "Isosurface { }"),
-        &["`Isosurface` is not supported yet"],
+        BALL.replace("Sphere ball { center 0 0 0  radius 1 }", "RevSurface { }"),
+        &["`RevSurface` is not supported yet"],
     );
 }
 

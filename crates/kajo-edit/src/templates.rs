@@ -33,6 +33,23 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             let ball = |center: String| format!("sphere {{ center {center}  radius {radius} }}");
             format!("Blob {{ {}  {} }}", ball(a), ball(b))
         }
+        "Isosurface" => {
+            let (min, max) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0));
+            let from = |variable: &str, at: f64| format!("({variable} - {})", text(&[at])[0]);
+            let [x, y, z] = [from("x", x), from("y", y), from("z", z)];
+            let radius = text(&[0.9 * size])[0].clone();
+            format!("Isosurface {{ function = {x}^2 + {y}^2 + {z}^2 - {radius}^2  min {min}  max {max} }}")
+        }
+        "Quadric" | "Cubic" | "Quartic" => {
+            let degree = match keyword {
+                "Quadric" => 2,
+                "Cubic" => 3,
+                _ => 4,
+            };
+            let (min, max) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0));
+            let ball = text(&ball(degree, at, 0.9 * size)).join(" ");
+            format!("{keyword} {{ coefficients {ball}  min {min}  max {max} }}")
+        }
         "Quad" => {
             let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")
@@ -91,6 +108,24 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
         }
         _ => return None,
     })
+}
+
+/// The coefficients of a ball as a polynomial of a degree, by falling powers of x, then of y, then of z.
+fn ball(degree: u32, [x, y, z]: [f64; 3], radius: f64) -> Vec<f64> {
+    let mut coefficients = Vec::new();
+    for i in (0..=degree).rev() {
+        for j in (0..=degree - i).rev() {
+            coefficients.extend((0..=degree - i - j).rev().map(|k| match (i, j, k) {
+                (2, 0, 0) | (0, 2, 0) | (0, 0, 2) => 1.0,
+                (1, 0, 0) => -2.0 * x,
+                (0, 1, 0) => -2.0 * y,
+                (0, 0, 1) => -2.0 * z,
+                (0, 0, 0) => x * x + y * y + z * z - radius * radius,
+                _ => 0.0,
+            }));
+        }
+    }
+    coefficients
 }
 
 /// To three digits behind the point, which is enough to start from.

@@ -35,7 +35,7 @@ pub(super) use colors::{
 };
 pub(super) use values::{
     At, Choice, Direction, FileName, Given, any_angle, at_least, between, choice, choices, count, degrees,
-    direction, file, flag, number, pair, point, positive, triple, vector, whole, words,
+    direction, file, flag, function, number, pair, point, positive, triple, vector, whole, words,
 };
 
 /// What values may need besides their text.

@@ -22,8 +22,7 @@ const DEFINE: &str = blocks::group::DEFINE.keyword;
 
 /// Words for objects, groups and transforms included.
 pub(super) const OBJECTS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
-const LATER: [&str; 6] =
-    ["BezierCurve", "BsplineCurve", "HeightField", "Isosurface", "Quartic", "RevSurface"];
+const LATER: [&str; 4] = ["BezierCurve", "BsplineCurve", "HeightField", "RevSurface"];
 
 impl Compiler<'_> {
     /// Everything in the scene's group.

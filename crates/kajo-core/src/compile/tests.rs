@@ -172,7 +172,7 @@ fn mistakes_are_told_with_what_was_expected() {
             .contains("expected 3 numbers after `center`")
     );
     assert!(error_in_group("MaterialIndex 0 Sphere { center 0 0 0 }").contains("`Sphere` needs `radius`"));
-    assert!(error_in_group("MaterialIndex 0 Isosurface { radius 1 }").contains("not supported yet"));
+    assert!(error_in_group("MaterialIndex 0 RevSurface { radius 1 }").contains("not supported yet"));
     assert!(
         error_in_group("MaterialIndex 0 Quad { corner 0 0 0 edge1 1 0 0 edge2 2 0 0 }").contains("parallel")
     );

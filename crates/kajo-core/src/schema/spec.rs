@@ -57,6 +57,8 @@ pub enum FieldKind {
     File,
     /// A word or some text.
     Text,
+    /// A function of the place behind an equals sign, or a number.
+    Function,
     /// The name or number of a material.
     Material,
     /// The name of an integrator. Whoever knows which there are puts a [`FieldKind::Choice`] in its place.
@@ -88,9 +90,11 @@ impl FieldKind {
             FieldKind::Numbers(count) | FieldKind::Wholes(count) => {
                 FieldValue::numbers(std::iter::repeat_n(1.0, count))
             }
-            FieldKind::File | FieldKind::Text | FieldKind::Material | FieldKind::Integrator => {
-                FieldValue::default()
-            }
+            FieldKind::File
+            | FieldKind::Text
+            | FieldKind::Function
+            | FieldKind::Material
+            | FieldKind::Integrator => FieldValue::default(),
         }
     }
 
@@ -128,6 +132,7 @@ impl fmt::Display for FieldKind {
             FieldKind::Wholes(count) => write!(f, "{count} whole numbers"),
             FieldKind::File => f.write_str("file"),
             FieldKind::Text => f.write_str("word or text"),
+            FieldKind::Function => f.write_str("= function of x, y, z"),
             FieldKind::Material => f.write_str("name or number"),
             FieldKind::Integrator => f.write_str("name of an integrator"),
         }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use kajo_scene::{Item, TokenKind, format_number, tokens};
+use kajo_scene::{Item, TokenKind, Value, format_number, tokens};
 
 /// A value that a description states.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub enum Constant {
 /// What stands after a key: at most one word, then numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FieldValue {
-    /// A word, name or text, without quotes.
+    /// A word, name or text, without quotes; or a function with its equals sign and a blank behind that.
     pub word: Option<String>,
     /// Numbers.
     pub numbers: Vec<f64>,
@@ -59,7 +59,10 @@ impl FieldValue {
     /// The value that stands in an item.
     pub fn of(item: Item<'_>) -> FieldValue {
         FieldValue {
-            word: item.word().map(|word| word.text().into_owned()),
+            word: item.word().map(|word| match word.value() {
+                Value::Function(text) => format!("= {}", text[1..].trim_start()),
+                _ => word.text().into_owned(),
+            }),
             numbers: item.numbers().map(|(number, _)| number).collect(),
         }
     }
@@ -95,8 +98,11 @@ pub fn number_text(number: f64) -> String {
     if f64::from(single) == number { format_number(single) } else { format_number(number) }
 }
 
-/// A word as it is written: in quotes where it needs them.
+/// A word as it is written: in quotes where it needs them, which a function never does.
 pub fn quoted(word: &str) -> Cow<'_, str> {
+    if word.starts_with("= ") {
+        return Cow::Borrowed(word);
+    }
     let mut all = tokens(word);
     let is_word = all.next().is_some_and(|token| token.kind == TokenKind::Word) && all.next().is_none();
     if is_word && word != "include" {

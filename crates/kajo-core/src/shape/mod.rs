@@ -10,6 +10,7 @@ mod cone;
 mod csg;
 mod cuboid;
 mod disk;
+mod isosurface;
 mod mesh;
 mod patch;
 mod plane;
@@ -25,6 +26,7 @@ pub use cone::Cone;
 pub use csg::{Csg, CsgError, SetOperation, SolidPart};
 pub use cuboid::Cuboid;
 pub use disk::Disk;
+pub use isosurface::Isosurface;
 pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
 pub(crate) use patch::per_solid_angle;
 pub use patch::{
@@ -157,6 +159,7 @@ family! {
         csgs: Csg,
         cuboids: Cuboid,
         disks: Disk,
+        isosurfaces: Isosurface,
         meshes: Mesh,
         planes: Plane,
         quads: Quad,

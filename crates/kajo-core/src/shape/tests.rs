@@ -23,6 +23,7 @@ macro_rules! closed_shapes {
         $check("torus without a hole", &torus(0.4, 0.4) $(, $arg)*);
         $check("torus that crosses itself", &torus(0.3, 0.5) $(, $arg)*);
         $check("blob", &blob() $(, $arg)*);
+        $check("isosurface", &isosurface() $(, $arg)*);
         $check("difference", &carved(SetOperation::Difference) $(, $arg)*);
         $check("merge", &carved(SetOperation::Union) $(, $arg)*);
         $check("intersection", &carved(SetOperation::Intersection) $(, $arg)*);
@@ -62,6 +63,25 @@ fn blob() -> Blob {
     let rod = BlobCore::Cylinder([DVec3::new(-0.3, -0.5, 0.0), DVec3::new(0.2, 0.5, 0.3)]);
     let rod = BlobComponent { core: rod, radius: 0.4, strength: 0.7 };
     Blob::new(BlobKernel::Gaussian, 0.5, &[ball(-0.4, 1.0), ball(0.5, 1.2), ball(0.0, -0.4), rod]).unwrap()
+}
+
+/// A ball with dents, cut by a face of its box: `x^2 + y^2 + z^2 + 0.1 sin(9 x) - 0.5`.
+fn isosurface() -> Isosurface {
+    use kajo_math::tape::{Binary, Node, TapeBuilder, Unary};
+    let mut tape = TapeBuilder::new();
+    let squares = [0, 1, 2].map(|i| {
+        let x = tape.variable(i);
+        tape.unary(Unary::Powi(2), x)
+    });
+    let x = tape.variable(0);
+    let ripples = tape.mul(Node::Constant(9.0), x);
+    let ripples = tape.unary(Unary::Sin, ripples);
+    let ripples = tape.mul(Node::Constant(0.1), ripples);
+    let value = [squares[1], squares[2], ripples, Node::Constant(-0.5)]
+        .into_iter()
+        .fold(squares[0], |sum, term| tape.binary(Binary::Add, sum, term));
+    let (min, max) = (Vec3::new(-1.0, -0.55, -1.0), Vec3::ONE);
+    Isosurface::new(std::sync::Arc::new(tape.finish(value)), min, max, true).unwrap()
 }
 
 /// A box, and a ball and a mesh somewhere else.
@@ -204,11 +224,12 @@ fn normals_are_perpendicular_to_the_surface(name: &str, shape: &impl Surface) {
             let moved = Ray { o: ray.o + offset, ..ray };
             shape.hit(&moved).map(|hit| (hit, shape.surface_at(&moved, &hit)))
         };
-        // Central differences, where all five rays meet the same part away from silhouettes.
+        // Central differences, where all five rays meet the same part away from silhouettes and edges.
         let five = [Vec3::ZERO, h * s, -h * s, h * t, -h * t].map(point);
         let [Some(middle), Some(a), Some(b), Some(c), Some(d)] = five else { continue };
         let elsewhere = |h: &Hit| h.part != middle.0.part || (h.t - middle.0.t).abs() > 0.01;
-        if [a, b, c, d].iter().any(|p| elsewhere(&p.0)) || ray.d.dot(middle.1.n).abs() < 0.4 {
+        let is_edge = |p: &(Hit, SurfacePoint)| p.1.n.dot(middle.1.n) < 0.95;
+        if [a, b, c, d].iter().any(|p| elsewhere(&p.0) || is_edge(p)) || ray.d.dot(middle.1.n).abs() < 0.4 {
             continue;
         }
         checked += 1;
@@ -258,7 +279,7 @@ fn tangents_are_derivatives(name: &str, shape: &impl Surface) {
 
 #[test]
 fn every_tangent_is_a_derivative() {
-    // A mesh without coordinates has no tangents, and no blob has.
+    // A mesh without coordinates has no tangents, and no blob or isosurface has.
     every_shape!(tangents_are_derivatives_of_shapes_with_coordinates);
     let plane = Plane::new(DVec3::new(1.0, 2.0, -0.5), 0.3);
     tangents_are_derivatives("plane", &plane);
@@ -273,7 +294,9 @@ fn every_tangent_is_a_derivative() {
 fn tangents_are_derivatives_of_shapes_with_coordinates(name: &str, shape: &impl Surface) {
     let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), Vec3::new(0.0, 0.0, -1.0));
     match shape.hit(&ray).map(|hit| shape.tangents_at(&hit, ray.at(hit.t))) {
-        Some(tangents) if ["mesh", "blob"].contains(&name) => assert_eq!(tangents, Tangents::default()),
+        Some(tangents) if ["mesh", "blob", "isosurface"].contains(&name) => {
+            assert_eq!(tangents, Tangents::default())
+        }
         _ => tangents_are_derivatives(name, shape),
     }
 }

@@ -61,6 +61,7 @@ fn needed(block: &Block) -> String {
             FieldKind::Point | FieldKind::Vector => "0 1 0",
             FieldKind::Color | FieldKind::Emission => "0.5 0.25 0.125",
             FieldKind::Material => "0",
+            FieldKind::Numbers(count) => return format!("{} {}", field.key, "1 ".repeat(count)),
             _ => "30",
         };
         let value = if field.key == "vertex2" { "0 0 3" } else { value };

@@ -11,6 +11,8 @@
 //! is a disk from there; two half balls that meet are one, without anything between them; a clear body in even light is not to
 //! be seen.
 //!
+//! *Isosurfaces.* A ball by an equation of its own, and a clear gyroid.
+//!
 //! *Blobs.* A single ball of strength `b` and radius `a` makes a sphere of radius `a sqrt(ln(b/T))` for the threshold `T`.
 
 use std::f64::consts::PI;
@@ -35,9 +37,11 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         trough(draw),
         blob(draw),
         hollow_blob(draw),
+        isosurface(draw),
         clear(draw, "torus", ring),
         clear(draw, "ball of two halves", two_halves),
         clear(draw, "ball less a ball", hollow),
+        clear(draw, "gyroid", gyroid),
     ]
 }
 
@@ -131,6 +135,22 @@ fn blob(draw: &mut Parameters) -> Form {
     Form::new(format!("ball as a blob, radius {r}, distance {d}"), scene, expected, LIGHTS).bounces(0)
 }
 
+/// A ball as a function, told so that nobody sees that it is one.
+fn isosurface(draw: &mut Parameters) -> Form {
+    let (r, d, up) = (draw.between(0.3, 0.8), draw.between(1.5, 3.0), draw.direction(-1.0));
+    let towards = (up + 0.8 * up.any_orthonormal_vector()).normalize();
+    let center = d * towards;
+    let [x, y, z] = center.to_array();
+    let [low, high] = [-1.0, 1.0].map(|side| text(center + side * 1.2 * r));
+    let emitter = format!(
+        "Isosurface {{ function = exp((x - ({x}))^2 + (y - ({y}))^2) - exp({r}^2 - (z - ({z}))^2)  \
+         min {low}  max {high} }}"
+    );
+    let (scene, factor) = lit(draw, &emitter, up);
+    let expected = factor * PI * (r / d).powi(2) * towards.dot(up);
+    Form::new(format!("ball as an isosurface, radius {r}, distance {d}"), scene, expected, LIGHTS).bounces(0)
+}
+
 /// The floor sees the inside of a bowl whose hollow is a blob.
 fn hollow_blob(draw: &mut Parameters) -> Form {
     let (r, h) = (draw.between(0.4, 0.9), draw.between(1.1, 2.0));
@@ -172,4 +192,11 @@ fn hollow(draw: &mut Parameters) -> String {
     let (center, radius) = (draw.point(0.2), draw.between(0.2, 0.5));
     let inner = format!("Sphere {{ center {}  radius {radius} }}", text(center));
     format!("Difference {{ Sphere {{ center 0 0 0  radius 1 }}  {inner} }}")
+}
+
+fn gyroid(draw: &mut Parameters) -> String {
+    let k = draw.between(3.0, 5.0);
+    let wave = |a: &str, b: &str| format!("sin({k} * {a}) * cos({k} * {b})");
+    let function = [wave("x", "y"), wave("y", "z"), wave("z", "x")].join(" + ");
+    format!("Intersection {{ Sphere {{ center 0 0 0  radius 1 }}  Isosurface {{ function = {function} }} }}")
 }

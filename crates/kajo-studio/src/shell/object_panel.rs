@@ -130,8 +130,10 @@ fn value_of_row(ui: &mut Ui, field: &Field, label: Id) -> Option<FieldValue> {
         ui.label(RichText::new(in_words(why)).italics());
         return None;
     }
-    let is_typed =
-        matches!(field.kind, FieldKind::File | FieldKind::Text | FieldKind::Material | FieldKind::Integrator);
+    let is_typed = matches!(
+        field.kind,
+        FieldKind::File | FieldKind::Text | FieldKind::Function | FieldKind::Material | FieldKind::Integrator
+    );
     match &field.value {
         Some(value) => editor(ui, field.kind, value, "", label),
         None if is_typed || field.required => {
@@ -186,6 +188,7 @@ fn editor(ui: &mut Ui, kind: FieldKind, value: &FieldValue, hint: &str, label: I
         FieldKind::Wholes(count) => numbers(ui, value, label, count, true),
         FieldKind::File
         | FieldKind::Text
+        | FieldKind::Function
         | FieldKind::Number { .. }
         | FieldKind::Point
         | FieldKind::Vector

@@ -3,6 +3,7 @@
 //! A new block is its own file and one line in the list of its family, here; the parser, the editor, `kajo help` and the
 //! manual follow.
 
+pub(super) mod algebraic;
 pub(super) mod blob;
 pub(super) mod checkerboard;
 pub(super) mod cone;
@@ -13,6 +14,7 @@ pub(super) mod disk;
 pub(super) mod fisheye_camera;
 pub(super) mod glass;
 pub(super) mod group;
+pub(super) mod isosurface;
 pub(super) mod marble;
 pub(super) mod matte;
 pub(super) mod metal;
@@ -40,7 +42,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 19] = [
+pub(super) const OBJECTS: [&ObjectMember; 23] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -48,6 +50,10 @@ pub(super) const OBJECTS: [&ObjectMember; 19] = [
     &cone::MEMBER,
     &torus::MEMBER,
     &blob::MEMBER,
+    &isosurface::MEMBER,
+    &algebraic::QUADRIC,
+    &algebraic::CUBIC,
+    &algebraic::QUARTIC,
     &disk::MEMBER,
     &quad::MEMBER,
     &triangle::MEMBER,

@@ -1,5 +1,8 @@
 //! Values of fields that are numbers, words, places and names.
 
+use std::sync::Arc;
+
+use kajo_math::tape::Tape;
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item};
 
@@ -337,4 +340,15 @@ impl Plain<'_> for FileName {
 /// The name of a file.
 pub(in crate::compile) const fn file(key: &'static str) -> Typed<FileName> {
     Typed::new(key, FieldKind::File)
+}
+
+impl Plain<'_> for Arc<Tape> {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Arc<Tape>, Diagnostic> {
+        args.function()
+    }
+}
+
+/// A function of x, y and z.
+pub(in crate::compile) const fn function(key: &'static str) -> Typed<Arc<Tape>> {
+    Typed::new(key, FieldKind::Function)
 }

@@ -21,6 +21,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use kajo_bvh::{BuildSettings, Bvh};
+use kajo_math::roots::bracketed;
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
 use self::extent::Extent;
@@ -221,33 +222,14 @@ impl Piece<'_> {
         let narrow = b - a <= 1e-12 * (a.abs() + b.abs()) || middle <= a || middle >= b;
         if narrow || !slope.contains(0.0) {
             if changes {
-                roots.push(self.single_root([a, b], at_a < 0.0));
+                let tolerance = 2.0 * f64::EPSILON;
+                roots.push(bracketed([a, b], middle, at_a < 0.0, tolerance, |t| self.at(t)));
             }
             return;
         }
         let at_middle = self.at(middle).0;
         self.isolate([a, middle], [at_a, at_middle], roots);
         self.isolate([middle, b], [at_middle, at_b], roots);
-    }
-
-    /// The crossing between two parameters at whose ends the field has different signs: Newton's method within its bracket.
-    fn single_root(&self, [mut lo, mut hi]: [f64; 2], rises: bool) -> f64 {
-        const MOST_STEPS: u32 = 64;
-        let mut t = 0.5 * (lo + hi);
-        for _ in 0..MOST_STEPS {
-            let (value, slope) = self.at(t);
-            if (value < 0.0) == rises {
-                lo = t;
-            } else {
-                hi = t;
-            }
-            let newton = t - value / slope;
-            if (newton - t).abs() <= 2.0 * f64::EPSILON * t.abs() {
-                return t;
-            }
-            t = if newton > lo && newton < hi { newton } else { 0.5 * (lo + hi) };
-        }
-        t
     }
 }
 

@@ -1,0 +1,220 @@
+//! The parts of a box in which a function may be zero.
+
+use std::ops::Index;
+
+use kajo_math::interval::{Domain, Interval};
+use kajo_math::tape::{Dual, Tape};
+use kajo_math::{Aabb, DVec3};
+
+use super::Ray64;
+
+/// The box is halved along each axis at most this often.
+const MOST_LEVELS: u32 = 9;
+
+/// No more halving once there are as many cells.
+const ENOUGH_CELLS: usize = 12_000;
+
+/// Cells that no other touches but at its faces.
+#[derive(Debug)]
+pub(super) struct Cells {
+    /// Along each axis, the planes between the smallest cells there could be.
+    planes: [Vec<f64>; 3],
+    cells: Vec<Cell>,
+    fills_faces: bool,
+}
+
+/// A cell, and bounds on the gradient of the function in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    /// The planes at its lower corner, and how many farther those at the upper one are.
+    low: [u16; 3],
+    size: u16,
+    slopes: [[f32; 2]; 3],
+}
+
+impl Cell {
+    /// Bounds on the change of the function along a direction.
+    pub fn slope_along(&self, d: DVec3) -> Interval {
+        let along = |axis: usize| {
+            let [lo, hi] = self.slopes[axis].map(f64::from);
+            Interval::new(lo, hi) * Interval::point(d[axis])
+        };
+        along(0) + along(1) + along(2)
+    }
+}
+
+/// What is known of a function in a part of the box.
+enum Known {
+    Outside,
+    Inside,
+    /// It may be zero; with bounds on its gradient.
+    Mixed([Interval; 3]),
+}
+
+impl Cells {
+    /// The cells of a box in which a function may be zero.
+    pub fn of(function: &Tape, [low, high]: [DVec3; 2]) -> Cells {
+        let n = 1_u16 << MOST_LEVELS;
+        let planes = [0, 1, 2].map(|axis| {
+            let plane = |k: u16| {
+                let t = f64::from(k) / f64::from(n);
+                if k == n { high[axis] } else { low[axis] + t * (high[axis] - low[axis]) }
+            };
+            (0..=n).map(plane).collect::<Vec<f64>>()
+        });
+        let mut found = Cells { planes, cells: Vec::new(), fills_faces: false };
+        let mut search = Search { function, values: Vec::new(), slopes: Vec::new() };
+        let mut level = vec![Cell { low: [0; 3], size: n, slopes: [[0.0; 2]; 3] }];
+        loop {
+            let mut kept = Vec::new();
+            for cell in level {
+                let touches = cell.low.iter().any(|&k| k == 0 || k + cell.size == n);
+                match search.known(found.ranges(&cell)) {
+                    Known::Outside => {}
+                    Known::Inside => found.fills_faces |= touches,
+                    Known::Mixed(slopes) => {
+                        found.fills_faces |= touches;
+                        let slopes = slopes.map(|slope| [down(slope.lo), -down(-slope.hi)]);
+                        kept.push(Cell { slopes, ..cell });
+                    }
+                }
+            }
+            let size = kept.first().map_or(1, |cell| cell.size);
+            if size == 1 || kept.len() >= ENOUGH_CELLS {
+                found.cells = kept;
+                return found;
+            }
+            let half = size / 2;
+            level = kept.iter().flat_map(|cell| (0..8_u16).map(|i| cell.octant(i, half))).collect();
+        }
+    }
+
+    /// The corners of the box.
+    pub fn corners(&self) -> [DVec3; 2] {
+        let end = |plane: fn(&[f64]) -> Option<&f64>| {
+            DVec3::from_array([0, 1, 2].map(|axis| plane(&self.planes[axis]).copied().unwrap_or(0.0)))
+        };
+        [end(<[f64]>::first), end(<[f64]>::last)]
+    }
+
+    /// Whether some of the inside may be at a face of the box.
+    pub fn fills_faces(&self) -> bool {
+        self.fills_faces
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &Cell> {
+        self.cells.iter()
+    }
+
+    fn ends(&self, cell: &Cell, axis: usize) -> [f64; 2] {
+        let low = cell.low[axis];
+        [low, low + cell.size].map(|k| self.planes[axis][usize::from(k)])
+    }
+
+    /// What coordinates a point of a cell may have, with the rounding of points that are worked out along rays from far away.
+    fn ranges(&self, cell: &Cell) -> [Interval; 3] {
+        const ROUNDING: f64 = 1e-10;
+        let [low, high] = self.corners();
+        let margin = ROUNDING * low.abs().max(high.abs()).max_element();
+        [0, 1, 2].map(|axis| {
+            let [lo, hi] = self.ends(cell, axis);
+            Interval::new(lo - margin, hi + margin)
+        })
+    }
+
+    /// A box of single precision around a cell.
+    pub fn bounds(&self, cell: &Cell) -> Aabb {
+        let ends = [0, 1, 2].map(|axis| self.ends(cell, axis));
+        let corner = |i: usize| DVec3::from_array(ends.map(|ends| ends[i]));
+        Aabb {
+            min: corner(0).to_array().map(down).into(),
+            max: corner(1).to_array().map(|x| -down(-x)).into(),
+        }
+    }
+
+    /// The piece of a line in a cell and in a range of parameters; none where it has no length.
+    ///
+    /// Planes that cells share give both the same parameter.
+    #[inline]
+    pub fn clip(&self, cell: &Cell, line: &Ray64, [mut from, mut to]: [f64; 2]) -> Option<[f64; 2]> {
+        for axis in 0..3 {
+            let [low, high] = self.ends(cell, axis);
+            let (o, d) = (line.o[axis], line.d[axis]);
+            if d == 0.0 {
+                if !(low <= o && o < high) {
+                    return None;
+                }
+                continue;
+            }
+            let [a, b] = [(low - o) / d, (high - o) / d];
+            from = from.max(a.min(b));
+            to = to.min(a.max(b));
+        }
+        (from < to).then_some([from, to])
+    }
+
+    pub fn heap_bytes(&self) -> usize {
+        size_of_val(&*self.cells) + self.planes.iter().map(|planes| size_of_val(&**planes)).sum::<usize>()
+    }
+}
+
+impl Index<u32> for Cells {
+    type Output = Cell;
+
+    #[inline]
+    fn index(&self, index: u32) -> &Cell {
+        &self.cells[index as usize]
+    }
+}
+
+impl Cell {
+    /// The part of a cell in one of its corners, which is half as large.
+    fn octant(&self, i: u16, half: u16) -> Cell {
+        let low = [0, 1, 2].map(|axis| self.low[axis] + (i >> axis & 1) * half);
+        Cell { low, size: half, ..*self }
+    }
+}
+
+/// A number of single precision that is not more.
+fn down(x: f64) -> f32 {
+    let single = x as f32;
+    if f64::from(single) > x { single.next_down() } else { single }
+}
+
+/// Evaluates a function over boxes.
+struct Search<'a> {
+    function: &'a Tape,
+    values: Vec<Interval>,
+    slopes: Vec<Dual<Interval, 3>>,
+}
+
+impl Search<'_> {
+    fn known(&mut self, ranges: [Interval; 3]) -> Known {
+        let value = self.function.at(&ranges, &mut self.values);
+        if let Some(known) = one_sign(value) {
+            return known;
+        }
+        let one = |axis: usize, k: usize| Interval::point(f64::from(u8::from(axis == k)));
+        let duals =
+            [0, 1, 2].map(|axis| Dual { value: ranges[axis], slopes: std::array::from_fn(|k| one(axis, k)) });
+        let found = self.function.at(&duals, &mut self.slopes);
+        // The mean value theorem, around the middle.
+        let middle = ranges.map(|range| Interval::point(range.middle()));
+        let at_middle = self.function.at(&middle, &mut self.values);
+        let mean =
+            (0..3).fold(at_middle, |sum, axis| sum + found.slopes[axis] * (ranges[axis] - middle[axis]));
+        if value.domain != Domain::Everywhere {
+            // At the border of where it has values it jumps.
+            return Known::Mixed([Interval::EVERYTHING; 3]);
+        }
+        one_sign(value.meet(mean)).unwrap_or(Known::Mixed(found.slopes))
+    }
+}
+
+/// On which side of the surface all places are with these values.
+fn one_sign(value: Interval) -> Option<Known> {
+    if value.domain == Domain::Nowhere || value.lo >= 0.0 {
+        return Some(Known::Outside);
+    }
+    (value.hi < 0.0 && value.domain == Domain::Everywhere).then_some(Known::Inside)
+}

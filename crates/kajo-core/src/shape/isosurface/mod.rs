@@ -1,0 +1,411 @@
+//! Isosurfaces: where a function of the place is zero.
+//!
+//! A place of a box is inside where `f(x, y, z) < 0`; outside where `f` is zero, positive or has no value. The surface is
+//! the border of the inside, and of a closed one the faces of the box belong to it where they cut through the inside.
+//!
+//! Before anything is rendered the box is halved along its axes again and again, and interval arithmetic tells which parts
+//! `f` has one sign in; cells stay that it may be zero in, with bounds on the gradient of `f` in each ([`cells`]). A ray asks
+//! those cells that it passes. Where the bounds say that `f` rises or falls all along the ray, the values at both ends of
+//! the passage decide whether there is the one crossing that there can be; anywhere else the passage is halved, by
+//! intervals of value and derivative [Mitchell 1990]. So every crossing is found that is wider than rounding, whatever the
+//! function, and nobody has to know how steep it is. Cells share the planes between them, bit for bit, and what is known of
+//! a cell holds for points that rounding has moved out of it, so that crossings of a closed surface come in pairs.
+//!
+//! Scene: `Isosurface { function = x^2 + y^2 + z^2 - 1  min -1 -1 -1  max 1 1 1 }`
+
+mod cells;
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use kajo_bvh::{BuildSettings, Bvh};
+use kajo_math::interval::{Domain, Interval};
+use kajo_math::tape::{Dual, Tape};
+use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, roots};
+
+use self::cells::{Cell, Cells};
+use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
+use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
+
+/// An isosurface. A clone is the same surface.
+#[derive(Clone, Debug)]
+pub struct Isosurface(Arc<Parts>);
+
+#[derive(Debug)]
+struct Parts {
+    function: Arc<Tape>,
+    cells: Cells,
+    tree: Bvh,
+    bounds: Aabb,
+    closed: bool,
+    /// The largest coordinate.
+    reach: f64,
+}
+
+/// Memory that evaluations use again and again.
+#[derive(Default)]
+struct Scratch {
+    values: Vec<f64>,
+    slopes: Vec<Dual<f64, 1>>,
+    gradients: Vec<Dual<f64, 3>>,
+    bounds: Vec<Dual<Interval, 1>>,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// What a ray does within a cell.
+struct Passage<'a> {
+    parts: &'a Parts,
+    line: &'a Ray64,
+    /// Halvings left, so that no function takes forever: one that is zero but for rounding would.
+    work: u32,
+}
+
+/// Halvings of a ray's passages at most. A ray that touches a surface needs some forty.
+const MOST_WORK: u32 = 2048;
+
+impl Isosurface {
+    /// * `function`: of x, y and z
+    /// * `min`, `max`: corners of the box, each coordinate of `min` less than that of `max`
+    /// * `closed`: whether the faces of the box belong to it
+    ///
+    /// `None` for a box that is none.
+    pub fn new(function: Arc<Tape>, min: Vec3, max: Vec3, closed: bool) -> Option<Isosurface> {
+        let is_box = min.is_finite() && max.is_finite() && min.cmplt(max).all();
+        is_box.then_some(())?;
+        let cells = Cells::of(&function, [min.as_dvec3(), max.as_dvec3()]);
+        let boxes: Vec<Aabb> = cells.iter().map(|cell| cells.bounds(cell)).collect();
+        let tree = Bvh::build(&boxes, &BuildSettings::default());
+        let whole = Aabb { min, max };
+        let bounds = if closed && cells.fills_faces() {
+            whole
+        } else {
+            boxes.iter().fold(Aabb::EMPTY, |all, cell| all.union(*cell))
+        };
+        let reach = min.abs().max(max.abs()).max_element().into();
+        Some(Isosurface(Arc::new(Parts { function, cells, tree, bounds, closed, reach })))
+    }
+
+    /// Whether there is no surface in the box.
+    pub fn is_empty(&self) -> bool {
+        self.0.bounds.is_empty()
+    }
+
+    /// The value of the function.
+    pub fn value(&self, p: DVec3) -> f64 {
+        self.0.value(p)
+    }
+
+    /// The value of the function, and its gradient.
+    pub fn gradient(&self, p: DVec3) -> (f64, DVec3) {
+        let [x, y, z] = p.to_array();
+        let of = |value: f64, axis: usize| Dual {
+            value,
+            slopes: std::array::from_fn(|k| f64::from(u8::from(k == axis))),
+        };
+        SCRATCH.with_borrow_mut(|scratch| {
+            let found = self.0.function.at(&[of(x, 0), of(y, 1), of(z, 2)], &mut scratch.gradients);
+            (found.value, DVec3::from_array(found.slopes))
+        })
+    }
+}
+
+impl Parts {
+    fn value(&self, p: DVec3) -> f64 {
+        SCRATCH.with_borrow_mut(|scratch| self.function.at(&p.to_array(), &mut scratch.values))
+    }
+
+    /// Whether a place is inside, whose coordinates are those of the box or between them.
+    fn is_inside(&self, p: DVec3) -> bool {
+        self.value(p) < 0.0
+    }
+
+    /// Where a line is in the box, and through which faces it comes and goes.
+    fn faces(&self, line: &Ray64) -> Option<[(f64, u32); 2]> {
+        let [low, high] = self.cells.corners();
+        let (mut enters, mut leaves) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
+        for axis in 0..3 {
+            let (o, d) = (line.o[axis], line.d[axis]);
+            let from_below = d > 0.0;
+            if d == 0.0 {
+                if !(low[axis] <= o && o < high[axis]) {
+                    return None;
+                }
+                continue;
+            }
+            let [a, b] = [(low[axis] - o) / d, (high[axis] - o) / d];
+            let face = |is_high: bool| 1 + 2 * axis as u32 + u32::from(is_high);
+            if a.min(b) > enters.0 {
+                enters = (a.min(b), face(!from_below));
+            }
+            if a.max(b) < leaves.0 {
+                leaves = (a.max(b), face(from_below));
+            }
+        }
+        (enters.0 < leaves.0).then_some([enters, leaves])
+    }
+
+    /// The places where a line comes into the box, or leaves it, inside the surface; with the face of the box.
+    fn caps(&self, line: &Ray64) -> [Option<(f64, u32)>; 2] {
+        let faces = if self.closed { self.faces(line) } else { None };
+        let Some(faces) = faces else { return [None; 2] };
+        faces.map(|(t, face)| self.is_inside(line.at(t)).then_some((t, face)))
+    }
+}
+
+impl Passage<'_> {
+    /// The value of the function at a parameter.
+    fn value(&self, t: f64) -> f64 {
+        self.parts.value(self.line.at(t))
+    }
+
+    /// The value and how it changes along the ray.
+    fn value_and_slope(&self, t: f64) -> (f64, f64) {
+        let (p, d) = (self.line.at(t), self.line.d);
+        let along = [0, 1, 2].map(|axis| Dual { value: p[axis], slopes: [d[axis]] });
+        let found = SCRATCH.with_borrow_mut(|scratch| self.parts.function.at(&along, &mut scratch.slopes));
+        (found.value, found.slopes[0])
+    }
+
+    /// Bounds on both over a piece of the ray.
+    fn bounds(&self, [a, b]: [f64; 2]) -> Dual<Interval, 1> {
+        let (o, d) = (self.line.o, self.line.d);
+        let along = [0, 1, 2].map(|axis| {
+            let slope = Interval::point(d[axis]);
+            Dual { value: Interval::point(o[axis]) + Interval::new(a, b) * slope, slopes: [slope] }
+        });
+        SCRATCH.with_borrow_mut(|scratch| self.parts.function.at(&along, &mut scratch.bounds))
+    }
+
+    /// Visits the changes of sign in a cell between two parameters in ascending order, until `visit` says that it is enough.
+    ///
+    /// * `at_a`: the value at the first
+    ///
+    /// Returns the value at the second, unless it was not asked for; and whether it was enough.
+    fn cross(
+        &mut self,
+        cell: &Cell,
+        [a, b]: [f64; 2],
+        at_a: f64,
+        visit: &mut impl FnMut(f64) -> bool,
+    ) -> (Option<f64>, bool) {
+        let slope = cell.slope_along(self.line.d);
+        let reach = slope * Interval::new(0.0, b - a) + Interval::point(at_a);
+        // As sharp as the bounds of the cell itself, but for this ray.
+        if reach.lo > 0.0 || reach.hi < 0.0 {
+            return (None, false);
+        }
+        let at_b = self.value(b);
+        let changes = (at_a < 0.0) != (at_b < 0.0);
+        let enough = if slope.lo > 0.0 || slope.hi < 0.0 {
+            changes && visit(self.single_root([a, b], [at_a, at_b]))
+        } else {
+            self.isolate([a, b], [at_a, at_b], visit)
+        };
+        (Some(at_b), enough)
+    }
+
+    /// Visits the changes of sign between two parameters with these values, as [`Passage::cross`].
+    fn isolate(
+        &mut self,
+        [a, b]: [f64; 2],
+        [at_a, at_b]: [f64; 2],
+        visit: &mut impl FnMut(f64) -> bool,
+    ) -> bool {
+        let found = self.bounds([a, b]);
+        let (value, slope) = (found.value, found.slopes[0]);
+        let changes = (at_a < 0.0) != (at_b < 0.0);
+        let has_values = value.domain == Domain::Everywhere;
+        if !changes && (value.lo >= 0.0 || value.domain == Domain::Nowhere || (value.hi < 0.0 && has_values))
+        {
+            return false;
+        }
+        let middle = 0.5 * (a + b);
+        let narrow = b - a <= 4.0 * f64::EPSILON * (a.abs() + b.abs()) || middle <= a || middle >= b;
+        self.work = self.work.saturating_sub(1);
+        let is_monotone = has_values && (slope.lo > 0.0 || slope.hi < 0.0);
+        if narrow || is_monotone || self.work == 0 {
+            return changes && visit(self.single_root([a, b], [at_a, at_b]));
+        }
+        let at_middle = self.value(middle);
+        self.isolate([a, middle], [at_a, at_middle], visit)
+            || self.isolate([middle, b], [at_middle, at_b], visit)
+    }
+
+    /// The crossing between two parameters at whose ends the function has different signs.
+    fn single_root(&self, [a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> f64 {
+        let secant = a + (b - a) * (at_a / (at_a - at_b));
+        let start = if secant > a && secant < b { secant } else { 0.5 * (a + b) };
+        /// Of the box's coordinates; some places more than single precision has, and fewer than rounding leaves.
+        const TOLERANCE: f64 = 1e-13;
+        let tolerance = (TOLERANCE * self.parts.reach / a.abs().max(b.abs())).max(4.0 * f64::EPSILON);
+        roots::bracketed([a, b], start, at_a < 0.0, tolerance, |t| self.value_and_slope(t))
+    }
+}
+
+/// A hit of a face of the box, from 1: the lower and the upper one across each axis.
+fn on_face(t: f32, face: u32) -> Hit {
+    Hit { t, u: face as f32, ..Hit::default() }
+}
+
+impl Surface for Isosurface {
+    fn bounds(&self) -> Aabb {
+        self.0.bounds
+    }
+
+    fn is_finite(&self) -> bool {
+        true
+    }
+
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let parts = &*self.0;
+        let line = Ray64::new(ray);
+        let [front, back] = parts.caps(&line);
+        let cap =
+            |cap: Option<(f64, u32)>| cap.and_then(|(t, face)| in_range(ray, t).map(|t| on_face(t, face)));
+        if let Some(hit) = cap(front) {
+            return Some(hit);
+        }
+        let mut nearest = None;
+        let mut passage = Passage { parts, line: &line, work: MOST_WORK };
+        let range = |far: f32| [f64::from(ray.t_min), f64::from(far)];
+        parts.tree.closest(ray, |index, far| {
+            let cell = &parts.cells[index];
+            let Some(piece) = parts.cells.clip(cell, &line, range(far)) else { return far };
+            let at_a = passage.value(piece[0]);
+            let mut first = None;
+            passage.cross(cell, piece, at_a, &mut |t| {
+                first = in_range(ray, t);
+                first.is_some()
+            });
+            match first {
+                Some(t) if t < far => {
+                    nearest = Some(Hit { t, ..Hit::default() });
+                    t
+                }
+                _ => far,
+            }
+        });
+        nearest.or_else(|| cap(back))
+    }
+
+    fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
+        let parts = &*self.0;
+        let line = Ray64::new(ray);
+        let caps = parts.caps(&line);
+        let mut pieces: Vec<([f64; 2], u32)> = Vec::new();
+        parts.tree.each(ray, |index| {
+            let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
+            pieces
+                .extend(parts.cells.clip(&parts.cells[index], &line, everywhere).map(|piece| (piece, index)));
+        });
+        pieces.sort_unstable_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+        let mut passage = Passage { parts, line: &line, work: MOST_WORK };
+        let mut all = Vec::new();
+        let mut before: Option<(f64, f64)> = None;
+        for (piece, index) in pieces {
+            // Neighbours agree on the value between them.
+            let known = before.filter(|(t, _)| *t == piece[0]).map(|(_, value)| value);
+            let at_a = known.unwrap_or_else(|| passage.value(piece[0]));
+            let (at_b, _) = passage.cross(&parts.cells[index], piece, at_a, &mut |t| {
+                all.extend(in_range(ray, t).map(|t| Hit { t, ..Hit::default() }));
+                false
+            });
+            before = at_b.map(|value| (piece[1], value));
+        }
+        for (t, face) in caps.into_iter().flatten() {
+            all.extend(in_range(ray, t).map(|t| on_face(t, face)));
+        }
+        // Whoever visits may ask another surface.
+        all.into_iter().for_each(&mut visit);
+    }
+
+    /// The point is brought onto the surface along the gradient, or onto the face of the box.
+    fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        const STEPS: u32 = 2;
+        let mut p = Ray64::new(ray).at(hit.t.into());
+        if let Some(face) = (hit.u as usize).checked_sub(1) {
+            let (axis, is_high) = (face / 2, face % 2 == 1);
+            p[axis] = self.0.cells.corners()[usize::from(is_high)][axis];
+            let mut n = DVec3::ZERO;
+            n[axis] = if is_high { 1.0 } else { -1.0 };
+            let (p, p_error) = stored(p, self.0.reach);
+            return SurfacePoint::flat(p, p_error, n.as_vec3());
+        }
+        let longest = 1e-4 * self.0.reach;
+        for _ in 0..STEPS {
+            let (value, gradient) = self.gradient(p);
+            let step = value / gradient.length_squared() * gradient;
+            // Not across a jump of the function.
+            if step.length() < longest {
+                p -= step;
+            }
+        }
+        let n = self.gradient(p).1.normalize_or(-Ray64::new(ray).d.normalize_or(DVec3::Z));
+        let (p, p_error) = stored(p, self.0.reach);
+        SurfacePoint::flat(p, p_error, n.as_vec3())
+    }
+
+    /// An isosurface has no surface coordinates.
+    fn uv_at(&self, _hit: &Hit, _p: Vec3) -> Vec2 {
+        NO_UV
+    }
+
+    fn tangents_at(&self, _hit: &Hit, _p: Vec3) -> Tangents {
+        Tangents::default()
+    }
+
+    fn is_closed(&self) -> bool {
+        self.0.closed
+    }
+
+    fn hit_at(&self, _part: u32, p: Vec3) -> Hit {
+        let [low, high] = self.0.cells.corners().map(DVec3::as_vec3);
+        let face = (0..3).find_map(|axis| {
+            let at = [low, high].iter().position(|corner| p[axis] == corner[axis])?;
+            Some(1 + 2 * axis as u32 + at as u32)
+        });
+        face.filter(|_| self.0.closed).map_or(Hit::default(), |face| on_face(0.0, face))
+    }
+
+    fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
+        TracedPatch::new(self.clone(), 0)
+            .into_iter()
+            .for_each(|patch| visit(0, Patch::Traced(Box::new(patch))));
+    }
+
+    fn tessellate(&self, around: u32, out: &mut Tessellation) {
+        let [low, high] = self.0.cells.corners();
+        let closed = self.0.closed;
+        // A little more than the box, so that its faces are in between.
+        let margin = if closed { 0.01 * (high - low) } else { DVec3::ZERO };
+        let bounds = self.0.bounds;
+        let bounds = Aabb { min: bounds.min - margin.as_vec3(), max: bounds.max + margin.as_vec3() };
+        out.level_set(bounds, around, |p| {
+            let (value, gradient) = self.gradient(p);
+            let inside = if value.is_finite() { -value } else { -1.0 };
+            // The nearest face of the box, by as much as the surface is near in this unit.
+            let (below, above) = (p - low, high - p);
+            let depth = below.min(above).min_element();
+            let scaled = depth * gradient.length().max(f64::MIN_POSITIVE);
+            if !closed || inside < scaled {
+                return (inside, gradient);
+            }
+            let face = |axis: usize| DVec3::AXES[axis] * if below[axis] < above[axis] { -1.0 } else { 1.0 };
+            let axis = (0..3).find(|&axis| below[axis].min(above[axis]) <= depth).unwrap_or(0);
+            (scaled, face(axis) * gradient.length())
+        });
+    }
+
+    fn heap_bytes(&self) -> usize {
+        size_of::<Parts>()
+            + self.0.function.heap_bytes()
+            + self.0.cells.heap_bytes()
+            + self.0.tree.stats().bytes
+    }
+}
+
+#[cfg(test)]
+mod tests;
