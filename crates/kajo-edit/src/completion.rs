@@ -242,7 +242,7 @@ mod tests {
         assert_eq!(material("emission 1 group a"), ["emits"]);
         // Of two spellings one is enough.
         let mesh = words("Group { TriangleMesh { file a.obj | } }").unwrap().1;
-        assert_eq!(mesh, ["smooth", "materials", "colors"]);
+        assert_eq!(mesh, ["smooth", "materials", "colors", "subdivide"]);
     }
 
     #[test]

@@ -288,6 +288,9 @@ impl<'l> Builder<'l> {
         if let Some(materials) = &mut mesh.face_materials {
             memory.room(materials, more)?;
         }
+        if corners.len() > 3 {
+            memory.room(&mut mesh.polygons, 1)?;
+        }
         if corners.len() > 3 && corners.iter().any(|corner| corner[0] as usize >= mesh.positions.len()) {
             memory.room(unsplit, 1)?;
             memory.take(size_of_val(corners))?;
@@ -301,6 +304,7 @@ impl<'l> Builder<'l> {
             return;
         }
         self.report.polygons += 1;
+        self.mesh.polygons.push([self.mesh.faces.len() as u32, corners.len() as u32 - 2]);
         let vertex_count = self.mesh.positions.len();
         if corners.iter().any(|corner| corner[0] as usize >= vertex_count) {
             // The places are not known yet: a fan for now.

@@ -32,6 +32,8 @@ pub struct TriMesh {
     pub colors_are_srgb: bool,
     /// The vertices of each triangle.
     pub faces: Vec<[u32; 3]>,
+    /// Faces of more than three corners, in their order: the first of their triangles, and how many these are.
+    pub polygons: Vec<[u32; 2]>,
     /// The normals of each triangle's corners.
     pub face_normals: Corners,
     /// The texture coordinates of each triangle's corners.
@@ -77,6 +79,16 @@ impl TriMesh {
         }
         if let Some(materials) = &mut self.face_materials {
             retain(materials, &keep);
+        }
+        let mut kept_before = Vec::with_capacity(keep.len() + 1);
+        kept_before.push(0);
+        kept_before.extend(keep.iter().scan(0, |kept, &keep| {
+            *kept += u32::from(keep);
+            Some(*kept)
+        }));
+        for [first, count] in &mut self.polygons {
+            let [from, to] = [*first, *first + *count].map(|i| kept_before[i as usize]);
+            (*first, *count) = (from, to - from);
         }
         keep.iter().filter(|&&keep| !keep).count()
     }

@@ -164,6 +164,11 @@ impl SceneBuilder {
         })
     }
 
+    /// The textures so far.
+    pub(crate) fn textures(&self) -> &Textures {
+        &self.appearance.textures
+    }
+
     /// Textures, for whoever reads some, and names of groups.
     pub(crate) fn textures_and_groups(&mut self) -> (&mut Textures, &mut LightGroups) {
         (&mut self.appearance.textures, &mut self.light_groups)

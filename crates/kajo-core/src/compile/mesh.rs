@@ -11,8 +11,9 @@ use kajo_scene::{AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Sp
 use super::Compiler;
 use super::mesh_store::{Kept, Shading, StoreKey};
 use super::pictures::{PictureReader, ReadPicture};
+use super::subdivision::{ReadFaces, Subdivision};
 use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, VertexAttributes, vertex_normals};
-use crate::texture::{Encoding, PictureMap};
+use crate::texture::{Encoding, FloatTexture, PictureMap};
 
 /// Meshes read so far.
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
@@ -28,6 +29,10 @@ pub(super) struct MeshRequest {
     pub own_materials: bool,
     /// Whether its colours tint it.
     pub colors: bool,
+    /// Whether and how it is subdivided.
+    pub subdivision: Option<Subdivision>,
+    /// How far the subdivided surface is moved outwards.
+    pub displacement: Option<FloatTexture>,
 }
 
 /// What makes two meshes the same.
@@ -37,11 +42,12 @@ pub(super) struct MeshKey {
     shading: Shading,
     own_materials: bool,
     colors: bool,
+    subdivision: Option<Subdivision>,
 }
 
 impl Compiler<'_> {
     pub(super) fn mesh(&mut self, item: Item<'_>, request: MeshRequest) -> Option<ShapeId> {
-        let MeshRequest { name, place, shading, own_materials, colors } = request;
+        let MeshRequest { name, place, shading, own_materials, colors, subdivision, displacement } = request;
         let file = match self.assets.open(&name, item.path()) {
             Ok(file) => file,
             Err(error) => {
@@ -49,33 +55,43 @@ impl Compiler<'_> {
                 return None;
             }
         };
-        let key = MeshKey { path: file.path.clone(), shading, own_materials, colors };
-        if let Some(&known) = self.meshes.get(&key) {
+        let key = MeshKey { path: file.path.clone(), shading, own_materials, colors, subdivision };
+        let known = self.meshes.get(&key).filter(|_| displacement.is_none());
+        if let Some(&known) = known {
             return known;
         }
-        // Materials of its own get numbers of this scene.
-        let stamp = file.stamp.filter(|_| !own_materials);
+        // Materials of its own get numbers of this scene, and so do pictures.
+        let stamp = file.stamp.filter(|_| !own_materials && displacement.is_none());
         let store = self.options.meshes.as_deref().zip(stamp);
-        let store =
-            store.map(|(store, stamp)| (store, StoreKey { path: key.path.clone(), stamp, shading, colors }));
+        let store = store.map(|(store, stamp)| {
+            (store, StoreKey { path: key.path.clone(), stamp, shading, colors, subdivision })
+        });
         let kept = store.as_ref().and_then(|(store, key)| store.get(key));
         let read = match kept {
             Some(kept) => {
                 kept.warnings.iter().for_each(|warning| self.warn_of_file(&key.path, warning, place));
                 Some(kept)
             }
-            None => self.read_mesh(file, &key, place).inspect(|read| {
+            None => self.read_mesh(file, &key, displacement, place).inspect(|read| {
                 store.into_iter().for_each(|(store, key)| store.put(key, read.clone()));
             }),
         };
         let is_clear = read.as_ref().is_some_and(|read| read.mesh.has_opacities());
         let shape = read.and_then(|read| self.put_mesh(read.mesh, &key.path, item, place));
         self.clear_meshes.extend(shape.filter(|_| is_clear));
-        self.meshes.insert(key, shape);
+        if displacement.is_none() {
+            self.meshes.insert(key, shape);
+        }
         shape
     }
 
-    fn read_mesh(&mut self, file: AssetFile, key: &MeshKey, place: Span) -> Option<Kept> {
+    fn read_mesh(
+        &mut self,
+        file: AssetFile,
+        key: &MeshKey,
+        displacement: Option<FloatTexture>,
+        place: Span,
+    ) -> Option<Kept> {
         let path = &key.path;
         let (mut mesh, report) = match read_mesh(file, &self.options.limits) {
             Ok(read) => read,
@@ -95,10 +111,19 @@ impl Compiler<'_> {
         }
         warnings.iter().for_each(|warning| self.warn_of_file(path, warning, place));
         let slots = if key.own_materials { self.material_slots(&mesh, path, place) } else { None };
-        let averaging = self.memory_for_normals(&mesh, key.shading, path, place)?;
-        let data = mesh_data(mesh, key.shading, slots);
-        // What of it is kept counts as part of the mesh.
-        drop(averaging);
+        let data = match key.subdivision {
+            None => {
+                // What of it is kept counts as part of the mesh.
+                let _averaging = self.memory_for_normals(&mesh, key.shading, path, place)?;
+                mesh_data(mesh, key.shading, slots)
+            }
+            Some(how) => {
+                let polygons = std::mem::take(&mut mesh.polygons);
+                let read = ReadFaces { data: mesh_data(mesh, Shading::Flat, slots), polygons };
+                let is_smooth = key.shading != Shading::Flat;
+                self.subdivided(read, how, displacement, (is_smooth, path, place))?
+            }
+        };
         let mesh = self.built(data, path, place)?;
         Some(Kept { mesh, warnings })
     }

@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::subdivision::Subdivision;
 use crate::shape::Mesh;
 
 /// Where the normals of a mesh come from.
@@ -29,6 +30,8 @@ pub(super) struct StoreKey {
     pub shading: Shading,
     /// Whether the file's colours are kept.
     pub colors: bool,
+    /// Whether and how it is subdivided.
+    pub subdivision: Option<Subdivision>,
 }
 
 /// A mesh, and what was said when its file was read.

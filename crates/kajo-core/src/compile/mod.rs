@@ -41,6 +41,7 @@ mod places;
 mod scale;
 mod settings;
 mod spectra;
+mod subdivision;
 mod transform;
 mod value_names;
 
@@ -338,6 +339,8 @@ mod motion_tests;
 mod nesting_tests;
 #[cfg(test)]
 mod shading_tests;
+#[cfg(test)]
+mod subdivision_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

@@ -18,6 +18,7 @@ use super::model_beads::{BeadMaterials, BeadRadii, Stored};
 use super::model_material::ModelPictures;
 use super::part::{Part, Parts};
 use super::place::{Place, Walk};
+use super::subdivision::{ReadFaces, Subdivision};
 use crate::ids::LightGroup;
 use crate::material::MaterialId;
 use crate::nested::PartContent;
@@ -34,6 +35,7 @@ pub(super) struct ModelKey {
     own_materials: bool,
     /// Bits of the radii of points and lines.
     radii: [Option<u32>; 2],
+    subdivision: Option<Subdivision>,
 }
 
 /// A model that has been read.
@@ -56,6 +58,8 @@ pub(super) struct ModelRequest {
     pub lights: bool,
     pub light_scale: f32,
     pub group: LightGroup,
+    /// Whether and how its meshes are subdivided.
+    pub subdivision: Option<Subdivision>,
 }
 
 impl Compiler<'_> {
@@ -73,6 +77,7 @@ impl Compiler<'_> {
             smooth: keys.smooth,
             own_materials: keys.own_materials,
             radii: [keys.radii.points, keys.radii.lines].map(|radius| radius.map(f32::to_bits)),
+            subdivision: keys.subdivision,
         };
         let known = self.models.get(&key).cloned();
         let model = known.unwrap_or_else(|| {
@@ -129,6 +134,7 @@ impl Compiler<'_> {
         }
         let mut bead_materials = BeadMaterials::new();
         let (mut triangles, mut flat) = (0, 0);
+        let mut loses_attributes = false;
         let mut meshes: Vec<Vec<Stored>> = Vec::with_capacity(model.meshes.len());
         for parts in model.meshes {
             let mut stored = Vec::with_capacity(parts.len());
@@ -138,7 +144,13 @@ impl Compiler<'_> {
                 }
                 let material = part.material.and_then(|m| materials.get(m).copied().flatten());
                 if part.points.is_empty() && part.segments.is_empty() {
-                    let mesh = self.built(mesh_data(part, key.smooth), &key.path, at)?;
+                    let mut data = mesh_data(part, key.smooth);
+                    if let Some(how) = key.subdivision {
+                        loses_attributes |= !data.attributes.is_empty();
+                        let read = ReadFaces { data, polygons: Vec::new() };
+                        data = self.subdivided(read, how, None, (key.smooth, &key.path, at))?;
+                    }
+                    let mesh = self.built(data, &key.path, at)?;
                     (triangles, flat) = (triangles + mesh.triangle_count(), flat + mesh.dropped());
                     stored.push((self.shape(item, mesh)?, material));
                     continue;
@@ -153,6 +165,10 @@ impl Compiler<'_> {
         if flat > 0 {
             let message = format!("{flat} of its {triangles} triangles have no area and are left out");
             self.warn_of_file(&key.path, &message, at);
+        }
+        if loses_attributes {
+            let message = "its second texture coordinates and tangents are left out where it is subdivided";
+            self.warn_of_file(&key.path, message, at);
         }
         let parts: Parts = self.model_parts(&model.instances, &meshes, item).into();
         self.parts_defined += parts.len();

@@ -300,3 +300,29 @@ fn points_and_lines_are_shown_on_request() {
     assert_eq!((lines.geometry.shapes.spheres.len(), lines.geometry.shapes.cones.len()), (3, 3));
     assert!((met(&lines, 1.0, -1.0).hit.t - 4.75).abs() < 1e-4);
 }
+
+/// The corner of a triangle goes to (4 v + a + b)/6 of its own and the other two.
+#[test]
+fn models_are_subdivided() {
+    let content = triangle("", "");
+    let meets = |objects: &str, x: f32, y: f32| {
+        let ray = Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z);
+        scene(objects, &content).trace(&ray).surface().is_some()
+    };
+    let [x, y] = [10.0 / 6.0, -2.0 / 6.0];
+    for keys in ["subdivide 1", "subdivide 4", "subdivide 3  scheme loop"] {
+        let model = format!("Model {{ file a.gltf {keys} }}");
+        assert!(meets(&model, x - 0.01, y) && !meets(&model, x + 0.01, y), "{keys}");
+    }
+    assert!(meets("Model { file a.gltf }", x + 0.01, y));
+    let material =
+        r#""normalTexture":{"index":0},"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1}}"#;
+    let with_second = triangle(r#","TEXCOORD_0":1,"TEXCOORD_1":2"#, material);
+    let (_, said) = compiled("Model { file a.gltf subdivide 2 }", &with_second);
+    assert_eq!(
+        said,
+        ["`a.gltf`: its second texture coordinates and tangents are left out where it is subdivided"]
+    );
+    let (_, said) = compiled("Model { file a.gltf creaseAngle 20 }", &content);
+    assert!(said.iter().any(|s| s.contains("without `subdivide`")), "{said:?}");
+}

@@ -333,7 +333,7 @@ pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]], neighbours: Neighb
 }
 
 /// For each vertex the first one at the same position.
-fn welded(positions: &[Vec3]) -> Vec<u32> {
+pub(super) fn welded(positions: &[Vec3]) -> Vec<u32> {
     let key = |i: u32| (positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.sort_unstable_by_key(|&i| (key(i), i));

@@ -16,6 +16,7 @@ mod patch;
 mod plane;
 mod quad;
 mod sphere;
+pub mod subdivision;
 mod tessellate;
 mod torus;
 mod triangle;

@@ -207,3 +207,14 @@ fn mistakes_become_diagnostics_with_their_line() {
     assert!(shown.contains("obj_file m.obj"), "{shown}");
     assert!(shown.len() < 1000, "{shown}");
 }
+
+/// Which triangles make up a face is known, also where some are left out and where vertices come later.
+#[test]
+fn faces_of_more_corners_are_known() {
+    let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv nan 0 0\n";
+    let polygons = |faces: &str| mesh(&format!("{corners}{faces}")).polygons;
+    assert_eq!(polygons("f 1 2 3\nf 1 3 4\n"), [[0; 2]; 0]);
+    assert_eq!(polygons("f 1 2 3\nf 1 2 3 4\nf 1 2 4\nf 1 2 3 4 2\n"), [[1, 2], [4, 3]]);
+    assert_eq!(polygons("f 1 2 5\nf 1 2 3 4\nf 1 2 3 5\n"), [[0, 2], [2, 1]]);
+    assert_eq!(mesh(&format!("f 1 2 3 4\n{corners}")).polygons, [[0, 2]]);
+}

@@ -293,6 +293,8 @@ impl<'l> Builder<'l> {
             return Ok(());
         }
         self.report.polygons += 1;
+        let polygon = [self.mesh.faces.len() as u32, more as u32];
+        self.memory.push(&mut self.mesh.polygons, polygon).map_err(over)?;
         if self.mesh.positions.len() < self.vertex_count {
             // The places are not known yet: a fan for now.
             self.memory.room(&mut self.unsplit, 1).map_err(over)?;

@@ -97,6 +97,7 @@ fn triangles_and_polygons() {
     assert_eq!(mesh.positions[2], [1.0, 1.0, 0.5]);
     assert_eq!(mesh.faces, [[0, 1, 2], [0, 1, 2], [0, 2, 3], [3, 2, 1]]);
     assert_eq!(report, MeshReport { polygons: 1, ..MeshReport::default() });
+    assert_eq!(mesh.polygons.len(), 1);
 }
 
 #[test]

@@ -9,6 +9,7 @@ use crate::compile::member::{Member, ObjectMember};
 use crate::compile::model::ModelRequest;
 use crate::compile::model_beads::BeadRadii;
 use crate::compile::place::{Place, Walk};
+use crate::compile::subdivision::{Subdivision, SubdivisionKeys};
 use crate::ids::LightGroup;
 use crate::schema::{Block, Kind};
 
@@ -31,7 +32,7 @@ pub const MEMBER: ObjectMember = Member {
         keyword: "Model",
         kind: Kind::Shape,
         about: "a whole glTF model with its materials and lights",
-        groups: &[ModelKeys::FIELDS],
+        groups: &[ModelKeys::FIELDS, SubdivisionKeys::FIELDS],
     },
     read: place_model,
 };
@@ -44,6 +45,7 @@ fn place_model(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, w
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<ModelRequest> {
     params.name();
+    let subdivision = Subdivision::read(params, sources, &[]);
     let keys = ModelKeys::read(params, sources)?;
     Some(ModelRequest {
         name: keys.file.value.0,
@@ -54,5 +56,6 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<ModelR
         lights: keys.lights,
         light_scale: keys.light_scale,
         group: keys.group.unwrap_or_default(),
+        subdivision: subdivision?,
     })
 }

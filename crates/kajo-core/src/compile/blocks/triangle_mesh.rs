@@ -3,12 +3,14 @@
 use kajo_scene::{Item, Params};
 
 use crate::compile::Compiler;
-use crate::compile::fields::{At, FileName, Keys, Sources, file, flag, keys};
+use crate::compile::fields::{At, FileName, Keys, Sources, file, flag, float_texture, keys};
 use crate::compile::member::{Member, ObjectMember};
 use crate::compile::mesh::MeshRequest;
 use crate::compile::mesh_store::Shading;
 use crate::compile::place::{Place, Walk};
+use crate::compile::subdivision::{Subdivision, SubdivisionKeys};
 use crate::schema::{Around, Block, FieldValue, Kind};
+use crate::texture::FloatTexture;
 
 keys! {
     MeshKeys<'t> {
@@ -19,6 +21,10 @@ keys! {
             flag("smooth").ruled(smooth, "by neighbouring faces", "shaded by interpolated normals"),
         materials: bool = flag("materials").or(false, "in the materials of its own file"),
         colors: bool = flag("colors").or(false, "tinted by the colours of its vertices"),
+        displacement: Option<FloatTexture> = float_texture("displacement", f64::MIN, f64::MAX)
+            .unit("length")
+            .only_beside("subdivide")
+            .option("how far the subdivided surface is moved outwards"),
     }
 }
 
@@ -27,7 +33,7 @@ pub const MEMBER: ObjectMember = Member {
         keyword: "TriangleMesh",
         kind: Kind::Shape,
         about: "the triangles of an OBJ, PLY or STL file",
-        groups: &[MeshKeys::FIELDS],
+        groups: &[MeshKeys::FIELDS, SubdivisionKeys::FIELDS],
     },
     read: place_mesh,
 };
@@ -45,14 +51,19 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<MeshRe
     params.name();
     let unasked = if sources.rules.smooth_meshes { Shading::Averaged } else { Shading::Flat };
     params.either(&["file", "obj_file"], "a mesh");
-    let MeshKeys { file, obj_file, smooth, materials, colors } = MeshKeys::read(params, sources)?;
+    let subdivision = Subdivision::read(params, sources, MeshKeys::FIELDS);
+    let MeshKeys { file, obj_file, smooth, materials, colors, displacement } =
+        MeshKeys::read(params, sources)?;
     let Some(file) = file.or(obj_file) else {
         if !params.contains("obj_file") {
             params.report_missing("file");
         }
         return None;
     };
+    let subdivision = subdivision?;
+    let unasked = if subdivision.is_some() { Shading::Smooth } else { unasked };
     let shading = smooth.map_or(unasked, |on| if on { Shading::Smooth } else { Shading::Flat });
     let (name, place) = (file.value.0, file.item.head_span());
-    Some(MeshRequest { name, place, shading, own_materials: materials, colors })
+    let displacement = displacement.filter(|_| subdivision.is_some());
+    Some(MeshRequest { name, place, shading, own_materials: materials, colors, subdivision, displacement })
 }
