@@ -33,7 +33,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms: Vec<Form> =
         ROOMS.iter().flat_map(|room| [glowing(draw, room, None), glowing(draw, room, Some(1))]).collect();
     forms.push(glowing(draw, &ROOMS[0], Some(0)));
-    for room in [&ROOMS[2], &ROOMS[5]] {
+    for room in [&ROOMS[2], &ROOMS[6]] {
         let wide = glowing(draw, room, Some(1));
         forms.push(Form {
             name: wide.name.replace(room.name, &format!("{}, seen widely", room.name)),
@@ -61,7 +61,7 @@ struct Room {
     mesh: &'static str,
 }
 
-const ROOMS: [Room; 6] = [
+const ROOMS: [Room; 7] = [
     Room { name: "sphere", scene: "Sphere { center 0.1 0 -0.2  radius 1 }", mesh: "" },
     Room {
         name: "ellipsoid",
@@ -71,6 +71,11 @@ const ROOMS: [Room; 6] = [
     Room { name: "box", scene: "Box { min -1 -1.2 -0.7  max 1.1 1 0.9 }", mesh: "" },
     Room { name: "cylinder", scene: "Cylinder { base 0 -1 0.1  top 0.2 1 0  radius 1 }", mesh: "" },
     Room { name: "octahedron, a mesh", scene: "TriangleMesh { file room.obj }", mesh: OCTAHEDRON },
+    Room {
+        name: "displaced octahedron",
+        scene: "TriangleMesh { file room.obj  smooth off  subdivide 3  displacement 0.2 }",
+        mesh: OCTAHEDRON,
+    },
     Room {
         name: "blob",
         scene: "Blob { sphere { center -0.5 0 0  radius 1.2 }  sphere { center 0.6 0.2 -0.1  radius 1 } }",

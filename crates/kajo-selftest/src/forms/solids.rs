@@ -42,6 +42,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         clear(draw, "ball of two halves", two_halves),
         clear(draw, "ball less a ball", hollow),
         clear(draw, "gyroid", gyroid),
+        clear(draw, "displaced cube", displaced).file("cube.obj", CUBE.to_owned()),
     ]
 }
 
@@ -187,6 +188,16 @@ fn two_halves(draw: &mut Parameters) -> String {
     };
     format!("Merge {{ {} {} }}", half(n, offset), half(-n, -offset))
 }
+
+fn displaced(draw: &mut Parameters) -> String {
+    let (moved, crease) = (draw.between(-0.1, 0.3), draw.between(60.0, 120.0));
+    format!(
+        "TriangleMesh {{ file cube.obj  smooth off  subdivide 2  creaseAngle {crease}  displacement {moved} }}"
+    )
+}
+
+const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n\
+    f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
 fn hollow(draw: &mut Parameters) -> String {
     let (center, radius) = (draw.point(0.2), draw.between(0.2, 0.5));
