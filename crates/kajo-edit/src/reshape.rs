@@ -58,6 +58,7 @@ impl Block<'_> {
                 Some(vec![self.point("vertex0")?, self.point("vertex1")?, self.point("vertex2")?])
             }
             "Plane" if direct => self.plane(),
+            "HeightField" => self.height_field(),
             "Quad" | "Triangle" | "Plane" => None,
             _ => self.by_fields(),
         }
@@ -86,6 +87,23 @@ impl Block<'_> {
             }
         }
         has_place.then_some(values)
+    }
+
+    /// A height field stays upright and along the axes.
+    fn height_field(&self) -> Option<Values> {
+        let mut values = vec![self.point("center")?];
+        match self.linear {
+            Linear::Identity => Some(values),
+            Linear::Similar(factor) if self.only_scales() => {
+                for key in ["size", "heights", "base"] {
+                    let Some(numbers) = self.tree.numbers_of(self.node, key) else { continue };
+                    let scaled = numbers.into_iter().map(|x| tidy(x * factor, 0.0));
+                    values.push((key, FieldValue::numbers(scaled)));
+                }
+                Some(values)
+            }
+            _ => None,
+        }
     }
 
     /// A light or a camera: a place and directions, of whatever length.

@@ -22,7 +22,7 @@ const DEFINE: &str = blocks::group::DEFINE.keyword;
 
 /// Words for objects, groups and transforms included.
 pub(super) const OBJECTS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
-const LATER: [&str; 4] = ["BezierCurve", "BsplineCurve", "HeightField", "RevSurface"];
+const LATER: [&str; 3] = ["BezierCurve", "BsplineCurve", "RevSurface"];
 
 impl Compiler<'_> {
     /// Everything in the scene's group.

@@ -15,6 +15,7 @@ mod definition;
 mod extras;
 mod fields;
 mod group;
+mod height_field;
 mod lens;
 mod light_groups;
 mod light_quantities;

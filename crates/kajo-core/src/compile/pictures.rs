@@ -317,7 +317,7 @@ impl fmt::Display for Problem {
 }
 
 /// The format that the ending of a name suggests.
-fn format_of(name: &str) -> Option<Format> {
+pub(super) fn format_of(name: &str) -> Option<Format> {
     name.rsplit_once('.').and_then(|(_, ending)| Format::from_extension(ending))
 }
 

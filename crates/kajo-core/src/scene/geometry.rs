@@ -300,7 +300,8 @@ impl Geometry {
         let meshes: usize = self.shapes.meshes.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.csgs.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.blobs.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.isosurfaces.iter().map(Surface::heap_bytes).sum::<usize>();
+            + self.shapes.isosurfaces.iter().map(Surface::heap_bytes).sum::<usize>()
+            + self.shapes.height_fields.iter().map(Surface::heap_bytes).sum::<usize>();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
         meshes + self.aggregate.bytes() + placed + self.objects.bytes()
     }

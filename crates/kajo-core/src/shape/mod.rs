@@ -10,6 +10,7 @@ mod cone;
 mod csg;
 mod cuboid;
 mod disk;
+mod height_field;
 mod isosurface;
 mod mesh;
 mod patch;
@@ -27,6 +28,7 @@ pub use cone::Cone;
 pub use csg::{Csg, CsgError, SetOperation, SolidPart};
 pub use cuboid::Cuboid;
 pub use disk::Disk;
+pub use height_field::{HeightField, HeightFieldError, HeightGrid};
 pub use isosurface::Isosurface;
 pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
 pub(crate) use patch::per_solid_angle;
@@ -160,6 +162,7 @@ family! {
         csgs: Csg,
         cuboids: Cuboid,
         disks: Disk,
+        height_fields: HeightField,
         isosurfaces: Isosurface,
         meshes: Mesh,
         planes: Plane,

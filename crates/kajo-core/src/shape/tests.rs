@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use kajo_bvh::BuildSettings;
-use kajo_math::{rng::Stream, warp};
+use kajo_math::{DVec2, rng::Stream, warp};
 
 use super::*;
 use crate::interaction::RayOffset;
@@ -24,6 +24,8 @@ macro_rules! closed_shapes {
         $check("torus that crosses itself", &torus(0.3, 0.5) $(, $arg)*);
         $check("blob", &blob() $(, $arg)*);
         $check("isosurface", &isosurface() $(, $arg)*);
+        $check("height field", &height_field(Some(-0.6)) $(, $arg)*);
+        $check("height field without a base", &height_field(None) $(, $arg)*);
         $check("difference", &carved(SetOperation::Difference) $(, $arg)*);
         $check("merge", &carved(SetOperation::Union) $(, $arg)*);
         $check("intersection", &carved(SetOperation::Intersection) $(, $arg)*);
@@ -82,6 +84,12 @@ fn isosurface() -> Isosurface {
         .fold(squares[0], |sum, term| tape.binary(Binary::Add, sum, term));
     let (min, max) = (Vec3::new(-1.0, -0.55, -1.0), Vec3::ONE);
     Isosurface::new(std::sync::Arc::new(tape.finish(value)), min, max, true).unwrap()
+}
+
+/// A single cell, which has no edges, that is twisted.
+fn height_field(base: Option<f64>) -> HeightField {
+    let grid = HeightGrid { columns: 2, rows: 2, heights: vec![0.5, -0.3, -0.1, 0.4] };
+    HeightField::new(grid, DVec2::new(-0.7, -0.6), DVec2::new(1.4, 1.3), base, false).unwrap()
 }
 
 /// A box, and a ball and a mesh somewhere else.

@@ -18,6 +18,10 @@ fn gallery() -> PathBuf {
 fn shapes() -> Vec<String> {
     let shape = |keyword: &str| match keyword {
         "TriangleMesh" => "TriangleMesh { obj_file meshes/knot.obj }".to_owned(),
+        "HeightField" => {
+            let heights = "size 1.4 1.2  heights -0.3 0.6  base -0.6";
+            format!("HeightField {{ file pictures/ball.png  center 0.1 0.2 0  {heights} }}")
+        }
         "Model" => "Model { file meshes/lantern.glb }".to_owned(),
         "Cone" => "Cone { base 0.1 -0.4 0  top 0.5 0.8 0.2  radius 0.7  topRadius 0.3 }".to_owned(),
         "Disk" => "Disk { center 0.1 0.2 0  normal 1 2 0.5  radius 0.9  innerRadius 0.2 }".to_owned(),

@@ -160,7 +160,7 @@ fn every_template_compiles() {
         .flat_map(keywords_of)
     {
         let Some(block) = template(keyword, [0.1, 0.2, 0.3], 0.7) else {
-            assert!(["Model", "TriangleMesh"].contains(&keyword), "{keyword}");
+            assert!(["HeightField", "Model", "TriangleMesh"].contains(&keyword), "{keyword}");
             continue;
         };
         let mut d = good(SCENE);

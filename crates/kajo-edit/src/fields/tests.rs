@@ -62,6 +62,7 @@ fn needed(block: &Block) -> String {
             FieldKind::Color | FieldKind::Emission => "0.5 0.25 0.125",
             FieldKind::Material => "0",
             FieldKind::Numbers(count) => return format!("{} {}", field.key, "1 ".repeat(count)),
+            FieldKind::File => "heights.pfm",
             _ => "30",
         };
         let value = if field.key == "vertex2" { "0 0 3" } else { value };
@@ -149,6 +150,9 @@ fn folder() -> tempfile::TempDir {
     let mesh = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n{normals}f 1//1 2//2 3//3\nf 1//2 3//3 4//1\n");
     std::fs::write(folder.path().join("luminaire.ies"), light).unwrap();
     std::fs::write(folder.path().join("two.obj"), mesh).unwrap();
+    let heights = [0.0f32, 0.5, 0.25, 1.0].map(f32::to_le_bytes);
+    let heights = [b"Pf\n2 2\n-1\n".as_slice(), heights.as_flattened()].concat();
+    std::fs::write(folder.path().join("heights.pfm"), heights).unwrap();
     folder
 }
 

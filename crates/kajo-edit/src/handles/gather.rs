@@ -23,6 +23,7 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         (Kind::Shape, "Plane") => gather.plane(),
         (Kind::Shape, "Cylinder" | "Cone") => gather.cone(),
         (Kind::Shape, "Torus") => gather.torus(),
+        (Kind::Shape, "HeightField") => gather.points(&["center"], "middle"),
         (Kind::Shape, "Quad") => gather.quad(),
         (Kind::Shape, "Triangle") => gather.points(&["vertex0", "vertex1", "vertex2"], "corner"),
         (Kind::Shape, keyword) => gather.by_fields(keyword),

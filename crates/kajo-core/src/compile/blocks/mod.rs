@@ -14,6 +14,7 @@ pub(super) mod disk;
 pub(super) mod fisheye_camera;
 pub(super) mod glass;
 pub(super) mod group;
+pub(super) mod height_field;
 pub(super) mod isosurface;
 pub(super) mod marble;
 pub(super) mod matte;
@@ -42,7 +43,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 23] = [
+pub(super) const OBJECTS: [&ObjectMember; 24] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -54,6 +55,7 @@ pub(super) const OBJECTS: [&ObjectMember; 23] = [
     &algebraic::QUADRIC,
     &algebraic::CUBIC,
     &algebraic::QUARTIC,
+    &height_field::MEMBER,
     &disk::MEMBER,
     &quad::MEMBER,
     &triangle::MEMBER,

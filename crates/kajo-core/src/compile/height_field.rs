@@ -1,0 +1,186 @@
+//! Terrain from pictures.
+
+use kajo_image::Image;
+use kajo_math::{Vec2, Vec3};
+use kajo_scene::{Diagnostic, Item, Span};
+
+use super::Compiler;
+use super::pictures::{format_of, read_picture};
+use crate::shape::{HeightField, HeightFieldError, HeightGrid, ShapeId};
+
+/// A height field as a block asks for it.
+pub(super) struct HeightFieldRequest {
+    /// The name of its picture.
+    pub name: String,
+    /// Where that is named.
+    pub place: Span,
+    /// Middle of the rectangle, where heights count from.
+    pub center: Vec3,
+    /// Sides along x and z.
+    pub size: Vec2,
+    /// What 0 and 1 of the picture stand for.
+    pub heights: Vec2,
+    /// Height of the floor.
+    pub base: Option<f32>,
+    pub smooth: bool,
+}
+
+impl Compiler<'_> {
+    /// The terrain of a block; why there is none is reported.
+    pub(super) fn height_field(&mut self, item: Item<'_>, request: HeightFieldRequest) -> Option<ShapeId> {
+        let HeightFieldRequest { ref name, place, center, size, heights, base, smooth } = request;
+        let picture = self.picture_of_heights(name, item, place)?;
+        let (columns, rows) = (picture.width(), picture.height());
+        if let Err(over) = self.options.limits.memory.take(HeightField::bytes(columns, rows)) {
+            self.cannot_read(name, &over.to_string(), place);
+            return None;
+        }
+        let [low, high] = heights.to_array().map(f64::from);
+        let height = |value: f32| f64::from(center.y) + low + f64::from(value) * (high - low);
+        let heights = picture.pixels().map(|pixel| height(pixel[0]) as f32).collect();
+        drop(picture);
+        let grid = HeightGrid { columns, rows, heights };
+        let size = size.as_dvec2();
+        let corner = Vec2::new(center.x, center.z).as_dvec2() - 0.5 * size;
+        let base = base.map(|base| f64::from(center.y) + f64::from(base));
+        match HeightField::new(grid, corner, size, base, smooth) {
+            Ok(field) => self.shape(item, field),
+            Err(error @ (HeightFieldError::TooSmall { .. } | HeightFieldError::NotFinite { .. })) => {
+                self.cannot_read(name, &error.to_string(), place);
+                None
+            }
+            Err(error) => {
+                let error =
+                    Diagnostic::error(error.to_string()).label(item.head_span(), "nothing is left of this");
+                self.diagnostics.push(error);
+                None
+            }
+        }
+    }
+
+    /// The numbers of a file as it stores them.
+    fn picture_of_heights(&mut self, name: &str, item: Item<'_>, place: Span) -> Option<Image> {
+        let limits = &self.options.limits;
+        let file = self.assets.open(name, item.path()).map_err(|error| error.to_string());
+        let read = file.and_then(|file| {
+            let decoded = read_picture(file, format_of(name), limits.picture_bytes, &limits.memory)?;
+            let floats = size_of_val(decoded.image.data()) as u64;
+            // Held while the heights are taken from it.
+            let _floats = limits.memory.share(floats).map_err(|over| over.to_string())?;
+            Ok(decoded.image)
+        });
+        read.map_err(|reason: String| self.cannot_read(name, &reason, place)).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_image::{BitDepth, EncodeOptions, Format, encode};
+    use kajo_math::Ray;
+    use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+
+    use super::*;
+    use crate::compile::{CompileOptions, compile};
+    use crate::scene::Scene;
+
+    /// Pictures of three columns and two rows, whose first row is 0, 0.25, 1, and some that are none.
+    fn assets() -> MemoryAssets {
+        let file = |[columns, rows]: [u32; 2], format, depth, h: fn(u32, u32) -> f32| {
+            let options = EncodeOptions { depth, ..EncodeOptions::default() };
+            encode(&Image::from_fn(columns, rows, |x, y| [h(x, y), 0.5, 0.5]).unwrap(), format, &options)
+                .unwrap()
+        };
+        MemoryAssets::new()
+            .with("8.png", file([3, 2], Format::Png, BitDepth::Eight, hill_of))
+            .with("16.png", file([3, 2], Format::Png, BitDepth::Sixteen, hill_of))
+            .with("float.pfm", file([3, 2], Format::Pfm, BitDepth::Eight, |x, y| 100.0 * hill_of(x, y)))
+            .with("float.exr", file([3, 2], Format::Exr, BitDepth::Eight, |x, y| -2.0 * hill_of(x, y)))
+            .with("dot.png", file([1, 1], Format::Png, BitDepth::Eight, |_, _| 0.5))
+            .with("row.png", file([3, 1], Format::Png, BitDepth::Eight, |_, _| 0.5))
+            .with(
+                "hole.pfm",
+                file(
+                    [3, 2],
+                    Format::Pfm,
+                    BitDepth::Eight,
+                    |x, y| {
+                        if (x, y) == (2, 1) { f32::NAN } else { 0.5 }
+                    },
+                ),
+            )
+            .with("text.png", "no picture")
+    }
+
+    fn hill_of(x: u32, y: u32) -> f32 {
+        if y == 0 { [0.0, 0.25, 1.0][x as usize] } else { 0.5 }
+    }
+
+    fn compiled(object: &str) -> Result<Scene, String> {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
+             Materials {{ Matte {{ }} Matte {{ emission 1 }} }} Group {{ MaterialIndex 0 {object} }}"
+        );
+        let mut parsed = SceneDesc::parse_str(&text);
+        let mut diagnostics = Diagnostics::default();
+        let scene = compile(&mut parsed.desc, &assets(), &CompileOptions::default(), &mut diagnostics);
+        let said: Vec<String> = diagnostics.iter().map(|d| d.message.clone()).collect();
+        scene.filter(|_| said.is_empty()).ok_or_else(|| said.join(" / "))
+    }
+
+    /// The height of a scene at a place, seen from far above.
+    fn height(scene: &Scene, x: f32, z: f32) -> f32 {
+        let ray = Ray::new(Vec3::new(x, 512.0, z), Vec3::NEG_Y);
+        let at = scene.trace(&ray);
+        at.surface().expect("there is terrain below").point.p.y
+    }
+
+    /// The first row is at the least z, columns go along x, and numbers are not put through the curve of a screen.
+    #[test]
+    fn pictures_lie_as_maps_and_their_numbers_are_heights() {
+        for (name, scale) in [("8.png", 1.0), ("16.png", 1.0), ("float.pfm", 100.0), ("float.exr", -2.0)] {
+            let scene =
+                compiled(&format!("HeightField {{ file {name}  center 1 2 3  size 4 6  heights -1 1 }}"));
+            let scene = scene.unwrap_or_else(|said| panic!("{name}: {said}"));
+            let tolerance = if name == "8.png" { 0.5 / 255.0 * 2.0 } else { 2e-5 * f32::abs(scale) };
+            for (x, z, value) in
+                [(-1.0, 0.0, 0.0), (1.0, 0.0, 0.25), (3.0, 0.0, 1.0), (-1.0, 6.0, 0.5), (0.0, 0.0, 0.125)]
+            {
+                let found = height(&scene, x, z);
+                let expected = 2.0 - 1.0 + 2.0 * scale * value;
+                assert!((found - expected).abs() <= tolerance, "{name}: {found} for {expected} at {x} {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_terrain_is_told() {
+        let said = |block: &str| compiled(&format!("HeightField {{ {block} }}")).err().unwrap_or_default();
+        assert!(said("size 1 1").contains("needs `file`"), "{}", said("size 1 1"));
+        for (block, expected) in [
+            ("file none.png", "cannot read `none.png`"),
+            ("file text.png", "cannot read `text.png`"),
+            ("file dot.png", "1 x 1 heights make no surface"),
+            ("file row.png", "3 x 1 heights make no surface"),
+            ("file hole.pfm", "the height in column 3 of row 2 is not a finite number"),
+            ("file 8.png size 0 1", "both sides of the rectangle must be above zero"),
+            ("file 8.png size 1 -1", "both sides of the rectangle must be above zero"),
+            ("file 8.png base 1", "no height is above the base"),
+        ] {
+            assert!(said(block).contains(expected), "{block}: {}", said(block));
+        }
+    }
+
+    #[test]
+    fn solids_have_a_base_and_sheets_are_no_operands() {
+        let field = |more: &str| format!("HeightField {{ file 8.png  size 2 2  {more} }}");
+        let cut = |more: &str| {
+            compiled(&format!("Intersection {{ {}  Sphere {{ center 0 0 0 radius 0.5 }} }}", field(more)))
+        };
+        assert!(cut("base -1").is_ok());
+        assert!(cut("").is_err_and(|said| said.contains("must have an inside")), "{:?}", cut("").err());
+        for (more, count) in [("", 1), ("base -1", 6)] {
+            let glows = compiled(&format!("MaterialIndex 1 {}", field(more))).unwrap();
+            assert_eq!(glows.lighting.lights.areas.len(), count, "one for each part");
+        }
+    }
+}

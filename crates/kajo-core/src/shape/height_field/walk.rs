@@ -1,0 +1,215 @@
+//! The way of a ray through the blocks and cells of a height field.
+
+use kajo_math::{DVec3, Ray, roots};
+
+use super::{Cell, FLOOR, Parts, SURFACE};
+use crate::shape::Ray64;
+
+/// Room above the highest point and, of a surface without a floor, below the lowest one, in sides of a cell: where a ray enters
+/// from above it is above the surface, whatever rounding says.
+const MARGIN: f64 = 1e-3;
+
+/// Where a ray is in the box of a height field, and through which face it comes and goes; `None` where it begins or ends within.
+struct Span {
+    lo: f64,
+    hi: f64,
+    enters: Option<Face>,
+    leaves: Option<Face>,
+}
+
+/// A face of the box.
+#[derive(Clone, Copy, PartialEq)]
+enum Face {
+    /// That of a solid, by its part.
+    Side(u32),
+    Top,
+}
+
+/// A ray from where it enters the box, in cells from the corner with the least x and z; y is in units of length.
+struct Way<'a, V> {
+    parts: &'a Parts,
+    o: DVec3,
+    d: DVec3,
+    /// Ray parameter at `o`.
+    from: f64,
+    /// Whether the surface is above the ray.
+    is_below: bool,
+    /// Told parameter and part of each crossing; whether that is enough.
+    visit: V,
+}
+
+impl Parts {
+    /// Visits all crossings of a ray from its least parameter on, in their order, until `visit` has enough.
+    pub(super) fn walk(&self, ray: &Ray, mut visit: impl FnMut(f64, u32) -> bool) {
+        let line = Ray64::new(ray);
+        let Some(span) = self.span(ray, &line) else { return };
+        let (start, cell) = (line.at(span.lo), self.cell_size());
+        let o = DVec3::new((start.x - self.corner.x) / cell.x, start.y, (start.z - self.corner.y) / cell.y);
+        let d = DVec3::new(line.d.x / cell.x, line.d.y, line.d.z / cell.y);
+        let is_solid = self.base.is_some();
+        let is_below = span.enters != Some(Face::Top) && start.y < self.height_and_slopes(start.x, start.z).0;
+        if let Some(Face::Side(part)) = span.enters
+            && is_solid
+            && is_below
+            && visit(span.lo, part)
+        {
+            return;
+        }
+        let mut way = Way { parts: self, o, d, from: span.lo, is_below, visit };
+        if way.block(self.bounds.top(), [0, 0], [0.0, span.hi - span.lo]) || !way.is_below {
+            return;
+        }
+        match span.leaves {
+            Some(Face::Side(part)) if is_solid => (way.visit)(span.hi, part),
+            Some(Face::Top) => (way.visit)(span.hi, SURFACE),
+            _ => false,
+        };
+    }
+
+    /// Where a ray is in the box; `None` where it passes by, and for one that is not finite.
+    fn span(&self, ray: &Ray, line: &Ray64) -> Option<Span> {
+        let margin = MARGIN * self.cell_size().min_element();
+        let [low, high] = self.extent();
+        let low = if self.base.is_some() { low } else { low - margin };
+        let end = self.corner + self.size;
+        let axes = [
+            (self.corner.x, end.x, [Face::Side(1), Face::Side(2)]),
+            (low, high + margin, [Face::Side(FLOOR), Face::Top]),
+            (self.corner.y, end.y, [Face::Side(3), Face::Side(4)]),
+        ];
+        let (o, d) = (line.o.to_array(), line.d.to_array());
+        if !(line.o.is_finite() && line.d.is_finite()) || line.d == DVec3::ZERO {
+            return None;
+        }
+        let mut span = Span { lo: ray.t_min.into(), hi: ray.t_max.into(), enters: None, leaves: None };
+        for (axis, (min, max, [first, last])) in axes.into_iter().enumerate() {
+            let (o, d) = (o[axis], d[axis]);
+            if d == 0.0 {
+                if !(min..=max).contains(&o) {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((min - o) / d, (max - o) / d);
+            let (near, far) = if d > 0.0 { ((a, first), (b, last)) } else { ((b, last), (a, first)) };
+            if near.0 > span.lo {
+                (span.lo, span.enters) = (near.0, Some(near.1));
+            }
+            if far.0 < span.hi {
+                (span.hi, span.leaves) = (far.0, Some(far.1));
+            }
+        }
+        (span.lo < span.hi).then_some(span)
+    }
+}
+
+impl<V: FnMut(f64, u32) -> bool> Way<'_, V> {
+    /// Goes through a block of `2^level` cells a side between two parameters; whether that is enough.
+    fn block(&mut self, level: u32, at: [u32; 2], [t0, t1]: [f64; 2]) -> bool {
+        if level == 0 {
+            return self.cell(at, [t0, t1]);
+        }
+        let (y0, y1) = (self.o.y + t0 * self.d.y, self.o.y + t1 * self.d.y);
+        if let Some(is_below) = side(y0, y1, self.parts.bounds.block(level, at)) {
+            return self.turns(is_below, t0);
+        }
+        // Two lines part the block. Before them the ray is on the side that it comes from.
+        let cells = self.parts.grid.cells();
+        let middle = |axis: usize| (2 * at[axis] + 1) << (level - 1);
+        let x = parting(self.o.x, self.d.x, middle(0), cells[0]);
+        let z = parting(self.o.z, self.d.z, middle(1), cells[1]);
+        let mut from = t0;
+        for to in [x.min(z), x.max(z), t1] {
+            let to = to.clamp(from, t1);
+            if from < to {
+                // Below the line of an axis before it, or above it after it.
+                let upper = |t: f64, d: f64| u32::from((to > t) != (d < 0.0));
+                let child = [2 * at[0] + upper(x, self.d.x), 2 * at[1] + upper(z, self.d.z)];
+                if self.block(level - 1, child, [from, to]) {
+                    return true;
+                }
+                from = to;
+            }
+        }
+        false
+    }
+
+    /// Visits what crosses the surface of a cell between two parameters.
+    fn cell(&mut self, at: [u32; 2], [t0, t1]: [f64; 2]) -> bool {
+        let (p0, p1) = (self.o + t0 * self.d, self.o + t1 * self.d);
+        let corners = self.parts.grid.corners(at);
+        let least = corners[0].min(corners[1]).min(corners[2].min(corners[3]));
+        let greatest = corners[0].max(corners[1]).max(corners[2].max(corners[3]));
+        if let Some(is_below) = side(p0.y, p1.y, [least, greatest]) {
+            return self.turns(is_below, t0);
+        }
+        let place =
+            |p: DVec3| [(p.x - f64::from(at[0])).clamp(0.0, 1.0), (p.z - f64::from(at[1])).clamp(0.0, 1.0)];
+        let (cell, q0, q1) = (Cell::new(corners), place(p0), place(p1));
+        // Bernstein coefficients of the gap between the ray and the surface.
+        let gap = [
+            p0.y - cell.at(q0[0], q0[1]),
+            0.5 * (p0.y + p1.y) - cell.between(q0, q1),
+            p1.y - cell.at(q1[0], q1[1]),
+        ];
+        let (starts, ends) = (gap[0] < 0.0, gap[2] < 0.0);
+        if self.turns(starts, t0) {
+            return true;
+        }
+        let at = |s: f64| t0 + s * (t1 - t0);
+        let (a, h, c) = (gap[0] - 2.0 * gap[1] + gap[2], gap[1] - gap[0], gap[0]);
+        if starts != ends {
+            return self.turns(ends, at(single_root(a, h, c)));
+        }
+        if (gap[1] < 0.0) == starts {
+            return false;
+        }
+        match roots::quadratic(a, h, c) {
+            Some((first, last)) if first < last => {
+                self.turns(!starts, at(first.clamp(0.0, 1.0))) || self.turns(ends, at(last.clamp(0.0, 1.0)))
+            }
+            _ => false,
+        }
+    }
+
+    /// Notes on which side of the surface the ray is from a parameter on, and visits the crossing if that is news.
+    fn turns(&mut self, is_below: bool, t: f64) -> bool {
+        let is_news = std::mem::replace(&mut self.is_below, is_below) != is_below;
+        is_news && (self.visit)(self.from + t, SURFACE)
+    }
+}
+
+/// Whether a piece of a ray between two heights is below all of some heights, or above all of them.
+#[inline]
+fn side(y0: f64, y1: f64, [least, greatest]: [f32; 2]) -> Option<bool> {
+    if y0.min(y1) >= greatest.into() {
+        return Some(false);
+    }
+    (y0.max(y1) < least.into()).then_some(true)
+}
+
+/// Where a ray is on a line of the grid. One along it, or of a grid that has no cells behind it, has it all after or before it.
+#[inline]
+fn parting(o: f64, d: f64, line: u32, cells: u32) -> f64 {
+    if line >= cells {
+        return if d < 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
+    }
+    let line = f64::from(line);
+    if d == 0.0 {
+        return if o < line { f64::INFINITY } else { f64::NEG_INFINITY };
+    }
+    (line - o) / d
+}
+
+/// The root in [0, 1] of `a s^2 + 2 h s + c`, which has different signs at 0 and 1.
+#[inline]
+fn single_root(a: f64, h: f64, c: f64) -> f64 {
+    let Some((first, last)) = roots::quadratic(a, h, c) else {
+        // All but zero everywhere.
+        return 0.5;
+    };
+    let off = |s: f64| (s - s.clamp(0.0, 1.0)).abs();
+    // Of a product of one very large root and one that is not, the first may be infinite.
+    let root = if off(first) <= off(last) { first } else { last };
+    if root.is_nan() { 0.5 } else { root.clamp(0.0, 1.0) }
+}
