@@ -50,6 +50,11 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             let ball = text(&ball(degree, at, 0.9 * size)).join(" ");
             format!("{keyword} {{ coefficients {ball}  min {min}  max {max} }}")
         }
+        "Prism" => {
+            let length = vector(1.0, 0.0, 0.0).split(' ').next()?.to_owned();
+            let outline = "outline { line -1 -1  1 -1  1 0  spline 0.7 0.7  0 1  -0.7 0.7  -1 0 }";
+            format!("Prism {{ origin {center}  size {length}  depth {length}  {outline} }}")
+        }
         "Quad" => {
             let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")

@@ -91,7 +91,10 @@ fn halves<const N: usize>(b: &[f64; N]) -> ([f64; N], [f64; N]) {
 
 /// The only root of a polynomial whose ends differ in sign.
 fn single_root<const N: usize>(b: &[f64; N]) -> f64 {
-    let start = (b[0] / (b[0] - b[N - 1])).clamp(0.0, 1.0);
+    // An end that is all but zero may be beside another root, beyond it, at which Newton's method would stay.
+    const BESIDE: f64 = 1e-9;
+    let chord = b[0] / (b[0] - b[N - 1]);
+    let start = if (BESIDE..=1.0 - BESIDE).contains(&chord) { chord } else { 0.5 };
     bracketed([0.0, 1.0], start, b[0] < 0.0, f64::EPSILON, |t| value_and_slope(b, t))
 }
 
@@ -208,6 +211,19 @@ mod tests {
         }
         assert_eq!(roots_of([0.25, -1.0, 1.0]).len(), 0);
         assert_eq!(roots_of([-0.25, 1.0, -1.0]).len() % 2, 0);
+    }
+
+    /// A root inside, and another at an end or just beyond: the first is where the sign changes.
+    #[test]
+    fn roots_at_ends_do_not_hide_those_inside() {
+        for beyond in [0.0, 1e-18, 1e-16, 1e-12, 1e-6] {
+            let found = roots_of(product::<4>(&[0.75, 1.0 + beyond, 3.0]));
+            assert!(found.len() == 1 && (found[0] - 0.75).abs() < 1e-14, "{beyond}: {found:?}");
+            // An end of zero counts as positive, so the sign changes there as well.
+            let found = roots_of(product::<4>(&[-beyond, 0.25, 3.0]).map(|a| -a));
+            let at_end = usize::from(beyond == 0.0);
+            assert!(found.len() == 1 + at_end && (found[at_end] - 0.25).abs() < 1e-14, "{beyond}: {found:?}");
+        }
     }
 
     #[test]

@@ -17,6 +17,7 @@ use crate::light::{AreaLight, LightSampler, PatchExtent, Sides, SkyLight};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::scene::Primitive;
+use crate::shape::Prism;
 
 /// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
 const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
@@ -71,6 +72,13 @@ impl SceneBuilder {
             !bounds.is_finite() && !bounds.is_empty()
         };
         self.geometry.primitives.iter().any(|primitive| self.emits(primitive) && is_unbounded(primitive))
+    }
+
+    /// What an object is that would give light if there were patches to draw it from.
+    pub(crate) fn emitter_without_patches(&self) -> Option<&'static str> {
+        let shapes = &self.geometry.shapes;
+        let what = |primitive: &Primitive| Prism::find(shapes, primitive.shape).map(|_| "a prism");
+        self.geometry.primitives.iter().filter(|primitive| self.emits(primitive)).find_map(what)
     }
 
     /// Whether the material of an object, or one of its own, gives light.

@@ -35,6 +35,7 @@ mod mtl_material;
 mod nesting;
 mod operations;
 mod part;
+mod paths;
 mod picture_values;
 mod pictures;
 mod place;
@@ -303,6 +304,11 @@ impl<'a> Compiler<'a> {
             let warning = Diagnostic::warning(message).help("a `Quad` or a `Disk` can be a light");
             self.diagnostics.push(warning);
         }
+        if let Some(what) = self.scene.emitter_without_patches() {
+            let message = format!("{what} gives no light, whatever its material says");
+            let warning = Diagnostic::warning(message).help("a `Sphere` or a mesh can be a light");
+            self.diagnostics.push(warning);
+        }
     }
 
     /// The scene, but for the cameras of the text.
@@ -342,6 +348,8 @@ mod nesting_tests;
 mod shading_tests;
 #[cfg(test)]
 mod subdivision_tests;
+#[cfg(test)]
+mod swept_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

@@ -301,7 +301,8 @@ impl Geometry {
             + self.shapes.csgs.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.blobs.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.isosurfaces.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.height_fields.iter().map(Surface::heap_bytes).sum::<usize>();
+            + self.shapes.height_fields.iter().map(Surface::heap_bytes).sum::<usize>()
+            + self.shapes.prisms.iter().map(Surface::heap_bytes).sum::<usize>();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
         meshes + self.aggregate.bytes() + placed + self.objects.bytes()
     }

@@ -5,16 +5,20 @@
 //! test. Every shape can also report all crossings, which transparent shadows and solid
 //! modelling need.
 
+mod bezier;
 mod blob;
 mod cone;
 mod csg;
 mod cuboid;
 mod disk;
+mod fill;
 mod height_field;
 mod isosurface;
 mod mesh;
+mod outline;
 mod patch;
 mod plane;
+mod prism;
 mod quad;
 mod sphere;
 pub mod subdivision;
@@ -23,6 +27,7 @@ mod torus;
 mod triangle;
 mod vertex_attributes;
 
+pub use bezier::{Bezier, ControlPoint, Path};
 pub use blob::{Blob, BlobComponent, BlobCore, BlobKernel};
 pub use cone::Cone;
 pub use csg::{Csg, CsgError, SetOperation, SolidPart};
@@ -31,12 +36,14 @@ pub use disk::Disk;
 pub use height_field::{HeightField, HeightFieldError, HeightGrid};
 pub use isosurface::Isosurface;
 pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
+pub use outline::FillRule;
 pub(crate) use patch::per_solid_angle;
 pub use patch::{
     Canonical, CurvedPatch, DiskPatch, Patch, PatchSample, PatchWay, PlacedPatch, PlacedTraced, QuadPatch,
     TracedPatch,
 };
 pub use plane::Plane;
+pub use prism::{Prism, Sweep};
 pub use quad::Quad;
 pub use sphere::Sphere;
 pub use tessellate::Tessellation;
@@ -166,6 +173,7 @@ family! {
         isosurfaces: Isosurface,
         meshes: Mesh,
         planes: Plane,
+        prisms: Prism,
         quads: Quad,
         spheres: Sphere,
         tori: Torus,

@@ -223,7 +223,7 @@ impl Tessellation {
     }
 
     /// Adds a triangle, wound as its normals say, unless it has shrunk to a line.
-    fn turned(&mut self, part: u32, [a, b, c]: [u32; 3]) {
+    pub fn turned(&mut self, part: u32, [a, b, c]: [u32; 3]) {
         let [p, q, r] = [a, b, c].map(|i| self.positions[i as usize]);
         if p == q || q == r || r == p {
             return;

@@ -26,6 +26,8 @@ macro_rules! closed_shapes {
         $check("isosurface", &isosurface() $(, $arg)*);
         $check("height field", &height_field(Some(-0.6)) $(, $arg)*);
         $check("height field without a base", &height_field(None) $(, $arg)*);
+        $check("prism", &prism() $(, $arg)*);
+        $check("prism that crosses itself", &star_prism() $(, $arg)*);
         $check("difference", &carved(SetOperation::Difference) $(, $arg)*);
         $check("merge", &carved(SetOperation::Union) $(, $arg)*);
         $check("intersection", &carved(SetOperation::Intersection) $(, $arg)*);
@@ -90,6 +92,39 @@ fn isosurface() -> Isosurface {
 fn height_field(base: Option<f64>) -> HeightField {
     let grid = HeightGrid { columns: 2, rows: 2, heights: vec![0.5, -0.3, -0.1, 0.4] };
     HeightField::new(grid, DVec2::new(-0.7, -0.6), DVec2::new(1.4, 1.3), base, false).unwrap()
+}
+
+fn sweep(depth: f64, taper: f64, rule: FillRule) -> Sweep {
+    let (origin, axis) = (DVec3::new(0.1, -0.2, -0.3), DVec3::new(0.3, 0.4, 1.2).normalize());
+    let right = DVec3::Y.cross(axis).normalize();
+    Sweep { origin, axes: [right, axis.cross(right), axis], depth, taper, rule }
+}
+
+/// Straight and round on the outside, with a hole.
+fn prism() -> Prism {
+    let p = DVec2::new;
+    let mut outside = Path::new(p(-0.7, -0.5));
+    outside.line_to(p(0.5, -0.6));
+    outside.cubic_to([p(0.9, -0.4), p(0.9, 0.3)], p(0.4, 0.5));
+    outside.quadratic_to(p(-0.3, 0.8), p(-0.7, 0.3));
+    outside.close();
+    let mut hole = Path::new(p(-0.2, -0.2));
+    hole.line_to(p(-0.2, 0.2));
+    hole.line_to(p(0.2, 0.1));
+    hole.close();
+    Prism::new(sweep(0.8, 1.0, FillRule::NonZero), &[outside, hole]).unwrap()
+}
+
+/// A star whose sides cross, and whose middle is gone around twice; smaller at its far end.
+fn star_prism() -> Prism {
+    let corner = |i: u32| {
+        let angle = 0.8 * PI * f64::from(i) + 0.1;
+        DVec2::new(0.9 * angle.cos(), 0.8 * angle.sin())
+    };
+    let mut star = Path::new(corner(0));
+    (1..5).for_each(|i| star.line_to(corner(i)));
+    star.close();
+    Prism::new(sweep(0.9, 0.4, FillRule::EvenOdd), &[star]).unwrap()
 }
 
 /// A box, and a ball and a mesh somewhere else.

@@ -25,6 +25,9 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Part if ["sphere", "cylinder"].contains(&block.keyword) => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Blob {{ {text} }} }}")
         }
+        Kind::Part if block.keyword == "outline" => {
+            format!("{camera} {materials} Group {{ MaterialIndex 0 Prism {{ depth 1  {text} }} }}")
+        }
         Kind::Part => format!("{camera} Background {{ {text} }}"),
         Kind::Light => format!("{camera} Lights {{ {text} }}"),
         Kind::Material => format!("{camera} Materials {{ Matte {{ }} {text} }}"),
@@ -81,6 +84,7 @@ fn needed(block: &Block) -> String {
             };
             needed + aim + opening
         }
+        _ if block.keyword == "Prism" => needed + "outline { line 0 0  1 0  0 1 } ",
         _ => needed,
     }
 }
@@ -101,7 +105,7 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
         let here: BTreeSet<String> = block.fields().map(|field| field.key.to_owned()).collect();
         // Blocks within are nodes of their own.
         let mut there = known_to_compiler(block);
-        let within = ["sky", "Transform", "Motion", "Noise", "sphere", "cylinder"];
+        let within = ["sky", "Transform", "Motion", "Noise", "sphere", "cylinder", "outline"];
         there.retain(|key| !within.contains(&&**key));
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {

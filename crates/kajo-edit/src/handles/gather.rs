@@ -24,6 +24,7 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         (Kind::Shape, "Cylinder" | "Cone") => gather.cone(),
         (Kind::Shape, "Torus") => gather.torus(),
         (Kind::Shape, "HeightField") => gather.points(&["center"], "middle"),
+        (Kind::Shape, "Prism") => gather.prism(),
         (Kind::Shape, "Quad") => gather.quad(),
         (Kind::Shape, "Triangle") => gather.points(&["vertex0", "vertex1", "vertex2"], "corner"),
         (Kind::Shape, keyword) => gather.by_fields(keyword),
@@ -206,6 +207,18 @@ impl Gather<'_> {
         let middle = center + self.number("majorRadius")?.abs() * self.sideways(center, Some(axis))?;
         self.radius("minorRadius", middle, None)?;
         self.direction("axis", center, direction.length(), false, "axis")
+    }
+
+    fn prism(&mut self) -> Option<()> {
+        let origin = self.point("origin", "origin of the outline")?;
+        let vector = self.vec3("axis")?;
+        let axis = vector.try_normalize()?;
+        let way = self.world_from_local.transform_vector3(axis).try_normalize()?;
+        let at = self.world(origin + self.number("depth")? * axis);
+        let meaning = Meaning::Along { key: "depth", from: origin, direction: axis };
+        self.add(HandleKind::Size, at, Track::Line(way), meaning, "depth");
+        self.radius("size", origin, Some(axis))?;
+        self.direction("axis", origin, vector.length(), false, "axis")
     }
 
     fn quad(&mut self) -> Option<()> {

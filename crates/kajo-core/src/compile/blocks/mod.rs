@@ -29,6 +29,7 @@ pub(super) mod phong_material;
 pub(super) mod plane;
 pub(super) mod point_light;
 pub(super) mod principled;
+pub(super) mod prism;
 pub(super) mod quad;
 pub(super) mod set_operations;
 pub(super) mod sphere;
@@ -43,7 +44,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 24] = [
+pub(super) const OBJECTS: [&ObjectMember; 25] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -56,6 +57,7 @@ pub(super) const OBJECTS: [&ObjectMember; 24] = [
     &algebraic::CUBIC,
     &algebraic::QUARTIC,
     &height_field::MEMBER,
+    &prism::MEMBER,
     &disk::MEMBER,
     &quad::MEMBER,
     &triangle::MEMBER,
@@ -108,9 +110,10 @@ pub(super) const MATERIAL_LIST: Block =
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 11] = [
+const OTHERS: [&Block; 12] = [
     &blob::SPHERE,
     &blob::CYLINDER,
+    &prism::OUTLINE,
     &super::settings::BLOCK,
     &super::background::BLOCK,
     &super::background::SKY,

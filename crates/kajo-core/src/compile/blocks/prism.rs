@@ -1,0 +1,93 @@
+//! `Prism`: an outline, drawn out across its plane.
+
+use kajo_math::{DVec2, DVec3, Vec3};
+use kajo_scene::{Diagnostic, Item, Params};
+
+use crate::compile::fields::{
+    At, Direction, Keys, Sources, at_least, choice, choices, direction, keys, point, positive,
+};
+use crate::compile::member::{Member, ObjectMember, reported};
+use crate::compile::paths;
+use crate::schema::{Block, Kind};
+use crate::shape::{FillRule, Path, Prism, Sweep};
+
+choices! {
+    FillRule {
+        "nonzero" => FillRule::NonZero,
+        "evenodd" => FillRule::EvenOdd,
+    }
+}
+
+keys! {
+    PrismKeys<'t> {
+        origin: Vec3 = point("origin").or([0.0; 3], "where `0 0` of the outline is"),
+        axis: Direction = direction("axis").or([0.0, 0.0, 1.0], "from the near end to the far one"),
+        up: Option<At<'t, Direction>> =
+            direction("up").placed().unlike("y, or away from it along y", "0 1 0", "what is up in the outline"),
+        size: f32 = positive("size").unit("length").or(1.0, "of one unit of the outline"),
+        depth: f32 = positive("depth").unit("length").required("from the near end to the far one"),
+        taper: f32 = at_least("taper", 0.0).or(1.0, "size of the far end, in parts of the near one"),
+        fill: FillRule = choice::<FillRule>("fill").or_word("nonzero", "what is inside where outlines cross"),
+    }
+}
+
+pub const MEMBER: ObjectMember = Member {
+    block: Block {
+        keyword: "Prism",
+        kind: Kind::Shape,
+        about: "an outline, drawn out across its plane",
+        groups: &[PrismKeys::FIELDS],
+    },
+    read: |compiler, item, place, walk| {
+        compiler.solid(item, place, walk, |params, sources| read(item, params, sources))
+    },
+};
+
+pub const OUTLINE: Block =
+    Block { keyword: "outline", kind: Kind::Part, about: "a closed path around a prism", groups: &[] };
+
+fn read<'t>(item: Item<'t>, params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<Prism> {
+    let keys = PrismKeys::read(params, sources);
+    let outlines = params.take(&[OUTLINE.keyword]);
+    if outlines.is_empty() {
+        params.report_missing(OUTLINE.keyword);
+    }
+    let contours: Vec<Option<Path<DVec2>>> = outlines
+        .iter()
+        .map(|&outline| paths::read(outline, params.diagnostics(), 2, |args| Ok(args.vec2()?.as_dvec2())))
+        .collect();
+    let PrismKeys { origin, axis, up, size, depth, taper, fill } = keys?;
+    let contours =
+        contours.into_iter().collect::<Option<Vec<_>>>().filter(|contours| !contours.is_empty())?;
+    let axes = axes(params, axis, up)?;
+    let contours: Vec<_> = contours.iter().map(|contour| contour.map(|p| p * f64::from(size))).collect();
+    let sweep =
+        Sweep { origin: origin.as_dvec3(), axes, depth: depth.into(), taper: taper.into(), rule: fill };
+    reported(params, Prism::new(sweep, &contours), item, "all points of this outline are on one line")
+}
+
+/// To the right, up and along the axis; a direction that is up and along the axis too is reported.
+pub fn axes(
+    params: &mut Params<'_, '_>,
+    Direction(axis): Direction,
+    up: Option<At<'_, Direction>>,
+) -> Option<[DVec3; 3]> {
+    let axis = axis.as_dvec3().normalize();
+    // How far two directions must be apart to span a plane.
+    const APART: f64 = 1e-6;
+    let right = |up: DVec3| up.cross(axis).try_normalize().filter(|_| up.cross(axis).length() > APART);
+    let right = match &up {
+        Some(up) => right(up.value.0.as_dvec3().normalize()),
+        None => right(DVec3::Y).or_else(|| right(-axis.y.signum() * DVec3::Z)),
+    };
+    let Some(right) = right else {
+        let place = up.map(|up| up.item.head_span());
+        let error = Diagnostic::error("`up` points along the axis");
+        params.diagnostics().push(match place {
+            Some(place) => error.label(place, "leaves open what is to the right"),
+            None => error,
+        });
+        return None;
+    };
+    Some([right, axis.cross(right), axis])
+}

@@ -1,0 +1,115 @@
+//! Paths of lines, curves and splines, written as items one after the other.
+//!
+//! ```text
+//! outline { line 0 0  2 0  cubic 3 0  3 1  2 1  spline 1 1.5  0 1 }
+//! ```
+//!
+//! The first item begins with the point where the path begins; every other one goes on from where the path has come to.
+
+use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
+
+use crate::shape::{ControlPoint, Path};
+
+/// An item of a path, and what it is made of.
+#[derive(Clone, Copy, PartialEq)]
+enum Piece {
+    Line,
+    Quadratic,
+    Cubic,
+    Spline,
+}
+
+const PIECES: [(&str, Piece); 4] = [
+    ("line", Piece::Line),
+    ("quadratic", Piece::Quadratic),
+    ("cubic", Piece::Cubic),
+    ("spline", Piece::Spline),
+];
+
+impl Piece {
+    /// How many points it takes to go on.
+    fn group(self) -> usize {
+        match self {
+            Piece::Line | Piece::Spline => 1,
+            Piece::Quadratic => 2,
+            Piece::Cubic => 3,
+        }
+    }
+
+    fn about(self) -> &'static str {
+        match self {
+            Piece::Line | Piece::Spline => "points",
+            Piece::Quadratic => "pairs of points: one it is drawn towards, and its end",
+            Piece::Cubic => "three points each: two it is drawn towards, and its end",
+        }
+    }
+}
+
+/// The closed path in a block, smooth all around where it is one spline; `None` where a mistake was reported.
+///
+/// * `numbers`: how many make a point
+pub(super) fn read<'t, V: ControlPoint>(
+    block: Item<'t>,
+    diagnostics: &mut Diagnostics,
+    numbers: usize,
+    point: impl Fn(&mut Args<'t>) -> Result<V, Diagnostic>,
+) -> Option<Path<V>> {
+    let mut params = Params::new(block, diagnostics);
+    let items = params.take(&PIECES.map(|(word, _)| word));
+    let mut pieces = Vec::with_capacity(items.len());
+    for (i, &item) in items.iter().enumerate() {
+        let piece = PIECES.iter().find(|(word, _)| *word == item.keyword()).map(|(_, piece)| *piece)?;
+        let points =
+            Args::read(item, params.diagnostics(), |args| points(args, piece, i == 0, numbers, &point));
+        pieces.push(points.map(|points| (piece, points)));
+    }
+    params.finish();
+    let pieces: Vec<(Piece, Vec<V>)> = pieces.into_iter().collect::<Option<_>>()?;
+    let Some(start) = pieces.first().and_then(|(_, points)| points.first()) else {
+        if block.has_block() {
+            let error = Diagnostic::error(format!("this `{}` goes nowhere", block.keyword()));
+            let help = "write `line`, `quadratic`, `cubic` or `spline`, and points";
+            diagnostics.push(error.label(block.keyword_span(), "no points in it").help(help));
+        }
+        return None;
+    };
+    if let [(Piece::Spline, points)] = &*pieces {
+        let returns = points.len() > 2 && points.first() == points.last();
+        return Path::closed_spline(&points[..points.len() - usize::from(returns)]);
+    }
+    let mut path = Path::new(*start);
+    for (i, (piece, points)) in pieces.iter().enumerate() {
+        let onward = if i == 0 { &points[1..] } else { &points[..] };
+        match piece {
+            Piece::Line => onward.iter().for_each(|&p| path.line_to(p)),
+            Piece::Quadratic => onward.as_chunks().0.iter().for_each(|&[a, b]| path.quadratic_to(a, b)),
+            Piece::Cubic => onward.as_chunks().0.iter().for_each(|&[a, b, c]| path.cubic_to([a, b], c)),
+            Piece::Spline => path.spline_through(onward),
+        }
+    }
+    path.close();
+    Some(path)
+}
+
+/// The points of an item.
+fn points<'t, V>(
+    args: &mut Args<'t>,
+    piece: Piece,
+    is_first: bool,
+    numbers: usize,
+    point: impl Fn(&mut Args<'t>) -> Result<V, Diagnostic>,
+) -> Result<Vec<V>, Diagnostic> {
+    let (word, found) = (args.item().keyword(), args.numbers_left());
+    if found == 0 || !found.is_multiple_of(numbers) {
+        let message = format!("expected numbers in groups of {numbers} after `{word}`, found {found}");
+        return Err(args.error(message));
+    }
+    let count = found / numbers;
+    let onward = count - usize::from(is_first);
+    if !onward.is_multiple_of(piece.group()) {
+        let begins = if is_first { "the path begins at the first point and " } else { "" };
+        let message = format!("{begins}`{word}` goes on by {}; found {onward}", piece.about());
+        return Err(args.error(message));
+    }
+    (0..count).map(|_| point(args)).collect()
+}
