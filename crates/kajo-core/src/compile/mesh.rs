@@ -11,9 +11,9 @@ use kajo_scene::{AssetFile, Corners, Diagnostic, Item, LoadStep, MemoryShare, Sp
 use super::Compiler;
 use super::mesh_store::{Kept, Shading, StoreKey};
 use super::pictures::{PictureReader, ReadPicture};
-use super::subdivision::{ReadFaces, Subdivision};
+use super::subdivision::{Displacement, ReadFaces, Subdivision};
 use crate::shape::{CornerValues, Mesh, MeshData, Neighbours, ShapeId, VertexAttributes, vertex_normals};
-use crate::texture::{Encoding, FloatTexture, PictureMap};
+use crate::texture::{Encoding, PictureMap};
 
 /// Meshes read so far.
 pub(super) type MeshCache = HashMap<MeshKey, Option<ShapeId>>;
@@ -32,7 +32,7 @@ pub(super) struct MeshRequest {
     /// Whether and how it is subdivided.
     pub subdivision: Option<Subdivision>,
     /// How far the subdivided surface is moved outwards.
-    pub displacement: Option<FloatTexture>,
+    pub displacement: Option<Displacement>,
 }
 
 /// What makes two meshes the same.
@@ -72,7 +72,7 @@ impl Compiler<'_> {
                 kept.warnings.iter().for_each(|warning| self.warn_of_file(&key.path, warning, place));
                 Some(kept)
             }
-            None => self.read_mesh(file, &key, displacement, place).inspect(|read| {
+            None => self.read_mesh(file, &key, displacement.as_ref(), place).inspect(|read| {
                 store.into_iter().for_each(|(store, key)| store.put(key, read.clone()));
             }),
         };
@@ -89,7 +89,7 @@ impl Compiler<'_> {
         &mut self,
         file: AssetFile,
         key: &MeshKey,
-        displacement: Option<FloatTexture>,
+        displacement: Option<&Displacement>,
         place: Span,
     ) -> Option<Kept> {
         let path = &key.path;

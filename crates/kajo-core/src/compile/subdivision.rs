@@ -1,6 +1,9 @@
 //! Meshes that are the cages of subdivision surfaces.
 
-use kajo_math::{DVec3, Vec2, Vec3, fmath};
+use std::sync::Arc;
+
+use kajo_math::tape::Tape;
+use kajo_math::{DVec3, Vec2, fmath};
 use kajo_scene::{Params, Span};
 
 use super::Compiler;
@@ -60,6 +63,15 @@ pub(super) struct Subdivision {
     pub crease_deg: Option<u32>,
 }
 
+/// How far a surface is moved outwards.
+#[derive(Clone, Debug)]
+pub(super) enum Displacement {
+    /// A number, or a picture over texture coordinates.
+    Texture(FloatTexture),
+    /// A function of the place before the move; where it has no value there is no surface.
+    Function(Arc<Tape>),
+}
+
 /// A mesh that has been read: its triangles, and which of them make up faces of more corners.
 pub(super) struct ReadFaces {
     pub data: MeshData,
@@ -74,7 +86,7 @@ impl Compiler<'_> {
         &mut self,
         read: ReadFaces,
         how: Subdivision,
-        displacement: Option<FloatTexture>,
+        displacement: Option<&Displacement>,
         (is_smooth, path, at): (bool, &str, Span),
     ) -> Option<MeshData> {
         let ReadFaces { data, polygons } = read;
@@ -94,20 +106,27 @@ impl Compiler<'_> {
         let share = self.options.limits.memory.share(triangles.saturating_mul(BYTES_PER_TRIANGLE));
         let _making = share.map_err(|over| self.cannot_read(path, &over.to_string(), at)).ok()?;
         let has_uvs = data.uvs.is_some();
-        if displacement.is_some_and(|texture| matches!(texture, FloatTexture::Node(_))) && !has_uvs {
+        let needs_uvs = matches!(displacement, Some(Displacement::Texture(FloatTexture::Node(_))));
+        if needs_uvs && !has_uvs {
             self.warn_of_file(path, "it has no texture coordinates for the picture of `displacement`", at);
         }
         let crease_cos =
             how.crease_deg.map_or(-2.0, |bits| fmath::cos64(f64::from(f32::from_bits(bits)).to_radians()));
         let cage = Cage::new(Polygons::of_mesh(data, &polygons, scheme), crease_cos);
         let mut surface = Subdivided::new(cage, scheme, how.levels);
-        if let Some(texture) = displacement {
-            let textures = self.scene.textures();
-            surface.displace(|p: DVec3, uv: Vec2| {
-                let p: Vec3 = p.as_vec3();
-                let at = TextureContext { p, uv: SurfaceUv::from(uv), tint: None };
-                texture.at(textures.evaluator(&at)).into()
-            });
+        match displacement {
+            None => {}
+            Some(Displacement::Texture(texture)) => {
+                let textures = self.scene.textures();
+                surface.displace(|p: DVec3, uv: Vec2| {
+                    let at = TextureContext { p: p.as_vec3(), uv: SurfaceUv::from(uv), tint: None };
+                    texture.at(textures.evaluator(&at)).into()
+                });
+            }
+            Some(Displacement::Function(tape)) => {
+                let mut slots = Vec::new();
+                surface.displace(|p: DVec3, _| tape.at(&p.to_array(), &mut slots));
+            }
         }
         Some(surface.into_mesh(is_smooth))
     }

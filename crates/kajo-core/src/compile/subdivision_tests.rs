@@ -16,12 +16,17 @@ const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -
     f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
 
 fn compiled_within(limits: Limits, keys: &str) -> (Option<Scene>, Vec<String>) {
+    compiled_with(limits, keys, "")
+}
+
+fn compiled_with(limits: Limits, keys: &str, sheet: &str) -> (Option<Scene>, Vec<String>) {
     let split = |x: u32, _| if x < 4 { [0.0; 3] } else { [1.0; 3] };
     let picture = encode(&Image::from_fn(8, 8, split).unwrap(), Format::Png, &EncodeOptions::default());
     let assets = MemoryAssets::new()
         .with("cube.obj", CUBE)
         .with("bare.obj", CUBE.replace("/1", "").replace("/2", "").replace("/3", "").replace("/4", ""))
         .with("octahedron.obj", OCTAHEDRON)
+        .with("sheet.obj", sheet)
         .with("split.png", picture.unwrap());
     let text = format!(
         "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
@@ -100,6 +105,30 @@ fn displacement_moves_outwards() {
     }
 }
 
+/// A level square that a function raises: its height is that of the function, and its normal that of the gradient.
+#[test]
+fn functions_displace() {
+    let sheet = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    let with = |function: &str| {
+        let mesh =
+            format!("TriangleMesh {{ file sheet.obj  subdivide 7  displacementFunction = {function} }}");
+        compiled_with(Limits::default(), &mesh, sheet)
+    };
+    let (scene, said) = with("0.2 * x + 0.1 * x * y");
+    assert_eq!(said, [] as [&str; 0]);
+    let scene = scene.unwrap();
+    for (x, y) in [(0.0, 0.0), (0.3, -0.2), (-0.25, 0.31)] {
+        let point = at(&scene, x, y).point;
+        assert!((point.p.z - 0.2 * x - 0.1 * x * y).abs() < 1e-4, "{}", point.p);
+        let n = Vec3::new(-0.2 - 0.1 * y, -0.1 * x, 1.0).normalize();
+        assert!(point.n.distance(n) < 1e-3, "{} {n}", point.n);
+    }
+    // Where there is no value there is no surface.
+    let scene = with("sqrt(x)").0.unwrap();
+    let meets = |x: f32| scene.trace(&Ray::new(Vec3::new(x, 0.1, 5.0), Vec3::NEG_Z)).surface().is_some();
+    assert!(meets(0.2) && !meets(-0.2));
+}
+
 #[test]
 fn subdivided_meshes_are_solids() {
     let solid =
@@ -128,6 +157,9 @@ fn what_cannot_be_is_said() {
     has(said("cube.obj", "scheme loop"), "scheme");
     has(said("cube.obj", "subdivide 2  scheme quad"), "quad");
     has(said("cube.obj", "displacement 0.5"), "displacement");
+    has(said("cube.obj", "displacementFunction = x"), "displacementFunction");
+    has(said("cube.obj", "subdivide 2  displacement 0.5  displacementFunction = x"), "beside `displacement`");
+    has(said("cube.obj", "subdivide 2  displacementFunction = w"), "w");
     has(said("cube.obj", "subdivide 2  displacement no.png"), "no.png");
     has(said("bare.obj", "subdivide 2  displacement split.png"), "no texture coordinates");
     let few = Limits { faces: 1000, ..Limits::default() };

@@ -1,14 +1,19 @@
 //! `TriangleMesh`: triangles of an OBJ, PLY or STL file.
 
+use std::sync::Arc;
+
+use kajo_math::tape::Tape;
 use kajo_scene::{Item, Params};
 
 use crate::compile::Compiler;
-use crate::compile::fields::{At, FileName, Keys, Sources, file, flag, float_texture, keys};
+use crate::compile::fields::{
+    At, FileName, Keys, Sources, file, flag, float_texture, function, keys, report_beside,
+};
 use crate::compile::member::{Member, ObjectMember};
 use crate::compile::mesh::MeshRequest;
 use crate::compile::mesh_store::Shading;
 use crate::compile::place::{Place, Walk};
-use crate::compile::subdivision::{Subdivision, SubdivisionKeys};
+use crate::compile::subdivision::{Displacement, Subdivision, SubdivisionKeys};
 use crate::schema::{Around, Block, FieldValue, Kind};
 use crate::texture::FloatTexture;
 
@@ -25,6 +30,10 @@ keys! {
             .unit("length")
             .only_beside("subdivide")
             .option("how far the subdivided surface is moved outwards"),
+        displacement_function: Option<Arc<Tape>> = function("displacementFunction")
+            .only_beside("subdivide")
+            .not_beside(&["displacement"])
+            .option("the same as a function of the place"),
     }
 }
 
@@ -52,7 +61,7 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<MeshRe
     let unasked = if sources.rules.smooth_meshes { Shading::Averaged } else { Shading::Flat };
     params.either(&["file", "obj_file"], "a mesh");
     let subdivision = Subdivision::read(params, sources, MeshKeys::FIELDS);
-    let MeshKeys { file, obj_file, smooth, materials, colors, displacement } =
+    let MeshKeys { file, obj_file, smooth, materials, colors, displacement, displacement_function } =
         MeshKeys::read(params, sources)?;
     let Some(file) = file.or(obj_file) else {
         if !params.contains("obj_file") {
@@ -64,6 +73,11 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<MeshRe
     let unasked = if subdivision.is_some() { Shading::Smooth } else { unasked };
     let shading = smooth.map_or(unasked, |on| if on { Shading::Smooth } else { Shading::Flat });
     let (name, place) = (file.value.0, file.item.head_span());
+    if params.contains("displacement") {
+        report_beside(params, MeshKeys::FIELDS, "displacement");
+    }
+    let function = displacement_function.map(Displacement::Function);
+    let displacement = displacement.map(Displacement::Texture).or(function);
     let displacement = displacement.filter(|_| subdivision.is_some());
     Some(MeshRequest { name, place, shading, own_materials: materials, colors, subdivision, displacement })
 }
