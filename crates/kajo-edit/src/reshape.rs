@@ -59,6 +59,8 @@ impl Block<'_> {
             }
             "Plane" if direct => self.plane(),
             "HeightField" => self.height_field(),
+            // It stays upright and along the axes.
+            "Superellipsoid" if self.linear != Linear::Identity && !self.only_scales() => None,
             "Quad" | "Triangle" | "Plane" => None,
             _ => self.by_fields(),
         }

@@ -176,6 +176,8 @@ fn mistakes_are_told_with_what_was_expected() {
     assert!(
         error_in_group("MaterialIndex 0 Quad { corner 0 0 0 edge1 1 0 0 edge2 2 0 0 }").contains("parallel")
     );
+    let sharp = error_in_group("MaterialIndex 0 Superellipsoid { radius 1 east 2.5 }");
+    assert!(sharp.contains("at least 0.01 and at most 2"), "{sharp}");
     let late = "MaterialIndex 0 Transform { Sphere { center 0 0 0 radius 1 } Translate 1 0 0 }";
     assert!(error_in_group(late).contains("after the object"));
     let (none, said) = compiled("Group { }");

@@ -22,6 +22,7 @@ mod prism;
 mod quad;
 mod sphere;
 pub mod subdivision;
+mod superellipsoid;
 mod tessellate;
 mod torus;
 mod triangle;
@@ -46,6 +47,7 @@ pub use plane::Plane;
 pub use prism::{Prism, Sweep};
 pub use quad::Quad;
 pub use sphere::Sphere;
+pub use superellipsoid::Superellipsoid;
 pub use tessellate::Tessellation;
 pub use torus::Torus;
 pub use triangle::Triangle;
@@ -176,6 +178,7 @@ family! {
         prisms: Prism,
         quads: Quad,
         spheres: Sphere,
+        superellipsoids: Superellipsoid,
         tori: Torus,
         triangles: Triangle,
     }

@@ -42,6 +42,8 @@ macro_rules! convex_shapes {
         $check("cylinder", &cone(0.6, 0.6, true) $(, $arg)*);
         $check("cone", &cone(0.8, 0.0, true) $(, $arg)*);
         $check("truncated cone", &cone(0.8, 0.3, true) $(, $arg)*);
+        $check("superellipsoid", &superellipsoid(0.6, 1.3) $(, $arg)*);
+        $check("rounded box", &superellipsoid(0.2, 0.2) $(, $arg)*);
         $check("open cylinder", &cone(0.6, 0.6, false) $(, $arg)*);
         $check("disk", &Disk::new(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), 1.0, 0.3).unwrap() $(, $arg)*);
         $check("quad", &Quad::new(Vec3::ZERO, Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.3, 1.0, 0.5)).unwrap() $(, $arg)*);
@@ -86,6 +88,10 @@ fn isosurface() -> Isosurface {
         .fold(squares[0], |sum, term| tape.binary(Binary::Add, sum, term));
     let (min, max) = (Vec3::new(-1.0, -0.55, -1.0), Vec3::ONE);
     Isosurface::new(std::sync::Arc::new(tape.finish(value)), min, max, true).unwrap()
+}
+
+fn superellipsoid(east: f32, north: f32) -> Superellipsoid {
+    Superellipsoid::new(Vec3::new(0.1, -0.2, 0.05), 0.75, east, north).unwrap()
 }
 
 /// A single cell, which has no edges, that is twisted.

@@ -24,6 +24,9 @@ fn shapes() -> Vec<String> {
         }
         "Model" => "Model { file meshes/lantern.glb }".to_owned(),
         "Cone" => "Cone { base 0.1 -0.4 0  top 0.5 0.8 0.2  radius 0.7  topRadius 0.3 }".to_owned(),
+        "Superellipsoid" => {
+            "Superellipsoid { center 0.1 0.2 -0.1  radius 0.7  east 0.3  north 1.6 }".to_owned()
+        }
         "Disk" => "Disk { center 0.1 0.2 0  normal 1 2 0.5  radius 0.9  innerRadius 0.2 }".to_owned(),
         "Plane" => "Plane { normal 0.5 2 1  offset 0.3 }".to_owned(),
         other => template(other, [0.1, 0.2, -0.1], 0.7).unwrap(),

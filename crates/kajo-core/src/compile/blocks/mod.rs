@@ -35,6 +35,7 @@ pub(super) mod set_operations;
 pub(super) mod sphere;
 pub(super) mod spot_light;
 pub(super) mod stereo_cubemap_camera;
+pub(super) mod superellipsoid;
 pub(super) mod torus;
 pub(super) mod triangle;
 pub(super) mod triangle_mesh;
@@ -44,13 +45,14 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 25] = [
+pub(super) const OBJECTS: [&ObjectMember; 26] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
     &cylinder::MEMBER,
     &cone::MEMBER,
     &torus::MEMBER,
+    &superellipsoid::MEMBER,
     &blob::MEMBER,
     &isosurface::MEMBER,
     &algebraic::QUADRIC,
