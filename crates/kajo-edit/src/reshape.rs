@@ -8,6 +8,9 @@ use super::{FieldValue, Node};
 use kajo::language::block_of;
 use kajo_core::schema::{FieldKind, Kind};
 
+/// The rows of a bicubic patch.
+pub(super) const ROWS: [&str; 4] = ["row0", "row1", "row2", "row3"];
+
 /// New values of a block.
 pub(super) type Values = Vec<(&'static str, FieldValue)>;
 
@@ -57,11 +60,15 @@ impl Block<'_> {
             "Triangle" if direct => {
                 Some(vec![self.point("vertex0")?, self.point("vertex1")?, self.point("vertex2")?])
             }
+            "BilinearPatch" if direct => {
+                ["vertex0", "vertex1", "vertex2", "vertex3"].map(|key| self.point(key)).into_iter().collect()
+            }
+            "BicubicPatch" if direct => ROWS.into_iter().map(|key| self.row(key)).collect(),
             "Plane" if direct => self.plane(),
             "HeightField" => self.height_field(),
             // It stays upright and along the axes.
             "Superellipsoid" if self.linear != Linear::Identity && !self.only_scales() => None,
-            "Quad" | "Triangle" | "Plane" => None,
+            "Quad" | "Triangle" | "BilinearPatch" | "BicubicPatch" | "Plane" => None,
             _ => self.by_fields(),
         }
     }
@@ -143,6 +150,14 @@ impl Block<'_> {
     fn point(&self, key: &'static str) -> Option<(&'static str, FieldValue)> {
         let p = self.tree.vec3_of(self.node, key)?;
         Some((key, vector(self.map.transform_point3(p))))
+    }
+
+    /// The points of a row of a patch.
+    fn row(&self, key: &'static str) -> Option<(&'static str, FieldValue)> {
+        let numbers = self.tree.numbers_of(self.node, key)?;
+        let (points, rest) = numbers.as_chunks::<3>();
+        let moved = points.iter().map(|&p| self.map.transform_point3(DVec3::from_array(p)));
+        rest.is_empty().then(|| (key, FieldValue::numbers(moved.flat_map(|p| vector(p).numbers))))
     }
 
     /// As many points as a value has, and then what is up, as a `lookAt` may say it.

@@ -59,6 +59,23 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")
         }
+        "BilinearPatch" => {
+            let [a, b] = [point(-1.0, -0.3, 1.0), point(1.0, 0.3, 1.0)];
+            let [c, d] = [point(1.0, -0.3, -1.0), point(-1.0, 0.3, -1.0)];
+            format!("BilinearPatch {{ vertex0 {a}  vertex1 {b}  vertex2 {c}  vertex3 {d} }}")
+        }
+        "BicubicPatch" => {
+            // A cushion over a square.
+            let row = |j: u32| {
+                let point = |i: u32| {
+                    let inner = [i, j].iter().filter(|&&k| k == 1 || k == 2).count();
+                    let [x, z] = [i, j].map(|k| f64::from(k) / 1.5 - 1.0);
+                    point(x, [0.0, 0.3, 0.6][inner], -z)
+                };
+                format!("row{j} {}", [0, 1, 2, 3].map(point).join("  "))
+            };
+            format!("BicubicPatch {{ {} }}", [0, 1, 2, 3].map(row).join("  "))
+        }
         "Triangle" => {
             let [a, b, c] = [point(-1.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(0.0, 1.5, 0.0)];
             format!("Triangle {{ vertex0 {a}  vertex1 {b}  vertex2 {c} }}")

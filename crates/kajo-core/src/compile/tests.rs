@@ -176,6 +176,20 @@ fn mistakes_are_told_with_what_was_expected() {
     assert!(
         error_in_group("MaterialIndex 0 Quad { corner 0 0 0 edge1 1 0 0 edge2 2 0 0 }").contains("parallel")
     );
+    let on_line = "vertex0 0 0 0 vertex1 1 2 3 vertex2 2 4 6 vertex3 -1 -2 -3";
+    assert!(
+        error_in_group(&format!("MaterialIndex 0 BilinearPatch {{ {on_line} }}"))
+            .contains("all be on one line")
+    );
+    let row = "1 2 3 1 2 3 1 2 3 1 2 3";
+    let equal = format!("row0 {row} row1 {row} row2 {row} row3 {row}");
+    assert!(
+        error_in_group(&format!("MaterialIndex 0 BicubicPatch {{ {equal} }}")).contains("all be on one line")
+    );
+    assert!(
+        error_in_group("MaterialIndex 0 BicubicPatch { row0 1 2 3 }")
+            .contains("expected 12 numbers after `row0`")
+    );
     let sharp = error_in_group("MaterialIndex 0 Superellipsoid { radius 1 east 2.5 }");
     assert!(sharp.contains("at least 0.01 and at most 2"), "{sharp}");
     let late = "MaterialIndex 0 Transform { Sphere { center 0 0 0 radius 1 } Translate 1 0 0 }";

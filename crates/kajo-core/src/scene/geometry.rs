@@ -301,6 +301,7 @@ impl Geometry {
             + self.shapes.csgs.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.blobs.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.isosurfaces.iter().map(Surface::heap_bytes).sum::<usize>()
+            + self.shapes.bicubic_patches.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.height_fields.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.prisms.iter().map(Surface::heap_bytes).sum::<usize>();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);

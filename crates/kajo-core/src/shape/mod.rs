@@ -6,6 +6,8 @@
 //! modelling need.
 
 mod bezier;
+mod bicubic_patch;
+mod bilinear_patch;
 mod blob;
 mod cone;
 mod csg;
@@ -29,6 +31,8 @@ mod triangle;
 mod vertex_attributes;
 
 pub use bezier::{Bezier, ControlPoint, Path};
+pub use bicubic_patch::BicubicPatch;
+pub use bilinear_patch::BilinearPatch;
 pub use blob::{Blob, BlobComponent, BlobCore, BlobKernel};
 pub use cone::Cone;
 pub use csg::{Csg, CsgError, SetOperation, SolidPart};
@@ -53,7 +57,7 @@ pub use torus::Torus;
 pub use triangle::Triangle;
 pub use vertex_attributes::VertexAttributes;
 
-use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, Vec4, robust::gamma};
+use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3, Vec4, robust::gamma};
 
 use crate::family::family;
 use crate::interaction::{Hit, SurfacePoint, Tangents, test_error};
@@ -166,6 +170,8 @@ family! {
     any AnyShape;
     contract Surface;
     members {
+        bicubic_patches: BicubicPatch,
+        bilinear_patches: BilinearPatch,
         blobs: Blob,
         cones: Cone,
         csgs: Csg,
@@ -268,6 +274,31 @@ pub(crate) fn nearest_crossing(shape: &impl Surface, ray: &Ray) -> Option<Hit> {
         }
     });
     nearest
+}
+
+/// The coordinates in the unit square of the place of a patch that is nearest to `p`, or one of them: from the nearest of a grid
+/// of places on by least squares.
+///
+/// * `at`: the point at coordinates, and its derivatives
+pub(crate) fn nearest_place(p: DVec3, at: impl Fn(DVec2) -> (DVec3, DVec3, DVec3)) -> DVec2 {
+    const GRID: u32 = 8;
+    const STEPS: u32 = 12;
+    let off = |uv: DVec2| at(uv).0.distance_squared(p);
+    let grid =
+        (0..=GRID).flat_map(|j| (0..=GRID).map(move |i| DVec2::new(i.into(), j.into()) / f64::from(GRID)));
+    let mut uv = grid.min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or_default();
+    for _ in 0..STEPS {
+        let (q, by_u, by_v) = at(uv);
+        let w = p - q;
+        let (a, b, c) = (by_u.dot(by_u), by_u.dot(by_v), by_v.dot(by_v));
+        let (x, y, area) = (by_u.dot(w), by_v.dot(w), a * c - b * b);
+        let next = uv + DVec2::new(c * x - b * y, a * y - b * x) / area;
+        if !next.is_finite() {
+            break;
+        }
+        uv = next.clamp(DVec2::ZERO, DVec2::ONE);
+    }
+    uv
 }
 
 /// The hit of a triangle's point `p`.

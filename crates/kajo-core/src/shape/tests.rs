@@ -24,6 +24,8 @@ macro_rules! closed_shapes {
         $check("torus that crosses itself", &torus(0.3, 0.5) $(, $arg)*);
         $check("blob", &blob() $(, $arg)*);
         $check("isosurface", &isosurface() $(, $arg)*);
+        $check("bilinear patch", &bilinear_patch() $(, $arg)*);
+        $check("bicubic patch", &bicubic_patch() $(, $arg)*);
         $check("height field", &height_field(Some(-0.6)) $(, $arg)*);
         $check("height field without a base", &height_field(None) $(, $arg)*);
         $check("prism", &prism() $(, $arg)*);
@@ -88,6 +90,17 @@ fn isosurface() -> Isosurface {
         .fold(squares[0], |sum, term| tape.binary(Binary::Add, sum, term));
     let (min, max) = (Vec3::new(-1.0, -0.55, -1.0), Vec3::ONE);
     Isosurface::new(std::sync::Arc::new(tape.finish(value)), min, max, true).unwrap()
+}
+
+fn bilinear_patch() -> BilinearPatch {
+    let corners = [[-0.8, -0.6, 0.4], [0.7, -0.7, -0.2], [0.8, 0.8, 0.5], [-0.6, 0.7, -0.5]];
+    BilinearPatch::new(corners.map(Vec3::from_array)).unwrap()
+}
+
+fn bicubic_patch() -> BicubicPatch {
+    let bent = [[0.0, 0.5, 0.2, -0.3], [0.4, 1.0, 0.3, 0.0], [-0.2, 0.3, -0.8, 0.2], [0.1, 0.0, 0.4, 0.5]];
+    let at = |i: usize, j: usize| Vec3::new(0.5 * i as f32 - 0.75, 0.5 * j as f32 - 0.75, bent[j][i]);
+    BicubicPatch::new([0, 1, 2, 3].map(|j| [0, 1, 2, 3].map(|i| at(i, j)))).unwrap()
 }
 
 fn superellipsoid(east: f32, north: f32) -> Superellipsoid {

@@ -64,6 +64,8 @@ fn needed(block: &Block) -> String {
             FieldKind::Point | FieldKind::Vector => "0 1 0",
             FieldKind::Color | FieldKind::Emission => "0.5 0.25 0.125",
             FieldKind::Material => "0",
+            FieldKind::Numbers(12) if field.key == "row0" => "0 0 0  1 0 0  2 0 0  3 0 1",
+            FieldKind::Numbers(12) => "0 1 0  1 1 1  2 1 0  3 1 0",
             FieldKind::Numbers(count) => return format!("{} {}", field.key, "1 ".repeat(count)),
             FieldKind::File => "heights.pfm",
             _ => "30",

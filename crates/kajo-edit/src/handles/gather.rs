@@ -3,6 +3,7 @@
 use kajo_math::{DAffine3, DVec3};
 
 use super::{Eye, Handle, HandleKind, Meaning, Track};
+use crate::reshape::ROWS;
 use crate::{Document, FieldKind, FieldSpec, Kind, NodeId};
 use kajo::language::block_of;
 use kajo_core::schema::Absent;
@@ -23,6 +24,10 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         (Kind::Shape, "Plane") => gather.plane(),
         (Kind::Shape, "Cylinder" | "Cone") => gather.cone(),
         (Kind::Shape, "Torus") => gather.torus(),
+        (Kind::Shape, "BilinearPatch") => {
+            gather.points(&["vertex0", "vertex1", "vertex2", "vertex3"], "corner")
+        }
+        (Kind::Shape, "BicubicPatch") => gather.control_points(),
         (Kind::Shape, "HeightField") => gather.points(&["center"], "middle"),
         (Kind::Shape, "Prism") => gather.prism(),
         (Kind::Shape, "Quad") => gather.quad(),
@@ -142,6 +147,19 @@ impl Gather<'_> {
                 Meaning::Corner { high },
                 "corner",
             );
+        }
+        Some(())
+    }
+
+    /// Those of a bicubic patch.
+    fn control_points(&mut self) -> Option<()> {
+        for key in ROWS {
+            let numbers = self.document.value(self.node, key)?.numbers;
+            for (k, &p) in numbers.as_chunks::<3>().0.iter().enumerate() {
+                let meaning = Meaning::Part { key, first: 3 * k };
+                let at = self.world(DVec3::from_array(p));
+                self.add(HandleKind::Point, at, Track::Screen, meaning, "control point");
+            }
         }
         Some(())
     }

@@ -30,6 +30,14 @@ Group {
   Disk { center 0 1 0.5  normal 0.4 0.5 1  radius 0.8  innerRadius 0.3 }
   Transform { XRotate 20  Torus { center 0 1 -0.5  axis 0.4 2 0.5  majorRadius 0.8  minorRadius 0.3 } }
   Quad { corner -1 0 1  edge1 1.5 0.1 0  edge2 0 0.2 -1 }
+  BilinearPatch { vertex0 0 0 1  vertex1 1 0.2 1  vertex2 0.8 1 0.4  vertex3 -0.2 0.9 0.8 }
+  Transform {
+    YRotate 30
+    BicubicPatch {
+      row0 0 0 0  1 0 0.4  2 0 0.4  3 0 0      row1 0 1 0.2  1 1 0.9  2 1 0.9  3 1 0.2
+      row2 0 2 0.2  1 2 0.9  2 2 0.9  3 2 0.2  row3 0 3 0  1 3 0.4  2 3 0.4  3 3 0
+    }
+  }
   Triangle { vertex0 0 0 1  vertex1 1 0.2 1  vertex2 0.3 1 0.8 }
   Define pair { Sphere { center 0 0 0  radius 0.2 } }
   Instance pair { Translate 0.5 0.5 0.5 }

@@ -4,6 +4,8 @@
 //! manual follow.
 
 pub(super) mod algebraic;
+pub(super) mod bicubic_patch;
+pub(super) mod bilinear_patch;
 pub(super) mod blob;
 pub(super) mod checkerboard;
 pub(super) mod cone;
@@ -45,7 +47,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 26] = [
+pub(super) const OBJECTS: [&ObjectMember; 28] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -63,6 +65,8 @@ pub(super) const OBJECTS: [&ObjectMember; 26] = [
     &disk::MEMBER,
     &quad::MEMBER,
     &triangle::MEMBER,
+    &bilinear_patch::MEMBER,
+    &bicubic_patch::MEMBER,
     &triangle_mesh::MEMBER,
     &model::MEMBER,
     &set_operations::UNION,
