@@ -141,8 +141,12 @@ impl Parser<'_> {
         let unsigned = word.trim_start_matches(['-', '+']);
         if unsigned.starts_with('(') {
             // `(2).obj` names a file.
-            let is_name = is_value && unsigned.find(')').is_some_and(|at| at + 1 < unsigned.len());
-            let is_name = is_name && !unsigned.ends_with(['}', '{', ')']);
+            let behind = closing(unsigned).map_or("", |at| &unsigned[at + 1..]);
+            let goes_on = behind.starts_with(['*', '^', '%'])
+                || behind
+                    .strip_prefix('/')
+                    .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '('));
+            let is_name = is_value && !behind.is_empty() && !goes_on && !behind.ends_with(['}', '{', ')']);
             return if is_name { Meaning::Word } else { Meaning::Expression };
         }
         // A path has slashes too.
@@ -378,6 +382,19 @@ impl Parser<'_> {
         );
         Err(Stop)
     }
+}
+
+/// Where the parenthesis is closed that `text` begins with.
+fn closing(text: &str) -> Option<usize> {
+    let mut open = 0_usize;
+    text.char_indices().find_map(|(at, c)| {
+        match c {
+            '(' => open += 1,
+            ')' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        (open == 0).then_some(at)
+    })
 }
 
 /// What stands right behind an expression must not look like a part of it.

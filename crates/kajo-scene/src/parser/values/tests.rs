@@ -32,13 +32,14 @@ fn numbers_may_be_expressions() {
     same("a 1 -2 3", "a 1 -2 3");
     same("a 1 - 2 3", "a -1 3");
     same("a 2 * 3 / 4 b 1", "a 1.5 b 1");
+    same("a (1+2)*3 b ((2)*(3))/4 (8)/(4)", "a 9 b 1.5 2");
     same("a 2*3 b 2^3*2 { 4 *2 c 1 }", "a 6 b 16 8 { c 1 }");
 }
 
 #[test]
 fn words_stay_words() {
     for text in [
-        "obj_file (2).obj b 2.obj c a*b d C:\\dir\\(x).png",
+        "obj_file (2).obj e (old)/x.png b 2.obj c a*b d C:\\dir\\(x).png",
         "a b/c d textures/wood.png",
         "file sin.png MaterialIndex cos",
         "wrap repeat repeat 2 3",
