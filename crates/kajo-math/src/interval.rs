@@ -83,12 +83,12 @@ impl Interval {
     /// Bounds that were rounded once to the nearest number each.
     #[inline]
     fn rounded(self, lo: f64, hi: f64) -> Interval {
-        Interval { lo: lo.next_down(), hi: hi.next_up(), ..self }.or_too_large()
+        Interval { lo: below(lo), hi: above(hi), ..self }.or_too_large()
     }
 
     /// Bounds that are off by less than two places.
     fn loose(self, lo: f64, hi: f64) -> Interval {
-        Interval { lo: lo.next_down().next_down(), hi: hi.next_up().next_up(), ..self }.or_too_large()
+        Interval { lo: below(below(lo)), hi: above(above(hi)), ..self }.or_too_large()
     }
 
     /// Numbers that may be infinite may have no difference, product or sine.
@@ -177,7 +177,11 @@ impl Interval {
         }
         let margin = 1e-15 * (1.0 + far);
         let has = |extreme: f64| {
-            let periods = |x: f64| ((x - extreme) / TAU).floor();
+            // As `floor`, which is slow on machines of old.
+            let periods = |x: f64| {
+                let whole = ((x - extreme) / TAU) as i64;
+                whole - i64::from((x - extreme) / TAU < whole as f64)
+            };
             periods(self.hi + margin) > periods(self.lo - margin)
         };
         let (a, b) = (f(self.lo), f(self.hi));
@@ -298,6 +302,20 @@ fn domain_at_least(x: Interval, least: f64) -> Domain {
         _ => Domain::Somewhere,
     };
     domain.min(x.domain)
+}
+
+/// A number that is less by at least the distance to the next one, and not much more than twice that.
+#[inline]
+fn below(x: f64) -> f64 {
+    // What is not a number stays so.
+    let x = if x > f64::MAX { f64::MAX } else { x };
+    x - (f64::EPSILON * x.abs() + f64::MIN_POSITIVE)
+}
+
+/// A number that is greater, as [`below`].
+#[inline]
+fn above(x: f64) -> f64 {
+    -below(-x)
 }
 
 /// Zero for a product that has no value: of zero and infinity, which stands for large numbers.

@@ -1,8 +1,8 @@
 //! Functions of a few variables as lists of operations.
 //!
 //! A function typed in a scene is read once, into a tape: each operation takes the results of earlier ones. The same tape
-//! is evaluated over numbers, over intervals, and over either together with derivatives ([`Scalar`], [`Dual`]: forward-mode
-//! differentiation [Griewank and Walther 2008, chapter 3]).
+//! is evaluated over numbers, over intervals, over either together with derivatives ([`Scalar`], [`Dual`]: forward-mode
+//! differentiation [Griewank and Walther 2008, chapter 3]), and over bounds of first and second derivatives ([`Curvature`]).
 //!
 //! ```
 //! use kajo_math::tape::{Dual, Tape, TapeBuilder, Unary};
@@ -18,11 +18,13 @@
 //! assert_eq!(tape.at(&[x, y], &mut Vec::new()).slopes, [3.0, 0.0]);
 //! ```
 
+mod curvature;
 mod dual;
 mod scalar;
 
 use std::collections::HashMap;
 
+pub use curvature::Curvature;
 pub use dual::Dual;
 pub use scalar::Scalar;
 

@@ -153,6 +153,7 @@ proptest! {
             Dual { value: ranges[i], slopes }
         };
         let bounds: Dual<Interval, 2> = tape.at(&[dual(0), dual(1)], &mut Vec::new());
+        let rough = tape.at(&ranges.map(Curvature::variable), &mut Vec::new());
         for x in places(ranges[0]) {
             for y in places(ranges[1]) {
                 let of = |value: f64, slopes: [f64; 2]| Dual { value, slopes };
@@ -166,6 +167,11 @@ proptest! {
                 if bounds.value.domain == Domain::Nowhere || !value.is_finite() {
                     continue;
                 }
+                let length = found.slopes[0].hypot(found.slopes[1]);
+                if rough.curvature.is_finite() && length.is_finite() {
+                    prop_assert!(rough.value.contains(value) && length <= rough.slope * (1.0 + 1e-9) + 1e-9,
+                        "slope {length} at {x} {y} above {rough:?}");
+                }
                 prop_assert!(bounds.value.contains(value), "{value} at {x} {y} not in {:?}", bounds.value);
                 for (slope, bound) in found.slopes.iter().zip(bounds.slopes) {
                     // Slopes of numbers are themselves rounded, by more than the bounds of exact ones know.
@@ -174,6 +180,29 @@ proptest! {
                     prop_assert!(!slope.is_finite() || within, "slope {slope} at {x} {y} not in {bound:?}");
                 }
             }
+        }
+    }
+
+    /// Between any two places a function departs from its tangent by no more than half of its largest curvature times the
+    /// square of the distance.
+    #[test]
+    fn curvature_is_a_bound(
+        choices in prop::collection::vec((0..31_usize, 0..16_usize, 0..16_usize), 1..6),
+        a in prop::array::uniform2(-3.0..3.0_f64),
+        by in prop::array::uniform2(-0.5..0.5_f64),
+    ) {
+        let tape = tape_of(&choices);
+        let b = [a[0] + by[0], a[1] + by[1]];
+        let ranges = [0, 1].map(|i| Curvature::variable(Interval::new(a[i].min(b[i]), a[i].max(b[i]))));
+        let bound = tape.at(&ranges, &mut Vec::new());
+        if bound.curvature.is_finite() && bound.value.domain == Domain::Everywhere {
+            let duals = [0, 1].map(|i| Dual { value: a[i], slopes: [by[i]] });
+            let from = tape.at(&duals, &mut Vec::new());
+            let value = tape.at(&b, &mut Vec::new());
+            let departs = (value - from.value - from.slopes[0]).abs();
+            let most = 0.5 * bound.curvature * (by[0] * by[0] + by[1] * by[1]);
+            let rounding = 1e-9 * (1.0 + from.value.abs() + value.abs() + from.slopes[0].abs());
+            prop_assert!(departs <= most + rounding, "{departs} above {most}");
         }
     }
 

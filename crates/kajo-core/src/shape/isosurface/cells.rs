@@ -3,13 +3,16 @@
 use std::ops::Index;
 
 use kajo_math::interval::{Domain, Interval};
-use kajo_math::tape::{Dual, Tape};
+use kajo_math::tape::{Curvature, Dual, Tape};
 use kajo_math::{Aabb, DVec3};
 
 use super::Ray64;
 
 /// The box is halved along each axis at most this often.
 const MOST_LEVELS: u32 = 9;
+
+/// And at least this often where there may be a surface, so that rays that miss it meet few cells.
+const FEWEST_LEVELS: u32 = 4;
 
 /// No more halving once there are as many cells.
 const ENOUGH_CELLS: usize = 12_000;
@@ -30,6 +33,8 @@ pub(super) struct Cell {
     low: [u16; 3],
     size: u16,
     slopes: [[f32; 2]; 3],
+    /// Bound on the norm of the second derivatives.
+    curvature: f32,
 }
 
 impl Cell {
@@ -40,6 +45,11 @@ impl Cell {
             Interval::new(lo, hi) * Interval::point(d[axis])
         };
         along(0) + along(1) + along(2)
+    }
+
+    /// Bound on the second derivative along a direction; infinite where nothing is known.
+    pub fn curvature_along(&self, d: DVec3) -> f64 {
+        f64::from(self.curvature) * d.length_squared()
     }
 }
 
@@ -63,9 +73,9 @@ impl Cells {
             (0..=n).map(plane).collect::<Vec<f64>>()
         });
         let mut found = Cells { planes, cells: Vec::new(), fills_faces: false };
-        let mut search = Search { function, values: Vec::new(), slopes: Vec::new() };
-        let mut level = vec![Cell { low: [0; 3], size: n, slopes: [[0.0; 2]; 3] }];
-        loop {
+        let mut search = Search { function, values: Vec::new(), slopes: Vec::new(), curvatures: Vec::new() };
+        let mut level = vec![Cell { low: [0; 3], size: n, slopes: [[0.0; 2]; 3], curvature: 0.0 }];
+        while !level.is_empty() {
             let mut kept = Vec::new();
             for cell in level {
                 let touches = cell.low.iter().any(|&k| k == 0 || k + cell.size == n);
@@ -74,19 +84,24 @@ impl Cells {
                     Known::Inside => found.fills_faces |= touches,
                     Known::Mixed(slopes) => {
                         found.fills_faces |= touches;
+                        let is_done = cell.size <= n >> FEWEST_LEVELS && is_almost_flat(&slopes);
                         let slopes = slopes.map(|slope| [down(slope.lo), -down(-slope.hi)]);
-                        kept.push(Cell { slopes, ..cell });
+                        let cell = Cell { slopes, ..cell };
+                        if is_done { found.cells.push(cell) } else { kept.push(cell) }
                     }
                 }
             }
             let size = kept.first().map_or(1, |cell| cell.size);
-            if size == 1 || kept.len() >= ENOUGH_CELLS {
-                found.cells = kept;
-                return found;
+            if size == 1 || found.cells.len() + kept.len() >= ENOUGH_CELLS {
+                found.cells.append(&mut kept);
             }
-            let half = size / 2;
-            level = kept.iter().flat_map(|cell| (0..8_u16).map(|i| cell.octant(i, half))).collect();
+            level = kept.iter().flat_map(|cell| (0..8_u16).map(|i| cell.octant(i, size / 2))).collect();
         }
+        let ranges: Vec<[Interval; 3]> = found.cells.iter().map(|cell| found.ranges(cell)).collect();
+        for (cell, ranges) in found.cells.iter_mut().zip(ranges) {
+            cell.curvature = search.curvature(ranges);
+        }
+        found
     }
 
     /// The corners of the box.
@@ -186,9 +201,17 @@ struct Search<'a> {
     function: &'a Tape,
     values: Vec<Interval>,
     slopes: Vec<Dual<Interval, 3>>,
+    curvatures: Vec<Curvature>,
 }
 
 impl Search<'_> {
+    /// Bound on the norm of the second derivatives; infinite where the function has no value somewhere.
+    fn curvature(&mut self, ranges: [Interval; 3]) -> f32 {
+        let found = self.function.at(&ranges.map(Curvature::variable), &mut self.curvatures);
+        let known = found.value.domain == Domain::Everywhere;
+        if known { -down(-found.curvature) } else { f32::INFINITY }
+    }
+
     fn known(&mut self, ranges: [Interval; 3]) -> Known {
         let value = self.function.at(&ranges, &mut self.values);
         if let Some(known) = one_sign(value) {
@@ -209,6 +232,13 @@ impl Search<'_> {
         }
         one_sign(value.meet(mean)).unwrap_or(Known::Mixed(found.slopes))
     }
+}
+
+/// Whether the surface bends so little in a cell that the sign of the slope is known for most rays.
+fn is_almost_flat(slopes: &[Interval; 3]) -> bool {
+    let middle = slopes.iter().map(|slope| slope.middle().powi(2)).sum::<f64>();
+    let spread = slopes.iter().map(|slope| (0.5 * (slope.hi - slope.lo)).powi(2)).sum::<f64>();
+    4.0 * spread <= middle
 }
 
 /// On which side of the surface all places are with these values.

@@ -147,11 +147,10 @@ impl Parts {
         (enters.0 < leaves.0).then_some([enters, leaves])
     }
 
-    /// The places where a line comes into the box, or leaves it, inside the surface; with the face of the box.
-    fn caps(&self, line: &Ray64) -> [Option<(f64, u32)>; 2] {
-        let faces = if self.closed { self.faces(line) } else { None };
-        let Some(faces) = faces else { return [None; 2] };
-        faces.map(|(t, face)| self.is_inside(line.at(t)).then_some((t, face)))
+    /// The hit of a face of the box, if it is in the ray's range and cuts through the inside.
+    fn cap(&self, ray: &Ray, line: &Ray64, (t, face): (f64, u32)) -> Option<Hit> {
+        let single = in_range(ray, t)?;
+        self.is_inside(line.at(t)).then(|| on_face(single, face))
     }
 }
 
@@ -197,14 +196,43 @@ impl Passage<'_> {
         if reach.lo > 0.0 || reach.hi < 0.0 {
             return (None, false);
         }
+        if slope.lo > 0.0 || slope.hi < 0.0 {
+            let at_b = self.value(b);
+            let changes = (at_a < 0.0) != (at_b < 0.0);
+            return (Some(at_b), changes && visit(self.single_root([a, b], [at_a, at_b])));
+        }
+        let curvature = cell.curvature_along(self.line.d);
+        if curvature.is_finite() {
+            let ends = [a, b].map(|t| self.value_and_slope(t));
+            return (Some(ends[1].0), self.bend([a, b], ends, curvature, visit));
+        }
         let at_b = self.value(b);
-        let changes = (at_a < 0.0) != (at_b < 0.0);
-        let enough = if slope.lo > 0.0 || slope.hi < 0.0 {
-            changes && visit(self.single_root([a, b], [at_a, at_b]))
-        } else {
-            self.isolate([a, b], [at_a, at_b], visit)
-        };
-        (Some(at_b), enough)
+        (Some(at_b), self.isolate([a, b], [at_a, at_b], visit))
+    }
+
+    /// Visits the changes of sign between two parameters with these values and slopes, as [`Passage::cross`].
+    ///
+    /// * `curvature`: bound on the second derivative. The function departs from its chord by an eighth of it times the
+    ///   square of the length, and its slope from the mean of the slopes at the ends by half of it times the length.
+    fn bend(
+        &mut self,
+        [a, b]: [f64; 2],
+        [(at_a, slope_a), (at_b, slope_b)]: [(f64, f64); 2],
+        curvature: f64,
+        visit: &mut impl FnMut(f64) -> bool,
+    ) -> bool {
+        let (changes, length) = ((at_a < 0.0) != (at_b < 0.0), b - a);
+        if !changes && at_a.abs().min(at_b.abs()) > 0.125 * curvature * length * length {
+            return false;
+        }
+        let middle = 0.5 * (a + b);
+        self.work = self.work.saturating_sub(1);
+        if (slope_a + slope_b).abs() > curvature * length || is_narrow([a, b]) || self.work == 0 {
+            return changes && visit(self.single_root([a, b], [at_a, at_b]));
+        }
+        let at_middle = self.value_and_slope(middle);
+        self.bend([a, middle], [(at_a, slope_a), at_middle], curvature, visit)
+            || self.bend([middle, b], [at_middle, (at_b, slope_b)], curvature, visit)
     }
 
     /// Visits the changes of sign between two parameters with these values, as [`Passage::cross`].
@@ -223,10 +251,9 @@ impl Passage<'_> {
             return false;
         }
         let middle = 0.5 * (a + b);
-        let narrow = b - a <= 4.0 * f64::EPSILON * (a.abs() + b.abs()) || middle <= a || middle >= b;
         self.work = self.work.saturating_sub(1);
         let is_monotone = has_values && (slope.lo > 0.0 || slope.hi < 0.0);
-        if narrow || is_monotone || self.work == 0 {
+        if is_narrow([a, b]) || is_monotone || self.work == 0 {
             return changes && visit(self.single_root([a, b], [at_a, at_b]));
         }
         let at_middle = self.value(middle);
@@ -243,6 +270,12 @@ impl Passage<'_> {
         let tolerance = (TOLERANCE * self.parts.reach / a.abs().max(b.abs())).max(4.0 * f64::EPSILON);
         roots::bracketed([a, b], start, at_a < 0.0, tolerance, |t| self.value_and_slope(t))
     }
+}
+
+/// Whether nothing is left to halve.
+fn is_narrow([a, b]: [f64; 2]) -> bool {
+    let middle = 0.5 * (a + b);
+    b - a <= 4.0 * f64::EPSILON * (a.abs() + b.abs()) || middle <= a || middle >= b
 }
 
 /// A hit of a face of the box, from 1: the lower and the upper one across each axis.
@@ -262,11 +295,9 @@ impl Surface for Isosurface {
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let parts = &*self.0;
         let line = Ray64::new(ray);
-        let [front, back] = parts.caps(&line);
-        let cap =
-            |cap: Option<(f64, u32)>| cap.and_then(|(t, face)| in_range(ray, t).map(|t| on_face(t, face)));
-        if let Some(hit) = cap(front) {
-            return Some(hit);
+        let faces = if parts.closed { parts.faces(&line) } else { None };
+        if let Some(front) = faces.and_then(|[front, _]| parts.cap(ray, &line, front)) {
+            return Some(front);
         }
         let mut nearest = None;
         let mut passage = Passage { parts, line: &line, work: MOST_WORK };
@@ -288,13 +319,13 @@ impl Surface for Isosurface {
                 _ => far,
             }
         });
-        nearest.or_else(|| cap(back))
+        nearest.or_else(|| faces.and_then(|[_, back]| parts.cap(ray, &line, back)))
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
         let parts = &*self.0;
         let line = Ray64::new(ray);
-        let caps = parts.caps(&line);
+        let faces = if parts.closed { parts.faces(&line) } else { None };
         let mut pieces: Vec<([f64; 2], u32)> = Vec::new();
         parts.tree.each(ray, |index| {
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
@@ -315,9 +346,8 @@ impl Surface for Isosurface {
             });
             before = at_b.map(|value| (piece[1], value));
         }
-        for (t, face) in caps.into_iter().flatten() {
-            all.extend(in_range(ray, t).map(|t| on_face(t, face)));
-        }
+        let faces = faces.into_iter().flatten();
+        all.extend(faces.filter_map(|face| parts.cap(ray, &line, face)));
         // Whoever visits may ask another surface.
         all.into_iter().for_each(&mut visit);
     }
