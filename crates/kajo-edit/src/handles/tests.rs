@@ -43,7 +43,6 @@ Group {
   Instance pair { Translate 0.5 0.5 0.5 }
   Difference { Box { min -1 -1 -1  max 0 0 0 }  Transform { YRotate 30  Sphere { center -0.2 0 0  radius 0.6 } } }
   Group both { Sphere { center 1 1 1  radius 0.1 }  Sphere { center 1 1 0  radius 0.1 } }
-  Transform { YRotate 25  Prism { origin 0.4 0 0.2  axis 0.3 0.2 1  size 0.6  depth 0.5  outline { line 0 0  1 0  0 1 } } }
 }
 ";
 
