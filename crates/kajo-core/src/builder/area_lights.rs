@@ -17,7 +17,7 @@ use crate::light::{AreaLight, LightSampler, PatchExtent, Sides, SkyLight};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::scene::Primitive;
-use crate::shape::Prism;
+use crate::shape::{Patch, Prism};
 
 /// Memory of a light: itself, and its places in the lists and the tree by which lights are chosen.
 const BYTES_PER_LIGHT: usize = size_of::<AreaLight>() + 96;
@@ -29,6 +29,8 @@ struct PatchEmission {
     /// Where it varies.
     varied: Option<VariedEmissionId>,
     sides: Sides,
+    /// Whether light of the side turned away passes through the one that is turned to the receiver.
+    seen_through: bool,
     group: LightGroup,
 }
 
@@ -106,7 +108,13 @@ impl SceneBuilder {
             let slot = shapes.material_slot(shape, part);
             let material = slot.map_or(material, |slot| self.appearance.slots[slot as usize]);
             let Some(of_material) = emissive.materials.get(&material) else { return };
-            let &PatchEmission { ref emission, varied, sides, group } = of_material;
+            let &PatchEmission { ref emission, varied, sides, seen_through, group } = of_material;
+            // The far side of a sphere, too, which is drawn otherwise by what one sees of it from outside.
+            let patch = match patch {
+                Patch::Sphere { .. } if seen_through => patch.by_area(),
+                _ => Some(patch),
+            };
+            let Some(patch) = patch else { return };
             let patch = if pose.is_identity() { Some(patch) } else { patch.transformed(&map) };
             let patch = match &drift {
                 Some(drift) => patch.and_then(|patch| patch.movable(drift.sampled_maps())),
@@ -139,14 +147,17 @@ impl SceneBuilder {
         for id in self.appearance.materials.ids() {
             let Some(of_surface) = self.emission(id) else { continue };
             let (sides, group) = (of_surface.sides, of_surface.group);
+            let seen_through = sides != Sides::Front && self.appearance.has_passages(id);
             let of_patch = match of_surface.constant() {
-                Some(emission) => PatchEmission { emission: emission.clone(), varied: None, sides, group },
+                Some(emission) => {
+                    PatchEmission { emission: emission.clone(), varied: None, sides, seen_through, group }
+                }
                 None => {
                     let textures = &self.appearance.textures;
                     let light = VariedEmission::new(of_surface.clone(), textures);
                     let (emission, id) = (light.mean(textures), VariedEmissionId::new(varied.len()));
                     varied.push(light);
-                    PatchEmission { emission, varied: id, sides, group }
+                    PatchEmission { emission, varied: id, sides, seen_through, group }
                 }
             };
             materials.insert(id, of_patch);

@@ -62,6 +62,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     ]);
     forms.extend([wall(draw, SKIES, "sky"), wall(draw, &[OCCLUSION], "sky by occlusion")]);
     forms.extend([facing(draw), adjacent(draw), luminaire(draw, false), luminaire(draw, true)]);
+    forms.push(gauze(draw));
     forms
 }
 
@@ -98,6 +99,19 @@ fn sphere(draw: &mut Parameters) -> Form {
     let (scene, factor) = lit(draw, &emitter, up);
     let expected = factor * PI * (r / d).powi(2) * towards.dot(up);
     Form::new(format!("S4 sphere, radius {r}, distance {d}"), scene, expected, LIGHTS).bounces(0)
+}
+
+/// A sphere through which its far side is seen: of both sides together, as much as one does not let pass twice.
+fn gauze(draw: &mut Parameters) -> Form {
+    let (r, d, up) = (draw.between(0.3, 0.8), draw.between(1.5, 3.0), draw.direction(-1.0));
+    let (opacity, towards) = (draw.between(0.2, 0.8), (up + 0.8 * up.any_orthonormal_vector()).normalize());
+    let (scene, factor) = lit(draw, &format!("Sphere {{ center {}  radius {r} }}", text(d * towards)), up);
+    let thinned = format!("Matte emitter {{ color 0 0 0  opacity {opacity}");
+    let scene = scene.replacen("Material emitter { diffuseColor 0 0 0", &thinned, 1);
+    let seen = 1.0 - (1.0 - opacity).powi(2);
+    let expected = factor * seen * PI * (r / d).powi(2) * towards.dot(up);
+    Form::new(format!("sphere of opacity {opacity}, radius {r}, distance {d}"), scene, expected, LIGHTS)
+        .bounces(0)
 }
 
 fn sphere_touched(draw: &mut Parameters) -> Form {
