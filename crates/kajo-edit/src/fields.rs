@@ -71,14 +71,18 @@ impl Tree {
                 None => fields.push(self.absent(node, spec, nth, scene)),
             }
         }
-        let unknown = written.iter().filter(|item| !specs.clone().any(|spec| spec.key == item.keyword()));
-        fields.extend(unknown.filter(|_| !node.kind.holds_objects()).map(|&item| {
+        let unknown = written
+            .iter()
+            .enumerate()
+            .filter(|(_, item)| !specs.clone().any(|spec| spec.key == item.keyword()));
+        fields.extend(unknown.filter(|_| !node.kind.holds_objects()).map(|(i, &item)| {
+            let nth = written[..i].iter().filter(|other| other.keyword() == item.keyword()).count();
             let value = FieldValue::of(item);
             let kind =
                 if value.word.is_some() { FieldKind::Text } else { FieldKind::Numbers(value.numbers.len()) };
             let absent = Absent::Nothing { means: "", start: "" };
             let spec = FieldSpec { absent, ..FieldSpec::new("", kind) };
-            Field { key: item.keyword().to_owned(), ..self.written(&spec, 0, item) }
+            Field { key: item.keyword().to_owned(), ..self.written(&spec, nth, item) }
         }));
         fields
     }

@@ -125,6 +125,18 @@ fn fields_say_what_holds() {
 }
 
 #[test]
+fn values_that_share_a_word_are_edited_one_by_one() {
+    let prism = "Prism {\n  depth 1\n  outline {\n    line 0 0  1 0\n    line 1 1  0 1\n  }\n}";
+    let mut d = good(&SCENE.replace("  Box { min 1 0 0  max 2 1 1 }", prism));
+    let outline = find(&d, "outline");
+    let lines: Vec<_> = d.fields(outline).into_iter().map(|f| (f.key, f.nth)).collect();
+    assert_eq!(lines, [("line".to_owned(), 0), ("line".to_owned(), 1)]);
+    let value = FieldValue::numbers([1.0, 1.0, 0.0, 2.0]);
+    let second = Edit::Set { node: outline, key: "line".to_owned(), nth: Some(1), value };
+    assert_eq!(diff(&mut d, &second), ["-    line 1 1  0 1", "+    line 1 1  0 2"]);
+}
+
+#[test]
 fn blocks_are_added_where_they_belong() {
     let mut d = good(SCENE);
     let sphere = template("Sphere", [0.0, 1.0, 2.0], 0.5).unwrap();

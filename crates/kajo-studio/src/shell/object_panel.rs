@@ -221,15 +221,16 @@ fn angle(ui: &mut Ui, value: &FieldValue, label: Id, min: f64, max: f64) -> Opti
     ui.add(drag).labelled_by(label).changed().then(|| FieldValue::numbers([tidy(v)]))
 }
 
-/// Several numbers in a row, with names for three of them.
+/// Several numbers in a row, with names for three of them; of very many the first, while the others stay what they are.
 fn numbers(ui: &mut Ui, value: &FieldValue, label: Id, count: usize, is_whole: bool) -> Option<FieldValue> {
+    const SHOWN: usize = 16;
     let mut all = value.numbers.clone();
-    all.resize(count.clamp(1, 16), 0.0);
+    all.resize(count.max(1), 0.0);
     let mut any = false;
     let size = all.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     ui.spacing_mut().item_spacing.x = 3.0;
     ui.spacing_mut().interact_size.x = 52.0;
-    for (i, v) in all.iter_mut().enumerate() {
+    for (i, v) in all.iter_mut().enumerate().take(SHOWN) {
         let drag = DragValue::new(v).speed(step(size));
         let drag = if is_whole { drag.fixed_decimals(0) } else { drag.max_decimals(4) };
         let hint = ["x", "y", "z"].get(i).copied().filter(|_| count == 3).unwrap_or("number");
