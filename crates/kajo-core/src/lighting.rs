@@ -13,7 +13,7 @@ use crate::light::{
     LightLeSample, LightLiSample, LightPoint, PowerLightSampler, Receiver,
 };
 use crate::material::{Interior, ShadingPoint};
-use crate::sampler::Draws;
+use crate::sampler::SampleStream;
 use crate::scene::{Interaction, Scene, rarely};
 
 impl Scene {
@@ -46,7 +46,7 @@ impl Scene {
         segment: &Ray,
         eta: f32,
         wavelengths: &Wavelengths,
-        _draws: &mut Draws<'_>,
+        _draws: &mut SampleStream<'_>,
     ) -> Spectrum {
         if !self.appearance.has_passages {
             return if self.occluded(segment) { Spectrum::BLACK } else { Spectrum::WHITE };
@@ -263,6 +263,6 @@ impl Scene {
     pub(crate) fn transmittance_in_air(&self, segment: &Ray) -> Spectrum {
         use crate::sampler::{Sampler, SamplerKind};
         let sampler = Sampler::new(SamplerKind::Uniform, 1);
-        self.transmittance(segment, 1.0, &Wavelengths::RGB, &mut Draws::new(&sampler, 0, [0, 0], 0))
+        self.transmittance(segment, 1.0, &Wavelengths::RGB, &mut SampleStream::new(&sampler, 0, [0, 0], 0))
     }
 }

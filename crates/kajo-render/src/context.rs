@@ -19,7 +19,7 @@ use std::cell::Cell;
 use std::fmt;
 
 use kajo_core::light::MAX_LIGHT_GROUPS;
-use kajo_core::sampler::{Draws, Sampler};
+use kajo_core::sampler::{SampleStream, Sampler};
 use kajo_math::Vec2;
 
 use crate::RayCounters;
@@ -34,7 +34,7 @@ pub struct SampleContext<'a> {
     /// Index of the sample within its pixel.
     pub index: u32,
     /// The random numbers of the sample behind its place in the pixel.
-    pub draws: Draws<'a>,
+    pub draws: SampleStream<'a>,
     /// Rays cast by the thread so far.
     pub rays: RayCounters,
     /// Values of rare layers; zero before each sample.
@@ -54,7 +54,7 @@ impl<'a> SampleContext<'a> {
             sampler,
             seed,
             index: 0,
-            draws: Draws::new(sampler, seed, [0, 0], 0),
+            draws: SampleStream::new(sampler, seed, [0, 0], 0),
             rays: RayCounters::default(),
             aux: Auxiliary::default(),
             splats: Splats::default(),
@@ -83,7 +83,7 @@ impl<'a> SampleContext<'a> {
     #[inline]
     pub(crate) fn begin_with(&mut self, seed: u64, pixel: [u32; 2], index: u32) -> Vec2 {
         self.index = index;
-        self.draws = Draws::new(self.sampler, seed, pixel, index);
+        self.draws = SampleStream::new(self.sampler, seed, pixel, index);
         self.draws.film_position()
     }
 }
@@ -210,7 +210,7 @@ mod tests {
         let sampler = Sampler::new(SamplerKind::Uniform, 4);
         let mut ctx = SampleContext::new(&sampler, 3);
         let position = ctx.begin([5, 6], 2);
-        let mut expected = Draws::new(&sampler, 3, [5, 6], 2);
+        let mut expected = SampleStream::new(&sampler, 3, [5, 6], 2);
         assert_eq!((ctx.index, position), (2, expected.film_position()));
         assert_eq!(ctx.draws.next_2d(), expected.next_2d());
     }

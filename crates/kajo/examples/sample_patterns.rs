@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use kajo::{
     Defaults, EncodeOptions, Format, Image, LoadOptions, MemoryAssets, SamplerKind, Scene, Settings, Silent,
 };
-use kajo_core::sampler::{Draws, Sampler};
+use kajo_core::sampler::{SampleStream, Sampler};
 use kajo_math::poisson;
 use kajo_render::integrator::Prepare;
 use kajo_render::{Film, FilmSpec, Layer, LayerSet, RenderSettings};
@@ -87,7 +87,7 @@ fn positions(kind: SamplerKind, seed: u64) -> Vec<[f64; 2]> {
         return poisson::exactly(256, seed).iter().map(|p| p.to_array()).collect();
     }
     let sampler = Sampler::new(kind, 256);
-    let position = |k| Draws::new(&sampler, seed, [0, 0], k).film_position().as_dvec2().to_array();
+    let position = |k| SampleStream::new(&sampler, seed, [0, 0], k).film_position().as_dvec2().to_array();
     (0..256).map(position).collect()
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Each pixel is shown as a block of `zoom x zoom`, as in assignment 7 of MIT 6.837, fall 2004.
 
-use kajo_core::sampler::Draws;
+use kajo_core::sampler::SampleStream;
 use kajo_image::{Image, ImageError};
 use kajo_render::Filter;
 
@@ -36,7 +36,7 @@ pub fn sample_positions(settings: &RenderSettings, zoom: u32) -> Result<Image, I
     let sampler = settings.sampler();
     for (y, x) in (0..settings.size[1]).flat_map(|y| (0..settings.size[0]).map(move |x| (y, x))) {
         for k in 0..sampler.samples() {
-            let place = Draws::new(&sampler, settings.seed, [x, y], k).film_position();
+            let place = SampleStream::new(&sampler, settings.seed, [x, y], k).film_position();
             let at = |pixel: u32, offset: f32| pixel * zoom + (offset * zoom as f32) as u32;
             let (x, y) = (at(x, place.x), at(y, place.y));
             // Samples of a number that is no square may lie below the last row.

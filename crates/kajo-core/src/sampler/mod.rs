@@ -1,7 +1,7 @@
 //! Where the samples of a pixel lie, in the pixel and in every further dimension of a path.
 //!
 //! A sample of a pixel is a point in a cube of many dimensions: a place in the pixel, a place on the lens, a time, a
-//! wavelength, and then whatever its path needs. [`Draws`] hands the coordinates out one after the other. Each
+//! wavelength, and then whatever its path needs. [`SampleStream`] hands the coordinates out one after the other. Each
 //! is uniform in [0, 1) and a function of (seed, pixel, sample, dimension), and what the kinds of samplers
 //! differ in is how the samples of a pixel, or of neighbouring pixels, lie to each other:
 //!
@@ -21,14 +21,14 @@
 //!
 //! Scene: `Settings { samples sobol 64 }`
 
-mod draws;
+mod sample_stream;
 mod zorder;
 
 use std::sync::Arc;
 
 use kajo_math::{Vec2, pmj, poisson};
 
-pub use draws::Draws;
+pub use sample_stream::SampleStream;
 
 /// The rule by which samples are spread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use SamplerKind::*;
 
 const KINDS: [SamplerKind; 7] = [Uniform, Regular, Jittered, Sobol, ZSobol, Pmj, Poisson];
 
-fn draws(sampler: &Sampler, k: u32) -> Draws<'_> {
-    Draws::new(sampler, 11, [3, 5], k)
+fn draws(sampler: &Sampler, k: u32) -> SampleStream<'_> {
+    SampleStream::new(sampler, 11, [3, 5], k)
 }
 
 fn positions(kind: SamplerKind, n: u32) -> Vec<Vec2> {
@@ -74,7 +74,7 @@ fn moments(kind: SamplerKind) -> [f64; 5] {
     let n = 100_000u32;
     let mut sums = [0.0; 5];
     for i in 0..n {
-        let p = Draws::new(&sampler, 2, [i % 331, i / 331], 0).film_position().as_dvec2() - 0.5;
+        let p = SampleStream::new(&sampler, 2, [i % 331, i / 331], 0).film_position().as_dvec2() - 0.5;
         for (sum, v) in sums.iter_mut().zip([p.x, p.y, p.x * p.x, p.y * p.y, p.x * p.y]) {
             *sum += v / f64::from(n);
         }
@@ -101,7 +101,7 @@ fn samples_of_open_ended_kinds_do_not_depend_on_their_number() {
     let numbers = |kind, n| {
         let sampler = Sampler::new(kind, n);
         let of_sample = |k| {
-            let mut draws = Draws::new(&sampler, 3, [5, 9], k);
+            let mut draws = SampleStream::new(&sampler, 3, [5, 9], k);
             let mut split = draws.split(1, 2, 3);
             let pairs = [draws.film_position(), draws.next_2d(), split.next_2d()];
             (pairs, [draws.next_1d(), split.next_1d()])
@@ -117,7 +117,7 @@ fn samples_of_open_ended_kinds_do_not_depend_on_their_number() {
 fn positions_depend_on_the_seed_only_where_they_are_random() {
     for kind in KINDS {
         let sampler = Sampler::new(kind, 4);
-        let at = |seed| Draws::new(&sampler, seed, [3, 5], 1).film_position();
+        let at = |seed| SampleStream::new(&sampler, seed, [3, 5], 1).film_position();
         assert_eq!(at(0) == at(1), kind == Regular, "{kind:?}");
     }
 }

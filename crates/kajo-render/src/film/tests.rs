@@ -1,4 +1,4 @@
-use kajo_core::sampler::{Draws, Sampler, SamplerKind};
+use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_math::{Vec2, Vec3, rng::Stream};
 use proptest::prelude::*;
 
@@ -72,7 +72,7 @@ fn random_part(spec: &FilmSpec, sampler: &Sampler, tile: Rect, samples: std::ops
     for y in tile.y0..tile.y1 {
         for x in tile.x0..tile.x1 {
             for k in samples.clone() {
-                let offset = Draws::new(sampler, 1, [x, y], k).film_position();
+                let offset = SampleStream::new(sampler, 1, [x, y], k).film_position();
                 part.add(x, y, k, offset, &random_sample(x, y, k), &random_auxiliary(x, y, k));
                 for splat in random_splats(spec, x, y, k).as_slice() {
                     splats.add(splat.raster, splat.value);
@@ -103,7 +103,7 @@ fn splat(spec: FilmSpec, sampler: &Sampler, value: impl Fn(u32, u32, u32) -> f32
     for y in 0..spec.height {
         for x in 0..spec.width {
             for k in 0..sampler.samples() {
-                let offset = Draws::new(sampler, 5, [x, y], k).film_position();
+                let offset = SampleStream::new(sampler, 5, [x, y], k).film_position();
                 let radiance = [value(x, y, k); 3];
                 part.add(x, y, k, offset, &PixelSample { radiance, first: None }, &Auxiliary::default());
             }
@@ -135,7 +135,7 @@ fn check_impulse(filter: Filter, n: u32, impulse: (u32, u32, u32)) {
         if filter == Filter::None {
             return f64::from(u8::from((x, y) == (px, py)));
         }
-        let offset = Draws::new(&sampler, 0, [0, 0], k).film_position();
+        let offset = SampleStream::new(&sampler, 0, [0, 0], k).film_position();
         let centre = |sample: u32, offset: f32, pixel: u32| {
             (f64::from(sample) - f64::from(pixel)) as f32 + offset - 0.5
         };
@@ -205,7 +205,7 @@ fn own_layers_look_at_the_pixels_own_samples() {
         radiance: [0.0; 3],
         first: Some(FirstHit { t, n: Vec3::Z, uv: Vec2::ZERO, object, material: object + 10 }),
     };
-    let at = |k| Draws::new(&sampler, 0, [0, 0], k).film_position();
+    let at = |k| SampleStream::new(&sampler, 0, [0, 0], k).film_position();
     let none = Auxiliary::default();
     // Indices out of order: the smallest decides the numbers.
     part.add(0, 0, 2, at(2), &hit(5.0, 2), &none);

@@ -4,7 +4,7 @@
 use kajo_color::{RgbBasis, Spectrum, WavelengthChoice, Wavelengths, sensor};
 use kajo_core::camera::{Camera, Connection, Raster};
 use kajo_core::light::MAX_LIGHT_GROUPS;
-use kajo_core::sampler::Draws;
+use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Immersion, Interaction, Scene};
 use kajo_core::settings::Rules;
 use kajo_math::{Ray, Vec2, Vec3};
@@ -46,7 +46,7 @@ impl<'a> CameraView<'a> {
     /// What a path carries.
     ///
     /// Takes a dimension where light is followed by wavelength.
-    pub fn wavelengths(&self, draws: &mut Draws<'_>) -> Wavelengths {
+    pub fn wavelengths(&self, draws: &mut SampleStream<'_>) -> Wavelengths {
         let u = draws.number_if(self.spectral.is_some());
         self.spectral.as_ref().map_or(Wavelengths::RGB, |choice| choice.sample(u))
     }
@@ -91,7 +91,7 @@ impl<'a> CameraView<'a> {
     /// shows nothing.
     ///
     /// Takes the dimensions of the lens and the time.
-    pub fn ray(&self, raster: Vec2, draws: &mut Draws<'_>) -> Option<Ray> {
+    pub fn ray(&self, raster: Vec2, draws: &mut SampleStream<'_>) -> Option<Ray> {
         let lens = draws.pair_if(self.camera.has_lens());
         let time = draws.number_if(self.moves);
         let film = &self.film;

@@ -1,6 +1,6 @@
 //! No integrator can tell given numbers from drawn ones, so that any can be driven from outside.
 
-use kajo_core::sampler::{Draws, Sampler, SamplerKind};
+use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_core::settings::Settings;
 use kajo_math::Vec2;
@@ -68,8 +68,8 @@ fn pixel(k: u32) -> [u32; 2] {
 /// The first `n` numbers of a uniform sample, and of the path that is followed beside its own.
 fn recorded(seed: u64, k: u32, n: u32) -> Sampler {
     let uniform = Sampler::new(SamplerKind::Uniform, 1);
-    let mut draws = Draws::new(&uniform, seed, pixel(k), k);
-    let numbers = |draws: &Draws<'_>| (0..n).map(|d| draws.stream().uniform(d)).collect();
+    let mut draws = SampleStream::new(&uniform, seed, pixel(k), k);
+    let numbers = |draws: &SampleStream<'_>| (0..n).map(|d| draws.stream().uniform(d)).collect();
     let path = numbers(&draws);
     draws.film_position();
     Sampler::given(path, numbers(&draws.split(0, 0, 1)))

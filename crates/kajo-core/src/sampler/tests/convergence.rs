@@ -44,7 +44,7 @@ fn error(kind: SamplerKind, n: u32, dimension: u32, pixels: u32, integrand: &Int
     let squares = (0..pixels).map(|i| {
         let sum: f64 = (0..n)
             .map(|k| {
-                let mut draws = Draws::new(&sampler, 77, [i << 8, 5 * i], k);
+                let mut draws = SampleStream::new(&sampler, 77, [i << 8, 5 * i], k);
                 (0..dimension).for_each(|_| _ = draws.next_1d());
                 (integrand.f)(draws.next_2d())
             })
@@ -123,7 +123,7 @@ fn pairs_are_independent() {
         let sampler = Sampler::new(kind, 64);
         let estimate = Estimate::of_batches(|batch| {
             let product = |i: u32| {
-                let mut draws = Draws::new(&sampler, 5, [i / 64, batch], i % 64);
+                let mut draws = SampleStream::new(&sampler, 5, [i / 64, batch], i % 64);
                 let [a, b] = [draws.next_2d(), draws.next_2d()];
                 let c = draws.next_1d();
                 // Means 1 of four factors, whose products feel any correlation.

@@ -3,7 +3,7 @@
 use super::*;
 
 /// All numbers of a sample in turn: its place in the pixel, a pair, and single ones.
-fn numbers(mut draws: Draws<'_>, n: usize) -> Vec<f32> {
+fn numbers(mut draws: SampleStream<'_>, n: usize) -> Vec<f32> {
     let first = [draws.film_position(), draws.next_2d()].map(|u| u.to_array()).concat();
     let single = std::iter::repeat_with(|| draws.next_1d());
     first.into_iter().chain(single).take(n).collect()
@@ -19,7 +19,7 @@ fn a_slice_replays_whoever_asks() {
     let given = slice(20);
     let sampler = Sampler::given(given.clone(), Vec::new());
     for (seed, pixel, sample) in [(0, [0, 0], 0), (7, [3, 5], 11)] {
-        assert_eq!(numbers(Draws::new(&sampler, seed, pixel, sample), 20), given);
+        assert_eq!(numbers(SampleStream::new(&sampler, seed, pixel, sample), 20), given);
     }
     // Dimensions that are left out are left out of the slice.
     let mut draws = draws(&sampler, 0);
@@ -57,7 +57,7 @@ fn a_path_beside_has_numbers_of_its_own_and_forks_have_none() {
     let uniform = Sampler::new(Uniform, 1);
     let (given, free) = (draws(&sampler, 4), draws(&uniform, 4));
     assert_eq!(numbers(given.split(0, 0, 1), 13), beside);
-    let deeper = |draws: Draws<'_>| numbers(draws.split(0, 0, 1).split(1, 0, 1), 13);
+    let deeper = |draws: SampleStream<'_>| numbers(draws.split(0, 0, 1).split(1, 0, 1), 13);
     assert_eq!(deeper(given), deeper(free));
     for i in 0..3 {
         assert_eq!(numbers(given.split(2, i, 3), 13), numbers(free.split(2, i, 3), 13));

@@ -10,7 +10,7 @@ fn error_image(kind: SamplerKind, n: u32, size: u32, seed: u64) -> Spectrum {
     let sampler = Sampler::new(kind, n);
     let pixel = |i: u32| {
         let value = |k| {
-            let mut draws = Draws::new(&sampler, seed, [i % size, i / size], k);
+            let mut draws = SampleStream::new(&sampler, seed, [i % size, i / size], k);
             let _film = draws.film_position();
             f64::from(draws.next_2d().element_product())
         };

@@ -6,7 +6,7 @@ use super::*;
 
 /// The number at a dimension, and the pair there.
 fn numbers(sampler: &Sampler, seed: u64, k: u32, dimension: u32) -> (f32, Vec2) {
-    let mut draws = Draws::new(sampler, seed, [3, 5], k);
+    let mut draws = SampleStream::new(sampler, seed, [3, 5], k);
     (0..dimension).for_each(|_| _ = draws.next_1d());
     (draws.clone().next_1d(), draws.next_2d())
 }
@@ -111,7 +111,7 @@ fn each_sample_is_uniform() {
         for (k, dimension) in [(0, 2), (5, 2), (3, 9)] {
             let mut counts = [0.0; 64];
             for i in 0..pixels {
-                let mut draws = Draws::new(&sampler, 3, [17 * (i % 80), 17 * (i / 80)], k);
+                let mut draws = SampleStream::new(&sampler, 3, [17 * (i % 80), 17 * (i / 80)], k);
                 (0..dimension).for_each(|_| _ = draws.next_1d());
                 let u = draws.next_2d();
                 assert!(u.x >= 0.0 && u.x < 1.0 && u.y >= 0.0 && u.y < 1.0);
@@ -156,7 +156,8 @@ fn no_number_of_samples_and_no_place_is_too_much() {
         for n in [0, 1, 1025, 1 << 20] {
             let sampler = Sampler::new(kind, n);
             for k in [0, n, u32::MAX] {
-                let mut draws = Draws::new(&sampler, u64::MAX, [u32::MAX; 2], k).split(u32::MAX, 7, u32::MAX);
+                let mut draws =
+                    SampleStream::new(&sampler, u64::MAX, [u32::MAX; 2], k).split(u32::MAX, 7, u32::MAX);
                 let u = draws.next_2d();
                 assert!(u.x < 1.0 && u.y < 1.0 && draws.next_1d() < 1.0, "{kind:?} {n} {k}");
             }

@@ -15,7 +15,7 @@
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
 use kajo_core::light::{EmissionPdf, LightLiSample, LightPoint, Receiver};
-use kajo_core::sampler::Draws;
+use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Interaction;
 use kajo_math::{Ray, Vec3};
 
@@ -142,7 +142,7 @@ impl Bidirectional<'_> {
         [y, z]: [&Vertex; 2],
         way: [u32; 2],
         (wavelengths, time): (&Wavelengths, f32),
-        draws: &mut Draws<'_>,
+        draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
         let distance2 = y.at.p.distance_squared(z.at.p);
@@ -188,7 +188,7 @@ impl Bidirectional<'_> {
         y: &Vertex,
         way: [u32; 2],
         (wavelengths, time): (&Wavelengths, f32),
-        draws: &mut Draws<'_>,
+        draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
         let lens = draws.pair_if(self.view.camera.has_lens());

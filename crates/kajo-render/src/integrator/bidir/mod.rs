@@ -31,7 +31,7 @@ use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::camera::Camera;
 use kajo_core::light::{LeNumbers, LightLeSample, MAX_LIGHT_GROUPS, PowerLightSampler, SampledLight};
-use kajo_core::sampler::Draws;
+use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec2};
 
@@ -152,7 +152,7 @@ impl<'a> Bidirectional<'a> {
     /// Hands all light that one sample finds to `found`.
     fn estimate<O: PathObserver>(
         &self,
-        mut draws: Draws<'_>,
+        mut draws: SampleStream<'_>,
         observer: &mut O,
         raster: Vec2,
         light_path: &mut Vec<Vertex>,
@@ -183,10 +183,10 @@ impl<'a> Bidirectional<'a> {
         &self,
         observer: &mut O,
         vertices: &mut Vec<Vertex>,
-        mut draws: Draws<'s>,
+        mut draws: SampleStream<'s>,
         time: f32,
         wavelengths: &Wavelengths,
-    ) -> Draws<'s> {
+    ) -> SampleStream<'s> {
         let scene = self.scene();
         let world = self.power_sampler.world();
         draws.skip(1);
@@ -233,7 +233,7 @@ impl<'a> Bidirectional<'a> {
         &self,
         observer: &mut O,
         light_path: &[Vertex],
-        (draws, ray): (Draws<'_>, Ray),
+        (draws, ray): (SampleStream<'_>, Ray),
         wavelengths: &Wavelengths,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
@@ -354,7 +354,7 @@ fn light_end<'s>(
     emitted: &LightLeSample,
     (time, chance): (f32, f32),
     wavelengths: &Wavelengths,
-    draws: Draws<'s>,
+    draws: SampleStream<'s>,
 ) -> Subpath<'s> {
     let is_infinite = emitted.at.is_infinite();
     let (end, pdf) = parts(emitted.pdf, is_infinite);

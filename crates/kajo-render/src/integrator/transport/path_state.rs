@@ -2,7 +2,7 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
-use kajo_core::sampler::Draws;
+use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Interaction;
 use kajo_math::{Ray, Vec3};
 
@@ -26,7 +26,7 @@ pub struct PathState<'s> {
     /// The media around the start of the ray.
     pub media: MediumStack,
     /// The random numbers that are left.
-    pub draws: Draws<'s>,
+    pub draws: SampleStream<'s>,
     /// How often it was scattered.
     pub scatterings: u32,
     /// Rays that were followed for it.
@@ -46,7 +46,7 @@ impl<'s> PathState<'s> {
         (wavelengths, beta): (Wavelengths, Spectrum),
         mode: Transport,
         media: MediumStack,
-        draws: Draws<'s>,
+        draws: SampleStream<'s>,
     ) -> PathState<'s> {
         PathState {
             ray,

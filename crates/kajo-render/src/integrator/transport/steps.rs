@@ -3,7 +3,7 @@
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::light::{LightChoice, LightLiSample, Receiver, SampledLight};
-use kajo_core::sampler::Draws;
+use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
@@ -194,7 +194,7 @@ pub fn connect(
     scene: &Scene,
     segment: &Ray,
     eta: f32,
-    (wavelengths, draws): (&Wavelengths, &mut Draws<'_>),
+    (wavelengths, draws): (&Wavelengths, &mut SampleStream<'_>),
     observer: &mut impl PathObserver,
 ) -> Spectrum {
     observer.counters().shadow += 1;

@@ -1,6 +1,6 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kajo_core::sampler::{Draws, Sampler, SamplerKind};
+use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_math::Vec2;
 
 use super::*;
@@ -106,7 +106,8 @@ fn a_sequence_visits_all_and_begins_everywhere() {
         assert_eq!(indices, split);
         if n >= 9 {
             let first = &indices[..n as usize / 2];
-            let mean: Vec2 = first.iter().map(|&k| Draws::new(&sampler, 0, [0, 0], k).film_position()).sum();
+            let mean: Vec2 =
+                first.iter().map(|&k| SampleStream::new(&sampler, 0, [0, 0], k).film_position()).sum();
             let mean = mean / first.len() as f32;
             assert!((mean - 0.5).abs().max_element() < 0.15, "{n}: the first half lies around {mean}");
         }

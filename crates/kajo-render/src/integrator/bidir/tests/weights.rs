@@ -59,7 +59,7 @@ impl Whole {
     }
 }
 
-/// Draws paths from both ends, and hands all whole ones to `look` with the points from the light and the weight.
+/// SampleStream paths from both ends, and hands all whole ones to `look` with the points from the light and the weight.
 fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
     let scene = scene(text);
     let it = Bidirectional::new(&scene, both(), [1, 1], LayerSet::of(&[]));

@@ -31,7 +31,7 @@ const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// The numbers of one sample of one pixel. Copies hand out the same numbers again.
 #[derive(Clone, Copy, Debug)]
-pub struct Draws<'a> {
+pub struct SampleStream<'a> {
     sampler: &'a Sampler,
     seed: Key,
     pixel: [u32; 2],
@@ -46,21 +46,37 @@ pub struct Draws<'a> {
     stream: Stream,
 }
 
-impl<'a> Draws<'a> {
+impl<'a> SampleStream<'a> {
     /// The numbers of sample `sample` of `pixel`, from the first dimension on.
     ///
     /// Samples beyond the number of the sampler are good ones too: another pattern begins.
     #[inline]
-    pub fn new(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32) -> Draws<'a> {
-        Draws::with_count(sampler, Key::new(seed), pixel, sample, sampler.samples)
+    pub fn new(sampler: &'a Sampler, seed: u64, pixel: [u32; 2], sample: u32) -> SampleStream<'a> {
+        SampleStream::with_count(sampler, Key::new(seed), pixel, sample, sampler.samples)
     }
 
     #[inline]
-    fn with_count(sampler: &'a Sampler, seed: Key, pixel: [u32; 2], sample: u32, count: u32) -> Draws<'a> {
+    fn with_count(
+        sampler: &'a Sampler,
+        seed: Key,
+        pixel: [u32; 2],
+        sample: u32,
+        count: u32,
+    ) -> SampleStream<'a> {
         let key = seed.part(pixel);
         let stream = Stream::of_pixel(key, sample);
         let reversed = sample.reverse_bits();
-        Draws { sampler, seed, pixel, key, sample, reversed, count: count.max(1), dimension: 0, stream }
+        SampleStream {
+            sampler,
+            seed,
+            pixel,
+            key,
+            sample,
+            reversed,
+            count: count.max(1),
+            dimension: 0,
+            stream,
+        }
     }
 
     /// The place of the sample relative to the top left corner of its pixel, in pixels; to be asked for first.
@@ -144,11 +160,11 @@ impl<'a> Draws<'a> {
     /// beside it.
     ///
     /// * `branch`: tells splits at the same dimension apart
-    pub fn split(&self, branch: u32, i: u32, n: u32) -> Draws<'a> {
+    pub fn split(&self, branch: u32, i: u32, n: u32) -> SampleStream<'a> {
         let seed = self.seed.part([self.dimension, SPLIT_SALT]).part([branch, 0]);
         let sample = self.sample.wrapping_mul(n).wrapping_add(i);
         let count = self.count.saturating_mul(n);
-        Draws::with_count(self.sampler.of_split(n), seed, self.pixel, sample, count)
+        SampleStream::with_count(self.sampler.of_split(n), seed, self.pixel, sample, count)
     }
 
     /// Independent numbers by dimension, for those who know their dimensions.
