@@ -199,7 +199,7 @@ fn warnings_do_not_stop_a_render() {
 #[test]
 fn patterns_of_a_fixed_number_are_not_adaptive() {
     let folder = Folder::new();
-    for pattern in ["jittered", "regular", "poisson"] {
+    for pattern in ["cmj", "jittered", "regular", "poisson"] {
         let line = format!("ball.txt --size 8 8 --samples {pattern} 16 --adaptive -o a.png");
         folder.fail(&line, 2, &[pattern, "sobol"]);
     }

@@ -306,6 +306,7 @@ pub(crate) fn fixed_pattern(kind: SamplerKind) -> Option<&'static str> {
         SamplerKind::Regular => Some("regular"),
         SamplerKind::Jittered => Some("jittered"),
         SamplerKind::Poisson => Some("poisson"),
+        SamplerKind::Cmj => Some("cmj"),
         SamplerKind::Uniform | SamplerKind::Sobol | SamplerKind::ZSobol | SamplerKind::Pmj => None,
     }
 }

@@ -47,7 +47,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "BITS", default_value = "8", value_parser = ["8", "16"])]
     pub bits: String,
 
-    /// Rays for each pixel, and how they are spread: 16, or jittered, regular, uniform, sobol, zsobol, pmj or
+    /// Rays for each pixel, and how they are spread: 16, or jittered, regular, uniform, sobol, zsobol, pmj, cmj or
     /// poisson 16
     #[arg(long, value_name = "[PATTERN] N", help_heading = "Quality")]
     pub samples: Option<Samples>,

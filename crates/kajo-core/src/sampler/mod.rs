@@ -10,6 +10,7 @@
 //! | uniform | independent | comparison |
 //! | regular | the middles of a grid in the pixel, else as jittered | the classic program's pictures |
 //! | jittered | one in each cell of a grid; multi-jitter [Chiu et al. 1994] behind the film | any number |
+//! | cmj | correlated multi-jitter [Kensler 2013] | smooth light, any number |
 //! | pmj | progressive multi-jittered (0, 2) points [Christensen et al. 2018] | |
 //! | poisson | maximal Poisson-disk sets [Ebeida et al. 2012] | looking at edges |
 //! | sobol | Owen-scrambled (0, 2)-sequence, shuffled for each pair [Burley 2020] | powers of two |
@@ -47,12 +48,15 @@ pub enum SamplerKind {
     Pmj,
     /// Maximal Poisson-disk sets.
     Poisson,
+    /// Correlated multi-jittered samples.
+    Cmj,
 }
 
 impl SamplerKind {
     /// Names on the command line and in `Settings`, in alphabetical order. One kind has two.
-    pub const NAMES: [(&'static str, SamplerKind); 8] = [
+    pub const NAMES: [(&'static str, SamplerKind); 9] = [
         ("bluenoise", SamplerKind::ZSobol),
+        ("cmj", SamplerKind::Cmj),
         ("jittered", SamplerKind::Jittered),
         ("pmj", SamplerKind::Pmj),
         ("poisson", SamplerKind::Poisson),

@@ -125,6 +125,7 @@ impl<'a> SampleStream<'a> {
             }
             SamplerKind::Pmj => point(self.progressive(d)),
             SamplerKind::Poisson => point(self.disk(d)),
+            SamplerKind::Cmj => self.correlated_multi_jittered(d),
         }
     }
 
@@ -219,6 +220,25 @@ impl<'a> SampleStream<'a> {
         let in_row = permute(place, columns.min(n - row * columns), order_in([row, 2]));
         let x = (in_column as f32 + self.stream.uniform(d)) / rows as f32;
         let y = ((row * columns + in_row) as f32 + self.stream.uniform(d + 1)) / n as f32;
+        Vec2::new((column as f32 + x) / columns as f32, y).min(Vec2::splat(BELOW_ONE))
+    }
+
+    /// Correlated multi-jitter of any number of samples [Kensler 2013].
+    ///
+    /// As [`SampleStream::multi_jittered`], but all columns of the grid use one order of the rows, and all rows one order of the
+    /// columns. So the points keep away from each other as those of a lattice do, which is worth most for smooth functions.
+    #[inline]
+    fn correlated_multi_jittered(&self, d: u32) -> Vec2 {
+        let n = self.count;
+        let columns = ((n as f32).sqrt() + 0.5) as u32;
+        let rows = n.div_ceil(columns);
+        let [order, of_columns, of_rows] = self.pattern(d, self.sample / n);
+        let s = permute(self.sample % n, n, order);
+        let (row, place) = (s / columns, s % columns);
+        let column = permute(place, columns, of_columns);
+        let in_column = permute(row, rows, of_rows);
+        let x = (in_column as f32 + self.stream.uniform(d)) / rows as f32;
+        let y = (s as f32 + self.stream.uniform(d + 1)) / n as f32;
         Vec2::new((column as f32 + x) / columns as f32, y).min(Vec2::splat(BELOW_ONE))
     }
 

@@ -6,7 +6,7 @@ mod strata;
 use super::*;
 use SamplerKind::*;
 
-const KINDS: [SamplerKind; 7] = [Uniform, Regular, Jittered, Sobol, ZSobol, Pmj, Poisson];
+const KINDS: [SamplerKind; 8] = [Uniform, Regular, Jittered, Sobol, ZSobol, Pmj, Poisson, Cmj];
 
 fn draws(sampler: &Sampler, k: u32) -> SampleStream<'_> {
     SampleStream::new(sampler, 11, [3, 5], k)

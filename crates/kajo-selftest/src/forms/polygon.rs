@@ -21,7 +21,9 @@ use crate::method::{LIGHTS, OCCLUSION, PATH};
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms = vec![above(draw), setting(draw), half_hidden(draw), hides_the_sky(draw)];
-    forms.extend(["sobol", "zsobol", "pmj", "uniform", "jittered", "poisson"].map(|s| sampled(draw, s)));
+    forms.extend(
+        ["sobol", "zsobol", "pmj", "uniform", "jittered", "poisson", "cmj"].map(|s| sampled(draw, s)),
+    );
     forms.extend(["tree", "uniform"].map(|choice| many(draw, choice)));
     forms.extend([painted(draw, "a picture"), painted(draw, "holes"), striped(draw)]);
     forms

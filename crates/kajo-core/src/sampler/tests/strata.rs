@@ -31,7 +31,7 @@ fn is_net(points: &[Vec2]) -> bool {
 
 #[test]
 fn numbers_are_one_to_a_stratum_for_any_number_of_samples() {
-    for kind in [Regular, Jittered, Pmj, Poisson] {
+    for kind in [Regular, Jittered, Pmj, Poisson, Cmj] {
         for n in [1, 2, 3, 5, 16, 37, 100] {
             let sampler = Sampler::new(kind, n);
             for (dimension, seed) in [(2, 0), (5, 1), (40, 2)] {
@@ -46,9 +46,9 @@ fn numbers_are_one_to_a_stratum_for_any_number_of_samples() {
 
 #[test]
 fn jittered_pairs_are_multi_jittered() {
-    for side in [1, 2, 3, 8] {
+    for (kind, side) in [Jittered, Cmj].into_iter().flat_map(|kind| [1, 2, 3, 8].map(|side| (kind, side))) {
         let n = side * side;
-        let sampler = Sampler::new(Jittered, n);
+        let sampler = Sampler::new(kind, n);
         for seed in 0..20 {
             let points: Vec<Vec2> = (0..n).map(|k| numbers(&sampler, seed, k, 2).1).collect();
             assert!(is_stratified(points.iter().map(|p| p.x), n), "columns");
@@ -56,6 +56,25 @@ fn jittered_pairs_are_multi_jittered() {
             let cell = |p: &Vec2| (p.x * side as f32).floor() + side as f32 * (p.y * side as f32).floor();
             assert!(is_stratified(points.iter().map(|p| (cell(p) + 0.5) / n as f32), n), "cells");
         }
+    }
+}
+
+/// In each row of the grid the points stand in the same order of finer columns, and in each column in that of finer rows.
+#[test]
+fn correlated_pairs_have_one_order_for_all_rows_and_one_for_all_columns() {
+    let side = 6u32;
+    let orders = |kind, flip: bool| -> std::collections::HashSet<Vec<u32>> {
+        let sampler = Sampler::new(kind, side * side);
+        let points = (0..side * side).map(|k| numbers(&sampler, 4, k, 2).1 * side as f32);
+        let mut cells = vec![vec![0; side as usize]; side as usize];
+        for p in points.map(|p| if flip { Vec2::new(p.y, p.x) } else { p }) {
+            cells[p.y as usize][p.x as usize] = (p.y.fract() * side as f32) as u32;
+        }
+        cells.into_iter().collect()
+    };
+    for flip in [false, true] {
+        assert_eq!(orders(Cmj, flip).len(), 1);
+        assert!(orders(Jittered, flip).len() > 1);
     }
 }
 
