@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use kajo_math::rng::{Stream, mix};
 use kajo_math::{DVec3, fmath};
 
-/// SampleStream one number after the other.
+/// Draws one number after the other.
 pub struct Parameters {
     stream: Stream,
     next: u32,

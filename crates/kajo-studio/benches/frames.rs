@@ -50,7 +50,7 @@ fn main() {
     window(&card);
 }
 
-/// SampleStream the window while it traces.
+/// Draws the window while it traces.
 fn window(card: &RenderState) {
     let run = |ui: &mut egui::Ui, app: &mut Option<App>| {
         app.get_or_insert_with(|| App::new(ui.ctx(), Some(card), Layout::default())).ui(ui);
@@ -93,7 +93,7 @@ fn ms(time: Duration) -> f64 {
     1e3 * time.as_secs_f64()
 }
 
-/// SampleStream one frame and waits for it.
+/// Draws one frame and waits for it.
 fn frame(raster: &mut Raster, angle: f64) -> Duration {
     let eye = DVec3::new(0.3 + angle, 0.9, 1.4);
     let camera = CameraPose::perspective(eye, DVec3::ZERO, DVec3::Y, 0.8);

@@ -69,7 +69,7 @@ pub struct Shot<'a> {
     pub background: [f32; 3],
 }
 
-/// SampleStream scenes.
+/// Draws scenes.
 pub struct Raster {
     device: wgpu::Device,
     queue: wgpu::Queue,
@@ -147,7 +147,7 @@ impl Raster {
         &self.canvas
     }
 
-    /// SampleStream a picture, unless it is the one drawn last, and returns the sheet that it is on.
+    /// Draws a picture, unless it is the one drawn last, and returns the sheet that it is on.
     pub fn draw(&mut self, shot: &Shot<'_>) -> Sheet {
         let size = shot.size.map(|pixels| pixels.clamp(1, self.canvas.largest_side()));
         let wanted = Drawn {

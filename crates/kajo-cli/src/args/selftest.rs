@@ -17,7 +17,7 @@ integrator. Exit code 1 when a row fails.";
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct SelftestArgs {
-    /// SampleStream the scenes' numbers; the time of day unless said
+    /// Draws the scenes' numbers; the time of day unless said
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// Only rows whose name or method holds this, in any case

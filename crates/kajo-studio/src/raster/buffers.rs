@@ -56,7 +56,7 @@ impl SceneBuffers {
         }
     }
 
-    /// SampleStream some objects; whether there are any of them.
+    /// Draws some objects; whether there are any of them.
     pub fn draw_some(&self, pass: &mut wgpu::RenderPass<'_>, objects: &[Range<u32>]) -> bool {
         let mut any = false;
         for (place, &(mesh, base)) in (0..).zip(&self.of_places) {

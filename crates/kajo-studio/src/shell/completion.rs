@@ -97,7 +97,7 @@ impl CompletionList {
         }
     }
 
-    /// SampleStream the list. Returns what is clicked.
+    /// Draws the list. Returns what is clicked.
     ///
     /// * `below`: the lower end of the caret, while there is one
     pub fn show(&mut self, ui: &Ui, below: Option<Pos2>) -> Option<Chosen> {

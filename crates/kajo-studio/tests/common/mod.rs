@@ -102,7 +102,7 @@ impl Window {
         std::fs::read_to_string(self.path(name)).unwrap()
     }
 
-    /// SampleStream frames until something holds, for as long as it takes.
+    /// Draws frames until something holds, for as long as it takes.
     pub fn wait(&mut self, done: impl Fn(&Studio) -> bool) {
         loop {
             self.harness.step();
@@ -113,7 +113,7 @@ impl Window {
         }
     }
 
-    /// SampleStream frames, and more until the scene is what the text says.
+    /// Draws frames, and more until the scene is what the text says.
     pub fn frames(&mut self, n: usize) {
         (0..n).for_each(|_| self.harness.step());
         self.settle();

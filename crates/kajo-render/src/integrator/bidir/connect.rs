@@ -19,7 +19,7 @@ use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Interaction;
 use kajo_math::{Ray, Vec3};
 
-use super::partial_mis::{PartialMis, mis_weight, square};
+use super::partial_mis::{PartialMis, mis_weight, square, weighted_pdf_across};
 use super::subpath::Subpath;
 use super::vertex::Vertex;
 use super::{Bidirectional, Contribution};
@@ -214,7 +214,8 @@ impl Bidirectional<'_> {
             return None;
         }
         // [Georgiev 2012, eq. 46 and 47]
-        let w_light = || y.mis.weighed(to.pdf_across * y.cosine(to.wi), y.pdf(to.wi, y.wo));
+        let arriving = weighted_pdf_across(to.pdf_across) * y.cosine(to.wi);
+        let w_light = || y.mis.weighed(arriving, y.pdf(to.wi, y.wo));
         Some(Contribution {
             way,
             light: carried * y.transmittance(to.wi, to.distance) * visible * (to.we / to.pdf),

@@ -41,7 +41,7 @@ use super::transport::{Event, MediumStack, PathState, SurfaceInteraction, advanc
 use crate::trail::{PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, SampleContext};
 use connect::parts;
-use partial_mis::{PartialMis, square};
+use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
 use subpath::{Departure, Subpath};
 use vertex::Vertex;
@@ -301,7 +301,7 @@ impl<'a> Bidirectional<'a> {
                 // Seen from the light's side the lens is one more point to connect with. [Georgiev 2012, eq. 31]
                 let pdf = self.view.pdf_across(camera_ray, surface.at.point.p);
                 match pdf.filter(|_| self.connects()) {
-                    Some(pdf) => path.departure.pdf = pdf,
+                    Some(pdf) => path.departure.pdf = weighted_pdf_across(pdf),
                     None => path.state.connectable = false,
                 }
             }

@@ -24,6 +24,23 @@
 //! where `b` is the density per solid angle at `xi` of going on to the point before, known only when the path is
 //! connected, and `g = cos / d^2` makes it one per area there. The same holds from the camera. Single directions cannot
 //! be found by a connection: their `d_vcm` is zero. Squares are kept, since the heuristic's exponent is two.
+//!
+//! Any factors of the densities leave the weights a partition of one. Those of the heuristic take all samples for independent, but the
+//! samples of a pixel are stratified, while the splats (`t = 1`) that fall on it come from the samples of all pixels and are not. So
+//! splats count as if they were rarer: [`SPLAT_DENSITY`].
+
+/// The density of splats in weights, in parts of the true one.
+///
+/// By squared error at 64 Sobol samples, relative to path tracing, on matt balls under a rectangle: 8.4 with 1, 1.50 with 1/4, 1.22 with 1/5, 0.87
+/// with 1/10. Where several ways are needed splats are worth their samples: glossy rooms lose 15 % with 1/10 and 2 % with 1/5.
+const SPLAT_DENSITY: f32 = 0.2;
+
+/// What the density of the point before the lens is in weights, as the camera's own ray draws it: all others are relative to that of splats.
+///
+/// * `pdf`: its true density
+pub fn weighted_pdf_across(pdf: f32) -> f32 {
+    pdf / SPLAT_DENSITY
+}
 
 /// The sums of one end of a path. The third one of [Georgiev 2012], for vertices that are merged, has no use here.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

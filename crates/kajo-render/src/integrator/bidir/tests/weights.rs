@@ -34,7 +34,7 @@ impl Whole {
         f64::from(pdf * c.n.dot(on).abs() / b.p.distance_squared(c.p))
     }
 
-    /// The densities of all ways but `t = 0`, which is none.
+    /// The densities of all ways but `t = 0`, which is none, with that of splats as it is in weights.
     fn densities(&self) -> Vec<f64> {
         let n = self.places.len();
         let from_light = |i: usize| match i {
@@ -53,13 +53,14 @@ impl Whole {
         };
         let way = |s: usize| {
             let light: f64 = if s == 1 { self.light[2] } else { (0..s).map(from_light).product() };
-            light * (s..n).map(from_camera).product::<f64>()
+            let density = light * (s..n).map(from_camera).product::<f64>();
+            if s + 1 == n { 0.2 * density } else { density }
         };
         (0..n).map(way).collect()
     }
 }
 
-/// SampleStream paths from both ends, and hands all whole ones to `look` with the points from the light and the weight.
+/// Draws paths from both ends, and hands all whole ones to `look` with the points from the light and the weight.
 fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
     let scene = scene(text);
     let it = Bidirectional::new(&scene, both(), [1, 1], LayerSet::of(&[]));
@@ -103,7 +104,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             }
             if views.is_empty() {
                 pdf_camera = it.view.pdf_across(&ray, surface.at.point.p).expect("a camera");
-                path_from_camera.departure.pdf = pdf_camera;
+                path_from_camera.departure.pdf = weighted_pdf_across(pdf_camera);
             }
             let bsdf = shade(&scene, &path_from_camera.state, &surface);
             let z = path_from_camera.vertex(&scene, &surface, bsdf, LightGroup::default());
