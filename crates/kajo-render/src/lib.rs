@@ -22,6 +22,6 @@ pub use rect::Rect;
 pub use sample::{FirstHit, PixelIntegrator, PixelSample};
 pub use schedule::{
     FailedUnit, Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Silent, Unit, render,
-    render_passes, render_unit,
+    render_passes, render_piece, render_unit,
 };
 pub use trail::{LightSource, RayKind, Segment, Trail, TrailHit};

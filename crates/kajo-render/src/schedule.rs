@@ -15,6 +15,7 @@
 pub mod adaptive;
 mod pass;
 mod passes;
+mod stages;
 
 use std::{ops::Range, thread, time::Instant};
 
@@ -27,6 +28,7 @@ use crate::{
 };
 use pass::{Pass, Plan, Share};
 pub use passes::{Goal, Position, render_passes};
+pub use stages::render_piece;
 
 /// Side of a tile in pixels unless the settings say otherwise.
 const TILE: u32 = 32;

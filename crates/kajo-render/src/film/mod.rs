@@ -163,6 +163,38 @@ impl Film {
         part.splats.as_slice().iter().for_each(|splat| self.add_splat(splat, &mut taps));
     }
 
+    /// Adds all that another film of the same kind holds, splats too. The sum does not depend on the order in which
+    /// films come, nor on how samples were shared out among them.
+    ///
+    /// # Errors
+    /// [`FilmError::OtherFilm`] when the other one differs in kind, [`FilmError::OnePass`] when they keep no sums.
+    pub fn absorb(&self, other: Film) -> Result<(), FilmError> {
+        if other.spec != self.spec {
+            return Err(FilmError::OtherFilm);
+        }
+        if !self.spec.keeps_sums() {
+            return Err(FilmError::OnePass);
+        }
+        self.samples.fetch_add(other.samples(), Ordering::Relaxed);
+        self.non_finite.fetch_add(other.non_finite(), Ordering::Relaxed);
+        for (mine, other) in self.blocks.iter().zip(other.blocks) {
+            let mut mine = mine.lock().unwrap_or_else(PoisonError::into_inner);
+            let other = other.into_inner().unwrap_or_else(PoisonError::into_inner);
+            match (&mut mine.camera, other.camera) {
+                (Camera::Open(sums), Camera::Open(more)) => sums.absorb(&more),
+                (Camera::Empty, camera) => mine.camera = camera,
+                // A film that keeps sums has no finished pixels.
+                (Camera::Open(_) | Camera::Finished(_), _) => {}
+            }
+            match (&mut mine.splats, other.splats) {
+                (Some(sums), Some(more)) => sums.absorb(&more),
+                (None, more) => mine.splats = more,
+                (Some(_), None) => {}
+            }
+        }
+        Ok(())
+    }
+
     fn add_splat(&self, splat: &Splat, taps: &mut Taps) {
         let terms = splat.value.map(Term::new);
         if terms.contains(&None) || !splat.raster.is_finite() {

@@ -119,6 +119,14 @@ impl SplatSums {
 }
 
 impl SplatSums {
+    /// Adds the sums of the same rectangle of another film of this kind.
+    pub fn absorb(&mut self, other: &SplatSums) {
+        let sums = self.values.iter_mut().chain(&mut self.squares);
+        for (sum, other) in sums.zip(other.values.iter().chain(&other.squares)) {
+            (0..3).for_each(|c| sum[c] += other[c]);
+        }
+    }
+
     /// Writes the sums.
     pub fn save(&self, out: &mut Vec<u8>) {
         save_numbers(self.values.as_flattened().iter().copied(), out);

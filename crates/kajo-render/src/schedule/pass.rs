@@ -40,10 +40,20 @@ impl Plan {
     ///
     /// * `limits`: of each block of the film; empty where there are none
     pub fn new(film: &Film, settings: &RenderSettings, samples: Range<u32>, limits: &[[u32; 2]]) -> Plan {
+        Plan::over(film, settings, film.spec().sampled(&settings.sampler), samples, limits)
+    }
+
+    /// As [`Plan::new`] of some of the pixels that samples are taken of.
+    pub fn over(
+        film: &Film,
+        settings: &RenderSettings,
+        sampled: Rect,
+        samples: Range<u32>,
+        limits: &[[u32; 2]],
+    ) -> Plan {
         let spec = film.spec();
         let tile = if settings.tile == 0 { TILE } else { settings.tile.min(LARGEST_TILE) };
         let grid = if limits.is_empty() { film.grid().with_side(tile) } else { film.grid() };
-        let sampled = spec.sampled(&settings.sampler);
         let tiles = grid.cells_over(&sampled).area().max(1);
         let wanted = (UNITS_PER_THREAD * settings.thread_count() as u64).div_ceil(tiles);
         let most = u64::from(samples.end - samples.start);

@@ -24,10 +24,10 @@ use crate::{
 };
 
 /// Passes end at every power of two up to here, and then at every multiple of it.
-const REGULAR_STEP: u32 = 64;
+pub(super) const REGULAR_STEP: u32 = 64;
 
 /// Samples of each pixel before noise is believed.
-const LEAST_FOR_NOISE: u32 = 16;
+pub(super) const LEAST_FOR_NOISE: u32 = 16;
 
 /// When a picture is good enough, beside having all samples of its sampler.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -222,7 +222,7 @@ impl Position {
     }
 
     /// One past the last sample of any pixel, as far as one knows.
-    fn end(&self, settings: &RenderSettings, goal: &Goal) -> u32 {
+    pub(super) fn end(&self, settings: &RenderSettings, goal: &Goal) -> u32 {
         let samples = settings.sampler.samples();
         match self.most_samples() {
             Some(most) => most,
@@ -251,7 +251,7 @@ impl Position {
     }
 
     /// Notes that a pass is complete, and decides on what follows a pilot.
-    fn advance(&mut self, film: &Film, settings: &RenderSettings, goal: &Goal, done: u32) {
+    pub(super) fn advance(&mut self, film: &Film, settings: &RenderSettings, goal: &Goal, done: u32) {
         self.done = done;
         let budget = settings.sampler.samples();
         if goal.adaptive && self.limits.is_empty() && done == adaptive::pilot_samples(budget) && done < budget
@@ -300,7 +300,7 @@ impl Progress for Clock<'_> {
 
 /// Whether the goal for noise is reached. Adaptive renders are planned to reach it instead: stopping them by what
 /// their samples show would bias them.
-fn is_quiet_enough(film: &Film, goal: &Goal, done: u32) -> bool {
+pub(super) fn is_quiet_enough(film: &Film, goal: &Goal, done: u32) -> bool {
     let is_regular = done >= LEAST_FOR_NOISE && (done.is_power_of_two() || done.is_multiple_of(REGULAR_STEP));
     let noise = goal.noise.filter(|_| is_regular && !goal.adaptive);
     noise.is_some_and(|goal| film.noise().is_some_and(|noise| noise <= goal))

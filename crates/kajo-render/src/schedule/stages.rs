@@ -1,0 +1,81 @@
+//! A render in pieces that anybody may do, in any order, anywhere.
+//!
+//! A *stage* is a range of samples of all pixels that can be taken before anybody need look at the picture. Most
+//! renders have one. A goal for noise has one up to each look at the noise; adaptive sampling has a pilot and a rest.
+//! A stage is cut into pieces, each some pixels and some of the samples, which [`render_piece`] puts into a film. The
+//! films of all pieces add up ([`Film::absorb`]) to that of [`render_passes`](super::render_passes), to the bit.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use super::{
+    Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Unit,
+    pass::{Pass, Plan, Share},
+    passes::{LEAST_FOR_NOISE, REGULAR_STEP, is_quiet_enough},
+};
+use crate::{Film, PixelIntegrator};
+
+impl Position {
+    /// The samples of the next stage; `None` when the sampler has no more.
+    pub fn stage(&self, settings: &RenderSettings, goal: &Goal) -> Option<Range<u32>> {
+        let end = self.end(settings, goal);
+        let end = match goal.noise {
+            Some(_) if !goal.adaptive => next_look(self.samples()).min(end),
+            _ => end,
+        };
+        (end > self.samples()).then_some(self.samples()..end)
+    }
+
+    /// Notes that a film has all of [`Position::stage`], and decides on what follows.
+    ///
+    /// Returns whether the render is complete.
+    pub fn end_stage(&mut self, film: &Film, settings: &RenderSettings, goal: &Goal) -> bool {
+        if let Some(samples) = self.stage(settings, goal) {
+            self.advance(film, settings, goal, samples.end);
+        }
+        is_quiet_enough(film, goal, self.samples()) || self.stage(settings, goal).is_none()
+    }
+}
+
+/// Renders a piece of a stage and adds it to a film, on as many threads as the settings say.
+///
+/// * `position`: at the beginning of the stage
+/// * `piece`: some samples of the stage, of some pixels; those that are not sampled are left out
+///
+/// # Errors
+/// [`RenderError`] when the render was cancelled or a tile panicked; the film then holds some of it.
+pub fn render_piece<I: PixelIntegrator + ?Sized>(
+    integrator: &I,
+    film: &Film,
+    settings: &RenderSettings,
+    position: &Position,
+    piece: &Unit,
+    progress: &dyn Progress,
+) -> Result<RenderStats, RenderError> {
+    let start = Instant::now();
+    let sampled = film.spec().sampled(&settings.sampler).intersection(&piece.tile);
+    let plan = Plan::over(film, settings, sampled, piece.samples.clone(), &position.limits);
+    let share = Share { samples_in_all: plan.samples(), whole_units: true, ..Share::default() };
+    let pass = Pass::new(integrator, film, settings, progress, &plan, share);
+    pass.run();
+    let complete = pass.is_complete();
+    let (mut stats, failed) = pass.finish();
+    stats.seconds = start.elapsed().as_secs_f64();
+    match (failed.is_empty(), complete) {
+        (false, _) => Err(RenderError::Panicked { failed, stats }),
+        (true, false) => Err(RenderError::Cancelled(stats)),
+        (true, true) => Ok(stats),
+    }
+}
+
+/// Samples of each pixel when the noise is looked at next; see [`render_passes`](super::render_passes).
+fn next_look(done: u32) -> u32 {
+    match done {
+        _ if done < LEAST_FOR_NOISE => LEAST_FOR_NOISE,
+        _ if done < REGULAR_STEP => (done + 1).next_power_of_two(),
+        _ => (done / REGULAR_STEP + 1).saturating_mul(REGULAR_STEP),
+    }
+}
+
+#[cfg(test)]
+mod tests;
