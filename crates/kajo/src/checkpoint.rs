@@ -9,8 +9,8 @@
 //! | | how far it is, see [`Position::save`] |
 //! | 32 | BLAKE3 of everything before |
 //!
-//! Numbers are little-endian. The first line of the text names the build of the program by a digest of its executable:
-//! another build may draw another picture, be it by a single bit. The others name the scene by a digest of its files
+//! Numbers are little-endian. The first line of the text is the [identity](crate::epoch) of the program: where it
+//! differs, the picture may differ, be it by a single bit. The others name the scene by a digest of its files
 //! and hold every setting that decides a bit of the picture. A checkpoint whose text differs is refused with the first
 //! line that does.
 //!
@@ -21,14 +21,13 @@
 use std::fs::{self, File};
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
-use std::thread;
 
 use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
 use kajo_math::{Vec2, rng::Stream};
 use kajo_render::{Film, FilmSpec, Goal, Position, Progress};
 
+use crate::epoch::build_identity;
 use crate::{Development, RenderSettings};
 
 const MAGIC: &[u8; 8] = b"kajofilm";
@@ -61,7 +60,7 @@ pub enum CheckpointError {
         /// Its version.
         found: u32,
     },
-    /// Another program, or another build of this one, wrote it.
+    /// A program wrote it whose pictures may differ.
     #[error("the checkpoint `{}` was written by {then}, and this is {now}: go on with that program, or start afresh", path.display())]
     OtherBuild {
         /// The file.
@@ -190,28 +189,12 @@ fn camera_digest(camera: &Camera) -> String {
     all.finalize().to_hex()[..16].to_owned()
 }
 
-/// The version of kajo, and the beginning of the digest of the program that runs.
-fn build() -> String {
-    let digest = executable().and_then(|file| {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(file)?;
-        Ok(hasher.finalize().to_hex()[..16].to_owned())
-    });
-    let digest = digest.unwrap_or_else(|_| "unknown".to_owned());
-    format!("kajo {}, build {digest}", env!("CARGO_PKG_VERSION"))
-}
-
-/// The program that runs. On Linux that is so even if its file was replaced since.
-fn executable() -> io::Result<File> {
-    File::open("/proc/self/exe").or_else(|_| File::open(std::env::current_exe()?))
-}
-
 /// What a render is of: everything that decides a bit of its picture but the program, in lines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Identity {
     text: String,
-    /// See [`build`], once it is known.
-    build: Arc<OnceLock<String>>,
+    /// See [`build_identity`].
+    build: String,
     /// Whether noise decides where samples go.
     adaptive: bool,
 }
@@ -241,29 +224,26 @@ impl Identity {
             "scene {digest}\ncamera {camera}\nadaptive {adaptive:?}\n{:#?}\n{settings:#?}\n{spec:#?}\n{number}",
             scene.output.rules
         );
-        Identity { text, build: Arc::default(), adaptive: goal.adaptive }
+        Identity { text, build: build_identity(), adaptive: goal.adaptive }
     }
 
-    /// Finds out about the program in the background: it is a long file, and when a render is to stop there is no time.
-    pub fn prepare(&self) {
-        let known = Arc::clone(&self.build);
-        // Without a thread, it is found out when it is asked for.
-        let _ = thread::Builder::new().stack_size(1 << 18).spawn(move || {
-            known.get_or_init(build);
-        });
+    /// One that has this text, and is compared with others.
+    pub fn of_text(text: &str) -> Identity {
+        Identity { text: text.to_owned(), build: String::new(), adaptive: false }
     }
 
-    fn build(&self) -> &str {
-        self.build.get_or_init(build)
+    /// The line of the program.
+    pub fn build(&self) -> &str {
+        &self.build
     }
 
     /// The text with the program's own line.
-    fn whole_text(&self) -> String {
+    pub fn whole_text(&self) -> String {
         format!("{}\n{}", self.build(), self.text)
     }
 
     /// The first line in which another identity differs: its line, and that of this one.
-    fn difference(&self, other: &str) -> Option<(String, String)> {
+    pub fn difference(&self, other: &str) -> Option<(String, String)> {
         let (mut mine, mut others) = (self.text.lines(), other.lines());
         // The lines around the present one that have begun something, each with its depth.
         let mut around: Vec<(usize, &str)> = Vec::new();
@@ -494,15 +474,14 @@ mod tests {
     use kajo_render::Silent;
 
     fn identity(build: &str, text: &str) -> Identity {
-        let build = Arc::new(OnceLock::from(build.to_owned()));
-        Identity { text: text.to_owned(), build, adaptive: false }
+        Identity { text: text.to_owned(), build: build.to_owned(), adaptive: false }
     }
 
     #[test]
-    fn a_checkpoint_of_another_build_is_refused() {
+    fn a_checkpoint_of_another_epoch_is_refused() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let film = Film::new(FilmSpec::new(4, 3), u64::MAX).unwrap();
-        save(0, &identity("kajo 1, build a", "size 4"), &film, &Position::default(), &mut file.as_file())
+        save(0, &identity("kajo 1, epoch 1", "size 4"), &film, &Position::default(), &mut file.as_file())
             .unwrap();
         let schedule = kajo_render::RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
         let restored = |build, text| {
@@ -510,10 +489,10 @@ mod tests {
                 .map(|(_, position)| position)
                 .map_err(|error| error.to_string())
         };
-        assert_eq!(restored("kajo 1, build a", "size 4"), Ok(Position::default()));
-        let refused = restored("kajo 1, build b", "size 5").unwrap_err();
-        assert!(refused.contains("was written by kajo 1, build a, and this is kajo 1, build b"), "{refused}");
-        let refused = restored("kajo 1, build a", "size 5").unwrap_err();
+        assert_eq!(restored("kajo 1, epoch 1", "size 4"), Ok(Position::default()));
+        let refused = restored("kajo 1, epoch 2", "size 5").unwrap_err();
+        assert!(refused.contains("was written by kajo 1, epoch 1, and this is kajo 1, epoch 2"), "{refused}");
+        let refused = restored("kajo 1, epoch 1", "size 5").unwrap_err();
         assert!(refused.contains("it has `size 4` where this one has `size 5`"), "{refused}");
     }
 
@@ -521,7 +500,7 @@ mod tests {
     fn what_is_worth_more_is_not_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        let mine = identity("kajo 1, build a", "size 4");
+        let mine = identity("kajo 1, epoch 1", "size 4");
         let film = Film::new(FilmSpec::new(4, 3), u64::MAX).unwrap();
         let mut state = Vec::new();
         save(0, &mine, &film, &Position::default(), &mut state).unwrap();
@@ -544,8 +523,8 @@ mod tests {
             Err(CheckpointError::Replaces { kept, .. }) => Some(kept),
             Err(other) => panic!("{other}"),
         };
-        let other = identity("kajo 1, build a", "size 5");
-        let rebuilt = identity("kajo 1, build b", "size 4");
+        let other = identity("kajo 1, epoch 1", "size 5");
+        let rebuilt = identity("kajo 1, epoch 2", "size 4");
         for free in ["nothing", "empty", "begun"] {
             assert_eq!(check(free, &other, 0, None), None, "{free}");
         }
@@ -559,14 +538,6 @@ mod tests {
         assert_eq!(check("cut", &mine, 0, None), Some(Kept::OtherRender));
         assert_eq!(check("newer", &mine, 99, None), Some(Kept::OtherRender));
         assert_eq!(check("notes", &mine, 99, None), Some(Kept::NoCheckpoint));
-    }
-
-    #[test]
-    fn a_build_is_known_by_its_bytes() {
-        let (_, digest) =
-            build().rsplit_once(' ').map(|(name, digest)| (name.to_owned(), digest.to_owned())).unwrap();
-        assert!(digest.len() == 16 && digest.bytes().all(|b| b.is_ascii_hexdigit()), "{digest}");
-        assert_eq!(build(), build());
     }
 
     #[test]

@@ -34,6 +34,7 @@ pub mod compare;
 mod denoise;
 mod development;
 pub mod diagrams;
+pub mod epoch;
 mod info;
 pub mod language;
 mod load;
@@ -41,6 +42,7 @@ mod load_options;
 pub mod memory;
 mod model_scene;
 pub mod output;
+mod pieces;
 pub mod probe;
 mod reduction;
 mod render;
@@ -59,6 +61,7 @@ pub use info::{ObjectInfo, SceneInfo, TreeNode};
 pub use load::{Loaded, load, load_from};
 pub use load_options::{LoadOptions, ModelOptions, UpAxis};
 pub use model_scene::{ConvertError, ModelScene, model_scene, model_text};
+pub use pieces::{Piece, Pieces};
 pub use reduction::Reduction;
 pub use render::{Passes, Picture, RenderError, RenderRequest, Resources, Snapshot, render, render_passes};
 pub use settings::{RenderSettings, SettingsError, suitable_size};
@@ -81,8 +84,8 @@ pub use kajo_math;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::integrator::{Defaults, INTEGRATORS, IntegratorSettings, IntegratorSpec};
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
-pub use kajo_render::{Goal, Progress, RayCounters, Rect, RenderStats, Silent};
+pub use kajo_render::{Film, Goal, Position, Progress, RayCounters, Rect, RenderStats, Silent};
 pub use kajo_scene::{
-    AssetError, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, MemoryBudget, Severity, Sources,
-    TokenKind, nearest, printable, tokens,
+    AssetError, AssetFile, Assets, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, MemoryBudget,
+    Severity, Sources, TokenKind, nearest, printable, tokens,
 };

@@ -159,32 +159,52 @@ impl<'a> RenderRequest<'a> {
         RenderRequest { resources, ..self }
     }
 
-    fn camera(&self) -> &'a Camera {
+    pub(crate) fn camera(&self) -> &'a Camera {
         self.camera.map_or(&self.scene.output.camera, CameraPose::camera)
     }
 
-    fn layers(&self) -> LayerSet {
+    pub(crate) fn layers(&self) -> LayerSet {
         layers(self.scene, self.outputs, self.settings)
     }
 
+    /// The film of a render in passes.
+    pub(crate) fn spec_of_passes(&self, goal: &Goal) -> Result<FilmSpec, RenderError> {
+        if let (true, Some(name)) = (goal.adaptive, fixed_pattern(self.settings.samples.0)) {
+            return Err(RenderError::NotAdaptive(name));
+        }
+        let mut layers = self.layers();
+        if goal.adaptive || goal.noise.is_some() {
+            layers = layers.with(Layer::Variance);
+        }
+        let spec = film_spec(self.camera(), self.settings, layers);
+        // Where the noise of the picture decides on its samples, all of it does so.
+        let samples_everywhere = spec.samples_everywhere || spec.shown.is_some() && goal.noise.is_some();
+        Ok(FilmSpec { halves: goal.adaptive, samples_everywhere, ..spec })
+    }
+
     /// Room for what is made of the film.
-    fn reserve(&self, spec: &FilmSpec) -> Result<Reserve, RenderError> {
+    pub(crate) fn reserve(&self, spec: &FilmSpec) -> Result<Reserve, RenderError> {
         Reserve::new(spec, to_finish(self.scene, self.outputs, self.settings))
     }
 
-    fn check_memory(&self, spec: &FilmSpec) -> Result<(), RenderError> {
+    pub(crate) fn check_memory(&self, spec: &FilmSpec) -> Result<(), RenderError> {
         check_memory(spec, to_finish(self.scene, self.outputs, self.settings), &self.resources)
     }
 
-    fn integrator(&self, layers: LayerSet) -> Box<dyn PixelIntegrator + 'a> {
+    pub(crate) fn integrator(&self, layers: LayerSet) -> Box<dyn PixelIntegrator + 'a> {
         integrator(self.scene, self.camera(), self.settings, layers)
     }
 
-    fn schedule(&self, spec: &FilmSpec) -> kajo_render::RenderSettings {
+    pub(crate) fn schedule(&self, spec: &FilmSpec) -> kajo_render::RenderSettings {
         schedule(self.settings, &within_memory(&self.resources, spec))
     }
 
-    fn picture(&self, film: Film, position: Option<(Position, Identity)>, stats: RenderStats) -> Picture {
+    pub(crate) fn picture(
+        &self,
+        film: Film,
+        position: Option<(Position, Identity)>,
+        stats: RenderStats,
+    ) -> Picture {
         Picture::new(film, self.scene, self.settings, position, &self.resources, stats)
     }
 }
@@ -223,20 +243,10 @@ pub fn render_passes(
 ) -> Result<Picture, RenderError> {
     let RenderRequest { scene, settings, resources, .. } = *request;
     let goal = &passes.goal;
-    if let (true, Some(name)) = (goal.adaptive, fixed_pattern(settings.samples.0)) {
-        return Err(RenderError::NotAdaptive(name));
-    }
-    let mut layers = request.layers();
-    if goal.adaptive || goal.noise.is_some() {
-        layers = layers.with(Layer::Variance);
-    }
-    let spec = film_spec(request.camera(), settings, layers);
-    // Where the noise of the picture decides on its samples, all of it does so.
-    let samples_everywhere = spec.samples_everywhere || spec.shown.is_some() && goal.noise.is_some();
-    let spec = FilmSpec { halves: goal.adaptive, samples_everywhere, ..spec };
+    let spec = request.spec_of_passes(goal)?;
+    let layers = spec.layers;
     request.check_memory(&spec)?;
     let identity = Identity::new(passes.scene, (scene, request.camera()), settings, &spec, goal);
-    identity.prepare();
     let schedule = request.schedule(&spec);
     let (film, mut position) = match &passes.resume {
         Some(path) => checkpoint::restore(path, &identity, spec, &schedule, progress)
@@ -266,10 +276,17 @@ fn ended(
 ) -> Result<Picture, RenderError> {
     match result {
         Ok(stats) => Ok(picture(stats)),
-        Err(PassError::Cancelled(stats)) => Err(RenderError::Cancelled(Box::new(picture(stats)))),
-        Err(ref error @ PassError::Panicked { stats, .. }) => {
-            let message = error.to_string();
-            Err(RenderError::Panicked { message, picture: Some(Box::new(picture(stats))) })
+        Err(error) => Err(failed(error, picture)),
+    }
+}
+
+/// Why a render is not complete, with what there is of its picture.
+pub(crate) fn failed(error: PassError, picture: impl FnOnce(RenderStats) -> Picture) -> RenderError {
+    let message = error.to_string();
+    match error {
+        PassError::Cancelled(stats) => RenderError::Cancelled(Box::new(picture(stats))),
+        PassError::Panicked { stats, .. } => {
+            RenderError::Panicked { message, picture: Some(Box::new(picture(stats))) }
         }
     }
 }
@@ -513,7 +530,7 @@ fn within_memory(resources: &Resources, spec: &FilmSpec) -> Resources {
     Resources { threads: memory::threads_beside(film, resources.threads), ..*resources }
 }
 
-fn new_film(spec: FilmSpec) -> Result<Film, RenderError> {
+pub(crate) fn new_film(spec: FilmSpec) -> Result<Film, RenderError> {
     let FilmSpec { width, height, .. } = spec;
     let needed = spec.bytes();
     Film::new(spec, u64::MAX).map_err(|error| match error {
@@ -526,7 +543,7 @@ fn new_film(spec: FilmSpec) -> Result<Film, RenderError> {
 
 /// Room for what is made of a film, kept free while it is rendered: where a process may have only so much address space,
 /// a picture that was rendered can also be encoded.
-struct Reserve {
+pub(crate) struct Reserve {
     _room: Vec<u8>,
 }
 
