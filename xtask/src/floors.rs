@@ -11,7 +11,7 @@ use crate::cycles;
 use crate::manifest::{self, Dependencies};
 
 /// Each crate of the workspace, lowest floor first, and the crates it may import.
-const CRATES: [(&str, &[&str]); 14] = [
+const CRATES: [(&str, &[&str]); 15] = [
     ("kajo-math", &[]),
     ("kajo-color", &["kajo-math"]),
     ("kajo-bvh", &["kajo-math"]),
@@ -49,7 +49,8 @@ const CRATES: [(&str, &[&str]); 14] = [
             "kajo-math",
         ],
     ),
-    ("kajo-cli", &["kajo", "kajo-selftest"]),
+    ("kajo-farm", &["kajo"]),
+    ("kajo-cli", &["kajo", "kajo-farm", "kajo-selftest"]),
     ("kajo-studio", &["kajo", "kajo-edit", "kajo-math"]),
     ("kajo-testkit", &["kajo-math", "kajo-color", "kajo-image"]),
     ("xtask", &[]),

@@ -5,6 +5,7 @@ use std::io::ErrorKind;
 use kajo::compare::CompareError;
 use kajo::output::OutputError;
 use kajo::{CheckpointError, ImageError, Kept, RenderError, SettingsError};
+use kajo_farm::FarmError;
 
 /// Why the program ends early. The text, if any, is still to be shown.
 #[derive(Debug, PartialEq)]
@@ -13,12 +14,16 @@ pub enum Failure {
     Different(String),
     /// A scene, a picture or the command line is wrong.
     Input(String),
+    /// Work is missing that may come yet.
+    NotYet(String),
     /// The program is wrong.
     Bug(String),
     /// A file could not be written.
     Output(String),
     /// There is not enough memory.
     Memory(String),
+    /// The user said stop, and what was finished is kept.
+    Unfinished(String),
     /// The user said stop, by a signal of this number.
     Interrupted {
         /// 2 for Ctrl-C.
@@ -32,9 +37,11 @@ impl Failure {
         match self {
             Failure::Different(_) => 1,
             Failure::Input(_) => 2,
+            Failure::NotYet(_) => 3,
             Failure::Bug(_) => 4,
             Failure::Output(_) => 5,
             Failure::Memory(_) => 6,
+            Failure::Unfinished(_) => 75,
             Failure::Interrupted { signal } => 128_u8.saturating_add(*signal),
         }
     }
@@ -44,9 +51,11 @@ impl Failure {
         match self {
             Failure::Different(text) => Failure::Different(say(&text)),
             Failure::Input(text) => Failure::Input(say(&text)),
+            Failure::NotYet(text) => Failure::NotYet(say(&text)),
             Failure::Bug(text) => Failure::Bug(say(&text)),
             Failure::Output(text) => Failure::Output(say(&text)),
             Failure::Memory(text) => Failure::Memory(say(&text)),
+            Failure::Unfinished(text) => Failure::Unfinished(say(&text)),
             Failure::Interrupted { signal } => Failure::Interrupted { signal },
         }
     }
@@ -70,10 +79,27 @@ impl Failure {
         match self {
             Failure::Different(text)
             | Failure::Input(text)
+            | Failure::NotYet(text)
             | Failure::Bug(text)
             | Failure::Output(text)
+            | Failure::Unfinished(text)
             | Failure::Memory(text) => text,
             Failure::Interrupted { .. } => "interrupted",
+        }
+    }
+}
+
+impl From<FarmError> for Failure {
+    fn from(error: FarmError) -> Failure {
+        let text = error.to_string();
+        match error {
+            FarmError::Input(_) => Failure::Input(text),
+            FarmError::NotYet(_) => Failure::NotYet(text),
+            FarmError::Io { .. } => Failure::Output(text),
+            FarmError::TwoResults { .. } => Failure::Different(text),
+            FarmError::Failed { .. } => Failure::Bug(text),
+            FarmError::Cancelled => Failure::Interrupted { signal: 2 },
+            FarmError::Render(error) => error.into(),
         }
     }
 }

@@ -10,7 +10,9 @@ use kajo::{
     RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Severity, Snapshot, View, diagrams,
 };
 
-use crate::args::{DevelopArgs, PassArgs};
+use kajo_farm::Bundle;
+
+use crate::args::{DevelopArgs, FarmArgs, PassArgs};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, Work};
@@ -41,6 +43,8 @@ pub struct Job {
     pub keep_partial: bool,
     /// What a render in several passes is wanted for, if it is.
     pub passes: PassArgs,
+    /// Who renders it, if it is not this process alone.
+    pub farm: FarmArgs,
     /// What happens to the picture afterwards.
     pub develop: DevelopArgs,
     /// Files that must not be overwritten, besides those that the scene is read from.
@@ -134,9 +138,7 @@ impl Job {
     /// [`Failure`]; then no file is written that was not finished before.
     pub fn run(&self, meter: &Meter, interrupt: &Interrupt, voice: &mut Voice<'_>) -> Result<Done, Failure> {
         let memory = self.resources.memory;
-        let load = LoadOptions { progress: meter.loading(), memory, ..self.load.clone() };
-        let mut loaded = kajo::load(&self.scene, &load);
-        drop(load);
+        let mut loaded = self.load_scene(meter, None)?;
         if !loaded.diagnostics.is_empty() {
             (voice.say)(&loaded.report(voice.color));
         }
@@ -158,12 +160,7 @@ impl Job {
             let bytes = diagram.encode(&settings).map_err(|error| Failure::Input(error.to_string()))?;
             target.write(&bytes)?;
         }
-        let outputs: Vec<(View, Format)> = self
-            .outputs
-            .iter()
-            .flat_map(|output| output.views.iter().map(|&view| (view, output.format)))
-            .chain(self.develop.denoise.iter().flat_map(|_| DENOISE_OUTPUTS))
-            .collect();
+        let outputs = self.recorded();
         let (result, interrupted) = interrupt.during(Work::Render, || {
             let progress = meter.watched(interrupt);
             let result = match &mut passes {
@@ -185,6 +182,82 @@ impl Job {
             result
         });
         self.finish(result, interrupted, &targets, interrupt, voice)
+    }
+
+    /// Reads the scene, or takes it from a bundle.
+    ///
+    /// # Errors
+    /// When the scene's file is a bundle that is damaged. What is wrong with a scene is in [`Loaded`].
+    pub fn load_scene(&self, meter: &Meter, bundle: Option<&Bundle>) -> Result<Loaded, Failure> {
+        let load =
+            LoadOptions { progress: meter.loading(), memory: self.resources.memory, ..self.load.clone() };
+        let (read, files);
+        let bundle = match bundle {
+            Some(bundle) => {
+                files = Vec::new();
+                bundle
+            }
+            None if Bundle::is_one(&self.scene) => {
+                let bytes = std::fs::read(&self.scene).map_err(|error| {
+                    Failure::Input(format!("cannot read `{}`: {error}", self.scene.display()))
+                })?;
+                read = Bundle::read(&bytes)?;
+                files = vec![std::fs::canonicalize(&self.scene).unwrap_or_else(|_| self.scene.clone())];
+                &read
+            }
+            None => return Ok(kajo::load(&self.scene, &load)),
+        };
+        let loaded = kajo::load_from(bundle.scene(), bundle, &load);
+        Ok(Loaded { files, ..loaded })
+    }
+
+    /// What the film is asked to hold.
+    pub fn recorded(&self) -> Vec<(View, Format)> {
+        self.outputs
+            .iter()
+            .flat_map(|output| output.views.iter().map(|&view| (view, output.format)))
+            .chain(self.develop.denoise.iter().flat_map(|_| DENOISE_OUTPUTS))
+            .collect()
+    }
+
+    /// What the scene was read from, as one number.
+    ///
+    /// # Errors
+    /// When a file cannot be read again.
+    pub fn scene_digest(loaded: &Loaded) -> Result<SceneDigest, Failure> {
+        let files = SceneDigest::of_files(&loaded.files)
+            .map_err(|error| Failure::Input(format!("cannot read the scene again: {error}")))?;
+        // The text around a model, of which `--up` and `--ground` decide.
+        Ok(loaded.sources().iter().next().map_or(files, |(_, text)| files.with_text(text.text())))
+    }
+
+    /// Makes sure that a picture of this size can be written.
+    ///
+    /// * `inputs`: files that must not be overwritten
+    ///
+    /// # Errors
+    /// [`Failure`]
+    pub fn check_outputs(&self, size: [u32; 2], inputs: &[PathBuf]) -> Result<(), Failure> {
+        self.check_formats(size)?;
+        self.targets(inputs).map(|_| ())
+    }
+
+    /// Writes the files of a picture that came from elsewhere.
+    ///
+    /// * `inputs`: files that must not be overwritten
+    ///
+    /// # Errors
+    /// [`Failure`]
+    pub fn write(
+        &self,
+        picture: Picture,
+        inputs: &[PathBuf],
+        interrupt: &Interrupt,
+        voice: &mut Voice<'_>,
+    ) -> Result<Done, Failure> {
+        self.check_formats(picture.size())?;
+        let targets = self.targets(inputs)?;
+        self.finish(Ok(picture), false, &targets, interrupt, voice)
     }
 
     /// Saves and writes what came of a render.
@@ -263,10 +336,7 @@ impl Job {
         targets: &'a Targets,
         interrupt: &'a Interrupt,
     ) -> Result<(Passes, Watcher<'a>), Failure> {
-        let files = SceneDigest::of_files(&loaded.files)
-            .map_err(|error| Failure::Input(format!("cannot read the scene again: {error}")))?;
-        // The text around a model, of which `--up` and `--ground` decide.
-        let scene = loaded.sources().iter().next().map_or(files, |(_, text)| files.with_text(text.text()));
+        let scene = Job::scene_digest(loaded)?;
         let PassArgs { resume, checkpoint, overwrite_checkpoint, .. } = self.passes.clone();
         let checkpoint = checkpoint.filter(|_| !overwrite_checkpoint);
         let passes = Passes { goal: self.passes.goal(), resume, checkpoint, scene };
@@ -295,7 +365,11 @@ impl Job {
         })
     }
 
-    fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
+    /// How the scene is rendered, all defaults filled in.
+    ///
+    /// # Errors
+    /// When what was asked for does not go together.
+    pub fn settings(&self, scene: &Scene, voice: &mut Voice<'_>) -> Result<RenderSettings, Failure> {
         let uv = self.classic.is_some_and(|words| words.uv);
         let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, uv)?;
         if let Some(part) = self.crop {
@@ -432,6 +506,7 @@ mod tests {
                 resources: Resources::default(),
                 keep_partial: false,
                 passes: PassArgs::default(),
+                farm: FarmArgs::default(),
                 develop: DevelopArgs::default(),
                 kept: Vec::new(),
                 confined_to: None,

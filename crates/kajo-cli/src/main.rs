@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod console;
 mod failure;
+mod farm;
 mod gallery;
 mod guard;
 mod interrupt;
@@ -42,6 +43,12 @@ fn run() -> Result<(), Failure> {
             args.warnings().for_each(|warning| console::warning(&warning));
             commands::render(&args.job()?, args.run(), &interrupt)
         }
+        Command::Plan(args) => farm::plan(&args),
+        Command::Unit(args) => farm::unit(&args, &interrupt),
+        Command::Merge(args) => farm::merge(&args, &interrupt),
+        Command::Worker(args) => farm::worker(&args),
+        Command::Bundle(args) => farm::bundle(&args),
+        Command::Farm(args) => farm::manage(&args),
         Command::Check(args) => commands::check(&args),
         Command::Info(args) => commands::info(&args),
         Command::Convert(args) => commands::convert(&args),

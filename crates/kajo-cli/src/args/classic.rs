@@ -6,7 +6,7 @@ use clap::{Arg, ArgMatches, Args, FromArgMatches, parser::ValueSource};
 use kajo::{BitDepth, Defaults, FilterChoice, Format, LoadOptions, SamplerKind, Settings, Shadows, View};
 
 use super::values::{self, MakeFilter, Size};
-use super::{DevelopArgs, PassArgs, RunArgs, SceneArgs};
+use super::{DevelopArgs, FarmArgs, PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::job::{ClassicWords, Diagram, DiagramKind, Job};
 use crate::output::{Destination, Output};
@@ -231,6 +231,7 @@ impl ClassicArgs {
             resources: known.run.resources(),
             keep_partial: known.run.keep_partial,
             passes: PassArgs::default(),
+            farm: FarmArgs::default(),
             develop: DevelopArgs::default(),
             kept: Vec::new(),
             confined_to: None,

@@ -8,11 +8,13 @@ mod bench;
 mod classic;
 mod common;
 mod develop;
+mod farm;
 mod normalise;
 mod passes;
 mod render;
 mod selftest;
 mod values;
+mod workers;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -24,10 +26,12 @@ pub use bench::{BenchArgs, BenchCommand, MemoryArgs, ParseArgs, RaysArgs, Whitte
 pub use classic::ClassicArgs;
 pub use common::{ModelArgs, RunArgs, SceneArgs};
 pub use develop::DevelopArgs;
+pub use farm::{BundleArgs, FarmCommand, FarmCommandArgs, MergeArgs, PlanArgs, UnitArgs, WorkerArgs};
 pub use normalise::normalise;
 pub use passes::PassArgs;
 pub use render::RenderArgs;
 pub use selftest::SelftestArgs;
+pub use workers::FarmArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -45,6 +49,7 @@ Exit codes:
   0  success                                       5  a file could not be written
   1  pictures, or rows of a test, differ           6  not enough memory
   2  a wrong scene, picture or command line      130  interrupted
+  3  work is missing that may come yet            75  interrupted; what was finished is kept
   4  a bug in kajo";
 
 /// A ray tracer.
@@ -72,6 +77,19 @@ pub enum Command {
     /// Render a scene with the classic command line; `kajo -input SCENE` is short for it
     #[command(allow_negative_numbers = true)]
     Classic(Box<ClassicArgs>),
+    /// Cut a render into units for many workers
+    #[command(allow_negative_numbers = true)]
+    Plan(Box<PlanArgs>),
+    /// Render units of a plan
+    Unit(UnitArgs),
+    /// Put the units of a plan together and write the picture
+    Merge(MergeArgs),
+    /// Render units as another program asks for them
+    Worker(WorkerArgs),
+    /// Put a scene and all its files into one file
+    Bundle(BundleArgs),
+    /// Render on a cluster
+    Farm(FarmCommandArgs),
     /// Read scenes and report every mistake, without rendering
     Check(CheckArgs),
     /// Tell what is in a scene

@@ -11,7 +11,7 @@ use kajo::{
 };
 
 use super::values::{self, Aov, FilterArg, Samples, Size};
-use super::{DevelopArgs, PassArgs, RunArgs, SceneArgs};
+use super::{DevelopArgs, FarmArgs, PassArgs, RunArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::{Destination, Output};
@@ -118,6 +118,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub passes: PassArgs,
     #[command(flatten)]
+    pub farm: FarmArgs,
+    #[command(flatten)]
     pub scene_args: SceneArgs,
     #[command(flatten)]
     pub run: RunArgs,
@@ -142,6 +144,7 @@ impl RenderArgs {
             resources: self.run.resources(),
             keep_partial: self.run.keep_partial,
             passes: self.passes.clone(),
+            farm: self.farm.clone(),
             develop: self.develop.clone(),
             kept: Vec::new(),
             confined_to: None,

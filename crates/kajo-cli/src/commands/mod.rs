@@ -24,6 +24,7 @@ pub use studio::{alone, studio};
 use crate::args::{CheckArgs, Cli, RunArgs};
 use crate::console;
 use crate::failure::Failure;
+use crate::farm;
 use crate::interrupt::Interrupt;
 use crate::job::{Done, Job, Voice, has_errors};
 use crate::output::Destination;
@@ -33,11 +34,11 @@ use crate::progress::{Meter, in_short};
 pub fn render(job: &Job, run: &RunArgs, interrupt: &Interrupt) -> Result<(), Failure> {
     let meter = Meter::new(run.quiet, run.show_progress);
     let mut say = |text: &str| console::report(text);
-    let done = job.run(
-        &meter,
-        interrupt,
-        &mut Voice { color: console::in_color(), quiet: run.quiet, say: &mut say },
-    )?;
+    let mut voice = Voice { color: console::in_color(), quiet: run.quiet, say: &mut say };
+    let done = match job.farm.farm {
+        Some(workers) => farm::render(job, workers, &meter, interrupt, &mut voice)?,
+        None => job.run(&meter, interrupt, &mut voice)?,
+    };
     if !run.quiet {
         console::line(summary(job, &done));
     }
