@@ -256,7 +256,7 @@ mod tests {
     fn blocks_are_offered_where_they_may_stand() {
         assert_eq!(words("Li|").unwrap().1, ["Lights"]);
         assert_eq!(words("Lights { Po|").unwrap().1, ["PointLight"]);
-        assert_eq!(words("Group { Transform { Translate 1 0 0 Sp|").unwrap().1, ["Sphere"]);
+        assert_eq!(words("Group { Transform { Translate 1 0 0 To|").unwrap().1, ["Torus"]);
         assert_eq!(words("Background { s|").unwrap().1, ["sky"]);
         assert!(!words("Group { | }").unwrap().1.contains(&"PointLight"));
         assert_eq!(words("Group { Sphere moon { center 0 0 0  radius 1 } } Fo|").unwrap().1, ["Fog"]);

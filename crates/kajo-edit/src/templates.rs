@@ -55,6 +55,18 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             let outline = "outline { line -1 -1  1 -1  1 0  spline 0.7 0.7  0 1  -0.7 0.7  -1 0 }";
             format!("Prism {{ origin {center}  size {length}  depth {length}  {outline} }}")
         }
+        "Lathe" => {
+            let profile =
+                "profile { line 0 -1  0.6 -1  cubic 0.8 -0.6  0.1 0  0.4 0.5  spline 0.5 0.8  0 1 }";
+            format!("Lathe {{ origin {center}  size {radius}  {profile} }}")
+        }
+        "SphereSweep" => {
+            let ball = |dx: f64, dy: f64, radius: f64| {
+                format!("{} {}", point(dx, dy, 0.0), text(&[radius * size])[0])
+            };
+            let [a, b, c] = [ball(-0.6, -0.4, 0.4), ball(0.1, 0.2, 0.3), ball(0.7, -0.3, 0.2)];
+            format!("SphereSweep {{ path {{ spline {a}  {b}  {c} }} }}")
+        }
         "Quad" => {
             let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")

@@ -130,7 +130,7 @@ impl Compiler<'_> {
             ),
             None => error.label(item.head_span(), "encloses nothing"),
         };
-        self.diagnostics.push(error.help("solids are balls, boxes, tori, superellipsoids, capped cylinders and cones, height fields with a `base`, closed meshes, planes as half spaces, and what set operations make"));
+        self.diagnostics.push(error.help("solids are balls, boxes, tori, superellipsoids, capped cylinders and cones, height fields with a `base`, prisms, lathes whose profile is closed or ends on the axis, sphere sweeps, closed meshes, planes as half spaces, and what set operations make"));
         None
     }
 }

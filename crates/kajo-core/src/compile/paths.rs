@@ -45,12 +45,22 @@ impl Piece {
     }
 }
 
-/// The closed path in a block, smooth all around where it is one spline; `None` where a mistake was reported.
+/// What becomes of the ends of a path.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ends {
+    /// The last is joined to the first: straight, or smoothly where the path is one spline.
+    Joined,
+    /// They stay, unless the path comes back to where it began.
+    Free,
+}
+
+/// The path in a block; `None` where a mistake was reported.
 ///
 /// * `numbers`: how many make a point
 pub(super) fn read<'t, V: ControlPoint>(
     block: Item<'t>,
     diagnostics: &mut Diagnostics,
+    ends: Ends,
     numbers: usize,
     point: impl Fn(&mut Args<'t>) -> Result<V, Diagnostic>,
 ) -> Option<Path<V>> {
@@ -75,7 +85,9 @@ pub(super) fn read<'t, V: ControlPoint>(
     };
     if let [(Piece::Spline, points)] = &*pieces {
         let returns = points.len() > 2 && points.first() == points.last();
-        return Path::closed_spline(&points[..points.len() - usize::from(returns)]);
+        if returns || ends == Ends::Joined {
+            return Path::closed_spline(&points[..points.len() - usize::from(returns)]);
+        }
     }
     let mut path = Path::new(*start);
     for (i, (piece, points)) in pieces.iter().enumerate() {
@@ -87,7 +99,9 @@ pub(super) fn read<'t, V: ControlPoint>(
             Piece::Spline => path.spline_through(onward),
         }
     }
-    path.close();
+    if ends == Ends::Joined {
+        path.close();
+    }
     Some(path)
 }
 

@@ -103,3 +103,59 @@ fn what_gives_no_light_says_so() {
         diagnostics.iter().any(|said| said.message == "a prism gives no light, whatever its material says");
     assert!(warned, "{diagnostics:?}");
 }
+
+#[test]
+fn lathes_are_where_they_are_written() {
+    // A cylinder that lies along x, two units long.
+    let scene = of("Lathe { axis 1 0 0  size 2  profile { line 0 0  0.5 0  0.5 1  0 1 } }");
+    assert_eq!((height(&scene, 1.5, 0.0), height(&scene, 2.5, 0.0)), (Some(1.0), None));
+    // A ring of glass, and its hole; the last point is the first one.
+    let scene = of("Lathe { axis 0 0 1  profile { spline 1 0  1.5 0.5  1 1  0.75 0.5  1 0 } }");
+    assert_eq!((height(&scene, 1.0, 0.0), height(&scene, 0.5, 0.0)), (Some(1.0), None));
+    // A sheet, which is no solid; and an operand that is one.
+    is_refused(
+        "Difference { Lathe { profile { line 1 0  1 1 } }  Sphere { center 0 0 0  radius 1 } }",
+        "must have an inside",
+    );
+    let scene = of("Difference {
+      Lathe { axis 0 0 1  profile { line 0 0  1 0  1 1  0 1 } }
+      Lathe { axis 0 0 1  origin 0 0 0.5  profile { line 0 0  0.5 0  0.5 1  0 1 } }
+    }");
+    assert_eq!((height(&scene, 0.75, 0.0), height(&scene, 0.25, 0.0)), (Some(1.0), Some(0.5)));
+}
+
+#[test]
+fn mistakes_in_profiles_are_told() {
+    is_refused("Lathe { }", "`Lathe` needs `profile`");
+    is_refused("Lathe { profile { } }", "this `profile` goes nowhere");
+    is_refused("Lathe { profile { line 0 0  0 1 } }", "there is nothing to turn");
+    is_refused("Lathe { profile { line 0 0  -1 0  0 1 } }", "this profile crosses the axis");
+    is_refused("Lathe { profile { spline 0.5 0  0 0.1  0 1 } }", "may swing beyond");
+    is_refused("Lathe { profile { line 1 1  1 1 } }", "there is nothing to turn");
+    is_refused("Lathe { profile { line 0 0 1e39 0 1 1 } }", "between -3.4e38 and 3.4e38");
+    assert!(said("Lathe { profile { line 0 0 3e38 0 1 3e38 } }").1.len() < 1000);
+}
+
+#[test]
+fn sphere_sweeps_are_where_they_are_written() {
+    let scene = of("SphereSweep { path { line 0 0 0 0.5  2 0 0 0.5 } }");
+    assert_eq!((height(&scene, 1.0, 0.0), height(&scene, 2.25, 0.45)), (Some(0.5), None));
+    // Radii change from point to point, and paths may be several.
+    let scene = of("SphereSweep { path { line 0 0 0 1  4 0 0 0 } path { spline 0 3 0 0.5  0 3 0 0.5 } }");
+    assert_eq!((height(&scene, 0.0, 3.0), height(&scene, 3.9, 0.0).is_some()), (Some(0.5), true));
+    let scene = of(
+        "Difference { Sphere { center 0 0 0  radius 1 }  SphereSweep { path { line 0 0 1 0.25  0 0 2 0.25 } } }",
+    );
+    assert_eq!(height(&scene, 0.0, 0.0), Some(0.75));
+}
+
+#[test]
+fn mistakes_in_sphere_sweeps_are_told() {
+    is_refused("SphereSweep { }", "`SphereSweep` needs `path`");
+    is_refused("SphereSweep { path { } }", "this `path` goes nowhere");
+    is_refused("SphereSweep { path { line 0 0 0 1  0 0 1 } }", "groups of 4 after `line`, found 7");
+    is_refused("SphereSweep { path { line 0 0 0 -1  0 0 1 1 } }", "must be");
+    is_refused("SphereSweep { path { line 0 0 0 0  0 0 1 0 } }", "no ball of this sweep has a radius");
+    is_refused("SphereSweep { path { line 0 0 0 1  zig 0 0 1 0 } }", "zig");
+    assert!(said("SphereSweep { path { line 0 0 3e38 1  0 1 3e38 3e38 } }").1.len() < 1000);
+}

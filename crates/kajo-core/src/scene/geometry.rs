@@ -303,6 +303,8 @@ impl Geometry {
             + self.shapes.isosurfaces.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.bicubic_patches.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.height_fields.iter().map(Surface::heap_bytes).sum::<usize>()
+            + self.shapes.lathes.iter().map(Surface::heap_bytes).sum::<usize>()
+            + self.shapes.sphere_sweeps.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.prisms.iter().map(Surface::heap_bytes).sum::<usize>();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
         meshes + self.aggregate.bytes() + placed + self.objects.bytes()

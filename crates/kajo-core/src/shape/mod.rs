@@ -16,6 +16,7 @@ mod disk;
 mod fill;
 mod height_field;
 mod isosurface;
+mod lathe;
 mod mesh;
 mod outline;
 mod patch;
@@ -23,6 +24,7 @@ mod plane;
 mod prism;
 mod quad;
 mod sphere;
+mod sphere_sweep;
 pub mod subdivision;
 mod superellipsoid;
 mod tessellate;
@@ -40,6 +42,7 @@ pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use height_field::{HeightField, HeightFieldError, HeightGrid};
 pub use isosurface::Isosurface;
+pub use lathe::{Lathe, LatheError, Turning};
 pub use mesh::{ABSENT, CornerValues, Mesh, MeshData, Neighbours, vertex_normals};
 pub use outline::FillRule;
 pub(crate) use patch::per_solid_angle;
@@ -51,6 +54,7 @@ pub use plane::Plane;
 pub use prism::{Prism, Sweep};
 pub use quad::Quad;
 pub use sphere::Sphere;
+pub use sphere_sweep::SphereSweep;
 pub use superellipsoid::Superellipsoid;
 pub use tessellate::Tessellation;
 pub use torus::Torus;
@@ -179,11 +183,13 @@ family! {
         disks: Disk,
         height_fields: HeightField,
         isosurfaces: Isosurface,
+        lathes: Lathe,
         meshes: Mesh,
         planes: Plane,
         prisms: Prism,
         quads: Quad,
         spheres: Sphere,
+        sphere_sweeps: SphereSweep,
         superellipsoids: Superellipsoid,
         tori: Torus,
         triangles: Triangle,

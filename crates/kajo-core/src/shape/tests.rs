@@ -28,6 +28,9 @@ macro_rules! closed_shapes {
         $check("bicubic patch", &bicubic_patch() $(, $arg)*);
         $check("height field", &height_field(Some(-0.6)) $(, $arg)*);
         $check("height field without a base", &height_field(None) $(, $arg)*);
+        $check("lathe", &lathe(false) $(, $arg)*);
+        $check("lathe of a sheet", &lathe(true) $(, $arg)*);
+        $check("sphere sweep", &sphere_sweep() $(, $arg)*);
         $check("prism", &prism() $(, $arg)*);
         $check("prism that crosses itself", &star_prism() $(, $arg)*);
         $check("difference", &carved(SetOperation::Difference) $(, $arg)*);
@@ -117,6 +120,30 @@ fn sweep(depth: f64, taper: f64, rule: FillRule) -> Sweep {
     let (origin, axis) = (DVec3::new(0.1, -0.2, -0.3), DVec3::new(0.3, 0.4, 1.2).normalize());
     let right = DVec3::Y.cross(axis).normalize();
     Sweep { origin, axes: [right, axis.cross(right), axis], depth, taper, rule }
+}
+
+/// A body with a neck and a foot, and a ring cut out of its inside; or only its side.
+fn lathe(open: bool) -> Lathe {
+    let p = DVec2::new;
+    let mut body = Path::new(p(if open { 0.3 } else { 0.0 }, -0.7));
+    body.line_to(p(0.5, -0.7));
+    body.cubic_to([p(0.9, -0.4), p(0.1, -0.1)], p(0.4, 0.3));
+    body.quadratic_to(p(0.6, 0.6), p(if open { 0.2 } else { 0.0 }, 0.7));
+    let hole = Path::closed_spline(&[p(0.2, -0.5), p(0.1, -0.4), p(0.2, -0.3), p(0.3, -0.4)]).unwrap();
+    let axis = DVec3::new(0.3, 0.4, 1.2).normalize();
+    let turning = Turning { origin: DVec3::new(0.1, -0.05, 0.0), axis, rule: FillRule::EvenOdd };
+    let profiles = if open { vec![body] } else { vec![body, hole] };
+    Lathe::new(turning, &profiles).unwrap()
+}
+
+/// A cone, a bend and a spline, in a loop.
+fn sphere_sweep() -> SphereSweep {
+    let p = |x: f64, y: f64, z: f64, r: f64| kajo_math::DVec4::new(x, y, z, r);
+    let mut path = Path::new(p(-0.6, -0.5, 0.1, 0.3));
+    path.line_to(p(0.3, -0.5, -0.1, 0.15));
+    path.cubic_to([p(0.9, -0.5, -0.2, 0.2), p(0.8, 0.5, 0.2, 0.4)], p(0.2, 0.5, 0.2, 0.2));
+    path.spline_through(&[p(-0.2, 0.0, 0.3, 0.15), p(0.1, -0.4, -0.3, 0.1)]);
+    SphereSweep::new(&[path]).unwrap()
 }
 
 /// Straight and round on the outside, with a hole.
@@ -341,7 +368,7 @@ fn tangents_are_derivatives(name: &str, shape: &impl Surface) {
 
 #[test]
 fn every_tangent_is_a_derivative() {
-    // A mesh without coordinates has no tangents, and no blob or isosurface has.
+    // A mesh without coordinates has no tangents, and no blob, isosurface or sphere sweep has.
     every_shape!(tangents_are_derivatives_of_shapes_with_coordinates);
     let plane = Plane::new(DVec3::new(1.0, 2.0, -0.5), 0.3);
     tangents_are_derivatives("plane", &plane);
@@ -356,7 +383,7 @@ fn every_tangent_is_a_derivative() {
 fn tangents_are_derivatives_of_shapes_with_coordinates(name: &str, shape: &impl Surface) {
     let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), Vec3::new(0.0, 0.0, -1.0));
     match shape.hit(&ray).map(|hit| shape.tangents_at(&hit, ray.at(hit.t))) {
-        Some(tangents) if ["mesh", "blob", "isosurface"].contains(&name) => {
+        Some(tangents) if ["mesh", "blob", "isosurface", "sphere sweep"].contains(&name) => {
             assert_eq!(tangents, Tangents::default())
         }
         _ => tangents_are_derivatives(name, shape),

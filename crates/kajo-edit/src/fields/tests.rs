@@ -25,6 +25,12 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Part if ["sphere", "cylinder"].contains(&block.keyword) => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Blob {{ {text} }} }}")
         }
+        Kind::Part if block.keyword == "profile" => {
+            format!("{camera} {materials} Group {{ MaterialIndex 0 Lathe {{ {text} }} }}")
+        }
+        Kind::Part if block.keyword == "path" => {
+            format!("{camera} {materials} Group {{ MaterialIndex 0 SphereSweep {{ {text} }} }}")
+        }
         Kind::Part if block.keyword == "outline" => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Prism {{ depth 1  {text} }} }}")
         }
@@ -86,6 +92,8 @@ fn needed(block: &Block) -> String {
             };
             needed + aim + opening
         }
+        _ if block.keyword == "Lathe" => needed + "profile { line 0 0  1 0  0 1 } ",
+        _ if block.keyword == "SphereSweep" => needed + "path { line 0 0 0 1  1 0 0 1 } ",
         _ if block.keyword == "Prism" => needed + "outline { line 0 0  1 0  0 1 } ",
         _ => needed,
     }
@@ -107,7 +115,8 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
         let here: BTreeSet<String> = block.fields().map(|field| field.key.to_owned()).collect();
         // Blocks within are nodes of their own.
         let mut there = known_to_compiler(block);
-        let within = ["sky", "Transform", "Motion", "Noise", "sphere", "cylinder", "outline"];
+        let within =
+            ["sky", "Transform", "Motion", "Noise", "sphere", "cylinder", "outline", "profile", "path"];
         there.retain(|key| !within.contains(&&**key));
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {

@@ -30,6 +30,7 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         (Kind::Shape, "BicubicPatch") => gather.control_points(),
         (Kind::Shape, "HeightField") => gather.points(&["center"], "middle"),
         (Kind::Shape, "Prism") => gather.prism(),
+        (Kind::Shape, "Lathe") => gather.lathe(),
         (Kind::Shape, "Quad") => gather.quad(),
         (Kind::Shape, "Triangle") => gather.points(&["vertex0", "vertex1", "vertex2"], "corner"),
         (Kind::Shape, keyword) => gather.by_fields(keyword),
@@ -236,6 +237,13 @@ impl Gather<'_> {
         let meaning = Meaning::Along { key: "depth", from: origin, direction: axis };
         self.add(HandleKind::Size, at, Track::Line(way), meaning, "depth");
         self.radius("size", origin, Some(axis))?;
+        self.direction("axis", origin, vector.length(), false, "axis")
+    }
+
+    fn lathe(&mut self) -> Option<()> {
+        let origin = self.point("origin", "origin of the profile")?;
+        let vector = self.vec3("axis")?;
+        self.radius("size", origin, Some(vector.try_normalize()?))?;
         self.direction("axis", origin, vector.length(), false, "axis")
     }
 

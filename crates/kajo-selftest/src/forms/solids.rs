@@ -7,6 +7,10 @@
 //! E = pi (sin^2(alpha + beta) - sin^2(alpha - beta)).
 //! ```
 //!
+//! *Lathes.* A flat end towards the floor is a disk from there.
+//!
+//! *Sphere sweeps.* Balls that hide in one of them are that one.
+//!
 //! *Set operations.* What is cut out of a ball by a box around it is the ball; half a ball with its flat side towards the floor
 //! is a disk from there; two half balls that meet are one, without anything between them; a clear body in even light is not to
 //! be seen.
@@ -38,7 +42,11 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         blob(draw),
         hollow_blob(draw),
         isosurface(draw),
+        lathe(draw),
         clear(draw, "torus", ring),
+        clear(draw, "lathe", vase),
+        sphere_sweep(draw),
+        clear(draw, "sphere sweep", knot),
         clear(draw, "ball of two halves", two_halves),
         clear(draw, "ball less a ball", hollow),
         clear(draw, "gyroid", gyroid),
@@ -58,6 +66,61 @@ fn torus(draw: &mut Parameters) -> Form {
     let (alpha, beta) = ((major / h).atan(), (minor / major.hypot(h)).asin());
     let expected = factor * PI * ((alpha + beta).sin().powi(2) - (alpha - beta).sin().powi(2));
     Form::new(format!("torus, radii {major} and {minor}, height {h}"), scene, expected, LIGHTS).bounces(0)
+}
+
+/// A top that spins over the floor: seen from below it fills what a disk does.
+fn lathe(draw: &mut Parameters) -> Form {
+    let (r, h, up) = (draw.between(0.4, 0.9), draw.between(1.1, 2.0), draw.direction(-1.0));
+    let rise = draw.between(0.3, 0.9) * h;
+    let emitter = format!(
+        "Lathe {{ origin {}  axis {}  size {r}  profile {{ line 0 0  1 0  cubic 0.9 0.4  0.4 0.2  0 {} }} }}",
+        text(h * up),
+        text(up),
+        rise / r
+    );
+    let (scene, factor) = lit(draw, &emitter, up);
+    let expected = factor * PI * r * r / (r * r + h * h);
+    Form::new(format!("lathe, radius {r}, height {h}"), scene, expected, LIGHTS).bounces(0)
+}
+
+/// A vase with a thick wall.
+fn vase(draw: &mut Parameters) -> String {
+    let neck = draw.between(0.2, 0.5);
+    format!(
+        "Lathe {{ axis {}  size 0.8  profile {{ line 0 -1  0.6 -1  cubic 1.2 -0.2  {neck} 0.2  {} 1  line {neck} 1  \
+         cubic {} 0.2  0.9 -0.2  0.4 -0.8  line 0 -0.8 }} }}",
+        text(draw.direction(-1.0)),
+        neck + 0.15,
+        neck - 0.1,
+    )
+}
+
+/// Balls on a bent path within the last one, which is all that shows.
+fn sphere_sweep(draw: &mut Parameters) -> Form {
+    let (r, d, up) = (draw.between(0.3, 0.8), draw.between(1.5, 3.0), draw.direction(-1.0));
+    let towards = (up + 0.8 * up.any_orthonormal_vector()).normalize();
+    let center = d * towards;
+    let at = |draw: &mut Parameters| text(center + 0.4 * r * draw.direction(-1.0));
+    let emitter = format!(
+        "SphereSweep {{ path {{ cubic {} {}  {} {}  {} {}  {} {r} }} }}",
+        at(draw),
+        0.3 * r,
+        at(draw),
+        0.5 * r,
+        at(draw),
+        0.4 * r,
+        text(center)
+    );
+    let (scene, factor) = lit(draw, &emitter, up);
+    let expected = factor * PI * (r / d).powi(2) * towards.dot(up);
+    Form::new(format!("ball as a sphere sweep, radius {r}, distance {d}"), scene, expected, LIGHTS).bounces(0)
+}
+
+/// A path through random points, which crosses itself.
+fn knot(draw: &mut Parameters) -> String {
+    let ball = |draw: &mut Parameters| format!("{} {}", text(draw.point(0.5)), draw.between(0.1, 0.3));
+    let points: Vec<String> = (0..6).map(|_| ball(draw)).collect();
+    format!("SphereSweep {{ path {{ spline {} }} }}", points.join("  "))
 }
 
 fn cut_ball(draw: &mut Parameters) -> Form {

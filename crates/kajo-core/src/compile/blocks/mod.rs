@@ -18,6 +18,7 @@ pub(super) mod glass;
 pub(super) mod group;
 pub(super) mod height_field;
 pub(super) mod isosurface;
+pub(super) mod lathe;
 pub(super) mod marble;
 pub(super) mod matte;
 pub(super) mod metal;
@@ -35,6 +36,7 @@ pub(super) mod prism;
 pub(super) mod quad;
 pub(super) mod set_operations;
 pub(super) mod sphere;
+pub(super) mod sphere_sweep;
 pub(super) mod spot_light;
 pub(super) mod stereo_cubemap_camera;
 pub(super) mod superellipsoid;
@@ -47,7 +49,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 28] = [
+pub(super) const OBJECTS: [&ObjectMember; 30] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -62,6 +64,8 @@ pub(super) const OBJECTS: [&ObjectMember; 28] = [
     &algebraic::QUARTIC,
     &height_field::MEMBER,
     &prism::MEMBER,
+    &lathe::MEMBER,
+    &sphere_sweep::MEMBER,
     &disk::MEMBER,
     &quad::MEMBER,
     &triangle::MEMBER,
@@ -116,10 +120,12 @@ pub(super) const MATERIAL_LIST: Block =
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 12] = [
+const OTHERS: [&Block; 14] = [
     &blob::SPHERE,
     &blob::CYLINDER,
     &prism::OUTLINE,
+    &lathe::PROFILE,
+    &sphere_sweep::PATH,
     &super::settings::BLOCK,
     &super::background::BLOCK,
     &super::background::SKY,

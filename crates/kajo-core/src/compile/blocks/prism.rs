@@ -7,7 +7,7 @@ use crate::compile::fields::{
     At, Direction, Keys, Sources, at_least, choice, choices, direction, keys, point, positive,
 };
 use crate::compile::member::{Member, ObjectMember, reported};
-use crate::compile::paths;
+use crate::compile::paths::{self, Ends};
 use crate::schema::{Block, Kind};
 use crate::shape::{FillRule, Path, Prism, Sweep};
 
@@ -54,7 +54,9 @@ fn read<'t>(item: Item<'t>, params: &mut Params<'t, '_>, sources: &mut Sources<'
     }
     let contours: Vec<Option<Path<DVec2>>> = outlines
         .iter()
-        .map(|&outline| paths::read(outline, params.diagnostics(), 2, |args| Ok(args.vec2()?.as_dvec2())))
+        .map(|&outline| {
+            paths::read(outline, params.diagnostics(), Ends::Joined, 2, |args| Ok(args.vec2()?.as_dvec2()))
+        })
         .collect();
     let PrismKeys { origin, axis, up, size, depth, taper, fill } = keys?;
     let contours =
