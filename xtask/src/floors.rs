@@ -75,9 +75,10 @@ const KEPT: [(&str, &str); 10] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 30] = [
+const CORE_MODULES: [(&str, &[&str]); 31] = [
     ("ids", &[]),
     ("family", &[]),
+    ("differential", &[]),
     ("interaction", &[]),
     ("motion", &[]),
     ("moving_tree", &["motion"]),
@@ -115,6 +116,7 @@ const CORE_MODULES: [(&str, &[&str]); 30] = [
         "scene",
         &[
             "ids",
+            "differential",
             "family",
             "interaction",
             "bsdf",

@@ -9,6 +9,7 @@ pub mod builder;
 pub mod camera;
 pub mod compile;
 pub mod daylight;
+pub mod differential;
 pub mod emission;
 pub mod environment;
 mod family;

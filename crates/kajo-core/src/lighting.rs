@@ -149,7 +149,14 @@ impl Scene {
     ) -> Spectrum {
         let varied: &VariedEmission = &self.lighting.varied_emissions[emission.index()];
         let uv = if varied.needs_uv() { self.geometry.surface_uv(at) } else { SurfaceUv::default() };
-        let place = TextureContext { p: self.geometry.pattern_point(at), uv, tint: self.geometry.tint(at) };
+        let place = TextureContext {
+            p: self.geometry.pattern_point(at),
+            uv,
+            tint: self.geometry.tint(at),
+            n: at.point.n,
+            time: at.time,
+            ..TextureContext::default()
+        };
         varied.at(&self.appearance.textures, &place, wavelengths)
     }
 

@@ -1,6 +1,7 @@
 //! The compiled scene: everything rays meet, immutable and shared by all threads.
 
 mod accel;
+mod differential;
 mod event;
 mod extent;
 mod fitted;
@@ -8,7 +9,7 @@ mod geometry;
 mod immersion;
 mod rays;
 
-use crate::texture::TextureContext;
+use crate::texture::{TextureContext, TextureFootprint};
 use std::sync::Arc;
 
 use kajo_color::Spectrum;
@@ -19,7 +20,7 @@ use crate::bsdf::Phong;
 use crate::camera::{Camera, NamedCamera};
 use crate::emission::VariedEmission;
 use crate::ids::ObjectId;
-use crate::interaction::{Hit, SurfaceUv};
+use crate::interaction::{Hit, SurfacePoint, SurfaceUv};
 use crate::light::{LightId, LightSampler, Lights};
 use crate::material::{Appearance, MaterialId};
 use crate::medium::Fog;
@@ -109,13 +110,16 @@ impl Scene {
     /// Where materials are evaluated for an interaction.
     #[inline]
     pub fn texture_context(&self, at: &Interaction) -> TextureContext {
-        let needs_uv = || self.appearance.needs_uv(at.material);
-        let uv = if self.appearance.has_pictures && needs_uv() {
-            rarely(|| self.geometry.surface_uv(at))
+        let needs_uv = self.appearance.has_pictures && self.appearance.needs_uv(at.material);
+        let uv = if needs_uv { rarely(|| self.geometry.surface_uv(at)) } else { SurfaceUv::default() };
+        let footprint = if self.appearance.has_filters {
+            rarely(|| self.texture_footprint(at, needs_uv))
         } else {
-            SurfaceUv::default()
+            TextureFootprint::POINT
         };
-        TextureContext { p: self.geometry.pattern_point(at), uv, tint: self.geometry.tint(at) }
+        let p = self.geometry.pattern_point(at);
+        let SurfacePoint { n, .. } = at.point;
+        TextureContext { p, uv, tint: self.geometry.tint(at), n, time: at.time, footprint }
     }
 
     /// The classic reflection model of a material, where it is the same at every point whatever has the material.

@@ -43,7 +43,8 @@ impl EmissivePatch<'_> {
         let hit = shapes.hit_at(self.shape, self.part, own);
         let first = shapes.uv_at(self.shape, &hit, own);
         let second = shapes.second_uv_at(self.shape, &hit).unwrap_or(first);
-        TextureContext { p, uv: SurfaceUv { first, second }, tint: shapes.color_at(self.shape, &hit) }
+        let (uv, tint) = (SurfaceUv { first, second }, shapes.color_at(self.shape, &hit));
+        TextureContext { p, uv, tint, ..TextureContext::default() }
     }
 
     fn luminance(&self, builder: &SceneBuilder, at: Vec2) -> f32 {

@@ -189,6 +189,7 @@ impl SceneBuilder {
             appearance.numbers.extend(number.map(|number| (*seen, number)));
         }
         appearance.has_pictures = appearance.materials.ids().any(|id| appearance.needs_uv(id));
+        appearance.has_filters = appearance.textures.wants_footprint();
         appearance.has_passages = appearance.materials.ids().any(|id| appearance.has_passages(id));
         appearance.has_orientations = appearance.materials.ids().any(|id| appearance.is_oriented(id));
     }

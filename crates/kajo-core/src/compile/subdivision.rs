@@ -119,7 +119,11 @@ impl Compiler<'_> {
             Some(Displacement::Texture(texture)) => {
                 let textures = self.scene.textures();
                 surface.displace(|p: DVec3, uv: Vec2| {
-                    let at = TextureContext { p: p.as_vec3(), uv: SurfaceUv::from(uv), tint: None };
+                    let at = TextureContext {
+                        p: p.as_vec3(),
+                        uv: SurfaceUv::from(uv),
+                        ..TextureContext::default()
+                    };
                     texture.at(textures.evaluator(&at)).into()
                 });
             }

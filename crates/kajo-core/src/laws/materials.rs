@@ -16,7 +16,7 @@ use crate::material::{
 };
 use crate::texture::{
     Channel, Checker, ColorTexture, Encoding, FloatTexture, Noise, Picture, PictureChannel, PictureMap,
-    SurfaceUv, TextureContext,
+    SurfaceUv, TextureContext, TextureFootprint,
 };
 
 /// How far off the energy of a material without losses may be.
@@ -27,6 +27,9 @@ const PLACE: TextureContext = TextureContext {
     p: Vec3::new(0.3, 0.2, 0.1),
     uv: SurfaceUv { first: Vec2::new(0.6, 0.3), second: Vec2::new(0.6, 0.3) },
     tint: None,
+    n: Vec3::Z,
+    time: 0.0,
+    footprint: TextureFootprint::POINT,
 };
 
 /// Numbers that choose among the parts of a mixture.

@@ -23,6 +23,8 @@ pub struct Appearance {
     /// Whether light goes straight on through any material, so that what is behind is seen and lit through its holes or
     /// panes.
     pub has_passages: bool,
+    /// Whether any texture asks for footprints, so that paths have to carry them; see [`Textures::wants_footprint`].
+    pub has_filters: bool,
     pub(crate) numbers: HashMap<MaterialId, u32>,
 }
 

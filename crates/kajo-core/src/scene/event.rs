@@ -1,5 +1,6 @@
 //! What becomes of a ray.
 
+use crate::differential::SurfaceFootprint;
 use crate::ids::ObjectId;
 use crate::interaction::{Hit, SurfacePoint};
 use crate::material::MaterialId;
@@ -36,4 +37,6 @@ pub struct Interaction {
     pub material: MaterialId,
     /// Moment within the shutter interval.
     pub time: f32,
+    /// What a sample covers of the surface, where whoever followed the ray says so.
+    pub footprint: SurfaceFootprint,
 }

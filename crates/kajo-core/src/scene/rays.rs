@@ -84,6 +84,15 @@ impl Scene {
         leaf.in_object(ray, |ray| self.geometry.shapes.blocks(leaf.shape, ray))
     }
 
+    /// The nearest hit of one object within the ray's range.
+    pub(super) fn hit_of(&self, object: ObjectId, ray: &Ray) -> Option<Hit> {
+        if object.index() < self.geometry.primitives.len() {
+            return self.hit(object, ray);
+        }
+        let leaf = self.geometry.leaf(object)?;
+        leaf.in_object(ray, |ray| self.geometry.shapes.hit(leaf.shape, ray))
+    }
+
     /// Visits every crossing within the ray's range: the objects in no particular order and each once, with all of its
     /// crossings one after the other.
     pub fn crossings(&self, ray: &Ray, visit: impl FnMut(ObjectId, Hit)) {

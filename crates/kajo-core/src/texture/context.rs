@@ -3,8 +3,8 @@
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::{Vec3, Vec4};
 
-use super::SurfaceUv;
 use super::rgb::rgb_reflectance;
+use super::{SurfaceUv, TextureFootprint};
 
 /// A point of a surface, as far as textures depend on it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,6 +16,12 @@ pub struct TextureContext {
     /// Linear RGB in [0, 1] that the base colour of the material is multiplied by, and a factor of the opacity of
     /// [`crate::material::Perforated`]: the colours at the corners of a mesh.
     pub tint: Option<Vec4>,
+    /// Unit shading normal in world space, without any relief; zero where a texture is asked without a surface.
+    pub n: Vec3,
+    /// Moment within the shutter interval.
+    pub time: f32,
+    /// What a sample covers; that of a point unless [`crate::material::Appearance::has_filters`].
+    pub footprint: TextureFootprint,
 }
 
 impl TextureContext {

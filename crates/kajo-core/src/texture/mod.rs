@@ -8,6 +8,7 @@ mod channel;
 mod checker;
 mod context;
 mod coordinates;
+mod footprint;
 mod marble;
 mod noise;
 mod operations;
@@ -23,6 +24,7 @@ pub use channel::{Channel, PictureChannel, PictureCut};
 pub use checker::Checker;
 pub use context::TextureContext;
 pub use coordinates::UvSet;
+pub use footprint::TextureFootprint;
 pub use marble::Marble;
 pub use noise::Noise;
 pub use operations::{Complement, Remapped};
@@ -47,6 +49,11 @@ pub trait FloatNode {
     /// The texture that it is made of.
     fn part(&self) -> Option<FloatTexture> {
         None
+    }
+
+    /// Whether what it answers depends on [`TextureContext::footprint`], parts left out.
+    fn wants_footprint(&self) -> bool {
+        false
     }
 
     /// The number at a point.
@@ -106,6 +113,8 @@ family! {
         fn is_finite() -> bool;
         /// See [`FloatNode::part`].
         fn part() -> Option<FloatTexture>;
+        /// See [`FloatNode::wants_footprint`].
+        fn wants_footprint() -> bool;
     }
     methods {}
     methods of Textures.floats {
@@ -128,6 +137,11 @@ family! {
 pub trait ColorNode {
     /// Whether all its own numbers are finite.
     fn is_finite(&self) -> bool;
+
+    /// Whether what it answers depends on [`TextureContext::footprint`].
+    fn wants_footprint(&self) -> bool {
+        false
+    }
 
     /// The reflectance at a point.
     fn reflectance(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
@@ -162,6 +176,8 @@ family! {
     any methods {
         /// See [`ColorNode::is_finite`].
         fn is_finite() -> bool;
+        /// See [`ColorNode::wants_footprint`].
+        fn wants_footprint() -> bool;
     }
     methods {
         /// See [`ColorNode::mean`].
@@ -186,17 +202,27 @@ pub struct Textures {
     pub floats: FloatNodes,
     /// Colours.
     pub colors: ColorNodes,
+    wants_footprint: bool,
 }
 
 impl Textures {
     /// The texture of a node that is a number; `None` where there are too many.
     pub fn float(&mut self, node: impl Into<AnyFloatNode>) -> Option<FloatTexture> {
-        node.into().store(&mut self.floats).map(FloatTexture::Node)
+        let node = node.into();
+        self.wants_footprint |= node.wants_footprint();
+        node.store(&mut self.floats).map(FloatTexture::Node)
     }
 
     /// The texture of a node that is a colour; `None` where there are too many.
     pub fn color(&mut self, node: impl Into<AnyColorNode>) -> Option<ColorTexture> {
-        node.into().store(&mut self.colors).map(ColorTexture::Node)
+        let node = node.into();
+        self.wants_footprint |= node.wants_footprint();
+        node.store(&mut self.colors).map(ColorTexture::Node)
+    }
+
+    /// Whether what any node answers depends on [`TextureContext::footprint`].
+    pub fn wants_footprint(&self) -> bool {
+        self.wants_footprint
     }
 
     /// What textures are evaluated by at a point.

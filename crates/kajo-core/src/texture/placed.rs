@@ -2,7 +2,7 @@
 
 use kajo_math::{Affine3A, Vec3, Vec3A};
 
-use super::{FloatNode, FloatTexture, TextureContext, TextureSlope, Textures};
+use super::{FloatNode, FloatTexture, TextureContext, TextureFootprint, TextureSlope, Textures};
 
 /// Another texture, evaluated at `texture_from_world * p`.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +11,16 @@ pub struct Placed {
     pub texture: FloatTexture,
     /// From the world to its space.
     pub texture_from_world: Affine3A,
+}
+
+impl Placed {
+    /// The point and its footprint in the texture's own space.
+    fn own(&self, at: &TextureContext) -> TextureContext {
+        let map = &self.texture_from_world;
+        let p = at.footprint.p.map(|dp| map.transform_vector3(dp));
+        let footprint = TextureFootprint { p, ..at.footprint };
+        TextureContext { p: map.transform_point3(at.p), footprint, ..*at }
+    }
 }
 
 impl FloatNode for Placed {
@@ -23,12 +33,11 @@ impl FloatNode for Placed {
     }
 
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32 {
-        let at = TextureContext { p: self.texture_from_world.transform_point3(at.p), ..*at };
-        self.texture.at(textures.evaluator(&at))
+        self.texture.at(textures.evaluator(&self.own(at)))
     }
 
     fn slope(&self, textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {
-        let own = TextureContext { p: self.texture_from_world.transform_point3(at.p), ..*at };
+        let own = self.own(at);
         let TextureSlope { uv, p } = self.texture.slope(textures.evaluator(&own), factor);
         // By the chain rule: the transpose of the map takes gradients back.
         TextureSlope { uv, p: Vec3::from(self.texture_from_world.matrix3.transpose() * Vec3A::from(p)) }

@@ -14,7 +14,7 @@ pub(super) fn of(scene: &Scene, material: MaterialId, p: Vec3) -> [u8; 4] {
     let phong = match scene.appearance.materials.constant(material) {
         Some(phong) => *phong,
         None => {
-            let place = TextureContext { p, uv: Vec2::splat(0.5).into(), tint: None };
+            let place = TextureContext { p, uv: Vec2::splat(0.5).into(), ..TextureContext::default() };
             scene.appearance.phong(material, &place)
         }
     };

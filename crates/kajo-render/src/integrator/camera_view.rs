@@ -3,6 +3,7 @@
 
 use kajo_color::{RgbBasis, Spectrum, WavelengthChoice, Wavelengths, sensor};
 use kajo_core::camera::{Camera, Connection, Raster};
+use kajo_core::differential::RayDifferential;
 use kajo_core::light::MAX_LIGHT_GROUPS;
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Immersion, Interaction, Scene};
@@ -97,6 +98,58 @@ impl<'a> CameraView<'a> {
         let film = &self.film;
         let at = film.picture(raster);
         self.camera.ray(at, film.aspect(), lens, self.moment(at.y / film.scale(), time))
+    }
+
+    /// How the ray of [`CameraView::ray`] differs from those of neighbouring samples; `None` where no texture asks.
+    ///
+    /// Of `n` samples of a pixel each covers about a part `1/n` of it, so its sides are `1/sqrt(n)` of a pixel's; not less than an eighth,
+    /// beyond which filters would have nothing left to do [Pharr et al. 2023, 10.1].
+    ///
+    /// * `draws`: as for the ray
+    /// * `samples`: of a pixel
+    #[inline]
+    pub fn differential(
+        &self,
+        raster: Vec2,
+        draws: SampleStream<'_>,
+        samples: u32,
+    ) -> Option<RayDifferential> {
+        if !self.scene.appearance.has_filters {
+            return None;
+        }
+        Some(self.differences(raster, draws, (1.0 / (samples.max(1) as f32).sqrt()).max(0.125)))
+    }
+
+    /// Differences of rays half a footprint to both sides, which are the ends of it.
+    ///
+    /// * `side`: of a footprint, in pixels
+    #[inline(never)]
+    fn differences(&self, raster: Vec2, mut draws: SampleStream<'_>, side: f32) -> RayDifferential {
+        let lens = draws.pair_if(self.camera.has_lens());
+        let time = draws.number_if(self.moves);
+        let film = &self.film;
+        let time = self.moment(film.picture(raster).y / film.scale(), time);
+        let ray = |raster: Vec2| self.camera.ray(film.picture(raster), film.aspect(), lens, time);
+        let Some(middle) = ray(raster) else { return RayDifferential::default() };
+        let mut differential = RayDifferential::default();
+        for (i, axis) in [Vec2::X, Vec2::NEG_Y].into_iter().enumerate() {
+            let halves = [0.5, -0.5].map(|half| {
+                let beside = ray(raster + half * side * axis)?;
+                Some((half.signum() * (beside.o - middle.o), half.signum() * (beside.d - middle.d)))
+            });
+            // Beyond the edge of one of several pictures in one a ray is quite another.
+            let (dp, dd) = match halves {
+                [Some((o1, d1)), Some((o0, d0))] => match (d1.length(), d0.length()) {
+                    (ahead, behind) if ahead > 2.0 * behind => (2.0 * o0, 2.0 * d0),
+                    (ahead, behind) if behind > 2.0 * ahead => (2.0 * o1, 2.0 * d1),
+                    _ => (o1 + o0, d1 + d0),
+                },
+                [Some((o, d)), None] | [None, Some((o, d))] => (2.0 * o, 2.0 * d),
+                [None, None] => (Vec3::ZERO, Vec3::ZERO),
+            };
+            (differential.dp[i], differential.dd[i]) = (dp, dd);
+        }
+        differential
     }
 
     /// The moment of a ray within the shutter's interval. Rows open one after the other in the share `readout` of it, and

@@ -92,11 +92,13 @@ impl Integrator for Path<'_> {
         observer: &mut O,
     ) -> PixelSample {
         let mut draws = ctx.draws;
+        let differential = self.view.differential(raster, draws, ctx.sampler.samples());
         let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
         let wavelengths = self.view.wavelengths(&mut draws);
         let media = self.view.media_around(&ray, &wavelengths);
         let carried = (wavelengths, Spectrum::WHITE);
         let state = PathState::new(ray, carried, Transport::Radiance, media, draws);
+        let state = PathState { differential, ..state };
         observer.counters().camera += 1;
         let forks = self.forks().then(|| mem::take(&mut ctx.scratch.get::<ForkRoom<O::Mark>>().0));
         let forks = forks.map_or_else(Vec::new, emptied);

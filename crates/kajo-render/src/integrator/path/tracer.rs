@@ -12,8 +12,8 @@ use super::PathSettings;
 use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
-    DrawnLight, Event, LocalFrame, PathState, SurfaceInteraction, advance, connect, follow, pass_straight,
-    sample_light, shade, survives,
+    DrawnLight, Event, LocalFrame, PathState, SurfaceInteraction, advance, connect, follow, leave,
+    pass_straight, sample_light, shade, survives,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -55,6 +55,7 @@ impl<'s> CameraPath<'s> {
     /// is played.
     fn go_on(
         &mut self,
+        scene: &Scene,
         settings: &PathSettings,
         at: Shaded<'_>,
         part: Part,
@@ -79,6 +80,9 @@ impl<'s> CameraPath<'s> {
             (self.bounces == settings.bounces && !is_free) || (settings.only_mirrors && !sample.kind.delta);
         if self.ends_at_lights && settings.technique == Technique::Lights && !sample.kind.delta {
             return false;
+        }
+        if state.differential.is_some() {
+            leave(scene, state, surface, wi, &sample);
         }
         follow(state, surface, wi, &sample, observer);
         self.receiver = receiver(surface, local);
@@ -237,7 +241,7 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
                 return false;
             }
             let part = fork.take(path);
-            let goes_on = path.go_on(self.settings, fork.shaded(), part, self.observer);
+            let goes_on = path.go_on(self.view.scene, self.settings, fork.shaded(), part, self.observer);
             if part == Part::Mirror {
                 self.forks.pop();
             }
@@ -263,10 +267,17 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         }
         let splits = !path.is_branch && settings.branches > 1 && !is_delta;
         if !splits && settings.directions == Directions::Scattering {
-            return path.go_on(settings, Shaded { surface, bsdf, local: &local }, Part::All, self.observer);
+            return path.go_on(
+                self.scene(),
+                settings,
+                Shaded { surface, bsdf, local: &local },
+                Part::All,
+                self.observer,
+            );
         }
         if is_delta {
             return path.go_on(
+                self.scene(),
                 settings,
                 Shaded { surface, bsdf, local: &local },
                 Part::Mirror,

@@ -27,11 +27,13 @@
 //! No step calls the next one, and none knows who called it: a path is followed by calling them in turn, and many paths can
 //! be by calling each of them for all. The order in which they take random numbers is part of their contract.
 
+mod differentials;
 mod local_frame;
 mod medium_stack;
 mod path_state;
 pub mod steps;
 
+pub use differentials::leave;
 pub use local_frame::LocalFrame;
 pub use medium_stack::{Interface, MediumStack};
 pub use path_state::{PathState, SurfaceInteraction};

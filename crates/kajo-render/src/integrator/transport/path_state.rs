@@ -2,6 +2,7 @@
 
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::bsdf::Transport;
+use kajo_core::differential::RayDifferential;
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Interaction;
 use kajo_math::{Ray, Vec3};
@@ -34,6 +35,9 @@ pub struct PathState<'s> {
     /// Whether the segment at hand could also have been found by joining its two ends: both scatter into more than single
     /// directions, and nothing on the way would hold up a [`super::connect`].
     pub connectable: bool,
+    /// How the ray differs from those of neighbouring samples, where textures ask for that: at its origin, and from a surface on
+    /// until it is left at that surface.
+    pub differential: Option<RayDifferential>,
 }
 
 impl<'s> PathState<'s> {
@@ -59,6 +63,7 @@ impl<'s> PathState<'s> {
             scatterings: 0,
             surfaces: 0,
             connectable: false,
+            differential: None,
         }
     }
 }

@@ -8,7 +8,7 @@ use kajo_core::scene::{Interaction, Scene};
 use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
 
-use super::{PathState, SurfaceInteraction};
+use super::{PathState, SurfaceInteraction, differentials};
 use crate::trail::{About, PathObserver, RayKind};
 
 /// Scatterings after which paths may end at random.
@@ -64,6 +64,10 @@ pub fn extend(
     if !meets {
         return Event::Escaped(path.ray.d);
     }
+    if path.differential.is_some() {
+        differentials::arrive(path, surface);
+    }
+    let at = &surface.at;
     surface.wo = -path.ray.d;
     surface.length = at.hit.t;
     surface.g = scene.space().frequency_ratio();
