@@ -28,8 +28,8 @@ use super::CompileOptions;
 use super::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
 use crate::texture::{
-    AnyFloatNode, Channel, ColorTexture, Encoding, FloatTexture, Picture, PictureChannel, PictureMap,
-    Remapped, TexelFilter, Textures, Wrap,
+    AnyFloatNode, Channel, ColorTexture, Encoding, FloatTexture, Picture, PictureChannel,
+    PictureMap, Remapped, TexelFilter, Textures, Wrap,
 };
 
 /// Pictures read so far, by their paths and what their colours are said to mean; `None` where one cannot be read.
@@ -204,11 +204,24 @@ impl PictureReader<'_> {
         let name = params.own(read_name);
         const ENCODINGS: [(&str, Encoding); 2] = [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
         let encoding = params.optional("encoding", |args| args.choice(&ENCODINGS)).or(encoding);
-        const FILTERS: [(&str, TexelFilter); 2] =
-            [("bilinear", TexelFilter::Bilinear), ("nearest", TexelFilter::Nearest)];
+        const FILTERS: [(&str, TexelFilter); 8] = [
+            ("bicubic", TexelFilter::Bicubic),
+            ("bilinear", TexelFilter::Bilinear),
+            ("ewa", TexelFilter::Ewa),
+            ("feline", TexelFilter::Feline),
+            ("nearest", TexelFilter::Nearest),
+            ("sat", TexelFilter::Sat),
+            ("stochastic", TexelFilter::Stochastic),
+            ("trilinear", TexelFilter::Trilinear),
+        ];
         let filter = params.or("filter", TexelFilter::default(), |args| args.choice(&FILTERS));
-        const WRAPS: [(&str, Wrap); 3] =
-            [("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror), ("repeat", Wrap::Repeat)];
+        const WRAPS: [(&str, Wrap); 5] = [
+            ("black", Wrap::Black),
+            ("clamp", Wrap::Clamp),
+            ("mirror", Wrap::Mirror),
+            ("once", Wrap::Once),
+            ("repeat", Wrap::Repeat),
+        ];
         let wrap = params.or("wrap", Wrap::default(), |args| args.choice(&WRAPS));
         let repeat = params.or("repeat", Vec2::ONE, |args| match args.numbers_left() {
             1 => args.number().map(Vec2::splat),
@@ -219,6 +232,13 @@ impl PictureReader<'_> {
         params.finish();
         let (name, after) = name?;
         let picture = self.named(item, &name, encoding, diagnostics)?;
+        // The smaller copies are made once for all that ask for them.
+        if let Err(over) = self.memory.take(picture.preparation(filter)) {
+            let error = Diagnostic::error(format!("cannot filter `{name}`: {over}"));
+            diagnostics.push(error.label(item.head_span(), "named here"));
+            return None;
+        }
+        picture.prepare(filter);
         let map = PictureMap { wrap: [wrap; 2], filter, repeat, offset, ..PictureMap::new(picture) };
         Some(((map, after), more))
     }

@@ -41,9 +41,17 @@ impl FloatNode for PictureChannel {
         self.map.is_finite()
     }
 
+    fn wants_footprint(&self) -> bool {
+        self.map.wants_footprint()
+    }
+
+    fn prepare(&self) {
+        self.map.prepare();
+    }
+
     #[inline]
     fn value(&self, _textures: &Textures, at: &TextureContext) -> f32 {
-        self.map.at(at.uv)[self.channel as usize]
+        self.map.filtered(at)[self.channel as usize]
     }
 
     fn slope(&self, _textures: &Textures, at: &TextureContext, factor: f32) -> TextureSlope {

@@ -56,6 +56,9 @@ pub trait FloatNode {
         false
     }
 
+    /// Makes what it shares with others that show the same picture.
+    fn prepare(&self) {}
+
     /// The number at a point.
     fn value(&self, textures: &Textures, at: &TextureContext) -> f32;
 
@@ -115,6 +118,8 @@ family! {
         fn part() -> Option<FloatTexture>;
         /// See [`FloatNode::wants_footprint`].
         fn wants_footprint() -> bool;
+        /// See [`FloatNode::prepare`].
+        fn prepare() -> ();
     }
     methods {}
     methods of Textures.floats {
@@ -142,6 +147,9 @@ pub trait ColorNode {
     fn wants_footprint(&self) -> bool {
         false
     }
+
+    /// Makes what it shares with others that show the same picture.
+    fn prepare(&self) {}
 
     /// The reflectance at a point.
     fn reflectance(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
@@ -178,6 +186,8 @@ family! {
         fn is_finite() -> bool;
         /// See [`ColorNode::wants_footprint`].
         fn wants_footprint() -> bool;
+        /// See [`ColorNode::prepare`].
+        fn prepare() -> ();
     }
     methods {
         /// See [`ColorNode::mean`].
@@ -210,6 +220,7 @@ impl Textures {
     pub fn float(&mut self, node: impl Into<AnyFloatNode>) -> Option<FloatTexture> {
         let node = node.into();
         self.wants_footprint |= node.wants_footprint();
+        node.prepare();
         node.store(&mut self.floats).map(FloatTexture::Node)
     }
 
@@ -217,6 +228,7 @@ impl Textures {
     pub fn color(&mut self, node: impl Into<AnyColorNode>) -> Option<ColorTexture> {
         let node = node.into();
         self.wants_footprint |= node.wants_footprint();
+        node.prepare();
         node.store(&mut self.colors).map(ColorTexture::Node)
     }
 

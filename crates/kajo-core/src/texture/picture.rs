@@ -13,10 +13,17 @@
 //! ```
 //!
 //! Texels are linear: what a file encodes for a screen is decoded before anything is averaged. Outside of the square
-//! the picture repeats, is mirrored at its edges, or ends in its last texel. Many samples for a pixel average over its
-//! footprint without any bias, and so there are no smaller copies of the picture to look up instead.
+//! the picture repeats, is mirrored at its edges, ends in its last texel, or there is nothing. Many samples for a pixel average over its
+//! footprint without any bias, which is what pictures are left to unless they ask for a [filter](TexelFilter).
 
-use std::sync::Arc;
+mod filter;
+#[cfg(test)]
+mod filter_tests;
+mod pyramid;
+mod sums;
+mod wrap;
+
+use std::sync::{Arc, OnceLock};
 
 use kajo_color::{Spectrum, Wavelengths, srgb};
 use kajo_image::Image;
@@ -24,6 +31,11 @@ use kajo_math::Vec2;
 
 use super::rgb::rgb_reflectance;
 use super::{ColorNode, SurfaceUv, TextureContext, Textures, UvSet};
+use pyramid::Pyramid;
+use sums::SummedAreaTable;
+
+pub use filter::TexelFilter;
+pub use wrap::Wrap;
 
 /// What the colours of a file mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -42,6 +54,10 @@ pub struct Picture {
     texels: Vec<[u16; 4]>,
     /// Of all texels.
     mean: [f32; 4],
+    /// Smaller copies, where a filter asks for them.
+    pyramid: OnceLock<Pyramid>,
+    /// Sums, where a filter asks for them.
+    sums: OnceLock<SummedAreaTable>,
 }
 
 impl Picture {
@@ -71,12 +87,7 @@ impl Picture {
             [r, g, b, stored(alpha)]
         };
         let texels: Vec<_> = image.pixels().map(texel).collect();
-        let mut sums = [0u64; 4];
-        for texel in &texels {
-            (0..4).for_each(|c| sums[c] += u64::from(texel[c]));
-        }
-        let mean = sums.map(|sum| (sum as f64 / (65535.0 * texels.len() as f64)) as f32);
-        (Picture { width: image.width(), height: image.height(), texels, mean }, outside)
+        (Picture::of_texels([image.width(), image.height()], texels), outside)
     }
 
     /// The picture of linear numbers in [0, 1].
@@ -84,15 +95,20 @@ impl Picture {
     /// * `texel`: by column and row from above; sizes are at least 1
     pub(crate) fn from_fn(width: u32, height: u32, mut texel: impl FnMut(u32, u32) -> [f32; 4]) -> Picture {
         let stored = |v: f32| (v.clamp(0.0, 1.0) * 65535.0).round() as u16;
-        let mut sums = [0u64; 4];
         let mut texels = Vec::new();
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-            let texel = texel(x, y).map(stored);
+            texels.push(texel(x, y).map(stored));
+        }
+        Picture::of_texels([width, height], texels)
+    }
+
+    fn of_texels([width, height]: [u32; 2], texels: Vec<[u16; 4]>) -> Picture {
+        let mut sums = [0u64; 4];
+        for texel in &texels {
             (0..4).for_each(|c| sums[c] += u64::from(texel[c]));
-            texels.push(texel);
         }
         let mean = sums.map(|sum| (sum as f64 / (65535.0 * texels.len() as f64)) as f32);
-        Picture { width, height, texels, mean }
+        Picture { width, height, texels, mean, pyramid: OnceLock::new(), sums: OnceLock::new() }
     }
 
     /// Width and height in texels.
@@ -104,56 +120,6 @@ impl Picture {
     fn texel(&self, x: usize, y: usize) -> [f32; 4] {
         self.texels[y * self.width as usize + x].map(|v| f32::from(v) * (1.0 / 65535.0))
     }
-}
-
-/// What is beside a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// The same picture again.
-    #[default]
-    Repeat,
-    /// Its mirror image.
-    Mirror,
-    /// Its last row or column.
-    Clamp,
-}
-
-impl Wrap {
-    /// Brings a coordinate to [0, 1].
-    #[inline]
-    fn coordinate(self, s: f32) -> f32 {
-        let s = if s.is_finite() { s } else { 0.0 };
-        match self {
-            Wrap::Repeat => s - s.floor(),
-            Wrap::Mirror => {
-                let s = s - 2.0 * (0.5 * s).floor();
-                if s > 1.0 { 2.0 - s } else { s }
-            }
-            Wrap::Clamp => s.clamp(0.0, 1.0),
-        }
-    }
-
-    /// The number of a texel that may be one beyond the first or the last of `n`.
-    #[inline]
-    fn index(self, i: i64, n: u32) -> usize {
-        let n = i64::from(n);
-        let inside = match self {
-            Wrap::Repeat if i < 0 => i + n,
-            Wrap::Repeat if i >= n => i - n,
-            _ => i,
-        };
-        inside.clamp(0, n - 1) as usize
-    }
-}
-
-/// How values between texels are found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TexelFilter {
-    /// That of the nearest one.
-    Nearest,
-    /// The weighted mean of the four around.
-    #[default]
-    Bilinear,
 }
 
 /// A picture laid on a surface.
@@ -194,8 +160,16 @@ impl ColorNode for PictureMap {
         place.iter().all(|v| v.is_finite()) && self.factor.iter().all(|v| v.is_finite())
     }
 
+    fn wants_footprint(&self) -> bool {
+        self.filter.wants_footprint()
+    }
+
+    fn prepare(&self) {
+        self.picture.prepare(self.filter);
+    }
+
     fn reflectance(&self, _textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
-        let [r, g, b, _] = self.at(at.uv);
+        let [r, g, b, _] = self.filtered(at);
         rgb_reflectance([r, g, b], wavelengths)
     }
 
@@ -298,9 +272,15 @@ impl PictureMap {
         let (w, h) = (self.picture.width, self.picture.height);
         let x = across.coordinate(s.x) * w as f32;
         let y = (1.0 - up.coordinate(s.y)) * h as f32;
-        let texel = |i: i64, j: i64| self.picture.texel(across.index(i, w), up.index(j, h));
-        if self.filter == TexelFilter::Nearest {
-            return texel(x as i64, y as i64);
+        let texel = |i: i64, j: i64| match (across.index(i, w), up.index(j, h)) {
+            (Some(x), Some(y)) => self.picture.texel(x, y),
+            (None, _) => across.beside(),
+            (_, None) => up.beside(),
+        };
+        match self.filter {
+            TexelFilter::Nearest => return texel(x.floor() as i64, y.floor() as i64),
+            TexelFilter::Bicubic => return self.bicubic(s),
+            _ => {}
         }
         let (x, y) = (x - 0.5, y - 0.5);
         let (i, j) = (x.floor(), y.floor());

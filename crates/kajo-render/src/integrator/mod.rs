@@ -132,6 +132,8 @@ impl<I: Integrator> PixelIntegrator for I {
 #[cfg(test)]
 mod flat_tests;
 #[cfg(test)]
+mod footprint_tests;
+#[cfg(test)]
 mod given_tests;
 #[cfg(test)]
 mod immersion_tests;
