@@ -37,7 +37,7 @@ keys! {
         normals: Option<NormalMap> = Typed::<NormalMap>::new("normalMap", FieldKind::Text)
             .option("a picture of normals that dents it, such as hammered.png"),
         heights: Option<HeightMap> = Typed::<HeightMap>::new("bump", FieldKind::Text)
-            .option("a picture of heights that dents it, such as bricks.png"),
+            .option("a picture or a function of heights that dents it, such as bricks.png"),
     }
 }
 

@@ -7,7 +7,7 @@ use super::fields::{Sources, Typed, Value};
 use super::pictures::{is_picture, read_channel};
 use super::spectra::factor;
 use crate::schema::{FieldKind, FieldSpec};
-use crate::texture::{ColorTexture, Encoding, FloatTexture, PictureChannel, PictureCut};
+use crate::texture::{ColorTexture, Encoding, Expression, FloatTexture, PictureChannel, PictureCut};
 
 /// The share of a surface that is there, or a texture of it.
 pub(super) const fn opacity(key: &'static str) -> Typed<Opacity> {
@@ -65,7 +65,7 @@ impl Value<'_> for NormalMap {
     }
 }
 
-/// A picture of heights.
+/// A picture of heights, or a function of the place.
 pub(super) struct HeightMap {
     pub heights: FloatTexture,
     /// How far white rises above black.
@@ -79,6 +79,12 @@ impl Value<'_> for HeightMap {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<HeightMap> {
+        if item.function().is_some() {
+            let function = Args::read(item, diagnostics, Args::function)?;
+            let bounds = [f32::MIN, f32::MAX];
+            let heights = sources.textures.nodes.float(Expression { function, bounds })?;
+            return Some(HeightMap { heights, height: 1.0 });
+        }
         let read = |params: &mut Params<'_, '_>| {
             (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
         };

@@ -4,6 +4,7 @@
 //! color planks.png
 //! color planks.png { repeat 4 2  offset 0.5 0  wrap mirror  filter nearest  encoding linear }
 //! roughness scratches.png { channel green  range 0.1 0.4 }
+//! roughness = 0.3 + 0.1 * sin(20 * x)
 //! emission slide.png 5
 //! emission slide.png { light blackbody 3200 5 }
 //! ```
@@ -14,7 +15,7 @@
 
 use std::collections::HashMap;
 use std::fmt;
-use std::ops::RangeBounds;
+use std::ops::{Bound, RangeBounds};
 use std::sync::Arc;
 
 use kajo_color::Reflectance;
@@ -28,7 +29,7 @@ use super::CompileOptions;
 use super::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
 use crate::texture::{
-    AnyFloatNode, Channel, ColorTexture, Encoding, FloatTexture, Picture, PictureChannel,
+    AnyFloatNode, Channel, ColorTexture, Encoding, Expression, FloatTexture, Picture, PictureChannel,
     PictureMap, Remapped, TexelFilter, Textures, Wrap,
 };
 
@@ -83,7 +84,7 @@ impl TextureReader<'_> {
         Args::read(item, diagnostics, |args| share_of_light(self.spectra, args)).map(ColorTexture::Constant)
     }
 
-    /// A number within the bounds of its field, or a picture of such.
+    /// A number within the bounds of its field, a picture of such, or a function of the place.
     pub fn float(
         &mut self,
         spec: &FieldSpec,
@@ -106,6 +107,10 @@ impl TextureReader<'_> {
         of: impl FnOnce(PictureMap, T) -> AnyFloatNode,
     ) -> Option<FloatTexture> {
         let bounds = spec.kind.bounds();
+        if item.function().is_some() {
+            let function = Args::read(item, diagnostics, Args::function)?;
+            return self.nodes.float(Expression { function, bounds: held_by(bounds) });
+        }
         if !is_picture(item) {
             return Args::read(item, diagnostics, |args| args.number_in(bounds)).map(FloatTexture::Constant);
         }
@@ -128,6 +133,20 @@ impl TextureReader<'_> {
             }
         }
     }
+}
+
+/// The numbers that a function of the place is held to.
+fn held_by((low, high): (Bound<f64>, Bound<f64>)) -> [f32; 2] {
+    let low = match low {
+        Bound::Included(low) => low as f32,
+        Bound::Excluded(low) => (low as f32).next_up().max(1e-6),
+        Bound::Unbounded => f32::MIN,
+    };
+    let high = match high {
+        Bound::Included(high) | Bound::Excluded(high) => high as f32,
+        Bound::Unbounded => f32::MAX,
+    };
+    [low, high]
 }
 
 fn share_of_light(spectra: SpectrumReader<'_>, args: &mut Args<'_>) -> Result<Reflectance, Diagnostic> {

@@ -52,6 +52,23 @@ fn grain_runs_along_the_first_coordinate_and_turns_to_the_second() {
     assert_along(seen(&scene(TURNED, &mirrored), 0.3, 0.2).tangent, Vec3::Z);
 }
 
+/// A function of the place dents as much as it rises along the surface, whether that has coordinates or not.
+#[test]
+fn functions_dent_by_their_slope_along_the_surface() {
+    let dented = "Matte { color 0.5 0.5 0.5  bump = 0.2 * sin(3 * x) + 0.1 * y * z }";
+    let slope = |p: Vec3| Vec3::new(0.6 * (3.0 * p.x).cos(), 0.1 * p.z, 0.1 * p.y);
+    for object in [FLOOR, "Sphere { center 0 0 0  radius 1 }", "Box { min -1 -1 -1  max 1 1 1 }"] {
+        let scene = scene(dented, object);
+        for (x, z) in [(0.3, 0.2), (-0.4, 0.1), (0.0, -0.5)] {
+            let event = scene.trace(&Ray::new(Vec3::new(x, 9.0, z), Vec3::NEG_Y));
+            let at = event.surface().unwrap();
+            let slope = slope(at.point.p);
+            let expected = (at.point.n - (slope - slope.dot(at.point.n) * at.point.n)).normalize();
+            assert_along(scene.shading(at, 0.5).n, expected);
+        }
+    }
+}
+
 #[test]
 fn grain_goes_along_with_objects() {
     let disk = "Disk { center 0 0 0  normal 0 1 0  radius 1 }";

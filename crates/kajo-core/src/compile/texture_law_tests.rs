@@ -133,6 +133,27 @@ fn a_texture_is_at_each_place_the_number_that_it_has_there() {
     assert!(tested >= 40, "{tested}");
 }
 
+/// The same for functions of the place.
+#[test]
+fn a_function_is_at_each_place_the_number_that_it_has_there() {
+    let mut tested = 0;
+    for (block, field) in fields().filter(|(_, field)| field.texture) {
+        let FieldKind::Number { min, .. } = field.kind else { continue };
+        let [lo, hi] = [min + 0.25, min + 0.75];
+        let function = format!("= {lo} + 0.5 * step(x, 0)");
+        let by_function = answers(block, field, &function);
+        let [by_hi, by_lo] = [hi, lo].map(|value| answers(block, field, &value.to_string()));
+        let what = format!("{} of {}", field.key, block.keyword);
+        let Ok(by_function) = by_function else {
+            assert!(by_hi == by_function && by_lo == by_function, "{what}: {by_function:?}");
+            continue;
+        };
+        assert_eq!(by_function, [by_hi.unwrap()[0].clone(), by_lo.unwrap()[1].clone()], "{what}");
+        tested += 1;
+    }
+    assert!(tested >= 20, "{tested}");
+}
+
 #[test]
 fn numbers_and_colours_of_materials_may_be_textures() {
     let is_value = |field: &FieldSpec| {

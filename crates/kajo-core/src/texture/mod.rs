@@ -8,6 +8,7 @@ mod channel;
 mod checker;
 mod context;
 mod coordinates;
+mod expression;
 mod footprint;
 mod marble;
 mod noise;
@@ -24,6 +25,7 @@ pub use channel::{Channel, PictureChannel, PictureCut};
 pub use checker::Checker;
 pub use context::TextureContext;
 pub use coordinates::UvSet;
+pub use expression::Expression;
 pub use footprint::TextureFootprint;
 pub use marble::Marble;
 pub use noise::Noise;
@@ -104,6 +106,7 @@ family! {
         checkers: Checker,
         complements: Complement,
         cuts: PictureCut,
+        expressions: Expression,
         marbles: Marble,
         noises: Noise,
         placed: Placed,
