@@ -50,31 +50,33 @@ pub fn bernstein_of<const N: usize>(a: &[f64; N]) -> [f64; N] {
 ///
 /// * `b`: Bernstein coefficients on [0, 1]; for those that are not finite nothing is visited
 pub fn sign_changes<const N: usize>(b: &[f64; N], mut visit: impl FnMut(f64)) {
-    if b.iter().all(|b| b.is_finite()) {
-        isolate(b, 0.0, 1.0, &mut visit);
-    }
+    sign_changes_until(b, |t| {
+        visit(t);
+        false
+    });
 }
 
-/// Visits the sign changes on the interval from `lo` of a width, whose coefficients are `b`.
-fn isolate<const N: usize>(b: &[f64; N], lo: f64, width: f64, visit: &mut impl FnMut(f64)) {
+/// [`sign_changes`] until `visit` says that it is enough; whether it did.
+pub fn sign_changes_until<const N: usize>(b: &[f64; N], mut visit: impl FnMut(f64) -> bool) -> bool {
+    b.iter().all(|b| b.is_finite()) && isolate(b, 0.0, 1.0, &mut visit)
+}
+
+/// Visits the sign changes on the interval from `lo` of a width, whose coefficients are `b`, until it is enough.
+fn isolate<const N: usize>(b: &[f64; N], lo: f64, width: f64, visit: &mut impl FnMut(f64) -> bool) -> bool {
     /// Below this width all that is left of a polynomial is rounding.
     const NARROWEST: f64 = 1.0 / (1u64 << 50) as f64;
     let changes = b.windows(2).filter(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).count();
     if changes == 0 {
-        return;
+        return false;
     }
     if changes == 1 {
         return visit(lo + width * single_root(b));
     }
     if width <= NARROWEST {
-        if (b[0] < 0.0) != (b[N - 1] < 0.0) {
-            visit(lo + 0.5 * width);
-        }
-        return;
+        return (b[0] < 0.0) != (b[N - 1] < 0.0) && visit(lo + 0.5 * width);
     }
     let (left, right) = halves(b);
-    isolate(&left, lo, 0.5 * width, visit);
-    isolate(&right, lo + 0.5 * width, 0.5 * width, visit);
+    isolate(&left, lo, 0.5 * width, visit) || isolate(&right, lo + 0.5 * width, 0.5 * width, visit)
 }
 
 /// The coefficients of both halves of the interval, by de Casteljau's algorithm. They share the value in the middle.

@@ -21,7 +21,7 @@ use std::f64::consts::{PI, TAU};
 use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Ray, Vec2, Vec3, fmath, roots};
 
-use super::{Canonical, Patch, Ray64, Surface, in_range, nearest_crossing, stored};
+use super::{Canonical, Patch, Ray64, Surface, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// A tube bent to a circle.
@@ -53,17 +53,16 @@ impl Torus {
         (major != 0.0).then_some(torus)
     }
 
-    /// Visits the parameters of all crossings of a line, in ascending order.
-    fn roots(&self, line: &Ray64, mut visit: impl FnMut(f64)) {
+    /// Visits the parameters of all crossings of a line, in ascending order, until `visit` says that it is enough.
+    fn roots(&self, line: &Ray64, mut visit: impl FnMut(f64) -> bool) {
         let Ray64 { o, d } = *line;
         let shift = (self.center - o).dot(d) / d.dot(d);
         let w = o + shift * d - self.center;
         let Some([lo, hi]) = self.extent_along(w, d) else { return };
         let (q, e) = (w + lo * d, (hi - lo) * d);
-        roots::sign_changes(&self.quartic(q, e), |s| {
-            if self.minor <= self.major || self.is_outer(q + s * e) {
-                visit(shift + lo + s * (hi - lo));
-            }
+        roots::sign_changes_until(&self.quartic(q, e), |s| {
+            let is_there = self.minor <= self.major || self.is_outer(q + s * e);
+            is_there && visit(shift + lo + s * (hi - lo))
         });
     }
 
@@ -129,7 +128,12 @@ impl Surface for Torus {
     }
 
     fn hit(&self, ray: &Ray) -> Option<Hit> {
-        nearest_crossing(self, ray)
+        let mut first = None;
+        self.roots(&Ray64::new(ray), |t| {
+            first = in_range(ray, t).map(|t| Hit { t, ..Hit::default() });
+            first.is_some()
+        });
+        first
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
@@ -137,6 +141,7 @@ impl Surface for Torus {
             if let Some(t) = in_range(ray, t) {
                 visit(Hit { t, ..Hit::default() });
             }
+            false
         });
     }
 
@@ -186,7 +191,10 @@ mod tests {
 
     fn roots_of(torus: &Torus, o: DVec3, d: DVec3) -> Vec<f64> {
         let mut found = Vec::new();
-        torus.roots(&Ray64 { o, d }, |t| found.push(t));
+        torus.roots(&Ray64 { o, d }, |t| {
+            found.push(t);
+            false
+        });
         found
     }
 

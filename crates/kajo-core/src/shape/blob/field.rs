@@ -108,6 +108,21 @@ impl Term {
         Term { core: component.core, strength: component.strength, inverse2, farthest, cut }
     }
 
+    /// Whether it is around a point.
+    pub fn is_ball(&self) -> bool {
+        matches!(self.core, BlobCore::Ball(_))
+    }
+
+    /// One over the square of its radius.
+    pub fn inverse2(&self) -> f64 {
+        self.inverse2
+    }
+
+    /// The value in its middle.
+    pub fn strength(&self) -> f64 {
+        self.strength
+    }
+
     /// Whether it adds to the field.
     pub fn adds(&self) -> bool {
         self.strength > 0.0

@@ -11,6 +11,10 @@
 //! ends. A piece whose sum cannot reach the threshold holds no crossing, one on which the derivative cannot vanish holds one
 //! or none, and any other is halved: every crossing is found, and none that is not there [Mitchell 1990].
 //!
+//! POV-Ray's kernel around balls needs no bounds. With `u = d^2 / r^2` and `f`, `l` where the ray comes into a component's reach and
+//! leaves it, `1 - u = |d|^2 (t - f) (l - t) / r^2`, whose square is a quartic in `t`; so is the sum between two such
+//! places, and its roots are isolated by Bernstein coefficients.
+//!
 //! Scene: `Blob { threshold 0.5  sphere { center 0 0 0  radius 1 }  sphere { center 1.2 0 0  radius 1 } }`
 
 mod cell;
@@ -21,7 +25,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use kajo_bvh::{BuildSettings, Bvh};
-use kajo_math::roots::bracketed;
+use kajo_math::roots::{bracketed, sign_changes_until};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3};
 
 use self::extent::Extent;
@@ -51,6 +55,8 @@ struct Parts {
     reach: f64,
     /// More than all the strengths' rounding.
     rounding: f64,
+    /// Whether the field along a ray is a quartic between the borders of components.
+    is_quartic: bool,
 }
 
 /// A component that a ray passes.
@@ -59,6 +65,21 @@ struct Passage {
     term: u32,
     from: f64,
     to: f64,
+    /// Of a ball: what makes `1 - u` of the distances to both ends, and its strength.
+    scale: f64,
+    strength: f64,
+}
+
+impl Passage {
+    /// Adds the quartic of a ball on a piece of the ray within this, by Bernstein coefficients.
+    fn add_quartic(&self, [a, b]: [f64; 2], sum: &mut [f64; 5]) {
+        let [from_a, from_b] = [a, b].map(|t| (t - self.from).max(0.0));
+        let [to_a, to_b] = [a, b].map(|t| (self.to - t).max(0.0));
+        let [v0, v1, v2] =
+            [from_a * to_a, 0.5 * (from_a * to_b + from_b * to_a), from_b * to_b].map(|v| self.scale * v);
+        let square = [v0 * v0, v0 * v1, (v0 * v2 + 2.0 * v1 * v1) / 3.0, v1 * v2, v2 * v2];
+        sum.iter_mut().zip(square).for_each(|(sum, v)| *sum += self.strength * v);
+    }
 }
 
 /// Memory that rays use again and again.
@@ -101,37 +122,47 @@ impl Blob {
         let strengths: f64 = components.iter().map(|component| component.strength.abs()).sum();
         let rounding = 64.0 * f64::EPSILON * (strengths + threshold);
         let reach = if bounds.is_empty() { 0.0 } else { far.into() };
-        Some(Blob(Arc::new(Parts { kernel, threshold, terms, tree, bounds, reach, rounding })))
+        let is_quartic = kernel == BlobKernel::Povray && terms.iter().all(Term::is_ball);
+        Some(Blob(Arc::new(Parts { kernel, threshold, terms, tree, bounds, reach, rounding, is_quartic })))
     }
 
     /// The field less the threshold, and its gradient.
     pub fn field(&self, p: DVec3) -> (f64, DVec3) {
-        let parts = &*self.0;
-        let (mut value, mut gradient) = (-parts.threshold, DVec3::ZERO);
-        let mut add = |term: &Term| {
-            let (v, g) = term.at(parts.kernel, p);
-            value += v;
-            gradient += g;
-        };
-        match &parts.tree {
-            None => parts.terms.iter().for_each(add),
-            Some(tree) => {
-                let margin = (1e-5 * (parts.reach + p.abs().max_element())) as f32;
-                let here = Ray::new(p.as_vec3(), Vec3::X).over(-margin, margin);
-                SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
-                    near.clear();
-                    tree.each(&here, |i| near.push(i));
-                    // The sum has the same bits whatever way the tree goes.
-                    near.sort_unstable();
-                    near.iter().for_each(|&i| add(&parts.terms[i as usize]));
-                });
-            }
-        }
-        (value, gradient)
+        SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
+            self.0.find_near(p, self.0.margin(p), near);
+            self.0.sum_of(near, p)
+        })
     }
 }
 
 impl Parts {
+    /// How far from a point components are looked for.
+    fn margin(&self, p: DVec3) -> f64 {
+        1e-5 * (self.reach + p.abs().max_element())
+    }
+
+    /// The components that say anything within a margin around a point, in their order.
+    fn find_near(&self, p: DVec3, margin: f64, near: &mut Vec<u32>) {
+        near.clear();
+        let Some(tree) = &self.tree else { return near.extend(0..self.terms.len() as u32) };
+        let margin = margin as f32;
+        let here = Ray::new(p.as_vec3(), Vec3::X).over(-margin, margin);
+        tree.each(&here, |i| near.push(i));
+        // The sum has the same bits whatever way the tree goes.
+        near.sort_unstable();
+    }
+
+    /// The field of these components less the threshold, and its gradient.
+    fn sum_of(&self, near: &[u32], p: DVec3) -> (f64, DVec3) {
+        let (mut value, mut gradient) = (-self.threshold, DVec3::ZERO);
+        for &i in near {
+            let (v, g) = self.terms[i as usize].at(self.kernel, p);
+            value += v;
+            gradient += g;
+        }
+        (value, gradient)
+    }
+
     /// Visits all crossings within a ray's range, in ascending order, until `visit` says that it is enough.
     fn crossings(&self, ray: &Ray, mut visit: impl FnMut(f64) -> bool) {
         let Some((near, far)) = self.bounds.clip(ray) else { return };
@@ -151,9 +182,19 @@ impl Parts {
                 if to <= from {
                     continue;
                 }
-                scratch.active.clear();
                 let meets = |passage: &&Passage| passage.from < to && passage.to > from;
                 let active = scratch.passages.iter().filter(meets);
+                if self.is_quartic {
+                    let mut sum = [-self.threshold; 5];
+                    active.for_each(|passage| passage.add_quartic([from, to], &mut sum));
+                    sum[0] = before.unwrap_or(sum[0]);
+                    if sign_changes_until(&sum, |s| visit(from + s * (to - from))) {
+                        break;
+                    }
+                    (from, before) = (to, Some(sum[4]));
+                    continue;
+                }
+                scratch.active.clear();
                 scratch.active.extend(active.map(|passage| self.terms[passage.term as usize]));
                 let piece = Piece { parts: self, line: &line, terms: &scratch.active };
                 let [a, b] = [from, to].map(|t| piece.at(t).0);
@@ -176,8 +217,10 @@ impl Parts {
         borders.clear();
         roots.clear();
         let mut add = |i: u32| {
-            if let Some([from, to]) = self.terms[i as usize].extent_along(line.o, line.d) {
-                passages.push(Passage { term: i, from, to });
+            let term = &self.terms[i as usize];
+            if let Some([from, to]) = term.extent_along(line.o, line.d) {
+                let (scale, strength) = (term.inverse2() * line.d.dot(line.d), term.strength());
+                passages.push(Passage { term: i, from, to, scale, strength });
                 borders.extend([from, to]);
             }
         };
@@ -265,15 +308,27 @@ impl Surface for Blob {
     /// The point is brought onto the surface along the gradient.
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         const STEPS: u32 = 2;
+        let parts = &*self.0;
         let mut p = Ray64::new(ray).at(hit.t.into());
-        for _ in 0..STEPS {
-            let (value, gradient) = self.field(p);
-            let length2 = gradient.length_squared();
-            if length2 > 0.0 {
-                p -= value / length2 * gradient;
+        let n = SCRATCH.with_borrow_mut(|Scratch { near, .. }| {
+            let (mut found_at, margin) = (p, parts.margin(p));
+            parts.find_near(p, 2.0 * margin, near);
+            for step in 0..=STEPS {
+                if p.distance(found_at) > margin {
+                    parts.find_near(p, 2.0 * margin, near);
+                    found_at = p;
+                }
+                let (value, gradient) = parts.sum_of(near, p);
+                let length2 = gradient.length_squared();
+                if step == STEPS {
+                    return (-gradient).normalize_or(DVec3::Z);
+                }
+                if length2 > 0.0 {
+                    p -= value / length2 * gradient;
+                }
             }
-        }
-        let n = (-self.field(p).1).normalize_or(DVec3::Z);
+            DVec3::Z
+        });
         let (p, p_error) = stored(p, self.0.reach);
         SurfacePoint::flat(p, p_error, n.as_vec3())
     }

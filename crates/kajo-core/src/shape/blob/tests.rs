@@ -65,7 +65,8 @@ fn random(n: u32, kernel: BlobKernel) -> Blob {
         let point = |k: u32| {
             DVec3::new(s.uniform(k).into(), s.uniform(k + 1).into(), s.uniform(k + 2).into()) * 2.0 - 1.0
         };
-        let core = if i.is_multiple_of(3) {
+        // Without cylinders a blob of POV-Ray's kernel is a quartic along a ray.
+        let core = if i.is_multiple_of(3) && (n.is_multiple_of(2) || kernel != BlobKernel::Povray) {
             BlobCore::Cylinder([point(0), point(3)])
         } else {
             BlobCore::Ball(point(0))
@@ -80,7 +81,7 @@ fn random(n: u32, kernel: BlobKernel) -> Blob {
 #[test]
 fn no_crossing_is_missed_and_none_is_made_up() {
     for kernel in [BlobKernel::Gaussian, BlobKernel::Wyvill, BlobKernel::Povray] {
-        for n in [1, 2, 5, 40] {
+        for n in [1, 2, 5, 40, 41] {
             let blob = random(n, kernel);
             for i in 0..150 {
                 let s = Stream::new(71, [i, n], 0);

@@ -302,15 +302,19 @@ impl Surface for Isosurface {
         let mut nearest = None;
         let mut passage = Passage { parts, line: &line, work: MOST_WORK };
         let range = |far: f32| [f64::from(ray.t_min), f64::from(far)];
+        let mut before: Option<(f64, f64)> = None;
         parts.tree.closest(ray, |index, far| {
             let cell = &parts.cells[index];
             let Some(piece) = parts.cells.clip(cell, &line, range(far)) else { return far };
-            let at_a = passage.value(piece[0]);
+            // Neighbours agree on the value between them.
+            let known = before.filter(|(t, _)| *t == piece[0]).map(|(_, value)| value);
+            let at_a = known.unwrap_or_else(|| passage.value(piece[0]));
             let mut first = None;
-            passage.cross(cell, piece, at_a, &mut |t| {
+            let (at_b, _) = passage.cross(cell, piece, at_a, &mut |t| {
                 first = in_range(ray, t);
                 first.is_some()
             });
+            before = at_b.map(|value| (piece[1], value));
             match first {
                 Some(t) if t < far => {
                     nearest = Some(Hit { t, ..Hit::default() });
