@@ -67,6 +67,12 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             let [a, b, c] = [ball(-0.6, -0.4, 0.4), ball(0.1, 0.2, 0.3), ball(0.7, -0.3, 0.2)];
             format!("SphereSweep {{ path {{ spline {a}  {b}  {c} }} }}")
         }
+        "Curves" => {
+            let points =
+                [point(-1.0, 0.0, 0.0), point(-0.4, 1.0, 0.0), point(0.4, -1.0, 0.0), point(1.0, 0.0, 0.0)];
+            let width = vector(0.15, 0.0, 0.0).split(' ').next()?.to_owned();
+            format!("Curves {{ radius {width}  strand {{ points {} }} }}", points.join("  "))
+        }
         "Quad" => {
             let (corner, a, b) = (point(-1.0, 0.0, 1.0), vector(2.0, 0.0, 0.0), vector(0.0, 0.0, -2.0));
             format!("Quad {{ corner {corner}  edge1 {a}  edge2 {b} }}")

@@ -11,6 +11,7 @@ mod camera;
 mod camera_keys;
 mod cameras;
 mod csg;
+mod curves;
 mod definition;
 mod extras;
 mod fields;

@@ -12,6 +12,7 @@ mod blob;
 mod cone;
 mod csg;
 mod cuboid;
+mod curves;
 mod disk;
 mod fill;
 mod height_field;
@@ -39,6 +40,7 @@ pub use blob::{Blob, BlobComponent, BlobCore, BlobKernel};
 pub use cone::Cone;
 pub use csg::{Csg, CsgError, SetOperation, SolidPart};
 pub use cuboid::Cuboid;
+pub use curves::{CurveBasis, CurveForm, Curves, CurvesError, Strands};
 pub use disk::Disk;
 pub use height_field::{HeightField, HeightFieldError, HeightGrid};
 pub use isosurface::Isosurface;
@@ -180,6 +182,7 @@ family! {
         cones: Cone,
         csgs: Csg,
         cuboids: Cuboid,
+        curves: Curves,
         disks: Disk,
         height_fields: HeightField,
         isosurfaces: Isosurface,

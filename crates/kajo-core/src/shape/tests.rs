@@ -23,6 +23,8 @@ macro_rules! closed_shapes {
         $check("torus without a hole", &torus(0.4, 0.4) $(, $arg)*);
         $check("torus that crosses itself", &torus(0.3, 0.5) $(, $arg)*);
         $check("blob", &blob() $(, $arg)*);
+        $check("tube of a spline", &tube(CurveBasis::BSpline) $(, $arg)*);
+        $check("tube of Béziers", &tube(CurveBasis::Bezier) $(, $arg)*);
         $check("isosurface", &isosurface() $(, $arg)*);
         $check("bilinear patch", &bilinear_patch() $(, $arg)*);
         $check("bicubic patch", &bicubic_patch() $(, $arg)*);
@@ -63,6 +65,17 @@ fn cone(base: f32, top: f32, capped: bool) -> Cone {
 
 fn torus(major: f32, minor: f32) -> Torus {
     Torus::new(Vec3::new(0.1, -0.1, 0.05), Vec3::new(0.3, 1.0, -0.4), major, minor).unwrap()
+}
+
+/// A thick tube that bends and gets thinner.
+fn tube(basis: CurveBasis) -> Curves {
+    let points = [[-0.8, -0.6, 0.2], [-0.3, 0.7, -0.4], [0.4, 0.5, 0.6], [0.8, -0.6, 0.1]];
+    let strands = Strands {
+        points: points.map(Vec3::from_array).to_vec(),
+        radii: vec![0.3, 0.2, 0.22, 0.12],
+        ends: vec![4],
+    };
+    Curves::new(&strands, basis, CurveForm::Tube).unwrap()
 }
 
 fn blob() -> Blob {

@@ -34,6 +34,9 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Part if block.keyword == "outline" => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Prism {{ depth 1  {text} }} }}")
         }
+        Kind::Part if block.keyword == "strand" => {
+            format!("{camera} {materials} Group {{ MaterialIndex 0 Curves {{ {text} }} }}")
+        }
         Kind::Part => format!("{camera} Background {{ {text} }}"),
         Kind::Light => format!("{camera} Lights {{ {text} }}"),
         Kind::Material => format!("{camera} Materials {{ Matte {{ }} {text} }}"),
@@ -115,8 +118,18 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
         let here: BTreeSet<String> = block.fields().map(|field| field.key.to_owned()).collect();
         // Blocks within are nodes of their own.
         let mut there = known_to_compiler(block);
-        let within =
-            ["sky", "Transform", "Motion", "Noise", "sphere", "cylinder", "outline", "profile", "path"];
+        let within = [
+            "sky",
+            "Transform",
+            "Motion",
+            "Noise",
+            "sphere",
+            "cylinder",
+            "outline",
+            "profile",
+            "path",
+            "strand",
+        ];
         there.retain(|key| !within.contains(&&**key));
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {

@@ -31,6 +31,8 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         (Kind::Shape, "HeightField") => gather.points(&["center"], "middle"),
         (Kind::Shape, "Prism") => gather.prism(),
         (Kind::Shape, "Lathe") => gather.lathe(),
+        (Kind::Shape, "Curves") => gather.strands(),
+        (Kind::Part, "strand") => gather.strand(),
         (Kind::Shape, "Quad") => gather.quad(),
         (Kind::Shape, "Triangle") => gather.points(&["vertex0", "vertex1", "vertex2"], "corner"),
         (Kind::Shape, keyword) => gather.by_fields(keyword),
@@ -161,6 +163,33 @@ impl Gather<'_> {
                 let at = self.world(DVec3::from_array(p));
                 self.add(HandleKind::Point, at, Track::Screen, meaning, "control point");
             }
+        }
+        Some(())
+    }
+
+    /// The points of the strands that are written out, as many as a hand finds its way among.
+    fn strands(&mut self) -> Option<()> {
+        const MOST_POINTS: usize = 100;
+        let curves = self.node;
+        let strands =
+            self.document.outline().children(Some(curves)).filter(|node| &*node.keyword == "strand");
+        for strand in strands {
+            self.node = strand.id;
+            self.strand();
+            if self.handles.len() >= MOST_POINTS {
+                break;
+            }
+        }
+        self.node = curves;
+        Some(())
+    }
+
+    fn strand(&mut self) -> Option<()> {
+        let numbers = self.document.value(self.node, "points")?.numbers;
+        for (k, &p) in numbers.as_chunks::<3>().0.iter().enumerate() {
+            let (at, meaning) =
+                (self.world(DVec3::from_array(p)), Meaning::Part { key: "points", first: 3 * k });
+            self.add(HandleKind::Point, at, Track::Screen, meaning, "control point");
         }
         Some(())
     }

@@ -39,6 +39,7 @@ Group {
     }
   }
   Triangle { vertex0 0 0 1  vertex1 1 0.2 1  vertex2 0.3 1 0.8 }
+  Transform { XRotate 40  Curves { radius 0.1  strand { points -1 0 0  0 1 0.4  0.5 0 1  1 1 0 } } }
   Define pair { Sphere { center 0 0 0  radius 0.2 } }
   Instance pair { Translate 0.5 0.5 0.5 }
   Difference { Box { min -1 -1 -1  max 0 0 0 }  Transform { YRotate 30  Sphere { center -0.2 0 0  radius 0.6 } } }

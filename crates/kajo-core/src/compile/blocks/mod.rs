@@ -10,6 +10,7 @@ pub(super) mod blob;
 pub(super) mod checkerboard;
 pub(super) mod cone;
 pub(super) mod cuboid;
+pub(super) mod curves;
 pub(super) mod cylinder;
 pub(super) mod directional_light;
 pub(super) mod disk;
@@ -49,7 +50,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
 use crate::schema::{Block, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 30] = [
+pub(super) const OBJECTS: [&ObjectMember; 31] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -66,6 +67,7 @@ pub(super) const OBJECTS: [&ObjectMember; 30] = [
     &prism::MEMBER,
     &lathe::MEMBER,
     &sphere_sweep::MEMBER,
+    &curves::MEMBER,
     &disk::MEMBER,
     &quad::MEMBER,
     &triangle::MEMBER,
@@ -120,12 +122,13 @@ pub(super) const MATERIAL_LIST: Block =
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 14] = [
+const OTHERS: [&Block; 15] = [
     &blob::SPHERE,
     &blob::CYLINDER,
     &prism::OUTLINE,
     &lathe::PROFILE,
     &sphere_sweep::PATH,
+    &curves::STRAND,
     &super::settings::BLOCK,
     &super::background::BLOCK,
     &super::background::SKY,

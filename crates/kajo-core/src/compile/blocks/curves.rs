@@ -1,0 +1,102 @@
+//! `Curves`: strands with a width, for hair, grass and wires.
+
+use kajo_scene::{Diagnostic, Item, Params};
+
+use crate::compile::Compiler;
+use crate::compile::curves::CurvesRequest;
+use crate::compile::fields::{At, FileName, Keys, Sources, at_least, choice, choices, file, keys};
+use crate::compile::member::{Member, ObjectMember};
+use crate::compile::place::{Place, Walk};
+use crate::schema::{Block, Kind};
+use crate::shape::{CurveBasis, CurveForm, Strands};
+
+choices! {
+    CurveBasis {
+        "bspline" => CurveBasis::BSpline,
+        "bezier" => CurveBasis::Bezier,
+        "catmullrom" => CurveBasis::CatmullRom,
+        "linear" => CurveBasis::Linear,
+    }
+}
+
+choices! {
+    CurveForm {
+        "tube" => CurveForm::Tube,
+        "ribbon" => CurveForm::Ribbon,
+    }
+}
+
+keys! {
+    CurvesKeys<'t> {
+        file: Option<At<'t, FileName>> = file("file").placed().option("strands: text, or a file of hair"),
+        basis: CurveBasis = choice::<CurveBasis>("basis").or_word("bspline", "what points make a curve by"),
+        form: CurveForm = choice::<CurveForm>("form").or_word("tube", "round, or flat and facing the ray"),
+        radius: f32 = at_least("radius", 0.0).unit("length").or(0.01, "half the width of points that have none"),
+        tip_radius: Option<f32> = at_least("tipRadius", 0.0).unit("length").unlike(
+            "`radius`",
+            "0",
+            "the same at the last point of each strand; changes steadily up to there",
+        ),
+    }
+}
+
+pub const MEMBER: ObjectMember = Member {
+    block: Block {
+        keyword: "Curves",
+        kind: Kind::Shape,
+        about: "strands with a width: hair, grass, wires",
+        groups: &[CurvesKeys::FIELDS],
+    },
+    read: place_curves,
+};
+
+pub const STRAND: Block =
+    Block { keyword: "strand", kind: Kind::Part, about: "one of many curves, by its points", groups: &[] };
+
+fn place_curves(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+    let shape = compiler.read_keys(item, read).and_then(|request| compiler.curves(item, request));
+    compiler.put_shape(shape, item, place, walk);
+}
+
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<CurvesRequest> {
+    params.name();
+    let keys = CurvesKeys::read(params, sources);
+    let items = params.take(&[STRAND.keyword]);
+    if items.is_empty() && !params.contains("file") {
+        params.report_missing(STRAND.keyword);
+        return None;
+    }
+    let mut strands = Strands::default();
+    let read: Vec<Option<()>> = items.into_iter().map(|item| strand(item, params, &mut strands)).collect();
+    let CurvesKeys { file, basis, form, radius, tip_radius } = keys?;
+    read.into_iter().collect::<Option<()>>()?;
+    let file = file.map(|file| (file.value.0, file.item.head_span()));
+    Some(CurvesRequest { file, strands, basis, form, radii: [radius, tip_radius.unwrap_or(radius)] })
+}
+
+/// Adds what a block of a strand says.
+fn strand(item: Item<'_>, params: &mut Params<'_, '_>, out: &mut Strands) -> Option<()> {
+    let mut own = Params::new(item, params.diagnostics());
+    let points = own.required("points", |args| args.points());
+    let radii = own.optional("radii", |args| {
+        let count = args.numbers_left();
+        (0..count).map(|_| args.number_in(0.0..=f64::MAX)).collect::<Result<Vec<f32>, _>>()
+    });
+    own.finish();
+    let points = points?;
+    let radii = radii.unwrap_or_default();
+    if radii.len() > 1 && radii.len() != points.len() {
+        let message = format!("{} radii for {} points", radii.len(), points.len());
+        let error = Diagnostic::error(message).label(item.head_span(), "in this strand");
+        params.diagnostics().push(error.help("write one radius, or one for each point"));
+        return None;
+    }
+    match *radii {
+        [one] => out.radii.extend(points.iter().map(|_| one)),
+        [] => out.radii.extend(points.iter().map(|_| f32::NAN)),
+        _ => out.radii.extend(&radii),
+    }
+    out.points.extend(points);
+    out.finish_strand();
+    Some(())
+}
