@@ -11,7 +11,7 @@ use crate::cycles;
 use crate::manifest::{self, Dependencies};
 
 /// Each crate of the workspace, lowest floor first, and the crates it may import.
-const CRATES: [(&str, &[&str]); 15] = [
+const CRATES: [(&str, &[&str]); 16] = [
     ("kajo-math", &[]),
     ("kajo-color", &["kajo-math"]),
     ("kajo-bvh", &["kajo-math"]),
@@ -51,6 +51,7 @@ const CRATES: [(&str, &[&str]); 15] = [
     ),
     ("kajo-farm", &["kajo"]),
     ("kajo-cli", &["kajo", "kajo-farm", "kajo-selftest"]),
+    ("kajo-py", &["kajo"]),
     ("kajo-studio", &["kajo", "kajo-edit", "kajo-math"]),
     ("kajo-testkit", &["kajo-math", "kajo-color", "kajo-image"]),
     ("xtask", &[]),
@@ -60,7 +61,7 @@ const CRATES: [(&str, &[&str]); 15] = [
 const TESTKIT: &str = "kajo-testkit";
 
 /// Third-party crates that one crate of ours hides from the others.
-const KEPT: [(&str, &str); 10] = [
+const KEPT: [(&str, &str); 11] = [
     ("annotate-snippets", "kajo-scene"),
     ("clap", "kajo-cli"),
     ("eframe", "kajo-studio"),
@@ -70,6 +71,7 @@ const KEPT: [(&str, &str); 10] = [
     ("glam", "kajo-math"),
     ("image", "kajo-image"),
     ("png", "kajo-image"),
+    ("pyo3", "kajo-py"),
     ("wgpu", "kajo-studio"),
 ];
 

@@ -6,6 +6,7 @@ mod instructions;
 mod manifest;
 mod mutants;
 mod packages;
+mod python;
 mod steps;
 mod words;
 
@@ -86,6 +87,7 @@ fn test(root: &Path, report: &mut Report) {
     } else {
         report.run("tests", Cargo::new(root, "test --workspace --no-fail-fast"));
     }
+    python::test(root, report);
     if !root.join("../shared/course").is_dir() {
         report.skip("course set", "the course's files are not at ../shared/course");
     }

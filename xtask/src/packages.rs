@@ -15,7 +15,7 @@ struct Need {
 }
 
 /// A linker is not in the list: this very program would not exist without one.
-const NEEDS: [Need; 4] = [
+const NEEDS: [Need; 5] = [
     Need { name: "git", is_there: || has_program("git"), packages: &["git"] },
     Need {
         name: "a graphics card, or its stand-in on the processor",
@@ -34,6 +34,11 @@ const NEEDS: [Need; 4] = [
             "libxrandr2",
             "libx11-xcb1",
         ],
+    },
+    Need {
+        name: "Python with numpy and pytest",
+        is_there: || has_python("python3") || has_python("/usr/bin/python3"),
+        packages: &["python3", "python3-numpy", "python3-pytest"],
     },
     Need { name: "keys and mouse by script", is_there: || has_program("xdotool"), packages: &["xdotool"] },
 ];
@@ -61,6 +66,11 @@ pub fn provide(report: &mut Report) {
 fn has_program(name: &str) -> bool {
     let path = env::var_os("PATH").unwrap_or_default();
     env::split_paths(&path).any(|folder| folder.join(format!("{name}{}", env::consts::EXE_SUFFIX)).is_file())
+}
+
+/// Whether this Python can run the tests of the package.
+fn has_python(program: &str) -> bool {
+    crate::steps::answers(Command::new(program).args(["-c", "import numpy, pytest"]))
 }
 
 /// Whether anything draws with Vulkan here. Systems other than Linux always have something of their own.

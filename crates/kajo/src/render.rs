@@ -441,6 +441,18 @@ impl Picture {
         view::develop(&self.film, Layer::Color)
     }
 
+    /// A layer as numbers, as an OpenEXR file has them; light is linear. The view with [`Format::Exr`] must have been asked
+    /// for.
+    ///
+    /// # Errors
+    /// When it was not, or there is no memory for it.
+    pub fn layer(&self, view: View) -> Result<Image, ImageError> {
+        match (view, &self.light) {
+            (View::Color, Some(light)) => Ok(light.clone()),
+            _ => view::picture(&self.film, view, Format::Exr, &self.settings),
+        }
+    }
+
     /// Samples that were left out because they were no finite numbers: each is a bug.
     pub fn non_finite(&self) -> u64 {
         self.film.non_finite()

@@ -1,0 +1,173 @@
+"""The package kajo, as a user of Python meets it. Run by `cargo xtask test` where Python, numpy and pytest are."""
+
+import os
+import signal
+import subprocess
+import threading
+import time
+
+import kajo
+import numpy as np
+import pytest
+
+SCENE = """
+PerspectiveCamera { center 0 1 9  direction 0 -0.1 -1  up 0 1 0  angle 30 }
+Background { color 0.2 0.3 0.5 }
+Lights { DirectionalLight { direction -1 -1 -1  color 0.9 0.9 0.9 } }
+Materials { Matte gold { color 0.8 0.6 0.2 }  Matte floor { color 0.5 0.5 0.5 } }
+Group {
+  MaterialIndex gold   Sphere { center 0 0 0  radius 1 }
+  MaterialIndex floor  Plane { normal 0 1 0  offset -1 }
+}
+"""
+PROGRAM = os.environ.get("KAJO_PROGRAM")
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return kajo.loads(SCENE)
+
+
+def test_layers_are_arrays_of_their_own(scene):
+    image = scene.render(size=(40, 30), samples=("sobol", 4), layers=["color", "depth", "object"])
+    assert image.size == (40, 30) and image.layers == ["color", "depth", "object"] and image.samples == 4
+    color, depth = image["color"], image["depth"]
+    assert color.shape == (30, 40, 3) and depth.shape == (30, 40, 1)
+    assert color.dtype == np.float32 and color.flags.owndata and color.flags.writeable and color.flags.c_contiguous
+    assert np.isfinite(color).all() and color.min() >= 0
+    # The sphere is seen in the middle, the sky on top: row 0 is there.
+    assert abs(float(depth[15, 20, 0]) - 8) < 0.2 and np.isinf(depth[0]).all()
+    assert set(np.unique(image["object"])) == {0, 1, 2}
+    color[:] = 7
+    assert (image["color"] != 7).any()
+    del image
+    assert (color == 7).all()
+    with pytest.raises(KeyError):
+        scene.render(size=(4, 4))["depth"]
+
+
+def test_the_sky_has_the_colour_that_was_asked_for(scene):
+    sky = scene.render(size=(40, 30), samples=4)["color"][0, 0]
+    assert np.array_equal(sky, np.array([0.2, 0.3, 0.5], dtype=np.float32))
+
+
+def test_any_number_of_threads_makes_the_same_bytes(scene):
+    options = {"size": (50, 38), "samples": ("jittered", 4), "integrator": "path"}
+    pictures = [scene.render(threads=n, **options).encode("exr") for n in (1, 2, 7)]
+    assert pictures[0] == pictures[1] == pictures[2]
+    assert scene.render(seed=2, **options).encode("exr") != pictures[0]
+
+
+@pytest.mark.skipif(PROGRAM is None, reason="the program kajo is not there")
+def test_files_are_those_of_the_command_line(tmp_path):
+    (tmp_path / "s.txt").write_text(SCENE)
+    for name, options, settings in [
+        ("a.exr", ["--layers", "color,depth,normals"], {"layers": ["color", "depth", "normals"]}),
+        ("b.png", ["--filter", "gaussian", "0.6"], {"filter": ("gaussian", 0.6)}),
+        ("c.png", ["--integrator", "path", "--seed", "3"], {"integrator": "path", "seed": 3}),
+        ("d.exr", ["--adaptive", "--integrator", "path"], {"adaptive": True, "integrator": "path"}),
+    ]:
+        line = [PROGRAM, "render", "s.txt", "-o", name, "--size", "60", "44", "--samples", "sobol", "16"]
+        subprocess.run(line + options, cwd=tmp_path, check=True, capture_output=True)
+        image = kajo.load(tmp_path / "s.txt").render(size=(60, 44), samples=("sobol", 16), **settings)
+        assert image.encode(name[-3:]) == (tmp_path / name).read_bytes(), name
+        image.save(tmp_path / ("mine-" + name))
+        assert (tmp_path / ("mine-" + name)).read_bytes() == (tmp_path / name).read_bytes()
+
+
+def test_mistakes_have_places():
+    with pytest.raises(kajo.SceneError) as caught:
+        kajo.loads("Group { Sphre { center 0 0 0  radius 1 } }")
+    assert "Sphere" in str(caught.value) and "^" in str(caught.value)
+    assert any(line.startswith("scene.txt:1:9: error: ") for line in caught.value.lines)
+    assert isinstance(caught.value, kajo.KajoError)
+    with pytest.raises(kajo.SceneError, match="no such file"):
+        kajo.load("nowhere.txt")
+
+
+@pytest.mark.parametrize(
+    "settings, error",
+    [
+        ({"sise": (4, 4)}, kajo.SceneError),
+        ({"size": (4,)}, kajo.SceneError),
+        ({"size": (0, 4)}, kajo.SceneError),
+        ({"samples": ("sobol", -1)}, kajo.SceneError),
+        ({"integrator": "pth"}, kajo.SceneError),
+        ({"seed": float("nan")}, kajo.SceneError),
+        ({"integrator": "path } Group {"}, kajo.SceneError),
+        ({"integrator": 'a"b'}, ValueError),
+        ({"samples": [object()]}, TypeError),
+        ({"layers": ["colour"]}, ValueError),
+        ({"noise": -1.0}, ValueError),
+        ({"time": float("nan")}, ValueError),
+        ({"crop": (100_000, 0, 5, 5)}, kajo.KajoError),
+        ({"size": (2_000_000_000, 2_000_000_000)}, kajo.KajoError),
+    ],
+)
+def test_what_makes_no_sense_is_refused(scene, settings, error):
+    with pytest.raises(error):
+        scene.render(**settings)
+
+
+def test_files_come_from_memory():
+    text = SCENE.replace("Lights {", 'include "more.txt"  Lights {')
+    with pytest.raises(kajo.SceneError):
+        kajo.loads(text)
+    assert kajo.loads(text, files={"more.txt": b"# nothing"}).objects == 2
+
+
+def test_progress_is_told_and_may_stop(scene):
+    told = []
+    scene.render(size=(200, 150), samples=("sobol", 64), progress=told.append)
+    assert told[-1] == 1.0 and told == sorted(told) and 0 <= told[0] <= 1
+
+    def stop(_):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        scene.render(size=(1000, 1000), samples=("sobol", 65536), progress=stop)
+
+
+def test_ctrl_c_stops_a_render(scene):
+    timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        scene.render(size=(1000, 1000), samples=("sobol", 65536))
+    assert time.monotonic() - start < 30
+
+
+def test_other_threads_run_meanwhile(scene):
+    steps, over = [], threading.Event()
+
+    def count():
+        while not over.is_set():
+            steps.append(1)
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    scene.render(size=(300, 200), samples=("sobol", 64), integrator="path")
+    over.set()
+    thread.join()
+    assert len(steps) > 3
+
+
+def test_memory_stays_flat(scene):
+    resource = pytest.importorskip("resource")
+    for i in range(400):
+        if i == 100:
+            before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        scene.render(size=(64, 48), samples=1, layers=["color", "depth"])["depth"]
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 20_000, "kilobytes"
+
+
+def test_a_picture_shows_itself(scene):
+    image = scene.render(size=(16, 16), samples=1)
+    assert image._repr_png_().startswith(b"\x89PNG") and "16 x 16" in repr(image)
+    assert np.asarray(image).shape == (16, 16, 3)
+    with pytest.raises(ValueError, match="no format"):
+        image.encode("gif")
+    with pytest.raises(OSError):
+        image.save("/nowhere/at/all.png")
+    assert kajo.build_identity().startswith("kajo " + kajo.__version__)
