@@ -153,7 +153,10 @@ impl From<RenderError> for Failure {
                 }
                 _ => format!("{error}, or allow it with --overwrite-checkpoint"),
             }),
-            RenderError::Checkpoint(_) | RenderError::NotAdaptive(_) => Failure::Input(error.to_string()),
+            RenderError::Checkpoint(_)
+            | RenderError::NotAdaptive(_)
+            | RenderError::UnknownNoise(_)
+            | RenderError::Unprepared(_) => Failure::Input(error.to_string()),
             RenderError::Panicked { .. } => Failure::Bug(error.to_string()),
         }
     }

@@ -96,6 +96,13 @@ impl Progress for Watched<'_> {
     fn cancelled(&self) -> bool {
         self.interrupt.is_stopping()
     }
+
+    fn note(&self, sentence: &str) {
+        match self.meter {
+            Meter::Bar { bar, .. } => bar.suspend(|| console::warning(sentence)),
+            Meter::Silent | Meter::Lines { .. } => console::warning(sentence),
+        }
+    }
 }
 
 /// A bar that shows the reading of long files and the building of large trees.

@@ -8,20 +8,25 @@ pub mod context;
 pub mod film;
 pub mod integrator;
 pub mod order;
+mod progress;
 mod ray_counters;
 pub mod rect;
 pub mod sample;
 pub mod schedule;
+mod setup;
+pub mod state;
 pub mod trail;
 
 pub use context::{Auxiliary, SampleContext, Splats};
 pub use film::{DepthMap, Film, FilmError, FilmPart, FilmSpec, Filter, Layer, LayerSet, NormalMap};
 pub use kajo_core::light::MAX_LIGHT_GROUPS;
+pub use progress::{Progress, Silent};
 pub use ray_counters::RayCounters;
 pub use rect::Rect;
-pub use sample::{FirstHit, PixelIntegrator, PixelSample};
+pub use sample::{FirstHit, PixelIntegrator, PixelSample, WithState};
 pub use schedule::{
-    FailedUnit, Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Silent, Unit, render,
-    render_passes, render_piece, render_unit,
+    FailedUnit, Goal, Position, RenderError, RenderSettings, RenderStats, Unit, render, render_passes,
+    render_piece, render_unit,
 };
+pub use setup::{Setup, SetupError};
 pub use trail::{LightSource, RayKind, Segment, Trail, TrailHit};

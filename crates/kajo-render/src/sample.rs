@@ -2,7 +2,7 @@
 
 use kajo_math::{Vec2, Vec3};
 
-use crate::{SampleContext, Trail};
+use crate::{RayCounters, SampleContext, Setup, SetupError, Trail};
 
 /// What one camera ray brings to the film. Values of rarer layers are in [`SampleContext::aux`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,4 +43,29 @@ pub trait PixelIntegrator: Sync {
     fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
         (self.sample(ctx, pixel, raster), Trail::default())
     }
+
+    /// Samples of each pixel that share one state, which is made before they are taken; `None` where each stands by itself.
+    ///
+    /// See [`state`](crate::state).
+    fn samples_per_state(&self) -> Option<u32> {
+        None
+    }
+
+    /// The integrator with the state of part `k` of the samples: a function of the scene, the seed and `k`.
+    ///
+    /// # Errors
+    /// [`SetupError`]
+    fn with_state<'a>(&'a self, _k: u32, _setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        Err(SetupError::Refused("this integrator has no state".to_owned()))
+    }
+}
+
+/// An integrator with its state, and what that took.
+pub struct WithState<'a> {
+    /// Takes the samples of the part.
+    pub integrator: Box<dyn PixelIntegrator + 'a>,
+    /// Rays cast for the state.
+    pub rays: RayCounters,
+    /// What is worth knowing of it, a sentence each.
+    pub notes: Vec<String>,
 }

@@ -9,6 +9,8 @@
 //! end; tiles are numbered along a Hilbert curve (see [`order`](crate::order)). When a picture has few
 //! tiles for the threads at hand, its samples are split as well.
 //!
+//! What samples of an integrator share is made before them (see [`state`](crate::state)); passes end where that changes.
+//!
 //! [`render`] takes all samples in one pass over the picture. [`render_passes`] takes them in several, with the whole
 //! picture to be seen after each; the bits at the end are the same.
 
@@ -24,9 +26,10 @@ use kajo_math::{Vec2, rng::mix};
 use thiserror::Error;
 
 use crate::{
-    Auxiliary, Film, FilmPart, PixelIntegrator, RayCounters, Rect, SampleContext, context::RAYS_PER_CHECK,
+    Auxiliary, Film, FilmPart, PixelIntegrator, Progress, RayCounters, Rect, SampleContext, Setup,
+    SetupError, context::RAYS_PER_CHECK, state::States,
 };
-use pass::{Pass, Plan, Share};
+use pass::{Plan, Share, carry_out};
 pub use passes::{Goal, Position, render_passes};
 pub use stages::render_piece;
 
@@ -59,12 +62,14 @@ pub struct RenderSettings {
     pub threads: usize,
     /// Side of a tile in pixels; 0 for the default of 32, and no more than 512.
     pub tile: u32,
+    /// Bytes that the state of an integrator may take.
+    pub memory: u64,
 }
 
 impl RenderSettings {
-    /// These samples with seed 0, on all cores, with default tiles.
+    /// These samples with seed 0, on all cores, with default tiles and memory without bound.
     pub fn new(sampler: Sampler) -> RenderSettings {
-        RenderSettings { sampler, seed: 0, threads: 0, tile: 0 }
+        RenderSettings { sampler, seed: 0, threads: 0, tile: 0, memory: u64::MAX }
     }
 
     /// Threads to start, the default filled in.
@@ -74,28 +79,10 @@ impl RenderSettings {
             n => n.min(MOST_THREADS),
         }
     }
-}
 
-/// Who is told how far a render is, and may stop it. Called from every thread.
-pub trait Progress: Sync {
-    /// `pixels_done` of `pixels_total` are finished, by the share of samples taken, and `rays` have been
-    /// cast so far. Reports of different threads may arrive out of order.
-    fn done(&self, pixels_done: u64, pixels_total: u64, rays: u64);
-
-    /// Whether to stop. Asked by each thread after 256 camera rays or 8192 rays of any kind, and before each unit; within
-    /// a sample only where its paths fork. A sample that is given up so is not in the film.
-    fn cancelled(&self) -> bool;
-}
-
-/// Progress that nobody looks at.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Silent;
-
-impl Progress for Silent {
-    fn done(&self, _: u64, _: u64, _: u64) {}
-
-    fn cancelled(&self) -> bool {
-        false
+    /// What an integrator may use to make its state.
+    fn setup<'a>(&self, progress: &'a dyn Progress) -> Setup<'a> {
+        Setup { seed: self.seed, threads: self.thread_count(), memory: self.memory, progress }
     }
 }
 
@@ -212,6 +199,24 @@ pub enum RenderError {
         /// What the render took.
         stats: RenderStats,
     },
+    /// What the integrator's samples share could not be made.
+    #[error("{message}")]
+    Unprepared {
+        /// Why, a sentence for the user.
+        message: String,
+        /// What the render took.
+        stats: RenderStats,
+    },
+}
+
+impl RenderError {
+    /// What a failed preparation means to a render that took so much.
+    fn of_setup(error: SetupError, stats: RenderStats) -> RenderError {
+        match error {
+            SetupError::Cancelled => RenderError::Cancelled(stats),
+            error => RenderError::Unprepared { message: error.to_string(), stats },
+        }
+    }
 }
 
 /// Renders all pixels of a film.
@@ -225,17 +230,34 @@ pub fn render<I: PixelIntegrator + ?Sized>(
     progress: &dyn Progress,
 ) -> Result<RenderStats, RenderError> {
     let start = Instant::now();
-    let plan = Plan::new(film, settings, 0..settings.sampler.samples(), &[]);
-    let share = Share { samples_in_all: plan.samples(), ..Share::default() };
-    let pass = Pass::new(integrator, film, settings, progress, &plan, share);
-    pass.run();
-    let complete = pass.is_complete();
-    let (mut stats, failed) = pass.finish();
-    stats.seconds = start.elapsed().as_secs_f64();
-    match (failed.is_empty(), complete) {
-        (false, _) => Err(RenderError::Panicked { failed, stats }),
-        (true, false) => Err(RenderError::Cancelled(stats)),
-        (true, true) => Ok(stats),
+    let all = settings.sampler.samples();
+    let in_all = Plan::new(film, settings, 0..all, &[]).samples();
+    let mut states = States::new(integrator);
+    let (mut stats, mut begin) = (RenderStats::default(), 0);
+    loop {
+        let end = states.end_of_part(begin).min(all);
+        let setup = settings.setup(progress);
+        let with_state = states.at(begin, &setup, &mut stats.rays);
+        let with_state = with_state.map_err(|error| RenderError::of_setup(error, stats))?;
+        let plan = Plan::new(film, settings, begin..end, &[]);
+        let share = Share {
+            samples: stats.samples,
+            rays: stats.rays.total(),
+            samples_in_all: in_all,
+            ..Share::default()
+        };
+        let watched = (film, progress);
+        let done = match with_state {
+            Some(with_state) => carry_out(with_state, watched, settings, (&plan, share), &[]),
+            None => carry_out(integrator, watched, settings, (&plan, share), &[]),
+        };
+        stats = stats.and(done.stats, start.elapsed().as_secs_f64());
+        match (done.failed.is_empty(), done.is_complete) {
+            (false, _) => return Err(RenderError::Panicked { failed: done.failed, stats }),
+            (true, false) => return Err(RenderError::Cancelled(stats)),
+            (true, true) if end == all => return Ok(stats),
+            (true, true) => begin = end,
+        }
     }
 }
 

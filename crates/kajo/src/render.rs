@@ -111,6 +111,15 @@ pub enum RenderError {
         "adaptive sampling cannot use {0} samples, whose number is fixed; take sobol, zsobol, pmj or uniform ones"
     )]
     NotAdaptive(&'static str),
+    /// Noise is estimated from samples that are independent, and those of this integrator share what they are made of.
+    #[error(
+        "the noise of `integrator {0}` cannot be told from its samples, which share their light; \
+         take a number of samples or a time, or another integrator"
+    )]
+    UnknownNoise(&'static str),
+    /// The integrator could not be made ready.
+    #[error("{0}")]
+    Unprepared(String),
     /// [`Progress::cancelled`] said so. The picture holds what was rendered.
     #[error("the render was interrupted")]
     Cancelled(Box<Picture>),
@@ -176,6 +185,9 @@ impl<'a> RenderRequest<'a> {
         if goal.adaptive || goal.noise.is_some() {
             layers = layers.with(Layer::Variance);
         }
+        if layers.has(Layer::Variance) && self.integrator(layers).samples_per_state().is_some() {
+            return Err(RenderError::UnknownNoise(self.settings.integrator.name.0));
+        }
         let spec = film_spec(self.camera(), self.settings, layers);
         // Where the noise of the picture decides on its samples, all of it does so.
         let samples_everywhere = spec.samples_everywhere || spec.shown.is_some() && goal.noise.is_some();
@@ -196,7 +208,9 @@ impl<'a> RenderRequest<'a> {
     }
 
     pub(crate) fn schedule(&self, spec: &FilmSpec) -> kajo_render::RenderSettings {
-        schedule(self.settings, &within_memory(&self.resources, spec))
+        let schedule = schedule(self.settings, &within_memory(&self.resources, spec));
+        let film = u64::try_from(spec.bytes()).unwrap_or(u64::MAX);
+        kajo_render::RenderSettings { memory: schedule.memory.saturating_sub(film), ..schedule }
     }
 
     pub(crate) fn picture(
@@ -215,11 +229,12 @@ impl<'a> RenderRequest<'a> {
 /// [`RenderError`]; the size is checked before anything is allocated.
 pub fn render(request: &RenderRequest<'_>, progress: &dyn Progress) -> Result<Picture, RenderError> {
     let layers = request.layers();
-    let spec = FilmSpec { one_pass: true, ..film_spec(request.camera(), request.settings, layers) };
+    let integrator = request.integrator(layers);
+    let one_pass = integrator.samples_per_state().is_none_or(|n| n >= request.settings.samples.1);
+    let spec = FilmSpec { one_pass, ..film_spec(request.camera(), request.settings, layers) };
     request.check_memory(&spec)?;
     let film = new_film(spec)?;
     let reserve = request.reserve(&spec)?;
-    let integrator = request.integrator(layers);
     let result = kajo_render::render(&*integrator, &film, &request.schedule(&spec), progress);
     drop(reserve);
     ended(result, |stats| request.picture(film, None, stats))
@@ -245,6 +260,7 @@ pub fn render_passes(
     let goal = &passes.goal;
     let spec = request.spec_of_passes(goal)?;
     let layers = spec.layers;
+    let integrator = request.integrator(layers);
     request.check_memory(&spec)?;
     let identity = Identity::new(passes.scene, (scene, request.camera()), settings, &spec, goal);
     let schedule = request.schedule(&spec);
@@ -258,7 +274,6 @@ pub fn render_passes(
             .map_err(RenderError::Checkpoint)?;
     }
     let reserve = request.reserve(&spec)?;
-    let integrator = request.integrator(layers);
     let look = &mut |film: &Film, position: &Position, &stats: &RenderStats| {
         let (groups, identity, threads) = (&*scene.lighting.groups, &identity, resources.threads);
         look(Snapshot { film, groups, settings, position, identity, threads, stats })
@@ -284,6 +299,7 @@ fn ended(
 pub(crate) fn failed(error: PassError, picture: impl FnOnce(RenderStats) -> Picture) -> RenderError {
     let message = error.to_string();
     match error {
+        PassError::Unprepared { message, .. } => RenderError::Unprepared(message),
         PassError::Cancelled(stats) => RenderError::Cancelled(Box::new(picture(stats))),
         PassError::Panicked { stats, .. } => {
             RenderError::Panicked { message, picture: Some(Box::new(picture(stats))) }
@@ -304,6 +320,7 @@ pub(crate) fn schedule(settings: &RenderSettings, resources: &Resources) -> kajo
         seed: settings.seed,
         threads: resources.threads,
         tile: resources.tile,
+        memory: resources.memory.unwrap_or_else(memory::available),
     }
 }
 

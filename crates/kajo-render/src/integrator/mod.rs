@@ -25,7 +25,7 @@ use kajo_core::settings::Settings;
 use kajo_math::Vec2;
 
 use crate::trail::{Counting, PathObserver};
-use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Trail};
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext, Setup, SetupError, Trail, WithState};
 
 /// Writes the enum of all settings, with a `match` for each method of [`Prepare`].
 macro_rules! settings {
@@ -112,6 +112,16 @@ pub(crate) trait Integrator: Sync {
         raster: Vec2,
         observer: &mut O,
     ) -> PixelSample;
+
+    /// As [`PixelIntegrator::samples_per_state`].
+    fn samples_per_state(&self) -> Option<u32> {
+        None
+    }
+
+    /// As [`PixelIntegrator::with_state`], for those that have some.
+    fn with_state<'a>(&'a self, _k: u32, _setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        Err(SetupError::Refused("this integrator has no state".to_owned()))
+    }
 }
 
 /// One code for renders, where rays are counted, and for debug rays, where all is kept.
@@ -126,6 +136,14 @@ impl<I: Integrator> PixelIntegrator for I {
     fn trail(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> (PixelSample, Trail) {
         let mut trail = Trail::default();
         (self.observe(ctx, pixel, raster, &mut trail), trail)
+    }
+
+    fn samples_per_state(&self) -> Option<u32> {
+        Integrator::samples_per_state(self)
+    }
+
+    fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        Integrator::with_state(self, k, setup)
     }
 }
 

@@ -1,7 +1,6 @@
 //! One pass over a picture: its plan, and the threads that carry it out.
 
 use std::{
-    any::Any,
     ops::Range,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{
@@ -20,6 +19,7 @@ use crate::{
     context::{Interrupt, Scratch},
     order,
     rect::{Grid, Rect},
+    setup::message_of,
 };
 
 /// The units of a pass, numbered.
@@ -280,9 +280,31 @@ impl<'a, I: PixelIntegrator + ?Sized> Pass<'a, I> {
     }
 }
 
-/// The text of a panic.
-fn message_of(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied();
-    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("a panic without a message").to_string()
+/// What came of a pass.
+pub(super) struct Done {
+    /// Whether the film has every unit.
+    pub is_complete: bool,
+    /// A bit for each unit that the film has.
+    pub finished: Vec<u64>,
+    /// What it took.
+    pub stats: RenderStats,
+    /// The units that panicked, sorted by place.
+    pub failed: Vec<FailedUnit>,
+}
+
+/// Carries out a pass.
+///
+/// * `finished`: a bit for each unit that the film has already; empty for none
+pub(super) fn carry_out<I: PixelIntegrator + ?Sized>(
+    integrator: &I,
+    (film, progress): (&Film, &dyn Progress),
+    settings: &RenderSettings,
+    (plan, share): (&Plan, Share),
+    finished: &[u64],
+) -> Done {
+    let pass = Pass::new(integrator, film, settings, progress, plan, share).after(finished);
+    pass.run();
+    let (is_complete, finished) = (pass.is_complete(), pass.finished());
+    let (stats, failed) = pass.finish();
+    Done { is_complete, finished, stats, failed }
 }

@@ -16,11 +16,12 @@ use std::{
 
 use super::{
     Progress, RenderError, RenderSettings, RenderStats, adaptive,
-    pass::{Pass, Plan, Share},
+    pass::{Done, Plan, Share, carry_out},
 };
 use crate::{
-    Film, PixelIntegrator,
+    Film, PixelIntegrator, SetupError,
     film::numbers::{flag, invalid, restore_array, restore_numbers, save_numbers},
+    state::States,
 };
 
 /// Passes end at every power of two up to here, and then at every multiple of it.
@@ -91,21 +92,26 @@ pub fn render_passes<I: PixelIntegrator + ?Sized>(
     if position.unfinished.is_none() && is_quiet_enough(film, goal, position.done) {
         return Ok(stats);
     }
-    while let Some(samples) = position.next_samples(settings, goal, quota) {
+    let mut states = States::new(integrator);
+    while let Some(samples) = position.next_samples(settings, goal, (quota, &|at| states.end_of_part(at))) {
         let plan = position.plan(film, settings, samples.clone());
         // Beyond what the clock can tell there is no end.
         let end = goal.time.filter(|_| position.done > 0).and_then(|time| start.checked_add(time));
         let clock = Clock { progress, end };
-        let share = position.share(film, settings, &plan, &stats);
-        let mut pass = Pass::new(integrator, film, settings, &clock, &plan, share);
-        if let Some(unfinished) = &position.unfinished {
-            pass = pass.after(&unfinished.finished);
-        }
         let pass_start = Instant::now();
-        pass.run();
-        let complete = pass.is_complete();
-        position.unfinished = (!complete).then(|| plan.unfinished(pass.finished()));
-        let (of_pass, failed) = pass.finish();
+        let with_state = match states.at(samples.start, &settings.setup(&clock), &mut stats.rays) {
+            Ok(with_state) => with_state,
+            Err(SetupError::Cancelled) if clock.is_over() && !progress.cancelled() => return Ok(stats),
+            Err(error) => return Err(RenderError::of_setup(error, stats)),
+        };
+        let share = position.share(film, settings, &plan, &stats);
+        let finished = position.unfinished.as_ref().map_or(&[][..], |unfinished| &unfinished.finished);
+        let watched: (&Film, &dyn Progress) = (film, &clock);
+        let Done { is_complete: complete, finished, stats: of_pass, failed } = match with_state {
+            Some(with_state) => carry_out(with_state, watched, settings, (&plan, share), finished),
+            None => carry_out(integrator, watched, settings, (&plan, share), finished),
+        };
+        position.unfinished = (!complete).then(|| plan.unfinished(finished));
         stats = stats.and(of_pass, start.elapsed().as_secs_f64());
         if !failed.is_empty() {
             return Err(RenderError::Panicked { failed, stats });
@@ -205,8 +211,15 @@ impl Position {
         Ok(position)
     }
 
-    /// The samples of the next pass, at most `quota`; `None` when there are no more.
-    fn next_samples(&self, settings: &RenderSettings, goal: &Goal, quota: u32) -> Option<Range<u32>> {
+    /// The samples of the next pass; `None` when there are no more.
+    ///
+    /// * `quota`: how many at most; `end_of_part`: where a pass that begins there has to end
+    fn next_samples(
+        &self,
+        settings: &RenderSettings,
+        goal: &Goal,
+        (quota, end_of_part): (u32, &dyn Fn(u32) -> u32),
+    ) -> Option<Range<u32>> {
         if let Some(unfinished) = &self.unfinished {
             return Some(unfinished.samples.clone());
         }
@@ -217,7 +230,7 @@ impl Position {
             }
             done => done.saturating_add(1).checked_next_power_of_two().unwrap_or(u32::MAX),
         };
-        let next = regular.min(self.done.saturating_add(quota.max(1))).min(end);
+        let next = regular.min(self.done.saturating_add(quota.max(1))).min(end).min(end_of_part(self.done));
         (next > self.done).then_some(self.done..next)
     }
 
@@ -269,7 +282,7 @@ impl Plan {
 
 impl RenderStats {
     /// This and what a further pass took, `seconds` after the start.
-    fn and(self, pass: RenderStats, seconds: f64) -> RenderStats {
+    pub(super) fn and(self, pass: RenderStats, seconds: f64) -> RenderStats {
         let mut rays = self.rays;
         rays += pass.rays;
         RenderStats { rays, samples: self.samples + pass.samples, seconds, ..pass }
@@ -295,6 +308,10 @@ impl Progress for Clock<'_> {
 
     fn cancelled(&self) -> bool {
         self.progress.cancelled() || self.is_over()
+    }
+
+    fn note(&self, sentence: &str) {
+        self.progress.note(sentence);
     }
 }
 

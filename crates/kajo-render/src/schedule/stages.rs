@@ -10,10 +10,10 @@ use std::time::Instant;
 
 use super::{
     Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Unit,
-    pass::{Pass, Plan, Share},
+    pass::{Plan, Share, carry_out},
     passes::{LEAST_FOR_NOISE, REGULAR_STEP, is_quiet_enough},
 };
-use crate::{Film, PixelIntegrator};
+use crate::{Film, PixelIntegrator, state::States};
 
 impl Position {
     /// The samples of the next stage; `None` when the sampler has no more.
@@ -54,17 +54,29 @@ pub fn render_piece<I: PixelIntegrator + ?Sized>(
 ) -> Result<RenderStats, RenderError> {
     let start = Instant::now();
     let sampled = film.spec().sampled(&settings.sampler).intersection(&piece.tile);
-    let plan = Plan::over(film, settings, sampled, piece.samples.clone(), &position.limits);
-    let share = Share { samples_in_all: plan.samples(), whole_units: true, ..Share::default() };
-    let pass = Pass::new(integrator, film, settings, progress, &plan, share);
-    pass.run();
-    let complete = pass.is_complete();
-    let (mut stats, failed) = pass.finish();
-    stats.seconds = start.elapsed().as_secs_f64();
-    match (failed.is_empty(), complete) {
-        (false, _) => Err(RenderError::Panicked { failed, stats }),
-        (true, false) => Err(RenderError::Cancelled(stats)),
-        (true, true) => Ok(stats),
+    let mut states = States::new(integrator);
+    let mut stats = RenderStats::default();
+    let (mut begin, all) = (piece.samples.start, piece.samples.end);
+    let in_all = Plan::over(film, settings, sampled, piece.samples.clone(), &position.limits).samples();
+    loop {
+        let end = states.end_of_part(begin).min(all);
+        let with_state = states.at(begin, &settings.setup(progress), &mut stats.rays);
+        let with_state = with_state.map_err(|error| RenderError::of_setup(error, stats))?;
+        let plan = Plan::over(film, settings, sampled, begin..end, &position.limits);
+        let (samples, rays) = (stats.samples, stats.rays.total());
+        let share = Share { samples, rays, samples_in_all: in_all, whole_units: true };
+        let watched = (film, progress);
+        let done = match with_state {
+            Some(with_state) => carry_out(with_state, watched, settings, (&plan, share), &[]),
+            None => carry_out(integrator, watched, settings, (&plan, share), &[]),
+        };
+        stats = stats.and(done.stats, start.elapsed().as_secs_f64());
+        match (done.failed.is_empty(), done.is_complete) {
+            (false, _) => return Err(RenderError::Panicked { failed: done.failed, stats }),
+            (true, false) => return Err(RenderError::Cancelled(stats)),
+            (true, true) if end >= all => return Ok(stats),
+            (true, true) => begin = end,
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use kajo_core::sampler::SamplerKind;
 use kajo_math::Vec3;
 
 use super::*;
+use crate::Silent;
 use crate::{FilmSpec, Filter, FirstHit, Layer, LayerSet, PixelSample};
 
 /// Radiance as a function of the place on the film and of a random number.

@@ -47,7 +47,11 @@ pub fn render(
         let film = Film::new(spec, u64::MAX).map_err(|error| error.to_string())?;
         let mut rays = RayCounters::default();
         for sampler in samplers.iter().cloned() {
-            let schedule = kajo_render::RenderSettings { seed: settings.seed, threads, tile: 0, sampler };
+            let schedule = kajo_render::RenderSettings {
+                seed: settings.seed,
+                threads,
+                ..kajo_render::RenderSettings::new(sampler)
+            };
             let stats = kajo_render::render(&*integrator, &film, &schedule, &Silent)
                 .map_err(|error| error.to_string())?;
             rays += stats.rays;

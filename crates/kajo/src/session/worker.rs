@@ -132,7 +132,10 @@ impl Run<'_> {
         let resources = Resources { threads: self.shared.threads, ..Resources::default() };
         check_memory(&film_spec(camera, &job.settings, layers), BYTES_TO_ENCODE, &resources)?;
         let coarse_layers = self::layers(&job.scene, &job.coarse_views, &job.settings);
-        for factor in downscales(job.downscale) {
+        // State would be made for each of the smaller pictures.
+        let has_state =
+            integrator(&job.scene, camera, &job.settings, coarse_layers).samples_per_state().is_some();
+        for factor in downscales(if has_state { 1 } else { job.downscale }) {
             let began = Instant::now();
             let settings = coarse(&job.settings, camera, factor);
             if let Outcome::Cancelled = self.passes(job, camera, settings, coarse_layers, &resources, true)? {
@@ -187,6 +190,7 @@ impl Run<'_> {
         match result {
             Ok(_) => Ok(Outcome::Finished),
             Err(PassError::Cancelled(_)) => Ok(Outcome::Cancelled),
+            Err(PassError::Unprepared { message, .. }) => Err(RenderError::Unprepared(message)),
             Err(error @ PassError::Panicked { .. }) => Err(RenderError::panicked(error.to_string())),
         }
     }

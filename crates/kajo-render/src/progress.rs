@@ -1,0 +1,27 @@
+//! Who watches a render.
+
+/// Who is told how far a render is, and may stop it. Called from every thread.
+pub trait Progress: Sync {
+    /// `pixels_done` of `pixels_total` are finished, by the share of samples taken, and `rays` have been
+    /// cast so far. Reports of different threads may arrive out of order.
+    fn done(&self, pixels_done: u64, pixels_total: u64, rays: u64);
+
+    /// Whether to stop. Asked by each thread after 256 camera rays or 8192 rays of any kind, and before each unit; within
+    /// a sample only where its paths fork. A sample that is given up so is not in the film.
+    fn cancelled(&self) -> bool;
+
+    /// Told what is worth knowing of how the picture is made, a sentence for the user.
+    fn note(&self, _sentence: &str) {}
+}
+
+/// Progress that nobody looks at.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn done(&self, _: u64, _: u64, _: u64) {}
+
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
