@@ -137,7 +137,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 53] = [
+const ROLES: [(&str, Role); 55] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -159,6 +159,8 @@ const ROLES: [(&str, Role); 53] = [
     ("total-reflection", Decides("", "--total-reflection on")),
     ("ray-offset", Decides("", "--ray-offset reference")),
     ("branches", Decides("--integrator distribution", "--branches 3")),
+    ("photons", Decides("--integrator sppm", "--photons 500")),
+    ("photon-map", Decides("--integrator photon", "--photon-map direct")),
     ("directions", Decides("--integrator path", "--directions uniform")),
     ("technique", Decides("--integrator path", "--technique lights")),
     ("light-choice", Decides("--integrator path", "--light-choice uniform")),

@@ -180,6 +180,27 @@ impl Technique {
     pub const SYNONYMS: [(&'static str, Technique); 1] = [("lamps", Technique::Lights)];
 }
 
+/// What a photon map is used for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PhotonMapUse {
+    /// For light that is gathered at the second surface that is no mirror, and for caustics.
+    #[default]
+    Gather,
+    /// For all light of the first surface that is no mirror, so that the map itself is seen.
+    Direct,
+    /// For caustics only; paths find all other light.
+    Caustics,
+}
+
+impl PhotonMapUse {
+    /// Names on the command line and in `Settings`, with the uses.
+    pub const NAMES: [(&'static str, PhotonMapUse); 3] = [
+        ("caustics", PhotonMapUse::Caustics),
+        ("direct", PhotonMapUse::Direct),
+        ("gather", PhotonMapUse::Gather),
+    ];
+}
+
 /// How the directions of indirect light are drawn at surfaces that are no mirrors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Directions {
@@ -250,6 +271,10 @@ pub struct Settings {
     pub light_choice: Option<LightChoice>,
     /// Whether paths of little weight end at random.
     pub roulette: Option<bool>,
+    /// Paths from lights that photons are left by: for one map.
+    pub photons: Option<u32>,
+    /// What a photon map is used for.
+    pub photon_map: Option<PhotonMapUse>,
     /// Distance beyond which nothing occludes.
     pub reach: Option<f32>,
     /// Factors of two by which the picture is made brighter.
@@ -310,6 +335,8 @@ impl Settings {
             technique: self.technique.or(there.technique),
             light_choice: self.light_choice.or(there.light_choice),
             roulette: self.roulette.or(there.roulette),
+            photons: self.photons.or(there.photons),
+            photon_map: self.photon_map.or(there.photon_map),
             reach: self.reach.or(there.reach),
             exposure: self.exposure.or(there.exposure),
             tone: self.tone.or(there.tone),
@@ -333,6 +360,8 @@ pub enum SettingsKey {
     Roulette,
     Spectral,
     Branches,
+    Photons,
+    PhotonMap,
     Reach,
     Shadows,
     ShadowAttenuation,
@@ -341,7 +370,7 @@ pub enum SettingsKey {
 
 impl SettingsKey {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [SettingsKey; 15] = [
+    pub const ALL: [SettingsKey; 17] = [
         SettingsKey::Bounces,
         SettingsKey::Weight,
         SettingsKey::Fresnel,
@@ -353,6 +382,8 @@ impl SettingsKey {
         SettingsKey::Roulette,
         SettingsKey::Spectral,
         SettingsKey::Branches,
+        SettingsKey::Photons,
+        SettingsKey::PhotonMap,
         SettingsKey::Reach,
         SettingsKey::Shadows,
         SettingsKey::ShadowAttenuation,
@@ -376,6 +407,8 @@ impl SettingsKey {
             SettingsKey::Roulette => said(settings.roulette.is_some(), "roulette"),
             SettingsKey::Spectral => said(settings.spectral.is_some(), "spectral"),
             SettingsKey::Branches => said(settings.branches.is_some(), "branches"),
+            SettingsKey::Photons => said(settings.photons.is_some(), "photons"),
+            SettingsKey::PhotonMap => said(settings.photon_map.is_some(), "photonMap"),
             SettingsKey::Reach => said(settings.reach.is_some(), "reach"),
             SettingsKey::Shadows => match settings.shadows? {
                 Shadows::Off => Some("shadows off"),

@@ -76,8 +76,8 @@ pub use kajo_core::light::LightChoice;
 pub use kajo_core::sampler::SamplerKind;
 pub use kajo_core::scene::Scene;
 pub use kajo_core::settings::{
-    Dialect, Directions, FilterChoice, IntegratorName, Settings, SettingsKey, ShadowAttenuation, Shadows,
-    Technique,
+    Dialect, Directions, FilterChoice, IntegratorName, PhotonMapUse, Settings, SettingsKey,
+    ShadowAttenuation, Shadows, Technique,
 };
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode, is_contained};
 pub use kajo_math;

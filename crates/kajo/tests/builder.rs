@@ -168,6 +168,7 @@ fn a_scene_by_program_has_the_picture_of_the_text() {
             shadows: Some(Shadows::Transparent),
             bounces: Some(4),
             spectral: Some(spectral),
+            photons: Some(2000),
             ..Settings::default()
         };
         let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false).unwrap();

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use kajo::{
-    BitDepth, Defaults, Directions, Format, IntegratorName, LightChoice, LoadOptions, RayOffset, Rect,
-    Settings, ShadowAttenuation, Shadows, Technique, View,
+    BitDepth, Defaults, Directions, Format, IntegratorName, LightChoice, LoadOptions, PhotonMapUse,
+    RayOffset, Rect, Settings, ShadowAttenuation, Shadows, Technique, View,
 };
 
 use super::values::{self, Aov, FilterArg, Samples, Size};
@@ -109,6 +109,12 @@ pub struct RenderArgs {
     /// Whether paths of little weight end at random
     #[arg(long, value_name = "ON|OFF", help_heading = "Paths", value_parser = values::on_off())]
     pub roulette: Option<bool>,
+    /// Photon maps: paths from lights for one map
+    #[arg(long, value_name = "N", help_heading = "Paths", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    pub photons: Option<u32>,
+    /// Photon maps: what the map is used for: gather, direct or caustics
+    #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(PhotonMapUse::NAMES))]
+    pub photon_map: Option<PhotonMapUse>,
     /// Occlusion: the distance beyond which nothing hides the light
     #[arg(long, value_name = "DISTANCE", help_heading = "Paths", value_parser = values::positive)]
     pub reach: Option<f64>,
@@ -170,6 +176,8 @@ impl RenderArgs {
             integrator: self.integrator,
             spectral: self.spectral,
             branches: self.branches,
+            photons: self.photons,
+            photon_map: self.photon_map,
             directions: self.directions,
             technique: self.technique,
             light_choice: self.light_choice,

@@ -230,6 +230,18 @@ impl Bsdf {
         }
     }
 
+    /// Whether light is scattered about evenly into many directions, so that light from all around says more of what is seen than
+    /// light from a few directions that are drawn by it.
+    #[inline]
+    pub fn is_broad(&self) -> bool {
+        match self {
+            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::BumpedDiffuse(_) => true,
+            Bsdf::Phong(lobe) => lobe.is_broad(),
+            Bsdf::Principled(lobe) => lobe.base == Base::Diffuse,
+            _ => false,
+        }
+    }
+
     /// Whether light is scattered to the other side into more than single directions.
     #[inline]
     pub fn transmits(&self) -> bool {

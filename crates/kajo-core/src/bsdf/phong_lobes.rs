@@ -77,6 +77,11 @@ impl PhongLobes {
         self.diffuse.is_black() && self.specular.is_black()
     }
 
+    /// Whether it scatters about evenly.
+    pub(super) fn is_broad(&self) -> bool {
+        !self.diffuse.is_black() && (self.specular.is_black() || self.exponent <= 10.0)
+    }
+
     /// `max(0, r·wi)^q`, zero behind the mirror direction for `q = 0` too.
     fn lobe(&self, wo: Vec3, wi: Vec3) -> f32 {
         let mirror = Vec3::new(-wo.x, -wo.y, wo.z);

@@ -14,7 +14,8 @@ use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
 use crate::schema::{Around, Block, Constant, FieldKind, FieldSpec, FieldValue, Kind};
 use crate::settings::{
-    Dialect, Directions, FilterChoice, IntegratorName, Settings, ShadowAttenuation, Shadows, Technique,
+    Dialect, Directions, FilterChoice, IntegratorName, PhotonMapUse, Settings, ShadowAttenuation, Shadows,
+    Technique,
 };
 
 choices! {
@@ -40,6 +41,7 @@ choices! {
 }
 
 choices!(Directions: Directions::NAMES);
+choices!(PhotonMapUse: PhotonMapUse::NAMES);
 choices!(LightChoice: LightChoice::NAMES);
 choices!(Technique: Technique::NAMES, or Technique::SYNONYMS);
 choices!(Dialect: {
@@ -56,6 +58,9 @@ const MAX_SAMPLES: u32 = 1 << 20;
 
 /// The most rays from one surface.
 const MAX_BRANCHES: u32 = 1 << 16;
+
+/// The most photons of a map: more would not be numbered by 32 bits once they have been scattered.
+const MAX_PHOTONS: u32 = 100_000_000;
 
 /// The largest seed, up to which every whole number is a double.
 const MAX_SEED: f64 = (1u64 << 53) as f64;
@@ -122,6 +127,10 @@ keys! {
             .presumed(Constant::Word("tree"), "how a light is drawn"),
         roulette: Option<bool> =
             flag("roulette").ruled(roulette, "by the integrator", "faint paths end by chance"),
+        photons: Option<u32> = count("photons", 1, MAX_PHOTONS)
+            .ruled(photons, "by the integrator", "paths from lights for a photon map"),
+        photon_map: Option<PhotonMapUse> = choice::<PhotonMapUse>("photonMap")
+            .presumed(Constant::Word("gather"), "what the photon map is used for"),
         reach: Option<f32> = positive("reach")
             .unit("length")
             .unlike("any distance", "1", "distance beyond which nothing occludes"),
@@ -180,6 +189,10 @@ fn branches(around: &Around<'_>) -> Option<FieldValue> {
     Some(FieldValue::numbers([(around.render)()?.branches?.into()]))
 }
 
+fn photons(around: &Around<'_>) -> Option<FieldValue> {
+    Some(FieldValue::numbers([(around.render)()?.photons?.into()]))
+}
+
 fn roulette(around: &Around<'_>) -> Option<FieldValue> {
     Some(FieldValue::flag((around.render)()?.roulette?))
 }
@@ -228,6 +241,8 @@ impl From<SettingsKeys> for Settings {
             technique: keys.technique,
             light_choice: keys.light_choice,
             roulette: keys.roulette,
+            photons: keys.photons,
+            photon_map: keys.photon_map,
             reach: keys.reach,
             exposure: keys.exposure,
             tone: keys.tone,

@@ -52,6 +52,11 @@ impl<'a> CameraView<'a> {
         self.spectral.as_ref().map_or(Wavelengths::RGB, |choice| choice.sample(u))
     }
 
+    /// What a path carries for a uniform `u` in [0, 1).
+    pub fn wavelengths_at(&self, u: f32) -> Wavelengths {
+        self.spectral.as_ref().map_or(Wavelengths::RGB, |choice| choice.sample(u))
+    }
+
     /// The same, aware of whether camera rays may start in a medium.
     ///
     /// Where all start at one point, still as what is around it, one of them answers for all. Elsewhere each ray asks, but

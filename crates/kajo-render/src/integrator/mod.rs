@@ -9,6 +9,7 @@ pub mod bidir;
 mod camera_view;
 pub mod classic;
 pub mod path;
+pub mod photon;
 mod shadow;
 mod spec;
 mod transport;
@@ -17,6 +18,7 @@ pub use ambient_occlusion::{AmbientOcclusion, AmbientOcclusionSettings};
 pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use classic::{Classic, ClassicSettings};
 pub use path::{Path, PathSettings};
+pub use photon::{PhotonMapping, PhotonSettings};
 pub use spec::{Defaults, IntegratorSpec, Prepare, Quantity, SettingsContext};
 
 use kajo_core::camera::Camera;
@@ -73,10 +75,12 @@ settings! {
     Classic(ClassicSettings),
     /// Path tracing, distribution ray tracing and direct light.
     Path(PathSettings),
+    /// Photon mapping, of one map or of many.
+    Photon(PhotonSettings),
 }
 
 /// All integrators, by their names.
-pub const INTEGRATORS: [&IntegratorSpec; 7] = [
+pub const INTEGRATORS: [&IntegratorSpec; 9] = [
     &bidir::BIDIRECTIONAL,
     &classic::CLASSIC,
     &path::DIRECT,
@@ -84,6 +88,8 @@ pub const INTEGRATORS: [&IntegratorSpec; 7] = [
     &bidir::LIGHT,
     &ambient_occlusion::OCCLUSION,
     &path::PATH,
+    &photon::PHOTON,
+    &photon::SPPM,
 ];
 
 /// The names of all integrators, in the same order.

@@ -44,6 +44,7 @@ use super::transport::PathState;
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
+pub(super) use tracer::power_heuristic;
 use tracer::{CameraPath, Fork, PathTracer};
 
 /// The path tracer over one scene and one picture size.

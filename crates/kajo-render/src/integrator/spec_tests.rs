@@ -2,7 +2,9 @@
 
 use kajo_core::RayOffset;
 use kajo_core::light::LightChoice;
-use kajo_core::settings::{Directions, Settings, SettingsKey, ShadowAttenuation, Shadows, Technique};
+use kajo_core::settings::{
+    Directions, PhotonMapUse, Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
+};
 use kajo_scene::MemoryAssets;
 
 use super::tests::scene_with;
@@ -33,6 +35,8 @@ fn saying(key: SettingsKey) -> Vec<Settings> {
         SettingsKey::Roulette => [true, false].map(|on| Settings { roulette: Some(on), ..none() }).to_vec(),
         SettingsKey::Spectral => vec![Settings { spectral: Some(true), ..none() }],
         SettingsKey::Branches => vec![Settings { branches: Some(5), ..none() }],
+        SettingsKey::Photons => vec![Settings { photons: Some(77), ..none() }],
+        SettingsKey::PhotonMap => vec![Settings { photon_map: Some(PhotonMapUse::Direct), ..none() }],
         SettingsKey::Reach => vec![Settings { reach: Some(2.0), ..none() }],
         SettingsKey::Shadows => vec![Settings { shadows: Some(Shadows::Transparent), ..none() }],
         SettingsKey::ShadowAttenuation => {

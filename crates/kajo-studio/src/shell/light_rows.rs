@@ -2,7 +2,7 @@
 
 use egui::{DragValue, Response, Slider, Ui};
 use kajo::{
-    Directions, INTEGRATORS, LightChoice, RayOffset, RenderSettings, Settings, SettingsKey,
+    Directions, INTEGRATORS, LightChoice, PhotonMapUse, RayOffset, RenderSettings, Settings, SettingsKey,
     ShadowAttenuation, Shadows, Technique,
 };
 
@@ -125,6 +125,18 @@ fn path_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings)
             let hint = "Rays from the first surface that is no mirror";
             known(ui, ["Branches", hint], &mut asked.branches, now.branches, |ui, branches| {
                 ui.add(Slider::new(branches, 1..=256).logarithmic(true))
+            });
+        }
+        SettingsKey::Photons => {
+            let hint = "Paths from lights for one photon map";
+            known(ui, ["Photons", hint], &mut asked.photons, now.photons, |ui, photons| {
+                ui.add(Slider::new(photons, 1_000..=10_000_000).logarithmic(true))
+            });
+        }
+        SettingsKey::PhotonMap => {
+            let hint = "What the photon map is used for";
+            known(ui, ["Photon map", hint], &mut asked.photon_map, now.photon_map, |ui, value| {
+                choice(ui, "photon map", value, &PhotonMapUse::NAMES)
             });
         }
         _ => surface_row(ui, key, asked, now),

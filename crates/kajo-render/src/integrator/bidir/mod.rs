@@ -43,8 +43,8 @@ use crate::{LayerSet, PixelSample, SampleContext};
 use connect::parts;
 use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
-use subpath::{Departure, Subpath};
-use vertex::Vertex;
+pub(super) use subpath::Subpath;
+pub(super) use vertex::Vertex;
 
 /// The bidirectional path tracer over one scene and one picture size.
 pub struct Bidirectional<'a> {
@@ -240,11 +240,8 @@ impl<'a> Bidirectional<'a> {
         let media = self.view.media_around(&ray, wavelengths);
         let carried = (*wavelengths, Spectrum::WHITE);
         let state = PathState::new(ray, carried, Transport::Radiance, media, draws);
-        let state = PathState { connectable: true, ..state };
-        let mis = PartialMis::default();
-        let departure = Departure { p: ray.o, pdf: 1.0, is_parallel: true, cosine: 1.0, pdf_back: 0.0, mis };
         let mut end = CameraEnd {
-            path: Subpath { state, departure },
+            path: Subpath::from_camera(PathState { connectable: true, ..state }),
             surface: SurfaceInteraction::default(),
             from: None,
             t: 2,
@@ -349,7 +346,7 @@ impl<'a> Bidirectional<'a> {
 /// The beginning of a path from a light.
 ///
 /// * `chance`: probability with which the light was chosen
-fn light_end<'s>(
+pub(super) fn light_end<'s>(
     scene: &Scene,
     emitted: &LightLeSample,
     (time, chance): (f32, f32),
@@ -361,7 +358,7 @@ fn light_end<'s>(
     let end = chance * end;
     // [Georgiev 2012, eq. 31 and 32], for lights without extent [eq. 48]
     let d_vcm = if emitted.is_delta { 0.0 } else { square(end).recip() };
-    let departure = Departure {
+    let departure = subpath::Departure {
         p: emitted.at.p(),
         pdf,
         is_parallel: is_infinite,
@@ -380,7 +377,7 @@ fn light_end<'s>(
 }
 
 /// How a surface scatters, for a path that follows one wavelength from there on if it is refracted by wavelength.
-fn shade_one_way(scene: &Scene, path: &mut PathState<'_>, surface: &SurfaceInteraction) -> Bsdf {
+pub(super) fn shade_one_way(scene: &Scene, path: &mut PathState<'_>, surface: &SurfaceInteraction) -> Bsdf {
     if surface.is_dispersive() {
         path.wavelengths.terminate_secondary();
     }

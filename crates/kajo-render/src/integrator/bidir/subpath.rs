@@ -35,6 +35,15 @@ pub struct Subpath<'s> {
     pub departure: Departure,
 }
 
+impl<'s> Subpath<'s> {
+    /// A path from the camera that begins with the ray of its state.
+    pub fn from_camera(state: PathState<'s>) -> Subpath<'s> {
+        let (p, mis) = (state.ray.o, PartialMis::default());
+        let departure = Departure { p, pdf: 1.0, is_parallel: true, cosine: 1.0, pdf_back: 0.0, mis };
+        Subpath { state, departure }
+    }
+}
+
 impl Subpath<'_> {
     /// The sums at the point `p` that the ray has come to.
     ///
@@ -53,7 +62,7 @@ impl Subpath<'_> {
     }
 
     /// Light that the ray of a path from the camera has met.
-    pub fn met(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
+    pub(super) fn met(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
         Contribution {
             way: [0, self.state.scatterings + 2],
             light: self.state.beta * radiance,

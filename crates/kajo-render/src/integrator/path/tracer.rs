@@ -435,7 +435,7 @@ fn receiver(surface: &SurfaceInteraction, local: &LocalFrame) -> Receiver {
 
 /// Weight of an estimate of density `p` against another of density `q`, `p^2 / (p^2 + q^2)`.
 #[inline]
-fn power_heuristic(p: f32, q: f32) -> f32 {
+pub fn power_heuristic(p: f32, q: f32) -> f32 {
     // By their ratio, since the squares may overflow.
     if p > q { 1.0 / (1.0 + (q / p) * (q / p)) } else { (p / q) * (p / q) / (1.0 + (p / q) * (p / q)) }
 }

@@ -82,7 +82,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             scene.sample_le(chosen.light, 0.0, numbers, &wavelengths, world).expect("light that leaves");
         let ray = it.view.ray(place, &mut draws).expect("a ray");
         let mut views: Vec<(Vertex, Vec3)> = Vec::new();
-        let departure = Departure {
+        let departure = subpath::Departure {
             p: ray.o,
             pdf: 1.0,
             is_parallel: true,

@@ -1,0 +1,190 @@
+//! Photons on their way from lights.
+//!
+//! A path begins at a light chosen by its power and carries `Le |cos| / (p_light p_place p_direction)`, over the number of paths. At
+//! each surface that scatters light into more than single directions it leaves a photon, and goes on as paths from lights
+//! do elsewhere, with the factor for shading normals and with Russian roulette, so that photons of like power remain
+//! [Jensen 2001, 4].
+//!
+//! The numbers of path `i` of map `k` are those of sample `i` of one pixel of a Sobol sequence, so that the photons of a map are spread
+//! evenly over lights, places and directions.
+
+use kajo_color::Wavelengths;
+use kajo_core::LightGroup;
+use kajo_core::light::{LeNumbers, PowerLightSampler, SampledLight};
+use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
+use kajo_core::scene::Scene;
+use kajo_math::rng::mix;
+
+use super::map::{Arrival, Photon};
+use crate::integrator::bidir::{light_end, shade_one_way};
+use crate::integrator::transport::{Event, SurfaceInteraction, advance, pass_straight};
+use crate::trail::{Counting, PathObserver};
+use crate::{RayCounters, SampleContext};
+use crate::{Setup, SetupError};
+
+/// Sets the seeds of photons apart from those of samples.
+const SALT: u64 = 0x7068_6F74_6F6E;
+
+/// Paths that one piece of work follows.
+const PATHS_A_PIECE: u32 = 4096;
+
+/// What photons are wanted of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// All.
+    All,
+    /// Those of light that no connection with a light finds.
+    Indirect,
+    /// Those that came by mirrors and glass alone; the path then ends.
+    Caustic,
+}
+
+/// Sends photons out.
+pub struct Emission<'a> {
+    scene: &'a Scene,
+    power_sampler: PowerLightSampler,
+    sampler: Sampler,
+    /// Paths for a map.
+    paths: u32,
+    /// How often light may be scattered before it leaves a photon.
+    bounces: u32,
+    roulette: bool,
+}
+
+/// What was left by some paths.
+#[derive(Default)]
+pub struct Catch {
+    /// The photons that were asked for.
+    pub photons: Vec<Photon>,
+    /// Of these, or beside them, those of caustics, where they are wanted by themselves.
+    pub caustics: Vec<Photon>,
+    /// Rays that were cast.
+    pub rays: RayCounters,
+}
+
+impl<'a> Emission<'a> {
+    pub fn new(scene: &'a Scene, paths: u32, bounces: u32, roulette: bool) -> Emission<'a> {
+        let sampler = Sampler::new(SamplerKind::Sobol, paths);
+        Emission { scene, power_sampler: scene.power_light_sampler(), sampler, paths, bounces, roulette }
+    }
+
+    /// Whether any light has power.
+    pub fn has_light(&self) -> bool {
+        self.power_sampler.sample(0.5).is_some()
+    }
+
+    /// The photons of map `k`.
+    ///
+    /// * `both`: whether those of caustics are wanted by themselves, too
+    ///
+    /// # Errors
+    /// [`SetupError`]; when there is no room for the photons.
+    pub fn catch(
+        &self,
+        k: u32,
+        wavelengths: &Wavelengths,
+        (wanted, both): (Wanted, bool),
+        setup: &Setup<'_>,
+    ) -> Result<Catch, SetupError> {
+        let kept = std::sync::atomic::AtomicU64::new(0);
+        let pieces = setup.pieces(self.paths.div_ceil(PATHS_A_PIECE), |piece| {
+            let begin = piece * PATHS_A_PIECE;
+            let end = begin.saturating_add(PATHS_A_PIECE).min(self.paths);
+            let mut catch = Catch::default();
+            (begin..end)
+                .for_each(|i| self.follow([k, i], setup.seed, wavelengths, (wanted, both), &mut catch));
+            // All of them are copied once.
+            let bytes = 2 * (catch.photons.len() + catch.caustics.len()) * size_of::<Photon>();
+            let kept = kept.fetch_add(bytes as u64, std::sync::atomic::Ordering::Relaxed) + bytes as u64;
+            if kept > setup.memory { Err(self.too_many(setup.memory)) } else { Ok(catch) }
+        })?;
+        let mut all = Catch::default();
+        all.photons.reserve_exact(pieces.iter().map(|piece| piece.photons.len()).sum());
+        for piece in pieces {
+            all.photons.extend(piece.photons);
+            all.caustics.extend(piece.caustics);
+            all.rays += piece.rays;
+        }
+        Ok(all)
+    }
+
+    fn too_many(&self, memory: u64) -> SetupError {
+        SetupError::Refused(format!(
+            "the photons of {} paths need more memory than the {} MB that can be had; ask for fewer `photons`",
+            self.paths,
+            memory >> 20
+        ))
+    }
+
+    /// Follows path `i` of map `k`.
+    fn follow(
+        &self,
+        [k, i]: [u32; 2],
+        seed: u64,
+        wavelengths: &Wavelengths,
+        (wanted, both): (Wanted, bool),
+        catch: &mut Catch,
+    ) {
+        let scene = self.scene;
+        let mut counting = Counting::new(&SampleContext::new(&self.sampler, 0));
+        let mut draws = SampleStream::new(&self.sampler, mix(seed ^ SALT), [k, 0], i);
+        let time = draws.number_if(scene.moves());
+        draws.skip(1);
+        let [position, direction] = [draws.next_2d(), draws.next_2d()];
+        let Some(chosen) = self.power_sampler.sample(position.x) else { return };
+        let SampledLight { light, probability, .. } = chosen;
+        let numbers = LeNumbers { position: chosen.pair(position), direction };
+        let world = self.power_sampler.world();
+        let Some(emitted) = scene.sample_le(light, time, numbers, wavelengths, world) else { return };
+        let mut path = light_end(scene, &emitted, (time, probability), wavelengths, draws);
+        counting.counters().light += 1;
+        let (mut surface, mut first) = (SurfaceInteraction::default(), None);
+        // Whether nothing but mirrors and glass was met, and whether anything stands between a surface and the light.
+        let (mut is_clear, mut is_held_up) = (true, false);
+        let mut is_first = true;
+        // A golden sequence rounds the powers of many photons evenly.
+        let mut dither = i.wrapping_mul(0x9E37_79B9);
+        while let Event::Surface = advance(scene, &mut path.state, &mut surface, &mut first, &mut counting) {
+            is_held_up |= !path.state.connectable;
+            let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
+            if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
+                continue;
+            }
+            if std::mem::take(&mut is_first) {
+                path.state.beta *= emitted.share_at(surface.at.point.p.distance(emitted.at.p()));
+            }
+            let vertex = path.vertex(scene, &surface, bsdf, LightGroup::default());
+            if !bsdf.is_delta() {
+                let is_caustic = is_clear && is_held_up;
+                let arrival = Arrival {
+                    p: vertex.at.p,
+                    n: vertex.at.ng,
+                    wi: vertex.wo,
+                    power: path.state.beta * (1.0 / self.paths as f32),
+                    scatterings: path.state.scatterings,
+                    is_single: vertex.is_single,
+                };
+                let photon = Photon::new(&arrival, kajo_math::rng::unit(dither));
+                dither = dither.wrapping_add(0x6180_3399);
+                let is_wanted = match wanted {
+                    Wanted::All => true,
+                    Wanted::Indirect => is_held_up,
+                    Wanted::Caustic => is_caustic,
+                };
+                catch.photons.extend(is_wanted.then_some(photon));
+                catch.caustics.extend((both && is_caustic).then_some(photon));
+            }
+            let is_last = path.state.scatterings >= self.bounces;
+            if is_last || !path.scatter(&vertex, &surface, self.roulette, &mut counting) {
+                break;
+            }
+            // The light itself is one way to be found, but not from behind what scatters it.
+            is_held_up = true;
+            is_clear &= !path.state.connectable;
+            if wanted == Wanted::Caustic && !is_clear {
+                break;
+            }
+        }
+        catch.rays += counting.rays;
+    }
+}

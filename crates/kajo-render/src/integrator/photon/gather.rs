@@ -1,0 +1,303 @@
+//! Paths from the camera, and what they take from the maps.
+
+use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_core::LightGroup;
+use kajo_core::bsdf::Bsdf;
+use kajo_core::light::{LightHit, LightLiSample, LightPoint, Receiver};
+use kajo_core::scene::{Interaction, Scene};
+use kajo_core::settings::PhotonMapUse;
+use kajo_math::Vec3;
+
+use super::map::{Photon, PhotonMap, Place, Room};
+use super::{Maps, NEIGHBOURS, Photons};
+use crate::integrator::bidir::{Subpath, Vertex, shade_one_way};
+use crate::integrator::path::power_heuristic;
+use crate::integrator::transport::{
+    DrawnLight, Event, PathState, SurfaceInteraction, advance, connect, pass_straight, sample_light,
+};
+use crate::trail::{About, PathObserver, RayKind};
+
+/// Follows the path of one sample.
+pub struct Gatherer<'a, O> {
+    photons: &'a Photons<'a>,
+    observer: &'a mut O,
+    /// How far the rays of neighbouring pixels are apart where they start, and how fast they part.
+    footprint: [f32; 2],
+    /// Light as the sensor sees it, linear RGB.
+    pub radiance: [f32; 3],
+    /// The first surface.
+    pub first: Option<Interaction>,
+    /// The albedo of the first surface that is no mirror.
+    pub albedo: Option<Spectrum>,
+    /// Room for searches.
+    pub room: Room,
+}
+
+/// The last vertex from which the path went on in a direction that was drawn among many.
+#[derive(Clone, Copy)]
+struct From {
+    receiver: Receiver,
+    /// Density per solid angle of that direction.
+    pdf: f32,
+    /// Whether its caustics were taken from a map.
+    has_caustics: bool,
+}
+
+/// What becomes of light at a vertex.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    /// All is taken from the map; mirrors that the surface has are followed.
+    Shown,
+    /// A light is drawn, the rest is taken from the map; mirrors are followed.
+    Lit,
+    /// A light is drawn, caustics are taken from the map, and the path goes on.
+    Gathers,
+    /// A light is drawn, and the path goes on.
+    Passes,
+}
+
+impl<'a, O: PathObserver> Gatherer<'a, O> {
+    pub fn new(photons: &'a Photons<'a>, observer: &'a mut O, footprint: [f32; 2], room: Room) -> Self {
+        let (radiance, first, albedo) = ([0.0; 3], None, None);
+        Gatherer { photons, observer, footprint, radiance, first, albedo, room }
+    }
+
+    fn scene(&self) -> &'a Scene {
+        self.photons.view.scene
+    }
+
+    /// Follows a path to its end.
+    pub fn run(&mut self, mut path: Subpath<'_>) {
+        let (scene, bounces) = (self.scene(), self.photons.settings.bounces);
+        let mut surface = SurfaceInteraction::default();
+        let mut from: Option<From> = None;
+        let mut length = 0.0;
+        loop {
+            match advance(scene, &mut path.state, &mut surface, &mut self.first, self.observer) {
+                Event::Surface => {}
+                Event::Escaped(d) => return self.add_background(&path.state, d, from.as_ref()),
+                Event::Absorbed => return,
+            }
+            length += surface.length;
+            self.add_emission(&path.state, &surface, from.as_ref());
+            let is_last = path.state.scatterings > bounces;
+            if is_last && !scene.appearance.has_passages {
+                return;
+            }
+            let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
+            if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
+                if path.state.scatterings == 0 && matches!(bsdf, Bsdf::Null) {
+                    self.first = None;
+                }
+                continue;
+            }
+            if is_last {
+                return;
+            }
+            let z = path.vertex(scene, &surface, bsdf, LightGroup::default());
+            if !self.scatter(&mut path, &z, (&surface, length), &mut from) {
+                return;
+            }
+        }
+    }
+
+    /// Adds the light of a vertex and goes on from it; `false` when the path ends there.
+    fn scatter(
+        &mut self,
+        path: &mut Subpath<'_>,
+        z: &Vertex,
+        (surface, length): (&SurfaceInteraction, f32),
+        from: &mut Option<From>,
+    ) -> bool {
+        let roulette = self.photons.settings.roulette;
+        if z.bsdf.is_delta() {
+            return path.scatter(z, surface, roulette, self.observer);
+        }
+        if self.albedo.is_none() && self.photons.view.wants_albedo() {
+            self.albedo = Some(z.bsdf.albedo(z.local(z.wo).wo));
+        }
+        let role = self.role(z, surface.length, from.as_ref());
+        let goes_on = matches!(role, Role::Gathers | Role::Passes);
+        if role != Role::Shown {
+            self.add_direct_light(&mut path.state, z, goes_on);
+        }
+        let photons = self.photons;
+        match (&photons.maps, role) {
+            (_, Role::Passes) => {}
+            (Maps::Progressive { indirect, radius }, _) => {
+                let pixel = self.footprint[0] + length * self.footprint[1];
+                self.add_disk(&path.state, z, indirect, radius.at(pixel));
+            }
+            (Maps::Fixed { caustics, .. }, Role::Gathers) => self.add_nearest(&path.state, z, caustics),
+            (Maps::Fixed { all, .. }, _) => self.add_nearest(&path.state, z, all),
+        }
+        let receiver = z.receiver(path.state.ray.time);
+        if !path.scatter(z, surface, roulette, self.observer) {
+            return false;
+        }
+        let is_mirrored = !path.state.connectable;
+        if !is_mirrored {
+            let has_caustics = role == Role::Gathers;
+            *from = Some(From { receiver, pdf: path.departure.pdf, has_caustics });
+        }
+        goes_on || is_mirrored
+    }
+
+    /// What becomes of light at a vertex that is no mirror.
+    ///
+    /// * `length`: of the last segment
+    fn role(&self, z: &Vertex, length: f32, from: Option<&From>) -> Role {
+        match &self.photons.maps {
+            Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::Shown,
+            _ if !z.bsdf.is_broad() => Role::Passes,
+            Maps::Progressive { .. } => Role::Lit,
+            // Nearby surfaces are seen too sharply for the disks of a map; there one more ray is cast.
+            Maps::Fixed { usage: PhotonMapUse::Gather, all, .. }
+                if from.is_some_and(|from| from.has_caustics) && length > all.largest_radius() =>
+            {
+                Role::Shown
+            }
+            Maps::Fixed { .. } => Role::Gathers,
+        }
+    }
+
+    /// Adds light under the present wavelengths of a path.
+    fn add(&mut self, light: Spectrum, wavelengths: &Wavelengths) {
+        let rgb = sensor::to_rgb(light, wavelengths);
+        self.radiance = [0, 1, 2].map(|i| self.radiance[i] + rgb[i]);
+    }
+
+    /// The photons of a disk.
+    fn add_disk(&mut self, state: &PathState<'_>, z: &Vertex, map: &PhotonMap, r: f32) {
+        let mut sums = Sums::new(self.most_scatterings(state));
+        map.within(&place(z), r, |photon| sums.add(z, photon));
+        self.add_sums(state, sums, (std::f32::consts::PI * r * r).recip());
+    }
+
+    /// The nearest photons.
+    fn add_nearest(&mut self, state: &PathState<'_>, z: &Vertex, map: &PhotonMap) {
+        if map.is_empty() {
+            return;
+        }
+        let mut sums = Sums::new(self.most_scatterings(state));
+        let density = map.nearest(&place(z), NEIGHBOURS, &mut self.room, |photon| sums.add(z, photon));
+        self.add_sums(state, sums, density);
+    }
+
+    fn add_sums(&mut self, state: &PathState<'_>, sums: Sums, density: f32) {
+        let mut single = state.wavelengths;
+        single.terminate_secondary();
+        let lights = [sums.all * state.beta * density, sums.single * state.beta * density];
+        self.observer.found(|| {
+            let rgb = [sensor::to_rgb(lights[0], &state.wavelengths), sensor::to_rgb(lights[1], &single)];
+            [0, 1, 2].map(|i| rgb[0][i] + rgb[1][i])
+        });
+        self.add(lights[0], &state.wavelengths);
+        self.add(lights[1], &single);
+    }
+
+    /// How often a photon may have been scattered before it comes to the present vertex.
+    fn most_scatterings(&self, state: &PathState<'_>) -> u32 {
+        self.photons.settings.bounces.saturating_sub(state.scatterings)
+    }
+
+    /// The weight of light that the path met.
+    fn weight(&self, state: &PathState<'_>, hit: &LightHit, at: &LightPoint, from: Option<&From>) -> f32 {
+        match from {
+            None => 1.0,
+            Some(from) if state.connectable => {
+                let choice = self.photons.settings.light_choice;
+                let d = state.ray.d;
+                power_heuristic(from.pdf, self.scene().pdf_li(hit.light, &from.receiver, at, d, choice))
+            }
+            // By way of mirrors: a caustic.
+            Some(from) => f32::from(u8::from(!from.has_caustics)),
+        }
+    }
+
+    fn add_background(&mut self, state: &PathState<'_>, d: Vec3, from: Option<&From>) {
+        let through = from.map_or(state.ray.o, |from| from.receiver.p);
+        for hit in self.scene().lights_at_infinity(d, &state.wavelengths) {
+            let weight = self.weight(state, &hit, &LightPoint::Infinite { through }, from);
+            self.add_met(state, hit.radiance * weight);
+        }
+    }
+
+    fn add_emission(&mut self, state: &PathState<'_>, surface: &SurfaceInteraction, from: Option<&From>) {
+        let hit = self.scene().surface_light(&surface.at, -surface.wo, &state.wavelengths);
+        if let Some(hit) = hit {
+            let weight = self.weight(state, &hit, &LightPoint::on(&surface.at.point), from);
+            self.add_met(state, hit.radiance * weight);
+        }
+    }
+
+    fn add_met(&mut self, state: &PathState<'_>, radiance: Spectrum) {
+        let light = state.beta * radiance;
+        self.observer.found(|| sensor::to_rgb(light, &state.wavelengths));
+        self.add(light, &state.wavelengths);
+    }
+
+    /// A light drawn for a vertex, `f |cos| T V Le / q`.
+    ///
+    /// * `may_meet`: whether the path goes on and may meet the light, so that both count by the power heuristic
+    fn add_direct_light(&mut self, state: &mut PathState<'_>, z: &Vertex, may_meet: bool) {
+        let scene = self.scene();
+        let time = state.ray.time;
+        let choice = self.photons.settings.light_choice;
+        let Some(drawn) = sample_light(scene, state, &z.receiver(time), choice) else { return };
+        let DrawnLight { light, pdf, li: LightLiSample { wi, radiance, is_delta, at, .. } } = drawn;
+        let scattered = z.gathered(wi);
+        if scattered.is_black() {
+            return;
+        }
+        let segment = z.at.ray_to(&at, wi, time);
+        let carried = state.beta * scattered;
+        let visible =
+            connect(scene, &segment, z.eta(wi), (&state.wavelengths, &mut state.draws), self.observer);
+        let distance = if at.is_infinite() { f32::INFINITY } else { at.p().distance(z.at.p) };
+        let weight = if may_meet && !is_delta { power_heuristic(pdf, z.pdf(z.wo, wi)) } else { 1.0 };
+        let found = carried * radiance * z.transmittance(wi, distance) * visible * (weight / pdf);
+        let about = || About {
+            eta: z.eta(wi),
+            weight: sensor::to_rgb(carried, &state.wavelengths),
+            light: Some(scene.lighting.sampler.id(light)),
+        };
+        let rgb = || sensor::to_rgb(found, &state.wavelengths);
+        self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
+        if !visible.is_black() {
+            self.add(found, &state.wavelengths);
+        }
+    }
+}
+
+fn place(z: &Vertex) -> Place {
+    Place { p: z.at.p, n: z.at.ng }
+}
+
+/// Power of photons, scattered to the camera.
+struct Sums {
+    all: Spectrum,
+    /// Of those of which only one wavelength counts.
+    single: Spectrum,
+    most_scatterings: u32,
+}
+
+impl Sums {
+    fn new(most_scatterings: u32) -> Sums {
+        Sums { all: Spectrum::BLACK, single: Spectrum::BLACK, most_scatterings }
+    }
+
+    /// `f Φ`, with the factor for shading normals of light that comes from a light [Veach 1997, 5.3.2].
+    fn add(&mut self, z: &Vertex, photon: &Photon) {
+        if !photon.is_within(self.most_scatterings) {
+            return;
+        }
+        let wi = photon.wi();
+        let cosine = z.cosine(wi);
+        if cosine <= 0.0 {
+            return;
+        }
+        let light = z.gathered(wi) * photon.power() * cosine.recip();
+        *(if photon.is_single() { &mut self.single } else { &mut self.all }) += light;
+    }
+}

@@ -1,0 +1,269 @@
+//! Photon mapping [Jensen 1996], [Jensen 2001], and progressive photon mapping [Hachisuka and Jensen 2009].
+//!
+//! Paths from lights leave photons of power `Φ` where they come to surfaces that are no mirrors. The light that such a surface sends
+//! to the camera is estimated from the photons of a small disk of radius `r` around a point,
+//!
+//! ```text
+//! L(x, wo) = 1/(pi r^2) sum over j of f(x, wo, wi_j) Φ_j                         [Jensen 2001, eq. 7.6]
+//! ```
+//!
+//! which is blurred by the disk, but finds light that no path from the camera finds: that of small lights behind glass and by way of
+//! mirrors. What is taken from the map at a point, and what by paths, is one of
+//!
+//! ```text
+//! direct      all light of the first surface that is no mirror
+//! gather      caustics at that surface, and all light of the surfaces that one more ray meets from there
+//! caustics    caustics; paths find the rest
+//! sppm        all but direct light, from new photons for each sample and in ever smaller disks
+//! ```
+//!
+//! Direct light is that of a light drawn for the point; a caustic is light that came from a light by mirrors and glass alone. The
+//! paths that remain meet lights and draw them as in path tracing, but count no light twice: a light met by way of mirrors
+//! from a point whose caustics were taken from the map is left out. Where surfaces are glossy, a few directions say more than
+//! photons; there paths go on.
+//!
+//! In pass `i` of progressive photon mapping, with `a = 2/3`,
+//!
+//! ```text
+//! r_{i+1}^2 / r_i^2 = (i + a) / (i + 1)                            [Knaus and Zwicker 2011, eq. 19]
+//! ```
+//!
+//! so that the bias vanishes as `i^(a - 1)` and the variance of the mean still does as `i^-a`. No pass needs what another found.
+
+mod emission;
+mod gather;
+mod map;
+mod settings;
+
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::bsdf::Transport;
+use kajo_core::camera::Camera;
+use kajo_core::light::BoundingSphere;
+use kajo_core::scene::Scene;
+use kajo_core::settings::PhotonMapUse;
+use kajo_math::Vec2;
+use kajo_math::rng::Stream;
+
+use super::camera_view::{CameraView, in_white_light};
+use super::path::{Path, PathSettings};
+use super::transport::PathState;
+use super::{Integrator, bidir::Subpath};
+use crate::trail::PathObserver;
+use crate::{LayerSet, PixelSample, SampleContext};
+use crate::{Setup, SetupError, WithState};
+use emission::{Emission, Wanted};
+use gather::Gatherer;
+use map::{PhotonMap, Room};
+pub use settings::{PHOTON, PhotonSettings, SPPM};
+
+/// Photons of a density estimate of fixed maps.
+const NEIGHBOURS: usize = 64;
+
+/// `a`: how much of the photons of each further pass is kept.
+const ALPHA: f64 = 2.0 / 3.0;
+
+/// Pixels from the middle of the first disk to its rim, where the scene's size does not say otherwise.
+const FIRST_RADIUS: f32 = 2.5;
+
+/// Sets wavelengths of passes apart from all other numbers.
+const WAVELENGTH_SALT: u64 = 0x6C61_6D62_6461;
+
+/// A photon mapper over one scene and one picture size, before it has photons: it follows paths.
+pub struct PhotonMapping<'a> {
+    view: CameraView<'a>,
+    settings: PhotonSettings,
+    paths: Path<'a>,
+}
+
+/// A photon mapper with the photons of a part of the samples.
+pub struct Photons<'a> {
+    view: &'a CameraView<'a>,
+    settings: PhotonSettings,
+    maps: Maps,
+    /// What all photons carry.
+    wavelengths: Wavelengths,
+}
+
+/// The maps, and how they are looked at.
+enum Maps {
+    /// The nearest photons: all, and those of caustics.
+    Fixed { usage: PhotonMapUse, all: PhotonMap, caustics: PhotonMap },
+    /// Those in a disk.
+    Progressive { indirect: PhotonMap, radius: Radius },
+}
+
+/// The radius of the disks of a pass.
+#[derive(Clone, Copy, Debug)]
+struct Radius {
+    /// What the first one is at least and, if pixels are larger, at most.
+    bounds: [f32; 2],
+    /// What is left of it in this pass.
+    share: f32,
+}
+
+impl Radius {
+    /// * `paths`: that photons of a pass are left by; `world`: around the scene
+    fn of_pass(k: u32, paths: u32, world: &BoundingSphere) -> Radius {
+        // Spread evenly over the sphere around the scene, about one photon would lie in the smallest disk.
+        let least = world.radius * (4.0 / paths as f32).sqrt();
+        let share: f64 = (1..=k).map(|i| (f64::from(i) + ALPHA) / (f64::from(i) + 1.0)).product();
+        Radius { bounds: [least, least.max(0.01 * world.radius)], share: share.sqrt() as f32 }
+    }
+
+    /// * `pixel`: size of a pixel at the surface
+    fn at(&self, pixel: f32) -> f32 {
+        let [least, most] = self.bounds;
+        self.share * (FIRST_RADIUS * pixel).clamp(least, most)
+    }
+}
+
+impl<'a> PhotonMapping<'a> {
+    /// The integrator for a picture of `size` pixels with these `layers`.
+    pub fn new(
+        scene: &'a Scene,
+        settings: PhotonSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> PhotonMapping<'a> {
+        PhotonMapping::through(&scene.output.camera, scene, settings, size, layers)
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: PhotonSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> PhotonMapping<'a> {
+        let PhotonSettings { bounces, light_choice, roulette, spectral, .. } = settings;
+        let paths = PathSettings { bounces, light_choice, roulette, spectral, ..PathSettings::default() };
+        PhotonMapping {
+            view: CameraView::new(scene, camera, size, layers).spectral(spectral),
+            settings,
+            paths: Path::through(camera, scene, paths, size, layers),
+        }
+    }
+
+    /// What the photons of pass `k` carry: one set of wavelengths, since photons and paths of different ones cannot be joined.
+    fn wavelengths(&self, seed: u64, k: u32) -> Wavelengths {
+        let start = f64::from(Stream::new(seed ^ WAVELENGTH_SALT, [0, 0], 0).uniform(0));
+        // The golden sequence spreads those of any number of passes evenly.
+        let u = (start + f64::from(k) * 0.618_033_988_749_894_9).fract();
+        self.view.wavelengths_at((u as f32).min(1.0 - f32::EPSILON))
+    }
+
+    /// The maps of part `k`, the rays that they took, and what is worth knowing of them.
+    fn maps(
+        &self,
+        k: u32,
+        wavelengths: &Wavelengths,
+        setup: &Setup<'_>,
+    ) -> Result<(Maps, crate::RayCounters, Vec<String>), SetupError> {
+        let PhotonSettings { bounces, photons, usage, roulette, .. } = self.settings;
+        let emission = Emission::new(self.view.scene, photons, bounces, roulette);
+        let wanted = match usage {
+            None => (Wanted::Indirect, false),
+            Some(PhotonMapUse::Direct) => (Wanted::All, false),
+            Some(PhotonMapUse::Gather) => (Wanted::All, true),
+            Some(PhotonMapUse::Caustics) => (Wanted::Caustic, false),
+        };
+        let has_light = emission.has_light();
+        let catch = if has_light {
+            emission.catch(k, wavelengths, wanted, setup)?
+        } else {
+            emission::Catch::default()
+        };
+        let mut notes = Vec::new();
+        if !has_light && k == 0 {
+            notes.push("there is no light in the scene that photons could leave".to_owned());
+        } else if usage == Some(PhotonMapUse::Caustics) && catch.photons.is_empty() {
+            notes.push(
+                "no photon came to a surface by way of mirrors or glass, so there are no caustics; \
+                 `integrator path` finds the same picture sooner"
+                    .to_owned(),
+            );
+        }
+        let map = |photons| PhotonMap::new(photons, setup.threads);
+        let maps = match usage {
+            None => {
+                let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
+                let radius = Radius::of_pass(k, photons, &world);
+                Maps::Progressive { indirect: map(catch.photons), radius }
+            }
+            Some(usage) => {
+                let [all, caustics] = match usage {
+                    PhotonMapUse::Caustics => [Vec::new(), catch.photons],
+                    _ => [catch.photons, catch.caustics],
+                };
+                let [all, caustics] = [all, caustics].map(|photons| map(photons).for_nearest(NEIGHBOURS));
+                Maps::Fixed { usage, all, caustics }
+            }
+        };
+        Ok((maps, catch.rays, notes))
+    }
+}
+
+impl Integrator for PhotonMapping<'_> {
+    /// A path, as path tracing follows it: this is what debug rays show.
+    fn observe<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        pixel: [u32; 2],
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
+        self.paths.observe(ctx, pixel, raster, observer)
+    }
+
+    fn samples_per_state(&self) -> Option<u32> {
+        Some(if self.settings.usage.is_some() { u32::MAX } else { 1 })
+    }
+
+    fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        let wavelengths = self.wavelengths(setup.seed, k);
+        let (maps, rays, notes) = self.maps(k, &wavelengths, setup)?;
+        let integrator = Photons { view: &self.view, settings: self.settings, maps, wavelengths };
+        Ok(WithState { integrator: Box::new(integrator), rays, notes })
+    }
+}
+
+/// Room for searches, kept from sample to sample.
+#[derive(Default)]
+struct SearchRoom(Room);
+
+impl Integrator for Photons<'_> {
+    fn observe<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        _pixel: [u32; 2],
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
+        let view = self.view;
+        let mut draws = ctx.draws;
+        let beside = view.ray(raster + Vec2::X, &mut draws.clone());
+        let Some(ray) = view.ray(raster, &mut draws) else { return PixelSample::default() };
+        // Wavelengths are the photons'.
+        draws.skip(1);
+        let wavelengths = self.wavelengths;
+        let media = view.media_around(&ray, &wavelengths);
+        let carried = (wavelengths, Spectrum::WHITE);
+        let state = PathState::new(ray, carried, Transport::Radiance, media, draws);
+        observer.counters().camera += 1;
+        let footprint =
+            beside.map_or([0.0; 2], |beside| [beside.o.distance(ray.o), beside.d.distance(ray.d)]);
+        let room = std::mem::take(&mut ctx.scratch.get::<SearchRoom>().0);
+        let mut gatherer = Gatherer::new(self, observer, footprint, room);
+        gatherer.run(Subpath::from_camera(PathState { connectable: true, ..state }));
+        let Gatherer { radiance, first, albedo, room, .. } = gatherer;
+        ctx.scratch.get::<SearchRoom>().0 = room;
+        if view.wants_albedo() {
+            ctx.aux.albedo = in_white_light(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
+        }
+        PixelSample { radiance, first: first.map(|at| view.first_hit(&at, &mut ctx.aux)) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,128 @@
+//! The integrators that keep photons.
+
+use kajo_core::camera::Camera;
+use kajo_core::light::LightChoice;
+use kajo_core::scene::Scene;
+use kajo_core::settings::{IntegratorName, PhotonMapUse, Settings, SettingsKey};
+
+use super::PhotonMapping;
+use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext};
+use crate::{LayerSet, PixelIntegrator};
+
+/// Options of [`PhotonMapping`].
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonSettings {
+    /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
+    pub bounces: u32,
+    /// Paths from lights that the photons of one map are left by, at least 1.
+    pub photons: u32,
+    /// What the map is used for; `None` for a new one for each sample of a pixel, in ever smaller disks.
+    pub usage: Option<PhotonMapUse>,
+    /// How lights are chosen for a point.
+    pub light_choice: LightChoice,
+    /// Whether paths of little weight end at random.
+    pub roulette: bool,
+    /// Whether light is followed by wavelength. One map for all samples knows none.
+    pub spectral: bool,
+}
+
+impl Default for PhotonSettings {
+    fn default() -> PhotonSettings {
+        PhotonSettings {
+            bounces: 16,
+            photons: 500_000,
+            usage: Some(PhotonMapUse::Gather),
+            light_choice: LightChoice::Tree,
+            roulette: true,
+            spectral: false,
+        }
+    }
+}
+
+/// Photon mapping.
+pub const PHOTON: IntegratorSpec = IntegratorSpec {
+    name: IntegratorName("photon"),
+    about: "photons from lights, kept in a map that all samples share",
+    quantity: Quantity::Radiance,
+    splats: false,
+    samples: 64,
+    keys: &[
+        SettingsKey::Bounces,
+        SettingsKey::Photons,
+        SettingsKey::PhotonMap,
+        SettingsKey::LightChoice,
+        SettingsKey::Roulette,
+    ],
+    settings: |context| {
+        let default = PhotonSettings::default();
+        let usage = context.said.photon_map.unwrap_or_default();
+        IntegratorSettings::Photon(PhotonSettings {
+            usage: Some(usage),
+            spectral: false,
+            ..said(context, default)
+        })
+    },
+};
+
+/// Progressive photon mapping.
+pub const SPPM: IntegratorSpec = IntegratorSpec {
+    name: IntegratorName("sppm"),
+    about: "photons anew for each sample, in ever smaller disks",
+    keys: &[
+        SettingsKey::Bounces,
+        SettingsKey::Photons,
+        SettingsKey::LightChoice,
+        SettingsKey::Roulette,
+        SettingsKey::Spectral,
+    ],
+    settings: |context| {
+        let default = PhotonSettings { photons: 100_000, usage: None, ..PhotonSettings::default() };
+        IntegratorSettings::Photon(said(context, default))
+    },
+    ..PHOTON
+};
+
+/// What is said for the keys that both of them listen to, and `default` where nothing is.
+fn said(context: &SettingsContext<'_>, default: PhotonSettings) -> PhotonSettings {
+    let said = context.said;
+    PhotonSettings {
+        bounces: said.bounces.unwrap_or(default.bounces),
+        photons: said.photons.unwrap_or(default.photons),
+        light_choice: said.light_choice.unwrap_or(default.light_choice),
+        roulette: said.roulette.unwrap_or(default.roulette),
+        spectral: said.spectral.unwrap_or(default.spectral),
+        ..default
+    }
+}
+
+impl Prepare for PhotonSettings {
+    fn prepare<'a>(
+        self,
+        scene: &'a Scene,
+        camera: &'a Camera,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Box<dyn PixelIntegrator + 'a> {
+        Box::new(PhotonMapping::through(camera, scene, self, size, layers))
+    }
+
+    fn values(&self) -> Settings {
+        Settings {
+            bounces: Some(self.bounces),
+            photons: Some(self.photons),
+            photon_map: self.usage,
+            light_choice: Some(self.light_choice),
+            roulette: Some(self.roulette),
+            spectral: Some(self.spectral),
+            ..Settings::default()
+        }
+    }
+
+    fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
+        let notes = [
+            (scene.moves(), "photons of all moments light what moves, so their light is blurred"),
+            (scene.lighting.groups.len() > 1, "photon maps do not tell groups of lights apart"),
+        ];
+        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
+    }
+}

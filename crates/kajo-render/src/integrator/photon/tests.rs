@@ -1,0 +1,240 @@
+//! Photon maps against closed forms and against paths.
+
+use std::f64::consts::PI;
+
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_scene::MemoryAssets;
+use kajo_testkit::Estimate;
+
+use super::*;
+use crate::integrator::tests::scene_with;
+use crate::{
+    Film, FilmSpec, Goal, Layer, PixelIntegrator, Position, Progress, RenderSettings, Silent, render,
+    render_passes,
+};
+
+fn scene(text: &str) -> Scene {
+    scene_with(text, &MemoryAssets::new())
+}
+
+fn camera(from: [f32; 3], to: [f32; 3], angle: f32) -> String {
+    let [a, b, c] = from;
+    let [x, y, z] = [to[0] - a, to[1] - b, to[2] - c];
+    format!(
+        "PerspectiveCamera {{ center {a} {b} {c}  direction {x} {y} {z}  up 0.1 0.9 0.2  angle {angle} }}
+         Background {{ color 0 0 0 }}"
+    )
+}
+
+const USES: [Option<PhotonMapUse>; 4] =
+    [Some(PhotonMapUse::Gather), Some(PhotonMapUse::Direct), Some(PhotonMapUse::Caustics), None];
+
+fn with(usage: Option<PhotonMapUse>, photons: u32) -> PhotonSettings {
+    PhotonSettings { usage, photons, bounces: 100, ..PhotonSettings::default() }
+}
+
+fn setup(seed: u64) -> Setup<'static> {
+    Setup { seed, threads: 1, memory: u64::MAX, progress: &Silent }
+}
+
+/// The mean of a picture of one pixel, by maps of their own for each batch.
+fn mean_of(integrator: &dyn PixelIntegrator, samples: u32) -> Estimate {
+    let sampler = Sampler::new(SamplerKind::Sobol, samples);
+    Estimate::of_batches(|batch| {
+        let seed = u64::from(batch);
+        let mut ctx = SampleContext::new(&sampler, seed);
+        let mut sum = 0.0;
+        let mut state: Option<(u32, WithState<'_>)> = None;
+        for i in 0..samples {
+            let part = integrator.samples_per_state().map(|n| i / n);
+            if let Some(k) = part.filter(|&k| state.as_ref().is_none_or(|&(of, _)| of != k)) {
+                let made = integrator.with_state(k, &setup(seed));
+                state = Some((k, made.unwrap_or_else(|error| panic!("{error}"))));
+            }
+            let integrator = state.as_ref().map_or(integrator, |(_, made)| &*made.integrator);
+            let place = ctx.begin([0, 0], i);
+            sum += f64::from(integrator.sample(&mut ctx, [0, 0], place).radiance[0]);
+        }
+        sum / f64::from(samples)
+    })
+}
+
+fn mean(scene: &Scene, settings: PhotonSettings, samples: u32) -> Estimate {
+    mean_of(&PhotonMapping::new(scene, settings, [1, 1], LayerSet::of(&[])), samples)
+}
+
+#[track_caller]
+fn check(scene: &Scene, settings: PhotonSettings, samples: u32, expected: f64, bias: f64) {
+    let found = mean(scene, settings, samples);
+    let error = (found.mean - expected).abs();
+    // All samples of a narrow view look at the same few photons, where the map itself is shown.
+    let noise = if settings.usage == Some(PhotonMapUse::Direct) { 0.08 } else { 0.03 };
+    assert!(
+        error <= 4.0 * found.standard_error + bias * expected && found.standard_error < noise * expected,
+        "{settings:?}: {found:?} instead of {expected}"
+    );
+}
+
+#[test]
+fn a_glowing_room_is_as_bright_as_its_series() {
+    let text = format!(
+        "{} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
+         Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5], 70.0)
+    );
+    for usage in USES {
+        check(&scene(&text), with(usage, 8_000), 32, 2.0, 2e-3);
+        // Direct light and one bounce more: 1 + 1/2 + 1/4.
+        check(&scene(&text), PhotonSettings { bounces: 1, ..with(usage, 8_000) }, 32, 1.75, 2e-3);
+    }
+}
+
+#[test]
+fn a_point_light_in_a_white_ball_lights_it_evenly() {
+    let text = format!(
+        "{} Lights {{ PointLight {{ position 0.5 0 0  intensity 1 1 1 }} }}
+         Materials {{ Material m {{ diffuseColor 0.8 0.8 0.8 }} }}
+         Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0], 0.01)
+    );
+    let expected = 0.8 / PI * (1.0 / 2.25 + 4.0);
+    for usage in USES {
+        check(&scene(&text), with(usage, 8_000), 32, expected, 4e-3);
+    }
+}
+
+/// All power that lights send into a closed room of black walls is stored there.
+#[test]
+fn the_power_of_lights_is_kept() {
+    let room =
+        "Materials { Matte black { color 0 0 0 }  Matte emitter { color 0 0 0 emission 3 3 3 emits front } }
+        Group { MaterialIndex black Box { min -2 -2 -2 max 2 2 2 }
+                MaterialIndex emitter Quad { corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 } }";
+    let lights = "Lights { PointLight { position 0.3 0 0.2  intensity 1 1 1 } }";
+    let expected = 4.0 * PI + 3.0 * PI;
+    let scene = scene(&format!("{} {lights} {room}", camera([0.0, 0.0, 1.0], [0.0, 0.0, 0.0], 30.0)));
+    let emission = Emission::new(&scene, 50_000, 3, true);
+    let catch = emission.catch(0, &Wavelengths::RGB, (Wanted::All, true), &setup(3)).unwrap();
+    let power: f64 = catch.photons.iter().map(|photon| f64::from(photon.power()[0])).sum();
+    assert!((power / expected - 1.0).abs() < 1e-3, "{power} instead of {expected}");
+    assert!(catch.caustics.is_empty() && catch.rays.light == 50_000);
+}
+
+/// Matt walls, an emitter, a mirror and glass: what paths find that meet the emitter.
+#[test]
+fn maps_and_paths_agree_where_paths_find_all() {
+    let text = format!(
+        "{} Materials {{ Matte wall {{ color 0.6 0.5 0.4 }}  Matte emitter {{ color 0 0 0 emission 5 5 5 emits front }}
+                         Metal mirror {{ metal silver }}  Glass glass {{ }}
+                         Metal brushed {{ metal gold roughness 0.3 }} }}
+         Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                  MaterialIndex emitter Quad {{ corner -1 1.9 -1 edge1 2 0 0 edge2 0 0 2 }}
+                  MaterialIndex mirror Sphere {{ center -1 -1 -1 radius 0.8 }}
+                  MaterialIndex glass Sphere {{ center 1 -1 -0.5 radius 0.8 }}
+                  MaterialIndex brushed Sphere {{ center 0 -1.5 0.6 radius 0.4 }} }}",
+        camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)
+    );
+    let scene = scene(&text);
+    let path = PathSettings { bounces: 6, ..PathSettings::default() };
+    let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 8192);
+    for usage in USES {
+        let found = mean(&scene, PhotonSettings { bounces: 6, ..with(usage, 20_000) }, 256);
+        let sigma = found.standard_error.hypot(expected.standard_error);
+        // Disks reach beyond the edges of surfaces, most of all where the map itself is seen.
+        let bias = if usage == Some(PhotonMapUse::Direct) { 0.04 } else { 0.012 };
+        let error = (found.mean / expected.mean - 1.0).abs();
+        assert!(error < 4.0 * sigma / expected.mean + bias, "{usage:?}: {found:?} instead of {expected:?}");
+        assert!(sigma < 0.02 * expected.mean, "{usage:?} is too noisy: {found:?}");
+    }
+}
+
+#[test]
+fn radii_shrink_as_they_should() {
+    let world = BoundingSphere { center: Vec2::ZERO.extend(0.0), radius: 1.0 };
+    let share = |n: u32| Radius::of_pass(n, 1000, &world).share;
+    // r_N / r_1 for the N-th pass, [Knaus and Zwicker 2011].
+    for (n, expected) in [(99, 0.488_251), (999, 0.332_808), (9999, 0.226_751)] {
+        assert!((share(n) - expected).abs() < 2e-3 * expected, "{n}: {}", share(n));
+    }
+    assert_eq!(share(0), 1.0);
+}
+
+struct Cancel(std::sync::atomic::AtomicUsize);
+
+impl Progress for Cancel {
+    fn done(&self, _: u64, _: u64, _: u64) {}
+
+    fn cancelled(&self) -> bool {
+        use std::sync::atomic::Ordering::Relaxed;
+        self.0.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_err()
+    }
+}
+
+#[test]
+fn threads_tiles_and_stops_make_the_same_picture() {
+    let text = format!(
+        "{} Lights {{ PointLight {{ position 0 1.5 0  intensity 4 4 4 }} }}
+         Materials {{ Matte wall {{ color 0.6 0.5 0.4 }}  Glass glass {{ abbeNumber 30 }} }}
+         Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                  MaterialIndex glass Sphere {{ center 0.5 -0.5 0 radius 0.8 }} }}",
+        camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)
+    );
+    let scene = scene(&text);
+    for (usage, spectral) in [(None, true), (Some(PhotonMapUse::Gather), false)] {
+        let settings = PhotonSettings { spectral, ..with(usage, 9000) };
+        let integrator = PhotonMapping::new(&scene, settings, [20, 16], LayerSet::of(&[Layer::Color]));
+        let film = || {
+            let layers = LayerSet::of(&[Layer::Color]);
+            Film::new(FilmSpec { layers, ..FilmSpec::new(20, 16) }, u64::MAX).unwrap()
+        };
+        let bits = |film: &Film| -> Vec<u32> {
+            film.develop(Layer::Color).unwrap().data().iter().map(|v| v.to_bits()).collect()
+        };
+        let schedule = |threads, tile| RenderSettings {
+            threads,
+            tile,
+            ..RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4))
+        };
+        let whole = film();
+        render(&integrator, &whole, &schedule(1, 0), &Silent).unwrap();
+        for (threads, tile) in [(2, 8), (7, 5)] {
+            let (again, stopped) = (film(), film());
+            render(&integrator, &again, &schedule(threads, tile), &Silent).unwrap();
+            let mut position = Position::default();
+            let go_on =
+                &mut |_: &Film, _: &Position, _: &crate::RenderStats| std::ops::ControlFlow::Continue(());
+            let mut stops = 0;
+            while let Err(error) = render_passes(
+                &integrator,
+                &stopped,
+                &schedule(threads, tile),
+                &Goal::default(),
+                &mut position,
+                &Cancel((9 + 5 * stops).into()),
+                go_on,
+            ) {
+                assert!(matches!(error, crate::RenderError::Cancelled(_)), "{error}");
+                stops += 1;
+            }
+            assert!(stops > 2 && bits(&whole) == bits(&again) && bits(&whole) == bits(&stopped), "{usage:?}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let view = camera([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], 30.0);
+    let ball = "Materials { Matte m { } } Group { MaterialIndex m Sphere { center 0 0 0 radius 1 } }";
+    let dark = scene(&format!("{view} {ball}"));
+    let lit = scene(&format!("{view} Lights {{ PointLight {{ position 0 3 3 }} }} {ball}"));
+    let made = |scene: &Scene, usage, memory| {
+        let integrator = PhotonMapping::new(scene, with(usage, 5000), [4, 4], LayerSet::of(&[]));
+        let made = PixelIntegrator::with_state(&integrator, 0, &Setup { memory, ..setup(0) });
+        made.map(|made| made.notes.join(" "))
+    };
+    assert!(made(&dark, None, u64::MAX).unwrap().contains("no light"));
+    assert!(made(&lit, Some(PhotonMapUse::Caustics), u64::MAX).unwrap().contains("no caustics"));
+    assert_eq!(made(&lit, Some(PhotonMapUse::Gather), u64::MAX), Ok(String::new()));
+    let refused = made(&lit, Some(PhotonMapUse::Gather), 1000).unwrap_err().to_string();
+    assert!(refused.contains("5000 paths") && refused.contains("`photons`"), "{refused}");
+}
