@@ -49,6 +49,18 @@ pub const BIDIRECTIONAL_SPECTRAL: Method =
 /// Paths from lights alone.
 pub const LIGHT: Method = method("light", "integrator light");
 
+/// Photons anew for each sample, in ever smaller disks.
+pub const SPPM: Method = method("sppm", "integrator sppm  photons 20000");
+
+/// The same by wavelength.
+pub const SPPM_SPECTRAL: Method = method("sppm, spectral", "integrator sppm  photons 20000  spectral on");
+
+/// Markov chains over paths from both ends.
+pub const MLT: Method = method("mlt", "integrator mlt");
+
+/// What keeps photons, and makes as many of them as it takes samples.
+pub const PHOTONS: &[Method] = &[SPPM, SPPM_SPECTRAL];
+
 /// Ambient occlusion.
 pub const OCCLUSION: Method = method("occlusion", "integrator occlusion");
 

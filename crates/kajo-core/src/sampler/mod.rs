@@ -149,6 +149,21 @@ impl Sampler {
         Sampler { given: path, beside: Some(Box::new(beside)), ..unknown }
     }
 
+    /// Gives other numbers, in the memory of those of [`Sampler::given`].
+    ///
+    /// * `path`, `beside`: in [0, 1)
+    pub fn give(&mut self, path: &[f32], beside: &[f32]) {
+        let replace = |given: &mut Vec<f32>, numbers: &[f32]| {
+            given.clear();
+            given.extend_from_slice(numbers);
+        };
+        replace(&mut self.given, path);
+        match &mut self.beside {
+            Some(sampler) => replace(&mut sampler.given, beside),
+            None => *self = Sampler::given(path.to_vec(), beside.to_vec()),
+        }
+    }
+
     /// Where the numbers of a path come from that splits off as one of `n`.
     fn of_split(&self, n: u32) -> &Sampler {
         let beside = self.beside.as_deref().unwrap_or(self);

@@ -8,6 +8,7 @@ pub mod ambient_occlusion;
 pub mod bidir;
 mod camera_view;
 pub mod classic;
+pub mod metropolis;
 pub mod path;
 pub mod photon;
 mod shadow;
@@ -17,6 +18,7 @@ mod transport;
 pub use ambient_occlusion::{AmbientOcclusion, AmbientOcclusionSettings};
 pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use classic::{Classic, ClassicSettings};
+pub use metropolis::{Metropolis, MetropolisSettings};
 pub use path::{Path, PathSettings};
 pub use photon::{PhotonMapping, PhotonSettings};
 pub use spec::{Defaults, IntegratorSpec, Prepare, Quantity, SettingsContext};
@@ -73,6 +75,8 @@ settings! {
     Bidirectional(BidirectionalSettings),
     /// Recursive ray tracing as in the course.
     Classic(ClassicSettings),
+    /// Metropolis light transport.
+    Metropolis(MetropolisSettings),
     /// Path tracing, distribution ray tracing and direct light.
     Path(PathSettings),
     /// Photon mapping, of one map or of many.
@@ -80,12 +84,13 @@ settings! {
 }
 
 /// All integrators, by their names.
-pub const INTEGRATORS: [&IntegratorSpec; 9] = [
+pub const INTEGRATORS: [&IntegratorSpec; 10] = [
     &bidir::BIDIRECTIONAL,
     &classic::CLASSIC,
     &path::DIRECT,
     &path::DISTRIBUTION,
     &bidir::LIGHT,
+    &metropolis::METROPOLIS,
     &ambient_occlusion::OCCLUSION,
     &path::PATH,
     &photon::PHOTON,

@@ -19,15 +19,22 @@ use kajo_math::DVec3;
 
 use super::quadrature::simpson;
 use super::{Form, Parameters, text};
-use crate::method::{BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, Method};
+use crate::method::{BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, Method, PHOTONS};
 
 /// What finds light that no ray meets by chance.
 const METHODS: &[Method] = &[BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT];
 
+/// How much the disks of photons may blur over the border of the picture, as a share of its light.
+const BLUR: f64 = 0.01;
+
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let far = (draw.between(1.8, 2.2), 0.4);
     let near = (draw.between(1.2, 1.3), 0.15);
-    vec![screen(draw, far, 60.0), screen(draw, near, 75.0)]
+    let far = screen(draw, far, 60.0);
+    let near = screen(draw, near, 75.0);
+    let by_photons = Form { name: format!("{}, by photons", far.name), methods: PHOTONS, ..far.clone() };
+    // All pixels share the photons of a sample.
+    vec![far, near, by_photons.rounding(BLUR).size([64, 64])]
 }
 
 /// * `distance`: of the screen from the middle of the ball; `half`: half the side of the square that is seen

@@ -23,7 +23,8 @@ use kajo_math::DVec3;
 
 use super::{Form, Parameters, spot_meter, text};
 use crate::method::{
-    BIDIRECTIONAL, BOUNCES, DIRECT, GLOBAL, LIGHT, Method, PATH, PATH_LIGHTS, PATH_SPECTRAL,
+    BIDIRECTIONAL, BOUNCES, DIRECT, GLOBAL, LIGHT, MLT, Method, PATH, PATH_LIGHTS, PATH_SPECTRAL, PHOTONS,
+    SPPM,
 };
 
 /// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
@@ -44,8 +45,30 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     }
     forms.push(light_in_ball(draw, GLOBAL_OF_POINTS, true));
     forms.push(light_in_ball(draw, &[DIRECT], false));
+    // All pixels share the photons of a sample, and the samples that chains begin at.
+    for bounces in [None, Some(1)] {
+        let room = glowing(draw, &ROOMS[0], bounces);
+        forms.push(Form {
+            name: format!("{}, by photons", room.name),
+            scene: room.scene.replace("angle 0.001", "angle 70"),
+            methods: PHOTONS,
+            ..room.rounding(BLUR).size([64, 64])
+        });
+    }
+    let room = glowing(draw, &ROOMS[2], None);
+    forms.push(Form { name: format!("{}, by chains", room.name), methods: CHAINS, ..room.size([32, 32]) });
+    let ball = light_in_ball(draw, CHAINS, true);
+    forms.push(Form { name: format!("{}, by chains", ball.name), ..ball.size([32, 32]) });
+    let ball = light_in_ball(draw, &[SPPM], true);
+    forms.push(Form { name: format!("{}, by photons", ball.name), ..ball.rounding(BLUR).size([64, 64]) });
     forms
 }
+
+/// Chains over paths.
+const CHAINS: &[Method] = &[MLT];
+
+/// What the roundness of a wall within the disks of photons may change, as a share of its light.
+const BLUR: f64 = 2e-3;
 
 /// What solves a scene whose lights have no size.
 const GLOBAL_OF_POINTS: &[Method] = &[PATH, PATH_LIGHTS, PATH_SPECTRAL, BIDIRECTIONAL];

@@ -69,6 +69,9 @@ fn ways() -> Vec<Settings> {
         of("bidirectional"),
         Settings { spectral: Some(true), ..of("bidirectional") },
         of("light"),
+        of("photon"),
+        of("sppm"),
+        of("mlt"),
     ]
 }
 

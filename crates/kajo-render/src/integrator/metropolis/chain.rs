@@ -1,0 +1,214 @@
+//! A Markov chain over the numbers of a sample.
+
+use kajo_core::sampler::Sampler;
+use kajo_math::rng::{Key, Stream, unit};
+use kajo_math::{Vec2, fmath};
+
+use crate::context::{Scratch, Splat};
+use crate::{PixelIntegrator, RayCounters, SampleContext};
+
+/// Numbers of a path that a chain keeps, and of the path beside it.
+pub const KEPT: [usize; 2] = [96, 48];
+
+/// Probability of a large step.
+pub const LARGE_STEP: f32 = 0.3;
+
+/// The largest small step, and the logarithm of its ratio to the smallest.
+const STEP: f32 = 1.0 / 64.0;
+const LN_RANGE: f32 = 2.772_588_7;
+
+/// Sets the seeds of mutations apart from those of samples.
+const SALT: u64 = 0x6D75_7461_7465;
+
+/// A sample to begin at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Start {
+    pub seed: u64,
+    pub number: u32,
+}
+
+/// The light of a sample.
+#[derive(Clone, Debug, Default)]
+pub struct Light {
+    /// Where it is seen.
+    splats: Vec<Splat>,
+    /// The mean over the channels of the absolute value of its sum: 0 only where it is black.
+    pub importance: f32,
+}
+
+/// Numbers of a sample: those that are kept, path by path.
+#[derive(Clone, Debug)]
+struct Numbers([Vec<f32>; 2]);
+
+impl Numbers {
+    fn of(start: &Start) -> Numbers {
+        let numbers = |path: usize| {
+            let stream = Stream::new(start.seed, [start.number, path as u32], 0);
+            (0..KEPT[path] as u32).map(|d| stream.uniform(d)).collect()
+        };
+        Numbers([numbers(0), numbers(1)])
+    }
+}
+
+/// Takes samples by given numbers.
+pub struct Evaluation<'a> {
+    integrator: &'a dyn PixelIntegrator,
+    size: [u32; 2],
+    sampler: Sampler,
+    scratch: Scratch,
+    rays: RayCounters,
+    /// Tells the seeds of what is not given apart.
+    key: Key,
+}
+
+impl<'a> Evaluation<'a> {
+    /// For independent samples.
+    pub fn alone(integrator: &'a dyn PixelIntegrator, size: [u32; 2]) -> Evaluation<'a> {
+        let sampler = Sampler::given(Vec::new(), Vec::new());
+        let (scratch, rays) = (Scratch::default(), RayCounters::default());
+        Evaluation { integrator, size, sampler, scratch, rays, key: Key::new(SALT) }
+    }
+
+    /// For a chain: with the memory and the counters of a sample's surroundings, and random numbers that are its own.
+    pub fn of(integrator: &'a dyn PixelIntegrator, size: [u32; 2], ctx: &mut SampleContext<'_>) -> Self {
+        let [a, b] = [0, 1].map(|d| ctx.draws.stream().bits(d));
+        let scratch = std::mem::take(&mut ctx.scratch);
+        let key = Key::new(ctx.seed ^ SALT).part([a, b]);
+        Evaluation { scratch, rays: ctx.rays, key, ..Evaluation::alone(integrator, size) }
+    }
+
+    /// Hands memory and counters back.
+    pub fn give_back(self, ctx: &mut SampleContext<'_>) {
+        ctx.scratch = self.scratch;
+        ctx.rays = self.rays;
+    }
+
+    /// Whether the render is to stop.
+    pub fn is_given_up(&self, ctx: &SampleContext<'_>) -> bool {
+        ctx.interrupt.is_some_and(|interrupt| {
+            interrupt.ask();
+            interrupt.is_raised()
+        })
+    }
+
+    /// Rays cast so far.
+    pub fn rays(&self) -> RayCounters {
+        self.rays
+    }
+
+    /// The light of a sample to begin at.
+    pub fn begin(&mut self, start: &Start) -> Light {
+        let mut light = Light::default();
+        self.light_of(&Numbers::of(start), start.seed ^ u64::from(start.number) << 20, &mut light);
+        light
+    }
+
+    /// * `seed`: of the numbers that are not given
+    fn light_of(&mut self, numbers: &Numbers, seed: u64, light: &mut Light) {
+        let [path, beside] = &numbers.0;
+        self.sampler.give(path, beside);
+        let mut ctx = SampleContext::new(&self.sampler, seed);
+        ctx.scratch = std::mem::take(&mut self.scratch);
+        ctx.rays = self.rays;
+        let size = Vec2::from(self.size.map(|n| n as f32));
+        let raster = ctx.begin([0, 0], 0) * size;
+        let sample = self.integrator.sample(&mut ctx, [0, 0], raster);
+        light.splats.clear();
+        light.splats.push(Splat { raster, value: sample.radiance });
+        light.splats.extend_from_slice(ctx.splats.as_slice());
+        light.splats.retain(|splat| splat.value != [0.0; 3] && is_within(splat.raster, size));
+        let sum = light.splats.iter().fold([0.0; 3], |sum, splat| [0, 1, 2].map(|i| sum[i] + splat.value[i]));
+        let importance = sum.into_iter().map(f32::abs).sum::<f32>() / 3.0;
+        // What is no number is a bug that the film counts, and no place for a chain.
+        light.importance = if importance.is_finite() { importance } else { 0.0 };
+        (self.scratch, self.rays) = (ctx.scratch, ctx.rays);
+    }
+}
+
+/// Whether a place lies in the picture.
+fn is_within(raster: Vec2, size: Vec2) -> bool {
+    raster.min_element() >= 0.0 && raster.x < size.x && raster.y < size.y
+}
+
+/// A chain, and where it is.
+pub struct Chain {
+    numbers: Numbers,
+    light: Light,
+    /// Where it may go.
+    proposal: (Numbers, Light),
+}
+
+impl Chain {
+    /// A chain that begins there.
+    pub fn new(start: Start, evaluation: &mut Evaluation<'_>) -> Chain {
+        let numbers = Numbers::of(&start);
+        let light = evaluation.begin(&start);
+        Chain { proposal: (numbers.clone(), Light::default()), numbers, light }
+    }
+
+    /// Mutation `m`: hands the light of both states to `found`, such that the mean over mutations of the sum of what is found is that of
+    /// the picture, and moves or stays.
+    ///
+    /// * `b`: mean importance of the picture
+    pub fn mutate(
+        &mut self,
+        m: u32,
+        b: f64,
+        evaluation: &mut Evaluation<'_>,
+        found: &mut dyn FnMut(Vec2, [f32; 3]),
+    ) {
+        let key = evaluation.key.part([m, 0]);
+        let [choice, by_chance, seed] = key.words([0, 0]);
+        let is_large = unit(choice) < LARGE_STEP;
+        let (numbers, light) = &mut self.proposal;
+        for (path, (proposed, current)) in numbers.0.iter_mut().zip(&self.numbers.0).enumerate() {
+            propose(is_large, key.part([1, path as u32]), current, proposed);
+        }
+        evaluation.light_of(numbers, u64::from(seed) << 32 | u64::from(by_chance), light);
+        let a = acceptance(self.light.importance, light.importance);
+        let weight = |share: f32, light: &Light| {
+            (f64::from(share) / (f64::from(light.importance) / b + f64::from(LARGE_STEP))) as f32
+        };
+        let shares = [a + f32::from(u8::from(is_large)), 1.0 - a];
+        for (share, light) in shares.into_iter().zip([&*light, &self.light]) {
+            if share > 0.0 {
+                let weight = weight(share, light);
+                light.splats.iter().for_each(|splat| found(splat.raster, splat.value.map(|v| v * weight)));
+            }
+        }
+        if unit(by_chance) < a {
+            std::mem::swap(&mut self.numbers, numbers);
+            std::mem::swap(&mut self.light, light);
+        }
+    }
+}
+
+/// Probability of going from one importance to another.
+pub fn acceptance(from: f32, to: f32) -> f32 {
+    if to >= from { 1.0 } else { to / from }
+}
+
+/// The numbers of a proposal.
+fn propose(is_large: bool, key: Key, current: &[f32], proposed: &mut [f32]) {
+    for (d, (proposed, &current)) in proposed.iter_mut().zip(current).enumerate() {
+        let [u, sign, _] = key.words([d as u32, 0]);
+        *proposed = if is_large { unit(u) } else { moved(current, unit(u), sign & 1 == 1) };
+    }
+}
+
+/// A number moved by a small step, around the torus.
+///
+/// * `x`: uniform in [0, 1)
+pub fn moved(u: f32, x: f32, is_up: bool) -> f32 {
+    let step = STEP * fmath::exp(-LN_RANGE * x);
+    let moved = if is_up { u + step } else { u - step };
+    let turned = if moved >= 1.0 {
+        moved - 1.0
+    } else if moved < 0.0 {
+        moved + 1.0
+    } else {
+        moved
+    };
+    // Rounding may lead up to 1.
+    turned.min(1.0 - f32::EPSILON / 2.0)
+}

@@ -1,0 +1,187 @@
+//! Metropolis light transport in primary sample space [Kelemen et al. 2002].
+//!
+//! A sample of another integrator is a function `F(u)` of its uniform numbers `u`, a list of lights at places of the picture. Markov
+//! chains move `u` so that it is met in proportion to the importance `I(u)`, the mean over the channels of the sum of that light: a
+//! path that brings much is changed a little and tried again. With `b`, the integral of `I`, estimated by independent samples, a
+//! chain of `M` mutations from `u` to the proposal `v`, accepted with the probability `a = min(1, I(v)/I(u))`, adds
+//!
+//! ```text
+//! (a + s) / (I(v)/b + p) F(v) / M   +   (1 - a) / (I(u)/b + p) F(u) / M          [Kelemen et al. 2002, eq. 13]
+//! ```
+//!
+//! where `s` is 1 for a large step, which draws all numbers anew and is made with the probability `p`, and 0 for a small one: large steps
+//! are samples of plain integration too, and are weighed with the chain's. A small step moves each number by a distance
+//! between `s1 = 1/1024` and `s2 = 1/64`, small ones as likely as large ones by their logarithm,
+//!
+//! ```text
+//! v = u +- s2 exp(-ln(s2/s1) x),   x uniform in [0, 1),   around the torus
+//! ```
+//!
+//! so that proposals are symmetric. Numbers beyond those that a chain keeps are independent in each proposal.
+//!
+//! Each chain begins at a sample drawn in proportion to `I` of those that `b` was estimated by, so that it is where it would be after any
+//! number of mutations; no beginning has to be thrown away [Veach 1997, 11.3.1]. So chains may be short and many: one for each
+//! block of pixels and each sample of theirs, with a mutation for each pixel. It depends on the seed, the block and the sample alone, and its light goes
+//! to exact sums, so no split of the work changes a bit.
+
+mod chain;
+mod settings;
+mod start;
+
+use kajo_core::camera::Camera;
+use kajo_core::scene::Scene;
+use kajo_math::Vec2;
+
+use super::bidir::Bidirectional;
+use super::path::Path;
+use super::{Integrator, bidir::BidirectionalSettings, path::PathSettings};
+use crate::trail::PathObserver;
+use crate::{Layer, LayerSet, PixelIntegrator, PixelSample, Rect, SampleContext};
+use crate::{Setup, SetupError, WithState};
+use chain::{Chain, Evaluation};
+pub use settings::{METROPOLIS, MetropolisSettings};
+use start::Starts;
+
+/// Side of the block of pixels that shares a chain.
+const BLOCK: u32 = 32;
+
+/// Standard error of the brightness, as a share of it, above which the user is told.
+const UNSURE: f64 = 0.02;
+
+/// Moves samples of another integrator, before it knows where to begin.
+pub struct Metropolis<'a> {
+    moved: Moved<'a>,
+    size: [u32; 2],
+    layers: LayerSet,
+}
+
+/// The integrator whose samples are moved.
+enum Moved<'a> {
+    Path(Path<'a>),
+    Bidirectional(Bidirectional<'a>),
+}
+
+/// Chains that know where to begin.
+struct Chains<'a> {
+    of: &'a Metropolis<'a>,
+    starts: Starts,
+}
+
+impl<'a> Metropolis<'a> {
+    /// The integrator for a picture of `size` pixels with these `layers`.
+    pub fn new(
+        scene: &'a Scene,
+        settings: MetropolisSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Metropolis<'a> {
+        Metropolis::through(&scene.output.camera, scene, settings, size, layers)
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: MetropolisSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Metropolis<'a> {
+        let MetropolisSettings { bounces, light_choice, roulette, spectral, by_paths } = settings;
+        // Light groups are not told apart, so that light may go anywhere.
+        let own = LayerSet::of(
+            &[Layer::Color, Layer::Albedo].map(|layer| if layers.has(layer) { layer } else { Layer::Color }),
+        );
+        let moved = if by_paths {
+            let path = PathSettings { bounces, light_choice, roulette, spectral, ..PathSettings::default() };
+            Moved::Path(Path::through(camera, scene, path, size, own))
+        } else {
+            let both =
+                BidirectionalSettings { bounces, light_choice, roulette, spectral, only_from_lights: false };
+            Moved::Bidirectional(Bidirectional::through(camera, scene, both, size, own))
+        };
+        Metropolis { moved, size, layers }
+    }
+
+    /// The integrator whose samples are moved.
+    fn moved(&self) -> &dyn PixelIntegrator {
+        match &self.moved {
+            Moved::Path(path) => path,
+            Moved::Bidirectional(both) => both,
+        }
+    }
+
+    /// Whether any layer needs the camera's ray of each pixel.
+    fn sees_surfaces(&self) -> bool {
+        self.layers != LayerSet::of(&[Layer::Color])
+    }
+
+    /// The pixels that share a chain with one of which this is the first; `None` for all others.
+    fn block(&self, [x, y]: [u32; 2]) -> Option<Rect> {
+        let is_first = x.is_multiple_of(BLOCK) && y.is_multiple_of(BLOCK);
+        let [width, height] = self.size;
+        is_first.then(|| Rect { x0: x, y0: y, x1: (x + BLOCK).min(width), y1: (y + BLOCK).min(height) })
+    }
+}
+
+impl Integrator for Metropolis<'_> {
+    /// A sample of the integrator that is moved: this is what debug rays show.
+    fn observe<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        pixel: [u32; 2],
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
+        match &self.moved {
+            Moved::Path(path) => path.observe(ctx, pixel, raster, observer),
+            Moved::Bidirectional(both) => both.observe(ctx, pixel, raster, observer),
+        }
+    }
+
+    fn samples_per_state(&self) -> Option<u32> {
+        Some(u32::MAX)
+    }
+
+    fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        let (starts, rays) = Starts::find(self.moved(), self.size, setup)?;
+        let notes = starts.notes();
+        Ok(WithState { integrator: Box::new(Chains { of: self, starts }), rays, notes })
+    }
+}
+
+impl PixelIntegrator for Chains<'_> {
+    /// Runs the chain of the pixel's block, if the pixel is its first, and looks at the surface that the pixel shows.
+    fn sample(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2], raster: Vec2) -> PixelSample {
+        let of = self.of;
+        let mut sample = PixelSample::default();
+        if of.sees_surfaces() {
+            let before = ctx.splats.as_slice().len();
+            sample.first = of.moved().sample(ctx, pixel, raster).first;
+            ctx.splats.truncate(before);
+        }
+        if let Some(block) = of.block(pixel) {
+            self.run(ctx, [block.x0 / BLOCK, block.y0 / BLOCK], block.area() as u32);
+        }
+        sample
+    }
+}
+
+impl Chains<'_> {
+    /// Runs the chain of a block for one sample: as many mutations as it has pixels.
+    fn run(&self, ctx: &mut SampleContext<'_>, block: [u32; 2], mutations: u32) {
+        let Some(start) = self.starts.draw(ctx.seed, block, ctx.index) else { return };
+        let mut evaluation = Evaluation::of(self.of.moved(), self.of.size, ctx);
+        let mut chain = Chain::new(start, &mut evaluation);
+        let b = self.starts.brightness();
+        for m in 0..mutations {
+            if m % 64 == 63 && evaluation.is_given_up(ctx) {
+                break;
+            }
+            chain.mutate(m, b, &mut evaluation, &mut |raster, value| ctx.splats.add(raster, value));
+        }
+        evaluation.give_back(ctx);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,281 @@
+//! Markov chains against closed forms and against paths.
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_math::rng::Stream;
+use kajo_scene::MemoryAssets;
+use kajo_testkit::Estimate;
+
+use super::chain::{acceptance, moved};
+use super::*;
+use crate::integrator::tests::scene_with;
+use crate::{
+    Film, FilmSpec, Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Silent, render,
+    render_passes,
+};
+
+/// Chains that begin at fewer samples.
+struct Small<'a>(Metropolis<'a>);
+
+const FEW: u32 = 4096;
+
+impl PixelIntegrator for Small<'_> {
+    fn sample(&self, _: &mut SampleContext<'_>, _: [u32; 2], _: Vec2) -> PixelSample {
+        panic!("samples are taken with a state")
+    }
+
+    fn samples_per_state(&self) -> Option<u32> {
+        Some(u32::MAX)
+    }
+
+    fn with_state<'a>(&'a self, _: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        let (starts, rays) = Starts::of_samples(FEW, self.0.moved(), self.0.size, setup)?;
+        Ok(WithState { integrator: Box::new(Chains { of: &self.0, starts }), rays, notes: Vec::new() })
+    }
+}
+
+const SIZE: [u32; 2] = [24, 20];
+
+fn scene(text: &str) -> Scene {
+    scene_with(text, &MemoryAssets::new())
+}
+
+fn setup(seed: u64) -> Setup<'static> {
+    Setup { seed, threads: 1, memory: u64::MAX, progress: &Silent }
+}
+
+fn film() -> Film {
+    let layers = LayerSet::of(&[Layer::Color]);
+    Film::new(FilmSpec { layers, ..FilmSpec::new(SIZE[0], SIZE[1]) }, u64::MAX).unwrap()
+}
+
+fn schedule(samples: u32, seed: u64, threads: usize, tile: u32) -> RenderSettings {
+    RenderSettings { seed, threads, tile, ..RenderSettings::new(Sampler::new(SamplerKind::Uniform, samples)) }
+}
+
+/// Means of the first channel over the quarters of a picture, and over all of it.
+fn means(integrator: &dyn PixelIntegrator, samples: u32, seed: u64) -> [f64; 5] {
+    let film = film();
+    render(integrator, &film, &schedule(samples, seed, 1, 0), &Silent).unwrap();
+    let image = film.develop(Layer::Color).unwrap();
+    let mut sums = [0.0; 5];
+    for (i, pixel) in image.data().chunks_exact(3).enumerate() {
+        let (x, y) = (i as u32 % SIZE[0], i as u32 / SIZE[0]);
+        let quarter = u32::from(x >= SIZE[0] / 2) + 2 * u32::from(y >= SIZE[1] / 2);
+        sums[quarter as usize] += 4.0 * f64::from(pixel[0]);
+        sums[4] += f64::from(pixel[0]);
+    }
+    sums.map(|sum| sum / f64::from(SIZE[0] * SIZE[1]))
+}
+
+/// [`means`] of batches of samples, chains with beginnings of their own.
+fn estimates(integrator: &dyn PixelIntegrator, samples: u32) -> [Estimate; 5] {
+    let batches: Vec<[f64; 5]> = (0..32).map(|batch| means(integrator, samples, batch)).collect();
+    [0, 1, 2, 3, 4].map(|region| Estimate::of_batches(|batch| batches[batch as usize][region]))
+}
+
+fn chains(scene: &Scene, bounces: u32, by_paths: bool) -> Small<'_> {
+    let settings = MetropolisSettings { bounces, by_paths, ..MetropolisSettings::default() };
+    Small(Metropolis::new(scene, settings, SIZE, LayerSet::of(&[Layer::Color])))
+}
+
+fn camera(from: [f32; 3], to: [f32; 3], angle: f32) -> String {
+    let [a, b, c] = from;
+    let [x, y, z] = [to[0] - a, to[1] - b, to[2] - c];
+    format!(
+        "PerspectiveCamera {{ center {a} {b} {c}  direction {x} {y} {z}  up 0.1 0.9 0.2  angle {angle} }}
+         Background {{ color 0 0 0 }}"
+    )
+}
+
+/// Independent proposals with the target `2u` are accepted with probability 2/3 in the mean, with `3u^2` with 1/2.
+#[test]
+fn acceptance_is_that_of_known_targets() {
+    for (power, expected) in [(1, 2.0 / 3.0), (2, 0.5)] {
+        let estimate = Estimate::of_batches(|batch| {
+            let stream = Stream::new(4, [batch, power as u32], 0);
+            let target = |u: f32| u.powi(power);
+            let (mut u, mut sum) = (0.7, 0.0);
+            let n = 20_000;
+            for m in 0..n {
+                let v = stream.uniform(2 * m);
+                let a = acceptance(target(u), target(v));
+                sum += f64::from(a);
+                if stream.uniform(2 * m + 1) < a {
+                    u = v;
+                }
+            }
+            sum / f64::from(n)
+        });
+        estimate.check(expected, 2e-3).unwrap();
+    }
+}
+
+#[test]
+fn small_steps_are_small_symmetric_and_stay_in_the_cube() {
+    let stream = Stream::new(9, [0, 0], 0);
+    let mut logarithms = [0u32; 8];
+    for i in 0..40_000 {
+        let (u, x) = (stream.uniform(2 * i), stream.uniform(2 * i + 1));
+        for is_up in [false, true] {
+            let v = moved(u, x, is_up);
+            assert!((0.0..1.0).contains(&v));
+            let step = (v - u).abs().min(1.0 - (v - u).abs());
+            assert!((0.99 / 1024.0..1.01 / 64.0).contains(&step), "from {u} by {step}");
+            // The way back is the same step the other way.
+            assert!((moved(v, x, !is_up) - u).abs() < 1e-6 || u < 1e-6);
+            logarithms[((step * 1024.0).log2() * 2.0).clamp(0.0, 7.0) as usize] += 1;
+        }
+    }
+    assert!(logarithms.iter().all(|&n| n.abs_diff(10_000) < 600), "{logarithms:?}");
+    assert!(moved(1.0 - f32::EPSILON / 2.0, 0.0, true) < 1.0 && moved(0.0, 0.5, false) < 1.0);
+}
+
+/// Brightness that grows across the picture, and a strip beside it that is dark.
+struct Ramp;
+
+impl PixelIntegrator for Ramp {
+    fn sample(&self, ctx: &mut SampleContext<'_>, _: [u32; 2], raster: Vec2) -> PixelSample {
+        let x = raster.x / SIZE[0] as f32;
+        // A number behind the film decides, too.
+        let value = if x < 0.25 { 0.0 } else { x * 2.0 * ctx.draws.next_1d() };
+        PixelSample { radiance: [value, 0.5 * value, 0.0], first: None }
+    }
+}
+
+#[test]
+fn a_chain_finds_a_ramp_of_known_brightness() {
+    let pass = |seed: u64| {
+        let (starts, _) = Starts::of_samples(FEW, &Ramp, SIZE, &setup(seed)).unwrap();
+        let mut columns = [0.0; 24];
+        let mutations = 40_000;
+        let sampler = Sampler::new(SamplerKind::Uniform, 1);
+        let mut ctx = SampleContext::new(&sampler, seed);
+        ctx.begin([0, 0], 0);
+        let start = starts.draw(seed, [0, 0], 0).unwrap();
+        let mut evaluation = Evaluation::of(&Ramp, SIZE, &mut ctx);
+        let mut chain = Chain::new(start, &mut evaluation);
+        for m in 0..mutations {
+            chain.mutate(m, starts.brightness(), &mut evaluation, &mut |raster, value| {
+                columns[raster.x as usize] += 24.0 * f64::from(value[0]) / f64::from(mutations);
+            });
+        }
+        columns
+    };
+    let passes: Vec<[f64; 24]> = (0..32).map(pass).collect();
+    (0..24).for_each(|column: usize| {
+        let expected = if column < 6 { 0.0 } else { (column as f64 + 0.5) / 24.0 };
+        let found = Estimate::of_batches(|batch| passes[batch as usize][column]);
+        assert!(found.check(expected, 0.05).is_ok(), "column {column}: {found:?} for {expected}");
+    });
+}
+
+#[test]
+fn a_glowing_room_and_a_white_ball_are_as_bright_as_their_series() {
+    let glowing = format!(
+        "{} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
+         Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5], 70.0)
+    );
+    let white = format!(
+        "{} Lights {{ PointLight {{ position 0.5 0 0  intensity 1 1 1 }} }}
+         Materials {{ Material m {{ diffuseColor 0.8 0.8 0.8 }} }}
+         Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0], 0.01)
+    );
+    let forms = [(&glowing, 30, 2.0), (&glowing, 1, 1.75), (&white, 60, 0.8 / PI * (1.0 / 2.25 + 4.0))];
+    for (text, bounces, expected) in forms {
+        let scene = scene(text);
+        for by_paths in [false, true] {
+            let [.., found] = estimates(&chains(&scene, bounces, by_paths), 2);
+            assert!(
+                found.check(expected, 0.01).is_ok(),
+                "{bounces} bounces, by paths {by_paths}: {found:?} instead of {expected}"
+            );
+        }
+    }
+}
+
+const BOX: &str = "Materials { Matte wall { color 0.6 0.6 0.6 }  Matte red { color 0.7 0.2 0.2 }
+        Matte emitter { color 0 0 0 emission 5 5 5 emits front } }
+    Group { MaterialIndex wall Box { min -2 -2 -2 max 2 2 2 }
+            MaterialIndex emitter Quad { corner -1.5 1.9 -1 edge1 1 0 0 edge2 0 0 1 }
+            MaterialIndex red Box { min 0.4 -2 -1 max 1.4 0 0 } }";
+
+/// The parts of a matt room are as bright as paths find them, and the whole has the brightness of the independent samples.
+#[test]
+fn chains_and_paths_agree_in_every_part_of_a_room() {
+    let scene = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
+    let path = PathSettings { bounces: 3, ..PathSettings::default() };
+    let expected = estimates(&Path::new(&scene, path, SIZE, LayerSet::of(&[Layer::Color])), 4);
+    for by_paths in [false, true] {
+        let found = estimates(&chains(&scene, 3, by_paths), 4);
+        for (region, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let sigma = found.standard_error.hypot(expected.standard_error);
+            assert!(
+                (found.mean - expected.mean).abs() < 4.5 * sigma && sigma < 0.03 * expected.mean,
+                "region {region}, by paths {by_paths}: {found:?} and {expected:?}"
+            );
+        }
+    }
+}
+
+struct Cancel(std::sync::atomic::AtomicUsize);
+
+impl Progress for Cancel {
+    fn done(&self, _: u64, _: u64, _: u64) {}
+
+    fn cancelled(&self) -> bool {
+        use std::sync::atomic::Ordering::Relaxed;
+        self.0.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_err()
+    }
+}
+
+#[test]
+fn threads_tiles_and_stops_make_the_same_picture() {
+    let scene = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
+    let integrator = chains(&scene, 3, false);
+    let bits = |film: &Film| -> Vec<u32> {
+        film.develop(Layer::Color).unwrap().data().iter().map(|v| v.to_bits()).collect()
+    };
+    let whole = film();
+    render(&integrator, &whole, &schedule(6, 1, 1, 0), &Silent).unwrap();
+    for (threads, tile) in [(2, 8), (7, 5)] {
+        let (again, stopped) = (film(), film());
+        render(&integrator, &again, &schedule(6, 1, threads, tile), &Silent).unwrap();
+        let mut position = Position::default();
+        let go_on = &mut |_: &Film, _: &Position, _: &RenderStats| ControlFlow::Continue(());
+        let mut stops = 0;
+        while let Err(error) = render_passes(
+            &integrator,
+            &stopped,
+            &schedule(6, 1, threads, tile),
+            &Goal::default(),
+            &mut position,
+            &Cancel((20 + 11 * stops).into()),
+            go_on,
+        ) {
+            assert!(matches!(error, RenderError::Cancelled(_)), "{error}");
+            stops += 1;
+        }
+        assert!(stops > 2 && bits(&whole) == bits(&again) && bits(&whole) == bits(&stopped));
+    }
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let dark = scene(&format!(
+        "{} Materials {{ Matte m {{ }} }} Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], 30.0)
+    ));
+    let integrator = chains(&dark, 3, false);
+    let (starts, rays) = Starts::of_samples(500, integrator.0.moved(), SIZE, &setup(0)).unwrap();
+    assert!(starts.notes()[0].contains("none of 500 samples") && rays.camera == 500);
+    assert_eq!(starts.draw(0, [0, 0], 0), None);
+    assert_eq!(means(&integrator, 1, 0), [0.0; 5]);
+    let poor = Setup { memory: 10, ..setup(0) };
+    let refused = Starts::of_samples(500, integrator.0.moved(), SIZE, &poor).err().unwrap();
+    assert!(refused.to_string().contains("8000 bytes"), "{refused}");
+}
