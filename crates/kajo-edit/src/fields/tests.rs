@@ -98,6 +98,7 @@ fn needed(block: &Block) -> String {
         _ if block.keyword == "Lathe" => needed + "profile { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "SphereSweep" => needed + "path { line 0 0 0 1  1 0 0 1 } ",
         _ if block.keyword == "Prism" => needed + "outline { line 0 0  1 0  0 1 } ",
+        _ if block.keyword == "Curves" => needed + "strand { points 0 0 0  1 0 0  1 1 0 } ",
         _ => needed,
     }
 }
