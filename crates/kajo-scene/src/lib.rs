@@ -57,6 +57,7 @@ mod text_encoding;
 mod tree;
 mod tri_mesh;
 mod triangulate;
+mod volume;
 mod weld;
 
 pub use args::Args;
@@ -88,3 +89,4 @@ pub use source::{Position, Source, SourceId, Sources, Span};
 pub use stl::read_stl;
 pub use tree::{Item, Items, NamedValue, SceneDesc, Value, Word};
 pub use tri_mesh::{Corners, MeshReport, NO_INDEX, TriMesh};
+pub use volume::{RawVolume, VolumeEncoding, VolumeError, VolumeFile, read_volume};
