@@ -9,6 +9,7 @@ mod emission_density;
 mod error;
 mod lights;
 mod materials;
+mod media;
 mod objects;
 #[cfg(test)]
 mod tests;
@@ -26,7 +27,7 @@ use crate::emission::SurfaceEmission;
 use crate::ids::LightGroup;
 use crate::light::{LightGroups, LightId, Lights};
 use crate::material::{Appearance, MaterialId};
-use crate::medium::Fog;
+use crate::medium::{Fog, MediumId};
 use crate::motion::{MovingTransform, Shutter};
 use crate::nested::Nested;
 use crate::scene::{Geometry, Lighting, Output, Scene};
@@ -93,6 +94,7 @@ pub struct SceneBuilder {
     background_group: LightGroup,
     ambient: Spectrum,
     fog: Option<Fog>,
+    air: Option<MediumId>,
     cameras: Vec<NamedCamera>,
     shutter: Shutter,
     readout: f32,
@@ -209,6 +211,7 @@ impl SceneBuilder {
             background,
             ambient,
             fog: self.fog,
+            air: self.air,
         };
         Ok(Scene { geometry: self.geometry, appearance: self.appearance, lighting, output })
     }

@@ -13,6 +13,7 @@ mod cameras;
 mod lights;
 mod lobes;
 mod materials;
+mod phases;
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -80,12 +81,13 @@ macro_rules! kinds {
 use kinds;
 
 fn draws() -> Vec<Draw> {
-    [lobes::draws(), materials::draws(), lights::draws(), cameras::draws()].into_iter().flatten().collect()
+    let all = [lobes::draws(), materials::draws(), phases::draws(), lights::draws(), cameras::draws()];
+    all.into_iter().flatten().collect()
 }
 
 fn furnaces() -> Vec<Furnace> {
-    let all = [lobes::furnaces(), materials::furnaces(), lights::furnaces(), cameras::furnaces()];
-    all.into_iter().flatten().collect()
+    let surfaces = [lobes::furnaces(), materials::furnaces(), phases::furnaces()];
+    surfaces.into_iter().chain([lights::furnaces(), cameras::furnaces()]).flatten().collect()
 }
 
 #[test]
@@ -93,7 +95,8 @@ fn nobody_is_left_out() {
     let drawn: BTreeSet<_> = draws().iter().map(|draw| (draw.who.family, draw.who.kind)).collect();
     let powered: BTreeSet<_> =
         furnaces().iter().map(|furnace| (furnace.who.family, furnace.who.kind)).collect();
-    for census in [lobes::census(), materials::census(), lights::census(), cameras::census()] {
+    let all = [lobes::census(), materials::census(), phases::census(), lights::census(), cameras::census()];
+    for census in all {
         for kind in census.kinds {
             let who = (census.family, kind);
             assert_eq!(drawn.contains(&who), !census.pointlike.contains(&kind), "{who:?}");

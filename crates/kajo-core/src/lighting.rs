@@ -63,6 +63,17 @@ impl Scene {
         if blocked { Spectrum::BLACK } else { passed }
     }
 
+    /// The share of light that goes straight on through a surface: less than 1 through holes and panes, 0 elsewhere. Of a mixture it is
+    /// the mean.
+    ///
+    /// * `eta`: index of refraction of the medium around
+    /// * `cos`: of the angle between light and normal
+    pub fn passage(&self, at: &Interaction, eta: f32, wavelengths: &Wavelengths, cos: f32) -> Spectrum {
+        let context = self.texture_context(at);
+        let point = ShadingPoint { context, wavelengths, eta_outside: eta, u: 0.0 };
+        self.appearance.passage(at.material, &point, cos)
+    }
+
     /// What is behind a surface that lets light through.
     ///
     /// * `u`: as for [`Scene::bsdf`]

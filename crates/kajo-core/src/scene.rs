@@ -23,7 +23,7 @@ use crate::ids::ObjectId;
 use crate::interaction::{Hit, SurfacePoint, SurfaceUv};
 use crate::light::{LightId, LightSampler, Lights};
 use crate::material::{Appearance, MaterialId};
-use crate::medium::Fog;
+use crate::medium::{Fog, MediumId};
 use crate::motion::MovingTransform;
 use crate::nested::Leaf;
 use crate::settings::{Rules, Settings};
@@ -67,6 +67,8 @@ pub struct Lighting {
     pub ambient: Spectrum,
     /// Fog everywhere, if any.
     pub fog: Option<Fog>,
+    /// The medium around everything, if any.
+    pub air: Option<MediumId>,
 }
 
 /// Who takes the picture, and what the file says about it.
@@ -92,6 +94,11 @@ impl Scene {
     /// Whether what a ray finds depends on its time.
     pub fn moves(&self) -> bool {
         self.output.camera.moves() || self.geometry.motions.iter().any(MovingTransform::moves)
+    }
+
+    /// Whether there is any medium that light may be scattered or absorbed in, so that paths have to ask.
+    pub fn has_media(&self) -> bool {
+        self.appearance.has_media || self.lighting.air.is_some()
     }
 
     /// Whether light may pass through any part of an object.

@@ -15,6 +15,7 @@ impl Tree {
         let holder = match kind {
             Kind::Light => Some(Kind::Lights),
             Kind::Material => Some(Kind::Materials),
+            Kind::Medium => Some(Kind::Media),
             Kind::Define => Some(Kind::Group),
             _ if kind.is_object() => Some(Kind::Group),
             Kind::Part => return Err(EditRefused::new("that is not one block of the language")),
@@ -41,6 +42,7 @@ impl Tree {
                 let keyword = match holder {
                     Kind::Light | Kind::Lights => "Lights",
                     Kind::Materials => "Materials",
+                    Kind::Media => "Media",
                     _ => "Group",
                 };
                 edits.extend(self.add_at_end(&layout::block(self.text(super::FileId(0)), keyword, &block)));

@@ -4,6 +4,7 @@ use kajo_scene::OverBudget;
 
 use crate::ids::{AssemblyId, LightGroup, MAX_LIGHT_GROUPS, PoseId};
 use crate::material::MaterialId;
+use crate::medium::MediumId;
 use crate::nested::MOST_LEVELS;
 use crate::shape::ShapeId;
 
@@ -22,6 +23,9 @@ pub enum SceneError {
     /// A material that this builder has not named.
     #[error("the scene has no material {0:?}")]
     UnknownMaterial(MaterialId),
+    /// A medium that this builder has not named.
+    #[error("the scene has no medium {0:?}")]
+    UnknownMedium(MediumId),
     /// A texture that this builder has not named.
     #[error("the scene has no such texture")]
     UnknownTexture,

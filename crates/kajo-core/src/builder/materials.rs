@@ -116,6 +116,7 @@ impl SceneBuilder {
         check_finite(material.is_finite(), name)?;
         material.parts().iter().try_for_each(|&part| self.check_material(part))?;
         self.check_textures(material.textures(), name)?;
+        material.medium().map_or(Ok(()), |medium| self.check_medium(medium))?;
         let id = material.store(&mut self.appearance.materials).ok_or(SceneError::TooMany(name))?;
         let of_part = |part| self.emissions.get(&part).cloned().unwrap_or_default();
         let Appearance { materials, textures, .. } = &mut self.appearance;
@@ -152,7 +153,7 @@ impl SceneBuilder {
     }
 
     /// Refuses textures of another scene, and constants of `what` that are not finite.
-    fn check_textures<'a>(
+    pub(super) fn check_textures<'a>(
         &self,
         textures: impl IntoIterator<Item = AnyTexture<'a>>,
         what: &'static str,
@@ -191,6 +192,7 @@ impl SceneBuilder {
         appearance.has_pictures = appearance.materials.ids().any(|id| appearance.needs_uv(id));
         appearance.has_filters = appearance.textures.wants_footprint();
         appearance.has_passages = appearance.materials.ids().any(|id| appearance.has_passages(id));
+        appearance.has_media = appearance.materials.ids().any(|id| appearance.has_medium(id));
         appearance.has_orientations = appearance.materials.ids().any(|id| appearance.is_oriented(id));
     }
 }

@@ -14,6 +14,7 @@
 //! and a key that is in no list has no member to be read into.
 
 mod colors;
+mod media;
 mod values;
 
 use std::marker::PhantomData;
@@ -33,6 +34,7 @@ pub(super) use colors::{
     Absorption, GROUP, Textured, absorption, classic_light, color, color_texture, emission, float_texture,
     light_group, reflectance, share,
 };
+pub(super) use media::{Inside, MediumNames, inside, named_medium};
 pub(super) use values::{
     At, Choice, Direction, FileName, Given, any_angle, at_least, between, choice, choices, count, degrees,
     direction, file, flag, function, number, pair, point, positive, triple, vector, whole, words,
@@ -44,6 +46,8 @@ pub(super) struct Sources<'a> {
     pub textures: TextureReader<'a>,
     /// Groups of lights met so far.
     pub groups: &'a mut LightGroups,
+    /// Media by their names.
+    pub media: &'a MediumNames,
     /// The conventions of the dialect.
     pub rules: Rules,
     /// Names of the integrators that there are.

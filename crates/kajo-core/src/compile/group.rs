@@ -203,7 +203,19 @@ impl Compiler<'_> {
         let material = part.material.or_else(|| self.material_for(by, walk));
         let (Some(material), Some(pose)) = (material, self.pose(place, by)) else { return };
         let material = self.see_through(part.content, material);
+        self.check_filled(part.content, material, by);
         self.scene.put(shape, material, pose, part.label, by.index());
+    }
+
+    /// Reports a body that a medium would fill, and that has no inside.
+    fn check_filled(&mut self, content: PartContent, material: MaterialId, by: Item<'_>) {
+        let PartContent::Shape(shape) = content else { return };
+        if self.scene.appearance().has_medium(material) && !self.scene.geometry().shapes.is_solid(shape) {
+            let error = Diagnostic::error("a medium fills closed shapes, and this one is open");
+            let error = error.label(by.keyword_span(), "has no inside");
+            let help = "close it, or give it a material without a `medium`";
+            self.diagnostics.push(error.help(help));
+        }
     }
 
     /// The material of a part: one that is not everywhere, if the colours of a mesh say so.

@@ -6,6 +6,7 @@ use super::Compiler;
 use super::camera_keys::CameraReader;
 use super::material_draft::Draft;
 use super::place::{Place, Walk};
+use crate::medium::MediumId;
 use crate::schema::Block;
 
 /// A block of a family, and what reads it.
@@ -36,6 +37,9 @@ pub(super) type CameraMember = Member<CameraReader>;
 
 /// A kind of material.
 pub(super) type MaterialMember = Member<for<'t> fn(&mut Compiler<'_>, Item<'t>) -> Option<Draft<'t>>>;
+
+/// A kind of medium.
+pub(super) type MediumMember = Member<for<'t> fn(&mut Compiler<'_>, Item<'t>) -> Option<MediumId>>;
 
 /// A shape; one that cannot be is reported at `place`.
 pub(super) fn reported<T>(

@@ -23,6 +23,7 @@ mod light_quantities;
 mod lights;
 mod material_draft;
 mod materials;
+mod media;
 mod member;
 mod mesh;
 mod mesh_store;
@@ -60,7 +61,7 @@ use std::sync::Arc;
 use kajo_bvh::BuildSettings;
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
 
-use self::blocks::{LIGHT_LIST, MATERIAL_LIST};
+use self::blocks::{LIGHT_LIST, MATERIAL_LIST, MEDIUM_LIST};
 use self::definition::Definition;
 use self::places::misplaced;
 use crate::builder::{SceneBuilder, SceneError};
@@ -132,6 +133,7 @@ fn compile_tree(
     let background = root.block(background::BLOCK.keyword);
     let fog = root.block(background::FOG.keyword);
     let lights = root.block(LIGHT_LIST.keyword);
+    let media = root.block(MEDIUM_LIST.keyword);
     let materials = root.block(MATERIAL_LIST.keyword);
     let group = root.block("Group");
     root.elsewhere(|item| misplaced(item, None));
@@ -153,6 +155,9 @@ fn compile_tree(
     }
     if let Some(item) = lights {
         compiler.lights(item);
+    }
+    if let Some(item) = media {
+        compiler.media(item);
     }
     if let Some(item) = materials {
         compiler.materials(item);
@@ -200,6 +205,7 @@ struct Compiler<'a> {
     material_bytes: usize,
     /// Triangles without area, and where the first one stands.
     flat_triangles: Option<(usize, Span)>,
+    medium_names: fields::MediumNames,
     material_names: HashMap<String, MaterialId>,
     /// The names, where they have any, of materials that could not be made, which has been reported.
     failed_materials: HashSet<Option<String>>,
@@ -237,6 +243,7 @@ impl<'a> Compiler<'a> {
             left_out_pictures: HashSet::new(),
             material_bytes: 0,
             flat_triangles: None,
+            medium_names: HashMap::new(),
             material_names: HashMap::new(),
             failed_materials: HashSet::new(),
             pictures: pictures::PictureCache::default(),
@@ -264,7 +271,8 @@ impl<'a> Compiler<'a> {
         let (rules, integrators) = (self.rules, self.options.integrators);
         let (nodes, groups) = self.scene.textures_and_groups();
         let textures = pictures::TextureReader::new(self.assets, self.options, &mut self.pictures, nodes);
-        let mut sources = fields::Sources { textures, groups, rules, integrators };
+        let media = &self.medium_names;
+        let mut sources = fields::Sources { textures, groups, media, rules, integrators };
         let mut params = Params::new(item, self.diagnostics);
         let value = read(&mut params, &mut sources);
         params.finish();
@@ -337,6 +345,8 @@ mod csg_tests;
 mod emission_tests;
 #[cfg(test)]
 mod empty_mesh_tests;
+#[cfg(test)]
+mod media_tests;
 #[cfg(test)]
 mod mesh_file_tests;
 #[cfg(test)]

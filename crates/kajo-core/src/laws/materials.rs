@@ -72,6 +72,7 @@ fn glass(roughness: f32, pane: Option<f32>) -> Glass {
         absorption: [0.0; 3],
         pane: pane.map(FloatTexture::Constant),
         priority: 0,
+        medium: None,
     })
 }
 
@@ -97,6 +98,7 @@ fn white_layers() -> Layers {
         fuzz_color: white,
         fuzz_roughness: 0.5.into(),
         priority: 0,
+        medium: None,
     }
 }
 

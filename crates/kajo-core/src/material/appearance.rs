@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::{MaterialId, Materials};
+use crate::medium::Media;
 use crate::texture::Textures;
 
 /// Materials, and what they are made of: what any of them is asked in.
@@ -12,6 +13,8 @@ pub struct Appearance {
     pub materials: Materials,
     /// Patterns that materials use.
     pub textures: Textures,
+    /// What bodies and the air are filled with.
+    pub media: Media,
     /// Every material of the file, in its order, with its name. Number `i + 1` of the id layers is entry `i`.
     pub list: Vec<(MaterialId, Option<String>)>,
     /// Materials of mesh parts, by [`crate::shape::Surface::material_slot`].
@@ -25,6 +28,8 @@ pub struct Appearance {
     pub has_passages: bool,
     /// Whether any texture asks for footprints, so that paths have to carry them; see [`Textures::wants_footprint`].
     pub has_filters: bool,
+    /// Whether a body of any material is filled with a medium.
+    pub has_media: bool,
     pub(crate) numbers: HashMap<MaterialId, u32>,
 }
 

@@ -12,6 +12,7 @@ use kajo_math::Vec3;
 
 use super::{Appearance, Grain, Interior, Material, Orientation, ShadingPoint, may_be_polished};
 use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
+use crate::medium::MediumId;
 use crate::texture::{AnyTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
 
 /// What glass is like.
@@ -31,6 +32,8 @@ pub struct GlassSettings {
     pub pane: Option<FloatTexture>,
     /// The body of the higher priority is there where several overlap.
     pub priority: i32,
+    /// What scatters light inside of a body.
+    pub medium: Option<MediumId>,
 }
 
 impl Default for GlassSettings {
@@ -44,6 +47,7 @@ impl Default for GlassSettings {
             absorption: [0.0; 3],
             pane: None,
             priority: 0,
+            medium: None,
         }
     }
 }
@@ -158,10 +162,15 @@ impl Material for Glass {
     fn interior(&self, _: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
         let wavelengths = at.wavelengths;
         self.settings.pane.is_none().then(|| Interior {
-            eta: self.eta(wavelengths),
+            eta: Some(self.eta(wavelengths)),
             is_dispersive: self.settings.index.is_dispersive(),
             absorption: self.absorption.at(wavelengths),
             priority: self.settings.priority,
+            medium: self.settings.medium,
         })
+    }
+
+    fn medium(&self) -> Option<MediumId> {
+        self.settings.medium.filter(|_| self.settings.pane.is_none())
     }
 }

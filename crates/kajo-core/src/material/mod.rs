@@ -6,6 +6,7 @@ mod embossed;
 mod glass;
 mod matte;
 mod metal;
+mod null_boundary;
 mod orientation;
 mod parts;
 mod perforated;
@@ -18,6 +19,7 @@ pub use embossed::{Embossed, Relief};
 pub use glass::{Glass, GlassSettings};
 pub use matte::Matte;
 pub use metal::{Metal, Substance};
+pub use null_boundary::NullBoundary;
 pub use orientation::{Grain, Lean, Orientation};
 pub use perforated::Perforated;
 pub use phong::{PhongMaterial, PhongTextures};
@@ -28,6 +30,7 @@ use kajo_color::{Spectrum, Wavelengths};
 use crate::bsdf::{Bsdf, POLISHED, Phong};
 use crate::emission::SurfaceEmission;
 use crate::family::family;
+use crate::medium::MediumId;
 use crate::texture::{AnyTexture, FloatTexture, TextureContext, Textures};
 
 /// Where a material is asked how it scatters.
@@ -52,14 +55,16 @@ fn may_be_polished(roughness: FloatTexture) -> bool {
 /// What fills a body whose surface lets light through.
 #[derive(Clone, Copy, Debug)]
 pub struct Interior {
-    /// Index of refraction at the first wavelength.
-    pub eta: f32,
+    /// Index of refraction at the first wavelength; `None` for that of what is around.
+    pub eta: Option<f32>,
     /// Whether the index depends on the wavelength.
     pub is_dispersive: bool,
     /// Absorption per unit length: light is weakened by `exp(-absorption d)`.
     pub absorption: Spectrum,
     /// Where bodies overlap the one of the highest priority is there [Schmidt and Budge 2002].
     pub priority: i32,
+    /// What absorbs and scatters light inside, by place and at random.
+    pub medium: Option<MediumId>,
 }
 
 /// What every material can do.
@@ -143,6 +148,16 @@ pub trait Material {
     fn interior(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>) -> Option<Interior> {
         None
     }
+
+    /// The medium that it names as its own inside; see [`Interior::medium`].
+    fn medium(&self) -> Option<MediumId> {
+        None
+    }
+
+    /// Whether a body of it is filled with a medium anywhere.
+    fn has_medium(&self, appearance: &Appearance) -> bool {
+        self.medium().is_some() || self.parts().iter().any(|&part| appearance.has_medium(part))
+    }
 }
 
 family! {
@@ -160,6 +175,7 @@ family! {
         layered: LayeredMaterial,
         mattes: Matte,
         metals: Metal,
+        null_boundaries: NullBoundary,
         perforated: Perforated,
         phongs: PhongMaterial,
     }
@@ -170,6 +186,8 @@ family! {
         fn parts() -> &[MaterialId];
         /// See [`Material::textures`].
         fn textures() -> Vec<AnyTexture<'_>>;
+        /// See [`Material::medium`].
+        fn medium() -> Option<MediumId>;
     }
     methods {
         /// See [`Material::emission`].
@@ -201,6 +219,8 @@ family! {
         fn is_oriented() -> bool;
         /// See [`Material::interior`].
         fn interior(at: &ShadingPoint<'_>) -> Option<Interior>;
+        /// See [`Material::has_medium`].
+        fn has_medium() -> bool;
     }
 }
 

@@ -189,7 +189,13 @@ impl Material for PhongMaterial {
 
     fn interior(&self, _: &Appearance, _: &ShadingPoint<'_>) -> Option<Interior> {
         let absorption = Spectrum::BLACK;
-        let interior = Interior { eta: self.phong.eta, is_dispersive: false, absorption, priority: 0 };
+        let interior = Interior {
+            eta: Some(self.phong.eta),
+            is_dispersive: false,
+            absorption,
+            priority: 0,
+            medium: None,
+        };
         (!self.phong.transparent.is_black()).then_some(interior)
     }
 }

@@ -16,6 +16,7 @@ use super::{
 use crate::bsdf::{
     self, Base, Bsdf, DiffuseNormal, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape,
 };
+use crate::medium::MediumId;
 use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
 
 /// The least light that a pane lets through, black ones too.
@@ -116,6 +117,8 @@ pub struct Layers {
     pub fuzz_roughness: FloatTexture,
     /// The body of the higher priority is there where several overlap.
     pub priority: i32,
+    /// What scatters light inside of the glass.
+    pub medium: Option<MediumId>,
 }
 
 impl Default for Layers {
@@ -142,6 +145,7 @@ impl Default for Layers {
             fuzz_color: grey(1.0),
             fuzz_roughness: 0.5.into(),
             priority: 0,
+            medium: None,
         }
     }
 }
@@ -357,12 +361,17 @@ impl Material for LayeredMaterial {
     }
 
     fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
-        let Layers { priority, thin, ref dispersion, .. } = self.layers;
+        let Layers { priority, thin, medium, ref dispersion, .. } = self.layers;
         (self.layers.transmit() && !thin).then(|| Interior {
-            eta: self.layers.glass_eta(appearance.textures.evaluator(&at.context), at.wavelengths),
+            eta: Some(self.layers.glass_eta(appearance.textures.evaluator(&at.context), at.wavelengths)),
             is_dispersive: dispersion.as_ref().is_some_and(Dispersion::is_dispersive),
             absorption: self.absorption.at(at.wavelengths),
             priority,
+            medium,
         })
+    }
+
+    fn medium(&self) -> Option<MediumId> {
+        self.layers.medium.filter(|_| self.layers.transmit() && !self.layers.thin)
     }
 }

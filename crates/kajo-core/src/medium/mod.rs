@@ -1,5 +1,122 @@
-//! What fills the space between surfaces.
+//! Participating media: what fills bodies and the air, absorbs light, scatters it and gives light of its own.
+//!
+//! Along a way of length `ds` the share `sigma_a ds` of the light is absorbed and the share `sigma_s ds` scattered, so
+//!
+//! ```text
+//! dL/ds = -sigma_t L + sigma_s (integral of p(wo, wi) Li(wi) dwi),    sigma_t = sigma_a + sigma_s
+//! ```
+//!
+//! [Chandrasekhar 1950]. A medium has coefficients by wavelength ([`Coefficients`]), and a density by place that both of
+//! them are multiplied by. It also says how large the density is at most on each stretch of a ray ([`Majorant`]), which is
+//! what collisions are drawn by. How they are, is for the transport core to know.
+//!
+//! [`Fog`] is another thing: the haze of the classic formula, which scatters nothing.
 
+mod coefficients;
 mod fog;
+mod function;
+mod grid;
+mod homogeneous;
+mod majorant;
+mod majorant_grid;
+pub mod phase;
 
+pub use coefficients::{Coefficients, CoefficientsError};
 pub use fog::Fog;
+pub use function::{FunctionMedium, FunctionMediumError};
+pub use grid::{DensityGrid, GridError, GridMedium};
+pub use homogeneous::HomogeneousMedium;
+pub use majorant::Majorants;
+pub use majorant_grid::{GridWalk, Majorant, MajorantGrid};
+pub use phase::{Phase, PhaseSample};
+
+use kajo_math::{Ray, Vec3};
+
+use crate::family::family;
+use crate::texture::{AnyTexture, Textures};
+
+/// What every medium can do.
+pub trait Medium {
+    /// Whether all its own numbers are finite.
+    fn is_finite(&self) -> bool;
+
+    /// The textures that it is made of.
+    fn textures(&self) -> Vec<AnyTexture<'_>> {
+        Vec::new()
+    }
+
+    /// What it does to light at the density 1.
+    fn coefficients(&self) -> &Coefficients;
+
+    /// The density at a world-space point, not negative.
+    fn density(&self, textures: &Textures, p: Vec3) -> f32;
+
+    /// Bounds on the density along a ray in world space, from its start on.
+    ///
+    /// * `ray`: of unit direction; `t_min` is 0
+    fn majorants(&self, ray: &Ray) -> Majorants<'_>;
+
+    /// Whether the density is the same everywhere, so that transmittance has a closed form.
+    fn is_homogeneous(&self) -> bool {
+        false
+    }
+}
+
+family! {
+    /// Names a medium in [`Media`].
+    handle MediumId;
+    /// All media of a scene.
+    pools Media;
+    /// Any medium.
+    any AnyMedium;
+    contract Medium;
+    members {
+        functions: FunctionMedium,
+        grids: GridMedium,
+        homogeneous: HomogeneousMedium,
+    }
+    any methods {
+        /// See [`Medium::is_finite`].
+        fn is_finite() -> bool;
+        /// See [`Medium::textures`].
+        fn textures() -> Vec<AnyTexture<'_>>;
+    }
+    methods {
+        /// See [`Medium::coefficients`].
+        fn coefficients() -> &Coefficients;
+        /// See [`Medium::density`].
+        fn density(textures: &Textures, p: Vec3) -> f32;
+        /// See [`Medium::majorants`].
+        fn majorants(ray: &Ray) -> Majorants<'_>;
+        /// See [`Medium::is_homogeneous`].
+        fn is_homogeneous() -> bool;
+    }
+}
+
+/// A medium or none, in the 32 bits of its name: what paths carry many of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MaybeMedium(u32);
+
+impl MaybeMedium {
+    /// Empty space.
+    pub const VACUUM: MaybeMedium = MaybeMedium(u32::MAX);
+
+    /// The medium, if there is one.
+    #[inline]
+    pub fn get(self) -> Option<MediumId> {
+        (self != MaybeMedium::VACUUM).then_some(MediumId(self.0))
+    }
+}
+
+impl Default for MaybeMedium {
+    fn default() -> MaybeMedium {
+        MaybeMedium::VACUUM
+    }
+}
+
+impl From<Option<MediumId>> for MaybeMedium {
+    /// No pool is so long that the name of a member has all bits set.
+    fn from(medium: Option<MediumId>) -> MaybeMedium {
+        medium.map_or(MaybeMedium::VACUUM, |MediumId(name)| MaybeMedium(name))
+    }
+}

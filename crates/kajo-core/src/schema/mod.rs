@@ -25,6 +25,10 @@ pub enum Kind {
     Lights,
     /// One light.
     Light,
+    /// The list of media.
+    Media,
+    /// One medium.
+    Medium,
     /// The list of materials.
     Materials,
     /// One material.

@@ -226,6 +226,8 @@ family! {
         fn tangents_at(hit: &Hit, p: Vec3) -> Tangents;
         /// See [`Surface::is_closed`].
         fn is_closed() -> bool;
+        /// See [`Surface::is_solid`].
+        fn is_solid() -> bool;
         /// See [`Surface::starts_inside`].
         fn starts_inside(ray: &Ray) -> bool;
         /// See [`Surface::part_count`].

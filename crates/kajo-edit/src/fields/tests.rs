@@ -39,11 +39,14 @@ fn scene_with(block: &Block, text: &str) -> String {
         }
         Kind::Part => format!("{camera} Background {{ {text} }}"),
         Kind::Light => format!("{camera} Lights {{ {text} }}"),
+        Kind::Medium => format!("{camera} Media {{ {text} }}"),
         Kind::Material => format!("{camera} Materials {{ Matte {{ }} {text} }}"),
         Kind::Shape | Kind::Instance | Kind::Transform => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Define thing {{ }} {text} }}")
         }
-        Kind::Group | Kind::Define | Kind::Lights | Kind::Materials => format!("{camera} {text}"),
+        Kind::Group | Kind::Define | Kind::Lights | Kind::Materials | Kind::Media => {
+            format!("{camera} {text}")
+        }
     }
 }
 
@@ -58,6 +61,7 @@ fn head(block: &Block) -> String {
     match block.keyword {
         "Instance" => "Instance thing".to_owned(),
         "key" => "key 0".to_owned(),
+        keyword if block.kind == Kind::Medium => format!("{keyword} some"),
         keyword => keyword.to_owned(),
     }
 }
@@ -97,6 +101,8 @@ fn needed(block: &Block) -> String {
         }
         _ if block.keyword == "Lathe" => needed + "profile { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "SphereSweep" => needed + "path { line 0 0 0 1  1 0 0 1 } ",
+        Kind::Medium if block.keyword == "GridMedium" => needed + "size 2 1 1  values 0 1  density 1 ",
+        Kind::Medium => needed + "density 1 ",
         _ if block.keyword == "Prism" => needed + "outline { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "Curves" => needed + "strand { points 0 0 0  1 0 0  1 1 0 } ",
         _ => needed,
@@ -132,6 +138,11 @@ fn every_key_that_the_compiler_knows_is_in_the_tables_and_no_other() {
             "strand",
         ];
         there.retain(|key| !within.contains(&&**key));
+        let within = ["sky", "Transform", "Motion", "Noise", "sphere", "cylinder", "outline"];
+        let is_block = |key: &str| {
+            within.contains(&key) || blocks().any(|other| other.keyword == key && other.kind == Kind::Medium)
+        };
+        there.retain(|key| !is_block(key));
         // Both names of a mesh's file are asked for only when they are there.
         if block.keyword == "TriangleMesh" {
             there.insert("obj_file".to_owned());
@@ -159,11 +170,13 @@ fn every_word_that_begins_a_block_is_in_the_tables() {
         (unknown.to_owned(), None),
         (format!("Lights {{ {unknown} }}"), Some(Kind::Lights)),
         (format!("Materials {{ {unknown} }}"), Some(Kind::Materials)),
+        (format!("Media {{ {unknown} }}"), Some(Kind::Media)),
         (format!("Group {{ {unknown} }}"), Some(Kind::Group)),
     ];
     for (text, parent) in places {
         for word in words(&text) {
-            let is_value = ["numLights", "numMaterials", "numObjects", "MaterialIndex"].contains(&&*word);
+            let is_value =
+                ["numLights", "numMaterials", "numObjects", "MaterialIndex", "exterior"].contains(&&*word);
             let known = blocks().any(|block| block.keyword == word);
             assert!(is_value || known, "`{word}` in {parent:?}");
             assert!(is_value || kind_of(&word, parent) != Kind::Part, "`{word}` in {parent:?}");
@@ -208,7 +221,7 @@ fn made(document: &Document) -> Option<String> {
         scene.output.readout,
         scene.lighting.background,
         scene.lighting.ambient,
-        scene.lighting.fog,
+        (scene.lighting.fog, scene.lighting.air, &scene.appearance.media),
     );
     Some(without_spare_lanes(&world))
 }

@@ -89,7 +89,7 @@ impl<'a> CameraView<'a> {
         if self.is_immersed {
             MediumStack::around(self.scene, ray, wavelengths)
         } else {
-            MediumStack::default()
+            MediumStack::air(self.scene)
         }
     }
 

@@ -21,6 +21,7 @@ pub use classic::{Classic, ClassicSettings};
 pub use metropolis::{Metropolis, MetropolisSettings};
 pub use path::{Path, PathSettings};
 pub use photon::{PhotonMapping, PhotonSettings};
+pub(crate) use spec::without_media;
 pub use spec::{Defaults, IntegratorSpec, Prepare, Quantity, SettingsContext};
 
 use kajo_core::camera::Camera;

@@ -40,7 +40,7 @@ use kajo_math::Vec2;
 
 use super::Integrator;
 use super::camera_view::{CameraView, in_white_light};
-use super::transport::PathState;
+use super::transport::{LaneMis, PathState};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
@@ -51,6 +51,8 @@ use tracer::{CameraPath, Fork, PathTracer};
 pub struct Path<'a> {
     view: CameraView<'a>,
     settings: PathSettings,
+    /// Whether there are any media.
+    carries_media: bool,
 }
 
 impl<'a> Path<'a> {
@@ -71,7 +73,12 @@ impl<'a> Path<'a> {
         let connects = scene.space().connects();
         let technique = if connects { settings.technique } else { Technique::Scattering };
         let settings = PathSettings { technique, ..settings };
-        Path { view: CameraView::new(scene, camera, size, layers).spectral(settings.spectral), settings }
+        let carries_media = scene.has_media();
+        Path {
+            carries_media,
+            view: CameraView::new(scene, camera, size, layers).spectral(settings.spectral),
+            settings,
+        }
     }
 }
 
@@ -98,8 +105,12 @@ impl Integrator for Path<'_> {
         let wavelengths = self.view.wavelengths(&mut draws);
         let media = self.view.media_around(&ray, &wavelengths);
         let carried = (wavelengths, Spectrum::WHITE);
-        let state = PathState::new(ray, carried, Transport::Radiance, media, draws);
-        let state = PathState { differential, ..state };
+        let mut state = PathState::new(ray, carried, Transport::Radiance, media, draws);
+        state.differential = differential;
+        if self.carries_media {
+            state.carries_media = true;
+            state.lanes = LaneMis::new(&wavelengths, state.draws.next_1d());
+        }
         observer.counters().camera += 1;
         let forks = self.forks().then(|| mem::take(&mut ctx.scratch.get::<ForkRoom<O::Mark>>().0));
         let forks = forks.map_or_else(Vec::new, emptied);
@@ -132,5 +143,7 @@ fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
     list.into_iter().filter_map(|_| None).collect()
 }
 
+#[cfg(test)]
+mod media_tests;
 #[cfg(test)]
 mod tests;

@@ -77,6 +77,15 @@ pub struct SettingsContext<'a> {
     pub uv: bool,
 }
 
+/// What integrators say that know nothing of participating media.
+pub const WITHOUT_MEDIA: &str = "media are left out: what scatters or absorbs light between surfaces is carried by `path`, \
+     `direct` and `distribution`";
+
+/// Why media are not shown, where a scene has any.
+pub fn without_media(scene: &Scene) -> Option<&'static str> {
+    scene.has_media().then_some(WITHOUT_MEDIA)
+}
+
 /// The settings of an integrator, of which it is made: what each variant of [`IntegratorSettings`] does.
 pub trait Prepare: Copy {
     /// The integrator, ready to take samples of a picture of `size` pixels with these `layers`.

@@ -7,8 +7,8 @@ use super::metal::{ANISOTROPY, DISTRIBUTION, ROTATION, by_name};
 use crate::bsdf::microfacet::Shape;
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{
-    Absorption, Defaulted, Keys, Plain, Sources, Typed, absorption, between, flag, float_texture, keys,
-    positive, share, whole,
+    Absorption, Defaulted, Inside, Keys, Optional, Plain, Sources, Typed, absorption, between, flag,
+    float_texture, inside, keys, positive, share, whole,
 };
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Glass, GlassSettings, Grain};
@@ -18,6 +18,9 @@ use crate::texture::FloatTexture;
 /// Which of several bodies counts.
 pub const PRIORITY: Defaulted<i32> =
     whole("priority", -1000, 1000).or(0, "of bodies that overlap, the one with the highest counts");
+
+/// What a body is filled with.
+pub const MEDIUM: Optional<Inside> = inside("medium").option("name of the medium that scatters light inside");
 
 /// A glass of the list of measured ones.
 struct Measured(Dispersion);
@@ -39,6 +42,7 @@ keys! {
         roughness: FloatTexture = share("roughness").or(0.0, "0 is clear, more is frosted"),
         anisotropy: FloatTexture = ANISOTROPY,
         rotation: FloatTexture = ROTATION,
+        medium: Option<Inside> = MEDIUM,
         priority: i32 = PRIORITY,
     }
 }
@@ -71,6 +75,8 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Glass>
     }
     if !thin {
         params.idle(&["thickness"], "with `thin off`");
+    } else {
+        params.idle(&["medium"], "of a pane, which has no inside");
     }
     let settings = GlassSettings {
         index: keys.glass.map_or(plain, |Measured(dispersion)| dispersion),
@@ -80,6 +86,7 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Glass>
         absorption: keys.absorption.0,
         pane: thin.then(|| keys.thickness.unwrap_or(0.0.into())),
         priority: keys.priority,
+        medium: keys.medium.map(|Inside(medium)| medium),
     };
     Some(settings.into())
 }

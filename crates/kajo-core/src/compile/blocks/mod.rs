@@ -15,13 +15,17 @@ pub(super) mod cylinder;
 pub(super) mod directional_light;
 pub(super) mod disk;
 pub(super) mod fisheye_camera;
+pub(super) mod function_medium;
 pub(super) mod glass;
+pub(super) mod grid_medium;
 pub(super) mod group;
 pub(super) mod height_field;
+pub(super) mod interface;
 pub(super) mod isosurface;
 pub(super) mod lathe;
 pub(super) mod marble;
 pub(super) mod matte;
+pub(super) mod medium;
 pub(super) mod metal;
 pub(super) mod mix;
 pub(super) mod model;
@@ -46,8 +50,8 @@ pub(super) mod triangle;
 pub(super) mod triangle_mesh;
 pub(super) mod wood;
 
-use super::member::{CameraMember, LightMember, MaterialMember, ObjectMember};
-use crate::schema::{Block, Kind};
+use super::member::{CameraMember, LightMember, MaterialMember, MediumMember, ObjectMember};
+use crate::schema::{Absent, Block, FieldKind, FieldSpec, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
 pub(super) const OBJECTS: [&ObjectMember; 31] = [
@@ -98,13 +102,14 @@ pub(super) const LIGHTS: [&LightMember; 3] =
     [&directional_light::MEMBER, &point_light::MEMBER, &spot_light::MEMBER];
 
 /// All kinds of materials, in the order in which they are offered.
-pub(super) const MATERIALS: [&MaterialMember; 11] = [
+pub(super) const MATERIALS: [&MaterialMember; 12] = [
     &phong_material::MEMBER,
     &phong_material::SHORT,
     &matte::MEMBER,
     &metal::MEMBER,
     &glass::MEMBER,
     &principled::MEMBER,
+    &interface::MEMBER,
     &checkerboard::MEMBER,
     &mix::MEMBER,
     &noise::MEMBER,
@@ -117,6 +122,24 @@ pub(super) const LIGHT_LIST: Block =
 
 pub(super) const MATERIAL_LIST: Block =
     Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
+
+/// All kinds of media, in the order in which they are offered.
+pub(super) const MEDIA: [&MediumMember; 3] =
+    [&medium::MEMBER, &grid_medium::MEMBER, &function_medium::MEMBER];
+
+/// What names the medium of the air.
+pub(super) const EXTERIOR: FieldSpec = FieldSpec {
+    absent: Absent::Nothing { means: "empty space", start: "" },
+    about: "name of the medium around everything",
+    ..FieldSpec::new("exterior", FieldKind::Text)
+};
+
+pub(super) const MEDIUM_LIST: Block = Block {
+    keyword: "Media",
+    kind: Kind::Media,
+    about: "what bodies and the air are filled with",
+    groups: &[&[EXTERIOR]],
+};
 
 /// The word that chooses the material of what follows.
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
@@ -135,6 +158,7 @@ const OTHERS: [&Block; 15] = [
     &super::background::FOG,
     &LIGHT_LIST,
     &MATERIAL_LIST,
+    &MEDIUM_LIST,
     &group::DEFINE,
     &super::motion::BLOCK,
     &super::motion::KEY,
@@ -146,7 +170,8 @@ pub fn blocks() -> impl Iterator<Item = &'static Block> {
     let lights = LIGHTS.iter().map(|member| &member.block);
     let cameras = CAMERAS.iter().map(|member| &member.block);
     let materials = MATERIALS.iter().map(|member| &member.block);
-    objects.chain(cameras).chain(materials).chain(OTHERS).chain(lights)
+    let media = MEDIA.iter().map(|member| &member.block);
+    objects.chain(cameras).chain(materials).chain(media).chain(OTHERS).chain(lights)
 }
 
 /// The block that begins with this word.
@@ -164,6 +189,7 @@ pub fn kind_of(keyword: &str, parent: Option<Kind>) -> Kind {
     match parent {
         Some(Kind::Lights) => Kind::Light,
         Some(Kind::Materials) => Kind::Material,
+        Some(Kind::Media) => Kind::Medium,
         Some(parent) if !parent.holds_objects() => Kind::Part,
         Some(_) | None => block_of(keyword).map_or(Kind::Part, |block| block.kind),
     }

@@ -2,11 +2,11 @@
 
 use kajo_scene::Params;
 
-use super::glass::PRIORITY;
+use super::glass::{MEDIUM, PRIORITY};
 use super::metal::{ANISOTROPY, ROTATION};
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{
-    Absorption, Keys, Sources, absorption, color_texture, flag, float_texture, keys, share,
+    Absorption, Inside, Keys, Sources, absorption, color_texture, flag, float_texture, keys, share,
 };
 use crate::compile::member::{MaterialMember, Member};
 use crate::material::{Grain, LayeredMaterial, Layers, Specular};
@@ -34,6 +34,7 @@ keys! {
         fuzz: FloatTexture = share("fuzz").or(0.0, "share of fuzz, as of velvet"),
         fuzz_color: ColorTexture = color_texture("fuzzColor").or([1.0; 3], "colour of the fuzz"),
         fuzz_roughness: FloatTexture = share("fuzzRoughness").or(0.5, "of the fuzz"),
+        medium: Option<Inside> = MEDIUM,
         priority: i32 = PRIORITY,
     }
 }
@@ -51,9 +52,9 @@ pub const MEMBER: MaterialMember = Member {
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<LayeredMaterial> {
     let keys = PrincipledKeys::read(params, sources)?;
     if !params.contains("transmission") {
-        params.idle(&["absorption", "priority", "thin"], "without `transmission`");
+        params.idle(&["absorption", "medium", "priority", "thin"], "without `transmission`");
     } else if keys.thin {
-        params.idle(&["absorption", "priority"], "with `thin on`: a pane has no inside");
+        params.idle(&["absorption", "medium", "priority"], "with `thin on`: a pane has no inside");
     } else if keys.index.varies() {
         params.refuse(
             "indexOfRefraction",
@@ -80,6 +81,7 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Layere
         fuzz_color: keys.fuzz_color,
         fuzz_roughness: keys.fuzz_roughness,
         priority: keys.priority,
+        medium: keys.medium.map(|Inside(medium)| medium),
     };
     Some(layers.into())
 }

@@ -292,7 +292,8 @@ impl<'a> Bidirectional<'a> {
                     });
                     return None;
                 }
-                Event::Absorbed => return None,
+                // Its paths carry no media.
+                Event::Medium(_) | Event::Absorbed => return None,
             }
             if *t == 2 {
                 // Seen from the light's side the lens is one more point to connect with. [Georgiev 2012, eq. 31]

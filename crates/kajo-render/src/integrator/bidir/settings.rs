@@ -6,7 +6,9 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use super::Bidirectional;
-use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext};
+use crate::integrator::{
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, without_media,
+};
 use crate::{LayerSet, PixelIntegrator};
 
 /// Options of [`Bidirectional`].
@@ -97,8 +99,9 @@ impl Prepare for BidirectionalSettings {
     }
 
     fn left_out(&self, scene: &Scene, size: [u32; 2]) -> Vec<&'static str> {
+        let media = without_media(scene);
         if !self.only_from_lights {
-            return Vec::new();
+            return media.into_iter().collect();
         }
         let notes = [
             (
@@ -110,7 +113,8 @@ impl Prepare for BidirectionalSettings {
                 "light from emitters does not find a camera whose rows open one after the other while things move",
             ),
         ];
-        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
+        let notes = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
+        notes.chain(media).collect()
     }
 }
 

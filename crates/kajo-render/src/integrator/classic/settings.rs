@@ -7,7 +7,9 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey, ShadowAttenuation, Shadows};
 
 use super::Classic;
-use crate::integrator::{Defaults, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext};
+use crate::integrator::{
+    Defaults, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, without_media,
+};
 use crate::{Layer, LayerSet, PixelIntegrator};
 
 /// The most mirror and refracted rays in a row that may be asked for.
@@ -108,5 +110,9 @@ impl Prepare for ClassicSettings {
             ray_offset: Some(self.ray_offset),
             ..Settings::default()
         }
+    }
+
+    fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
+        without_media(scene).into_iter().collect()
     }
 }

@@ -49,6 +49,9 @@ impl Default for PathSettings {
     }
 }
 
+/// How often light is scattered in a scene with media, unless something else is said.
+const BOUNCES_IN_MEDIA: u32 = 1000;
+
 /// Path tracing.
 pub const PATH: IntegratorSpec = IntegratorSpec {
     name: IntegratorName("path"),
@@ -57,7 +60,12 @@ pub const PATH: IntegratorSpec = IntegratorSpec {
     splats: false,
     samples: 64,
     keys: &KEYS,
-    settings: |context| IntegratorSettings::Path(said(context, PathSettings::default())),
+    settings: |context| {
+        let path = PathSettings::default();
+        // Light in clouds is scattered hundreds of times before it gets out, and with fewer they would be grey.
+        let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { path.bounces };
+        IntegratorSettings::Path(said(context, PathSettings { bounces, ..path }))
+    },
 };
 
 /// Direct light.

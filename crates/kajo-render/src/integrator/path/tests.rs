@@ -15,7 +15,7 @@ use crate::integrator::{AmbientOcclusion, AmbientOcclusionSettings};
 /// Black on the left, white on the right.
 const HALF: &[u8] = b"Pf\n2 1\n-1\n\0\0\0\0\0\0\x80\x3f";
 
-fn scene(text: &str) -> Scene {
+pub(super) fn scene(text: &str) -> Scene {
     let mut parsed = SceneDesc::parse_str(text);
     let assets = MemoryAssets::new().with("half.pfm", HALF);
     let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut parsed.diagnostics);
@@ -23,7 +23,7 @@ fn scene(text: &str) -> Scene {
 }
 
 /// A camera that looks through a pixel at about a point, in a black world.
-fn camera(from: [f32; 3], to: [f32; 3]) -> String {
+pub(super) fn camera(from: [f32; 3], to: [f32; 3]) -> String {
     let [a, b, c] = from;
     let [x, y, z] = [to[0] - a, to[1] - b, to[2] - c];
     format!(
@@ -33,7 +33,7 @@ fn camera(from: [f32; 3], to: [f32; 3]) -> String {
 }
 
 /// The mean of a lane of the picture's single pixel over batches of paths.
-fn mean(scene: &Scene, settings: PathSettings, paths: u32, lane: usize) -> Estimate {
+pub(super) fn mean(scene: &Scene, settings: PathSettings, paths: u32, lane: usize) -> Estimate {
     mean_of(&Path::new(scene, settings, [1, 1], LayerSet::of(&[])), paths, lane)
 }
 
@@ -52,7 +52,7 @@ fn mean_of(integrator: &dyn PixelIntegrator, paths: u32, lane: usize) -> Estimat
 }
 
 #[track_caller]
-fn check(scene: &Scene, settings: PathSettings, paths: u32, expected: f64) {
+pub(super) fn check(scene: &Scene, settings: PathSettings, paths: u32, expected: f64) {
     let found = mean(scene, settings, paths, 0);
     // Estimates without variance differ by rounding in single precision.
     if (found.mean / expected - 1.0).abs() < 1e-5 {
@@ -63,7 +63,7 @@ fn check(scene: &Scene, settings: PathSettings, paths: u32, expected: f64) {
     }
 }
 
-const TECHNIQUES: [Technique; 3] = [Technique::Combined, Technique::Lights, Technique::Scattering];
+pub(super) const TECHNIQUES: [Technique; 3] = [Technique::Combined, Technique::Lights, Technique::Scattering];
 
 #[test]
 fn a_glowing_room_is_as_bright_as_its_series() {

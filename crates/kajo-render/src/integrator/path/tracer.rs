@@ -3,17 +3,19 @@
 use kajo_color::{Spectrum, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
+use kajo_core::interaction::SurfacePoint;
 use kajo_core::light::{LightHit, LightPoint, MAX_LIGHT_GROUPS, Receiver};
 use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::{Directions, Technique};
-use kajo_math::Vec3;
+use kajo_math::{Ray, Vec3};
 
 use super::PathSettings;
 use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
-    DrawnLight, Event, LocalFrame, PathState, SurfaceInteraction, advance, connect, follow, leave,
-    pass_straight, sample_light, shade, survives,
+    DrawnLight, Event, LocalFrame, MediumInteraction, MediumStack, PathState, SurfaceInteraction, advance,
+    connect, connect_through_media, follow, follow_phase, leave, pass_straight, sample_light, shade,
+    survives,
 };
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -153,6 +155,8 @@ pub(super) struct Estimate {
     pub groups: Option<[[f32; 3]; MAX_LIGHT_GROUPS]>,
     /// The first surface.
     pub first: Option<Interaction>,
+    /// Whether light was scattered by a medium before that, so that what `first` has is none.
+    begins_in_medium: bool,
     /// The albedo of the first surface that is no mirror.
     pub albedo: Option<Spectrum>,
 }
@@ -177,7 +181,8 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
     ) -> PathTracer<'a, 's, O> {
         let groups = view.wants_light_groups().then_some([[0.0; 3]; MAX_LIGHT_GROUPS]);
         let (light, sensed) = (Spectrum::BLACK, [0.0; 3]);
-        let estimate = Estimate { light, sensed, groups, first: None, albedo: None };
+        let begins_in_medium = false;
+        let estimate = Estimate { light, sensed, groups, first: None, begins_in_medium, albedo: None };
         PathTracer { view, settings, observer, estimate, forks }
     }
 
@@ -188,6 +193,9 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         self.run_branch(&mut path, &mut surface);
         while self.take_branch(&mut path) {
             self.run_branch(&mut path, &mut surface);
+        }
+        if self.estimate.begins_in_medium {
+            self.estimate.first = None;
         }
         (self.estimate.sensed_with(&path.state), &self.estimate)
     }
@@ -207,6 +215,10 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         loop {
             match advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer) {
                 Event::Surface => {}
+                Event::Medium(at) => match self.scatter_in_medium(path, &at) {
+                    true => continue,
+                    false => return,
+                },
                 Event::Escaped(d) => return self.add_background(path, d),
                 Event::Absorbed => return,
             }
@@ -312,7 +324,11 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
             Technique::Lights => 0.0,
             Technique::Combined => {
                 let choice = self.settings.light_choice;
-                power_heuristic(path.pdf, self.scene().pdf_li(hit.light, &path.receiver, at, d, choice))
+                let pdf_li = self.scene().pdf_li(hit.light, &path.receiver, at, d, choice);
+                // The mean of `r_u` is 1.
+                let lanes =
+                    if path.state.carries_media { path.state.mean(path.state.lanes.r_l) } else { 1.0 };
+                power_heuristic(path.pdf, pdf_li * lanes)
             }
         }
     }
@@ -377,6 +393,15 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         let crosses = wi.z * local.wo.z < 0.0;
         let beyond = surface.interface.filter(|_| crosses).map(|interface| state.media.across(&interface));
         let media = beyond.as_ref().unwrap_or(&state.media);
+        if state.carries_media {
+            let pdf_by_scattering = directions::pdf(settings.directions, bsdf, local.wo, wi);
+            let (carried, media) = (state.beta * scattered, *media);
+            return self.add_light_through_media(
+                path,
+                &DrawnLight { light, li, pdf },
+                Joined { segment, media, carried, pdf_by_scattering },
+            );
+        }
         let carried = state.beta * scattered * media.transmittance(segment.length());
         let visible =
             connect(scene, &segment, media.eta(), (&state.wavelengths, &mut state.draws), self.observer);
@@ -396,6 +421,107 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
             _ => 1.0,
         };
         let added = carried * li.radiance * visible * (weight / pdf);
+        let rgb = || sensor::to_rgb(added, &state.wavelengths);
+        self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
+        self.estimate.add(state, added, scene.lighting.sampler.group(light));
+    }
+}
+
+/// What joins a vertex and a point of a light.
+struct Joined {
+    segment: Ray,
+    /// Around the start of the segment.
+    media: MediumStack,
+    /// `beta f |cos|`, in a medium `beta p`.
+    carried: Spectrum,
+    /// Density per solid angle with which the path itself would have gone there.
+    pdf_by_scattering: f32,
+}
+
+/// Vertices in media.
+impl<'s, O: PathObserver> PathTracer<'_, 's, O> {
+    /// Adds the light that arrives directly at a point in a medium and goes on from there; `false` when the path ends.
+    ///
+    /// The integral over all directions of `p(wo, wi) Li(wi)` is estimated as at surfaces, with the phase function `p` in the
+    /// place of `f |cos|`. It is its own density, so that a direction drawn by it leaves `beta` what it is.
+    ///
+    /// Takes three numbers for the light, and what a connection takes; then two for the direction and one for roulette
+    /// where it is played.
+    #[cold]
+    #[inline(never)]
+    fn scatter_in_medium(&mut self, path: &mut CameraPath<'s>, at: &MediumInteraction) -> bool {
+        if path.state.scatterings == 0 && self.estimate.first.is_none() {
+            self.estimate.begins_in_medium = true;
+            self.estimate.first = Some(Interaction::default());
+        }
+        if path.ends_at_lights {
+            return false;
+        }
+        let settings = self.settings;
+        let receiver = Receiver { p: at.p, n: Vec3::ZERO, time: at.time };
+        if settings.technique != Technique::Scattering {
+            self.add_direct_light_in_medium(path, at, &receiver);
+        }
+        path.ends_at_lights = path.bounces == settings.bounces || settings.only_mirrors;
+        if path.ends_at_lights && settings.technique == Technique::Lights {
+            return false;
+        }
+        let sample = at.phase.sample(at.wo, path.state.draws.next_2d());
+        follow_phase(&mut path.state, at, sample.wi, self.observer);
+        path.receiver = receiver;
+        path.pdf = sample.pdf;
+        path.bounces += 1;
+        survives(&mut path.state, path.bounces, settings.roulette)
+    }
+
+    fn add_direct_light_in_medium(
+        &mut self,
+        path: &mut CameraPath<'s>,
+        at: &MediumInteraction,
+        receiver: &Receiver,
+    ) {
+        let (scene, state) = (self.scene(), &mut path.state);
+        let drawn = sample_light(scene, state, receiver, self.settings.light_choice);
+        let Some(drawn) = drawn else { return };
+        let scattered = at.phase.eval(at.wo, drawn.li.wi);
+        let point = SurfacePoint { p: at.p, ..SurfacePoint::default() };
+        let segment = point.ray_to(&drawn.li.at, drawn.li.wi, at.time);
+        let joined = Joined {
+            segment,
+            media: state.media,
+            carried: state.beta * scattered,
+            pdf_by_scattering: scattered,
+        };
+        self.add_light_through_media(path, &drawn, joined);
+    }
+
+    /// Adds light that was drawn for a vertex, weakened by the media on its way.
+    ///
+    /// Each lane might have been the hero, for this estimate and for that of light met by chance alike, so the densities that
+    /// are weighed against each other are means over the lanes; see `transport/collisions.rs`.
+    #[inline(never)]
+    fn add_light_through_media(&mut self, path: &mut CameraPath<'s>, drawn: &DrawnLight, joined: Joined) {
+        let (scene, state) = (self.scene(), &mut path.state);
+        let &DrawnLight { light, li, pdf } = drawn;
+        let Joined { segment, media, carried, pdf_by_scattering } = joined;
+        let passage = connect_through_media(scene, &segment, media, state, self.observer);
+        let about = || About {
+            eta: state.media.eta(),
+            weight: sensor::to_rgb(carried, &state.wavelengths),
+            light: Some(scene.lighting.sampler.id(light)),
+        };
+        let [by_light, by_scattering] = [passage.r_l, passage.r_u].map(|r| state.mean(r));
+        if passage.t.is_black() || by_light <= 0.0 {
+            self.observer.joined(RayKind::Shadow, scene, &segment, about, || [0.0; 3]);
+            return;
+        }
+        let weight = match self.settings.technique {
+            Technique::Combined if !li.is_delta => {
+                power_heuristic(pdf * by_light, pdf_by_scattering * by_scattering)
+            }
+            _ => 1.0,
+        };
+        let added = carried * li.radiance * passage.t * (weight / (pdf * by_light));
         let rgb = || sensor::to_rgb(added, &state.wavelengths);
         self.observer.joined(RayKind::Shadow, scene, &segment, about, rgb);
         self.estimate.add(state, added, scene.lighting.sampler.group(light));
@@ -423,7 +549,7 @@ impl Estimate {
         if path.wavelengths.is_spectral() && !path.wavelengths.secondary_terminated() {
             self.sensed = self.sensed_with(path);
             self.light = Spectrum::BLACK;
-            path.wavelengths.terminate_secondary();
+            path.end_secondary_wavelengths();
         }
     }
 }

@@ -7,6 +7,7 @@
 use kajo_color::{Spectrum, Wavelengths};
 use kajo_core::ObjectId;
 use kajo_core::material::Interior;
+use kajo_core::medium::{MaybeMedium, MediumId};
 use kajo_core::scene::Scene;
 use kajo_math::Ray;
 
@@ -23,6 +24,8 @@ struct Medium {
     priority: i32,
     /// The object that it fills.
     object: ObjectId,
+    /// What absorbs and scatters light by place.
+    inside: MaybeMedium,
 }
 
 /// The media around a point of a path, in the order in which they were entered.
@@ -30,6 +33,8 @@ struct Medium {
 pub struct MediumStack {
     entries: [Medium; ROOM],
     len: u32,
+    /// What is outside of all.
+    air: MaybeMedium,
 }
 
 /// The surface between two media as a path comes to it.
@@ -48,13 +53,18 @@ pub struct Interface {
 }
 
 impl MediumStack {
+    /// The air of a scene and nothing else.
+    pub fn air(scene: &Scene) -> MediumStack {
+        MediumStack { air: scene.lighting.air.into(), ..MediumStack::default() }
+    }
+
     /// The media around the start of a ray: those of objects that it leaves more often than it enters them.
     pub fn around(scene: &Scene, ray: &Ray, wavelengths: &Wavelengths) -> MediumStack {
         // Parallel rays of a camera without a place come from infinitely far behind it.
         if !scene.geometry.transmits || ray.t_min < 0.0 {
-            return MediumStack::default();
+            return MediumStack::air(scene);
         }
-        let mut around = Surroundings::default();
+        let mut around = Surroundings { media: MediumStack::air(scene), ..Surroundings::default() };
         let mut last: Option<Crossed> = None;
         scene.crossings(ray, |object, hit| {
             let at = scene.interaction(ray, object, hit);
@@ -63,7 +73,7 @@ impl MediumStack {
             if let Some(done) = last.take_if(|last| last.medium.object != object) {
                 around.add(&done);
             }
-            let medium = Medium::of(object, &interior);
+            let medium = Medium::of(object, &interior, 1.0);
             let crossed = last.get_or_insert(Crossed { medium, exits: 0, farthest: 0.0 });
             crossed.exits += if ray.d.dot(at.point.ng) > 0.0 { 1 } else { -1 };
             crossed.farthest = crossed.farthest.max(hit.t);
@@ -100,6 +110,12 @@ impl MediumStack {
         self.top().map(|medium| medium.sigma_a).filter(|sigma_a| !sigma_a.is_black())
     }
 
+    /// What absorbs and scatters light by place around the point.
+    #[inline]
+    pub fn medium(&self) -> Option<MediumId> {
+        self.top().map_or(self.air, |medium| medium.inside).get()
+    }
+
     /// How a path comes to the surface of `object`.
     ///
     /// * `enters`: whether it comes from outside
@@ -107,9 +123,10 @@ impl MediumStack {
         let leaves = if enters { None } else { self.position(object) };
         let others = self.media().iter().enumerate().filter(|&(i, _)| Some(i) != leaves);
         let outside = uppermost(others.map(|(_, medium)| medium));
+        let eta_outside = outside.map_or(1.0, |outside| outside.eta);
         Interface {
-            medium: Medium::of(object, interior),
-            eta_outside: outside.map_or(1.0, |outside| outside.eta),
+            medium: Medium::of(object, interior, eta_outside),
+            eta_outside,
             enters,
             is_real: outside.is_none_or(|outside| outside.priority <= interior.priority),
             is_dispersive: interior.is_dispersive,
@@ -158,9 +175,16 @@ impl MediumStack {
 }
 
 impl Medium {
-    fn of(object: ObjectId, interior: &Interior) -> Medium {
-        let &Interior { eta, absorption, priority, .. } = interior;
-        Medium { sigma_a: absorption, eta, priority, object }
+    /// * `eta_around`: index of refraction of what is around it
+    fn of(object: ObjectId, interior: &Interior, eta_around: f32) -> Medium {
+        let &Interior { eta, absorption, priority, medium, .. } = interior;
+        Medium {
+            sigma_a: absorption,
+            eta: eta.unwrap_or(eta_around),
+            priority,
+            object,
+            inside: medium.into(),
+        }
     }
 }
 
@@ -188,7 +212,7 @@ impl Surroundings {
         if crossed.exits <= 0 {
             return;
         }
-        let MediumStack { entries, len } = &mut self.media;
+        let MediumStack { entries, len, .. } = &mut self.media;
         let known = *len as usize;
         // The one that ends last was entered first.
         let place = self.ends[..known].partition_point(|&end| end >= crossed.farthest);
@@ -225,7 +249,13 @@ mod tests {
     use crate::integrator::tests::scene_with;
 
     fn interior(eta: f32, priority: i32) -> Interior {
-        Interior { eta, is_dispersive: false, absorption: Spectrum::grey(eta), priority }
+        Interior {
+            eta: Some(eta),
+            is_dispersive: false,
+            absorption: Spectrum::grey(eta),
+            priority,
+            medium: None,
+        }
     }
 
     #[test]

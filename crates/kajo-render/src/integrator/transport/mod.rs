@@ -22,19 +22,26 @@
 //! * [`shade`]: how the surface scatters
 //! * [`pass_straight`]: through a hole or a pane without an event
 //! * [`sample_light`], [`connect`]: a light drawn for a vertex, and what comes along a segment to it
+//! * [`follow_phase`], [`connect_through_media`]: the same in media, where [`Event::Medium`] is a collision that scatters
 //! * [`follow`], [`survives`]: on along a scattered direction, and Russian roulette
 //!
 //! No step calls the next one, and none knows who called it: a path is followed by calling them in turn, and many paths can
 //! be by calling each of them for all. The order in which they take random numbers is part of their contract.
 
+mod collisions;
 mod differentials;
+mod lane_mis;
 mod local_frame;
+mod media;
 mod medium_stack;
 mod path_state;
 pub mod steps;
 
+pub use collisions::{MediumInteraction, Passage};
 pub use differentials::leave;
+pub use lane_mis::LaneMis;
 pub use local_frame::LocalFrame;
+pub use media::{connect_through_media, follow_phase};
 pub use medium_stack::{Interface, MediumStack};
 pub use path_state::{PathState, SurfaceInteraction};
 pub use steps::{DrawnLight, Event, advance, connect, follow, pass_straight, sample_light, shade, survives};

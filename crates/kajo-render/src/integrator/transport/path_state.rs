@@ -7,7 +7,7 @@ use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Interaction;
 use kajo_math::{Ray, Vec3};
 
-use super::{Interface, MediumStack};
+use super::{Interface, LaneMis, MediumStack};
 
 /// A path in the making, all that any integrator has to know of it: plain data that can be copied, kept and taken up again.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +38,10 @@ pub struct PathState<'s> {
     /// How the ray differs from those of neighbouring samples, where textures ask for that: at its origin, and from a surface on
     /// until it is left at that surface.
     pub differential: Option<RayDifferential>,
+    /// Whether media absorb and scatter it; else it goes through them as if they were nothing.
+    pub carries_media: bool,
+    /// What distances in media were drawn by.
+    pub lanes: LaneMis,
 }
 
 impl<'s> PathState<'s> {
@@ -64,6 +68,8 @@ impl<'s> PathState<'s> {
             surfaces: 0,
             connectable: false,
             differential: None,
+            carries_media: false,
+            lanes: LaneMis::default(),
         }
     }
 }

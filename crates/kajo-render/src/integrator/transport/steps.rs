@@ -8,7 +8,8 @@ use kajo_core::scene::{Interaction, Scene};
 use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
 
-use super::{PathState, SurfaceInteraction, differentials};
+use super::collisions::travel_to;
+use super::{MediumInteraction, PathState, SurfaceInteraction, differentials};
 use crate::trail::{About, PathObserver, RayKind};
 
 /// Scatterings after which paths may end at random.
@@ -28,6 +29,8 @@ pub const MOST_SURFACES: u32 = 1 << 14;
 pub enum Event {
     /// It meets a surface, which was written to a [`SurfaceInteraction`].
     Surface,
+    /// It is scattered by a medium on its way.
+    Medium(MediumInteraction),
     /// It leaves the scene in this unit direction.
     Escaped(Vec3),
     /// Nothing of it arrives anywhere: the path has met more surfaces than a path may.
@@ -56,6 +59,12 @@ pub fn extend(
     path.surfaces += 1;
     let at = &mut surface.at;
     let meets = scene.trace_into(None, &path.ray, at);
+    if path.carries_media
+        && let Some(collision) =
+            travel_to(scene, path, if meets { at.hit.t } else { f32::INFINITY }, observer)
+    {
+        return Event::Medium(collision);
+    }
     observer.ended(scene, &path.ray, meets.then_some(&*at), || About {
         eta: path.media.eta(),
         weight: sensor::to_rgb(path.beta, &path.wavelengths),
@@ -150,6 +159,10 @@ pub fn pass_straight(
     let passed = bsdf.cross(|| (surface.at.crossing_cosine(-surface.wo), draws.next_1d()));
     let Some(share) = passed else { return false };
     path.beta *= share;
+    // A boundary that light does not notice is the end of a medium all the same.
+    if let Some(interface) = &surface.interface {
+        path.media.cross(interface);
+    }
     path.ray = straight_on(path, surface);
     true
 }
@@ -236,6 +249,9 @@ pub fn follow(
         path.eta_scale *= sample.eta * sample.eta;
     }
     path.connectable = !sample.kind.delta;
+    if path.carries_media {
+        path.lanes.r_l = path.lanes.r_u;
+    }
     path.ray = surface.at.point.ray_towards(wi, f32::INFINITY, path.ray.time, RayOffset::Auto);
     path.scatterings += 1;
 }

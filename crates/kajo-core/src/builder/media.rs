@@ -1,0 +1,32 @@
+//! Media that bodies and the air are filled with.
+
+use super::{SceneBuilder, SceneError, check_finite};
+use crate::medium::{AnyMedium, MediumId};
+
+impl SceneBuilder {
+    /// Adds a medium, which materials can name as what their bodies are filled with.
+    ///
+    /// # Errors
+    /// [`SceneError::NotFinite`], [`SceneError::UnknownTexture`], [`SceneError::TooMany`].
+    pub fn medium(&mut self, medium: impl Into<AnyMedium>) -> Result<MediumId, SceneError> {
+        let medium = medium.into();
+        let name = medium.name();
+        check_finite(medium.is_finite(), name)?;
+        self.check_textures(medium.textures(), name)?;
+        medium.store(&mut self.appearance.media).ok_or(SceneError::TooMany(name))
+    }
+
+    /// Fills the air with a medium: all that is outside of bodies.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownMedium`].
+    pub fn air(&mut self, medium: MediumId) -> Result<(), SceneError> {
+        self.check_medium(medium)?;
+        self.air = Some(medium);
+        Ok(())
+    }
+
+    pub(super) fn check_medium(&self, medium: MediumId) -> Result<(), SceneError> {
+        self.appearance.media.contains(medium).then_some(()).ok_or(SceneError::UnknownMedium(medium))
+    }
+}

@@ -1,0 +1,173 @@
+//! `Medium`: what is the same everywhere, and what all media have in common.
+
+use kajo_scene::{Args, Diagnostic, Params};
+
+use crate::compile::fields::{
+    Keys, Plain, Sources, Typed, at_least, choice, choices, keys, number, report_beside,
+};
+use crate::compile::member::{MediumMember, Member};
+use crate::medium::phase::HenyeyGreenstein;
+use crate::medium::{Coefficients, HomogeneousMedium, Phase};
+use crate::schema::Kind;
+use crate::schema::{Block, Constant, FieldKind, FieldSpec};
+
+/// Red, green and blue, or one number for all three; not negative.
+#[derive(Clone, Copy)]
+pub struct PerLength([f32; 3]);
+
+impl Plain<'_> for PerLength {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<PerLength, Diagnostic> {
+        let values = one_or_three(args)?;
+        match values.iter().all(|v| v.is_finite() && *v >= 0.0) {
+            true => Ok(PerLength(values)),
+            false => Err(args.error(format!("`{}` is not negative", spec.key))),
+        }
+    }
+}
+
+/// Red, green and blue, or one number for all three; from 0 to 1.
+#[derive(Clone, Copy)]
+pub struct Albedo([f32; 3]);
+
+impl Plain<'_> for Albedo {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Albedo, Diagnostic> {
+        let values = one_or_three(args)?;
+        match values.iter().all(|v| (0.0..=1.0).contains(v)) {
+            true => Ok(Albedo(values)),
+            false => Err(args.error(format!("`{}` is from 0 to 1", spec.key))),
+        }
+    }
+}
+
+/// A length that light goes without a collision, one or three; above 0.
+#[derive(Clone, Copy)]
+pub struct FreePath([f32; 3]);
+
+impl Plain<'_> for FreePath {
+    fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<FreePath, Diagnostic> {
+        let values = one_or_three(args)?;
+        match values.iter().all(|v| v.is_finite() && *v > 0.0 && v.recip().is_finite()) {
+            true => Ok(FreePath(values)),
+            false => Err(args.error(format!("`{}` is more than 0", spec.key))),
+        }
+    }
+}
+
+fn one_or_three(args: &mut Args<'_>) -> Result<[f32; 3], Diagnostic> {
+    if args.numbers_left() == 1 { args.number().map(|v| [v; 3]) } else { args.numbers() }
+}
+
+/// The phase functions by their words.
+#[derive(Clone, Copy, PartialEq)]
+pub enum PhaseName {
+    Isotropic,
+    HenyeyGreenstein,
+    Rayleigh,
+}
+
+choices! {
+    PhaseName {
+        "henyeyGreenstein" => PhaseName::HenyeyGreenstein,
+        "isotropic" => PhaseName::Isotropic,
+        "rayleigh" => PhaseName::Rayleigh,
+    }
+}
+
+const SIGMA_A: &str = "sigma_a";
+const SIGMA_S: &str = "sigma_s";
+
+keys! {
+    /// What every medium has.
+    CoefficientKeys {
+        sigma_a: Option<PerLength> = Typed::<PerLength>::new(SIGMA_A, FieldKind::Color)
+            .unit("1/length")
+            .not_beside(&["albedo", "density", "meanFreePath"])
+            .unlike("none", "0.1 0.2 0.4", "absorption per length"),
+        sigma_s: Option<PerLength> = Typed::<PerLength>::new(SIGMA_S, FieldKind::Color)
+            .unit("1/length")
+            .not_beside(&["albedo", "density", "meanFreePath"])
+            .unlike("none", "1 1 1", "scattering per length"),
+        albedo: Option<Albedo> = Typed::<Albedo>::new("albedo", FieldKind::Color)
+            .not_beside(&[SIGMA_A, SIGMA_S])
+            .presumed(Constant::Triple([1.0; 3]), "share of light that a collision scatters"),
+        density: Option<PerLength> = Typed::<PerLength>::new("density", FieldKind::Color)
+            .unit("1/length")
+            .not_beside(&[SIGMA_A, SIGMA_S, "meanFreePath"])
+            .unlike("by the other keys", "1 1 1", "collisions per length"),
+        mean_free_path: Option<FreePath> = Typed::<FreePath>::new("meanFreePath", FieldKind::Color)
+            .unit("length")
+            .not_beside(&[SIGMA_A, SIGMA_S, "density"])
+            .unlike("by the other keys", "1 1 1", "mean length between collisions"),
+        scale: f32 = at_least("scale", 0.0).or(1.0, "makes all of it denser"),
+        phase: Option<PhaseName> = choice::<PhaseName>("phase")
+            .unlike("by `g`", "isotropic", "where to light is scattered"),
+        g: f32 = number("g").or(0.0, "mean cosine: -1 back, 0 to all sides, 1 straight on"),
+    }
+}
+
+pub const MEMBER: MediumMember = Member {
+    block: Block {
+        keyword: "Medium",
+        kind: Kind::Medium,
+        about: "milk, haze, coloured water: what is the same everywhere",
+        groups: &[CoefficientKeys::FIELDS],
+    },
+    read: |compiler, item| {
+        compiler.medium(item, |params, sources| {
+            Some(HomogeneousMedium { coefficients: coefficients(params, sources)? })
+        })
+    },
+};
+
+/// What a medium of density 1 does to light, by the keys of its block.
+pub fn coefficients(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Coefficients> {
+    for key in [SIGMA_A, SIGMA_S, "meanFreePath"] {
+        if params.contains(key) {
+            report_beside(params, CoefficientKeys::FIELDS, key);
+        }
+    }
+    let has_none = ![SIGMA_A, SIGMA_S, "density", "meanFreePath"].into_iter().any(|key| params.contains(key));
+    let keys = CoefficientKeys::read(params, sources)?;
+    if has_none {
+        let error = Diagnostic::error("this medium has no density");
+        let help = "write `sigma_a` and `sigma_s`, or `albedo` with `density` or `meanFreePath`";
+        params.report(error.help(help), "does nothing to light");
+        return None;
+    }
+    let phase = phase(&keys, params)?;
+    let of = |value: Option<PerLength>| value.map_or([0.0; 3], |PerLength(value)| value);
+    let scaled = |value: [f32; 3]| value.map(|v| v * keys.scale);
+    let extinction = match keys.mean_free_path {
+        Some(FreePath(lengths)) => lengths.map(f32::recip),
+        None => of(keys.density),
+    };
+    let made = if keys.density.is_some() || keys.mean_free_path.is_some() {
+        let Albedo(albedo) = keys.albedo.unwrap_or(Albedo([1.0; 3]));
+        Coefficients::from_albedo(albedo, scaled(extinction), phase)
+    } else {
+        Coefficients::new(scaled(of(keys.sigma_a)), scaled(of(keys.sigma_s)), phase)
+    };
+    let report = |error| params.report(Diagnostic::error(format!("{error}")), "is none");
+    made.map_err(report).ok()
+}
+
+/// The phase function; one with a mean cosine that is none is reported.
+fn phase(keys: &CoefficientKeys, params: &mut Params<'_, '_>) -> Option<Phase> {
+    let implied = if keys.g == 0.0 { PhaseName::Isotropic } else { PhaseName::HenyeyGreenstein };
+    let name = keys.phase.unwrap_or(implied);
+    if name != PhaseName::HenyeyGreenstein {
+        params.idle(&["g"], "with this `phase`");
+    }
+    match name {
+        PhaseName::Isotropic => Some(Phase::Isotropic),
+        PhaseName::Rayleigh => Some(Phase::Rayleigh),
+        PhaseName::HenyeyGreenstein => {
+            let lobe = HenyeyGreenstein::new(keys.g);
+            if lobe.is_none() {
+                let error = Diagnostic::error("`g` is more than -1 and less than 1");
+                params.report(error, "a mean cosine of 1 would be no scattering");
+            }
+            lobe.map(Phase::HenyeyGreenstein)
+        }
+    }
+}

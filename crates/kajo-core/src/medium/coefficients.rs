@@ -1,0 +1,120 @@
+//! What a medium of density 1 does to light.
+
+use kajo_color::{Spectrum, Unbounded, Wavelengths};
+
+use super::Phase;
+
+/// Absorption, scattering and the phase function of a medium, all per unit of density.
+///
+/// ```text
+/// sigma_t = sigma_a + sigma_s,    albedo = sigma_s / sigma_t,    mean free path = 1 / sigma_t
+/// ```
+#[derive(Clone, Debug)]
+pub struct Coefficients {
+    sigma_a: Unbounded,
+    sigma_s: Unbounded,
+    scatters: bool,
+    phase: Phase,
+}
+
+/// Why there are no such coefficients.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CoefficientsError {
+    /// Negative, infinite or no number.
+    #[error("coefficients of a medium are finite and not negative")]
+    Coefficient,
+    /// An albedo that is none.
+    #[error("an albedo is from 0 to 1")]
+    Albedo,
+}
+
+impl Coefficients {
+    /// Coefficients per unit length, in linear RGB.
+    ///
+    /// # Errors
+    /// [`CoefficientsError::Coefficient`].
+    pub fn new(
+        sigma_a: [f32; 3],
+        sigma_s: [f32; 3],
+        phase: Phase,
+    ) -> Result<Coefficients, CoefficientsError> {
+        let usable = |v: &f32| v.is_finite() && *v >= 0.0;
+        if !sigma_a.iter().chain(&sigma_s).all(usable) {
+            return Err(CoefficientsError::Coefficient);
+        }
+        let scatters = sigma_s.iter().any(|&v| v > 0.0);
+        let [sigma_a, sigma_s] = [sigma_a, sigma_s].map(Unbounded::from_rgb);
+        Ok(Coefficients { sigma_a, sigma_s, scatters, phase })
+    }
+
+    /// By the share of light that a collision scatters, and the extinction per unit length; both in linear RGB.
+    ///
+    /// # Errors
+    /// [`CoefficientsError`].
+    pub fn from_albedo(
+        albedo: [f32; 3],
+        sigma_t: [f32; 3],
+        phase: Phase,
+    ) -> Result<Coefficients, CoefficientsError> {
+        if !albedo.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Err(CoefficientsError::Albedo);
+        }
+        let sigma_s = [0, 1, 2].map(|i| sigma_t[i] * albedo[i]);
+        let sigma_a = [0, 1, 2].map(|i| sigma_t[i] * (1.0 - albedo[i]));
+        Coefficients::new(sigma_a, sigma_s, phase)
+    }
+
+    /// Absorption per unit length.
+    #[inline]
+    pub fn sigma_a(&self, wavelengths: &Wavelengths) -> Spectrum {
+        self.sigma_a.at(wavelengths)
+    }
+
+    /// Scattering per unit length.
+    #[inline]
+    pub fn sigma_s(&self, wavelengths: &Wavelengths) -> Spectrum {
+        self.sigma_s.at(wavelengths)
+    }
+
+    /// Whether it scatters light at all.
+    #[inline]
+    pub fn scatters(&self) -> bool {
+        self.scatters
+    }
+
+    /// Where to it scatters light.
+    #[inline]
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_albedo_splits_the_extinction() {
+        let made = Coefficients::from_albedo([0.25, 0.5, 1.0], [4.0; 3], Phase::Isotropic).unwrap();
+        let rgb = Wavelengths::RGB;
+        assert_eq!(made.sigma_s(&rgb).to_rgb(), [1.0, 2.0, 4.0]);
+        assert_eq!(made.sigma_a(&rgb).to_rgb(), [3.0, 2.0, 0.0]);
+        assert!(made.scatters());
+        let clear = Coefficients::new([1.0; 3], [0.0; 3], Phase::Isotropic).unwrap();
+        assert!(!clear.scatters());
+    }
+
+    #[test]
+    fn what_is_no_medium_is_refused() {
+        let of = |sigma_a: f32, sigma_s: f32| {
+            Coefficients::new([sigma_a; 3], [0.0, 1.0, sigma_s], Phase::Isotropic).err()
+        };
+        for (a, s) in [(-1.0, 1.0), (1.0, -1e-9), (f32::NAN, 0.0), (0.0, f32::INFINITY)] {
+            assert_eq!(of(a, s), Some(CoefficientsError::Coefficient), "{a} {s}");
+        }
+        let albedo = |albedo: f32| Coefficients::from_albedo([albedo; 3], [1.0; 3], Phase::Isotropic).err();
+        assert_eq!(albedo(1.001), Some(CoefficientsError::Albedo));
+        assert_eq!(albedo(f32::NAN), Some(CoefficientsError::Albedo));
+        assert_eq!(albedo(1.0), None);
+    }
+}

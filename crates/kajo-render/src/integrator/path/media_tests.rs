@@ -1,0 +1,315 @@
+//! Participating media against closed forms and published tables.
+
+use std::f64::consts::PI;
+
+use super::tests::{TECHNIQUES, camera, check, mean, scene};
+use super::*;
+
+fn settings(bounces: u32) -> PathSettings {
+    PathSettings { bounces, ..PathSettings::default() }
+}
+
+/// A medium named `m`, a boundary of it, and what else there is.
+fn filled(view: &str, medium: &str, rest: &str) -> Scene {
+    scene(&format!(
+        "{view} Media {{ Medium m {{ {medium} }} }} Materials {{ Interface i {{ medium m }} }} {rest}"
+    ))
+}
+
+/// A camera that sees along a line, and a sky of the radiance 1.
+fn under_a_white_sky(from: [f32; 3], to: [f32; 3]) -> String {
+    camera(from, to).replace("color 0 0 0", "color 1 1 1")
+}
+
+/// What absorbs only has no noise.
+#[test]
+fn an_absorber_follows_beer_and_lambert() {
+    let ball = "Group { MaterialIndex i Sphere { center 0 0 0 radius 1 } }";
+    let medium = "sigma_a 0.5 1 3";
+    for (from, length) in [([0.0, 0.0, 5.0], 2.0), ([0.0, 0.0, 0.5], 1.5)] {
+        let scene = filled(&under_a_white_sky(from, [0.0, 0.0, -9.0]), medium, ball);
+        for (lane, sigma) in [0.5, 1.0, 3.0].into_iter().enumerate() {
+            let found = mean(&scene, settings(16), 16, lane);
+            let expected = f64::exp(-sigma * length);
+            assert!((found.mean / expected - 1.0).abs() < 3e-6, "{length} {sigma}: {}", found.mean);
+        }
+    }
+    // A light seen through air that absorbs, by both ways of finding it.
+    let text = format!(
+        "{} Media {{ Medium air {{ sigma_a 0.25 }} exterior air }}
+         Materials {{ Matte light {{ color 0 0 0  emission 1 }} Matte white {{ color 1 1 1 }} }}
+         Group {{ MaterialIndex light Sphere {{ center 0 4 0 radius 0.001 }}
+                  MaterialIndex white Disk {{ center 0 0 0 normal 0 1 0 radius 0.1 }} }}",
+        camera([0.0, 2.0, 0.1], [0.0, 0.0, 0.0])
+    );
+    let scene = scene(&text);
+    let way = (4.0 + 0.01f64).sqrt() + 4.0 - 0.001;
+    let expected = (0.001f64 / 4.0).powi(2) * (-0.25 * way).exp();
+    let found = mean(&scene, settings(1), 64, 0).mean;
+    assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+}
+
+/// A beam from above into a cube, seen from the side: light that is scattered once.
+#[test]
+fn single_scattering_in_a_cube() {
+    let cube = "Lights { DirectionalLight { direction 0 -1 0  irradiance 1 } }
+        Group { MaterialIndex i Box { min -1 -1 -1 max 1 1 1 } }";
+    let expected = |s: f64, y: f64| (-s * (1.0 - y)).exp() * (1.0 - (-2.0 * s).exp()) / (4.0 * PI);
+    for (s, y) in [(1.0, 0.9), (1.0, 0.0), (2.0, 0.0), (0.5, -0.5)] {
+        let view = camera([0.0, y, 5.0], [0.0, y, 0.0]);
+        let scene = filled(&view, &format!("sigma_s {s}"), cube);
+        check(&scene, settings(0), 4000, expected(s, f64::from(y)));
+    }
+    // Each colour, whichever draws the distances.
+    let scene = filled(&camera([0.0, 0.2, 5.0], [0.0, 0.2, 0.0]), "sigma_s 0.2 1 4", cube);
+    for (lane, s) in [0.2, 1.0, 4.0].into_iter().enumerate() {
+        mean(&scene, settings(0), 8000, lane).check(expected(s, 0.2f32.into()), 0.01).unwrap();
+    }
+}
+
+/// A point light in endless fog beside the camera's ray.
+#[test]
+fn single_scattering_of_a_point_light_in_endless_fog() {
+    for (sigma, expected) in [(0.05, 0.00805391), (0.1, 0.01151431), (0.2, 0.01216811)] {
+        let text = format!(
+            "{} Media {{ Medium fog {{ sigma_s {sigma} }} exterior fog }}
+             Lights {{ PointLight {{ position 1 0 0  intensity 1 }} }}",
+            camera([0.0, 0.0, 5.0], [0.0, 0.0, 0.0])
+        );
+        mean(&scene(&text), settings(0), 40_000, 0).check(expected, 0.05).unwrap();
+    }
+}
+
+/// The half space of [Chandrasekhar 1950], lit and seen straight on.
+#[test]
+fn a_half_space_reflects_as_its_h_function_says() {
+    let half = "Lights { DirectionalLight { direction 0 -1 0  irradiance 1 } }
+        Group { MaterialIndex i Box { min -1000 -1000 -1000 max 1000 0 1000 } }";
+    for (albedo, pi_f) in [(0.5, 0.097853), (0.8, 0.255431), (0.9, 0.385072)] {
+        let view = camera([0.0, 5.0, 0.0], [0.0, 0.0, 0.0]);
+        let scene = filled(&view, &format!("albedo {albedo} density 1"), half);
+        mean(&scene, settings(4000), 4000, 0).check(pi_f / PI, 0.02).unwrap();
+    }
+}
+
+/// A slab of optical depth 2, albedo 0.9, g = 0.75 under light straight on: its reflectance and transmittance by
+/// [van de Hulst 1980]. By reciprocity they are what is seen of a sky on one side only.
+#[test]
+fn a_slab_reflects_and_transmits_as_the_tables_say() {
+    let slab = |black: &str| {
+        format!(
+            "{} Media {{ Medium m {{ albedo 0.9 density 2 g 0.75 }} }}
+             Materials {{ Interface i {{ medium m }} Matte black {{ color 0 0 0 }} }}
+             Group {{ MaterialIndex i Box {{ min -500 -1 -500 max 500 0 500 }}
+                      MaterialIndex black {black} }}",
+            under_a_white_sky([0.0, 5.0, 0.0], [0.0, 0.0, 0.0])
+        )
+    };
+    let reflects = scene(&slab("Plane { normal 0 1 0 offset -2 }"));
+    let transmits = scene(&slab("Plane { normal 0 1 0 offset 9 }"));
+    mean(&reflects, settings(4000), 6000, 0).check(0.09739, 0.02).unwrap();
+    mean(&transmits, settings(4000), 6000, 0).check(0.66096, 0.02).unwrap();
+}
+
+/// A half space with a surface of index 1.5, isotropic, albedo 0.9: the reflectance of [Giovanelli 1955].
+#[test]
+fn a_half_space_behind_a_surface() {
+    let text = format!(
+        "{} Media {{ Medium m {{ albedo 0.9 density 1 }} }}
+         Materials {{ Glass g {{ indexOfRefraction 1.5  medium m }} }}
+         Group {{ MaterialIndex g Box {{ min -1000 -1000 -1000 max 1000 0 1000 }} }}",
+        under_a_white_sky([0.0, 5.0, 0.0], [0.0, 0.0, 0.0])
+    );
+    let found = mean(&scene(&text), settings(4000), 4000, 0);
+    assert!((found.mean - 0.2602).abs() < 0.001 + 4.0 * found.standard_error, "{found:?}");
+}
+
+/// Nothing is lost and nothing is made where all light is scattered under a sky that is the same everywhere.
+#[test]
+fn media_of_albedo_1_are_not_seen_under_a_uniform_sky() {
+    let shapes = [
+        "MaterialIndex i Sphere { center 0 0 0 radius 1 }",
+        "MaterialIndex i Box { min -1 -1 -1 max 1 1 1 }",
+        "MaterialIndex i Difference { Sphere { center 0 0 0 radius 1 } Box { min 0 0 0 max 2 2 2 } }",
+    ];
+    for (shape, medium) in shapes.iter().flat_map(|shape| {
+        ["sigma_s 3", "sigma_s 0.5 2 6 g 0.7", "sigma_s 1 0 4 phase rayleigh"].map(|medium| (shape, medium))
+    }) {
+        for from in [[0.3, 0.2, 4.0], [0.1, -0.3, 0.1]] {
+            let scene =
+                filled(&under_a_white_sky(from, [0.0, -0.2, -0.1]), medium, &format!("Group {{ {shape} }}"));
+            for (lane, technique) in TECHNIQUES.into_iter().enumerate() {
+                let settings = PathSettings { technique, ..settings(4000) };
+                mean(&scene, settings, 200, lane).check(1.0, 0.05).unwrap();
+            }
+            // Without roulette no path has another weight.
+            let plain = PathSettings { technique: Technique::Scattering, roulette: false, ..settings(4000) };
+            if medium == "sigma_s 3" {
+                let found = mean(&scene, plain, 64, 0);
+                assert!((found.mean - 1.0).abs() < 1e-5, "{shape}: {}", found.mean);
+            }
+        }
+    }
+}
+
+/// Clear glass around what scatters all light, and a cavity in that.
+#[test]
+fn filled_glass_is_not_seen_under_a_uniform_sky() {
+    for spectral in [false, true] {
+        let text = format!(
+            "{} Media {{ Medium m {{ sigma_s 1 2 3 g 0.5 }} Medium n {{ sigma_s 4 }} }}
+             Materials {{ Glass g {{ indexOfRefraction 1.5 medium m priority 1 }} Interface i {{ medium n priority 2 }} }}
+             Group {{ MaterialIndex g Sphere {{ center 0 0 0 radius 1 }}
+                      MaterialIndex i Box {{ min -0.4 -0.4 -0.7 max 0.4 0.4 0.2 }} }}",
+            under_a_white_sky([0.0, 0.5, 4.0], [0.0, 0.0, 0.0])
+        );
+        let settings = PathSettings { spectral, ..settings(4000) };
+        mean(&scene(&text), settings, 3000, 1).check(1.0, 0.05).unwrap();
+    }
+}
+
+/// Wavelengths by wavelength is the same as by red, green and blue where all are alike.
+#[test]
+fn spectral_media_are_as_bright() {
+    let text = |spectrum: &str| {
+        format!(
+            "{} Media {{ Medium m {{ {spectrum} }} }} Materials {{ Interface i {{ medium m }} }}
+             Lights {{ PointLight {{ position 0 2 0  intensity 1 }} }}
+             Group {{ MaterialIndex i Sphere {{ center 0 0 0 radius 1 }} }}",
+            camera([0.0, 0.0, 5.0], [0.0, 0.0, 0.0])
+        )
+    };
+    let scene = scene(&text("albedo 0.8 density 1.5 g 0.3"));
+    let by_rgb = mean(&scene, settings(8), 20_000, 1);
+    let by_wavelength = mean(&scene, PathSettings { spectral: true, ..settings(8) }, 20_000, 1);
+    let spread = (by_rgb.standard_error.powi(2) + by_wavelength.standard_error.powi(2)).sqrt();
+    assert!((by_rgb.mean - by_wavelength.mean).abs() < 4.0 * spread, "{by_rgb:?} {by_wavelength:?}");
+}
+
+/// The three ways of finding light agree where all of them can.
+#[test]
+fn techniques_agree() {
+    let text = format!(
+        "{} Media {{ Medium m {{ albedo 0.9 0.7 0.5 density 1 2 3 g 0.6 }} Medium haze {{ sigma_s 0.05 }} exterior haze }}
+         Materials {{ Interface i {{ medium m }} Matte light {{ color 0 0 0 emission 4 }} Matte grey {{ color 0.5 0.5 0.5 }} }}
+         Group {{ MaterialIndex i Sphere {{ center 0 0 0 radius 1 }}
+                  MaterialIndex light Quad {{ corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }}
+                  MaterialIndex grey Disk {{ center 0 -1.5 0 normal 0 1 0 radius 3 }} }}",
+        camera([0.0, 0.3, 5.0], [0.0, 0.0, 0.0])
+    );
+    let scene = scene(&text);
+    for lane in [0, 2] {
+        let of = |technique| mean(&scene, PathSettings { technique, ..settings(6) }, 8000, lane);
+        let [combined, lights, scattering] = TECHNIQUES.map(of);
+        for other in [lights, scattering] {
+            let spread = (combined.standard_error.powi(2) + other.standard_error.powi(2)).sqrt();
+            assert!((combined.mean - other.mean).abs() < 4.0 * spread, "{lane}: {combined:?} {other:?}");
+        }
+    }
+}
+
+/// A grid of 4 x 3 x 5 densities from 0 to 1 in the box from -1 to 1, and a function that knows what is between them.
+fn random_grid() -> (String, impl Fn(f64, f64, f64) -> f64) {
+    const SIZE: [usize; 3] = [4, 3, 5];
+    let numbers = kajo_math::rng::Stream::new(77, [1, 2], 3);
+    let values: Vec<f32> = (0..60).map(|k| numbers.uniform(k)).collect();
+    let text: Vec<String> = values.iter().map(f32::to_string).collect();
+    let text = format!("size 4 3 5  values {}", text.join(" "));
+    let at = move |x: f64, y: f64, z: f64| {
+        let mut sum = 0.0;
+        let mut corner = |i: usize, j: usize, k: usize, weight: f64| {
+            sum += weight * f64::from(values[(k * SIZE[1] + j) * SIZE[0] + i]);
+        };
+        let split = |v: f64, n: usize| {
+            let place = ((v + 1.0) / 2.0 * n as f64 - 0.5).clamp(0.0, n as f64 - 1.0);
+            let low = (place as usize).min(n - 2);
+            [(low, 1.0 - (place - low as f64)), (low + 1, place - low as f64)]
+        };
+        for (i, u) in split(x, SIZE[0]) {
+            for (j, v) in split(y, SIZE[1]) {
+                for (k, w) in split(z, SIZE[2]) {
+                    corner(i, j, k, u * v * w);
+                }
+            }
+        }
+        sum
+    };
+    (text, at)
+}
+
+fn grid_scene(view: &str, medium: &str, rest: &str) -> Scene {
+    scene(&format!(
+        "{view} Media {{ {medium} }} Materials {{ Interface i {{ medium m }} }}
+         Group {{ MaterialIndex i Box {{ min -1 -1 -1 max 1 1 1 }} }} {rest}"
+    ))
+}
+
+/// What a grid lets through against the integral of its density, which is a cubic in each cell, so that two points of Gauss's rule
+/// for each piece of the ray between planes of voxels are exact.
+#[test]
+fn grids_let_through_what_their_integral_says() {
+    let (grid, density) = random_grid();
+    let (from, to) = ([3.0f64, 1.0, 4.0], [-0.1, 0.2, 0.1]);
+    let d = [0, 1, 2].map(|i| to[i] - from[i]);
+    let length = d.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let mut planes: Vec<f64> = Vec::new();
+    for (axis, n) in [4, 3, 5].into_iter().enumerate() {
+        let edges = (0..n).map(|k| -1.0 + 2.0 * (f64::from(k) + 0.5) / f64::from(n)).chain([-1.0, 1.0]);
+        planes.extend(edges.map(|plane| (plane - from[axis]) / d[axis]));
+    }
+    planes.sort_by(f64::total_cmp);
+    let mut depth = 0.0;
+    for pair in planes.windows(2) {
+        let at = |t: f64| [0, 1, 2].map(|i| from[i] + t * d[i]);
+        let middle = at(0.5 * (pair[0] + pair[1]));
+        if middle.iter().all(|v| v.abs() < 1.0) {
+            for side in [-1.0, 1.0] {
+                let t = 0.5 * (pair[0] + pair[1]) + side / 12f64.sqrt() * (pair[1] - pair[0]);
+                let [x, y, z] = at(t);
+                depth += 0.5 * (pair[1] - pair[0]) * length * density(x, y, z);
+            }
+        }
+    }
+    let view = under_a_white_sky(from.map(|v| v as f32), to.map(|v| v as f32));
+    let scene = grid_scene(&view, &format!("GridMedium m {{ {grid} sigma_a 0.5 1 3 }}"), "");
+    for (lane, sigma) in [0.5, 1.0, 3.0].into_iter().enumerate() {
+        let expected = (-sigma * depth).exp();
+        mean(&scene, settings(16), 4000, lane).check(expected, 0.06).unwrap();
+    }
+}
+
+/// The strongest test: nothing of a medium is seen that only scatters, under a sky that is the same everywhere.
+#[test]
+fn any_grid_of_albedo_1_is_not_seen_under_a_uniform_sky() {
+    let (grid, _) = random_grid();
+    for medium in [
+        format!("GridMedium m {{ {grid} density 8 }}"),
+        format!("GridMedium m {{ {grid} sigma_s 1 4 16 g 0.6 }}"),
+        "FunctionMedium m { function = 3 * exp(-4 * (x^2 + y^2 + z^2)) + sin(5 * x) sigma_s 1 3 2 }"
+            .to_owned(),
+    ] {
+        for from in [[3.0, 1.0, 4.0], [0.2, -0.1, 0.3]] {
+            let scene = grid_scene(&under_a_white_sky(from, [-0.1, 0.2, 0.1]), &medium, "");
+            for (lane, technique) in TECHNIQUES.into_iter().enumerate() {
+                let settings = PathSettings { technique, ..settings(4000) };
+                mean(&scene, settings, 300, lane).check(1.0, 0.05).unwrap();
+            }
+            let spectral = PathSettings { spectral: true, ..settings(4000) };
+            mean(&scene, spectral, 300, 1).check(1.0, 0.05).unwrap();
+        }
+    }
+}
+
+/// A grid that is the same everywhere, and a function that is, scatter as a homogeneous medium.
+#[test]
+fn constant_grids_are_homogeneous() {
+    let beam = "Lights { DirectionalLight { direction 0 -1 0  irradiance 1 } }";
+    for medium in [
+        "GridMedium m { size 3 1 2 values 0.5 0.5 0.5 0.5 0.5 0.5 sigma_s 2 }",
+        "FunctionMedium m { function = 0.25 + 0 * x sigma_s 4 }",
+    ] {
+        let scene = grid_scene(&camera([0.0, 0.2, 5.0], [0.0, 0.2, 0.0]), medium, beam);
+        let expected = (-0.8f64).exp() * (1.0 - (-2f64).exp()) / (4.0 * PI);
+        mean(&scene, settings(0), 8000, 0).check(expected, 0.02).unwrap();
+    }
+}

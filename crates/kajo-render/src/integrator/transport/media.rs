@@ -1,0 +1,106 @@
+//! The steps of a path in scenes with participating media.
+
+use kajo_core::scene::{Interaction, Scene};
+use kajo_math::{Ray, Vec3, robust::offset_origin};
+
+use super::steps::MOST_SURFACES;
+use super::{MediumInteraction, MediumStack, Passage, PathState};
+use crate::trail::{PathObserver, RayKind};
+
+/// Goes on along a direction drawn by the phase function, whose value over its density is 1.
+pub fn follow_phase(
+    path: &mut PathState<'_>,
+    at: &MediumInteraction,
+    wi: Vec3,
+    observer: &mut impl PathObserver,
+) {
+    observer.next(RayKind::Scattered);
+    path.connectable = true;
+    path.lanes.r_l = path.lanes.r_u;
+    path.ray = Ray { time: at.time, ..Ray::new(at.p, wi) };
+    path.scatterings += 1;
+}
+
+/// What comes along a segment between two vertices, through media and the boundaries of media, holes and panes on its way.
+///
+/// As [`super::connect`], with what media absorb, and by lanes.
+///
+/// * `media`: around the start of the segment
+///
+/// May take random numbers.
+pub fn connect_through_media(
+    scene: &Scene,
+    segment: &Ray,
+    mut media: MediumStack,
+    path: &mut PathState<'_>,
+    observer: &mut impl PathObserver,
+) -> Passage {
+    observer.counters().shadow += 1;
+    let mut passage = Passage::open(&path.lanes);
+    if !scene.appearance.has_passages {
+        if scene.occluded(segment) {
+            return Passage::closed();
+        }
+        along(scene, &unit(segment), &media, path, &mut passage);
+        return passage;
+    }
+    // Boundaries have to be met in their order, one after the other.
+    let mut ray = *segment;
+    let mut at = Interaction::default();
+    for _ in 0..MOST_SURFACES {
+        let meets = scene.trace_into(None, &ray, &mut at);
+        if meets {
+            ray.t_max = at.hit.t;
+        }
+        along(scene, &unit(&ray), &media, path, &mut passage);
+        if !meets || passage.t.is_black() {
+            return passage;
+        }
+        if !cross(scene, &ray, &at, &mut media, path, &mut passage) {
+            break;
+        }
+        let o = offset_origin(at.point.p, at.point.p_error, at.point.ng, ray.d);
+        ray = match segment.t_max.is_finite() {
+            true => Ray { o, d: segment.at(segment.t_max) - o, t_max: 1.0, ..ray },
+            false => Ray { o, t_max: f32::INFINITY, ..ray },
+        };
+    }
+    Passage::closed()
+}
+
+/// Passes a surface straight on; `false` where nothing does.
+fn cross(
+    scene: &Scene,
+    ray: &Ray,
+    at: &Interaction,
+    media: &mut MediumStack,
+    path: &PathState<'_>,
+    passage: &mut Passage,
+) -> bool {
+    let cos = at.crossing_cosine(ray.d.normalize());
+    let passed = scene.passage(at, media.eta(), &path.wavelengths, cos);
+    if passed.is_black() {
+        return false;
+    }
+    passage.t *= passed;
+    let Some(interior) = scene.interior(at, &path.wavelengths, 0.5) else { return true };
+    let interface = media.interface(at.object, &interior, ray.d.dot(at.point.ng) < 0.0);
+    media.cross(&interface);
+    // Paths that meet a hidden surface are not weighed against connections.
+    interface.is_real
+}
+
+/// Goes on through the medium around the start of a ray of unit direction, to its end.
+fn along(scene: &Scene, ray: &Ray, media: &MediumStack, path: &mut PathState<'_>, passage: &mut Passage) {
+    passage.t *= media.transmittance(ray.t_max);
+    if let Some(medium) = media.medium() {
+        let PathState { wavelengths, lanes, draws, .. } = path;
+        passage.through(scene, medium, ray, wavelengths, lanes.hero, draws);
+    }
+}
+
+/// The same ray with a direction of unit length.
+fn unit(ray: &Ray) -> Ray {
+    let length = ray.d.length();
+    Ray { d: ray.d / length, t_max: ray.t_max * length, ..*ray }
+}
