@@ -7,6 +7,7 @@ mod flat;
 mod glass;
 mod lights;
 mod materials;
+mod media;
 mod motion;
 mod polygon;
 mod quadrature;
@@ -121,7 +122,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 13] = [
+    let makers: [(&str, Maker); 14] = [
         ("rooms", rooms::forms),
         ("lights", lights::forms),
         ("bodies", bodies::forms),
@@ -132,6 +133,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("surfaces", surfaces::forms),
         ("flat", flat::forms),
         ("materials", materials::forms),
+        ("media", media::forms),
         ("camera", camera::forms),
         ("motion", motion::forms),
         ("solids", solids::forms),

@@ -17,6 +17,10 @@ pub fn follow_phase(
     observer.next(RayKind::Scattered);
     path.connectable = true;
     path.lanes.r_l = path.lanes.r_u;
+    if let Some(differential) = &mut path.differential {
+        let (d, t) = (path.ray.d, at.p.distance(path.ray.o));
+        *differential = differential.transferred(d, t, d).scattered(wi).usable();
+    }
     path.ray = Ray { time: at.time, ..Ray::new(at.p, wi) };
     path.scatterings += 1;
 }

@@ -1,0 +1,117 @@
+//! Participating media.
+//!
+//! *An absorber.* Over a length `d` the share `exp(-sigma_a d)` of the light is left.
+//!
+//! *A beam in a cube.* A beam of the irradiance 1 comes into the cube `[-1, 1]^3` from above, and the camera looks across. Light that was
+//! scattered once by an isotropic medium has at the height `y` the radiance
+//!
+//! ```text
+//! L = albedo / 4pi exp(-s (1 - y)) (1 - exp(-2 s))
+//! ```
+//!
+//! *A point light in endless fog*, at the distance `b` from the camera's ray, whose closest point is `a` ahead:
+//!
+//! ```text
+//! L = integral over t of  s I / (4pi r^2) exp(-s (t + r)),    r^2 = b^2 + (t - a)^2
+//! ```
+//!
+//! *Nothing is lost.* Whatever scatters all light is not to be seen under an even sky: homogeneous, by voxels, by a function, in clear
+//! glass.
+
+use std::f64::consts::PI;
+
+use kajo_math::DVec3;
+
+use super::quadrature::simpson;
+use super::{Form, Parameters, spot_meter};
+use crate::method::{Method, PATH, PATH_SCATTERING, PATH_SPECTRAL};
+
+const MEDIA: &[Method] = &[PATH, PATH_SCATTERING, PATH_SPECTRAL];
+
+/// Where lights have no size, so that they are drawn.
+const DRAWN: &[Method] = &[PATH, PATH_SPECTRAL];
+
+/// A body with the box from -1 to 1 around it.
+const CUBE: &str = "Box { min -1 -1 -1 max 1 1 1 }";
+
+pub fn forms(draw: &mut Parameters) -> Vec<Form> {
+    let mut forms = vec![absorber(draw), beam(draw), fog(draw)];
+    let grid: Vec<String> = (0..27).map(|_| draw.between(0.0, 1.0).to_string()).collect();
+    let g = draw.between(-0.6, 0.8);
+    let (r, s) = (draw.between(1.0, 4.0), draw.between(0.2, 3.0));
+    for (name, medium, material, body) in [
+        ("a ball", format!("Medium m {{ sigma_s {r} {s} 1 g {g} }}"), "Interface b { medium m }", BALL),
+        (
+            "voxels",
+            format!("GridMedium m {{ size 3 3 3 values {} density {} g {g} }}", grid.join(" "), 3.0 * r),
+            "Interface b { medium m }",
+            CUBE,
+        ),
+        (
+            "a function",
+            format!("FunctionMedium m {{ function = cos({r} * x) + z  sigma_s {s} {r} 2  phase rayleigh }}"),
+            "Interface b { medium m }",
+            CUBE,
+        ),
+        (
+            "glass",
+            format!("Medium m {{ density {r} g {g} }}"),
+            "Glass b { indexOfRefraction 1.4 medium m }",
+            BALL,
+        ),
+    ] {
+        forms.push(white(draw, name, &medium, material, body));
+    }
+    forms
+}
+
+const BALL: &str = "Sphere { center 0 0 0 radius 1 }";
+
+/// A scene with a medium `m` in a body of the material `b`.
+fn filled(view: &str, media: &str, material: &str, body: &str) -> String {
+    format!("{view}Media {{ {media} }}\nMaterials {{ {material} }}\nGroup {{ MaterialIndex b {body} }}\n")
+}
+
+fn under_a_sky(from: DVec3, to: DVec3) -> String {
+    spot_meter(from, to).replace("color 0 0 0", "color 1 1 1")
+}
+
+fn absorber(draw: &mut Parameters) -> Form {
+    let (sigma, x) = (draw.between(0.2, 2.0), draw.between(-0.7, 0.7));
+    let view = under_a_sky(DVec3::new(x, 0.0, 5.0), DVec3::new(x, 0.0, 0.0));
+    let scene = filled(&view, &format!("Medium m {{ sigma_a {sigma} }}"), "Interface b { medium m }", BALL);
+    let expected = (-sigma * 2.0 * (1.0 - x * x).sqrt()).exp();
+    Form::new(format!("S9 absorber of {sigma} over a chord at {x}"), scene, expected, MEDIA)
+}
+
+fn beam(draw: &mut Parameters) -> Form {
+    let (s, y, albedo) = (draw.between(0.3, 2.0), draw.between(-0.8, 0.8), draw.between(0.3, 1.0));
+    let view = spot_meter(DVec3::new(0.0, y, 5.0), DVec3::new(0.0, y, 0.0));
+    let medium = format!("Medium m {{ albedo {albedo} density {s} }}");
+    let scene = filled(&view, &medium, "Interface b { medium m }", CUBE)
+        + "Lights { DirectionalLight { direction 0 -1 0  irradiance 1 } }";
+    let expected = albedo / (4.0 * PI) * (-s * (1.0 - y)).exp() * (1.0 - (-2.0 * s).exp());
+    Form::new(format!("S10 beam in a cube of {s}, albedo {albedo}, at height {y}"), scene, expected, DRAWN)
+        .bounces(0)
+}
+
+fn fog(draw: &mut Parameters) -> Form {
+    let (s, a, b) = (draw.between(0.05, 0.3), draw.between(2.0, 6.0), draw.between(0.6, 1.5));
+    let scene = format!(
+        "{}Media {{ Medium m {{ sigma_s {s} }} exterior m }}
+         Lights {{ PointLight {{ position {b} 0 0  intensity 1 }} }}\n",
+        spot_meter(DVec3::new(0.0, 0.0, a), DVec3::ZERO)
+    );
+    let f = |t: f64| {
+        let r = b.hypot(t - a);
+        s / (4.0 * PI * r * r) * (-s * (t + r)).exp()
+    };
+    let expected = simpson(0.0, 2.0 * a, 4000, f) + simpson(2.0 * a, 40.0 / s, 40_000, f);
+    Form::new(format!("S11 point light beside a ray in fog of {s}"), scene, expected, DRAWN).bounces(0)
+}
+
+fn white(draw: &mut Parameters, name: &str, medium: &str, material: &str, body: &str) -> Form {
+    let view = under_a_sky(draw.direction(-1.0) * draw.between(0.1, 4.0), draw.point(0.4));
+    let scene = filled(&view, medium, material, body);
+    Form::new(format!("{name} that scatters all light"), scene, 1.0, MEDIA)
+}
