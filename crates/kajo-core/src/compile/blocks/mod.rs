@@ -145,7 +145,7 @@ pub(super) const MEDIUM_LIST: Block = Block {
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 15] = [
+const OTHERS: [&Block; 16] = [
     &blob::SPHERE,
     &blob::CYLINDER,
     &prism::OUTLINE,

@@ -6,6 +6,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use super::Metropolis;
+use crate::integrator::without_media;
 use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity};
 use crate::{LayerSet, PixelIntegrator};
 
@@ -79,6 +80,7 @@ impl Prepare for MetropolisSettings {
 
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
         let groups = scene.lighting.groups.len() > 1;
-        groups.then_some("Markov chains do not tell groups of lights apart").into_iter().collect()
+        let groups = groups.then_some("Markov chains do not tell groups of lights apart");
+        groups.into_iter().chain(without_media(scene).filter(|_| !self.by_paths)).collect()
     }
 }

@@ -76,7 +76,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             match advance(scene, &mut path.state, &mut surface, &mut self.first, self.observer) {
                 Event::Surface => {}
                 Event::Escaped(d) => return self.add_background(&path.state, d, from.as_ref()),
-                Event::Absorbed => return,
+                Event::Medium(_) | Event::Absorbed => return,
             }
             length += surface.length;
             self.add_emission(&path.state, &surface, from.as_ref());

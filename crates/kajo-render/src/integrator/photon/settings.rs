@@ -6,7 +6,9 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, PhotonMapUse, Settings, SettingsKey};
 
 use super::PhotonMapping;
-use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext};
+use crate::integrator::{
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, without_media,
+};
 use crate::{LayerSet, PixelIntegrator};
 
 /// Options of [`PhotonMapping`].
@@ -123,6 +125,7 @@ impl Prepare for PhotonSettings {
             (scene.moves(), "photons of all moments light what moves, so their light is blurred"),
             (scene.lighting.groups.len() > 1, "photon maps do not tell groups of lights apart"),
         ];
-        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
+        let notes = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
+        notes.chain(without_media(scene)).collect()
     }
 }
