@@ -29,7 +29,9 @@ fn camera(from: [f32; 3], to: [f32; 3], angle: f32) -> String {
 const USES: [Option<PhotonMapUse>; 4] =
     [Some(PhotonMapUse::Gather), Some(PhotonMapUse::Direct), Some(PhotonMapUse::Caustics), None];
 
+/// * `photons`: of one map for all samples; one for each of them has a sixteenth
 fn with(usage: Option<PhotonMapUse>, photons: u32) -> PhotonSettings {
+    let photons = if usage.is_some() { photons } else { photons / 16 };
     PhotonSettings { usage, photons, bounces: 100, ..PhotonSettings::default() }
 }
 
@@ -138,7 +140,7 @@ fn maps_and_paths_agree_where_paths_find_all() {
     let path = PathSettings { bounces: 6, ..PathSettings::default() };
     let expected = mean_of(&Path::new(&scene, path, [1, 1], LayerSet::of(&[])), 8192);
     for usage in USES {
-        let found = mean(&scene, PhotonSettings { bounces: 6, ..with(usage, 20_000) }, 256);
+        let found = mean(&scene, PhotonSettings { bounces: 6, ..with(usage, 10_000) }, 384);
         let sigma = found.standard_error.hypot(expected.standard_error);
         // Disks reach beyond the edges of surfaces, most of all where the map itself is seen.
         let bias = if usage == Some(PhotonMapUse::Direct) { 0.04 } else { 0.012 };
@@ -181,7 +183,8 @@ fn threads_tiles_and_stops_make_the_same_picture() {
     );
     let scene = scene(&text);
     for (usage, spectral) in [(None, true), (Some(PhotonMapUse::Gather), false)] {
-        let settings = PhotonSettings { spectral, ..with(usage, 9000) };
+        let settings =
+            PhotonSettings { spectral, ..with(usage, 9000 * if usage.is_some() { 1 } else { 16 }) };
         let integrator = PhotonMapping::new(&scene, settings, [20, 16], LayerSet::of(&[Layer::Color]));
         let film = || {
             let layers = LayerSet::of(&[Layer::Color]);
@@ -226,7 +229,7 @@ fn what_cannot_be_is_said() {
     let view = camera([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], 30.0);
     let ball = "Materials { Matte m { } } Group { MaterialIndex m Sphere { center 0 0 0 radius 1 } }";
     let dark = scene(&format!("{view} {ball}"));
-    let lit = scene(&format!("{view} Lights {{ PointLight {{ position 0 3 3 }} }} {ball}"));
+    let lit = scene(&format!("{view} Lights {{ PointLight {{ position 0 3 3  intensity 1 1 1 }} }} {ball}"));
     let made = |scene: &Scene, usage, memory| {
         let integrator = PhotonMapping::new(scene, with(usage, 5000), [4, 4], LayerSet::of(&[]));
         let made = PixelIntegrator::with_state(&integrator, 0, &Setup { memory, ..setup(0) });
