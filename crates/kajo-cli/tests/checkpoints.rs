@@ -132,12 +132,14 @@ enum Role {
     DecidesOfModel(&'static str),
     /// A render with these words goes on to the picture of one that had them all along, for this reason.
     Harmless(&'static str, &'static str),
+    /// A render with these words has no checkpoints, and says so with the second ones.
+    Refused(&'static str, &'static str),
 }
 
-use Role::{Decides, DecidesOfModel, Harmless};
+use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 55] = [
+const ROLES: [(&str, Role); 57] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -195,6 +197,8 @@ const ROLES: [(&str, Role); 55] = [
     ("stats", Harmless("--stats", "what is said")),
     ("show-progress", Harmless("--show-progress", "what is said")),
     ("keep-partial", Harmless("--keep-partial", "what is written when it is interrupted")),
+    ("farm", Refused("--farm local:1", "which takes the place of checkpoints")),
+    ("job", Harmless("--job other.job", "where a farm keeps what is finished")),
     ("help", Harmless("", "no render")),
 ];
 
@@ -242,6 +246,9 @@ fn every_option_that_decides_bits_is_in_the_identity_of_a_checkpoint() {
                     2,
                     &["belongs to another render"],
                 );
+            }
+            Refused(words, why) => {
+                folder.fail(&format!("{scene} {words} --checkpoint farm.state"), 2, &[why]);
             }
             Harmless(words, reason) => {
                 let line = again(&scene, words);

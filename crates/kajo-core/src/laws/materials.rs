@@ -166,7 +166,9 @@ fn who(kind: &'static str, name: String) -> Who {
 }
 
 pub(super) fn census() -> Census {
-    Census { family: "material", kinds: Materials::KINDS.to_vec(), pointlike: &[], unpowered: &[] }
+    // Where nothing is but the end of a medium, light goes straight on.
+    let nothing = &["null_boundaries"];
+    Census { family: "material", kinds: Materials::KINDS.to_vec(), pointlike: nothing, unpowered: nothing }
 }
 
 pub(super) fn draws() -> Vec<Draw> {

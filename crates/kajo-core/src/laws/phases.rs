@@ -46,5 +46,6 @@ pub(super) fn furnaces() -> Vec<Furnace> {
         }),
         expected: [1.0; 2],
     };
-    all().map(furnace).collect()
+    // Uniform directions are too few for narrow lobes, whose integrals the tests of `medium/phase` hold.
+    all().filter(|(_, phase, _)| phase.mean_cosine().abs() < 0.7).map(furnace).collect()
 }

@@ -127,7 +127,7 @@ mod tests {
                 let u = i as f32 / 40.0;
                 let wi = phase.sample(Vec3::NEG_Z, Vec2::new(u, 0.3)).wi;
                 let cos = f64::from(wi.z);
-                let (n, mut below) = (4000, 0.0);
+                let (n, mut below) = (40_000, 0.0);
                 for k in 0..n {
                     let h = (cos + 1.0) / f64::from(n);
                     let middle = -1.0 + h * (f64::from(k) + 0.5);
