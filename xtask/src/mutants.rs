@@ -88,8 +88,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "the shutter closes half-way",
         VIEW,
-        "let time = draws.number_if(self.moves);",
-        "let time = 0.5 * draws.number_if(self.moves);",
+        "let time = draws.number_if(self.moves);\n        let film = &self.film;\n        let at",
+        "let time = 0.5 * draws.number_if(self.moves);\n        let film = &self.film;\n        let at",
     ),
     mutant(
         "joined paths count in full",

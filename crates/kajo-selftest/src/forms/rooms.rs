@@ -24,7 +24,6 @@ use kajo_math::DVec3;
 use super::{Form, Parameters, spot_meter, text};
 use crate::method::{
     BIDIRECTIONAL, BOUNCES, DIRECT, GLOBAL, LIGHT, MLT, Method, PATH, PATH_LIGHTS, PATH_SPECTRAL, PHOTONS,
-    SPPM,
 };
 
 /// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
@@ -59,8 +58,6 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms.push(Form { name: format!("{}, by chains", room.name), methods: CHAINS, ..room.size([32, 32]) });
     let ball = light_in_ball(draw, CHAINS, true);
     forms.push(Form { name: format!("{}, by chains", ball.name), ..ball.size([32, 32]) });
-    let ball = light_in_ball(draw, &[SPPM], true);
-    forms.push(Form { name: format!("{}, by photons", ball.name), ..ball.rounding(BLUR).size([64, 64]) });
     forms
 }
 
