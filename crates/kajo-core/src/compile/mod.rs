@@ -342,6 +342,8 @@ mod camera_tests;
 #[cfg(test)]
 mod csg_tests;
 #[cfg(test)]
+mod definition_tests;
+#[cfg(test)]
 mod emission_tests;
 #[cfg(test)]
 mod empty_mesh_tests;
