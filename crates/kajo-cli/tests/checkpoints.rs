@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 57] = [
+const ROLES: [(&str, Role); 59] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -198,7 +198,9 @@ const ROLES: [(&str, Role); 57] = [
     ("show-progress", Harmless("--show-progress", "what is said")),
     ("keep-partial", Harmless("--keep-partial", "what is written when it is interrupted")),
     ("farm", Refused("--farm local:1", "which takes the place of checkpoints")),
-    ("job", Harmless("--job other.job", "where a farm keeps what is finished")),
+    ("job", Refused("--job other.job", "`--job` is for renders by many workers")),
+    ("unit-tile", Refused("--unit-tile 8", "`--unit-tile` is for renders by many workers")),
+    ("unit-samples", Refused("--unit-samples 2", "`--unit-samples` is for renders by many workers")),
     ("help", Harmless("", "no render")),
 ];
 

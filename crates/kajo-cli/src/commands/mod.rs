@@ -37,7 +37,10 @@ pub fn render(job: &Job, run: &RunArgs, interrupt: &Interrupt) -> Result<(), Fai
     let mut voice = Voice { color: console::in_color(), quiet: run.quiet, say: &mut say };
     let done = match job.farm.farm {
         Some(workers) => farm::render(job, workers, &meter, interrupt, &mut voice)?,
-        None => job.run(&meter, interrupt, &mut voice)?,
+        None => {
+            farm::refuse_alone(job)?;
+            job.run(&meter, interrupt, &mut voice)?
+        }
     };
     if !run.quiet {
         console::line(summary(job, &done));

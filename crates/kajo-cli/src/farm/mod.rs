@@ -66,6 +66,25 @@ fn refuse(job: &Job) -> Result<(), Failure> {
     Err(Failure::Input(why.to_owned()))
 }
 
+/// What a render without workers has no use for, and would pass over in silence.
+///
+/// # Errors
+/// [`Failure::Input`]
+pub fn refuse_alone(job: &Job) -> Result<(), Failure> {
+    let farm = &job.farm;
+    let given = [
+        ("--job", farm.job.is_some()),
+        ("--unit-tile", farm.unit_tile.is_some()),
+        ("--unit-samples", farm.unit_samples.is_some()),
+    ];
+    match given.into_iter().find(|&(_, is_given)| is_given) {
+        Some((option, _)) => Err(Failure::Input(format!(
+            "`{option}` is for renders by many workers: give `--farm local:N` too"
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// `out.exr.job` for `out.exr`.
 fn folder_of(job: &Job) -> PathBuf {
     if let Some(folder) = &job.farm.job {
