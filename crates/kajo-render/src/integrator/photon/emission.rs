@@ -53,7 +53,7 @@ pub struct Emission<'a> {
 
 /// What was left by some paths.
 #[derive(Default)]
-pub struct Catch {
+pub struct PhotonBatch {
     /// The photons that were asked for.
     pub photons: Vec<Photon>,
     /// Of these, or beside them, those of caustics, where they are wanted by themselves.
@@ -79,26 +79,26 @@ impl<'a> Emission<'a> {
     ///
     /// # Errors
     /// [`SetupError`]; when there is no room for the photons.
-    pub fn catch(
+    pub fn emit(
         &self,
         k: u32,
         wavelengths: &Wavelengths,
         (wanted, both): (Wanted, bool),
         setup: &Setup<'_>,
-    ) -> Result<Catch, SetupError> {
+    ) -> Result<PhotonBatch, SetupError> {
         let kept = std::sync::atomic::AtomicU64::new(0);
         let pieces = setup.pieces(self.paths.div_ceil(PATHS_A_PIECE), |piece| {
             let begin = piece * PATHS_A_PIECE;
             let end = begin.saturating_add(PATHS_A_PIECE).min(self.paths);
-            let mut catch = Catch::default();
+            let mut batch = PhotonBatch::default();
             (begin..end)
-                .for_each(|i| self.follow([k, i], setup.seed, wavelengths, (wanted, both), &mut catch));
+                .for_each(|i| self.follow([k, i], setup.seed, wavelengths, (wanted, both), &mut batch));
             // All of them are copied once.
-            let bytes = 2 * (catch.photons.len() + catch.caustics.len()) * size_of::<Photon>();
+            let bytes = 2 * (batch.photons.len() + batch.caustics.len()) * size_of::<Photon>();
             let kept = kept.fetch_add(bytes as u64, std::sync::atomic::Ordering::Relaxed) + bytes as u64;
-            if kept > setup.memory { Err(self.too_many(setup.memory)) } else { Ok(catch) }
+            if kept > setup.memory { Err(self.too_many(setup.memory)) } else { Ok(batch) }
         })?;
-        let mut all = Catch::default();
+        let mut all = PhotonBatch::default();
         all.photons.reserve_exact(pieces.iter().map(|piece| piece.photons.len()).sum());
         for piece in pieces {
             all.photons.extend(piece.photons);
@@ -123,7 +123,7 @@ impl<'a> Emission<'a> {
         seed: u64,
         wavelengths: &Wavelengths,
         (wanted, both): (Wanted, bool),
-        catch: &mut Catch,
+        batch: &mut PhotonBatch,
     ) {
         let scene = self.scene;
         let mut counting = Counting::new(&SampleContext::new(&self.sampler, 0));
@@ -171,8 +171,8 @@ impl<'a> Emission<'a> {
                     Wanted::Indirect => is_held_up,
                     Wanted::Caustic => is_caustic,
                 };
-                catch.photons.extend(is_wanted.then_some(photon));
-                catch.caustics.extend((both && is_caustic).then_some(photon));
+                batch.photons.extend(is_wanted.then_some(photon));
+                batch.caustics.extend((both && is_caustic).then_some(photon));
             }
             let is_last = path.state.scatterings >= self.bounces;
             if is_last || !path.scatter(&vertex, &surface, self.roulette, &mut counting) {
@@ -185,6 +185,6 @@ impl<'a> Emission<'a> {
                 break;
             }
         }
-        catch.rays += counting.rays;
+        batch.rays += counting.rays;
     }
 }

@@ -8,7 +8,7 @@ use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::PhotonMapUse;
 use kajo_math::Vec3;
 
-use super::map::{Photon, PhotonMap, Place, Room};
+use super::map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use super::{Maps, NEIGHBOURS, Photons};
 use crate::integrator::bidir::{Subpath, Vertex, shade_one_way};
 use crate::integrator::path::power_heuristic;
@@ -29,8 +29,8 @@ pub struct Gatherer<'a, O> {
     pub first: Option<Interaction>,
     /// The albedo of the first surface that is no mirror.
     pub albedo: Option<Spectrum>,
-    /// Room for searches.
-    pub room: Room,
+    /// Scratch memory of searches.
+    pub scratch: NearestScratch,
 }
 
 /// The last vertex from which the path went on in a direction that was drawn among many.
@@ -57,9 +57,14 @@ enum Role {
 }
 
 impl<'a, O: PathObserver> Gatherer<'a, O> {
-    pub fn new(photons: &'a Photons<'a>, observer: &'a mut O, footprint: [f32; 2], room: Room) -> Self {
+    pub fn new(
+        photons: &'a Photons<'a>,
+        observer: &'a mut O,
+        footprint: [f32; 2],
+        scratch: NearestScratch,
+    ) -> Self {
         let (radiance, first, albedo) = ([0.0; 3], None, None);
-        Gatherer { photons, observer, footprint, radiance, first, albedo, room }
+        Gatherer { photons, observer, footprint, radiance, first, albedo, scratch }
     }
 
     fn scene(&self) -> &'a Scene {
@@ -170,7 +175,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// The photons of a disk.
     fn add_disk(&mut self, state: &PathState<'_>, z: &Vertex, map: &PhotonMap, r: f32) {
         let mut sums = Sums::new(self.most_scatterings(state));
-        map.within(&place(z), r, |photon| sums.add(z, photon));
+        map.within(&gather_point(z), r, |photon| sums.add(z, photon));
         self.add_sums(state, sums, (std::f32::consts::PI * r * r).recip());
     }
 
@@ -180,7 +185,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             return;
         }
         let mut sums = Sums::new(self.most_scatterings(state));
-        let density = map.nearest(&place(z), NEIGHBOURS, &mut self.room, |photon| sums.add(z, photon));
+        let density =
+            map.nearest(&gather_point(z), NEIGHBOURS, &mut self.scratch, |photon| sums.add(z, photon));
         self.add_sums(state, sums, density);
     }
 
@@ -270,8 +276,8 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 }
 
-fn place(z: &Vertex) -> Place {
-    Place { p: z.at.p, n: z.at.ng }
+fn gather_point(z: &Vertex) -> GatherPoint {
+    GatherPoint { p: z.at.p, n: z.at.ng }
 }
 
 /// Power of photons, scattered to the camera.

@@ -187,15 +187,15 @@ pub struct PhotonMap {
 
 /// A place of a surface whose photons are wanted.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct GatherPoint {
     /// The point.
     pub p: Vec3,
     /// Unit geometric normal, outward.
     pub n: Vec3,
 }
 
-/// Room for a search for the nearest photons: squared distances, as bits, and photons.
-pub type Room = Vec<(u32, u32)>;
+/// Scratch memory of a search for the nearest photons: squared distances, as bits, and photons.
+pub type NearestScratch = Vec<(u32, u32)>;
 
 impl PhotonMap {
     /// Builds the tree.
@@ -207,12 +207,12 @@ impl PhotonMap {
     /// The same for searches for the `k` nearest: they look as far as twice the distance of the `k`-th neighbour that half of
     /// the photons have.
     pub fn for_nearest(mut self, k: usize) -> PhotonMap {
-        let mut room = Room::new();
+        let mut scratch = NearestScratch::new();
         let step = (self.photons.len() / PROBES).max(1);
         let mut distances: Vec<u32> = Vec::new();
         for photon in self.photons.iter().step_by(step) {
-            self.nearest_of(photon.p.into(), (k + 1, f32::INFINITY), &mut room, |_| true);
-            distances.extend(room.last().map(|&(d2, _)| d2));
+            self.nearest_of(photon.p.into(), (k + 1, f32::INFINITY), &mut scratch, |_| true);
+            distances.extend(scratch.last().map(|&(d2, _)| d2));
         }
         distances.sort_unstable();
         let median = distances.get(distances.len() / 2).map_or(0.0, |&d2| f32::from_bits(d2));
@@ -231,10 +231,10 @@ impl PhotonMap {
     }
 
     /// Hands over the photons of a tangent disk of radius `r`, in an order that depends on the tree and the place alone.
-    pub fn within(&self, place: &Place, r: f32, mut found: impl FnMut(&Photon)) {
+    pub fn within(&self, point: &GatherPoint, r: f32, mut found: impl FnMut(&Photon)) {
         let r2 = r * r;
-        self.search(place.p, r2, |_, d2, photon| {
-            if d2 <= r2 && place.takes(photon, r) {
+        self.search(point.p, r2, |_, d2, photon| {
+            if d2 <= r2 && point.takes(photon, r) {
                 found(photon);
             }
             r2
@@ -252,27 +252,33 @@ impl PhotonMap {
     ///
     /// since `k / (pi r_k^2)` is too large by `k / (k - 1)` in the mean: the disk ends where a photon is. Where there are fewer within
     /// the largest radius, the disk has that radius, whatever is found.
-    pub fn nearest(&self, place: &Place, k: usize, room: &mut Room, mut found: impl FnMut(&Photon)) -> f32 {
+    pub fn nearest(
+        &self,
+        point: &GatherPoint,
+        k: usize,
+        scratch: &mut NearestScratch,
+        mut found: impl FnMut(&Photon),
+    ) -> f32 {
         let r = self.largest_radius();
-        self.nearest_of(place.p, (k, self.most_r2), room, |photon| place.takes(photon, r));
-        room.iter().for_each(|&(_, i)| found(&self.photons[i as usize]));
-        let (share, r2) = match room.last() {
-            Some(&(d2, _)) if room.len() == k => ((k - 1) as f32 / k as f32, f32::from_bits(d2)),
+        self.nearest_of(point.p, (k, self.most_r2), scratch, |photon| point.takes(photon, r));
+        scratch.iter().for_each(|&(_, i)| found(&self.photons[i as usize]));
+        let (share, r2) = match scratch.last() {
+            Some(&(d2, _)) if scratch.len() == k => ((k - 1) as f32 / k as f32, f32::from_bits(d2)),
             _ => (1.0, self.most_r2),
         };
         if r2 > 0.0 { share / (std::f32::consts::PI * r2) } else { 0.0 }
     }
 
-    /// Fills `room` with the `k` nearest of some photons, nearest first.
+    /// Fills `scratch` with the `k` nearest of some photons, nearest first.
     fn nearest_of(
         &self,
         p: Vec3,
         (k, most_r2): (usize, f32),
-        room: &mut Room,
+        scratch: &mut NearestScratch,
         is_meant: impl Fn(&Photon) -> bool,
     ) {
-        room.clear();
-        let mut heap = BinaryHeap::from(std::mem::take(room));
+        scratch.clear();
+        let mut heap = BinaryHeap::from(std::mem::take(scratch));
         self.search(p, most_r2, |i, d2, photon| {
             let bound = |heap: &BinaryHeap<(u32, u32)>| match heap.peek() {
                 Some(&(farthest, _)) if heap.len() == k => f32::from_bits(farthest),
@@ -286,7 +292,7 @@ impl PhotonMap {
             }
             bound(&heap)
         });
-        *room = heap.into_sorted_vec();
+        *scratch = heap.into_sorted_vec();
     }
 
     /// Looks at all photons that may be near, and at others.
@@ -326,7 +332,7 @@ impl PhotonMap {
     }
 }
 
-impl Place {
+impl GatherPoint {
     /// Whether a photon lies on the same surface, as far as one can tell: not off the tangent disk, and with a like normal.
     fn takes(&self, photon: &Photon, r: f32) -> bool {
         let off = self.n.dot(Vec3::from(photon.p) - self.p).abs();

@@ -53,7 +53,7 @@ use crate::{LayerSet, PixelSample, SampleContext};
 use crate::{Setup, SetupError, WithState};
 use emission::{Emission, Wanted};
 use gather::Gatherer;
-use map::{PhotonMap, Room};
+use map::{NearestScratch, PhotonMap};
 pub use settings::{PHOTON, PhotonSettings, SPPM};
 
 /// Photons of a density estimate of fixed maps.
@@ -169,15 +169,15 @@ impl<'a> PhotonMapping<'a> {
             Some(PhotonMapUse::Caustics) => (Wanted::Caustic, false),
         };
         let has_light = emission.has_light();
-        let catch = if has_light {
-            emission.catch(k, wavelengths, wanted, setup)?
+        let batch = if has_light {
+            emission.emit(k, wavelengths, wanted, setup)?
         } else {
-            emission::Catch::default()
+            emission::PhotonBatch::default()
         };
         let mut notes = Vec::new();
         if !has_light && k == 0 {
             notes.push("there is no light in the scene that photons could leave".to_owned());
-        } else if usage == Some(PhotonMapUse::Caustics) && catch.photons.is_empty() {
+        } else if usage == Some(PhotonMapUse::Caustics) && batch.photons.is_empty() {
             notes.push(
                 "no photon came to a surface by way of mirrors or glass, so there are no caustics; \
                  `integrator path` finds the same picture sooner"
@@ -189,18 +189,18 @@ impl<'a> PhotonMapping<'a> {
             None => {
                 let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
                 let radius = Radius::of_pass(k, photons, &world);
-                Maps::Progressive { indirect: map(catch.photons), radius }
+                Maps::Progressive { indirect: map(batch.photons), radius }
             }
             Some(usage) => {
                 let [all, caustics] = match usage {
-                    PhotonMapUse::Caustics => [Vec::new(), catch.photons],
-                    _ => [catch.photons, catch.caustics],
+                    PhotonMapUse::Caustics => [Vec::new(), batch.photons],
+                    _ => [batch.photons, batch.caustics],
                 };
                 let [all, caustics] = [all, caustics].map(|photons| map(photons).for_nearest(NEIGHBOURS));
                 Maps::Fixed { usage, all, caustics }
             }
         };
-        Ok((maps, catch.rays, notes))
+        Ok((maps, batch.rays, notes))
     }
 }
 
@@ -228,9 +228,9 @@ impl Integrator for PhotonMapping<'_> {
     }
 }
 
-/// Room for searches, kept from sample to sample.
+/// NearestScratch for searches, kept from sample to sample.
 #[derive(Default)]
-struct SearchRoom(Room);
+struct KeptScratch(NearestScratch);
 
 impl Integrator for Photons<'_> {
     fn observe<O: PathObserver>(
@@ -253,11 +253,11 @@ impl Integrator for Photons<'_> {
         observer.counters().camera += 1;
         let footprint =
             beside.map_or([0.0; 2], |beside| [beside.o.distance(ray.o), beside.d.distance(ray.d)]);
-        let room = std::mem::take(&mut ctx.scratch.get::<SearchRoom>().0);
-        let mut gatherer = Gatherer::new(self, observer, footprint, room);
+        let scratch = std::mem::take(&mut ctx.scratch.get::<KeptScratch>().0);
+        let mut gatherer = Gatherer::new(self, observer, footprint, scratch);
         gatherer.run(Subpath::from_camera(PathState { connectable: true, ..state }));
-        let Gatherer { radiance, first, albedo, room, .. } = gatherer;
-        ctx.scratch.get::<SearchRoom>().0 = room;
+        let Gatherer { radiance, first, albedo, scratch, .. } = gatherer;
+        ctx.scratch.get::<KeptScratch>().0 = scratch;
         if view.wants_albedo() {
             ctx.aux.albedo = in_white_light(albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
         }

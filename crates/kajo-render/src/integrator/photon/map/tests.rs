@@ -83,29 +83,29 @@ fn searches_find_what_a_look_at_all_finds() {
         .collect();
     let map = PhotonMap::new(photons.clone(), 2).for_nearest(20);
     assert!(!map.is_empty());
-    let mut room = Room::new();
+    let mut scratch = NearestScratch::new();
     for i in 0..200 {
         let u = random(90_000 + i);
-        let place = Place { p: Vec3::new(u(0), u(1), 0.05 * u(2)), n: direction(&u, 3) };
+        let point = GatherPoint { p: Vec3::new(u(0), u(1), 0.05 * u(2)), n: direction(&u, 3) };
         let r = 0.3 * u(6);
-        let distance = |photon: &Photon| place.p.distance_squared(photon.p.into());
+        let distance = |photon: &Photon| point.p.distance_squared(photon.p.into());
         let mut expected: Vec<f32> =
-            photons.iter().filter(|photon| place.takes(photon, r)).map(distance).collect();
+            photons.iter().filter(|photon| point.takes(photon, r)).map(distance).collect();
         expected.retain(|&d2| d2 <= r * r);
         let mut found = Vec::new();
-        map.within(&place, r, |photon| found.push(distance(photon)));
+        map.within(&point, r, |photon| found.push(distance(photon)));
         expected.sort_by(f32::total_cmp);
         found.sort_by(f32::total_cmp);
         assert_eq!(found, expected);
 
         let r = map.largest_radius();
         let mut expected: Vec<f32> =
-            photons.iter().filter(|photon| place.takes(photon, r)).map(distance).collect();
+            photons.iter().filter(|photon| point.takes(photon, r)).map(distance).collect();
         expected.retain(|&d2| d2 <= map.most_r2);
         expected.sort_by(f32::total_cmp);
         expected.truncate(20);
         let mut found = Vec::new();
-        map.nearest(&place, 20, &mut room, |photon| found.push(distance(photon)));
+        map.nearest(&point, 20, &mut scratch, |photon| found.push(distance(photon)));
         assert_eq!(found, expected);
     }
 }
@@ -132,14 +132,14 @@ fn the_nearest_photons_tell_their_density() {
     for k in [3, 10, 50] {
         let estimate = Estimate::of_batches(|batch| {
             let map = PhotonMap::new(on_a_floor(n, 100 + batch), 1).for_nearest(k);
-            let mut room = Room::new();
+            let mut scratch = NearestScratch::new();
             let mean_of = 200;
             (0..mean_of)
                 .map(|i| {
                     let u = random(7_000_000 + 1000 * batch + i);
-                    let place = Place { p: Vec3::new(u(0) - 0.5, u(1) - 0.5, 0.0), n: Vec3::Z };
+                    let point = GatherPoint { p: Vec3::new(u(0) - 0.5, u(1) - 0.5, 0.0), n: Vec3::Z };
                     let mut sum = 0.0;
-                    let factor = map.nearest(&place, k, &mut room, |photon| sum += photon.power()[0]);
+                    let factor = map.nearest(&point, k, &mut scratch, |photon| sum += photon.power()[0]);
                     f64::from(factor * sum)
                 })
                 .sum::<f64>()
