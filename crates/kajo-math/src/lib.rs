@@ -1,4 +1,4 @@
-//! Vectors, rays, boxes, transforms, motions, random numbers and noise.
+//! Vectors, rays, boxes, transforms, motions, differential equations, random numbers and noise.
 //!
 //! Everything here is a pure function of its arguments. Coordinates are
 //! right-handed; angles are radians unless a name says degrees. Elementary
@@ -12,6 +12,7 @@ pub mod frame;
 pub mod interval;
 pub mod motion;
 pub mod noise;
+pub mod ode;
 pub mod permute;
 pub mod piecewise;
 pub mod pmj;
