@@ -9,6 +9,7 @@ pub mod aabb;
 pub mod bilinear;
 pub mod fmath;
 pub mod frame;
+pub mod gravity;
 pub mod interval;
 pub mod motion;
 pub mod noise;
