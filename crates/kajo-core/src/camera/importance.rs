@@ -16,7 +16,7 @@
 
 use kajo_math::{DVec2, DVec3, Ray, Vec2, Vec3};
 
-use super::{Camera, Frame, OrthographicCamera, PerspectiveCamera};
+use super::{Camera, Frame, OrthographicCamera, PerspectiveCamera, ThinLens};
 
 /// What a camera makes of a ray that leaves it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +29,8 @@ pub struct Importance {
     pub pdf_area: f32,
     /// Density with which it draws the direction from there, per solid angle.
     pub pdf_direction: f32,
+    /// Density with which [`Camera::sample_origin`] draws the origin, per area; 1 for a pinhole.
+    pub pdf_origin: f32,
 }
 
 /// A way from a point to the camera.
@@ -61,6 +63,28 @@ impl Camera {
             Camera::Perspective(camera) => camera.importance(o.as_dvec3(), d.as_dvec3(), aspect),
             Camera::Orthographic(camera) => camera.importance(o.as_dvec3(), d.as_dvec3(), aspect),
             Camera::Moving(moving) => moving.importance(o, d, aspect, time),
+            _ => None,
+        }
+    }
+
+    /// A world-space point from which rays of a camera with a lens start: on the lens, or of a telecentric camera on the plane of
+    /// its picture, where the opening of each place of the picture is around that place. `None` where there is no lens.
+    ///
+    /// Its density per area is [`Importance::pdf_origin`].
+    ///
+    /// * `u`: uniform in [0, 1)²
+    /// * `aspect`: width of the picture over its height
+    /// * `time`: moment within the shutter interval
+    pub fn sample_origin(&self, u: Vec2, aspect: f32, time: f32) -> Option<Vec3> {
+        let on_plane =
+            |frame: &Frame, l: DVec2| (frame.center + l.x * frame.right + l.y * frame.up).as_vec3();
+        match self {
+            Camera::Perspective(camera) => Some(on_plane(camera.frame(), camera.lens()?.sample(u))),
+            Camera::Orthographic(camera) => {
+                let half = camera.half_size_with_lens(aspect, camera.lens.as_ref()?);
+                Some(on_plane(&camera.frame, (2.0 * u.as_dvec2() - 1.0) * half))
+            }
+            Camera::Moving(moving) => moving.sample_origin(u, aspect, time),
             _ => None,
         }
     }
@@ -110,7 +134,7 @@ impl PerspectiveCamera {
         };
         let half = self.half_size(aspect);
         let pdf_direction = 1.0 / (4.0 * half.x * half.y * (cosine * cosine * cosine)).abs();
-        importance(seen / half, cosine, pdf_area, pdf_direction)
+        importance(seen / half, cosine, [pdf_area, pdf_direction, pdf_area])
     }
 
     fn connect(&self, p: DVec3, lens: Vec2, aspect: f32) -> Option<Connection> {
@@ -136,7 +160,14 @@ impl OrthographicCamera {
         let middle = self.frame.across(o - self.frame.center) - offset;
         let half = self.half_size(aspect);
         let pdf_direction = thin.pdf(offset) * thin.focus * thin.focus / (cosine * cosine * cosine);
-        importance(middle / half, cosine, self.pdf_film(aspect), pdf_direction)
+        let around = self.half_size_with_lens(aspect, thin);
+        let pdf_origin = 1.0 / (4.0 * around.x * around.y);
+        importance(middle / half, cosine, [self.pdf_film(aspect), pdf_direction, pdf_origin])
+    }
+
+    /// Half the width and height of the part of the picture's plane from which rays start.
+    fn half_size_with_lens(&self, aspect: f32, lens: &ThinLens) -> DVec2 {
+        self.half_size(aspect).abs() + lens.radius
     }
 
     /// Points of the film per area across a ray that leaves it.
@@ -193,13 +224,14 @@ fn split(frame: &Frame, d: DVec3) -> Option<(DVec2, f64)> {
     sees.then(|| (frame.across(d), cosine))
 }
 
-fn importance(at: DVec2, cosine: f64, pdf_area: f64, pdf_direction: f64) -> Option<Importance> {
+fn importance(at: DVec2, cosine: f64, [pdf_area, pdf_direction, pdf_origin]: [f64; 3]) -> Option<Importance> {
     let inside = at.abs().max_element() <= 1.0 && pdf_area > 0.0 && pdf_direction > 0.0;
     inside.then(|| Importance {
         at: at.as_vec2(),
         we: (pdf_area * pdf_direction / cosine) as f32,
         pdf_area: pdf_area as f32,
         pdf_direction: pdf_direction as f32,
+        pdf_origin: pdf_origin as f32,
     })
 }
 

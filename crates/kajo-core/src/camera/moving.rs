@@ -30,6 +30,11 @@ impl MovingCamera {
         self.camera.importance(own.transform_point3(o), own.transform_vector3(d), aspect, time)
     }
 
+    /// See [`Camera::sample_origin`].
+    pub(super) fn sample_origin(&self, u: Vec2, aspect: f32, time: f32) -> Option<Vec3> {
+        Some(self.map.at(time).point(self.camera.sample_origin(u, aspect, time)?))
+    }
+
     /// See [`Camera::connect`].
     pub(super) fn connect(&self, p: Vec3, lens: Vec2, aspect: f32, time: f32) -> Option<Connection> {
         let map = self.map.at(time);

@@ -182,6 +182,23 @@ impl<'a> CameraView<'a> {
         Some((way, film.place(way.at.as_dvec2()).as_vec2()))
     }
 
+    /// A point from which camera rays start; `None` for cameras without a lens, or where points cannot be
+    /// connected with the camera.
+    ///
+    /// * `u`: uniform in [0, 1)²
+    pub fn sample_origin(&self, u: Vec2, time: f32) -> Option<Vec3> {
+        self.camera.sample_origin(u, self.film.aspect(), time).filter(|_| self.is_joined())
+    }
+
+    /// Density with which the camera casts the ray from `o` in direction `d`, over that with which [`CameraView::sample_origin`]
+    /// draws `o`, which is one per solid angle, and where in the picture the ray is seen; `None` where it casts no such ray.
+    pub fn pdf_from_origin(&self, o: Vec3, d: Vec3, time: f32) -> Option<(f32, Vec2)> {
+        let film = &self.film;
+        let seen = self.camera.importance(o, d, film.aspect(), time)?;
+        let pdf = seen.pdf_area * seen.pdf_direction / seen.pdf_origin;
+        Some((pdf, film.place(seen.at.as_dvec2()).as_vec2()))
+    }
+
     /// Density per area across a camera ray with which [`CameraView::connect`] could have found it from `p`.
     pub fn pdf_across(&self, ray: &Ray, p: Vec3) -> Option<f32> {
         let film = &self.film;

@@ -50,6 +50,38 @@ fn a_ray_of_the_camera_is_found_where_it_was_cast() {
     }
 }
 
+/// The integral of the importance over rays from points that are drawn, which is one.
+#[test]
+fn origins_cover_all_rays_of_a_lens() {
+    for camera in cameras().into_iter().filter(Camera::has_lens) {
+        let frame = axes(&camera);
+        // The tangent of the largest angle to the camera's direction; a telecentric lens is 0.3 wide, 4 before its focus.
+        let reach = if matches!(camera, Camera::Orthographic(_)) { 0.08 } else { 1.0 };
+        let estimate = Estimate::of_batches(|batch| {
+            let n = 100;
+            let mut sum = 0.0;
+            for i in 0..n * n {
+                let s = Stream::new(16, [i, batch], 0);
+                let u = Vec2::new((i % n) as f32 + s.uniform(0), (i / n) as f32 + s.uniform(1)) / n as f32;
+                let o = camera.sample_origin(u, ASPECT, 0.0).expect("it has a lens");
+                assert!((o.as_dvec3() - frame.center).dot(frame.forward).abs() < 1e-5);
+                // Directions uniform in the tangent plane: dw = cos^3 dA.
+                let across = reach * (2.0 * Vec2::new(s.uniform(2), s.uniform(3)).as_dvec2() - 1.0);
+                let d = (frame.forward + across.x * frame.right + across.y * frame.up).normalize();
+                let cosine = d.dot(frame.forward);
+                if let Some(seen) = camera.importance(o, d.as_vec3(), ASPECT, 0.0) {
+                    sum += 4.0 * reach * reach * f64::from(seen.we / seen.pdf_origin) * cosine.powi(4);
+                }
+            }
+            sum / f64::from(n * n)
+        });
+        estimate.check(1.0, 0.02).unwrap_or_else(|problem| panic!("{camera:?}: {problem}"));
+    }
+    for camera in cameras().into_iter().filter(|camera| !camera.has_lens()) {
+        assert_eq!(camera.sample_origin(Vec2::splat(0.5), ASPECT, 0.0), None);
+    }
+}
+
 /// Light from a plane of uniform radiance: each camera's picture is uniform, and all of it has the mean 1.
 #[test]
 fn importance_integrates_to_one() {

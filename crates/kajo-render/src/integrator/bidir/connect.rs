@@ -7,14 +7,16 @@
 //! s = 0           beta_z Le(z -> back)                                       a light that the camera's path meets
 //! s = 1           beta_z f_z |cos| Le T V / q(wi)                            a light drawn for z, q per solid angle
 //! s > 1, t > 1    beta_y f_y f_z |cos cos'| / d^2 T V beta_z                 two vertices y, z that see each other
-//! t = 1           beta_y f_y |cos| We T V / p(lens)                          a vertex y that the lens sees
+//! s > 1, t = 1    beta_y f_y |cos| We T V / p(lens)                          a vertex y that the lens sees
+//! s = 1, t = 1    Le We |cos| T V / (p(lens) q(wi))                          a light drawn for a point of the lens
 //! ```
 //!
 //! times the weight of the way among all others. `T` is the transmittance of the medium, `V` that of holes and panes.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
-use kajo_core::light::{EmissionPdf, LightLiSample, LightPoint, Receiver};
+use kajo_core::interaction::SurfacePoint;
+use kajo_core::light::{EmissionPdf, LightLiSample, LightPoint, Receiver, SampledLight};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Interaction;
 use kajo_math::{Ray, Vec3};
@@ -45,17 +47,18 @@ struct Join<'a> {
 impl Bidirectional<'_> {
     /// `s = 0`: the emission of a surface that the camera's path meets, `beta Le w`.
     ///
-    /// * `from`: the vertex before, `None` where that is the lens
+    /// * `from`: the camera's ray, and the vertex before, `None` where that is the lens
     pub(super) fn met_emission(
         &self,
         path: &Subpath<'_>,
         at: &Interaction,
         wo: Vec3,
-        from: Option<&Vertex>,
+        (camera_ray, from): (&Ray, Option<&Vertex>),
     ) -> Option<Contribution> {
         let hit = self.scene().surface_light(at, -wo, &path.state.wavelengths)?;
-        let weight = from.map_or(1.0, |from| {
-            let (p, end) = (at.point.p, LightPoint::on(&at.point));
+        let (p, end) = (at.point.p, LightPoint::on(&at.point));
+        let seen = || self.mis_weight_of_seen(path, camera_ray, (hit.light, &end));
+        let weight = from.map_or_else(seen, |from| {
             let cosine = end.cosine(wo);
             let pdf_li = self.pdf_li(hit.light, &from.receiver(at.time), &end, -wo) * cosine
                 / p.distance_squared(from.at.p);
@@ -72,13 +75,17 @@ impl Bidirectional<'_> {
         &self,
         path: &Subpath<'_>,
         d: Vec3,
-        from: Option<&Vertex>,
+        (camera_ray, from): (&Ray, Option<&Vertex>),
         mut found: impl FnMut(Contribution),
     ) {
         let scene = self.scene();
         let PathState { ray, wavelengths, .. } = &path.state;
         for hit in scene.lights_at_infinity(d, wavelengths) {
-            let weight = from.map_or(1.0, |from| {
+            let seen = || {
+                let end = LightPoint::Infinite { through: camera_ray.o };
+                self.mis_weight_of_seen(path, camera_ray, (hit.light, &end))
+            };
+            let weight = from.map_or_else(seen, |from| {
                 let end = LightPoint::Infinite { through: from.at.p };
                 let pdf_li = self.pdf_li(hit.light, &from.receiver(ray.time), &end, d);
                 let pdf_le = self.pdf_le(hit.light, ray.time, &end, -d);
@@ -224,6 +231,69 @@ impl Bidirectional<'_> {
             group: y.group,
             raster: Some(raster),
         })
+    }
+
+    /// `s = 1, t = 1`: a light drawn for a point of the lens.
+    ///
+    /// Takes four numbers: two for the lens, two for the light and the place on it.
+    pub(super) fn light_on_lens(
+        &self,
+        (wavelengths, time): (&Wavelengths, f32),
+        draws: &mut SampleStream<'_>,
+        observer: &mut impl PathObserver,
+    ) -> Option<Contribution> {
+        let scene = self.scene();
+        let [lens, u] = [draws.next_2d(), draws.next_2d()];
+        let o = self.view.sample_origin(lens, time)?;
+        let receiver = Receiver { p: o, n: Vec3::ZERO, time };
+        let chosen = scene.lighting.sampler.sample(&receiver, u.x, self.settings.light_choice)?;
+        let SampledLight { light, probability, .. } = chosen;
+        let li = scene.sample_li(light, &receiver, chosen.pair(u), wavelengths)?;
+        // No ray of the camera meets a light without extent, which is therefore left out of pictures.
+        if li.is_delta || li.radiance.is_black() {
+            return None;
+        }
+        let (pdf_camera, raster) = self.view.pdf_from_origin(o, li.wi, time)?;
+        let pdf_li = probability * li.pdf;
+        let lens = SurfacePoint { p: o, n: li.wi, ng: li.wi, ..SurfacePoint::default() };
+        let segment = lens.ray_to(&li.at, li.wi, time);
+        let join =
+            Join { kind: RayKind::Splat, segment: &segment, carried: Spectrum::WHITE, light: Some(light) };
+        self.tell(observer, &join, wavelengths, None);
+        let media = self.view.media_around(&Ray::new(o, li.wi), wavelengths);
+        let visible = connect(scene, &segment, media.eta(), (wavelengths, draws), observer);
+        if visible.is_black() {
+            return None;
+        }
+        let distance = if li.at.is_infinite() { f32::INFINITY } else { li.at.p().distance(o) };
+        let within = media.absorption().filter(|_| distance.is_finite());
+        let transmittance = within.map_or(Spectrum::WHITE, |sigma_a| (sigma_a * -distance).exp());
+        Some(Contribution {
+            way: [1, 1],
+            light: li.radiance * transmittance * visible * (pdf_camera / pdf_li),
+            weight: mis_weight(0.0, square(weighted_pdf_across(pdf_camera) / pdf_li)),
+            is_single: wavelengths.secondary_terminated(),
+            group: scene.lighting.sampler.group(light),
+            raster: Some(raster),
+        })
+    }
+
+    /// The weight of light at the end of the camera's ray, which [`Bidirectional::light_on_lens`] finds, too.
+    ///
+    /// * `end`: the light, and the point of it
+    fn mis_weight_of_seen(
+        &self,
+        path: &Subpath<'_>,
+        camera_ray: &Ray,
+        (light, end): (LightIndex, &LightPoint),
+    ) -> f32 {
+        let &Ray { o, d, time, .. } = camera_ray;
+        if !path.state.connectable || !self.joins_lens() {
+            return 1.0;
+        }
+        let Some((pdf_camera, _)) = self.view.pdf_from_origin(o, d, time) else { return 1.0 };
+        let pdf_li = self.pdf_li(light, &Receiver { p: o, n: Vec3::ZERO, time }, end, d);
+        mis_weight(square(pdf_li / weighted_pdf_across(pdf_camera)), 0.0)
     }
 
     /// Tells of a segment that joins two vertices.

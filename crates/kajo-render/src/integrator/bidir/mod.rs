@@ -8,7 +8,8 @@
 //! s = 0           the path from the camera meets a light or leaves the scene
 //! s = 1           a point of the camera's path is lit by a light drawn for it
 //! s > 1, t > 1    two points are connected:  beta f G f' beta'
-//! t = 1           a point of the light's path is seen by the camera; its light is a splat
+//! s > 1, t = 1    a point of the light's path is seen by the camera; its light is a splat
+//! s = 1, t = 1    a light drawn for a point of the lens, where that has an extent; its light is a splat, too
 //! ```
 //!
 //! What can be found in several ways counts with the weights of the power heuristic; see `partial_mis.rs`. Light on its way
@@ -144,6 +145,11 @@ impl<'a> Bidirectional<'a> {
         self.scene().space().connects() && (self.settings.only_from_lights || !self.view.wants_light_groups())
     }
 
+    /// Whether lights are drawn for points of the lens, so that small ones out of focus are found.
+    fn joins_lens(&self) -> bool {
+        self.view.camera.has_lens() && !self.settings.only_from_lights && self.connects()
+    }
+
     /// Most vertices of a path, light and lens included.
     fn longest(&self) -> u32 {
         self.settings.bounces.saturating_add(3)
@@ -164,6 +170,12 @@ impl<'a> Bidirectional<'a> {
         let wavelengths = self.view.wavelengths(&mut draws);
         let root = observer.mark();
         let mut from_light = self.follow_light(observer, light_path, from_light, ray.time, &wavelengths);
+        if self.joins_lens() {
+            let carried = (&wavelengths, ray.time);
+            if let Some(seen) = self.light_on_lens(carried, &mut from_light, observer) {
+                found(seen, &wavelengths);
+            }
+        }
         let seen = if self.connects() { &light_path[..] } else { &[] };
         for (s, y) in (2..).zip(seen) {
             observer.back_to_noted(s - 2);
@@ -286,7 +298,7 @@ impl<'a> Bidirectional<'a> {
             match advance(scene, &mut path.state, surface, &mut visible.first, observer) {
                 Event::Surface => {}
                 Event::Escaped(d) => {
-                    self.met_background(path, d, from.as_ref(), |far| {
+                    self.met_background(path, d, (camera_ray, from.as_ref()), |far| {
                         observer.found(|| far.value(wavelengths));
                         found(far, wavelengths);
                     });
@@ -303,7 +315,7 @@ impl<'a> Bidirectional<'a> {
                     None => path.state.connectable = false,
                 }
             }
-            if let Some(met) = self.met_emission(path, &surface.at, surface.wo, from.as_ref()) {
+            if let Some(met) = self.met_emission(path, &surface.at, surface.wo, (camera_ray, from.as_ref())) {
                 observer.found(|| met.value(wavelengths));
                 found(met, wavelengths);
             }

@@ -114,6 +114,33 @@ fn all_ways_through_a_matt_room_are_one() {
     check_ways(&open, 1, 3000);
 }
 
+/// Emitters that a lens shows out of focus are met by rays of the camera, and joined with points of the lens.
+#[test]
+fn lights_seen_through_a_lens_are_found_both_ways() {
+    let ball = "MaterialIndex emitter Sphere { center 0.1 0.2 -0.3  radius 0.15 }";
+    let telecentric = "OrthographicCamera { center 0 0 0.9  direction 0 0.1 -1  up 0 1 0  size 0.6  aperture 0.3  focus 0.6 }";
+    let blades = LENS.replace("focus 1.2", "focus 0.7  blades 5");
+    let moving = LENS.replace("focus 1.2", "focus 1.2  Motion { key 0 { }  key 1 { Translate 0.1 0 0 } }");
+    let amber = "Glass amber { indexOfRefraction 1  absorption 0.5 0.5 0.5 }";
+    let immersed = room(LENS, ball, "MaterialIndex amber Box { min -0.9 -0.9 -0.9  max 0.9 0.9 0.99 }")
+        .replace("Materials {", &format!("Materials {{ {amber}"));
+    let upwards = room(&LENS.replace("0 -0.2 -1", "0 0.4 -1"), CEILING, "");
+    let sun = format!(
+        "{LENS} Lights {{ DirectionalLight {{ direction 0 0.1 1  irradiance 1 1 1  angle 8 }} }}
+         Background {{ color 0.2 0.3 0.4 }}"
+    );
+    let texts = [telecentric, &blades, &moving].map(|camera| room(camera, ball, ""));
+    for text in texts.iter().chain([&upwards, &immersed, &sun]) {
+        let scene = scene(text);
+        let settings = BidirectionalSettings { bounces: 0, ..both() };
+        let sums = ways(&scene, settings, 3000 * effort());
+        let all = estimate(&sums.weighted[2]);
+        for s in 0..2 {
+            assert_same(&estimate(&sums.alone[2][s]), &all, &format!("{s} from the light\n{text}"));
+        }
+    }
+}
+
 #[test]
 fn all_ways_of_a_glowing_ball_are_one() {
     let ball = "MaterialIndex emitter Sphere { center 0.2 0.3 -0.2  radius 0.4 }";
