@@ -6,7 +6,7 @@
 //! density is that of the mixture
 //!
 //! ```text
-//! p = s p_e d² / |n . w| + (1 - s) p_patch             s = v / (1 + v)
+//! p = s p_e d² / |n . w| + (1 - s) p_patch             s = v² / (1 + v²)
 //! ```
 //!
 //! with `v` the variance of the emission over the square of its mean. For a patch that is drawn by area anyway, `s = 1`.
@@ -58,7 +58,7 @@ impl EmissionDensity {
         }
         let least = LEAST_SHARE * (sum / n) as f32;
         let density = Bilinear2D::new(cells, 1.0, |i, j| luminance[j * (cells[0] + 1) + i].max(least))?;
-        Some(EmissionDensity { density, share: (variance / (1.0 + variance)) as f32 })
+        Some(EmissionDensity { density, share: (variance * variance / (1.0 + variance * variance)) as f32 })
     }
 
     /// Bytes on the heap.
