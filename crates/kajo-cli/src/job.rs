@@ -475,6 +475,13 @@ fn warn_of_numbers(stats: &RenderStats, voice: &mut Voice<'_>) {
     if stats.non_finite > 0 {
         voice.warn(format!("{} samples were not finite numbers and count as black", stats.non_finite));
     }
+    if stats.rays.lost > 0 {
+        voice.warn(format!(
+            "{} rays were lost in bodies that bend light and count as black: they took too many steps, or came to where \
+             the index of refraction is no number above zero",
+            stats.rays.lost
+        ));
+    }
     if stats.rays.left_out > 0 {
         (voice.say)(&format!(
             "warning: {} mirrored rays were left out: where surfaces mirror and let light through, paths of one sample \

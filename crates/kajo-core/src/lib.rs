@@ -8,6 +8,7 @@ pub mod bsdf;
 pub mod builder;
 pub mod camera;
 pub mod compile;
+pub mod curved_light;
 pub mod daylight;
 pub mod differential;
 pub mod emission;

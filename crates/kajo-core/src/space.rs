@@ -1,39 +1,111 @@
 //! The geometry that light travels in, as far as those who follow it have to know.
+//!
+//! Light goes straight but for bodies that bend it ([`crate::curved_light`]). A path knows what it is inside of, so whoever follows
+//! one asks, with the medium and the body at hand:
+//!
+//! ```text
+//! outside, or in any other medium      Scene::trace_into      straight, at one frequency
+//! in a medium that bends light         Scene::follow          along a curve, to the surface it meets
+//! ```
+//!
+//! The way between two points is known where their segment meets no such body: its surface lets nothing pass of what is sent along a
+//! segment, and a segment that begins inside of it is not to be asked for. What light comes through bodies that bend it, paths find by
+//! themselves, and as they could not have been found by a connection ([`Followed`] is no segment) it counts in full.
 
-use crate::scene::Scene;
+use kajo_color::Wavelengths;
+use kajo_math::{Aabb, Ray, Vec3};
+
+use crate::curved_light::{Chords, Followed, Outcome, Region};
+use crate::ids::ObjectId;
+use crate::medium::MediumId;
+use crate::scene::{Interaction, Scene};
 
 /// How light gets from one event to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
-    /// Along straight lines, at one frequency.
+    /// Along straight lines, at one frequency, everywhere.
     Flat,
+    /// So but for the inside of some bodies.
+    Curved,
 }
 
-impl Space {
-    /// Whether the way between any two points is known, so that vertices of paths can be connected and lights be sampled.
-    /// Where light bends it has to be followed instead.
-    #[inline]
-    pub fn connects(self) -> bool {
-        match self {
-            Space::Flat => true,
-        }
-    }
-
-    /// The frequency of light where it arrives over that where it left, on a way between two events.
-    ///
-    /// Radiance over the third power of the frequency is what stays the same along a way.
-    #[inline]
-    pub fn frequency_ratio(self) -> f32 {
-        match self {
-            Space::Flat => 1.0,
-        }
-    }
+/// How light came to where it was followed to.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// What became of it; only where it meets something is there an interaction.
+    pub outcome: Outcome,
+    /// Unit direction in which it arrives.
+    pub d: Vec3,
+    /// Length of the way.
+    pub length: f32,
+    /// The last chord, which ends at its `t_max`.
+    pub chord: Ray,
+    /// Index of refraction where it arrives.
+    pub eta: f32,
+    /// Radiance where the way begins over that where it ends, but for the shift of frequency: `(n / n')^2`.
+    pub squeeze: f32,
+    /// Frequency where the way begins over that where it ends.
+    pub g: f32,
 }
 
 impl Scene {
     /// The geometry that light travels in.
     #[inline]
     pub fn space(&self) -> Space {
-        Space::Flat
+        if self.appearance.bends_light { Space::Curved } else { Space::Flat }
+    }
+
+    /// Follows light through a body that bends it, to the first surface that it meets, which may be that of the body.
+    ///
+    /// * `ray`: starts inside of the body; its direction has unit length
+    /// * `medium`: what fills the body
+    /// * `at`: filled with where light arrives, if it meets anything; the hit's `t` is that of the last chord
+    /// * `passed`: told of each straight piece that light has gone, the last one excepted
+    ///
+    /// Returns `None` where the medium does not bend light.
+    pub fn follow(
+        &self,
+        ray: &Ray,
+        (medium, body): (MediumId, ObjectId),
+        wavelengths: &Wavelengths,
+        at: &mut Interaction,
+        passed: impl FnMut(&Ray),
+    ) -> Option<Arrival> {
+        let region = Region { bounds: self.bounds_of(body) };
+        let mut chords = SceneChords { scene: self, at, passed };
+        let followed = self.appearance.media.follow(medium, ray, &region, wavelengths, &mut chords)?;
+        let Followed { outcome, chord, length, index, squeeze, g, .. } = followed;
+        let mut d = followed.d.as_vec3();
+        if outcome == Outcome::Meets {
+            // Of light that grazes a surface the tangent may be on the one side and the chord on the other: it was the chord that met it.
+            if d.dot(at.point.ng) * chord.d.dot(at.point.ng) <= 0.0 {
+                d = chord.d.normalize();
+            }
+        }
+        let [eta, squeeze, g] = [index, squeeze, g].map(|v| v as f32);
+        Some(Arrival { outcome, d, length: length as f32, chord, eta, squeeze, g })
+    }
+
+    /// A box around a body; around the whole scene where that has no bounds.
+    fn bounds_of(&self, body: ObjectId) -> Aabb {
+        let own = self.geometry.object_bounds(body);
+        if own.is_finite() && !own.is_empty() { own } else { self.geometry.bounds() }
+    }
+}
+
+/// The surfaces of a scene, and where the last one was met.
+struct SceneChords<'a, F> {
+    scene: &'a Scene,
+    at: &'a mut Interaction,
+    passed: F,
+}
+
+impl<F: FnMut(&Ray)> Chords for SceneChords<'_, F> {
+    fn meets(&mut self, chord: &Ray) -> Option<f32> {
+        self.scene.trace_into(None, chord, self.at).then_some(self.at.hit.t)
+    }
+
+    fn passed(&mut self, chord: &Ray) {
+        (self.passed)(chord);
     }
 }

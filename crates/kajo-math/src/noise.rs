@@ -4,7 +4,7 @@
 //! [Perlin 2002]. In double precision, as his program and that of the classic scenes have it: next to 1 the polynomial cancels, and
 //! stripes of marble and wood are functions of the noise times large numbers.
 
-use crate::Vec3;
+use crate::{DVec3, Vec3};
 
 /// Noise in about [-1, 1], zero at every lattice point, with period 256 on each axis.
 pub fn perlin(p: Vec3) -> f32 {
@@ -30,6 +30,38 @@ pub fn perlin64(x: f64, y: f64, z: f64) -> f64 {
     let edge = |j, k| lerp(u, corner(0, j, k), corner(1, j, k));
     let face = |k| lerp(v, edge(0, k), edge(1, k));
     lerp(w, face(0), face(1))
+}
+
+/// [`perlin64`] and its gradient, which is continuous, and so is that one's.
+pub fn perlin_slope64(p: DVec3) -> (f64, DVec3) {
+    if !p.is_finite() {
+        return (0.0, DVec3::ZERO);
+    }
+    let floor = p.floor();
+    let (f, cell) = (p - floor, floor.to_array().map(|v| v.rem_euclid(256.0) as usize));
+    let weights = f.to_array().map(fade);
+    let slopes = f.to_array().map(|t| 30.0 * t * t * (t * (t - 2.0) + 1.0));
+    let (mut value, mut slope) = (0.0, DVec3::ZERO);
+    for corner in 0..8 {
+        let bit = |axis: usize| (corner >> axis) & 1;
+        let a = usize::from(PERMUTATION[(cell[0] + bit(0)) & 255]) + cell[1] + bit(1);
+        let b = usize::from(PERMUTATION[a & 255]) + cell[2] + bit(2);
+        let hash = PERMUTATION[b & 255];
+        let g = DVec3::new(
+            gradient(hash, 1.0, 0.0, 0.0),
+            gradient(hash, 0.0, 1.0, 0.0),
+            gradient(hash, 0.0, 0.0, 1.0),
+        );
+        let product = g.dot(f - DVec3::new(bit(0) as f64, bit(1) as f64, bit(2) as f64));
+        // The share of the corner is a product of one factor for each axis.
+        let w = |axis: usize| if bit(axis) == 1 { weights[axis] } else { 1.0 - weights[axis] };
+        let dw = |axis: usize| if bit(axis) == 1 { slopes[axis] } else { -slopes[axis] };
+        let share = w(0) * w(1) * w(2);
+        value += share * product;
+        slope +=
+            share * g + product * DVec3::new(dw(0) * w(1) * w(2), w(0) * dw(1) * w(2), w(0) * w(1) * dw(2));
+    }
+    (value, slope)
 }
 
 /// The sum of `octaves` noises of doubling frequency and halving size:
@@ -88,6 +120,25 @@ mod tests {
         near(perlin64(3.14, 42.0, 7.0), 0.136_919_958_784_000_12);
         near(perlin64(0.5, 0.5, 0.5), -0.25);
         near(perlin64(1.1, 2.2, 3.3), 0.028_381_052_562_432_216);
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_value() {
+        for i in 0..200 {
+            let p = DVec3::new(0.37, -0.81, 0.53) * f64::from(i) - 20.0;
+            let (value, slope) = perlin_slope64(p);
+            assert!((value - perlin64(p.x, p.y, p.z)).abs() < 1e-14);
+            let h = 1e-5;
+            for axis in 0..3 {
+                let at = |s: f64| {
+                    let mut q = p;
+                    q[axis] += s;
+                    perlin64(q.x, q.y, q.z)
+                };
+                let difference = (at(h) - at(-h)) / (2.0 * h);
+                assert!((difference - slope[axis]).abs() < 1e-8, "{p} {axis}: {difference} {}", slope[axis]);
+            }
+        }
     }
 
     #[test]

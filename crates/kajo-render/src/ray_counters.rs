@@ -17,6 +17,8 @@ pub struct RayCounters {
     pub refracted: u64,
     /// Not cast, since paths of one sample had forked too often.
     pub left_out: u64,
+    /// Given up in bodies that bend light: they took too many steps, or came to where there is no index of refraction.
+    pub lost: u64,
 }
 
 impl RayCounters {
@@ -34,5 +36,6 @@ impl AddAssign for RayCounters {
         self.reflected += other.reflected;
         self.refracted += other.refracted;
         self.left_out += other.left_out;
+        self.lost += other.lost;
     }
 }

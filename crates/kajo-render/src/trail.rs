@@ -133,6 +133,9 @@ pub(crate) trait PathObserver: Default {
     ) {
     }
 
+    /// Light has gone along a straight piece of the ray announced last, which bends and goes on.
+    fn bent(&mut self, _scene: &Scene, _piece: &Ray, _about: impl FnOnce() -> About) {}
+
     /// The ray at hand finds light.
     fn found(&mut self, _light: impl FnOnce() -> [f32; 3]) {}
 
@@ -312,6 +315,14 @@ impl PathObserver for Trail {
         let kind = self.next.take().unwrap_or(RayKind::Camera);
         let hit = end.map(|at| (TrailHit::of(scene, at), at.hit.t));
         self.place.segment = self.push(kind, scene, ray, hit, about()).or(self.place.segment);
+    }
+
+    fn bent(&mut self, scene: &Scene, piece: &Ray, about: impl FnOnce() -> About) {
+        if piece.d == Vec3::ZERO {
+            return;
+        }
+        let kind = *self.next.get_or_insert(RayKind::Camera);
+        self.place.segment = self.push(kind, scene, piece, None, about()).or(self.place.segment);
     }
 
     fn found(&mut self, light: impl FnOnce() -> [f32; 3]) {

@@ -26,6 +26,12 @@ pub enum SceneError {
     /// A medium that this builder has not named.
     #[error("the scene has no medium {0:?}")]
     UnknownMedium(MediumId),
+    /// A medium that bends light, named by a material whose surface does more than end it.
+    #[error("a medium that bends light can only fill a body with the material `Interface`, not with `{0}`")]
+    CurvedInside(&'static str),
+    /// A medium that bends light, around everything.
+    #[error("a medium that bends light fills closed bodies only, not all that is around them")]
+    CurvedAir,
     /// A texture that this builder has not named.
     #[error("the scene has no such texture")]
     UnknownTexture,

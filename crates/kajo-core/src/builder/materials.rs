@@ -40,7 +40,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// [`SceneError::NotFinite`], [`SceneError::UnknownMaterial`], [`SceneError::UnknownTexture`],
-    /// [`SceneError::TooMany`].
+    /// [`SceneError::UnknownMedium`], [`SceneError::CurvedInside`], [`SceneError::TooMany`].
     pub fn material(&mut self, material: impl Into<AnyMaterial>) -> Result<MaterialId, SceneError> {
         let id = self.store_material(material)?;
         self.list_material(id, None);
@@ -116,7 +116,13 @@ impl SceneBuilder {
         check_finite(material.is_finite(), name)?;
         material.parts().iter().try_for_each(|&part| self.check_material(part))?;
         self.check_textures(material.textures(), name)?;
-        material.medium().map_or(Ok(()), |medium| self.check_medium(medium))?;
+        if let Some(medium) = material.medium() {
+            self.check_medium(medium)?;
+            let is_boundary = matches!(material, AnyMaterial::NullBoundary(_));
+            if !is_boundary && self.appearance.media.bends_light(medium) {
+                return Err(SceneError::CurvedInside(name));
+            }
+        }
         let id = material.store(&mut self.appearance.materials).ok_or(SceneError::TooMany(name))?;
         let of_part = |part| self.emissions.get(&part).cloned().unwrap_or_default();
         let Appearance { materials, textures, .. } = &mut self.appearance;
@@ -193,6 +199,7 @@ impl SceneBuilder {
         appearance.has_filters = appearance.textures.wants_footprint();
         appearance.has_passages = appearance.materials.ids().any(|id| appearance.has_passages(id));
         appearance.has_media = appearance.materials.ids().any(|id| appearance.has_medium(id));
+        appearance.bends_light = appearance.materials.ids().any(|id| appearance.bends_light(id));
         appearance.has_orientations = appearance.materials.ids().any(|id| appearance.is_oriented(id));
     }
 }

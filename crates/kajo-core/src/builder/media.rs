@@ -19,9 +19,12 @@ impl SceneBuilder {
     /// Fills the air with a medium: all that is outside of bodies.
     ///
     /// # Errors
-    /// [`SceneError::UnknownMedium`].
+    /// [`SceneError::UnknownMedium`], [`SceneError::CurvedAir`].
     pub fn air(&mut self, medium: MediumId) -> Result<(), SceneError> {
         self.check_medium(medium)?;
+        if self.appearance.media.bends_light(medium) {
+            return Err(SceneError::CurvedAir);
+        }
         self.air = Some(medium);
         Ok(())
     }

@@ -203,14 +203,25 @@ impl Compiler<'_> {
         let material = part.material.or_else(|| self.material_for(by, walk));
         let (Some(material), Some(pose)) = (material, self.pose(place, by)) else { return };
         let material = self.see_through(part.content, material);
-        self.check_filled(part.content, material, by);
+        self.check_filled(part.content, material, place, by);
         self.scene.put(shape, material, pose, part.label, by.index());
     }
 
     /// Reports a body that a medium would fill, and that has no inside.
-    fn check_filled(&mut self, content: PartContent, material: MaterialId, by: Item<'_>) {
+    fn check_filled(&mut self, content: PartContent, material: MaterialId, place: &Place, by: Item<'_>) {
         let PartContent::Shape(shape) = content else { return };
-        if self.scene.appearance().has_medium(material) && !self.scene.geometry().shapes.is_solid(shape) {
+        let (appearance, shapes) = (self.scene.appearance(), &self.scene.geometry().shapes);
+        let bends = appearance.bends_light(material);
+        if bends && place.world.constant().is_none() {
+            let error = Diagnostic::error("a body that bends light does not move");
+            let error = error.label(by.keyword_span(), "moves while the shutter is open");
+            self.diagnostics
+                .push(error.help("place it without a `Motion`: its index is one of places in the world"));
+        } else if bends && !shapes.bounds(shape).is_finite() {
+            let error = Diagnostic::error("a body that bends light has bounds, and this one has none");
+            let error = error.label(by.keyword_span(), "goes on for ever");
+            self.diagnostics.push(error.help("make a `Box` of it, as large as need be"));
+        } else if (bends || appearance.has_medium(material)) && !shapes.is_solid(shape) {
             let error = Diagnostic::error("a medium fills closed shapes, and this one is open");
             let error = error.label(by.keyword_span(), "has no inside");
             let help = "close it, or give it a material without a `medium`";

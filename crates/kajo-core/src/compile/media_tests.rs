@@ -85,9 +85,49 @@ fn mistakes_are_named() {
         ),
         ("FunctionMedium m { density 1 function = 1 / x }", "the function has no bound"),
         ("FunctionMedium m { density 1 function = x min 1 1 1 }", "`min` must be less"),
+        ("GradientIndex m { }", "`GradientIndex` needs `index`"),
+        ("GradientIndex m { index 1.5 } exterior m", "fills closed bodies only"),
+        ("LuneburgLens m { radius 0 }", "`radius` must be more than 0"),
+        ("RodLens m { axis 0 0 0 }", "`axis` must not be zero"),
+        ("AirLayers m { depth 0 }", "`depth` must be more than 0"),
+        ("AirLayers m { integrator euler steps 0 }", "`steps`"),
     ] {
         let (scene, said) = media(text);
         assert!(scene.is_none() && said.iter().any(|s| s.contains(expected)), "{text}: {said:?}");
+    }
+}
+
+/// Bodies that bend light are closed, bounded and at rest, and nothing but their inside bends it.
+#[test]
+fn bodies_that_bend_light_are_closed_and_bounded_and_at_rest() {
+    let of = |shape: &str, material: &str| {
+        compiled(&format!(
+            "Media {{ LuneburgLens m {{ }} }} Materials {{ Interface i {{ medium m }} {material} }}
+             Group {{ MaterialIndex i {shape} }}"
+        ))
+    };
+    for (shape, expected) in [
+        ("Disk { center 0 0 0 normal 0 1 0 radius 1 }", "a medium fills closed shapes, and this one is open"),
+        ("Plane { normal 0 1 0 offset 0 }", "a body that bends light has bounds, and this one has none"),
+        (
+            "Transform { Motion { key 0 { } key 1 { Translate 1 0 0 } } Sphere { center 0 0 0 radius 1 } }",
+            "a body that bends light does not move",
+        ),
+    ] {
+        let (scene, said) = of(shape, "");
+        assert!(scene.is_none() && said.iter().any(|said| said == expected), "{shape}: {said:?}");
+    }
+    let (scene, said) = of("Sphere { center 0 0 0 radius 1 }", "Glass g { medium m }");
+    let expected =
+        "a medium that bends light can only fill a body with the material `Interface`, not with `Glass`";
+    assert!(scene.is_none() && said == [expected], "{said:?}");
+    for shape in [
+        "Sphere { center 0 0 0 radius 1 }",
+        "Difference { Box { min -1 -1 -1 max 1 1 1 } Sphere { center 0 0 0 radius 0.5 } }",
+    ] {
+        let (scene, said) = of(shape, "");
+        let scene = scene.unwrap_or_else(|| panic!("{shape}: {said:?}"));
+        assert!(scene.appearance.bends_light && !scene.has_media() && said.is_empty(), "{said:?}");
     }
 }
 

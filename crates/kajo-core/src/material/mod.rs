@@ -154,9 +154,16 @@ pub trait Material {
         None
     }
 
-    /// Whether a body of it is filled with a medium anywhere.
+    /// Whether a body of it is filled anywhere with a medium that absorbs or scatters light.
     fn has_medium(&self, appearance: &Appearance) -> bool {
-        self.medium().is_some() || self.parts().iter().any(|&part| appearance.has_medium(part))
+        let own = self.medium().is_some_and(|medium| !appearance.media.bends_light(medium));
+        own || self.parts().iter().any(|&part| appearance.has_medium(part))
+    }
+
+    /// Whether a body of it is filled anywhere with a medium in which light bends.
+    fn bends_light(&self, appearance: &Appearance) -> bool {
+        let own = self.medium().is_some_and(|medium| appearance.media.bends_light(medium));
+        own || self.parts().iter().any(|&part| appearance.bends_light(part))
     }
 }
 
@@ -221,6 +228,8 @@ family! {
         fn interior(at: &ShadingPoint<'_>) -> Option<Interior>;
         /// See [`Material::has_medium`].
         fn has_medium() -> bool;
+        /// See [`Material::bends_light`].
+        fn bends_light() -> bool;
     }
 }
 

@@ -1,14 +1,16 @@
-//! A boundary that light does not notice: nothing but the end of what is inside, such as smoke in air.
+//! The boundary of what fills a body, such as smoke in air, and nothing else.
 //!
 //! Light goes straight on, `f = delta(wi + wo)`, and is in another medium from there on. The inside
-//! has the index of what is around.
+//! has the index of what is around, unless the medium has an index of its own: where that differs from the one around the
+//! boundary reflects and refracts as polished glass does.
 //!
 //! Scene: `Interface { medium smoke }`
 
-use kajo_color::Spectrum;
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_math::Vec3;
 
 use super::{Appearance, Interior, Material, ShadingPoint};
-use crate::bsdf::{Bsdf, Phong};
+use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, microfacet::Shape};
 use crate::medium::MediumId;
 use crate::texture::{AnyTexture, TextureContext};
 
@@ -23,6 +25,16 @@ pub struct NullBoundary {
 
 /// What the classic integrator sees: nothing.
 const CLEAR: Phong = Phong { transparent: Spectrum::WHITE, eta: 1.0, ..Phong::BLACK };
+
+/// Indices nearer to each other than this part are the same: what the steps along a curve may have left.
+const SAME_INDEX: f32 = 1e-6;
+
+impl NullBoundary {
+    /// Index of refraction inside, where the medium has one.
+    fn index(&self, appearance: &Appearance, p: Vec3, wavelengths: &Wavelengths) -> Option<f32> {
+        appearance.media.index(self.medium?, p, wavelengths)
+    }
+}
 
 impl Material for NullBoundary {
     fn is_finite(&self) -> bool {
@@ -45,21 +57,28 @@ impl Material for NullBoundary {
         true
     }
 
-    fn bsdf(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>) -> Bsdf {
-        Bsdf::Null
+    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+        let eta = self.index(appearance, at.context.p, at.wavelengths).map(|index| index / at.eta_outside);
+        match eta.filter(|eta| (eta - 1.0).abs() > SAME_INDEX) {
+            None => Bsdf::Null,
+            Some(eta) => Bsdf::Dielectric(Dielectric::new(eta, Microfacets::new(Shape::Ggx, 0.0))),
+        }
     }
 
-    fn passage(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>, _cos: f32) -> Spectrum {
-        Spectrum::WHITE
+    fn passage(&self, appearance: &Appearance, _at: &ShadingPoint<'_>, _cos: f32) -> Spectrum {
+        // What comes through a body that bends light does not come along a segment.
+        if self.bends_light(appearance) { Spectrum::BLACK } else { Spectrum::WHITE }
     }
 
     fn has_passages(&self, _appearance: &Appearance) -> bool {
         true
     }
 
-    fn interior(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>) -> Option<Interior> {
+    fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
         let &NullBoundary { medium, priority } = self;
-        Some(Interior { eta: None, is_dispersive: false, absorption: Spectrum::BLACK, priority, medium })
+        let eta = self.index(appearance, at.context.p, at.wavelengths);
+        let is_dispersive = medium.is_some_and(|medium| appearance.media.is_dispersive(medium));
+        Some(Interior { eta, is_dispersive, absorption: Spectrum::BLACK, priority, medium })
     }
 
     fn medium(&self) -> Option<MediumId> {

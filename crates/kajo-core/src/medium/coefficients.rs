@@ -47,6 +47,12 @@ impl Coefficients {
         Ok(Coefficients { sigma_a, sigma_s, scatters, phase })
     }
 
+    /// Of a clear medium.
+    pub fn clear() -> Coefficients {
+        let nothing = Unbounded::from_rgb([0.0; 3]);
+        Coefficients { sigma_a: nothing.clone(), sigma_s: nothing, scatters: false, phase: Phase::Isotropic }
+    }
+
     /// By the share of light that a collision scatters, and the extinction per unit length; both in linear RGB.
     ///
     /// # Errors

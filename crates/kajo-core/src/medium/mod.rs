@@ -15,6 +15,7 @@
 mod coefficients;
 mod fog;
 mod function;
+pub mod gradient_index;
 mod grid;
 mod homogeneous;
 mod majorant;
@@ -24,14 +25,17 @@ pub mod phase;
 pub use coefficients::{Coefficients, CoefficientsError};
 pub use fog::Fog;
 pub use function::{FunctionMedium, FunctionMediumError};
+pub use gradient_index::GradientIndex;
 pub use grid::{DensityGrid, GridError, GridMedium};
 pub use homogeneous::HomogeneousMedium;
 pub use majorant::Majorants;
 pub use majorant_grid::{GridWalk, Majorant, MajorantGrid};
 pub use phase::{Phase, PhaseSample};
 
+use kajo_color::Wavelengths;
 use kajo_math::{Ray, Vec3};
 
+use crate::curved_light::{Chords, Followed, Region};
 use crate::family::family;
 use crate::texture::{AnyTexture, Textures};
 
@@ -60,6 +64,36 @@ pub trait Medium {
     fn is_homogeneous(&self) -> bool {
         false
     }
+
+    /// Whether light bends in it. Then it does nothing else to light: it neither absorbs nor scatters.
+    fn bends_light(&self) -> bool {
+        false
+    }
+
+    /// Whether light of different wavelengths goes different ways in it.
+    fn is_dispersive(&self) -> bool {
+        false
+    }
+
+    /// Index of refraction at a world-space point at the first wavelength; `None` where the medium has nothing to say of it,
+    /// so that what it fills does.
+    fn index(&self, _p: Vec3, _wavelengths: &Wavelengths) -> Option<f32> {
+        None
+    }
+
+    /// Follows light through it, where light bends.
+    ///
+    /// * `ray`: starts inside; its direction has unit length
+    /// * `region`: the body that it fills
+    fn follow<C: Chords>(
+        &self,
+        _ray: &Ray,
+        _region: &Region,
+        _wavelengths: &Wavelengths,
+        _chords: &mut C,
+    ) -> Option<Followed> {
+        None
+    }
 }
 
 family! {
@@ -72,6 +106,7 @@ family! {
     contract Medium;
     members {
         functions: FunctionMedium,
+        gradient_indices: GradientIndex,
         grids: GridMedium,
         homogeneous: HomogeneousMedium,
     }
@@ -90,6 +125,19 @@ family! {
         fn majorants(ray: &Ray) -> Majorants<'_>;
         /// See [`Medium::is_homogeneous`].
         fn is_homogeneous() -> bool;
+        /// See [`Medium::bends_light`].
+        fn bends_light() -> bool;
+        /// See [`Medium::is_dispersive`].
+        fn is_dispersive() -> bool;
+        /// See [`Medium::index`].
+        fn index(p: Vec3, wavelengths: &Wavelengths) -> Option<f32>;
+        /// See [`Medium::follow`].
+        fn follow<C: Chords>(
+            ray: &Ray,
+            region: &Region,
+            wavelengths: &Wavelengths,
+            chords: &mut C,
+        ) -> Option<Followed>;
     }
 }
 

@@ -241,6 +241,16 @@ impl Geometry {
         }
     }
 
+    /// A box around an object, at any time while the shutter is open; empty for one that is not there.
+    pub(crate) fn object_bounds(&self, object: ObjectId) -> Aabb {
+        match self.primitives.get(object.index()) {
+            Some(primitive) => self.world_bounds(primitive),
+            None => self
+                .leaf(object)
+                .map_or(Aabb::EMPTY, |leaf| leaf.place().bounds(&self.shapes.bounds(leaf.shape))),
+        }
+    }
+
     pub(crate) fn world_bounds(&self, primitive: &Primitive) -> Aabb {
         let bounds = self.shapes.bounds(primitive.shape);
         if primitive.pose.is_identity() {

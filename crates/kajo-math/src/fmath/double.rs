@@ -72,6 +72,12 @@ pub fn pow64(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
 }
 
+/// Hyperbolic tangent in double precision.
+#[inline]
+pub fn tanh64(x: f64) -> f64 {
+    libm::tanh(x)
+}
+
 /// `e^x - 1` in double precision, accurate near zero.
 #[inline]
 pub fn exp_m1_64(x: f64) -> f64 {

@@ -23,6 +23,7 @@ pub use angles::{cos, one_minus_cos, sin, sin_cos, tan};
 pub use arcs::{acos, asin, atan2};
 pub use double::{
     acos64, asin64, atan2_64, atan64, cos64, erf64, exp_m1_64, exp64, ln64, pow64, sin64, sincos64, tan64,
+    tanh64,
 };
 pub use error_function::erf;
 pub use exponentials::{exp, exp_m1, ln, pow, powi};

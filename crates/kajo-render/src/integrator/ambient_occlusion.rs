@@ -16,7 +16,7 @@ use kajo_math::{Frame, Vec2, warp};
 
 use super::camera_view::CameraView;
 use super::transport::connect;
-use super::{Integrator, IntegratorSettings, IntegratorSpec, Prepare, Quantity};
+use super::{Integrator, IntegratorSettings, IntegratorSpec, Prepare, Quantity, without_curves};
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 
@@ -54,6 +54,10 @@ impl Prepare for AmbientOcclusionSettings {
 
     fn values(&self) -> Settings {
         Settings { reach: Some(self.reach), ..Settings::default() }
+    }
+
+    fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
+        without_curves(scene).into_iter().collect()
     }
 }
 
@@ -118,7 +122,7 @@ impl Integrator for AmbientOcclusion<'_> {
             observer.counters().shadow += 1;
             0.0
         } else {
-            connect(scene, &segment, 1.0, (&Wavelengths::RGB, &mut draws), observer).luminance()
+            connect(scene, &segment, Some(1.0), (&Wavelengths::RGB, &mut draws), observer).luminance()
         };
         observer.joined(RayKind::Shadow, scene, &segment, about, || [open; 3]);
         ctx.aux.lights[0] = [open; 3];

@@ -21,8 +21,8 @@ pub use classic::{Classic, ClassicSettings};
 pub use metropolis::{Metropolis, MetropolisSettings};
 pub use path::{Path, PathSettings};
 pub use photon::{PhotonMapping, PhotonSettings};
-pub(crate) use spec::without_media;
 pub use spec::{Defaults, IntegratorSpec, Prepare, Quantity, SettingsContext};
+pub(crate) use spec::{without_curves, without_media};
 
 use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;

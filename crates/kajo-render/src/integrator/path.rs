@@ -35,7 +35,7 @@ use kajo_color::Spectrum;
 use kajo_core::bsdf::Transport;
 use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
-use kajo_core::settings::{Directions, Technique};
+use kajo_core::settings::Directions;
 use kajo_math::Vec2;
 
 use super::Integrator;
@@ -69,10 +69,6 @@ impl<'a> Path<'a> {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Path<'a> {
-        // Where no way to a light is known, lights are only met.
-        let connects = scene.space().connects();
-        let technique = if connects { settings.technique } else { Technique::Scattering };
-        let settings = PathSettings { technique, ..settings };
         let carries_media = scene.has_media();
         Path {
             carries_media,
@@ -143,6 +139,8 @@ fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
     list.into_iter().filter_map(|_| None).collect()
 }
 
+#[cfg(test)]
+mod curved_tests;
 #[cfg(test)]
 mod media_tests;
 #[cfg(test)]

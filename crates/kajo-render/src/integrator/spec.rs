@@ -5,6 +5,7 @@ use std::fmt;
 use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
+use kajo_core::space::Space;
 
 use super::{INTEGRATORS, IntegratorSettings};
 use crate::{LayerSet, PixelIntegrator};
@@ -84,6 +85,15 @@ pub const WITHOUT_MEDIA: &str = "media are left out: what scatters or absorbs li
 /// Why media are not shown, where a scene has any.
 pub fn without_media(scene: &Scene) -> Option<&'static str> {
     scene.has_media().then_some(WITHOUT_MEDIA)
+}
+
+/// What integrators say that know nothing of bodies which bend light.
+pub const WITHOUT_CURVES: &str = "light goes straight through bodies that bend it: the integrators that follow paths, such as \
+     `path`, bend it";
+
+/// Why light is not bent, where a scene has bodies that do.
+pub fn without_curves(scene: &Scene) -> Option<&'static str> {
+    (scene.space() == Space::Curved).then_some(WITHOUT_CURVES)
 }
 
 /// The settings of an integrator, of which it is made: what each variant of [`IntegratorSettings`] does.

@@ -3,6 +3,7 @@
 mod bodies;
 mod camera;
 mod caustic;
+mod curved;
 mod flat;
 mod glass;
 mod lights;
@@ -122,7 +123,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 14] = [
+    let makers: [(&str, Maker); 15] = [
         ("rooms", rooms::forms),
         ("lights", lights::forms),
         ("bodies", bodies::forms),
@@ -134,6 +135,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("flat", flat::forms),
         ("materials", materials::forms),
         ("media", media::forms),
+        ("curved", curved::forms),
         ("camera", camera::forms),
         ("motion", motion::forms),
         ("solids", solids::forms),

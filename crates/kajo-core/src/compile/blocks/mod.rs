@@ -3,6 +3,7 @@
 //! A new block is its own file and one line in the list of its family, here; the parser, the editor, `kajo help` and the
 //! manual follow.
 
+mod air_layers;
 pub(super) mod algebraic;
 pub(super) mod bicubic_patch;
 pub(super) mod bilinear_patch;
@@ -17,14 +18,18 @@ pub(super) mod disk;
 pub(super) mod fisheye_camera;
 pub(super) mod function_medium;
 pub(super) mod glass;
+mod gradient_index;
 pub(super) mod grid_medium;
 pub(super) mod group;
 pub(super) mod height_field;
 pub(super) mod interface;
 pub(super) mod isosurface;
 pub(super) mod lathe;
+mod linear_index;
+mod luneburg_lens;
 pub(super) mod marble;
 pub(super) mod matte;
+mod maxwell_fish_eye;
 pub(super) mod medium;
 pub(super) mod metal;
 pub(super) mod mix;
@@ -39,6 +44,7 @@ pub(super) mod point_light;
 pub(super) mod principled;
 pub(super) mod prism;
 pub(super) mod quad;
+mod rod_lens;
 pub(super) mod set_operations;
 pub(super) mod sphere;
 pub(super) mod sphere_sweep;
@@ -124,8 +130,17 @@ pub(super) const MATERIAL_LIST: Block =
     Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
 
 /// All kinds of media, in the order in which they are offered.
-pub(super) const MEDIA: [&MediumMember; 3] =
-    [&medium::MEMBER, &grid_medium::MEMBER, &function_medium::MEMBER];
+pub(super) const MEDIA: [&MediumMember; 9] = [
+    &medium::MEMBER,
+    &grid_medium::MEMBER,
+    &function_medium::MEMBER,
+    &gradient_index::MEMBER,
+    &luneburg_lens::MEMBER,
+    &maxwell_fish_eye::MEMBER,
+    &rod_lens::MEMBER,
+    &linear_index::MEMBER,
+    &air_layers::MEMBER,
+];
 
 /// What names the medium of the air.
 pub(super) const EXTERIOR: FieldSpec = FieldSpec {

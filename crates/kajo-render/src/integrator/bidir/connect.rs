@@ -261,7 +261,7 @@ impl Bidirectional<'_> {
             Join { kind: RayKind::Splat, segment: &segment, carried: Spectrum::WHITE, light: Some(light) };
         self.tell(observer, &join, wavelengths, None);
         let media = self.view.media_around(&Ray::new(o, li.wi), wavelengths);
-        let visible = connect(scene, &segment, media.eta(), (wavelengths, draws), observer);
+        let visible = connect(scene, &segment, media.eta_of_segment(scene), (wavelengths, draws), observer);
         if visible.is_black() {
             return None;
         }

@@ -142,7 +142,7 @@ impl<'a> Bidirectional<'a> {
     /// Whether vertices of the light's path are joined with the camera. Light groups are recorded for each
     /// sample's own pixel, so there all light must come with the camera's ray.
     fn connects(&self) -> bool {
-        self.scene().space().connects() && (self.settings.only_from_lights || !self.view.wants_light_groups())
+        self.settings.only_from_lights || !self.view.wants_light_groups()
     }
 
     /// Whether lights are drawn for points of the lens, so that small ones out of focus are found.
@@ -271,7 +271,7 @@ impl<'a> Bidirectional<'a> {
             if self.settings.only_from_lights {
                 break;
             }
-            if !bsdf.is_delta() && self.scene().space().connects() {
+            if !bsdf.is_delta() {
                 self.connect_vertex(&mut end, &z, light_path, observer, found);
             }
             if !end.path.scatter(&z, &end.surface, self.settings.roulette, observer) {
@@ -376,6 +376,7 @@ pub(super) fn light_end<'s>(
         pdf,
         is_parallel: is_infinite,
         cosine: emitted.cosine(),
+        eta: 1.0,
         pdf_back: 0.0,
         mis: PartialMis { d_vcm, d_vc: 0.0 },
     };
@@ -386,6 +387,7 @@ pub(super) fn light_end<'s>(
         false => MediumStack::around(scene, &ray, wavelengths),
     };
     let state = PathState::new(ray, carried, Transport::Importance, media, draws);
+    let departure = subpath::Departure { eta: media.eta(), ..departure };
     Subpath { state: PathState { connectable: true, ..state }, departure }
 }
 

@@ -9,7 +9,7 @@ use kajo_math::Vec3;
 use super::Contribution;
 use super::partial_mis::{Growth, PartialMis};
 use super::vertex::Vertex;
-use crate::integrator::transport::{MediumStack, PathState, SurfaceInteraction, follow, survives};
+use crate::integrator::transport::{PathState, SurfaceInteraction, follow, survives};
 use crate::trail::PathObserver;
 
 /// Where the ray at hand started, and how it was drawn there.
@@ -23,6 +23,8 @@ pub struct Departure {
     pub is_parallel: bool,
     /// Cosine with the true surface at the vertex, 1 where there is none.
     pub cosine: f32,
+    /// Index of refraction around the start of the ray.
+    pub eta: f32,
     /// Density per solid angle of going the other way, from where the ray ends to the vertex before this one.
     pub pdf_back: f32,
     /// The sums of the vertex.
@@ -38,8 +40,8 @@ pub struct Subpath<'s> {
 impl<'s> Subpath<'s> {
     /// A path from the camera that begins with the ray of its state.
     pub fn from_camera(state: PathState<'s>) -> Subpath<'s> {
-        let (p, mis) = (state.ray.o, PartialMis::default());
-        let departure = Departure { p, pdf: 1.0, is_parallel: true, cosine: 1.0, pdf_back: 0.0, mis };
+        let (p, eta, mis) = (state.ray.o, state.media.eta(), PartialMis::default());
+        let departure = Departure { p, pdf: 1.0, is_parallel: true, cosine: 1.0, eta, pdf_back: 0.0, mis };
         Subpath { state, departure }
     }
 }
@@ -51,7 +53,9 @@ impl Subpath<'_> {
     pub fn mis_at(&self, p: Vec3, cosine: f32) -> PartialMis {
         let Departure { p: from, pdf, is_parallel, pdf_back, mis, .. } = self.departure;
         let thinning = if is_parallel { 1.0 } else { p.distance_squared(from).recip() };
-        let g = self.departure.cosine * thinning;
+        // cos dw n^2 of a narrow beam is the same at both ends, whatever the way between them. No straight way ends at another index.
+        let squeeze = if self.state.connectable { 1.0 } else { self.departure.eta / self.state.media.eta() };
+        let g = self.departure.cosine * thinning * squeeze * squeeze;
         mis.grown(Growth { pdf: pdf * cosine * thinning, g, pdf_back, connectable: self.state.connectable })
     }
 
@@ -95,7 +99,7 @@ impl Subpath<'_> {
             beta: self.state.beta,
             mis: self.mis_at(at.point.p, at.point.ng.dot(wo).abs()),
             sigma_a: sides.each_ref().map(|media| media.absorption().unwrap_or(Spectrum::BLACK)),
-            eta: sides.each_ref().map(MediumStack::eta),
+            eta: sides.each_ref().map(|media| media.eta_of_segment(scene)),
             is_single: self.state.wavelengths.secondary_terminated(),
             group,
         }
@@ -140,10 +144,12 @@ impl Subpath<'_> {
             pdf: sample.pdf,
             is_parallel: false,
             cosine: vertex.cosine(wi),
+            eta: 1.0,
             pdf_back,
             mis: if delta { vertex.mis.without_connection() } else { vertex.mis },
         };
         follow(state, surface, wi, &sample, observer);
+        self.departure.eta = state.media.eta();
         let bounces = state.scatterings;
         survives(state, bounces, roulette)
     }

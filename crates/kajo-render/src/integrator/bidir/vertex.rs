@@ -43,8 +43,8 @@ pub struct Vertex {
     pub mis: PartialMis,
     /// Absorption per unit length on the side of `wo` and on the other.
     pub sigma_a: [Spectrum; 2],
-    /// Index of refraction on these sides.
-    pub eta: [f32; 2],
+    /// Index of refraction on these sides for a segment; `None` where light bends.
+    pub eta: [Option<f32>; 2],
     /// Whether only one wavelength got here.
     pub is_single: bool,
     /// The light group of a path from there.
@@ -106,8 +106,8 @@ impl Vertex {
         usize::from(w.dot(self.at.ng) * self.wo.dot(self.at.ng) < 0.0)
     }
 
-    /// Index of refraction on the side of `w`.
-    pub fn eta(&self, w: Vec3) -> f32 {
+    /// Index of refraction on the side of `w` for a segment; `None` where light bends.
+    pub fn eta(&self, w: Vec3) -> Option<f32> {
         self.eta[self.side(w)]
     }
 

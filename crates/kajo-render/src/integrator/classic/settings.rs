@@ -8,7 +8,8 @@ use kajo_core::settings::{IntegratorName, Settings, SettingsKey, ShadowAttenuati
 
 use super::Classic;
 use crate::integrator::{
-    Defaults, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, without_media,
+    Defaults, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, without_curves,
+    without_media,
 };
 use crate::{Layer, LayerSet, PixelIntegrator};
 
@@ -113,6 +114,6 @@ impl Prepare for ClassicSettings {
     }
 
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
-        without_media(scene).into_iter().collect()
+        without_media(scene).into_iter().chain(without_curves(scene)).collect()
     }
 }

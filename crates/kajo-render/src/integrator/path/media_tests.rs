@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use kajo_core::settings::Technique;
+
 use super::tests::{TECHNIQUES, camera, check, mean, scene};
 use super::*;
 

@@ -2,7 +2,7 @@
 
 use kajo_core::compile::{CompileOptions, compile};
 use kajo_core::sampler::{Sampler, SamplerKind};
-use kajo_core::settings::Directions;
+use kajo_core::settings::{Directions, Technique};
 use kajo_math::DVec3;
 use kajo_math::solid_angle::polygon_irradiance;
 use kajo_scene::{MemoryAssets, SceneDesc};
@@ -37,7 +37,7 @@ pub(super) fn mean(scene: &Scene, settings: PathSettings, paths: u32, lane: usiz
     mean_of(&Path::new(scene, settings, [1, 1], LayerSet::of(&[])), paths, lane)
 }
 
-fn mean_of(integrator: &dyn PixelIntegrator, paths: u32, lane: usize) -> Estimate {
+pub(super) fn mean_of(integrator: &dyn PixelIntegrator, paths: u32, lane: usize) -> Estimate {
     let sampler = Sampler::new(SamplerKind::Uniform, paths);
     Estimate::of_batches(|batch| {
         let mut ctx = SampleContext::new(&sampler, 0);

@@ -403,8 +403,8 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
             );
         }
         let carried = state.beta * scattered * media.transmittance(segment.length());
-        let visible =
-            connect(scene, &segment, media.eta(), (&state.wavelengths, &mut state.draws), self.observer);
+        let eta = media.eta_of_segment(scene);
+        let visible = connect(scene, &segment, eta, (&state.wavelengths, &mut state.draws), self.observer);
         let about = || About {
             eta: state.media.eta(),
             weight: sensor::to_rgb(carried, &state.wavelengths),

@@ -264,7 +264,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let weight = if may_meet && !is_delta { power_heuristic(pdf, z.pdf(z.wo, wi)) } else { 1.0 };
         let found = carried * radiance * z.transmittance(wi, distance) * visible * (weight / pdf);
         let about = || About {
-            eta: z.eta(wi),
+            eta: z.eta(wi).unwrap_or(1.0),
             weight: sensor::to_rgb(carried, &state.wavelengths),
             light: Some(scene.lighting.sampler.id(light)),
         };

@@ -39,6 +39,9 @@ pub fn connect_through_media(
     path: &mut PathState<'_>,
     observer: &mut impl PathObserver,
 ) -> Passage {
+    if media.eta_of_segment(scene).is_none() {
+        return Passage::closed();
+    }
     observer.counters().shadow += 1;
     let mut passage = Passage::open(&path.lanes);
     if !scene.appearance.has_passages {

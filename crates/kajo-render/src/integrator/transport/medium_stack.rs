@@ -9,6 +9,7 @@ use kajo_core::ObjectId;
 use kajo_core::material::Interior;
 use kajo_core::medium::{MaybeMedium, MediumId};
 use kajo_core::scene::Scene;
+use kajo_core::space::Space;
 use kajo_math::Ray;
 
 /// Media that a stack has room for. Where more overlap, the one entered first is forgotten.
@@ -104,6 +105,14 @@ impl MediumStack {
         self.top().map_or(1.0, |medium| medium.eta)
     }
 
+    /// Index of refraction around the point for a segment that starts there; `None` where light bends, so that no segment is
+    /// the way of light.
+    #[inline]
+    pub fn eta_of_segment(&self, scene: &Scene) -> Option<f32> {
+        let bends = scene.space() == Space::Curved && self.curved(scene).is_some();
+        (!bends).then(|| self.eta())
+    }
+
     /// Absorption per unit length around the point, where there is any.
     #[inline]
     pub fn absorption(&self) -> Option<Spectrum> {
@@ -114,6 +123,29 @@ impl MediumStack {
     #[inline]
     pub fn medium(&self) -> Option<MediumId> {
         self.top().map_or(self.air, |medium| medium.inside).get()
+    }
+
+    /// The object around the point, and what fills it, where that bends light.
+    #[inline]
+    pub fn curved(&self, scene: &Scene) -> Option<(MediumId, ObjectId)> {
+        let top = self.top()?;
+        let medium = top.inside.get()?;
+        scene.appearance.media.bends_light(medium).then_some((medium, top.object))
+    }
+
+    /// Notes the index of refraction at a point that a path has come to in an object.
+    pub fn set_eta(&mut self, object: ObjectId, eta: f32) {
+        if let Some(i) = self.position(object) {
+            self.entries[i].eta = eta;
+        }
+    }
+
+    /// Forgets that an object was entered.
+    pub fn leave(&mut self, object: ObjectId) {
+        if let Some(i) = self.position(object) {
+            self.entries.copy_within(i + 1..self.len as usize, i);
+            self.len -= 1;
+        }
     }
 
     /// How a path comes to the surface of `object`.
@@ -137,9 +169,8 @@ impl MediumStack {
     pub fn cross(&mut self, interface: &Interface) {
         if interface.enters {
             self.push(interface.medium);
-        } else if let Some(i) = self.position(interface.medium.object) {
-            self.entries.copy_within(i + 1..self.len as usize, i);
-            self.len -= 1;
+        } else {
+            self.leave(interface.medium.object);
         }
     }
 

@@ -29,6 +29,7 @@
 //! be by calling each of them for all. The order in which they take random numbers is part of their contract.
 
 mod collisions;
+mod curves;
 mod differentials;
 mod lane_mis;
 mod local_frame;

@@ -5,10 +5,12 @@ use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
 use kajo_core::light::{LightChoice, LightLiSample, Receiver, SampledLight};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
+use kajo_core::space::Space;
 use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
 
 use super::collisions::travel_to;
+use super::curves::{self, Curve};
 use super::{MediumInteraction, PathState, SurfaceInteraction, differentials};
 use crate::trail::{About, PathObserver, RayKind};
 
@@ -57,6 +59,15 @@ pub fn extend(
         return Event::Absorbed;
     }
     path.surfaces += 1;
+    if scene.space() == Space::Curved
+        && let Some(body) = path.media.curved(scene)
+    {
+        match curves::follow(scene, path, body, surface, observer) {
+            Curve::Meets => return Event::Surface,
+            Curve::Ends => return Event::Absorbed,
+            Curve::GoesOn => {}
+        }
+    }
     let at = &mut surface.at;
     let meets = scene.trace_into(None, &path.ray, at);
     if path.carries_media
@@ -76,16 +87,32 @@ pub fn extend(
     if path.differential.is_some() {
         differentials::arrive(path, surface);
     }
+    let (wo, length) = (-path.ray.d, surface.at.hit.t);
+    arrive(scene, path, surface, Way { wo, length, g: 1.0 });
+    Event::Surface
+}
+
+/// How a path came to a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// Unit direction back along the path.
+    pub wo: Vec3,
+    /// Length of the way.
+    pub length: f32,
+    /// Frequency where it begins over that where it ends.
+    pub g: f32,
+}
+
+/// Completes what there is to be known of a surface that a path has come to, and weakens the path by the way.
+#[inline]
+pub(super) fn arrive(scene: &Scene, path: &mut PathState<'_>, surface: &mut SurfaceInteraction, way: Way) {
     let at = &surface.at;
-    surface.wo = -path.ray.d;
-    surface.length = at.hit.t;
-    surface.g = scene.space().frequency_ratio();
+    Way { wo: surface.wo, length: surface.length, g: surface.g } = way;
     surface.u = path.draws.number_if(scene.is_mixture(at));
     let enters = surface.wo.dot(at.point.ng) > 0.0;
     let interior = scene.interior(at, &path.wavelengths, surface.u);
     surface.interface = interior.map(|interior| path.media.interface(at.object, &interior, enters));
     attenuate(path, surface);
-    Event::Surface
 }
 
 /// Multiplies the throughput by what the way to a surface does to light.
@@ -201,19 +228,20 @@ pub fn sample_light(
 }
 
 /// The share of light that comes along a segment between two vertices, in one medium: less than 1 through holes and panes,
-/// and nothing where anything else is between. What the medium absorbs is left out; see [`super::MediumStack::transmittance`].
+/// and nothing where anything else is between or where light bends. What the medium absorbs is left out; see [`super::MediumStack::transmittance`].
 ///
-/// * `eta`: index of refraction of the medium
+/// * `eta`: index of refraction of the medium, [`super::MediumStack::eta_of_segment`]
 ///
 /// May take random numbers.
 #[inline]
 pub fn connect(
     scene: &Scene,
     segment: &Ray,
-    eta: f32,
+    eta: Option<f32>,
     (wavelengths, draws): (&Wavelengths, &mut SampleStream<'_>),
     observer: &mut impl PathObserver,
 ) -> Spectrum {
+    let Some(eta) = eta else { return Spectrum::BLACK };
     observer.counters().shadow += 1;
     scene.transmittance(segment, eta, wavelengths, draws)
 }

@@ -87,6 +87,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             pdf: 1.0,
             is_parallel: true,
             cosine: 1.0,
+            eta: 1.0,
             pdf_back: 0.0,
             mis: PartialMis::default(),
         };

@@ -1,0 +1,88 @@
+//! The step of a path inside of a body that bends light.
+
+use kajo_color::sensor;
+use kajo_core::ObjectId;
+use kajo_core::bsdf::Transport;
+use kajo_core::curved_light::Outcome;
+use kajo_core::differential::SurfaceFootprint;
+use kajo_core::medium::MediumId;
+use kajo_core::scene::Scene;
+use kajo_core::space::Arrival;
+use kajo_math::Ray;
+
+use super::steps::{Way, arrive};
+use super::{PathState, SurfaceInteraction};
+use crate::trail::{About, PathObserver};
+
+/// What becomes of a path in a body that bends light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curve {
+    /// It meets a surface, which is known.
+    Meets,
+    /// It is outside of the body without having met its surface: its ray is to be followed from there.
+    GoesOn,
+    /// Nothing of it gets anywhere.
+    Ends,
+}
+
+/// Follows the path's ray along its curve to the next surface, which is that of the body if nothing is in it.
+///
+/// ```text
+/// beta <- beta g^3 (n / n')^2 T
+/// ```
+///
+/// for radiance, with the index `n` where the way begins and `n'` where it ends: radiance over `n^2` and over the third power of
+/// the frequency stays the same. Power is what it was.
+///
+/// No connection finds what the path meets at the end, so it counts in full. What neighbouring samples cover there is not known.
+/// Where the way depends on the wavelength only one is followed from here on.
+#[cold]
+#[inline(never)]
+pub fn follow(
+    scene: &Scene,
+    path: &mut PathState<'_>,
+    (medium, body): (MediumId, ObjectId),
+    surface: &mut SurfaceInteraction,
+    observer: &mut impl PathObserver,
+) -> Curve {
+    if scene.appearance.media.is_dispersive(medium) && !path.wavelengths.secondary_terminated() {
+        path.end_secondary_wavelengths();
+    }
+    let eta = path.media.eta();
+    let weight = path.beta;
+    let wavelengths = path.wavelengths;
+    let about = || About { eta, weight: sensor::to_rgb(weight, &wavelengths), light: None };
+    let pieces = |piece: &Ray| observer.bent(scene, piece, about);
+    let way = scene.follow(&path.ray, (medium, body), &path.wavelengths, &mut surface.at, pieces);
+    let Some(Arrival { outcome, d, length, chord, eta, squeeze, g }) = way else { return Curve::GoesOn };
+    path.connectable = false;
+    path.differential = None;
+    surface.at.footprint = SurfaceFootprint::default();
+    if path.mode == Transport::Radiance {
+        path.beta *= squeeze;
+        path.eta_scale *= 1.0 / squeeze;
+    }
+    path.media.set_eta(body, eta);
+    match outcome {
+        Outcome::Lost => {
+            observer.counters().lost += 1;
+            Curve::Ends
+        }
+        Outcome::Absorbed => {
+            observer.ended(scene, &chord, None, about);
+            Curve::Ends
+        }
+        Outcome::Leaves => {
+            observer.bent(scene, &chord, about);
+            path.media.leave(body);
+            path.ray = Ray { time: path.ray.time, ..Ray::new(chord.at(1.0), d) };
+            Curve::GoesOn
+        }
+        Outcome::Meets => {
+            observer.ended(scene, &chord, Some(&surface.at), about);
+            surface.at.hit.t = length;
+            arrive(scene, path, surface, Way { wo: -d, length, g });
+            Curve::Meets
+        }
+    }
+}
