@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use kajo_math::fmath;
 
+use crate::black_body::black_body_shape;
 use crate::reflectance::{non_negative, scaled_colour};
 use crate::tabulated::Tabulated;
 use crate::uplift::Uplift;
@@ -153,16 +154,6 @@ pub fn planck(nm: f64, kelvin: f64) -> f64 {
     const K: f64 = 1.380_649e-23;
     let m = nm * 1e-9;
     2.0 * H * C * C / (m * m * m * m * m) / fmath::exp_m1_64(H * C / (m * K * kelvin)) * 1e-9
-}
-
-/// Planck's law over its value at 560 nm, without large intermediate numbers.
-fn black_body_shape(nm: f32, kelvin: f32) -> f32 {
-    const CENTER_NM: f32 = 560.0;
-    /// `h c / k` in nm K.
-    const C2: f32 = 1.438_776_9e7;
-    let (x0, x) = (C2 / (CENTER_NM * kelvin), C2 / (nm * kelvin));
-    let tail = (1.0 - fmath::exp(-x0)) / (1.0 - fmath::exp(-x));
-    fmath::powi(CENTER_NM / nm, 5) * fmath::exp(x0 - x) * tail
 }
 
 #[cfg(test)]

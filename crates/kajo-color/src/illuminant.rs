@@ -14,10 +14,11 @@
 //! with `M₁` and `M₂` rounded to three decimals. D65, the white of the sensor, is a standard of its own,
 //! defined by its table. [CIE 015:2018, 4.1], [ISO/CIE 11664-2:2022]
 
+use crate::black_body::black_body_shape;
 pub(crate) use crate::data::daylight::D65;
 use crate::data::daylight::{S0, S1, S2};
 use crate::data::observer::{X, Y, Z};
-use crate::observer::{FIRST_NM, GAUSS, LUMINANCE_NM, NODES, STEP_NM, line, locate};
+use crate::observer::{FIRST_NM, GAUSS, LAST_NM, LUMINANCE_NM, NODES, STEP_NM, line, locate};
 use crate::tabulated::{Outside, Tabulated};
 
 /// Distance of the nodes of daylight in nm.
@@ -51,6 +52,18 @@ pub fn d65(nm: f32) -> f32 {
         Some((node, t)) => D65_UNIT[node] + t * (D65_UNIT[node + 1] - D65_UNIT[node]),
         None => 0.0,
     }
+}
+
+/// D65 as [`d65`] within its table, and outside of it a black body of its temperature that is as bright as the table at its end.
+pub(crate) fn d65_continued(nm: f32) -> f32 {
+    /// Correlated colour temperature of D65 in kelvin.
+    const KELVIN: f32 = 6504.0;
+    let (first, last) = (FIRST_NM as f32, LAST_NM as f32);
+    let end = nm.clamp(first, last);
+    if nm == end {
+        return d65(nm);
+    }
+    d65(end) * (black_body_shape(nm, KELVIN) / black_body_shape(end, KELVIN))
 }
 
 /// `∫ D65 m dλ / ∫ ȳ dλ` of one colour matching function.

@@ -10,6 +10,7 @@
 
 mod aces;
 pub mod basis;
+mod black_body;
 mod data;
 pub mod dispersion;
 pub mod emission;

@@ -25,6 +25,10 @@ use crate::sensor::RGB_FROM_XYZ;
 const MIDDLE_NM: f64 = 0.5 * (FIRST_NM + LAST_NM);
 const HALF_NM: f64 = 0.5 * (LAST_NM - FIRST_NM);
 
+/// `|x|` up to which the formula holds, with room for rounding. Beyond the visible range, where lanes get by the Doppler effect alone, a
+/// spectrum stays what it is at the end.
+const VISIBLE: f32 = 1.000_01;
+
 /// A spectrum with values in [0, 1] that has a given colour under D65.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Uplift {
@@ -51,6 +55,7 @@ impl Uplift {
             Uplift::Sigmoid([c0, c1, c2]) => {
                 // All lanes in one step: numbers written one by one are slow to be read as four.
                 let x = (Vec4::from_array(nm) - MIDDLE_NM as f32) * (1.0 / HALF_NM) as f32;
+                let x = x.clamp(Vec4::splat(-VISIBLE), Vec4::splat(VISIBLE));
                 let p = (c0 * x + c1) * x + c2;
                 Spectrum::from(0.5 + 0.5 * p / (1.0 + p * p).sqrt())
             }

@@ -83,6 +83,22 @@ impl Wavelengths {
         self.pdf
     }
 
+    /// The wavelengths by which an observer tells this light apart in whose frame its frequencies are another multiple of these.
+    ///
+    /// Those that leave the visible range are followed there: black bodies shine by Planck's law, colours of surfaces stay what
+    /// they are at its ends, D65 goes on as a black body of its temperature, and tables are what they say of what lies outside of them.
+    /// Densities stay those of the wavelengths that the sensor sees. RGB mode is as it was.
+    ///
+    /// * `factor`: wavelength there over wavelength here, positive
+    #[must_use]
+    pub fn shifted(&self, factor: f32) -> Wavelengths {
+        if !self.is_spectral() {
+            return *self;
+        }
+        let lambda = self.lambda.map(|nm| nm * factor);
+        Wavelengths { lambda, pdf: self.pdf, daylight: Spectrum::from(lambda.map(illuminant::d65_continued)) }
+    }
+
     /// Follows only the hero from here on, because the path now depends on the wavelength.
     ///
     /// The estimate is a mean over four lanes. With three of them lost the hero counts four times, which
@@ -214,6 +230,20 @@ mod tests {
         rgb.terminate_secondary();
         assert_eq!(rgb, Wavelengths::RGB);
         assert!(!rgb.secondary_terminated() && rgb.nm().is_none());
+    }
+
+    #[test]
+    fn shifted_lanes_keep_their_densities() {
+        let w = Wavelengths::sample(0.4);
+        let shifted = w.shifted(2.5);
+        assert_eq!(shifted.pdf(), w.pdf());
+        assert_eq!(shifted.nm().unwrap(), w.nm().unwrap().map(|nm| 2.5 * nm));
+        assert_eq!(w.shifted(1.0), w);
+        assert_eq!(Wavelengths::RGB.shifted(3.0), Wavelengths::RGB);
+        for factor in [1e-4, 0.1, 10.0, 1e4] {
+            let daylight = w.shifted(factor).daylight();
+            assert!(daylight.is_finite() && (0..4).all(|i| daylight[i] >= 0.0), "{factor}: {daylight:?}");
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod area_lights;
 mod assemblies;
 mod emission_density;
 mod error;
+mod frames;
 mod lights;
 mod materials;
 mod media;
@@ -36,6 +37,7 @@ use crate::shape::ShapeId;
 
 pub use assemblies::Part;
 pub use error::SceneError;
+pub use frames::Rest;
 
 pub use crate::nested::PartContent;
 pub use kajo_bvh::BuildSettings;
@@ -96,6 +98,7 @@ pub struct SceneBuilder {
     fog: Option<Fog>,
     air: Option<MediumId>,
     cameras: Vec<NamedCamera>,
+    frames: frames::Frames,
     shutter: Shutter,
     readout: f32,
     limits: Limits,
@@ -199,9 +202,12 @@ impl SceneBuilder {
         // The classic rule: a scene without lights is fully lit by ambient light.
         let ambient = if self.light_list.is_empty() { Spectrum::WHITE } else { self.ambient };
         let background = Arc::new(std::mem::take(&mut self.background));
-        let sampler = self.light_sampler(&background);
-        self.finish_geometry();
+        let frames = std::mem::take(&mut self.frames);
+        let mut samplers = self.light_samplers(&background, &frames);
+        let sampler = samplers.remove(0);
+        self.finish_geometry(&frames);
         self.finish_appearance();
+        let relativity = frames.finish(&self.geometry, samplers, &self.trees);
         let lighting = Lighting {
             lights: self.lights,
             list: self.light_list.into_iter().map(|(id, _)| id).collect(),
@@ -213,7 +219,7 @@ impl SceneBuilder {
             fog: self.fog,
             air: self.air,
         };
-        Ok(Scene { geometry: self.geometry, appearance: self.appearance, lighting, output })
+        Ok(Scene { geometry: self.geometry, appearance: self.appearance, lighting, output, relativity })
     }
 }
 

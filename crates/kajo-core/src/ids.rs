@@ -55,6 +55,29 @@ index! {
     MotionId
 }
 
+/// Names an inertial frame of a scene, in which things rest; see [`crate::scene::Relativity`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FrameId(u16);
+
+/// The most inertial frames of a scene, the world's included: every ray is tested in each of them.
+pub const MAX_FRAMES: usize = 256;
+
+impl FrameId {
+    /// That of the world, in which all rests that says nothing else.
+    pub const WORLD: FrameId = FrameId(0);
+
+    /// The frame at an index; `None` from [`MAX_FRAMES`] on.
+    pub fn new(index: usize) -> Option<FrameId> {
+        u16::try_from(index).ok().filter(|_| index < MAX_FRAMES).map(FrameId)
+    }
+
+    /// Its index.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0.into()
+    }
+}
+
 /// Where an object stands: names its transform, or its motion if it has one.
 ///
 /// Transforms count upwards from 0 and motions downwards from the largest number, so that looking among the transforms

@@ -8,6 +8,7 @@ mod fitted;
 mod geometry;
 mod immersion;
 mod rays;
+mod relativity;
 
 use crate::texture::{TextureContext, TextureFootprint};
 use std::sync::Arc;
@@ -34,6 +35,7 @@ pub use extent::Extent;
 pub use fitted::{Fitted, FittedCamera};
 pub use geometry::{Geometry, Primitive};
 pub use immersion::Immersion;
+pub use relativity::{LightRay, MAX_GAMMA, Observer, Relativity, RestFrame};
 
 /// A scene ready to be rendered.
 #[derive(Debug)]
@@ -46,6 +48,8 @@ pub struct Scene {
     pub lighting: Lighting,
     /// From where and how it is to be seen.
     pub output: Output,
+    /// The frames of what moves at speeds that light is not much faster than, and the observer's; `None` where all is at rest.
+    pub relativity: Option<Box<Relativity>>,
 }
 
 /// Everything that gives light, and the air that it goes through.

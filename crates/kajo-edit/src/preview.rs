@@ -21,7 +21,7 @@ use kajo_core::scene::Scene;
 use kajo_core::shape::{
     Cuboid, Disk, Mesh, Plane, Quad, ShapeId, Shapes, Sphere, Surface, Tessellation, Triangle,
 };
-use kajo_core::{NestedPiece, PieceContent, Pooled};
+use kajo_core::{NestedPiece, ObjectId, PieceContent, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
 pub use lines::{Line, LineKind};
@@ -103,9 +103,10 @@ impl Preview {
     pub fn of(scene: &Scene) -> Preview {
         let bounds = extent(scene);
         let mut builder = Builder::new(scene, bounds);
-        for (object, primitive) in (1..).zip(&scene.geometry.primitives) {
-            let place = scene.geometry.place(primitive, 0.0);
-            builder.add(object, primitive.shape, &place, primitive.material);
+        for (index, primitive) in (0..).zip(&scene.geometry.primitives) {
+            let object = ObjectId::from_index(index);
+            let Some(place) = scene.snapshot_place(object, 0.0) else { continue };
+            builder.add(object.number(), primitive.shape, &place, primitive.material);
         }
         for piece in scene.geometry.nested_pieces(|shape| builder.cost(shape), NESTED_TRIANGLES) {
             builder.add_piece(&piece);

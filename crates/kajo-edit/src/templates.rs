@@ -115,6 +115,7 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             )
         }
         "Transform" => "Transform { Translate 0 0 0  Group { } }".to_owned(),
+        "Lorentz" => "Lorentz { velocity 0.9 0 0  Translate 0 0 0  Group { } }".to_owned(),
         "Checkerboard" | "Marble" | "Mix" | "Noise" | "Wood" => {
             format!("{keyword} {{ materialIndex 0  materialIndex 0 }}")
         }

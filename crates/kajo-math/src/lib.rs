@@ -1,4 +1,4 @@
-//! Vectors, rays, boxes, transforms, motions, differential equations, random numbers and noise.
+//! Vectors, rays, boxes, transforms, motions, inertial frames, differential equations, random numbers and noise.
 //!
 //! Everything here is a pure function of its arguments. Coordinates are
 //! right-handed; angles are radians unless a name says degrees. Elementary
@@ -11,6 +11,7 @@ pub mod fmath;
 pub mod frame;
 pub mod gravity;
 pub mod interval;
+pub mod lorentz;
 pub mod motion;
 pub mod noise;
 pub mod ode;

@@ -5,7 +5,7 @@
 //! except that its place in the picture is given: all other random numbers are those of the pixel's sample of
 //! that index. The contributions of its segments add up to its radiance.
 
-use kajo_core::scene::{Event, Scene};
+use kajo_core::scene::Scene;
 use kajo_math::{DVec2, Vec2, Vec3};
 use kajo_render::{Layer, LayerSet, RayCounters, SampleContext};
 
@@ -41,17 +41,18 @@ pub struct Pick {
 ///
 /// * `place`: in pixels, counted from the top left corner; the middle of the first pixel is (0.5, 0.5)
 ///
-/// Through a lens one looks by its middle, and at things that move when the shutter opens.
+/// Through a lens one looks by its middle, and at things that move when the shutter opens. What moves nearly as fast as light is where it is
+/// at the moment 0 of the world, which is what previews draw, and not where it is seen.
 pub fn pick(scene: &Scene, camera: &CameraPose, place: DVec2, size: [u32; 2]) -> Option<Pick> {
     let ray = camera.ray(place, size)?;
-    let Event::Surface(at) = scene.trace(&ray) else { return None };
+    let (at, point) = scene.trace_snapshot(&ray)?;
     let words = scene.geometry.object(at.object)?;
     Some(Pick {
         object: at.object.number(),
         material: scene.appearance.number(at.material),
         t: at.hit.t,
-        point: at.point.p,
-        normal: at.point.n,
+        point: point.p,
+        normal: point.n,
         uv: scene.geometry.uv(&at),
         keyword: words.keyword,
         name: words.name.map(str::to_owned),

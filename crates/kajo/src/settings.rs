@@ -143,10 +143,7 @@ impl RenderSettings {
                 is_light && !scene.lighting.ambient.is_black() && !scene.lighting.list.is_empty(),
                 "`ambientLight` is left out: indirect light takes its place",
             ),
-            (
-                is_light && scene.lighting.sampler.is_empty(),
-                "nothing in this scene gives light, so the picture is black",
-            ),
+            (is_light && !scene.has_lights(), "nothing in this scene gives light, so the picture is black"),
             (
                 is_light && unfading,
                 "a light here does not fade with the square of the distance, as real ones do; give it an `intensity`",
@@ -320,6 +317,24 @@ mod tests {
         assert!(expected.iter().all(|word| path.contains(word)) && !path.contains("black"), "{path}");
         assert!(!left_out("light").contains("does not find"));
         assert_eq!(left_out("occlusion").matches("left out").count(), 1);
+    }
+
+    #[test]
+    fn what_is_fast_is_followed_by_paths_and_said_to_be_left_out_by_others() {
+        let world = "Materials { Matte emitter { color 0 0 0 emission 1 } }
+            Group { MaterialIndex emitter Lorentz { velocity 0.5 0 0 Sphere { center 0 0 0 radius 1 } } }";
+        let scene = scene(&format!("{CAMERA} {world}"));
+        let left_out = |integrator, spectral| {
+            let integrator = Some(IntegratorName(integrator));
+            let asked = Settings { integrator, spectral: Some(spectral), ..Settings::default() };
+            resolve(&scene, &asked, Defaults::Modern).left_out(&scene).join("; ")
+        };
+        assert_eq!(left_out("path", true), "");
+        assert!(left_out("direct", false).contains("Doppler"));
+        assert!(left_out("distribution", true).contains("one path"));
+        for integrator in ["classic", "bidirectional", "light", "mlt", "photon", "sppm", "occlusion"] {
+            assert!(left_out(integrator, false).contains("`Lorentz`"), "{integrator}");
+        }
     }
 
     #[test]

@@ -9,10 +9,11 @@ use kajo_scene::OverBudget;
 
 use super::SceneBuilder;
 use super::emission_density::EmissivePatch;
+use super::frames::Frames;
 use crate::background::Background;
 use crate::emission::VariedEmission;
 use crate::family::Pooled;
-use crate::ids::{LightGroup, LightIndex, ObjectId, PoseId, VariedEmissionId};
+use crate::ids::{FrameId, LightGroup, LightIndex, ObjectId, PoseId, VariedEmissionId};
 use crate::light::{AreaLight, LightSampler, PatchExtent, Sides, SkyLight};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
@@ -186,8 +187,13 @@ impl SceneBuilder {
         (motion.map_at(0.0), drift)
     }
 
-    /// The lights that integrators draw from: those of the file, emissive patches, and the background.
-    pub(super) fn light_sampler(&mut self, background: &Arc<Background>) -> LightSampler {
+    /// The lights that integrators draw from: those of the file, emissive patches, and the background; of each frame those that rest
+    /// in it.
+    pub(super) fn light_samplers(
+        &mut self,
+        background: &Arc<Background>,
+        frames: &Frames,
+    ) -> Vec<LightSampler> {
         let mut list = self.light_list.clone();
         let first_area = list.len() - self.lights.areas.len();
         let mut sky = None;
@@ -197,7 +203,20 @@ impl SceneBuilder {
             sky = LightIndex::new(list.len());
             list.push((id, self.background_group));
         }
-        LightSampler::new(list, first_area, sky, &self.lights)
+        if frames.has_one() {
+            return vec![LightSampler::new(list, first_area, sky, &self.lights)];
+        }
+        let of_light =
+            |light: usize| match light.checked_sub(first_area).and_then(|i| self.lights.areas.get(i)) {
+                Some(area) => frames.of_object(area.object.index()),
+                None => frames.of_light(light),
+            };
+        let of_each: Vec<FrameId> = (0..list.len()).map(of_light).collect();
+        let sampler = |frame| {
+            let elsewhere: Vec<bool> = of_each.iter().map(|&of| of != frame).collect();
+            LightSampler::of_frame(list.clone(), first_area, sky, &self.lights, &elsewhere)
+        };
+        frames.ids().map(sampler).collect()
     }
 }
 

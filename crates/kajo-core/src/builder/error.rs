@@ -2,10 +2,11 @@
 
 use kajo_scene::OverBudget;
 
-use crate::ids::{AssemblyId, LightGroup, MAX_LIGHT_GROUPS, PoseId};
+use crate::ids::{AssemblyId, LightGroup, MAX_FRAMES, MAX_LIGHT_GROUPS, PoseId};
 use crate::material::MaterialId;
 use crate::medium::MediumId;
 use crate::nested::MOST_LEVELS;
+use crate::scene::MAX_GAMMA;
 use crate::shape::ShapeId;
 
 /// Why something cannot be part of a scene.
@@ -74,6 +75,16 @@ pub enum SceneError {
     /// An assembly has parts without a material, and its instance has none for them.
     #[error("an instance of an assembly whose parts have no material needs one")]
     NoMaterial,
+    /// A velocity that nothing has.
+    #[error(
+        "nothing moves at the speed of light: a velocity is less than 1 long, and by {MAX_GAMMA} clocks may run slow"
+    )]
+    Velocity,
+    /// Too many velocities.
+    #[error(
+        "there are more than {MAX_FRAMES} different velocities, in each of which every ray has to be tested"
+    )]
+    TooManyFrames,
     /// A light that the scene makes itself, of emissive objects or of the background.
     #[error("a {0} is made by the scene itself")]
     OwnLight(&'static str),

@@ -36,6 +36,7 @@ impl SceneBuilder {
         let index = LightIndex::new(self.light_list.len()).ok_or(SceneError::TooMany(name))?;
         let id = light.store(&mut self.lights).ok_or(SceneError::TooMany(name))?;
         self.light_list.push((id, group));
+        self.frames.add_light(index);
         Ok(index)
     }
 

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use kajo_math::{DAffine3, Motion, Transform};
 
+use super::frames::Frames;
 use super::{OwnMaterials, SceneBuilder, SceneError, check_finite};
-use crate::ids::{MotionId, ObjectId, PoseId, TransformId};
+use crate::ids::{FrameId, MotionId, ObjectId, PoseId, TransformId};
 use crate::material::MaterialId;
 use crate::objects::Label;
 use crate::scene::{Geometry, Primitive};
@@ -122,6 +123,7 @@ impl SceneBuilder {
         let transmits = self.appearance.may_transmit(material) || self.own_materials_of(shape).transmit;
         self.geometry.primitives.push(Primitive { shape, pose, material, transmits, emits: false });
         self.geometry.objects.push(label, placed_by);
+        self.frames.add_object(object);
         object
     }
 
@@ -161,7 +163,7 @@ impl SceneBuilder {
     }
 
     /// What is to be known of all objects together, and the trees over them.
-    pub(super) fn finish_geometry(&mut self) {
+    pub(super) fn finish_geometry(&mut self, frames: &Frames) {
         let geometry = &mut self.geometry;
         geometry.transmits = self.nested_transmits || geometry.primitives.iter().any(|p| p.transmits);
         geometry.has_vertex_colors = geometry.shapes.meshes.iter().any(Mesh::has_colors);
@@ -170,6 +172,6 @@ impl SceneBuilder {
             nested.finish(&geometry.shapes, &self.trees);
             nested
         });
-        geometry.build_trees(nested, &self.trees);
+        geometry.build_trees(nested, |i| frames.of_object(i) == FrameId::WORLD, &self.trees);
     }
 }

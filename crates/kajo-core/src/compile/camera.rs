@@ -10,10 +10,12 @@ use super::blocks::CAMERAS as MEMBERS;
 use super::camera_keys::{OwnKeys, ShutterKeys, View};
 use super::fields::Keys;
 use super::lens::{Focus, LensKeys};
+use super::lorentz::Velocity;
 use super::member::keywords;
 use super::{Compiler, motion};
 use crate::camera::{Camera, Frame, OrthographicCamera};
 use crate::motion::{MovingTransform, Shutter};
+use crate::scene::Observer;
 
 /// Words that make a camera.
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
@@ -32,6 +34,8 @@ pub(super) struct CameraRequest<'a> {
     pub motion: Option<MovingTransform>,
     pub shutter: Shutter,
     pub readout: f32,
+    /// How it moves, and when, in a world that has a speed of light.
+    pub observer: Observer,
     /// Whether `up` is taken as it stands.
     pub raw_up: bool,
     /// Columns and rows of the picture, where the camera says them.
@@ -64,7 +68,8 @@ impl<'a> Compiler<'_> {
             let own = (member.read.read)(params, sources, &View { frame, is_fitted });
             Some((name, keys, moves, aim, own))
         })?;
-        let ShutterKeys { shutter, rolling: readout } = keys?;
+        let ShutterKeys { shutter, rolling: readout, velocity: Velocity(velocity), world_time } = keys?;
+        let observer = Observer { velocity, time: world_time.into() };
         let OwnKeys { camera, has_opening, lens: lens_keys, size } = own;
         let focus = lens_keys.as_ref().and_then(LensKeys::subject);
         let lens = lens_keys.and_then(|keys| self.lens(keys));
@@ -81,6 +86,7 @@ impl<'a> Compiler<'_> {
             motion,
             shutter,
             readout,
+            observer,
             raw_up,
             size,
         })

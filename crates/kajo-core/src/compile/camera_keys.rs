@@ -2,11 +2,12 @@
 
 use kajo_scene::Params;
 
-use super::fields::{Defaulted, Sources, Typed, at_least, between, keys};
+use super::fields::{Defaulted, Sources, Typed, at_least, between, keys, number};
 use super::lens::LensKeys;
+use super::lorentz::{self, Velocity};
 use crate::camera::{Camera, Frame};
 use crate::motion::Shutter;
-use crate::schema::FieldKind;
+use crate::schema::{Constant, FieldKind};
 
 /// What reads the keys that a kind of camera has of its own.
 pub(super) struct CameraReader {
@@ -45,6 +46,10 @@ keys! {
             .or([0.0, 1.0], "from when to when light is gathered"),
         rolling: f32 = between("rollingShutter", 0.0, 1.0)
             .or(0.0, "the share of that time in which rows open one after the other"),
+        velocity: Velocity = lorentz::VELOCITY
+            .otherwise(Constant::Triple([0.0; 3]), "how it moves, as a fraction of the speed of light"),
+        world_time: f32 = number("worldTime")
+            .or(0.0, "moment of the picture for what moves in `Lorentz`, in lengths that light goes"),
     }
 }
 

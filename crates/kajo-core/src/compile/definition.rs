@@ -67,8 +67,11 @@ impl Compiler<'_> {
             there = self.moved(item, &operations, place);
             &mut there
         };
-        let assembly =
-            if walk.is_operand { None } else { self.assembly_of(&name, &definition, place, walk, item) };
+        let assembly = if walk.is_operand || self.is_moving() {
+            None
+        } else {
+            self.assembly_of(&name, &definition, place, walk, item)
+        };
         if self.too_many {
             return;
         }

@@ -78,9 +78,23 @@ impl Compiler<'_> {
     }
 
     pub(super) fn transform(&mut self, item: Item<'_>, place: &Place, walk: &mut Walk) {
+        let children = self.children(item);
+        let (operations, objects) = self.operations_first(item, children);
+        let mut there = self.moved(item, &operations, place);
+        for object in objects {
+            self.object(object, item.keyword(), &mut there, walk);
+        }
+    }
+
+    /// The operations among the children of an item, and the objects behind them.
+    pub(super) fn operations_first<'t>(
+        &mut self,
+        item: Item<'t>,
+        children: Vec<Item<'t>>,
+    ) -> (Vec<Item<'t>>, Vec<Item<'t>>) {
         let mut operations = Vec::new();
         let mut objects = Vec::new();
-        for child in self.children(item) {
+        for child in children {
             if !operations::MOVING_OPERATIONS.contains(&child.keyword()) {
                 objects.push(child);
             } else if objects.is_empty() {
@@ -92,13 +106,10 @@ impl Compiler<'_> {
             }
         }
         if objects.is_empty() {
-            let warning = Diagnostic::warning("this `Transform` holds no object");
+            let warning = Diagnostic::warning(format!("this `{}` holds no object", item.keyword()));
             self.diagnostics.push(warning.label(item.keyword_span(), "moves nothing"));
         }
-        let mut there = self.moved(item, &operations, place);
-        for object in objects {
-            self.object(object, item.keyword(), &mut there, walk);
-        }
+        (operations, objects)
     }
 
     /// The place that `operations` of `item` lead to from `place`; one that cannot be is reported.
@@ -200,6 +211,9 @@ impl Compiler<'_> {
                 return self.place_assembly(number, part.material, by, place, walk);
             }
         };
+        if !self.may_rest(place, by) {
+            return;
+        }
         let material = part.material.or_else(|| self.material_for(by, walk));
         let (Some(material), Some(pose)) = (material, self.pose(place, by)) else { return };
         let material = self.see_through(part.content, material);

@@ -21,6 +21,7 @@ mod lens;
 mod light_groups;
 mod light_quantities;
 mod lights;
+mod lorentz;
 mod material_draft;
 mod materials;
 mod media;
@@ -148,6 +149,10 @@ fn compile_tree(
     let chosen = cameras::chosen(&cameras, camera_name);
     let (shutter, readout) = cameras::shutter_of(&cameras, chosen);
     compiler.scene.expose(shutter, readout);
+    if let Some(camera) = chosen.map(|i| &cameras[i]) {
+        let observed = compiler.scene.observe(camera.observer);
+        compiler.accepted(observed, camera.item.keyword_span());
+    }
     let camera_size = chosen.and_then(|i| cameras[i].size);
     compiler.background(background);
     if let Some(item) = fog {

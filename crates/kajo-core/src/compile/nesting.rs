@@ -204,6 +204,14 @@ impl Compiler<'_> {
         if place.is_flat() || !self.may_stand(&stands, by, place) {
             return;
         }
+        if self.is_moving() {
+            let message =
+                format!("this would place {count} objects that move, which are too many to place one by one");
+            let error = Diagnostic::error(message)
+                .label(by.head_span(), "nested instances cannot stand in `Lorentz`");
+            self.diagnostics.push(error);
+            return;
+        }
         let material = if inherits { material.or_else(|| self.material_for(by, walk)) } else { None };
         let Some(map) = place.world.constant() else { return };
         match self.scene.put_assembly(assembly, map, material, by.index()) {

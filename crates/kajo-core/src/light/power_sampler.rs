@@ -17,7 +17,10 @@ impl PowerLightSampler {
     /// * `bounds`: of everything that has any
     pub fn new(sampler: &LightSampler, lights: &Lights, bounds: &Aabb) -> PowerLightSampler {
         let world = BoundingSphere::around(bounds);
-        let powers = sampler.list().iter().map(|&id| f64::from(lights.power(id, &world)));
+        let all = LightIndex::all(sampler.list().len());
+        let power =
+            |light| if sampler.is_here(light) { lights.power(sampler.id(light), &world) } else { 0.0 };
+        let powers = all.map(|light| f64::from(power(light)));
         let sums = powers.scan(0.0, |sum: &mut f64, power| {
             *sum += if power.is_finite() { power.max(0.0) } else { 0.0 };
             Some(*sum as f32)

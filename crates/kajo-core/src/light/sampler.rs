@@ -21,6 +21,8 @@ pub struct LightSampler {
     infinite: InfiniteLights,
     /// All that can be chosen, those infinitely far away first.
     choosable: Vec<LightIndex>,
+    /// Whether each is in another frame, where others choose it; empty where all are in this one.
+    elsewhere: Vec<bool>,
 }
 
 impl LightSampler {
@@ -32,19 +34,43 @@ impl LightSampler {
         background: Option<LightIndex>,
         lights: &Lights,
     ) -> LightSampler {
+        LightSampler::of_frame(list, first_area, background, lights, &[])
+    }
+
+    /// The same, which chooses among those that rest in one frame and knows all.
+    ///
+    /// * `elsewhere`: whether each rests in another frame; empty where all rest in this one
+    pub(crate) fn of_frame(
+        list: Vec<(LightId, LightGroup)>,
+        first_area: usize,
+        background: Option<LightIndex>,
+        lights: &Lights,
+        elsewhere: &[bool],
+    ) -> LightSampler {
+        let is_here = |light: LightIndex| !elsewhere.get(light.index()).is_some_and(|&elsewhere| elsewhere);
         let (list, groups): (Vec<LightId>, Vec<LightGroup>) = list.into_iter().unzip();
-        let bounds: Vec<_> = list.iter().map(|&id| lights.bounds(id)).collect();
+        let mut bounds: Vec<_> = list.iter().map(|&id| lights.bounds(id)).collect();
         let others = LightIndex::all(list.len()).filter(|&light| Some(light) != background);
-        let hit = background.into_iter().chain(others);
+        let hit = background.into_iter().chain(others).filter(|&light| is_here(light));
         let at_infinity = hit.filter(|light| lights.is_seen_at_infinity(list[light.index()])).collect();
+        let all = || LightIndex::all(list.len()).filter(|&light| is_here(light));
+        bounds
+            .iter_mut()
+            .zip(elsewhere)
+            .for_each(|(bounds, &elsewhere)| *bounds = bounds.take().filter(|_| !elsewhere));
         let tree = LightTree::build(&bounds);
-        let all = || LightIndex::all(list.len());
         let is_infinite = |light: &LightIndex| bounds[light.index()].is_none();
         let irradiances =
             all().filter(is_infinite).map(|light| (light, lights.irradiance(list[light.index()])));
         let infinite = InfiniteLights::new(irradiances, background);
         let choosable = all().filter(is_infinite).chain(all().filter(|&light| tree.has(light))).collect();
-        LightSampler { list, groups, first_area, at_infinity, tree, infinite, choosable }
+        let elsewhere = elsewhere.to_vec();
+        LightSampler { list, groups, first_area, at_infinity, tree, infinite, choosable, elsewhere }
+    }
+
+    /// Whether a light rests in the frame that this chooses for.
+    pub(crate) fn is_here(&self, light: LightIndex) -> bool {
+        !self.elsewhere.get(light.index()).is_some_and(|&elsewhere| elsewhere)
     }
 
     /// Number of lights that can be chosen.
@@ -79,10 +105,19 @@ impl LightSampler {
     /// * `most`: patches of an object; of one that has more so many are taken, by their power, that stand for equal parts
     ///   of it
     pub fn representatives(&self, lights: &Lights, most: usize) -> Vec<(LightId, f32)> {
-        let mut taken: Vec<_> = self.list[..self.first_area].iter().map(|&id| (id, 1.0)).collect();
+        let here = |i: usize| LightIndex::new(i).is_some_and(|light| self.is_here(light));
+        let listed = self.list[..self.first_area].iter().enumerate().filter(|&(i, _)| here(i));
+        let mut taken: Vec<_> = listed.map(|(_, &id)| (id, 1.0)).collect();
         let mut patches = self.list[self.first_area..].iter().copied();
+        let mut next = self.first_area;
         for object in lights.areas.chunk_by(|a, b| a.object == b.object) {
             let ids = patches.by_ref().take(object.len());
+            let first = next;
+            next += object.len();
+            if !here(first) {
+                ids.for_each(drop);
+                continue;
+            }
             if object.len() <= most {
                 taken.extend(ids.map(|id| (id, 1.0)));
                 continue;

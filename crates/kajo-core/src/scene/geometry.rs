@@ -77,11 +77,28 @@ impl Geometry {
     /// Builds the trees over all objects, which rays need.
     ///
     /// * `nested`: instances that are kept nested, if there are any
-    pub(crate) fn build_trees(&mut self, nested: Option<Nested>, settings: &BuildSettings) {
-        let bounds: Vec<Aabb> = self.primitives.iter().map(|p| self.world_bounds(p)).collect();
+    /// * `stands`: whether the object at an index stands in these trees, and not in those of another frame
+    pub(crate) fn build_trees(
+        &mut self,
+        nested: Option<Nested>,
+        stands: impl Fn(usize) -> bool,
+        settings: &BuildSettings,
+    ) {
+        let bounds = |(i, p)| if stands(i) { self.world_bounds(p) } else { Aabb::EMPTY };
+        let bounds: Vec<Aabb> = self.primitives.iter().enumerate().map(bounds).collect();
         let is_moving: Vec<bool> = self.primitives.iter().map(|p| self.is_moving(p)).collect();
         let moving_bounds = |i: usize, part| self.moving_bounds(&self.primitives[i], part);
         self.aggregate = Aggregate::build(&bounds, &is_moving, moving_bounds, nested, settings);
+    }
+
+    /// Trees over the objects of another frame than the world's, none of which moves in it or is nested.
+    ///
+    /// * `stands`: whether the object at an index is one of them
+    pub(super) fn frame_trees(&self, stands: impl Fn(usize) -> bool, settings: &BuildSettings) -> Aggregate {
+        let bounds = |(i, p)| if stands(i) { self.world_bounds(p) } else { Aabb::EMPTY };
+        let bounds: Vec<Aabb> = self.primitives.iter().enumerate().map(bounds).collect();
+        let is_moving = vec![false; bounds.len()];
+        Aggregate::build(&bounds, &is_moving, |_, _| [Aabb::EMPTY; 2], None, settings)
     }
 
     /// The map of a primitive from its own space to the world's.

@@ -4,7 +4,7 @@
 
 use kajo_math::Ray;
 
-use super::accel::{ClosestQuery, Visitor};
+use super::accel::{Aggregate, ClosestQuery, Visitor};
 use super::{Event, Interaction, Primitive, Scene, rarely};
 use crate::family::Pooled;
 use crate::ids::{ObjectId, PoseId};
@@ -67,6 +67,30 @@ impl Scene {
         self.geometry.aggregate.any(apex, ray, &mut Blockers { scene: self, ray })
     }
 
+    /// [`Scene::occluded`] by what stands in one of several trees.
+    pub(super) fn occluded_within(&self, aggregate: &Aggregate, ray: &Ray) -> bool {
+        aggregate.any(None, ray, &mut Blockers { scene: self, ray })
+    }
+
+    /// [`Scene::occluded_or`] by what stands in one of several trees.
+    pub(super) fn occluded_within_or(
+        &self,
+        aggregate: &Aggregate,
+        ray: &Ray,
+        visit: impl FnMut(ObjectId, Hit) -> bool,
+    ) -> bool {
+        aggregate.any(None, ray, &mut Passages { scene: self, ray, visit })
+    }
+
+    /// Finds the nearest hit of what stands in one of several trees, and writes it and its primitive into `at`; `false` when there is
+    /// none.
+    pub(super) fn closest_within_tree(&self, aggregate: &Aggregate, ray: &Ray, at: &mut Interaction) -> bool {
+        at.object = ObjectId::NONE;
+        let mut nearest = Nearest { scene: self, ahead: *ray, at };
+        aggregate.closest(None, ray, ray.t_max, &mut nearest);
+        nearest.at.object != ObjectId::NONE
+    }
+
     /// Visits every crossing with things that light may pass through within the ray's range, in no
     /// particular order; `true` as soon as anything else is in the way or `visit` says so.
     ///
@@ -109,7 +133,7 @@ impl Scene {
 
     /// Works out position, normals and material where `at` knows the primitive and the hit.
     #[inline]
-    fn complete(&self, ray: &Ray, at: &mut Interaction) {
+    pub(super) fn complete(&self, ray: &Ray, at: &mut Interaction) {
         let Some(placed) = self.geometry.primitives.get(at.object.index()) else {
             return rarely(|| self.complete_nested(ray, at));
         };

@@ -5,7 +5,7 @@
 
 use std::thread;
 
-use kajo_core::scene::{Event, Scene};
+use kajo_core::scene::Scene;
 use kajo_math::{DVec2, Ray};
 
 use super::color;
@@ -124,9 +124,9 @@ impl TracedPreview {
 }
 
 fn meet(scene: &Scene, ray: &Ray) -> Option<Met> {
-    let Event::Surface(at) = scene.trace(ray) else { return None };
+    let (at, point) = scene.trace_snapshot(ray)?;
     let [r, g, b, _] = color::of(scene, at.material, at.point.p);
-    let light = 0.28 + 0.72 * at.point.n.dot(ray.d).abs().min(1.0);
+    let light = 0.28 + 0.72 * point.n.dot(ray.d).abs().min(1.0);
     let color = [r, g, b].map(|v| (f32::from(v) * light).round() as u8);
     Some(Met { color, object: at.object.number(), distance: at.hit.t })
 }

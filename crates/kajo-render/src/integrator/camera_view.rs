@@ -105,6 +105,13 @@ impl<'a> CameraView<'a> {
         self.camera.ray(at, film.aspect(), lens, self.moment(at.y / film.scale(), time))
     }
 
+    /// Where the camera is: the origin of the ray through the middle of the picture and of its lens.
+    pub fn pivot(&self, time: f32) -> Option<Vec3> {
+        let middle = Vec2::from(self.size.map(|n| 0.5 * n as f32));
+        let ray = self.camera.ray(self.film.picture(middle), self.film.aspect(), Vec2::splat(0.5), time);
+        ray.map(|ray| ray.o)
+    }
+
     /// How the ray of [`CameraView::ray`] differs from those of neighbouring samples; `None` where no texture asks.
     ///
     /// Of `n` samples of a pixel each covers about a part `1/n` of it, so its sides are `1/sqrt(n)` of a pixel's; not less than an eighth,

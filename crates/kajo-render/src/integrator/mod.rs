@@ -61,8 +61,16 @@ macro_rules! settings {
             }
 
             fn left_out(&self, scene: &Scene, size: [u32; 2]) -> Vec<&'static str> {
-                match self {
+                let mut left_out = match self {
                     $(IntegratorSettings::$Variant(settings) => settings.left_out(scene, size),)+
+                };
+                left_out.extend(spec::without_frames(scene).filter(|_| !self.follows_frames()));
+                left_out
+            }
+
+            fn follows_frames(&self) -> bool {
+                match self {
+                    $(IntegratorSettings::$Variant(settings) => settings.follows_frames(),)+
                 }
             }
         }

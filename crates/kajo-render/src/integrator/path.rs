@@ -26,6 +26,7 @@
 //! the others end.
 
 mod directions;
+mod relativistic;
 mod settings;
 mod tracer;
 
@@ -43,6 +44,7 @@ use super::camera_view::{CameraView, in_white_light};
 use super::transport::{LaneMis, PathState};
 use crate::trail::PathObserver;
 use crate::{LayerSet, PixelSample, SampleContext};
+pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
 pub(super) use tracer::power_heuristic;
 use tracer::{CameraPath, Fork, PathTracer};
@@ -143,5 +145,7 @@ fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
 mod curved_tests;
 #[cfg(test)]
 mod media_tests;
+#[cfg(test)]
+mod relativistic_tests;
 #[cfg(test)]
 mod tests;

@@ -96,6 +96,15 @@ pub fn without_curves(scene: &Scene) -> Option<&'static str> {
     (scene.space() == Space::Curved).then_some(WITHOUT_CURVES)
 }
 
+/// What integrators say that know nothing of speeds near that of light.
+const WITHOUT_FRAMES: &str = "what a `Lorentz` holds is left out, and the camera's `velocity`: light at such speeds is followed by \
+     `path`, `direct` and `distribution`";
+
+/// Why things that move that fast are not shown, where a scene has any.
+pub fn without_frames(scene: &Scene) -> Option<&'static str> {
+    scene.relativity.is_some().then_some(WITHOUT_FRAMES)
+}
+
 /// The settings of an integrator, of which it is made: what each variant of [`IntegratorSettings`] does.
 pub trait Prepare: Copy {
     /// The integrator, ready to take samples of a picture of `size` pixels with these `layers`.
@@ -112,7 +121,13 @@ pub trait Prepare: Copy {
     /// The values that hold for the keys of `Settings` which it listens to.
     fn values(&self) -> Settings;
 
-    /// What it leaves out of a scene, a sentence each, beyond what follows from its [`Quantity`].
+    /// Whether it follows light between inertial frames, [`kajo_core::scene::Relativity`].
+    fn follows_frames(&self) -> bool {
+        false
+    }
+
+    /// What it leaves out of a scene, a sentence each, beyond what follows from its [`Quantity`], and from
+    /// [`Prepare::follows_frames`].
     ///
     /// * `size`: columns and rows of the picture
     fn left_out(&self, _scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {

@@ -13,6 +13,7 @@ mod motion;
 mod polygon;
 mod quadrature;
 mod rainbow;
+mod relativity;
 mod rooms;
 mod solids;
 mod surfaces;
@@ -123,7 +124,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 15] = [
+    let makers: [(&str, Maker); 16] = [
         ("rooms", rooms::forms),
         ("lights", lights::forms),
         ("bodies", bodies::forms),
@@ -139,13 +140,16 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("camera", camera::forms),
         ("motion", motion::forms),
         ("solids", solids::forms),
+        ("relativity", relativity::forms),
     ];
     makers.into_iter().flat_map(|(name, make)| make(&mut Parameters::new(seed, name))).collect()
 }
 
-/// The numbers of tables.
+/// The numbers of tables, and of formulas that no picture is needed for.
 pub fn numbers() -> Vec<Number> {
-    tables::numbers()
+    let mut numbers = tables::numbers();
+    numbers.extend(relativity::numbers());
+    numbers
 }
 
 /// A vector as the scene language writes it.

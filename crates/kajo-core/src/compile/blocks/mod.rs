@@ -26,6 +26,7 @@ pub(super) mod interface;
 pub(super) mod isosurface;
 pub(super) mod lathe;
 mod linear_index;
+pub(super) mod lorentz;
 mod luneburg_lens;
 pub(super) mod marble;
 pub(super) mod matte;
@@ -60,7 +61,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, MediumMember, Obj
 use crate::schema::{Absent, Block, FieldKind, FieldSpec, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 31] = [
+pub(super) const OBJECTS: [&ObjectMember; 32] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -92,6 +93,7 @@ pub(super) const OBJECTS: [&ObjectMember; 31] = [
     &group::GROUP,
     &group::TRANSFORM,
     &group::INSTANCE,
+    &lorentz::MEMBER,
 ];
 
 /// All kinds of cameras, in the order in which they are offered.

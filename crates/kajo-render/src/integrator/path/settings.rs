@@ -4,8 +4,9 @@ use kajo_core::camera::Camera;
 use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{Directions, IntegratorName, Settings, SettingsKey, Technique};
+use kajo_core::space::Space;
 
-use super::Path;
+use super::{Path, RelativisticPath};
 use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext};
 use crate::{LayerSet, PixelIntegrator};
 
@@ -99,6 +100,10 @@ pub const DISTRIBUTION: IntegratorSpec = IntegratorSpec {
     ..PATH
 };
 
+/// What is said of bodies that bend light in a scene with inertial frames.
+const WITHOUT_CURVES_AMONG_FRAMES: &str =
+    "between things that move nearly as fast as light it goes straight through bodies that bend it";
+
 /// What all of them listen to.
 const KEYS: [SettingsKey; 6] = [
     SettingsKey::Bounces,
@@ -131,7 +136,10 @@ impl Prepare for PathSettings {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Box<dyn PixelIntegrator + 'a> {
-        Box::new(Path::through(camera, scene, self, size, layers))
+        match scene.relativity.as_deref() {
+            None => Box::new(Path::through(camera, scene, self, size, layers)),
+            Some(all) => Box::new(RelativisticPath::new(camera, scene, all, self, size, layers)),
+        }
     }
 
     fn values(&self) -> Settings {
@@ -145,5 +153,28 @@ impl Prepare for PathSettings {
             branches: Some(self.branches),
             ..Settings::default()
         }
+    }
+
+    fn follows_frames(&self) -> bool {
+        true
+    }
+
+    fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
+        if scene.relativity.is_none() {
+            return Vec::new();
+        }
+        let notes = [
+            (
+                !self.spectral,
+                "the Doppler effect makes colours brighter or darker and leaves their hue: with `spectral on` they are shifted",
+            ),
+            (
+                self.branches > 1 || self.directions != Directions::Scattering,
+                "between things that move nearly as fast as light each sample follows one path, in directions drawn by scattering",
+            ),
+            (scene.has_media(), "media are left out between things that move nearly as fast as light"),
+        ];
+        let notes = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
+        notes.chain((scene.space() == Space::Curved).then_some(WITHOUT_CURVES_AMONG_FRAMES)).collect()
     }
 }

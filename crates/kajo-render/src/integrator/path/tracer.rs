@@ -22,17 +22,17 @@ use crate::trail::{About, PathObserver, RayKind};
 /// A path from the camera, and what the weights of the light that it meets go by.
 #[derive(Clone, Copy)]
 pub(super) struct CameraPath<'s> {
-    state: PathState<'s>,
+    pub state: PathState<'s>,
     /// The last vertex.
-    receiver: Receiver,
+    pub receiver: Receiver,
     /// Density per solid angle with which the ray's direction was drawn there.
-    pdf: f32,
+    pub pdf: f32,
     /// Scatterings that count.
     bounces: u32,
     /// Mirrors that may still be met before the first bounce without counting as one.
     free_mirrors: u32,
     /// Whether the ray is followed for lights that it may meet, and no further.
-    ends_at_lights: bool,
+    pub ends_at_lights: bool,
     /// Whether the path has branched off another.
     is_branch: bool,
 }
@@ -55,7 +55,7 @@ impl<'s> CameraPath<'s> {
     ///
     /// Takes two numbers for the direction, one more where scattering has parts to choose from, and one for roulette where it
     /// is played.
-    fn go_on(
+    pub fn go_on(
         &mut self,
         scene: &Scene,
         settings: &PathSettings,
@@ -96,10 +96,10 @@ impl<'s> CameraPath<'s> {
 
 /// A surface and how it scatters.
 #[derive(Clone, Copy)]
-struct Shaded<'v> {
-    surface: &'v SurfaceInteraction,
-    bsdf: &'v Bsdf,
-    local: &'v LocalFrame,
+pub(super) struct Shaded<'v> {
+    pub surface: &'v SurfaceInteraction,
+    pub bsdf: &'v Bsdf,
+    pub local: &'v LocalFrame,
 }
 
 /// A vertex at which a path forks, until all branches have been taken from it.
@@ -555,7 +555,7 @@ impl Estimate {
 }
 
 /// Who is lit at a surface.
-fn receiver(surface: &SurfaceInteraction, local: &LocalFrame) -> Receiver {
+pub(super) fn receiver(surface: &SurfaceInteraction, local: &LocalFrame) -> Receiver {
     Receiver { p: surface.at.point.p, n: local.n(), time: surface.at.time }
 }
 
