@@ -7,9 +7,11 @@
 
 pub mod aabb;
 pub mod bilinear;
+pub mod delaunay;
 pub mod fmath;
 pub mod frame;
 pub mod gravity;
+pub mod half;
 pub mod interval;
 pub mod lorentz;
 pub mod motion;
@@ -19,6 +21,7 @@ pub mod permute;
 pub mod piecewise;
 pub mod pmj;
 pub mod poisson;
+pub mod principal;
 pub mod ray;
 pub mod rng;
 pub mod robust;
