@@ -77,16 +77,17 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 31] = [
+const CORE_MODULES: [(&str, &[&str]); 32] = [
     ("ids", &[]),
     ("family", &[]),
     ("differential", &[]),
     ("interaction", &[]),
     ("motion", &[]),
     ("moving_tree", &["motion"]),
-    ("bsdf", &["interaction"]),
+    ("measured", &[]),
+    ("bsdf", &["interaction", "measured"]),
     ("texture", &["family", "interaction"]),
-    ("material", &["family", "interaction", "texture", "emission", "bsdf", "medium"]),
+    ("material", &["family", "interaction", "texture", "emission", "bsdf", "measured", "medium"]),
     ("emission", &["ids", "family", "texture", "light"]),
     ("shape", &["family", "interaction"]),
     (
@@ -177,6 +178,7 @@ const CORE_MODULES: [(&str, &[&str]); 31] = [
             "material",
             "shape",
             "light",
+            "measured",
             "medium",
             "daylight",
             "background",
@@ -196,6 +198,7 @@ const CORE_MODULES: [(&str, &[&str]); 31] = [
             "emission",
             "shape",
             "light",
+            "measured",
             "medium",
             "motion",
             "moving_tree",

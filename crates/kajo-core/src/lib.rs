@@ -22,6 +22,7 @@ mod laws;
 pub mod light;
 pub mod lighting;
 pub mod material;
+pub mod measured;
 pub mod medium;
 mod motion;
 mod moving_tree;

@@ -22,7 +22,7 @@ impl Scene {
     /// * `eta_outside`: index of refraction on the side of the normal
     /// * `u`: uniform in [0, 1), chooses among the parts of a mixture; any number where it is none
     #[inline]
-    pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf {
+    pub fn bsdf(&self, at: &Interaction, wavelengths: &Wavelengths, eta_outside: f32, u: f32) -> Bsdf<'_> {
         let point = ShadingPoint { context: self.texture_context(at), wavelengths, eta_outside, u };
         self.appearance.bsdf(at.material, &point)
     }

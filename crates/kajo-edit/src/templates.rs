@@ -120,6 +120,10 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             format!("{keyword} {{ materialIndex 0  materialIndex 0 }}")
         }
         _ if kind_of(keyword, None) == Kind::Material => {
+            if block_of(keyword)?.fields().any(|field| matches!(field.absent, Absent::Required)) {
+                // What needs a file has nothing to start from.
+                return None;
+            }
             let color = block_of(keyword)?.fields().find(|field| field.key.to_lowercase().ends_with("color"));
             match color {
                 Some(field) => format!("{keyword} {{ {} 0.8 0.8 0.8 }}", field.key),

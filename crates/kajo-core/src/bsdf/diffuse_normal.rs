@@ -154,11 +154,11 @@ impl BumpedDiffuse {
     }
 }
 
-impl Bsdf {
+impl<'s> Bsdf<'s> {
     /// The same with its diffuse part about the unit normal `n` of the shading frame; `None` where it has none.
     ///
     /// * `wo`: direction to the viewer, whom the shading frame was made for
-    pub fn with_diffuse_normal(&self, n: Vec3, wo: Vec3) -> Option<Bsdf> {
+    pub fn with_diffuse_normal(&self, n: Vec3, wo: Vec3) -> Option<Bsdf<'s>> {
         let bumped = |lobe| Some(Bsdf::BumpedDiffuse(BumpedDiffuse { lobe, normal: DiffuseNormal::new(n) }));
         match *self {
             Bsdf::Lambert(lobe) => bumped(Diffuse::Lambert(lobe)),
@@ -173,6 +173,8 @@ impl Bsdf {
             | Bsdf::Conductor(_)
             | Bsdf::Dielectric(_)
             | Bsdf::ThinDielectric(_)
+            | Bsdf::Btf(_)
+            | Bsdf::Measured(_)
             | Bsdf::Null => None,
         }
     }

@@ -17,6 +17,7 @@
 
 mod brushed_clear;
 mod brushed_metal;
+mod btf;
 pub mod conductor;
 mod dielectric;
 mod diffuse_normal;
@@ -26,6 +27,7 @@ pub mod fresnel;
 mod fuzz;
 mod gloss;
 mod lambert;
+mod measured;
 pub mod microfacet;
 mod oren_nayar;
 mod phong;
@@ -33,10 +35,12 @@ mod phong_lobes;
 mod principled;
 mod thin;
 
+pub use btf::BtfLobe;
 pub use conductor::{Conductor, MetalFresnel};
 pub use dielectric::Dielectric;
 pub use diffuse_normal::{BumpedDiffuse, DiffuseNormal};
 pub use lambert::Lambert;
+pub use measured::MeasuredLobe;
 pub use microfacet::Microfacets;
 pub use oren_nayar::OrenNayar;
 pub use phong::{Highlight, Phong};
@@ -50,7 +54,7 @@ use kajo_math::{Vec2, Vec3};
 
 /// Scattering at one point of a surface.
 #[derive(Clone, Copy, Debug)]
-pub enum Bsdf {
+pub enum Bsdf<'s> {
     /// Ideal diffusion.
     Lambert(Lambert),
     /// Rough diffusion.
@@ -67,6 +71,10 @@ pub enum Bsdf {
     Phong(PhongLobes),
     /// Layers of coat and fuzz on a metal, a diffuse base or a glass.
     Principled(Principled),
+    /// A texel of a bidirectional texture function.
+    Btf(BtfLobe<'s>),
+    /// A measured BRDF.
+    Measured(MeasuredLobe<'s>),
     /// Nothing is there: light goes straight on.
     Null,
 }
@@ -133,7 +141,7 @@ impl BsdfSample {
     }
 }
 
-impl Bsdf {
+impl Bsdf<'_> {
     /// Scattered share of the light from `wi` that leaves to `wo`, per solid angle, times `|cos θi|`.
     ///
     /// Zero for lobes that scatter into single directions.
@@ -148,6 +156,8 @@ impl Bsdf {
             Bsdf::Phong(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Principled(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::ThinDielectric(lobe) => lobe.eval(wo, wi),
+            Bsdf::Btf(lobe) => lobe.eval(wo, wi, mode),
+            Bsdf::Measured(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Null => Spectrum::BLACK,
         }
     }
@@ -167,6 +177,8 @@ impl Bsdf {
             Bsdf::Phong(lobe) => lobe.pdf(wo, wi),
             Bsdf::Principled(lobe) => lobe.pdf(wo, wi),
             Bsdf::ThinDielectric(lobe) => lobe.pdf(wo, wi),
+            Bsdf::Btf(lobe) => lobe.pdf(wo, wi),
+            Bsdf::Measured(lobe) => lobe.pdf(wo, wi),
             Bsdf::Null => 0.0,
         }
     }
@@ -196,6 +208,8 @@ impl Bsdf {
             Bsdf::ThinDielectric(lobe) => lobe.sample(wo, u, uc),
             Bsdf::Phong(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Principled(lobe) => lobe.sample(wo, u, uc, mode),
+            Bsdf::Btf(lobe) => lobe.sample(wo, u, uc, mode),
+            Bsdf::Measured(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Null => BsdfSample::new(-wo, Spectrum::WHITE, 1.0, ScatterKind::STRAIGHT),
         }
     }
@@ -221,7 +235,12 @@ impl Bsdf {
     #[inline]
     pub fn is_delta(&self) -> bool {
         match self {
-            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::BumpedDiffuse(_) | Bsdf::Principled(_) => false,
+            Bsdf::Lambert(_)
+            | Bsdf::OrenNayar(_)
+            | Bsdf::BumpedDiffuse(_)
+            | Bsdf::Principled(_)
+            | Bsdf::Btf(_)
+            | Bsdf::Measured(_) => false,
             Bsdf::Conductor(lobe) => lobe.is_smooth(),
             Bsdf::Dielectric(lobe) => lobe.is_smooth(),
             Bsdf::Phong(lobe) => lobe.is_delta(),
@@ -268,6 +287,8 @@ impl Bsdf {
             Bsdf::ThinDielectric(lobe) => lobe.albedo(wo),
             Bsdf::Phong(lobe) => lobe.albedo(),
             Bsdf::Principled(lobe) => lobe.albedo(wo),
+            Bsdf::Btf(lobe) => lobe.albedo(wo),
+            Bsdf::Measured(lobe) => lobe.albedo(wo),
             Bsdf::Null => Spectrum::WHITE,
         }
     }

@@ -196,7 +196,9 @@ impl SceneBuilder {
             appearance.numbers.extend(number.map(|number| (*seen, number)));
         }
         appearance.has_pictures = appearance.materials.ids().any(|id| appearance.needs_uv(id));
-        appearance.has_filters = appearance.textures.wants_footprint();
+        let mut materials = appearance.materials.ids();
+        appearance.has_filters = appearance.textures.wants_footprint()
+            || materials.any(|id| appearance.materials.wants_footprint(id));
         appearance.has_passages = appearance.materials.ids().any(|id| appearance.has_passages(id));
         appearance.has_media = appearance.materials.ids().any(|id| appearance.has_medium(id));
         appearance.bends_light = appearance.materials.ids().any(|id| appearance.bends_light(id));

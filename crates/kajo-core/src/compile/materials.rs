@@ -136,6 +136,24 @@ impl Compiler<'_> {
         Some(Draft::Stored(self.store_material(material, place), extras, place))
     }
 
+    /// As [`Compiler::pooled`] of a material that `make` makes of what was read, with files.
+    pub(super) fn pooled_from<'t, K, M: Into<AnyMaterial>>(
+        &mut self,
+        item: Item<'t>,
+        read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<K>,
+        make: impl FnOnce(&mut Self, K) -> Option<M>,
+    ) -> Option<Draft<'t>> {
+        let (keys, extras) = self.read_keys(item, |params, sources| {
+            params.name();
+            let keys = read(params, sources);
+            let extras = Extras::read(params, sources);
+            Some((keys?, extras?))
+        })?;
+        let material = make(self, keys)?;
+        let place = item.head_span();
+        Some(Draft::Stored(self.store_material(material, place), extras, place))
+    }
+
     /// Two materials that a pattern mixes.
     ///
     /// * `read`: reads the share of the second one in the pattern's own space

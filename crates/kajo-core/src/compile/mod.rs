@@ -24,6 +24,7 @@ mod lights;
 mod lorentz;
 mod material_draft;
 mod materials;
+mod measured;
 mod media;
 mod member;
 mod mesh;
@@ -215,6 +216,7 @@ struct Compiler<'a> {
     /// The names, where they have any, of materials that could not be made, which has been reported.
     failed_materials: HashSet<Option<String>>,
     pictures: pictures::PictureCache,
+    measured: measured::MeasuredCache,
     meshes: mesh::MeshCache,
     /// Those whose colours have opacities.
     clear_meshes: HashSet<ShapeId>,
@@ -252,6 +254,7 @@ impl<'a> Compiler<'a> {
             material_names: HashMap::new(),
             failed_materials: HashSet::new(),
             pictures: pictures::PictureCache::default(),
+            measured: measured::MeasuredCache::default(),
             meshes: mesh::MeshCache::default(),
             clear_meshes: HashSet::new(),
             models: model::ModelCache::default(),
@@ -352,6 +355,8 @@ mod definition_tests;
 mod emission_tests;
 #[cfg(test)]
 mod empty_mesh_tests;
+#[cfg(test)]
+mod measured_tests;
 #[cfg(test)]
 mod media_tests;
 #[cfg(test)]

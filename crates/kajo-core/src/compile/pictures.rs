@@ -393,6 +393,7 @@ mod tests {
     use kajo_scene::{MemoryAssets, SceneDesc};
 
     use super::*;
+    use crate::bsdf::tests::without_tables;
     use crate::bsdf::{Base, Bsdf, Phong};
     use crate::compile::compile;
     use crate::scene::{Interaction, Scene};
@@ -593,7 +594,7 @@ mod tests {
             let at = event.surface().expect("the ray meets the model");
             let place = scene.texture_context(at);
             let phong = scene.appearance.phong(at.material, &place);
-            let bsdf = scene.bsdf(at, &Wavelengths::RGB, 1.0, 0.5);
+            let bsdf = without_tables(scene.bsdf(at, &Wavelengths::RGB, 1.0, 0.5));
             (phong.diffuse.to_rgb(), said, scene.shading(at, 0.5), bsdf)
         };
         let (found, said, shading, bsdf) = color(r#""uri":"colors.png""#);

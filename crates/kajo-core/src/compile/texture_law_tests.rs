@@ -33,11 +33,13 @@ const BESIDE: &[(&str, &[(&str, &str)])] = &[
 /// Numbers and colours of materials that are no textures: what the inside of a body is like, which is not of its
 /// surface, and what patterns are.
 const NO_TEXTURES: &[(&str, &str)] = &[
+    ("BTF", "scale"),
     ("Glass", "indexOfRefraction"),
     ("Glass", "abbeNumber"),
     ("Glass", "absorption"),
     ("Marble", "frequency"),
     ("Marble", "amplitude"),
+    ("Measured", "scale"),
     ("Material", "indexOfRefraction"),
     ("Material", "refractionIndex"),
     ("Material", "absorption"),

@@ -6,7 +6,7 @@ use kajo_math::Vec3;
 
 use super::{Census, Draw, Furnace, Who, kinds};
 
-kinds!(Bsdf: Lambert, OrenNayar, BumpedDiffuse, Conductor, Dielectric, ThinDielectric, Phong, Principled, Null);
+kinds!(Bsdf: Lambert, OrenNayar, BumpedDiffuse, Conductor, Dielectric, ThinDielectric, Phong, Principled, Btf, Measured, Null);
 
 fn who(kind: &'static str, name: String) -> Who {
     Who { family: "lobe", kind, name }
@@ -17,7 +17,7 @@ pub(super) fn census() -> Census {
 }
 
 /// Every `step`th roughness of every family from `n` directions, with the tolerance of its energy.
-fn entries(step: usize, n: u32) -> impl Iterator<Item = (Who, Bsdf, Vec3, [f64; 2])> {
+fn entries(step: usize, n: u32) -> impl Iterator<Item = (Who, Bsdf<'static>, Vec3, [f64; 2])> {
     families().into_iter().flat_map(move |family| {
         let least = if family.lossless { 1.0 - family.tolerance } else { 0.0 };
         let expected = [least, 1.0 + family.tolerance];
@@ -33,7 +33,7 @@ fn entries(step: usize, n: u32) -> impl Iterator<Item = (Who, Bsdf, Vec3, [f64; 
 
 pub(super) fn draws() -> Vec<Draw> {
     let (step, n) = if deep() { (1, 20) } else { (4, 3) };
-    let draw = |(who, lobe, wo, _): (Who, Bsdf, Vec3, _)| Draw {
+    let draw = |(who, lobe, wo, _): (Who, Bsdf<'static>, Vec3, _)| Draw {
         who,
         draw: Box::new(move |u, uc| {
             let sample = lobe.sample(wo, u, uc, Transport::Radiance)?;
@@ -50,7 +50,7 @@ pub(super) fn furnaces() -> Vec<Furnace> {
     let single = mirrors().into_iter().flat_map(|(name, lobe)| {
         directions(n).map(move |wo| (who(kind(&lobe), format!("{name} from {wo}")), lobe, wo, [1.0; 2]))
     });
-    let furnace = |(who, lobe, wo, expected): (Who, Bsdf, Vec3, _)| Furnace {
+    let furnace = |(who, lobe, wo, expected): (Who, Bsdf<'static>, Vec3, _)| Furnace {
         who,
         energy: Box::new(move |u, uc| {
             let sample = lobe.sample(wo, u, uc, Transport::Radiance);

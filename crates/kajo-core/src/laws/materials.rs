@@ -1,6 +1,6 @@
 //! Materials: one of each kind, white where it can be, for each part of a mixture.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use kajo_color::{Reflectance, Spectrum, Wavelengths, dispersion::Dispersion, named};
 use kajo_image::Image;
@@ -11,9 +11,12 @@ use crate::Pooled;
 use crate::bsdf::tests::list::directions;
 use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
 use crate::material::{
-    Appearance, Blend, Embossed, Glass, GlassSettings, Grain, LayeredMaterial, Layers, MaterialId, Materials,
-    Matte, Metal, Perforated, PhongMaterial, Relief, ShadingPoint, Specular, Substance,
+    Appearance, Blend, BtfMaterial, BtfSettings, Embossed, Glass, GlassSettings, Grain, LayeredMaterial,
+    Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, Perforated, PhongMaterial, Relief,
+    ShadingPoint, Specular, Substance,
 };
+use crate::measured::btf::tests::cloth_texture;
+use crate::measured::{MeasuredBrdf, merl};
 use crate::texture::{
     Channel, Checker, ColorTexture, Encoding, FloatTexture, Noise, Picture, PictureChannel, PictureMap,
     SurfaceUv, TextureContext, TextureFootprint,
@@ -58,7 +61,7 @@ impl Samples {
         ShadingPoint { context: PLACE, wavelengths, eta_outside: 1.0, u }
     }
 
-    fn bsdf(&self, id: MaterialId, wavelengths: &Wavelengths, u: f32) -> Bsdf {
+    fn bsdf(&self, id: MaterialId, wavelengths: &Wavelengths, u: f32) -> Bsdf<'_> {
         self.appearance.bsdf(id, &self.at(wavelengths, u))
     }
 }
@@ -102,7 +105,12 @@ fn white_layers() -> Layers {
     }
 }
 
-fn samples() -> Samples {
+fn samples() -> &'static Samples {
+    static ALL: OnceLock<Samples> = OnceLock::new();
+    ALL.get_or_init(made)
+}
+
+fn made() -> Samples {
     let mut all = Samples { appearance: Appearance::default(), list: Vec::new() };
     let white = || Reflectance::constant(1.0);
     let grey = Spectrum::grey;
@@ -137,6 +145,11 @@ fn samples() -> Samples {
     all.add("Phong", false, PhongMaterial::from(classic));
     let open = Phong { reflective: grey(0.2), transparent: grey(0.3), eta: 1.3, ..classic };
     all.add("Phong, clear", false, PhongMaterial::from(open));
+    let cloth = Arc::new(cloth_texture());
+    let settings = BtfSettings { repeat: Vec2::new(3.0, 2.0), is_filtered: true, ..BtfSettings::default() };
+    all.add("cloth", false, BtfMaterial::new(cloth, settings));
+    let paint = Arc::new(MeasuredBrdf::from_bytes(&merl::tests::gloss()).expect("a table"));
+    all.add("measured paint", false, MeasuredMaterial::new(paint, 1.0, 0.0));
     all.add("gauze", true, Perforated { material: plaster, opacity: 0.6.into() });
     let spots = Image::from_fn(3, 3, |x, y| [0.4, 0.1 * x as f32, 0.3 * y as f32]).expect("a small picture");
     let map = PictureMap::new(Arc::new(Picture::new(&spots, Encoding::Linear).0));
@@ -187,7 +200,7 @@ pub(super) fn draws() -> Vec<Draw> {
     draws
 }
 
-fn draw(id: MaterialId, name: String, bsdf: Bsdf, wo: Vec3) -> Draw {
+fn draw(id: MaterialId, name: String, bsdf: Bsdf<'static>, wo: Vec3) -> Draw {
     Draw {
         who: who(Materials::kind(id), name),
         draw: Box::new(move |u, uc| {
@@ -200,16 +213,15 @@ fn draw(id: MaterialId, name: String, bsdf: Bsdf, wo: Vec3) -> Draw {
 
 /// Power that leaves a material in a furnace, in RGB and at four wavelengths.
 pub(super) fn furnaces() -> Vec<Furnace> {
-    let all = Arc::new(samples());
+    let all = samples();
     let mut furnaces = Vec::new();
     for &(id, name, lossless) in &all.list {
         for wavelengths in [Wavelengths::RGB, Wavelengths::sample(0.4)] {
             for wo in directions(3) {
-                let shared = Arc::clone(&all);
                 let energy = move |u: Vec2, uc: f32| {
                     let choice = ((f64::from(uc) * 977.0).fract() * f64::from(CHOICES)) as u32;
                     let choice = (choice as f32 + 0.5) / CHOICES as f32;
-                    let sample = shared.bsdf(id, &wavelengths, choice).sample(wo, u, uc, Transport::Radiance);
+                    let sample = all.bsdf(id, &wavelengths, choice).sample(wo, u, uc, Transport::Radiance);
                     sample.map_or(0.0, |sample| f64::from(sample.weight.max_lane() * sample.eta * sample.eta))
                 };
                 furnaces.push(Furnace {

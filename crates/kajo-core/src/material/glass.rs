@@ -142,7 +142,7 @@ impl Material for Glass {
         true
     }
 
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         if let Some(pane) = self.pane(appearance, at) {
             return Bsdf::ThinDielectric(pane);
         }

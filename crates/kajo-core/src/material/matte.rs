@@ -58,7 +58,7 @@ impl Material for Matte {
         self.color.varies() || self.roughness.varies()
     }
 
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let place = appearance.textures.evaluator(&at.context);
         let reflectance = at.context.tinted(self.color.at(place, at.wavelengths), at.wavelengths);
         let roughness = self.roughness.at(place);

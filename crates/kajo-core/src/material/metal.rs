@@ -106,7 +106,7 @@ impl Material for Metal {
         self.grain.exists()
     }
 
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let place = appearance.textures.evaluator(&at.context);
         let fresnel = match &self.substance {
             Substance::Measured(metal) => {

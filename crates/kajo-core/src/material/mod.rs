@@ -2,9 +2,11 @@
 
 mod appearance;
 mod blend;
+mod btf;
 mod embossed;
 mod glass;
 mod matte;
+mod measured;
 mod metal;
 mod null_boundary;
 mod orientation;
@@ -15,9 +17,11 @@ mod principled;
 
 pub use appearance::Appearance;
 pub use blend::Blend;
+pub use btf::{BtfMaterial, BtfSettings};
 pub use embossed::{Embossed, Relief};
 pub use glass::{Glass, GlassSettings};
 pub use matte::Matte;
+pub use measured::MeasuredMaterial;
 pub use metal::{Metal, Substance};
 pub use null_boundary::NullBoundary;
 pub use orientation::{Grain, Lean, Orientation};
@@ -75,6 +79,11 @@ pub trait Material {
     /// The textures that it is made of.
     fn textures(&self) -> Vec<AnyTexture<'_>>;
 
+    /// Whether it asks for [`TextureContext::footprint`] itself, textures left out.
+    fn wants_footprint(&self) -> bool {
+        false
+    }
+
     /// The materials that it is made of.
     fn parts(&self) -> &[MaterialId] {
         &[]
@@ -113,7 +122,7 @@ pub trait Material {
     /// How light is scattered at a point, for integrators that estimate integrals.
     ///
     /// A mixture answers with one of its parts, drawn with its share; the mean of the answers is the mixture.
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf;
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a>;
 
     /// Whether [`Material::bsdf`] chooses among parts.
     fn is_mixture(&self) -> bool {
@@ -177,10 +186,12 @@ family! {
     contract Material;
     members {
         blends: Blend,
+        btfs: BtfMaterial,
         embossed: Embossed,
         glasses: Glass,
         layered: LayeredMaterial,
         mattes: Matte,
+        measured: MeasuredMaterial,
         metals: Metal,
         null_boundaries: NullBoundary,
         perforated: Perforated,
@@ -206,6 +217,8 @@ family! {
         fn constant() -> Option<&Phong>;
         /// See [`Material::is_mixture`].
         fn is_mixture() -> bool;
+        /// See [`Material::wants_footprint`].
+        fn wants_footprint() -> bool;
     }
     methods of Appearance.materials {
         /// See [`Material::phong`].
@@ -215,7 +228,7 @@ family! {
         /// See [`Material::needs_uv`].
         fn needs_uv() -> bool;
         /// See [`Material::bsdf`].
-        fn bsdf(at: &ShadingPoint<'_>) -> Bsdf;
+        fn bsdf(at: &ShadingPoint<'_>) -> Bsdf<'_>;
         /// See [`Material::passage`].
         fn passage(at: &ShadingPoint<'_>, cos: f32) -> Spectrum;
         /// See [`Material::has_passages`].

@@ -57,7 +57,7 @@ impl Material for NullBoundary {
         true
     }
 
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let eta = self.index(appearance, at.context.p, at.wavelengths).map(|index| index / at.eta_outside);
         match eta.filter(|eta| (eta - 1.0).abs() > SAME_INDEX) {
             None => Bsdf::Null,

@@ -13,7 +13,11 @@ macro_rules! answers_of_part {
         $(answers_of_part!(@$method);)+
     };
     (@bsdf) => {
-        fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> crate::bsdf::Bsdf {
+        fn bsdf<'a>(
+            &'a self,
+            appearance: &'a Appearance,
+            at: &ShadingPoint<'_>,
+        ) -> crate::bsdf::Bsdf<'a> {
             let of_part = |(part, at)| appearance.bsdf(part, &at);
             self.chosen(appearance, at).map_or(crate::bsdf::Bsdf::Null, of_part)
         }

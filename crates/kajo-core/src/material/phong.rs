@@ -78,7 +78,7 @@ impl PhongMaterial {
 
     /// What light is scattered by where anything differs from place to place.
     #[inline(never)]
-    fn varied(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn varied(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf<'static> {
         let wavelengths = at.wavelengths;
         let [diffuse, specular, reflective, transparent] =
             self.colors.each_ref().map(|color| color.at(wavelengths));
@@ -171,7 +171,7 @@ impl Material for PhongMaterial {
     }
 
     #[inline]
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         if self.varies_at(&at.context) {
             return self.varied(appearance, at);
         }

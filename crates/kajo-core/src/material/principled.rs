@@ -310,7 +310,7 @@ impl Material for LayeredMaterial {
         self.layers.transmit()
     }
 
-    fn bsdf(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let layers = &self.layers;
         let (place, wavelengths) = (appearance.textures.evaluator(&at.context), at.wavelengths);
         let metal = layers.metalness.at(place);

@@ -172,7 +172,10 @@ fn every_template_compiles() {
         .flat_map(keywords_of)
     {
         let Some(block) = template(keyword, [0.1, 0.2, 0.3], 0.7) else {
-            assert!(["HeightField", "Model", "TriangleMesh"].contains(&keyword), "{keyword}");
+            assert!(
+                ["BTF", "HeightField", "Measured", "Model", "TriangleMesh"].contains(&keyword),
+                "{keyword}"
+            );
             continue;
         };
         let mut d = good(SCENE);

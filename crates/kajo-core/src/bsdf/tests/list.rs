@@ -1,10 +1,13 @@
 //! The lobes under test.
 
 use std::f32::consts::TAU;
+use std::sync::OnceLock;
 
-use kajo_color::Spectrum;
+use kajo_color::{RgbBasis, Spectrum, Wavelengths};
 
 use super::super::*;
+use crate::measured::btf::{Btf, tests::cloth_texture};
+use crate::measured::{MeasuredBrdf, merl, rgl};
 use microfacet::Shape;
 
 /// Roughness from a sharp gloss to the end of the range.
@@ -13,7 +16,7 @@ pub const ROUGHNESSES: [f32; 10] = [0.03, 0.06, 0.1, 0.15, 0.25, 0.35, 0.5, 0.65
 /// A family of lobes that differ by roughness.
 pub struct Family {
     pub name: &'static str,
-    pub lobe: fn(f32) -> Bsdf,
+    pub lobe: fn(f32) -> Bsdf<'static>,
     /// Whether all light comes out again.
     pub lossless: bool,
     /// How far off the energy may be.
@@ -31,20 +34,20 @@ fn anisotropic(shape: Shape, alpha: f32) -> Microfacets {
     Microfacets { shape, alpha_x: alpha, alpha_y: (0.3 * alpha).max(0.03) }
 }
 
-fn conductor(fresnel: MetalFresnel, microfacets: Microfacets) -> Bsdf {
+fn conductor(fresnel: MetalFresnel, microfacets: Microfacets) -> Bsdf<'static> {
     Bsdf::Conductor(Conductor { fresnel, microfacets })
 }
 
-fn glass(eta: f32, microfacets: Microfacets) -> Bsdf {
+fn glass(eta: f32, microfacets: Microfacets) -> Bsdf<'static> {
     Bsdf::Dielectric(Dielectric::new(eta, microfacets))
 }
 
-fn pane(eta: f32, optical_depth: Spectrum, microfacets: Microfacets) -> Bsdf {
+fn pane(eta: f32, optical_depth: Spectrum, microfacets: Microfacets) -> Bsdf<'static> {
     Bsdf::ThinDielectric(ThinDielectric { eta, optical_depth, microfacets })
 }
 
 /// The classic model, its highlight as wide as a roughness of `alpha`.
-pub fn phong(diffuse: f32, specular: f32, reflective: f32, transparent: f32, alpha: f32) -> Bsdf {
+pub fn phong(diffuse: f32, specular: f32, reflective: f32, transparent: f32, alpha: f32) -> Bsdf<'static> {
     let grey = Spectrum::grey;
     let classic = Phong {
         ambient: Spectrum::WHITE,
@@ -60,25 +63,44 @@ pub fn phong(diffuse: f32, specular: f32, reflective: f32, transparent: f32, alp
 }
 
 /// White layers.
-fn layered(base: Base, alpha: f32, coat: f32, fuzz: f32) -> Bsdf {
+fn layered(base: Base, alpha: f32, coat: f32, fuzz: f32) -> Bsdf<'static> {
     let (color, alpha, coat_alpha) = (Spectrum::WHITE, Vec2::splat(alpha), (0.3 * alpha).max(0.05));
     Bsdf::Principled(Principled { base, color, alpha, coat, coat_alpha, fuzz, ..Principled::default() })
 }
 
 /// A white diffuse base below a gloss whose facets reflect a factor of what they do at normal incidence.
-fn glossy(alpha: f32, eta: f32, factor: f32, weight: f32) -> Bsdf {
+fn glossy(alpha: f32, eta: f32, factor: f32, weight: f32) -> Bsdf<'static> {
     let specular = Specular::F0 { factor: Spectrum::grey(factor), largest: factor, weight };
     let (color, alpha) = (Spectrum::WHITE, Vec2::splat(alpha));
     Bsdf::Principled(Principled { color, alpha, eta, specular, ..Principled::default() })
 }
 
 /// The same with its diffuse light scattered about a normal that leans by half a right angle from that of the frame.
-fn bumped(lobe: Bsdf) -> Bsdf {
+fn bumped(lobe: Bsdf<'static>) -> Bsdf<'static> {
     lobe.with_diffuse_normal(Vec3::new(0.5, -0.5, 0.5f32.sqrt()), Vec3::Z).expect("a diffuse part")
 }
 
 /// A family without promises.
 const PLAIN: Family = Family { name: "", lobe: |_| Bsdf::Null, lossless: false, tolerance: 0.003 };
+
+/// Texels of a texture with highlights that turn from row to row, known at directions 18 degrees apart.
+fn cloth(texel: i64) -> Bsdf<'static> {
+    static CLOTH: OnceLock<Btf> = OnceLock::new();
+    let btf = CLOTH.get_or_init(cloth_texture);
+    let basis = RgbBasis::new(&Wavelengths::RGB);
+    Bsdf::Btf(BtfLobe { btf, texel: btf.texel(0, texel, texel), scale: 1.0, basis })
+}
+
+/// Facets in the form of RGL, and a gloss in that of MERL.
+fn measured(is_merl: bool) -> Bsdf<'static> {
+    static TABLES: OnceLock<[MeasuredBrdf; 2]> = OnceLock::new();
+    let [rgl, merl] = TABLES.get_or_init(|| {
+        let files = [rgl::tests::file(rgl::tests::Facets(0.4, 0.25), false), merl::tests::gloss()];
+        files.map(|file| MeasuredBrdf::from_bytes(&file).expect("a table"))
+    });
+    let brdf = if is_merl { merl } else { rgl };
+    Bsdf::Measured(MeasuredLobe { brdf, scale: 1.0, lanes: brdf.lanes(&Wavelengths::RGB) })
+}
 
 pub fn families() -> Vec<Family> {
     const WHITE: MetalFresnel = MetalFresnel::Constant(Spectrum::WHITE);
@@ -109,6 +131,9 @@ pub fn families() -> Vec<Family> {
             lobe: |r| Bsdf::OrenNayar(OrenNayar { reflectance: Spectrum::rgb(0.7, 0.2, 0.1), roughness: r }),
             ..PLAIN
         },
+        Family { name: "cloth", lobe: |r| cloth((7.0 * r) as i64), ..PLAIN },
+        Family { name: "table of RGL", lobe: |_| measured(false), tolerance: 0.02, ..PLAIN },
+        Family { name: "table of MERL", lobe: |_| measured(true), tolerance: 0.02, ..PLAIN },
         Family { name: "white metal", lobe: |a| conductor(WHITE, Microfacets::new(Shape::Ggx, a)), ..PLAIN },
         Family {
             name: "white metal, Beckmann",
@@ -281,7 +306,7 @@ pub fn families() -> Vec<Family> {
 }
 
 /// Lobes that scatter into single directions.
-pub fn mirrors() -> Vec<(&'static str, Bsdf)> {
+pub fn mirrors() -> Vec<(&'static str, Bsdf<'static>)> {
     let smooth = Microfacets::new(Shape::Ggx, 0.0);
     vec![
         ("mirror", conductor(MetalFresnel::Constant(Spectrum::WHITE), smooth)),

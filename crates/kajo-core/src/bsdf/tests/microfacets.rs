@@ -203,7 +203,7 @@ fn a_pane_adds_up_its_echoes() {
 }
 
 /// The mean of what samples find for one direction: all of it, and what is beyond the surface.
-fn reflected_and_passed(lobe: &Bsdf, wo: Vec3) -> [Spectrum; 2] {
+fn reflected_and_passed(lobe: &Bsdf<'_>, wo: Vec3) -> [Spectrum; 2] {
     let n = 100_000;
     let mut sums = [Spectrum::BLACK; 2];
     for i in 0..n {

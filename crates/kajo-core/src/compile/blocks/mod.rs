@@ -8,6 +8,7 @@ pub(super) mod algebraic;
 pub(super) mod bicubic_patch;
 pub(super) mod bilinear_patch;
 pub(super) mod blob;
+pub(super) mod btf;
 pub(super) mod checkerboard;
 pub(super) mod cone;
 pub(super) mod cuboid;
@@ -31,6 +32,7 @@ mod luneburg_lens;
 pub(super) mod marble;
 pub(super) mod matte;
 mod maxwell_fish_eye;
+pub(super) mod measured;
 pub(super) mod medium;
 pub(super) mod metal;
 pub(super) mod mix;
@@ -110,13 +112,15 @@ pub(super) const LIGHTS: [&LightMember; 3] =
     [&directional_light::MEMBER, &point_light::MEMBER, &spot_light::MEMBER];
 
 /// All kinds of materials, in the order in which they are offered.
-pub(super) const MATERIALS: [&MaterialMember; 12] = [
+pub(super) const MATERIALS: [&MaterialMember; 14] = [
     &phong_material::MEMBER,
     &phong_material::SHORT,
     &matte::MEMBER,
     &metal::MEMBER,
     &glass::MEMBER,
     &principled::MEMBER,
+    &btf::MEMBER,
+    &measured::MEMBER,
     &interface::MEMBER,
     &checkerboard::MEMBER,
     &mix::MEMBER,

@@ -53,7 +53,7 @@ impl Bidirectional<'_> {
         path: &Subpath<'_>,
         at: &Interaction,
         wo: Vec3,
-        (camera_ray, from): (&Ray, Option<&Vertex>),
+        (camera_ray, from): (&Ray, Option<&Vertex<'_>>),
     ) -> Option<Contribution> {
         let hit = self.scene().surface_light(at, -wo, &path.state.wavelengths)?;
         let (p, end) = (at.point.p, LightPoint::on(&at.point));
@@ -75,7 +75,7 @@ impl Bidirectional<'_> {
         &self,
         path: &Subpath<'_>,
         d: Vec3,
-        (camera_ray, from): (&Ray, Option<&Vertex>),
+        (camera_ray, from): (&Ray, Option<&Vertex<'_>>),
         mut found: impl FnMut(Contribution),
     ) {
         let scene = self.scene();
@@ -99,7 +99,7 @@ impl Bidirectional<'_> {
     pub(super) fn direct_light(
         &self,
         path: &mut PathState<'_>,
-        z: &Vertex,
+        z: &Vertex<'_>,
         t: u32,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -146,7 +146,7 @@ impl Bidirectional<'_> {
     /// `s > 1, t > 1`: two vertices that see each other.
     pub(super) fn join(
         &self,
-        [y, z]: [&Vertex; 2],
+        [y, z]: [&Vertex<'_>; 2],
         way: [u32; 2],
         (wavelengths, time): (&Wavelengths, f32),
         draws: &mut SampleStream<'_>,
@@ -192,7 +192,7 @@ impl Bidirectional<'_> {
     /// Takes two numbers for the lens.
     pub(super) fn splat(
         &self,
-        y: &Vertex,
+        y: &Vertex<'_>,
         way: [u32; 2],
         (wavelengths, time): (&Wavelengths, f32),
         draws: &mut SampleStream<'_>,

@@ -56,7 +56,7 @@ pub struct Bidirectional<'a> {
 
 /// The vertices of a path from a light, kept from sample to sample.
 #[derive(Default)]
-struct LightPath(Vec<Vertex>);
+struct LightPath(Vec<Vertex<'static>>);
 
 /// Light that was found in one way.
 #[derive(Clone, Copy, Debug)]
@@ -96,12 +96,12 @@ struct VisibleSurface {
 }
 
 /// The path from the camera while it grows.
-struct CameraEnd<'a, 's> {
+struct CameraEnd<'a, 's, 'b> {
     path: Subpath<'s>,
     /// Where its ray ended.
     surface: SurfaceInteraction,
     /// The vertex before, where that is not the lens.
-    from: Option<Vertex>,
+    from: Option<Vertex<'b>>,
     /// Vertices once the ray has ended, the lens included.
     t: u32,
     visible: VisibleSurface,
@@ -161,7 +161,7 @@ impl<'a> Bidirectional<'a> {
         mut draws: SampleStream<'_>,
         observer: &mut O,
         raster: Vec2,
-        light_path: &mut Vec<Vertex>,
+        light_path: &mut Vec<Vertex<'a>>,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
         light_path.clear();
@@ -194,7 +194,7 @@ impl<'a> Bidirectional<'a> {
     fn follow_light<'s, O: PathObserver>(
         &self,
         observer: &mut O,
-        vertices: &mut Vec<Vertex>,
+        vertices: &mut Vec<Vertex<'a>>,
         mut draws: SampleStream<'s>,
         time: f32,
         wavelengths: &Wavelengths,
@@ -244,7 +244,7 @@ impl<'a> Bidirectional<'a> {
     fn follow_camera<O: PathObserver>(
         &self,
         observer: &mut O,
-        light_path: &[Vertex],
+        light_path: &[Vertex<'_>],
         (draws, ray): (SampleStream<'_>, Ray),
         wavelengths: &Wavelengths,
         found: &mut impl FnMut(Contribution, &Wavelengths),
@@ -287,10 +287,10 @@ impl<'a> Bidirectional<'a> {
     /// the scattering there; `None` where the path ends.
     fn next_vertex<O: PathObserver>(
         &self,
-        end: &mut CameraEnd<'_, '_>,
+        end: &mut CameraEnd<'_, '_, 'a>,
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),
-    ) -> Option<Bsdf> {
+    ) -> Option<Bsdf<'a>> {
         let scene = self.scene();
         let CameraEnd { path, surface, from, t, visible, began: (camera_ray, wavelengths) } = end;
         let is_last = *t == self.longest();
@@ -337,9 +337,9 @@ impl<'a> Bidirectional<'a> {
     /// (`s > 1`).
     fn connect_vertex<O: PathObserver>(
         &self,
-        end: &mut CameraEnd<'_, '_>,
-        z: &Vertex,
-        light_path: &[Vertex],
+        end: &mut CameraEnd<'_, '_, 'a>,
+        z: &Vertex<'_>,
+        light_path: &[Vertex<'_>],
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) {
@@ -392,11 +392,24 @@ pub(super) fn light_end<'s>(
 }
 
 /// How a surface scatters, for a path that follows one wavelength from there on if it is refracted by wavelength.
-pub(super) fn shade_one_way(scene: &Scene, path: &mut PathState<'_>, surface: &SurfaceInteraction) -> Bsdf {
+pub(super) fn shade_one_way<'s>(
+    scene: &'s Scene,
+    path: &mut PathState<'_>,
+    surface: &SurfaceInteraction,
+) -> Bsdf<'s> {
     if surface.is_dispersive() {
         path.wavelengths.terminate_secondary();
     }
     shade(scene, path, surface)
+}
+
+impl LightPath {
+    /// Keeps the memory of a path that has been followed.
+    fn keep(&mut self, mut path: Vec<Vertex<'_>>) {
+        path.clear();
+        // Nothing is left that could borrow from a scene; collecting reuses the memory.
+        self.0 = path.into_iter().map_while(|_| None).collect();
+    }
 }
 
 impl Integrator for Bidirectional<'_> {
@@ -408,7 +421,7 @@ impl Integrator for Bidirectional<'_> {
         observer: &mut O,
     ) -> PixelSample {
         let SampleContext { draws, aux, splats, scratch, .. } = ctx;
-        let mut path = mem::take(&mut scratch.get::<LightPath>().0);
+        let mut path: Vec<Vertex<'_>> = mem::take(&mut scratch.get::<LightPath>().0);
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
         let visible = self.estimate(*draws, observer, raster, &mut path, &mut |found, wavelengths| {
@@ -422,7 +435,7 @@ impl Integrator for Bidirectional<'_> {
                 }
             }
         });
-        scratch.get::<LightPath>().0 = path;
+        scratch.get::<LightPath>().keep(path);
         if self.view.wants_light_groups() {
             aux.lights = groups;
         }

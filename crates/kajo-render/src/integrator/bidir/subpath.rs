@@ -80,13 +80,13 @@ impl Subpath<'_> {
     /// The path's vertex on a surface.
     ///
     /// * `group`: the light group of a path from a light
-    pub fn vertex(
+    pub fn vertex<'b>(
         &self,
         scene: &Scene,
         surface: &SurfaceInteraction,
-        bsdf: Bsdf,
+        bsdf: Bsdf<'b>,
         group: LightGroup,
-    ) -> Vertex {
+    ) -> Vertex<'b> {
         let &SurfaceInteraction { at, wo, u, ref interface, .. } = surface;
         let media = self.state.media;
         let beyond = interface.as_ref().map_or(media, |interface| media.across(interface));
@@ -110,7 +110,7 @@ impl Subpath<'_> {
     /// Takes three numbers, and one for roulette where it is played.
     pub fn scatter(
         &mut self,
-        vertex: &Vertex,
+        vertex: &Vertex<'_>,
         surface: &SurfaceInteraction,
         roulette: bool,
         observer: &mut impl PathObserver,

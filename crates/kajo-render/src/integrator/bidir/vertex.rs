@@ -28,13 +28,13 @@ use crate::integrator::transport::LocalFrame;
 
 /// A point of a path.
 #[derive(Clone, Copy, Debug)]
-pub struct Vertex {
+pub struct Vertex<'s> {
     /// Position and normals.
     pub at: SurfacePoint,
     /// The directions that scattering goes by.
     pub shading: Shading,
     /// Scattering there.
-    pub bsdf: Bsdf,
+    pub bsdf: Bsdf<'s>,
     /// Unit direction to the vertex before.
     pub wo: Vec3,
     /// Light that arrives, for a path from the light; for one from the camera, what light from here is multiplied by.
@@ -51,7 +51,7 @@ pub struct Vertex {
     pub group: LightGroup,
 }
 
-impl Vertex {
+impl Vertex<'_> {
     /// The frame for light that goes to `wo`, or from there for a path that comes from the light.
     pub fn local(&self, wo: Vec3) -> LocalFrame {
         LocalFrame::new(&self.shading, wo)

@@ -32,7 +32,7 @@ impl Part {
 ///
 /// * `directions`: the rule; any but [`Directions::Uniform`] goes by the cosine
 /// * `choice`: uniform in [0, 1), chooses the side
-pub fn sample(directions: Directions, bsdf: &Bsdf, wo: Vec3, u: Vec2, choice: f32) -> Option<BsdfSample> {
+pub fn sample(directions: Directions, bsdf: &Bsdf<'_>, wo: Vec3, u: Vec2, choice: f32) -> Option<BsdfSample> {
     let local = match directions {
         Directions::Uniform => warp::uniform_hemisphere(u),
         _ => warp::cosine_hemisphere(u),
@@ -48,7 +48,7 @@ pub fn sample(directions: Directions, bsdf: &Bsdf, wo: Vec3, u: Vec2, choice: f3
 
 /// Density per solid angle with which directions are drawn at surfaces that are no mirrors: by scattering itself, or by
 /// [`sample`].
-pub fn pdf(directions: Directions, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> f32 {
+pub fn pdf(directions: Directions, bsdf: &Bsdf<'_>, wo: Vec3, wi: Vec3) -> f32 {
     let sides = if bsdf.transmits() { 0.5 } else { 1.0 };
     let reachable = bsdf.transmits() || wo.z * wi.z > 0.0;
     match directions {

@@ -98,7 +98,7 @@ impl<'s> CameraPath<'s> {
 #[derive(Clone, Copy)]
 pub(super) struct Shaded<'v> {
     pub surface: &'v SurfaceInteraction,
-    pub bsdf: &'v Bsdf,
+    pub bsdf: &'v Bsdf<'v>,
     pub local: &'v LocalFrame,
 }
 
@@ -106,7 +106,7 @@ pub(super) struct Shaded<'v> {
 pub(super) struct Fork<'s, M> {
     path: CameraPath<'s>,
     surface: SurfaceInteraction,
-    bsdf: Bsdf,
+    bsdf: Bsdf<'s>,
     local: LocalFrame,
     /// Branches into directions that are no mirror's; what goes on along single directions comes after them.
     branches: u32,
@@ -171,7 +171,7 @@ pub(super) struct PathTracer<'a, 's, O: PathObserver> {
     forks: Vec<Fork<'s, O::Mark>>,
 }
 
-impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
+impl<'a: 's, 's, O: PathObserver> PathTracer<'a, 's, O> {
     /// * `forks`: room for them
     pub fn new(
         view: &'a CameraView<'a>,
@@ -265,7 +265,7 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
     }
 
     /// Adds the light that arrives directly and goes on from a surface; `false` when the path ends here or forks.
-    fn scatter(&mut self, path: &mut CameraPath<'s>, surface: &SurfaceInteraction, bsdf: &Bsdf) -> bool {
+    fn scatter(&mut self, path: &mut CameraPath<'s>, surface: &SurfaceInteraction, bsdf: &Bsdf<'s>) -> bool {
         let settings = self.settings;
         let local = LocalFrame::new(&self.scene().shading(&surface.at, surface.u), surface.wo);
         let bumped = local.bumped(bsdf);
@@ -377,7 +377,7 @@ impl<'a, 's, O: PathObserver> PathTracer<'a, 's, O> {
         &mut self,
         path: &mut CameraPath<'s>,
         surface: &SurfaceInteraction,
-        bsdf: &Bsdf,
+        bsdf: &Bsdf<'s>,
         local: &LocalFrame,
     ) {
         let (scene, settings) = (self.scene(), self.settings);

@@ -110,7 +110,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     fn scatter(
         &mut self,
         path: &mut Subpath<'_>,
-        z: &Vertex,
+        z: &Vertex<'_>,
         (surface, length): (&SurfaceInteraction, f32),
         from: &mut Option<From>,
     ) -> bool {
@@ -151,7 +151,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// What becomes of light at a vertex that is no mirror.
     ///
     /// * `length`: of the last segment
-    fn role(&self, z: &Vertex, length: f32, from: Option<&From>) -> Role {
+    fn role(&self, z: &Vertex<'_>, length: f32, from: Option<&From>) -> Role {
         match &self.photons.maps {
             Maps::Fixed { usage: PhotonMapUse::Direct, .. } => Role::Shown,
             _ if !z.bsdf.is_broad() => Role::Passes,
@@ -173,14 +173,14 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 
     /// The photons of a disk.
-    fn add_disk(&mut self, state: &PathState<'_>, z: &Vertex, map: &PhotonMap, r: f32) {
+    fn add_disk(&mut self, state: &PathState<'_>, z: &Vertex<'_>, map: &PhotonMap, r: f32) {
         let mut sums = Sums::new(self.most_scatterings(state));
         map.within(&gather_point(z), r, |photon| sums.add(z, photon));
         self.add_sums(state, sums, (std::f32::consts::PI * r * r).recip());
     }
 
     /// The nearest photons.
-    fn add_nearest(&mut self, state: &PathState<'_>, z: &Vertex, map: &PhotonMap) {
+    fn add_nearest(&mut self, state: &PathState<'_>, z: &Vertex<'_>, map: &PhotonMap) {
         if map.is_empty() {
             return;
         }
@@ -246,7 +246,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     /// A light drawn for a vertex, `f |cos| T V Le / q`.
     ///
     /// * `may_meet`: whether the path goes on and may meet the light, so that both count by the power heuristic
-    fn add_direct_light(&mut self, state: &mut PathState<'_>, z: &Vertex, may_meet: bool) {
+    fn add_direct_light(&mut self, state: &mut PathState<'_>, z: &Vertex<'_>, may_meet: bool) {
         let scene = self.scene();
         let time = state.ray.time;
         let choice = self.photons.settings.light_choice;
@@ -276,7 +276,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
     }
 }
 
-fn gather_point(z: &Vertex) -> GatherPoint {
+fn gather_point(z: &Vertex<'_>) -> GatherPoint {
     GatherPoint { p: z.at.p, n: z.at.ng }
 }
 
@@ -294,7 +294,7 @@ impl Sums {
     }
 
     /// `f Φ`, with the factor for shading normals of light that comes from a light [Veach 1997, 5.3.2].
-    fn add(&mut self, z: &Vertex, photon: &Photon) {
+    fn add(&mut self, z: &Vertex<'_>, photon: &Photon) {
         if !photon.is_within(self.most_scatterings) {
             return;
         }

@@ -30,7 +30,7 @@ impl LocalFrame {
     /// towards the viewer, diffuse light is scattered about the normal of the relief all the same. `None` where `bsdf` holds as it
     /// is.
     #[inline]
-    pub fn bumped(&self, bsdf: &Bsdf) -> Option<Bsdf> {
+    pub fn bumped<'s>(&self, bsdf: &Bsdf<'s>) -> Option<Bsdf<'s>> {
         bsdf.with_diffuse_normal(self.diffuse_normal?, self.wo)
     }
 

@@ -158,7 +158,7 @@ pub fn advance(
 
 /// How the surface scatters.
 #[inline]
-pub fn shade(scene: &Scene, path: &PathState<'_>, surface: &SurfaceInteraction) -> Bsdf {
+pub fn shade<'s>(scene: &'s Scene, path: &PathState<'_>, surface: &SurfaceInteraction) -> Bsdf<'s> {
     let eta_outside = surface.interface.map_or_else(|| path.media.eta(), |interface| interface.eta_outside);
     scene.bsdf(&surface.at, &path.wavelengths, eta_outside, surface.u)
 }
@@ -177,7 +177,7 @@ pub fn pass_straight(
     scene: &Scene,
     path: &mut PathState<'_>,
     surface: &SurfaceInteraction,
-    bsdf: &mut Bsdf,
+    bsdf: &mut Bsdf<'_>,
 ) -> bool {
     if !scene.appearance.has_passages {
         return false;

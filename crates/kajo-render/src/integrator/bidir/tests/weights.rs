@@ -9,23 +9,23 @@ use super::*;
 use crate::integrator::bidir::partial_mis::mis_weight;
 
 /// A point of a whole path, light first.
-struct Place {
+struct Place<'s> {
     p: Vec3,
     /// Zero where there is no surface.
     n: Vec3,
-    vertex: Option<Vertex>,
+    vertex: Option<Vertex<'s>>,
 }
 
 /// A path in the order from the light to the lens, and how it starts.
-struct Whole {
-    places: Vec<Place>,
+struct Whole<'s> {
+    places: Vec<Place<'s>>,
     /// Density of the light's end, of the way on, and of the light's end as it is drawn for the second point.
     light: [f64; 3],
     /// Density of the last but one point, of the camera's own rays.
     camera: f64,
 }
 
-impl Whole {
+impl Whole<'_> {
     /// Density per area of drawing place `to` from `by`, where the path comes from `from`.
     fn density(&self, from: usize, by: usize, to: usize) -> f64 {
         let (a, b, c) = (&self.places[from], &self.places[by], &self.places[to]);
@@ -114,7 +114,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
                 break;
             }
         }
-        let whole = |from_light: &[Vertex], from_camera: &[Vertex]| {
+        let mut whole = |from_light: &[Vertex], from_camera: &[Vertex], n: usize, weight: f32| {
             let mut places = vec![Place { p: emitted.at.p(), n: emitted.at.n(), vertex: None }];
             let chain = from_light.iter().chain(from_camera.iter().rev());
             places.extend(chain.map(|v| Place { p: v.at.p, n: v.at.ng, vertex: Some(*v) }));
@@ -129,7 +129,7 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             let camera = pdf_camera_at(&it, &ray, last);
             let pdf = scene.pdf_le(chosen.light, 0.0, &emitted.at, -wi, world);
             let (end, rest) = (f64::from(chosen.probability * pdf.position), f64::from(pdf.direction));
-            Whole { places, light: [end, rest, f64::from(drawn * spread)], camera }
+            look(&Whole { places, light: [end, rest, f64::from(drawn * spread)], camera }, n, weight);
         };
         let views: Vec<Vertex> = views.into_iter().map(|view| view.0).collect();
         for i in 1..=path.len() {
@@ -139,11 +139,11 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
                 if let Some(found) =
                     it.join([y, &views[j - 1]], way, (&wavelengths, 0.0), &mut again, &mut rays)
                 {
-                    look(&whole(&path[..i], &views[..j]), i + 1, found.weight);
+                    whole(&path[..i], &views[..j], i + 1, found.weight);
                 }
             }
             if let Some(found) = it.splat(y, [i as u32 + 1, 1], (&wavelengths, 0.0), &mut again, &mut rays) {
-                look(&whole(&path[..i], &[]), i + 1, found.weight);
+                whole(&path[..i], &[], i + 1, found.weight);
             }
         }
         assert!(pdf_camera > 0.0);
