@@ -52,6 +52,7 @@ fn run() -> Result<(), Failure> {
         Command::Check(args) => commands::check(&args),
         Command::Info(args) => commands::info(&args),
         Command::Convert(args) => commands::convert(&args),
+        Command::Btf(args) => commands::btf(&args.command),
         Command::Diff(args) => commands::diff(&args),
         Command::Gallery(args) => gallery::run(&args, &interrupt),
         Command::Bench(args) => commands::bench(&args),

@@ -27,6 +27,7 @@
 //! ```
 
 mod assets;
+pub mod btf;
 pub mod build;
 mod camera_pose;
 mod checkpoint;

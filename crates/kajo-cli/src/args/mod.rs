@@ -5,6 +5,7 @@
 //! of two words.
 
 mod bench;
+mod btf;
 mod classic;
 mod common;
 mod develop;
@@ -23,6 +24,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 pub use bench::{BenchArgs, BenchCommand, MemoryArgs, ParseArgs, RaysArgs, WhittedArgs};
+pub use btf::{BtfArgs, BtfCommand, BtfCompressArgs, BtfInfoArgs, BtfKeptArgs, BtfMakeArgs};
 pub use classic::ClassicArgs;
 pub use common::{ModelArgs, RunArgs, SceneArgs};
 pub use develop::DevelopArgs;
@@ -96,6 +98,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Write the scene that shows a model, to go on with
     Convert(ConvertArgs),
+    /// Make textures that depend on view and light
+    Btf(BtfArgs),
     /// Compare two pictures
     #[command(allow_negative_numbers = true)]
     Diff(DiffArgs),

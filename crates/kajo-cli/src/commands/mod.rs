@@ -1,6 +1,7 @@
 //! The commands but `gallery`, each from its arguments to its end.
 
 mod bench;
+mod btf;
 mod convert;
 mod diff;
 mod help;
@@ -14,6 +15,7 @@ use clap_complete::Shell;
 use kajo::{Severity, load};
 
 pub use bench::bench;
+pub use btf::btf;
 pub use convert::convert;
 pub use diff::diff;
 pub use help::help;
