@@ -53,8 +53,8 @@ BALLS = [
     sphere([1, 0.4, 0.9], 0.4, BLUE),
     sphere([1.3, 0.6, -1], 0.6, BLUE),
 ]
-LAMP = quad((-0.5, 3, 0.5), (0, 0, -1), (1, 0, 0), BLACK, EMITTED)
-TWO_LAMPS = [
+EMITTER = quad((-0.5, 3, 0.5), (0, 0, -1), (1, 0, 0), BLACK, EMITTED)
+TWO_EMITTERS = [
     quad((-1.5, 3, 0.5), (0, 0, -1), (1, 0, 0), BLACK, EMITTED),
     quad((1, 2.5, 0.5), (0, 0, -1), (0.5, 0, 0), BLACK, EMITTED),
 ]
@@ -85,13 +85,13 @@ def scenes():
     things = [FLOOR, *BALLS]
     return {
         "constant_sky": [*things, sky(0.5)],
-        "dim_sky": [*things, LAMP, sky(0.001)],
-        "sky_and_rectangle": [*things, LAMP, sky(0.3)],
+        "dim_sky": [*things, EMITTER, sky(0.001)],
+        "sky_and_rectangle": [*things, EMITTER, sky(0.3)],
         "soft_slide": [*things, slide("soft.pfm", 4, (-1, 1.9, 1), (0, 0, -2), (2, 0, 0))],
         "sunny_sky": [*things, pictured_sky("sunny.pfm")],
         "textured_square": [*things, slide("bright_texel.pfm", 200, (-1, 3, 1), (0, 0, -2), (2, 0, 0))],
         "two_pixel_sun": [*things, pictured_sky("two_pixel_sun.pfm")],
-        "two_rectangles": [*things, *TWO_LAMPS],
+        "two_rectangles": [*things, *TWO_EMITTERS],
     }
 
 

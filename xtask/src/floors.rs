@@ -77,7 +77,7 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 32] = [
+const CORE_MODULES: [(&str, &[&str]); 33] = [
     ("ids", &[]),
     ("family", &[]),
     ("differential", &[]),
@@ -105,7 +105,8 @@ const CORE_MODULES: [(&str, &[&str]); 32] = [
         ],
     ),
     ("item_buffer", &["ids", "shape"]),
-    ("medium", &["family", "interaction", "texture"]),
+    ("curved_light", &[]),
+    ("medium", &["curved_light", "family", "interaction", "texture"]),
     ("objects", &[]),
     ("nested", &["ids", "interaction", "material", "objects", "shape"]),
     ("camera", &["interaction", "motion"]),
@@ -146,7 +147,7 @@ const CORE_MODULES: [(&str, &[&str]); 32] = [
         &["ids", "interaction", "bsdf", "texture", "emission", "light", "material", "sampler", "scene"],
     ),
     ("shading", &["interaction", "material", "scene"]),
-    ("space", &["scene"]),
+    ("space", &["ids", "curved_light", "medium", "scene"]),
     (
         "builder",
         &[
@@ -199,6 +200,7 @@ const CORE_MODULES: [(&str, &[&str]); 32] = [
             "shape",
             "light",
             "measured",
+            "curved_light",
             "medium",
             "motion",
             "moving_tree",

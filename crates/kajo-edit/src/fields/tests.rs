@@ -102,7 +102,7 @@ fn needed(block: &Block) -> String {
         _ if block.keyword == "Lathe" => needed + "profile { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "SphereSweep" => needed + "path { line 0 0 0 1  1 0 0 1 } ",
         Kind::Medium if block.keyword == "GridMedium" => needed + "size 2 1 1  values 0 1  density 1 ",
-        Kind::Medium => needed + "density 1 ",
+        Kind::Medium if block.fields().any(|field| field.key == "density") => needed + "density 1 ",
         _ if block.keyword == "Prism" => needed + "outline { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "Curves" => needed + "strand { points 0 0 0  1 0 0  1 1 0 } ",
         _ => needed,

@@ -80,6 +80,20 @@ impl<'a> Path<'a> {
     }
 }
 
+/// The path tracer for a scene: another one where something moves nearly as fast as light.
+fn integrator_of<'a>(
+    camera: &'a Camera,
+    scene: &'a Scene,
+    settings: PathSettings,
+    size: [u32; 2],
+    layers: LayerSet,
+) -> Box<dyn crate::PixelIntegrator + 'a> {
+    match scene.relativity.as_deref() {
+        None => Box::new(Path::through(camera, scene, settings, size, layers)),
+        Some(all) => Box::new(RelativisticPath::new(camera, scene, all, settings, size, layers)),
+    }
+}
+
 /// Room for forks, kept from sample to sample.
 struct ForkRoom<M>(Vec<Fork<'static, M>>);
 

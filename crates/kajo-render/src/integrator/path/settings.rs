@@ -6,11 +6,10 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{Directions, IntegratorName, Settings, SettingsKey, Technique};
 use kajo_core::space::Space;
 
-use super::{Path, RelativisticPath};
 use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext};
 use crate::{LayerSet, PixelIntegrator};
 
-/// Options of [`Path`].
+/// Options of [`Path`](super::Path).
 #[derive(Clone, Copy, Debug)]
 pub struct PathSettings {
     /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
@@ -136,10 +135,7 @@ impl Prepare for PathSettings {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Box<dyn PixelIntegrator + 'a> {
-        match scene.relativity.as_deref() {
-            None => Box::new(Path::through(camera, scene, self, size, layers)),
-            Some(all) => Box::new(RelativisticPath::new(camera, scene, all, self, size, layers)),
-        }
+        super::integrator_of(camera, scene, self, size, layers)
     }
 
     fn values(&self) -> Settings {

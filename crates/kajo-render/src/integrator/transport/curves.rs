@@ -10,7 +10,7 @@ use kajo_core::scene::Scene;
 use kajo_core::space::Arrival;
 use kajo_math::Ray;
 
-use super::steps::{Way, arrive};
+use super::arrival::{Way, arrive};
 use super::{PathState, SurfaceInteraction};
 use crate::trail::{About, PathObserver};
 

@@ -28,6 +28,7 @@
 //! No step calls the next one, and none knows who called it: a path is followed by calling them in turn, and many paths can
 //! be by calling each of them for all. The order in which they take random numbers is part of their contract.
 
+mod arrival;
 mod collisions;
 mod curves;
 mod differentials;
