@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 59] = [
+const ROLES: [(&str, Role); 63] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -163,6 +163,10 @@ const ROLES: [(&str, Role); 59] = [
     ("branches", Decides("--integrator distribution", "--branches 3")),
     ("photons", Decides("--integrator sppm", "--photons 500")),
     ("photon-map", Decides("--integrator photon", "--photon-map direct")),
+    ("accuracy", Decides("--integrator irradiance", "--accuracy 0.5")),
+    ("rays", Decides("--integrator irradiance", "--rays 100")),
+    ("gradients", Decides("--integrator irradiance", "--gradients off")),
+    ("show-records", Decides("--integrator irradiance", "--show-records on")),
     ("directions", Decides("--integrator path", "--directions uniform")),
     ("technique", Decides("--integrator path", "--technique lights")),
     ("light-choice", Decides("--integrator path", "--light-choice uniform")),

@@ -201,6 +201,24 @@ impl PhotonMapUse {
     ];
 }
 
+/// What an irradiance cache knows of how irradiance changes around its records.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gradients {
+    /// First and second derivatives, by what hides what.
+    #[default]
+    Occlusion,
+    /// First derivatives, by the differences of neighbouring directions.
+    Strata,
+    /// Nothing: each record has one irradiance.
+    Off,
+}
+
+impl Gradients {
+    /// Names on the command line and in `Settings`, with what they stand for.
+    pub const NAMES: [(&'static str, Gradients); 3] =
+        [("occlusion", Gradients::Occlusion), ("off", Gradients::Off), ("strata", Gradients::Strata)];
+}
+
 /// How the directions of indirect light are drawn at surfaces that are no mirrors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Directions {
@@ -275,6 +293,14 @@ pub struct Settings {
     pub photons: Option<u32>,
     /// What a photon map is used for.
     pub photon_map: Option<PhotonMapUse>,
+    /// The error that a record of irradiance may make, as a share.
+    pub accuracy: Option<f32>,
+    /// Rays by which a record of irradiance is made.
+    pub rays: Option<u32>,
+    /// What is known of how irradiance changes around a record.
+    pub gradients: Option<Gradients>,
+    /// Whether the records of irradiance are shown in place of the picture.
+    pub show_records: Option<bool>,
     /// Distance beyond which nothing occludes.
     pub reach: Option<f32>,
     /// Factors of two by which the picture is made brighter.
@@ -302,7 +328,7 @@ impl FilterChoice {
 impl Settings {
     /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
-        let numbers = [self.weight, self.reach, self.exposure].into_iter().flatten();
+        let numbers = [self.weight, self.accuracy, self.reach, self.exposure].into_iter().flatten();
         let mut all = numbers.chain(self.depth_range.into_iter().flatten());
         all.all(f32::is_finite)
             && self.filter.is_none_or(FilterChoice::is_finite)
@@ -337,6 +363,10 @@ impl Settings {
             roulette: self.roulette.or(there.roulette),
             photons: self.photons.or(there.photons),
             photon_map: self.photon_map.or(there.photon_map),
+            accuracy: self.accuracy.or(there.accuracy),
+            rays: self.rays.or(there.rays),
+            gradients: self.gradients.or(there.gradients),
+            show_records: self.show_records.or(there.show_records),
             reach: self.reach.or(there.reach),
             exposure: self.exposure.or(there.exposure),
             tone: self.tone.or(there.tone),
@@ -362,6 +392,10 @@ pub enum SettingsKey {
     Branches,
     Photons,
     PhotonMap,
+    Accuracy,
+    Rays,
+    Gradients,
+    ShowRecords,
     Reach,
     Shadows,
     ShadowAttenuation,
@@ -370,7 +404,7 @@ pub enum SettingsKey {
 
 impl SettingsKey {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [SettingsKey; 17] = [
+    pub const ALL: [SettingsKey; 21] = [
         SettingsKey::Bounces,
         SettingsKey::Weight,
         SettingsKey::Fresnel,
@@ -384,6 +418,10 @@ impl SettingsKey {
         SettingsKey::Branches,
         SettingsKey::Photons,
         SettingsKey::PhotonMap,
+        SettingsKey::Accuracy,
+        SettingsKey::Rays,
+        SettingsKey::Gradients,
+        SettingsKey::ShowRecords,
         SettingsKey::Reach,
         SettingsKey::Shadows,
         SettingsKey::ShadowAttenuation,
@@ -409,6 +447,10 @@ impl SettingsKey {
             SettingsKey::Branches => said(settings.branches.is_some(), "branches"),
             SettingsKey::Photons => said(settings.photons.is_some(), "photons"),
             SettingsKey::PhotonMap => said(settings.photon_map.is_some(), "photonMap"),
+            SettingsKey::Accuracy => said(settings.accuracy.is_some(), "accuracy"),
+            SettingsKey::Rays => said(settings.rays.is_some(), "rays"),
+            SettingsKey::Gradients => said(settings.gradients.is_some(), "gradients"),
+            SettingsKey::ShowRecords => said(settings.show_records.is_some(), "showRecords"),
             SettingsKey::Reach => said(settings.reach.is_some(), "reach"),
             SettingsKey::Shadows => match settings.shadows? {
                 Shadows::Off => Some("shadows off"),

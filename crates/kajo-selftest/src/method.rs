@@ -55,6 +55,12 @@ pub const SPPM: Method = method("sppm", "integrator sppm  photons 20000");
 /// The same by wavelength.
 pub const SPPM_SPECTRAL: Method = method("sppm, spectral", "integrator sppm  photons 20000  spectral on");
 
+/// Irradiance of few points, interpolated.
+pub const IRRADIANCE: Method = method("irradiance", "integrator irradiance  rays 256");
+
+/// What interpolates, with errors that more samples do not take away.
+pub const CACHES: &[Method] = &[IRRADIANCE];
+
 /// Markov chains over paths from both ends.
 pub const MLT: Method = method("mlt", "integrator mlt");
 

@@ -169,6 +169,7 @@ fn a_scene_by_program_has_the_picture_of_the_text() {
             bounces: Some(4),
             spectral: Some(spectral),
             photons: Some(2000),
+            rays: Some(64),
             ..Settings::default()
         };
         let settings = RenderSettings::resolve(scene, &asked, Defaults::Modern, false).unwrap();

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use kajo::{
-    BitDepth, Defaults, Directions, Format, IntegratorName, LightChoice, LoadOptions, PhotonMapUse,
-    RayOffset, Rect, Settings, ShadowAttenuation, Shadows, Technique, View,
+    BitDepth, Defaults, Directions, Format, Gradients, IntegratorName, LightChoice, LoadOptions,
+    PhotonMapUse, RayOffset, Rect, Settings, ShadowAttenuation, Shadows, Technique, View,
 };
 
 use super::values::{self, Aov, FilterArg, Samples, Size};
@@ -115,6 +115,18 @@ pub struct RenderArgs {
     /// Photon maps: what the map is used for: gather, direct or caustics
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(PhotonMapUse::NAMES))]
     pub photon_map: Option<PhotonMapUse>,
+    /// Irradiance caching: the error that a record may make, as a share
+    #[arg(long, value_name = "SHARE", help_heading = "Paths", value_parser = values::positive)]
+    pub accuracy: Option<f64>,
+    /// Irradiance caching: rays for one record
+    #[arg(long, value_name = "N", help_heading = "Paths", value_parser = clap::value_parser!(u32).range(16..=1_048_576))]
+    pub rays: Option<u32>,
+    /// Irradiance caching: what is known around a record: occlusion, strata or off
+    #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(Gradients::NAMES))]
+    pub gradients: Option<Gradients>,
+    /// Irradiance caching: shows the irradiance and its records
+    #[arg(long, value_name = "ON|OFF", help_heading = "Paths", value_parser = values::on_off())]
+    pub show_records: Option<bool>,
     /// Occlusion: the distance beyond which nothing hides the light
     #[arg(long, value_name = "DISTANCE", help_heading = "Paths", value_parser = values::positive)]
     pub reach: Option<f64>,
@@ -178,6 +190,10 @@ impl RenderArgs {
             branches: self.branches,
             photons: self.photons,
             photon_map: self.photon_map,
+            accuracy: self.accuracy.map(|accuracy| accuracy as f32),
+            rays: self.rays,
+            gradients: self.gradients,
+            show_records: self.show_records,
             directions: self.directions,
             technique: self.technique,
             light_choice: self.light_choice,

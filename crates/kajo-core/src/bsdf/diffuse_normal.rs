@@ -149,6 +149,24 @@ impl BumpedDiffuse {
         }
     }
 
+    /// As [`Bsdf::lambertian_reflectance`]; black for none.
+    pub(super) fn lambertian_reflectance(&self) -> Spectrum {
+        match self.lobe {
+            Diffuse::Lambert(lobe) => lobe.reflectance,
+            Diffuse::OrenNayar(_) => Spectrum::BLACK,
+        }
+    }
+
+    /// What it reflects evenly; `None` where it does not.
+    pub(super) fn without_transmission(&self) -> Option<BumpedDiffuse> {
+        match self.lobe {
+            Diffuse::Lambert(lobe) => {
+                Some(BumpedDiffuse { lobe: Diffuse::Lambert(lobe.without_transmission()), ..*self })
+            }
+            Diffuse::OrenNayar(_) => None,
+        }
+    }
+
     pub(super) fn transmits(&self) -> bool {
         matches!(self.lobe, Diffuse::Lambert(lobe) if !lobe.transmittance.is_black())
     }

@@ -29,6 +29,11 @@ impl Lambert {
         Lambert { reflectance, transmittance: Spectrum::BLACK }
     }
 
+    /// What it reflects.
+    pub(super) fn without_transmission(&self) -> Lambert {
+        Lambert::new(self.reflectance)
+    }
+
     /// Probability of reflection.
     #[inline]
     fn reflects(&self) -> f32 {

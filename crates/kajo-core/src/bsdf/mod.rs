@@ -27,6 +27,7 @@ pub mod fresnel;
 mod fuzz;
 mod gloss;
 mod lambert;
+mod lambertian;
 mod measured;
 pub mod microfacet;
 mod oren_nayar;

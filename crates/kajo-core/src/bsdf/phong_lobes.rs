@@ -77,6 +77,21 @@ impl PhongLobes {
         self.diffuse.is_black() && self.specular.is_black()
     }
 
+    /// The share of light that is reflected evenly.
+    pub(super) fn diffuse(&self) -> Spectrum {
+        self.diffuse
+    }
+
+    /// Whether nothing is glossy, so that all light of more than single directions is reflected evenly.
+    pub(super) fn is_even(&self) -> bool {
+        self.specular.is_black()
+    }
+
+    /// The diffuse lobe alone, for its value.
+    pub(super) fn without_gloss(&self) -> PhongLobes {
+        PhongLobes { specular: Spectrum::BLACK, ..*self }
+    }
+
     /// Whether it scatters about evenly.
     pub(super) fn is_broad(&self) -> bool {
         !self.diffuse.is_black() && (self.specular.is_black() || self.exponent <= 10.0)

@@ -14,8 +14,8 @@ use crate::light::LightChoice;
 use crate::sampler::SamplerKind;
 use crate::schema::{Around, Block, Constant, FieldKind, FieldSpec, FieldValue, Kind};
 use crate::settings::{
-    Dialect, Directions, FilterChoice, IntegratorName, PhotonMapUse, Settings, ShadowAttenuation, Shadows,
-    Technique,
+    Dialect, Directions, FilterChoice, Gradients, IntegratorName, PhotonMapUse, Settings, ShadowAttenuation,
+    Shadows, Technique,
 };
 
 choices! {
@@ -41,6 +41,7 @@ choices! {
 }
 
 choices!(Directions: Directions::NAMES);
+choices!(Gradients: Gradients::NAMES);
 choices!(PhotonMapUse: PhotonMapUse::NAMES);
 choices!(LightChoice: LightChoice::NAMES);
 choices!(Technique: Technique::NAMES, or Technique::SYNONYMS);
@@ -61,6 +62,9 @@ const MAX_BRANCHES: u32 = 1 << 16;
 
 /// The most photons of a map: more would not be numbered by 32 bits once they have been scattered.
 const MAX_PHOTONS: u32 = 100_000_000;
+
+/// The least and the largest number of rays for a record of irradiance.
+const RECORD_RAYS: [u32; 2] = [16, 1 << 20];
 
 /// The largest seed, up to which every whole number is a double.
 const MAX_SEED: f64 = (1u64 << 53) as f64;
@@ -131,6 +135,14 @@ keys! {
             .ruled(photons, "by the integrator", "paths from lights for a photon map"),
         photon_map: Option<PhotonMapUse> = choice::<PhotonMapUse>("photonMap")
             .presumed(Constant::Word("gather"), "what the photon map is used for"),
+        accuracy: Option<f32> = positive("accuracy")
+            .presumed(Constant::Number(0.1), "error that a record of irradiance may make, as a share"),
+        rays: Option<u32> = count("rays", RECORD_RAYS[0], RECORD_RAYS[1])
+            .presumed(Constant::Number(2048.0), "rays for a record of irradiance"),
+        gradients: Option<Gradients> = choice::<Gradients>("gradients")
+            .presumed(Constant::Word("occlusion"), "what is known around a record of irradiance"),
+        show_records: Option<bool> = flag("showRecords")
+            .presumed(Constant::Word("off"), "the irradiance and its records in place of the picture"),
         reach: Option<f32> = positive("reach")
             .unit("length")
             .unlike("any distance", "1", "distance beyond which nothing occludes"),
@@ -243,6 +255,10 @@ impl From<SettingsKeys> for Settings {
             roulette: keys.roulette,
             photons: keys.photons,
             photon_map: keys.photon_map,
+            accuracy: keys.accuracy,
+            rays: keys.rays,
+            gradients: keys.gradients,
+            show_records: keys.show_records,
             reach: keys.reach,
             exposure: keys.exposure,
             tone: keys.tone,

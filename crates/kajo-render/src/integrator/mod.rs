@@ -8,6 +8,7 @@ pub mod ambient_occlusion;
 pub mod bidir;
 mod camera_view;
 pub mod classic;
+pub mod irradiance;
 pub mod metropolis;
 pub mod path;
 pub mod photon;
@@ -18,6 +19,7 @@ mod transport;
 pub use ambient_occlusion::{AmbientOcclusion, AmbientOcclusionSettings};
 pub use bidir::{Bidirectional, BidirectionalSettings};
 pub use classic::{Classic, ClassicSettings};
+pub use irradiance::{IrradianceCaching, IrradianceSettings};
 pub use metropolis::{Metropolis, MetropolisSettings};
 pub use path::{Path, PathSettings};
 pub use photon::{PhotonMapping, PhotonSettings};
@@ -84,6 +86,8 @@ settings! {
     Bidirectional(BidirectionalSettings),
     /// Recursive ray tracing as in the course.
     Classic(ClassicSettings),
+    /// Irradiance caching.
+    Irradiance(IrradianceSettings),
     /// Metropolis light transport.
     Metropolis(MetropolisSettings),
     /// Path tracing, distribution ray tracing and direct light.
@@ -93,11 +97,12 @@ settings! {
 }
 
 /// All integrators, by their names.
-pub const INTEGRATORS: [&IntegratorSpec; 10] = [
+pub const INTEGRATORS: [&IntegratorSpec; 11] = [
     &bidir::BIDIRECTIONAL,
     &classic::CLASSIC,
     &path::DIRECT,
     &path::DISTRIBUTION,
+    &irradiance::IRRADIANCE,
     &bidir::LIGHT,
     &metropolis::METROPOLIS,
     &ambient_occlusion::OCCLUSION,

@@ -47,7 +47,8 @@ use crate::{LayerSet, PixelSample, SampleContext};
 pub use relativistic::RelativisticPath;
 pub use settings::{DIRECT, DISTRIBUTION, PATH, PathSettings};
 pub(super) use tracer::power_heuristic;
-use tracer::{CameraPath, Fork, PathTracer};
+pub(super) use tracer::{CameraPath, DiffuseVertex, Indirect, IndirectLight, PathTracer};
+use tracer::{Fork, Sampled};
 
 /// The path tracer over one scene and one picture size.
 pub struct Path<'a> {
@@ -111,9 +112,22 @@ impl Integrator for Path<'_> {
         raster: Vec2,
         observer: &mut O,
     ) -> PixelSample {
+        self.observe_with(ctx, raster, observer, Sampled).0
+    }
+}
+
+impl Path<'_> {
+    /// As [`Integrator::observe`], with somebody who knows of indirect light, and is returned.
+    pub(super) fn observe_with<O: PathObserver, C: IndirectLight>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        raster: Vec2,
+        observer: &mut O,
+        indirect: C,
+    ) -> (PixelSample, C) {
         let mut draws = ctx.draws;
         let differential = self.view.differential(raster, draws, ctx.sampler.samples());
-        let Some(ray) = self.view.ray(raster, &mut draws) else { return PixelSample::default() };
+        let Some(ray) = self.view.ray(raster, &mut draws) else { return (PixelSample::default(), indirect) };
         let wavelengths = self.view.wavelengths(&mut draws);
         let media = self.view.media_around(&ray, &wavelengths);
         let carried = (wavelengths, Spectrum::WHITE);
@@ -126,7 +140,7 @@ impl Integrator for Path<'_> {
         observer.counters().camera += 1;
         let forks = self.forks().then(|| mem::take(&mut ctx.scratch.get::<ForkRoom<O::Mark>>().0));
         let forks = forks.map_or_else(Vec::new, emptied);
-        let mut tracer = PathTracer::new(&self.view, &self.settings, observer, forks);
+        let mut tracer = PathTracer::new(&self.view, &self.settings, observer, indirect, forks);
         let (radiance, found) = tracer.run(CameraPath::new(state, &self.settings));
         if self.view.wants_albedo() {
             ctx.aux.albedo = in_white_light(found.albedo.unwrap_or(Spectrum::BLACK), &wavelengths);
@@ -135,14 +149,13 @@ impl Integrator for Path<'_> {
             ctx.aux.lights = groups;
         }
         let first = found.first.as_ref().map(|at| self.view.first_hit(at, &mut ctx.aux));
+        let (forks, indirect) = tracer.into_parts();
         if self.forks() {
-            ctx.scratch.get::<ForkRoom<O::Mark>>().0 = emptied(tracer.into_forks());
+            ctx.scratch.get::<ForkRoom<O::Mark>>().0 = emptied(forks);
         }
-        PixelSample { radiance, first }
+        (PixelSample { radiance, first }, indirect)
     }
-}
 
-impl Path<'_> {
     /// Whether paths ever fork.
     fn forks(&self) -> bool {
         self.settings.branches > 1 || self.settings.directions != Directions::Scattering

@@ -3,7 +3,7 @@
 use kajo_core::RayOffset;
 use kajo_core::light::LightChoice;
 use kajo_core::settings::{
-    Directions, PhotonMapUse, Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
+    Directions, Gradients, PhotonMapUse, Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
 };
 use kajo_scene::MemoryAssets;
 
@@ -37,6 +37,10 @@ fn saying(key: SettingsKey) -> Vec<Settings> {
         SettingsKey::Branches => vec![Settings { branches: Some(5), ..none() }],
         SettingsKey::Photons => vec![Settings { photons: Some(77), ..none() }],
         SettingsKey::PhotonMap => vec![Settings { photon_map: Some(PhotonMapUse::Direct), ..none() }],
+        SettingsKey::Accuracy => vec![Settings { accuracy: Some(0.3), ..none() }],
+        SettingsKey::Rays => vec![Settings { rays: Some(77), ..none() }],
+        SettingsKey::Gradients => vec![Settings { gradients: Some(Gradients::Off), ..none() }],
+        SettingsKey::ShowRecords => vec![Settings { show_records: Some(true), ..none() }],
         SettingsKey::Reach => vec![Settings { reach: Some(2.0), ..none() }],
         SettingsKey::Shadows => vec![Settings { shadows: Some(Shadows::Transparent), ..none() }],
         SettingsKey::ShadowAttenuation => {

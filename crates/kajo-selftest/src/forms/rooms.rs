@@ -23,7 +23,8 @@ use kajo_math::DVec3;
 
 use super::{Form, Parameters, spot_meter, text};
 use crate::method::{
-    BIDIRECTIONAL, BOUNCES, DIRECT, GLOBAL, LIGHT, MLT, Method, PATH, PATH_LIGHTS, PATH_SPECTRAL, PHOTONS,
+    BIDIRECTIONAL, BOUNCES, CACHES, DIRECT, GLOBAL, LIGHT, MLT, Method, PATH, PATH_LIGHTS, PATH_SPECTRAL,
+    PHOTONS,
 };
 
 /// Bounces of which nobody sees the end: `0.85^200` is `8e-15`.
@@ -54,6 +55,15 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
             ..room.rounding(BLUR).size([64, 64])
         });
     }
+    // All pixels share the noise of the records.
+    let cached = |form: Form| Form {
+        name: format!("{}, by a cache", form.name),
+        methods: CACHES,
+        ..form.rounding(RECORDS).size([16, 16])
+    };
+    let room = glowing(draw, &ROOMS[0], None);
+    forms.push(cached(Form { scene: room.scene.replace("angle 0.001", "angle 70"), ..room }));
+    forms.push(cached(light_in_ball(draw, CACHES, true)));
     let room = glowing(draw, &ROOMS[2], None);
     forms.push(Form { name: format!("{}, by chains", room.name), methods: CHAINS, ..room.size([32, 32]) });
     let ball = light_in_ball(draw, CHAINS, true);
@@ -63,6 +73,9 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
 
 /// Chains over paths.
 const CHAINS: &[Method] = &[MLT];
+
+/// What the noise of a few records of 256 rays may change, as a share of the light.
+const RECORDS: f64 = 5e-3;
 
 /// What the roundness of a wall within the disks of photons may change, as a share of its light.
 const BLUR: f64 = 2e-3;

@@ -2,8 +2,8 @@
 
 use egui::{DragValue, Response, Slider, Ui};
 use kajo::{
-    Directions, INTEGRATORS, LightChoice, PhotonMapUse, RayOffset, RenderSettings, Settings, SettingsKey,
-    ShadowAttenuation, Shadows, Technique,
+    Directions, Gradients, INTEGRATORS, LightChoice, PhotonMapUse, RayOffset, RenderSettings, Settings,
+    SettingsKey, ShadowAttenuation, Shadows, Technique,
 };
 
 use super::widgets::{choice, option, rows, section};
@@ -138,6 +138,34 @@ fn path_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings)
             known(ui, ["Photon map", hint], &mut asked.photon_map, now.photon_map, |ui, value| {
                 choice(ui, "photon map", value, &PhotonMapUse::NAMES)
             });
+        }
+        _ => record_row(ui, key, asked, now),
+    }
+}
+
+fn record_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings) {
+    match key {
+        SettingsKey::Accuracy => {
+            let hint = "The error that a record of irradiance may make, as a share";
+            known(ui, ["Accuracy", hint], &mut asked.accuracy, now.accuracy, |ui, accuracy| {
+                ui.add(Slider::new(accuracy, 0.001..=1.0).logarithmic(true))
+            });
+        }
+        SettingsKey::Rays => {
+            let hint = "Rays for one record of irradiance";
+            known(ui, ["Rays", hint], &mut asked.rays, now.rays, |ui, rays| {
+                ui.add(Slider::new(rays, 64..=65_536).logarithmic(true))
+            });
+        }
+        SettingsKey::Gradients => {
+            let hint = "What is known of how irradiance changes around a record";
+            known(ui, ["Gradients", hint], &mut asked.gradients, now.gradients, |ui, value| {
+                choice(ui, "gradients", value, &Gradients::NAMES)
+            });
+        }
+        SettingsKey::ShowRecords => {
+            let hint = "The irradiance and its records in place of the picture";
+            known(ui, ["Show records", hint], &mut asked.show_records, now.show_records, on);
         }
         _ => surface_row(ui, key, asked, now),
     }

@@ -69,6 +69,7 @@ fn ways() -> Vec<Settings> {
         of("bidirectional"),
         Settings { spectral: Some(true), ..of("bidirectional") },
         of("light"),
+        of("irradiance"),
         of("photon"),
         of("sppm"),
         of("mlt"),

@@ -60,7 +60,7 @@ mod tests {
     fn keys_for_other_integrators_are_told() {
         let key = |text: &str| text.split_whitespace().next().unwrap().to_owned();
         for (text, users) in [
-            ("bounces 3", "classic path direct distribution bidirectional light photon sppm mlt"),
+            ("bounces 3", "classic path direct distribution bidirectional irradiance light photon sppm mlt"),
             ("weight 0.1", "classic"),
             ("shadows off", "classic"),
             ("shadows transparent", "classic"),
@@ -71,11 +71,15 @@ mod tests {
             ("branches 4", "distribution"),
             ("photons 1000", "photon sppm"),
             ("photonMap direct", "photon"),
+            ("accuracy 0.2", "irradiance"),
+            ("rays 500", "irradiance"),
+            ("gradients off", "irradiance"),
+            ("showRecords on", "irradiance"),
             ("directions cosine", "path direct distribution"),
             ("technique lights", "path direct distribution"),
-            ("roulette off", "path direct distribution bidirectional light photon sppm mlt"),
+            ("roulette off", "path direct distribution bidirectional irradiance light photon sppm mlt"),
             ("spectral on", "path direct distribution bidirectional light sppm mlt"),
-            ("lightChoice uniform", "path direct distribution bidirectional photon sppm mlt"),
+            ("lightChoice uniform", "path direct distribution bidirectional irradiance photon sppm mlt"),
             ("reach 2", "occlusion"),
         ] {
             for name in integrator::NAMES {

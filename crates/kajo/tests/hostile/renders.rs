@@ -49,6 +49,7 @@ pub fn picture(text: &[u8], files: &[(&str, &[u8])], integrator: IntegratorName)
         bounces: Some(scene.output.settings.bounces.unwrap_or(6).min(12)),
         branches: Some(2),
         photons: Some(200),
+        rays: Some(32),
         ..Settings::default()
     };
     let Ok(settings) = RenderSettings::resolve(&scene, &asked, Defaults::Modern, false) else { return };

@@ -1,5 +1,7 @@
 //! One sample of the path tracer: a path from the camera and what branches off it.
 
+mod indirect;
+
 use kajo_color::{Spectrum, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
@@ -18,10 +20,11 @@ use crate::integrator::transport::{
     survives,
 };
 use crate::trail::{About, PathObserver, RayKind};
+pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Sampled};
 
 /// A path from the camera, and what the weights of the light that it meets go by.
 #[derive(Clone, Copy)]
-pub(super) struct CameraPath<'s> {
+pub(in crate::integrator) struct CameraPath<'s> {
     pub state: PathState<'s>,
     /// The last vertex.
     pub receiver: Receiver,
@@ -45,6 +48,19 @@ impl<'s> CameraPath<'s> {
             pdf: 0.0,
             bounces: 0,
             free_mirrors: settings.free_mirrors,
+            ends_at_lights: false,
+            is_branch: false,
+        }
+    }
+
+    /// A path that goes on from a surface which has scattered it once.
+    pub fn from_surface(state: PathState<'s>) -> CameraPath<'s> {
+        CameraPath {
+            state,
+            receiver: Receiver::default(),
+            pdf: 0.0,
+            bounces: 1,
+            free_mirrors: 0,
             ends_at_lights: false,
             is_branch: false,
         }
@@ -96,14 +112,14 @@ impl<'s> CameraPath<'s> {
 
 /// A surface and how it scatters.
 #[derive(Clone, Copy)]
-pub(super) struct Shaded<'v> {
+pub(in crate::integrator) struct Shaded<'v> {
     pub surface: &'v SurfaceInteraction,
     pub bsdf: &'v Bsdf<'v>,
     pub local: &'v LocalFrame,
 }
 
 /// A vertex at which a path forks, until all branches have been taken from it.
-pub(super) struct Fork<'s, M> {
+pub(in crate::integrator) struct Fork<'s, M> {
     path: CameraPath<'s>,
     surface: SurfaceInteraction,
     bsdf: Bsdf<'s>,
@@ -146,7 +162,7 @@ impl<'s, M> Fork<'s, M> {
 
 /// What one sample has found so far.
 #[derive(Clone, Copy)]
-pub(super) struct Estimate {
+pub(in crate::integrator) struct Estimate {
     /// Light found under the present wavelengths.
     light: Spectrum,
     /// What the sensor has of light found under earlier ones, linear RGB.
@@ -162,28 +178,33 @@ pub(super) struct Estimate {
 }
 
 /// Follows the paths of one sample.
-pub(super) struct PathTracer<'a, 's, O: PathObserver> {
+pub(in crate::integrator) struct PathTracer<'a, 's, O: PathObserver, C> {
     view: &'a CameraView<'a>,
     settings: &'a PathSettings,
     observer: &'a mut O,
     estimate: Estimate,
+    indirect: C,
+    /// The share that the path carries beyond the ray at hand, from a surface whose indirect light was known.
+    beside: Option<Spectrum>,
     /// Vertices with branches that remain to be followed; those of the last one are next.
     forks: Vec<Fork<'s, O::Mark>>,
 }
 
-impl<'a: 's, 's, O: PathObserver> PathTracer<'a, 's, O> {
+impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
+    /// * `indirect`: who knows of indirect light
     /// * `forks`: room for them
     pub fn new(
         view: &'a CameraView<'a>,
         settings: &'a PathSettings,
         observer: &'a mut O,
+        indirect: C,
         forks: Vec<Fork<'s, O::Mark>>,
-    ) -> PathTracer<'a, 's, O> {
+    ) -> PathTracer<'a, 's, O, C> {
         let groups = view.wants_light_groups().then_some([[0.0; 3]; MAX_LIGHT_GROUPS]);
         let (light, sensed) = (Spectrum::BLACK, [0.0; 3]);
         let begins_in_medium = false;
         let estimate = Estimate { light, sensed, groups, first: None, begins_in_medium, albedo: None };
-        PathTracer { view, settings, observer, estimate, forks }
+        PathTracer { view, settings, observer, estimate, indirect, beside: None, forks }
     }
 
     /// Follows a path and all that branches off it. Returns the light of it all as the sensor sees it, linear RGB, with
@@ -200,9 +221,9 @@ impl<'a: 's, 's, O: PathObserver> PathTracer<'a, 's, O> {
         (self.estimate.sensed_with(&path.state), &self.estimate)
     }
 
-    /// The memory of the list of forks.
-    pub fn into_forks(self) -> Vec<Fork<'s, O::Mark>> {
-        self.forks
+    /// The memory of the list of forks, and who knows of indirect light.
+    pub fn into_parts(self) -> (Vec<Fork<'s, O::Mark>>, C) {
+        (self.forks, self.indirect)
     }
 
     fn scene(&self) -> &'a Scene {
@@ -221,6 +242,9 @@ impl<'a: 's, 's, O: PathObserver> PathTracer<'a, 's, O> {
                 },
                 Event::Escaped(d) => return self.add_background(path, d),
                 Event::Absorbed => return,
+            }
+            if C::IS_ASKED {
+                self.indirect.met(path.bounces, Some(surface.at.point.p));
             }
             self.add_emission(path, surface);
             // The last surface may be a hole or a pane.
@@ -267,12 +291,22 @@ impl<'a: 's, 's, O: PathObserver> PathTracer<'a, 's, O> {
     /// Adds the light that arrives directly and goes on from a surface; `false` when the path ends here or forks.
     fn scatter(&mut self, path: &mut CameraPath<'s>, surface: &SurfaceInteraction, bsdf: &Bsdf<'s>) -> bool {
         let settings = self.settings;
-        let local = LocalFrame::new(&self.scene().shading(&surface.at, surface.u), surface.wo);
+        let shading = self.scene().shading(&surface.at, surface.u);
+        let local = LocalFrame::new(&shading, surface.wo);
         let bumped = local.bumped(bsdf);
         let bsdf = bumped.as_ref().unwrap_or(bsdf);
         let is_delta = bsdf.is_delta();
+        if C::IS_ASKED && !is_delta && !self.settle(path) {
+            return false;
+        }
         if self.estimate.albedo.is_none() && self.view.wants_albedo() && !is_delta {
             self.estimate.albedo = Some(bsdf.albedo(local.wo));
+        }
+        if C::IS_ASKED
+            && !is_delta
+            && let Some(goes_on) = self.take_indirect(path, surface, bsdf, (&local, &shading))
+        {
+            return goes_on;
         }
         if !is_delta && settings.technique != Technique::Scattering {
             self.add_direct_light(path, surface, bsdf, &local);
@@ -335,6 +369,12 @@ impl<'a: 's, 's, O: PathObserver> PathTracer<'a, 's, O> {
 
     /// Light from infinitely far away along a ray that leaves the scene: `beta Le(d) w`.
     fn add_background(&mut self, path: &CameraPath<'s>, d: Vec3) {
+        if C::IS_ASKED {
+            self.indirect.met(path.bounces, None);
+            if !self.indirect.counts_lights() {
+                return;
+            }
+        }
         let (scene, state) = (self.scene(), &path.state);
         let at = LightPoint::Infinite { through: path.receiver.p };
         for hit in scene.lights_at_infinity(d, &state.wavelengths) {
@@ -345,6 +385,9 @@ impl<'a: 's, 's, O: PathObserver> PathTracer<'a, 's, O> {
 
     /// Light that the surface itself sends back along the path: `beta Le(wo) w`.
     fn add_emission(&mut self, path: &CameraPath<'s>, surface: &SurfaceInteraction) {
+        if C::IS_ASKED && !self.indirect.counts_lights() {
+            return;
+        }
         let (state, d) = (&path.state, -surface.wo);
         if let Some(hit) = self.scene().surface_light(&surface.at, d, &state.wavelengths) {
             let weight = self.mis_weight(path, &hit, &LightPoint::on(&surface.at.point), d);
@@ -439,7 +482,7 @@ struct Joined {
 }
 
 /// Vertices in media.
-impl<'s, O: PathObserver> PathTracer<'_, 's, O> {
+impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// Adds the light that arrives directly at a point in a medium and goes on from there; `false` when the path ends.
     ///
     /// The integral over all directions of `p(wo, wi) Li(wi)` is estimated as at surfaces, with the phase function `p` in the
@@ -454,7 +497,10 @@ impl<'s, O: PathObserver> PathTracer<'_, 's, O> {
             self.estimate.begins_in_medium = true;
             self.estimate.first = Some(Interaction::default());
         }
-        if path.ends_at_lights {
+        if C::IS_ASKED {
+            self.indirect.met(path.bounces, Some(at.p));
+        }
+        if path.ends_at_lights || (C::IS_ASKED && !self.settle(path)) {
             return false;
         }
         let settings = self.settings;

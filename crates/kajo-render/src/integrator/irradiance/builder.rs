@@ -1,0 +1,388 @@
+//! How the records come into being: in rounds, so that the cache is a function of the scene and the seed.
+//!
+//! Grids of pixels from coarse to fine cover the whole picture. From each pixel of a grid a path goes to the first surface that is no
+//! mirror; where that reflects evenly and the records do not cover it yet, the pixel proposes a record. Proposals are sorted by
+//! (priority, pixel), the priority being a hash, so that those that follow each other are far apart. Then, round by round,
+//!
+//! ```text
+//! the first proposals that are still uncovered       one thread
+//! their records, by rays into the hemisphere         all threads, which read nothing of the cache
+//! accepted in their order, if still uncovered        one thread
+//! ```
+//!
+//! Neither the number of threads nor who renders which part of the picture has a say in any of it.
+
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::RayOffset;
+use kajo_core::bsdf::Transport;
+use kajo_core::light::BoundingSphere;
+use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
+use kajo_core::settings::Gradients;
+use kajo_math::rng::mix;
+use kajo_math::{Frame, Ray, Vec2, Vec3};
+
+use super::hemisphere::{Derivatives, Hemisphere, RayResult, Strata};
+use super::mesh::eigenvalues;
+use super::octree::Octree;
+use super::record::{Place, Record};
+use super::{Cache, IrradianceSettings};
+use crate::integrator::camera_view::CameraView;
+use crate::integrator::path::{
+    CameraPath, DiffuseVertex, Indirect, IndirectLight, Path, PathSettings, PathTracer,
+};
+use crate::integrator::transport::{LaneMis, MediumStack, PathState, SurfaceInteraction};
+use crate::trail::{Counting, PathObserver};
+use crate::{RayCounters, SampleContext, Setup, SetupError};
+
+/// Sets the numbers of proposals and of records apart from those of samples.
+const SALTS: [u64; 2] = [0x7072_6F62_6573, 0x7265_636F_7264];
+
+/// Pixels from one proposal to the next, grid by grid.
+const SPACINGS: [u32; 4] = [16, 8, 4, 2];
+
+/// Records of one round.
+const ROUND: usize = 128;
+
+/// The weight of all records that cover a place together, so that there are mostly several, and none ends in sight.
+pub const COVERED: f32 = 0.3;
+
+/// The least and the largest radius, in pixels.
+const RADII: [f32; 2] = [1.5, 20.0];
+
+/// `1 - cos` of the angle of normals beyond which a record says nothing, whatever the accuracy.
+const LARGEST_TURN: f32 = 0.25;
+
+/// The side of the square over which the error of a record is counted, as a share of the height of the picture.
+const SQUARE: f32 = 0.1;
+
+/// Makes records.
+pub struct Builder<'b, 'a> {
+    view: &'b CameraView<'a>,
+    /// Paths to the surfaces that are seen.
+    paths: &'b Path<'a>,
+    settings: IrradianceSettings,
+    /// How light comes to a record.
+    path_settings: PathSettings,
+    strata: Strata,
+    setup: &'b Setup<'b>,
+}
+
+/// A pixel that asks for a record.
+#[derive(Clone, Copy)]
+struct Proposal {
+    priority: u32,
+    pixel: [u32; 2],
+    at: Place,
+}
+
+/// What a proposal sees.
+struct Seen {
+    surface: SurfaceInteraction,
+    media: MediumStack,
+    time: f32,
+    at: Place,
+    /// Size of a pixel there, in units of the world.
+    pixel_size: f32,
+}
+
+impl<'b, 'a> Builder<'b, 'a> {
+    /// * `paths`: of a picture without layers
+    pub fn new(
+        view: &'b CameraView<'a>,
+        paths: &'b Path<'a>,
+        settings: IrradianceSettings,
+        setup: &'b Setup<'b>,
+    ) -> Builder<'b, 'a> {
+        let path_settings = PathSettings { free_mirrors: 0, ..settings.paths() };
+        Builder { view, paths, settings, path_settings, strata: Strata::of(settings.rays), setup }
+    }
+
+    /// The cache, and the rays that it took.
+    pub fn build(&self) -> Result<(Cache, RayCounters), SetupError> {
+        let world = BoundingSphere::around(&self.view.scene.geometry.bounds());
+        let tree = Octree::new(world.center, world.radius);
+        let turn = self.settings.accuracy.clamp(1e-4, LARGEST_TURN);
+        let mut cache = Cache { tree, turn, is_needed: false };
+        let mut rays = RayCounters::default();
+        for spacing in SPACINGS {
+            let (mut proposals, cast) = self.proposals(spacing, &mut cache)?;
+            rays += cast;
+            proposals.sort_unstable_by_key(|proposal| (proposal.priority, proposal.pixel));
+            let mut rest = proposals.into_iter();
+            loop {
+                let uncovered = rest.by_ref().filter(|proposal| !cache.covers(&proposal.at));
+                let round: Vec<Proposal> = uncovered.take(ROUND).collect();
+                if round.is_empty() {
+                    break;
+                }
+                for (record, cast) in
+                    self.setup.pieces(round.len() as u32, |i| self.record(&round[i as usize]))?
+                {
+                    rays += cast;
+                    if let Some((at, record)) = record
+                        && !cache.covers(&at)
+                    {
+                        cache.tree.insert_clamped(record);
+                    }
+                }
+                self.check_memory(&cache)?;
+            }
+        }
+        Ok((cache, rays))
+    }
+
+    fn check_memory(&self, cache: &Cache) -> Result<(), SetupError> {
+        // The arrays grow by doubling.
+        if 2 * cache.tree.bytes() <= self.setup.memory {
+            return Ok(());
+        }
+        let (records, memory) = (cache.tree.records().len(), self.setup.memory >> 20);
+        Err(SetupError::Refused(format!(
+            "more than {records} records of irradiance are needed, and there are {memory} MB for them; ask for a larger `accuracy`"
+        )))
+    }
+
+    /// The pixels of a grid whose surfaces the cache does not cover.
+    fn proposals(&self, spacing: u32, cache: &mut Cache) -> Result<(Vec<Proposal>, RayCounters), SetupError> {
+        let [columns, rows] = self.view.size;
+        let first = (spacing / 2).min(columns.min(rows) / 2);
+        let known: &Cache = cache;
+        let found = self.setup.pieces(rows.saturating_sub(first).div_ceil(spacing), |row| {
+            let sampler = Sampler::new(SamplerKind::Sobol, 1);
+            let mut ctx = SampleContext::new(&sampler, mix(self.setup.seed ^ SALTS[0]));
+            let (mut proposals, mut is_needed) = (Vec::new(), false);
+            let y = first + row * spacing;
+            for x in (first..columns).step_by(spacing as usize) {
+                let Some(seen) = self.look(&mut ctx, [x, y]) else { continue };
+                is_needed = true;
+                if !known.covers(&seen.at) {
+                    let priority = mix(u64::from(x) << 32 | u64::from(y)) as u32;
+                    proposals.push(Proposal { priority, pixel: [x, y], at: seen.at });
+                }
+            }
+            Ok((proposals, is_needed, ctx.rays))
+        })?;
+        let (mut all, mut rays) = (Vec::new(), RayCounters::default());
+        for (proposals, is_needed, cast) in found {
+            all.extend(proposals);
+            cache.is_needed |= is_needed;
+            rays += cast;
+        }
+        Ok((all, rays))
+    }
+
+    /// The surface that a pixel sees, by way of mirrors and glass, where its light is to be known.
+    fn look(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2]) -> Option<Seen> {
+        let place = ctx.begin(pixel, 0);
+        let raster = Vec2::new(pixel[0] as f32, pixel[1] as f32) + place;
+        let mut draws = ctx.draws;
+        let beside = self.view.ray(raster + Vec2::X, &mut draws.clone());
+        let ray = self.view.ray(raster, &mut draws)?;
+        let footprint =
+            beside.map_or([0.0; 2], |beside| [beside.o.distance(ray.o), beside.d.distance(ray.d)]);
+        let mut counting = Counting::new(ctx);
+        let look = Look { last: Some(ray.o), ..Look::from_camera() };
+        let (_, look) = self.paths.observe_with(ctx, raster, &mut counting, look);
+        ctx.rays = counting.rays;
+        let mut seen = look.seen?;
+        seen.pixel_size = footprint[0] + look.length * footprint[1];
+        (seen.pixel_size > 0.0 && seen.at.p.is_finite()).then_some(seen)
+    }
+
+    /// The record of a proposal, with its place, and the rays that it took; none where it is of no use.
+    fn record(&self, proposal: &Proposal) -> Result<(Option<(Place, Record)>, RayCounters), SetupError> {
+        let sampler = Sampler::new(SamplerKind::Sobol, 1);
+        let mut ctx = SampleContext::new(&sampler, mix(self.setup.seed ^ SALTS[0]));
+        let seen = self.look(&mut ctx, proposal.pixel);
+        let Some(seen) = seen else { return Ok((None, ctx.rays)) };
+        let mut counting = Counting::new(&ctx);
+        let hemisphere = self.gather(&seen, proposal.pixel, &mut counting);
+        let record = self.summary(&seen, &hemisphere);
+        Ok((Some((seen.at, record)), counting.rays))
+    }
+
+    /// Sends a ray into each stratum.
+    fn gather(&self, seen: &Seen, pixel: [u32; 2], counting: &mut Counting<'_>) -> Hemisphere {
+        let strata = self.strata;
+        let sampler = Sampler::new(SamplerKind::Sobol, strata.len() as u32);
+        let seed = mix(self.setup.seed ^ SALTS[1]);
+        let frame = Frame::from_normal(seen.at.n);
+        let rays = (0..strata.len()).map(|i| {
+            let mut draws = SampleStream::new(&sampler, seed, pixel, i as u32);
+            let d = strata.direction(i, draws.next_2d().as_dvec2().to_array());
+            let (radiance, inverse_distance) =
+                self.follow(seen, frame.to_world(d.as_vec3()), draws, counting);
+            RayResult { d, radiance: radiance.map(f64::from), inverse_distance: inverse_distance.into() }
+        });
+        Hemisphere { strata, rays: rays.collect() }
+    }
+
+    /// Follows a ray from a record: the light that comes along it but for direct light and caustics, and one over the distance of what
+    /// it comes from.
+    fn follow(
+        &self,
+        seen: &Seen,
+        wi: Vec3,
+        mut draws: SampleStream<'_>,
+        counting: &mut Counting<'_>,
+    ) -> ([f32; 3], f32) {
+        let scene = self.view.scene;
+        let point = &seen.surface.at.point;
+        if wi.dot(point.ng) * seen.surface.wo.dot(point.ng) <= 0.0 {
+            return ([0.0; 3], 0.0);
+        }
+        let ray: Ray = point.ray_towards(wi, f32::INFINITY, seen.time, RayOffset::Auto);
+        let wavelengths = Wavelengths::RGB;
+        let u = draws.number_if(scene.has_media());
+        let mut state =
+            PathState::new(ray, (wavelengths, Spectrum::WHITE), Transport::Radiance, seen.media, draws);
+        (state.scatterings, state.connectable) = (1, true);
+        if scene.has_media() {
+            state.carries_media = true;
+            state.lanes = LaneMis::new(&wavelengths, u);
+        }
+        counting.counters().reflected += 1;
+        let from = FromRecord { p: point.p, inverse_distance: 0.0, is_clear: true };
+        let mut tracer = PathTracer::new(self.view, &self.path_settings, counting, from, Vec::new());
+        let (radiance, _) = tracer.run(CameraPath::from_surface(state));
+        let (_, from) = tracer.into_parts();
+        let is_finite = radiance.iter().all(|v| v.is_finite());
+        (if is_finite { radiance } else { [0.0; 3] }, from.inverse_distance)
+    }
+
+    /// What is kept of a hemisphere.
+    fn summary(&self, seen: &Seen, hemisphere: &Hemisphere) -> Record {
+        let derivatives = match self.settings.gradients {
+            Gradients::Off => Derivatives::default(),
+            Gradients::Strata => {
+                Derivatives { gradient: hemisphere.gradient_of_strata(), ..Derivatives::default() }
+            }
+            Gradients::Occlusion => hemisphere.derivatives(),
+        };
+        let by_normal = match self.settings.gradients {
+            Gradients::Off => [Vec2::ZERO; 3],
+            _ => hemisphere.rotational_gradient().map(|gradient| gradient.as_vec2()),
+        };
+        let mut record = Record {
+            p: seen.at.p,
+            n: seen.at.n,
+            irradiance: hemisphere.irradiance().map(|e| e as f32),
+            by_normal,
+            by_place: derivatives.gradient.map(|gradient| gradient.as_vec2()),
+            radii: [0.0; 2],
+            axis: 1.0,
+        };
+        let (radii, axis) = self.radii(&record, &derivatives, hemisphere.mean_distance(), seen.pixel_size);
+        let [least, most] = RADII.map(|radius| radius * seen.pixel_size);
+        // Further away than this, light would be negative.
+        let mean = (record.by_place[0] + record.by_place[1] + record.by_place[2]) / 3.0;
+        let positive = record.mean() / mean.length();
+        let positive = if positive.is_finite() { positive } else { f32::INFINITY };
+        // Where a record has to hold further than it is good for, it is at least no further off than where it is.
+        let held = radii[1].min(positive) / least;
+        if held < 1.0 {
+            record.by_place = record.by_place.map(|gradient| gradient * held);
+        }
+        record.radii = radii.map(|radius| radius.min(positive).clamp(least, most));
+        record.axis = axis;
+        record
+    }
+
+    /// How far a record is good for, the larger radius first, and the axis of the larger one.
+    ///
+    /// By the Hessian's eigenvalues `l`, with the irradiance `E` and the accuracy `a`,
+    ///
+    /// ```text
+    /// R = (4 a E A / (pi |l|))^(1/4)                                      [Schwarzhaupt, Jensen and Jarosz 2012]
+    /// ```
+    ///
+    /// so that the error of second order, `l x^2 / 2`, summed over the disk is that of `a E` over the area `A`: here a square of a tenth of the
+    /// picture's height. Without a Hessian `a` times the harmonic mean of the distances around [Ward, Rubinstein and Clear 1988].
+    fn radii(
+        &self,
+        record: &Record,
+        derivatives: &Derivatives,
+        mean_distance: f64,
+        pixel_size: f32,
+    ) -> ([f32; 2], f32) {
+        let accuracy = self.settings.accuracy;
+        if self.settings.gradients != Gradients::Occlusion {
+            return ([accuracy * mean_distance as f32; 2], 1.0);
+        }
+        let side = SQUARE * self.view.size[1] as f32 * pixel_size;
+        let allowed = 4.0 * std::f32::consts::FRAC_1_PI * accuracy * record.mean() * side * side;
+        let (values, axis) = eigenvalues(derivatives.hessian);
+        let [short, long] = values.map(|value| {
+            let ratio = allowed / value.abs() as f32;
+            if ratio.is_finite() { ratio.sqrt().sqrt() } else { f32::INFINITY }
+        });
+        ([long, short], axis as f32)
+    }
+}
+
+/// Follows a path to the surface whose light is to be known.
+pub struct Look {
+    /// Where the path has been last.
+    last: Option<Vec3>,
+    length: f32,
+    seen: Option<Seen>,
+}
+
+impl Look {
+    /// That of a path that begins.
+    pub fn from_camera() -> Look {
+        Look { last: None, length: 0.0, seen: None }
+    }
+
+    /// The place whose light was to be known.
+    pub fn place(&self) -> Option<Place> {
+        self.seen.as_ref().map(|seen| seen.at)
+    }
+}
+
+impl IndirectLight for Look {
+    const IS_ASKED: bool = true;
+
+    fn irradiance(&mut self, vertex: &DiffuseVertex<'_, '_>) -> Indirect {
+        let &DiffuseVertex { state, surface, n, relief } = vertex;
+        let at = Place { p: surface.at.point.p, n, relief };
+        self.seen =
+            Some(Seen { surface: *surface, media: state.media, time: state.ray.time, at, pixel_size: 0.0 });
+        Indirect::Unwanted
+    }
+
+    fn met(&mut self, bounces: u32, p: Option<Vec3>) {
+        if let Some(p) = p.filter(|_| bounces == 0) {
+            self.length += self.last.map_or(0.0, |last| p.distance(last));
+            self.last = Some(p);
+        }
+    }
+}
+
+/// Watches a path that begins at a record.
+struct FromRecord {
+    p: Vec3,
+    inverse_distance: f32,
+    /// Whether nothing but mirrors and glass was met.
+    is_clear: bool,
+}
+
+impl IndirectLight for FromRecord {
+    const IS_ASKED: bool = true;
+
+    fn met(&mut self, bounces: u32, p: Option<Vec3>) {
+        if bounces == 1 {
+            let inverse = p.map_or(0.0, |p| p.distance(self.p).recip());
+            self.inverse_distance = if inverse.is_finite() { inverse } else { 0.0 };
+        }
+    }
+
+    fn scatters(&mut self) {
+        self.is_clear = false;
+    }
+
+    /// What comes straight from a light, or by way of mirrors and glass, is no indirect light.
+    fn counts_lights(&self) -> bool {
+        !self.is_clear
+    }
+}

@@ -1,0 +1,178 @@
+//! Irradiance caching [Ward, Rubinstein and Clear 1988], with gradients [Ward and Heckbert 1992] and radii by what is hidden
+//! [Schwarzhaupt, Jensen and Jarosz 2012].
+//!
+//! A surface that reflects evenly sends back `R/π E`, whoever looks at it, and the part of the irradiance `E` that was scattered before
+//! changes slowly from place to place. It is worked out for few points, by many rays each, and in between it is interpolated:
+//!
+//! ```text
+//! L(x, wo) = direct light + caustics + R/π E(x, n) + glossy light,     E = sum of w_i E_i(x, n) / sum of w_i
+//! ```
+//!
+//! Direct light, caustics, and what a surface scatters unevenly, is sampled as by path tracing; so is all light where no record reaches, so that a place without
+//! records is noisy, but right. Bounces are counted from the surface that the cache lights.
+
+mod builder;
+mod hemisphere;
+mod mesh;
+mod octree;
+mod record;
+mod settings;
+
+use kajo_color::Spectrum;
+use kajo_core::camera::Camera;
+use kajo_core::scene::Scene;
+use kajo_math::Vec2;
+
+use super::Integrator;
+use super::camera_view::CameraView;
+use super::path::{DiffuseVertex, Indirect, IndirectLight, Path};
+use crate::trail::PathObserver;
+use crate::{LayerSet, PixelSample, SampleContext};
+use crate::{Setup, SetupError, WithState};
+use builder::{Builder, Look};
+use octree::Octree;
+use record::Place;
+pub use settings::{IRRADIANCE, IrradianceSettings};
+
+/// An irradiance cache over one scene and one picture size, before it has records: it follows paths.
+pub struct IrradianceCaching<'a> {
+    view: CameraView<'a>,
+    settings: IrradianceSettings,
+    /// As the picture is taken.
+    paths: Path<'a>,
+    /// The same without layers.
+    plain: Path<'a>,
+}
+
+/// The records.
+struct Cache {
+    tree: Octree,
+    /// How far normals may be apart, as `1 - cos`.
+    turn: f32,
+    /// Whether any light was asked for.
+    is_needed: bool,
+}
+
+/// How far the point is seen that stands for a record, as a share of its smaller radius.
+const POINT: f32 = 0.1;
+
+/// The colour of points that stand for records: that of no light.
+const POINT_COLOR: [f32; 3] = [1.0, 0.0, 0.0];
+
+impl Cache {
+    /// The picture of the cache itself: what a white surface would send back of the indirect light, and points where records are.
+    fn shown(&self, at: &Place) -> [f32; 3] {
+        if self.tree.is_record(at, self.turn, POINT) {
+            return POINT_COLOR;
+        }
+        let e = self.tree.irradiance(at, self.turn).unwrap_or_default();
+        e.map(|e| e * std::f32::consts::FRAC_1_PI)
+    }
+
+    /// Whether no more records are needed for a place.
+    fn covers(&self, at: &Place) -> bool {
+        self.tree.weight(at, self.turn) >= builder::COVERED
+    }
+}
+
+/// An irradiance cache with its records.
+pub struct Cached<'a> {
+    caching: &'a IrradianceCaching<'a>,
+    cache: Cache,
+}
+
+impl<'a> IrradianceCaching<'a> {
+    /// The integrator for a picture of `size` pixels with these `layers`.
+    pub fn new(
+        scene: &'a Scene,
+        settings: IrradianceSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> IrradianceCaching<'a> {
+        IrradianceCaching::through(&scene.output.camera, scene, settings, size, layers)
+    }
+
+    /// The same through another camera than the scene's.
+    pub fn through(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: IrradianceSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> IrradianceCaching<'a> {
+        let none = LayerSet::of(&[]);
+        IrradianceCaching {
+            view: CameraView::new(scene, camera, size, none),
+            settings,
+            paths: Path::through(camera, scene, settings.paths(), size, layers),
+            plain: Path::through(camera, scene, settings.paths(), size, none),
+        }
+    }
+}
+
+impl Integrator for IrradianceCaching<'_> {
+    /// A path, as path tracing follows it: this is what debug rays show.
+    fn observe<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        pixel: [u32; 2],
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
+        self.paths.observe(ctx, pixel, raster, observer)
+    }
+
+    fn samples_per_state(&self) -> Option<u32> {
+        Some(u32::MAX)
+    }
+
+    fn with_state<'a>(&'a self, _k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
+        let (cache, rays) = Builder::new(&self.view, &self.plain, self.settings, setup).build()?;
+        let mut notes = Vec::new();
+        if !cache.is_needed {
+            let note = "no surface that is seen reflects indirect light evenly, so there is nothing to be cached; \
+                        `integrator path` finds the same picture";
+            notes.push(note.to_owned());
+        }
+        let integrator = Box::new(Cached { caching: self, cache });
+        Ok(WithState { integrator, rays, notes })
+    }
+}
+
+impl Integrator for Cached<'_> {
+    fn observe<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        _pixel: [u32; 2],
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
+        let caching = self.caching;
+        if !caching.settings.shows_records {
+            return caching.paths.observe_with(ctx, raster, observer, Lookup(&self.cache)).0;
+        }
+        let (sample, look) = caching.paths.observe_with(ctx, raster, observer, Look::from_camera());
+        let radiance = look.place().map_or([0.0; 3], |at| self.cache.shown(&at));
+        observer.shown_instead(|| radiance);
+        PixelSample { radiance, ..sample }
+    }
+}
+
+/// Looks light up.
+struct Lookup<'c>(&'c Cache);
+
+impl IndirectLight for Lookup<'_> {
+    const IS_ASKED: bool = true;
+
+    fn irradiance(&mut self, vertex: &DiffuseVertex<'_, '_>) -> Indirect {
+        let &DiffuseVertex { surface, n, relief, .. } = vertex;
+        let at = Place { p: surface.at.point.p, n, relief };
+        match self.0.tree.irradiance(&at, self.0.turn) {
+            Some([r, g, b]) => Indirect::Irradiance(Spectrum::rgb(r, g, b)),
+            None => Indirect::Unknown,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

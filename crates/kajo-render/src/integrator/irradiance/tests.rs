@@ -1,0 +1,286 @@
+//! Irradiance caches against closed forms and against paths.
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_core::settings::Gradients;
+use kajo_image::Image;
+use kajo_scene::MemoryAssets;
+
+use super::*;
+use crate::integrator::PathSettings;
+use crate::integrator::tests::scene_with;
+use crate::{
+    Film, FilmSpec, Goal, Layer, PixelIntegrator, Position, Progress, RenderError, RenderSettings,
+    RenderStats, Silent, render, render_passes,
+};
+
+fn scene(text: &str) -> Scene {
+    scene_with(text, &MemoryAssets::new())
+}
+
+fn camera(from: [f32; 3], to: [f32; 3], angle: f32) -> String {
+    let [a, b, c] = from;
+    let [x, y, z] = [to[0] - a, to[1] - b, to[2] - c];
+    format!(
+        "PerspectiveCamera {{ center {a} {b} {c}  direction {x} {y} {z}  up 0.1 0.9 0.2  angle {angle} }}
+         Background {{ color 0 0 0 }}"
+    )
+}
+
+const ALL: [Gradients; 3] = [Gradients::Occlusion, Gradients::Strata, Gradients::Off];
+
+fn with(gradients: Gradients) -> IrradianceSettings {
+    IrradianceSettings { gradients, bounces: 100, rays: 512, ..IrradianceSettings::default() }
+}
+
+fn setup(seed: u64) -> Setup<'static> {
+    Setup { seed, threads: 1, memory: u64::MAX, progress: &Silent }
+}
+
+fn film(size: [u32; 2]) -> Film {
+    let layers = LayerSet::of(&[Layer::Color]);
+    Film::new(FilmSpec { layers, ..FilmSpec::new(size[0], size[1]) }, u64::MAX).unwrap()
+}
+
+fn schedule(samples: u32) -> RenderSettings {
+    RenderSettings { threads: 2, ..RenderSettings::new(Sampler::new(SamplerKind::Sobol, samples)) }
+}
+
+fn picture(integrator: &dyn PixelIntegrator, size: [u32; 2], samples: u32) -> Image {
+    let film = film(size);
+    render(integrator, &film, &schedule(samples), &Silent).unwrap();
+    film.develop(Layer::Color).unwrap()
+}
+
+fn mean(picture: &Image) -> f64 {
+    let data = picture.data();
+    data.iter().map(|&v| f64::from(v)).sum::<f64>() / data.len() as f64
+}
+
+fn cached(scene: &Scene, settings: IrradianceSettings, size: [u32; 2], samples: u32) -> Image {
+    let integrator = IrradianceCaching::new(scene, settings, size, LayerSet::of(&[Layer::Color]));
+    picture(&integrator, size, samples)
+}
+
+/// The records for a picture.
+fn records(scene: &Scene, settings: IrradianceSettings, size: [u32; 2], seed: u64) -> Cache {
+    let caching = IrradianceCaching::new(scene, settings, size, LayerSet::of(&[]));
+    let setup = setup(seed);
+    Builder::new(&caching.view, &caching.plain, settings, &setup).build().unwrap().0
+}
+
+/// All light is the same everywhere, so no record is wrong but by noise.
+#[test]
+fn a_glowing_room_is_as_bright_as_its_series() {
+    let text = format!(
+        "{} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
+         Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5], 70.0)
+    );
+    let scene = scene(&text);
+    for gradients in ALL {
+        for (bounces, expected) in [(100, 2.0), (1, 1.75), (0, 1.5)] {
+            let found =
+                mean(&cached(&scene, IrradianceSettings { bounces, ..with(gradients) }, [24, 24], 64));
+            assert!(
+                (found / expected - 1.0).abs() < 3e-3,
+                "{gradients:?}, {bounces}: {found} for {expected}"
+            );
+        }
+    }
+}
+
+fn lit_ball(angle: f32) -> Scene {
+    scene(&format!(
+        "{} Lights {{ PointLight {{ position 0.5 0 0  intensity 1 1 1 }} }}
+         Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5 }} }}
+         Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
+        camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0], angle)
+    ))
+}
+
+/// S2: the indirect irradiance `rho/(1 - rho) I/R^2` is the same everywhere, to 0.5 % with fewer than 200 records.
+#[test]
+fn the_indirect_light_in_a_ball_is_even() {
+    let scene = lit_ball(40.0);
+    let size = [48, 48];
+    let settings =
+        IrradianceSettings { rays: 8192, accuracy: 0.02, bounces: 40, ..with(Gradients::Occlusion) };
+    let caching = IrradianceCaching::new(&scene, settings, size, LayerSet::of(&[]));
+    let setup = Setup { threads: 2, ..setup(1) };
+    let (cache, rays) = Builder::new(&caching.view, &caching.plain, settings, &setup).build().unwrap();
+    let n = cache.tree.records().len();
+    assert!((8..200).contains(&n), "{n} records");
+    assert!(rays.reflected > 8000 * n as u64);
+    let expected = 0.5 / (1.0 - 0.5);
+    let sampler = Sampler::new(SamplerKind::Sobol, 1);
+    let mut ctx = SampleContext::new(&sampler, 7);
+    let (mut sums, mut worst, mut count) = ([0.0; 2], 0.0_f64, 0);
+    for i in 0..48 * 48 {
+        let pixel = [i % 48, i / 48];
+        let raster = Vec2::new(pixel[0] as f32, pixel[1] as f32) + ctx.begin(pixel, 0);
+        let mut counting = crate::trail::Counting::new(&ctx);
+        let (_, look) = caching.plain.observe_with(&mut ctx, raster, &mut counting, Look::from_camera());
+        let at = look.place().unwrap();
+        if let Some(e) = cache.tree.irradiance(&at, cache.turn) {
+            count += 1;
+            let error = f64::from(e[1]) / expected - 1.0;
+            sums = [sums[0] + error, sums[1] + error * error];
+            worst = worst.max(error.abs());
+        }
+    }
+    assert!(count > 2250, "records hold at {count} of 2304 places");
+    let [mean, square] = sums.map(|sum| sum / f64::from(count));
+    assert!(mean.abs() < 1e-3 && square.sqrt() < 5e-3 && worst < 0.02, "{mean} {} {worst}", square.sqrt());
+}
+
+/// Matt walls of a colour, a mirror, glass, gloss and clay: what paths find.
+#[test]
+fn caches_and_paths_agree() {
+    let text = format!(
+        "{} Lights {{ PointLight {{ position 0.5 1.2 0.5  intensity 2 2 2 }} }}
+         Materials {{ Matte wall {{ color 0.6 0.5 0.4 }}  Matte red {{ color 0.7 0.1 0.1 }}
+                      Metal mirror {{ metal silver }}  Glass glass {{ }}
+                      Material shiny {{ diffuseColor 0.3 0.4 0.3  specularColor 0.4 0.4 0.4  exponent 30 }}
+                      Matte clay {{ color 0.4 0.4 0.4  roughness 0.6 }} }}
+         Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                  MaterialIndex red Quad {{ corner -1.99 -2 -2 edge1 0 4 0 edge2 0 0 4 }}
+                  MaterialIndex mirror Sphere {{ center -1 -1 -1 radius 0.8 }}
+                  MaterialIndex glass Sphere {{ center 1.2 -1 -0.5 radius 0.5 }}
+                  MaterialIndex shiny Sphere {{ center 0 -1.5 0.6 radius 0.4 }}
+                  MaterialIndex clay Quad {{ corner 0.4 -1.9 0.4 edge1 1.2 0 0.3 edge2 0 1.2 0 }} }}",
+        camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)
+    );
+    let scene = scene(&text);
+    let size = [24, 24];
+    let path = PathSettings { bounces: 30, ..PathSettings::default() };
+    let expected = picture(&Path::new(&scene, path, size, LayerSet::of(&[Layer::Color])), size, 512);
+    for gradients in ALL {
+        let settings = IrradianceSettings { bounces: 30, rays: 1024, ..with(gradients) };
+        let found = cached(&scene, settings, size, 128);
+        let error = (mean(&found) / mean(&expected) - 1.0).abs();
+        assert!(error < 0.01, "{gradients:?}: {} instead of {}", mean(&found), mean(&expected));
+        let difference: f64 =
+            std::iter::zip(found.data(), expected.data()).map(|(a, b)| f64::from((a - b).abs())).sum();
+        let difference = difference / expected.data().len() as f64 / mean(&expected);
+        assert!(difference < 0.05, "{gradients:?}: {difference}");
+    }
+}
+
+/// A floor beside a bright wall whose light it gets, with much fewer records the less accurate they are.
+#[test]
+fn the_error_falls_with_the_accuracy() {
+    let text = format!(
+        "{} Lights {{ PointLight {{ position 0 1 1  intensity 4 4 4 }} }}
+         Materials {{ Matte wall {{ color 0.7 0.7 0.7 }} }}
+         Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                  MaterialIndex wall Box {{ min -0.8 -2 -0.8 max 0.2 -0.5 0.2 }} }}",
+        camera([1.0, 0.5, 1.9], [-0.2, -1.4, -0.2], 60.0)
+    );
+    let scene = scene(&text);
+    let size = [40, 30];
+    let fine = IrradianceSettings { accuracy: 1e-4, bounces: 4, rays: 4096, ..with(Gradients::Occlusion) };
+    let exact = cached(&scene, fine, size, 16);
+    let mut last = (0.0, usize::MAX);
+    for accuracy in [0.002, 0.03, 1.0] {
+        let settings = IrradianceSettings { accuracy, ..fine };
+        let found = cached(&scene, settings, size, 16);
+        let squares = std::iter::zip(found.data(), exact.data()).map(|(a, b)| f64::from((a - b) * (a - b)));
+        let error = (squares.sum::<f64>() / exact.data().len() as f64).sqrt() / mean(&exact);
+        let n = records(&scene, settings, size, 0).tree.records().len();
+        assert!(error > last.0 && n < last.1, "{accuracy}: {error} by {n} records after {last:?}");
+        last = (error, n);
+    }
+    assert!(last.0 < 0.05, "{last:?}");
+}
+
+struct Cancel(AtomicUsize);
+
+impl Progress for Cancel {
+    fn done(&self, _: u64, _: u64, _: u64) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_err()
+    }
+}
+
+#[test]
+fn threads_tiles_and_stops_make_the_same_picture() {
+    let text = format!(
+        "{} Lights {{ PointLight {{ position 0 1.5 0  intensity 4 4 4 }} }}
+         Materials {{ Matte wall {{ color 0.6 0.5 0.4 }}  Glass glass {{ }} }}
+         Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}
+                  MaterialIndex glass Sphere {{ center 0.5 -0.5 0 radius 0.8 }} }}",
+        camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)
+    );
+    let scene = scene(&text);
+    let size = [20, 16];
+    let settings = IrradianceSettings { rays: 64, ..with(Gradients::Occlusion) };
+    let integrator = IrradianceCaching::new(&scene, settings, size, LayerSet::of(&[Layer::Color]));
+    let bits = |film: &Film| -> Vec<u32> {
+        film.develop(Layer::Color).unwrap().data().iter().map(|v| v.to_bits()).collect()
+    };
+    let schedule = |threads, tile| RenderSettings { threads, tile, ..schedule(4) };
+    let whole = film(size);
+    render(&integrator, &whole, &schedule(1, 0), &Silent).unwrap();
+    for (threads, tile) in [(2, 8), (7, 5)] {
+        let (again, stopped) = (film(size), film(size));
+        render(&integrator, &again, &schedule(threads, tile), &Silent).unwrap();
+        let mut position = Position::default();
+        let go_on = &mut |_: &Film, _: &Position, _: &RenderStats| ControlFlow::Continue(());
+        let mut stops = 0;
+        while let Err(error) = render_passes(
+            &integrator,
+            &stopped,
+            &schedule(threads, tile),
+            &Goal::default(),
+            &mut position,
+            &Cancel((40 + 60 * stops).into()),
+            go_on,
+        ) {
+            assert!(matches!(error, RenderError::Cancelled(_)), "{error}");
+            stops += 1;
+        }
+        assert!(stops > 1 && bits(&whole) == bits(&again) && bits(&whole) == bits(&stopped), "{stops}");
+    }
+}
+
+/// Points are drawn where records are, and what is between them is the irradiance.
+#[test]
+fn records_can_be_seen() {
+    let scene = lit_ball(60.0);
+    let settings = IrradianceSettings { shows_records: true, ..with(Gradients::Occlusion) };
+    let shown = cached(&scene, settings, [48, 48], 4);
+    let (mut points, mut light) = (0, 0);
+    for pixel in shown.data().chunks(3) {
+        points += usize::from(pixel[0] > 1.1 * pixel[1]);
+        light += usize::from((f64::from(pixel[1]) * PI - 1.0).abs() < 0.1);
+    }
+    assert!(points > 10 && light > 1500, "{points} points, {light} pixels of even light");
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let view = camera([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], 30.0);
+    let scene = |material: &str| {
+        scene(&format!(
+            "{view} Lights {{ PointLight {{ position 0 3 3  intensity 1 1 1 }} }}
+             Materials {{ {material} }} Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}"
+        ))
+    };
+    let made = |scene: &Scene, memory| {
+        let settings = IrradianceSettings { rays: 16, ..with(Gradients::Occlusion) };
+        let integrator = IrradianceCaching::new(scene, settings, [8, 8], LayerSet::of(&[]));
+        let made = PixelIntegrator::with_state(&integrator, 0, &Setup { memory, ..setup(0) });
+        made.map(|made| made.notes.join(" "))
+    };
+    let mirror = made(&scene("Metal m { metal silver }"), u64::MAX).unwrap();
+    assert!(mirror.contains("no surface that is seen") && mirror.contains("`integrator path`"), "{mirror}");
+    let matt = made(&scene("Matte m { color 0.5 0.5 0.5 }"), u64::MAX).unwrap();
+    assert_eq!(matt, "");
+    let refused = made(&scene("Matte m { color 0.5 0.5 0.5 }"), 100).unwrap_err().to_string();
+    assert!(refused.contains("0 MB") && refused.contains("larger `accuracy`"), "{refused}");
+}

@@ -1,0 +1,132 @@
+//! Indirect light that is known where a path comes to a matt surface, so that no direction has to be drawn for it.
+//!
+//! Of the light that a surface sends back along the path,
+//!
+//! ```text
+//! L(wo) = direct light  +  R/π E  +  integral of  f' |cos| Li,        f = R/π + f'
+//! ```
+//!
+//! the middle term has the irradiance `E` of all light that was scattered before by more than mirrors and glass. The others are estimated as
+//! always: a light is drawn, and one direction `wi` by the density `p` of all the scattering `f`. A light that is met there is one of two
+//! estimates of direct light, one that is met by way of mirrors and glass a caustic. At the first surface that is neither, the path
+//! is left with `f' |cos| / p`, and ends at random with what it loses there.
+
+use kajo_color::{Spectrum, sensor};
+use kajo_core::bsdf::Bsdf;
+use kajo_core::shading::Shading;
+use kajo_math::Vec3;
+
+use super::{CameraPath, Part, PathTracer, Shaded};
+use crate::integrator::transport::{LocalFrame, PathState, SurfaceInteraction};
+use crate::trail::PathObserver;
+
+/// A vertex whose surface reflects light evenly, among other things.
+pub struct DiffuseVertex<'v, 's> {
+    /// The path that has come there.
+    pub state: &'v PathState<'s>,
+    pub surface: &'v SurfaceInteraction,
+    /// Unit normal on the side of the path, without relief.
+    pub n: Vec3,
+    /// Unit normal of the relief.
+    pub relief: Vec3,
+}
+
+/// What is known of the indirect light of a vertex.
+#[derive(Clone, Copy, Debug)]
+pub enum Indirect {
+    /// Nothing: it is sampled.
+    Unknown,
+    /// Its irradiance.
+    Irradiance(Spectrum),
+    /// Nobody wants to know: the path ends.
+    Unwanted,
+}
+
+/// Who knows of indirect light.
+pub trait IndirectLight {
+    /// Whether anything is asked; where not, all of it is compiled away.
+    const IS_ASKED: bool;
+
+    /// The indirect light of the first vertex that is no mirror, if it reflects evenly.
+    fn irradiance(&mut self, _vertex: &DiffuseVertex<'_, '_>) -> Indirect {
+        Indirect::Unknown
+    }
+
+    /// The path has come to a point, or with none to the sky, with so many bounces behind it.
+    fn met(&mut self, _bounces: u32, _p: Option<Vec3>) {}
+
+    /// The path has come to what scatters light into more than single directions.
+    fn scatters(&mut self) {}
+
+    /// Whether lights count that are met now.
+    fn counts_lights(&self) -> bool {
+        true
+    }
+}
+
+/// Nobody knows: all light is sampled.
+pub struct Sampled;
+
+impl IndirectLight for Sampled {
+    const IS_ASKED: bool = false;
+}
+
+impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
+    /// Takes indirect light from who knows it; `None` where nobody does, else whether the path goes on.
+    ///
+    /// Takes the numbers of [`CameraPath::go_on`], and those of direct light.
+    #[inline(never)]
+    pub(super) fn take_indirect(
+        &mut self,
+        path: &mut CameraPath<'s>,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf<'s>,
+        (local, shading): (&LocalFrame, &Shading),
+    ) -> Option<bool> {
+        if path.bounces != 0 || self.settings.bounces == 0 {
+            return None;
+        }
+        let reflectance = bsdf.lambertian_reflectance()?;
+        let wo = surface.wo;
+        let towards = |n: Vec3, by: Vec3| if wo.dot(by) < 0.0 { -n } else { n };
+        let n = Shading::plain(&surface.at.point).normal(wo);
+        let n = towards(n, n);
+        let relief = if shading.leans { towards(shading.n, surface.at.point.ng) } else { n };
+        let vertex = DiffuseVertex { state: &path.state, surface, n, relief };
+        let irradiance = match self.indirect.irradiance(&vertex) {
+            Indirect::Unknown => return None,
+            Indirect::Unwanted => return Some(false),
+            Indirect::Irradiance(irradiance) => irradiance,
+        };
+        let light = path.state.beta * reflectance * irradiance * std::f32::consts::FRAC_1_PI;
+        self.observer.found(|| sensor::to_rgb(light, &path.state.wavelengths));
+        self.estimate.light += light;
+        self.add_direct_light(path, surface, bsdf, local);
+        let shaded = Shaded { surface, bsdf, local };
+        if !path.go_on(self.scene(), self.settings, shaded, Part::All, self.observer) {
+            return Some(false);
+        }
+        if path.state.connectable {
+            let wi = local.to_local(path.state.ray.d);
+            let beside = wi.map_or(Spectrum::BLACK, |wi| bsdf.beside_lambertian(local.wo, wi));
+            self.beside = Some(beside);
+        }
+        Some(true)
+    }
+
+    /// Leaves the path what it carries at a vertex that is no mirror, on its way from a surface whose indirect light was known; `false`
+    /// where it ends.
+    ///
+    /// Takes a number at the first of them.
+    pub(super) fn settle(&mut self, path: &mut CameraPath<'s>) -> bool {
+        self.indirect.scatters();
+        let Some(beside) = self.beside.take() else { return true };
+        let state = &mut path.state;
+        let q = state.wavelengths.max_lane(beside);
+        if state.draws.next_1d() >= q {
+            return false;
+        }
+        state.beta *= beside * q.recip();
+        true
+    }
+}
