@@ -88,7 +88,7 @@ const CORE_MODULES: [(&str, &[&str]); 33] = [
     ("bsdf", &["interaction", "measured"]),
     ("texture", &["family", "interaction"]),
     ("material", &["family", "interaction", "texture", "emission", "bsdf", "measured", "medium"]),
-    ("emission", &["ids", "family", "texture", "light"]),
+    ("emission", &["ids", "family", "texture", "light", "medium"]),
     ("shape", &["family", "interaction"]),
     (
         "light",

@@ -10,6 +10,7 @@
 
 mod aces;
 pub mod basis;
+mod black_bodies;
 mod black_body;
 mod data;
 pub mod dispersion;
@@ -32,6 +33,7 @@ pub mod wavelengths;
 pub mod white;
 
 pub use basis::RgbBasis;
+pub use black_bodies::BlackBodies;
 pub use dispersion::Dispersion;
 pub use emission::Emission;
 pub use metal::Metal;

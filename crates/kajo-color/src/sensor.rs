@@ -27,8 +27,10 @@ pub const RGB_FROM_XYZ: Matrix3 = inverse(&XYZ_FROM_RGB);
 
 /// CIE XYZ of radiance, one sample of it in spectral mode. `Y` is 1 for a white of 1.
 pub fn to_xyz(s: Spectrum, lambda: &Wavelengths) -> [f32; 3] {
-    let Some(nm) = lambda.nm() else { return apply_f32(&XYZ_FROM_RGB, s.to_rgb()) };
-    let (pdf, mut sum) = (lambda.pdf(), Vec4::ZERO);
+    if !lambda.is_spectral() {
+        return apply_f32(&XYZ_FROM_RGB, s.to_rgb());
+    }
+    let (nm, pdf, mut sum) = (lambda.seen_nm(), lambda.pdf(), Vec4::ZERO);
     for i in 0..4 {
         if pdf[i] > 0.0 {
             sum += s[i] / pdf[i] * matching_lanes(nm[i]);

@@ -37,12 +37,14 @@ pub struct Wavelengths {
     pdf: [f32; 4],
     /// D65 of luminance 1 there, which every light given as a colour shines with; 1 in RGB mode.
     daylight: Spectrum,
+    /// The wavelengths over those that the sensor sees them as.
+    shift: f32,
 }
 
 impl Wavelengths {
     /// No wavelengths: lanes 0 to 2 are linear red, green and blue.
     pub const RGB: Wavelengths =
-        Wavelengths { lambda: [0.0; 4], pdf: [1.0, 1.0, 1.0, 0.0], daylight: Spectrum::WHITE };
+        Wavelengths { lambda: [0.0; 4], pdf: [1.0, 1.0, 1.0, 0.0], daylight: Spectrum::WHITE, shift: 1.0 };
 
     /// Four wavelengths of the visible range for a uniform `u` in [0, 1).
     pub fn sample(u: f32) -> Wavelengths {
@@ -56,7 +58,7 @@ impl Wavelengths {
             let turned = u + 0.25 * i as f32;
             (lambda[i], pdf[i]) = draw(if turned < 1.0 { turned } else { turned - 1.0 });
         }
-        Wavelengths { lambda, pdf, daylight: Spectrum::from(lambda.map(illuminant::d65)) }
+        Wavelengths { lambda, pdf, daylight: Spectrum::from(lambda.map(illuminant::d65)), shift: 1.0 }
     }
 
     /// Whether lanes are wavelengths.
@@ -69,6 +71,12 @@ impl Wavelengths {
     #[inline]
     pub fn nm(&self) -> Option<[f32; 4]> {
         self.is_spectral().then_some(self.lambda)
+    }
+
+    /// The wavelengths in nm that the sensor sees, before all shifts; zero in RGB mode.
+    #[inline]
+    pub(crate) fn seen_nm(&self) -> [f32; 4] {
+        self.lambda.map(|nm| nm / self.shift)
     }
 
     /// D65 of luminance 1, the spectrum of a light of colour 1 1 1; 1 in RGB mode.
@@ -96,7 +104,8 @@ impl Wavelengths {
             return *self;
         }
         let lambda = self.lambda.map(|nm| nm * factor);
-        Wavelengths { lambda, pdf: self.pdf, daylight: Spectrum::from(lambda.map(illuminant::d65_continued)) }
+        let daylight = Spectrum::from(lambda.map(illuminant::d65_continued));
+        Wavelengths { lambda, pdf: self.pdf, daylight, shift: self.shift * factor }
     }
 
     /// Follows only the hero from here on, because the path now depends on the wavelength.
@@ -238,6 +247,8 @@ mod tests {
         let shifted = w.shifted(2.5);
         assert_eq!(shifted.pdf(), w.pdf());
         assert_eq!(shifted.nm().unwrap(), w.nm().unwrap().map(|nm| 2.5 * nm));
+        let seen = shifted.seen_nm();
+        assert!(seen.into_iter().zip(w.nm().unwrap()).all(|(found, nm)| (found / nm - 1.0).abs() < 1e-6));
         assert_eq!(w.shifted(1.0), w);
         assert_eq!(Wavelengths::RGB.shifted(3.0), Wavelengths::RGB);
         for factor in [1e-4, 0.1, 10.0, 1e4] {

@@ -9,7 +9,14 @@
 //!
 //! Which patch of a surface is asked for light, and which of its points, goes by what is on it: see `light/emission_density.rs`.
 
+use std::sync::Arc;
+
 use kajo_color::{Emission, Spectrum, Wavelengths};
+use kajo_math::Vec3;
+
+mod orbiting_gas;
+
+pub use orbiting_gas::OrbitingGas;
 
 use crate::ids::LightGroup;
 use crate::light::Sides;
@@ -32,12 +39,28 @@ pub struct SurfaceEmission {
 impl From<Emission> for SurfaceEmission {
     /// The same radiance everywhere, on both sides.
     fn from(emission: Emission) -> SurfaceEmission {
-        let terms = vec![EmissionTerm { emission, colors: Vec::new(), amounts: Vec::new() }];
-        SurfaceEmission { terms, ..SurfaceEmission::default() }.without_black()
+        SurfaceEmission::of_term(EmissionTerm {
+            emission,
+            gas: None,
+            colors: Vec::new(),
+            amounts: Vec::new(),
+        })
+    }
+}
+
+impl From<OrbitingGas> for SurfaceEmission {
+    /// The light of gas that goes around a black hole, on both sides.
+    fn from(gas: OrbitingGas) -> SurfaceEmission {
+        let (emission, gas) = (gas.mean(), Some(Arc::new(gas)));
+        SurfaceEmission::of_term(EmissionTerm { emission, gas, colors: Vec::new(), amounts: Vec::new() })
     }
 }
 
 impl SurfaceEmission {
+    fn of_term(term: EmissionTerm) -> SurfaceEmission {
+        SurfaceEmission { terms: vec![term], ..SurfaceEmission::default() }.without_black()
+    }
+
     /// The light where it leaves the surface on these sides only.
     pub fn on(self, sides: Sides) -> SurfaceEmission {
         SurfaceEmission { sides, ..self }
@@ -80,6 +103,7 @@ impl SurfaceEmission {
     fn scaled(mut self, factor: f32) -> SurfaceEmission {
         for term in &mut self.terms {
             term.emission = term.emission.clone().scaled(factor);
+            term.gas = term.gas.take().map(|gas| Arc::new(gas.scaled(factor)));
         }
         self.without_black()
     }
@@ -110,13 +134,16 @@ impl SurfaceEmission {
 
     /// Whether all its own numbers are finite.
     pub fn is_finite(&self) -> bool {
-        self.terms.iter().all(|term| term.emission.is_finite())
+        let is_finite = |term: &EmissionTerm| {
+            term.emission.is_finite() && term.gas.as_ref().is_none_or(|gas| gas.is_finite())
+        };
+        self.terms.iter().all(is_finite)
     }
 
     /// The light, where it is the same everywhere.
     pub fn constant(&self) -> Option<&Emission> {
         match &*self.terms {
-            [term] => term.textures().next().is_none().then_some(&term.emission),
+            [term] if term.gas.is_none() => term.textures().next().is_none().then_some(&term.emission),
             _ => None,
         }
     }
@@ -125,6 +152,15 @@ impl SurfaceEmission {
         self.terms.retain(|term| !term.emission.is_black());
         self
     }
+}
+
+/// Light that leaves a surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Leaving {
+    /// From where, in world space.
+    pub p: Vec3,
+    /// The unit direction, where it is known; else the light is that of no particular one.
+    pub d: Option<Vec3>,
 }
 
 /// The radiance of a surface, place by place.
@@ -138,8 +174,10 @@ pub struct VariedEmission {
 /// What one material adds to the light of a surface.
 #[derive(Clone, Debug)]
 struct EmissionTerm {
-    /// Its radiance where all factors are 1.
+    /// Its radiance where all factors are 1, or about the mean of it.
     emission: Emission,
+    /// What gives that light, where it is no surface at rest.
+    gas: Option<Arc<OrbitingGas>>,
     /// Factors that are colours.
     colors: Vec<ColorTexture>,
     /// Factors that are numbers, held to [0, 1].
@@ -152,8 +190,11 @@ impl EmissionTerm {
         self.colors.iter().map(AnyTexture::from).chain(amounts)
     }
 
-    fn at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
-        let light = self.emission.at(wavelengths);
+    fn at(&self, place: TextureEvaluator<'_>, leaving: Leaving, wavelengths: &Wavelengths) -> Spectrum {
+        let light = match &self.gas {
+            None => self.emission.at(wavelengths),
+            Some(gas) => gas.radiance(leaving.p, leaving.d, wavelengths),
+        };
         let light = self.colors.iter().fold(light, |light, color| light * color.at(place, wavelengths));
         self.amounts.iter().fold(light, |light, amount| light * amount.at(place).clamp(0.0, 1.0))
     }
@@ -177,15 +218,22 @@ impl VariedEmission {
             texture.detail(textures, &mut detail);
             needs_uv |= texture.needs_uv(textures);
         }
+        detail.has_pattern |= terms.iter().any(|term| term.gas.is_some());
         VariedEmission { terms, needs_uv, detail }
     }
 
     /// The radiance at a place.
     ///
     /// * `at`: surface coordinates are of effect where [`VariedEmission::needs_uv`]
-    pub fn at(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
+    pub fn at(
+        &self,
+        textures: &Textures,
+        at: &TextureContext,
+        leaving: Leaving,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
         let place = textures.evaluator(at);
-        let radiance = |term: &EmissionTerm| term.at(place, wavelengths);
+        let radiance = |term: &EmissionTerm| term.at(place, leaving, wavelengths);
         self.terms.iter().map(radiance).fold(Spectrum::BLACK, |sum, light| sum + light)
     }
 

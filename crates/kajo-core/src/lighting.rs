@@ -5,7 +5,7 @@ use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
 use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
-use crate::emission::VariedEmission;
+use crate::emission::{Leaving, VariedEmission};
 use crate::ids::{LightIndex, VariedEmissionId};
 use crate::interaction::{SurfacePoint, SurfaceUv, test_error};
 use crate::light::{
@@ -99,7 +99,7 @@ impl Scene {
         let (light, area) = self.lighting.sampler.area(&self.lighting.lights, at.object, at.hit.part)?;
         let radiance = match area.varied {
             None => area.emission.at(wavelengths),
-            Some(varied) => rarely(|| self.varied_radiance(varied, at, wavelengths)),
+            Some(varied) => rarely(|| self.varied_radiance(varied, at, -d, wavelengths)),
         };
         let hit = || LightHit { light, group: self.lighting.sampler.group(light), radiance };
         area.sides.emit(-d.dot(at.point.ng)).then(hit)
@@ -156,6 +156,7 @@ impl Scene {
         &self,
         emission: VariedEmissionId,
         at: &Interaction,
+        leaving: Vec3,
         wavelengths: &Wavelengths,
     ) -> Spectrum {
         let varied: &VariedEmission = &self.lighting.varied_emissions[emission.index()];
@@ -168,7 +169,8 @@ impl Scene {
             time: at.time,
             ..TextureContext::default()
         };
-        varied.at(&self.appearance.textures, &place, wavelengths)
+        let leaving = Leaving { p: at.point.p, d: Some(leaving) };
+        varied.at(&self.appearance.textures, &place, leaving, wavelengths)
     }
 
     /// The lights for paths to begin at.
@@ -235,7 +237,7 @@ impl EmissiveSurfaces for Scene {
         &self,
         light: &AreaLight,
         emission: VariedEmissionId,
-        p: Vec3,
+        (p, d): (Vec3, Vec3),
         time: f32,
         wavelengths: &Wavelengths,
     ) -> Spectrum {
@@ -244,7 +246,7 @@ impl EmissiveSurfaces for Scene {
         let hit = self.geometry.shapes.hit_at(primitive.shape, light.part, own);
         let point = SurfacePoint { p, ..SurfacePoint::default() };
         let at = Interaction { point, hit, object: light.object, time, ..Interaction::default() };
-        self.varied_radiance(emission, &at, wavelengths)
+        self.varied_radiance(emission, &at, d, wavelengths)
     }
 
     #[inline(never)]

@@ -78,7 +78,12 @@ impl Scene {
         let mut d = followed.d.as_vec3();
         if outcome == Outcome::Meets {
             // Of light that grazes a surface the tangent may be on the one side and the chord on the other: it was the chord that met it.
-            if d.dot(at.point.ng) * chord.d.dot(at.point.ng) <= 0.0 {
+            let from_chord = chord.d.dot(at.point.ng);
+            if let Some(normals) = &followed.normals {
+                let seen = |n: Vec3| (*normals * n.as_dvec3()).normalize_or_zero().as_vec3();
+                (at.point.n, at.point.ng) = (seen(at.point.n), seen(at.point.ng));
+            }
+            if d.dot(at.point.ng) * from_chord <= 0.0 {
                 d = chord.d.normalize();
             }
         }

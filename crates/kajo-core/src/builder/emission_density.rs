@@ -4,7 +4,7 @@ use kajo_color::{Emission, Wavelengths};
 use kajo_math::{DAffine3, Vec2, Vec3};
 
 use super::SceneBuilder;
-use crate::emission::VariedEmission;
+use crate::emission::{Leaving, VariedEmission};
 use crate::light::EmissionDensity;
 use crate::shape::{Patch, ShapeId};
 use crate::texture::{SurfaceUv, TextureContext, TextureDetail};
@@ -48,7 +48,9 @@ impl EmissivePatch<'_> {
     }
 
     fn luminance(&self, builder: &SceneBuilder, at: Vec2) -> f32 {
-        self.varied.at(&builder.appearance.textures, &self.place(builder, at), &Wavelengths::RGB).luminance()
+        let place = self.place(builder, at);
+        let leaving = Leaving { p: place.p, d: None };
+        self.varied.at(&builder.appearance.textures, &place, leaving, &Wavelengths::RGB).luminance()
     }
 
     /// Texels of its pictures across and up.

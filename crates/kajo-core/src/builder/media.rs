@@ -1,7 +1,7 @@
 //! Media that bodies and the air are filled with.
 
 use super::{SceneBuilder, SceneError, check_finite};
-use crate::medium::{AnyMedium, MediumId};
+use crate::medium::{AnyMedium, Media, MediumId};
 
 impl SceneBuilder {
     /// Adds a medium, which materials can name as what their bodies are filled with.
@@ -27,6 +27,11 @@ impl SceneBuilder {
         }
         self.air = Some(medium);
         Ok(())
+    }
+
+    /// All media so far.
+    pub(crate) fn media(&self) -> &Media {
+        &self.appearance.media
     }
 
     pub(super) fn check_medium(&self, medium: MediumId) -> Result<(), SceneError> {

@@ -7,7 +7,8 @@ use super::blocks::{EXTERIOR, MEDIA as MEMBERS};
 use super::fields::{Sources, named_medium};
 use super::member::keywords;
 use super::places::misplaced;
-use crate::medium::{AnyMedium, MediumId};
+use crate::family::Pooled;
+use crate::medium::{AnyMedium, BlackHole, MediumId};
 
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
 
@@ -40,6 +41,13 @@ impl Compiler<'_> {
             let set = self.scene.air(air);
             self.accepted(set, item.head_span());
         }
+    }
+
+    /// All black holes among the media so far.
+    pub(super) fn black_holes(&self) -> Vec<(MediumId, BlackHole)> {
+        let media = self.scene.media();
+        let ids = self.medium_names.values().flatten().copied();
+        ids.filter_map(|id| BlackHole::find(media, id).map(|hole| (id, hole.clone()))).collect()
     }
 
     /// Adds the medium that `read` makes of an item.

@@ -6,6 +6,7 @@
 
 mod aim;
 mod background;
+mod black_holes;
 mod blocks;
 mod camera;
 mod camera_keys;
@@ -184,6 +185,7 @@ fn compile_tree(
     let mut scene = compiler.finish(settings, group.is_some())?;
     cameras::place(&mut scene, cameras, desc, options, diagnostics);
     scale::check(&scene, diagnostics);
+    black_holes::check_cameras(&scene, diagnostics);
     (!diagnostics.has_errors()).then_some(scene)
 }
 

@@ -81,12 +81,16 @@ impl<E: RayEquation> Way<'_, E> {
         let mut f = |_: f64, y: &RayState| self.slope(y);
         let mut solver = Solver::new(&mut f, 0.0, self.in_units(start), TOLERANCE);
         for _ in 0..MOST_STEPS {
-            solver.limit_step(LONGEST_STEP);
+            let longest = self.equation.longest_step(&self.in_world(solver.y())) / self.extent;
+            solver.limit_step(LONGEST_STEP.min(longest));
             let Ok(step) = solver.step(&mut f, f64::from(MOST_STEPS)) else { break };
-            let n = (sag(&step, 0.0, 1.0) / SAG).sqrt().ceil().clamp(1.0, MOST_CHORDS);
+            let gate = if self.equation.has_gate() { self.gate(&step) } else { None };
+            let last = gate.unwrap_or(1.0);
+            let finest = SAG.min(self.equation.largest_sag(&self.in_world(step.end())) / self.extent);
+            let n = (sag(&step, 0.0, last) / finest).sqrt().ceil().clamp(1.0, MOST_CHORDS);
             let mut a = 0.0;
             for i in 1..=n as u32 {
-                let b = f64::from(i) / n;
+                let b = last * f64::from(i) / n;
                 if let Some((theta, chord)) = self.first_meeting(&step, [a, b], chords) {
                     let o = self.chord(&step.at(a), &step.at(b)).o;
                     chords.passed(&Ray { o, d: chord.o - o, t_max: 1.0, ..chord });
@@ -94,6 +98,19 @@ impl<E: RayEquation> Way<'_, E> {
                 }
                 chords.passed(&Ray { t_max: 1.0, ..self.chord(&step.at(a), &step.at(b)) });
                 a = b;
+            }
+            if gate.is_some() {
+                let there = self.equation.through_gate(&self.in_world(&step.at(last)));
+                let Some(y) = there else {
+                    return self.end(
+                        Outcome::Absorbed,
+                        start,
+                        &step.at(last),
+                        self.chord(step.start(), step.end()),
+                    );
+                };
+                solver = Solver::new(&mut f, 0.0, self.in_units(&y), TOLERANCE);
+                continue;
             }
             let y = self.in_units(&self.equation.corrected(&self.in_world(step.end())));
             if let Some(outcome) = self.outcome(&y) {
@@ -104,6 +121,13 @@ impl<E: RayEquation> Way<'_, E> {
             }
         }
         self.lost(ray)
+    }
+
+    /// Where a step comes to the gate.
+    fn gate(&self, step: &Step<8>) -> Option<f64> {
+        let before = |y: &RayState| self.equation.before_gate(&self.in_world(y));
+        let enters = before(step.start()) >= 0.0 && before(step.end()) < 0.0;
+        if enters { step.event([0.0, 1.0], before) } else { None }
     }
 
     /// Steps of one length, each a straight line.
@@ -196,6 +220,7 @@ impl<E: RayEquation> Way<'_, E> {
             index,
             squeeze: ratio * ratio,
             g: self.equation.frequency_ratio(start, &y),
+            normals: self.equation.normals(&y),
         }
     }
 
@@ -209,6 +234,7 @@ impl<E: RayEquation> Way<'_, E> {
             index: 1.0,
             squeeze: 1.0,
             g: 1.0,
+            normals: None,
         }
     }
 }

@@ -18,7 +18,7 @@
 
 mod follow;
 
-use kajo_math::{Aabb, DVec3, Ray};
+use kajo_math::{Aabb, DMat3, DVec3, Ray};
 
 pub use follow::follow;
 
@@ -82,6 +82,38 @@ pub trait RayEquation {
     /// Radiance over the third power of the frequency is what stays the same.
     fn frequency_ratio(&self, _from: &RayState, _to: &RayState) -> f64 {
         1.0
+    }
+
+    /// What takes unit normals of surfaces at a state to those that somebody sees who measures directions there; `None` where nothing
+    /// differs.
+    fn normals(&self, _y: &RayState) -> Option<DMat3> {
+        None
+    }
+
+    /// The largest distance of a chord from its curve near a state, where that is to be smaller than [`SAG`] of the body.
+    fn largest_sag(&self, _y: &RayState) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The longest that a step may be from a state, where that is to be shorter than a part of the body: no step is to go over what light
+    /// ends in.
+    fn longest_step(&self, _y: &RayState) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Whether there is a gate: a surface at which light leaves one place of the body and goes on from another.
+    fn has_gate(&self) -> bool {
+        false
+    }
+
+    /// Positive before the gate, negative behind it.
+    fn before_gate(&self, _y: &RayState) -> f64 {
+        1.0
+    }
+
+    /// Light that has come to the gate, where it goes on; `None` where it does not.
+    fn through_gate(&self, _y: &RayState) -> Option<RayState> {
+        None
     }
 
     /// How steps are taken.
@@ -162,4 +194,6 @@ pub struct Followed {
     pub squeeze: f64,
     /// Frequency where the way begins over that where it ends.
     pub g: f64,
+    /// [`RayEquation::normals`] at the end.
+    pub normals: Option<DMat3>,
 }

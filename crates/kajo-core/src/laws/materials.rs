@@ -179,8 +179,8 @@ fn who(kind: &'static str, name: String) -> Who {
 }
 
 pub(super) fn census() -> Census {
-    // Where nothing is but the end of a medium, light goes straight on.
-    let nothing = &["null_boundaries"];
+    // Gas scatters nothing. Where nothing is but the end of a medium, light goes straight on.
+    let nothing = &["accretion_disks", "null_boundaries"];
     Census { family: "material", kinds: Materials::KINDS.to_vec(), pointlike: nothing, unpowered: nothing }
 }
 

@@ -92,18 +92,20 @@ impl AreaLight {
         }
     }
 
-    /// The radiance of the point `p` at a time.
+    /// The radiance of a point at a time.
+    ///
+    /// * `leaving`: the point, and the unit direction in which light leaves it
     #[inline]
     fn radiance(
         &self,
-        p: Vec3,
+        leaving: (Vec3, Vec3),
         time: f32,
         wavelengths: &Wavelengths,
         surfaces: &impl EmissiveSurfaces,
     ) -> Spectrum {
         match self.varied {
             None => self.emission.at(wavelengths),
-            Some(varied) => surfaces.radiance(self, varied, p, time, wavelengths),
+            Some(varied) => surfaces.radiance(self, varied, leaving, time, wavelengths),
         }
     }
 
@@ -190,7 +192,7 @@ impl Emitter for AreaLight {
         if !self.sides.emit(-wi.dot(n)) {
             return None;
         }
-        let radiance = self.radiance(at.p, to.time, wavelengths, surfaces);
+        let radiance = self.radiance((at.p, -wi), to.time, wavelengths, surfaces);
         let point = LightPoint::Surface { p: at.p, p_error: at.p_error, n };
         Some(LightLiSample { wi, radiance, pdf: at.pdf, is_delta: false, at: point })
     }
@@ -253,7 +255,7 @@ impl Emitter for AreaLight {
         Some(LightLeSample {
             at,
             d,
-            radiance: self.radiance(drawn.p, time, wavelengths, surfaces),
+            radiance: self.radiance((drawn.p, d), time, wavelengths, surfaces),
             attenuation: INVERSE_SQUARE,
             pdf: self.pdf_le(time, &at, d, world),
             is_delta: false,

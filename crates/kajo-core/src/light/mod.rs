@@ -65,14 +65,15 @@ pub struct Illumination {
 pub trait EmissiveSurfaces {
     /// The radiance of a point whose surface does not emit the same everywhere.
     ///
-    /// * `light`: the patch that the world-space point `p` lies on
+    /// * `light`: the patch that the point lies on
     /// * `emission`: its [`AreaLight::varied`]
+    /// * the point in world space, and the unit direction in which its light goes
     /// * `time`: moment within the shutter interval
     fn radiance(
         &self,
         light: &AreaLight,
         emission: VariedEmissionId,
-        p: Vec3,
+        leaving: (Vec3, Vec3),
         time: f32,
         wavelengths: &Wavelengths,
     ) -> Spectrum;

@@ -1,5 +1,6 @@
 //! Materials: which reflection model a surface has at each of its points.
 
+mod accretion_disk;
 mod appearance;
 mod blend;
 mod btf;
@@ -15,6 +16,7 @@ mod perforated;
 mod phong;
 mod principled;
 
+pub use accretion_disk::AccretionDisk;
 pub use appearance::Appearance;
 pub use blend::Blend;
 pub use btf::{BtfMaterial, BtfSettings};
@@ -185,6 +187,7 @@ family! {
     any AnyMaterial;
     contract Material;
     members {
+        accretion_disks: AccretionDisk,
         blends: Blend,
         btfs: BtfMaterial,
         embossed: Embossed,

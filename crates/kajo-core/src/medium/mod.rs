@@ -12,6 +12,7 @@
 //!
 //! [`Fog`] is another thing: the haze of the classic formula, which scatters nothing.
 
+mod black_hole;
 mod coefficients;
 mod fog;
 mod function;
@@ -21,7 +22,9 @@ mod homogeneous;
 mod majorant;
 mod majorant_grid;
 pub mod phase;
+mod wormhole;
 
+pub use black_hole::{BlackHole, BlackHoleError, BlackHoleObserver};
 pub use coefficients::{Coefficients, CoefficientsError};
 pub use fog::Fog;
 pub use function::{FunctionMedium, FunctionMediumError};
@@ -31,6 +34,7 @@ pub use homogeneous::HomogeneousMedium;
 pub use majorant::Majorants;
 pub use majorant_grid::{GridWalk, Majorant, MajorantGrid};
 pub use phase::{Phase, PhaseSample};
+pub use wormhole::{WormholeError, WormholeMedium, WormholeShape};
 
 use kajo_color::Wavelengths;
 use kajo_math::{Ray, Vec3};
@@ -81,6 +85,12 @@ pub trait Medium {
         None
     }
 
+    /// What a camera sees that is in it and moves: the unit direction in which the ray goes to somebody at rest, and the frequency that the
+    /// camera sees over the one that they see. `None` for a camera at rest.
+    fn observed(&self, _ray: &Ray) -> Option<(Vec3, f32)> {
+        None
+    }
+
     /// Follows light through it, where light bends.
     ///
     /// * `ray`: starts inside; its direction has unit length
@@ -105,10 +115,12 @@ family! {
     any AnyMedium;
     contract Medium;
     members {
+        black_holes: BlackHole,
         functions: FunctionMedium,
         gradient_indices: GradientIndex,
         grids: GridMedium,
         homogeneous: HomogeneousMedium,
+        wormholes: WormholeMedium,
     }
     any methods {
         /// See [`Medium::is_finite`].
@@ -131,6 +143,8 @@ family! {
         fn is_dispersive() -> bool;
         /// See [`Medium::index`].
         fn index(p: Vec3, wavelengths: &Wavelengths) -> Option<f32>;
+        /// See [`Medium::observed`].
+        fn observed(ray: &Ray) -> Option<(Vec3, f32)>;
         /// See [`Medium::follow`].
         fn follow<C: Chords>(
             ray: &Ray,

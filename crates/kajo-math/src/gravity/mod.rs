@@ -17,6 +17,6 @@ pub mod thin_disk;
 mod wormhole;
 
 pub use kerr::{Conserved, Kerr, KerrPlace};
-pub use observer::Observer;
+pub use observer::{Observer, seen_from_rest};
 pub use thin_disk::ThinDisk;
 pub use wormhole::{Profile, ThroatPassage, Wormhole};

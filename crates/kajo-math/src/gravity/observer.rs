@@ -37,6 +37,18 @@ fn boosted((frequency, momentum): (f64, DVec3), velocity: DVec3, gamma: f64) -> 
     (gamma * (frequency + along), momentum + pushed * velocity)
 }
 
+/// Light that a moving camera looks along, as somebody at rest beside it sees it: the unit direction to look along there, and the frequency
+/// that the camera sees over that which somebody at rest does.
+///
+/// * `direction`: unit vector that the camera looks along, in its own frame
+/// * `velocity`: of the camera in the frame of whoever rests, shorter than 1
+pub fn seen_from_rest(direction: DVec3, velocity: DVec3) -> (DVec3, f64) {
+    let gamma = 1.0 / (1.0 - velocity.length_squared()).sqrt();
+    // Light arrives against the direction that is looked along.
+    let (frequency, momentum) = boosted((1.0, -direction), velocity, gamma);
+    (-momentum / frequency, 1.0 / frequency)
+}
+
 impl Observer {
     /// Somebody who moves with a velocity in the frame normal to the slice of constant time.
     ///
@@ -75,6 +87,19 @@ impl Observer {
         Observer::of_velocity(kerr, x, (1.0, space))
     }
 
+    /// Somebody without angular momentum who stays at a radius, and is dragged around the axis [Bardeen et al. 1972, eq. 2.5]; `None`
+    /// inside of the horizon.
+    pub fn dragged(kerr: &Kerr, x: DVec3) -> Option<Observer> {
+        let (r, a, m) = (kerr.radius(x), kerr.spin(), kerr.mass());
+        if r <= kerr.horizon() {
+            return None;
+        }
+        let q = r * r + a * a;
+        let sin2 = (x.x * x.x + x.y * x.y) / q;
+        let delta = q - 2.0 * m * r;
+        Observer::rotating(kerr, x, 2.0 * m * a * r / (q * q - a * a * delta * sin2))
+    }
+
     /// Somebody who has fallen freely from rest at infinity, without angular momentum; at home inside of the horizon too.
     ///
     /// The covector of the velocity is `-dt + u_r dr` with `u_r = -sqrt(2 M r) / (sqrt(r² + a²) + sqrt(2 M r))`
@@ -108,6 +133,14 @@ impl Observer {
         (time, along - time * f / (1.0 + f) * k)
     }
 
+    /// The velocity of somebody else at this place, in this frame.
+    pub fn velocity_of(&self, other: &Observer) -> DVec3 {
+        // Something that rests with the other, as a vector of energy and momentum that is not light but is boosted alike.
+        let (energy, momentum) = (other.gamma, other.gamma * other.velocity);
+        let (energy, momentum) = boosted((energy, momentum), -self.velocity, self.gamma);
+        momentum / energy
+    }
+
     /// Light of frequency 1 in this frame that travels along a unit vector: its energy at infinity and the covector of its momentum.
     #[inline]
     pub fn emitted(&self, direction: DVec3) -> (f64, DVec3) {
@@ -132,12 +165,12 @@ impl Observer {
         (frequency, momentum / frequency.abs())
     }
 
-    /// The unit normal in this frame of a surface that passes at rest, with this normal in the coordinates.
+    /// A covector of space in this frame, such as the normal of a surface at rest, of which the components in the coordinates are these.
     ///
     /// For somebody at rest in the coordinates; the metric of space there is `δ + f/(1 - f) k k`.
-    pub fn normal(&self, n: DVec3) -> DVec3 {
+    pub fn covector(&self, n: DVec3) -> DVec3 {
         let KerrPlace { f, k, .. } = self.place;
-        stretched(n, k, (1.0 - f).max(0.0).sqrt()).normalize_or(n)
+        stretched(n, k, (1.0 - f).max(0.0).sqrt())
     }
 }
 
@@ -201,9 +234,35 @@ mod tests {
             let inwards = -x / r;
             let (frequency, seen) = fall.received(1.0, rest.emitted(inwards).1 / rest.emitted(inwards).0);
             check(seen.distance(inwards), 0.0, 1e-12);
+            check(rest.velocity_of(&fall).distance(inwards * (2.0 / r).sqrt()), 0.0, 1e-12);
             // Light from behind is shifted by the energy that was gained in the fall and the speed: 1/(1 + sqrt(2/r)).
             check(frequency, 1.0 / (1.0 + (2.0 / r).sqrt()), 1e-12);
         }
+    }
+
+    #[test]
+    fn cameras_that_move_look_ahead() {
+        // Aberration: cos = (cos' - v)/(1 - v cos') looked along, and light from ahead is shifted to higher frequencies.
+        let v = 0.5;
+        let (ahead, ratio) = seen_from_rest(DVec3::X, v * DVec3::X);
+        check(ahead.distance(DVec3::X), 0.0, 1e-15);
+        check(ratio, 3f64.sqrt(), 1e-12);
+        let (side, ratio) = seen_from_rest(DVec3::Y, v * DVec3::X);
+        check(side.x, -v, 1e-12);
+        check(ratio, (1.0 - v * v).sqrt().recip() * (1.0 + v * side.x), 1e-12);
+    }
+
+    #[test]
+    fn space_is_dragged_along() {
+        let kerr = Kerr::new(1.0, 0.9);
+        for (x, _) in draws(20) {
+            let x = 0.3 * x;
+            let Some(observer) = Observer::dragged(&kerr, x) else { continue };
+            let (t, v) = kerr.place(x).lowered(observer.velocity());
+            check(x.x * v.y - x.y * v.x, 0.0, 1e-9 * t.abs());
+        }
+        assert!(Observer::dragged(&kerr, DVec3::new(1.8, 0.0, 0.0)).is_some(), "in the ergosphere");
+        assert!(Observer::dragged(&kerr, DVec3::new(1.5, 0.0, 0.0)).is_none(), "inside of the horizon");
     }
 
     #[test]
@@ -223,7 +282,7 @@ mod tests {
         let kerr = Kerr::new(1.0, 0.7);
         for (x, n) in draws(50) {
             let rest = Observer::at_rest(&kerr, x).unwrap();
-            let (energy, p) = rest.emitted(rest.normal(n).any_orthonormal_vector());
+            let (energy, p) = rest.emitted(rest.covector(n).normalize().any_orthonormal_vector());
             let (velocity, _) = kerr.flow(x, p, energy);
             check(velocity.normalize().dot(n), 0.0, 1e-12);
         }

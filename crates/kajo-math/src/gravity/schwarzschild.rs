@@ -37,7 +37,7 @@ pub fn elliptic_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
 }
 
 /// The incomplete elliptic integral `F(φ | m) = ∫ dθ / sqrt(1 - m sin² θ)` for `sin φ = s`, in [0, 1].
-fn elliptic_f(s: f64, m: f64) -> f64 {
+pub fn elliptic_f(s: f64, m: f64) -> f64 {
     let s2 = s * s;
     s * elliptic_rf(1.0 - s2, 1.0 - m * s2, 1.0)
 }
@@ -64,6 +64,23 @@ pub fn deflection(b: f64) -> Option<f64> {
     let start = (-u1 / (u2 - u1)).max(0.0).sqrt();
     let angle = 2.0 * (2.0 / (u3 - u1)).sqrt() * (elliptic_f(1.0, m) - elliptic_f(start, m));
     Some(angle - PI)
+}
+
+/// The angle about the hole that light goes through between two places, by way of its closest approach.
+///
+/// * `b`: impact parameter over the mass
+/// * `r`: radial coordinates of the places over the mass
+///
+/// `None` where the light is captured, or does not come to one of the places.
+pub fn swept_angle(b: f64, r: [f64; 2]) -> Option<f64> {
+    let nearest = closest_approach(b)?;
+    let [u1, u2, u3] = turning_points(b);
+    let m = (u2 - u1) / (u3 - u1);
+    let to_nearest = |r: f64| {
+        let start = ((1.0 / r - u1) / (u2 - u1)).clamp(0.0, 1.0).sqrt();
+        (2.0 / (u3 - u1)).sqrt() * (elliptic_f(1.0, m) - elliptic_f(start, m))
+    };
+    r.iter().all(|r| *r >= nearest).then(|| r.into_iter().map(to_nearest).sum())
 }
 
 /// How near such light comes, as a radial coordinate over the mass.
@@ -117,6 +134,11 @@ mod tests {
             check(deflection(b).unwrap(), expected, tolerance);
         }
         check(closest_approach(10.0).unwrap(), 8.788_851, 1e-6);
+        // Straight lines far away; the whole way is half a turn more than the deflection.
+        let straight = PI - 2.0 * (1e4f64 / 1e6).asin();
+        check(swept_angle(1e4, [1e6, 1e6]).unwrap(), straight + 4e-4, 1e-6);
+        check(swept_angle(10.0, [1e12, 1e12]).unwrap(), PI + deflection(10.0).unwrap(), 1e-9);
+        assert!(swept_angle(10.0, [8.0, 100.0]).is_none());
         assert!(deflection(5.19).is_none() && deflection(f64::NAN).is_none());
         // The strong field: a logarithm of the distance to the critical ray.
         let b = 5.2;

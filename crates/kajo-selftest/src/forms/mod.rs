@@ -6,6 +6,7 @@ mod caustic;
 mod curved;
 mod flat;
 mod glass;
+mod gravity;
 mod lights;
 mod materials;
 mod media;
@@ -137,6 +138,7 @@ pub fn pictures(seed: u64) -> Vec<Form> {
         ("materials", materials::forms),
         ("media", media::forms),
         ("curved", curved::forms),
+        ("gravity", gravity::forms),
         ("camera", camera::forms),
         ("motion", motion::forms),
         ("solids", solids::forms),

@@ -3,10 +3,12 @@
 //! A new block is its own file and one line in the list of its family, here; the parser, the editor, `kajo help` and the
 //! manual follow.
 
+mod accretion_disk;
 mod air_layers;
 pub(super) mod algebraic;
 pub(super) mod bicubic_patch;
 pub(super) mod bilinear_patch;
+mod black_hole;
 pub(super) mod blob;
 pub(super) mod btf;
 pub(super) mod checkerboard;
@@ -58,6 +60,7 @@ pub(super) mod torus;
 pub(super) mod triangle;
 pub(super) mod triangle_mesh;
 pub(super) mod wood;
+mod wormhole;
 
 use super::member::{CameraMember, LightMember, MaterialMember, MediumMember, ObjectMember};
 use crate::schema::{Absent, Block, FieldKind, FieldSpec, Kind};
@@ -112,7 +115,7 @@ pub(super) const LIGHTS: [&LightMember; 3] =
     [&directional_light::MEMBER, &point_light::MEMBER, &spot_light::MEMBER];
 
 /// All kinds of materials, in the order in which they are offered.
-pub(super) const MATERIALS: [&MaterialMember; 14] = [
+pub(super) const MATERIALS: [&MaterialMember; 15] = [
     &phong_material::MEMBER,
     &phong_material::SHORT,
     &matte::MEMBER,
@@ -122,6 +125,7 @@ pub(super) const MATERIALS: [&MaterialMember; 14] = [
     &btf::MEMBER,
     &measured::MEMBER,
     &interface::MEMBER,
+    &accretion_disk::MEMBER,
     &checkerboard::MEMBER,
     &mix::MEMBER,
     &noise::MEMBER,
@@ -136,7 +140,7 @@ pub(super) const MATERIAL_LIST: Block =
     Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
 
 /// All kinds of media, in the order in which they are offered.
-pub(super) const MEDIA: [&MediumMember; 9] = [
+pub(super) const MEDIA: [&MediumMember; 11] = [
     &medium::MEMBER,
     &grid_medium::MEMBER,
     &function_medium::MEMBER,
@@ -146,6 +150,8 @@ pub(super) const MEDIA: [&MediumMember; 9] = [
     &rod_lens::MEMBER,
     &linear_index::MEMBER,
     &air_layers::MEMBER,
+    &black_hole::MEMBER,
+    &wormhole::MEMBER,
 ];
 
 /// What names the medium of the air.

@@ -1,6 +1,5 @@
 //! What is worked out where a path has come to a surface, straight or along a curve.
 
-use kajo_core::bsdf::Transport;
 use kajo_core::scene::Scene;
 use kajo_math::Vec3;
 
@@ -32,11 +31,7 @@ pub(super) fn arrive(scene: &Scene, path: &mut PathState<'_>, surface: &mut Surf
 /// Multiplies the throughput by what the way to a surface does to light.
 #[inline]
 fn attenuate(path: &mut PathState<'_>, surface: &SurfaceInteraction) {
-    let &SurfaceInteraction { length, g, .. } = surface;
     if !path.media.is_empty() {
-        path.beta *= path.media.transmittance(length);
-    }
-    if path.mode == Transport::Radiance {
-        path.beta *= g * g * g;
+        path.beta *= path.media.transmittance(surface.length);
     }
 }

@@ -28,11 +28,13 @@ pub enum Curve {
 /// Follows the path's ray along its curve to the next surface, which is that of the body if nothing is in it.
 ///
 /// ```text
-/// beta <- beta g^3 (n / n')^2 T
+/// beta <- beta (n / n')^2 T
 /// ```
 ///
-/// for radiance, with the index `n` where the way begins and `n'` where it ends: radiance over `n^2` and over the third power of
-/// the frequency stays the same. Power is what it was.
+/// for radiance, with the index `n` where the way begins and `n'` where it ends: radiance over `n^2` stays the same. Power is what it was.
+/// What becomes of the frequency is for [`shift`].
+///
+/// Where the path is a camera's first ray, it is seen as the camera moves.
 ///
 /// No connection finds what the path meets at the end, so it counts in full. What neighbouring samples cover there is not known.
 /// Where the way depends on the wavelength only one is followed from here on.
@@ -47,6 +49,11 @@ pub fn follow(
 ) -> Curve {
     if scene.appearance.media.is_dispersive(medium) && !path.wavelengths.secondary_terminated() {
         path.end_secondary_wavelengths();
+    }
+    let is_first = path.surfaces == 1 && path.mode == Transport::Radiance;
+    if is_first && let Some((d, ratio)) = scene.appearance.media.observed(medium, &path.ray) {
+        path.ray.d = d;
+        shift(path, ratio);
     }
     let eta = path.media.eta();
     let weight = path.beta;
@@ -63,6 +70,7 @@ pub fn follow(
         path.eta_scale *= 1.0 / squeeze;
     }
     path.media.set_eta(body, eta);
+    shift(path, g);
     match outcome {
         Outcome::Lost => {
             observer.counters().lost += 1;
@@ -86,3 +94,35 @@ pub fn follow(
         }
     }
 }
+
+/// Shifts the frequency of the light that a path finds:
+///
+/// ```text
+/// beta <- beta g^4,    or by wavelength   lambda <- g lambda,  beta <- beta g^5
+/// ```
+///
+/// Radiance by frequency over its third power stays the same along light, so radiance of all frequencies goes with the fourth power and
+/// radiance by wavelength with the fifth [Misner et al. 1973, section 22.6]. In RGB mode colours stay what they are.
+///
+/// What beams carry through area and solid angle goes with the square of the frequency, so power that is followed from a light is
+/// multiplied by `g^-2`; its wavelengths stay what they are.
+///
+/// * `g`: frequency where the way begins over that where it ends
+fn shift(path: &mut PathState<'_>, g: f32) {
+    if g == 1.0 {
+        return;
+    }
+    if path.mode != Transport::Radiance {
+        path.beta *= 1.0 / (g * g).max(f32::MIN_POSITIVE);
+        return;
+    }
+    let all = g * g * g * g;
+    let factor = if path.wavelengths.is_spectral() { all * g } else { all };
+    path.wavelengths = path.wavelengths.shifted(g.max(SMALLEST_SHIFT));
+    path.beta *= factor;
+    // What the eye sees darker since it is shifted is no reason to end.
+    path.eta_scale *= 1.0 / factor.max(f32::MIN_POSITIVE);
+}
+
+/// Light that is shifted to less than this part of its frequency is dark; no wavelength may be zero.
+const SMALLEST_SHIFT: f32 = 1e-6;

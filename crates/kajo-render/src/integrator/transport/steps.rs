@@ -43,7 +43,7 @@ pub enum Event {
 /// Follows the path's ray to the next surface, through the medium around its start:
 ///
 /// ```text
-/// beta <- beta T g^3,     T = exp(-sigma_a length)
+/// beta <- beta T,     T = exp(-sigma_a length)
 /// ```
 ///
 /// Radiance over the third power of the frequency stays the same along a way; `g` is the ratio of frequencies at its ends.
