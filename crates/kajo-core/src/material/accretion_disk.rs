@@ -45,7 +45,7 @@ impl Material for AccretionDisk {
         false
     }
 
-    fn bsdf(&self, _appearance: &Appearance, _at: &ShadingPoint<'_>) -> Bsdf {
+    fn bsdf<'a>(&'a self, _appearance: &'a Appearance, _at: &ShadingPoint<'_>) -> Bsdf<'a> {
         Bsdf::Lambert(Lambert::new(Spectrum::BLACK))
     }
 }

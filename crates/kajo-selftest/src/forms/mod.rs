@@ -125,7 +125,7 @@ impl Number {
 /// The scenes with the numbers that `seed` gives.
 pub fn pictures(seed: u64) -> Vec<Form> {
     type Maker = fn(&mut Parameters) -> Vec<Form>;
-    let makers: [(&str, Maker); 16] = [
+    let makers: [(&str, Maker); 17] = [
         ("rooms", rooms::forms),
         ("lights", lights::forms),
         ("bodies", bodies::forms),
