@@ -33,6 +33,8 @@ const BESIDE: &[(&str, &[(&str, &str)])] = &[
 /// Numbers and colours of materials that are no textures: what the inside of a body is like, which is not of its
 /// surface, and what patterns are.
 const NO_TEXTURES: &[(&str, &str)] = &[
+    ("AccretionDisk", "luminance"),
+    ("AccretionDisk", "temperature"),
     ("BTF", "scale"),
     ("Glass", "indexOfRefraction"),
     ("Glass", "abbeNumber"),

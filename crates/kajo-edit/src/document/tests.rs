@@ -173,7 +173,8 @@ fn every_template_compiles() {
     {
         let Some(block) = template(keyword, [0.1, 0.2, 0.3], 0.7) else {
             assert!(
-                ["BTF", "HeightField", "Measured", "Model", "TriangleMesh"].contains(&keyword),
+                ["AccretionDisk", "BTF", "HeightField", "Measured", "Model", "TriangleMesh"]
+                    .contains(&keyword),
                 "{keyword}"
             );
             continue;

@@ -40,6 +40,9 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Part => format!("{camera} Background {{ {text} }}"),
         Kind::Light => format!("{camera} Lights {{ {text} }}"),
         Kind::Medium => format!("{camera} Media {{ {text} }}"),
+        Kind::Material if block.keyword == "AccretionDisk" => {
+            format!("{camera} Media {{ BlackHole some {{ }} }} Materials {{ Matte {{ }} {text} }}")
+        }
         Kind::Material => format!("{camera} Materials {{ Matte {{ }} {text} }}"),
         Kind::Shape | Kind::Instance | Kind::Transform => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Define thing {{ }} {text} }}")
@@ -83,7 +86,11 @@ fn needed(block: &Block) -> String {
             FieldKind::File => "heights.pfm",
             _ => "30",
         };
-        let value = if field.key == "vertex2" { "0 0 3" } else { value };
+        let value = match field.key {
+            "vertex2" => "0 0 3",
+            "hole" => "some",
+            _ => value,
+        };
         format!("{} {value} ", field.key)
     };
     let needed: String =
