@@ -2,7 +2,7 @@
 //!
 //! Around each of two places there is a ball in which space is curved; their middles are one throat, so that light that goes into the
 //! one comes out of the other ([`kajo_math::gravity::Wormhole`]). Both balls are filled with this medium, and are one body to
-//! whoever keeps account of what light is inside of: a union.
+//! whoever keeps account of what light is inside of: a `Merge`. In a body that is only one of them light is lost.
 //!
 //! The metric is still, and clocks agree: nothing is shifted in frequency.
 //!
@@ -113,8 +113,26 @@ fn axes(d: DVec3, up: DVec3) -> Option<DMat3> {
     Some(DMat3::from_cols(x, z.cross(x), z))
 }
 
-impl RayEquation for &WormholeMedium {
+/// The law of rays in a body, which ought to hold both mouths.
+#[derive(Clone, Copy, Debug)]
+struct ThroatRays<'a> {
+    medium: &'a WormholeMedium,
+    is_whole: bool,
+}
+
+impl std::ops::Deref for ThroatRays<'_> {
+    type Target = WormholeMedium;
+
+    fn deref(&self) -> &WormholeMedium {
+        self.medium
+    }
+}
+
+impl RayEquation for ThroatRays<'_> {
     fn start(&self, p: DVec3, d: DVec3) -> Option<RayState> {
+        if !self.is_whole {
+            return None;
+        }
         let (_, x) = self.local(p);
         let n = self.mouth.index_squared(x.length_squared()).0.sqrt();
         let m = n * d.normalize();
@@ -194,6 +212,54 @@ impl Medium for WormholeMedium {
         _wavelengths: &Wavelengths,
         chords: &mut C,
     ) -> Option<Followed> {
-        Some(follow(&self, ray, region, chords))
+        let holds = |center: &DVec3| region.bounds.contains(center.as_vec3());
+        let rays = ThroatRays { medium: self, is_whole: self.centers.iter().all(holds) };
+        Some(follow(&rays, ray, region, chords))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_math::Aabb;
+    use kajo_math::gravity::schwarzschild::elliptic_f;
+
+    use super::*;
+    use crate::curved_light::Outcome;
+
+    /// Nothing in the way.
+    struct Empty;
+
+    impl Chords for Empty {
+        fn meets(&mut self, _chord: &Ray) -> Option<f32> {
+            None
+        }
+    }
+
+    const SHAPE: WormholeShape = WormholeShape {
+        centers: [Vec3::ZERO, Vec3::new(20.0, 0.0, 0.0)],
+        throat: 1.0,
+        length: 0.0,
+        radius: 3.0,
+        width: 0.0,
+        directions: [Vec3::NEG_Z, Vec3::NEG_Z],
+        up: Vec3::Y,
+    };
+
+    #[test]
+    fn light_goes_on_from_the_other_mouth() {
+        let wormhole = WormholeMedium::new(&SHAPE).expect("a wormhole");
+        let region = Region { bounds: Aabb { min: Vec3::splat(-3.0), max: Vec3::new(23.0, 3.0, 3.0) } };
+        for b in [0.0f64, 0.2, 0.4, -0.4, 0.8] {
+            let o = Vec3::new(0.0, b as f32, (9.0 - b * b).sqrt() as f32);
+            let ray = Ray::new(o, Vec3::NEG_Z);
+            let way = wormhole.follow(&ray, &region, &Wavelengths::RGB, &mut Empty).expect("it bends");
+            assert_eq!(way.outcome, Outcome::Leaves);
+            let k = b.abs();
+            let swept = 2.0 * k * (elliptic_f(1.0, k * k) - elliptic_f(1.0 / 3.0, k * k));
+            let angle = (swept + 2.0 * (k / 3.0).asin()).copysign(b);
+            let expected = DVec3::new(0.0, angle.sin(), -angle.cos());
+            // Light has left the ball at its box, outside of which it is not straight in this test.
+            assert!(way.d.distance(expected) < 0.02, "{b}: {} instead of {expected}", way.d);
+        }
     }
 }

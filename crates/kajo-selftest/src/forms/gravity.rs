@@ -92,7 +92,7 @@ fn sky(draw: &mut Parameters, observer: Observer) -> Form {
 }
 
 fn behind(draw: &mut Parameters) -> Form {
-    let (b, r1, r2) = (draw.between(5.4, 12.0), draw.between(20.0, 60.0), draw.between(15.0, 60.0));
+    let (b, r1, r2) = (draw.between(7.0, 12.0), draw.between(20.0, 60.0), draw.between(15.0, 60.0));
     let towards = draw.direction(-1.0);
     let side = towards.any_orthonormal_vector();
     let from = -r1 * towards;
@@ -145,7 +145,7 @@ fn wormhole(draw: &mut Parameters) -> Form {
             text(up)
         ),
         &format!(
-            "Union {{ Sphere {{ center {}  radius {radius} }} Sphere {{ center {}  radius {radius} }} }}",
+            "Merge {{ Sphere {{ center {}  radius {radius} }} Sphere {{ center {}  radius {radius} }} }}",
             text(mouth),
             text(other)
         ),
