@@ -61,8 +61,8 @@ const MUTANTS: [Mutant; 15] = [
     mutant(
         "a place of an emitter gives the light of the whole",
         AREA,
-        "Some(varied) => surfaces.radiance(self, varied, p, time, wavelengths),",
-        "Some(varied) => {\n                let _ = (varied, p, time, surfaces);\n                self.emission.at(wavelengths)\n            }",
+        "Some(varied) => surfaces.radiance(self, varied, leaving, time, wavelengths),",
+        "Some(varied) => {\n                let _ = (varied, leaving, time, surfaces);\n                self.emission.at(wavelengths)\n            }",
     ),
     mutant(
         "rays start on the mesh that they leave",
