@@ -12,7 +12,7 @@
 
 use kajo_math::fmath;
 
-use crate::emission::planck;
+use crate::planck::planck;
 use crate::{Spectrum, Wavelengths, matrix, observer, sensor};
 
 /// Temperatures in K between which colours are tabulated. Colder bodies are dark; hotter ones have the colour of the hottest, and

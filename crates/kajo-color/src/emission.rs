@@ -12,9 +12,8 @@
 
 use std::sync::Arc;
 
-use kajo_math::fmath;
-
-use crate::black_body::black_body_shape;
+use crate::planck::black_body_shape;
+pub use crate::planck::planck;
 use crate::reflectance::{non_negative, scaled_colour};
 use crate::tabulated::Tabulated;
 use crate::uplift::Uplift;
@@ -144,16 +143,6 @@ impl Emission {
     pub fn is_black(&self) -> bool {
         self.scale == 0.0
     }
-}
-
-/// Spectral radiance of a black body at a wavelength in nm, in W m⁻² sr⁻¹ nm⁻¹.
-pub fn planck(nm: f64, kelvin: f64) -> f64 {
-    /// Planck's constant in J s, the speed of light in m/s, Boltzmann's constant in J/K.
-    const H: f64 = 6.626_070_15e-34;
-    const C: f64 = 299_792_458.0;
-    const K: f64 = 1.380_649e-23;
-    let m = nm * 1e-9;
-    2.0 * H * C * C / (m * m * m * m * m) / fmath::exp_m1_64(H * C / (m * K * kelvin)) * 1e-9
 }
 
 #[cfg(test)]

@@ -14,11 +14,11 @@
 //! with `M₁` and `M₂` rounded to three decimals. D65, the white of the sensor, is a standard of its own,
 //! defined by its table. [CIE 015:2018, 4.1], [ISO/CIE 11664-2:2022]
 
-use crate::black_body::black_body_shape;
 pub(crate) use crate::data::daylight::D65;
 use crate::data::daylight::{S0, S1, S2};
 use crate::data::observer::{X, Y, Z};
 use crate::observer::{FIRST_NM, GAUSS, LAST_NM, LUMINANCE_NM, NODES, STEP_NM, line, locate};
+use crate::planck::black_body_shape;
 use crate::tabulated::{Outside, Tabulated};
 
 /// Distance of the nodes of daylight in nm.

@@ -11,7 +11,6 @@
 mod aces;
 pub mod basis;
 mod black_bodies;
-mod black_body;
 mod data;
 pub mod dispersion;
 pub mod emission;
@@ -21,6 +20,7 @@ pub mod matrix;
 pub mod metal;
 pub mod named;
 pub mod observer;
+mod planck;
 pub mod reflectance;
 pub mod sensor;
 pub mod spectrum;

@@ -89,6 +89,8 @@ fn needed(block: &Block) -> String {
         let value = match field.key {
             "vertex2" => "0 0 3",
             "hole" => "some",
+            "other" => "99 0 0",
+            "throat" => "1",
             _ => value,
         };
         format!("{} {value} ", field.key)

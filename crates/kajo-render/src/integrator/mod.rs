@@ -187,6 +187,8 @@ mod motion_tests;
 #[cfg(test)]
 mod relief_tests;
 #[cfg(test)]
+mod same_picture;
+#[cfg(test)]
 mod spec_tests;
 #[cfg(test)]
 mod tests;

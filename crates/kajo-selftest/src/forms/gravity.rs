@@ -149,7 +149,7 @@ fn wormhole(draw: &mut Parameters) -> Form {
             text(mouth),
             text(other)
         ),
-        &format!("MaterialIndex light Sphere {{ center {}  radius 0.003 }}", text(light)),
+        &format!("MaterialIndex light Sphere {{ center {}  radius {} }}", text(light), 0.004 * radius),
     );
     Form::new(format!("light behind a wormhole, by light of the impact parameter {b}"), scene, 1.0, CURVED)
 }

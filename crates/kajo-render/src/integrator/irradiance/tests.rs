@@ -1,8 +1,6 @@
 //! Irradiance caches against closed forms and against paths.
 
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::settings::Gradients;
@@ -11,11 +9,9 @@ use kajo_scene::MemoryAssets;
 
 use super::*;
 use crate::integrator::PathSettings;
+use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
-use crate::{
-    Film, FilmSpec, Goal, Layer, PixelIntegrator, Position, Progress, RenderError, RenderSettings,
-    RenderStats, Silent, render, render_passes,
-};
+use crate::{Film, FilmSpec, Layer, PixelIntegrator, RenderSettings, Silent, render};
 
 fn scene(text: &str) -> Scene {
     scene_with(text, &MemoryAssets::new())
@@ -197,16 +193,6 @@ fn the_error_falls_with_the_accuracy() {
     assert!(last.0 < 0.05, "{last:?}");
 }
 
-struct Cancel(AtomicUsize);
-
-impl Progress for Cancel {
-    fn done(&self, _: u64, _: u64, _: u64) {}
-
-    fn cancelled(&self) -> bool {
-        self.0.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_err()
-    }
-}
-
 #[test]
 fn threads_tiles_and_stops_make_the_same_picture() {
     let text = format!(
@@ -220,32 +206,7 @@ fn threads_tiles_and_stops_make_the_same_picture() {
     let size = [20, 16];
     let settings = IrradianceSettings { rays: 64, ..with(Gradients::Occlusion) };
     let integrator = IrradianceCaching::new(&scene, settings, size, LayerSet::of(&[Layer::Color]));
-    let bits = |film: &Film| -> Vec<u32> {
-        film.develop(Layer::Color).unwrap().data().iter().map(|v| v.to_bits()).collect()
-    };
-    let schedule = |threads, tile| RenderSettings { threads, tile, ..schedule(4) };
-    let whole = film(size);
-    render(&integrator, &whole, &schedule(1, 0), &Silent).unwrap();
-    for (threads, tile) in [(2, 8), (7, 5)] {
-        let (again, stopped) = (film(size), film(size));
-        render(&integrator, &again, &schedule(threads, tile), &Silent).unwrap();
-        let mut position = Position::default();
-        let go_on = &mut |_: &Film, _: &Position, _: &RenderStats| ControlFlow::Continue(());
-        let mut stops = 0;
-        while let Err(error) = render_passes(
-            &integrator,
-            &stopped,
-            &schedule(threads, tile),
-            &Goal::default(),
-            &mut position,
-            &Cancel((40 + 60 * stops).into()),
-            go_on,
-        ) {
-            assert!(matches!(error, RenderError::Cancelled(_)), "{error}");
-            stops += 1;
-        }
-        assert!(stops > 1 && bits(&whole) == bits(&again) && bits(&whole) == bits(&stopped), "{stops}");
-    }
+    assert_same_picture(&integrator, size, &schedule(4), [40, 60]);
 }
 
 /// Points are drawn where records are, and what is between them is the irradiance.

@@ -1,7 +1,6 @@
 //! Markov chains against closed forms and against paths.
 
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_math::rng::Stream;
@@ -10,11 +9,9 @@ use kajo_testkit::Estimate;
 
 use super::chain::{acceptance, moved};
 use super::*;
+use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
-use crate::{
-    Film, FilmSpec, Goal, Position, Progress, RenderError, RenderSettings, RenderStats, Silent, render,
-    render_passes,
-};
+use crate::{Film, FilmSpec, RenderSettings, Silent, render};
 
 /// Chains that begin at fewer samples.
 struct Small<'a>(Metropolis<'a>);
@@ -222,46 +219,11 @@ fn chains_and_paths_agree_in_every_part_of_a_room() {
     }
 }
 
-struct Cancel(std::sync::atomic::AtomicUsize);
-
-impl Progress for Cancel {
-    fn done(&self, _: u64, _: u64, _: u64) {}
-
-    fn cancelled(&self) -> bool {
-        use std::sync::atomic::Ordering::Relaxed;
-        self.0.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_err()
-    }
-}
-
 #[test]
 fn threads_tiles_and_stops_make_the_same_picture() {
     let scene = scene(&format!("{} {BOX}", camera([0.0, 0.0, 1.9], [0.0, -1.0, 0.0], 70.0)));
     let integrator = chains(&scene, 3, false);
-    let bits = |film: &Film| -> Vec<u32> {
-        film.develop(Layer::Color).unwrap().data().iter().map(|v| v.to_bits()).collect()
-    };
-    let whole = film();
-    render(&integrator, &whole, &schedule(6, 1, 1, 0), &Silent).unwrap();
-    for (threads, tile) in [(2, 8), (7, 5)] {
-        let (again, stopped) = (film(), film());
-        render(&integrator, &again, &schedule(6, 1, threads, tile), &Silent).unwrap();
-        let mut position = Position::default();
-        let go_on = &mut |_: &Film, _: &Position, _: &RenderStats| ControlFlow::Continue(());
-        let mut stops = 0;
-        while let Err(error) = render_passes(
-            &integrator,
-            &stopped,
-            &schedule(6, 1, threads, tile),
-            &Goal::default(),
-            &mut position,
-            &Cancel((20 + 11 * stops).into()),
-            go_on,
-        ) {
-            assert!(matches!(error, RenderError::Cancelled(_)), "{error}");
-            stops += 1;
-        }
-        assert!(stops > 2 && bits(&whole) == bits(&again) && bits(&whole) == bits(&stopped));
-    }
+    assert_same_picture(&integrator, SIZE, &schedule(6, 1, 1, 0), [20, 11]);
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! Light in bodies that bend it: what there is to be seen and how bright it is, whoever finds it.
 
+use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::settings::Technique;
 use kajo_testkit::Estimate;
 
 use super::tests::{TECHNIQUES, camera, check, mean, mean_of, scene};
 use super::*;
+use crate::RenderSettings;
+use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::{Bidirectional, BidirectionalSettings, PhotonMapping, PhotonSettings};
 use crate::trail::Trail;
 
@@ -111,7 +114,7 @@ fn all_ways_of_finding_light_agree_behind_a_luneburg_ball() {
 fn a_debug_ray_is_a_polyline_in_a_body_that_bends_it() {
     let scene = filled(&camera([0.0, 0.5, 4.0], [0.0, 0.5, 0.0]), "LuneburgLens m { }", BALL);
     let path = Path::new(&scene, settings(3), [1, 1], LayerSet::of(&[]));
-    let sampler = kajo_core::sampler::Sampler::new(kajo_core::sampler::SamplerKind::Uniform, 1);
+    let sampler = Sampler::new(SamplerKind::Uniform, 1);
     let mut ctx = SampleContext::new(&sampler, 0);
     let place = ctx.begin([0, 0], 0);
     let mut trail = Trail::default();
@@ -157,4 +160,23 @@ fn photons_are_thrown_by_a_luneburg_ball_as_paths_are() {
     let state = integrator.with_state(0, &setup).expect("a map");
     let found = mean_of(&*state.integrator, 20, 0);
     assert!((found.mean / path.mean - 1.0).abs() < 0.15, "{found:?} {path:?}");
+}
+
+#[test]
+fn threads_tiles_and_stops_make_the_same_picture() {
+    let objects = "MaterialIndex i Sphere { center 0 0 0 radius 3 } MaterialIndex white Sphere { center 1.4 0 0.5 radius 0.4 }
+        MaterialIndex glow Quad { corner -3 3.2 -3 edge1 6 0 0 edge2 0 0 6 }";
+    for (medium, spectral) in [
+        ("LuneburgLens m { radius 3 }", false),
+        ("GradientIndex m { index = 1.5 - 0.02 * (x^2 + y^2 + z^2)  abbeNumber 30  noise 0.05 }", true),
+        ("BlackHole m { mass 0.2  spin 0.7  axis 0.3 1 0 }", true),
+    ] {
+        let view = "PerspectiveCamera { center 0.2 0.5 6  direction 0 -0.1 -1  up 0 1 0  angle 60 } Background { color 1 1 1 }";
+        let scene = filled(view, medium, objects);
+        let size = [16, 12];
+        let layers = LayerSet::of(&[crate::Layer::Color]);
+        let path = Path::new(&scene, PathSettings { spectral, ..settings(4) }, size, layers);
+        let schedule = RenderSettings::new(Sampler::new(SamplerKind::Sobol, 2));
+        assert_same_picture(&path, size, &schedule, [2, 1]);
+    }
 }

@@ -16,7 +16,7 @@
 //! Light is drawn in the frame of the emitter for the event of the receiver there: what the emitter sends to it left at the retarded moment, which
 //! is no other for the emitter at rest. A shadow ray is light too, tested in every frame.
 
-use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_color::{Spectrum, sensor};
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::camera::Camera;
 use kajo_core::ids::FrameId;
@@ -27,15 +27,16 @@ use kajo_core::settings::{Directions, Technique};
 use kajo_core::{LightGroup, LightIndex};
 use kajo_math::lorentz::Event as FrameEvent;
 use kajo_math::robust::offset_origin;
-use kajo_math::{DVec3, Ray, Vec2, Vec3, fmath};
+use kajo_math::{DVec3, Ray, Vec2, Vec3};
 
 use super::tracer::{CameraPath, Shaded, power_heuristic, receiver};
 use super::{PathSettings, directions, directions::Part};
 use crate::integrator::Integrator;
 use crate::integrator::camera_view::{CameraView, in_white_light};
-use crate::integrator::transport::steps::MOST_SURFACES;
+use crate::integrator::transport::steps::{MOST_SURFACES, straight_on};
 use crate::integrator::transport::{
-    Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, pass_straight, shade,
+    Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, Way, arrive, pass_straight,
+    radiance_factor, shade,
 };
 use crate::trail::{About, PathObserver, RayKind};
 use crate::{LayerSet, PixelSample, SampleContext};
@@ -47,6 +48,8 @@ pub struct RelativisticPath<'a> {
     settings: PathSettings,
     /// Frames that have lights.
     lit: Vec<FrameId>,
+    /// Where the camera is, unless it moves.
+    pivot: Option<Vec3>,
 }
 
 impl<'a> RelativisticPath<'a> {
@@ -64,7 +67,8 @@ impl<'a> RelativisticPath<'a> {
         let settings = PathSettings { branches: 1, directions: Directions::Scattering, ..settings };
         let view = CameraView::new(scene, camera, size, layers).spectral(settings.spectral);
         let lit = all.ids().filter(|&frame| !scene.lights_of(frame).is_empty()).collect();
-        RelativisticPath { view, all, settings, lit }
+        let pivot = if camera.moves() { None } else { view.pivot(0.0) };
+        RelativisticPath { view, all, settings, lit, pivot }
     }
 }
 
@@ -82,7 +86,7 @@ impl Integrator for RelativisticPath<'_> {
         let media = self.view.media_around(&ray, &wavelengths);
         let state = PathState::new(ray, (wavelengths, Spectrum::WHITE), Transport::Radiance, media, draws);
         observer.counters().camera += 1;
-        let pivot = self.view.pivot(ray.time).unwrap_or(ray.o);
+        let pivot = self.pivot.or_else(|| self.view.pivot(ray.time)).unwrap_or(ray.o);
         let seen = self.all.observed(&ray, pivot);
         let found = Found {
             groups: self.view.wants_light_groups().then_some([[0.0; 3]; MAX_LIGHT_GROUPS]),
@@ -92,7 +96,6 @@ impl Integrator for RelativisticPath<'_> {
             path: CameraPath::new(state, &self.settings),
             frame: FrameId::WORLD,
             t: seen.t,
-            sensed: wavelengths,
             vertex: Vertex::default(),
             since_vertex: 1.0,
             way: 1.0,
@@ -129,8 +132,6 @@ struct FramePath<'s> {
     frame: FrameId,
     /// The moment at the origin of the ray.
     t: f64,
-    /// What the lanes stand for at the sensor.
-    sensed: Wavelengths,
     /// Where `path.receiver` is.
     vertex: Vertex,
     /// The frequency that light of the ray has at that vertex over the one that it has here.
@@ -153,8 +154,7 @@ impl FramePath<'_> {
         let state = &mut self.path.state;
         state.ray = Ray { d: own.ray.d * doppler, ..own.ray };
         (self.frame, self.t) = (own.frame, own.t);
-        state.beta *= radiance_factor(doppler, state.wavelengths.is_spectral());
-        state.wavelengths = state.wavelengths.shifted(doppler);
+        state.shift_frequency(doppler);
         self.since_vertex *= doppler;
         self.way *= doppler;
     }
@@ -168,11 +168,6 @@ impl FramePath<'_> {
         let Vertex { frame: own, t } = self.vertex;
         receiver_in(all, &self.path.receiver, (own, t), frame).0
     }
-}
-
-/// What radiance is multiplied by that has another multiple of its frequency in another frame.
-fn radiance_factor(doppler: f32, is_spectral: bool) -> f32 {
-    fmath::powi(doppler, if is_spectral { 5 } else { 4 })
 }
 
 /// A receiver in another frame, and its moment there. Planes of one frame are none of another, so it has no normal.
@@ -237,7 +232,6 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
             }
             if surface.is_dispersive() {
                 path.path.state.end_secondary_wavelengths();
-                path.sensed.terminate_secondary();
             }
             let mut bsdf = shade(scene, &path.path.state, &surface);
             if pass_straight(scene, &mut path.path.state, &surface, &mut bsdf) {
@@ -262,12 +256,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
             state.media.cross(&hidden);
             state.connectable = false;
             self.observer.next(RayKind::Transmitted);
-            state.ray = surface.at.point.ray_towards(
-                -surface.wo,
-                f32::INFINITY,
-                state.ray.time,
-                kajo_core::RayOffset::Auto,
-            );
+            state.ray = straight_on(state, surface);
         }
     }
 
@@ -294,21 +283,11 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
             first.hit.t = s * path.way;
             self.found.first = Some(first);
         }
-        let state = &mut path.path.state;
-        if !state.media.is_empty() {
-            state.beta *= state.media.transmittance(s);
-        }
         path.enter(&own);
         path.t = own.time_at(s, eta);
         let state = &mut path.path.state;
-        surface.wo = -state.ray.d;
-        surface.length = s;
-        surface.g = 1.0;
-        surface.u = state.draws.number_if(scene.is_mixture(&surface.at));
-        let enters = surface.wo.dot(surface.at.point.ng) > 0.0;
-        let interior = scene.interior(&surface.at, &state.wavelengths, surface.u);
-        surface.interface =
-            interior.map(|interior| state.media.interface(surface.at.object, &interior, enters));
+        let wo = -state.ray.d;
+        arrive(scene, state, surface, Way { wo, length: s, g: 1.0 });
         Event::Surface
     }
 
@@ -330,7 +309,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let state = &path.path.state;
         self.observer.ended(scene, &ray, end.as_ref(), || About {
             eta: state.media.eta(),
-            weight: sensor::to_rgb(state.beta, &path.sensed),
+            weight: sensor::to_rgb(state.beta, &path.path.state.wavelengths),
             light: None,
         });
     }
@@ -437,7 +416,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let visible = scene.light_transmittance(all, segment, wavelengths);
         let about = || About {
             eta: media.eta(),
-            weight: sensor::to_rgb(carried, &path.sensed),
+            weight: sensor::to_rgb(carried, &path.path.state.wavelengths),
             light: Some(scene.lighting.sampler.id(drawn.light)),
         };
         let weight = match settings.technique {
@@ -447,7 +426,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
             _ => 1.0,
         };
         let added = carried * drawn.radiance * visible * (weight / drawn.pdf);
-        let rgb = || sensor::to_rgb(added, &path.sensed);
+        let rgb = || sensor::to_rgb(added, &path.path.state.wavelengths);
         let shown = all.ray(&drawn.there, FrameId::WORLD).ray;
         self.observer.joined(RayKind::Shadow, scene, &shown, about, rgb);
         if !visible.is_black() {
@@ -503,7 +482,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
 
     /// Adds light that the path has met.
     fn add_met(&mut self, path: &FramePath<'_>, light: Spectrum, group: LightGroup) {
-        self.observer.found(|| sensor::to_rgb(light, &path.sensed));
+        self.observer.found(|| sensor::to_rgb(light, &path.path.state.wavelengths));
         self.add(path, light, group);
     }
 
@@ -512,7 +491,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         if !light.is_finite() {
             return;
         }
-        let rgb = sensor::to_rgb(light, &path.sensed);
+        let rgb = sensor::to_rgb(light, &path.path.state.wavelengths);
         let add = |sum: &mut [f32; 3]| *sum = [0, 1, 2].map(|i| sum[i] + rgb[i]);
         add(&mut self.found.rgb);
         if let Some(groups) = &mut self.found.groups {

@@ -8,7 +8,9 @@ use kajo_math::{DVec3, Ray, Vec3};
 
 use super::tests::{TECHNIQUES, camera, scene};
 use super::*;
+use crate::RenderSettings;
 use crate::integrator::Prepare;
+use crate::integrator::same_picture::assert_same_picture;
 use kajo_core::sampler::{Sampler, SamplerKind};
 
 /// The picture of a scene, `n` samples for each pixel, in linear RGB.
@@ -315,5 +317,19 @@ fn debug_rays_tell_all_light_of_a_sample() {
         let (sample, trail) = integrator.trail(&mut ctx, [12, y], place);
         let sum: f32 = trail.segments().iter().map(|segment| segment.contribution[1]).sum();
         assert!((sum - sample.radiance[1]).abs() < 1e-4 * (1.0 + sum), "{y}: {sum} {:?}", sample.radiance);
+    }
+}
+
+#[test]
+fn threads_tiles_and_stops_make_the_same_picture() {
+    let moving = format!("Lorentz {{ velocity 0.6 0.1 0.3 {PLAYERS} }}");
+    let scene = scene(&format!("{} Group {{ {STAGE} {moving} }}", view("velocity 0 0 -0.5")));
+    for spectral in [false, true] {
+        let settings = PathSettings { bounces: 3, spectral, ..PathSettings::default() };
+        let size = [20, 16];
+        let layers = LayerSet::of(&[crate::Layer::Color]);
+        let integrator = settings.prepare(&scene, &scene.output.camera, size, layers);
+        let schedule = RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
+        assert_same_picture(&*integrator, size, &schedule, [2, 1]);
     }
 }

@@ -7,11 +7,9 @@ use kajo_scene::MemoryAssets;
 use kajo_testkit::Estimate;
 
 use super::*;
+use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
-use crate::{
-    Film, FilmSpec, Goal, Layer, PixelIntegrator, Position, Progress, RenderSettings, Silent, render,
-    render_passes,
-};
+use crate::{Layer, PixelIntegrator, RenderSettings, Silent};
 
 fn scene(text: &str) -> Scene {
     scene_with(text, &MemoryAssets::new())
@@ -161,17 +159,6 @@ fn radii_shrink_as_they_should() {
     assert_eq!(share(0), 1.0);
 }
 
-struct Cancel(std::sync::atomic::AtomicUsize);
-
-impl Progress for Cancel {
-    fn done(&self, _: u64, _: u64, _: u64) {}
-
-    fn cancelled(&self) -> bool {
-        use std::sync::atomic::Ordering::Relaxed;
-        self.0.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_err()
-    }
-}
-
 #[test]
 fn threads_tiles_and_stops_make_the_same_picture() {
     let text = format!(
@@ -186,41 +173,8 @@ fn threads_tiles_and_stops_make_the_same_picture() {
         let settings =
             PhotonSettings { spectral, ..with(usage, 9000 * if usage.is_some() { 1 } else { 16 }) };
         let integrator = PhotonMapping::new(&scene, settings, [20, 16], LayerSet::of(&[Layer::Color]));
-        let film = || {
-            let layers = LayerSet::of(&[Layer::Color]);
-            Film::new(FilmSpec { layers, ..FilmSpec::new(20, 16) }, u64::MAX).unwrap()
-        };
-        let bits = |film: &Film| -> Vec<u32> {
-            film.develop(Layer::Color).unwrap().data().iter().map(|v| v.to_bits()).collect()
-        };
-        let schedule = |threads, tile| RenderSettings {
-            threads,
-            tile,
-            ..RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4))
-        };
-        let whole = film();
-        render(&integrator, &whole, &schedule(1, 0), &Silent).unwrap();
-        for (threads, tile) in [(2, 8), (7, 5)] {
-            let (again, stopped) = (film(), film());
-            render(&integrator, &again, &schedule(threads, tile), &Silent).unwrap();
-            let mut position = Position::default();
-            let go_on =
-                &mut |_: &Film, _: &Position, _: &crate::RenderStats| std::ops::ControlFlow::Continue(());
-            let mut stops = 0;
-            while let Err(error) = render_passes(
-                &integrator,
-                &stopped,
-                &schedule(threads, tile),
-                &Goal::default(),
-                &mut position,
-                &Cancel((9 + 5 * stops).into()),
-                go_on,
-            ) {
-                assert!(matches!(error, crate::RenderError::Cancelled(_)), "{error}");
-                stops += 1;
-            }
-            assert!(stops > 2 && bits(&whole) == bits(&again) && bits(&whole) == bits(&stopped), "{usage:?}");
-        }
+        let schedule = RenderSettings::new(Sampler::new(SamplerKind::Sobol, 4));
+        assert_same_picture(&integrator, [20, 16], &schedule, [9, 5]);
     }
 }
 

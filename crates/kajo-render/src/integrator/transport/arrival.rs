@@ -7,7 +7,7 @@ use super::{PathState, SurfaceInteraction};
 
 /// How a path came to a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub struct Way {
     /// Unit direction back along the path.
     pub wo: Vec3,
     /// Length of the way.
@@ -18,7 +18,7 @@ pub(super) struct Way {
 
 /// Completes what there is to be known of a surface that a path has come to, and weakens the path by the way.
 #[inline]
-pub(super) fn arrive(scene: &Scene, path: &mut PathState<'_>, surface: &mut SurfaceInteraction, way: Way) {
+pub fn arrive(scene: &Scene, path: &mut PathState<'_>, surface: &mut SurfaceInteraction, way: Way) {
     let at = &surface.at;
     Way { wo: surface.wo, length: surface.length, g: surface.g } = way;
     surface.u = path.draws.number_if(scene.is_mixture(at));

@@ -32,7 +32,7 @@ pub enum Curve {
 /// ```
 ///
 /// for radiance, with the index `n` where the way begins and `n'` where it ends: radiance over `n^2` stays the same. Power is what it was.
-/// What becomes of the frequency is for [`shift`].
+/// What becomes of the frequency is for [`PathState::shift_frequency`].
 ///
 /// Where the path is a camera's first ray, it is seen as the camera moves.
 ///
@@ -53,7 +53,7 @@ pub fn follow(
     let is_first = path.surfaces == 1 && path.mode == Transport::Radiance;
     if is_first && let Some((d, ratio)) = scene.appearance.media.observed(medium, &path.ray) {
         path.ray.d = d;
-        shift(path, ratio);
+        path.shift_frequency(ratio);
     }
     let eta = path.media.eta();
     let weight = path.beta;
@@ -70,7 +70,7 @@ pub fn follow(
         path.eta_scale *= 1.0 / squeeze;
     }
     path.media.set_eta(body, eta);
-    shift(path, g);
+    path.shift_frequency(g);
     match outcome {
         Outcome::Lost => {
             observer.counters().lost += 1;
@@ -94,35 +94,3 @@ pub fn follow(
         }
     }
 }
-
-/// Shifts the frequency of the light that a path finds:
-///
-/// ```text
-/// beta <- beta g^4,    or by wavelength   lambda <- g lambda,  beta <- beta g^5
-/// ```
-///
-/// Radiance by frequency over its third power stays the same along light, so radiance of all frequencies goes with the fourth power and
-/// radiance by wavelength with the fifth [Misner et al. 1973, section 22.6]. In RGB mode colours stay what they are.
-///
-/// What beams carry through area and solid angle goes with the square of the frequency, so power that is followed from a light is
-/// multiplied by `g^-2`; its wavelengths stay what they are.
-///
-/// * `g`: frequency where the way begins over that where it ends
-fn shift(path: &mut PathState<'_>, g: f32) {
-    if g == 1.0 {
-        return;
-    }
-    if path.mode != Transport::Radiance {
-        path.beta *= 1.0 / (g * g).max(f32::MIN_POSITIVE);
-        return;
-    }
-    let all = g * g * g * g;
-    let factor = if path.wavelengths.is_spectral() { all * g } else { all };
-    path.wavelengths = path.wavelengths.shifted(g.max(SMALLEST_SHIFT));
-    path.beta *= factor;
-    // What the eye sees darker since it is shifted is no reason to end.
-    path.eta_scale *= 1.0 / factor.max(f32::MIN_POSITIVE);
-}
-
-/// Light that is shifted to less than this part of its frequency is dark; no wavelength may be zero.
-const SMALLEST_SHIFT: f32 = 1e-6;

@@ -32,6 +32,7 @@ mod arrival;
 mod collisions;
 mod curves;
 mod differentials;
+mod frequency;
 mod lane_mis;
 mod local_frame;
 mod media;
@@ -39,8 +40,10 @@ mod medium_stack;
 mod path_state;
 pub mod steps;
 
+pub use arrival::{Way, arrive};
 pub use collisions::{MediumInteraction, Passage};
 pub use differentials::leave;
+pub use frequency::radiance_factor;
 pub use lane_mis::LaneMis;
 pub use local_frame::LocalFrame;
 pub use media::{connect_through_media, follow_phase};

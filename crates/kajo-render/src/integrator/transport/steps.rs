@@ -160,7 +160,8 @@ pub fn pass_straight(
     true
 }
 
-fn straight_on(path: &PathState<'_>, surface: &SurfaceInteraction) -> Ray {
+/// The ray that goes on from a surface as if it were not there.
+pub fn straight_on(path: &PathState<'_>, surface: &SurfaceInteraction) -> Ray {
     surface.at.point.ray_towards(-surface.wo, f32::INFINITY, path.ray.time, RayOffset::Auto)
 }
 
