@@ -104,6 +104,10 @@ fn assets(scene: &str) -> MemoryAssets {
             assets = assets.with(word, json).with(format!("{folder}/buffer.bin"), bytes);
         } else if word.ends_with(".ies") {
             assets = assets.with(word, "TILT=NONE\n1 -1 1  2 1 1 2  0 0 0\n1 1 60\n0 90\n0\n800 0\n");
+        } else if word.ends_with(".ttf") {
+            assets = assets.with(word, include_bytes!("../../../scenes/gallery/fonts/kajo.ttf"));
+        } else if word.ends_with("knot.raw") {
+            assets = assets.with(word, include_bytes!("../../../scenes/gallery/grids/knot.raw"));
         } else if word.ends_with(".txt") {
             assets = assets.with(word, "");
         }

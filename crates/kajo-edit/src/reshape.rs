@@ -103,6 +103,8 @@ impl Block<'_> {
         let mut values = vec![self.point("center")?];
         match self.linear {
             Linear::Identity => Some(values),
+            // A function of the place stays as it is.
+            _ if self.tree.value(self.node, "function", None).is_some() => None,
             Linear::Similar(factor) if self.only_scales() => {
                 for key in ["size", "heights", "base"] {
                     let Some(numbers) = self.tree.numbers_of(self.node, key) else { continue };

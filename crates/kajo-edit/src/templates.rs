@@ -50,6 +50,27 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
             let ball = text(&ball(degree, at, 0.9 * size)).join(" ");
             format!("{keyword} {{ coefficients {ball}  min {min}  max {max} }}")
         }
+        "Polynomial" => {
+            // A ball: the squares of the distances to its middle, less that of the radius.
+            let radius = 0.9 * size;
+            let square = |axis: &str, c: f64| {
+                format!("{}  {}", term(&text(&[1.0])[0], axis, 2), term(&text(&[-2.0 * c])[0], axis, 1))
+            };
+            let rest = text(&[x * x + y * y + z * z - radius * radius])[0].clone();
+            let terms = [square("x", x), square("y", y), square("z", z), format!("{rest} 0 0 0")].join("  ");
+            let (min, max) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0));
+            format!("Polynomial {{ terms {terms}  min {min}  max {max} }}")
+        }
+        "DistanceGrid" => {
+            let (min, max) = (point(-1.0, -1.0, -1.0), point(1.0, 1.0, 1.0));
+            format!("DistanceGrid {{ size 2 2 2  values -1 1 1 1 1 1 1 1  min {min}  max {max} }}")
+        }
+        "HeightField" => {
+            let length = vector(2.0, 0.0, 0.0).split(' ').next()?.to_owned();
+            let high = vector(0.5, 0.0, 0.0).split(' ').next()?.to_owned();
+            let wave = "function = cos(3 * x) * cos(3 * z)";
+            format!("HeightField {{ {wave}  center {center}  size {length} {length}  heights 0 {high} }}")
+        }
         "Prism" => {
             let length = vector(1.0, 0.0, 0.0).split(' ').next()?.to_owned();
             let outline = "outline { line -1 -1  1 -1  1 0  spline 0.7 0.7  0 1  -0.7 0.7  -1 0 }";
@@ -153,6 +174,12 @@ pub fn template(keyword: &str, at: [f64; 3], size: f64) -> Option<String> {
         }
         _ => return None,
     })
+}
+
+/// A term of a polynomial in one variable, as four numbers.
+fn term(coefficient: &str, axis: &str, power: u32) -> String {
+    let powers = ["x", "y", "z"].map(|other| if other == axis { power } else { 0 }.to_string());
+    format!("{coefficient} {}", powers.join(" "))
 }
 
 /// The coefficients of a ball as a polynomial of a degree, by falling powers of x, then of y, then of z.

@@ -32,6 +32,7 @@ mod byte_reader;
 mod diagnostic;
 mod edit;
 mod expression;
+mod font;
 mod foreign;
 mod gltf;
 mod ies;
@@ -64,6 +65,7 @@ pub use args::Args;
 pub use assets::{AssetError, AssetFile, Assets, LoadStep, MemoryAssets, read_limited, relative_asset};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
 pub use edit::{EditError, apply_edits, format_number};
+pub use font::{FontError, GlyphContour, GlyphSegment, TextAlign, TextOutlines, TextStyle, text_outlines};
 pub use foreign::{ForeignFile, HEAD_BYTES, READ_FORMATS, foreign_file};
 pub use gltf::{
     CoordinateSet, Model, ModelAmount, ModelCamera, ModelCover, ModelGlossiness, ModelInstance, ModelLight,

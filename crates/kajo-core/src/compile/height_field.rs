@@ -1,6 +1,9 @@
-//! Terrain from pictures.
+//! Terrain from pictures and functions.
+
+use std::sync::Arc;
 
 use kajo_image::Image;
+use kajo_math::tape::Tape;
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Diagnostic, Item, Span};
 
@@ -10,52 +13,113 @@ use crate::shape::{HeightField, HeightFieldError, HeightGrid, ShapeId};
 
 /// A height field as a block asks for it.
 pub(super) struct HeightFieldRequest {
-    /// The name of its picture.
-    pub name: String,
-    /// Where that is named.
-    pub place: Span,
+    /// Where its numbers are from.
+    pub source: HeightSource,
     /// Middle of the rectangle, where heights count from.
     pub center: Vec3,
     /// Sides along x and z.
     pub size: Vec2,
-    /// What 0 and 1 of the picture stand for.
+    /// What 0 and 1 stand for.
     pub heights: Vec2,
     /// Height of the floor.
     pub base: Option<f32>,
     pub smooth: bool,
 }
 
+/// Where heights are from.
+pub(super) enum HeightSource {
+    /// The pixels of a picture.
+    Picture {
+        /// Its name.
+        name: String,
+        /// Where that is named.
+        place: Span,
+    },
+    /// The values of a function of x and z.
+    Function {
+        /// y is 0 for it.
+        function: Arc<Tape>,
+        /// Points along the longer side.
+        resolution: u32,
+    },
+}
+
 impl Compiler<'_> {
     /// The terrain of a block; why there is none is reported.
     pub(super) fn height_field(&mut self, item: Item<'_>, request: HeightFieldRequest) -> Option<ShapeId> {
-        let HeightFieldRequest { ref name, place, center, size, heights, base, smooth } = request;
-        let picture = self.picture_of_heights(name, item, place)?;
-        let (columns, rows) = (picture.width(), picture.height());
-        if let Err(over) = self.options.limits.memory.take(HeightField::bytes(columns, rows)) {
-            self.cannot_read(name, &over.to_string(), place);
-            return None;
-        }
+        let HeightFieldRequest { source, center, size, heights, base, smooth } = request;
+        let mut grid = match &source {
+            HeightSource::Picture { name, place } => self.heights_of_picture(name, item, *place)?,
+            HeightSource::Function { function, resolution } => {
+                self.heights_of_function(function, *resolution, size, item)?
+            }
+        };
         let [low, high] = heights.to_array().map(f64::from);
         let height = |value: f32| f64::from(center.y) + low + f64::from(value) * (high - low);
-        let heights = picture.pixels().map(|pixel| height(pixel[0]) as f32).collect();
-        drop(picture);
-        let grid = HeightGrid { columns, rows, heights };
+        grid.heights.iter_mut().for_each(|value| *value = height(*value) as f32);
         let size = size.as_dvec2();
         let corner = Vec2::new(center.x, center.z).as_dvec2() - 0.5 * size;
         let base = base.map(|base| f64::from(center.y) + f64::from(base));
-        match HeightField::new(grid, corner, size, base, smooth) {
-            Ok(field) => self.shape(item, field),
-            Err(error @ (HeightFieldError::TooSmall { .. } | HeightFieldError::NotFinite { .. })) => {
-                self.cannot_read(name, &error.to_string(), place);
+        match (HeightField::new(grid, corner, size, base, smooth), source) {
+            (Ok(field), _) => self.shape(item, field),
+            (
+                Err(error @ (HeightFieldError::TooSmall { .. } | HeightFieldError::NotFinite { .. })),
+                HeightSource::Picture { name, place },
+            ) => {
+                self.cannot_read(&name, &error.to_string(), place);
                 None
             }
-            Err(error) => {
+            (Err(error), _) => {
                 let error =
                     Diagnostic::error(error.to_string()).label(item.head_span(), "nothing is left of this");
                 self.diagnostics.push(error);
                 None
             }
         }
+    }
+
+    /// The numbers of a picture's first channel; memory is taken for a field of them.
+    fn heights_of_picture(&mut self, name: &str, item: Item<'_>, place: Span) -> Option<HeightGrid> {
+        let picture = self.picture_of_heights(name, item, place)?;
+        let (columns, rows) = (picture.width(), picture.height());
+        if let Err(over) = self.options.limits.memory.take(HeightField::bytes(columns, rows)) {
+            self.cannot_read(name, &over.to_string(), place);
+            return None;
+        }
+        Some(HeightGrid { columns, rows, heights: picture.pixels().map(|pixel| pixel[0]).collect() })
+    }
+
+    /// The values of a function of x and z, counted from the middle of a rectangle.
+    fn heights_of_function(
+        &mut self,
+        function: &Tape,
+        resolution: u32,
+        size: Vec2,
+        item: Item<'_>,
+    ) -> Option<HeightGrid> {
+        let longer = size.max_element();
+        let points = |side: f32| {
+            let share = f64::from(side / longer) * f64::from(resolution - 1);
+            (share.round() as u32).clamp(1, resolution - 1) + 1
+        };
+        let (columns, rows) = (points(size.x), points(size.y));
+        if let Err(over) = self.options.limits.memory.take(HeightField::bytes(columns, rows)) {
+            let error = Diagnostic::error(format!("{columns} x {rows} heights: {over}"));
+            self.diagnostics.push(error.label(item.head_span(), "a smaller `resolution` would do"));
+            return None;
+        }
+        let at =
+            |i: u32, count: u32, side: f32| (f64::from(i) / f64::from(count - 1) - 0.5) * f64::from(side);
+        let mut slots = Vec::new();
+        let mut heights = Vec::with_capacity(columns as usize * rows as usize);
+        for row in 0..rows {
+            let z = at(row, rows, size.y);
+            heights.extend(
+                (0..columns)
+                    .map(|column| function.at(&[at(column, columns, size.x), 0.0, z], &mut slots) as f32),
+            );
+        }
+        Some(HeightGrid { columns, rows, heights })
     }
 
     /// The numbers of a file as it stores them.
@@ -125,6 +189,30 @@ mod tests {
         let scene = compile(&mut parsed.desc, &assets(), &CompileOptions::default(), &mut diagnostics);
         let said: Vec<String> = diagnostics.iter().map(|d| d.message.clone()).collect();
         scene.filter(|_| said.is_empty()).ok_or_else(|| said.join(" / "))
+    }
+
+    /// A saddle of x and z around its middle, at points of a grid and between them.
+    #[test]
+    fn functions_are_heights() {
+        let saddle = "HeightField { function = x^2 - z^2  size 2 1  center 5 3 0  resolution 9 }";
+        let scene = compiled(saddle).unwrap();
+        for (x, z, expected) in
+            [(0.0, 0.0, 0.0), (0.5, 0.25, 0.1875), (-0.75, 0.0, 0.5625), (0.125, 0.0, 0.03125)]
+        {
+            let found = height(&scene, 5.0 + x, z);
+            assert!((found - 3.0 - expected).abs() < 1e-6, "{found} at {x} {z}");
+        }
+        let steep = compiled("HeightField { function = x  size 2 2  heights 1 3 }").unwrap();
+        assert!((height(&steep, 0.5, 0.3) - 2.0).abs() < 1e-5);
+        let said = |object: &str| compiled(object).err().unwrap_or_default();
+        assert!(said("HeightField { }").contains("`HeightField` needs `file`"));
+        assert!(
+            said("HeightField { function = 1 / x  resolution 3 }")
+                .contains("column 2 of row 1 is not a finite number")
+        );
+        assert!(said("HeightField { function = x  file 8.png }").contains("function"));
+        assert!(said("HeightField { file 8.png  resolution 8 }").contains("resolution"));
+        assert!(said("HeightField { function = x  resolution 1 }").contains("resolution"));
     }
 
     /// The height of a scene at a place, seen from far above.

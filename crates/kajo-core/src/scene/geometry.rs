@@ -328,6 +328,7 @@ impl Geometry {
             + self.shapes.csgs.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.blobs.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.isosurfaces.iter().map(Surface::heap_bytes).sum::<usize>()
+            + self.shapes.distance_grids.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.bicubic_patches.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.height_fields.iter().map(Surface::heap_bytes).sum::<usize>()
             + self.shapes.lathes.iter().map(Surface::heap_bytes).sum::<usize>()

@@ -83,6 +83,17 @@ impl<V: ControlPoint> Bezier<V> {
         }
     }
 
+    /// The second derivative by `s`.
+    #[inline]
+    pub fn second_derivative(&self, s: f64) -> V {
+        let [a, b, c, d] = self.points;
+        match self.degree {
+            1 => (b - a) * 0.0,
+            2 => (a - b * 2.0 + c) * 2.0,
+            _ => ((a - b * 2.0 + c) * (1.0 - s) + (b - c * 2.0 + d) * s) * 6.0,
+        }
+    }
+
     /// What is before `s` and what is behind.
     pub fn split(&self, s: f64) -> [Bezier<V>; 2] {
         let [a, b, c, d] = self.points;

@@ -9,11 +9,13 @@ mod bezier;
 mod bicubic_patch;
 mod bilinear_patch;
 mod blob;
+mod box_faces;
 mod cone;
 mod csg;
 mod cuboid;
 mod curves;
 mod disk;
+mod distance_grid;
 mod fill;
 mod height_field;
 mod isosurface;
@@ -42,6 +44,7 @@ pub use csg::{Csg, CsgError, SetOperation, SolidPart};
 pub use cuboid::Cuboid;
 pub use curves::{CurveBasis, CurveForm, Curves, CurvesError, Strands};
 pub use disk::Disk;
+pub use distance_grid::{DistanceGrid, DistanceGridError};
 pub use height_field::{HeightField, HeightFieldError, HeightGrid};
 pub use isosurface::Isosurface;
 pub use lathe::{Lathe, LatheError, Turning};
@@ -53,7 +56,7 @@ pub use patch::{
     TracedPatch,
 };
 pub use plane::Plane;
-pub use prism::{Prism, Sweep};
+pub use prism::{Bevel, BevelProfile, Prism, Sweep};
 pub use quad::Quad;
 pub use sphere::Sphere;
 pub use sphere_sweep::SphereSweep;
@@ -186,6 +189,7 @@ family! {
         disks: Disk,
         height_fields: HeightField,
         isosurfaces: Isosurface,
+        distance_grids: DistanceGrid,
         lathes: Lathe,
         meshes: Mesh,
         planes: Plane,

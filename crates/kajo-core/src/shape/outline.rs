@@ -210,6 +210,38 @@ impl BoxTree {
         }
     }
 
+    /// Visits leaves whose boxes are nearer to a point than what has been found, nearer ones first where that is cheap.
+    ///
+    /// * `nearest`: square of the distance beyond which nothing is asked for
+    /// * `visit`: gives the square of the distance to a leaf
+    pub fn each_near(&self, p: DVec2, mut nearest: f64, mut visit: impl FnMut(u32) -> f64) {
+        let width = self.boxes.len() / 2;
+        let apart = |node: usize| {
+            let [min, max] = self.boxes[node];
+            (min - p).max(p - max).max(DVec2::ZERO).length_squared()
+        };
+        let mut stack = [(0, 0.0); usize::BITS as usize];
+        let (mut node, mut distance, mut depth) = (1, apart(1), 0);
+        loop {
+            if distance < nearest {
+                if node < width {
+                    let [a, b] = [2 * node, 2 * node + 1].map(|child| (child, apart(child)));
+                    let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+                    stack[depth] = far;
+                    depth += 1;
+                    (node, distance) = near;
+                    continue;
+                }
+                nearest = nearest.min(visit((node - width) as u32));
+            }
+            if depth == 0 {
+                return;
+            }
+            depth -= 1;
+            (node, distance) = stack[depth];
+        }
+    }
+
     /// The box around all.
     pub fn bounds(&self) -> [DVec2; 2] {
         self.boxes[1]

@@ -132,7 +132,7 @@ fn height_field(base: Option<f64>) -> HeightField {
 fn sweep(depth: f64, taper: f64, rule: FillRule) -> Sweep {
     let (origin, axis) = (DVec3::new(0.1, -0.2, -0.3), DVec3::new(0.3, 0.4, 1.2).normalize());
     let right = DVec3::Y.cross(axis).normalize();
-    Sweep { origin, axes: [right, axis.cross(right), axis], depth, taper, rule }
+    Sweep { origin, axes: [right, axis.cross(right), axis], depth, taper, rule, bevel: None }
 }
 
 /// A body with a neck and a foot, and a ring cut out of its inside; or only its side.

@@ -23,6 +23,8 @@ fn shapes() -> Vec<String> {
             format!("HeightField {{ file pictures/ball.png  center 0.1 0.2 0  {heights} }}")
         }
         "Model" => "Model { file meshes/lantern.glb }".to_owned(),
+        "Text" => "Text { text ga  font fonts/kajo.ttf  origin 0.1 0.2 0  size 0.8  depth 0.3  bevel 0.05 }"
+            .to_owned(),
         "Cone" => "Cone { base 0.1 -0.4 0  top 0.5 0.8 0.2  radius 0.7  topRadius 0.3 }".to_owned(),
         "Superellipsoid" => {
             "Superellipsoid { center 0.1 0.2 -0.1  radius 0.7  east 0.3  north 1.6 }".to_owned()
@@ -31,7 +33,8 @@ fn shapes() -> Vec<String> {
         "Plane" => "Plane { normal 0.5 2 1  offset 0.3 }".to_owned(),
         other => template(other, [0.1, 0.2, -0.1], 0.7).unwrap(),
     };
-    keywords_of(Kind::Shape).map(shape).collect()
+    let waves = template("HeightField", [0.1, 0.2, -0.1], 0.7);
+    keywords_of(Kind::Shape).map(shape).chain(waves).collect()
 }
 
 fn scene(objects: &str) -> String {

@@ -89,6 +89,7 @@ fn needed(block: &Block) -> String {
         let value = match field.key {
             "vertex2" => "0 0 3",
             "hole" => "some",
+            "terms" => "1 2 0 0  1 0 2 0  -0.5 0 0 0",
             "other" => "99 0 0",
             "throat" => "1",
             _ => value,
@@ -112,6 +113,8 @@ fn needed(block: &Block) -> String {
         _ if block.keyword == "SphereSweep" => needed + "path { line 0 0 0 1  1 0 0 1 } ",
         Kind::Medium if block.keyword == "GridMedium" => needed + "size 2 1 1  values 0 1  density 1 ",
         Kind::Medium if block.fields().any(|field| field.key == "density") => needed + "density 1 ",
+        _ if block.keyword == "HeightField" => needed + "file heights.pfm ",
+        _ if block.keyword == "DistanceGrid" => needed + "size 2 2 2  values -1 1 1 1 1 1 1 1 ",
         _ if block.keyword == "Prism" => needed + "outline { line 0 0  1 0  0 1 } ",
         _ if block.keyword == "Curves" => needed + "strand { points 0 0 0  1 0 0  1 1 0 } ",
         _ => needed,
@@ -306,7 +309,7 @@ fn defaults_are_what_the_compiler_takes() {
     let all = blocks().filter(|block| {
         let is_order = matches!(block.kind, Kind::Transform | Kind::Instance);
         // These would need whole files of other formats.
-        let needs_file = ["BTF", "Measured", "Model"].contains(&block.keyword);
+        let needs_file = ["BTF", "Measured", "Model", "Text"].contains(&block.keyword);
         block.fields().next().is_some() && !is_order && !needs_file
     });
     for (block, dialect) in all.flat_map(|block| Dialect::NAMES.map(|dialect| (block, dialect))) {

@@ -29,7 +29,7 @@ pub fn handles_of(document: &Document, node: NodeId, eye: &Eye<'_>) -> Vec<Handl
         }
         (Kind::Shape, "BicubicPatch") => gather.control_points(),
         (Kind::Shape, "HeightField") => gather.points(&["center"], "middle"),
-        (Kind::Shape, "Prism") => gather.prism(),
+        (Kind::Shape, "Prism" | "Text") => gather.prism(),
         (Kind::Shape, "Lathe") => gather.lathe(),
         (Kind::Shape, "Curves") => gather.strands(),
         (Kind::Part, "strand") => gather.strand(),

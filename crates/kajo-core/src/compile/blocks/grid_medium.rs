@@ -23,7 +23,7 @@ choices! {
 
 /// How many voxels there are along x, y and z.
 #[derive(Clone, Copy)]
-struct GridSize([u32; 3]);
+pub(super) struct GridSize(pub [u32; 3]);
 
 impl Plain<'_> for GridSize {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<GridSize, Diagnostic> {
@@ -36,7 +36,7 @@ impl Plain<'_> for GridSize {
 }
 
 /// The densities themselves.
-struct Densities(Vec<f32>);
+pub(super) struct Densities(pub Vec<f32>);
 
 impl Plain<'_> for Densities {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Densities, Diagnostic> {
@@ -84,11 +84,11 @@ pub const MEMBER: MediumMember = Member {
 };
 
 /// A file may say its own box.
-fn low(around: &Around<'_>) -> Option<FieldValue> {
+pub(super) fn low(around: &Around<'_>) -> Option<FieldValue> {
     (!(around.is_written)("file")).then(|| FieldValue::numbers([-1.0; 3]))
 }
 
-fn high(around: &Around<'_>) -> Option<FieldValue> {
+pub(super) fn high(around: &Around<'_>) -> Option<FieldValue> {
     (!(around.is_written)("file")).then(|| FieldValue::numbers([1.0; 3]))
 }
 
@@ -150,7 +150,7 @@ impl Compiler<'_> {
     }
 
     /// The grid of a file, whose memory is taken for good.
-    fn volume(&mut self, file: &At<'_, FileName>, raw: Option<RawVolume>) -> Option<VolumeFile> {
+    pub(super) fn volume(&mut self, file: &At<'_, FileName>, raw: Option<RawVolume>) -> Option<VolumeFile> {
         let At { value: FileName(name), item } = file;
         let limits = &self.options.limits;
         let opened = self.assets.open(name, item.path()).map_err(|error| error.to_string());

@@ -1,21 +1,34 @@
-//! `HeightField`: terrain from a picture.
+//! `HeightField`: terrain from a picture or a function.
 
+use std::sync::Arc;
+
+use kajo_math::tape::Tape;
 use kajo_math::{Vec2, Vec3};
 use kajo_scene::{Item, Params};
 
 use crate::compile::Compiler;
-use crate::compile::fields::{At, FileName, Keys, Sources, file, flag, keys, number, pair, point};
-use crate::compile::height_field::HeightFieldRequest;
+use crate::compile::fields::{
+    At, FileName, Keys, Sources, count, file, flag, function, keys, number, pair, point, report_beside,
+    report_without,
+};
+use crate::compile::height_field::{HeightFieldRequest, HeightSource};
 use crate::compile::member::{Member, ObjectMember};
 use crate::compile::place::{Place, Walk};
 use crate::schema::{Block, Kind};
 
 keys! {
     HeightFieldKeys<'t> {
-        file: At<'t, FileName> = file("file").placed().required("picture of heights"),
+        file: Option<At<'t, FileName>> =
+            file("file").not_beside(&["function", "resolution"]).placed().option("picture of heights"),
+        function: Option<Arc<Tape>> = function("function")
+            .not_beside(&["file"])
+            .option("height by x and z, counted from `center`, in place of a picture"),
+        resolution: u32 = count("resolution", 2, 32_768)
+            .only_beside("function")
+            .or(512, "points along the longer side at which `function` is asked for"),
         center: Vec3 = point("center").or([0.0; 3], "middle of the rectangle, at the height 0"),
         size: Vec2 = pair("size").unit("length").or([1.0, 1.0], "of the rectangle along x and z"),
-        heights: Vec2 = pair("heights").unit("length").or([0.0, 1.0], "what 0 and 1 of the picture stand for"),
+        heights: Vec2 = pair("heights").unit("length").or([0.0, 1.0], "what 0 and 1 of the picture or function stand for"),
         base: Option<f32> = number("base").unit("length").unlike(
             "a sheet",
             "-0.1",
@@ -29,7 +42,7 @@ pub const MEMBER: ObjectMember = Member {
     block: Block {
         keyword: "HeightField",
         kind: Kind::Shape,
-        about: "terrain from a picture of heights",
+        about: "terrain from a picture of heights, or a function",
         groups: &[HeightFieldKeys::FIELDS],
     },
     read: place_height_field,
@@ -42,8 +55,21 @@ fn place_height_field(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut P
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<HeightFieldRequest> {
     params.name();
-    let HeightFieldKeys { file, center, size, heights, base, smooth } =
+    if params.contains("file") {
+        report_beside(params, HeightFieldKeys::FIELDS, "file");
+    }
+    if !params.contains("function") {
+        report_without(params, HeightFieldKeys::FIELDS, "function");
+    }
+    let HeightFieldKeys { file, function, resolution, center, size, heights, base, smooth } =
         HeightFieldKeys::read(params, sources)?;
-    let place = file.item.head_span();
-    Some(HeightFieldRequest { name: file.value.0, place, center, size, heights, base, smooth })
+    let source = match (file, function) {
+        (Some(file), _) => HeightSource::Picture { place: file.item.head_span(), name: file.value.0 },
+        (None, Some(function)) => HeightSource::Function { function, resolution },
+        (None, None) => {
+            params.report_missing("file");
+            return None;
+        }
+    };
+    Some(HeightFieldRequest { source, center, size, heights, base, smooth })
 }

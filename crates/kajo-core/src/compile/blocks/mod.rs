@@ -18,6 +18,7 @@ pub(super) mod curves;
 pub(super) mod cylinder;
 pub(super) mod directional_light;
 pub(super) mod disk;
+pub(super) mod distance_grid;
 pub(super) mod fisheye_camera;
 pub(super) mod function_medium;
 pub(super) mod glass;
@@ -46,6 +47,7 @@ pub(super) mod perspective_camera;
 pub(super) mod phong_material;
 pub(super) mod plane;
 pub(super) mod point_light;
+pub(super) mod polynomial;
 pub(super) mod principled;
 pub(super) mod prism;
 pub(super) mod quad;
@@ -56,6 +58,7 @@ pub(super) mod sphere_sweep;
 pub(super) mod spot_light;
 pub(super) mod stereo_cubemap_camera;
 pub(super) mod superellipsoid;
+pub(super) mod text;
 pub(super) mod torus;
 pub(super) mod triangle;
 pub(super) mod triangle_mesh;
@@ -66,7 +69,7 @@ use super::member::{CameraMember, LightMember, MaterialMember, MediumMember, Obj
 use crate::schema::{Absent, Block, FieldKind, FieldSpec, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
-pub(super) const OBJECTS: [&ObjectMember; 32] = [
+pub(super) const OBJECTS: [&ObjectMember; 35] = [
     &sphere::MEMBER,
     &cuboid::MEMBER,
     &plane::MEMBER,
@@ -79,8 +82,11 @@ pub(super) const OBJECTS: [&ObjectMember; 32] = [
     &algebraic::QUADRIC,
     &algebraic::CUBIC,
     &algebraic::QUARTIC,
+    &polynomial::MEMBER,
+    &distance_grid::MEMBER,
     &height_field::MEMBER,
     &prism::MEMBER,
+    &text::MEMBER,
     &lathe::MEMBER,
     &sphere_sweep::MEMBER,
     &curves::MEMBER,

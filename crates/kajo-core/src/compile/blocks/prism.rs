@@ -9,7 +9,7 @@ use crate::compile::fields::{
 use crate::compile::member::{Member, ObjectMember, reported};
 use crate::compile::paths::{self, Ends};
 use crate::schema::{Block, Kind};
-use crate::shape::{FillRule, Path, Prism, Sweep};
+use crate::shape::{Bevel, BevelProfile, FillRule, Path, Prism, Sweep};
 
 choices! {
     FillRule {
@@ -31,12 +31,44 @@ keys! {
     }
 }
 
+choices! {
+    BevelProfile {
+        "chamfer" => BevelProfile::Chamfer,
+        "round" => BevelProfile::Round,
+    }
+}
+
+keys! {
+    /// What edges look like.
+    BevelKeys<'t> {
+        bevel: Option<At<'t, f32>> =
+            positive("bevel").unit("length").placed().unlike("sharp edges", "0.02", "how far edges of both ends are taken off"),
+        bevel_profile: BevelProfile =
+            choice::<BevelProfile>("bevelProfile").or_word("chamfer", "what edges look like from the side"),
+    }
+}
+
+impl BevelKeys<'_> {
+    /// The bevel of a prism that is so deep, if it has one; `None` where it has no room.
+    pub fn bevel(self, params: &mut Params<'_, '_>, depth: f64) -> Option<Option<Bevel>> {
+        let Some(At { value, item }) = self.bevel else { return Some(None) };
+        let width = f64::from(value);
+        if width > 0.5 * depth {
+            let error =
+                Diagnostic::error(format!("`bevel` must not be more than half of `depth`, {}", 0.5 * depth));
+            params.diagnostics().push(error.label(item.head_span(), "the bevels of both ends would overlap"));
+            return None;
+        }
+        Some(Some(Bevel { width, profile: self.bevel_profile }))
+    }
+}
+
 pub const MEMBER: ObjectMember = Member {
     block: Block {
         keyword: "Prism",
         kind: Kind::Shape,
         about: "an outline, drawn out across its plane",
-        groups: &[PrismKeys::FIELDS],
+        groups: &[PrismKeys::FIELDS, BevelKeys::FIELDS],
     },
     read: |compiler, item, place, walk| {
         compiler.solid(item, place, walk, |params, sources| read(item, params, sources))
@@ -48,6 +80,7 @@ pub const OUTLINE: Block =
 
 fn read<'t>(item: Item<'t>, params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<Prism> {
     let keys = PrismKeys::read(params, sources);
+    let bevel = BevelKeys::read(params, sources);
     let outlines = params.take(&[OUTLINE.keyword]);
     if outlines.is_empty() {
         params.report_missing(OUTLINE.keyword);
@@ -63,8 +96,17 @@ fn read<'t>(item: Item<'t>, params: &mut Params<'t, '_>, sources: &mut Sources<'
         contours.into_iter().collect::<Option<Vec<_>>>().filter(|contours| !contours.is_empty())?;
     let axes = axes(params, axis, up)?;
     let contours: Vec<_> = contours.iter().map(|contour| contour.map(|p| p * f64::from(size))).collect();
-    let sweep =
-        Sweep { origin: origin.as_dvec3(), axes, depth: depth.into(), taper: taper.into(), rule: fill };
+    let bevel = bevel?;
+    if let (Some(at), true) = (&bevel.bevel, taper != 1.0) {
+        let error = Diagnostic::error("a prism has either `bevel` or `taper`, not both");
+        params
+            .diagnostics()
+            .push(error.label(at.item.head_span(), "edges are taken off evenly, so both ends are alike"));
+        return None;
+    }
+    let depth = f64::from(depth);
+    let bevel = bevel.bevel(params, depth)?;
+    let sweep = Sweep { origin: origin.as_dvec3(), axes, depth, taper: taper.into(), rule: fill, bevel };
     reported(params, Prism::new(sweep, &contours), item, "all points of this outline are on one line")
 }
 

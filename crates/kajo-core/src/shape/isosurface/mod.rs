@@ -24,7 +24,7 @@ use kajo_math::tape::{Dual, Tape};
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, roots};
 
 use self::cells::{Cell, Cells};
-use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
+use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, box_faces, in_range, stored};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
 /// An isosurface. A clone is the same surface.
@@ -124,33 +124,12 @@ impl Parts {
 
     /// Where a line is in the box, and through which faces it comes and goes.
     fn faces(&self, line: &Ray64) -> Option<[(f64, u32); 2]> {
-        let [low, high] = self.cells.corners();
-        let (mut enters, mut leaves) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
-        for axis in 0..3 {
-            let (o, d) = (line.o[axis], line.d[axis]);
-            let from_below = d > 0.0;
-            if d == 0.0 {
-                if !(low[axis] <= o && o < high[axis]) {
-                    return None;
-                }
-                continue;
-            }
-            let [a, b] = [(low[axis] - o) / d, (high[axis] - o) / d];
-            let face = |is_high: bool| 1 + 2 * axis as u32 + u32::from(is_high);
-            if a.min(b) > enters.0 {
-                enters = (a.min(b), face(!from_below));
-            }
-            if a.max(b) < leaves.0 {
-                leaves = (a.max(b), face(from_below));
-            }
-        }
-        (enters.0 < leaves.0).then_some([enters, leaves])
+        box_faces::faces(self.cells.corners(), line)
     }
 
     /// The hit of a face of the box, if it is in the ray's range and cuts through the inside.
-    fn cap(&self, ray: &Ray, line: &Ray64, (t, face): (f64, u32)) -> Option<Hit> {
-        let single = in_range(ray, t)?;
-        self.is_inside(line.at(t)).then(|| on_face(single, face))
+    fn cap(&self, ray: &Ray, line: &Ray64, face: (f64, u32)) -> Option<Hit> {
+        box_faces::cap(ray, line, face, |p| self.is_inside(p))
     }
 }
 
@@ -278,11 +257,6 @@ fn is_narrow([a, b]: [f64; 2]) -> bool {
     b - a <= 4.0 * f64::EPSILON * (a.abs() + b.abs()) || middle <= a || middle >= b
 }
 
-/// A hit of a face of the box, from 1: the lower and the upper one across each axis.
-fn on_face(t: f32, face: u32) -> Hit {
-    Hit { t, u: face as f32, ..Hit::default() }
-}
-
 impl Surface for Isosurface {
     fn bounds(&self) -> Aabb {
         self.0.bounds
@@ -360,11 +334,7 @@ impl Surface for Isosurface {
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         const STEPS: u32 = 2;
         let mut p = Ray64::new(ray).at(hit.t.into());
-        if let Some(face) = (hit.u as usize).checked_sub(1) {
-            let (axis, is_high) = (face / 2, face % 2 == 1);
-            p[axis] = self.0.cells.corners()[usize::from(is_high)][axis];
-            let mut n = DVec3::ZERO;
-            n[axis] = if is_high { 1.0 } else { -1.0 };
+        if let Some((p, n)) = box_faces::face_point(self.0.cells.corners(), hit, p) {
             let (p, p_error) = stored(p, self.0.reach);
             return SurfacePoint::flat(p, p_error, n.as_vec3());
         }
@@ -396,12 +366,8 @@ impl Surface for Isosurface {
     }
 
     fn hit_at(&self, _part: u32, p: Vec3) -> Hit {
-        let [low, high] = self.0.cells.corners().map(DVec3::as_vec3);
-        let face = (0..3).find_map(|axis| {
-            let at = [low, high].iter().position(|corner| p[axis] == corner[axis])?;
-            Some(1 + 2 * axis as u32 + at as u32)
-        });
-        face.filter(|_| self.0.closed).map_or(Hit::default(), |face| on_face(0.0, face))
+        let face = box_faces::face_at(self.0.cells.corners(), p).filter(|_| self.0.closed);
+        face.map_or(Hit::default(), |face| box_faces::on_face(0.0, face))
     }
 
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {

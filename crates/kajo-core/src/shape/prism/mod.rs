@@ -11,12 +11,18 @@
 //! come in pairs; see `outline.rs`. The pieces of the line inside of the outline, cut to the slab between both ends, are
 //! the pieces inside of the prism: walls and caps follow from one list and leave no gap [van Wijk 1984].
 //!
+//! With a bevel, what is near the edges of both ends is taken off from each piece; see [`bevel`].
+//!
 //! Scene: `Prism { depth 0.3  outline { line 0 0  2 0  1 1.5 } }`
+
+mod bevel;
 
 use std::cell::Cell;
 use std::sync::Arc;
 
 use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3};
+
+use self::bevel::Edge;
 
 use super::outline::{
     Border, BoxTree, Crossing, PlaneLine, box_of, direction, inside_pieces, nearest_parameter, segments,
@@ -27,7 +33,9 @@ use super::{
 };
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 
-/// Parts: the two ends, and then the curves.
+pub use self::bevel::{Bevel, BevelProfile};
+
+/// Parts: the two ends, then the curves, and then the bevels of both ends.
 const NEAR_END: u32 = 0;
 const FAR_END: u32 = 1;
 const FIRST_WALL: u32 = 2;
@@ -52,6 +60,8 @@ pub struct Sweep {
     pub taper: f64,
     /// What of the plane is inside.
     pub rule: FillRule,
+    /// What the edges of both ends look like where they are not sharp; only for a `taper` of 1.
+    pub bevel: Option<Bevel>,
 }
 
 #[derive(Debug)]
@@ -65,6 +75,8 @@ struct Parts {
     /// Index of the first curve of each contour, and how many there are in all.
     contours: Vec<usize>,
     tree: BoxTree,
+    /// What is bevelled, and the border it is measured from.
+    bevel: Option<(Bevel, Edge)>,
     bounds: Aabb,
     /// The largest coordinate of the outline.
     reach: f64,
@@ -88,9 +100,15 @@ thread_local! {
 impl Prism {
     /// * `contours`: closed ones
     ///
-    /// `None` where there is nothing inside: without contours or depth, or where all points are on one line.
+    /// `None` where there is nothing inside: without contours or depth, or where all points are on one line; and for a bevel that has no
+    /// width, more than half the depth, or a taper.
     pub fn new(sweep: Sweep, contours: &[Path<DVec2>]) -> Option<Prism> {
-        let usable = sweep.depth > 0.0 && sweep.taper >= 0.0 && contours.iter().all(Path::is_closed);
+        let has_room =
+            |bevel: Bevel| bevel.width > 0.0 && bevel.width <= 0.5 * sweep.depth && sweep.taper == 1.0;
+        let usable = sweep.depth > 0.0
+            && sweep.taper >= 0.0
+            && sweep.bevel.is_none_or(has_room)
+            && contours.iter().all(Path::is_closed);
         let mut first = Vec::with_capacity(contours.len() + 1);
         let (mut curves, mut share) = (Vec::new(), Vec::new());
         for contour in contours {
@@ -117,7 +135,21 @@ impl Prism {
         let bounds = Aabb::around(corners.map(DVec3::as_vec3)).padded(1e-6);
         let reach = min.abs().max(max.abs()).max_element();
         let narrowing = (1.0 - sweep.taper) / sweep.depth;
-        let parts = Parts { sweep, narrowing, curves, shares: share, contours: first, tree, bounds, reach };
+        let mut parts = Parts {
+            sweep,
+            narrowing,
+            curves,
+            shares: share,
+            contours: first,
+            tree,
+            bevel: None,
+            bounds,
+            reach,
+        };
+        parts.bevel = sweep.bevel.map(|bevel| {
+            let fills = |p| sweep.rule.fills(parts.winding(p));
+            (bevel, Edge::new(&parts.curves, min.distance(max), fills))
+        });
         Some(Prism(Arc::new(parts)))
     }
 }
@@ -171,10 +203,34 @@ impl Parts {
         };
         self.inside(&course, |[start, end]| {
             let [lo, hi] = course.slab;
-            if start.t < hi && end.t > lo {
-                visit([at(&start, lo, true), at(&end, hi, false)]);
+            if start.t >= hi || end.t <= lo {
+                return;
+            }
+            let whole = [at(&start, lo, true), at(&end, hi, false)];
+            let Some((bevel, edge)) = &self.bevel else { return visit(whole) };
+            let bevelled = |t: f64| {
+                let is_far = course.line.at(t).z > 0.5 * self.sweep.depth;
+                let part = FIRST_WALL + self.curves.len() as u32 + u32::from(is_far);
+                (shift + t, Hit { part, ..Hit::default() })
+            };
+            let mut open = whole[0];
+            let range = [start.t.max(lo), end.t.min(hi)];
+            let ends_inside = self.bevel_crossings((bevel, edge), &course.line, range, |t, enters| {
+                if enters {
+                    open = bevelled(t);
+                } else {
+                    visit([open, bevelled(t)]);
+                }
+            });
+            if ends_inside {
+                visit([open, whole[1]]);
             }
         });
+    }
+
+    /// The bevel, for a hit on it.
+    fn bevel_of(&self, hit: &Hit) -> Option<&(Bevel, Edge)> {
+        self.bevel.as_ref().filter(|_| hit.part as usize >= FIRST_WALL as usize + self.curves.len())
     }
 
     /// What a ray in the prism's own space does; `None` where it is never between both ends.
@@ -301,6 +357,15 @@ impl Surface for Prism {
             let (p, p_error) = stored(sweep.world(local.x, local.y, z), scale);
             return SurfacePoint::flat(p, p_error, n.as_vec3());
         }
+        if let Some((bevel, edge)) = parts.bevel_of(hit) {
+            let local = sweep.local(p);
+            let at = parts.bevel_point(bevel, edge, local);
+            let [x, y, z] = (local + at.depth * at.normal).to_array();
+            let [nx, ny, nz] = at.normal.to_array();
+            let n = sweep.axes[0] * nx + sweep.axes[1] * ny + sweep.axes[2] * nz;
+            let (p, p_error) = stored(sweep.world(x, y, z), scale);
+            return SurfacePoint::flat(p, p_error, n.as_vec3());
+        }
         let (curve, s, z) = parts.on_wall(hit, p.as_vec3());
         let (at, size) = (curve.at(s), parts.size_at(z));
         let left = direction(&curve, s).perp();
@@ -311,13 +376,14 @@ impl Surface for Prism {
         SurfacePoint::flat(p, p_error, n.normalize_or(sweep.axes[2]).as_vec3())
     }
 
-    /// On a wall `u` runs once around its contour and `v` from the near end to the far one; on the ends both lie in the box of the outline.
+    /// On a wall `u` runs once around its contour and `v` from the near end to the far one; on the ends and their bevels both lie in the
+    /// box of the outline.
     fn uv_at(&self, hit: &Hit, p: Vec3) -> Vec2 {
         let parts = &*self.0;
-        if hit.part < FIRST_WALL {
+        if hit.part < FIRST_WALL || parts.bevel_of(hit).is_some() {
             let local = parts.sweep.local(p.as_dvec3());
             let [min, max] = parts.tree.bounds();
-            let q = local.truncate() / if hit.part == NEAR_END { 1.0 } else { parts.sweep.taper };
+            let q = local.truncate() / if hit.part == FAR_END { parts.sweep.taper } else { 1.0 };
             return ((q - min) / (max - min)).clamp(DVec2::ZERO, DVec2::ONE).as_vec2();
         }
         let (_, s, z) = parts.on_wall(hit, p);
@@ -334,6 +400,17 @@ impl Surface for Prism {
             let extent = (max - min) * if hit.part == NEAR_END { 1.0 } else { sweep.taper };
             return Tangents { dpdu: (extent.x * x).as_vec3(), dpdv: (extent.y * y).as_vec3() };
         }
+        if let Some((bevel, edge)) = parts.bevel_of(hit) {
+            let at = parts.bevel_point(bevel, edge, sweep.local(p.as_dvec3()));
+            let [min, max] = parts.tree.bounds();
+            let out = at.normal.truncate().normalize_or_zero();
+            // Towards the wall the surface goes down from the end.
+            let down = at.slope * out * -at.normal.z.signum();
+            let along =
+                |axis: DVec3, extent: f64, down: f64| (extent * (axis + down * sweep.axes[2])).as_vec3();
+            let extent = max - min;
+            return Tangents { dpdu: along(x, extent.x, down.x), dpdv: along(y, extent.y, down.y) };
+        }
         let (curve, s, z) = parts.on_wall(hit, p);
         let [_, share] = parts.shares[(hit.part - FIRST_WALL) as usize];
         let (along, at) = (parts.size_at(z) / share * direction(&curve, s), curve.at(s));
@@ -347,7 +424,7 @@ impl Surface for Prism {
     }
 
     fn part_count(&self) -> u32 {
-        FIRST_WALL + self.0.curves.len() as u32
+        FIRST_WALL + self.0.curves.len() as u32 + if self.0.bevel.is_some() { 2 } else { 0 }
     }
 
     fn tessellate(&self, around: u32, out: &mut Tessellation) {
@@ -385,7 +462,11 @@ impl Surface for Prism {
 
     fn heap_bytes(&self) -> usize {
         let parts = &*self.0;
-        size_of::<Parts>() + size_of_val(&*parts.curves) + size_of_val(&*parts.shares) + parts.tree.bytes()
+        size_of::<Parts>()
+            + size_of_val(&*parts.curves)
+            + size_of_val(&*parts.shares)
+            + parts.tree.bytes()
+            + parts.bevel.as_ref().map_or(0, |(_, edge)| edge.bytes())
     }
 }
 

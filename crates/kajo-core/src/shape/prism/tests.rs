@@ -4,11 +4,11 @@ use kajo_math::{rng::Stream, warp};
 
 use super::*;
 
-fn p(x: f64, y: f64) -> DVec2 {
+pub(super) fn p(x: f64, y: f64) -> DVec2 {
     DVec2::new(x, y)
 }
 
-fn polygon(corners: &[[f64; 2]]) -> Path<DVec2> {
+pub(super) fn polygon(corners: &[[f64; 2]]) -> Path<DVec2> {
     let mut path = Path::new(DVec2::from_array(corners[0]));
     corners[1..].iter().for_each(|&corner| path.line_to(DVec2::from_array(corner)));
     path.close();
@@ -16,8 +16,8 @@ fn polygon(corners: &[[f64; 2]]) -> Path<DVec2> {
 }
 
 /// Upright, from z = 0.
-fn upright(depth: f64, taper: f64, rule: FillRule) -> Sweep {
-    Sweep { origin: DVec3::ZERO, axes: [DVec3::X, DVec3::Y, DVec3::Z], depth, taper, rule }
+pub(super) fn upright(depth: f64, taper: f64, rule: FillRule) -> Sweep {
+    Sweep { origin: DVec3::ZERO, axes: [DVec3::X, DVec3::Y, DVec3::Z], depth, taper, rule, bevel: None }
 }
 
 fn prism(contours: &[Path<DVec2>], taper: f64, rule: FillRule) -> Prism {
@@ -33,7 +33,7 @@ fn star(radius: f64) -> Path<DVec2> {
 }
 
 /// Lines, a quadratic, cubics and a hole that is a spline.
-fn mixed() -> [Path<DVec2>; 2] {
+pub(super) fn mixed() -> [Path<DVec2>; 2] {
     let mut outside = Path::new(p(-1.0, -0.7));
     outside.line_to(p(0.3, -0.9));
     outside.quadratic_to(p(0.2, -0.2), p(1.0, -0.3));
@@ -45,14 +45,14 @@ fn mixed() -> [Path<DVec2>; 2] {
 }
 
 /// The parameters of all crossings of a ray's line.
-fn crossings(prism: &Prism, ray: &Ray) -> Vec<(f64, u32)> {
+pub(super) fn crossings(prism: &Prism, ray: &Ray) -> Vec<(f64, u32)> {
     let mut found = Vec::new();
     prism.0.pieces(ray, |ends| found.extend(ends.map(|(t, hit)| (t, hit.part))));
     found
 }
 
 /// Volume by chords along x, exact in their direction.
-fn volume(prism: &Prism) -> f64 {
+pub(super) fn volume(prism: &Prism) -> f64 {
     const N: u32 = 800;
     let bounds = prism.bounds();
     let (low, extent) = (bounds.min.as_dvec3(), bounds.extent().as_dvec3());

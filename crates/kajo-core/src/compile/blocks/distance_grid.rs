@@ -1,0 +1,170 @@
+//! `DistanceGrid`: a surface through numbers on a grid.
+
+use kajo_math::Vec3;
+use kajo_scene::{Diagnostic, Item, Params, RawVolume, VolumeEncoding, VolumeFile};
+
+use super::grid_medium::{Densities, GridSize, high, low};
+use crate::compile::Compiler;
+use crate::compile::fields::{
+    At, FileName, Keys, Sources, Typed, choice, file, flag, keys, number, point, report_beside,
+    report_without,
+};
+use crate::compile::member::{Member, ObjectMember};
+use crate::compile::place::{Place, Walk};
+use crate::schema::{Block, FieldKind, Kind};
+use crate::shape::{DistanceGrid, ShapeId};
+
+keys! {
+    DistanceGridKeys<'t> {
+        file: Option<At<'t, FileName>> = file("file")
+            .not_beside(&["values"])
+            .placed()
+            .option("its numbers: .vol of Mitsuba, .df3 of POV-Ray, or raw values"),
+        values: Option<Densities> = Typed::<Densities>::new("values", FieldKind::Numbers(8))
+            .not_beside(&["file", "encoding"])
+            .unlike("those of `file`", "-1 -1 -1 -1 1 1 1 1", "its numbers, as many as `size` says, x first"),
+        size: Option<GridSize> = Typed::<GridSize>::new("size", FieldKind::Wholes(3))
+            .unlike("by the file", "2 2 2", "points along x, y and z, of `values` and of raw files"),
+        encoding: Option<VolumeEncoding> = choice::<VolumeEncoding>("encoding")
+            .only_beside("size")
+            .unlike("by the file", "u8", "how a raw file stores numbers"),
+        min: Option<Vec3> = point("min").ruled(low, "by the file, or -1 -1 -1", "where the first point is"),
+        max: Option<Vec3> = point("max").ruled(high, "by the file, or 1 1 1", "where the last point is"),
+        level: f32 = number("level").or(0.0, "what the surface is at; lower numbers are inside"),
+        closed: bool = flag("closed").or(true, "whether faces of the box close it where they cut it"),
+        smooth: bool = flag("smooth").or(true, "shaded by interpolated normals"),
+    }
+}
+
+pub const MEMBER: ObjectMember = Member {
+    block: Block {
+        keyword: "DistanceGrid",
+        kind: Kind::Shape,
+        about: "the surface through numbers on a grid, such as signed distances",
+        groups: &[DistanceGridKeys::FIELDS],
+    },
+    read: place_distance_grid,
+};
+
+fn place_distance_grid(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+    let shape = compiler.read_keys(item, read).and_then(|keys| compiler.distance_grid(item, keys));
+    compiler.put_shape(shape, item, place, walk);
+}
+
+fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<DistanceGridKeys<'t>> {
+    params.name();
+    if params.contains("file") {
+        report_beside(params, DistanceGridKeys::FIELDS, "file");
+    } else if params.contains("encoding") {
+        params.refuse("encoding", "without `file`");
+    }
+    if !params.contains("size") {
+        report_without(params, DistanceGridKeys::FIELDS, "size");
+    }
+    let keys = DistanceGridKeys::read(params, sources)?;
+    let missing = match (&keys.file, &keys.values, &keys.size) {
+        (None, None, _) => "file",
+        (None, Some(_), None) => "size",
+        _ => return Some(keys),
+    };
+    params.report_missing(missing);
+    None
+}
+
+impl Compiler<'_> {
+    fn distance_grid(&mut self, item: Item<'_>, keys: DistanceGridKeys<'_>) -> Option<ShapeId> {
+        let DistanceGridKeys { file, values, size, encoding, min, max, level, closed, smooth } = keys;
+        let size = size.map(|GridSize(size)| size);
+        let (size, values, bounds) = match (file, values) {
+            (Some(file), _) => {
+                let raw =
+                    size.map(|size| RawVolume { size, encoding: encoding.unwrap_or(VolumeEncoding::F32) });
+                let VolumeFile { size, values, bounds, .. } = self.volume(&file, raw)?;
+                (size, values, bounds)
+            }
+            (None, values) => (size?, values?.0, None),
+        };
+        let [low, high] = bounds.unwrap_or([[-1.0; 3], [1.0; 3]]);
+        let (min, max) = (min.unwrap_or(low.into()), max.unwrap_or(high.into()));
+        match DistanceGrid::new(size, values, [min, max], level, [closed, smooth]) {
+            Ok(grid) => {
+                if grid.is_empty() {
+                    let warning = Diagnostic::warning("there is no surface in this grid");
+                    let help = "all numbers are on one side of `level`";
+                    self.diagnostics
+                        .push(warning.label(item.head_span(), "nothing is to be seen of this").help(help));
+                }
+                self.shape(item, grid)
+            }
+            Err(error) => {
+                let error = Diagnostic::error(error.to_string());
+                self.diagnostics.push(error.label(item.head_span(), "no such surface"));
+                None
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_math::Ray;
+    use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+
+    use super::*;
+    use crate::compile::{CompileOptions, compile};
+    use crate::scene::Scene;
+
+    fn compiled(object: &str) -> Result<Scene, String> {
+        let text = format!(
+            "PerspectiveCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }}
+             Materials {{ Matte {{ }} }} Group {{ MaterialIndex 0 {object} }}"
+        );
+        let raw: Vec<u8> = [-1.0_f32, 1.0].iter().cycle().take(8).flat_map(|x| x.to_le_bytes()).collect();
+        let assets = MemoryAssets::new().with("steps.raw", raw).with("short.raw", [0_u8; 7]);
+        let mut parsed = SceneDesc::parse_str(&text);
+        let mut diagnostics = Diagnostics::default();
+        let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
+        let said: Vec<String> = diagnostics.iter().map(|d| d.message.clone()).collect();
+        scene.filter(|_| said.is_empty()).ok_or_else(|| said.join(" / "))
+    }
+
+    /// The x at which a ray along x from far away meets a scene first.
+    fn first(scene: &Scene, y: f32, d: f32) -> Option<f32> {
+        let met = scene.trace(&Ray::new(Vec3::new(-16.0 * d, y, 0.25), Vec3::new(d, 0.0, 0.0)));
+        met.surface().map(|at| at.point.p.x)
+    }
+
+    #[test]
+    fn grids_are_where_they_are_written() {
+        let wall = "size 2 2 2  values -1 1 -1 1 -1 1 -1 1";
+        for source in [wall, "file steps.raw  size 2 2 2"] {
+            let closed = compiled(&format!("DistanceGrid {{ {source} }}")).unwrap();
+            assert_eq!((first(&closed, 0.5, 1.0), first(&closed, 0.5, -1.0)), (Some(-1.0), Some(0.0)));
+            let open = compiled(&format!("DistanceGrid {{ {source}  closed off  level 0.5 }}")).unwrap();
+            assert_eq!((first(&open, 0.5, 1.0), first(&open, 1.5, 1.0)), (Some(0.5), None));
+            let moved = compiled(&format!("DistanceGrid {{ {source}  min 2 0 0  max 6 1 1 }}")).unwrap();
+            assert_eq!(first(&moved, 0.5, -1.0), Some(4.0));
+        }
+    }
+
+    #[test]
+    fn what_is_no_grid_is_refused() {
+        for (object, words) in [
+            ("DistanceGrid { }", "`DistanceGrid` needs `file`"),
+            ("DistanceGrid { values 1 1 1 1 1 1 1 1 }", "needs `size`"),
+            ("DistanceGrid { size 2 2 2  values 1 1 1 }", "2 x 2 x 2 numbers make no surface"),
+            ("DistanceGrid { size 1 1 1  values 1 }", "1 x 1 x 1 numbers make no surface"),
+            ("DistanceGrid { size 2 2 2  values 1 1 1 1 1 1 1 1 }", "there is no surface in this grid"),
+            (
+                "DistanceGrid { size 2 2 2  values 1 1 1 1 1 1 1 0  min 1 1 1  max 0 2 2 }",
+                "less than that of `max`",
+            ),
+            ("DistanceGrid { file nowhere.vol }", "there is no such file"),
+            ("DistanceGrid { file short.raw  size 2 2 2 }", "ends after"),
+            ("DistanceGrid { file steps.raw  size 4000000000 4000000000 4000000000 }", "steps.raw"),
+        ] {
+            let said = compiled(object).err().unwrap_or_default();
+            assert!(said.contains(words), "{object}: {said}");
+        }
+    }
+}
