@@ -78,9 +78,13 @@ pub struct SettingsContext<'a> {
     pub uv: bool,
 }
 
+/// How often light is scattered in a scene with participating media by integrators that join paths from both ends, or look photons up,
+/// unless something else is said.
+pub const BOUNCES_IN_MEDIA: u32 = 64;
+
 /// What integrators say that know nothing of participating media.
-pub const WITHOUT_MEDIA: &str = "media are left out: what scatters or absorbs light between surfaces is carried by `path`, \
-     `direct` and `distribution`";
+pub const WITHOUT_MEDIA: &str = "media are left out: what scatters or absorbs light between surfaces is carried by the \
+     integrators that follow paths, such as `path` and `bidirectional`";
 
 /// Why media are not shown, where a scene has any.
 pub fn without_media(scene: &Scene) -> Option<&'static str> {

@@ -24,12 +24,20 @@ use kajo_math::DVec3;
 
 use super::quadrature::simpson;
 use super::{Form, Parameters, spot_meter};
-use crate::method::{Method, PATH, PATH_SCATTERING, PATH_SPECTRAL};
+use crate::method::{
+    BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL, LIGHT, MLT, Method, PATH, PATH_SCATTERING, PATH_SPECTRAL,
+};
 
-const MEDIA: &[Method] = &[PATH, PATH_SCATTERING, PATH_SPECTRAL];
+const MEDIA: &[Method] = &[PATH, PATH_SCATTERING, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
 
 /// Where lights have no size, so that they are drawn.
-const DRAWN: &[Method] = &[PATH, PATH_SPECTRAL];
+const DRAWN: &[Method] = &[PATH, PATH_SPECTRAL, BIDIRECTIONAL, BIDIRECTIONAL_SPECTRAL];
+
+/// Where a body fills much of the picture, so that light finds the camera.
+const WIDE: &[Method] = &[PATH, BIDIRECTIONAL, LIGHT];
+
+/// The same by chains, which find one kind of light soonest.
+const CHAINS: &[Method] = &[MLT];
 
 /// A body with the box from -1 to 1 around it.
 const CUBE: &str = "Box { min -1 -1 -1 max 1 1 1 }";
@@ -62,6 +70,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     ] {
         forms.push(white(draw, name, &medium, material, body));
     }
+    forms.extend([wide(draw, "a ball seen from afar", WIDE), wide(draw, "a ball by chains", CHAINS)]);
     forms
 }
 
@@ -114,4 +123,14 @@ fn white(draw: &mut Parameters, name: &str, medium: &str, material: &str, body: 
     let view = under_a_sky(draw.direction(-1.0) * draw.between(0.1, 4.0), draw.point(0.4));
     let scene = filled(&view, medium, material, body);
     Form::new(format!("{name} that scatters all light"), scene, 1.0, MEDIA)
+}
+
+/// All of a ball and the sky beside it in one picture.
+fn wide(draw: &mut Parameters, name: &str, methods: &'static [Method]) -> Form {
+    let from = draw.direction(-1.0) * draw.between(2.5, 3.5);
+    let view = under_a_sky(from, DVec3::ZERO).replace("angle 0.001", "angle 50");
+    let (s, g) = (draw.between(0.5, 1.5), draw.between(-0.5, 0.5));
+    let medium = format!("Medium m {{ density {s} g {g} }}");
+    let scene = filled(&view, &medium, "Interface b { medium m }", BALL);
+    Form::new(format!("{name} that scatters all light"), scene, 1.0, methods)
 }

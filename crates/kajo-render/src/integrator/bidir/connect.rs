@@ -11,7 +11,8 @@
 //! s = 1, t = 1    Le We |cos| T V / (p(lens) q(wi))                          a light drawn for a point of the lens
 //! ```
 //!
-//! times the weight of the way among all others. `T` is the transmittance of the medium, `V` that of holes and panes.
+//! times the weight of the way among all others. `T` is the transmittance of the medium, `V` that of holes and panes. At points
+//! in a medium phase functions stand for `f`, and no cosines are left.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightIndex;
@@ -24,8 +25,11 @@ use kajo_math::{Ray, Vec3};
 use super::partial_mis::{PartialMis, mis_weight, square, weighted_pdf_across};
 use super::subpath::Subpath;
 use super::vertex::Vertex;
-use super::{Bidirectional, Contribution};
-use crate::integrator::transport::{DrawnLight, PathState, connect, sample_light};
+use super::volume::Volume;
+use super::{Bidirectional, Carried, Contribution};
+use crate::integrator::transport::{
+    DrawnLight, Joining, MediumStack, PathState, connect, connect_through_media, sample_light,
+};
 use crate::trail::{About, PathObserver, RayKind};
 
 /// Densities of the light's end of a path and of the way to the next point, the geometry there left out. Of a light
@@ -44,7 +48,17 @@ struct Join<'a> {
     light: Option<LightIndex>,
 }
 
-impl Bidirectional<'_> {
+/// What comes along a segment that joins two vertices.
+struct Share {
+    /// What the medium that it starts in leaves; in scenes with participating media all that is left, over the mean density of the lanes.
+    within: Spectrum,
+    /// What holes and panes leave.
+    visible: Spectrum,
+    /// The probability of going the same way by free paths, in scenes with participating media.
+    reach: f32,
+}
+
+impl<V: Volume> Bidirectional<'_, V> {
     /// `s = 0`: the emission of a surface that the camera's path meets, `beta Le w`.
     ///
     /// * `from`: the camera's ray, and the vertex before, `None` where that is the lens
@@ -53,7 +67,7 @@ impl Bidirectional<'_> {
         path: &Subpath<'_>,
         at: &Interaction,
         wo: Vec3,
-        (camera_ray, from): (&Ray, Option<&Vertex<'_>>),
+        (camera_ray, from): (&Ray, Option<&Vertex<'_, V>>),
     ) -> Option<Contribution> {
         let hit = self.scene().surface_light(at, -wo, &path.state.wavelengths)?;
         let (p, end) = (at.point.p, LightPoint::on(&at.point));
@@ -63,7 +77,7 @@ impl Bidirectional<'_> {
             let pdf_li = self.pdf_li(hit.light, &from.receiver(at.time), &end, -wo) * cosine
                 / p.distance_squared(from.at.p);
             let pdf_le = self.pdf_le(hit.light, at.time, &end, wo);
-            mis_weight_of_met(&path.mis_at(p, cosine), pdf_li, pdf_le)
+            mis_weight_of_met(&path.mis_at::<V>(p, cosine, None), pdf_li, pdf_le)
         });
         Some(path.met(hit.radiance, hit.group, weight))
     }
@@ -75,7 +89,7 @@ impl Bidirectional<'_> {
         &self,
         path: &Subpath<'_>,
         d: Vec3,
-        (camera_ray, from): (&Ray, Option<&Vertex<'_>>),
+        (camera_ray, from): (&Ray, Option<&Vertex<'_, V>>),
         mut found: impl FnMut(Contribution),
     ) {
         let scene = self.scene();
@@ -89,7 +103,7 @@ impl Bidirectional<'_> {
                 let end = LightPoint::Infinite { through: from.at.p };
                 let pdf_li = self.pdf_li(hit.light, &from.receiver(ray.time), &end, d);
                 let pdf_le = self.pdf_le(hit.light, ray.time, &end, -d);
-                mis_weight_of_met(&path.mis_at_infinity(), pdf_li, pdf_le)
+                mis_weight_of_met(&path.mis_at_infinity::<V>(), pdf_li, pdf_le)
             });
             found(path.met(hit.radiance, hit.group, weight));
         }
@@ -99,7 +113,7 @@ impl Bidirectional<'_> {
     pub(super) fn direct_light(
         &self,
         path: &mut PathState<'_>,
-        z: &Vertex<'_>,
+        z: &Vertex<'_, V>,
         t: u32,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -118,22 +132,23 @@ impl Bidirectional<'_> {
             carried: z.beta * scattered,
             light: Some(light),
         };
-        let visible = connect(scene, &segment, z.eta(wi), (&path.wavelengths, &mut path.draws), observer);
-        if visible.is_black() {
-            self.tell(observer, &join, &path.wavelengths, None);
-            return None;
-        }
         let is_infinite = at.is_infinite();
         let distance = if is_infinite { f32::INFINITY } else { at.p().distance(z.at.p) };
+        let Some(share) = self.along((z, wi, distance), &segment, Joining::from(path), observer) else {
+            self.tell(observer, &join, &path.wavelengths, None);
+            return None;
+        };
         let (end, rest) = self.pdf_le(light, time, &at, -wi);
         let thinning = if is_infinite { 1.0 } else { 1.0 / (distance * distance) };
         let pdf_li = pdf * at.solid_angle_per_area(wi, distance * distance);
         // [Georgiev 2012, eq. 44 and 45]
-        let w_light = if is_delta { 0.0 } else { square(z.pdf(z.wo, wi) / pdf) };
-        let w_camera = square(end / pdf_li) * z.mis.weighed(rest * z.cosine(wi) * thinning, z.pdf(wi, z.wo));
+        let by_camera = V::scaled(z.pdf(z.wo, wi), || share.reach);
+        let w_light = if is_delta { 0.0 } else { square(by_camera / pdf) };
+        let arriving = V::scaled(rest * z.cosine(wi) * thinning, || share.reach * sigma_t(z));
+        let w_camera = square(end / pdf_li) * z.mis.weighed(arriving, z.pdf(wi, z.wo));
         let found = Contribution {
             way: [1, t],
-            light: z.beta * scattered * radiance * z.transmittance(wi, distance) * visible * pdf.recip(),
+            light: z.beta * scattered * radiance * share.within * share.visible * pdf.recip(),
             weight: mis_weight(w_light, w_camera),
             is_single: z.is_single,
             group: scene.lighting.sampler.group(light),
@@ -146,14 +161,14 @@ impl Bidirectional<'_> {
     /// `s > 1, t > 1`: two vertices that see each other.
     pub(super) fn join(
         &self,
-        [y, z]: [&Vertex<'_>; 2],
+        [y, z]: [&Vertex<'_, V>; 2],
         way: [u32; 2],
-        (wavelengths, time): (&Wavelengths, f32),
+        Carried { wavelengths, time, hero }: Carried<'_>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
         let distance2 = y.at.p.distance_squared(z.at.p);
-        if y.bsdf.is_delta() || distance2 == 0.0 {
+        if y.is_delta() || distance2 == 0.0 {
             return None;
         }
         let distance = distance2.sqrt();
@@ -162,24 +177,31 @@ impl Bidirectional<'_> {
         if scattered.is_black() {
             return None;
         }
-        let segment = z.at.ray_to(&LightPoint::on(&y.at), wi, time);
+        let segment = z.at.ray_to(&y.end(), wi, time);
         let carried = z.beta * scattered;
         let join = Join { kind: RayKind::Connection, segment: &segment, carried, light: None };
-        let visible = connect(self.scene(), &segment, z.eta(wi), (wavelengths, draws), observer);
-        if visible.is_black() {
+        let is_single = y.is_single || z.is_single;
+        let mut followed = *wavelengths;
+        if V::CARRIED && is_single {
+            followed.terminate_secondary();
+        }
+        let with = Joining { wavelengths: &followed, hero, r_u: lanes(y) * lanes(z), draws };
+        let Some(share) = self.along((z, wi, distance), &segment, with, observer) else {
             self.tell(observer, &join, wavelengths, None);
             return None;
-        }
+        };
         let by_camera = z.pdf(z.wo, wi) * y.cosine(wi) / distance2;
         let by_light = y.pdf(y.wo, -wi) * z.cosine(wi) / distance2;
+        let by_camera = V::scaled(by_camera, || share.reach * sigma_t(y));
+        let by_light = V::scaled(by_light, || share.reach * sigma_t(z));
         // [Georgiev 2012, eq. 40 and 41]
         let w_light = y.mis.weighed(by_camera, y.pdf(-wi, y.wo));
         let w_camera = z.mis.weighed(by_light, z.pdf(wi, z.wo));
         let found = Contribution {
             way,
-            light: y.beta * scattered * z.beta * z.transmittance(wi, distance) * visible * distance2.recip(),
+            light: y.beta * scattered * z.beta * share.within * share.visible * distance2.recip(),
             weight: mis_weight(w_light, w_camera),
-            is_single: y.is_single || z.is_single,
+            is_single,
             group: y.group,
             raster: None,
         };
@@ -192,14 +214,14 @@ impl Bidirectional<'_> {
     /// Takes two numbers for the lens.
     pub(super) fn splat(
         &self,
-        y: &Vertex<'_>,
+        y: &Vertex<'_, V>,
         way: [u32; 2],
-        (wavelengths, time): (&Wavelengths, f32),
+        Carried { wavelengths, time, hero }: Carried<'_>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
         let lens = draws.pair_if(self.view.camera.has_lens());
-        if y.bsdf.is_delta() {
+        if y.is_delta() {
             return None;
         }
         let (to, raster) = self.view.connect(y.at.p, lens, time)?;
@@ -216,16 +238,19 @@ impl Bidirectional<'_> {
         let carried = y.beta * scattered;
         let join = Join { kind: RayKind::Splat, segment: &segment, carried, light: None };
         self.tell(observer, &join, wavelengths, None);
-        let visible = connect(self.scene(), &segment, y.eta(to.wi), (wavelengths, draws), observer);
-        if visible.is_black() {
-            return None;
+        let mut followed = *wavelengths;
+        if V::CARRIED && y.is_single {
+            followed.terminate_secondary();
         }
+        let with = Joining { wavelengths: &followed, hero, r_u: lanes(y), draws };
+        let share = self.along((y, to.wi, to.distance), &segment, with, observer)?;
         // [Georgiev 2012, eq. 46 and 47]
         let arriving = weighted_pdf_across(to.pdf_across) * y.cosine(to.wi);
+        let arriving = V::scaled(arriving, || share.reach * sigma_t(y));
         let w_light = || y.mis.weighed(arriving, y.pdf(to.wi, y.wo));
         Some(Contribution {
             way,
-            light: carried * y.transmittance(to.wi, to.distance) * visible * (to.we / to.pdf),
+            light: carried * share.within * share.visible * (to.we / to.pdf),
             weight: if self.settings.only_from_lights { 1.0 } else { mis_weight(w_light(), 0.0) },
             is_single: y.is_single,
             group: y.group,
@@ -238,7 +263,7 @@ impl Bidirectional<'_> {
     /// Takes four numbers: two for the lens, two for the light and the place on it.
     pub(super) fn light_on_lens(
         &self,
-        (wavelengths, time): (&Wavelengths, f32),
+        Carried { wavelengths, time, hero }: Carried<'_>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -261,17 +286,26 @@ impl Bidirectional<'_> {
             Join { kind: RayKind::Splat, segment: &segment, carried: Spectrum::WHITE, light: Some(light) };
         self.tell(observer, &join, wavelengths, None);
         let media = self.view.media_around(&Ray::new(o, li.wi), wavelengths);
-        let visible = connect(scene, &segment, media.eta_of_segment(scene), (wavelengths, draws), observer);
-        if visible.is_black() {
-            return None;
-        }
-        let distance = if li.at.is_infinite() { f32::INFINITY } else { li.at.p().distance(o) };
-        let within = media.absorption().filter(|_| distance.is_finite());
-        let transmittance = within.map_or(Spectrum::WHITE, |sigma_a| (sigma_a * -distance).exp());
+        let with = Joining { wavelengths, hero, r_u: Spectrum::WHITE, draws };
+        let share = match V::CARRIED {
+            true => self.through_media(&segment, &media, with, observer)?,
+            false => {
+                let eta = media.eta_of_segment(scene);
+                let visible = connect(scene, &segment, eta, (wavelengths, with.draws), observer);
+                if visible.is_black() {
+                    return None;
+                }
+                let distance = if li.at.is_infinite() { f32::INFINITY } else { li.at.p().distance(o) };
+                let sigma_a = media.absorption().filter(|_| distance.is_finite());
+                let within = sigma_a.map_or(Spectrum::WHITE, |sigma_a| (sigma_a * -distance).exp());
+                Share { within, visible, reach: 1.0 }
+            }
+        };
+        let by_camera = V::scaled(pdf_camera, || share.reach);
         Some(Contribution {
             way: [1, 1],
-            light: li.radiance * transmittance * visible * (pdf_camera / pdf_li),
-            weight: mis_weight(0.0, square(weighted_pdf_across(pdf_camera) / pdf_li)),
+            light: li.radiance * share.within * share.visible * (pdf_camera / pdf_li),
+            weight: mis_weight(0.0, square(weighted_pdf_across(by_camera) / pdf_li)),
             is_single: wavelengths.secondary_terminated(),
             group: scene.lighting.sampler.group(light),
             raster: Some(raster),
@@ -293,7 +327,51 @@ impl Bidirectional<'_> {
         }
         let Some((pdf_camera, _)) = self.view.pdf_from_origin(o, d, time) else { return 1.0 };
         let pdf_li = self.pdf_li(light, &Receiver { p: o, n: Vec3::ZERO, time }, end, d);
-        mis_weight(square(pdf_li / weighted_pdf_across(pdf_camera)), 0.0)
+        let by_camera = V::scaled(pdf_camera, || path.state.lanes.arrival(&path.state.wavelengths));
+        mis_weight(square(pdf_li / weighted_pdf_across(by_camera)), 0.0)
+    }
+
+    /// What comes along a segment from a vertex; `None` where nothing does.
+    ///
+    /// * `wi`, `distance`: the direction from the vertex and how far its other end is
+    ///
+    /// May take random numbers.
+    #[inline]
+    fn along(
+        &self,
+        (z, wi, distance): (&Vertex<'_, V>, Vec3, f32),
+        segment: &Ray,
+        with: Joining<'_, '_>,
+        observer: &mut impl PathObserver,
+    ) -> Option<Share> {
+        if let Some(volume) = z.volume.filled() {
+            return self.through_media(segment, &volume.media[z.side(wi)], with, observer);
+        }
+        let visible = connect(self.scene(), segment, z.eta(wi), (with.wavelengths, with.draws), observer);
+        let share = || Share { within: z.transmittance(wi, distance), visible, reach: 1.0 };
+        (!visible.is_black()).then(share)
+    }
+
+    /// The same through participating media.
+    ///
+    /// * `media`: around the start of the segment
+    #[inline(never)]
+    fn through_media(
+        &self,
+        segment: &Ray,
+        media: &MediumStack,
+        with: Joining<'_, '_>,
+        observer: &mut impl PathObserver,
+    ) -> Option<Share> {
+        let wavelengths = *with.wavelengths;
+        let passage = connect_through_media(self.scene(), segment, *media, with, observer);
+        let density = wavelengths.mean(passage.r_l);
+        let share = || Share {
+            within: passage.t * density.recip(),
+            visible: Spectrum::WHITE,
+            reach: passage.reach(&wavelengths),
+        };
+        (!passage.t.is_black() && density > 0.0).then(share)
     }
 
     /// Tells of a segment that joins two vertices.
@@ -322,10 +400,23 @@ impl Bidirectional<'_> {
 
     /// [`parts`] of the density with which a path from a light begins along `d`, with the choice of the light.
     fn pdf_le(&self, light: LightIndex, time: f32, at: &LightPoint, d: Vec3) -> (f32, f32) {
+        if V::CARRIED && self.is_hidden(at) {
+            return (0.0, 0.0);
+        }
         let pdf = self.scene().pdf_le(light, time, at, d, self.power_sampler.world());
         let (end, rest) = parts(pdf, at.is_infinite());
         (end * self.power_sampler.pmf(light), rest)
     }
+}
+
+/// Mean extinction at a vertex in a medium, else 1.
+fn sigma_t<V: Volume>(vertex: &Vertex<'_, V>) -> f32 {
+    vertex.volume.filled().map_or(1.0, |volume| volume.sigma_t)
+}
+
+/// Densities of the path to a vertex, by lanes.
+fn lanes<V: Volume>(vertex: &Vertex<'_, V>) -> Spectrum {
+    vertex.volume.filled().map_or(Spectrum::WHITE, |volume| volume.r_u)
 }
 
 /// The weight of light that the camera's path met [Georgiev 2012, eq. 43].

@@ -18,45 +18,85 @@
 //! Light tracing [Arvo 1986], [Dutré, Lafortune and Willems 1993] is what remains when `t = 1` alone is used, with weight
 //! one. Lights and the background are then seen by the camera's own ray, and what is behind mirrors and glass
 //! is not seen at all.
+//!
+//! In scenes with participating media points may be collisions with these; see `volume.rs`.
 
 mod connect;
 mod partial_mis;
 mod settings;
 mod subpath;
 mod vertex;
+mod volume;
 
+use std::marker::PhantomData;
 use std::mem;
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::camera::Camera;
-use kajo_core::light::{LeNumbers, LightLeSample, MAX_LIGHT_GROUPS, PowerLightSampler, SampledLight};
+use kajo_core::light::{
+    LeNumbers, LightLeSample, LightPoint, MAX_LIGHT_GROUPS, PowerLightSampler, SampledLight,
+};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
-use kajo_math::{Ray, Vec2};
+use kajo_math::{Ray, Vec2, Vec3};
 
 use super::Integrator;
 use super::camera_view::{CameraView, in_white_light};
-use super::transport::{Event, MediumStack, PathState, SurfaceInteraction, advance, pass_straight, shade};
+use super::transport::{
+    Event, LaneMis, MediumInteraction, MediumStack, PathState, SurfaceInteraction, advance, pass_straight,
+    shade,
+};
 use crate::trail::{PathObserver, RayKind};
-use crate::{LayerSet, PixelSample, SampleContext};
+use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 use connect::parts;
 use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
 pub(super) use subpath::Subpath;
 pub(super) use vertex::Vertex;
+pub(super) use volume::{Clear, Filled, Volume};
 
-/// The bidirectional path tracer over one scene and one picture size.
-pub struct Bidirectional<'a> {
+/// The bidirectional path tracer over one scene and one picture size: of surfaces alone, or with the participating media between them.
+pub struct Bidirectional<'a, V = Clear> {
     view: CameraView<'a>,
     settings: BidirectionalSettings,
     power_sampler: PowerLightSampler,
+    volume: PhantomData<V>,
+}
+
+/// The bidirectional path tracer for a scene: with media where it has any.
+pub(super) fn integrator_of<'a>(
+    camera: &'a Camera,
+    scene: &'a Scene,
+    settings: BidirectionalSettings,
+    size: [u32; 2],
+    layers: LayerSet,
+) -> Box<dyn PixelIntegrator + 'a> {
+    match scene.has_media() {
+        false => Box::new(Bidirectional::<Clear>::made(camera, scene, settings, size, layers)),
+        true => Box::new(Bidirectional::<Filled>::made(camera, scene, settings, size, layers)),
+    }
 }
 
 /// The vertices of a path from a light, kept from sample to sample.
-#[derive(Default)]
-struct LightPath(Vec<Vertex<'static>>);
+struct LightPath<V>(Vec<Vertex<'static, V>>);
+
+impl<V> Default for LightPath<V> {
+    fn default() -> LightPath<V> {
+        LightPath(Vec::new())
+    }
+}
+
+/// What both ends of a sample's paths begin with.
+#[derive(Clone, Copy, Debug)]
+struct Carried<'a> {
+    wavelengths: &'a Wavelengths,
+    /// Moment within the shutter interval.
+    time: f32,
+    /// The lane that draws distances in media.
+    hero: u32,
+}
 
 /// Light that was found in one way.
 #[derive(Clone, Copy, Debug)]
@@ -91,26 +131,30 @@ impl Contribution {
 #[derive(Default)]
 struct VisibleSurface {
     first: Option<Interaction>,
+    /// Whether light was scattered by a medium before that, so that what `first` has is none.
+    begins_in_medium: bool,
     /// Linear RGB.
     albedo: Option<[f32; 3]>,
 }
 
 /// The path from the camera while it grows.
-struct CameraEnd<'a, 's, 'b> {
+struct CameraEnd<'a, 's, 'b, V> {
     path: Subpath<'s>,
     /// Where its ray ended.
     surface: SurfaceInteraction,
+    /// Where it was scattered by a medium before that.
+    collision: Option<MediumInteraction>,
     /// The vertex before, where that is not the lens.
-    from: Option<Vertex<'b>>,
+    from: Option<Vertex<'b, V>>,
     /// Vertices once the ray has ended, the lens included.
     t: u32,
     visible: VisibleSurface,
-    /// The camera's ray, and the wavelengths that the sample began with.
-    began: (&'a Ray, &'a Wavelengths),
+    /// The camera's ray, and what the sample began with.
+    began: (&'a Ray, Carried<'a>),
 }
 
 impl<'a> Bidirectional<'a> {
-    /// The integrator for a picture of `size` pixels with these `layers`.
+    /// The integrator of surfaces alone for a picture of `size` pixels with these `layers`.
     pub fn new(
         scene: &'a Scene,
         settings: BidirectionalSettings,
@@ -128,10 +172,24 @@ impl<'a> Bidirectional<'a> {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Bidirectional<'a> {
+        Bidirectional::made(camera, scene, settings, size, layers)
+    }
+}
+
+impl<'a, V: Volume> Bidirectional<'a, V> {
+    /// The integrator for a picture of `size` pixels with these `layers`.
+    pub(super) fn made(
+        camera: &'a Camera,
+        scene: &'a Scene,
+        settings: BidirectionalSettings,
+        size: [u32; 2],
+        layers: LayerSet,
+    ) -> Bidirectional<'a, V> {
         Bidirectional {
             view: CameraView::new(scene, camera, size, layers).spectral(settings.spectral),
             settings,
             power_sampler: scene.power_light_sampler(),
+            volume: PhantomData,
         }
     }
 
@@ -161,30 +219,31 @@ impl<'a> Bidirectional<'a> {
         mut draws: SampleStream<'_>,
         observer: &mut O,
         raster: Vec2,
-        light_path: &mut Vec<Vertex<'a>>,
+        light_path: &mut Vec<Vertex<'a, V>>,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
         light_path.clear();
         let from_light = draws.split(0, 0, 1);
         let Some(ray) = self.view.ray(raster, &mut draws) else { return VisibleSurface::default() };
         let wavelengths = self.view.wavelengths(&mut draws);
+        let hero = if V::CARRIED { LaneMis::new(&wavelengths, draws.next_1d()).hero } else { 0 };
+        let carried = Carried { wavelengths: &wavelengths, time: ray.time, hero };
         let root = observer.mark();
-        let mut from_light = self.follow_light(observer, light_path, from_light, ray.time, &wavelengths);
-        if self.joins_lens() {
-            let carried = (&wavelengths, ray.time);
-            if let Some(seen) = self.light_on_lens(carried, &mut from_light, observer) {
-                found(seen, &wavelengths);
-            }
+        let mut from_light = self.follow_light(observer, light_path, from_light, carried);
+        if self.joins_lens()
+            && let Some(seen) = self.light_on_lens(carried, &mut from_light, observer)
+        {
+            found(seen, &wavelengths);
         }
         let seen = if self.connects() { &light_path[..] } else { &[] };
         for (s, y) in (2..).zip(seen) {
             observer.back_to_noted(s - 2);
-            if let Some(seen) = self.splat(y, [s, 1], (&wavelengths, ray.time), &mut from_light, observer) {
+            if let Some(seen) = self.splat(y, [s, 1], carried, &mut from_light, observer) {
                 found(seen, &wavelengths);
             }
         }
         observer.back_to(root);
-        self.follow_camera(observer, light_path, (draws, ray), &wavelengths, found)
+        self.follow_camera(observer, light_path, (draws, ray), carried, found)
     }
 
     /// Fills `vertices` with a path from a light. Returns the random numbers that are left.
@@ -194,12 +253,12 @@ impl<'a> Bidirectional<'a> {
     fn follow_light<'s, O: PathObserver>(
         &self,
         observer: &mut O,
-        vertices: &mut Vec<Vertex<'a>>,
+        vertices: &mut Vec<Vertex<'a, V>>,
         mut draws: SampleStream<'s>,
-        time: f32,
-        wavelengths: &Wavelengths,
+        carried: Carried<'_>,
     ) -> SampleStream<'s> {
         let scene = self.scene();
+        let Carried { wavelengths, time, hero } = carried;
         let world = self.power_sampler.world();
         draws.skip(1);
         let [position, direction] = [draws.next_2d(), draws.next_2d()];
@@ -207,20 +266,38 @@ impl<'a> Bidirectional<'a> {
         let SampledLight { light, probability, .. } = chosen;
         let numbers = LeNumbers { position: chosen.pair(position), direction };
         let Some(emitted) = scene.sample_le(light, time, numbers, wavelengths, world) else { return draws };
+        if V::CARRIED && self.is_hidden(&emitted.at) {
+            return draws;
+        }
         let mut path = light_end(scene, &emitted, (time, probability), wavelengths, draws);
+        if V::CARRIED {
+            path.state.carry_media(hero);
+        }
         let group = scene.lighting.sampler.group(light);
         observer.counters().light += 1;
         observer.next(RayKind::Light);
         let (mut surface, mut first) = (SurfaceInteraction::default(), None);
-        while let Event::Surface = advance(scene, &mut path.state, &mut surface, &mut first, observer) {
-            let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
-            if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
-                continue;
-            }
+        loop {
+            let (bsdf, collision) = match advance(scene, &mut path.state, &mut surface, &mut first, observer)
+            {
+                Event::Surface => {
+                    let mut bsdf = shade_one_way(scene, &mut path.state, &surface);
+                    if pass_straight(scene, &mut path.state, &surface, &mut bsdf) {
+                        continue;
+                    }
+                    (bsdf, None)
+                }
+                Event::Medium(at) if V::CARRIED => (Bsdf::Null, Some(at)),
+                _ => break,
+            };
             if vertices.is_empty() {
-                path.state.beta *= emitted.share_at(surface.at.point.p.distance(emitted.at.p()));
+                let p = collision.map_or(surface.at.point.p, |at| at.p);
+                path.state.beta *= emitted.share_at(p.distance(emitted.at.p()));
             }
-            let mut vertex = path.vertex(scene, &surface, bsdf, group);
+            let mut vertex = match &collision {
+                None => path.vertex(scene, &surface, bsdf, group),
+                Some(at) => path.vertex_in_medium(scene, at, group),
+            };
             if vertices.is_empty() {
                 // A connection with the light itself draws a point anew. [Georgiev 2012, eq. 31]
                 let wi = -emitted.d;
@@ -232,8 +309,11 @@ impl<'a> Bidirectional<'a> {
             }
             vertices.push(vertex);
             observer.note();
-            let is_last = vertices.len() as u32 + 2 == self.longest();
-            if is_last || !path.scatter(&vertex, &surface, self.settings.roulette, observer) {
+            if vertices.len() as u32 + 2 == self.longest() {
+                break;
+            }
+            let (reached, roulette) = ((&surface, collision.as_ref()), self.settings.roulette);
+            if !path.scatter_at(&vertex, reached, roulette, observer) {
                 break;
             }
         }
@@ -244,55 +324,71 @@ impl<'a> Bidirectional<'a> {
     fn follow_camera<O: PathObserver>(
         &self,
         observer: &mut O,
-        light_path: &[Vertex<'_>],
+        light_path: &[Vertex<'_, V>],
         (draws, ray): (SampleStream<'_>, Ray),
-        wavelengths: &Wavelengths,
+        carried: Carried<'_>,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
+        let wavelengths = carried.wavelengths;
         let media = self.view.media_around(&ray, wavelengths);
-        let carried = (*wavelengths, Spectrum::WHITE);
-        let state = PathState::new(ray, carried, Transport::Radiance, media, draws);
+        let white = (*wavelengths, Spectrum::WHITE);
+        let mut state = PathState::new(ray, white, Transport::Radiance, media, draws);
+        if V::CARRIED {
+            state.carry_media(carried.hero);
+        }
         let mut end = CameraEnd {
             path: Subpath::from_camera(PathState { connectable: true, ..state }),
             surface: SurfaceInteraction::default(),
+            collision: None,
             from: None,
             t: 2,
             visible: VisibleSurface::default(),
-            began: (&ray, wavelengths),
+            began: (&ray, carried),
         };
         observer.counters().camera += 1;
         observer.next(RayKind::Camera);
         while let Some(bsdf) = self.next_vertex(&mut end, observer, found) {
-            let z = end.path.vertex(self.scene(), &end.surface, bsdf, LightGroup::default());
-            let visible = &mut end.visible;
+            let (path, visible) = (&end.path, &mut end.visible);
+            let z = match &end.collision {
+                None => path.vertex(self.scene(), &end.surface, bsdf, LightGroup::default()),
+                Some(at) => path.vertex_in_medium(self.scene(), at, LightGroup::default()),
+            };
             if visible.albedo.is_none() && self.view.wants_albedo() && !bsdf.is_delta() {
                 visible.albedo = Some(in_white_light(bsdf.albedo(z.local(z.wo).wo), wavelengths));
             }
             if self.settings.only_from_lights {
                 break;
             }
-            if !bsdf.is_delta() {
+            if !z.is_delta() {
                 self.connect_vertex(&mut end, &z, light_path, observer, found);
             }
-            if !end.path.scatter(&z, &end.surface, self.settings.roulette, observer) {
+            let (reached, roulette) = ((&end.surface, end.collision.as_ref()), self.settings.roulette);
+            if !end.path.scatter_at(&z, reached, roulette, observer) {
                 break;
             }
             end.from = Some(z);
             end.t += 1;
         }
+        if V::CARRIED && end.visible.begins_in_medium {
+            end.visible.first = None;
+        }
         end.visible
     }
 
     /// Follows the camera's path to its next vertex, and hands over the light that it meets on its way there (`s = 0`). Returns
-    /// the scattering there; `None` where the path ends.
+    /// the scattering there, that of nothing in a medium; `None` where the path ends.
     fn next_vertex<O: PathObserver>(
         &self,
-        end: &mut CameraEnd<'_, '_, 'a>,
+        end: &mut CameraEnd<'_, '_, 'a, V>,
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> Option<Bsdf<'a>> {
         let scene = self.scene();
-        let CameraEnd { path, surface, from, t, visible, began: (camera_ray, wavelengths) } = end;
+        let CameraEnd { path, surface, from, t, visible, collision, began: (camera_ray, carried) } = end;
+        let wavelengths = carried.wavelengths;
+        if V::CARRIED {
+            *collision = None;
+        }
         let is_last = *t == self.longest();
         loop {
             match advance(scene, &mut path.state, surface, &mut visible.first, observer) {
@@ -304,16 +400,21 @@ impl<'a> Bidirectional<'a> {
                     });
                     return None;
                 }
-                // Its paths carry no media.
+                Event::Medium(at) if V::CARRIED => {
+                    if *t == 2 {
+                        self.see(path, camera_ray, at.p);
+                        if visible.first.is_none() {
+                            visible.begins_in_medium = true;
+                            visible.first = Some(Interaction::default());
+                        }
+                    }
+                    *collision = Some(at);
+                    return (!is_last).then_some(Bsdf::Null);
+                }
                 Event::Medium(_) | Event::Absorbed => return None,
             }
             if *t == 2 {
-                // Seen from the light's side the lens is one more point to connect with. [Georgiev 2012, eq. 31]
-                let pdf = self.view.pdf_across(camera_ray, surface.at.point.p);
-                match pdf.filter(|_| self.connects()) {
-                    Some(pdf) => path.departure.pdf = weighted_pdf_across(pdf),
-                    None => path.state.connectable = false,
-                }
+                self.see(path, camera_ray, surface.at.point.p);
             }
             if let Some(met) = self.met_emission(path, &surface.at, surface.wo, (camera_ray, from.as_ref())) {
                 observer.found(|| met.value(wavelengths));
@@ -333,23 +434,41 @@ impl<'a> Bidirectional<'a> {
         }
     }
 
+    /// Notes the density of the first point that the camera's ray comes to. Seen from the light's side the lens is one more point to
+    /// connect with. [Georgiev 2012, eq. 31]
+    #[inline]
+    fn see(&self, path: &mut Subpath<'_>, camera_ray: &Ray, p: Vec3) {
+        let pdf = self.view.pdf_across(camera_ray, p);
+        match pdf.filter(|_| self.connects()) {
+            Some(pdf) => path.departure.pdf = weighted_pdf_across(pdf),
+            None => path.state.connectable = false,
+        }
+    }
+
+    /// Whether light from an emitter is found from the camera alone: infinitely far away behind air that is a medium, in which no
+    /// path from there begins.
+    fn is_hidden(&self, at: &LightPoint) -> bool {
+        at.is_infinite() && self.scene().lighting.air.is_some()
+    }
+
     /// Joins a vertex of the camera's path with a light drawn for it (`s = 1`) and with all vertices of the light's path
     /// (`s > 1`).
     fn connect_vertex<O: PathObserver>(
         &self,
-        end: &mut CameraEnd<'_, '_, 'a>,
-        z: &Vertex<'_>,
-        light_path: &[Vertex<'_>],
+        end: &mut CameraEnd<'_, '_, 'a, V>,
+        z: &Vertex<'_, V>,
+        light_path: &[Vertex<'_, V>],
         observer: &mut O,
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) {
-        let (t, (ray, wavelengths)) = (end.t, end.began);
+        let (t, carried) = (end.t, end.began.1);
+        let wavelengths = carried.wavelengths;
         if let Some(lit) = self.direct_light(&mut end.path.state, z, t, observer) {
             found(lit, wavelengths);
         }
         let draws = &mut end.path.state.draws;
         for (s, y) in (2..=self.longest() - t).zip(light_path) {
-            if let Some(joined) = self.join([y, z], [s, t], (wavelengths, ray.time), draws, observer) {
+            if let Some(joined) = self.join([y, z], [s, t], carried, draws, observer) {
                 found(joined, wavelengths);
             }
         }
@@ -398,21 +517,21 @@ pub(super) fn shade_one_way<'s>(
     surface: &SurfaceInteraction,
 ) -> Bsdf<'s> {
     if surface.is_dispersive() {
-        path.wavelengths.terminate_secondary();
+        path.end_secondary_wavelengths();
     }
     shade(scene, path, surface)
 }
 
-impl LightPath {
+impl<V> LightPath<V> {
     /// Keeps the memory of a path that has been followed.
-    fn keep(&mut self, mut path: Vec<Vertex<'_>>) {
+    fn keep(&mut self, mut path: Vec<Vertex<'_, V>>) {
         path.clear();
         // Nothing is left that could borrow from a scene; collecting reuses the memory.
         self.0 = path.into_iter().map_while(|_| None).collect();
     }
 }
 
-impl Integrator for Bidirectional<'_> {
+impl<V: Volume + Sync> Integrator for Bidirectional<'_, V> {
     fn observe<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
@@ -421,7 +540,7 @@ impl Integrator for Bidirectional<'_> {
         observer: &mut O,
     ) -> PixelSample {
         let SampleContext { draws, aux, splats, scratch, .. } = ctx;
-        let mut path: Vec<Vertex<'_>> = mem::take(&mut scratch.get::<LightPath>().0);
+        let mut path: Vec<Vertex<'_, V>> = mem::take(&mut scratch.get::<LightPath<V>>().0);
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
         let visible = self.estimate(*draws, observer, raster, &mut path, &mut |found, wavelengths| {
@@ -435,7 +554,7 @@ impl Integrator for Bidirectional<'_> {
                 }
             }
         });
-        scratch.get::<LightPath>().keep(path);
+        scratch.get::<LightPath<V>>().keep(path);
         if self.view.wants_light_groups() {
             aux.lights = groups;
         }

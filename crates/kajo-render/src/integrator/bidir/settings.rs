@@ -5,13 +5,12 @@ use kajo_core::light::LightChoice;
 use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
-use super::Bidirectional;
 use crate::integrator::{
-    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, without_media,
+    BOUNCES_IN_MEDIA, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext,
 };
 use crate::{LayerSet, PixelIntegrator};
 
-/// Options of [`Bidirectional`].
+/// Options of [`super::Bidirectional`].
 #[derive(Clone, Copy, Debug)]
 pub struct BidirectionalSettings {
     /// How often light is scattered on its way from one surface to another; 0 shows what lights light themselves.
@@ -69,8 +68,9 @@ pub const LIGHT: IntegratorSpec = IntegratorSpec {
 /// What is said for the keys that both of them listen to, and `default` where nothing is.
 fn said(context: &SettingsContext<'_>, default: BidirectionalSettings) -> BidirectionalSettings {
     let said = context.said;
+    let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { default.bounces };
     BidirectionalSettings {
-        bounces: said.bounces.unwrap_or(default.bounces),
+        bounces: said.bounces.unwrap_or(bounces),
         roulette: said.roulette.unwrap_or(default.roulette),
         spectral: said.spectral.unwrap_or(default.spectral),
         ..default
@@ -85,7 +85,7 @@ impl Prepare for BidirectionalSettings {
         size: [u32; 2],
         layers: LayerSet,
     ) -> Box<dyn PixelIntegrator + 'a> {
-        Box::new(Bidirectional::through(camera, scene, self, size, layers))
+        super::integrator_of(camera, scene, self, size, layers)
     }
 
     fn values(&self) -> Settings {
@@ -99,10 +99,11 @@ impl Prepare for BidirectionalSettings {
     }
 
     fn left_out(&self, scene: &Scene, size: [u32; 2]) -> Vec<&'static str> {
-        let media = without_media(scene);
         if !self.only_from_lights {
-            return media.into_iter().collect();
+            return Vec::new();
         }
+        let lights = &scene.lighting.lights;
+        let from_afar = lights.ids().any(|id| lights.bounds(id).is_none());
         let notes = [
             (
                 !connects(scene, size),
@@ -112,9 +113,12 @@ impl Prepare for BidirectionalSettings {
                 scene.moves() && scene.output.readout > 0.0,
                 "light from emitters does not find a camera whose rows open one after the other while things move",
             ),
+            (
+                scene.lighting.air.is_some() && from_afar,
+                "light from infinitely far away is not followed into air that is a medium",
+            ),
         ];
-        let notes = notes.into_iter().filter_map(|(applies, note)| applies.then_some(note));
-        notes.chain(media).collect()
+        notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()
     }
 }
 

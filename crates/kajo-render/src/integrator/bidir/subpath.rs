@@ -3,13 +3,18 @@
 use kajo_color::Spectrum;
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, BsdfSample, Transport};
+use kajo_core::interaction::SurfacePoint;
 use kajo_core::scene::Scene;
+use kajo_core::shading::Shading;
 use kajo_math::Vec3;
 
 use super::Contribution;
 use super::partial_mis::{Growth, PartialMis};
 use super::vertex::Vertex;
-use crate::integrator::transport::{PathState, SurfaceInteraction, follow, survives};
+use super::volume::{Filled, Volume, grown_through_media};
+use crate::integrator::transport::{
+    MediumInteraction, PathState, SurfaceInteraction, follow, follow_phase, survives,
+};
 use crate::trail::PathObserver;
 
 /// Where the ray at hand started, and how it was drawn there.
@@ -50,19 +55,23 @@ impl Subpath<'_> {
     /// The sums at the point `p` that the ray has come to.
     ///
     /// * `cosine`: between the ray and the true normal there
-    pub fn mis_at(&self, p: Vec3, cosine: f32) -> PartialMis {
+    /// * `collision`: mean extinction there, if it is in a medium
+    pub fn mis_at<V: Volume>(&self, p: Vec3, cosine: f32, collision: Option<f32>) -> PartialMis {
         let Departure { p: from, pdf, is_parallel, pdf_back, mis, .. } = self.departure;
         let thinning = if is_parallel { 1.0 } else { p.distance_squared(from).recip() };
         // cos dw n^2 of a narrow beam is the same at both ends, whatever the way between them. No straight way ends at another index.
         let squeeze = if self.state.connectable { 1.0 } else { self.departure.eta / self.state.media.eta() };
         let g = self.departure.cosine * thinning * squeeze * squeeze;
-        mis.grown(Growth { pdf: pdf * cosine * thinning, g, pdf_back, connectable: self.state.connectable })
+        let connectable = self.state.connectable;
+        let growth = Growth { pdf: pdf * cosine * thinning, g, pdf_back, connectable };
+        mis.grown(if V::CARRIED { grown_through_media(growth, &self.state, collision) } else { growth })
     }
 
     /// The sums where the ray ends that leaves the scene.
-    pub fn mis_at_infinity(&self) -> PartialMis {
+    pub fn mis_at_infinity<V: Volume>(&self) -> PartialMis {
         let Departure { pdf, cosine: g, pdf_back, mis, .. } = self.departure;
-        mis.grown(Growth { pdf, g, pdf_back, connectable: self.state.connectable })
+        let growth = Growth { pdf, g, pdf_back, connectable: self.state.connectable };
+        mis.grown(if V::CARRIED { grown_through_media(growth, &self.state, None) } else { growth })
     }
 
     /// Light that the ray of a path from the camera has met.
@@ -80,13 +89,13 @@ impl Subpath<'_> {
     /// The path's vertex on a surface.
     ///
     /// * `group`: the light group of a path from a light
-    pub fn vertex<'b>(
+    pub fn vertex<'b, V: Volume>(
         &self,
         scene: &Scene,
         surface: &SurfaceInteraction,
         bsdf: Bsdf<'b>,
         group: LightGroup,
-    ) -> Vertex<'b> {
+    ) -> Vertex<'b, V> {
         let &SurfaceInteraction { at, wo, u, ref interface, .. } = surface;
         let media = self.state.media;
         let beyond = interface.as_ref().map_or(media, |interface| media.across(interface));
@@ -97,20 +106,97 @@ impl Subpath<'_> {
             bsdf,
             wo,
             beta: self.state.beta,
-            mis: self.mis_at(at.point.p, at.point.ng.dot(wo).abs()),
+            mis: self.mis_at::<V>(at.point.p, at.point.ng.dot(wo).abs(), None),
             sigma_a: sides.each_ref().map(|media| media.absorption().unwrap_or(Spectrum::BLACK)),
             eta: sides.each_ref().map(|media| media.eta_of_segment(scene)),
             is_single: self.state.wavelengths.secondary_terminated(),
             group,
+            volume: V::of(|| Filled { phase: None, sigma_t: 1.0, r_u: self.state.lanes.r_u, media: sides }),
         }
+    }
+
+    /// The path's vertex in a medium.
+    ///
+    /// * `group`: the light group of a path from a light
+    pub fn vertex_in_medium<'b, V: Volume>(
+        &self,
+        scene: &Scene,
+        at: &MediumInteraction,
+        group: LightGroup,
+    ) -> Vertex<'b, V> {
+        let PathState { media, lanes, .. } = self.state;
+        let eta = media.eta_of_segment(scene);
+        Vertex {
+            at: SurfacePoint { p: at.p, ..SurfacePoint::default() },
+            shading: Shading::default(),
+            bsdf: Bsdf::Null,
+            wo: at.wo,
+            beta: self.state.beta,
+            mis: self.mis_at::<V>(at.p, 1.0, Some(lanes.sigma_t)),
+            sigma_a: [media.absorption().unwrap_or(Spectrum::BLACK); 2],
+            eta: [eta; 2],
+            is_single: self.state.wavelengths.secondary_terminated(),
+            group,
+            volume: V::of(|| Filled {
+                phase: Some(at.phase),
+                sigma_t: lanes.sigma_t,
+                r_u: lanes.r_u,
+                media: [media; 2],
+            }),
+        }
+    }
+
+    /// Goes on from a vertex, on a surface or in a medium; `false` when the path ends there.
+    ///
+    /// * `reached`: the surface, and the collision where that came first
+    #[inline]
+    pub fn scatter_at<V: Volume>(
+        &mut self,
+        vertex: &Vertex<'_, V>,
+        (surface, collision): (&SurfaceInteraction, Option<&MediumInteraction>),
+        roulette: bool,
+        observer: &mut impl PathObserver,
+    ) -> bool {
+        match collision {
+            Some(at) if V::CARRIED => self.scatter_in_medium(vertex, at, roulette, observer),
+            _ => self.scatter(vertex, surface, roulette, observer),
+        }
+    }
+
+    /// Goes on from a vertex in a medium along a direction drawn by its phase function; `false` when the path ends there.
+    ///
+    /// Takes two numbers, and one for roulette where it is played.
+    pub fn scatter_in_medium<V: Volume>(
+        &mut self,
+        vertex: &Vertex<'_, V>,
+        at: &MediumInteraction,
+        roulette: bool,
+        observer: &mut impl PathObserver,
+    ) -> bool {
+        let state = &mut self.state;
+        let sample = at.phase.sample(at.wo, state.draws.next_2d());
+        follow_phase(state, at, sample.wi, observer);
+        state.lanes.sigma_t_from = state.lanes.sigma_t;
+        self.departure = Departure {
+            p: at.p,
+            pdf: sample.pdf,
+            is_parallel: false,
+            cosine: 1.0,
+            eta: state.media.eta(),
+            // Phase functions are symmetric.
+            pdf_back: sample.pdf,
+            mis: vertex.mis,
+        };
+        let bounces = state.scatterings;
+        survives(state, bounces, roulette)
     }
 
     /// Goes on from a vertex along a direction drawn by its scattering; `false` when the path ends there.
     ///
     /// Takes three numbers, and one for roulette where it is played.
-    pub fn scatter(
+    pub fn scatter<V: Volume>(
         &mut self,
-        vertex: &Vertex<'_>,
+        vertex: &Vertex<'_, V>,
         surface: &SurfaceInteraction,
         roulette: bool,
         observer: &mut impl PathObserver,
@@ -149,6 +235,9 @@ impl Subpath<'_> {
             mis: if delta { vertex.mis.without_connection() } else { vertex.mis },
         };
         follow(state, surface, wi, &sample, observer);
+        if V::CARRIED {
+            state.lanes.sigma_t_from = 1.0;
+        }
         self.departure.eta = state.media.eta();
         let bounces = state.scatterings;
         survives(state, bounces, roulette)

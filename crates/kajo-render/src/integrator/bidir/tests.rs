@@ -12,6 +12,7 @@ use super::*;
 use crate::PixelIntegrator;
 use crate::integrator::{Path, PathSettings};
 
+mod media;
 mod scenes;
 mod ways;
 mod weights;
@@ -70,7 +71,8 @@ fn mean_of(integrator: &dyn PixelIntegrator, samples: u32, lane: usize) -> Estim
 }
 
 fn mean(scene: &Scene, settings: BidirectionalSettings, samples: u32) -> Estimate {
-    mean_of(&Bidirectional::new(scene, settings, [1, 1], LayerSet::of(&[])), samples, 0)
+    let camera = &scene.output.camera;
+    mean_of(&*integrator_of(camera, scene, settings, [1, 1], LayerSet::of(&[])), samples, 0)
 }
 
 #[track_caller]

@@ -14,22 +14,26 @@
 //! ```
 //!
 //! The frame of the scattering is decided by the direction to the camera, see [`Shading`].
+//!
+//! In a medium the factor is the phase function for both directions, and no cosines are left.
 
 use kajo_color::Spectrum;
 use kajo_core::LightGroup;
 use kajo_core::bsdf::{Bsdf, Transport};
 use kajo_core::interaction::SurfacePoint;
-use kajo_core::light::Receiver;
+use kajo_core::light::{LightPoint, Receiver};
+use kajo_core::medium::Phase;
 use kajo_core::shading::Shading;
 use kajo_math::Vec3;
 
 use super::partial_mis::PartialMis;
+use super::volume::{Clear, Volume};
 use crate::integrator::transport::LocalFrame;
 
 /// A point of a path.
 #[derive(Clone, Copy, Debug)]
-pub struct Vertex<'s> {
-    /// Position and normals.
+pub struct Vertex<'s, V = Clear> {
+    /// Position and normals; in a medium a position alone.
     pub at: SurfacePoint,
     /// The directions that scattering goes by.
     pub shading: Shading,
@@ -49,9 +53,30 @@ pub struct Vertex<'s> {
     pub is_single: bool,
     /// The light group of a path from there.
     pub group: LightGroup,
+    /// What is to be known of media.
+    pub volume: V,
 }
 
-impl Vertex<'_> {
+impl<V: Volume> Vertex<'_, V> {
+    /// Where to a medium scatters light there.
+    #[inline(always)]
+    pub fn phase(&self) -> Option<&Phase> {
+        self.volume.filled()?.phase.as_ref()
+    }
+
+    /// Whether light is scattered into single directions alone.
+    pub fn is_delta(&self) -> bool {
+        self.phase().is_none() && self.bsdf.is_delta()
+    }
+
+    /// The end of a segment that comes from elsewhere.
+    pub fn end(&self) -> LightPoint {
+        match self.phase() {
+            Some(_) => LightPoint::Position(self.at.p),
+            None => LightPoint::on(&self.at),
+        }
+    }
+
     /// The frame for light that goes to `wo`, or from there for a path that comes from the light.
     pub fn local(&self, wo: Vec3) -> LocalFrame {
         LocalFrame::new(&self.shading, wo)
@@ -64,11 +89,17 @@ impl Vertex<'_> {
 
     /// Cosine with the true surface.
     pub fn cosine(&self, w: Vec3) -> f32 {
+        if self.phase().is_some() {
+            return 1.0;
+        }
         self.at.ng.dot(w).abs()
     }
 
     /// Scattering of light from `wi` back along a path from the camera, with the cosine of `wi`.
     pub fn gathered(&self, wi: Vec3) -> Spectrum {
+        if let Some(phase) = self.phase() {
+            return Spectrum::grey(phase.eval(self.wo, wi));
+        }
         let local = self.local(self.wo);
         let bumped = local.bumped(&self.bsdf);
         let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
@@ -78,6 +109,9 @@ impl Vertex<'_> {
 
     /// Scattering of light of a path from the light to `wo`, with the cosine of `wo`.
     pub fn passed_on(&self, wo: Vec3) -> Spectrum {
+        if let Some(phase) = self.phase() {
+            return Spectrum::grey(phase.eval(self.wo, wo));
+        }
         let local = self.local(wo);
         let Some(wi) = local.to_local(self.wo) else { return Spectrum::BLACK };
         let bumped = local.bumped(&self.bsdf);
@@ -95,6 +129,9 @@ impl Vertex<'_> {
 
     /// Density per solid angle with which a path that comes from `from` goes on to `to`.
     pub fn pdf(&self, from: Vec3, to: Vec3) -> f32 {
+        if let Some(phase) = self.phase() {
+            return phase.eval(from, to);
+        }
         let local = self.local(from);
         let bumped = local.bumped(&self.bsdf);
         let bsdf = bumped.as_ref().unwrap_or(&self.bsdf);
@@ -102,7 +139,7 @@ impl Vertex<'_> {
     }
 
     /// 0 for the side of `wo`, 1 for the other.
-    fn side(&self, w: Vec3) -> usize {
+    pub fn side(&self, w: Vec3) -> usize {
         usize::from(w.dot(self.at.ng) * self.wo.dot(self.at.ng) < 0.0)
     }
 

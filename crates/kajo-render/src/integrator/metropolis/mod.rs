@@ -32,7 +32,7 @@ use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
 use kajo_math::Vec2;
 
-use super::bidir::Bidirectional;
+use super::bidir::{Bidirectional, Filled};
 use super::path::Path;
 use super::{Integrator, bidir::BidirectionalSettings, path::PathSettings};
 use crate::trail::PathObserver;
@@ -59,6 +59,8 @@ pub struct Metropolis<'a> {
 enum Moved<'a> {
     Path(Path<'a>),
     Bidirectional(Bidirectional<'a>),
+    /// The same with participating media.
+    ThroughMedia(Bidirectional<'a, Filled>),
 }
 
 /// Chains that know where to begin.
@@ -97,7 +99,10 @@ impl<'a> Metropolis<'a> {
         } else {
             let both =
                 BidirectionalSettings { bounces, light_choice, roulette, spectral, only_from_lights: false };
-            Moved::Bidirectional(Bidirectional::through(camera, scene, both, size, own))
+            match scene.has_media() {
+                false => Moved::Bidirectional(Bidirectional::through(camera, scene, both, size, own)),
+                true => Moved::ThroughMedia(Bidirectional::made(camera, scene, both, size, own)),
+            }
         };
         Metropolis { moved, size, layers }
     }
@@ -107,6 +112,7 @@ impl<'a> Metropolis<'a> {
         match &self.moved {
             Moved::Path(path) => path,
             Moved::Bidirectional(both) => both,
+            Moved::ThroughMedia(both) => both,
         }
     }
 
@@ -135,6 +141,7 @@ impl Integrator for Metropolis<'_> {
         match &self.moved {
             Moved::Path(path) => path.observe(ctx, pixel, raster, observer),
             Moved::Bidirectional(both) => both.observe(ctx, pixel, raster, observer),
+            Moved::ThroughMedia(both) => both.observe(ctx, pixel, raster, observer),
         }
     }
 

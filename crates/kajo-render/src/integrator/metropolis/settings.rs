@@ -6,8 +6,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use super::Metropolis;
-use crate::integrator::without_media;
-use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity};
+use crate::integrator::{BOUNCES_IN_MEDIA, IntegratorSettings, IntegratorSpec, Prepare, Quantity};
 use crate::{LayerSet, PixelIntegrator};
 
 /// Options of [`Metropolis`].
@@ -47,8 +46,9 @@ pub const METROPOLIS: IntegratorSpec = IntegratorSpec {
     keys: &[SettingsKey::Bounces, SettingsKey::LightChoice, SettingsKey::Roulette, SettingsKey::Spectral],
     settings: |context| {
         let (said, default) = (context.said, MetropolisSettings::default());
+        let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { default.bounces };
         IntegratorSettings::Metropolis(MetropolisSettings {
-            bounces: said.bounces.unwrap_or(default.bounces),
+            bounces: said.bounces.unwrap_or(bounces),
             light_choice: said.light_choice.unwrap_or(default.light_choice),
             roulette: said.roulette.unwrap_or(default.roulette),
             spectral: said.spectral.unwrap_or(default.spectral),
@@ -81,6 +81,6 @@ impl Prepare for MetropolisSettings {
     fn left_out(&self, scene: &Scene, _size: [u32; 2]) -> Vec<&'static str> {
         let groups = scene.lighting.groups.len() > 1;
         let groups = groups.then_some("Markov chains do not tell groups of lights apart");
-        groups.into_iter().chain(without_media(scene).filter(|_| !self.by_paths)).collect()
+        groups.into_iter().collect()
     }
 }

@@ -9,6 +9,7 @@ use kajo_testkit::Estimate;
 
 use super::chain::{acceptance, moved};
 use super::*;
+use crate::integrator::bidir::integrator_of;
 use crate::integrator::same_picture::assert_same_picture;
 use crate::integrator::tests::scene_with;
 use crate::{Film, FilmSpec, RenderSettings, Silent, render};
@@ -216,6 +217,30 @@ fn chains_and_paths_agree_in_every_part_of_a_room() {
                 "region {region}, by paths {by_paths}: {found:?} and {expected:?}"
             );
         }
+    }
+}
+
+/// A cloud and haze under a spot light, with the light from both ends that is held to paths elsewhere: paths alone are noisy near the light.
+#[test]
+fn chains_and_light_from_both_ends_agree_in_fog() {
+    let scene = scene(&format!(
+        "{} Lights {{ SpotLight {{ position 0 1.8 0  direction 0 -1 -0.3  angle 70  innerAngle 30  intensity 3 3 3 }} }}
+         Media {{ FunctionMedium m {{ function = 2 - x  sigma_s 0.6 1 0.8 }} Medium air {{ sigma_s 0.2  sigma_a 0.1 }} exterior air }}
+         Materials {{ Matte wall {{ color 0.6 0.6 0.6 }}  Interface i {{ medium m }} }}
+         Group {{ MaterialIndex wall Box {{ min -2 -2 -2 max 2 2 2 }}  MaterialIndex i Box {{ min -0.8 -1 -1 max 0.8 1 0.4 }} }}",
+        camera([0.0, 0.0, 1.9], [0.0, -0.3, 0.0], 70.0)
+    ));
+    let settings = BidirectionalSettings { bounces: 2, ..BidirectionalSettings::default() };
+    let layers = LayerSet::of(&[Layer::Color]);
+    let both = integrator_of(&scene.output.camera, &scene, settings, SIZE, layers);
+    let expected = estimates(&*both, 4);
+    let found = estimates(&chains(&scene, 2, false), 4);
+    for (region, (found, expected)) in found.iter().zip(&expected).enumerate() {
+        let sigma = found.standard_error.hypot(expected.standard_error);
+        assert!(
+            (found.mean - expected.mean).abs() < 4.5 * sigma && sigma < 0.08 * expected.mean,
+            "region {region}: {found:?} and {expected:?}"
+        );
     }
 }
 

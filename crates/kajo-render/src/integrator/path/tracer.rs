@@ -15,8 +15,8 @@ use super::PathSettings;
 use super::directions::{self, Part};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
-    DrawnLight, Event, LocalFrame, MediumInteraction, MediumStack, PathState, SurfaceInteraction, advance,
-    connect, connect_through_media, follow, follow_phase, leave, pass_straight, sample_light, shade,
+    DrawnLight, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState, SurfaceInteraction,
+    advance, connect, connect_through_media, follow, follow_phase, leave, pass_straight, sample_light, shade,
     survives,
 };
 use crate::trail::{About, PathObserver, RayKind};
@@ -550,7 +550,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let (scene, state) = (self.scene(), &mut path.state);
         let &DrawnLight { light, li, pdf } = drawn;
         let Joined { segment, media, carried, pdf_by_scattering } = joined;
-        let passage = connect_through_media(scene, &segment, media, state, self.observer);
+        let passage = connect_through_media(scene, &segment, media, Joining::from(state), self.observer);
         let about = || About {
             eta: state.media.eta(),
             weight: sensor::to_rgb(carried, &state.wavelengths),

@@ -16,7 +16,7 @@ use kajo_core::scene::Scene;
 use kajo_math::rng::mix;
 
 use super::map::{Arrival, Photon};
-use crate::integrator::bidir::{light_end, shade_one_way};
+use crate::integrator::bidir::{Clear, light_end, shade_one_way};
 use crate::integrator::transport::{Event, SurfaceInteraction, advance, pass_straight};
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext};
@@ -153,7 +153,7 @@ impl<'a> Emission<'a> {
             if std::mem::take(&mut is_first) {
                 path.state.beta *= emitted.share_at(surface.at.point.p.distance(emitted.at.p()));
             }
-            let vertex = path.vertex(scene, &surface, bsdf, LightGroup::default());
+            let vertex = path.vertex::<Clear>(scene, &surface, bsdf, LightGroup::default());
             if !bsdf.is_delta() {
                 let is_caustic = is_clear && is_held_up;
                 let arrival = Arrival {

@@ -10,7 +10,7 @@ use kajo_math::Vec3;
 
 use super::map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use super::{Maps, NEIGHBOURS, Photons};
-use crate::integrator::bidir::{Subpath, Vertex, shade_one_way};
+use crate::integrator::bidir::{Clear, Subpath, Vertex, shade_one_way};
 use crate::integrator::path::power_heuristic;
 use crate::integrator::transport::{
     DrawnLight, Event, PathState, SurfaceInteraction, advance, connect, pass_straight, sample_light,
@@ -99,7 +99,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
             if is_last {
                 return;
             }
-            let z = path.vertex(scene, &surface, bsdf, LightGroup::default());
+            let z = path.vertex::<Clear>(scene, &surface, bsdf, LightGroup::default());
             if !self.scatter(&mut path, &z, (&surface, length), &mut from) {
                 return;
             }

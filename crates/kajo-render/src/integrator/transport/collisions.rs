@@ -33,7 +33,8 @@ use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
 
-use super::{LaneMis, PathState};
+use super::PathState;
+use super::lane_mis::all_lanes;
 use crate::trail::{About, PathObserver};
 
 /// Null collisions along one ray after which it is given up: a majorant that is far above all densities is a mistake of the
@@ -56,6 +57,14 @@ pub struct MediumInteraction {
 }
 
 impl PathState<'_> {
+    /// Has media absorb and scatter the path from here on.
+    ///
+    /// * `hero`: the lane that draws distances
+    pub fn carry_media(&mut self, hero: u32) {
+        self.carries_media = true;
+        self.lanes.hero = hero;
+    }
+
     /// Multiplies the weight of the path and all of its densities by one number, so that the mean of these is 1.
     fn normalize_lanes(&mut self) {
         let mean = self.mean(self.lanes.r_u);
@@ -184,6 +193,7 @@ fn travel(
     }
     let ray = Ray { t_min: 0.0, t_max: length, ..path.ray };
     let (mut beta, mut lanes) = (path.beta, path.lanes);
+    let wavelengths = path.wavelengths;
     let mut scattered = None;
     let arrives = walk(&stretch, &ray, &mut path.draws, |draws, at, t, majorant| {
         let factor = stretch.collision(t);
@@ -191,6 +201,9 @@ fn travel(
         if is_homogeneous || draws.next_1d() < real {
             // T sigma_s / (T[h] sigma_t[h]): the collision with its albedo.
             beta *= factor * stretch.sigma_s.safe_div(stretch.sigma_t);
+            let passed = if is_homogeneous { t } else { Spectrum::WHITE };
+            lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &wavelengths);
+            lanes.sigma_t = all_lanes(stretch.sigma_t, &wavelengths) * (real * majorant);
             lanes.r_u *= factor;
             lanes.r_l = lanes.r_u;
             scattered = Some(at);
@@ -254,9 +267,14 @@ pub struct Passage {
 impl Passage {
     /// Nothing is in the way.
     ///
-    /// * `lanes`: of the path to the vertex
-    pub fn open(lanes: &LaneMis) -> Passage {
-        Passage { t: Spectrum::WHITE, r_l: lanes.r_u, r_u: lanes.r_u }
+    /// * `r_u`: of the path to the vertex, [`super::LaneMis::r_u`], or of both paths that are joined
+    pub fn open(r_u: Spectrum) -> Passage {
+        Passage { t: Spectrum::WHITE, r_l: r_u, r_u }
+    }
+
+    /// The probability of going the same way by free paths, the mean over all lanes; 1 where nothing is in the way.
+    pub fn reach(&self, wavelengths: &Wavelengths) -> f32 {
+        all_lanes(self.r_u.safe_div(self.r_l), wavelengths)
     }
 
     /// Nothing comes along.

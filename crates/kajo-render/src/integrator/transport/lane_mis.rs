@@ -11,6 +11,12 @@ pub struct LaneMis {
     pub r_l: Spectrum,
     /// The lane that draws.
     pub hero: u32,
+    /// Of the last collision: the probability of getting there from the vertex before without another one, the mean over all lanes.
+    pub reach: f32,
+    /// Of the last collision: extinction per unit length there, the mean over all lanes.
+    pub sigma_t: f32,
+    /// The same where the ray at hand starts, 1 at surfaces and lights. It is kept for paths from both ends alone.
+    pub sigma_t_from: f32,
 }
 
 impl LaneMis {
@@ -24,10 +30,27 @@ impl LaneMis {
         let hero = if wavelengths.is_spectral() { 0 } else { ((3.0 * u) as u32).min(2) };
         LaneMis { hero, ..LaneMis::default() }
     }
+
+    /// The probability of getting from the vertex before to where the path has arrived without a collision, the mean over all lanes.
+    pub fn arrival(&self, wavelengths: &Wavelengths) -> f32 {
+        all_lanes(self.r_u.safe_div(self.r_l), wavelengths)
+    }
+}
+
+/// The mean of the lanes that paths begin with, whether or not they are followed yet: the same for paths from both ends.
+pub fn all_lanes(s: Spectrum, wavelengths: &Wavelengths) -> f32 {
+    if wavelengths.is_spectral() { s.mean() } else { (s[0] + s[1] + s[2]) * (1.0 / 3.0) }
 }
 
 impl Default for LaneMis {
     fn default() -> LaneMis {
-        LaneMis { r_u: Spectrum::WHITE, r_l: Spectrum::WHITE, hero: 0 }
+        LaneMis {
+            r_u: Spectrum::WHITE,
+            r_l: Spectrum::WHITE,
+            hero: 0,
+            reach: 1.0,
+            sigma_t: 1.0,
+            sigma_t_from: 1.0,
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! The steps of a path in scenes with participating media.
 
+use kajo_color::{Spectrum, Wavelengths};
+use kajo_core::sampler::SampleStream;
 use kajo_core::scene::{Interaction, Scene};
 use kajo_math::{Ray, Vec3, robust::offset_origin};
 
@@ -25,6 +27,25 @@ pub fn follow_phase(
     path.scatterings += 1;
 }
 
+/// What a segment that joins two vertices is followed with.
+pub struct Joining<'p, 's> {
+    pub wavelengths: &'p Wavelengths,
+    /// The lane that draws collisions.
+    pub hero: u32,
+    /// Densities of the paths to its ends, by lanes.
+    pub r_u: Spectrum,
+    /// The random numbers that are left.
+    pub draws: &'p mut SampleStream<'s>,
+}
+
+impl<'p, 's> Joining<'p, 's> {
+    /// From the last vertex of a path.
+    pub fn from(path: &'p mut PathState<'s>) -> Joining<'p, 's> {
+        let PathState { wavelengths, lanes, draws, .. } = path;
+        Joining { wavelengths, hero: lanes.hero, r_u: lanes.r_u, draws }
+    }
+}
+
 /// What comes along a segment between two vertices, through media and the boundaries of media, holes and panes on its way.
 ///
 /// As [`super::connect`], with what media absorb, and by lanes.
@@ -36,19 +57,19 @@ pub fn connect_through_media(
     scene: &Scene,
     segment: &Ray,
     mut media: MediumStack,
-    path: &mut PathState<'_>,
+    mut with: Joining<'_, '_>,
     observer: &mut impl PathObserver,
 ) -> Passage {
     if media.eta_of_segment(scene).is_none() {
         return Passage::closed();
     }
     observer.counters().shadow += 1;
-    let mut passage = Passage::open(&path.lanes);
+    let mut passage = Passage::open(with.r_u);
     if !scene.appearance.has_passages {
         if scene.occluded(segment) {
             return Passage::closed();
         }
-        along(scene, &unit(segment), &media, path, &mut passage);
+        along(scene, &unit(segment), &media, &mut with, &mut passage);
         return passage;
     }
     // Boundaries have to be met in their order, one after the other.
@@ -59,11 +80,11 @@ pub fn connect_through_media(
         if meets {
             ray.t_max = at.hit.t;
         }
-        along(scene, &unit(&ray), &media, path, &mut passage);
+        along(scene, &unit(&ray), &media, &mut with, &mut passage);
         if !meets || passage.t.is_black() {
             return passage;
         }
-        if !cross(scene, &ray, &at, &mut media, path, &mut passage) {
+        if !cross(scene, &ray, &at, &mut media, with.wavelengths, &mut passage) {
             break;
         }
         let o = offset_origin(at.point.p, at.point.p_error, at.point.ng, ray.d);
@@ -81,16 +102,16 @@ fn cross(
     ray: &Ray,
     at: &Interaction,
     media: &mut MediumStack,
-    path: &PathState<'_>,
+    wavelengths: &Wavelengths,
     passage: &mut Passage,
 ) -> bool {
     let cos = at.crossing_cosine(ray.d.normalize());
-    let passed = scene.passage(at, media.eta(), &path.wavelengths, cos);
+    let passed = scene.passage(at, media.eta(), wavelengths, cos);
     if passed.is_black() {
         return false;
     }
     passage.t *= passed;
-    let Some(interior) = scene.interior(at, &path.wavelengths, 0.5) else { return true };
+    let Some(interior) = scene.interior(at, wavelengths, 0.5) else { return true };
     let interface = media.interface(at.object, &interior, ray.d.dot(at.point.ng) < 0.0);
     media.cross(&interface);
     // Paths that meet a hidden surface are not weighed against connections.
@@ -98,11 +119,10 @@ fn cross(
 }
 
 /// Goes on through the medium around the start of a ray of unit direction, to its end.
-fn along(scene: &Scene, ray: &Ray, media: &MediumStack, path: &mut PathState<'_>, passage: &mut Passage) {
+fn along(scene: &Scene, ray: &Ray, media: &MediumStack, with: &mut Joining<'_, '_>, passage: &mut Passage) {
     passage.t *= media.transmittance(ray.t_max);
     if let Some(medium) = media.medium() {
-        let PathState { wavelengths, lanes, draws, .. } = path;
-        passage.through(scene, medium, ray, wavelengths, lanes.hero, draws);
+        passage.through(scene, medium, ray, with.wavelengths, with.hero, with.draws);
     }
 }
 

@@ -46,7 +46,7 @@ pub use differentials::leave;
 pub use frequency::radiance_factor;
 pub use lane_mis::LaneMis;
 pub use local_frame::LocalFrame;
-pub use media::{connect_through_media, follow_phase};
+pub use media::{Joining, connect_through_media, follow_phase};
 pub use medium_stack::{Interface, MediumStack};
 pub use path_state::{PathState, SurfaceInteraction};
 pub use steps::{DrawnLight, Event, advance, connect, follow, pass_straight, sample_light, shade, survives};

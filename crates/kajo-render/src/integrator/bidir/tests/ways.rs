@@ -13,8 +13,16 @@ struct Ways {
 const BATCHES: u32 = 32;
 
 fn ways(scene: &Scene, settings: BidirectionalSettings, samples: u32) -> Ways {
+    match scene.has_media() {
+        false => ways_of::<Clear>(scene, settings, samples),
+        true => ways_of::<Filled>(scene, settings, samples),
+    }
+}
+
+fn ways_of<V: Volume>(scene: &Scene, settings: BidirectionalSettings, samples: u32) -> Ways {
     let longest = settings.bounces as usize + 4;
-    let integrator = Bidirectional::new(scene, settings, [1, 1], LayerSet::of(&[]));
+    let integrator =
+        Bidirectional::<V>::made(&scene.output.camera, scene, settings, [1, 1], LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Sobol, samples);
     let zeros = || vec![0.0; BATCHES as usize];
     let mut sums = Ways { alone: vec![vec![zeros(); longest]; longest], weighted: vec![zeros(); longest] };
@@ -64,9 +72,15 @@ fn mean_of_seen(scene: &Scene, samples: u32) -> f64 {
 
 #[track_caller]
 fn assert_same(one: &Estimate, other: &Estimate, what: &str) {
+    assert_same_within(one, other, 0.06, what);
+}
+
+/// * `noise`: the largest standard error, as a share of the light
+#[track_caller]
+fn assert_same_within(one: &Estimate, other: &Estimate, noise: f64, what: &str) {
     let sigma = one.standard_error.hypot(other.standard_error);
     assert!((one.mean - other.mean).abs() < 4.5 * sigma + 1e-6, "{what}: {one:?} {other:?}");
-    assert!(sigma < 0.06 * other.mean.abs(), "{what} is too noisy: {one:?} {other:?}");
+    assert!(sigma < noise * other.mean.abs(), "{what} is too noisy: {one:?} {other:?}");
 }
 
 /// A room with a light on its ceiling, in the words of the scene language.
@@ -90,6 +104,12 @@ const CEILING: &str = "MaterialIndex emitter Quad { corner -0.6 0.95 -0.6  edge1
 
 #[track_caller]
 fn check_ways(text: &str, bounces: u32, samples: u32) {
+    check_ways_within(text, bounces, samples, 0.06);
+}
+
+/// * `noise`: the largest standard error of one way, as a share of the light
+#[track_caller]
+pub(super) fn check_ways_within(text: &str, bounces: u32, samples: u32, noise: f64) {
     let samples = samples * effort();
     let scene = scene(text);
     let settings = BidirectionalSettings { bounces, roulette: false, ..both() };
@@ -100,7 +120,7 @@ fn check_ways(text: &str, bounces: u32, samples: u32) {
         assert_same(&all, &expected, &format!("{points} points, all ways"));
         for s in 0..points {
             let alone = estimate(&sums.alone[points as usize][s as usize]);
-            assert_same(&alone, &all, &format!("{points} points, {s} from the light"));
+            assert_same_within(&alone, &all, noise, &format!("{points} points, {s} from the light"));
         }
     }
 }

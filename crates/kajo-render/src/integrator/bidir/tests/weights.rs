@@ -72,7 +72,8 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
         let place = ctx.begin([k, 0], 0);
         let mut draws = ctx.draws;
         let (mut again, mut path) = (draws.split(0, 0, 1), Vec::new());
-        it.follow_light(&mut rays, &mut path, again, 0.0, &wavelengths);
+        let began = Carried { wavelengths: &wavelengths, time: 0.0, hero: 0 };
+        it.follow_light(&mut rays, &mut path, again, began);
         again.skip(1);
         let [position, direction] = [again.next_2d(), again.next_2d()];
         let chosen = it.power_sampler.sample(position.x).expect("a light");
@@ -136,13 +137,11 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             let y = &path[i - 1];
             for j in 1..=views.len() {
                 let way = [i as u32 + 1, j as u32 + 1];
-                if let Some(found) =
-                    it.join([y, &views[j - 1]], way, (&wavelengths, 0.0), &mut again, &mut rays)
-                {
+                if let Some(found) = it.join([y, &views[j - 1]], way, began, &mut again, &mut rays) {
                     whole(&path[..i], &views[..j], i + 1, found.weight);
                 }
             }
-            if let Some(found) = it.splat(y, [i as u32 + 1, 1], (&wavelengths, 0.0), &mut again, &mut rays) {
+            if let Some(found) = it.splat(y, [i as u32 + 1, 1], began, &mut again, &mut rays) {
                 whole(&path[..i], &[], i + 1, found.weight);
             }
         }

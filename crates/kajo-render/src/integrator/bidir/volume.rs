@@ -1,0 +1,106 @@
+//! What vertices and segments know of participating media: nothing in scenes without any, where all of this is compiled away.
+//!
+//! In a medium a segment is drawn with the density of its direction, and with one for how far it goes. Paths are taken with the points of
+//! their null collisions [Miller, Georgiev and Jarosz 2019], so that all of these densities are known. Let `N` be the density of the null
+//! collisions of a segment if nothing else happened on it, and `q` the probability that none of them is a real one: the product of `1 - d/m`,
+//! with the density `d` and its majorant `m`. In a homogeneous medium, where nothing is drawn but the end, `N = 1` and `q = T`. Then
+//!
+//! ```text
+//! drawn from either end, to a surface         N q
+//! drawn from either end, to a collision at y  N q sigma_t(y)       per volume
+//! joined, by ratio tracking                   N
+//! ```
+//!
+//! `q` is the same in both directions and `N` is common to all ways to find the path. So the weights of `partial_mis.rs` hold with
+//! each density per area multiplied by `q sigma_t(y)`, where `sigma_t` is 1 at surfaces, and cosines that are 1 in media.
+//!
+//! Coefficients depend on the wavelength. Weights take the means of `q` and of `sigma_t` over all lanes that the path began with: any function of the path may
+//! stand for a density, as long as it is the same for all ways. The estimate itself counts over the mean of the true densities of all lanes, each
+//! of which might have drawn the distances, as in path tracing; see `transport/collisions.rs`.
+
+use std::fmt;
+
+use kajo_color::Spectrum;
+use kajo_core::medium::Phase;
+
+use super::partial_mis::Growth;
+use crate::integrator::transport::{MediumStack, PathState};
+
+/// What a vertex has of participating media.
+pub trait Volume: Copy + fmt::Debug + 'static {
+    /// Whether paths carry media.
+    const CARRIED: bool;
+
+    /// Made where paths carry media.
+    fn of(make: impl FnOnce() -> Filled) -> Self;
+
+    /// What there is to be known of media.
+    fn filled(&self) -> Option<&Filled>;
+
+    /// A density with what media make of it.
+    #[inline(always)]
+    fn scaled(pdf: f32, factor: impl FnOnce() -> f32) -> f32 {
+        if Self::CARRIED { pdf * factor() } else { pdf }
+    }
+}
+
+/// A scene without participating media.
+#[derive(Clone, Copy, Debug)]
+pub struct Clear;
+
+impl Volume for Clear {
+    const CARRIED: bool = false;
+
+    #[inline(always)]
+    fn of(_make: impl FnOnce() -> Filled) -> Clear {
+        Clear
+    }
+
+    #[inline(always)]
+    fn filled(&self) -> Option<&Filled> {
+        None
+    }
+}
+
+/// A vertex in a scene with participating media.
+#[derive(Clone, Copy, Debug)]
+pub struct Filled {
+    /// Where to light is scattered, if the vertex is in a medium.
+    pub phase: Option<Phase>,
+    /// Extinction per unit length at a vertex in a medium, the mean over the lanes; 1 at surfaces.
+    pub sigma_t: f32,
+    /// Densities of the path to the vertex by lanes, as [`crate::integrator::transport::LaneMis::r_u`].
+    pub r_u: Spectrum,
+    /// What is around the vertex on the side of `wo` and on the other.
+    pub media: [MediumStack; 2],
+}
+
+impl Volume for Filled {
+    const CARRIED: bool = true;
+
+    #[inline]
+    fn of(make: impl FnOnce() -> Filled) -> Filled {
+        make()
+    }
+
+    #[inline]
+    fn filled(&self) -> Option<&Filled> {
+        Some(self)
+    }
+}
+
+/// The densities of a path's new vertex with what media make of them.
+///
+/// * `collision`: mean extinction there, if it is in a medium
+pub fn grown_through_media(growth: Growth, path: &PathState<'_>, collision: Option<f32>) -> Growth {
+    let lanes = &path.lanes;
+    let reach = match collision {
+        Some(_) => lanes.reach,
+        None => lanes.arrival(&path.wavelengths),
+    };
+    Growth {
+        pdf: growth.pdf * reach * collision.unwrap_or(1.0),
+        g: growth.g * reach * lanes.sigma_t_from,
+        ..growth
+    }
+}
