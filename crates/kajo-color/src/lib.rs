@@ -20,6 +20,7 @@ pub mod matrix;
 pub mod metal;
 pub mod named;
 pub mod observer;
+pub mod oklab;
 mod planck;
 pub mod reflectance;
 pub mod sensor;

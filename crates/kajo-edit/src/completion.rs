@@ -183,11 +183,12 @@ impl<'t> Place<'t> {
         match parent {
             None => {
                 let outermost = [Kind::Camera, Kind::Settings, Kind::Background, Kind::Fog];
-                let lists = [Kind::Lights, Kind::Materials, Kind::Media, Kind::Group];
+                let lists = [Kind::Lights, Kind::Materials, Kind::Textures, Kind::Media, Kind::Group];
                 outermost.contains(&block.kind) || lists.contains(&block.kind)
             }
             Some(Kind::Lights) => block.kind == Kind::Light,
             Some(Kind::Materials) => block.kind == Kind::Material,
+            Some(Kind::Textures) => block.kind == Kind::Texture,
             Some(Kind::Media) => block.kind == Kind::Medium,
             Some(Kind::Background) => block.keyword == "sky",
             Some(parent) => parent.holds_objects() && (block.kind.is_object() || block.kind == Kind::Define),

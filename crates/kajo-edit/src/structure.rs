@@ -15,6 +15,7 @@ impl Tree {
         let holder = match kind {
             Kind::Light => Some(Kind::Lights),
             Kind::Material => Some(Kind::Materials),
+            Kind::Texture => Some(Kind::Textures),
             Kind::Medium => Some(Kind::Media),
             Kind::Define => Some(Kind::Group),
             _ if kind.is_object() => Some(Kind::Group),
@@ -42,6 +43,7 @@ impl Tree {
                 let keyword = match holder {
                     Kind::Light | Kind::Lights => "Lights",
                     Kind::Materials => "Materials",
+                    Kind::Textures => "Textures",
                     Kind::Media => "Media",
                     _ => "Group",
                 };

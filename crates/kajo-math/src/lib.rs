@@ -17,6 +17,7 @@ pub mod lorentz;
 pub mod motion;
 pub mod noise;
 pub mod ode;
+pub mod pattern;
 pub mod permute;
 pub mod piecewise;
 pub mod pmj;

@@ -8,11 +8,12 @@ use crate::console;
 use crate::failure::Failure;
 
 /// The families of blocks, in the order in which they are listed.
-const FAMILIES: [(&str, &[Kind]); 7] = [
+const FAMILIES: [(&str, &[Kind]); 8] = [
     ("Cameras", &[Kind::Camera]),
     ("Surroundings and settings", &[Kind::Settings, Kind::Background, Kind::Fog]),
     ("Lights", &[Kind::Lights, Kind::Light]),
     ("Materials", &[Kind::Materials, Kind::Material]),
+    ("Textures", &[Kind::Textures, Kind::Texture]),
     ("Media", &[Kind::Media, Kind::Medium]),
     ("Objects", &[Kind::Group, Kind::Define, Kind::Transform, Kind::Instance, Kind::Shape]),
     ("Within other blocks", &[Kind::Part]),

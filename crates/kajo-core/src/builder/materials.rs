@@ -19,18 +19,19 @@ impl SceneBuilder {
         let node = node.into();
         let name = node.name();
         check_finite(node.is_finite(), name)?;
-        self.check_textures(node.part().map(AnyTexture::from), name)?;
+        self.check_textures(node.parts(), name)?;
         self.appearance.textures.float(node).ok_or(SceneError::TooMany(name))
     }
 
-    /// Adds a colour that differs from place to place: a picture.
+    /// Adds a colour that differs from place to place: a picture, or what is made of other textures.
     ///
     /// # Errors
-    /// [`SceneError::NotFinite`], [`SceneError::TooMany`].
+    /// [`SceneError::NotFinite`], [`SceneError::UnknownTexture`], [`SceneError::TooMany`].
     pub fn color_texture(&mut self, node: impl Into<AnyColorNode>) -> Result<ColorTexture, SceneError> {
         let node = node.into();
         let name = node.name();
         check_finite(node.is_finite(), name)?;
+        self.check_textures(node.parts(), name)?;
         self.appearance.textures.color(node).ok_or(SceneError::TooMany(name))
     }
 

@@ -4,7 +4,9 @@ use kajo_scene::{Diagnostic, Item, Params};
 
 use super::Compiler;
 use super::camera_keys::CameraReader;
+use super::fields::Sources;
 use super::material_draft::Draft;
+use super::named_texture::NamedTexture;
 use super::place::{Place, Walk};
 use crate::medium::MediumId;
 use crate::schema::Block;
@@ -37,6 +39,9 @@ pub(super) type CameraMember = Member<CameraReader>;
 
 /// A kind of material.
 pub(super) type MaterialMember = Member<for<'t> fn(&mut Compiler<'_>, Item<'t>) -> Option<Draft<'t>>>;
+
+/// A kind of texture that has a name.
+pub(super) type TextureMember = Member<fn(&mut Params<'_, '_>, &mut Sources<'_>) -> Option<NamedTexture>>;
 
 /// A kind of medium.
 pub(super) type MediumMember = Member<for<'t> fn(&mut Compiler<'_>, Item<'t>) -> Option<MediumId>>;

@@ -37,7 +37,9 @@ mod model_material;
 mod model_picture;
 mod motion;
 mod mtl_material;
+mod named_texture;
 mod nesting;
+mod operands;
 mod operations;
 mod part;
 mod paths;
@@ -49,6 +51,7 @@ mod scale;
 mod settings;
 mod spectra;
 mod subdivision;
+mod textures;
 mod transform;
 mod value_names;
 
@@ -64,7 +67,7 @@ use std::sync::Arc;
 use kajo_bvh::BuildSettings;
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
 
-use self::blocks::{LIGHT_LIST, MATERIAL_LIST, MEDIUM_LIST};
+use self::blocks::{LIGHT_LIST, MATERIAL_LIST, MEDIUM_LIST, TEXTURE_LIST};
 use self::definition::Definition;
 use self::places::misplaced;
 use crate::builder::{SceneBuilder, SceneError};
@@ -136,6 +139,7 @@ fn compile_tree(
     let background = root.block(background::BLOCK.keyword);
     let fog = root.block(background::FOG.keyword);
     let lights = root.block(LIGHT_LIST.keyword);
+    let textures = root.block(TEXTURE_LIST.keyword);
     let media = root.block(MEDIUM_LIST.keyword);
     let materials = root.block(MATERIAL_LIST.keyword);
     let group = root.block("Group");
@@ -162,6 +166,9 @@ fn compile_tree(
     }
     if let Some(item) = lights {
         compiler.lights(item);
+    }
+    if let Some(item) = textures {
+        compiler.textures(item);
     }
     if let Some(item) = media {
         compiler.media(item);
@@ -217,6 +224,7 @@ struct Compiler<'a> {
     material_names: HashMap<String, MaterialId>,
     /// The names, where they have any, of materials that could not be made, which has been reported.
     failed_materials: HashSet<Option<String>>,
+    texture_names: named_texture::TextureNames,
     pictures: pictures::PictureCache,
     measured: measured::MeasuredCache,
     meshes: mesh::MeshCache,
@@ -255,6 +263,7 @@ impl<'a> Compiler<'a> {
             medium_names: HashMap::new(),
             material_names: HashMap::new(),
             failed_materials: HashSet::new(),
+            texture_names: HashMap::new(),
             pictures: pictures::PictureCache::default(),
             measured: measured::MeasuredCache::default(),
             meshes: mesh::MeshCache::default(),
@@ -280,7 +289,9 @@ impl<'a> Compiler<'a> {
     ) -> Option<T> {
         let (rules, integrators) = (self.rules, self.options.integrators);
         let (nodes, groups) = self.scene.textures_and_groups();
-        let textures = pictures::TextureReader::new(self.assets, self.options, &mut self.pictures, nodes);
+        let named = &self.texture_names;
+        let textures =
+            pictures::TextureReader::new(self.assets, self.options, &mut self.pictures, nodes, named);
         let media = &self.medium_names;
         let mut sources = fields::Sources { textures, groups, media, rules, integrators };
         let mut params = Params::new(item, self.diagnostics);
@@ -377,5 +388,7 @@ mod subdivision_tests;
 mod swept_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_graph_tests;
 #[cfg(test)]
 mod texture_law_tests;

@@ -4,7 +4,7 @@ use kajo_color::Emission;
 use kajo_scene::{Args, Diagnostics, Item, Params, Span};
 
 use super::fields::{Sources, Typed, Value};
-use super::pictures::{is_picture, read_channel};
+use super::pictures::{is_picture, name_with, read_channel};
 use super::spectra::factor;
 use crate::schema::{FieldKind, FieldSpec};
 use crate::texture::{ColorTexture, Encoding, Expression, FloatTexture, PictureChannel, PictureCut};
@@ -65,7 +65,7 @@ impl Value<'_> for NormalMap {
     }
 }
 
-/// A picture of heights, or a function of the place.
+/// A picture or a named texture of heights, or a function of the place.
 pub(super) struct HeightMap {
     pub heights: FloatTexture,
     /// How far white rises above black.
@@ -84,6 +84,11 @@ impl Value<'_> for HeightMap {
             let bounds = [f32::MIN, f32::MAX];
             let heights = sources.textures.nodes.float(Expression { function, bounds })?;
             return Some(HeightMap { heights, height: 1.0 });
+        }
+        if let Some(named) = sources.textures.named(item, diagnostics, |_| false) {
+            let height = name_with(item, diagnostics, |params| params.optional("height", Args::number))?;
+            let heights = named?.number(sources.textures.nodes)?;
+            return Some(HeightMap { heights, height: height.unwrap_or(Height::default().0) });
         }
         let read = |params: &mut Params<'_, '_>| {
             (Height(params.or("height", Height::default().0, Args::number)), read_channel(params))
@@ -109,12 +114,26 @@ impl Value<'_> for SurfaceLight {
         sources: &mut Sources<'_>,
     ) -> Option<SurfaceLight> {
         let spectra = sources.textures.spectra;
+        let light = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
+        let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
+        // Other words are lights.
+        if let Some(named) = sources.textures.named(item, diagnostics, |_| true) {
+            let (factor, light) = if item.has_block() {
+                let mut params = Params::new(item, diagnostics);
+                let (own, light) = (params.own(name), light(&mut params));
+                params.finish();
+                (own?.1, light)
+            } else {
+                (Args::read(item, diagnostics, name)?.1, None)
+            };
+            let slide = named?.color(sources.textures.nodes)?;
+            let light = light.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor);
+            return Some(SurfaceLight { light, slide: Some(slide) });
+        }
         if !is_picture(item) {
             let light = Args::read(item, diagnostics, |args| spectra.emission(args))?;
             return Some(SurfaceLight { light, slide: None });
         }
-        let light = |params: &mut Params<'_, '_>| params.optional("light", |args| spectra.emission(args));
-        let name = |args: &mut Args<'_>| Ok((args.text()?.into_owned(), factor(args)?));
         let ((map, factor), light) =
             sources.textures.pictures.map_and(item, None, diagnostics, name, light)?;
         let light = light.unwrap_or_else(|| Emission::from_rgb([1.0; 3])).scaled(factor);

@@ -5,11 +5,13 @@
 //! color planks.png { repeat 4 2  offset 0.5 0  wrap mirror  filter nearest  encoding linear }
 //! roughness scratches.png { channel green  range 0.1 0.4 }
 //! roughness = 0.3 + 0.1 * sin(20 * x)
+//! color bark
+//! roughness bark { range 0.4 0.8 }
 //! emission slide.png 5
 //! emission slide.png { light blackbody 3200 5 }
 //! ```
 //!
-//! A name that ends as those of pictures do is one. Whole numbers of a colour are values for a screen unless `encoding`
+//! A name that ends as those of pictures do is one; other names are those of `Textures`. Whole numbers of a colour are values for a screen unless `encoding`
 //! says otherwise; floats, and pictures of numbers, are amounts. A file is read once, however many parameters
 //! show it.
 
@@ -26,6 +28,7 @@ use kajo_scene::{
 };
 
 use super::CompileOptions;
+use super::named_texture::{self, NamedTexture, TextureNames, is_spectrum};
 use super::spectra::{SpectrumReader, Written};
 use crate::schema::FieldSpec;
 use crate::texture::{
@@ -57,6 +60,8 @@ pub(super) struct TextureReader<'a> {
     pub pictures: PictureReader<'a>,
     /// Of the scene.
     pub nodes: &'a mut Textures,
+    /// Those that have names.
+    pub named: &'a TextureNames,
 }
 
 impl<'a> TextureReader<'a> {
@@ -65,26 +70,42 @@ impl<'a> TextureReader<'a> {
         options: &'a CompileOptions,
         cache: &'a mut PictureCache,
         nodes: &'a mut Textures,
+        named: &'a TextureNames,
     ) -> TextureReader<'a> {
         TextureReader {
             spectra: SpectrumReader { assets },
             pictures: PictureReader::new(assets, options, cache),
             nodes,
+            named,
         }
     }
 }
 
 impl TextureReader<'_> {
-    /// A colour whose components are shares of light, a measured spectrum of such, or a picture.
+    /// A colour whose components are shares of light, a measured spectrum of such, a picture, or a texture by its name.
     pub fn color(&mut self, item: Item<'_>, diagnostics: &mut Diagnostics) -> Option<ColorTexture> {
         if is_picture(item) {
             let (map, ()) = self.pictures.map(item, None, diagnostics, |_| ())?;
             return self.nodes.color(map);
         }
+        if let Some(named) = self.named(item, diagnostics, is_spectrum) {
+            Args::read(item, diagnostics, |args| args.text())?;
+            return named?.color(self.nodes);
+        }
         Args::read(item, diagnostics, |args| share_of_light(self.spectra, args)).map(ColorTexture::Constant)
     }
 
-    /// A number within the bounds of its field, a picture of such, or a function of the place.
+    /// The texture that an item names, as [`named_texture::find`]; none where it names a picture.
+    pub fn named(
+        &self,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        is_value: impl Fn(&str) -> bool,
+    ) -> Option<Option<NamedTexture>> {
+        if is_picture(item) { None } else { named_texture::find(self.named, item, diagnostics, is_value) }
+    }
+
+    /// A number within the bounds of its field, a picture or a named texture of such, or a function of the place.
     pub fn float(
         &mut self,
         spec: &FieldSpec,
@@ -111,28 +132,63 @@ impl TextureReader<'_> {
             let function = Args::read(item, diagnostics, Args::function)?;
             return self.nodes.float(Expression { function, bounds: held_by(bounds) });
         }
+        let range = |params: &mut Params<'_, '_>| {
+            params.optional("range", |args| Ok([args.number_in(bounds)?, args.number_in(bounds)?]))
+        };
+        if let Some(named) = self.named(item, diagnostics, |_| false) {
+            let range = name_with(item, diagnostics, range)?;
+            let texture = named?.number(self.nodes)?;
+            return self.ranged(spec, item, diagnostics, (texture, range, "texture"));
+        }
         if !is_picture(item) {
             return Args::read(item, diagnostics, |args| args.number_in(bounds)).map(FloatTexture::Constant);
         }
         let read = |params: &mut Params<'_, '_>| {
-            let range =
-                params.optional("range", |args| Ok([args.number_in(bounds)?, args.number_in(bounds)?]));
+            let range = range(params);
             (more(params), range)
         };
         let (map, (said, range)) = self.pictures.map(item, Some(Encoding::Linear), diagnostics, read)?;
         let texture = self.nodes.float(of(map, said))?;
+        self.ranged(spec, item, diagnostics, (texture, range, "picture"))
+    }
+
+    /// A texture from 0 to 1, brought to the range that its item says; one that needs a range and has none is reported.
+    fn ranged(
+        &mut self,
+        spec: &FieldSpec,
+        item: Item<'_>,
+        diagnostics: &mut Diagnostics,
+        (texture, range, what): (FloatTexture, Option<[f32; 2]>, &str),
+    ) -> Option<FloatTexture> {
+        let bounds = spec.kind.bounds();
         match range {
             Some(range) => self.nodes.float(Remapped { texture, range }),
             None if bounds.contains(&0.0) && bounds.contains(&1.0) => Some(texture),
             None => {
                 let message =
-                    format!("a picture of `{}` needs a `range`: its value is a {}", spec.key, spec.kind);
+                    format!("a {what} of `{}` needs a `range`: its value is a {}", spec.key, spec.kind);
                 let error = Diagnostic::error(message).label(item.head_span(), "from 0 to 1");
                 diagnostics.push(error.help("`range` has the two values that black and white stand for"));
                 None
             }
         }
     }
+}
+
+/// What stands in the block behind the name of a texture, if there is one; `None` for what is wrong, which is reported.
+pub(super) fn name_with<T>(
+    item: Item<'_>,
+    diagnostics: &mut Diagnostics,
+    read: impl FnOnce(&mut Params<'_, '_>) -> Option<T>,
+) -> Option<Option<T>> {
+    if !item.has_block() {
+        return Args::read(item, diagnostics, |args| args.text()).map(|_| None);
+    }
+    let mut params = Params::new(item, diagnostics);
+    let name = params.own(|args| args.text().map(|_| ()));
+    let found = read(&mut params);
+    params.finish();
+    name.map(|()| found)
 }
 
 /// The numbers that a function of the place is held to.

@@ -2,7 +2,7 @@
 
 use kajo_scene::{Diagnostic, Item};
 
-use super::blocks::{self, LIGHT_LIST, MATERIAL_INDEX, MATERIAL_LIST, MEDIUM_LIST, block_of};
+use super::blocks::{self, LIGHT_LIST, MATERIAL_INDEX, MATERIAL_LIST, MEDIUM_LIST, TEXTURE_LIST, block_of};
 use crate::schema::Kind;
 
 /// The error for a word of the language that belongs elsewhere; `None` where it does not, or not by its word alone.
@@ -37,10 +37,12 @@ fn home(word: &str) -> Option<Option<&'static str>> {
         | Kind::Fog
         | Kind::Lights
         | Kind::Materials
+        | Kind::Textures
         | Kind::Media => Some(None),
         Kind::Light => Some(Some(LIGHT_LIST.keyword)),
         Kind::Medium => Some(Some(MEDIUM_LIST.keyword)),
         Kind::Material => Some(Some(MATERIAL_LIST.keyword)),
+        Kind::Texture => Some(Some(TEXTURE_LIST.keyword)),
         Kind::Group | Kind::Define | Kind::Transform | Kind::Instance | Kind::Shape => Some(Some(GROUP)),
         Kind::Part => None,
     }

@@ -106,7 +106,7 @@ impl Compiler<'_> {
         let share = self.options.limits.memory.share(triangles.saturating_mul(BYTES_PER_TRIANGLE));
         let _making = share.map_err(|over| self.cannot_read(path, &over.to_string(), at)).ok()?;
         let has_uvs = data.uvs.is_some();
-        let needs_uvs = matches!(displacement, Some(Displacement::Texture(FloatTexture::Node(_))));
+        let needs_uvs = matches!(displacement, Some(Displacement::Texture(texture)) if texture.needs_uv(self.scene.textures()));
         if needs_uvs && !has_uvs {
             self.warn_of_file(path, "it has no texture coordinates for the picture of `displacement`", at);
         }

@@ -75,6 +75,11 @@ fn answers(block: &Block, field: &FieldSpec, value: &str) -> Result<[String; 2],
     }
     let text = format!(
         "PerspectiveCamera {{ center 0 9 0 direction 0 -1 0 up 0 0 -1 angle 30 }}
+         Textures {{
+           Gradient across {{ wave once  Transform {{ Translate -0.5 0 0 }} }}
+           Threshold right {{ texture across }}
+           Ramp halves {{ texture across  interpolation step  stop 0 1 0 0  stop 0.5 0 1 1 }}
+         }}
          Materials {{
            {} {{ {beside} {} {value} }}
            Matte other {{ color 0.5 0.25 0.5 }}
@@ -132,6 +137,30 @@ fn a_texture_is_at_each_place_the_number_that_it_has_there() {
             at_left == by_left && at_right == by_right,
             "{what}: {at_left} {by_left}, {at_right} {by_right}"
         );
+        tested += 1;
+    }
+    assert!(tested >= 40, "{tested}");
+}
+
+/// The same for textures that have names.
+#[test]
+fn a_named_texture_is_at_each_place_what_it_is_there() {
+    let mut tested = 0;
+    for (block, field) in fields().filter(|(_, field)| field.texture) {
+        let (left, right, name) = match field.kind {
+            FieldKind::Number { min, .. } => {
+                let [lo, hi] = [min + 0.25, min + 0.75];
+                (lo.to_string(), hi.to_string(), format!("right {{ range {lo} {hi} }}"))
+            }
+            _ => ("1 0 0".to_owned(), "0 1 1".to_owned(), "halves".to_owned()),
+        };
+        let what = format!("{} of {}", field.key, block.keyword);
+        let [by_left, by_right, by_name] = [left, right, name].map(|value| answers(block, field, &value));
+        let Ok(by_name) = by_name else {
+            assert!(by_left == by_name && by_right == by_name, "{what}: {by_name:?}");
+            continue;
+        };
+        assert_eq!(by_name, [by_left.unwrap()[0].clone(), by_right.unwrap()[1].clone()], "{what}");
         tested += 1;
     }
     assert!(tested >= 40, "{tested}");

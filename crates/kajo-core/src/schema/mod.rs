@@ -33,6 +33,10 @@ pub enum Kind {
     Materials,
     /// One material.
     Material,
+    /// The list of textures that have names.
+    Textures,
+    /// One texture that has a name.
+    Texture,
     /// Objects together.
     Group,
     /// Objects that are placed elsewhere.

@@ -64,7 +64,7 @@ impl FloatNode for PictureChannel {
     }
 
     fn detail(&self, _textures: &Textures, found: &mut TextureDetail) {
-        self.map.detail(found);
+        self.map.shown(found);
     }
 
     fn mean(&self, _textures: &Textures) -> f32 {
@@ -107,7 +107,7 @@ impl FloatNode for PictureCut {
     }
 
     fn detail(&self, _textures: &Textures, found: &mut TextureDetail) {
-        self.map.detail(found);
+        self.map.shown(found);
         found.jumps = true;
     }
 

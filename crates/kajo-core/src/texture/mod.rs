@@ -6,15 +6,20 @@
 
 mod channel;
 mod checker;
+mod combination;
 mod context;
 mod coordinates;
 mod expression;
 mod footprint;
+mod knots;
+mod mapping;
 mod marble;
 mod noise;
 mod operations;
+mod pattern;
 mod picture;
 mod placed;
+mod ramp;
 mod rgb;
 mod slope;
 mod value;
@@ -23,15 +28,20 @@ mod wood;
 
 pub use channel::{Channel, PictureChannel, PictureCut};
 pub use checker::Checker;
+pub use combination::{ColorCombination, ColorOperation, FloatCombination, FloatOperation};
 pub use context::TextureContext;
 pub use coordinates::UvSet;
 pub use expression::Expression;
 pub use footprint::TextureFootprint;
+pub use knots::{Interpolation, Knots};
+pub use mapping::{MappedColor, MappedFloat, Mapping, Projection};
 pub use marble::Marble;
 pub use noise::Noise;
 pub use operations::{Complement, Remapped};
+pub use pattern::PatternNode;
 pub use picture::{Encoding, Picture, PictureMap, TexelFilter, TextureDetail, Wrap};
 pub use placed::Placed;
+pub use ramp::{Colors, Curve, Cycle, Grey, Lightness, Ramp};
 pub use slope::TextureSlope;
 pub use value::{AnyTexture, ColorTexture, FloatTexture, TextureEvaluator};
 pub use vertex_color::{VertexColor, VertexOpacity};
@@ -48,9 +58,14 @@ pub trait FloatNode {
     /// Whether all its own numbers are finite.
     fn is_finite(&self) -> bool;
 
-    /// The texture that it is made of.
+    /// The texture that it is made of, if it is one number.
     fn part(&self) -> Option<FloatTexture> {
         None
+    }
+
+    /// All textures that it is made of.
+    fn parts(&self) -> Vec<AnyTexture<'_>> {
+        self.part().into_iter().map(AnyTexture::from).collect()
     }
 
     /// Whether what it answers depends on [`TextureContext::footprint`], parts left out.
@@ -104,11 +119,16 @@ family! {
     members {
         channels: PictureChannel,
         checkers: Checker,
+        combinations: FloatCombination,
         complements: Complement,
+        curves: Curve,
         cuts: PictureCut,
         expressions: Expression,
+        lightnesses: Lightness,
+        mapped: MappedFloat,
         marbles: Marble,
         noises: Noise,
+        patterns: PatternNode,
         placed: Placed,
         remapped: Remapped,
         vertex_opacities: VertexOpacity,
@@ -117,8 +137,8 @@ family! {
     any methods {
         /// See [`FloatNode::is_finite`].
         fn is_finite() -> bool;
-        /// See [`FloatNode::part`].
-        fn part() -> Option<FloatTexture>;
+        /// See [`FloatNode::parts`].
+        fn parts() -> Vec<AnyTexture<'_>>;
         /// See [`FloatNode::wants_footprint`].
         fn wants_footprint() -> bool;
         /// See [`FloatNode::prepare`].
@@ -146,7 +166,12 @@ pub trait ColorNode {
     /// Whether all its own numbers are finite.
     fn is_finite(&self) -> bool;
 
-    /// Whether what it answers depends on [`TextureContext::footprint`].
+    /// All textures that it is made of.
+    fn parts(&self) -> Vec<AnyTexture<'_>> {
+        Vec::new()
+    }
+
+    /// Whether what it answers depends on [`TextureContext::footprint`], parts left out.
     fn wants_footprint(&self) -> bool {
         false
     }
@@ -158,10 +183,10 @@ pub trait ColorNode {
     fn reflectance(&self, textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
 
     /// Whether the colour depends on surface coordinates.
-    fn needs_uv(&self) -> bool;
+    fn color_needs_uv(&self, textures: &Textures) -> bool;
 
     /// Adds to what is `found` of other textures.
-    fn detail(&self, found: &mut TextureDetail);
+    fn color_detail(&self, textures: &Textures, found: &mut TextureDetail);
 
     /// A direction of the texture's own coordinates as one of the surface coordinates that place it.
     fn along(&self, m: Vec2) -> Vec2 {
@@ -169,7 +194,7 @@ pub trait ColorNode {
     }
 
     /// Its mean over all places in linear RGB, about.
-    fn mean(&self) -> [f32; 3];
+    fn color_mean(&self, textures: &Textures) -> [f32; 3];
 }
 
 family! {
@@ -181,10 +206,16 @@ family! {
     any AnyColorNode;
     contract ColorNode;
     members {
+        combinations: ColorCombination,
+        greys: Grey,
+        mapped: MappedColor,
         pictures: PictureMap,
+        ramps: Ramp,
         vertex_colors: VertexColor,
     }
     any methods {
+        /// See [`ColorNode::parts`].
+        fn parts() -> Vec<AnyTexture<'_>>;
         /// See [`ColorNode::is_finite`].
         fn is_finite() -> bool;
         /// See [`ColorNode::wants_footprint`].
@@ -193,16 +224,16 @@ family! {
         fn prepare() -> ();
     }
     methods {
-        /// See [`ColorNode::mean`].
-        fn mean() -> [f32; 3];
-        /// See [`ColorNode::needs_uv`].
-        fn needs_uv() -> bool;
-        /// See [`ColorNode::detail`].
-        fn detail(found: &mut TextureDetail);
         /// See [`ColorNode::along`].
         fn along(m: Vec2) -> Vec2;
     }
     methods of Textures.colors {
+        /// See [`ColorNode::color_mean`].
+        fn color_mean() -> [f32; 3];
+        /// See [`ColorNode::color_needs_uv`].
+        fn color_needs_uv() -> bool;
+        /// See [`ColorNode::color_detail`].
+        fn color_detail(found: &mut TextureDetail);
         /// See [`ColorNode::reflectance`].
         fn reflectance(at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum;
     }

@@ -173,16 +173,15 @@ impl ColorNode for PictureMap {
         rgb_reflectance([r, g, b], wavelengths)
     }
 
-    fn needs_uv(&self) -> bool {
+    fn color_needs_uv(&self, _textures: &Textures) -> bool {
         true
     }
 
-    fn detail(&self, found: &mut TextureDetail) {
-        found.jumps |= self.filter == TexelFilter::Nearest;
-        found.pictures.push(self.clone());
+    fn color_detail(&self, _textures: &Textures, found: &mut TextureDetail) {
+        self.shown(found);
     }
 
-    fn mean(&self) -> [f32; 3] {
+    fn color_mean(&self, _textures: &Textures) -> [f32; 3] {
         let [r, g, b, _] = self.means();
         [r, g, b]
     }
@@ -216,6 +215,12 @@ impl PictureMap {
     /// A picture of one white texel, as a carrier of other factors.
     pub(crate) fn white() -> PictureMap {
         PictureMap::new(Arc::new(Picture::from_fn(1, 1, |_, _| [1.0; 4])))
+    }
+
+    /// Adds itself to what is `found` of other textures.
+    pub(super) fn shown(&self, found: &mut TextureDetail) {
+        found.jumps |= self.filter == TexelFilter::Nearest;
+        found.pictures.push(self.clone());
     }
 
     /// Whether both pictures lie in the same place.

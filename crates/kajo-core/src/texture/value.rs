@@ -155,14 +155,14 @@ impl ColorTexture {
     pub fn needs_uv(&self, textures: &Textures) -> bool {
         match self {
             ColorTexture::Constant(_) => false,
-            ColorTexture::Node(node) => textures.colors.needs_uv(*node),
+            ColorTexture::Node(node) => textures.color_needs_uv(*node),
         }
     }
 
     /// Adds to what is `found` of other textures.
     pub fn detail(&self, textures: &Textures, found: &mut TextureDetail) {
         if let ColorTexture::Node(node) = self {
-            textures.colors.detail(*node, found);
+            textures.color_detail(*node, found);
         }
     }
 
@@ -170,7 +170,7 @@ impl ColorTexture {
     pub fn mean(&self, textures: &Textures) -> [f32; 3] {
         match self {
             ColorTexture::Constant(color) => color.rgb(),
-            ColorTexture::Node(node) => textures.colors.mean(*node),
+            ColorTexture::Node(node) => textures.color_mean(*node),
         }
     }
 }

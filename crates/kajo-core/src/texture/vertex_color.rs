@@ -17,17 +17,17 @@ impl ColorNode for VertexColor {
         true
     }
 
-    fn needs_uv(&self) -> bool {
+    fn color_needs_uv(&self, _textures: &Textures) -> bool {
         false
     }
 
-    fn detail(&self, _found: &mut TextureDetail) {}
+    fn color_detail(&self, _textures: &Textures, _found: &mut TextureDetail) {}
 
     fn reflectance(&self, _textures: &Textures, at: &TextureContext, wavelengths: &Wavelengths) -> Spectrum {
         at.tinted(Spectrum::WHITE, wavelengths)
     }
 
-    fn mean(&self) -> [f32; 3] {
+    fn color_mean(&self, _textures: &Textures) -> [f32; 3] {
         [1.0; 3]
     }
 }

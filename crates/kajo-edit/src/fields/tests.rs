@@ -40,6 +40,7 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Part => format!("{camera} Background {{ {text} }}"),
         Kind::Light => format!("{camera} Lights {{ {text} }}"),
         Kind::Medium => format!("{camera} Media {{ {text} }}"),
+        Kind::Texture => format!("{camera} Textures {{ Cells known {{ }} {text} }}"),
         Kind::Material if block.keyword == "AccretionDisk" => {
             format!("{camera} Media {{ BlackHole some {{ }} }} Materials {{ Matte {{ }} {text} }}")
         }
@@ -47,7 +48,7 @@ fn scene_with(block: &Block, text: &str) -> String {
         Kind::Shape | Kind::Instance | Kind::Transform => {
             format!("{camera} {materials} Group {{ MaterialIndex 0 Define thing {{ }} {text} }}")
         }
-        Kind::Group | Kind::Define | Kind::Lights | Kind::Materials | Kind::Media => {
+        Kind::Group | Kind::Define | Kind::Lights | Kind::Materials | Kind::Textures | Kind::Media => {
             format!("{camera} {text}")
         }
     }
@@ -64,7 +65,7 @@ fn head(block: &Block) -> String {
     match block.keyword {
         "Instance" => "Instance thing".to_owned(),
         "key" => "key 0".to_owned(),
-        keyword if block.kind == Kind::Medium => format!("{keyword} some"),
+        keyword if [Kind::Medium, Kind::Texture].contains(&block.kind) => format!("{keyword} some"),
         keyword => keyword.to_owned(),
     }
 }
@@ -88,6 +89,7 @@ fn needed(block: &Block) -> String {
         };
         let value = match field.key {
             "vertex2" => "0 0 3",
+            "texture" => "known",
             "hole" => "some",
             "terms" => "1 2 0 0  1 0 2 0  -0.5 0 0 0",
             "other" => "99 0 0",
@@ -182,6 +184,7 @@ fn every_word_that_begins_a_block_is_in_the_tables() {
         (unknown.to_owned(), None),
         (format!("Lights {{ {unknown} }}"), Some(Kind::Lights)),
         (format!("Materials {{ {unknown} }}"), Some(Kind::Materials)),
+        (format!("Textures {{ {unknown} }}"), Some(Kind::Textures)),
         (format!("Media {{ {unknown} }}"), Some(Kind::Media)),
         (format!("Group {{ {unknown} }}"), Some(Kind::Group)),
     ];

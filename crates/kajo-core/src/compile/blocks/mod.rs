@@ -43,6 +43,7 @@ pub(super) mod model;
 pub(super) mod noise;
 pub(super) mod orthographic_camera;
 pub(super) mod panorama_camera;
+pub(super) mod patterns;
 pub(super) mod perspective_camera;
 pub(super) mod phong_material;
 pub(super) mod plane;
@@ -59,13 +60,14 @@ pub(super) mod spot_light;
 pub(super) mod stereo_cubemap_camera;
 pub(super) mod superellipsoid;
 pub(super) mod text;
+pub(super) mod texture_operations;
 pub(super) mod torus;
 pub(super) mod triangle;
 pub(super) mod triangle_mesh;
 pub(super) mod wood;
 mod wormhole;
 
-use super::member::{CameraMember, LightMember, MaterialMember, MediumMember, ObjectMember};
+use super::member::{CameraMember, LightMember, MaterialMember, MediumMember, ObjectMember, TextureMember};
 use crate::schema::{Absent, Block, FieldKind, FieldSpec, Kind};
 
 /// All kinds of objects, in the order in which they are offered.
@@ -145,6 +147,44 @@ pub(super) const LIGHT_LIST: Block =
 pub(super) const MATERIAL_LIST: Block =
     Block { keyword: "Materials", kind: Kind::Materials, about: "the materials of the scene", groups: &[] };
 
+/// All kinds of textures that have names, in the order in which they are offered.
+pub(super) const TEXTURES: [&TextureMember; 31] = [
+    &patterns::tilings::BRICK,
+    &patterns::tilings::HEXAGONS,
+    &patterns::tilings::CHECKS,
+    &patterns::tilings::CELLS,
+    &patterns::bands::GRADIENT,
+    &patterns::bands::RADIAL,
+    &patterns::bands::SPIRAL,
+    &patterns::bands::ONION,
+    &patterns::noises::CLOUDS,
+    &patterns::noises::TURBULENCE,
+    &patterns::noises::RIDGED,
+    &patterns::noises::WRINKLES,
+    &patterns::noises::GRANITE,
+    &patterns::noises::GABOR,
+    &patterns::bands::VEINS,
+    &patterns::bands::AGATE,
+    &patterns::bands::RINGS,
+    &patterns::bands::TIMBER,
+    &patterns::cellular::WORLEY,
+    &patterns::cellular::CRACKLE,
+    &patterns::bands::LEOPARD,
+    &patterns::bands::RIPPLES,
+    &patterns::bands::WAVES,
+    &texture_operations::PLACED,
+    &texture_operations::RAMP,
+    &texture_operations::CURVE,
+    &texture_operations::THRESHOLD,
+    &texture_operations::BLEND,
+    &texture_operations::MULTIPLY,
+    &texture_operations::ADD,
+    &texture_operations::FORMULA,
+];
+
+pub(super) const TEXTURE_LIST: Block =
+    Block { keyword: "Textures", kind: Kind::Textures, about: "textures that have names", groups: &[] };
+
 /// All kinds of media, in the order in which they are offered.
 pub(super) const MEDIA: [&MediumMember; 11] = [
     &medium::MEMBER,
@@ -178,7 +218,7 @@ pub(super) const MEDIUM_LIST: Block = Block {
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 16] = [
+const OTHERS: [&Block; 17] = [
     &blob::SPHERE,
     &blob::CYLINDER,
     &prism::OUTLINE,
@@ -191,6 +231,7 @@ const OTHERS: [&Block; 16] = [
     &super::background::FOG,
     &LIGHT_LIST,
     &MATERIAL_LIST,
+    &TEXTURE_LIST,
     &MEDIUM_LIST,
     &group::DEFINE,
     &super::motion::BLOCK,
@@ -204,7 +245,8 @@ pub fn blocks() -> impl Iterator<Item = &'static Block> {
     let cameras = CAMERAS.iter().map(|member| &member.block);
     let materials = MATERIALS.iter().map(|member| &member.block);
     let media = MEDIA.iter().map(|member| &member.block);
-    objects.chain(cameras).chain(materials).chain(media).chain(OTHERS).chain(lights)
+    let textures = TEXTURES.iter().map(|member| &member.block);
+    objects.chain(cameras).chain(materials).chain(textures).chain(media).chain(OTHERS).chain(lights)
 }
 
 /// The block that begins with this word.
@@ -222,6 +264,7 @@ pub fn kind_of(keyword: &str, parent: Option<Kind>) -> Kind {
     match parent {
         Some(Kind::Lights) => Kind::Light,
         Some(Kind::Materials) => Kind::Material,
+        Some(Kind::Textures) => Kind::Texture,
         Some(Kind::Media) => Kind::Medium,
         Some(parent) if !parent.holds_objects() => Kind::Part,
         Some(_) | None => block_of(keyword).map_or(Kind::Part, |block| block.kind),

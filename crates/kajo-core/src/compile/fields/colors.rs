@@ -6,6 +6,7 @@ use kajo_scene::{Args, Diagnostic, Diagnostics, Item};
 
 use super::{Optional, Plain, Sources, Stated, Typed, Value, triple_of};
 use crate::compile::light_groups;
+use crate::compile::named_texture::is_spectrum;
 use crate::compile::pictures::is_picture;
 use crate::compile::spectra::Written;
 use crate::ids::LightGroup;
@@ -138,10 +139,15 @@ impl<'t, V: Plain<'t> + Stated> Value<'t> for Textured<V> {
         diagnostics: &mut Diagnostics,
         sources: &mut Sources<'_>,
     ) -> Option<Textured<V>> {
-        if !is_picture(item) {
-            return V::read(spec, item, diagnostics, sources).map(Textured::from);
-        }
-        let texture = Some(sources.textures.color(item, diagnostics)?);
+        let texture = match sources.textures.named(item, diagnostics, is_spectrum) {
+            Some(named) => {
+                Args::read(item, diagnostics, |args| args.text())?;
+                named?.color(sources.textures.nodes)
+            }
+            None if is_picture(item) => sources.textures.color(item, diagnostics),
+            None => return V::read(spec, item, diagnostics, sources).map(Textured::from),
+        };
+        let texture = Some(texture?);
         V::of(triple_of([1.0; 3])).map(|value| Textured { value, texture })
     }
 }
