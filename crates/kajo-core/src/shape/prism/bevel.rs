@@ -228,7 +228,7 @@ impl Parts {
             let next = (t + (g.abs() / speed).max(finest)).min(limit);
             let g_next = depth(next);
             if (g_next >= 0.0) != inside {
-                let at = crossing(&depth, [t, next], [g, g_next]);
+                let at = crossing(depth, [t, next], [g, g_next]);
                 inside = !inside;
                 visit(at, inside);
             }
