@@ -51,7 +51,7 @@ const CRATES: [(&str, &[&str]); 16] = [
     ),
     ("kajo-farm", &["kajo"]),
     ("kajo-cli", &["kajo", "kajo-farm", "kajo-selftest"]),
-    ("kajo-py", &["kajo"]),
+    ("kajo-py", &["kajo", "kajo-edit", "kajo-farm", "kajo-selftest"]),
     ("kajo-studio", &["kajo", "kajo-edit", "kajo-math"]),
     ("kajo-testkit", &["kajo-math", "kajo-color", "kajo-image"]),
     ("xtask", &[]),

@@ -27,7 +27,7 @@ Usage: cargo xtask <TASK>
   instructions     counts what rays take in instructions, where valgrind is installed; with --bless keeps the figures
   mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
   gallery [OUT]    renders both galleries to OUT (out/)
-  tables           writes the tables of fields into the pages of the manual
+  tables           writes the tables of fields into the pages of the manual, and the classes of the Python package
   samplers         draws the pictures of the manual's page on sample patterns";
 
 fn main() -> ExitCode {

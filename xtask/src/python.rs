@@ -39,14 +39,8 @@ pub fn test(root: &Path, report: &mut Report) {
 
 /// The package as a wheel has it, in `target/python`.
 fn package(root: &Path) -> io::Result<()> {
-    let (from, to) = (root.join("crates/kajo-py/python/kajo"), root.join("target/python/kajo"));
-    fs::create_dir_all(&to)?;
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        if entry.file_type()?.is_file() {
-            fs::copy(entry.path(), to.join(entry.file_name()))?;
-        }
-    }
+    let to = root.join("target/python/kajo");
+    copy(&root.join("crates/kajo-py/python/kajo"), &to)?;
     let libraries = ["libkajo_py.so", "libkajo_py.dylib", "kajo_py.dll"];
     let built =
         libraries.map(|name| root.join("target/debug").join(name)).into_iter().find(|path| path.exists());
@@ -54,4 +48,19 @@ fn package(root: &Path) -> io::Result<()> {
         built.ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "the native module was not built"))?;
     let name = if cfg!(windows) { "_native.pyd" } else { "_native.abi3.so" };
     fs::copy(built, to.join(name)).map(|_| ())
+}
+
+/// Copies the files of a folder, and of those in it.
+fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let to = to.join(entry.file_name());
+        match entry.file_type()? {
+            kind if kind.is_file() => _ = fs::copy(entry.path(), to)?,
+            kind if kind.is_dir() && entry.file_name() != "__pycache__" => copy(&entry.path(), &to)?,
+            _ => {}
+        }
+    }
+    Ok(())
 }

@@ -1,19 +1,24 @@
 //! A render that the interpreter can be told of and can stop.
 
 use std::ops::ControlFlow;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use kajo::{Format, Goal, Passes, Picture, Progress, RenderRequest, RenderSettings, Resources, Scene, View};
+use kajo::{
+    BitDepth, Format, Goal, Passes, Picture, Progress, RenderRequest, RenderSettings, Resources, Scene,
+    Snapshot, View,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::{RenderError, failed};
 
 /// How long nobody looks at signals.
-const STEP: Duration = Duration::from_millis(40);
+const STEP: Duration = Duration::from_millis(20);
 
 /// How far a render is, and whether it is to stop.
 #[derive(Default)]
@@ -21,6 +26,8 @@ struct Watch {
     done: AtomicU64,
     total: AtomicU64,
     stop: AtomicBool,
+    /// What the preview's callback raised.
+    raised: Mutex<Option<PyErr>>,
 }
 
 impl Progress for Watch {
@@ -40,15 +47,28 @@ impl Watch {
     }
 }
 
+/// Who is told of a render while it runs.
+pub struct Watchers {
+    /// Called with the share that is done.
+    pub progress: Option<Py<PyAny>>,
+    /// Called with the bytes of a PNG of the picture so far.
+    pub preview: Option<Py<PyAny>>,
+}
+
 /// When a render ends.
-pub fn goal(noise: Option<f64>, time: Option<f64>, adaptive: bool) -> PyResult<Goal> {
+///
+/// * `interval`: seconds between two looks at the picture so far
+pub fn goal(noise: Option<f64>, time: Option<f64>, adaptive: bool, interval: Option<f64>) -> PyResult<Goal> {
     if noise.is_some_and(|noise| !(noise.is_finite() && noise > 0.0)) {
         return Err(PyValueError::new_err("noise is a number above 0"));
     }
     let seconds = |time| Duration::try_from_secs_f64(time);
     let time = time.map(seconds).transpose();
     let time = time.map_err(|_| PyValueError::new_err("time is a number of seconds, 0 or more"))?;
-    Ok(Goal { time, noise, adaptive, interval: None })
+    let interval = interval.map(seconds).transpose();
+    let interval =
+        interval.map_err(|_| PyValueError::new_err("preview_interval is a number of seconds, 0 or more"))?;
+    Ok(Goal { time, noise, adaptive, interval })
 }
 
 /// Renders on other threads; this one looks after signals and the callback.
@@ -62,8 +82,9 @@ pub fn render(
     views: &[View],
     threads: usize,
     goal: &Goal,
-    progress: Option<Py<PyAny>>,
+    watchers: Watchers,
 ) -> PyResult<Picture> {
+    let Watchers { progress, preview } = watchers;
     // Files for the eye show some layers otherwise than files of numbers, and either may be asked for.
     let outputs: Vec<(View, Format)> = [Format::Exr, Format::Png]
         .into_iter()
@@ -81,7 +102,11 @@ pub fn render(
                     true => kajo::render(&request, watch),
                     false => {
                         let passes = Passes { goal: *goal, ..Passes::default() };
-                        kajo::render_passes(&request, &passes, watch, &mut |_| ControlFlow::Continue(()))
+                        let look = &mut |snapshot: Snapshot<'_>| match &preview {
+                            Some(preview) => show(&snapshot, views, preview, watch),
+                            None => ControlFlow::Continue(()),
+                        };
+                        kajo::render_passes(&request, &passes, watch, look)
                     }
                 };
                 let _ = over.send(());
@@ -97,6 +122,9 @@ pub fn render(
             Ok::<_, std::io::Error>((result, raised))
         })
     });
+    if let Some(raised) = watch.raised.into_inner().unwrap_or_default() {
+        return Err(raised);
+    }
     match rendered? {
         (_, Some(raised)) => Err(raised),
         (Ok(Ok(picture)), None) => {
@@ -110,6 +138,21 @@ pub fn render(
             Err(RenderError::new_err("this is a bug in kajo, not in your scene: a thread panicked"))
         }
     }
+}
+
+/// Shows the picture so far; what that raises ends the render.
+fn show(snapshot: &Snapshot<'_>, views: &[View], preview: &Py<PyAny>, watch: &Watch) -> ControlFlow<()> {
+    // A picture that cannot be shown yet will be shown later.
+    let Ok(png) = snapshot.encode(&views[..1.min(views.len())], Format::Png, BitDepth::Eight) else {
+        return ControlFlow::Continue(());
+    };
+    let shown =
+        Python::attach(|py| preview.call1(py, (PyBytes::new(py, &png), snapshot.samples())).map(drop));
+    let Err(raised) = shown else { return ControlFlow::Continue(()) };
+    if let Ok(mut first) = watch.raised.lock() {
+        first.get_or_insert(raised);
+    }
+    ControlFlow::Break(())
 }
 
 /// Hears signals, and tells how far the render is.

@@ -1,6 +1,7 @@
 """The package kajo, as a user of Python meets it. Run by `cargo xtask test` where Python, numpy and pytest are."""
 
 import os
+import pathlib
 import signal
 import subprocess
 import threading
@@ -129,12 +130,94 @@ def test_progress_is_told_and_may_stop(scene):
 
 
 def test_ctrl_c_stops_a_render(scene):
-    timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    start = time.monotonic()
-    with pytest.raises(KeyboardInterrupt):
-        scene.render(size=(1000, 1000), samples=("sobol", 65536))
-    assert time.monotonic() - start < 30
+    # Once to wake all threads.
+    scene.render(size=(64, 64))
+    sent = []
+
+    def press():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    took = []
+    for _ in range(3):
+        threading.Timer(0.2, press).start()
+        with pytest.raises(KeyboardInterrupt):
+            scene.render(size=(1000, 1000), samples=("sobol", 65536))
+        took.append(time.monotonic() - sent[-1])
+    # 50 ms where nothing else takes the cores.
+    assert min(took) < 1, took
+
+
+def test_a_preview_fills_in_and_may_stop(scene):
+    seen = []
+    image = scene.render(
+        size=(64, 48),
+        samples=("sobol", 256),
+        integrator="path",
+        preview=lambda png, samples: seen.append((png[:4], samples)),
+        preview_interval=0.0,
+    )
+    assert seen and all(head == b"\x89PNG" for head, _ in seen) and image.samples == 256
+    assert [samples for _, samples in seen] == sorted(samples for _, samples in seen)
+    # Whoever looks changes nothing.
+    plain = scene.render(size=(64, 48), samples=("sobol", 256), integrator="path")
+    assert image.encode("exr") == plain.encode("exr")
+
+    def stop(png, samples):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        scene.render(size=(64, 48), samples=("sobol", 4096), preview=stop, preview_interval=0.0)
+    with pytest.raises(ValueError, match="preview_interval"):
+        scene.render(size=(4, 4), preview=stop, preview_interval=-1.0)
+
+
+def test_a_bar_shows_progress(scene, capsys):
+    pytest.importorskip("tqdm")
+    scene.render(size=(64, 48), progress=True)
+    assert "100%" in capsys.readouterr().err
+
+
+def test_pictures_are_compared(scene):
+    a = scene.render(size=(40, 30), samples=4)
+    b = scene.render(size=(40, 30), samples=4, seed=2)
+    same, other = kajo.compare(a, a), kajo.compare(a, b)
+    assert (same.mse, same.flip, same.max_abs, same.psnr) == (0, 0, 0, float("inf"))
+    assert other.mse > 0 and 0 < other.flip < 1 and other.map.shape == (30, 40) and other.map.max() <= 1
+    by_hand = float(((a["color"].astype(float) - b["color"]) ** 2).mean())
+    assert abs(other.mse - by_hand) < 1e-6 * by_hand and abs(other.rmse**2 - other.mse) < 1e-12
+    assert kajo.compare(np.zeros((8, 8)), np.full((8, 8), 0.25), display=True).max_abs == 0.25
+    with pytest.raises(ValueError):
+        kajo.compare(a, scene.render(size=(8, 8)))
+    with pytest.raises(ValueError, match="shape"):
+        kajo.compare(np.zeros(3), np.zeros(3))
+
+
+def test_the_self_test_runs():
+    told = []
+    rows = kajo.selftest("table", seed=1, progress=told.append)
+    assert len(rows) > 3 and told == rows and all(row.verdict == "pass" for row in rows), rows
+    assert all(abs(row.measured / row.expected - 1) < 0.1 for row in rows if row.expected)
+    assert kajo.selftest("there is no such row") == []
+
+
+GALLERY = pathlib.Path(__file__).parents[3] / "scenes" / "gallery"
+
+
+@pytest.mark.skipif(PROGRAM is None or not GALLERY.is_dir(), reason="the program kajo, or the gallery, is not there")
+def test_scenes_of_the_gallery_are_those_of_the_command_line(tmp_path):
+    scenes = sorted(GALLERY.glob("*.txt"), key=lambda path: path.stat().st_size)
+    scenes = [scene for scene in scenes if scene.name != "manifest.txt"]
+    # Those that take long to load come last, and are for `cargo xtask deep`.
+    scenes = scenes if os.environ.get("KAJO_DEEP") else scenes[::9]
+    assert len(scenes) > 5
+    for path in scenes:
+        line = [PROGRAM, "render", str(path), "--assets", str(GALLERY.parent), "-o", str(tmp_path / "a.exr")]
+        size = ["--size", "16", "12", "--samples", "jittered", "1"]
+        ran = subprocess.run(line + size, capture_output=True, text=True)
+        assert ran.returncode == 0, (path.name, ran.stderr)
+        image = kajo.load(path, assets=[GALLERY.parent]).render(size=(16, 12), samples=1)
+        assert image.encode("exr") == (tmp_path / "a.exr").read_bytes(), path.name
 
 
 def test_other_threads_run_meanwhile(scene):

@@ -58,19 +58,8 @@ impl Difference {
     /// When one of them cannot be read, or they have different sizes.
     pub fn between(reference: &Path, test: &Path) -> Result<Difference, CompareError> {
         let (reference, test) = (read_picture(reference)?, read_picture(test)?);
-        let pixels = u64::from(reference.image.width()) * u64::from(reference.image.height());
-        let needed = pixels.saturating_mul(BYTES_TO_COMPARE);
-        if needed > memory::available() {
-            return Err(ImageError::Memory { needed }.into());
-        }
-        let figures = metrics::compare(&reference.image, &test.image)?;
-        let flip = match reference.format.is_float() || test.format.is_float() {
-            false => metrics::flip(&reference.image, &test.image, DEFAULT_PIXELS_PER_DEGREE)?,
-            true => {
-                let exposures = Exposures::of(&reference.image);
-                metrics::hdr_flip(&reference.image, &test.image, exposures, DEFAULT_PIXELS_PER_DEGREE)?
-            }
-        };
+        let is_light = reference.format.is_float() || test.format.is_float();
+        let (figures, flip) = compare_pictures(&reference.image, &test.image, is_light)?;
         Ok(Difference { reference, test, flip, figures })
     }
 
@@ -94,6 +83,30 @@ impl Difference {
     pub fn picture(&self) -> Result<Image, CompareError> {
         Ok(difference::error_map(&self.flip)?)
     }
+}
+
+/// Compares two pictures in memory: figures number by number, and the FLIP error, `height × width × 1` in [0, 1].
+///
+/// * `is_light`: whether the numbers are light, to be looked at with several exposures, and not values of a screen
+///
+/// # Errors
+/// When they have different sizes, or there is no memory for the comparison.
+pub fn compare_pictures(
+    reference: &Image,
+    test: &Image,
+    is_light: bool,
+) -> Result<(Comparison, Image), CompareError> {
+    let pixels = u64::from(reference.width()) * u64::from(reference.height());
+    let needed = pixels.saturating_mul(BYTES_TO_COMPARE);
+    if needed > memory::available() {
+        return Err(ImageError::Memory { needed }.into());
+    }
+    let figures = metrics::compare(reference, test)?;
+    let flip = match is_light {
+        false => metrics::flip(reference, test, DEFAULT_PIXELS_PER_DEGREE)?,
+        true => metrics::hdr_flip(reference, test, Exposures::of(reference), DEFAULT_PIXELS_PER_DEGREE)?,
+    };
+    Ok((figures, flip))
 }
 
 /// Two renders and how far the light of one is from the other's.

@@ -37,6 +37,10 @@ const SETTINGS_FIELDS: [FieldSpec; compile::SETTINGS.groups[0].len()] = {
     fields
 };
 
+/// The classes of the Python package are written from the descriptions of blocks as well.
+#[cfg(test)]
+mod python;
+
 /// The tables of the manual are written from the descriptions of blocks, between two comments in the page of each block.
 #[cfg(test)]
 mod tests {
@@ -54,7 +58,7 @@ mod tests {
     }
 
     /// Set to write the tables in place of checking them.
-    const WRITE: &str = "KAJO_WRITE_TABLES";
+    pub(super) const WRITE: &str = "KAJO_WRITE_TABLES";
 
     const END: &str = "<!-- end of fields -->";
 

@@ -88,5 +88,5 @@ pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
 pub use kajo_render::{Film, Goal, Position, Progress, RayCounters, Rect, RenderStats, Silent};
 pub use kajo_scene::{
     AssetError, AssetFile, Assets, Diagnostic, Diagnostics, Limits, LoadStep, MemoryAssets, MemoryBudget,
-    Severity, Sources, TokenKind, nearest, printable, tokens,
+    Severity, Sources, TokenKind, nearest, printable, relative_asset, tokens,
 };

@@ -1,0 +1,655 @@
+"""Lights and media: written by `cargo xtask tables`, not by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from .._items import (
+    Function,
+    Item,
+    LightBlock,
+    MediumBlock,
+)
+
+if TYPE_CHECKING:
+    from .._items import (
+        Emission,
+        File,
+        Number,
+        Vector,
+    )
+
+
+class Medium(MediumBlock):
+    """Milk, haze, coloured water: what is the same everywhere.
+
+    Args:
+        sigma_a: absorption per length (r g b, 1/length). Default: none.
+        sigma_s: scattering per length (r g b, 1/length). Default: none.
+        albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
+        density: collisions per length (r g b, 1/length). Default: by the other keys.
+        mean_free_path: mean length between collisions (r g b, length). Default: by the other
+            keys.
+        scale: makes all of it denser (number ≥ 0). Default: 1.
+        phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
+            by `g`.
+        g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
+    """
+
+    keyword = "Medium"
+    spelled: ClassVar[dict[str, str]] = {"sigma_a": "sigma_a", "sigma_s": "sigma_s"}
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        sigma_a: Vector | None = None,
+        sigma_s: Vector | None = None,
+        albedo: Vector | None = None,
+        density: Vector | None = None,
+        mean_free_path: Vector | None = None,
+        scale: Number | None = None,
+        phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
+        g: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.sigma_a = sigma_a
+        self.sigma_s = sigma_s
+        self.albedo = albedo
+        self.density = density
+        self.mean_free_path = mean_free_path
+        self.scale = scale
+        self.phase = phase
+        self.g = g
+
+
+class GridMedium(MediumBlock):
+    """A cloud or smoke, given voxel by voxel.
+
+    Args:
+        file: its densities: .vol of Mitsuba, .df3 of POV-Ray, or raw values (file). Default:
+            none.
+        values: its densities, as many as `size` says, x first (8 numbers). Default: those of
+            `file`.
+        size: voxels along x, y and z, of `values` and of raw files (3 whole numbers). Default:
+            by the file.
+        encoding: how a raw file stores numbers (f32, u16 or u8). Default: by the file.
+        min: a corner of the box that it fills (x y z). Default: by the file, or -1 -1 -1.
+        max: the opposite corner (x y z). Default: by the file, or 1 1 1.
+        sigma_a: absorption per length (r g b, 1/length). Default: none.
+        sigma_s: scattering per length (r g b, 1/length). Default: none.
+        albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
+        density: collisions per length (r g b, 1/length). Default: by the other keys.
+        mean_free_path: mean length between collisions (r g b, length). Default: by the other
+            keys.
+        scale: makes all of it denser (number ≥ 0). Default: 1.
+        phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
+            by `g`.
+        g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
+    """
+
+    keyword = "GridMedium"
+    spelled: ClassVar[dict[str, str]] = {"sigma_a": "sigma_a", "sigma_s": "sigma_s"}
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        file: File | None = None,
+        values: Number | Vector | None = None,
+        size: int | Sequence[int] | None = None,
+        encoding: Literal["f32", "u16", "u8"] | None = None,
+        min: Vector | None = None,
+        max: Vector | None = None,
+        sigma_a: Vector | None = None,
+        sigma_s: Vector | None = None,
+        albedo: Vector | None = None,
+        density: Vector | None = None,
+        mean_free_path: Vector | None = None,
+        scale: Number | None = None,
+        phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
+        g: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.file = file
+        self.values = values
+        self.size = size
+        self.encoding = encoding
+        self.min = min
+        self.max = max
+        self.sigma_a = sigma_a
+        self.sigma_s = sigma_s
+        self.albedo = albedo
+        self.density = density
+        self.mean_free_path = mean_free_path
+        self.scale = scale
+        self.phase = phase
+        self.g = g
+
+
+class FunctionMedium(MediumBlock):
+    """Haze or a cloud by a function of the place.
+
+    Args:
+        function: its density; where it is negative there is nothing (= function of x, y, z).
+        min: the corner of its box with the smallest coordinates (x y z). Default: -1 -1 -1.
+        max: the corner of its box with the largest coordinates (x y z). Default: 1 1 1.
+        sigma_a: absorption per length (r g b, 1/length). Default: none.
+        sigma_s: scattering per length (r g b, 1/length). Default: none.
+        albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
+        density: collisions per length (r g b, 1/length). Default: by the other keys.
+        mean_free_path: mean length between collisions (r g b, length). Default: by the other
+            keys.
+        scale: makes all of it denser (number ≥ 0). Default: 1.
+        phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
+            by `g`.
+        g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
+    """
+
+    keyword = "FunctionMedium"
+    functions: ClassVar[tuple[str, ...]] = ("function",)
+    spelled: ClassVar[dict[str, str]] = {"sigma_a": "sigma_a", "sigma_s": "sigma_s"}
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        function: Function | str | Number,
+        min: Vector | None = None,
+        max: Vector | None = None,
+        sigma_a: Vector | None = None,
+        sigma_s: Vector | None = None,
+        albedo: Vector | None = None,
+        density: Vector | None = None,
+        mean_free_path: Vector | None = None,
+        scale: Number | None = None,
+        phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
+        g: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.function = function
+        self.min = min
+        self.max = max
+        self.sigma_a = sigma_a
+        self.sigma_s = sigma_s
+        self.albedo = albedo
+        self.density = density
+        self.mean_free_path = mean_free_path
+        self.scale = scale
+        self.phase = phase
+        self.g = g
+
+
+class GradientIndex(MediumBlock):
+    """Clear matter that bends light, by its index of refraction at every place.
+
+    Args:
+        index: index of refraction by `x`, `y` and `z` in world space (= function of x, y, z).
+        abbe_number: how little it splits colours (number > 0). Default: all colours alike.
+        noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
+        noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
+            1.
+        octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
+        integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
+            Default: adaptive.
+        steps: of the fixed integrators, for the diagonal of the body (whole number from 1 to
+            1000000). Default: 1000.
+    """
+
+    keyword = "GradientIndex"
+    functions: ClassVar[tuple[str, ...]] = ("index",)
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        index: Function | str | Number,
+        abbe_number: Number | None = None,
+        noise: Number | None = None,
+        noise_frequency: Vector | None = None,
+        octaves: int | None = None,
+        integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
+        steps: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.index = index
+        self.abbe_number = abbe_number
+        self.noise = noise
+        self.noise_frequency = noise_frequency
+        self.octaves = octaves
+        self.integrator = integrator
+        self.steps = steps
+
+
+class LuneburgLens(MediumBlock):
+    """A ball of the index sqrt(2 - (r/R)^2): parallel light meets on its far side.
+
+    Args:
+        center: middle of the ball (x y z). Default: 0 0 0.
+        radius: where its index is 1 (number > 0, length). Default: 1.
+        abbe_number: how little it splits colours (number > 0). Default: all colours alike.
+        noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
+        noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
+            1.
+        octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
+        integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
+            Default: adaptive.
+        steps: of the fixed integrators, for the diagonal of the body (whole number from 1 to
+            1000000). Default: 1000.
+    """
+
+    keyword = "LuneburgLens"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        center: Vector | None = None,
+        radius: Number | None = None,
+        abbe_number: Number | None = None,
+        noise: Number | None = None,
+        noise_frequency: Vector | None = None,
+        octaves: int | None = None,
+        integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
+        steps: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.center = center
+        self.radius = radius
+        self.abbe_number = abbe_number
+        self.noise = noise
+        self.noise_frequency = noise_frequency
+        self.octaves = octaves
+        self.integrator = integrator
+        self.steps = steps
+
+
+class MaxwellFishEye(MediumBlock):
+    """Matter of the index n0 / (1 + (r/a)^2), in which rays are circles.
+
+    Args:
+        center: its middle (x y z). Default: 0 0 0.
+        radius: where its index is half of that in the middle (number > 0, length). Default: 1.
+        index: index of refraction in the middle (number > 0). Default: 2.
+        abbe_number: how little it splits colours (number > 0). Default: all colours alike.
+        noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
+        noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
+            1.
+        octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
+        integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
+            Default: adaptive.
+        steps: of the fixed integrators, for the diagonal of the body (whole number from 1 to
+            1000000). Default: 1000.
+    """
+
+    keyword = "MaxwellFishEye"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        center: Vector | None = None,
+        radius: Number | None = None,
+        index: Number | None = None,
+        abbe_number: Number | None = None,
+        noise: Number | None = None,
+        noise_frequency: Vector | None = None,
+        octaves: int | None = None,
+        integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
+        steps: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.center = center
+        self.radius = radius
+        self.index = index
+        self.abbe_number = abbe_number
+        self.noise = noise
+        self.noise_frequency = noise_frequency
+        self.octaves = octaves
+        self.integrator = integrator
+        self.steps = steps
+
+
+class RodLens(MediumBlock):
+    """A rod of the index n0 sqrt(1 - (g r)^2), that light winds through like a wave.
+
+    Args:
+        origin: a point of its axis (x y z). Default: 0 0 0.
+        axis: along it (x y z). Default: 0 0 1.
+        index: index of refraction on the axis (number > 0). Default: 1.5.
+        gradient: g; light winds once in about 2 pi / g (number ≥ 0, 1/length). Default: 0.5.
+        abbe_number: how little it splits colours (number > 0). Default: all colours alike.
+        noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
+        noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
+            1.
+        octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
+        integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
+            Default: adaptive.
+        steps: of the fixed integrators, for the diagonal of the body (whole number from 1 to
+            1000000). Default: 1000.
+    """
+
+    keyword = "RodLens"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        origin: Vector | None = None,
+        axis: Vector | None = None,
+        index: Number | None = None,
+        gradient: Number | None = None,
+        abbe_number: Number | None = None,
+        noise: Number | None = None,
+        noise_frequency: Vector | None = None,
+        octaves: int | None = None,
+        integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
+        steps: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.origin = origin
+        self.axis = axis
+        self.index = index
+        self.gradient = gradient
+        self.abbe_number = abbe_number
+        self.noise = noise
+        self.noise_frequency = noise_frequency
+        self.octaves = octaves
+        self.integrator = integrator
+        self.steps = steps
+
+
+class LinearIndex(MediumBlock):
+    """Matter whose index has a square that grows evenly, in which rays are parabolas.
+
+    Args:
+        origin: where the index is `index` (x y z). Default: 0 0 0.
+        index: index of refraction there (number > 0). Default: 1.5.
+        gradient: half the gradient of the square of the index (x y z, 1/length). Default: 0 0.1
+            0.
+        abbe_number: how little it splits colours (number > 0). Default: all colours alike.
+        noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
+        noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
+            1.
+        octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
+        integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
+            Default: adaptive.
+        steps: of the fixed integrators, for the diagonal of the body (whole number from 1 to
+            1000000). Default: 1000.
+    """
+
+    keyword = "LinearIndex"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        origin: Vector | None = None,
+        index: Number | None = None,
+        gradient: Vector | None = None,
+        abbe_number: Number | None = None,
+        noise: Number | None = None,
+        noise_frequency: Vector | None = None,
+        octaves: int | None = None,
+        integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
+        steps: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.origin = origin
+        self.index = index
+        self.gradient = gradient
+        self.abbe_number = abbe_number
+        self.noise = noise
+        self.noise_frequency = noise_frequency
+        self.octaves = octaves
+        self.integrator = integrator
+        self.steps = steps
+
+
+class AirLayers(MediumBlock):
+    """Air over hot or cold ground, in which mirages are seen.
+
+    Args:
+        up: away from the ground (x y z). Default: 0 1 0.
+        ground: where the ground is along `up` (number, length). Default: 0.
+        meter: a metre in the scene's unit (number > 0, length). Default: 1.
+        temperature: of air away from the ground (number > 0, K). Default: 293.
+        rise: how much hotter it is at the ground; negative for colder (number, K). Default: 0.
+        depth: height in which that falls to 1/e (number > 0, m). Default: 0.1.
+        inversion: how much warmer it is above a certain height (number, K). Default: 0.
+        inversion_height: that height (number ≥ 0, m). Default: 10.
+        inversion_width: half the thickness of the layer between (number > 0, m). Default: 1.
+        strength: makes all bending stronger than it is (number ≥ 0). Default: 1.
+        dispersion: whether colours part as they do in air (on or off). Default: on.
+        noise: how much Perlin noise adds to the index (number ≥ 0). Default: 0.
+        noise_frequency: how fine the noise is along each axis (x y z, 1/length). Default: 1 1
+            1.
+        octaves: how many noises are added up (whole number from 1 to 16). Default: 3.
+        integrator: how light is followed from step to step (adaptive, euler or rungeKutta).
+            Default: adaptive.
+        steps: of the fixed integrators, for the diagonal of the body (whole number from 1 to
+            1000000). Default: 1000.
+    """
+
+    keyword = "AirLayers"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        up: Vector | None = None,
+        ground: Number | None = None,
+        meter: Number | None = None,
+        temperature: Number | None = None,
+        rise: Number | None = None,
+        depth: Number | None = None,
+        inversion: Number | None = None,
+        inversion_height: Number | None = None,
+        inversion_width: Number | None = None,
+        strength: Number | None = None,
+        dispersion: bool | None = None,
+        noise: Number | None = None,
+        noise_frequency: Vector | None = None,
+        octaves: int | None = None,
+        integrator: Literal["adaptive", "euler", "rungeKutta"] | None = None,
+        steps: int | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.up = up
+        self.ground = ground
+        self.meter = meter
+        self.temperature = temperature
+        self.rise = rise
+        self.depth = depth
+        self.inversion = inversion
+        self.inversion_height = inversion_height
+        self.inversion_width = inversion_width
+        self.strength = strength
+        self.dispersion = dispersion
+        self.noise = noise
+        self.noise_frequency = noise_frequency
+        self.octaves = octaves
+        self.integrator = integrator
+        self.steps = steps
+
+
+class BlackHole(MediumBlock):
+    """The curved space around a black hole.
+
+    Args:
+        center: its middle (x y z). Default: 0 0 0.
+        mass: half the radius of its horizon, were it not to spin (number > 0, length). Default:
+            1.
+        spin: angular momentum over the square of the mass (number from -1 to 1). Default: 0.
+        axis: what it spins about, right-handed (x y z). Default: 0 1 0.
+        observer: how a camera moves that is in its space (againstSpin, falls, orbits or rests).
+            Default: rests.
+    """
+
+    keyword = "BlackHole"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        center: Vector | None = None,
+        mass: Number | None = None,
+        spin: Number | None = None,
+        axis: Vector | None = None,
+        observer: Literal["againstSpin", "falls", "orbits", "rests"] | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.center = center
+        self.mass = mass
+        self.spin = spin
+        self.axis = axis
+        self.observer = observer
+
+
+class Wormhole(MediumBlock):
+    """The curved space of two mouths that are one throat.
+
+    Args:
+        mouth: the middle of one mouth (x y z).
+        other: the middle of the other one (x y z).
+        radius: of the ball around each mouth in which space is curved (number > 0, length).
+        throat: radius of its narrowest place (number > 0, length).
+        length: how long it is as narrow as that (number ≥ 0, length). Default: 0.
+        width: how gently it widens, as the mass of a black hole would; 0 for that of Ellis
+            (number ≥ 0, length). Default: 0.
+        into: light that goes into the one mouth like this... (x y z). Default: 0 0 -1.
+        out: ...comes out of the other like that (x y z). Default: 0 0 -1.
+        up: what is up on both sides (x y z). Default: 0 1 0.
+    """
+
+    keyword = "Wormhole"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        mouth: Vector,
+        other: Vector,
+        radius: Number,
+        throat: Number,
+        length: Number | None = None,
+        width: Number | None = None,
+        into: Vector | None = None,
+        out: Vector | None = None,
+        up: Vector | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.mouth = mouth
+        self.other = other
+        self.radius = radius
+        self.throat = throat
+        self.length = length
+        self.width = width
+        self.into = into
+        self.out = out
+        self.up = up
+
+
+class DirectionalLight(LightBlock):
+    """Parallel light from far away, as of the sun.
+
+    Args:
+        direction: the way its light goes (x y z).
+        color: brightness by the classic formula (r g b, or another light value). Default: none.
+        irradiance: light on a surface that faces it (r g b, or another light value, W/m²).
+            Default: none.
+        angle: how wide it is in the sky; the sun: 0.53 (degrees from 0 to 180). Default: 0.
+        group: name of the lights it is seen among (word or text). Default: none.
+    """
+
+    keyword = "DirectionalLight"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        direction: Vector,
+        color: Emission | None = None,
+        irradiance: Emission | None = None,
+        angle: Number | None = None,
+        group: str | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.direction = direction
+        self.color = color
+        self.irradiance = irradiance
+        self.angle = angle
+        self.group = group
+
+
+class PointLight(LightBlock):
+    """Light from a point to all sides.
+
+    Args:
+        position: where it is (x y z).
+        color: brightness by the classic formula (r g b, or another light value). Default: none.
+        intensity: power per solid angle (r g b, or another light value, W/sr). Default: none.
+        power: all the light it gives (r g b, or another light value, W). Default: none.
+        attenuation: divides the colour by c0 + c1 d + c2 d² at the distance d (3 numbers).
+            Default: 1 0 0.
+        falloff: divides the colour by f d² at the distance d (number). Default: by
+            `attenuation`.
+        group: name of the lights it is seen among (word or text). Default: none.
+        ies: measured intensities, in place of all these (file). Default: none.
+        direction: where a measured luminaire points (x y z). Default: 0 -1 0.
+        rotate: turns a measured luminaire about its axis (degrees). Default: 0.
+        scale: makes a measured luminaire brighter (number ≥ 0). Default: 1.
+    """
+
+    keyword = "PointLight"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        position: Vector,
+        color: Emission | None = None,
+        intensity: Emission | None = None,
+        power: Emission | None = None,
+        attenuation: Number | Vector | None = None,
+        falloff: Number | None = None,
+        group: str | None = None,
+        ies: File | None = None,
+        direction: Vector | None = None,
+        rotate: Number | None = None,
+        scale: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.position = position
+        self.color = color
+        self.intensity = intensity
+        self.power = power
+        self.attenuation = attenuation
+        self.falloff = falloff
+        self.group = group
+        self.ies = ies
+        self.direction = direction
+        self.rotate = rotate
+        self.scale = scale
+
+
+class SpotLight(LightBlock):
+    """Light from a point into a cone.
+
+    Args:
+        position: where it is (x y z).
+        direction: where it points (x y z).
+        angle: full width of the cone (degrees from 0 to 360).
+        inner_angle: width of the cone that is evenly bright (degrees from 0 to 360). Default: ¾
+            of `angle`.
+        color: brightness by the classic formula (r g b, or another light value). Default: none.
+        intensity: power per solid angle (r g b, or another light value, W/sr). Default: none.
+        power: all the light it gives (r g b, or another light value, W). Default: none.
+        attenuation: divides the colour by c0 + c1 d + c2 d² at the distance d (3 numbers).
+            Default: 1 0 0.
+        falloff: divides the colour by f d² at the distance d (number). Default: by
+            `attenuation`.
+        group: name of the lights it is seen among (word or text). Default: none.
+    """
+
+    keyword = "SpotLight"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        position: Vector,
+        direction: Vector,
+        angle: Number,
+        inner_angle: Number | None = None,
+        color: Emission | None = None,
+        intensity: Emission | None = None,
+        power: Emission | None = None,
+        attenuation: Number | Vector | None = None,
+        falloff: Number | None = None,
+        group: str | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.position = position
+        self.direction = direction
+        self.angle = angle
+        self.inner_angle = inner_angle
+        self.color = color
+        self.intensity = intensity
+        self.power = power
+        self.attenuation = attenuation
+        self.falloff = falloff
+        self.group = group

@@ -1,0 +1,353 @@
+"""Settings, surroundings, lists and parts of blocks: written by `cargo xtask tables`, not by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+from .._items import (
+    Block,
+    Item,
+    PartBlock,
+)
+
+if TYPE_CHECKING:
+    from .._items import (
+        Emission,
+        File,
+        MediumName,
+        Number,
+        Vector,
+    )
+
+
+class SpherePart(PartBlock):
+    """A component of a blob around a point.
+
+    Args:
+        center: its middle (x y z).
+        radius: of its kernel (number > 0, length).
+        strength: value of its field in the middle (number). Default: 1.
+    """
+
+    keyword = "sphere"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        center: Vector,
+        radius: Number,
+        strength: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.center = center
+        self.radius = radius
+        self.strength = strength
+
+
+class CylinderPart(PartBlock):
+    """A component of a blob around a line.
+
+    Args:
+        base: one end of its axis (x y z).
+        top: the other end (x y z).
+        radius: of its kernel (number > 0, length).
+        strength: value of its field on the axis (number). Default: 1.
+    """
+
+    keyword = "cylinder"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        base: Vector,
+        top: Vector,
+        radius: Number,
+        strength: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.base = base
+        self.top = top
+        self.radius = radius
+        self.strength = strength
+
+
+class Outline(PartBlock):
+    """A closed path around a prism."""
+
+    keyword = "outline"
+
+
+class Profile(PartBlock):
+    """A path that a lathe turns."""
+
+    keyword = "profile"
+
+
+class Path(PartBlock):
+    """A path of the balls of a sweep."""
+
+    keyword = "path"
+
+
+class Strand(PartBlock):
+    """One of many curves, by its points."""
+
+    keyword = "strand"
+
+
+class Settings(Block):
+    """How the scene is to be rendered.
+
+    Args:
+        size: columns and rows of the picture (2 whole numbers, pixels). Default: 800 600.
+        integrator: how light is followed (bidirectional, classic, direct, distribution,
+            irradiance, light, mlt, occlusion, path, photon or sppm). Default: classic.
+        samples: rays of each pixel (bluenoise, cmj, jittered, pmj, poisson, regular, sobol,
+            uniform or zsobol; then a whole number). Default: by the integrator.
+        bounces: surfaces that light is followed over (whole number from 0 to 1000). Default: by
+            the integrator.
+        shadows: what casts them (off, on or transparent). Default: on.
+        transparent_shadows: how glass weakens light (length or surface). Default: by the
+            dialect.
+        shade_back: light reaches back sides (on or off). Default: off.
+        fresnel: reflection grows towards grazing angles (on or off). Default: off.
+        total_reflection: light that cannot leave is reflected (on or off). Default: off.
+        weight: rays that count for less are not followed (number ≥ 0). Default: 0.
+        filter: how samples become pixels (box, gaussian, lanczos, mitchell, none or tent; then
+            a number). Default: none.
+        seed: of the random numbers (whole number from 0 to 9007199254740992). Default: 0.
+        spectral: with wavelengths in place of red, green and blue (on or off). Default: off.
+        branches: rays from one surface (whole number from 1 to 65536). Default: by the
+            integrator.
+        directions: how directions are drawn (cosine, scattering or uniform). Default:
+            scattering.
+        technique: how light is found (combined, lights or scattering). Default: combined.
+        light_choice: how a light is drawn (tree or uniform). Default: tree.
+        roulette: faint paths end by chance (on or off). Default: by the integrator.
+        photons: paths from lights for a photon map (whole number from 1 to 100000000). Default:
+            by the integrator.
+        photon_map: what the photon map is used for (caustics, direct or gather). Default:
+            gather.
+        accuracy: error that a record of irradiance may make, as a share (number > 0). Default:
+            0.1.
+        rays: rays for a record of irradiance (whole number from 16 to 1048576). Default: 2048.
+        gradients: what is known around a record of irradiance (occlusion, off or strata).
+            Default: occlusion.
+        show_records: the irradiance and its records in place of the picture (on or off).
+            Default: off.
+        reach: distance beyond which nothing occludes (number > 0, length). Default: any
+            distance.
+        ray_offset: how close to a surface rays start (auto or reference). Default: auto.
+        depth_range: distances that are white and black (2 numbers, length). Default: by the
+            picture.
+        exposure: factors of two by which the picture is made brighter (number from -100 to 100,
+            stops). Default: 0.
+        tone: curve from light to pixels (linear, srgb, aces or agx). Default: by the
+            integrator.
+        white_balance: kelvin and tint of the light that is to look white (2 numbers, K).
+            Default: as it is.
+        dialect: conventions of the file (handout, mit-2004 or mit-a2). Default: handout.
+    """
+
+    keyword = "Settings"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        size: int | Sequence[int] | None = None,
+        integrator: Literal["bidirectional", "classic", "direct", "distribution", "irradiance", "light", "mlt", "occlusion", "path", "photon", "sppm"] | None = None,
+        samples: Literal["bluenoise", "cmj", "jittered", "pmj", "poisson", "regular", "sobol", "uniform", "zsobol"] | tuple[Literal["bluenoise", "cmj", "jittered", "pmj", "poisson", "regular", "sobol", "uniform", "zsobol"], int] | None = None,
+        bounces: int | None = None,
+        shadows: Literal["off", "on", "transparent"] | None = None,
+        transparent_shadows: Literal["length", "surface"] | None = None,
+        shade_back: bool | None = None,
+        fresnel: bool | None = None,
+        total_reflection: bool | None = None,
+        weight: Number | None = None,
+        filter: Literal["box", "gaussian", "lanczos", "mitchell", "none", "tent"] | tuple[Literal["box", "gaussian", "lanczos", "mitchell", "none", "tent"], Number] | None = None,
+        seed: int | None = None,
+        spectral: bool | None = None,
+        branches: int | None = None,
+        directions: Literal["cosine", "scattering", "uniform"] | None = None,
+        technique: Literal["combined", "lights", "scattering"] | None = None,
+        light_choice: Literal["tree", "uniform"] | None = None,
+        roulette: bool | None = None,
+        photons: int | None = None,
+        photon_map: Literal["caustics", "direct", "gather"] | None = None,
+        accuracy: Number | None = None,
+        rays: int | None = None,
+        gradients: Literal["occlusion", "off", "strata"] | None = None,
+        show_records: bool | None = None,
+        reach: Number | None = None,
+        ray_offset: Literal["auto", "reference"] | None = None,
+        depth_range: Number | Vector | None = None,
+        exposure: Number | None = None,
+        tone: Literal["linear", "srgb", "aces", "agx"] | None = None,
+        white_balance: Number | Vector | None = None,
+        dialect: Literal["handout", "mit-2004", "mit-a2"] | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.size = size
+        self.integrator = integrator
+        self.samples = samples
+        self.bounces = bounces
+        self.shadows = shadows
+        self.transparent_shadows = transparent_shadows
+        self.shade_back = shade_back
+        self.fresnel = fresnel
+        self.total_reflection = total_reflection
+        self.weight = weight
+        self.filter = filter
+        self.seed = seed
+        self.spectral = spectral
+        self.branches = branches
+        self.directions = directions
+        self.technique = technique
+        self.light_choice = light_choice
+        self.roulette = roulette
+        self.photons = photons
+        self.photon_map = photon_map
+        self.accuracy = accuracy
+        self.rays = rays
+        self.gradients = gradients
+        self.show_records = show_records
+        self.reach = reach
+        self.ray_offset = ray_offset
+        self.depth_range = depth_range
+        self.exposure = exposure
+        self.tone = tone
+        self.white_balance = white_balance
+        self.dialect = dialect
+
+
+class Background(Block):
+    """What rays see that hit nothing.
+
+    Args:
+        color: what rays see that hit nothing (r g b, or another light value). Default: 0.5 0.5
+            0.5.
+        ambient_light: light from everywhere, of the classic integrator (r g b). Default: 0 0 0.
+        environment: a picture of longitude and latitude (file). Default: none.
+        rotate: turns the picture (degrees). Default: 0.
+        scale: makes the picture brighter (number ≥ 0). Default: 1.
+        cube_map: a folder of six pictures (file). Default: none.
+        group: name of the lights it is seen among (word or text). Default: none.
+    """
+
+    keyword = "Background"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        color: Emission | None = None,
+        ambient_light: Vector | None = None,
+        environment: File | None = None,
+        rotate: Number | None = None,
+        scale: Number | None = None,
+        cube_map: File | None = None,
+        group: str | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.color = color
+        self.ambient_light = ambient_light
+        self.environment = environment
+        self.rotate = rotate
+        self.scale = scale
+        self.cube_map = cube_map
+        self.group = group
+
+
+class Sky(PartBlock):
+    """A clear sky with its sun, within a `Background`.
+
+    Args:
+        turbidity: haze (number from 2 to 10). Default: 3.
+        elevation: of the sun over the horizon (degrees from 0 to 90). Default: 45.
+        azimuth: of the sun (degrees). Default: 135.
+        ground: reflectance of the ground (number from 0 to 1). Default: 0.2.
+        scale: makes it brighter (number ≥ 0). Default: 1.
+        sun: with the sun itself (on or off). Default: on.
+    """
+
+    keyword = "sky"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        turbidity: Number | None = None,
+        elevation: Number | None = None,
+        azimuth: Number | None = None,
+        ground: Number | None = None,
+        scale: Number | None = None,
+        sun: bool | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.turbidity = turbidity
+        self.elevation = elevation
+        self.azimuth = azimuth
+        self.ground = ground
+        self.scale = scale
+        self.sun = sun
+
+
+class Fog(Block):
+    """What fills the air, for the classic integrator.
+
+    Args:
+        color: its colour (r g b).
+        density: how much hides what lies a unit away (number ≥ 0, 1/length).
+        height_falloff: how fast it thins with height (number ≥ 0, 1/length). Default: 0.
+        height: where the density is the one given (number, length). Default: 0.
+    """
+
+    keyword = "Fog"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        color: Vector,
+        density: Number,
+        height_falloff: Number | None = None,
+        height: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.color = color
+        self.density = density
+        self.height_falloff = height_falloff
+        self.height = height
+
+
+class Lights(Block):
+    """The lights of the scene."""
+
+    keyword = "Lights"
+
+
+class Materials(Block):
+    """The materials of the scene."""
+
+    keyword = "Materials"
+
+
+class Media(Block):
+    """What bodies and the air are filled with.
+
+    Args:
+        exterior: name of the medium around everything (word or text). Default: empty space.
+    """
+
+    keyword = "Media"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        exterior: MediumName | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.exterior = exterior
+
+
+class Motion(PartBlock):
+    """An operation that changes with time."""
+
+    keyword = "Motion"
+
+
+class Key(PartBlock):
+    """The operations that hold at a moment."""
+
+    keyword = "key"
