@@ -1,6 +1,7 @@
 //! Tasks of the workspace, each one word: `cargo xtask test`.
 
 mod cycles;
+mod environment;
 mod floors;
 mod instructions;
 mod manifest;
@@ -8,6 +9,7 @@ mod mutants;
 mod packages;
 mod python;
 mod steps;
+mod wheel;
 mod words;
 
 use std::path::{Path, PathBuf};
@@ -28,6 +30,7 @@ Usage: cargo xtask <TASK>
   mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
   gallery [OUT]    renders both galleries to OUT (out/)
   tables           writes the tables of fields into the pages of the manual, and the classes of the Python package
+  wheel            builds the wheel of the Python package, into target/wheels
   samplers         draws the pictures of the manual's page on sample patterns";
 
 fn main() -> ExitCode {
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         ["instructions", "--bless"] => instructions::check(&root, &mut report, true),
         ["mutants"] => mutants::check(&root, &mut report),
         ["tables"] => tables(&root, &mut report),
+        ["wheel"] => wheel::build(&root, &mut report),
         ["samplers"] => samplers(&root, &mut report),
         ["gallery"] => gallery(&root, &mut report, Path::new("out")),
         ["gallery", out] => gallery(&root, &mut report, Path::new(out)),

@@ -38,7 +38,7 @@ const NEEDS: [Need; 5] = [
     Need {
         name: "Python with numpy and pytest",
         is_there: || has_python("python3") || has_python("/usr/bin/python3"),
-        packages: &["python3", "python3-numpy", "python3-pytest"],
+        packages: &["python3", "python3-venv", "python3-numpy", "python3-pytest"],
     },
     Need { name: "keys and mouse by script", is_there: || has_program("xdotool"), packages: &["xdotool"] },
 ];

@@ -1,45 +1,117 @@
-//! The Python package, tested by a Python that has numpy and pytest.
+//! The Python package: its tests, and those of its wheel, notebooks and farm.
 
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 use std::{fs, io};
 
+use crate::environment::{Environment, PYTHONS, run};
 use crate::steps::{self, Cargo, Report};
+use crate::wheel::{self, Profile};
 
-/// Names of an interpreter, the first that has what is needed is taken.
-const PYTHONS: [&str; 3] = ["python3", "/usr/bin/python3", "python"];
+/// Packages of the Python registry that the tests need, each with what is skipped without it.
+const PACKAGES: [&str; 13] = [
+    "maturin",
+    "numpy",
+    "pytest",
+    "distributed",
+    "cryptography",
+    "nbclient",
+    "nbformat",
+    "ipykernel",
+    "matplotlib",
+    "tqdm",
+    "trimesh",
+    "mypy",
+    "ruff",
+];
 
-/// Builds the native module with what the tests of Rust have built already, puts the package together and runs its tests.
+/// Builds the native module with what the tests of Rust have built already, puts the package together and runs its tests:
+/// with Dask, notebooks and checkers where the Python registry can be reached, and without otherwise.
 pub fn test(root: &Path, report: &mut Report) {
-    let needs = "import sys, numpy, pytest; sys.exit(sys.version_info < (3, 10))";
-    let python = PYTHONS.into_iter().find(|python| steps::answers(Command::new(python).args(["-c", needs])));
-    let Some(python) = python else {
-        let why = "no Python of 3.10 or later with numpy and pytest: `pip install numpy pytest`";
-        return report.skip("Python package", why);
-    };
     // All of the workspace, so that the module is linked with crates that were built for the tests.
     report.run("Python module", Cargo::new(root, "build --profile test --workspace --lib --bins --tests"));
-    let outcome = package(root).map_err(|error| vec![format!("the package cannot be put together: {error}")]);
-    let outcome = outcome.and_then(|()| {
-        let mut pytest = Command::new(python);
-        pytest
-            .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "crates/kajo-py/tests"])
-            .env("PYTHONPATH", root.join("target/python"))
-            .env("PYTHONDONTWRITEBYTECODE", "1")
-            .env("KAJO_PROGRAM", root.join("target/debug/kajo"))
-            .current_dir(root);
-        match pytest.status() {
-            Ok(status) if status.success() => Ok(()),
-            Ok(status) => Err(vec![format!("pytest ended with {status}")]),
-            Err(error) => Err(vec![format!("pytest did not start: {error}")]),
+    if let Err(error) = package(root) {
+        let problem = format!("the package cannot be put together: {error}");
+        return report.add("Python package", Err(vec![problem]));
+    }
+    match Environment::make(root, &PACKAGES) {
+        Ok(environment) => {
+            report.add("Python package", pytest(root, environment.program("python")));
+            report.add(
+                "Python types",
+                check(root, &environment, "mypy", &["--config-file", "pyproject.toml", "python/kajo"]),
+            );
+            report.add(
+                "Python lints",
+                check(root, &environment, "ruff", &["check", "--no-cache", "python", "tests"]),
+            );
+            let wheel = wheel::with_maturin(root, &environment, Profile::Test);
+            report.add("wheel", wheel.and_then(|wheel| installed(root, &environment, &wheel)));
         }
-    });
-    report.add("Python package", outcome);
+        Err(why) => {
+            report.skip("wheel, farm of Dask, notebooks, types and lints of the Python package", why);
+            let needs = "import sys, numpy, pytest; sys.exit(sys.version_info < (3, 11))";
+            match PYTHONS.into_iter().find(|python| steps::answers(Command::new(python).args(["-c", needs])))
+            {
+                Some(python) => report.add("Python package", pytest(root, python)),
+                None => report.skip("Python package", "no Python of 3.11 or later with numpy and pytest"),
+            }
+        }
+    }
+}
+
+fn pytest(root: &Path, python: impl AsRef<OsStr>) -> Result<(), Vec<String>> {
+    let mut pytest = Command::new(python);
+    pytest
+        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "crates/kajo-py/tests"])
+        .env("PYTHONPATH", root.join("target/python"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("KAJO_PROGRAM", root.join("target/debug/kajo"))
+        .current_dir(root);
+    ended("pytest", pytest)
+}
+
+fn check(root: &Path, environment: &Environment, program: &str, words: &[&str]) -> Result<(), Vec<String>> {
+    let mut command = Command::new(environment.program(program));
+    command
+        .args(words)
+        .current_dir(root.join("crates/kajo-py"))
+        .env("MYPY_CACHE_DIR", root.join("target/mypy"))
+        .env("MYPYPATH", root.join("target/python"));
+    ended(program, command)
+}
+
+/// Installs the wheel into an environment of its own and renders with it: in Python, and by the command that comes with it.
+fn installed(root: &Path, environment: &Environment, wheel: &Path) -> Result<(), Vec<String>> {
+    let folder = root.join("target/wheel-test");
+    let _ = fs::remove_dir_all(&folder);
+    let steps = || -> Result<(), String> {
+        run(Command::new(environment.program("python"))
+            .args(["-m", "venv", "--system-site-packages"])
+            .arg(&folder))?;
+        let fresh = Environment::at(folder.clone());
+        let python = fresh.program("python");
+        // numpy is there already.
+        run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--no-deps"]).arg(wheel))?;
+        let script = root.join("crates/kajo-py/tests/wheel.py");
+        run(Command::new(environment.program("python")).arg(script).arg(&folder).current_dir(&folder))
+    };
+    steps().map_err(|problem| vec![problem])
+}
+
+fn ended(name: &str, mut command: Command) -> Result<(), Vec<String>> {
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(vec![format!("{name} ended with {status}")]),
+        Err(error) => Err(vec![format!("{name} did not start: {error}")]),
+    }
 }
 
 /// The package as a wheel has it, in `target/python`.
 fn package(root: &Path) -> io::Result<()> {
     let to = root.join("target/python/kajo");
+    let _ = fs::remove_dir_all(&to);
     copy(&root.join("crates/kajo-py/python/kajo"), &to)?;
     let libraries = ["libkajo_py.so", "libkajo_py.dylib", "kajo_py.dll"];
     let built =

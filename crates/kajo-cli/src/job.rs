@@ -193,6 +193,7 @@ impl Job {
             LoadOptions { progress: meter.loading(), memory: self.resources.memory, ..self.load.clone() };
         let (read, files);
         let bundle = match bundle {
+            // Of a scene whose own files are elsewhere.
             Some(bundle) => {
                 files = Vec::new();
                 bundle
@@ -208,7 +209,7 @@ impl Job {
             None => return Ok(kajo::load(&self.scene, &load)),
         };
         let loaded = kajo::load_from(bundle.scene(), bundle, &load);
-        Ok(Loaded { files, ..loaded })
+        Ok(Loaded { files, digest: Some(bundle.digest()), ..loaded })
     }
 
     /// What the film is asked to hold.
@@ -225,8 +226,11 @@ impl Job {
     /// # Errors
     /// When a file cannot be read again.
     pub fn scene_digest(loaded: &Loaded) -> Result<SceneDigest, Failure> {
-        let files = SceneDigest::of_files(&loaded.files)
-            .map_err(|error| Failure::Input(format!("cannot read the scene again: {error}")))?;
+        let files = match loaded.digest {
+            Some(digest) => digest,
+            None => SceneDigest::of_files(&loaded.files)
+                .map_err(|error| Failure::Input(format!("cannot read the scene again: {error}")))?,
+        };
         // The text around a model, of which `--up` and `--ground` decide.
         Ok(loaded.sources().iter().next().map_or(files, |(_, text)| files.with_text(text.text())))
     }

@@ -32,6 +32,9 @@ fn run() -> Result<(), Failure> {
     if line.len() < 2 {
         return commands::alone();
     }
+    if let Some(words) = farm::words_for_python(&line) {
+        return farm::hand_over(words);
+    }
     let cli = match Cli::read(line) {
         Ok(cli) => cli,
         Err(error) => return said_by_clap(&error),

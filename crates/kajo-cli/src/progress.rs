@@ -46,7 +46,7 @@ impl Meter {
             let seconds = start.elapsed().as_secs_f64().max(1e-3);
             let _ = write!(text, "{} rays/s", in_short(cast.load(Ordering::Relaxed) as f64 / seconds));
         };
-        let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {rate}  {eta} left")
+        let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {rate}  {eta} left  {wide_msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar())
             .with_key("rate", rate);
         Meter::Bar { bar: ProgressBar::no_length().with_style(style), rays }
@@ -63,6 +63,13 @@ impl Meter {
     /// The same, stoppable.
     pub fn watched<'a>(&'a self, interrupt: &'a Interrupt) -> Watched<'a> {
         Watched { meter: self, interrupt }
+    }
+
+    /// Something to stand beside the bar.
+    pub fn tell(&self, text: &str) {
+        if let Meter::Bar { bar, .. } = self {
+            bar.set_message(kajo::printable(text));
+        }
     }
 
     /// Takes the bar away.

@@ -93,7 +93,10 @@ fn what_cannot_be_shared_is_said() {
         ("--checkpoint state", "takes the place of checkpoints"),
         ("--tev", "viewer"),
         ("-o -", "name it with -o FILE"),
-        ("--farm tls://head:1", "expected local:N"),
+        ("--farm head:1", "expected local:N"),
+        ("--farm tls://head", "expected tls://HOST:PORT"),
+        ("--farm tcp://:1", "expected tcp://HOST:PORT"),
+        ("--preview out.txt", "names no format of pictures"),
         ("--farm local:0", "expected local:N"),
     ] {
         folder.fail(&format!("render ball.txt --size 8 8 --farm local:1 {options}"), 2, &[said]);

@@ -15,7 +15,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kajo::{AssetError, AssetFile, Assets};
+use kajo::{AssetError, AssetFile, Assets, SceneDigest};
 use serde::{Deserialize, Serialize};
 
 use crate::FarmError;
@@ -60,6 +60,11 @@ impl Bundle {
     /// The scene's name.
     pub fn scene(&self) -> &str {
         &self.scene
+    }
+
+    /// What the scene was read from, as [`SceneDigest::of_files`] says it of the files themselves.
+    pub fn digest(&self) -> SceneDigest {
+        SceneDigest::of_contents(self.contents.values().map(|content| &**content))
     }
 
     /// How many files it has, and bytes of these.

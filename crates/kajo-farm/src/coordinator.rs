@@ -12,19 +12,20 @@ use std::time::{Duration, Instant};
 
 use kajo::Pieces;
 
+use crate::hosts::HostShare;
 use crate::{FailedUnit, FarmError, Job, Layout, Part};
 
 /// Tries of a unit that fails.
-const TRIES: usize = 3;
+pub(crate) const TRIES: usize = 3;
 
 /// Workers that may be killed from outside while they render one unit: more is no accident.
-const MOST_LOSSES: u32 = 50;
+pub(crate) const MOST_LOSSES: u32 = 50;
 
 /// A unit may take this long, whatever others took.
-const LEAST_LEASE: Duration = Duration::from_secs(600);
+pub(crate) const LEAST_LEASE: Duration = Duration::from_secs(600);
 
 /// And this many times as long as the median of others.
-const LEASE: u32 = 10;
+pub(crate) const LEASE: u32 = 10;
 
 /// A unit to be rendered.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -87,6 +88,9 @@ pub trait Watch: Sync {
 
     /// Something worth a line.
     fn note(&self, text: &str);
+
+    /// What each host of an engine has brought so far.
+    fn hosts(&self, _hosts: &BTreeMap<String, HostShare>) {}
 
     /// Whether to stop.
     fn cancelled(&self) -> bool;

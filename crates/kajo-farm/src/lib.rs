@@ -15,12 +15,15 @@
 //! | `logs/` | what was said about each try of a unit that failed |
 //!
 //! [`coordinate`] hands units to workers, which are processes of this machine or anything else behind the trait
-//! [`Worker`]; [`protocol`] is how a worker process is talked to.
+//! [`Worker`]; an [`Engine`] is another program that has machines, and is handed units as they have room for them.
+//! [`protocol`] is how worker processes and engines are talked to.
 
 mod bundle;
 mod coordinator;
+mod engine;
 mod error;
 mod files;
+mod hosts;
 mod job;
 mod layout;
 mod part;
@@ -31,7 +34,9 @@ mod sums;
 
 pub use bundle::{Bundle, Recording};
 pub use coordinator::{Loss, Reply, Start, Task, Watch, Worker, coordinate};
+pub use engine::{Engine, LossKind, News, Order};
 pub use error::{FailedUnit, FarmError};
+pub use hosts::HostShare;
 pub use job::{Job, Merged, Published};
 pub use layout::Layout;
 pub use part::{Part, PartError};

@@ -18,6 +18,7 @@
 //! ([`SamplerKind::is_open_ended`](kajo_core::sampler::SamplerKind::is_open_ended)) and it does not decide where
 //! they go. A render then goes on to more samples, to the bits of one that was asked for them at once.
 
+use crate::SceneDigest;
 use std::fs::{self, File};
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -146,33 +147,6 @@ fn in_words(adaptive: bool) -> &'static str {
     } else {
         "where they lie depends on their number; go on with that number, or start afresh with sobol or uniform ones, \
          which can be continued"
-    }
-}
-
-/// What a scene was read from, as one number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SceneDigest([u8; 32]);
-
-impl SceneDigest {
-    /// The digest of the contents of files, in this order.
-    ///
-    /// # Errors
-    /// When one cannot be read.
-    pub fn of_files(paths: &[PathBuf]) -> io::Result<SceneDigest> {
-        let mut all = blake3::Hasher::new();
-        for path in paths {
-            let mut one = blake3::Hasher::new();
-            one.update_reader(File::open(path)?)?;
-            all.update(one.finalize().as_bytes());
-        }
-        Ok(SceneDigest(*all.finalize().as_bytes()))
-    }
-
-    /// The digest of this and a text: the scene around a model is in no file.
-    pub fn with_text(self, text: &str) -> SceneDigest {
-        let mut both = blake3::Hasher::new();
-        both.update(&self.0).update(text.as_bytes());
-        SceneDigest(*both.finalize().as_bytes())
     }
 }
 

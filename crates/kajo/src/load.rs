@@ -10,7 +10,7 @@ use kajo_scene::{
 };
 
 use crate::model_scene::ModelFile;
-use crate::{FsAssets, LoadOptions};
+use crate::{FsAssets, LoadOptions, SceneDigest};
 
 /// What came of reading a scene.
 #[derive(Debug)]
@@ -23,6 +23,8 @@ pub struct Loaded {
     pub scene: Option<Scene>,
     /// Real paths of the files it was read from.
     pub files: Vec<PathBuf>,
+    /// What it was read from, where that is no file.
+    pub digest: Option<SceneDigest>,
     /// The memory it takes, and what is left of that which it may take.
     pub memory: MemoryBudget,
 }
@@ -65,7 +67,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
             let mut diagnostics = Diagnostics::new();
             diagnostics.push(Diagnostic::error(problem));
             let (desc, memory) = (SceneDesc::default(), MemoryBudget::default());
-            Loaded { desc, diagnostics, scene: None, files: Vec::new(), memory }
+            Loaded { desc, diagnostics, scene: None, files: Vec::new(), digest: None, memory }
         }
     }
 }
@@ -111,7 +113,7 @@ fn compiled(parsed: Parsed, assets: &dyn Assets, options: &LoadOptions, limits: 
         true => compile(&mut desc, assets, &compile_options, &mut diagnostics),
         false => None,
     };
-    Loaded { desc, diagnostics, scene, files: Vec::new(), memory }
+    Loaded { desc, diagnostics, scene, files: Vec::new(), digest: None, memory }
 }
 
 #[cfg(test)]

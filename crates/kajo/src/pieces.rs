@@ -10,7 +10,8 @@ use std::ops::Range;
 use kajo_render::schedule::Unit;
 use kajo_render::{Film, FilmSpec, Goal, Position, Progress, Rect, RenderStats};
 
-use crate::checkpoint::{Identity, SceneDigest};
+use crate::SceneDigest;
+use crate::checkpoint::Identity;
 use crate::render::{self, failed};
 use crate::{Picture, RenderError, RenderRequest};
 

@@ -16,7 +16,8 @@ use kajo_render::{
 };
 use kajo_scene::in_words;
 
-use crate::checkpoint::{self, CheckpointError, Identity, SceneDigest};
+use crate::SceneDigest;
+use crate::checkpoint::{self, CheckpointError, Identity};
 use crate::denoise::{self, DENOISE_OUTPUTS, DenoiseError, Denoiser};
 use crate::development::Development;
 use crate::output::{OutputError, Target};

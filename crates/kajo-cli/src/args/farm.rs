@@ -1,5 +1,6 @@
 //! The arguments of the commands around renders that many workers share.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
@@ -89,6 +90,23 @@ pub enum FarmCommand {
     /// Print a batch script for Slurm: kajo farm slurm SCENE -o OUT --array 200 | sbatch
     #[command(allow_negative_numbers = true)]
     Slurm(Box<SlurmArgs>),
+    /// Make the certificates of a cluster of Dask: kajo farm init [DIR]
+    Init(HandedOn),
+    /// Run the scheduler of a cluster: kajo farm head [--config DIR] [--host HOST] [--port PORT]
+    Head(HandedOn),
+    /// Render for a cluster: kajo farm join [--config DIR] tls://HEAD:PORT
+    Join(HandedOn),
+    /// Let other machines join by ssh: kajo farm ssh [--config DIR] HOSTS.txt tls://HEAD:PORT
+    Ssh(HandedOn),
+}
+
+/// Words for the Python package, which has what talks to Dask.
+#[derive(Args, Debug)]
+#[command(disable_help_flag = true)]
+pub struct HandedOn {
+    /// See `kajo farm COMMAND --help`
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    pub words: Vec<OsString>,
 }
 
 /// `kajo farm slurm`

@@ -33,7 +33,7 @@ pub use normalise::normalise;
 pub use passes::PassArgs;
 pub use render::RenderArgs;
 pub use selftest::SelftestArgs;
-pub use workers::FarmArgs;
+pub use workers::{FarmArgs, Workers};
 
 const EXAMPLES: &str = "\
 Examples:

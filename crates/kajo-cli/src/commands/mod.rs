@@ -37,7 +37,7 @@ pub fn render(job: &Job, run: &RunArgs, interrupt: &Interrupt) -> Result<(), Fai
     let meter = Meter::new(run.quiet, run.show_progress);
     let mut say = |text: &str| console::report(text);
     let mut voice = Voice { color: console::in_color(), quiet: run.quiet, say: &mut say };
-    let done = match job.farm.farm {
+    let done = match &job.farm.farm {
         Some(workers) => farm::render(job, workers, &meter, interrupt, &mut voice)?,
         None => {
             farm::refuse_alone(job)?;

@@ -1,6 +1,9 @@
 //! Renders by many workers: the commands around [`kajo_farm`].
 
+mod engine;
 mod local;
+mod many;
+mod python;
 mod slurm;
 mod worker;
 
@@ -12,16 +15,44 @@ use kajo::output::Target;
 use kajo::{Loaded, Piece, Pieces, Position, Rect, RenderRequest, RenderStats, Silent};
 use kajo_farm::{Bundle, FarmError, Job as Folder, Layout, Merged, Part, Plan, PlannedFile, Recording};
 
-use crate::args::{BundleArgs, Cli, Command, FarmCommand, FarmCommandArgs, MergeArgs, PlanArgs, UnitArgs};
+use crate::args::{
+    BundleArgs, Cli, Command, FarmCommand, FarmCommandArgs, MergeArgs, PlanArgs, UnitArgs, Workers,
+};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, Work};
-use crate::job::{Job, Voice, has_errors};
+use crate::job::{Done, Job, Voice, has_errors};
 use crate::output::Destination;
 use crate::progress::Meter;
 
-pub use local::render;
+pub use python::{hand_over, words_for_python};
 pub use worker::worker;
+
+/// Does all of a job by workers.
+///
+/// # Errors
+/// [`Failure`]; what is finished stays in the folder of the job.
+pub fn render(
+    job: &Job,
+    workers: &Workers,
+    meter: &Meter,
+    interrupt: &Interrupt,
+    voice: &mut Voice<'_>,
+) -> Result<Done, Failure> {
+    match workers {
+        Workers::Local(n) => {
+            many::render(job, &local::Local::new(*n, job.resources.threads), meter, interrupt, voice)
+        }
+        Workers::Engine => many::render(job, &engine::Machines::new()?, meter, interrupt, voice),
+        Workers::Cluster(_) => {
+            refuse(job)?;
+            let words: Vec<OsString> = std::env::args_os().skip(1).collect();
+            let render = words.first().is_none_or(|word| word != "render").then(|| OsString::from("render"));
+            hand_over(&render.into_iter().chain(words).collect::<Vec<_>>())?;
+            Err(Failure::Input("the cluster gave no picture".to_owned()))
+        }
+    }
+}
 
 /// Calls `act` with the pieces of a render and what its scene was read from.
 fn with_pieces<T>(
@@ -74,6 +105,8 @@ pub fn refuse_alone(job: &Job) -> Result<(), Failure> {
     let farm = &job.farm;
     let given = [
         ("--job", farm.job.is_some()),
+        ("--preview", farm.preview.is_some()),
+        ("--farm-config", farm.farm_config.is_some()),
         ("--unit-tile", farm.unit_tile.is_some()),
         ("--unit-samples", farm.unit_samples.is_some()),
     ];
@@ -330,6 +363,11 @@ pub fn bundle(args: &BundleArgs) -> Result<(), Failure> {
 /// `kajo farm`
 pub fn manage(args: &FarmCommandArgs) -> Result<(), Failure> {
     match &args.what {
+        // Taken before, as they are written: their options are read by the package.
+        FarmCommand::Init(args)
+        | FarmCommand::Head(args)
+        | FarmCommand::Join(args)
+        | FarmCommand::Ssh(args) => hand_over(&args.words),
         FarmCommand::Slurm(args) => {
             let job = args.render.job()?;
             refuse(&job)?;
