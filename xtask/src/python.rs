@@ -44,7 +44,12 @@ pub fn test(root: &Path, report: &mut Report) {
             );
             report.add(
                 "Python lints",
-                check(root, &environment, "ruff", &["check", "--no-cache", "python", "tests"]),
+                check(
+                    root,
+                    &environment,
+                    "ruff",
+                    &["check", "--no-cache", "python", "tests", "../../docs/notebooks"],
+                ),
             );
             let wheel = wheel::with_maturin(root, &environment, Profile::Test);
             report.add("wheel", wheel.and_then(|wheel| installed(root, &environment, &wheel)));

@@ -1,7 +1,7 @@
 """A worker process with a fault, for tests: `kajo worker --stdio`, and between it and whoever asks it this program.
 
-FAULT says which: `unit:N` fails unit N every time, `crash:N` ends the process instead, `flip` changes a byte of the first
-part that any worker brings, `version` makes the plan one of another program, `slow` waits a while before each unit.
+FAULT says which: `unit:N` fails unit N every time, `crash:N` ends the process instead, `flip` changes a byte of the
+first part that any worker brings, `version` makes the plan one of another program, `slow` waits before each unit.
 """
 
 import os

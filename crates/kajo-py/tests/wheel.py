@@ -1,4 +1,4 @@
-"""The installed wheel, as whoever installs it meets it: run by `cargo xtask test` with the folder of an environment that has it."""
+"""The installed wheel: run by `cargo xtask test` with the folder of an environment that has it."""
 
 import json
 import subprocess

@@ -1,8 +1,9 @@
 """Between a coordinator, `kajo render --farm stdio`, and a cluster of Dask: which worker has which unit.
 
-Truth about what is finished is in the folder of the job, which the coordinator keeps. Here nothing is known but what is
-out. A unit is one task, pinned to a worker that has none; tasks do not depend on each other, and each result is gathered
-and released at once. Dask is a way to machines here, and no more: whatever it loses, the coordinator orders again.
+Truth about what is finished is in the folder of the job, which the coordinator keeps. Here nothing is known but what
+is out. A unit is one task, pinned to a worker that has none; tasks do not depend on each other, and each result is
+gathered and released at once. Dask is a way to machines here, and no more: whatever it loses, the coordinator orders
+again.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """What runs on the machines of a cluster, in the process of a Dask worker.
 
-There a child renders, `kajo worker --stdio`: it keeps the scene from unit to unit, its crash costs a unit and no worker,
-and it goes when the worker does. Plans and bundles are handed over once for each job, in pieces, and kept by their digest.
+There a child renders, `kajo worker --stdio`: it keeps the scene from unit to unit, its crash costs a unit and no
+worker, and it goes when the worker does. Plans and bundles are handed over once for each job, in pieces, and kept by
+their digest.
 """
 
 from __future__ import annotations
