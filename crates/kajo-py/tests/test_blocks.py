@@ -127,7 +127,7 @@ def sample(annotation):
     values |= {"Reflectance": (0.1, 0.2, 0.3), "Emission": 2.5, "Function": "x + y", "MaterialName": "gold"}
     values |= {"MediumName": "mist", "Texture": "tile.png"}
     value = values[first.split(" ")[0].rstrip("]")]
-    return [value, value] if annotation.startswith("Sequence[M") else value
+    return [value, value] if annotation.startswith("Sequence[") else value
 
 
 def test_every_field_is_written_by_a_key_that_its_block_has():
@@ -143,6 +143,7 @@ def test_every_field_is_written_by_a_key_that_its_block_has():
                 "LightBlock": "Lights {{ {} }}",
                 "MaterialBlock": "Materials {{ {} }}",
                 "MediumBlock": "Media {{ {} }}",
+                "TextureBlock": "Textures {{ {} }}",
                 "ObjectBlock": "Materials {{ Matte gold {{ }} }} Group {{ MaterialIndex gold {} }}",
                 "PartBlock": "Background {{ {} }}" if block.keyword == "sky" else None,
             }.get(block.__mro__[1].__name__, "{}")
@@ -172,6 +173,20 @@ def test_materials_and_media_are_found_by_who_refers_to_them():
     # A name that somebody gave is not given again.
     assert scene.text.count("Metal metal1 ") == 1 and "Metal metal2 { metal gold }" in scene.text
     assert scene.text.index("metal2 {") < scene.text.index("Mix mix1")
+
+
+def test_textures_are_found_by_who_refers_to_them():
+    veins = kajo.Veins(size=0.4, bend=2)
+    stops = [(0, 0.35, 0.36, 0.4), (0.3, 0.8, 0.8, 0.8), (1, 0.9, 0.9, 0.9)]
+    marble = kajo.Ramp(texture=veins, stop=stops)
+    scene = kajo.Scene(
+        kajo.PerspectiveCamera(center=(0, 0, 9), direction=(0, 0, -1), up=(0, 1, 0), angle=20),
+        kajo.Background(color=(1, 1, 1)),
+        kajo.Sphere(center=(0, 0, 0), radius=1, material=kajo.Matte(color=marble)),
+    )
+    assert not scene.warnings and scene.text.index("Veins veins1") < scene.text.index("Ramp ramp1"), scene.text
+    assert scene.text.count("stop ") == 3 and "color ramp1" in scene.text
+    assert len(np.unique(scene.render(size=(16, 16))["color"][..., 0])) > 10
 
 
 @pytest.mark.parametrize(

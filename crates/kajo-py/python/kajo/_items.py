@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     Vector = Sequence[Number] | Array
     """Some numbers: of a place or a direction three, of a colour linear red, green and blue."""
 
-    Texture: TypeAlias = "str | os.PathLike[str] | Picture | Function | Raw"
+    Texture: TypeAlias = "str | os.PathLike[str] | Picture | Function | TextureBlock | Raw"
     """What differs from place to place: a picture or a function of the place."""
 
     File = str | os.PathLike[str] | ArrayFile
@@ -340,6 +340,10 @@ class MaterialBlock(Block):
     """How a surface looks."""
 
 
+class TextureBlock(Block):
+    """A texture that may have a name: a pattern, or what is made of others."""
+
+
 class PartBlock(Block):
     """A block within another one.
 
@@ -471,7 +475,7 @@ class Writer:
 
     def reference(self, block: Block) -> str:
         """The name of a block that stands elsewhere."""
-        if not isinstance(block, (MaterialBlock, MediumBlock)) and block.name is None:
+        if not isinstance(block, (MaterialBlock, MediumBlock, TextureBlock)) and block.name is None:
             raise TypeError(f"a {type(block).__name__} without a name cannot be referred to")
         if not any(block is known for known in self.referred):
             self.referred.append(block)

@@ -17,6 +17,7 @@ from ._items import (
     MaterialBlock,
     MediumBlock,
     ObjectBlock,
+    TextureBlock,
     Writer,
     quoted,
 )
@@ -31,7 +32,7 @@ FileContent: TypeAlias = "bytes | bytearray | memoryview | ArrayFile"
 
 Progress: TypeAlias = "Callable[[float], object] | bool"
 
-_LISTS = {"Lights": LightBlock, "Materials": MaterialBlock, "Media": MediumBlock}
+_LISTS = {"Lights": LightBlock, "Materials": MaterialBlock, "Media": MediumBlock, "Textures": TextureBlock}
 
 
 class Scene:
@@ -275,18 +276,20 @@ def _written(
     tops: list[Item], gathered: dict[str, list[Item]], heads: dict[str, Block], objects: list[Item]
 ) -> tuple[str, dict[str, ArrayFile]]:
     writer = Writer()
-    for item in [*gathered["Materials"], *gathered["Media"]]:
+    for item in [*gathered["Materials"], *gathered["Media"], *gathered["Textures"]]:
         if isinstance(item, Block) and item.name is not None:
             writer.take(item.name)
     # Objects first: they say which materials and media there are besides those that were given.
     body = _section(writer, [*tops, *_group(objects)])
     _complete(writer, gathered["Materials"], MaterialBlock)
     _complete(writer, gathered["Media"], MediumBlock)
-    media = _section(writer, _list("Media", gathered["Media"], heads))
     lights = _section(writer, _list("Lights", gathered["Lights"], heads))
-    # A material that others are made of stands before them.
-    materials = _section(writer, _list("Materials", _ordered(gathered["Materials"]), heads))
-    return "\n".join([*media, *lights, *materials, *body, ""]), writer.files
+    _complete(writer, gathered["Textures"], TextureBlock)
+    media = _section(writer, _list("Media", gathered["Media"], heads))
+    # What others are made of stands before them.
+    textures = _section(writer, _list("Textures", _ordered(gathered["Textures"], TextureBlock), heads))
+    materials = _section(writer, _list("Materials", _ordered(gathered["Materials"], MaterialBlock), heads))
+    return "\n".join([*media, *lights, *textures, *materials, *body, ""]), writer.files
 
 
 def _complete(writer: Writer, known: list[Item], base: type[Block]) -> None:
@@ -301,8 +304,8 @@ def _complete(writer: Writer, known: list[Item], base: type[Block]) -> None:
         _section(writer, waiting)
 
 
-def _ordered(materials: Sequence[Item]) -> list[Item]:
-    """Materials with those that they refer to before them, otherwise in their order."""
+def _ordered(blocks: Sequence[Item], kind: type[Block]) -> list[Item]:
+    """Blocks with those of their kind that they refer to before them, otherwise in their order."""
     ordered: list[Item] = []
     waiting: list[int] = []
 
@@ -313,11 +316,11 @@ def _ordered(materials: Sequence[Item]) -> list[Item]:
         if isinstance(item, Block):
             for _, value in item.values_of_fields():
                 for part in value if isinstance(value, (list, tuple)) else [value]:
-                    if isinstance(part, MaterialBlock):
+                    if isinstance(part, kind):
                         put(part)
         ordered.append(item)
 
-    for item in materials:
+    for item in blocks:
         put(item)
     return ordered
 

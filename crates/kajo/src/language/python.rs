@@ -14,7 +14,7 @@ use super::{Absent, Block, FieldKind, FieldSpec, FieldValue, Kind, blocks};
 const WIDTH: usize = 100;
 
 /// What every file imports that is there when it runs.
-const CLASSES: [&str; 10] = [
+const CLASSES: [&str; 11] = [
     "Block",
     "CameraBlock",
     "Function",
@@ -25,6 +25,7 @@ const CLASSES: [&str; 10] = [
     "ObjectBlock",
     "Operation",
     "PartBlock",
+    "TextureBlock",
 ];
 
 /// Types that are there for checkers alone.
@@ -35,7 +36,7 @@ const TYPES: [&str; 8] =
 type Belongs = fn(&Block) -> bool;
 
 /// Files of the package, what is in each, and blocks of which kinds. Shapes come in two: those told by a few numbers, and all others.
-const FILES: [(&str, &str, Belongs); 6] = [
+const FILES: [(&str, &str, Belongs); 9] = [
     ("cameras", "Cameras", |block| block.kind == Kind::Camera),
     ("light", "Lights and media", |block| matches!(block.kind, Kind::Light | Kind::Medium)),
     ("materials", "Materials", |block| block.kind == Kind::Material),
@@ -45,8 +46,20 @@ const FILES: [(&str, &str, Belongs); 6] = [
     ("others", "Settings, surroundings, lists and parts of blocks", |block| {
         ["Block", "PartBlock"].contains(&base_of(block.kind))
     }),
+    ("patterns_a", "Patterns, A to M", |block| is_pattern(block) && block.keyword < "N"),
+    ("patterns_n", "Patterns, N to Z", |block| is_pattern(block) && block.keyword >= "N"),
     ("primitives", "Shapes that a few numbers tell", is_primitive),
+    ("textures", "Textures that are made of others", |block| {
+        block.kind == Kind::Texture && !is_pattern(block)
+    }),
 ];
+
+/// Whether a block is a texture that is made of no other.
+fn is_pattern(block: &Block) -> bool {
+    const OPERATIONS: [&str; 8] =
+        ["Add", "Blend", "Curve", "Formula", "Multiply", "Placed", "Ramp", "Threshold"];
+    block.kind == Kind::Texture && !OPERATIONS.contains(&block.keyword)
+}
 
 /// Whether a block is a shape without a file, a function or a path.
 fn is_primitive(block: &Block) -> bool {
@@ -106,10 +119,15 @@ fn base_of(kind: Kind) -> &'static str {
         Kind::Medium => "MediumBlock",
         Kind::Material => "MaterialBlock",
         Kind::Group | Kind::Define | Kind::Transform | Kind::Instance | Kind::Shape => "ObjectBlock",
+        Kind::Texture => "TextureBlock",
         Kind::Part => "PartBlock",
-        Kind::Settings | Kind::Background | Kind::Fog | Kind::Lights | Kind::Media | Kind::Materials => {
-            "Block"
-        }
+        Kind::Settings
+        | Kind::Background
+        | Kind::Fog
+        | Kind::Lights
+        | Kind::Media
+        | Kind::Materials
+        | Kind::Textures => "Block",
     }
 }
 
@@ -137,6 +155,8 @@ fn type_of(field: &FieldSpec) -> String {
         FieldKind::Numbers(_) => "Number | Vector".to_owned(),
         FieldKind::Wholes(_) => "int | Sequence[int]".to_owned(),
         FieldKind::File => "File".to_owned(),
+        // What a texture is made of.
+        FieldKind::Text if field.texture => "Number | Vector".to_owned(),
         FieldKind::Text if ["texture", "normalMap", "bump"].contains(&field.key) => "Texture".to_owned(),
         FieldKind::Text if ["medium", "exterior"].contains(&field.key) => "MediumName".to_owned(),
         FieldKind::Text | FieldKind::Integrator => "str".to_owned(),
@@ -152,7 +172,8 @@ fn fields_of(block: &Block) -> Vec<(&'static FieldSpec, bool)> {
     for field in block.fields().filter(|field| field.same_as.is_none() && !is_operation(field)) {
         match fields.last_mut().filter(|(last, _)| last.key == field.key) {
             Some((_, several)) => *several = true,
-            None => fields.push((field, false)),
+            // There may be any number of stops.
+            None => fields.push((field, field.key == "stop")),
         }
     }
     fields

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from .._items import (
@@ -48,24 +49,76 @@ class Isosurface(ObjectBlock):
         self.closed = closed
 
 
-class HeightField(ObjectBlock):
-    """Terrain from a picture of heights.
+class DistanceGrid(ObjectBlock):
+    """The surface through numbers on a grid, such as signed distances.
 
     Args:
-        file: picture of heights (file).
+        file: its numbers: .vol of Mitsuba, .df3 of POV-Ray, or raw values (file). Default:
+            none.
+        values: its numbers, as many as `size` says, x first (8 numbers). Default: those of
+            `file`.
+        size: points along x, y and z, of `values` and of raw files (3 whole numbers). Default:
+            by the file.
+        encoding: how a raw file stores numbers (f32, u16 or u8). Default: by the file.
+        min: where the first point is (x y z). Default: by the file, or -1 -1 -1.
+        max: where the last point is (x y z). Default: by the file, or 1 1 1.
+        level: what the surface is at; lower numbers are inside (number). Default: 0.
+        closed: whether faces of the box close it where they cut it (on or off). Default: on.
+        smooth: shaded by interpolated normals (on or off). Default: on.
+    """
+
+    keyword = "DistanceGrid"
+
+    def __init__(
+        self, *children: Item, name: str | None = None, material: MaterialName | None = None,
+        file: File | None = None,
+        values: Number | Vector | None = None,
+        size: int | Sequence[int] | None = None,
+        encoding: Literal["f32", "u16", "u8"] | None = None,
+        min: Vector | None = None,
+        max: Vector | None = None,
+        level: Number | None = None,
+        closed: bool | None = None,
+        smooth: bool | None = None,
+    ) -> None:
+        super().__init__(*children, name=name, material=material)
+        self.file = file
+        self.values = values
+        self.size = size
+        self.encoding = encoding
+        self.min = min
+        self.max = max
+        self.level = level
+        self.closed = closed
+        self.smooth = smooth
+
+
+class HeightField(ObjectBlock):
+    """Terrain from a picture of heights, or a function.
+
+    Args:
+        file: picture of heights (file). Default: none.
+        function: height by x and z, counted from `center`, in place of a picture (= function of
+            x, y, z). Default: none.
+        resolution: points along the longer side at which `function` is asked for (whole number
+            from 2 to 32768). Default: 512.
         center: middle of the rectangle, at the height 0 (x y z). Default: 0 0 0.
         size: of the rectangle along x and z (2 numbers, length). Default: 1 1.
-        heights: what 0 and 1 of the picture stand for (2 numbers, length). Default: 0 1.
+        heights: what 0 and 1 of the picture or function stand for (2 numbers, length). Default:
+            0 1.
         base: height of the floor of a solid; what is lower is cut off (number, length).
             Default: a sheet.
         smooth: shaded by interpolated normals (on or off). Default: off.
     """
 
     keyword = "HeightField"
+    functions: ClassVar[tuple[str, ...]] = ("function",)
 
     def __init__(
         self, *children: Item, name: str | None = None, material: MaterialName | None = None,
-        file: File,
+        file: File | None = None,
+        function: Function | str | Number | None = None,
+        resolution: int | None = None,
         center: Vector | None = None,
         size: Number | Vector | None = None,
         heights: Number | Vector | None = None,
@@ -74,6 +127,8 @@ class HeightField(ObjectBlock):
     ) -> None:
         super().__init__(*children, name=name, material=material)
         self.file = file
+        self.function = function
+        self.resolution = resolution
         self.center = center
         self.size = size
         self.heights = heights
@@ -92,6 +147,9 @@ class Prism(ObjectBlock):
         depth: from the near end to the far one (number > 0, length).
         taper: size of the far end, in parts of the near one (number ≥ 0). Default: 1.
         fill: what is inside where outlines cross (nonzero or evenodd). Default: nonzero.
+        bevel: how far edges of both ends are taken off (number > 0, length). Default: sharp
+            edges.
+        bevel_profile: what edges look like from the side (chamfer or round). Default: chamfer.
     """
 
     keyword = "Prism"
@@ -105,6 +163,8 @@ class Prism(ObjectBlock):
         depth: Number,
         taper: Number | None = None,
         fill: Literal["nonzero", "evenodd"] | None = None,
+        bevel: Number | None = None,
+        bevel_profile: Literal["chamfer", "round"] | None = None,
     ) -> None:
         super().__init__(*children, name=name, material=material)
         self.origin = origin
@@ -114,6 +174,66 @@ class Prism(ObjectBlock):
         self.depth = depth
         self.taper = taper
         self.fill = fill
+        self.bevel = bevel
+        self.bevel_profile = bevel_profile
+
+
+class Text(ObjectBlock):
+    """Lettering in a font, drawn out across its plane.
+
+    Args:
+        text: the words; `\\n` begins a new line (word or text).
+        font: a TrueType or OpenType font (file).
+        face: which font of a collection (whole number from 0 to 65535). Default: 0.
+        weight: of a variable font: 400 is regular, 700 bold (number from 1 to 1000). Default:
+            none.
+        align: which point of each line is at `origin` (left, center or right). Default: left.
+        line_spacing: distance of lines, in parts of the font's (number ≥ 0). Default: 1.
+        letter_spacing: more room between letters, in parts of `size` (number). Default: 0.
+        origin: where the first line stands (x y z). Default: 0 0 0.
+        axis: towards the reader (x y z). Default: 0 0 1.
+        up: what is up in the text (x y z). Default: y, or away from it along y.
+        size: height of an em, the font's own unit (number > 0, length). Default: 1.
+        depth: how thick the letters are (number > 0, length). Default: 0.2.
+        bevel: how far edges of both ends are taken off (number > 0, length). Default: sharp
+            edges.
+        bevel_profile: what edges look like from the side (chamfer or round). Default: chamfer.
+    """
+
+    keyword = "Text"
+
+    def __init__(
+        self, *children: Item, name: str | None = None, material: MaterialName | None = None,
+        text: str,
+        font: File,
+        face: int | None = None,
+        weight: Number | None = None,
+        align: Literal["left", "center", "right"] | None = None,
+        line_spacing: Number | None = None,
+        letter_spacing: Number | None = None,
+        origin: Vector | None = None,
+        axis: Vector | None = None,
+        up: Vector | None = None,
+        size: Number | None = None,
+        depth: Number | None = None,
+        bevel: Number | None = None,
+        bevel_profile: Literal["chamfer", "round"] | None = None,
+    ) -> None:
+        super().__init__(*children, name=name, material=material)
+        self.text = text
+        self.font = font
+        self.face = face
+        self.weight = weight
+        self.align = align
+        self.line_spacing = line_spacing
+        self.letter_spacing = letter_spacing
+        self.origin = origin
+        self.axis = axis
+        self.up = up
+        self.size = size
+        self.depth = depth
+        self.bevel = bevel
+        self.bevel_profile = bevel_profile
 
 
 class Lathe(ObjectBlock):

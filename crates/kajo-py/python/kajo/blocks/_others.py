@@ -324,6 +324,12 @@ class Materials(Block):
     keyword = "Materials"
 
 
+class Textures(Block):
+    """Textures that have names."""
+
+    keyword = "Textures"
+
+
 class Media(Block):
     """What bodies and the air are filled with.
 

@@ -284,6 +284,32 @@ class Quartic(ObjectBlock):
         self.closed = closed
 
 
+class Polynomial(ObjectBlock):
+    """Where a polynomial of any degree is zero, in a box.
+
+    Args:
+        terms: for each term a coefficient and the powers of x, y and z (4 numbers).
+        min: the corner of its box with the smallest coordinates (x y z). Default: -1 -1 -1.
+        max: the corner of its box with the largest coordinates (x y z). Default: 1 1 1.
+        closed: whether faces of the box close it where they cut it (on or off). Default: on.
+    """
+
+    keyword = "Polynomial"
+
+    def __init__(
+        self, *children: Item, name: str | None = None, material: MaterialName | None = None,
+        terms: Number | Vector,
+        min: Vector | None = None,
+        max: Vector | None = None,
+        closed: bool | None = None,
+    ) -> None:
+        super().__init__(*children, name=name, material=material)
+        self.terms = terms
+        self.min = min
+        self.max = max
+        self.closed = closed
+
+
 class Disk(ObjectBlock):
     """A flat disk or ring.
 
