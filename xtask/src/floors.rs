@@ -77,12 +77,13 @@ const KEPT: [(&str, &str); 11] = [
 
 /// The modules of `kajo-core` and those that each may name. `scene` is above all families, so that no
 /// family can see it; `compile` is above `scene`.
-const CORE_MODULES: [(&str, &[&str]); 33] = [
+const CORE_MODULES: [(&str, &[&str]); 34] = [
     ("ids", &[]),
     ("family", &[]),
     ("differential", &[]),
     ("interaction", &[]),
     ("motion", &[]),
+    ("animation", &[]),
     ("moving_tree", &["motion"]),
     ("measured", &[]),
     ("bsdf", &["interaction", "measured"]),
@@ -132,6 +133,7 @@ const CORE_MODULES: [(&str, &[&str]); 33] = [
             "light",
             "item_buffer",
             "medium",
+            "animation",
             "motion",
             "moving_tree",
             "nested",
@@ -202,6 +204,7 @@ const CORE_MODULES: [(&str, &[&str]); 33] = [
             "measured",
             "curved_light",
             "medium",
+            "animation",
             "motion",
             "moving_tree",
             "nested",

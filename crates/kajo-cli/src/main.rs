@@ -5,6 +5,7 @@ mod commands;
 mod console;
 mod failure;
 mod farm;
+mod film;
 mod gallery;
 mod guard;
 mod interrupt;
@@ -41,6 +42,7 @@ fn run() -> Result<(), Failure> {
     };
     let interrupt = Interrupt::listen();
     match cli.command {
+        Command::Render(args) if args.is_film() => commands::frames(&args, &interrupt),
         Command::Render(args) => commands::render(&args.job()?, &args.run, &interrupt),
         Command::Classic(args) => {
             args.warnings().for_each(|warning| console::warning(&warning));

@@ -184,8 +184,16 @@ impl SceneBuilder {
         }
         check_finite(settings.is_finite(), "Settings")?;
         let rules = settings.dialect.unwrap_or_default().rules();
-        let output =
-            Output { camera, fitted: None, cameras, readout: self.readout, settings, rules, has_group: true };
+        let output = Output {
+            camera,
+            fitted: None,
+            cameras,
+            readout: self.readout,
+            settings,
+            rules,
+            has_group: true,
+            animation: None,
+        };
         self.finish_with(output)
     }
 

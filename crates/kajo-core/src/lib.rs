@@ -3,6 +3,7 @@
 //! [`compile::compile`] turns the tree of a scene text into a [`Scene`]: typed pools, 32-bit handles and
 //! a tree of bounds. Nothing here opens a file, starts a thread or prints.
 
+pub mod animation;
 pub mod background;
 pub mod bsdf;
 pub mod builder;

@@ -13,15 +13,22 @@ pub struct Shutter {
     pub open: f64,
     /// The moment of a ray at time 1, not before `open`.
     pub close: f64,
+    /// The moment at which patterns in world space are painted on what moves.
+    pub painted: f64,
 }
 
 impl Default for Shutter {
     fn default() -> Shutter {
-        Shutter { open: 0.0, close: 1.0 }
+        Shutter::new(0.0, 1.0)
     }
 }
 
 impl Shutter {
+    /// The shutter that is open from `open` to `close`; patterns are painted at time 0.
+    pub const fn new(open: f64, close: f64) -> Shutter {
+        Shutter { open, close, painted: 0.0 }
+    }
+
     /// The moment of a ray's time.
     #[inline]
     fn moment(&self, time: f32) -> f64 {
@@ -41,7 +48,7 @@ pub struct MovingTransform {
     shutter: Shutter,
     /// The map, if it is the same for all rays.
     resting: Option<Transform>,
-    /// The map at the time 0 of the scene.
+    /// The map when patterns are painted.
     painted: Affine3A,
 }
 
@@ -50,7 +57,7 @@ impl MovingTransform {
     pub fn new(motion: Motion, shutter: Shutter) -> MovingTransform {
         let resting = motion.is_still_over(shutter.interval());
         let resting = resting.then(|| Transform::of_invertible(&motion.at(shutter.open)));
-        let painted = Transform::of_invertible(&motion.at(0.0)).world_from_object;
+        let painted = Transform::of_invertible(&motion.at(shutter.painted)).world_from_object;
         MovingTransform { motion, shutter, resting, painted }
     }
 
@@ -76,7 +83,7 @@ impl MovingTransform {
     ///
     /// * `part`: the ends, in [0, 1]
     pub fn bounds(&self, b: &Aabb, part: [f64; 2]) -> [Aabb; 2] {
-        let Shutter { open, close } = self.shutter;
+        let Shutter { open, close, .. } = self.shutter;
         self.motion.bounds(b, part.map(|s| open + s * (close - open)))
     }
 
@@ -86,7 +93,7 @@ impl MovingTransform {
         open.union(close)
     }
 
-    /// Where the point of the object that is at the world-space point `p` at a ray's time is at time 0 of the scene.
+    /// Where the point of the object that is at the world-space point `p` at a ray's time is when patterns are painted.
     ///
     /// Patterns in world space are painted there, and so go along with the object.
     pub fn painted(&self, p: Vec3, time: f32) -> Vec3 {
@@ -118,15 +125,15 @@ mod tests {
 
     #[test]
     fn times_of_rays_are_shares_of_the_shutter() {
-        let map = moving(Shutter { open: 0.5, close: 1.5 });
+        let map = moving(Shutter::new(0.5, 1.5));
         assert!(map.moves());
         assert_eq!(map.at(0.5).world_from_object.translation.x, 0.5);
         assert_eq!(map.at(1.0).world_from_object.translation.x, 0.75);
-        for shutter in [Shutter { open: 1.0, close: 1.0 }, Shutter { open: 3.0, close: 4.0 }] {
+        for shutter in [Shutter::new(1.0, 1.0), Shutter::new(3.0, 4.0)] {
             let map = moving(shutter);
             assert!(!map.moves());
             assert_eq!(map.at(0.0), map.at(1.0));
-            let expected = moving(Shutter { open: 0.0, close: 4.0 }).at(0.25 * shutter.open as f32);
+            let expected = moving(Shutter::new(0.0, 4.0)).at(0.25 * shutter.open as f32);
             let p = Vec3::new(3.0, 4.0, 5.0);
             assert!(map.at(0.3).point(p).distance(expected.point(p)) < 1e-6);
         }
@@ -134,7 +141,7 @@ mod tests {
 
     #[test]
     fn patterns_stay_on_the_object() {
-        let map = moving(Shutter { open: 0.5, close: 1.5 });
+        let map = moving(Shutter::new(0.5, 1.5));
         let p = Vec3::new(3.0, 4.0, 5.0);
         for time in [0.0, 0.4, 1.0] {
             // The map at time 0 of the scene is the identity.

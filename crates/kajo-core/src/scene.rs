@@ -16,6 +16,7 @@ use std::sync::Arc;
 use kajo_color::Spectrum;
 use kajo_math::Ray;
 
+use crate::animation::Animation;
 use crate::background::Background;
 use crate::bsdf::Phong;
 use crate::camera::{Camera, NamedCamera};
@@ -92,6 +93,8 @@ pub struct Output {
     pub rules: Rules,
     /// Whether the file has a group of objects at all; without one the reference shows the uv picture.
     pub has_group: bool,
+    /// Which frame of how many this is, for a scene that has any.
+    pub animation: Option<Animation>,
 }
 
 impl Scene {

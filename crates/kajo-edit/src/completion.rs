@@ -182,7 +182,7 @@ impl<'t> Place<'t> {
         let parent = self.open[1..].iter().fold(None, |parent, open| Some(kind_of(open.keyword, parent)));
         match parent {
             None => {
-                let outermost = [Kind::Camera, Kind::Settings, Kind::Background, Kind::Fog];
+                let outermost = [Kind::Camera, Kind::Settings, Kind::Animation, Kind::Background, Kind::Fog];
                 let lists = [Kind::Lights, Kind::Materials, Kind::Textures, Kind::Media, Kind::Group];
                 outermost.contains(&block.kind) || lists.contains(&block.kind)
             }

@@ -5,13 +5,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use kajo_core::settings::Dialect;
-use kajo_scene::{Diagnostics, Item, Parsed, SceneDesc, SourceId, Span};
+use kajo_scene::{Clock, Diagnostics, Item, Limits, Parsed, SceneDesc, SourceId, Span};
 
 use super::outline::{Identities, Outline};
 use super::overlay::Overlay;
 use super::texts::Change;
 use super::{FileId, Node, NodeId, SceneFile};
-use kajo::{FsAssets, LoadOptions};
+use kajo::{FsAssets, LoadOptions, parse_scene};
 use kajo_core::schema::Kind;
 
 /// The parsed texts.
@@ -49,7 +49,10 @@ impl Tree {
         before: Before<'_>,
         identities: &mut Identities,
     ) -> Tree {
-        let parsed = SceneDesc::load(disk.scene_name(), &Overlay { disk, files }, &options.limits);
+        let overlay = Overlay { disk, files };
+        let parse =
+            |clock: &Clock, limits: &Limits| SceneDesc::load_at(disk.scene_name(), &overlay, limits, clock);
+        let (parsed, _) = parse_scene(options, || options.limits.clone(), parse);
         let Parsed { desc, diagnostics, whole } = parsed;
         let mut by_source = HashMap::new();
         for (source, text) in desc.sources().iter() {

@@ -13,6 +13,7 @@ pub mod frame;
 pub mod gravity;
 pub mod half;
 pub mod interval;
+pub mod keyed;
 pub mod lorentz;
 pub mod motion;
 pub mod noise;

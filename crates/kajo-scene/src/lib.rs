@@ -29,6 +29,7 @@
 mod args;
 mod assets;
 mod byte_reader;
+mod clock;
 mod diagnostic;
 mod edit;
 mod expression;
@@ -63,6 +64,7 @@ mod weld;
 
 pub use args::Args;
 pub use assets::{AssetError, AssetFile, Assets, LoadStep, MemoryAssets, read_limited, relative_asset};
+pub use clock::{Clock, USUAL_FPS};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity};
 pub use edit::{EditError, apply_edits, format_number};
 pub use font::{FontError, GlyphContour, GlyphSegment, TextAlign, TextOutlines, TextStyle, text_outlines};

@@ -8,23 +8,29 @@
 //!        | 'repeat' NAME EXPRESSION '{' item* '}'   the items several times
 //! ```
 //!
-//! A NUMBER may be an expression (`values`). No keywords but `include`, `let` and `repeat` are known. After a mistake the parser goes on with
+//! A NUMBER may be an expression (`values`), and change with time (`keyed`). No keywords but `include`, `let` and `repeat` are known. After a mistake the parser goes on with
 //! the next token, so that one run shows all of them. Open blocks and open
 //! files are kept on explicit stacks: deep nesting costs no program stack.
 
 mod files;
 mod functions;
 mod hex_color;
+mod keyed;
+mod moments;
+mod scope;
 mod values;
 
 use crate::assets::{Assets, MemoryAssets};
+use crate::clock::Clock;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, quoted};
 use crate::lexer::{LexError, TokenKind, Tokens, looks_like_number};
 use crate::limits::Limits;
 use crate::source::{SourceId, Span};
 use crate::tree::{Node, Number, SceneDesc};
+use keyed::KEYS;
+use scope::Scope;
 use std::collections::HashMap;
-use values::{LET, REPEAT, Repeat, Scope};
+use values::{LET, REPEAT, Repeat};
 
 /// Memory is taken for so many items at a time.
 const ITEMS_AT_ONCE: usize = 1024;
@@ -47,7 +53,12 @@ pub struct Parsed {
 impl SceneDesc {
     /// Reads the scene that `assets` knows as `name`, and what it includes.
     pub fn load(name: &str, assets: &dyn Assets, limits: &Limits) -> Parsed {
-        let mut parser = Parser::new(assets, limits);
+        Self::load_at(name, assets, limits, &Clock::default())
+    }
+
+    /// As [`SceneDesc::load`], with what changes with time as it is at the moments of `clock`.
+    pub fn load_at(name: &str, assets: &dyn Assets, limits: &Limits, clock: &Clock) -> Parsed {
+        let mut parser = Parser::new(assets, limits, clock);
         match parser.read_source(name, None) {
             Ok(source) => parser.run(source),
             Err(diagnostic) => parser.damage(diagnostic),
@@ -57,7 +68,18 @@ impl SceneDesc {
 
     /// Reads a scene from a text; `path` is its name, from which includes are resolved.
     pub fn parse(path: &str, text: impl Into<String>, assets: &dyn Assets, limits: &Limits) -> Parsed {
-        let mut parser = Parser::new(assets, limits);
+        Self::parse_at(path, text, assets, limits, &Clock::default())
+    }
+
+    /// As [`SceneDesc::parse`], with what changes with time as it is at the moments of `clock`.
+    pub fn parse_at(
+        path: &str,
+        text: impl Into<String>,
+        assets: &dyn Assets,
+        limits: &Limits,
+        clock: &Clock,
+    ) -> Parsed {
+        let mut parser = Parser::new(assets, limits, clock);
         match parser.add_source(path, text.into().into_bytes(), None) {
             Ok(source) => parser.run(source),
             Err(diagnostic) => parser.damage(diagnostic),
@@ -107,6 +129,7 @@ enum Expect {
 struct Parser<'l> {
     assets: &'l dyn Assets,
     limits: &'l Limits,
+    clock: &'l Clock,
     desc: SceneDesc,
     diagnostics: Diagnostics,
     /// Files open, the scene itself first.
@@ -131,10 +154,11 @@ struct Parser<'l> {
 struct Stop;
 
 impl<'l> Parser<'l> {
-    fn new(assets: &'l dyn Assets, limits: &'l Limits) -> Self {
+    fn new(assets: &'l dyn Assets, limits: &'l Limits, clock: &'l Clock) -> Self {
         Self {
             assets,
             limits,
+            clock,
             desc: SceneDesc::default(),
             diagnostics: Diagnostics::new(),
             frames: Vec::new(),
@@ -173,6 +197,7 @@ impl<'l> Parser<'l> {
         while let Some((block, _)) = self.blocks.pop() {
             self.close(block, None);
         }
+        self.desc.settle_moments(self.clock);
         Parsed { desc: self.desc, diagnostics: self.diagnostics, whole: self.whole }
     }
 
@@ -206,6 +231,12 @@ impl<'l> Parser<'l> {
                 }
                 TokenKind::Word if word.starts_with('=') && self.expect == Expect::Value => {
                     let end = self.equals(span.start, span, &text);
+                    tokens = Tokens::resume(&text, end);
+                }
+                TokenKind::Word
+                    if word == KEYS
+                        && let Some(end) = self.keys(span, &text) =>
+                {
                     tokens = Tokens::resume(&text, end);
                 }
                 TokenKind::Word => {

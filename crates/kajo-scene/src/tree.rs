@@ -5,6 +5,7 @@
 //! array in pre-order and know where their subtree ends; numbers lie in
 //! another. Text is not copied: words are spans of the kept sources.
 
+use crate::clock::Clock;
 use crate::edit::format_number;
 use crate::source::{SourceId, Sources, Span};
 use kajo_math::tape::Tape;
@@ -23,6 +24,15 @@ pub struct SceneDesc {
     pub(crate) expressions: Vec<Expression>,
     /// The functions, in the order of their items.
     pub(crate) functions: Vec<Function>,
+    /// The moments for which it was evaluated.
+    pub(crate) clock: Clock,
+    /// Whether anything in it depends on the time.
+    pub(crate) changes: bool,
+    /// Numbers that change with time, by their index, with their values at all moments; empty once they are settled.
+    pub(crate) changing: Vec<(u32, Vec<f64>)>,
+    /// The items with such numbers, in order, and where in `numbers` theirs at the second moment begin; those at the
+    /// further moments follow.
+    pub(crate) changing_items: Vec<(u32, u32)>,
 }
 
 /// A function of the place.
@@ -86,17 +96,17 @@ pub(crate) struct Number {
 impl SceneDesc {
     /// The items that stand in no block, in order.
     pub fn roots(&self) -> Items<'_> {
-        Items { desc: self, next: 0, end: self.nodes.len() as u32 }
+        Items { desc: self, next: 0, end: self.nodes.len() as u32, moment: 0 }
     }
 
     /// All items in the order of the text: a block's item, then its content.
     pub fn items(&self) -> impl Iterator<Item = Item<'_>> {
-        (0..self.nodes.len() as u32).map(|index| Item { desc: self, index })
+        (0..self.nodes.len() as u32).map(|index| Item { desc: self, index, moment: 0 })
     }
 
     /// The item with this number in the order of [`SceneDesc::items`].
     pub fn item(&self, index: u32) -> Option<Item<'_>> {
-        (index < self.nodes.len() as u32).then_some(Item { desc: self, index })
+        (index < self.nodes.len() as u32).then_some(Item { desc: self, index, moment: 0 })
     }
 
     /// The number of items, at all depths.
@@ -119,6 +129,47 @@ impl SceneDesc {
         self.expressions.iter().map(|found| (found.place, found.value.map(|i| self.values[i as usize])))
     }
 
+    /// The moments for which it was evaluated.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// Whether anything in it depends on the time, so that for another time it would have to be read again.
+    pub fn changes(&self) -> bool {
+        self.changes
+    }
+
+    /// The same tree at other moments.
+    ///
+    /// # Panics
+    /// When something in it depends on the time.
+    pub fn set_clock(&mut self, clock: Clock) {
+        assert!(!self.changes, "the text has to be read again");
+        self.clock = clock;
+    }
+
+    /// Puts the numbers of items that change behind all others, a run for each moment.
+    pub(crate) fn settle_moments(&mut self, clock: &Clock) {
+        self.clock = clock.clone();
+        let changing = std::mem::take(&mut self.changing);
+        let mut rest = changing.as_slice();
+        while let Some(&(number, _)) = rest.first() {
+            // Ranges of numbers are in the order of the items, and those of items without numbers are empty.
+            let index = self.nodes.partition_point(|node| node.numbers.1 <= number);
+            let Some(&Node { numbers: (start, end), .. }) = self.nodes.get(index) else { break };
+            let own = rest.partition_point(|(number, _)| *number < end);
+            self.changing_items.push((index as u32, self.numbers.len() as u32));
+            for moment in 1..clock.len() {
+                let first = self.numbers.len();
+                self.numbers.extend_from_within(start as usize..end as usize);
+                for (number, values) in &rest[..own] {
+                    self.numbers[first + (number - start) as usize].value = values[moment];
+                }
+            }
+            rest = &rest[own..];
+        }
+    }
+
     /// The texts that spans point into.
     pub fn sources(&self) -> &Sources {
         &self.sources
@@ -135,6 +186,8 @@ impl SceneDesc {
 pub struct Item<'a> {
     desc: &'a SceneDesc,
     index: u32,
+    /// At which moment of the clock its numbers are taken.
+    moment: u32,
 }
 
 impl<'a> Item<'a> {
@@ -229,7 +282,22 @@ impl<'a> Item<'a> {
 
     /// The items of the block, in order.
     pub fn children(&self) -> Items<'a> {
-        Items { desc: self.desc, next: self.index + 1, end: self.node().next }
+        Items { desc: self.desc, next: self.index + 1, end: self.node().next, moment: self.moment }
+    }
+
+    /// The same item, and all in its block, with the numbers of a moment of the tree's [`Clock`].
+    ///
+    /// * `moment`: below [`Clock::len`]; 0 is the frame
+    pub fn at_moment(self, moment: usize) -> Item<'a> {
+        debug_assert!(moment < self.desc.clock.len());
+        Item { moment: moment as u32, ..self }
+    }
+
+    /// Whether a number of it or in its block changes from one moment of the clock to another.
+    pub fn changes(&self) -> bool {
+        let items = &self.desc.changing_items;
+        let next = items.partition_point(|&(item, _)| item < self.index);
+        items.get(next).is_some_and(|&(item, _)| item < self.node().next)
     }
 
     /// The tree the item belongs to.
@@ -247,8 +315,15 @@ impl<'a> Item<'a> {
     }
 
     pub(crate) fn number_slice(&self) -> &'a [Number] {
-        let (start, end) = self.node().numbers;
-        &self.desc.numbers[start as usize..end as usize]
+        let (mut start, end) = self.node().numbers;
+        let count = end - start;
+        let items = &self.desc.changing_items;
+        if self.moment > 0
+            && let Ok(found) = items.binary_search_by_key(&self.index, |&(item, _)| item)
+        {
+            start = items[found].1 + (self.moment - 1) * count;
+        }
+        &self.desc.numbers[start as usize..(start + count) as usize]
     }
 
     fn text(&self, range: (u32, u32)) -> &'a str {
@@ -276,6 +351,7 @@ pub struct Items<'a> {
     desc: &'a SceneDesc,
     next: u32,
     end: u32,
+    moment: u32,
 }
 
 impl<'a> Iterator for Items<'a> {
@@ -285,7 +361,7 @@ impl<'a> Iterator for Items<'a> {
         if self.next >= self.end {
             return None;
         }
-        let item = Item { desc: self.desc, index: self.next };
+        let item = Item { desc: self.desc, index: self.next, moment: self.moment };
         self.next = item.node().next;
         Some(item)
     }

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use kajo_core::compile::compile;
+use kajo_core::animation::Animation;
+use kajo_core::compile::{animation_of, clock_of, compile};
 use kajo_core::scene::Scene;
 use kajo_scene::{
-    Assets, Diagnostic, Diagnostics, Limits, MemoryBudget, Parsed, READ_FORMATS, SceneDesc, Sources,
+    Assets, Clock, Diagnostic, Diagnostics, Limits, MemoryBudget, Parsed, READ_FORMATS, SceneDesc, Sources,
     one_line, render,
 };
 
@@ -83,8 +84,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Loaded {
 /// assert!(loaded.lines().any(|line| line.starts_with("ball.txt:1:9: error: ")));
 /// ```
 pub fn load_from(name: &str, assets: &dyn Assets, options: &LoadOptions) -> Loaded {
-    let limits = options.budgeted();
-    let mut parsed = SceneDesc::load(name, assets, &limits);
+    let parse = |clock: &Clock, limits: &Limits| SceneDesc::load_at(name, assets, limits, clock);
+    let (mut parsed, limits) = parse_scene(options, || options.budgeted(), parse);
     if parsed.desc.is_empty() && !parsed.diagnostics.has_errors() {
         let error = Diagnostic::error(format!("`{name}` is empty: there is no scene in it"));
         let help = format!("{READ_FORMATS}; what follows a `#` or `//` is a comment");
@@ -96,12 +97,47 @@ pub fn load_from(name: &str, assets: &dyn Assets, options: &LoadOptions) -> Load
 
 /// A model with the scene around it.
 fn load_model(model: &ModelFile, assets: &FsAssets, options: &LoadOptions) -> Loaded {
-    let limits = options.budgeted();
     let mut said = Diagnostics::new();
     let scene = model.scene(model.name(), assets, options, &mut said);
-    let mut parsed = SceneDesc::parse(&model.scene_name(), scene.text, assets, &limits);
+    let (mut parsed, limits) = parse_scene(
+        options,
+        || options.budgeted(),
+        |clock, limits| SceneDesc::parse_at(&model.scene_name(), scene.text.as_str(), assets, limits, clock),
+    );
     said.iter().for_each(|diagnostic| parsed.diagnostics.push(diagnostic.clone()));
     compiled(parsed, assets, &LoadOptions { model_cameras_first: true, ..options.clone() }, limits)
+}
+
+/// Parses a scene as it is at the frame that `options` ask for; returns the limits that what is made of it is within too.
+///
+/// When that frame is, and when its shutter is open, the text itself may say: one that depends on the time is parsed twice.
+///
+/// * `limits`: makes limits with a budget of which nothing is used
+/// * `parse`: parses the text for the moments of a clock
+pub fn parse_scene(
+    options: &LoadOptions,
+    limits: impl Fn() -> Limits,
+    parse: impl Fn(&Clock, &Limits) -> Parsed,
+) -> (Parsed, Limits) {
+    let within = limits();
+    let mut parsed = parse(&Clock::default(), &within);
+    let compile_options = options.compile_options(within.clone());
+    let Some(clock) = clock_of(&parsed.desc, &compile_options) else { return (parsed, within) };
+    if !parsed.desc.changes() {
+        parsed.desc.set_clock(clock);
+        return (parsed, within);
+    }
+    drop((parsed, within));
+    let within = limits();
+    (parse(&clock, &within), within)
+}
+
+/// What the scene at `path` says about its frames; `None` where it says nothing, or cannot be read.
+pub fn animation(path: &Path, options: &LoadOptions) -> Option<Animation> {
+    let assets = options.assets(path).ok().filter(|assets| ModelFile::find(path, assets).is_none())?;
+    let limits = options.budgeted();
+    let parsed = SceneDesc::load(assets.scene_name(), &assets, &limits);
+    animation_of(&parsed.desc, &options.compile_options(limits))
 }
 
 fn compiled(parsed: Parsed, assets: &dyn Assets, options: &LoadOptions, limits: Limits) -> Loaded {

@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kajo_core::compile::CompileOptions;
+use kajo_core::compile::{CompileOptions, MeshStore};
 use kajo_core::settings::Dialect;
 use kajo_math::Vec3;
 use kajo_render::integrator;
@@ -29,6 +29,13 @@ pub struct LoadOptions {
     pub camera: Option<String>,
     /// Width of the picture over its height, for cameras that fit something into it, where the scene is not to say it.
     pub aspect: Option<f64>,
+    /// The frame to show, for scenes that change with time; the first one without.
+    pub frame: Option<i64>,
+    /// Frames of a second, above 0, where they are not to be the scene's own choice.
+    pub fps: Option<f64>,
+    /// Meshes of scenes that were read before, which need not be read again. The same store is for the same
+    /// [`LoadOptions::limits`].
+    pub meshes: Option<Arc<MeshStore>>,
     /// How a model that is no scene is shown.
     pub model: ModelOptions,
     /// Whether cameras of models come before those of the scene: so for a model that is no scene.
@@ -51,6 +58,9 @@ impl LoadOptions {
             limits,
             camera: self.camera.clone(),
             aspect: self.aspect,
+            frame: self.frame,
+            fps: self.fps,
+            meshes: self.meshes.clone(),
             model_cameras_first: self.model_cameras_first,
             integrators: &integrator::NAMES,
             ..CompileOptions::default()

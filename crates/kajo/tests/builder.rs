@@ -72,7 +72,7 @@ fn by_program() -> Result<Scene, Box<dyn Error>> {
     let mut scene = SceneBuilder::default();
     let frame = Frame::new(DVec3::new(0.0, 2.0, 9.0), DVec3::new(0.0, f64::from(-0.2f32), -1.0), DVec3::Y);
     scene.camera(PerspectiveCamera::new(frame, 40f64.to_radians()))?;
-    scene.shutter(kajo::build::Shutter { open: 0.0, close: 0.5 })?;
+    scene.shutter(kajo::build::Shutter::new(0.0, 0.5))?;
     let [sky, key, warm] = ["sky", "key", "warm"].map(|name| scene.light_group(name));
     scene.background_in(sky?, Background::constant([0.2, 0.3, 0.5]))?;
     scene.ambient(Spectrum::rgb(0.1, 0.1, 0.2));

@@ -10,6 +10,7 @@ mod classic;
 mod common;
 mod develop;
 mod farm;
+mod frames;
 mod normalise;
 mod passes;
 mod render;
@@ -29,6 +30,7 @@ pub use classic::ClassicArgs;
 pub use common::{ModelArgs, RunArgs, SceneArgs};
 pub use develop::DevelopArgs;
 pub use farm::{BundleArgs, FarmCommand, FarmCommandArgs, MergeArgs, PlanArgs, UnitArgs, WorkerArgs};
+pub use frames::{FrameArgs, Frames, has_number, numbered};
 pub use normalise::normalise;
 pub use passes::PassArgs;
 pub use render::RenderArgs;
@@ -41,6 +43,7 @@ Examples:
   kajo render scene.txt -o out.png --size 1920 1080 --samples jittered 64
   kajo render scene.txt -o out.exr --aov depth --aov normals --aov object
   kajo -input scene.txt -output out.png -size 200 200 -depth 9 10 depth.png
+  kajo render film.txt --frames 1..240 -o out.####.png
   kajo model.glb --ground                          the same of a model: framed, lit, on a ground
   kajo convert model.glb scene.txt                 writes the scene that shows a model, to go on with
   kajo studio scene.txt                            opens the window

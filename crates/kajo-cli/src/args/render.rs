@@ -11,8 +11,9 @@ use kajo::{
 };
 
 use super::values::{self, Aov, FilterArg, Samples, Size};
-use super::{DevelopArgs, FarmArgs, PassArgs, RunArgs, SceneArgs};
+use super::{DevelopArgs, FarmArgs, FrameArgs, PassArgs, RunArgs, SceneArgs, numbered};
 use crate::failure::Failure;
+use crate::film::Film;
 use crate::job::Job;
 use crate::output::{Destination, Output};
 
@@ -132,6 +133,8 @@ pub struct RenderArgs {
     pub reach: Option<f64>,
 
     #[command(flatten)]
+    pub frames: FrameArgs,
+    #[command(flatten)]
     pub develop: DevelopArgs,
     #[command(flatten)]
     pub passes: PassArgs,
@@ -149,19 +152,60 @@ impl RenderArgs {
     /// # Errors
     /// When a name says no format, or layers are asked for that no file holds.
     pub fn job(&self) -> Result<Job, Failure> {
+        let frame = self.frames.frames.as_ref().map(|frames| {
+            frames.single().ok_or_else(|| {
+                Failure::Input("one frame at a time here: give one, as in `--frames 12`".to_owned())
+            })
+        });
+        self.job_of(frame.transpose()?, None)
+    }
+
+    /// Whether pictures of frames are asked for, each with a name of its own.
+    pub fn is_film(&self) -> bool {
+        let is_film = |path: &PathBuf| Film::is_one(path);
+        self.frames.frames.is_some() || self.output.as_ref().is_some_and(is_film)
+    }
+
+    /// The picture of a frame as a job.
+    ///
+    /// * `output`: where it goes, if that is not to be what the command line says
+    ///
+    /// # Errors
+    /// As for [`RenderArgs::job`].
+    pub fn job_of(&self, frame: Option<i64>, output: Option<PathBuf>) -> Result<Job, Failure> {
+        let load = LoadOptions {
+            aspect: self.size.map(Size::aspect),
+            frame,
+            fps: self.frames.fps,
+            ..self.scene_args.options()
+        };
+        let numbered = |path: PathBuf| match frame {
+            Some(frame) => numbered(&path, frame),
+            None => Ok(path),
+        };
+        let passes = PassArgs {
+            checkpoint: self.passes.checkpoint.clone().map(numbered).transpose()?,
+            ..self.passes.clone()
+        };
+        let mut outputs = self.outputs(output.or(self.output.clone()))?;
+        for output in &mut outputs {
+            if let Destination::File(path) = &mut output.destination {
+                *path = numbered(std::mem::take(path))?;
+            }
+        }
         Ok(Job {
             scene: self.scene.clone(),
-            load: LoadOptions { aspect: self.size.map(Size::aspect), ..self.scene_args.options() },
+            load,
             defaults: Defaults::Modern,
             asked: self.settings(),
             crop: self.crop.as_deref().and_then(part),
             classic: None,
-            outputs: self.outputs()?,
+            outputs,
             diagrams: Vec::new(),
             depth: if self.bits == "16" { BitDepth::Sixteen } else { BitDepth::Eight },
             resources: self.run.resources(),
             keep_partial: self.run.keep_partial,
-            passes: self.passes.clone(),
+            passes,
             farm: self.farm.clone(),
             develop: self.develop.clone(),
             kept: Vec::new(),
@@ -206,10 +250,13 @@ impl RenderArgs {
         }
     }
 
-    fn outputs(&self) -> Result<Vec<Output>, Failure> {
-        let main = match &self.output {
+    /// * `main`: where the picture goes, if that is said
+    fn outputs(&self, main: Option<PathBuf>) -> Result<Vec<Output>, Failure> {
+        let is_film = self.frames.frames.as_ref().is_some_and(|frames| frames.single().is_none());
+        let main = match main {
             Some(path) if path.as_os_str() == "-" => Destination::StandardOutput,
-            Some(path) => Destination::File(path.clone()),
+            Some(path) => Destination::File(path),
+            None if is_film => Destination::File(self.scene.with_extension("####.png")),
             None => Destination::File(beside(&self.scene)?),
         };
         let main = Output { format: main.format()?, destination: main, views: self.main_views() };

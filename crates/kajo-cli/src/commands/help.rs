@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// The families of blocks, in the order in which they are listed.
 const FAMILIES: [(&str, &[Kind]); 8] = [
     ("Cameras", &[Kind::Camera]),
-    ("Surroundings and settings", &[Kind::Settings, Kind::Background, Kind::Fog]),
+    ("Surroundings and settings", &[Kind::Settings, Kind::Animation, Kind::Background, Kind::Fog]),
     ("Lights", &[Kind::Lights, Kind::Light]),
     ("Materials", &[Kind::Materials, Kind::Material]),
     ("Textures", &[Kind::Textures, Kind::Texture]),

@@ -11,7 +11,7 @@ use kajo::output::Target;
 use kajo::{Film, Format, Loaded, Picture, Pieces, Progress, RayCounters, RenderRequest, RenderStats, View};
 use kajo_farm::{FarmError, HostShare, Job as Folder, Merged, Watch};
 
-use super::{folder, refuse};
+use super::{folder, line_of, refuse};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, Work};
@@ -78,7 +78,7 @@ pub fn render(
     let outputs = job.recorded();
     let request = RenderRequest::new(&scene, &settings, &outputs).with(job.resources);
     let pieces = Pieces::new(&request, &job.passes.goal(), Job::scene_digest(&loaded)?)?;
-    let folder = folder(job, &pieces, &loaded, std::env::args_os().skip(1).collect())?;
+    let folder = folder(job, &pieces, &loaded, line_of(job))?;
     let lock = folder.lock()?;
     hands.begin(&folder)?;
     let many = Many { job, hands, interrupt, meter, quiet: voice.quiet };

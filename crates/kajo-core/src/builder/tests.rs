@@ -161,7 +161,7 @@ fn numbers_that_are_none_are_refused() {
         let orthographic = OrthographicCamera { frame: frame(), size: wide, lens: None };
         assert_eq!(scene.camera(orthographic), Err(no("Camera")));
         assert_eq!(scene.camera(camera(wide)), Err(no("Camera")));
-        assert_eq!(scene.shutter(Shutter { open: 0.0, close: wide }), Err(no("Shutter")));
+        assert_eq!(scene.shutter(Shutter::new(0.0, wide)), Err(no("Shutter")));
         let mut whole = SceneBuilder::default();
         whole.camera(camera(0.5)).unwrap();
         let settings = Settings { exposure: Some(bad), ..Settings::default() };
@@ -179,7 +179,7 @@ fn what_cannot_be_is_refused() {
     assert_eq!(scene.transform(&flat), Err(SceneError::NoInverse));
     assert_eq!(scene.motion(Motion::still(flat)), Err(SceneError::NoInverse));
     assert_eq!(scene.motion(turning().then(&Motion::still(flat))), Err(SceneError::NoInverse));
-    assert_eq!(scene.shutter(Shutter { open: 1.0, close: 0.5 }), Err(SceneError::Shutter));
+    assert_eq!(scene.shutter(Shutter::new(1.0, 0.5)), Err(SceneError::Shutter));
     assert_eq!(scene.light_group("a b"), Err(SceneError::LightGroupName("a b".to_owned())));
     for i in 1..crate::light::MAX_LIGHT_GROUPS {
         assert_eq!(scene.light_group(&i.to_string()).map(LightGroup::index), Ok(i));
@@ -257,7 +257,7 @@ fn a_scene_has_what_was_pushed() {
     assert_eq!(scene.light_in(key, point(2.0)).map(LightIndex::index), Ok(1));
     scene.named_camera("front", camera(0.5)).unwrap();
     scene.camera(OrthographicCamera { frame: frame(), size: 4.0, lens: None }).unwrap();
-    scene.shutter(Shutter { open: 0.0, close: 0.5 }).unwrap();
+    scene.shutter(Shutter::new(0.0, 0.5)).unwrap();
     let scene = scene.finish(Settings { size: Some([4, 3]), ..Settings::default() }).unwrap();
 
     assert_eq!((scene.geometry.primitives.len(), scene.geometry.object_count()), (3, 5));

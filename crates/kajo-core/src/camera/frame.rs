@@ -3,7 +3,7 @@
 use kajo_math::{DVec2, DVec3};
 
 /// Where a camera stands and what it calls right, up and forward.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// World-space position.
     pub center: DVec3,

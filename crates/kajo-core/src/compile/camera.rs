@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 
 use kajo_math::{DVec3, Motion};
-use kajo_scene::{Diagnostic, Item, Params};
+use kajo_scene::{Diagnostic, Diagnostics, Item, Params};
 
 use super::aim::{Aim, Subject};
 use super::blocks::CAMERAS as MEMBERS;
 use super::camera_keys::{OwnKeys, ShutterKeys, View};
-use super::fields::Keys;
+use super::fields::{Keys, Sources};
 use super::lens::{Focus, LensKeys};
 use super::lorentz::Velocity;
 use super::member::keywords;
@@ -58,7 +58,7 @@ impl<'a> Compiler<'_> {
     fn camera(&mut self, item: Item<'a>) -> Option<CameraRequest<'a>> {
         let member = MEMBERS.iter().find(|member| member.block.keyword == item.keyword())?;
         let raw_up = self.rules.raw_up;
-        let (name, keys, moves, aim, own) = self.read_keys(item, |params, sources| {
+        let (name, keys, moves, aim, frames, own) = self.read_keys(item, |params, sources| {
             let name = params.name().map(Cow::into_owned);
             let keys = ShutterKeys::read(params, sources);
             let moves = params.block(motion::BLOCK.keyword);
@@ -66,15 +66,23 @@ impl<'a> Compiler<'_> {
             let is_fitted = aim.as_ref().is_some_and(|aim| aim.fit.is_some());
             let frame = aim.as_ref().map(|aim| known_frame(aim, params, raw_up));
             let own = (member.read.read)(params, sources, &View { frame, is_fitted });
-            Some((name, keys, moves, aim, own))
+            let frames = frames_at(item, sources, member.read.other_fits, raw_up);
+            Some((name, keys, moves, aim, frames, own))
         })?;
         let ShutterKeys { shutter, rolling: readout, velocity: Velocity(velocity), world_time } = keys?;
+        let shutter = self.exposure(shutter);
         let observer = Observer { velocity, time: world_time.into() };
         let OwnKeys { camera, has_opening, lens: lens_keys, size } = own;
         let focus = lens_keys.as_ref().and_then(LensKeys::subject);
         let lens = lens_keys.and_then(|keys| self.lens(keys));
+        let keyed = moves.and_then(|item| self.camera_motion(item));
+        let own_way = self.changing_frame(item.desc().clock(), |moment| *frames.get(moment)?);
+        let motion = match (keyed, own_way) {
+            (Some(keyed), Some(own_way)) => Some(keyed.then(&own_way)),
+            (keyed, own_way) => keyed.or(own_way),
+        };
         // A camera moves while its own shutter is open.
-        let motion = moves.and_then(|item| self.camera_motion(item, shutter));
+        let motion = motion.map(|motion| MovingTransform::new(motion, shutter));
         let camera = camera?.with_lens(lens);
         Some(CameraRequest {
             item,
@@ -93,15 +101,39 @@ impl<'a> Compiler<'_> {
     }
 
     /// The motion of a camera, which keeps its size.
-    fn camera_motion(&mut self, item: Item<'_>, shutter: Shutter) -> Option<MovingTransform> {
-        let keys = motion::read(item, self.rules.matrix_by_rows, self.diagnostics)?;
+    fn camera_motion(&mut self, item: Item<'_>) -> Option<Motion> {
+        let keys = motion::read(item, self.rules.matrix_by_rows, self.now(), self.diagnostics)?;
         if !keys.is_rigid() {
             let error = Diagnostic::error("a camera can be moved and turned, but not stretched");
             self.diagnostics.push(error.label(item.keyword_span(), "stretches the camera"));
             return None;
         }
-        Some(MovingTransform::new(Motion::keyed(keys), shutter))
+        Some(Motion::keyed(keys))
     }
+}
+
+/// Where a camera stands and looks at each moment of the clock; nothing for one that does not depend on the time, or whose
+/// place is found by what it is to see.
+fn frames_at(
+    item: Item<'_>,
+    sources: &mut Sources<'_>,
+    other_fits: &[&str],
+    raw_up: bool,
+) -> Vec<Option<Frame>> {
+    let moments = item.desc().clock().len();
+    if moments < 2 || !item.changes() {
+        return Vec::new();
+    }
+    let mut frames = Vec::with_capacity(moments);
+    for moment in 0..moments {
+        let mut unheard = Diagnostics::new();
+        let mut params = Params::new(item.at_moment(moment), &mut unheard);
+        params.name();
+        let aim = Aim::read(&mut params, sources, other_fits).filter(|aim| !aim.needs_scene());
+        frames.push(aim.map(|aim| known_frame(&aim, &mut params, raw_up)));
+    }
+    let is_still = frames.windows(2).all(|pair| pair[0] == pair[1]);
+    if is_still { Vec::new() } else { frames }
 }
 
 /// The error of a scene that nobody looks at.

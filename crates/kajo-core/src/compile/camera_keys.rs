@@ -5,6 +5,7 @@ use kajo_scene::Params;
 use super::fields::{Defaulted, Sources, Typed, at_least, between, keys, number};
 use super::lens::LensKeys;
 use super::lorentz::{self, Velocity};
+use super::motion::usual_shutter;
 use crate::camera::{Camera, Frame};
 use crate::motion::Shutter;
 use crate::schema::{Constant, FieldKind};
@@ -42,8 +43,11 @@ impl OwnKeys<'_> {
 
 keys! {
     pub ShutterKeys {
-        shutter: Shutter = Typed::<Shutter>::new("shutter", FieldKind::Numbers(2))
-            .or([0.0, 1.0], "from when to when light is gathered"),
+        shutter: Option<Shutter> = Typed::<Shutter>::new("shutter", FieldKind::Numbers(2)).ruled(
+            usual_shutter,
+            "0 1; 0 0.5 in an animation",
+            "from when to when light is gathered; in an animation in frames",
+        ),
         rolling: f32 = between("rollingShutter", 0.0, 1.0)
             .or(0.0, "the share of that time in which rows open one after the other"),
         velocity: Velocity = lorentz::VELOCITY

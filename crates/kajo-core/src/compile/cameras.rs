@@ -23,9 +23,13 @@ pub(super) fn chosen(cameras: &[CameraRequest<'_>], name: Option<&str>) -> Optio
     named.or_else(|| cameras.len().checked_sub(1))
 }
 
-/// When the chosen camera gathers light.
-pub(super) fn shutter_of(cameras: &[CameraRequest<'_>], chosen: Option<usize>) -> (Shutter, f32) {
-    chosen.map_or((Shutter::default(), 0.0), |i| (cameras[i].shutter, cameras[i].readout))
+/// When the chosen camera gathers light, and what holds without one.
+pub(super) fn shutter_of(
+    cameras: &[CameraRequest<'_>],
+    chosen: Option<usize>,
+    usual: Shutter,
+) -> (Shutter, f32) {
+    chosen.map_or((usual, 0.0), |i| (cameras[i].shutter, cameras[i].readout))
 }
 
 /// Puts the cameras into a scene, whose objects they may name.

@@ -139,8 +139,13 @@ impl Compiler<'_> {
     fn operate(&mut self, map: Motion, operation: Item<'_>) -> Motion {
         let by_rows = self.rules.matrix_by_rows;
         if operation.keyword() == operations::MOTION {
-            let keys = motion::read(operation, by_rows, self.diagnostics);
+            let keys = motion::read(operation, by_rows, self.now(), self.diagnostics);
             return keys.map_or(map.clone(), |keys| map.then(&Motion::keyed(keys)));
+        }
+        if let Some(changing) = self.changing_operation(operation) {
+            // `Matrix` multiplies from the left.
+            let is_outer = operations::is_from_left(operation);
+            return if is_outer { changing.then(&map) } else { map.then(&changing) };
         }
         let mut apply = |m| Motion::still(operations::apply(m, operation, by_rows, self.diagnostics));
         match map.constant() {

@@ -5,6 +5,7 @@
 //! only when there are none.
 
 mod aim;
+mod animation;
 mod background;
 mod black_holes;
 mod blocks;
@@ -55,6 +56,8 @@ mod textures;
 mod transform;
 mod value_names;
 
+pub use self::animation::{animation_of, clock_of};
+pub use self::blocks::animation::LAST_FRAME;
 pub use self::blocks::{block_of, blocks, keywords_of, kind_of};
 pub use self::mesh_store::MeshStore;
 pub use self::operations::OPERATIONS;
@@ -70,6 +73,7 @@ use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, P
 use self::blocks::{LIGHT_LIST, MATERIAL_LIST, MEDIUM_LIST, TEXTURE_LIST};
 use self::definition::Definition;
 use self::places::misplaced;
+use crate::animation::Animation;
 use crate::builder::{SceneBuilder, SceneError};
 use crate::camera::NamedCamera;
 use crate::material::MaterialId;
@@ -93,6 +97,10 @@ pub struct CompileOptions {
     /// Width of the picture over its height, for cameras that fit something into it, where that is not to be the
     /// scene's own choice.
     pub aspect: Option<f64>,
+    /// The frame to show; the first one without.
+    pub frame: Option<i64>,
+    /// Frames of a second, where they are not to be the scene's own choice.
+    pub fps: Option<f64>,
     /// Meshes that need not be read again. The same store is for the same limits and the same way to build.
     pub meshes: Option<Arc<MeshStore>>,
     /// Names that `integrator` may say. The compiler itself knows none: integrators are made of scenes.
@@ -136,6 +144,7 @@ fn compile_tree(
     let mut root = Params::root(desc, diagnostics);
     let camera_items = root.take(&camera::KEYWORDS);
     let settings = root.block(settings::BLOCK.keyword);
+    let animation = root.block(blocks::animation::BLOCK.keyword);
     let background = root.block(background::BLOCK.keyword);
     let fog = root.block(background::FOG.keyword);
     let lights = root.block(LIGHT_LIST.keyword);
@@ -150,10 +159,11 @@ fn compile_tree(
     let settings = settings.map(|item| compiler.settings(item)).unwrap_or_default();
     compiler.rules = options.dialect.or(settings.dialect).unwrap_or_default().rules();
     compiler.uses = nesting::uses(desc);
+    compiler.animation(animation);
     let camera_name = options.camera.as_deref();
     let cameras = compiler.cameras(&camera_items, camera_name);
     let chosen = cameras::chosen(&cameras, camera_name);
-    let (shutter, readout) = cameras::shutter_of(&cameras, chosen);
+    let (shutter, readout) = cameras::shutter_of(&cameras, chosen, compiler.exposure(None));
     compiler.scene.expose(shutter, readout);
     if let Some(camera) = chosen.map(|i| &cameras[i]) {
         let observed = compiler.scene.observe(camera.observer);
@@ -204,6 +214,8 @@ struct Compiler<'a> {
     diagnostics: &'a mut Diagnostics,
     /// Mistakes in files other than the scene's, with where the scene names them.
     file_errors: &'a mut Vec<(MeshFileError, Span)>,
+    /// Which frame it is of how many, where there are any.
+    animation: Option<Animation>,
     scene: SceneBuilder,
     definitions: HashMap<String, Definition>,
     /// The numbers by which solids made of others name materials.
@@ -251,6 +263,7 @@ impl<'a> Compiler<'a> {
             rules,
             diagnostics,
             file_errors,
+            animation: None,
             scene: SceneBuilder::new(options.limits.clone(), options.build),
             definitions: HashMap::new(),
             solid_slots: HashMap::new(),
@@ -351,6 +364,7 @@ impl<'a> Compiler<'a> {
             settings,
             rules: self.rules,
             has_group,
+            animation: self.animation,
         };
         let scene = self.scene.finish_with(output);
         let report = |error: &SceneError| self.diagnostics.push(Diagnostic::error(error.to_string()));
@@ -358,6 +372,8 @@ impl<'a> Compiler<'a> {
     }
 }
 
+#[cfg(test)]
+mod animation_tests;
 #[cfg(test)]
 mod camera_tests;
 #[cfg(test)]

@@ -5,10 +5,13 @@
 use kajo_math::{DAffine3, KeyError, Keyframes};
 use kajo_scene::{Args, Diagnostic, Diagnostics, Item, Params};
 
-use super::fields::{Defaulted, Plain, Sources, Stated, Typed};
+use super::fields::{Plain, Sources};
 use super::operations;
 use crate::motion::Shutter;
-use crate::schema::{Block, Constant, FieldSpec, Kind};
+use crate::schema::{Around, Block, FieldSpec, FieldValue, Kind};
+
+/// Where a shutter is open in a film unless a camera says otherwise, in frames.
+pub(super) const USUAL_SHUTTER: [f64; 2] = [0.0, 0.5];
 
 pub(super) const BLOCK: Block = Block {
     keyword: operations::MOTION,
@@ -27,12 +30,19 @@ pub(super) const KEY: Block = Block {
 /// Reads a `Motion` block; `None` when an error was reported.
 ///
 /// * `by_rows`: how the numbers of `Matrix` are ordered
-pub(super) fn read(item: Item<'_>, by_rows: bool, diagnostics: &mut Diagnostics) -> Option<Keyframes> {
+/// * `now`: the time of its keys that is time 0 of what is made of them
+pub(super) fn read(
+    item: Item<'_>,
+    by_rows: bool,
+    now: f64,
+    diagnostics: &mut Diagnostics,
+) -> Option<Keyframes> {
     let mut params = Params::new(item, diagnostics);
     let keys = params.take(&[KEY.keyword]);
     params.finish();
     let maps: Vec<_> = keys.iter().map(|&key| read_key(key, by_rows, diagnostics)).collect();
-    let maps: Vec<(f64, DAffine3)> = maps.into_iter().collect::<Option<_>>()?;
+    let maps = maps.into_iter().map(|key| key.map(|(time, map)| (time - now, map)));
+    let maps: Vec<(f64, DAffine3)> = maps.collect::<Option<_>>()?;
     match Keyframes::new(&maps) {
         Ok(keyframes) => {
             warn(&keyframes, item, &keys, diagnostics);
@@ -85,29 +95,19 @@ fn warn(keyframes: &Keyframes, item: Item<'_>, keys: &[Item<'_>], diagnostics: &
     }
 }
 
+/// What holds for a key `shutter` that is not written.
+pub(super) fn usual_shutter(around: &Around<'_>) -> Option<FieldValue> {
+    let is_film = around.scene.is_some_and(|scene| scene.output.animation.is_some());
+    Some(FieldValue::numbers(if is_film { USUAL_SHUTTER } else { Shutter::default().interval() }))
+}
+
 impl Plain<'_> for Shutter {
     fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<Shutter, Diagnostic> {
         let (open, close) = (args.double()?, args.double()?);
         if close >= open {
-            Ok(Shutter { open, close })
+            Ok(Shutter::new(open, close))
         } else {
             Err(args.error("a shutter closes after it opens"))
         }
-    }
-}
-
-impl Stated for Shutter {
-    fn of(constant: Constant) -> Option<Shutter> {
-        match constant {
-            Constant::Pair([open, close]) => Some(Shutter { open, close }),
-            _ => None,
-        }
-    }
-}
-
-impl Typed<Shutter> {
-    /// A shutter that is open for this time unless another is written.
-    pub const fn or(self, default: [f64; 2], about: &'static str) -> Defaulted<Shutter> {
-        self.otherwise(Constant::Pair(default), about)
     }
 }

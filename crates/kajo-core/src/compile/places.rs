@@ -33,6 +33,7 @@ fn home(word: &str) -> Option<Option<&'static str>> {
     match block_of(word)?.kind {
         Kind::Camera
         | Kind::Settings
+        | Kind::Animation
         | Kind::Background
         | Kind::Fog
         | Kind::Lights

@@ -13,7 +13,7 @@ use super::operations::{MOTION, OPERATIONS, apply};
 pub fn operations_matrix<'a>(items: impl Iterator<Item = Item<'a>>, by_rows: bool) -> DAffine3 {
     let mut unheard = Diagnostics::new();
     items.fold(DAffine3::IDENTITY, |m, item| match item.keyword() == MOTION {
-        true => motion::read(item, by_rows, &mut unheard).map_or(m, |keys| m * keys.at(0.0)),
+        true => motion::read(item, by_rows, 0.0, &mut unheard).map_or(m, |keys| m * keys.at(0.0)),
         false => apply(m, item, by_rows, &mut unheard),
     })
 }

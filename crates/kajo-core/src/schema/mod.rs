@@ -17,6 +17,8 @@ pub enum Kind {
     Camera,
     /// How to render.
     Settings,
+    /// The frames of a scene that changes.
+    Animation,
     /// What rays see that hit nothing.
     Background,
     /// What fills the air.

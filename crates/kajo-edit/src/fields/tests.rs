@@ -16,7 +16,9 @@ fn scene_with(block: &Block, text: &str) -> String {
     let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
     let materials = "Materials { Matte { } Matte { } }";
     match block.kind {
-        Kind::Camera | Kind::Settings | Kind::Background | Kind::Fog => format!("{camera} {text}"),
+        Kind::Camera | Kind::Settings | Kind::Animation | Kind::Background | Kind::Fog => {
+            format!("{camera} {text}")
+        }
         Kind::Part if block.keyword == "key" => {
             let moving = format!("Motion {{ {text} key 1 {{ Translate 1 0 0 }} }}");
             let ball = "Sphere { center 0 0 0  radius 1 }";
@@ -233,7 +235,7 @@ fn made(document: &Document) -> Option<String> {
         scene.lighting.lights,
         scene.lighting.groups,
         scene.output.camera,
-        scene.output.readout,
+        (scene.output.readout, scene.output.animation),
         scene.lighting.background,
         scene.lighting.ambient,
         (scene.lighting.fog, scene.lighting.air, &scene.appearance.media),

@@ -7,12 +7,14 @@
 //! An expression without variables is a number. One with `x`, `y` or `z` in it is a function of the place; named values are
 //! what they are where it stands.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
+use super::keyed::KEYS;
+use super::moments::Moment;
 use super::values::{ends_well, resume_after};
 use super::{Expect, Parser};
-use crate::expression::{Formula, formula, name_at};
+use crate::expression::{Around, Formula, formula, name_at};
 use crate::lexer::number;
 use crate::source::Span;
 use crate::tree::{Expression, Function, Insert};
@@ -22,14 +24,22 @@ impl Parser<'_> {
     pub(super) fn equals(&mut self, sign: u32, span: Span, text: &str) -> u32 {
         let start = sign as usize + 1;
         let start = text.len() - text[start..].trim_start().len();
+        let node = self.desc.nodes.len() as u32 - 1;
+        if text[start..].starts_with(KEYS) {
+            let place = Span { start: start as u32, end: (start + KEYS.len()) as u32, ..span };
+            if let Some(end) = self.keys(place, text) {
+                return end;
+            }
+        }
         let inserts = RefCell::new(Vec::new());
-        let scope = &self.scope;
+        let has_changed = Cell::new(false);
+        let at_frame = Moment { scope: &self.scope, clock: self.clock, moment: 0, has_changed: &has_changed };
         let found = formula(text, start, &|name, at| {
-            let value = scope.get(name)?;
+            let value = at_frame.value(name)?;
             inserts.borrow_mut().push(Insert { start: at.start as u32, end: at.end as u32, value });
             Some(value)
         });
-        let node = self.desc.nodes.len() as u32 - 1;
+        self.desc.changes |= has_changed.get();
         match found.and_then(|found| ends_well(text, found.1).map(|()| found)) {
             Ok((Formula::Number(value), end)) => {
                 let place = Span { start: start as u32, end: end as u32, ..span };
@@ -38,7 +48,19 @@ impl Parser<'_> {
                     let value = self.scope.find(written).map(|(_, index)| index);
                     self.desc.expressions.push(Expression { place, value });
                 }
-                self.add_number(node, place, value);
+                let values = if has_changed.get() {
+                    // It has a value at the frame, so it is read to the same end at other moments.
+                    self.evaluate_changing(text, start, Around::Nothing).map(|found| found.values)
+                } else {
+                    Ok(Vec::new())
+                };
+                match values {
+                    Ok(values) => self.add_value(node, place, value, values),
+                    Err(error) => {
+                        self.expression_error(span.source, error);
+                        self.add_number(node, place, 0.0);
+                    }
+                }
                 end as u32
             }
             Ok((Formula::Function(tape), end)) => {

@@ -9,54 +9,16 @@
 //! turn an item comes from is known by its source (see [`Sources::repetition`](crate::Sources::repetition)). Every turn
 //! counts as an item, so that however repeats stand in each other, reading ends.
 
+use super::moments::{Changing, is_time};
 use super::{Block, Expect, Parser, Stop};
 use crate::diagnostic::{Diagnostic, Severity, quoted};
 use crate::expression::{self, Around, ExpressionError, evaluate, name_at};
 use crate::lexer::{TokenKind, Tokens, looks_like_number, number};
 use crate::source::{SourceId, Span};
 use crate::tree::{Expression, NamedValue};
-use std::collections::HashMap;
 
 pub(super) const LET: &str = "let";
 pub(super) const REPEAT: &str = "repeat";
-
-/// The named values that are in force.
-#[derive(Default)]
-pub(super) struct Scope {
-    /// For each name its values, the innermost last, with their places in the list of the tree.
-    values: HashMap<String, Vec<(f64, u32)>>,
-    /// The names in the order in which they were given values.
-    names: Vec<String>,
-}
-
-impl Scope {
-    pub fn get(&self, name: &str) -> Option<f64> {
-        self.find(name).map(|(value, _)| value)
-    }
-
-    pub fn find(&self, name: &str) -> Option<(f64, u32)> {
-        self.values.get(name)?.last().copied()
-    }
-
-    /// How many values are in force, for [`Scope::forget`].
-    pub fn len(&self) -> usize {
-        self.names.len()
-    }
-
-    fn add(&mut self, name: &str, value: f64, index: u32) {
-        self.values.entry(name.to_owned()).or_default().push((value, index));
-        self.names.push(name.to_owned());
-    }
-
-    /// Forgets all values but the first `len`.
-    pub fn forget(&mut self, len: usize) {
-        for name in self.names.drain(len.min(self.names.len())..) {
-            if let Some(values) = self.values.get_mut(&name) {
-                values.pop();
-            }
-        }
-    }
-}
 
 /// A `repeat` whose block is open.
 pub(super) struct Repeat {
@@ -91,32 +53,35 @@ impl Parser<'_> {
     pub(super) fn expression(&mut self, span: Span, text: &str) -> Option<u32> {
         let word = &text[span.range()];
         let taker = self.number_taker()?;
-        let start = match self.meaning(word) {
+        let start = match self.meaning(word, &text[span.end as usize..]) {
             Meaning::Word => return None,
             Meaning::Expression => span.start,
             Meaning::Operator => {
                 let last = self.desc.numbers.pop()?;
                 self.desc.nodes[taker as usize].numbers.1 -= 1;
+                if self.desc.changing.last().is_some_and(|last| last.0 as usize == self.desc.numbers.len()) {
+                    self.desc.changing.pop();
+                }
                 last.start
             }
         };
-        let scope = &self.scope;
-        let found = evaluate(text, start as usize, Around::List, &|name, _| scope.get(name));
+        let found = self.evaluate_changing(text, start as usize, Around::List);
         let found = found.and_then(|found| {
+            let end = found.evaluated.end;
             // A sign at the end of a block joins nothing.
-            if found.end <= span.start as usize {
+            if end <= span.start as usize {
                 let message = format!("expected a number after {}", quoted(word));
                 return Err(ExpressionError { message, at: span.range(), help: None });
             }
-            ends_well(text, found.end).map(|()| found)
+            ends_well(text, end).map(|()| found)
         });
         match found {
-            Ok(found) => {
+            Ok(Changing { evaluated: found, values }) => {
                 let whole = Span { start, end: found.end as u32, ..span };
                 let name = &text[whole.range()];
                 let value = self.scope.find(name).filter(|_| found.is_name).map(|(_, index)| index);
                 self.desc.expressions.push(Expression { place: whole, value });
-                self.add_number(taker, whole, found.value);
+                self.add_value(taker, whole, found.value, values);
                 Some(whole.end)
             }
             Err(error) => {
@@ -128,7 +93,8 @@ impl Parser<'_> {
         }
     }
 
-    fn meaning(&self, word: &str) -> Meaning {
+    /// * `behind`: what follows the word
+    fn meaning(&self, word: &str, behind: &str) -> Meaning {
         let is_value = self.expect == Expect::Value;
         let has_left = matches!(self.expect, Expect::Number | Expect::BlockNumber)
             && self.number_taker().is_some_and(|taker| {
@@ -157,7 +123,10 @@ impl Parser<'_> {
         if let Some(name) = name_at(unsigned) {
             let rest = &unsigned[name.len()..];
             let is_call = rest.starts_with('(') && expression::is_function(name);
-            let is_known = (rest.is_empty() || goes_on(rest)) && self.scope.get(name).is_some();
+            // After a keyword the time is a word unless it is a part of something.
+            let is_part = || !is_value || goes_on(rest) || goes_on_with_numbers(behind);
+            let is_known = (rest.is_empty() || goes_on(rest))
+                && (self.scope.get(name).is_some() || (is_time(name) && is_part()));
             return if is_call || is_known { Meaning::Expression } else { Meaning::Word };
         }
         let digits = unsigned.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
@@ -193,11 +162,12 @@ impl Parser<'_> {
         };
         let start = text.len() - expression.trim_start().len();
         let name_span = Span { source, start: token.start, end: behind as u32 };
-        let scope = &self.scope;
-        let found = evaluate(text, start, Around::Nothing, &|name, _| scope.get(name));
-        let mut literal = None;
-        let value = match found.and_then(|found| ends_well(text, found.end).map(|()| found)) {
-            Ok(found) => {
+        let found = self.one_key_curve(text, start);
+        let found = found.unwrap_or_else(|| self.evaluate_changing(text, start, Around::Nothing));
+        let (mut literal, mut changing) = (None, Vec::new());
+        let value = match found.and_then(|found| ends_well(text, found.evaluated.end).map(|()| found)) {
+            Ok(Changing { evaluated: found, values }) => {
+                changing = values;
                 *tokens = Tokens::resume(text, found.end as u32);
                 let is_literal = number(&text[start..found.end]).is_some();
                 literal = is_literal.then_some(Span { source, start: start as u32, end: found.end as u32 });
@@ -209,6 +179,10 @@ impl Parser<'_> {
                 0.0
             }
         };
+        if !changing.is_empty() {
+            self.desc.changes = true;
+            self.scope.set_moments(self.desc.values.len() as u32, changing);
+        }
         self.name_value(NamedValue { name: name_span, literal }, name, value);
     }
 
@@ -261,10 +235,11 @@ impl Parser<'_> {
             self.damage(error.label(name_span, "expected a number after this").help(HELP));
             return Err(Stop);
         };
-        let scope = &self.scope;
-        let found = evaluate(text, count.start as usize, Around::Nothing, &|name, _| scope.get(name));
-        let found = match found {
-            Ok(found) => found,
+        let found = match self.evaluate_changing(text, count.start as usize, Around::Nothing) {
+            Ok(Changing { evaluated, values }) => {
+                self.desc.changes |= !values.is_empty();
+                evaluated
+            }
             Err(error) => {
                 self.expression_error(source, error);
                 self.whole = false;
@@ -381,6 +356,19 @@ impl Parser<'_> {
                 .help("add the missing `}`"),
         );
         Err(Stop)
+    }
+}
+
+/// Whether what follows goes on with an expression that a name begins, or with further numbers.
+fn goes_on_with_numbers(behind: &str) -> bool {
+    let rest = behind.trim_start();
+    match rest.bytes().next() {
+        Some(b'0'..=b'9' | b'.' | b'(') => true,
+        Some(b'+' | b'-') if rest[1..].starts_with(|c: char| c.is_ascii_digit() || c == '.') => true,
+        Some(b'*' | b'%' | b'^') => true,
+        Some(b'/') => !rest[1..].starts_with(['/', '*']),
+        Some(b'+' | b'-') => rest[1..].starts_with(char::is_whitespace),
+        _ => false,
     }
 }
 

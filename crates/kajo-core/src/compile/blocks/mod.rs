@@ -6,6 +6,7 @@
 mod accretion_disk;
 mod air_layers;
 pub(super) mod algebraic;
+pub(super) mod animation;
 pub(super) mod bicubic_patch;
 pub(super) mod bilinear_patch;
 mod black_hole;
@@ -226,6 +227,7 @@ const OTHERS: [&Block; 17] = [
     &sphere_sweep::PATH,
     &curves::STRAND,
     &super::settings::BLOCK,
+    &animation::BLOCK,
     &super::background::BLOCK,
     &super::background::SKY,
     &super::background::FOG,
