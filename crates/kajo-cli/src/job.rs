@@ -232,7 +232,10 @@ impl Job {
                 .map_err(|error| Failure::Input(format!("cannot read the scene again: {error}")))?,
         };
         // The text around a model, of which `--up` and `--ground` decide.
-        Ok(loaded.sources().iter().next().map_or(files, |(_, text)| files.with_text(text.text())))
+        let digest = loaded.sources().iter().next().map_or(files, |(_, text)| files.with_text(text.text()));
+        // The moments of the frame, where there are any.
+        let clock = loaded.desc.clock();
+        Ok(if clock.is_film() { digest.with_text(&format!("{clock:?}")) } else { digest })
     }
 
     /// Makes sure that a picture of this size can be written.

@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 63] = [
+const ROLES: [(&str, Role); 66] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -172,6 +172,9 @@ const ROLES: [(&str, Role); 63] = [
     ("light-choice", Decides("--integrator path", "--light-choice uniform")),
     ("roulette", Decides("--integrator path", "--roulette off")),
     ("reach", Decides("--integrator occlusion", "--reach 2")),
+    ("frames", Decides("", "--frames 3")),
+    ("fps", Decides("--frames 3", "--fps 30")),
+    ("keep-frames", Harmless("", "a picture that is kept is not rendered")),
     ("denoise", Decides("", "--denoise builtin")),
     ("exposure", Harmless("--exposure 1", "how the finished light is developed")),
     ("white-balance", Harmless("--white-balance 5000", "how the finished light is developed")),

@@ -72,6 +72,11 @@ impl Clock {
         self.moments.len()
     }
 
+    /// Whether there are other moments than that of the frame, so that things may move.
+    pub fn is_film(&self) -> bool {
+        self.len() > 1
+    }
+
     /// Never: that of the frame is always there.
     pub fn is_empty(&self) -> bool {
         false

@@ -71,8 +71,8 @@ pub use font::{FontError, GlyphContour, GlyphSegment, TextAlign, TextOutlines, T
 pub use foreign::{ForeignFile, HEAD_BYTES, READ_FORMATS, foreign_file};
 pub use gltf::{
     CoordinateSet, Model, ModelAmount, ModelCamera, ModelCover, ModelGlossiness, ModelInstance, ModelLight,
-    ModelLightKind, ModelMaterial, ModelPart, ModelTint, ModelView, PictureSource, PictureUse, PictureWrap,
-    VertexColors, read_gltf,
+    ModelLightKind, ModelMaterial, ModelMoment, ModelPart, ModelTint, ModelView, PictureSource, PictureUse,
+    PictureWrap, VertexColors, read_gltf, read_gltf_at,
 };
 pub use ies::{IesError, IesFile, read_ies};
 pub use lexer::{LexError, Token, TokenKind, Tokens, tokens};

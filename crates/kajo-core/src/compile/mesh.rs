@@ -154,6 +154,21 @@ impl Compiler<'_> {
         share.map_err(|over| self.cannot_read(&file.path, &over.to_string(), place)).ok()
     }
 
+    /// As [`Compiler::built`], unless the same mesh was built for a scene before.
+    pub(super) fn built_once(&mut self, data: MeshData, path: &str, place: Span) -> Option<Mesh> {
+        let Some(store) = self.options.meshes.clone() else { return self.built(data, path, place) };
+        let digest = data.digest();
+        if let Some(mesh) = store.built(digest) {
+            let (bytes, _) = data.memory();
+            let taken = self.options.limits.memory.take(bytes as u64);
+            return taken
+                .map_err(|over| self.cannot_read(path, &over.to_string(), place))
+                .ok()
+                .map(|()| mesh);
+        }
+        self.built(data, path, place).inspect(|mesh| store.put_built(digest, mesh.clone()))
+    }
+
     /// Builds the tree of a mesh, unless the scene has failed already: nobody should wait for that to hear of a
     /// misspelt word.
     pub(super) fn built(&mut self, data: MeshData, path: &str, place: Span) -> Option<Mesh> {

@@ -1,7 +1,7 @@
 //! Meshes kept from one compilation to the next, for whoever compiles a scene again and again while it is edited.
 //!
-//! A mesh is known by its file, by what tells the states of that file apart, and by what of it is shown. What a compilation that
-//! succeeded did not use is forgotten.
+//! A mesh is known by its file, by what tells the states of that file apart, and by what of it is shown; one of a model, which
+//! may move, by a digest of what it is made of. What a compilation that succeeded did not use is forgotten.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -46,12 +46,14 @@ pub(super) struct Kept {
 pub struct MeshStore {
     /// With each mesh, whether the compilation under way has used it.
     kept: Mutex<HashMap<StoreKey, (Kept, bool)>>,
+    /// By the digest of its data, with the same.
+    built: Mutex<HashMap<[u64; 2], (Mesh, bool)>>,
 }
 
 impl MeshStore {
     /// How many meshes are kept.
     pub fn len(&self) -> usize {
-        self.lock().len()
+        self.lock().len() + self.lock_built().len()
     }
 
     /// Whether none is kept.
@@ -73,11 +75,29 @@ impl MeshStore {
     /// A compilation begins: nothing is used yet.
     pub(super) fn begin(&self) {
         self.lock().values_mut().for_each(|(_, is_used)| *is_used = false);
+        self.lock_built().values_mut().for_each(|(_, is_used)| *is_used = false);
     }
 
     /// A compilation has succeeded: what it did not use is forgotten.
     pub(super) fn keep_used(&self) {
         self.lock().retain(|_, (_, is_used)| *is_used);
+        self.lock_built().retain(|_, (_, is_used)| *is_used);
+    }
+
+    /// A mesh that was built of data with this digest.
+    pub(super) fn built(&self, digest: [u64; 2]) -> Option<Mesh> {
+        let mut built = self.lock_built();
+        let (found, is_used) = built.get_mut(&digest)?;
+        *is_used = true;
+        Some(found.clone())
+    }
+
+    pub(super) fn put_built(&self, digest: [u64; 2], mesh: Mesh) {
+        self.lock_built().insert(digest, (mesh, true));
+    }
+
+    fn lock_built(&self) -> MutexGuard<'_, HashMap<[u64; 2], (Mesh, bool)>> {
+        self.built.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<StoreKey, (Kept, bool)>> {

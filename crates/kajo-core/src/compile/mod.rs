@@ -391,6 +391,8 @@ mod media_tests;
 #[cfg(test)]
 mod mesh_file_tests;
 #[cfg(test)]
+mod model_animation_tests;
+#[cfg(test)]
 mod model_tests;
 #[cfg(test)]
 mod motion_tests;

@@ -6,10 +6,11 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use kajo_math::keyed::Outside;
 use kajo_math::{Motion, Vec2, Vec3, Vec4};
 use kajo_scene::{
-    AssetFile, Corners, Diagnostic, Item, Model, ModelCamera, ModelInstance, ModelLight, ModelPart, Span,
-    read_gltf,
+    AssetFile, Corners, Diagnostic, Item, Model, ModelCamera, ModelInstance, ModelLight, ModelMoment,
+    ModelPart, Span, read_gltf_at,
 };
 
 use super::Compiler;
@@ -36,6 +37,8 @@ pub(super) struct ModelKey {
     /// Bits of the radii of points and lines.
     radii: [Option<u32>; 2],
     subdivision: Option<Subdivision>,
+    /// Which animation, the bits of its time, and whether it begins again; `None` for the model at rest.
+    moment: Option<(Option<String>, u64, bool)>,
 }
 
 /// A model that has been read.
@@ -60,6 +63,12 @@ pub(super) struct ModelRequest {
     pub group: LightGroup,
     /// Whether and how its meshes are subdivided.
     pub subdivision: Option<Subdivision>,
+    /// The name of its animation, or its number.
+    pub animation: Option<String>,
+    /// Seconds from its beginning.
+    pub animation_time: Option<f32>,
+    /// Whether it begins again when it is over.
+    pub animation_repeat: bool,
 }
 
 impl Compiler<'_> {
@@ -78,6 +87,7 @@ impl Compiler<'_> {
             own_materials: keys.own_materials,
             radii: [keys.radii.points, keys.radii.lines].map(|radius| radius.map(f32::to_bits)),
             subdivision: keys.subdivision,
+            moment: self.moment_of(&keys),
         };
         let known = self.models.get(&key).cloned();
         let model = known.unwrap_or_else(|| {
@@ -101,6 +111,16 @@ impl Compiler<'_> {
         }
     }
 
+    /// When a model is shown, where it is to move.
+    fn moment_of(&self, keys: &ModelRequest) -> Option<(Option<String>, u64, bool)> {
+        let is_asked = keys.animation.is_some() || keys.animation_time.is_some();
+        if !is_asked && self.animation.is_none() {
+            return None;
+        }
+        let seconds = keys.animation_time.map_or(self.now(), f64::from);
+        Some((keys.animation.clone(), seconds.to_bits(), keys.animation_repeat))
+    }
+
     fn read_model(
         &mut self,
         file: AssetFile,
@@ -110,7 +130,12 @@ impl Compiler<'_> {
         at: Span,
     ) -> Option<CompiledModel> {
         let _reading = self.memory_for_file(&file, at)?;
-        let model = match read_gltf(file, self.assets, &self.options.limits) {
+        let moment = key.moment.clone().map(|(animation, seconds, repeats)| ModelMoment {
+            animation,
+            seconds: f64::from_bits(seconds),
+            outside: if repeats { Outside::Loop } else { Outside::Hold },
+        });
+        let model = match read_gltf_at(file, self.assets, &self.options.limits, moment.as_ref()) {
             Ok(model) => model,
             Err(error) => {
                 self.file_errors.push((error, at));
@@ -150,7 +175,7 @@ impl Compiler<'_> {
                         let read = ReadFaces { data, polygons: Vec::new() };
                         data = self.subdivided(read, how, None, (key.smooth, &key.path, at))?;
                     }
-                    let mesh = self.built(data, &key.path, at)?;
+                    let mesh = self.built_once(data, &key.path, at)?;
                     (triangles, flat) = (triangles + mesh.triangle_count(), flat + mesh.dropped());
                     stored.push((self.shape(item, mesh)?, material));
                     continue;

@@ -21,6 +21,7 @@ mod height_field;
 mod isosurface;
 mod lathe;
 mod mesh;
+mod mesh_digest;
 mod outline;
 mod patch;
 mod plane;

@@ -5,7 +5,6 @@ use super::light::Light;
 use super::material::Material;
 use super::texture::{Sampler, Texture};
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -27,8 +26,42 @@ pub(super) struct Document {
     pub images: Vec<Image>,
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
-    pub animations: Vec<IgnoredAny>,
+    pub animations: Vec<Animation>,
     pub skins: Vec<Skin>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Animation {
+    pub name: Option<Arc<str>>,
+    pub channels: Vec<Channel>,
+    pub samplers: Vec<AnimationSampler>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Channel {
+    pub sampler: usize,
+    pub target: ChannelTarget,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ChannelTarget {
+    pub node: Option<usize>,
+    /// `translation`, `rotation`, `scale` or `weights`.
+    pub path: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AnimationSampler {
+    /// Times.
+    pub input: usize,
+    /// Values.
+    pub output: usize,
+    /// `STEP`, `LINEAR` or `CUBICSPLINE`; empty for `LINEAR`.
+    pub interpolation: String,
 }
 
 #[derive(Debug, Default, Deserialize)]

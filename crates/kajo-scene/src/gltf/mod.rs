@@ -2,7 +2,7 @@
 //!
 //! A file is JSON with buffers beside it or within (`.gltf`), or both in one (`.glb`). A mesh that several
 //! nodes show is read once [Khronos 2021, "glTF 2.0 Specification"]; one with a skin or targets of morphs has the shape
-//! that it has at rest. Of extensions, `EXT_mesh_gpu_instancing`, `EXT_meshopt_compression`, `KHR_lights_punctual`,
+//! that it has at rest, or at a moment of an animation. Of extensions, `EXT_mesh_gpu_instancing`, `EXT_meshopt_compression`, `KHR_lights_punctual`,
 //! `KHR_mesh_quantization`, `KHR_texture_transform` and most of those of materials are read.
 //!
 //! ```text
@@ -13,6 +13,7 @@
 //! that meshes may take is bounded by the bytes that were really read ([`Budget`]).
 
 mod accessor;
+mod animation;
 mod camera;
 mod container;
 mod json;
@@ -36,6 +37,7 @@ use kajo_math::DAffine3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+pub use self::animation::ModelMoment;
 pub use self::camera::{ModelCamera, ModelView};
 pub use self::light::{ModelLight, ModelLightKind};
 pub use self::material::{
@@ -107,16 +109,29 @@ pub struct ModelInstance {
 /// When the file or a buffer cannot be read, when something in it is malformed or points where nothing is,
 /// when it needs an extension that is not known, or exceeds a limit.
 pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Result<Model, MeshFileError> {
+    read_gltf_at(file, assets, limits, None)
+}
+
+/// As [`read_gltf`], with everything where an animation puts it at a moment, where one is asked for.
+///
+/// # Errors
+/// As for [`read_gltf`], and when there is no such animation.
+pub fn read_gltf_at(
+    file: AssetFile,
+    assets: &dyn Assets,
+    limits: &Limits,
+    moment: Option<&ModelMoment>,
+) -> Result<Model, MeshFileError> {
     let path = file.path.clone();
     let container = container::read(file, limits)?;
     let mut memory = ReadMemory::new(&limits.memory);
-    let document = container.document(&path, limits, &mut memory)?;
+    let mut document = container.document(&path, limits, &mut memory)?;
     let wrong = |message: String| MeshFileError::Content { path: path.clone(), message };
     check_version(&document).map_err(wrong)?;
     check_extensions(&document).map_err(wrong)?;
     let mut buffers = Buffers::load(&document, &container, &path, assets, limits, &mut memory)?;
     let mut budget = Budget::new(buffers.bytes_read(), memory);
-    let model = model(&document, &mut buffers, limits, &mut budget);
+    let model = model(&mut document, &mut buffers, limits, &mut budget, moment);
     model.map_err(|message| match budget.over {
         Some(over) => MeshFileError::memory(&path, over),
         None => wrong(message),
@@ -124,13 +139,16 @@ pub fn read_gltf(file: AssetFile, assets: &dyn Assets, limits: &Limits) -> Resul
 }
 
 fn model(
-    document: &json::Document,
+    document: &mut json::Document,
     buffers: &mut Buffers<'_>,
     limits: &Limits,
     budget: &mut Budget,
+    moment: Option<&ModelMoment>,
 ) -> Result<Model, String> {
     budget.take::<ModelMaterial>(document.materials.len())?;
     buffers.decode(document, budget)?;
+    let posed = moment.map(|moment| animation::pose(document, buffers, moment, budget)).transpose()?;
+    let document = &*document;
     let tree = nodes::read(document, buffers, limits, budget)?;
     let mut poses = Poses::new(document, buffers);
     let mut counts = primitive::Skipped::default();
@@ -149,7 +167,8 @@ fn model(
     color_materials(&mut model);
     model.pictures = pictures(document, &model.materials, buffers, budget)?;
     model.left_out.extend(counts.sentences());
-    model.left_out.extend(left_out(document));
+    model.left_out.extend(left_out(document, posed.is_none()));
+    model.left_out.extend(posed.unwrap_or_default());
     if failed > 0 {
         model.left_out.push(format!("left out: {failed} skins with joints that are not in the scene"));
     }
@@ -280,10 +299,11 @@ fn check_extensions(document: &json::Document) -> Result<(), String> {
     }
 }
 
-fn left_out(document: &json::Document) -> Vec<String> {
+/// * `is_at_rest`: whether its animations count for nothing
+fn left_out(document: &json::Document, is_at_rest: bool) -> Vec<String> {
     let textured = document.materials.iter().filter(|material| material.has_unused_textures()).count();
-    let list =
-        [(document.animations.len(), "animations"), (textured, "materials with textures that are not shown")];
+    let animations = if is_at_rest { document.animations.len() } else { 0 };
+    let list = [(animations, "animations"), (textured, "materials with textures that are not shown")];
     let used = list.into_iter().filter(|&(count, _)| count > 0);
     let counted = used.map(|(count, what)| format!("left out: {count} {what}"));
     let mut unknown = BTreeMap::<&str, usize>::new();

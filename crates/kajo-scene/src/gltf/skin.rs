@@ -1,4 +1,4 @@
-//! The shape of a mesh at rest: targets of its morphs with their first weights, and skins with joints where nodes put them.
+//! The shape of a mesh: targets of its morphs with their weights, and skins with joints where nodes put them.
 //!
 //! With the weights `m` of morphs and `w` of joints, in the model's space,
 //!

@@ -8,14 +8,14 @@ use proptest::prelude::*;
 
 /// Numbers one after the other, each list beginning at a multiple of four bytes.
 #[derive(Default)]
-struct Bin {
-    bytes: Vec<u8>,
-    views: Vec<String>,
+pub(super) struct Bin {
+    pub bytes: Vec<u8>,
+    pub views: Vec<String>,
 }
 
 impl Bin {
     /// Adds a view; answers its number.
-    fn add(&mut self, content: impl IntoIterator<Item = u8>) -> usize {
+    pub fn add(&mut self, content: impl IntoIterator<Item = u8>) -> usize {
         let start = self.bytes.len();
         self.bytes.extend(content);
         let len = self.bytes.len() - start;
@@ -24,13 +24,13 @@ impl Bin {
         self.views.len() - 1
     }
 
-    fn floats(&mut self, floats: &[f32]) -> usize {
+    pub fn floats(&mut self, floats: &[f32]) -> usize {
         self.add(floats.iter().flat_map(|x| x.to_le_bytes()))
     }
 }
 
 /// The buffer and the accessors of a square of two triangles: positions, normals, texture coordinates, indices.
-fn square() -> (Bin, Vec<String>) {
+pub(super) fn square() -> (Bin, Vec<String>) {
     let mut bin = Bin::default();
     bin.floats(&[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.]);
     bin.floats(&[0., 0., 1.].repeat(4));
@@ -52,7 +52,7 @@ const MESH: &str = r#""meshes":[{"name":"square","primitives":[{"attributes":{"P
     "indices":3,"material":0}]}],"materials":[{"name":"red","pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0,0.25],
     "metallicFactor":0},"alphaMode":"BLEND"}]"#;
 
-fn json(bin: &Bin, accessors: &[String], buffer: &str, rest: &str) -> String {
+pub(super) fn json(bin: &Bin, accessors: &[String], buffer: &str, rest: &str) -> String {
     format!(
         "{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{{{buffer}\"byteLength\":{}}}],\"bufferViews\":[{}],\
          \"accessors\":[{}],{rest}}}",
@@ -62,7 +62,7 @@ fn json(bin: &Bin, accessors: &[String], buffer: &str, rest: &str) -> String {
     )
 }
 
-fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
+pub(super) fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
     let mut chunk = json.as_bytes().to_vec();
     chunk.resize(chunk.len().next_multiple_of(4), b' ');
     let mut file = b"glTF\x02\0\0\0".to_vec();
@@ -644,7 +644,7 @@ fn with_attributes(
     read(&glb(&json(&bin, &accessors, "", &format!("{mesh},{rest}")), &bin.bytes), &MemoryAssets::new())
 }
 
-fn accessor(view: usize, kind: u32, count: usize, of: &str) -> String {
+pub(super) fn accessor(view: usize, kind: u32, count: usize, of: &str) -> String {
     format!(
         "{{\"bufferView\":{view},\"componentType\":{kind},\"count\":{count},\"type\":\"{of}\",\"normalized\":false}}"
     )

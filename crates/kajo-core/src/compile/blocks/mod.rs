@@ -219,7 +219,7 @@ pub(super) const MEDIUM_LIST: Block = Block {
 pub(super) const MATERIAL_INDEX: &str = "MaterialIndex";
 
 /// Blocks that belong to no family.
-const OTHERS: [&Block; 17] = [
+const OTHERS: [&Block; 18] = [
     &blob::SPHERE,
     &blob::CYLINDER,
     &prism::OUTLINE,
