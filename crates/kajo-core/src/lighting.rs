@@ -2,7 +2,7 @@
 
 use crate::texture::TextureContext;
 use kajo_color::{Emission, Spectrum, WavelengthChoice, Wavelengths};
-use kajo_math::{Ray, Vec2, Vec3, robust::offset_origin};
+use kajo_math::{Aabb, Ray, Vec2, Vec3, robust::offset_origin};
 
 use crate::bsdf::Bsdf;
 use crate::emission::{Leaving, VariedEmission};
@@ -175,7 +175,10 @@ impl Scene {
 
     /// The lights for paths to begin at.
     pub fn power_light_sampler(&self) -> PowerLightSampler {
-        PowerLightSampler::new(&self.lighting.sampler, &self.lighting.lights, &self.geometry.bounds())
+        // Light from infinitely far away shines at everything that has bounds, air that is a medium among it.
+        let air = self.lighting.air.and_then(|air| self.appearance.media.bounds(air));
+        let bounds = air.into_iter().fold(self.geometry.bounds(), Aabb::union);
+        PowerLightSampler::new(&self.lighting.sampler, &self.lighting.lights, &bounds)
     }
 
     /// How wavelengths are drawn so that spectral lines are found: by the spectra of all light and its power.

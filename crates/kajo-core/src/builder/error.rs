@@ -33,6 +33,11 @@ pub enum SceneError {
     /// A medium that bends light, around everything.
     #[error("a medium that bends light fills closed bodies only, not all that is around them")]
     CurvedAir,
+    /// Air without end that gives light and does not weaken it.
+    #[error(
+        "air without end that gives light has to absorb or scatter all colours, or all of it together would be endlessly bright"
+    )]
+    EndlessGlow,
     /// A texture that this builder has not named.
     #[error("the scene has no such texture")]
     UnknownTexture,

@@ -49,6 +49,9 @@ fn grids_come_from_files_and_from_the_text() {
         "GridMedium m { file bytes.raw size 4 1 1 encoding u8 density 1 }",
         "GridMedium m { size 2 1 1 values 0 1 density 1 min 0 0 0 max 1 2 3 }",
         "FunctionMedium m { function = x + y density 1 }",
+        "Medium m { emission blackbody 1900 5 }",
+        "Medium m { emission 1 2 3  sigma_a 1 } exterior m",
+        "FunctionMedium m { function = x  emission 1 } exterior m",
     ] {
         let (scene, said) = media(text);
         assert!(scene.is_some() && said.is_empty(), "{text}: {said:?}");
@@ -71,6 +74,9 @@ fn mistakes_are_named() {
         ("Medium m { density 1 g -1.5 }", "`g` is more than -1 and less than 1"),
         ("Medium m { density 1 scale -1 }", "at least 0"),
         ("Medium m { density 1 } exterior n", "there is no medium named `n`"),
+        ("Medium m { emission 1 } exterior m", "endlessly bright"),
+        ("Medium m { emission 1 sigma_a 1 0 1 } exterior m", "endlessly bright"),
+        ("Medium m { emission -1 }", "negative"),
         ("GridMedium m { density 1 }", "file"),
         ("GridMedium m { density 1 values 1 2 }", "size"),
         ("GridMedium m { density 1 size 2 2 2 values 1 2 }", "a grid of 8 voxels has 2 values"),

@@ -1,6 +1,8 @@
 //! What a medium of density 1 does to light.
 
-use kajo_color::{Spectrum, Unbounded, Wavelengths};
+use std::sync::Arc;
+
+use kajo_color::{Emission, Spectrum, Unbounded, Wavelengths};
 
 use super::Phase;
 
@@ -9,12 +11,15 @@ use super::Phase;
 /// ```text
 /// sigma_t = sigma_a + sigma_s,    albedo = sigma_s / sigma_t,    mean free path = 1 / sigma_t
 /// ```
+///
+/// A medium may also give light of its own, radiance per unit length, to all sides alike.
 #[derive(Clone, Debug)]
 pub struct Coefficients {
     sigma_a: Unbounded,
     sigma_s: Unbounded,
     scatters: bool,
     phase: Phase,
+    emission: Option<Arc<Emission>>,
 }
 
 /// Why there are no such coefficients.
@@ -44,13 +49,19 @@ impl Coefficients {
         }
         let scatters = sigma_s.iter().any(|&v| v > 0.0);
         let [sigma_a, sigma_s] = [sigma_a, sigma_s].map(Unbounded::from_rgb);
-        Ok(Coefficients { sigma_a, sigma_s, scatters, phase })
+        Ok(Coefficients { sigma_a, sigma_s, scatters, phase, emission: None })
     }
 
     /// Of a clear medium.
     pub fn clear() -> Coefficients {
         let nothing = Unbounded::from_rgb([0.0; 3]);
-        Coefficients { sigma_a: nothing.clone(), sigma_s: nothing, scatters: false, phase: Phase::Isotropic }
+        Coefficients {
+            sigma_a: nothing.clone(),
+            sigma_s: nothing,
+            scatters: false,
+            phase: Phase::Isotropic,
+            emission: None,
+        }
     }
 
     /// By the share of light that a collision scatters, and the extinction per unit length; both in linear RGB.
@@ -88,6 +99,33 @@ impl Coefficients {
         self.scatters
     }
 
+    /// The same medium that also gives light.
+    ///
+    /// * `emission`: radiance per unit length
+    #[must_use]
+    pub fn with_emission(self, emission: Emission) -> Coefficients {
+        Coefficients { emission: Some(Arc::new(emission)).filter(|emission| !emission.is_black()), ..self }
+    }
+
+    /// Radiance per unit length that it gives itself, where it does.
+    #[inline]
+    pub fn emission(&self, wavelengths: &Wavelengths) -> Option<Spectrum> {
+        self.emission.as_ref().map(|emission| emission.at(wavelengths))
+    }
+
+    /// Whether it gives light.
+    #[inline]
+    pub fn emits(&self) -> bool {
+        self.emission.is_some()
+    }
+
+    /// Whether it gives light that any amount of it does not weaken.
+    pub fn glows_through(&self) -> bool {
+        let rgb = &Wavelengths::RGB;
+        let sigma_t = (self.sigma_a(rgb) + self.sigma_s(rgb)).to_rgb();
+        self.emits() && sigma_t.iter().any(|&sigma| sigma <= 0.0)
+    }
+
     /// Where to it scatters light.
     #[inline]
     pub fn phase(&self) -> Phase {
@@ -108,6 +146,15 @@ mod tests {
         assert!(made.scatters());
         let clear = Coefficients::new([1.0; 3], [0.0; 3], Phase::Isotropic).unwrap();
         assert!(!clear.scatters());
+    }
+
+    #[test]
+    fn a_medium_may_give_light() {
+        let clear = Coefficients::clear();
+        assert!(!clear.emits() && clear.emission(&Wavelengths::RGB).is_none());
+        let flame = clear.clone().with_emission(Emission::from_rgb([3.0, 2.0, 1.0]));
+        assert_eq!(flame.emission(&Wavelengths::RGB).map(Spectrum::to_rgb), Some([3.0, 2.0, 1.0]));
+        assert!(!clear.with_emission(Emission::from_rgb([0.0; 3])).emits());
     }
 
     #[test]

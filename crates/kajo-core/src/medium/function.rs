@@ -94,6 +94,10 @@ impl Medium for FunctionMedium {
         if value > 0.0 { value as f32 } else { 0.0 }
     }
 
+    fn bounds(&self) -> Option<Aabb> {
+        Some(*self.majorants.bounds())
+    }
+
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {
         Majorants::cells(self.majorants.walk(ray))
     }

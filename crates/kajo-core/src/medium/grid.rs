@@ -156,6 +156,10 @@ impl Medium for GridMedium {
         self.grid.at((p - self.majorants.bounds().min) * self.inverse_extent)
     }
 
+    fn bounds(&self) -> Option<Aabb> {
+        Some(*self.majorants.bounds())
+    }
+
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {
         Majorants::cells(self.majorants.walk(ray))
     }

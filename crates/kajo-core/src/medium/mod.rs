@@ -37,7 +37,7 @@ pub use phase::{Phase, PhaseSample};
 pub use wormhole::{WormholeError, WormholeMedium, WormholeShape};
 
 use kajo_color::Wavelengths;
-use kajo_math::{Ray, Vec3};
+use kajo_math::{Aabb, Ray, Vec3};
 
 use crate::curved_light::{Chords, Followed, Region};
 use crate::family::family;
@@ -63,6 +63,11 @@ pub trait Medium {
     ///
     /// * `ray`: of unit direction; `t_min` is 0
     fn majorants(&self, ray: &Ray) -> Majorants<'_>;
+
+    /// The world-space box outside of which there is nothing of it; `None` where it has no end.
+    fn bounds(&self) -> Option<Aabb> {
+        None
+    }
 
     /// Whether the density is the same everywhere, so that transmittance has a closed form.
     fn is_homogeneous(&self) -> bool {
@@ -135,6 +140,8 @@ family! {
         fn density(textures: &Textures, p: Vec3) -> f32;
         /// See [`Medium::majorants`].
         fn majorants(ray: &Ray) -> Majorants<'_>;
+        /// See [`Medium::bounds`].
+        fn bounds() -> Option<Aabb>;
         /// See [`Medium::is_homogeneous`].
         fn is_homogeneous() -> bool;
         /// See [`Medium::bends_light`].

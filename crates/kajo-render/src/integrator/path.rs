@@ -171,6 +171,8 @@ fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
 #[cfg(test)]
 mod curved_tests;
 #[cfg(test)]
+mod glow_tests;
+#[cfg(test)]
 mod media_tests;
 #[cfg(test)]
 mod relativistic_tests;

@@ -15,6 +15,9 @@
 //! L = integral over t of  s I / (4pi r^2) exp(-s (t + r)),    r^2 = b^2 + (t - a)^2
 //! ```
 //!
+//! *A slab that glows* by the radiance `e` per unit length and absorbs is as bright as `e / sigma_a (1 - exp(-sigma_a d))`; a body that gives `sigma_a` times the
+//! radiance of an even sky is not to be seen.
+//!
 //! *Nothing is lost.* Whatever scatters all light is not to be seen under an even sky: homogeneous, by voxels, by a function, in clear
 //! glass.
 
@@ -43,7 +46,7 @@ const CHAINS: &[Method] = &[MLT];
 const CUBE: &str = "Box { min -1 -1 -1 max 1 1 1 }";
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
-    let mut forms = vec![absorber(draw), beam(draw), fog(draw)];
+    let mut forms = vec![absorber(draw), beam(draw), fog(draw), flame(draw), hot(draw)];
     let grid: Vec<String> = (0..27).map(|_| draw.between(0.0, 1.0).to_string()).collect();
     let g = draw.between(-0.6, 0.8);
     let (r, s) = (draw.between(1.0, 4.0), draw.between(0.2, 3.0));
@@ -91,6 +94,24 @@ fn absorber(draw: &mut Parameters) -> Form {
     let scene = filled(&view, &format!("Medium m {{ sigma_a {sigma} }}"), "Interface b { medium m }", BALL);
     let expected = (-sigma * 2.0 * (1.0 - x * x).sqrt()).exp();
     Form::new(format!("S9 absorber of {sigma} over a chord at {x}"), scene, expected, MEDIA)
+}
+
+fn flame(draw: &mut Parameters) -> Form {
+    let (sigma, e, x) = (draw.between(0.2, 2.0), draw.between(0.5, 3.0), draw.between(-0.7, 0.7));
+    let view = spot_meter(DVec3::new(x, 0.0, 5.0), DVec3::new(x, 0.0, 0.0));
+    let medium = format!("Medium m {{ sigma_a {sigma}  emission {e} }}");
+    let scene = filled(&view, &medium, "Interface b { medium m }", CUBE);
+    let expected = e / sigma * (1.0 - (-2.0 * sigma).exp());
+    Form::new(format!("S9 slab that absorbs {sigma} and glows by {e}"), scene, expected, MEDIA)
+}
+
+fn hot(draw: &mut Parameters) -> Form {
+    let view = under_a_sky(draw.direction(-1.0) * draw.between(0.1, 4.0), draw.point(0.4));
+    let (a, s, k) = (draw.between(0.2, 1.5), draw.between(0.5, 3.0), draw.between(-0.8, 0.8));
+    let medium =
+        format!("FunctionMedium m {{ function = 1 + {k} * x  sigma_a {a}  sigma_s {s}  emission {a} }}");
+    let scene = filled(&view, &medium, "Interface b { medium m }", CUBE);
+    Form::new("a body as hot as the sky around it".to_owned(), scene, 1.0, MEDIA)
 }
 
 fn beam(draw: &mut Parameters) -> Form {

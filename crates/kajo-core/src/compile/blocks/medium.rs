@@ -1,9 +1,10 @@
 //! `Medium`: what is the same everywhere, and what all media have in common.
 
+use kajo_color::Emission;
 use kajo_scene::{Args, Diagnostic, Params};
 
 use crate::compile::fields::{
-    Keys, Plain, Sources, Typed, at_least, choice, choices, keys, number, report_beside,
+    Keys, Plain, Sources, Typed, at_least, choice, choices, emission, keys, number, report_beside,
 };
 use crate::compile::member::{MediumMember, Member};
 use crate::medium::phase::HenyeyGreenstein;
@@ -101,6 +102,9 @@ keys! {
         scale: f32 = at_least("scale", 0.0).or(1.0, "makes all of it denser"),
         phase: Option<PhaseName> = choice::<PhaseName>("phase")
             .unlike("by `g`", "isotropic", "where to light is scattered"),
+        emission: Option<Emission> = emission("emission")
+            .unit("W/(m³ sr)")
+            .presumed(Constant::Triple([0.0; 3]), "radiance per length that it gives itself"),
         g: f32 = number("g").or(0.0, "mean cosine: -1 back, 0 to all sides, 1 straight on"),
     }
 }
@@ -128,9 +132,10 @@ pub fn coefficients(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> O
     }
     let has_none = ![SIGMA_A, SIGMA_S, "density", "meanFreePath"].into_iter().any(|key| params.contains(key));
     let keys = CoefficientKeys::read(params, sources)?;
-    if has_none {
+    if has_none && keys.emission.is_none() {
         let error = Diagnostic::error("this medium has no density");
-        let help = "write `sigma_a` and `sigma_s`, or `albedo` with `density` or `meanFreePath`";
+        let help =
+            "write `sigma_a` and `sigma_s`, or `albedo` with `density` or `meanFreePath`; or an `emission`";
         params.report(error.help(help), "does nothing to light");
         return None;
     }
@@ -148,7 +153,11 @@ pub fn coefficients(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> O
         Coefficients::new(scaled(of(keys.sigma_a)), scaled(of(keys.sigma_s)), phase)
     };
     let report = |error| params.report(Diagnostic::error(format!("{error}")), "is none");
-    made.map_err(report).ok()
+    let made = made.map_err(report).ok()?;
+    Some(match keys.emission {
+        Some(emission) => made.with_emission(emission.scaled(keys.scale)),
+        None => made,
+    })
 }
 
 /// The phase function; one with a mean cosine that is none is reported.

@@ -391,7 +391,13 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         }
         let is_last = *t == self.longest();
         loop {
-            match advance(scene, &mut path.state, surface, &mut visible.first, observer) {
+            let event = advance(scene, &mut path.state, surface, &mut visible.first, observer);
+            if V::CARRIED && !path.state.glow.is_black() {
+                let glow = path.glow();
+                observer.found(|| glow.value(wavelengths));
+                found(glow, wavelengths);
+            }
+            match event {
                 Event::Surface => {}
                 Event::Escaped(d) => {
                     self.met_background(path, d, (camera_ray, from.as_ref()), |far| {
@@ -445,10 +451,9 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         }
     }
 
-    /// Whether light from an emitter is found from the camera alone: infinitely far away behind air that is a medium, in which no
-    /// path from there begins.
+    /// Whether light from an emitter is found from the camera alone.
     fn is_hidden(&self, at: &LightPoint) -> bool {
-        at.is_infinite() && self.scene().lighting.air.is_some()
+        at.is_infinite() && is_endless(self.scene())
     }
 
     /// Joins a vertex of the camera's path with a light drawn for it (`s = 1`) and with all vertices of the light's path
@@ -502,12 +507,17 @@ pub(super) fn light_end<'s>(
     let carried = (*wavelengths, emitted.power() * (1.0 / chance));
     let ray = emitted.ray(time);
     let media = match is_infinite {
-        true => MediumStack::default(),
+        true => MediumStack::air(scene),
         false => MediumStack::around(scene, &ray, wavelengths),
     };
     let state = PathState::new(ray, carried, Transport::Importance, media, draws);
     let departure = subpath::Departure { eta: media.eta(), ..departure };
     Subpath { state: PathState { connectable: true, ..state }, departure }
+}
+
+/// Whether the air is a medium without end, so that no path begins infinitely far away.
+pub(super) fn is_endless(scene: &Scene) -> bool {
+    scene.lighting.air.is_some_and(|air| scene.appearance.media.bounds(air).is_none())
 }
 
 /// How a surface scatters, for a path that follows one wavelength from there on if it is refracted by wavelength.

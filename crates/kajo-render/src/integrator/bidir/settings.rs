@@ -102,8 +102,6 @@ impl Prepare for BidirectionalSettings {
         if !self.only_from_lights {
             return Vec::new();
         }
-        let lights = &scene.lighting.lights;
-        let from_afar = lights.ids().any(|id| lights.bounds(id).is_none());
         let notes = [
             (
                 !connects(scene, size),
@@ -112,10 +110,6 @@ impl Prepare for BidirectionalSettings {
             (
                 scene.moves() && scene.output.readout > 0.0,
                 "light from emitters does not find a camera whose rows open one after the other while things move",
-            ),
-            (
-                scene.lighting.air.is_some() && from_afar,
-                "light from infinitely far away is not followed into air that is a medium",
             ),
         ];
         notes.into_iter().filter_map(|(applies, note)| applies.then_some(note)).collect()

@@ -86,6 +86,12 @@ impl Subpath<'_> {
         }
     }
 
+    /// Light that media gave on the way of a path from the camera: no other way finds it.
+    pub(super) fn glow(&mut self) -> Contribution {
+        let light = std::mem::take(&mut self.state.glow);
+        Contribution { light, ..self.met(Spectrum::BLACK, LightGroup::default(), 1.0) }
+    }
+
     /// The path's vertex on a surface.
     ///
     /// * `group`: the light group of a path from a light

@@ -234,7 +234,11 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     fn run_branch(&mut self, path: &mut CameraPath<'s>, surface: &mut SurfaceInteraction) {
         let scene = self.scene();
         loop {
-            match advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer) {
+            let event = advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer);
+            if path.state.carries_media {
+                self.add_glow(path);
+            }
+            match event {
                 Event::Surface => {}
                 Event::Medium(at) => match self.scatter_in_medium(path, &at) {
                     true => continue,
@@ -518,6 +522,14 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         path.pdf = sample.pdf;
         path.bounces += 1;
         survives(&mut path.state, path.bounces, settings.roulette)
+    }
+
+    /// Adds the light that media gave on the way: no light is drawn in them.
+    fn add_glow(&mut self, path: &mut CameraPath<'s>) {
+        let glow = std::mem::take(&mut path.state.glow);
+        if !glow.is_black() {
+            self.add_met(&path.state, glow, LightGroup::default());
+        }
     }
 
     fn add_direct_light_in_medium(

@@ -26,15 +26,18 @@
 //! connections know `T` in a closed form, so that `r_l` is multiplied by `1 / T[h]` upon arrival. All three may be multiplied by
 //! one number and no estimate changes; it is chosen so that the mean of `r_u` is 1, and `beta` is the weight of the
 //! path as it is without media.
+//!
+//! What a medium gives of its own is found by paths from the camera alone, on each stretch that they go without a collision.
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
+use kajo_core::bsdf::Transport;
 use kajo_core::medium::{MediumId, Phase};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
 
-use super::PathState;
 use super::lane_mis::all_lanes;
+use super::{LaneMis, PathState};
 use crate::trail::{About, PathObserver};
 
 /// Null collisions along one ray after which it is given up: a majorant that is far above all densities is a mistake of the
@@ -128,15 +131,37 @@ impl<'a> Stretch<'a> {
     }
 }
 
+/// Who follows a walk from collision to collision.
+trait Walker {
+    /// Passes a stretch without collisions.
+    ///
+    /// * `from`, `to`: distances of its ends
+    /// * `t`: `T[i]` of all lanes from the last collision to `from`
+    #[inline]
+    fn pass(
+        &mut self,
+        _draws: &mut SampleStream<'_>,
+        (_from, _to): (f32, f32),
+        _t: Spectrum,
+        _majorant: f32,
+    ) {
+    }
+
+    /// Comes to a collision with the majorant; `true` ends the walk.
+    ///
+    /// * `at`: its distance
+    /// * `t`: `T[i]` of all lanes since the last one
+    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool;
+}
+
 /// Where along a ray collisions with a majorant are, one after the other, drawn by the hero's lane.
 ///
-/// Calls `collide` with each: the distance, `T[i]` of all lanes since the last one, and the majorant; `true` ends the walk.
 /// Returns `T[i]` since the last collision where it ends at the far end of the ray.
 fn walk(
     stretch: &Stretch<'_>,
     ray: &Ray,
     draws: &mut SampleStream<'_>,
-    mut collide: impl FnMut(&mut SampleStream<'_>, f32, Spectrum, f32) -> bool,
+    walker: &mut impl Walker,
 ) -> Option<Spectrum> {
     let hero = stretch.sigma_t[stretch.hero];
     let mut optical_depth = exponential(draws);
@@ -153,14 +178,16 @@ fn walk(
             let step = if sigma > 0.0 { optical_depth / sigma } else { f32::INFINITY };
             if at + step >= majorant.t_max {
                 let rest = majorant.t_max - at;
+                walker.pass(draws, (at, majorant.t_max), t, majorant.density);
                 optical_depth = (optical_depth - sigma * rest).max(0.0);
                 t *= stretch.transmittance(majorant.density, rest);
                 break;
             }
+            walker.pass(draws, (at, at + step), t, majorant.density);
             at += step;
             t *= stretch.transmittance(majorant.density, step);
             collisions += 1;
-            if collide(draws, at, t, majorant.density) || collisions == MOST_COLLISIONS {
+            if walker.collide(draws, at, t, majorant.density) || collisions == MOST_COLLISIONS {
                 return None;
             }
             t = Spectrum::WHITE;
@@ -175,9 +202,65 @@ fn exponential(draws: &mut SampleStream<'_>) -> f32 {
     -fmath::ln(1.0 - draws.next_1d())
 }
 
+/// A path on its way through a medium.
+struct Travel<'a> {
+    stretch: &'a Stretch<'a>,
+    ray: &'a Ray,
+    wavelengths: Wavelengths,
+    is_homogeneous: bool,
+    beta: Spectrum,
+    lanes: LaneMis,
+    scattered: Option<f32>,
+    /// Where the medium gives light that counts: its radiance per unit length at the density 1, what else absorbs it there, and the light found.
+    glow: Option<(Spectrum, Spectrum, Spectrum)>,
+}
+
+impl Walker for Travel<'_> {
+    /// Adds the light that the medium gives along a stretch without collisions, at one point of it drawn evenly.
+    ///
+    /// In the mean over the lengths of such stretches that is the integral of `T e d`, with the radiance `e` per unit length at the density
+    /// 1 and the density `d`, since the path gets to a point without a collision with the probability `T[h]`.
+    #[inline]
+    fn pass(&mut self, draws: &mut SampleStream<'_>, (from, to): (f32, f32), t: Spectrum, majorant: f32) {
+        let Some((emission, sigma_a, found)) = &mut self.glow else { return };
+        let at = from + draws.next_1d() * (to - from);
+        let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(self.ray.at(at)) };
+        let t = t * self.stretch.transmittance(majorant, at - from);
+        let ratio = t * (1.0 / t[self.stretch.hero]);
+        let mean = self.wavelengths.mean(self.lanes.r_u * ratio);
+        let added = self.beta * ratio * *emission * (*sigma_a * -at).exp() * (density * (to - from) / mean);
+        if added.is_finite() {
+            *found += added;
+        }
+    }
+
+    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
+        let Travel { stretch, is_homogeneous, beta, lanes, .. } = self;
+        let is_homogeneous = *is_homogeneous;
+        let factor = stretch.collision(t);
+        let real = if is_homogeneous { 1.0 } else { (stretch.density(self.ray.at(at)) / majorant).min(1.0) };
+        if is_homogeneous || draws.next_1d() < real {
+            // T sigma_s / (T[h] sigma_t[h]): the collision with its albedo.
+            *beta *= factor * stretch.sigma_s.safe_div(stretch.sigma_t);
+            let passed = if is_homogeneous { t } else { Spectrum::WHITE };
+            lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &self.wavelengths);
+            lanes.sigma_t = all_lanes(stretch.sigma_t, &self.wavelengths) * (real * majorant);
+            lanes.r_u *= factor;
+            lanes.r_l = lanes.r_u;
+            self.scattered = Some(at);
+            return true;
+        }
+        *beta *= factor;
+        lanes.r_u *= factor;
+        lanes.r_l *= factor * (1.0 / (1.0 - real));
+        false
+    }
+}
+
 /// Takes a path along its ray through a medium, up to `length`; where it is scattered on the way.
 ///
-/// Takes a number for each collision with the majorant and, where the density varies, another one for what it is.
+/// Takes a number for each collision with the majorant and, where the density varies, another one for what it is; where the medium gives
+/// light and scatters, one for each stretch between them.
 fn travel(
     scene: &Scene,
     path: &mut PathState<'_>,
@@ -186,34 +269,29 @@ fn travel(
 ) -> Option<MediumInteraction> {
     let stretch = Stretch::new(scene, medium, &path.wavelengths, path.lanes.hero);
     let is_homogeneous = scene.appearance.media.is_homogeneous(medium);
-    let scatters = scene.appearance.media.coefficients(medium).scatters();
-    if is_homogeneous && !scatters {
+    let coefficients = scene.appearance.media.coefficients(medium);
+    let emission = coefficients.emission(&path.wavelengths).filter(|_| path.mode == Transport::Radiance);
+    let absorption = || path.media.absorption().unwrap_or(Spectrum::BLACK);
+    if is_homogeneous && !coefficients.scatters() {
+        if let Some(emission) = emission {
+            path.glow += path.beta * emission * even_glow(stretch.sigma_t + absorption(), length);
+        }
         path.beta *= stretch.transmittance(1.0, length);
         return None;
     }
     let ray = Ray { t_min: 0.0, t_max: length, ..path.ray };
-    let (mut beta, mut lanes) = (path.beta, path.lanes);
-    let wavelengths = path.wavelengths;
-    let mut scattered = None;
-    let arrives = walk(&stretch, &ray, &mut path.draws, |draws, at, t, majorant| {
-        let factor = stretch.collision(t);
-        let real = if is_homogeneous { 1.0 } else { (stretch.density(ray.at(at)) / majorant).min(1.0) };
-        if is_homogeneous || draws.next_1d() < real {
-            // T sigma_s / (T[h] sigma_t[h]): the collision with its albedo.
-            beta *= factor * stretch.sigma_s.safe_div(stretch.sigma_t);
-            let passed = if is_homogeneous { t } else { Spectrum::WHITE };
-            lanes.reach = all_lanes(passed * lanes.r_u.safe_div(lanes.r_l), &wavelengths);
-            lanes.sigma_t = all_lanes(stretch.sigma_t, &wavelengths) * (real * majorant);
-            lanes.r_u *= factor;
-            lanes.r_l = lanes.r_u;
-            scattered = Some(at);
-            return true;
-        }
-        beta *= factor;
-        lanes.r_u *= factor;
-        lanes.r_l *= factor * (1.0 / (1.0 - real));
-        false
-    });
+    let mut travel = Travel {
+        stretch: &stretch,
+        ray: &ray,
+        wavelengths: path.wavelengths,
+        is_homogeneous,
+        beta: path.beta,
+        lanes: path.lanes,
+        scattered: None,
+        glow: emission.map(|emission| (emission, absorption(), path.glow)),
+    };
+    let arrives = walk(&stretch, &ray, &mut path.draws, &mut travel);
+    let Travel { mut beta, mut lanes, scattered, glow, .. } = travel;
     if let Some(t) = arrives {
         let hero = 1.0 / t[stretch.hero];
         beta *= t * hero;
@@ -221,13 +299,27 @@ fn travel(
         lanes.r_l *= if is_homogeneous { Spectrum::WHITE * hero } else { t * hero };
     }
     (path.beta, path.lanes) = (beta, lanes);
+    if let Some((.., found)) = glow {
+        path.glow = found;
+    }
     path.normalize_lanes();
     if arrives.is_none() && scattered.is_none() {
         path.beta = Spectrum::BLACK;
     }
     let at = scattered?;
-    let phase = scene.appearance.media.coefficients(medium).phase();
+    let phase = coefficients.phase();
     Some(MediumInteraction { p: ray.at(at), wo: -ray.d, phase, length: at, time: ray.time })
+}
+
+/// The integral of `exp(-sigma t)` over a length, by lanes.
+fn even_glow(sigma: Spectrum, length: f32) -> Spectrum {
+    sigma.map(|sigma| {
+        let depth = sigma * length;
+        // For small depths without the difference of near numbers; what has no end has a depth in each lane that counts.
+        let integral =
+            if depth > 1e-3 { -fmath::exp_m1(-depth) / sigma } else { length * (1.0 - 0.5 * depth) };
+        if integral.is_finite() { integral } else { 0.0 }
+    })
 }
 
 /// Takes the path through the medium around it, up to `length`; where it is scattered on the way.
@@ -305,14 +397,9 @@ impl Passage {
             }
             return;
         }
-        let Passage { t: left, r_l, r_u } = self;
-        let arrives = walk(&stretch, ray, draws, |_, at, t, majorant| {
-            let (factor, real) = (stretch.collision(t), (stretch.density(ray.at(at)) / majorant).min(1.0));
-            *left *= factor * (1.0 - real);
-            *r_l *= factor;
-            *r_u *= factor * (1.0 - real);
-            left.is_black()
-        });
+        let mut tracking = Tracking { stretch: &stretch, ray, passage: *self };
+        let arrives = walk(&stretch, ray, draws, &mut tracking);
+        *self = tracking.passage;
         match arrives {
             Some(t) => {
                 let ratio = t * (1.0 / t[stretch.hero]);
@@ -322,5 +409,24 @@ impl Passage {
             }
             None => *self = Passage::closed(),
         }
+    }
+}
+
+/// A connection on its way through a medium.
+struct Tracking<'a> {
+    stretch: &'a Stretch<'a>,
+    ray: &'a Ray,
+    passage: Passage,
+}
+
+impl Walker for Tracking<'_> {
+    fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
+        let (factor, real) =
+            (self.stretch.collision(t), (self.stretch.density(self.ray.at(at)) / majorant).min(1.0));
+        let Passage { t: left, r_l, r_u } = &mut self.passage;
+        *left *= factor * (1.0 - real);
+        *r_l *= factor;
+        *r_u *= factor * (1.0 - real);
+        left.is_black()
     }
 }

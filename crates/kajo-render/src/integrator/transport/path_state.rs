@@ -42,6 +42,8 @@ pub struct PathState<'s> {
     pub carries_media: bool,
     /// What distances in media were drawn by.
     pub lanes: LaneMis,
+    /// Light that media gave on the way to the camera since it was taken last.
+    pub glow: Spectrum,
 }
 
 impl<'s> PathState<'s> {
@@ -70,6 +72,7 @@ impl<'s> PathState<'s> {
             differential: None,
             carries_media: false,
             lanes: LaneMis::default(),
+            glow: Spectrum::BLACK,
         }
     }
 }
@@ -102,9 +105,9 @@ impl SurfaceInteraction {
 mod tests {
     use super::*;
 
-    /// Wavefronts keep one for each path, and branches copy one. Differentials take 52 bytes of it, lanes 48, and the shift of its wavelengths 16.
+    /// Wavefronts keep one for each path, and branches copy one. Differentials take 52 bytes of it, lanes 48, the light of media 16, and the shift of its wavelengths 16.
     #[test]
     fn a_path_is_small() {
-        assert!(size_of::<PathState<'_>>() <= 432, "{}", size_of::<PathState<'_>>());
+        assert!(size_of::<PathState<'_>>() <= 448, "{}", size_of::<PathState<'_>>());
     }
 }

@@ -1,0 +1,149 @@
+//! Media that give light, against closed forms, by paths from the camera and from both ends.
+
+use kajo_core::camera::Camera;
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_testkit::Estimate;
+
+use super::tests::{camera, scene};
+use super::*;
+use crate::PixelIntegrator;
+use crate::integrator::bidir::{BidirectionalSettings, integrator_of};
+
+/// The mean of a lane of a picture of one pixel, splats included.
+fn mean_of(integrator: &dyn PixelIntegrator, samples: u32, lane: usize) -> Estimate {
+    let sampler = Sampler::new(SamplerKind::Sobol, samples);
+    Estimate::of_batches(|batch| {
+        let mut ctx = SampleContext::new(&sampler, 0);
+        let mut sum = 0.0;
+        for k in 0..samples {
+            let place = ctx.begin([0, batch], k);
+            sum += f64::from(integrator.sample(&mut ctx, [0, 0], place).radiance[lane]);
+        }
+        let inside = |raster: Vec2| raster.min_element() >= 0.0 && raster.max_element() < 1.0;
+        let splats = ctx.splats.as_slice().iter().filter(|splat| inside(splat.raster));
+        sum += splats.map(|splat| f64::from(splat.value[lane])).sum::<f64>();
+        sum / f64::from(samples)
+    })
+}
+
+/// Paths, and both ends; by red, green and blue or by wavelength.
+fn integrators(scene: &Scene, spectral: bool) -> Vec<Box<dyn PixelIntegrator + '_>> {
+    let path = PathSettings { bounces: 2000, spectral, ..PathSettings::default() };
+    let both = BidirectionalSettings { bounces: 200, spectral, ..BidirectionalSettings::default() };
+    let camera: &Camera = &scene.output.camera;
+    let none = || LayerSet::of(&[]);
+    vec![Box::new(Path::new(scene, path, [1, 1], none())), integrator_of(camera, scene, both, [1, 1], none())]
+}
+
+fn filled(view: &str, medium: &str, body: &str) -> Scene {
+    scene(&format!(
+        "{view} Media {{ {medium} }} Materials {{ Interface i {{ medium m }} }} Group {{ MaterialIndex i {body} }}"
+    ))
+}
+
+const BOX: &str = "Box { min -1 -1 -1 max 1 1 1 }";
+
+/// `e/s (1 - exp(-s L))`, and `e L` where nothing is absorbed: without noise.
+#[test]
+fn a_slab_that_glows_has_its_closed_form() {
+    for (from, length) in [([0.0, 0.0, 5.0], 2.0), ([0.0, 0.0, 0.5], 1.5)] {
+        let medium = "Medium m { emission 3 2 1  sigma_a 0.5 0 2 }";
+        let scene = filled(&camera(from, [0.0, 0.0, -9.0]), medium, BOX);
+        let expected = [
+            3.0 / 0.5 * (1.0 - f64::exp(-0.5 * length)),
+            2.0 * length,
+            0.5 * (1.0 - f64::exp(-2.0 * length)),
+        ];
+        for integrator in integrators(&scene, false) {
+            for (lane, expected) in expected.into_iter().enumerate() {
+                let found = mean_of(&*integrator, 16, lane).mean;
+                assert!((found / expected - 1.0).abs() < 1e-5, "{length} {lane}: {found} {expected}");
+            }
+        }
+    }
+    // All of the air.
+    let endless =
+        filled(&camera([0.0; 3], [0.0, 0.0, -1.0]), "Medium m { emission 3 sigma_a 2 } exterior m", "");
+    let found = mean_of(&*integrators(&endless, false)[0], 16, 0).mean;
+    assert!((found - 1.5).abs() < 1e-5, "{found}");
+}
+
+/// What only glows by a function of the place, and what absorbs in other places as well, by quadrature.
+#[test]
+fn a_glow_that_varies_is_its_integral() {
+    let density = |z: f64| (1.0 + z).max(0.0);
+    for sigma in [0.0, 1.2] {
+        let n = 20_000;
+        let h = 2.0 / f64::from(n);
+        let (mut depth, mut expected) = (0.0, 0.0);
+        for k in 0..n {
+            let d = density(1.0 - h * (f64::from(k) + 0.5));
+            expected += 2.0 * d * (-sigma * (depth + 0.5 * h * d)).exp() * h;
+            depth += d * h;
+        }
+        let medium = format!("FunctionMedium m {{ function = 1 + z  emission 2  sigma_a {sigma} }}");
+        let scene = filled(&camera([0.1, 0.2, 5.0], [0.1, 0.2, 0.0]), &medium, BOX);
+        for integrator in integrators(&scene, false) {
+            let found = mean_of(&*integrator, 4000, 0);
+            // Stratified samples of a line are nearly without noise.
+            if (found.mean / expected - 1.0).abs() > 1e-5 {
+                found.check(expected, 0.02).unwrap();
+            }
+        }
+    }
+}
+
+/// In an even sky of the radiance `B` a medium that absorbs `a` and gives `a B` is not to be seen, whatever it scatters.
+#[test]
+fn a_medium_as_hot_as_its_surroundings_is_not_seen() {
+    for medium in [
+        "Medium m { sigma_a 0.5 1 2  sigma_s 1 3 0.5  g 0.4  emission 0.5 1 2 }",
+        "Medium m { sigma_a 0.3  sigma_s 2  emission 0.3 }",
+        "GridMedium m { size 2 2 2 values 1 0.2 0 0.7 0.4 1 0.6 0.1  sigma_a 1 0.5 2  sigma_s 1 4 2  emission 1 0.5 2 }",
+        "FunctionMedium m { function = 2 - x  sigma_a 0.5 0.2 1  emission 0.5 0.2 1 }",
+    ] {
+        for from in [[0.3, 0.2, 4.0], [0.1, -0.3, 0.1]] {
+            let view = camera(from, [0.0, -0.2, -0.1]).replace("color 0 0 0", "color 1 1 1");
+            let scene = filled(&view, medium, BOX);
+            for integrator in integrators(&scene, false) {
+                for lane in 0..3 {
+                    mean_of(&*integrator, 500, lane).check(1.0, 0.05).unwrap();
+                }
+            }
+        }
+    }
+    // By wavelength, grey, so that the emission is that of the sky at each of them.
+    let view = camera([0.3, 0.2, 4.0], [0.0, -0.2, -0.1]).replace("color 0 0 0", "color 1 1 1");
+    let scene =
+        filled(&view, "FunctionMedium m { function = 2 - x  sigma_a 0.4  sigma_s 1  emission 0.4 }", BOX);
+    for integrator in integrators(&scene, true) {
+        mean_of(&*integrator, 1000, 1).check(1.0, 0.05).unwrap();
+    }
+}
+
+/// A flame lights a floor: an even ball that only glows has the intensity `e V` to all sides, far away.
+#[test]
+fn a_flame_lights_what_is_around_it() {
+    let text = format!(
+        "{} Media {{ Medium m {{ emission 50 }} }}
+         Materials {{ Interface i {{ medium m }}  Matte white {{ color 1 1 1  roughness 0 }} }}
+         Group {{ MaterialIndex i Sphere {{ center 0 1 0  radius 0.2 }}  MaterialIndex white Disk {{ center 0 0 0  normal 0 1 0  radius 0.02 }} }}",
+        camera([0.3, 0.4, 0.1], [0.0, 0.0, 0.0])
+    );
+    let scene = scene(&text);
+    // Over the ball, of the power to the receiver per area: e dV / d^2, whose mean over a ball is not that of its middle.
+    let n = 60;
+    let (mut sum, h) = (0.0, 0.4 / f64::from(n));
+    for i in 0..n * n * n {
+        let at = |k: i32| -0.2 + h * (f64::from(k) + 0.5);
+        let (x, y, z) = (at(i % n), at(i / n % n), at(i / n / n));
+        if x * x + y * y + z * z < 0.04 {
+            let r2 = x * x + (1.0 + y) * (1.0 + y) + z * z;
+            sum += 50.0 * h * h * h * (1.0 + y) / (r2 * r2.sqrt());
+        }
+    }
+    let expected = sum / std::f64::consts::PI;
+    for integrator in integrators(&scene, false) {
+        mean_of(&*integrator, 20_000, 0).check(expected, 0.02).unwrap();
+    }
+}
