@@ -315,3 +315,52 @@ fn constant_grids_are_homogeneous() {
         mean(&scene, settings(0), 8000, 0).check(expected, 0.02).unwrap();
     }
 }
+
+/// A small emitter in fog, a point light that a ray passes closely, and one on the ray itself: points drawn along the ray change no light
+/// and take the fireflies away.
+#[test]
+fn points_along_a_ray_find_what_collisions_find() {
+    let text = |rest: &str, from: [f32; 3], to: [f32; 3]| {
+        format!(
+            "{} Media {{ Medium fog {{ sigma_s 0.1 0.3 0.2  sigma_a 0.05 0 0.1  g 0.4 }} exterior fog }} {rest}",
+            camera(from, to)
+        )
+    };
+    let emitter = |radius: f32| {
+        format!(
+            "Materials {{ Matte m {{ color 0 0 0  emission {} }} Matte white {{ color 0.7 0.7 0.7 }} }}
+             Group {{ MaterialIndex m Sphere {{ center 0 0.3 0  radius {radius} }}
+                      MaterialIndex white Plane {{ normal 0 1 0  offset -1 }} }}",
+            1.0 / (radius * radius)
+        )
+    };
+    let near = ([0.0, 0.0, 4.0], [0.0, 0.0, 0.0]);
+    for rest in [emitter(0.05), emitter(0.25)] {
+        let scene = scene(&text(&rest, near.0, near.1));
+        for lane in 0..3 {
+            // Met by chance alone, no points are drawn.
+            let met = PathSettings { technique: Technique::Scattering, ..settings(1) };
+            let [met, both] = [(met, 60_000), (settings(1), 4000)].map(|(s, n)| mean(&scene, s, n, lane));
+            let spread = both.standard_error.hypot(met.standard_error);
+            assert!((both.mean - met.mean).abs() < 4.5 * spread, "{lane} {rest}: {both:?} {met:?}");
+            assert!(spread < 0.05 * met.mean, "{lane} {rest}: {both:?} {met:?}");
+        }
+    }
+    // Passing at the distance 0.01: by quadrature. Collisions alone hardly ever come so near.
+    let (sigma, b) = (0.3f64, 0.01);
+    let light = format!("Lights {{ PointLight {{ position {b} 0 0  intensity 1 }} }}");
+    let fog = "Media { Medium fog { sigma_s 0.3 } exterior fog }";
+    let close = scene(&format!("{} {fog} {light}", camera([0.0, 0.0, 5.0], [0.0, 0.0, 0.0])));
+    let n = 400_000;
+    // t = 5 + b tan(angle), so that the integrand is smooth.
+    let (low, high) = ((-5.0f64 / b).atan(), PI / 2.0);
+    let h = (high - low) / f64::from(n);
+    let expected: f64 = (0..n)
+        .map(|k| {
+            let angle = low + h * (f64::from(k) + 0.5);
+            let (t, r) = (5.0 + b * angle.tan(), b / angle.cos());
+            h * sigma / (4.0 * PI * b) * (-sigma * (t + r)).exp()
+        })
+        .sum();
+    mean(&close, settings(0), 2000, 0).check(expected, 0.02).unwrap();
+}

@@ -1,5 +1,6 @@
 //! One sample of the path tracer: a path from the camera and what branches off it.
 
+mod equiangular;
 mod indirect;
 
 use kajo_color::{Spectrum, sensor};
@@ -20,6 +21,7 @@ use crate::integrator::transport::{
     survives,
 };
 use crate::trail::{About, PathObserver, RayKind};
+use equiangular::Along;
 pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Sampled};
 
 /// A path from the camera, and what the weights of the light that it meets go by.
@@ -38,6 +40,10 @@ pub(in crate::integrator) struct CameraPath<'s> {
     pub ends_at_lights: bool,
     /// Whether the path has branched off another.
     is_branch: bool,
+    /// The ray at hand, where light was drawn for a point along it.
+    along: Option<Along>,
+    /// The same of the ray to the last collision, whose distance this is.
+    collided: Option<(Along, f32)>,
 }
 
 impl<'s> CameraPath<'s> {
@@ -50,6 +56,8 @@ impl<'s> CameraPath<'s> {
             free_mirrors: settings.free_mirrors,
             ends_at_lights: false,
             is_branch: false,
+            along: None,
+            collided: None,
         }
     }
 
@@ -63,6 +71,8 @@ impl<'s> CameraPath<'s> {
             free_mirrors: 0,
             ends_at_lights: false,
             is_branch: false,
+            along: None,
+            collided: None,
         }
     }
 
@@ -234,10 +244,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     fn run_branch(&mut self, path: &mut CameraPath<'s>, surface: &mut SurfaceInteraction) {
         let scene = self.scene();
         loop {
-            let event = advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer);
-            if path.state.carries_media {
-                self.add_glow(path);
-            }
+            let event = match path.state.carries_media {
+                false => advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer),
+                true => self.advance_through_media(path, surface),
+            };
             match event {
                 Event::Surface => {}
                 Event::Medium(at) => match self.scatter_in_medium(path, &at) {
@@ -363,11 +373,27 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             Technique::Combined => {
                 let choice = self.settings.light_choice;
                 let pdf_li = self.scene().pdf_li(hit.light, &path.receiver, at, d, choice);
-                // The mean of `r_u` is 1.
-                let lanes =
-                    if path.state.carries_media { path.state.mean(path.state.lanes.r_l) } else { 1.0 };
-                power_heuristic(path.pdf, pdf_li * lanes)
+                if path.state.carries_media {
+                    return self.mis_weight_through_media(path, hit, pdf_li);
+                }
+                power_heuristic(path.pdf, pdf_li)
             }
+        }
+    }
+
+    /// The same with the densities of all lanes, where some are carried through media.
+    ///
+    /// * `pdf_li`: density with which light would have been drawn
+    #[inline(never)]
+    fn mis_weight_through_media(&self, path: &CameraPath<'s>, hit: &LightHit, pdf_li: f32) -> f32 {
+        // The mean of `r_u` is 1.
+        let weight = power_heuristic(path.pdf, pdf_li * path.state.mean(path.state.lanes.r_l));
+        match &path.collided {
+            Some((along, t)) if path.receiver.n == Vec3::ZERO => {
+                let choice = self.settings.light_choice;
+                weight * along.weight_of_collision(self.scene(), hit.light, *t, choice)
+            }
+            _ => weight,
         }
     }
 
@@ -519,6 +545,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let sample = at.phase.sample(at.wo, path.state.draws.next_2d());
         follow_phase(&mut path.state, at, sample.wi, self.observer);
         path.receiver = receiver;
+        path.collided = path.along.map(|along| (along, at.length));
         path.pdf = sample.pdf;
         path.bounces += 1;
         survives(&mut path.state, path.bounces, settings.roulette)
@@ -550,6 +577,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             carried: state.beta * scattered,
             pdf_by_scattering: scattered,
         };
+        let choice = self.settings.light_choice;
+        let share =
+            path.along.map_or(1.0, |along| along.weight_of_collision(scene, drawn.light, at.length, choice));
+        let joined = Joined { carried: joined.carried * share, ..joined };
         self.add_light_through_media(path, &drawn, joined);
     }
 

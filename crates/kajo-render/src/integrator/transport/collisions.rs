@@ -334,6 +334,7 @@ pub fn travel_to(
     observer: &mut impl PathObserver,
 ) -> Option<MediumInteraction> {
     let medium = path.media.medium()?;
+    path.extent = length;
     let at = travel(scene, path, medium, length)?;
     path.beta *= path.media.transmittance(at.length);
     let ray = Ray { t_max: at.length, ..path.ray };

@@ -44,7 +44,7 @@ pub use arrival::{Way, arrive};
 pub use collisions::{MediumInteraction, Passage};
 pub use differentials::leave;
 pub use frequency::radiance_factor;
-pub use lane_mis::LaneMis;
+pub use lane_mis::{LaneMis, all_lanes};
 pub use local_frame::LocalFrame;
 pub use media::{Joining, connect_through_media, follow_phase};
 pub use medium_stack::{Interface, MediumStack};

@@ -44,6 +44,8 @@ pub struct PathState<'s> {
     pub lanes: LaneMis,
     /// Light that media gave on the way to the camera since it was taken last.
     pub glow: Spectrum,
+    /// How far the ray that was followed last reached through a medium, or would have without a collision.
+    pub extent: f32,
 }
 
 impl<'s> PathState<'s> {
@@ -73,6 +75,7 @@ impl<'s> PathState<'s> {
             carries_media: false,
             lanes: LaneMis::default(),
             glow: Spectrum::BLACK,
+            extent: 0.0,
         }
     }
 }
@@ -105,9 +108,9 @@ impl SurfaceInteraction {
 mod tests {
     use super::*;
 
-    /// Wavefronts keep one for each path, and branches copy one. Differentials take 52 bytes of it, lanes 48, the light of media 16, and the shift of its wavelengths 16.
+    /// Wavefronts keep one for each path, and branches copy one. Differentials take 52 bytes of it, lanes 48, the light of media and how far they reach 20, and the shift of its wavelengths 16.
     #[test]
     fn a_path_is_small() {
-        assert!(size_of::<PathState<'_>>() <= 448, "{}", size_of::<PathState<'_>>());
+        assert!(size_of::<PathState<'_>>() <= 464, "{}", size_of::<PathState<'_>>());
     }
 }
