@@ -168,7 +168,7 @@ fn one(
         }
     };
     let mut voice = Voice { color: console::in_color(), quiet: args.run.quiet, say: &mut say };
-    match job.farm.farm {
+    match &job.farm.farm {
         Some(workers) => farm::render(job, workers, &meter, interrupt, &mut voice),
         None => {
             farm::refuse_alone(job)?;

@@ -52,6 +52,7 @@ fn grids_come_from_files_and_from_the_text() {
         "Medium m { emission blackbody 1900 5 }",
         "Medium m { emission 1 2 3  sigma_a 1 } exterior m",
         "FunctionMedium m { function = x  emission 1 } exterior m",
+        "TextureMedium m { texture = 0.5 + 0.5 * x density 1 }",
     ] {
         let (scene, said) = media(text);
         assert!(scene.is_some() && said.is_empty(), "{text}: {said:?}");
@@ -77,6 +78,9 @@ fn mistakes_are_named() {
         ("Medium m { emission 1 } exterior m", "endlessly bright"),
         ("Medium m { emission 1 sigma_a 1 0 1 } exterior m", "endlessly bright"),
         ("Medium m { emission -1 }", "negative"),
+        ("TextureMedium m { density 1 }", "expected one `texture`, found 0"),
+        ("TextureMedium m { texture 0.5 density 1 min 1 1 1 }", "must be less than that of `max`"),
+        ("TextureMedium m { texture 0.5 }", "this medium has no density"),
         ("GridMedium m { density 1 }", "file"),
         ("GridMedium m { density 1 values 1 2 }", "size"),
         ("GridMedium m { density 1 size 2 2 2 values 1 2 }", "a grid of 8 voxels has 2 values"),

@@ -22,6 +22,7 @@ mod homogeneous;
 mod majorant;
 mod majorant_grid;
 pub mod phase;
+mod textured;
 mod wormhole;
 
 pub use black_hole::{BlackHole, BlackHoleError, BlackHoleObserver};
@@ -34,6 +35,7 @@ pub use homogeneous::HomogeneousMedium;
 pub use majorant::Majorants;
 pub use majorant_grid::{GridWalk, Majorant, MajorantGrid};
 pub use phase::{Phase, PhaseSample};
+pub use textured::TextureMedium;
 pub use wormhole::{WormholeError, WormholeMedium, WormholeShape};
 
 use kajo_color::Wavelengths;
@@ -125,6 +127,7 @@ family! {
         gradient_indices: GradientIndex,
         grids: GridMedium,
         homogeneous: HomogeneousMedium,
+        textured: TextureMedium,
         wormholes: WormholeMedium,
     }
     any methods {

@@ -41,7 +41,7 @@ fn scene_with(block: &Block, text: &str) -> String {
         }
         Kind::Part => format!("{camera} Background {{ {text} }}"),
         Kind::Light => format!("{camera} Lights {{ {text} }}"),
-        Kind::Medium => format!("{camera} Media {{ {text} }}"),
+        Kind::Medium => format!("{camera} Textures {{ Cells known {{ }} }} Media {{ {text} }}"),
         Kind::Texture => format!("{camera} Textures {{ Cells known {{ }} {text} }}"),
         Kind::Material if block.keyword == "AccretionDisk" => {
             format!("{camera} Media {{ BlackHole some {{ }} }} Materials {{ Matte {{ }} {text} }}")

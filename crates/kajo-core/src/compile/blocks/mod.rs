@@ -61,6 +61,7 @@ pub(super) mod spot_light;
 pub(super) mod stereo_cubemap_camera;
 pub(super) mod superellipsoid;
 pub(super) mod text;
+pub(super) mod texture_medium;
 pub(super) mod texture_operations;
 pub(super) mod torus;
 pub(super) mod triangle;
@@ -187,10 +188,11 @@ pub(super) const TEXTURE_LIST: Block =
     Block { keyword: "Textures", kind: Kind::Textures, about: "textures that have names", groups: &[] };
 
 /// All kinds of media, in the order in which they are offered.
-pub(super) const MEDIA: [&MediumMember; 11] = [
+pub(super) const MEDIA: [&MediumMember; 12] = [
     &medium::MEMBER,
     &grid_medium::MEMBER,
     &function_medium::MEMBER,
+    &texture_medium::MEMBER,
     &gradient_index::MEMBER,
     &luneburg_lens::MEMBER,
     &maxwell_fish_eye::MEMBER,
