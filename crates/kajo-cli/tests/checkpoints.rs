@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 66] = [
+const ROLES: [(&str, Role); 69] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -206,6 +206,9 @@ const ROLES: [(&str, Role); 66] = [
     ("keep-partial", Harmless("--keep-partial", "what is written when it is interrupted")),
     ("farm", Refused("--farm local:1", "which takes the place of checkpoints")),
     ("job", Refused("--job other.job", "`--job` is for renders by many workers")),
+    ("farm-config", Refused("--farm-config folder", "`--farm-config` is for renders by many workers")),
+    ("preview", Refused("--preview p.png", "`--preview` is for renders by many workers")),
+    ("preview-every", Harmless("--preview-every 5", "how often the picture so far is written")),
     ("unit-tile", Refused("--unit-tile 8", "`--unit-tile` is for renders by many workers")),
     ("unit-samples", Refused("--unit-samples 2", "`--unit-samples` is for renders by many workers")),
     ("help", Harmless("", "no render")),

@@ -108,6 +108,7 @@ fn names_that_would_be_written_over_are_refused() {
         "--frames 1..3 -o out.#.png --resume state",
         &["`--resume` goes on with the render of one picture"],
     );
+    fails("--frames 1..3 -o out.#.png --farm tls://head:8786", &["a cluster renders one frame a command"]);
     fails("--frames 9..3 -o out.#.png", &["comes before the first one"]);
     fails("--frames 1..3 -o out.#.png --fps -24", &["--fps"]);
     fails("--frames 1..3 -o out.#.png --fps 0", &["--fps"]);

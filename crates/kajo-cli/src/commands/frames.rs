@@ -7,7 +7,7 @@ use std::sync::Arc;
 use kajo::{Animation, LoadOptions, MeshStore};
 
 use super::{statistics, summary};
-use crate::args::{FrameArgs, Frames, RenderArgs, has_number};
+use crate::args::{FrameArgs, Frames, RenderArgs, Workers, has_number};
 use crate::console;
 use crate::failure::Failure;
 use crate::farm;
@@ -112,6 +112,12 @@ fn jobs(args: &RenderArgs, list: &[i64], film: Option<&Film>) -> Result<Vec<(i64
 
 /// Makes sure that every name has a place for the number of a frame.
 fn check_names(args: &RenderArgs, film: Option<&Film>, count: usize) -> Result<(), Failure> {
+    if matches!(args.farm.farm, Some(Workers::Cluster(_) | Workers::Engine)) {
+        return Err(Failure::Input(
+            "a cluster renders one frame a command, as in `--frames 12`; `--farm local:N` takes several"
+                .to_owned(),
+        ));
+    }
     if args.passes.resume.is_some() {
         return Err(Failure::Input(
             "`--resume` goes on with the render of one picture; give its frame alone, as in `--frames 12`"

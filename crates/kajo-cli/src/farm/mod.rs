@@ -46,7 +46,7 @@ pub fn render(
         Workers::Engine => many::render(job, &engine::Machines::new()?, meter, interrupt, voice),
         Workers::Cluster(_) => {
             refuse(job)?;
-            let words = line_of(job);
+            let words: Vec<OsString> = std::env::args_os().skip(1).collect();
             let render = words.first().is_none_or(|word| word != "render").then(|| OsString::from("render"));
             hand_over(&render.into_iter().chain(words).collect::<Vec<_>>())?;
             Err(Failure::Input("the cluster gave no picture".to_owned()))
@@ -116,6 +116,18 @@ pub fn refuse_alone(job: &Job) -> Result<(), Failure> {
         ))),
         None => Ok(()),
     }
+}
+
+/// The command line of a job, without the program's name: for a frame of several that frame's own, where the last
+/// word counts.
+fn line_of(job: &Job) -> Vec<OsString> {
+    let mut line: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let Some(frame) = job.load.frame else { return line };
+    line.extend(["--frames".into(), frame.to_string().into()]);
+    if let Some(Destination::File(path)) = job.outputs.first().map(|output| &output.destination) {
+        line.extend(["--output".into(), path.clone().into()]);
+    }
+    line
 }
 
 /// `out.exr.job` for `out.exr`.
@@ -226,18 +238,6 @@ fn read_bundle(path: Option<&Path>) -> Result<Option<Bundle>, Failure> {
     let bytes = std::fs::read(path)
         .map_err(|error| Failure::Input(format!("cannot read `{}`: {error}", path.display())))?;
     Ok(Some(Bundle::read(&bytes)?))
-}
-
-/// The command line of a job, without the program's name: for a frame of several that frame's own, where the last
-/// word counts.
-fn line_of(job: &Job) -> Vec<OsString> {
-    let mut line: Vec<OsString> = std::env::args_os().skip(1).collect();
-    let Some(frame) = job.load.frame else { return line };
-    line.extend(["--frames".into(), frame.to_string().into()]);
-    if let Some(Destination::File(path)) = job.outputs.first().map(|output| &output.destination) {
-        line.extend(["--output".into(), path.clone().into()]);
-    }
-    line
 }
 
 /// `kajo plan`

@@ -122,6 +122,7 @@ fn base_of(kind: Kind) -> &'static str {
         Kind::Texture => "TextureBlock",
         Kind::Part => "PartBlock",
         Kind::Settings
+        | Kind::Animation
         | Kind::Background
         | Kind::Fog
         | Kind::Lights

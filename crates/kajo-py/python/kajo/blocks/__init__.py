@@ -4,10 +4,10 @@ Each class has a keyword argument for each field of its block; `None` leaves a f
 """
 
 from ._cameras import FisheyeCamera, OrthographicCamera, PanoramaCamera, PerspectiveCamera, StereoCubemapCamera
-from ._light import AirLayers, BlackHole, DirectionalLight, FunctionMedium, GradientIndex, GridMedium, LinearIndex, LuneburgLens, MaxwellFishEye, Medium, PointLight, RodLens, SpotLight, Wormhole
+from ._light import AirLayers, BlackHole, DirectionalLight, FunctionMedium, GradientIndex, GridMedium, LinearIndex, LuneburgLens, MaxwellFishEye, Medium, PointLight, RodLens, SpotLight, TextureMedium, Wormhole
 from ._materials import AccretionDisk, BTF, Checkerboard, Glass, Interface, Marble, Material, Matte, Measured, Metal, Mix, Noise, PhongMaterial, Principled, Wood
 from ._objects import Curves, Define, Difference, DistanceGrid, Group, HeightField, Instance, Intersection, Isosurface, Lathe, Lorentz, Matrix, Matrix4f, Merge, Model, Prism, Rotate, Scale, SphereSweep, Text, Transform, Translate, TriangleMesh, UniformScale, Union, XRotate, YRotate, ZRotate
-from ._others import Background, CylinderPart, Fog, Key, Lights, Materials, Media, Motion, Outline, Path, Profile, Settings, Sky, SpherePart, Strand, Textures
+from ._others import Animation, Background, CylinderPart, Fog, Key, Lights, Materials, Media, Motion, Outline, Path, Profile, Settings, Sky, SpherePart, Strand, Textures
 from ._patterns_a import Agate, Brick, Cells, Checks, Clouds, Crackle, Gabor, Gradient, Granite, Hexagons, Leopard
 from ._patterns_n import Onion, Radial, Ridged, Rings, Ripples, Spiral, Timber, Turbulence, Veins, Waves, Worley, Wrinkles
 from ._primitives import BicubicPatch, BilinearPatch, Blob, Box, Cone, Cubic, Cylinder, Disk, Plane, Polynomial, Quad, Quadric, Quartic, Sphere, Superellipsoid, Torus, Triangle
@@ -18,6 +18,7 @@ __all__ = [
     "Add",
     "Agate",
     "AirLayers",
+    "Animation",
     "BTF",
     "Background",
     "BicubicPatch",
@@ -120,6 +121,7 @@ __all__ = [
     "Strand",
     "Superellipsoid",
     "Text",
+    "TextureMedium",
     "Textures",
     "Threshold",
     "Timber",

@@ -28,7 +28,8 @@ class PerspectiveCamera(CameraBlock):
         up: which way is up in the picture (x y z). Default: none.
         fit: what fills the picture: scene, or the name of an object (word or text). Default:
             none.
-        shutter: from when to when light is gathered (2 numbers). Default: 0 1.
+        shutter: from when to when light is gathered; in an animation in frames (2 numbers).
+            Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number
             from 0 to 1). Default: 0.
         velocity: how it moves, as a fraction of the speed of light (3 numbers). Default: 0 0 0.
@@ -108,7 +109,8 @@ class OrthographicCamera(CameraBlock):
         up: which way is up in the picture (x y z). Default: none.
         fit: what fills the picture: scene, or the name of an object (word or text). Default:
             none.
-        shutter: from when to when light is gathered (2 numbers). Default: 0 1.
+        shutter: from when to when light is gathered; in an animation in frames (2 numbers).
+            Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number
             from 0 to 1). Default: 0.
         velocity: how it moves, as a fraction of the speed of light (3 numbers). Default: 0 0 0.
@@ -178,7 +180,8 @@ class FisheyeCamera(CameraBlock):
         target: the point it looks at, or the name of an object (x y z). Default: none.
         look_at: where it is, the point it looks at, and what is up (9 numbers). Default: none.
         up: which way is up in the picture (x y z). Default: none.
-        shutter: from when to when light is gathered (2 numbers). Default: 0 1.
+        shutter: from when to when light is gathered; in an animation in frames (2 numbers).
+            Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number
             from 0 to 1). Default: 0.
         velocity: how it moves, as a fraction of the speed of light (3 numbers). Default: 0 0 0.
@@ -234,7 +237,8 @@ class PanoramaCamera(CameraBlock):
         up: which way is up in the picture (x y z). Default: none.
         fit: what fills the picture: scene, or the name of an object (word or text). Default:
             none.
-        shutter: from when to when light is gathered (2 numbers). Default: 0 1.
+        shutter: from when to when light is gathered; in an animation in frames (2 numbers).
+            Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number
             from 0 to 1). Default: 0.
         velocity: how it moves, as a fraction of the speed of light (3 numbers). Default: 0 0 0.
@@ -287,7 +291,8 @@ class StereoCubemapCamera(CameraBlock):
         up: which way is up in the picture (x y z). Default: none.
         fit: what fills the picture: scene, or the name of an object (word or text). Default:
             none.
-        shutter: from when to when light is gathered (2 numbers). Default: 0 1.
+        shutter: from when to when light is gathered; in an animation in frames (2 numbers).
+            Default: 0 1; 0 0.5 in an animation.
         rolling_shutter: the share of that time in which rows open one after the other (number
             from 0 to 1). Default: 0.
         velocity: how it moves, as a fraction of the speed of light (3 numbers). Default: 0 0 0.

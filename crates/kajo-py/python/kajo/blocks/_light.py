@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         Emission,
         File,
         Number,
+        Texture,
         Vector,
     )
 
@@ -34,6 +35,8 @@ class Medium(MediumBlock):
         scale: makes all of it denser (number ≥ 0). Default: 1.
         phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
             by `g`.
+        emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
+            sr)). Default: 0 0 0.
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
     """
 
@@ -49,6 +52,7 @@ class Medium(MediumBlock):
         mean_free_path: Vector | None = None,
         scale: Number | None = None,
         phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
+        emission: Emission | None = None,
         g: Number | None = None,
     ) -> None:
         super().__init__(*children, name=name)
@@ -59,6 +63,7 @@ class Medium(MediumBlock):
         self.mean_free_path = mean_free_path
         self.scale = scale
         self.phase = phase
+        self.emission = emission
         self.g = g
 
 
@@ -84,6 +89,8 @@ class GridMedium(MediumBlock):
         scale: makes all of it denser (number ≥ 0). Default: 1.
         phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
             by `g`.
+        emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
+            sr)). Default: 0 0 0.
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
     """
 
@@ -105,6 +112,7 @@ class GridMedium(MediumBlock):
         mean_free_path: Vector | None = None,
         scale: Number | None = None,
         phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
+        emission: Emission | None = None,
         g: Number | None = None,
     ) -> None:
         super().__init__(*children, name=name)
@@ -121,6 +129,7 @@ class GridMedium(MediumBlock):
         self.mean_free_path = mean_free_path
         self.scale = scale
         self.phase = phase
+        self.emission = emission
         self.g = g
 
 
@@ -140,6 +149,8 @@ class FunctionMedium(MediumBlock):
         scale: makes all of it denser (number ≥ 0). Default: 1.
         phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
             by `g`.
+        emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
+            sr)). Default: 0 0 0.
         g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
     """
 
@@ -159,6 +170,7 @@ class FunctionMedium(MediumBlock):
         mean_free_path: Vector | None = None,
         scale: Number | None = None,
         phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
+        emission: Emission | None = None,
         g: Number | None = None,
     ) -> None:
         super().__init__(*children, name=name)
@@ -172,6 +184,62 @@ class FunctionMedium(MediumBlock):
         self.mean_free_path = mean_free_path
         self.scale = scale
         self.phase = phase
+        self.emission = emission
+        self.g = g
+
+
+class TextureMedium(MediumBlock):
+    """Smoke or a cloud by a texture.
+
+    Args:
+        texture: what it is made of: the name of a texture, a picture, a number, or a colour
+            (word or text, or a texture).
+        min: the corner of its box with the smallest coordinates (x y z). Default: -1 -1 -1.
+        max: the corner of its box with the largest coordinates (x y z). Default: 1 1 1.
+        sigma_a: absorption per length (r g b, 1/length). Default: none.
+        sigma_s: scattering per length (r g b, 1/length). Default: none.
+        albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
+        density: collisions per length (r g b, 1/length). Default: by the other keys.
+        mean_free_path: mean length between collisions (r g b, length). Default: by the other
+            keys.
+        scale: makes all of it denser (number ≥ 0). Default: 1.
+        phase: where to light is scattered (henyeyGreenstein, isotropic or rayleigh). Default:
+            by `g`.
+        emission: radiance per length that it gives itself (r g b, or another light value, W/(m³
+            sr)). Default: 0 0 0.
+        g: mean cosine: -1 back, 0 to all sides, 1 straight on (number). Default: 0.
+    """
+
+    keyword = "TextureMedium"
+    spelled: ClassVar[dict[str, str]] = {"sigma_a": "sigma_a", "sigma_s": "sigma_s"}
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        texture: Number | Vector | Texture,
+        min: Vector | None = None,
+        max: Vector | None = None,
+        sigma_a: Vector | None = None,
+        sigma_s: Vector | None = None,
+        albedo: Vector | None = None,
+        density: Vector | None = None,
+        mean_free_path: Vector | None = None,
+        scale: Number | None = None,
+        phase: Literal["henyeyGreenstein", "isotropic", "rayleigh"] | None = None,
+        emission: Emission | None = None,
+        g: Number | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.texture = texture
+        self.min = min
+        self.max = max
+        self.sigma_a = sigma_a
+        self.sigma_s = sigma_s
+        self.albedo = albedo
+        self.density = density
+        self.mean_free_path = mean_free_path
+        self.scale = scale
+        self.phase = phase
+        self.emission = emission
         self.g = g
 
 

@@ -355,6 +355,10 @@ class Model(ObjectBlock):
         light_scale: factor of these lights (number ≥ 0). Default: 1.
         group: name of the lights it is seen among (word or text). Default: none.
         points: radius of spheres in place of points (number ≥ 0, length). Default: none.
+        animation: name of its animation, or its number from 0 (word or text). Default: the
+            first.
+        animation_time: moment of the animation (number, s). Default: that of the frame.
+        animation_repeat: it begins again when it is over (on or off). Default: on.
         lines: radius of tubes in place of lines (number ≥ 0, length). Default: none.
         subdivide: steps of subdivision into a smooth surface (whole number from 0 to 12).
             Default: 0.
@@ -373,6 +377,9 @@ class Model(ObjectBlock):
         light_scale: Number | None = None,
         group: str | None = None,
         points: Number | None = None,
+        animation: str | None = None,
+        animation_time: Number | None = None,
+        animation_repeat: bool | None = None,
         lines: Number | None = None,
         subdivide: int | None = None,
         scheme: Literal["catmullClark", "loop"] | None = None,
@@ -386,6 +393,9 @@ class Model(ObjectBlock):
         self.light_scale = light_scale
         self.group = group
         self.points = points
+        self.animation = animation
+        self.animation_time = animation_time
+        self.animation_repeat = animation_repeat
         self.lines = lines
         self.subdivide = subdivide
         self.scheme = scheme

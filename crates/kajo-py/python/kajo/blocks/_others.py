@@ -218,6 +218,27 @@ class Settings(Block):
         self.dialect = dialect
 
 
+class Animation(Block):
+    """The frames of a scene that changes with time.
+
+    Args:
+        fps: frames of a second (number > 0, 1/s). Default: 24.
+        frames: the first frame, which is at time 0, and the last one (2 whole numbers).
+            Default: from 1 on.
+    """
+
+    keyword = "Animation"
+
+    def __init__(
+        self, *children: Item, name: str | None = None,
+        fps: Number | None = None,
+        frames: int | Sequence[int] | None = None,
+    ) -> None:
+        super().__init__(*children, name=name)
+        self.fps = fps
+        self.frames = frames
+
+
 class Background(Block):
     """What rays see that hit nothing.
 
