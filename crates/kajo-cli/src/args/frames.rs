@@ -67,18 +67,33 @@ impl FromStr for Frames {
                 Some((first, last)) => (number(first)?, number(last)?),
                 None => (number(range)?, number(range)?),
             };
-            if last < first {
-                return Err(format!("the last frame of `{range}` comes before the first one"));
+            list.extend(self::range([first, last], step)?);
+            if list.len() as u64 > MOST_FRAMES {
+                return Err(too_many());
             }
-            if (last - first) as u64 / step as u64 + list.len() as u64 >= MOST_FRAMES {
-                return Err(format!("there are at most {MOST_FRAMES} frames for one command"));
-            }
-            list.extend((first..=last).step_by(step));
         }
         list.sort_unstable();
         list.dedup();
         Ok(Frames::List(list))
     }
+}
+
+/// Every `step`-th of the frames from the first to the last.
+///
+/// # Errors
+/// When the last comes before the first, or they are too many.
+pub fn range([first, last]: [i64; 2], step: usize) -> Result<impl Iterator<Item = i64>, String> {
+    if last < first {
+        return Err(format!("the last frame of `{first}..{last}` comes before the first one"));
+    }
+    if last.abs_diff(first) / step as u64 >= MOST_FRAMES {
+        return Err(too_many());
+    }
+    Ok((first..=last).step_by(step))
+}
+
+fn too_many() -> String {
+    format!("there are at most {MOST_FRAMES} frames for one command")
 }
 
 fn number(text: &str) -> Result<i64, String> {

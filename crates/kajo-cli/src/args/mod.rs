@@ -30,7 +30,7 @@ pub use classic::ClassicArgs;
 pub use common::{ModelArgs, RunArgs, SceneArgs};
 pub use develop::DevelopArgs;
 pub use farm::{BundleArgs, FarmCommand, FarmCommandArgs, MergeArgs, PlanArgs, UnitArgs, WorkerArgs};
-pub use frames::{FrameArgs, Frames, has_number, numbered};
+pub use frames::{FrameArgs, Frames, has_number, numbered, range};
 pub use normalise::normalise;
 pub use passes::PassArgs;
 pub use render::RenderArgs;

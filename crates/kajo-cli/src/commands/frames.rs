@@ -7,7 +7,7 @@ use std::sync::Arc;
 use kajo::{Animation, LoadOptions, MeshStore};
 
 use super::{statistics, summary};
-use crate::args::{FrameArgs, Frames, RenderArgs, Workers, has_number};
+use crate::args::{FrameArgs, Frames, RenderArgs, Workers, has_number, range};
 use crate::console;
 use crate::failure::Failure;
 use crate::farm;
@@ -77,26 +77,22 @@ fn list(args: &FrameArgs, animation: Option<Animation>, scene: &Path) -> Result<
                 let text = "does not say which frames it has; write `Animation { frames 1 240 }` there, or give `--frames 1..240`";
                 Failure::Input(format!("`{}` {text}", scene.display()))
             })?;
-            format!("{}..{}", frames[0], frames[1]).parse().map_err(Failure::Input).map(|frames| match frames
-            {
-                Frames::List(list) => list,
-                Frames::All => Vec::new(),
-            })
+            range(frames, 1).map(Iterator::collect).map_err(Failure::Input)
         }
     }
 }
 
 /// What is to be rendered for each frame, once it is sure that no frame writes over the picture of another.
 fn jobs(args: &RenderArgs, list: &[i64], film: Option<&Film>) -> Result<Vec<(i64, Job)>, Failure> {
+    if list.len() > 1 {
+        check_names(args, film, list.len())?;
+    }
     let meshes = Some(Arc::new(MeshStore::default()));
     let mut jobs = Vec::with_capacity(list.len());
     let mut owners: HashMap<PathBuf, i64> = HashMap::new();
     for &frame in list {
         let mut job = args.job_of(Some(frame), film.map(Film::pattern))?;
         job.load.meshes.clone_from(&meshes);
-        if list.len() > 1 {
-            check_names(args, film, list.len())?;
-        }
         for path in files(&job).chain(job.passes.checkpoint.clone()) {
             if let Some(other) = owners.insert(path.clone(), frame).filter(|&other| other != frame) {
                 return Err(Failure::Input(format!(

@@ -17,6 +17,7 @@ mod curves;
 mod definition;
 mod extras;
 mod fields;
+mod grid;
 mod group;
 mod height_field;
 mod lens;

@@ -4,7 +4,7 @@
 //!
 //! Scene: `Media { Medium milk { albedo 0.99  meanFreePath 0.05 } }`
 
-use kajo_math::{Ray, Vec3};
+use kajo_math::{Aabb, Ray, Vec3};
 
 use super::{Coefficients, Majorant, Majorants, Medium};
 use crate::texture::Textures;
@@ -32,6 +32,10 @@ impl Medium for HomogeneousMedium {
     }
 
     #[inline]
+    fn bounds(&self) -> Option<Aabb> {
+        None
+    }
+
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {
         Majorants::one(Majorant { t_min: 0.0, t_max: ray.t_max, density: 1.0 })
     }

@@ -67,9 +67,7 @@ pub trait Medium {
     fn majorants(&self, ray: &Ray) -> Majorants<'_>;
 
     /// The world-space box outside of which there is nothing of it; `None` where it has no end.
-    fn bounds(&self) -> Option<Aabb> {
-        None
-    }
+    fn bounds(&self) -> Option<Aabb>;
 
     /// Whether the density is the same everywhere, so that transmittance has a closed form.
     fn is_homogeneous(&self) -> bool {

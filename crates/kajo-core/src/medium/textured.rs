@@ -52,6 +52,10 @@ impl Medium for TextureMedium {
         if value > 0.0 { value.min(1.0) } else { 0.0 }
     }
 
+    fn bounds(&self) -> Option<Aabb> {
+        Some(*self.majorants.bounds())
+    }
+
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {
         Majorants::cells(self.majorants.walk(ray))
     }
@@ -72,6 +76,7 @@ mod tests {
         let coefficients = Coefficients::new([0.0; 3], [2.0; 3], Phase::Isotropic).unwrap();
         let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::new(3.0, 1.0, 1.0) };
         let medium = TextureMedium::new(coefficients.clone(), texture, bounds).unwrap();
+        assert_eq!(medium.bounds(), Some(bounds));
         let ray = Ray::new(Vec3::new(-4.0, 0.25, 0.5), Vec3::X);
         let stretches: Vec<_> = medium.majorants(&ray).collect();
         assert_eq!((stretches[0].t_min, stretches[stretches.len() - 1].t_max), (3.0, 7.0));

@@ -10,7 +10,7 @@
 
 use kajo_color::Wavelengths;
 use kajo_math::gravity::{Profile, Wormhole};
-use kajo_math::{DMat3, DQuat, DVec3, Ray, Vec3};
+use kajo_math::{Aabb, DMat3, DQuat, DVec3, Ray, Vec3};
 
 use super::{Coefficients, Majorant, Majorants, Medium};
 use crate::curved_light::{Chords, Followed, RayEquation, RayState, Region, follow, momentum, position};
@@ -195,6 +195,10 @@ impl Medium for WormholeMedium {
 
     fn density(&self, _textures: &Textures, _p: Vec3) -> f32 {
         0.0
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        None
     }
 
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {

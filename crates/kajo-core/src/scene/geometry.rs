@@ -16,7 +16,7 @@ use crate::material::MaterialId;
 use crate::motion::MovingTransform;
 use crate::nested::{Leaf, Nested, NestedPiece};
 use crate::objects::{Object, Objects};
-use crate::shape::{ShapeId, Shapes, Sphere, Surface};
+use crate::shape::{ShapeId, Shapes, Sphere};
 
 /// A shape at its place in the world, with its material.
 #[derive(Clone, Copy, Debug)]
@@ -324,18 +324,9 @@ impl Geometry {
 
     /// Bytes of geometry and its trees.
     pub fn bytes(&self) -> usize {
-        let meshes: usize = self.shapes.meshes.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.csgs.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.blobs.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.isosurfaces.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.distance_grids.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.bicubic_patches.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.height_fields.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.lathes.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.sphere_sweeps.iter().map(Surface::heap_bytes).sum::<usize>()
-            + self.shapes.prisms.iter().map(Surface::heap_bytes).sum::<usize>();
+        let shapes: usize = self.shapes.ids().map(|id| self.shapes.heap_bytes(id)).sum();
         let placed = size_of_val(&*self.primitives) + size_of_val(&*self.transforms);
-        meshes + self.aggregate.bytes() + placed + self.objects.bytes()
+        shapes + self.aggregate.bytes() + placed + self.objects.bytes()
     }
 
     /// `f` of the map of a primitive at a time.

@@ -1,35 +1,17 @@
 //! `DistanceGrid`: a surface through numbers on a grid.
 
-use kajo_math::Vec3;
-use kajo_scene::{Diagnostic, Item, Params, RawVolume, VolumeEncoding, VolumeFile};
+use kajo_scene::{Diagnostic, Item, Params};
 
-use super::grid_medium::{Densities, GridSize, high, low};
 use crate::compile::Compiler;
-use crate::compile::fields::{
-    At, FileName, Keys, Sources, Typed, choice, file, flag, keys, number, point, report_beside,
-    report_without,
-};
+use crate::compile::fields::{Keys, Sources, flag, keys, number};
+use crate::compile::grid::{Grid, GridKeys, grid_keys};
 use crate::compile::member::{Member, ObjectMember};
 use crate::compile::place::{Place, Walk};
-use crate::schema::{Block, FieldKind, Kind};
+use crate::schema::{Block, Kind};
 use crate::shape::{DistanceGrid, ShapeId};
 
 keys! {
-    DistanceGridKeys<'t> {
-        file: Option<At<'t, FileName>> = file("file")
-            .not_beside(&["values"])
-            .placed()
-            .option("its numbers: .vol of Mitsuba, .df3 of POV-Ray, or raw values"),
-        values: Option<Densities> = Typed::<Densities>::new("values", FieldKind::Numbers(8))
-            .not_beside(&["file", "encoding"])
-            .unlike("those of `file`", "-1 -1 -1 -1 1 1 1 1", "its numbers, as many as `size` says, x first"),
-        size: Option<GridSize> = Typed::<GridSize>::new("size", FieldKind::Wholes(3))
-            .unlike("by the file", "2 2 2", "points along x, y and z, of `values` and of raw files"),
-        encoding: Option<VolumeEncoding> = choice::<VolumeEncoding>("encoding")
-            .only_beside("size")
-            .unlike("by the file", "u8", "how a raw file stores numbers"),
-        min: Option<Vec3> = point("min").ruled(low, "by the file, or -1 -1 -1", "where the first point is"),
-        max: Option<Vec3> = point("max").ruled(high, "by the file, or 1 1 1", "where the last point is"),
+    DistanceGridKeys {
         level: f32 = number("level").or(0.0, "what the surface is at; lower numbers are inside"),
         closed: bool = flag("closed").or(true, "whether faces of the box close it where they cut it"),
         smooth: bool = flag("smooth").or(true, "shaded by interpolated normals"),
@@ -41,52 +23,36 @@ pub const MEMBER: ObjectMember = Member {
         keyword: "DistanceGrid",
         kind: Kind::Shape,
         about: "the surface through numbers on a grid, such as signed distances",
-        groups: &[DistanceGridKeys::FIELDS],
+        groups: &[GridKeys::FIELDS, DistanceGridKeys::FIELDS],
     },
     read: place_distance_grid,
 };
 
 fn place_distance_grid(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
-    let shape = compiler.read_keys(item, read).and_then(|keys| compiler.distance_grid(item, keys));
+    let shape =
+        compiler.read_keys(item, read).and_then(|(grid, keys)| compiler.distance_grid(item, grid, keys));
     compiler.put_shape(shape, item, place, walk);
 }
 
-fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<DistanceGridKeys<'t>> {
+fn read<'t>(
+    params: &mut Params<'t, '_>,
+    sources: &mut Sources<'_>,
+) -> Option<(GridKeys<'t>, DistanceGridKeys)> {
     params.name();
-    if params.contains("file") {
-        report_beside(params, DistanceGridKeys::FIELDS, "file");
-    } else if params.contains("encoding") {
-        params.refuse("encoding", "without `file`");
-    }
-    if !params.contains("size") {
-        report_without(params, DistanceGridKeys::FIELDS, "size");
-    }
-    let keys = DistanceGridKeys::read(params, sources)?;
-    let missing = match (&keys.file, &keys.values, &keys.size) {
-        (None, None, _) => "file",
-        (None, Some(_), None) => "size",
-        _ => return Some(keys),
-    };
-    params.report_missing(missing);
-    None
+    let (grid, keys) = (grid_keys(params, sources), DistanceGridKeys::read(params, sources));
+    Some((grid?, keys?))
 }
 
 impl Compiler<'_> {
-    fn distance_grid(&mut self, item: Item<'_>, keys: DistanceGridKeys<'_>) -> Option<ShapeId> {
-        let DistanceGridKeys { file, values, size, encoding, min, max, level, closed, smooth } = keys;
-        let size = size.map(|GridSize(size)| size);
-        let (size, values, bounds) = match (file, values) {
-            (Some(file), _) => {
-                let raw =
-                    size.map(|size| RawVolume { size, encoding: encoding.unwrap_or(VolumeEncoding::F32) });
-                let VolumeFile { size, values, bounds, .. } = self.volume(&file, raw)?;
-                (size, values, bounds)
-            }
-            (None, values) => (size?, values?.0, None),
-        };
-        let [low, high] = bounds.unwrap_or([[-1.0; 3], [1.0; 3]]);
-        let (min, max) = (min.unwrap_or(low.into()), max.unwrap_or(high.into()));
-        match DistanceGrid::new(size, values, [min, max], level, [closed, smooth]) {
+    fn distance_grid(
+        &mut self,
+        item: Item<'_>,
+        grid: GridKeys<'_>,
+        keys: DistanceGridKeys,
+    ) -> Option<ShapeId> {
+        let DistanceGridKeys { level, closed, smooth } = keys;
+        let Grid { size, values, bounds } = self.grid(grid)?;
+        match DistanceGrid::new(size, values, bounds, level, [closed, smooth]) {
             Ok(grid) => {
                 if grid.is_empty() {
                     let warning = Diagnostic::warning("there is no surface in this grid");
@@ -107,10 +73,9 @@ impl Compiler<'_> {
 
 #[cfg(test)]
 mod tests {
-    use kajo_math::Ray;
+    use kajo_math::{Ray, Vec3};
     use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
 
-    use super::*;
     use crate::compile::{CompileOptions, compile};
     use crate::scene::Scene;
 

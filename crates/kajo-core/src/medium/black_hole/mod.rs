@@ -20,7 +20,7 @@ mod tests;
 
 use kajo_color::Wavelengths;
 use kajo_math::gravity::{Kerr, Observer, seen_from_rest, thin_disk};
-use kajo_math::{DMat3, DVec3, Ray, Vec3};
+use kajo_math::{Aabb, DMat3, DVec3, Ray, Vec3};
 
 use super::{Coefficients, Majorant, Majorants, Medium};
 use crate::curved_light::{Chords, Followed, Region, follow};
@@ -271,6 +271,10 @@ impl Medium for BlackHole {
 
     fn density(&self, _textures: &Textures, _p: Vec3) -> f32 {
         0.0
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        None
     }
 
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {

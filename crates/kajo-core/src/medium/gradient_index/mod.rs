@@ -19,7 +19,7 @@ mod profile;
 mod tests;
 
 use kajo_color::Wavelengths;
-use kajo_math::{DVec3, Ray, Vec3};
+use kajo_math::{Aabb, DVec3, Ray, Vec3};
 
 use super::{Coefficients, Majorants, Medium};
 use crate::curved_light::{
@@ -134,6 +134,10 @@ impl Medium for GradientIndex {
 
     fn density(&self, _textures: &Textures, _p: Vec3) -> f32 {
         0.0
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        None
     }
 
     fn majorants(&self, ray: &Ray) -> Majorants<'_> {

@@ -27,7 +27,7 @@ use std::sync::Arc;
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::{Aabb, DVec3, Ray, UVec3, Vec2, Vec3, roots};
 
-use super::box_faces::{Corners, cap, face_at, face_point, faces, on_face};
+use super::box_faces::{self, Corners, cap, face_at, face_point, faces, on_face};
 use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
 use crate::interaction::{Hit, NO_UV, SurfacePoint, Tangents};
 
@@ -262,23 +262,9 @@ impl Parts {
         DVec3::new(slope(0), slope(1), slope(2))
     }
 
-    /// The piece of a line in a cell and in a range of parameters; none where it has no length. Planes that cells share give both the
-    /// same parameter.
-    fn clip(&self, cell: UVec3, line: &Ray64, [mut from, mut to]: [f64; 2]) -> Option<[f64; 2]> {
-        for axis in 0..3 {
-            let [low, high] = self.ends(cell, axis);
-            let (o, d) = (line.o[axis], line.d[axis]);
-            if d == 0.0 {
-                if !(low <= o && o < high) {
-                    return None;
-                }
-                continue;
-            }
-            let [a, b] = [(low - o) / d, (high - o) / d];
-            from = from.max(a.min(b));
-            to = to.min(a.max(b));
-        }
-        (from < to).then_some([from, to])
+    /// See [`box_faces::clip`].
+    fn clip(&self, cell: UVec3, line: &Ray64, range: [f64; 2]) -> Option<[f64; 2]> {
+        box_faces::clip(|axis| self.ends(cell, axis), line, range)
     }
 
     /// Visits the changes of sign of a line in a cell, in ascending order, until `visit` says that it is enough.
@@ -413,24 +399,10 @@ impl Surface for DistanceGrid {
     }
 
     fn tessellate(&self, around: u32, out: &mut Tessellation) {
-        let [low, high] = self.0.corners();
-        let closed = self.0.closed;
-        // A little more than the box, so that its faces are in between.
-        let margin = if closed { 0.01 * (high - low) } else { DVec3::ZERO };
-        let bounds = self.0.bounds;
-        let bounds = Aabb { min: bounds.min - margin.as_vec3(), max: bounds.max + margin.as_vec3() };
-        out.level_set(bounds, around, |p| {
-            let (value, gradient) = self.0.gradient(p.clamp(low, high));
-            // The nearest face of the box, by as much as the surface is near in this unit.
-            let (below, above) = (p - low, high - p);
-            let depth = below.min(above).min_element();
-            let scaled = depth * gradient.length().max(f64::MIN_POSITIVE);
-            if !closed || -value < scaled {
-                return (-value, gradient);
-            }
-            let axis = (0..3).find(|&axis| below[axis].min(above[axis]) <= depth).unwrap_or(0);
-            let outward = if below[axis] < above[axis] { -1.0 } else { 1.0 };
-            (scaled, DVec3::AXES[axis] * outward * gradient.length())
+        let corners = self.0.corners();
+        box_faces::tessellate(corners, self.0.bounds, self.0.closed, around, out, |p| {
+            let (value, gradient) = self.0.gradient(p.clamp(corners[0], corners[1]));
+            (-value, gradient)
         });
     }
 

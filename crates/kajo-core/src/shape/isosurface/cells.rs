@@ -6,7 +6,7 @@ use kajo_math::interval::{Domain, Interval};
 use kajo_math::tape::{Curvature, Dual, Tape};
 use kajo_math::{Aabb, DVec3};
 
-use super::Ray64;
+use super::{Ray64, box_faces};
 
 /// The box is halved along each axis at most this often.
 const MOST_LEVELS: u32 = 9;
@@ -151,21 +151,8 @@ impl Cells {
     ///
     /// Planes that cells share give both the same parameter.
     #[inline]
-    pub fn clip(&self, cell: &Cell, line: &Ray64, [mut from, mut to]: [f64; 2]) -> Option<[f64; 2]> {
-        for axis in 0..3 {
-            let [low, high] = self.ends(cell, axis);
-            let (o, d) = (line.o[axis], line.d[axis]);
-            if d == 0.0 {
-                if !(low <= o && o < high) {
-                    return None;
-                }
-                continue;
-            }
-            let [a, b] = [(low - o) / d, (high - o) / d];
-            from = from.max(a.min(b));
-            to = to.min(a.max(b));
-        }
-        (from < to).then_some([from, to])
+    pub fn clip(&self, cell: &Cell, line: &Ray64, range: [f64; 2]) -> Option<[f64; 2]> {
+        box_faces::clip(|axis| self.ends(cell, axis), line, range)
     }
 
     pub fn heap_bytes(&self) -> usize {

@@ -377,25 +377,10 @@ impl Surface for Isosurface {
     }
 
     fn tessellate(&self, around: u32, out: &mut Tessellation) {
-        let [low, high] = self.0.cells.corners();
-        let closed = self.0.closed;
-        // A little more than the box, so that its faces are in between.
-        let margin = if closed { 0.01 * (high - low) } else { DVec3::ZERO };
-        let bounds = self.0.bounds;
-        let bounds = Aabb { min: bounds.min - margin.as_vec3(), max: bounds.max + margin.as_vec3() };
-        out.level_set(bounds, around, |p| {
+        let corners = self.0.cells.corners();
+        box_faces::tessellate(corners, self.0.bounds, self.0.closed, around, out, |p| {
             let (value, gradient) = self.gradient(p);
-            let inside = if value.is_finite() { -value } else { -1.0 };
-            // The nearest face of the box, by as much as the surface is near in this unit.
-            let (below, above) = (p - low, high - p);
-            let depth = below.min(above).min_element();
-            let scaled = depth * gradient.length().max(f64::MIN_POSITIVE);
-            if !closed || inside < scaled {
-                return (inside, gradient);
-            }
-            let face = |axis: usize| DVec3::AXES[axis] * if below[axis] < above[axis] { -1.0 } else { 1.0 };
-            let axis = (0..3).find(|&axis| below[axis].min(above[axis]) <= depth).unwrap_or(0);
-            (scaled, face(axis) * gradient.length())
+            (if value.is_finite() { -value } else { -1.0 }, gradient)
         });
     }
 

@@ -68,20 +68,26 @@ impl Bevel {
     }
 }
 
-/// The border of what an outline fills, for distances to it.
+/// Bevelled edges: what they look like, and the border of what the outline fills, for distances to it.
 #[derive(Clone, Debug)]
-pub(super) struct Edge {
+pub(super) struct BevelledEdge {
+    bevel: Bevel,
     /// Curves that hardly turn.
     curves: Vec<Bezier<DVec2>>,
     tree: BoxTree,
 }
 
-impl Edge {
+impl BevelledEdge {
     /// What of curves is border.
     ///
     /// * `fills`: whether a point is inside
     /// * `size`: of the outline
-    pub fn new(curves: &[Bezier<DVec2>], size: f64, fills: impl Fn(DVec2) -> bool) -> Edge {
+    pub fn new(
+        bevel: Bevel,
+        curves: &[Bezier<DVec2>],
+        size: f64,
+        fills: impl Fn(DVec2) -> bool,
+    ) -> BevelledEdge {
         const LEVELS: u32 = 3;
         let mut kept = Vec::with_capacity(curves.len());
         for curve in curves {
@@ -89,7 +95,7 @@ impl Edge {
             curve.pieces(levels).into_iter().for_each(|piece| keep_border(piece, size, &fills, 0, &mut kept));
         }
         let tree = BoxTree::new(&kept.iter().map(box_of).collect::<Vec<_>>());
-        Edge { curves: kept, tree }
+        BevelledEdge { bevel, curves: kept, tree }
     }
 
     /// The distance to the border and the point of it that is nearest; none farther away than `most`.
@@ -170,14 +176,16 @@ pub(super) struct BevelPoint {
 
 impl Parts {
     /// How far a point of the prism's own space is inside of its bevelled edges, were there no others; see [`Bevel::depth`].
-    fn bevel_depth(&self, bevel: &Bevel, edge: &Edge, p: DVec3) -> f64 {
+    fn bevel_depth(&self, edge: &BevelledEdge, p: DVec3) -> f64 {
+        let bevel = &edge.bevel;
         let end = p.z.min(self.sweep.depth - p.z).max(0.0);
         let wall = edge.nearest(p.truncate(), bevel.width).map_or(bevel.width, |(distance, _)| distance);
         bevel.depth(wall, end)
     }
 
     /// The surface of the bevel at a point on it, but for rounding.
-    pub(super) fn bevel_point(&self, bevel: &Bevel, edge: &Edge, p: DVec3) -> BevelPoint {
+    pub(super) fn bevel_point(&self, edge: &BevelledEdge, p: DVec3) -> BevelPoint {
+        let bevel = &edge.bevel;
         let q = p.truncate();
         let is_near = p.z < 0.5 * self.sweep.depth;
         let end = if is_near { p.z } else { self.sweep.depth - p.z };
@@ -194,12 +202,13 @@ impl Parts {
     /// * returns: whether what is before `to` is inside
     pub(super) fn bevel_crossings(
         &self,
-        (bevel, edge): (&Bevel, &Edge),
+        edge: &BevelledEdge,
         line: &super::Ray64,
         [from, to]: [f64; 2],
         mut visit: impl FnMut(f64, bool),
     ) -> bool {
-        let depth = |t: f64| self.bevel_depth(bevel, edge, line.at(t));
+        let bevel = &edge.bevel;
+        let depth = |t: f64| self.bevel_depth(edge, line.at(t));
         let speed = line.d.length();
         // Between both bevels nothing is to be found.
         let heights = [bevel.width, self.sweep.depth - bevel.width].map(|z| (z - line.o.z) / line.d.z);

@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3};
 
-use self::bevel::Edge;
+use self::bevel::BevelledEdge;
 
 use super::outline::{
     Border, BoxTree, Crossing, PlaneLine, box_of, direction, inside_pieces, nearest_parameter, segments,
@@ -75,8 +75,7 @@ struct Parts {
     /// Index of the first curve of each contour, and how many there are in all.
     contours: Vec<usize>,
     tree: BoxTree,
-    /// What is bevelled, and the border it is measured from.
-    bevel: Option<(Bevel, Edge)>,
+    edge: Option<BevelledEdge>,
     bounds: Aabb,
     /// The largest coordinate of the outline.
     reach: f64,
@@ -142,13 +141,13 @@ impl Prism {
             shares: share,
             contours: first,
             tree,
-            bevel: None,
+            edge: None,
             bounds,
             reach,
         };
-        parts.bevel = sweep.bevel.map(|bevel| {
+        parts.edge = sweep.bevel.map(|bevel| {
             let fills = |p| sweep.rule.fills(parts.winding(p));
-            (bevel, Edge::new(&parts.curves, min.distance(max), fills))
+            BevelledEdge::new(bevel, &parts.curves, min.distance(max), fills)
         });
         Some(Prism(Arc::new(parts)))
     }
@@ -207,7 +206,7 @@ impl Parts {
                 return;
             }
             let whole = [at(&start, lo, true), at(&end, hi, false)];
-            let Some((bevel, edge)) = &self.bevel else { return visit(whole) };
+            let Some(edge) = &self.edge else { return visit(whole) };
             let bevelled = |t: f64| {
                 let is_far = course.line.at(t).z > 0.5 * self.sweep.depth;
                 let part = FIRST_WALL + self.curves.len() as u32 + u32::from(is_far);
@@ -215,7 +214,7 @@ impl Parts {
             };
             let mut open = whole[0];
             let range = [start.t.max(lo), end.t.min(hi)];
-            let ends_inside = self.bevel_crossings((bevel, edge), &course.line, range, |t, enters| {
+            let ends_inside = self.bevel_crossings(edge, &course.line, range, |t, enters| {
                 if enters {
                     open = bevelled(t);
                 } else {
@@ -228,9 +227,9 @@ impl Parts {
         });
     }
 
-    /// The bevel, for a hit on it.
-    fn bevel_of(&self, hit: &Hit) -> Option<&(Bevel, Edge)> {
-        self.bevel.as_ref().filter(|_| hit.part as usize >= FIRST_WALL as usize + self.curves.len())
+    /// The bevelled edge, for a hit on it.
+    fn edge_of(&self, hit: &Hit) -> Option<&BevelledEdge> {
+        self.edge.as_ref().filter(|_| hit.part as usize >= FIRST_WALL as usize + self.curves.len())
     }
 
     /// What a ray in the prism's own space does; `None` where it is never between both ends.
@@ -357,9 +356,9 @@ impl Surface for Prism {
             let (p, p_error) = stored(sweep.world(local.x, local.y, z), scale);
             return SurfacePoint::flat(p, p_error, n.as_vec3());
         }
-        if let Some((bevel, edge)) = parts.bevel_of(hit) {
+        if let Some(edge) = parts.edge_of(hit) {
             let local = sweep.local(p);
-            let at = parts.bevel_point(bevel, edge, local);
+            let at = parts.bevel_point(edge, local);
             let [x, y, z] = (local + at.depth * at.normal).to_array();
             let [nx, ny, nz] = at.normal.to_array();
             let n = sweep.axes[0] * nx + sweep.axes[1] * ny + sweep.axes[2] * nz;
@@ -380,7 +379,7 @@ impl Surface for Prism {
     /// box of the outline.
     fn uv_at(&self, hit: &Hit, p: Vec3) -> Vec2 {
         let parts = &*self.0;
-        if hit.part < FIRST_WALL || parts.bevel_of(hit).is_some() {
+        if hit.part < FIRST_WALL || parts.edge_of(hit).is_some() {
             let local = parts.sweep.local(p.as_dvec3());
             let [min, max] = parts.tree.bounds();
             let q = local.truncate() / if hit.part == FAR_END { parts.sweep.taper } else { 1.0 };
@@ -400,8 +399,8 @@ impl Surface for Prism {
             let extent = (max - min) * if hit.part == NEAR_END { 1.0 } else { sweep.taper };
             return Tangents { dpdu: (extent.x * x).as_vec3(), dpdv: (extent.y * y).as_vec3() };
         }
-        if let Some((bevel, edge)) = parts.bevel_of(hit) {
-            let at = parts.bevel_point(bevel, edge, sweep.local(p.as_dvec3()));
+        if let Some(edge) = parts.edge_of(hit) {
+            let at = parts.bevel_point(edge, sweep.local(p.as_dvec3()));
             let [min, max] = parts.tree.bounds();
             let out = at.normal.truncate().normalize_or_zero();
             // Towards the wall the surface goes down from the end.
@@ -424,7 +423,7 @@ impl Surface for Prism {
     }
 
     fn part_count(&self) -> u32 {
-        FIRST_WALL + self.0.curves.len() as u32 + if self.0.bevel.is_some() { 2 } else { 0 }
+        FIRST_WALL + self.0.curves.len() as u32 + if self.0.edge.is_some() { 2 } else { 0 }
     }
 
     fn tessellate(&self, around: u32, out: &mut Tessellation) {
@@ -466,7 +465,7 @@ impl Surface for Prism {
             + size_of_val(&*parts.curves)
             + size_of_val(&*parts.shares)
             + parts.tree.bytes()
-            + parts.bevel.as_ref().map_or(0, |(_, edge)| edge.bytes())
+            + parts.edge.as_ref().map_or(0, BevelledEdge::bytes)
     }
 }
 

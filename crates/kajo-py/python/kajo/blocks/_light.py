@@ -71,15 +71,17 @@ class GridMedium(MediumBlock):
     """A cloud or smoke, given voxel by voxel.
 
     Args:
-        file: its densities: .vol of Mitsuba, .df3 of POV-Ray, or raw values (file). Default:
+        file: its numbers: .vol of Mitsuba, .df3 of POV-Ray, or raw values (file). Default:
             none.
-        values: its densities, as many as `size` says, x first (8 numbers). Default: those of
+        values: its numbers, as many as `size` says, x first (8 numbers). Default: those of
             `file`.
-        size: voxels along x, y and z, of `values` and of raw files (3 whole numbers). Default:
+        size: numbers along x, y and z, of `values` and of raw files (3 whole numbers). Default:
             by the file.
         encoding: how a raw file stores numbers (f32, u16 or u8). Default: by the file.
-        min: a corner of the box that it fills (x y z). Default: by the file, or -1 -1 -1.
-        max: the opposite corner (x y z). Default: by the file, or 1 1 1.
+        min: the corner of its box with the smallest coordinates (x y z). Default: by the file,
+            or -1 -1 -1.
+        max: the corner of its box with the largest coordinates (x y z). Default: by the file,
+            or 1 1 1.
         sigma_a: absorption per length (r g b, 1/length). Default: none.
         sigma_s: scattering per length (r g b, 1/length). Default: none.
         albedo: share of light that a collision scatters (r g b). Default: 1 1 1.

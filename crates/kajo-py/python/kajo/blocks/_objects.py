@@ -57,11 +57,13 @@ class DistanceGrid(ObjectBlock):
             none.
         values: its numbers, as many as `size` says, x first (8 numbers). Default: those of
             `file`.
-        size: points along x, y and z, of `values` and of raw files (3 whole numbers). Default:
+        size: numbers along x, y and z, of `values` and of raw files (3 whole numbers). Default:
             by the file.
         encoding: how a raw file stores numbers (f32, u16 or u8). Default: by the file.
-        min: where the first point is (x y z). Default: by the file, or -1 -1 -1.
-        max: where the last point is (x y z). Default: by the file, or 1 1 1.
+        min: the corner of its box with the smallest coordinates (x y z). Default: by the file,
+            or -1 -1 -1.
+        max: the corner of its box with the largest coordinates (x y z). Default: by the file,
+            or 1 1 1.
         level: what the surface is at; lower numbers are inside (number). Default: 0.
         closed: whether faces of the box close it where they cut it (on or off). Default: on.
         smooth: shaded by interpolated normals (on or off). Default: on.

@@ -62,6 +62,8 @@ pub struct Bidirectional<'a, V = Clear> {
     view: CameraView<'a>,
     settings: BidirectionalSettings,
     power_sampler: PowerLightSampler,
+    /// Whether the air is a medium without end, so that no path begins infinitely far away.
+    in_endless_air: bool,
     volume: PhantomData<V>,
 }
 
@@ -189,6 +191,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             view: CameraView::new(scene, camera, size, layers).spectral(settings.spectral),
             settings,
             power_sampler: scene.power_light_sampler(),
+            in_endless_air: is_endless(scene),
             volume: PhantomData,
         }
     }
@@ -453,7 +456,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
 
     /// Whether light from an emitter is found from the camera alone.
     fn is_hidden(&self, at: &LightPoint) -> bool {
-        at.is_infinite() && is_endless(self.scene())
+        self.in_endless_air && at.is_infinite()
     }
 
     /// Joins a vertex of the camera's path with a light drawn for it (`s = 1`) and with all vertices of the light's path
@@ -515,8 +518,8 @@ pub(super) fn light_end<'s>(
     Subpath { state: PathState { connectable: true, ..state }, departure }
 }
 
-/// Whether the air is a medium without end, so that no path begins infinitely far away.
-pub(super) fn is_endless(scene: &Scene) -> bool {
+/// Whether the air is a medium without end.
+fn is_endless(scene: &Scene) -> bool {
     scene.lighting.air.is_some_and(|air| scene.appearance.media.bounds(air).is_none())
 }
 

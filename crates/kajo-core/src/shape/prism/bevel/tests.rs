@@ -137,8 +137,8 @@ fn crossings_are_where_distances_say() {
 #[test]
 fn normals_and_tangents_belong_to_the_surface() {
     let prism = bevelled(&mixed(), 0.5, 0.1, BevelProfile::Round);
-    let (bevel, edge) = prism.0.bevel.as_ref().unwrap();
-    let depth = |at: DVec3| prism.0.bevel_depth(bevel, edge, at);
+    let edge = prism.0.edge.as_ref().unwrap();
+    let depth = |at: DVec3| prism.0.bevel_depth(edge, at);
     let mut checked = 0;
     for i in 0..3000 {
         let ray = line(i);
