@@ -4,7 +4,7 @@ use super::*;
 const FONT: &[u8] = include_bytes!("../../../../scenes/gallery/fonts/kajo.ttf");
 
 fn style() -> TextStyle {
-    TextStyle { face: 0, align: TextAlign::Left, line_spacing: 1.0, letter_spacing: 0.0, axes: Vec::new() }
+    TextStyle { face: 0, align: TextAlign::Left, line_spacing: 1.0, letter_spacing: 0.0, weight: None }
 }
 
 fn set(lines: &[&str], style: &TextStyle) -> TextOutlines {

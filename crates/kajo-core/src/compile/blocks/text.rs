@@ -90,7 +90,7 @@ fn read<'t>(item: Item<'t>, params: &mut Params<'t, '_>, sources: &mut Sources<'
         align,
         line_spacing: line_spacing.into(),
         letter_spacing: letter_spacing.into(),
-        axes: weight.map(|weight| ("wght".to_owned(), weight)).into_iter().collect(),
+        weight,
     };
     let name = &font.value.0;
     let assets = sources.textures.spectra.assets;
