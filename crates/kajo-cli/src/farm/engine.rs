@@ -8,7 +8,7 @@ use kajo::output::Target;
 use kajo::{LoadOptions, Loaded, Pieces};
 use kajo_farm::{Bundle, Engine, FarmError, Job as Folder, Recording, Watch};
 
-use super::many::Hands;
+use super::pool::WorkerPool;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::progress::Meter;
@@ -31,7 +31,7 @@ impl Machines {
     }
 }
 
-impl Hands for Machines {
+impl WorkerPool for Machines {
     fn load(&self, job: &Job, meter: &Meter) -> Result<Loaded, Failure> {
         let (loaded, bytes) = bundled(job, meter)?;
         *self.bundle.lock().unwrap_or_else(PoisonError::into_inner) = bytes;

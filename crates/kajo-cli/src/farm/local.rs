@@ -6,7 +6,7 @@ use std::thread;
 use kajo::Pieces;
 use kajo_farm::{FarmError, Job as Folder, ProcessWorkers, Watch, coordinate};
 
-use super::many::Hands;
+use super::pool::WorkerPool;
 
 /// Processes of this machine.
 pub struct Local {
@@ -26,7 +26,7 @@ impl Local {
     }
 }
 
-impl Hands for Local {
+impl WorkerPool for Local {
     fn stage(&self, folder: &Folder, pieces: &Pieces<'_>, watch: &dyn Watch) -> Result<(), FarmError> {
         let program = std::env::current_exe().map_err(|error| FarmError::Input(error.to_string()))?;
         let threads = self.each.to_string();

@@ -2,7 +2,7 @@
 
 mod engine;
 mod local;
-mod many;
+mod pool;
 mod python;
 mod slurm;
 mod worker;
@@ -41,9 +41,9 @@ pub fn render(
 ) -> Result<Done, Failure> {
     match workers {
         Workers::Local(n) => {
-            many::render(job, &local::Local::new(*n, job.resources.threads), meter, interrupt, voice)
+            pool::render(job, &local::Local::new(*n, job.resources.threads), meter, interrupt, voice)
         }
-        Workers::Engine => many::render(job, &engine::Machines::new()?, meter, interrupt, voice),
+        Workers::Engine => pool::render(job, &engine::Machines::new()?, meter, interrupt, voice),
         Workers::Cluster(_) => {
             refuse(job)?;
             let words: Vec<OsString> = std::env::args_os().skip(1).collect();

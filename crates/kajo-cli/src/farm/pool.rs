@@ -1,4 +1,4 @@
-//! Renders by workers, whoever has these: the folder of the job, its stages, and the picture in the end.
+//! Renders by the workers of a pool, whoever has it: the folder of the job, its stages, and the picture in the end.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,8 +18,8 @@ use crate::interrupt::{Interrupt, Work};
 use crate::job::{Done, Job, Voice, has_errors};
 use crate::progress::{Meter, Watched, in_short};
 
-/// Who renders units.
-pub trait Hands {
+/// Workers that render units: processes of this machine, or machines of a cluster.
+pub trait WorkerPool {
     /// Reads the scene.
     ///
     /// # Errors
@@ -46,10 +46,10 @@ pub trait Hands {
     fn threads(&self) -> usize;
 }
 
-/// A render by many.
-struct Many<'a> {
+/// A render by the workers of a pool.
+struct PooledRender<'a> {
     job: &'a Job,
-    hands: &'a dyn Hands,
+    pool: &'a dyn WorkerPool,
     interrupt: &'a Interrupt,
     meter: &'a Meter,
     quiet: bool,
@@ -61,13 +61,13 @@ struct Many<'a> {
 /// [`Failure`]; what is finished stays in the folder of the job.
 pub fn render(
     job: &Job,
-    hands: &dyn Hands,
+    pool: &dyn WorkerPool,
     meter: &Meter,
     interrupt: &Interrupt,
     voice: &mut Voice<'_>,
 ) -> Result<Done, Failure> {
     refuse(job)?;
-    let mut loaded = hands.load(job, meter)?;
+    let mut loaded = pool.load(job, meter)?;
     if !loaded.diagnostics.is_empty() {
         (voice.say)(&loaded.report(voice.color));
     }
@@ -80,9 +80,9 @@ pub fn render(
     let pieces = Pieces::new(&request, &job.passes.goal(), Job::scene_digest(&loaded)?)?;
     let folder = folder(job, &pieces, &loaded, line_of(job))?;
     let lock = folder.lock()?;
-    hands.begin(&folder)?;
-    let many = Many { job, hands, interrupt, meter, quiet: voice.quiet };
-    let picture = many.picture(&folder, &pieces, preview.as_ref())?;
+    pool.begin(&folder)?;
+    let render = PooledRender { job, pool, interrupt, meter, quiet: voice.quiet };
+    let picture = render.picture(&folder, &pieces, preview.as_ref())?;
     let done = job.write(picture, &loaded.files, interrupt, voice)?;
     drop(lock);
     if job.farm.job.is_none() {
@@ -92,7 +92,7 @@ pub fn render(
     Ok(done)
 }
 
-impl Many<'_> {
+impl PooledRender<'_> {
     /// Renders what is missing and puts all together.
     fn picture(
         &self,
@@ -136,7 +136,7 @@ impl Many<'_> {
             samples,
             rays: RayCounters { camera: rays, ..RayCounters::default() },
             seconds: started.elapsed().as_secs_f64(),
-            threads: self.hands.threads(),
+            threads: self.pool.threads(),
             ..RenderStats::default()
         };
         Ok(pieces.picture(result?, stats))
@@ -147,7 +147,7 @@ impl Many<'_> {
         const MOST_REPAIRS: usize = 3;
         let mut repairs = 0;
         loop {
-            self.hands.stage(folder, pieces, watch)?;
+            self.pool.stage(folder, pieces, watch)?;
             match folder.merge(pieces) {
                 Ok(Merged::Complete(film)) => return Ok(*film),
                 Ok(Merged::Next(_)) => {}
