@@ -3,6 +3,7 @@
 import contextlib
 import os
 import random
+import re
 import signal
 import socket
 import subprocess
@@ -21,6 +22,8 @@ PROGRAM = os.environ.get("KAJO_PROGRAM")
 pytestmark = pytest.mark.skipif(PROGRAM is None, reason="the program kajo is not there")
 
 DEEP = bool(os.environ.get("KAJO_DEEP"))
+HANGS = 600
+"""Seconds after which a process is taken to hang. It is no measure of speed."""
 SCENE = """
 PerspectiveCamera { center 0 1 9  direction 0 -0.1 -1  up 0 1 0  angle 30 }
 Background { color 0.2 0.3 0.5 }
@@ -40,7 +43,7 @@ UNITS = ["--unit-tile", "24", "--unit-samples", "8"]
 
 def run(folder, *words, **environment):
     env = {**os.environ, "KAJO_FARM": str(folder / "farm"), "KAJO_PYTHON": sys.executable, **environment}
-    return subprocess.run([PROGRAM, *words], cwd=folder, env=env, capture_output=True, text=True, timeout=120)
+    return subprocess.run([PROGRAM, *words], cwd=folder, env=env, capture_output=True, text=True, timeout=HANGS)
 
 
 @pytest.fixture(scope="module")
@@ -152,8 +155,9 @@ def test_a_cluster_with_certificates_renders_what_one_command_asks_for(certifica
         ran = machines.render("--preview", "so_far.png", "--preview-every", "0.1")
         assert ran.returncode == 0, ran.stderr
         assert same(certificates) and not (certificates / "out.exr.job").exists()
-        # Who brought what.
-        assert ran.stderr.count("samples/s") == 2 and "w0-" in ran.stderr and "w1-" in ran.stderr
+        # Who brought what: a fast worker may have taken all of it.
+        brought = re.findall(r"\b(w[01]-\d+): (\d+) units?\b", ran.stderr)
+        assert brought and sum(int(units) for _, units in brought) == 12, ran.stderr
         for goal in [["--adaptive"], ["--noise", "0.3"], ["--integrator", "bidirectional"]]:
             plain = run(certificates, "render", *RENDER, *goal, "-o", "goal.exr")
             assert plain.returncode == 0, plain.stderr
@@ -205,10 +209,10 @@ def test_whatever_is_killed_the_same_command_goes_on(certificates):
                     machines.head = machines.start("head", "--host", "127.0.0.1", "--port", str(machines.port))
             if i % 4 < 2:
                 # It goes on by itself.
-                assert command.wait(60) == 0, command.stderr.read()
+                assert command.wait(HANGS) == 0, command.stderr.read()
                 assert same(certificates)
             else:
-                code = command.wait(60)
+                code = command.wait(HANGS)
                 assert code in (0, 3, -9, 137), command.stderr.read()
             command.stderr.close()
         ran = machines.render(*job)
@@ -267,7 +271,7 @@ def test_strangers_are_refused_before_any_work(certificates, tmp_path):
         assert ran.returncode == 2 and "no scheduler answers" in ran.stderr, ran.stderr
         stranger = machines.start("join", machines.address, "--config", str(tmp_path / "other"))
         try:
-            assert stranger.wait(60) == 2 and "certificates" in stranger.stderr.read()
+            assert stranger.wait(HANGS) == 2 and "certificates" in stranger.stderr.read()
         finally:
             stranger.kill()
             stranger.stderr.close()
@@ -326,7 +330,7 @@ def test_machines_join_by_ssh(certificates, tmp_path):
         assert ran.returncode == 0 and same(certificates), ran.stderr
         assert (tmp_path / "left" / ".config/kajo/farm/key.pem").stat().st_mode & 0o077 == 0
         joined.send_signal(signal.SIGTERM)
-        assert joined.wait(20) == 0
+        assert joined.wait(HANGS) == 0
     (tmp_path / "hosts.txt").write_text("-oProxyCommand=x\n")
     ran = run(certificates, "farm", "ssh", str(tmp_path / "hosts.txt"), "tls://head:1")
     assert ran.returncode == 2 and "no name of a machine" in ran.stderr, ran.stderr
@@ -336,15 +340,14 @@ def test_ctrl_c_keeps_what_is_finished(certificates):
     with cluster(certificates, workers=1) as machines:
         job = ["--job", "stopped", "--unit-tile", "8", "--unit-samples", "1"]
         command = machines.begin(*job)
-        deadline = time.monotonic() + 30
         parts = certificates / "stopped" / "parts"
-        while time.monotonic() < deadline and not (parts.is_dir() and any(parts.iterdir())):
+        while command.poll() is None and not (parts.is_dir() and any(parts.iterdir())):
             time.sleep(0.05)
         # As a terminal does: to all of them.
         for pid in [command.pid, *children_of(command)]:
             with contextlib.suppress(OSError):
                 os.kill(pid, signal.SIGINT)
-        told = command.communicate(timeout=30)[1]
+        told = command.communicate(timeout=HANGS)[1]
         assert command.returncode in (0, 130), told
         assert command.returncode == 0 or "the same command goes on with it" in told, told
         ran = machines.render(*job)

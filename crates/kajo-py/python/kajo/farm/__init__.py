@@ -205,7 +205,7 @@ def render(
     finally:
         shutil.rmtree(keep, ignore_errors=True)
         if own:
-            client.close()
+            client.close(timeout=2)
 
 
 def _words(settings: dict[str, Value]) -> list[str]:

@@ -96,7 +96,8 @@ def _render(words: Sequence[str]) -> int:
     try:
         return coordinate(client, rest)
     finally:
-        client.close()
+        # A scheduler that is gone says no good-bye.
+        client.close(timeout=2)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import IO, Any
 
@@ -84,7 +85,8 @@ class Engine:
                 future.cancel()
             busy = [host.address for host in self._hosts.values() if host.unit is not None]
             if busy:
-                self._quietly(lambda: self._client.run(_worker.drop, workers=busy, on_error="ignore"))
+                # A moment, so that the message is out before the client closes.
+                self._end_children(busy).join(2.0)
 
     def _hear(self) -> None:
         """Hears the coordinator, on a thread of its own."""
@@ -178,6 +180,9 @@ class Engine:
                 offset = task.result()
                 task.release()
             self._events.put(("ready", host.address))
+        except CancelledError:
+            # The scheduler was lost, and with it the task; of the worker that says nothing.
+            self._events.put(("unprepared", host.address, ""))
         except Exception as error:
             self._events.put(("unprepared", host.address, f"{type(error).__name__}: {error}"))
 
@@ -188,8 +193,13 @@ class Engine:
             self._hand_out()
 
     def _on_unprepared(self, address: str, why: str) -> None:
-        if address in self._hosts:
+        if address not in self._hosts:
+            return
+        if why:
             self._refuse(self._hosts[address], f"it cannot take the job: {why}")
+        else:
+            # It is met anew, if it is still there.
+            del self._hosts[address]
 
     def _refuse(self, host: _Host, why: str) -> None:
         """A worker is left out."""
@@ -310,8 +320,17 @@ class Engine:
                 future = self._futures.pop((host.address, stage, unit), None)
                 if future is not None:
                     future.cancel()
-                address = host.address
-                self._quietly(lambda: self._client.run(_worker.drop, workers=[address], on_error="ignore"))  # noqa: B023
+                self._end_children([host.address])
+
+    def _end_children(self, addresses: list[str]) -> threading.Thread:
+        """Has workers end what they render, on a thread of its own: one that was killed a moment ago is called for long."""
+
+        def act() -> None:
+            self._quietly(lambda: self._client.run(_worker.drop, workers=addresses, on_error="ignore"))
+
+        thread = threading.Thread(target=act, daemon=True)
+        thread.start()
+        return thread
 
     @staticmethod
     def _quietly(act: Callable[[], Any]) -> Any:
