@@ -24,13 +24,13 @@ Usage: cargo xtask <TASK>
   check            the quick part of it: format, lints, floors, words
   floors           only the floors: which crate and which module may import which, and that no files need each other
   words            only the words that no file may hold
-  deep             all tests with fast code, the slow ones in full, and instructions
+  deep             all tests with fast code, the slow ones in full, instructions, and the wheel
   fuzz [SECONDS]   every fuzz target for that long (60), where cargo-fuzz is installed
   instructions     counts what rays take in instructions, where valgrind is installed; with --bless keeps the figures
   mutants          puts bugs into a copy of the sources, one after the other, and runs the self-test on each
   gallery [OUT]    renders both galleries to OUT (out/)
   tables           writes the tables of fields into the pages of the manual, and the classes of the Python package
-  wheel            builds the wheel of the Python package, into target/wheels
+  wheel            builds the wheel of the Python package, into target/wheels, and tests it
   samplers         draws the pictures of the manual's page on sample patterns";
 
 fn main() -> ExitCode {
@@ -95,7 +95,7 @@ fn test(root: &Path, report: &mut Report) {
     if !root.join("../shared/course").is_dir() {
         report.skip("course set", "the course's files are not at ../shared/course");
     }
-    report.skip("slow tests", "run `cargo xtask deep` for them");
+    report.skip("slow tests, and the wheel", "run `cargo xtask deep` for them");
 }
 
 fn check(root: &Path, report: &mut Report) {
@@ -119,6 +119,7 @@ fn deep(root: &Path, report: &mut Report) {
     // What takes long runs in full where this is set.
     report.run("all tests with fast code, in full", tests.env("KAJO_DEEP", "1"));
     instructions::check(root, report, false);
+    wheel::build(root, report);
 }
 
 fn fuzz(root: &Path, report: &mut Report, seconds: u64) {

@@ -1,16 +1,15 @@
-//! The Python package: its tests, and those of its wheel, notebooks and farm.
+//! The Python package: its tests, and those of its notebooks and farm.
 
 use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 use std::{fs, io};
 
-use crate::environment::{Environment, PYTHONS, run};
+use crate::environment::{Environment, PYTHONS};
 use crate::steps::{self, Cargo, Report};
-use crate::wheel::{self, Profile};
 
-/// Packages of the Python registry that the tests need, each with what is skipped without it.
-const PACKAGES: [&str; 13] = [
+/// Packages of the Python registry that the tests and the wheel need.
+pub const PACKAGES: [&str; 13] = [
     "maturin",
     "numpy",
     "pytest",
@@ -30,7 +29,7 @@ const PACKAGES: [&str; 13] = [
 /// with Dask, notebooks and checkers where the Python registry can be reached, and without otherwise.
 pub fn test(root: &Path, report: &mut Report) {
     // All of the workspace, so that the module is linked with crates that were built for the tests.
-    report.run("Python module", Cargo::new(root, "build --profile test --workspace --lib --bins --tests"));
+    report.run("Python module", Cargo::new(root, "build --workspace --lib --bins --tests"));
     if let Err(error) = package(root) {
         let problem = format!("the package cannot be put together: {error}");
         return report.add("Python package", Err(vec![problem]));
@@ -51,11 +50,9 @@ pub fn test(root: &Path, report: &mut Report) {
                     &["check", "--no-cache", "python", "tests", "../../docs/notebooks"],
                 ),
             );
-            let wheel = wheel::with_maturin(root, &environment, Profile::Test);
-            report.add("wheel", wheel.and_then(|wheel| installed(root, &environment, &wheel)));
         }
         Err(why) => {
-            report.skip("wheel, farm of Dask, notebooks, types and lints of the Python package", why);
+            report.skip("farm of Dask, notebooks, types and lints of the Python package", why);
             let needs = "import sys, numpy, pytest; sys.exit(sys.version_info < (3, 11))";
             match PYTHONS.into_iter().find(|python| steps::answers(Command::new(python).args(["-c", needs])))
             {
@@ -85,24 +82,6 @@ fn check(root: &Path, environment: &Environment, program: &str, words: &[&str]) 
         .env("MYPY_CACHE_DIR", root.join("target/mypy"))
         .env("MYPYPATH", root.join("target/python"));
     ended(program, command)
-}
-
-/// Installs the wheel into an environment of its own and renders with it: in Python, and by the command that comes with it.
-fn installed(root: &Path, environment: &Environment, wheel: &Path) -> Result<(), Vec<String>> {
-    let folder = root.join("target/wheel-test");
-    let _ = fs::remove_dir_all(&folder);
-    let steps = || -> Result<(), String> {
-        run(Command::new(environment.program("python"))
-            .args(["-m", "venv", "--system-site-packages"])
-            .arg(&folder))?;
-        let fresh = Environment::at(folder.clone());
-        let python = fresh.program("python");
-        // numpy is there already.
-        run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--no-deps"]).arg(wheel))?;
-        let script = root.join("crates/kajo-py/tests/wheel.py");
-        run(Command::new(environment.program("python")).arg(script).arg(&folder).current_dir(&folder))
-    };
-    steps().map_err(|problem| vec![problem])
 }
 
 fn ended(name: &str, mut command: Command) -> Result<(), Vec<String>> {

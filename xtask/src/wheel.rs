@@ -1,77 +1,48 @@
 //! The wheel of the Python package: the native module, the package around it, and the program `kajo` as its command.
 
-use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::environment::Environment;
+use crate::environment::{Environment, run};
+use crate::python::PACKAGES;
 use crate::steps::{Cargo, Report};
 
 /// Most bytes that a wheel may have.
 const LARGEST: u64 = 15 << 20;
 
-/// How fast what is in it is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Profile {
-    /// For people.
-    Release,
-    /// For tests, of what these have built.
-    Test,
-}
-
-impl Profile {
-    fn name(self) -> &'static str {
-        match self {
-            Profile::Release => "release",
-            Profile::Test => "test",
-        }
-    }
-
-    fn folder(self) -> &'static str {
-        match self {
-            Profile::Release => "target/release",
-            Profile::Test => "target/debug",
-        }
-    }
-}
-
-/// Builds the wheel for people, into `target/wheels`.
+/// Builds the wheel into `target/wheels`, and uses it as people do.
 pub fn build(root: &Path, report: &mut Report) {
-    let environment = match Environment::make(root, &["maturin"]) {
+    let environment = match Environment::make(root, &PACKAGES) {
         Ok(environment) => environment,
-        Err(why) => return report.add("wheel", Err(vec![why])),
+        Err(why) => return report.skip("wheel", why),
     };
-    report.run("program", Cargo::new(root, "build --release -p kajo-cli"));
-    if !report.failed() {
-        report.add(
-            "wheel",
-            with_maturin(root, &environment, Profile::Release).map(|path| println!("{}", path.display())),
-        );
+    report.run("program of the wheel", Cargo::new(root, "build --release -p kajo-cli"));
+    if report.failed() {
+        return;
+    }
+    match with_maturin(root, &environment) {
+        Ok(wheel) => {
+            println!("{}", wheel.display());
+            report.add("wheel", installed(root, &environment, &wheel));
+        }
+        Err(problems) => report.add("wheel", Err(problems)),
     }
 }
 
 /// Builds the wheel in an environment that has maturin. The program must have been built.
-///
-/// # Errors
-/// What went wrong, in lines.
-pub fn with_maturin(
-    root: &Path,
-    environment: &Environment,
-    profile: Profile,
-) -> Result<PathBuf, Vec<String>> {
+fn with_maturin(root: &Path, environment: &Environment) -> Result<PathBuf, Vec<String>> {
     let told = |what: &str, error: std::io::Error| vec![format!("{what}: {error}")];
     let package = root.join("crates/kajo-py");
     let scripts = package.join("kajo.data/scripts");
     let program = format!("kajo{}", std::env::consts::EXE_SUFFIX);
     fs::create_dir_all(&scripts).map_err(|error| told("a folder cannot be made", error))?;
-    fs::copy(root.join(profile.folder()).join(&program), scripts.join(&program))
+    fs::copy(root.join("target/release").join(&program), scripts.join(&program))
         .map_err(|error| told("the program was not built", error))?;
-    let folder = root.join("target/wheels").join(if profile == Profile::Test { "test" } else { "" });
+    let folder = root.join("target/wheels");
     let _ = fs::remove_dir_all(&folder);
-    let out: OsString = folder.clone().into();
     let mut maturin = Command::new(environment.program("maturin"));
-    maturin.args(["build", "--profile", profile.name(), "--out"]).arg(out).current_dir(&package);
+    maturin.args(["build", "--release", "--out"]).arg(&folder).current_dir(&package);
     let status = maturin.status().map_err(|error| told("maturin did not start", error))?;
     // What was put there for it is no part of the sources.
     let _ = fs::remove_file(scripts.join(&program));
@@ -81,9 +52,26 @@ pub fn with_maturin(
     let found = fs::read_dir(&folder).ok().and_then(|mut files| files.next()).and_then(Result::ok);
     let wheel = found.map(|file| file.path()).ok_or_else(|| vec!["there is no wheel".to_owned()])?;
     let size = fs::metadata(&wheel).map_err(|error| told("the wheel cannot be read", error))?.len();
-    // That of the tests holds what finds bugs, and names for backtraces.
-    if profile == Profile::Release && size > LARGEST {
+    if size > LARGEST {
         return Err(vec![format!("the wheel has {size} bytes, and may have {LARGEST}")]);
     }
     Ok(wheel)
+}
+
+/// Installs the wheel into an environment of its own and renders with it: in Python, and by the command that comes with it.
+fn installed(root: &Path, environment: &Environment, wheel: &Path) -> Result<(), Vec<String>> {
+    let folder = root.join("target/wheel-test");
+    let _ = fs::remove_dir_all(&folder);
+    let steps = || -> Result<(), String> {
+        run(Command::new(environment.program("python"))
+            .args(["-m", "venv", "--system-site-packages"])
+            .arg(&folder))?;
+        let fresh = Environment::at(folder.clone());
+        let python = fresh.program("python");
+        // numpy is there already.
+        run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--no-deps"]).arg(wheel))?;
+        let script = root.join("crates/kajo-py/tests/wheel.py");
+        run(Command::new(environment.program("python")).arg(script).arg(&folder).current_dir(&folder))
+    };
+    steps().map_err(|problem| vec![problem])
 }
