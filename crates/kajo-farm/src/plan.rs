@@ -90,13 +90,13 @@ impl Plan {
             format: u32,
         }
         let no_plan = |error| FarmError::Input(format!("this is no plan of kajo: {error}"));
-        let Format { format } = serde_json::from_str(text).map_err(no_plan)?;
+        let Format { format } = serde_json::from_slice(text.as_bytes()).map_err(no_plan)?;
         if format != FORMAT {
             return Err(FarmError::Input(format!(
                 "the plan has version {format} of the format, and this kajo knows version {FORMAT}"
             )));
         }
-        let plan: Plan = serde_json::from_str(text).map_err(no_plan)?;
+        let plan: Plan = serde_json::from_slice(text.as_bytes()).map_err(no_plan)?;
         let [x0, y0, x1, y1] = plan.pixels;
         if x1 <= x0 || y1 <= y0 || plan.tile == 0 || plan.samples == 0 {
             return Err(FarmError::Input("the plan is damaged: its units are empty".to_owned()));

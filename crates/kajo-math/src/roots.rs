@@ -62,7 +62,7 @@ pub fn sign_changes_until<const N: usize>(b: &[f64; N], mut visit: impl FnMut(f6
 }
 
 /// Visits the sign changes on the interval from `lo` of a width, whose coefficients are `b`, until it is enough.
-fn isolate<const N: usize>(b: &[f64; N], lo: f64, width: f64, visit: &mut impl FnMut(f64) -> bool) -> bool {
+fn isolate<const N: usize>(b: &[f64; N], lo: f64, width: f64, visit: &mut dyn FnMut(f64) -> bool) -> bool {
     /// Below this width all that is left of a polynomial is rounding.
     const NARROWEST: f64 = 1.0 / (1u64 << 50) as f64;
     let changes = b.windows(2).filter(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).count();

@@ -18,7 +18,11 @@ const LONGEST: usize = 64;
 /// assert_eq!(kajo_scene::nearest("raduis", keys.into_iter()), Some("radius"));
 /// assert_eq!(kajo_scene::nearest("direction", keys.into_iter()), None);
 /// ```
-pub fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(word: &str, mut candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    nearest_of(word, &mut candidates)
+}
+
+fn nearest_of<'a>(word: &str, candidates: &mut dyn Iterator<Item = &'a str>) -> Option<&'a str> {
     let word: Vec<char> = word.chars().take(LONGEST + 1).collect();
     if word.is_empty() || word.len() > LONGEST {
         return None;

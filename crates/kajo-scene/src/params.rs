@@ -206,13 +206,13 @@ impl<'a, 'd> Params<'a, 'd> {
         key: &'static str,
         is_meant: impl Fn(Item<'a>) -> bool,
     ) -> Option<Item<'a>> {
-        self.take_last_where(key, is_meant)
+        self.take_last_where(key, &is_meant)
     }
 
     /// Every item with one of these keywords, in the order of the text.
     pub fn take(&mut self, keys: &[&'static str]) -> Vec<Item<'a>> {
         self.asked.extend(keys);
-        self.take_if(|item| keys.contains(&item.keyword()))
+        self.take_if(&|item| keys.contains(&item.keyword()))
     }
 
     /// Reports items that nobody has asked for and that `error` knows, instead of calling them unknown.
@@ -227,12 +227,12 @@ impl<'a, 'd> Params<'a, 'd> {
 
     /// Every item not asked for yet that has a block, in the order of the text.
     pub fn blocks(&mut self) -> Vec<Item<'a>> {
-        self.take_if(|item| item.has_block())
+        self.take_if(&|item| item.has_block())
     }
 
     /// Every item not asked for yet, in the order of the text.
     pub fn rest(&mut self) -> Vec<Item<'a>> {
-        self.take_if(|_| true)
+        self.take_if(&|_| true)
     }
 
     /// Keywords that are part of the language but not built yet; each use is reported so.
@@ -270,14 +270,14 @@ impl<'a, 'd> Params<'a, 'd> {
 
     /// The last child called `key`; earlier ones are marked used, with a warning.
     fn take_last(&mut self, key: &'static str) -> Option<Item<'a>> {
-        self.take_last_where(key, |_| true)
+        self.take_last_where(key, &|_| true)
     }
 
     /// The last child called `key` that is meant; earlier ones are marked used, with a warning.
     fn take_last_where(
         &mut self,
         key: &'static str,
-        is_meant: impl Fn(Item<'a>) -> bool,
+        is_meant: &dyn Fn(Item<'a>) -> bool,
     ) -> Option<Item<'a>> {
         self.asked.push(key);
         let mut last: Option<Item<'a>> = None;
@@ -295,7 +295,7 @@ impl<'a, 'd> Params<'a, 'd> {
         last
     }
 
-    fn take_if(&mut self, wanted: impl Fn(Item<'a>) -> bool) -> Vec<Item<'a>> {
+    fn take_if(&mut self, wanted: &dyn Fn(Item<'a>) -> bool) -> Vec<Item<'a>> {
         let mut taken = Vec::new();
         for child in self.children.iter_mut().filter(|child| !child.used && wanted(child.item)) {
             child.used = true;

@@ -106,10 +106,10 @@ impl SceneBuilder {
         let object_from_world = map.inverse();
         let mut n_patches = 0;
         if !emissive.varied.is_empty() {
-            shapes.patches(shape, |_, _| n_patches += 1);
+            shapes.patches(shape, &mut |_, _| n_patches += 1);
         }
         let mut lights = Vec::new();
-        shapes.patches(shape, |part, patch| {
+        shapes.patches(shape, &mut |part, patch| {
             let slot = shapes.material_slot(shape, part);
             let material = slot.map_or(material, |slot| self.appearance.slots[slot as usize]);
             let Some(of_material) = emissive.materials.get(&material) else { return };

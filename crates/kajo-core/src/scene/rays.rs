@@ -232,7 +232,7 @@ impl Scene {
 
     /// Visits every crossing with a primitive.
     #[inline]
-    fn each_crossing(&self, object: ObjectId, ray: &Ray, visit: impl FnMut(Hit)) {
+    fn each_crossing(&self, object: ObjectId, ray: &Ray, visit: &mut dyn FnMut(Hit)) {
         let primitive = &self.geometry.primitives[object.index()];
         self.in_object(primitive, ray, |ray| self.geometry.shapes.crossings(primitive.shape, ray, visit));
     }
@@ -340,7 +340,7 @@ impl<F: FnMut(ObjectId, Hit) -> bool> Visitor for Passages<'_, F> {
             return scene.blocks(object, ray);
         }
         let mut blocked = false;
-        scene.each_crossing(object, ray, |hit| blocked = blocked || visit(object, hit));
+        scene.each_crossing(object, ray, &mut |hit| blocked = blocked || visit(object, hit));
         blocked
     }
 
@@ -350,8 +350,8 @@ impl<F: FnMut(ObjectId, Hit) -> bool> Visitor for Passages<'_, F> {
             return scene.leaf_blocks(leaf, ray);
         }
         let (mut blocked, object) = (false, scene.geometry.object_of(leaf));
-        let visit = |hit| blocked = blocked || visit(object, hit);
-        leaf.in_object(ray, |ray| scene.geometry.shapes.crossings(leaf.shape, ray, visit));
+        let mut visit = |hit| blocked = blocked || visit(object, hit);
+        leaf.in_object(ray, |ray| scene.geometry.shapes.crossings(leaf.shape, ray, &mut visit));
         blocked
     }
 }
@@ -367,14 +367,14 @@ impl<F: FnMut(ObjectId, Hit)> Visitor for Crossings<'_, F> {
     #[inline]
     fn object(&mut self, object: ObjectId) -> bool {
         let visit = &mut self.visit;
-        self.scene.each_crossing(object, self.ray, |hit| visit(object, hit));
+        self.scene.each_crossing(object, self.ray, &mut |hit| visit(object, hit));
         false
     }
 
     fn leaf(&mut self, leaf: &Leaf) -> bool {
         let (object, visit) = (self.scene.geometry.object_of(leaf), &mut self.visit);
         let shapes = &self.scene.geometry.shapes;
-        leaf.in_object(self.ray, |ray| shapes.crossings(leaf.shape, ray, |hit| visit(object, hit)));
+        leaf.in_object(self.ray, |ray| shapes.crossings(leaf.shape, ray, &mut |hit| visit(object, hit)));
         false
     }
 }

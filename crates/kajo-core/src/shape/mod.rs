@@ -215,8 +215,8 @@ family! {
         fn hit(ray: &Ray) -> Option<Hit>;
         /// See [`Surface::blocks`].
         fn blocks(ray: &Ray) -> bool;
-        /// See [`Surface::crossings`].
-        fn crossings<F: FnMut(Hit)>(ray: &Ray, visit: F);
+        /// See [`Surface::crossings`]; for any visitor the same code, of which each shape has much.
+        fn crossings(ray: &Ray, visit: &mut dyn FnMut(Hit));
         /// See [`Surface::surface_at`].
         fn surface_at(ray: &Ray, hit: &Hit) -> SurfacePoint;
         /// See [`Surface::hit_at`].
@@ -244,7 +244,7 @@ family! {
         /// See [`Surface::is_inverted`].
         fn is_inverted(part: u32) -> bool;
         /// See [`Surface::patches`].
-        fn patches<F: FnMut(u32, Patch)>(visit: F);
+        fn patches(visit: &mut dyn FnMut(u32, Patch));
         /// See [`Surface::tessellate`].
         fn tessellate(around: u32, out: &mut Tessellation);
         /// See [`Surface::material_slot`].

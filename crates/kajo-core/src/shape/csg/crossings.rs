@@ -87,7 +87,7 @@ impl Solid {
             let leaf = &self.leaves[i as usize];
             let own = leaf.ray(&line.whole);
             let before = crossings.len();
-            self.shapes.crossings(leaf.shape, &own, |hit| crossings.push(Crossing { leaf: i, hit }));
+            self.shapes.crossings(leaf.shape, &own, &mut |hit| crossings.push(Crossing { leaf: i, hit }));
             let starts_inside = self.shapes.starts_inside(leaf.shape, &own);
             // What is entered is left. A line that is found to do only one of them touches an edge.
             if !(crossings.len() - before).is_multiple_of(2) && leaf.bounds.is_finite() {
@@ -183,7 +183,7 @@ impl Solid {
         const ASKEW: Vec3 = Vec3::new(0.561_7, 0.803_1, 0.198_9);
         let own = leaf.ray(&Ray::new(p, ASKEW).over(f32::NEG_INFINITY, f32::INFINITY));
         let mut inside = self.shapes.starts_inside(leaf.shape, &own);
-        self.shapes.crossings(leaf.shape, &own, |hit| inside ^= hit.t < 0.0);
+        self.shapes.crossings(leaf.shape, &own, &mut |hit| inside ^= hit.t < 0.0);
         inside
     }
 }

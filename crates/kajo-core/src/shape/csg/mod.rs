@@ -258,7 +258,7 @@ impl Solid {
     fn each_patch(&self, visit: &mut dyn FnMut(u32, Patch)) {
         for leaf in &self.leaves {
             self.plane_patch(leaf).into_iter().for_each(|patch| visit(leaf.first_part, patch));
-            self.shapes.patches(leaf.shape, |part, patch| {
+            self.shapes.patches(leaf.shape, &mut |part, patch| {
                 let patch = if leaf.inverted { patch.by_area() } else { Some(patch) };
                 let placed = match patch {
                     Some(patch) if leaf.place.is_some() => patch.transformed(&leaf.map),

@@ -234,7 +234,7 @@ impl PlacedTraced<'_> {
         let Alone { shapes, id, part } = &*self.patch.alone;
         HITS.with_borrow_mut(|hits| {
             hits.clear();
-            shapes.crossings(*id, &own, |hit| {
+            shapes.crossings(*id, &own, &mut |hit| {
                 if hit.part == *part {
                     hits.push(hit);
                 }
