@@ -107,7 +107,17 @@ pub struct Voice<'a> {
 
 impl Voice<'_> {
     fn warn(&mut self, text: impl std::fmt::Display) {
-        (self.say)(&format!("warning: {}\n", console::printable(&text.to_string())));
+        self.label("warning", text);
+    }
+
+    fn note(&mut self, text: impl std::fmt::Display) {
+        if !self.quiet {
+            self.label("note", text);
+        }
+    }
+
+    fn label(&mut self, label: &str, text: impl std::fmt::Display) {
+        (self.say)(&format!("{label}: {}\n", console::printable(&text.to_string())));
     }
 }
 
@@ -381,6 +391,9 @@ impl Job {
         let mut settings = RenderSettings::resolve(scene, &self.asked, self.defaults, uv)?;
         if let Some(part) = self.crop {
             settings = settings.cropped(part)?;
+        }
+        if let Some(why) = settings.why {
+            voice.note(format!("integrator auto takes `{}`: {why}", settings.integrator.name));
         }
         let left_out = settings.left_out(scene).into_iter().map(str::to_owned);
         for note in left_out.chain(settings.without_effect(&self.asked, &scene.output.settings)) {

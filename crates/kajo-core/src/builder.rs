@@ -16,7 +16,7 @@ mod objects;
 mod tests;
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use kajo_color::Spectrum;
 use kajo_math::Motion;
@@ -193,6 +193,7 @@ impl SceneBuilder {
             rules,
             has_group: true,
             animation: None,
+            suited: OnceLock::new(),
         };
         self.finish_with(output)
     }

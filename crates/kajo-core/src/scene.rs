@@ -11,7 +11,7 @@ mod rays;
 mod relativity;
 
 use crate::texture::{TextureContext, TextureFootprint};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use kajo_color::Spectrum;
 use kajo_math::Ray;
@@ -28,7 +28,7 @@ use crate::material::{Appearance, MaterialId};
 use crate::medium::{Fog, MediumId};
 use crate::motion::MovingTransform;
 use crate::nested::Leaf;
-use crate::settings::{Rules, Settings};
+use crate::settings::{IntegratorName, Rules, Settings};
 use crate::shape::ShapeId;
 
 pub use event::{Event, Interaction};
@@ -95,6 +95,8 @@ pub struct Output {
     pub has_group: bool,
     /// Which frame of how many this is, for a scene that has any.
     pub animation: Option<Animation>,
+    /// Which integrator suits the scene, and why: worked out at the first question for it.
+    pub suited: OnceLock<(IntegratorName, &'static str)>,
 }
 
 impl Scene {

@@ -15,7 +15,7 @@ pub fn block_of(keyword: &str) -> Option<&'static Block> {
     compile::block_of(keyword).map(known)
 }
 
-/// The same block, with the names of all integrators where it may have one.
+/// The same block, with what may be said of integrators where it may have one.
 fn known(block: &'static Block) -> &'static Block {
     if block.kind == Kind::Settings { &SETTINGS } else { block }
 }
@@ -28,7 +28,7 @@ const SETTINGS_FIELDS: [FieldSpec; compile::SETTINGS.groups[0].len()] = {
     while i < fields.len() {
         let field = compile::SETTINGS.groups[0][i];
         let kind = match field.kind {
-            FieldKind::Integrator => FieldKind::Choice(&integrator::NAMES),
+            FieldKind::Integrator => FieldKind::Choice(&integrator::CHOICES),
             kind => kind,
         };
         fields[i] = FieldSpec { kind, ..field };
@@ -52,7 +52,7 @@ mod tests {
     #[test]
     fn an_integrator_is_one_of_those_that_there_are() {
         let kind = block_of("Settings").unwrap().field("integrator").unwrap().kind;
-        assert_eq!(kind, FieldKind::Choice(&integrator::NAMES));
+        assert_eq!(kind, FieldKind::Choice(&integrator::CHOICES));
         let bare = |block: &Block| block.fields().any(|field| field.kind == FieldKind::Integrator);
         assert!(!blocks().any(bare));
     }

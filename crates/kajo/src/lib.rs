@@ -87,7 +87,7 @@ pub use kajo_core::settings::{
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode, is_contained};
 pub use kajo_math;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
-pub use kajo_render::integrator::{Defaults, INTEGRATORS, IntegratorSettings, IntegratorSpec};
+pub use kajo_render::integrator::{AUTO, Defaults, INTEGRATORS, IntegratorSettings, IntegratorSpec};
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};
 pub use kajo_render::{Film, Goal, Position, Progress, RayCounters, Rect, RenderStats, Silent};
 pub use kajo_scene::{

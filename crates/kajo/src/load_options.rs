@@ -62,7 +62,7 @@ impl LoadOptions {
             fps: self.fps,
             meshes: self.meshes.clone(),
             model_cameras_first: self.model_cameras_first,
-            integrators: &integrator::NAMES,
+            integrators: &integrator::CHOICES,
             ..CompileOptions::default()
         }
     }

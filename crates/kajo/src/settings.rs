@@ -6,7 +6,7 @@ use kajo_core::sampler::{Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_core::settings::{FilterChoice, IntegratorName, MapRules, Rules, Settings};
 use kajo_render::integrator::{
-    self, Defaults, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext,
+    self, Choice, Defaults, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext,
 };
 use kajo_render::{DepthMap, Filter, NormalMap, Rect};
 
@@ -28,6 +28,8 @@ pub struct RenderSettings {
     pub seed: u64,
     /// How light is followed.
     pub integrator: &'static IntegratorSpec,
+    /// Why it is this one, where the scene has chosen.
+    pub why: Option<&'static str>,
     /// The options of that integrator.
     pub integrator_settings: IntegratorSettings,
     /// Distances that are white and black in a depth picture; what the picture spans, where absent.
@@ -85,9 +87,13 @@ impl RenderSettings {
         let is_course = defaults == Defaults::Classic;
         let size = said.size.unwrap_or_else(|| default_size(&scene.output.camera, defaults));
         check_size(&scene.output.camera, size)?;
-        let integrator = match said.integrator {
-            Some(name) => IntegratorSpec::named(name).ok_or(SettingsError::NoIntegrator(name))?,
-            None => integrator::DEFAULT,
+        let (integrator, why) = match said.integrator {
+            Some(integrator::AUTO) => {
+                let Choice { integrator, why } = integrator::choose(scene);
+                (integrator, Some(why))
+            }
+            Some(name) => (IntegratorSpec::named(name).ok_or(SettingsError::NoIntegrator(name))?, None),
+            None => (integrator::DEFAULT, None),
         };
         let default_samples =
             if is_course { (SamplerKind::Regular, 1) } else { (SamplerKind::Jittered, integrator.samples) };
@@ -98,6 +104,7 @@ impl RenderSettings {
             filter: film_filter(said.filter.unwrap_or(FilterChoice::None), &scene.output.rules, integrator),
             seed: said.seed.unwrap_or(0),
             integrator,
+            why,
             integrator_settings: (integrator.settings)(&context),
             depth_range: said.depth_range,
             maps: scene.output.rules.maps,
@@ -300,6 +307,19 @@ mod tests {
         assert!(classic.uv, "there is no group");
         let modern = resolve(&scene(CAMERA), &Settings::default(), Defaults::Modern);
         assert!(matches!(modern.integrator_settings, IntegratorSettings::Classic(classic) if !classic.uv));
+    }
+
+    #[test]
+    fn a_scene_may_choose_its_integrator() {
+        let world = "Fog { color 1 1 1 density 0.1 } Lights { PointLight { position 0 1 0 color 1 1 1 } }";
+        let scene = scene(&format!("{CAMERA} Settings {{ integrator auto  branches 3 }} {world} Group {{}}"));
+        let settings = resolve(&scene, &Settings::default(), Defaults::Modern);
+        assert_eq!(settings.integrator.name.0, "classic");
+        assert!(settings.why.is_some_and(|why| why.contains("classic formula")));
+        let idle = settings.without_effect(&Settings::default(), &scene.output.settings).join("; ");
+        assert!(idle.contains("`branches` has no effect with `integrator classic`"), "{idle}");
+        let asked = Settings { integrator: Some(IntegratorName("path")), ..Settings::default() };
+        assert_eq!(resolve(&scene, &asked, Defaults::Modern).why, None);
     }
 
     #[test]

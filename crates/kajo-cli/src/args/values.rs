@@ -6,7 +6,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use kajo::{Dialect, FilterChoice, INTEGRATORS, IntegratorName, SamplerKind, View};
+use kajo::{AUTO, Dialect, FilterChoice, INTEGRATORS, IntegratorName, SamplerKind, View};
 
 /// Columns and rows: `800x600`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,7 +149,9 @@ pub fn dialect() -> impl TypedValueParser<Value = Dialect> {
 
 /// Reads the name of an integrator.
 pub fn integrator() -> impl TypedValueParser<Value = IntegratorName> {
-    choice(INTEGRATORS.map(|spec| (spec.name.0, spec.name)))
+    let names: [IntegratorName; INTEGRATORS.len() + 1] =
+        std::array::from_fn(|i| i.checked_sub(1).map_or(AUTO, |i| INTEGRATORS[i].name));
+    choice(names.map(|name| (name.0, name)))
 }
 
 /// Reads one of a few words.

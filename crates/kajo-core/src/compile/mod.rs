@@ -66,7 +66,7 @@ pub use self::settings::BLOCK as SETTINGS;
 pub use self::transform::operations_matrix;
 
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use kajo_bvh::BuildSettings;
 use kajo_scene::{Assets, Diagnostic, Diagnostics, Item, Limits, MeshFileError, Params, SceneDesc, Span};
@@ -366,6 +366,7 @@ impl<'a> Compiler<'a> {
             rules: self.rules,
             has_group,
             animation: self.animation,
+            suited: OnceLock::new(),
         };
         let scene = self.scene.finish_with(output);
         let report = |error: &SceneError| self.diagnostics.push(Diagnostic::error(error.to_string()));

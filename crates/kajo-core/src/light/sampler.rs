@@ -84,7 +84,7 @@ impl LightSampler {
     }
 
     /// All lights by their indices.
-    pub(crate) fn list(&self) -> &[LightId] {
+    pub fn list(&self) -> &[LightId] {
         &self.list
     }
 

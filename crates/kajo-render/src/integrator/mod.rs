@@ -7,6 +7,7 @@
 pub mod ambient_occlusion;
 pub mod bidir;
 mod camera_view;
+mod choice;
 pub mod classic;
 pub mod irradiance;
 pub mod metropolis;
@@ -18,6 +19,7 @@ mod transport;
 
 pub use ambient_occlusion::{AmbientOcclusion, AmbientOcclusionSettings};
 pub use bidir::{Bidirectional, BidirectionalSettings};
+pub use choice::{AUTO, CHOICES, Choice, choose};
 pub use classic::{Classic, ClassicSettings};
 pub use irradiance::{IrradianceCaching, IrradianceSettings};
 pub use metropolis::{Metropolis, MetropolisSettings};
@@ -172,6 +174,8 @@ impl<I: Integrator> PixelIntegrator for I {
     }
 }
 
+#[cfg(test)]
+mod choice_tests;
 #[cfg(test)]
 mod flat_tests;
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, Response, Slider, Ui};
 use kajo::{
-    Directions, Gradients, INTEGRATORS, LightChoice, PhotonMapUse, RayOffset, RenderSettings, Settings,
+    AUTO, Directions, Gradients, INTEGRATORS, LightChoice, PhotonMapUse, RayOffset, RenderSettings, Settings,
     SettingsKey, ShadowAttenuation, Shadows, Technique,
 };
 
@@ -16,10 +16,16 @@ const OF_SURFACES: [SettingsKey; 3] =
 pub fn light(ui: &mut Ui, asked: &mut Settings, settings: &RenderSettings) {
     section(ui, "Light", true, |ui| {
         rows(ui, "light", |ui| {
-            let hint = format!("How light is followed. Now: {}", settings.integrator.about);
-            let name = settings.integrator.name;
+            let about = format!("How light is followed. Now: {}", settings.integrator.about);
+            // Of the scene's choice it is said what it is.
+            let (name, hint) = match settings.why {
+                Some(why) => (AUTO, format!("{about}; `{}`: {why}", settings.integrator.name)),
+                None => (settings.integrator.name, about),
+            };
+            let all: Vec<_> = std::iter::once(AUTO).chain(INTEGRATORS.map(|spec| spec.name)).collect();
+            let all: Vec<_> = all.iter().map(|name| (name.0, *name)).collect();
             option(ui, "Integrator", &hint, &mut asked.integrator, name, |ui, name| {
-                choice(ui, "integrator", name, &INTEGRATORS.map(|spec| (spec.name.0, spec.name)))
+                choice(ui, "integrator", name, &all)
             });
             let now = settings.values();
             for key in keys(settings).filter(|key| !OF_SURFACES.contains(key)) {

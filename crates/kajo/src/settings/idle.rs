@@ -1,7 +1,7 @@
 //! Settings that the integrator has no use for.
 
 use kajo_core::settings::{Settings, SettingsKey, Shadows};
-use kajo_render::integrator::{DEFAULT, INTEGRATORS, Prepare};
+use kajo_render::integrator::{AUTO, DEFAULT, INTEGRATORS, Prepare};
 
 use super::RenderSettings;
 
@@ -12,7 +12,8 @@ impl RenderSettings {
     ///
     /// * `asked`, `own`: as in [`RenderSettings::resolve`]
     pub fn without_effect(&self, asked: &Settings, own: &Settings) -> Vec<String> {
-        let is_own = own.integrator.unwrap_or(DEFAULT.name) == self.integrator.name;
+        let is_chosen = self.why.is_some() && own.integrator == Some(AUTO);
+        let is_own = is_chosen || own.integrator.unwrap_or(DEFAULT.name) == self.integrator.name;
         let said = if is_own { &asked.or(own) } else { asked };
         let idle = SettingsKey::ALL.into_iter().filter(|key| !self.integrator.keys.contains(key));
         let mut notes: Vec<String> = idle

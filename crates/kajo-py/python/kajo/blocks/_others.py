@@ -99,7 +99,7 @@ class Settings(Block):
 
     Args:
         size: columns and rows of the picture (2 whole numbers, pixels). Default: 800 600.
-        integrator: how light is followed (bidirectional, classic, direct, distribution,
+        integrator: how light is followed (auto, bidirectional, classic, direct, distribution,
             irradiance, light, mlt, occlusion, path, photon or sppm). Default: classic.
         samples: rays of each pixel (bluenoise, cmj, jittered, pmj, poisson, regular, sobol,
             uniform or zsobol; then a whole number). Default: by the integrator.
@@ -153,7 +153,7 @@ class Settings(Block):
     def __init__(
         self, *children: Item, name: str | None = None,
         size: int | Sequence[int] | None = None,
-        integrator: Literal["bidirectional", "classic", "direct", "distribution", "irradiance", "light", "mlt", "occlusion", "path", "photon", "sppm"] | None = None,
+        integrator: Literal["auto", "bidirectional", "classic", "direct", "distribution", "irradiance", "light", "mlt", "occlusion", "path", "photon", "sppm"] | None = None,
         samples: Literal["bluenoise", "cmj", "jittered", "pmj", "poisson", "regular", "sobol", "uniform", "zsobol"] | tuple[Literal["bluenoise", "cmj", "jittered", "pmj", "poisson", "regular", "sobol", "uniform", "zsobol"], int] | None = None,
         bounces: int | None = None,
         shadows: Literal["off", "on", "transparent"] | None = None,

@@ -30,7 +30,7 @@
 //!
 //! so that the bias vanishes as `i^(a - 1)` and the variance of the mean still does as `i^-a`. No pass needs what another found.
 
-mod emission;
+pub(super) mod emission;
 mod gather;
 mod map;
 mod settings;

@@ -1,0 +1,163 @@
+//! `integrator auto`: which integrator suits a scene, and why.
+//!
+//! Where only one integrator carries what is in the scene, it is that one. Otherwise two short trials decide, of a few
+//! thousand paths each: one sends light out and counts how much of it reaches a matt surface by way of mirrors and glass, a
+//! caustic; the other renders a small picture with and without light that surfaces send to one another. Numbers are drawn
+//! from a seed of their own, so the choice is a function of the scene, the same on all machines.
+
+use kajo_color::Wavelengths;
+use kajo_core::light::{Emitter, Lights, PowerLightSampler};
+use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_core::scene::Scene;
+use kajo_core::settings::IntegratorName;
+use kajo_core::space::Space;
+use kajo_math::Vec2;
+
+use super::photon::emission::{Emission, Wanted};
+use super::{IntegratorSpec, NAMES, Path, PathSettings, bidir, classic, path};
+use crate::{Layer, LayerSet, PixelIntegrator, SampleContext, Setup, Silent};
+
+/// What stands for an integrator that is chosen by the scene.
+pub const AUTO: IntegratorName = IntegratorName("auto");
+
+/// All that `integrator` may say: [`AUTO`], and the names of all integrators.
+pub const CHOICES: [&str; NAMES.len() + 1] = {
+    let mut choices = [AUTO.0; NAMES.len() + 1];
+    let mut i = 0;
+    while i < NAMES.len() {
+        choices[i + 1] = NAMES[i];
+        i += 1;
+    }
+    choices
+};
+
+/// An integrator, and why it was chosen.
+#[derive(Clone, Copy, Debug)]
+pub struct Choice {
+    /// The integrator.
+    pub integrator: &'static IntegratorSpec,
+    /// The reason, to follow "`path`: ".
+    pub why: &'static str,
+}
+
+/// Paths from lights of the first trial.
+const LIGHT_PATHS: u32 = 4096;
+/// Columns and rows of the picture of the second, and samples of each of its pixels.
+const PICTURE: ([u32; 2], u32) = ([24, 16], 8);
+/// Caustics above this share of all light are too much for paths from the camera, which find them by chance.
+const CAUSTIC: f32 = 0.03;
+/// The same where lights have no extent, so that such paths cannot find it at all.
+const CAUSTIC_OF_POINTS: f32 = 0.002;
+/// Where lights shine on less than this share of what is seen, paths from lights find more of it.
+const LIT: f32 = 0.1;
+
+/// The integrator that suits a scene; the scene keeps the answer.
+pub fn choose(scene: &Scene) -> Choice {
+    let &(name, why) = scene.output.suited.get_or_init(|| {
+        let choice = try_out(scene);
+        (choice.integrator.name, choice.why)
+    });
+    Choice { integrator: IntegratorSpec::named(name).unwrap_or(&path::PATH), why }
+}
+
+fn try_out(scene: &Scene) -> Choice {
+    let of = |integrator, why| Choice { integrator, why };
+    if scene.relativity.is_some() {
+        return of(&path::PATH, "it alone follows light between things at such speeds");
+    }
+    if scene.space() == Space::Curved {
+        return of(&path::PATH, "light is bent here, so that points cannot be joined by straight lines");
+    }
+    if scene.lighting.fog.is_some() || is_of_the_formula(scene) {
+        return of(&classic::CLASSIC, "its lights and its fog are those of the classic formula");
+    }
+    let power_sampler = scene.power_light_sampler();
+    if power_sampler.sample(0.5).is_none() {
+        return of(&path::PATH, "nothing in it gives light");
+    }
+    let caustics = caustics(scene);
+    if has_points(scene) && caustics > CAUSTIC_OF_POINTS {
+        return of(
+            &bidir::BIDIRECTIONAL,
+            "light from points, which paths from the camera never meet, comes by mirrors or glass",
+        );
+    }
+    if sky(scene, &power_sampler) > 0.5 {
+        return of(&path::PATH, "most light comes from all around");
+    }
+    if caustics > CAUSTIC {
+        return of(&bidir::BIDIRECTIONAL, "much of its light comes by mirrors or glass");
+    }
+    if lit(scene) < LIT {
+        return of(&bidir::BIDIRECTIONAL, "little of what is seen is lit by a light itself");
+    }
+    of(&path::PATH, "most of what is seen is lit by lights themselves")
+}
+
+/// Whether lights are meant as numbers of the classic formula: ambient light beside others, or lights that do not fade, and no surface
+/// that glows.
+fn is_of_the_formula(scene: &Scene) -> bool {
+    let lights = &scene.lighting.lights;
+    let fades = |attenuation: [f32; 3]| attenuation[2] != 0.0;
+    let unfading = lights.point.iter().any(|light| !fades(light.attenuation))
+        || lights.spots.iter().any(|light| !fades(light.point.attenuation));
+    let has_ambient = !scene.lighting.ambient.is_black() && has_points(scene);
+    lights.areas.is_empty() && (has_ambient || unfading)
+}
+
+/// Whether there are lights without extent.
+fn has_points(scene: &Scene) -> bool {
+    let Lights { point, spots, directional, photometric, .. } = &scene.lighting.lights;
+    !(point.is_empty() && spots.is_empty() && directional.is_empty() && photometric.is_empty())
+}
+
+/// The share of light that comes from infinitely far away and all around.
+fn sky(scene: &Scene, power_sampler: &PowerLightSampler) -> f32 {
+    let (lights, world) = (&scene.lighting.lights, power_sampler.world());
+    let all: f32 = scene.lighting.sampler.list().iter().map(|&id| lights.power(id, world)).sum();
+    let sky: f32 = lights.skies.iter().map(|sky| sky.power(world)).sum();
+    sky / all
+}
+
+/// The share of light that comes to a matt surface by way of mirrors and glass alone.
+fn caustics(scene: &Scene) -> f32 {
+    const MOST_MIRRORS: u32 = 8;
+    let emission = Emission::new(scene, LIGHT_PATHS, MOST_MIRRORS, false);
+    let setup = Setup { seed: 0, threads: 1, memory: u64::MAX, progress: &Silent };
+    let found = emission.emit(0, &Wavelengths::RGB, (Wanted::Caustic, false), &setup);
+    found.map_or(0.0, |batch| batch.photons.len() as f32 / LIGHT_PATHS as f32)
+}
+
+/// How much of the light of what is seen comes from lights themselves: the share that half of the picture is above.
+fn lit(scene: &Scene) -> f32 {
+    let (size, samples) = PICTURE;
+    let camera = &scene.output.camera;
+    let direct = PathSettings { only_mirrors: true, roulette: false, ..PathSettings::default() };
+    let all = PathSettings { bounces: 4, ..PathSettings::default() };
+    let [direct, all] = [direct, all].map(|settings| {
+        brightness(
+            &Path::through(camera, scene, settings, size, LayerSet::of(&[Layer::Color])),
+            size,
+            samples,
+        )
+    });
+    let mut shares: Vec<f32> =
+        direct.iter().zip(&all).filter(|(_, all)| **all > 0.0).map(|(direct, all)| direct / all).collect();
+    shares.sort_by(f32::total_cmp);
+    shares.get(shares.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// The brightness of each pixel.
+fn brightness(integrator: &dyn PixelIntegrator, size: [u32; 2], samples: u32) -> Vec<f32> {
+    let sampler = Sampler::new(SamplerKind::Sobol, samples);
+    let mut ctx = SampleContext::new(&sampler, 0);
+    let mut sum = |pixel: [u32; 2]| -> f32 {
+        let of_sample = |index| {
+            let offset = ctx.begin(pixel, index);
+            let raster = Vec2::new(pixel[0] as f32, pixel[1] as f32) + offset;
+            integrator.sample(&mut ctx, pixel, raster).radiance.iter().sum::<f32>()
+        };
+        (0..samples).map(of_sample).sum()
+    };
+    (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y])).map(&mut sum).collect()
+}
