@@ -35,9 +35,9 @@ fn check(around: &str, things: &str, expected: &str, why: &str) {
 }
 
 #[test]
-fn what_lamps_shine_on_is_for_paths() {
-    let lamp = "MaterialIndex glowing  Quad { corner -1 4 1  edge1 0 0 -2  edge2 2 0 0 }";
-    check("", lamp, "path", "lit by lights themselves");
+fn what_lights_shine_on_is_for_paths() {
+    let quad = "MaterialIndex glowing  Quad { corner -1 4 1  edge1 0 0 -2  edge2 2 0 0 }";
+    check("", quad, "path", "lit by lights themselves");
     check(
         "Lights { PointLight { position 0 4 0  intensity 9 9 9 } }",
         "",
@@ -53,7 +53,7 @@ fn light_of_points_through_glass_is_for_both_ends() {
 }
 
 #[test]
-fn a_lamp_in_glass_is_for_both_ends() {
+fn a_light_in_glass_is_for_both_ends() {
     let bulb = format!("{BALL}  MaterialIndex glowing  Sphere {{ center 0 0 0  radius 0.2 }}");
     check("", &bulb, "bidirectional", "much of its light");
     check(
@@ -66,7 +66,7 @@ fn a_lamp_in_glass_is_for_both_ends() {
 
 #[test]
 fn a_room_lit_by_its_ceiling_is_for_both_ends() {
-    // A lamp over a shade, below a ceiling.
+    // A light over a shade, below a ceiling.
     let room = "MaterialIndex white  Quad { corner -9 6 -9  edge1 18 0 0  edge2 0 0 18 }
         Quad { corner -9 2.5 -9  edge1 18 0 0  edge2 0 0 18 }
         MaterialIndex glowing  Quad { corner -0.5 3 -0.5  edge1 0 0 1  edge2 1 0 0 }";
@@ -82,9 +82,9 @@ fn a_sky_is_for_paths() {
 
 #[test]
 fn what_one_integrator_alone_knows_is_for_that_one() {
-    let lamp = "MaterialIndex dim  Quad { corner -1 4 1  edge1 0 0 -2  edge2 2 0 0 }";
+    let quad = "MaterialIndex dim  Quad { corner -1 4 1  edge1 0 0 -2  edge2 2 0 0 }";
     let moving = format!(
-        "{lamp} Lorentz {{ velocity 0.5 0 0  MaterialIndex white  Sphere {{ center 0 0 0  radius 0.5 }} }}"
+        "{quad} Lorentz {{ velocity 0.5 0 0  MaterialIndex white  Sphere {{ center 0 0 0  radius 0.5 }} }}"
     );
     check("", &moving, "path", "speeds");
     let point = "PointLight { position 0 4 0  color 1 1 1 }";
