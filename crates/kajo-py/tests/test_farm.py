@@ -338,7 +338,7 @@ def test_machines_join_by_ssh(certificates, tmp_path):
 
 def test_ctrl_c_keeps_what_is_finished(certificates):
     with cluster(certificates, workers=1) as machines:
-        job = ["--job", "stopped", "--unit-tile", "8", "--unit-samples", "1"]
+        job = ["--job", "stopped", "--unit-tile", "8", "--unit-samples", "4"]
         command = machines.begin(*job)
         parts = certificates / "stopped" / "parts"
         while command.poll() is None and not (parts.is_dir() and any(parts.iterdir())):
