@@ -13,6 +13,7 @@ pub mod irradiance;
 pub mod metropolis;
 pub mod path;
 pub mod photon;
+mod photon_map;
 mod shadow;
 mod spec;
 mod transport;

@@ -15,8 +15,8 @@ use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
 use kajo_core::scene::Scene;
 use kajo_math::rng::mix;
 
-use super::map::{Arrival, Photon};
 use crate::integrator::bidir::{Clear, light_end, shade_one_way};
+use crate::integrator::photon_map::{Arrival, Photon};
 use crate::integrator::transport::{Event, SurfaceInteraction, advance, pass_straight};
 use crate::trail::{Counting, PathObserver};
 use crate::{RayCounters, SampleContext};

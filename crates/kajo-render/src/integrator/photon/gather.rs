@@ -8,10 +8,10 @@ use kajo_core::scene::{Interaction, Scene};
 use kajo_core::settings::PhotonMapUse;
 use kajo_math::Vec3;
 
-use super::map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use super::{Maps, NEIGHBOURS, Photons};
 use crate::integrator::bidir::{Clear, Subpath, Vertex, shade_one_way};
 use crate::integrator::path::power_heuristic;
+use crate::integrator::photon_map::{GatherPoint, NearestScratch, Photon, PhotonMap};
 use crate::integrator::transport::{
     DrawnLight, Event, PathState, SurfaceInteraction, advance, connect, pass_straight, sample_light,
 };

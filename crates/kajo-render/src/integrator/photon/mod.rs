@@ -32,7 +32,6 @@
 
 pub(super) mod emission;
 mod gather;
-mod map;
 mod settings;
 
 use kajo_color::{Spectrum, Wavelengths};
@@ -46,6 +45,7 @@ use kajo_math::rng::Stream;
 
 use super::camera_view::{CameraView, in_white_light};
 use super::path::{Path, PathSettings};
+use super::photon_map::{NearestScratch, PhotonMap};
 use super::transport::PathState;
 use super::{Integrator, bidir::Subpath};
 use crate::trail::PathObserver;
@@ -53,7 +53,6 @@ use crate::{LayerSet, PixelSample, SampleContext};
 use crate::{Setup, SetupError, WithState};
 use emission::{Emission, Wanted};
 use gather::Gatherer;
-use map::{NearestScratch, PhotonMap};
 pub use settings::{PHOTON, PhotonSettings, SPPM};
 
 /// Photons of a density estimate of fixed maps.

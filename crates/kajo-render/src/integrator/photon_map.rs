@@ -131,6 +131,22 @@ impl Photon {
     }
 }
 
+/// What a map keeps: a photon, and perhaps more that is to be known of it.
+pub trait Stored: Send {
+    fn photon(&self) -> &Photon;
+    fn photon_mut(&mut self) -> &mut Photon;
+}
+
+impl Stored for Photon {
+    fn photon(&self) -> &Photon {
+        self
+    }
+
+    fn photon_mut(&mut self) -> &mut Photon {
+        self
+    }
+}
+
 /// Bias of the exponent: powers from `2^-90` to `2^37` are kept.
 const BIAS: i32 = 90;
 
@@ -179,8 +195,8 @@ fn from_square(place: [u32; 2], bits: u32) -> Vec3 {
 
 /// Photons, to be found by place.
 #[derive(Debug, Default)]
-pub struct PhotonMap {
-    photons: Vec<Photon>,
+pub struct PhotonMap<P = Photon> {
+    photons: Vec<P>,
     /// The square of the largest radius of a search for the nearest.
     most_r2: f32,
 }
@@ -198,13 +214,7 @@ pub struct GatherPoint {
 pub type NearestScratch = Vec<(u32, u32)>;
 
 impl PhotonMap {
-    /// Builds the tree.
-    pub fn new(mut photons: Vec<Photon>, threads: usize) -> PhotonMap {
-        build(&mut photons, threads);
-        PhotonMap { photons, most_r2: 0.0 }
-    }
-
-    /// The same for searches for the `k` nearest: they look as far as twice the distance of the `k`-th neighbour that half of
+    /// The same map for searches for the `k` nearest: they look as far as twice the distance of the `k`-th neighbour that half of
     /// the photons have.
     pub fn for_nearest(mut self, k: usize) -> PhotonMap {
         let mut scratch = NearestScratch::new();
@@ -220,25 +230,9 @@ impl PhotonMap {
         self
     }
 
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.photons.is_empty()
-    }
-
     /// The largest radius of [`PhotonMap::nearest`].
     pub fn largest_radius(&self) -> f32 {
         self.most_r2.sqrt()
-    }
-
-    /// Hands over the photons of a tangent disk of radius `r`, in an order that depends on the tree and the place alone.
-    pub fn within(&self, point: &GatherPoint, r: f32, mut found: impl FnMut(&Photon)) {
-        let r2 = r * r;
-        self.search(point.p, r2, |_, d2, photon| {
-            if d2 <= r2 && point.takes(photon, r) {
-                found(photon);
-            }
-            r2
-        });
     }
 
     /// Hands over the `k` nearest photons of the surface, nearest first, those of equal distance in the order of the tree.
@@ -294,19 +288,43 @@ impl PhotonMap {
         });
         *scratch = heap.into_sorted_vec();
     }
+}
+
+impl<P: Stored> PhotonMap<P> {
+    /// Builds the tree.
+    pub fn new(mut photons: Vec<P>, threads: usize) -> PhotonMap<P> {
+        build(&mut photons, threads);
+        PhotonMap { photons, most_r2: 0.0 }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.photons.is_empty()
+    }
+
+    /// Hands over the photons of a tangent disk of radius `r`, in an order that depends on the tree and the place alone.
+    pub fn within(&self, point: &GatherPoint, r: f32, mut found: impl FnMut(&P)) {
+        let r2 = r * r;
+        self.search(point.p, r2, |_, d2, photon| {
+            if d2 <= r2 && point.takes(photon.photon(), r) {
+                found(photon);
+            }
+            r2
+        });
+    }
 
     /// Looks at all photons that may be near, and at others.
     ///
     /// * `r2`: squared radius of the search
     /// * `visit`: given the number of a photon, its squared distance and the photon; answers how far is yet to be looked
-    fn search(&self, p: Vec3, mut r2: f32, mut visit: impl FnMut(u32, f32, &Photon) -> f32) {
+    fn search(&self, p: Vec3, mut r2: f32, mut visit: impl FnMut(u32, f32, &P) -> f32) {
         let place = p.to_array();
         let mut put_off = [(0, 0, 0.0f32); LEVELS];
         let mut n = 1;
         put_off[0] = (0, self.photons.len(), 0.0);
         let mut look = |i: usize, r2: &mut f32| {
             let photon = &self.photons[i];
-            *r2 = visit(i as u32, p.distance_squared(photon.p.into()), photon);
+            *r2 = visit(i as u32, p.distance_squared(photon.photon().p.into()), photon);
         };
         while n > 0 {
             n -= 1;
@@ -317,7 +335,7 @@ impl PhotonMap {
             while end - begin > LEAF {
                 let middle = begin.midpoint(end);
                 look(middle, &mut r2);
-                let node = &self.photons[middle];
+                let node = self.photons[middle].photon();
                 let ahead = place[node.axis()] - node.p[node.axis()];
                 let (lower, upper) = ((begin, middle), (middle + 1, end));
                 let (near, far) = if ahead < 0.0 { (lower, upper) } else { (upper, lower) };
@@ -340,15 +358,16 @@ impl GatherPoint {
     }
 }
 
-fn build(photons: &mut [Photon], threads: usize) {
+fn build<P: Stored>(photons: &mut [P], threads: usize) {
     if photons.len() <= LEAF {
-        photons.sort_unstable_by(|a, b| a.order(b, 0));
+        photons.sort_unstable_by(|a, b| a.photon().order(b.photon(), 0));
         return;
     }
     let axis = widest_axis(photons);
     let middle = photons.len() / 2;
-    let (lower, node, upper) = photons.select_nth_unstable_by(middle, |a, b| a.order(b, axis));
-    node.set_axis(axis);
+    let (lower, node, upper) =
+        photons.select_nth_unstable_by(middle, |a, b| a.photon().order(b.photon(), axis));
+    node.photon_mut().set_axis(axis);
     if threads > 1 && lower.len() > LARGE {
         let (here, there) = (threads.div_ceil(2), threads / 2);
         thread::scope(|scope| {
@@ -361,9 +380,9 @@ fn build(photons: &mut [Photon], threads: usize) {
     }
 }
 
-fn widest_axis(photons: &[Photon]) -> usize {
+fn widest_axis<P: Stored>(photons: &[P]) -> usize {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for photon in photons {
+    for photon in photons.iter().map(Stored::photon) {
         for axis in 0..3 {
             low[axis] = low[axis].min(photon.p[axis]);
             high[axis] = high[axis].max(photon.p[axis]);
