@@ -148,6 +148,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         let w_camera = square(end / pdf_li) * z.mis.weighed(arriving, z.pdf(wi, z.wo));
         let found = Contribution {
             way: [1, t],
+            is_merged: false,
             light: z.beta * scattered * radiance * share.within * share.visible * pdf.recip(),
             weight: mis_weight(w_light, w_camera),
             is_single: z.is_single,
@@ -163,7 +164,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         &self,
         [y, z]: [&Vertex<'_, V>; 2],
         way: [u32; 2],
-        Carried { wavelengths, time, hero }: Carried<'_>,
+        Carried { wavelengths, time, hero, .. }: Carried<'_>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -199,6 +200,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         let w_camera = z.mis.weighed(by_light, z.pdf(wi, z.wo));
         let found = Contribution {
             way,
+            is_merged: false,
             light: y.beta * scattered * z.beta * share.within * share.visible * distance2.recip(),
             weight: mis_weight(w_light, w_camera),
             is_single,
@@ -216,7 +218,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         &self,
         y: &Vertex<'_, V>,
         way: [u32; 2],
-        Carried { wavelengths, time, hero }: Carried<'_>,
+        Carried { wavelengths, time, hero, .. }: Carried<'_>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -250,6 +252,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         let w_light = || y.mis.weighed(arriving, y.pdf(to.wi, y.wo));
         Some(Contribution {
             way,
+            is_merged: false,
             light: carried * share.within * share.visible * (to.we / to.pdf),
             weight: if self.settings.only_from_lights { 1.0 } else { mis_weight(w_light(), 0.0) },
             is_single: y.is_single,
@@ -263,7 +266,7 @@ impl<V: Volume> Bidirectional<'_, V> {
     /// Takes four numbers: two for the lens, two for the light and the place on it.
     pub(super) fn light_on_lens(
         &self,
-        Carried { wavelengths, time, hero }: Carried<'_>,
+        Carried { wavelengths, time, hero, .. }: Carried<'_>,
         draws: &mut SampleStream<'_>,
         observer: &mut impl PathObserver,
     ) -> Option<Contribution> {
@@ -304,6 +307,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         let by_camera = V::scaled(pdf_camera, || share.reach);
         Some(Contribution {
             way: [1, 1],
+            is_merged: false,
             light: li.radiance * share.within * share.visible * (pdf_camera / pdf_li),
             weight: mis_weight(0.0, square(weighted_pdf_across(by_camera) / pdf_li)),
             is_single: wavelengths.secondary_terminated(),

@@ -19,9 +19,11 @@
 //! one. Lights and the background are then seen by the camera's own ray, and what is behind mirrors and glass
 //! is not seen at all.
 //!
-//! In scenes with participating media points may be collisions with these; see `volume.rs`.
+//! In scenes with participating media points may be collisions with these; see `volume.rs`. Where vertices of many paths from lights are kept,
+//! they can be merged with those of the camera's path; see `merge.rs`.
 
 mod connect;
+mod merge;
 mod partial_mis;
 mod settings;
 mod subpath;
@@ -51,6 +53,9 @@ use super::transport::{
 use crate::trail::{PathObserver, RayKind};
 use crate::{LayerSet, PixelIntegrator, PixelSample, SampleContext};
 use connect::parts;
+#[cfg(test)]
+pub(super) use merge::LightVertex;
+pub(super) use merge::{MergePass, Merging};
 use partial_mis::{PartialMis, square, weighted_pdf_across};
 pub use settings::{BIDIRECTIONAL, BidirectionalSettings, LIGHT};
 pub(super) use subpath::Subpath;
@@ -98,6 +103,8 @@ struct Carried<'a> {
     time: f32,
     /// The lane that draws distances in media.
     hero: u32,
+    /// What vertices are merged with, if they are.
+    merging: Option<&'a Merging>,
 }
 
 /// Light that was found in one way.
@@ -106,6 +113,9 @@ struct Contribution {
     /// Vertices drawn from the light and from the camera.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each way by itself"))]
     way: [u32; 2],
+    /// Whether the last vertices of both are one.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests look at each way by itself"))]
+    is_merged: bool,
     /// Its estimate by this way alone.
     light: Spectrum,
     /// How much that counts.
@@ -222,15 +232,16 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         mut draws: SampleStream<'_>,
         observer: &mut O,
         raster: Vec2,
-        light_path: &mut Vec<Vertex<'a, V>>,
+        (light_path, merging): (&mut Vec<Vertex<'a, V>>, Option<&Merging>),
         found: &mut impl FnMut(Contribution, &Wavelengths),
     ) -> VisibleSurface {
         light_path.clear();
         let from_light = draws.split(0, 0, 1);
         let Some(ray) = self.view.ray(raster, &mut draws) else { return VisibleSurface::default() };
-        let wavelengths = self.view.wavelengths(&mut draws);
+        let own = self.view.wavelengths(&mut draws);
+        let wavelengths = merging.map_or(own, |merging| *merging.wavelengths());
         let hero = if V::CARRIED { LaneMis::new(&wavelengths, draws.next_1d()).hero } else { 0 };
-        let carried = Carried { wavelengths: &wavelengths, time: ray.time, hero };
+        let carried = Carried { wavelengths: &wavelengths, time: ray.time, hero, merging };
         let root = observer.mark();
         let mut from_light = self.follow_light(observer, light_path, from_light, carried);
         if self.joins_lens()
@@ -261,7 +272,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         carried: Carried<'_>,
     ) -> SampleStream<'s> {
         let scene = self.scene();
-        let Carried { wavelengths, time, hero } = carried;
+        let Carried { wavelengths, time, hero, merging } = carried;
         let world = self.power_sampler.world();
         draws.skip(1);
         let [position, direction] = [draws.next_2d(), draws.next_2d()];
@@ -310,6 +321,9 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
                 let end = probability * parts(emitted.pdf, emitted.at.is_infinite()).0;
                 vertex.mis.d_vcm *= square(pdf_li * spread / end);
             }
+            if let Some(merging) = merging.filter(|_| collision.is_none()) {
+                merging.weigh(scene, &surface, &mut vertex);
+            }
             vertices.push(vertex);
             observer.note();
             if vertices.len() as u32 + 2 == self.longest() {
@@ -352,7 +366,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         observer.next(RayKind::Camera);
         while let Some(bsdf) = self.next_vertex(&mut end, observer, found) {
             let (path, visible) = (&end.path, &mut end.visible);
-            let z = match &end.collision {
+            let mut z = match &end.collision {
                 None => path.vertex(self.scene(), &end.surface, bsdf, LightGroup::default()),
                 Some(at) => path.vertex_in_medium(self.scene(), at, LightGroup::default()),
             };
@@ -361,6 +375,9 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             }
             if self.settings.only_from_lights {
                 break;
+            }
+            if let Some(merging) = carried.merging {
+                self.merge(&end, &mut z, merging, observer, found);
             }
             if !z.is_delta() {
                 self.connect_vertex(&mut end, &z, light_path, observer, found);
@@ -544,29 +561,31 @@ impl<V> LightPath<V> {
     }
 }
 
-impl<V: Volume + Sync> Integrator for Bidirectional<'_, V> {
-    fn observe<O: PathObserver>(
+impl<V: Volume> Bidirectional<'_, V> {
+    /// As [`Integrator::observe`], with vertices merged or not.
+    pub(super) fn observe_merging<O: PathObserver>(
         &self,
         ctx: &mut SampleContext<'_>,
-        _pixel: [u32; 2],
         raster: Vec2,
+        merging: Option<&Merging>,
         observer: &mut O,
     ) -> PixelSample {
         let SampleContext { draws, aux, splats, scratch, .. } = ctx;
         let mut path: Vec<Vertex<'_, V>> = mem::take(&mut scratch.get::<LightPath<V>>().0);
         let mut radiance = [0.0; 3];
         let mut groups = [[0.0; 3]; MAX_LIGHT_GROUPS];
-        let visible = self.estimate(*draws, observer, raster, &mut path, &mut |found, wavelengths| {
-            let value = found.value(wavelengths);
-            match found.raster {
-                Some(raster) => splats.add(raster, value),
-                None => {
-                    for sum in [&mut radiance, &mut groups[found.group.index()]] {
-                        *sum = [0, 1, 2].map(|i| sum[i] + value[i]);
+        let visible =
+            self.estimate(*draws, observer, raster, (&mut path, merging), &mut |found, wavelengths| {
+                let value = found.value(wavelengths);
+                match found.raster {
+                    Some(raster) => splats.add(raster, value),
+                    None => {
+                        for sum in [&mut radiance, &mut groups[found.group.index()]] {
+                            *sum = [0, 1, 2].map(|i| sum[i] + value[i]);
+                        }
                     }
                 }
-            }
-        });
+            });
         scratch.get::<LightPath<V>>().keep(path);
         if self.view.wants_light_groups() {
             aux.lights = groups;
@@ -575,6 +594,18 @@ impl<V: Volume + Sync> Integrator for Bidirectional<'_, V> {
             aux.albedo = visible.albedo.unwrap_or_default();
         }
         PixelSample { radiance, first: visible.first.map(|at| self.view.first_hit(&at, aux)) }
+    }
+}
+
+impl<V: Volume> Integrator for Bidirectional<'_, V> {
+    fn observe<O: PathObserver>(
+        &self,
+        ctx: &mut SampleContext<'_>,
+        _pixel: [u32; 2],
+        raster: Vec2,
+        observer: &mut O,
+    ) -> PixelSample {
+        self.observe_merging(ctx, raster, None, observer)
     }
 }
 

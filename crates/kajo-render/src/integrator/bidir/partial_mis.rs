@@ -42,7 +42,8 @@ pub fn weighted_pdf_across(pdf: f32) -> f32 {
     pdf / SPLAT_DENSITY
 }
 
-/// The sums of one end of a path. The third one of [Georgiev 2012], for vertices that are merged, has no use here.
+/// The sums of one end of a path. The third one of [Georgiev 2012], for vertices that are merged, is in the first here: with one radius for all of
+/// them, merging at the end of a path differs by a factor from connecting it with the next point; see `merge.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PartialMis {
     /// Connections of the end with the point before it.

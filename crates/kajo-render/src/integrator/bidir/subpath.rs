@@ -78,6 +78,7 @@ impl Subpath<'_> {
     pub(super) fn met(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
         Contribution {
             way: [0, self.state.scatterings + 2],
+            is_merged: false,
             light: self.state.beta * radiance,
             weight,
             is_single: self.state.wavelengths.secondary_terminated(),
@@ -117,6 +118,7 @@ impl Subpath<'_> {
             eta: sides.each_ref().map(|media| media.eta_of_segment(scene)),
             is_single: self.state.wavelengths.secondary_terminated(),
             group,
+            merged_at: None,
             volume: V::of(|| Filled { phase: None, sigma_t: 1.0, r_u: self.state.lanes.r_u, media: sides }),
         }
     }
@@ -143,6 +145,7 @@ impl Subpath<'_> {
             eta: [eta; 2],
             is_single: self.state.wavelengths.secondary_terminated(),
             group,
+            merged_at: None,
             volume: V::of(|| Filled {
                 phase: Some(at.phase),
                 sigma_t: lanes.sigma_t,

@@ -9,8 +9,8 @@ use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
 
 use super::*;
-use crate::PixelIntegrator;
 use crate::integrator::{Path, PathSettings};
+use crate::{PixelIntegrator, Setup, Silent};
 
 mod media;
 mod scenes;
@@ -89,6 +89,10 @@ fn check(scene: &Scene, settings: BidirectionalSettings, samples: u32, expected:
 /// How many times as many samples are taken.
 fn effort() -> u32 {
     if std::env::var_os("KAJO_DEEP").is_some() { 20 } else { 1 }
+}
+
+fn setup(seed: u64) -> Setup<'static> {
+    Setup { seed, threads: 1, memory: u64::MAX, progress: &Silent }
 }
 
 fn both() -> BidirectionalSettings {

@@ -53,6 +53,8 @@ pub struct Vertex<'s, V = Clear> {
     pub is_single: bool,
     /// The light group of a path from there.
     pub group: LightGroup,
+    /// Where paths from the other end may have a vertex of their own beside it; see `merge.rs`.
+    pub merged_at: Option<Vec3>,
     /// What is to be known of media.
     pub volume: V,
 }

@@ -27,7 +27,7 @@ use super::partial_mis::Growth;
 use crate::integrator::transport::{MediumStack, PathState};
 
 /// What a vertex has of participating media.
-pub trait Volume: Copy + fmt::Debug + 'static {
+pub trait Volume: Copy + Sync + fmt::Debug + 'static {
     /// Whether paths carry media.
     const CARRIED: bool;
 

@@ -1,6 +1,6 @@
 //! Participating media: all ways are one, closed forms, and the same light as by path tracing.
 
-use super::ways::check_ways_within;
+use super::ways::{check_merged_light, check_ways_within};
 use super::*;
 use crate::integrator::same_picture::assert_same_picture;
 
@@ -32,6 +32,17 @@ fn all_ways_through_media_are_one() {
         "{GRID} sigma_s 0.3 1 2.5  sigma_a 0.8 0.2 0.1  g -0.4 }}  Medium air {{ sigma_s 0.3 0.1 0.2 }} exterior air"
     );
     check_ways_within(&room(&coloured, body, CEILING, BODY), 1, 6000, 0.2);
+}
+
+/// Vertices on surfaces are merged, those in media joined.
+#[test]
+fn merging_in_media_takes_nothing_and_adds_nothing() {
+    let air = room("Medium air { sigma_s 0.4 0.2 0.1  sigma_a 0.2  g 0.3 }  exterior air", "", CEILING, "");
+    let body =
+        room(&format!("{GRID} sigma_s 1.5 sigma_a 0.3 }}"), "Interface body { medium m }", CEILING, BODY);
+    for text in [air, body] {
+        check_merged_light(&text, 1, (1500, 20_000, 0.03));
+    }
 }
 
 #[test]

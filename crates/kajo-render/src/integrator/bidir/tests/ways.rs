@@ -7,27 +7,50 @@ use crate::trail::Counting;
 struct Ways {
     /// By the points of the path and those from the light.
     alone: Vec<Vec<Vec<f64>>>,
+    /// The same for those that are merged.
+    merged: Vec<Vec<Vec<f64>>>,
     weighted: Vec<Vec<f64>>,
 }
 
 const BATCHES: u32 = 32;
 
 fn ways(scene: &Scene, settings: BidirectionalSettings, samples: u32) -> Ways {
+    ways_merging(scene, settings, samples, None)
+}
+
+/// * `merging`: paths from lights, and the radius in which their vertices are merged, if they are
+fn ways_merging(
+    scene: &Scene,
+    settings: BidirectionalSettings,
+    samples: u32,
+    merging: Option<(u32, f32)>,
+) -> Ways {
     match scene.has_media() {
-        false => ways_of::<Clear>(scene, settings, samples),
-        true => ways_of::<Filled>(scene, settings, samples),
+        false => ways_of::<Clear>(scene, settings, samples, merging),
+        true => ways_of::<Filled>(scene, settings, samples, merging),
     }
 }
 
-fn ways_of<V: Volume>(scene: &Scene, settings: BidirectionalSettings, samples: u32) -> Ways {
+fn ways_of<V: Volume>(
+    scene: &Scene,
+    settings: BidirectionalSettings,
+    samples: u32,
+    merging: Option<(u32, f32)>,
+) -> Ways {
     let longest = settings.bounces as usize + 4;
     let integrator =
         Bidirectional::<V>::made(&scene.output.camera, scene, settings, [1, 1], LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Sobol, samples);
     let zeros = || vec![0.0; BATCHES as usize];
-    let mut sums = Ways { alone: vec![vec![zeros(); longest]; longest], weighted: vec![zeros(); longest] };
+    let by_points = || vec![vec![zeros(); longest]; longest];
+    let mut sums = Ways { alone: by_points(), merged: by_points(), weighted: vec![zeros(); longest] };
     let mut path = Vec::new();
     for batch in 0..BATCHES {
+        let merging = merging.map(|(paths, radius)| {
+            let moments = if scene.moves() { 8 } else { 1 };
+            let pass = MergePass { k: 0, paths, radius, moments, wavelengths: Wavelengths::RGB };
+            integrator.merging(pass, &setup(batch.into())).expect("vertices").0
+        });
         let mut ctx = SampleContext::new(&sampler, 0);
         for k in 0..samples {
             let place = ctx.begin([0, batch], k);
@@ -38,10 +61,13 @@ fn ways_of<V: Volume>(scene: &Scene, settings: BidirectionalSettings, samples: u
                 }
                 let [s, t] = found.way.map(|n| n as usize);
                 let light = f64::from(found.light[0]) / f64::from(samples);
-                sums.alone[s + t][s][batch as usize] += light;
-                sums.weighted[s + t][batch as usize] += f64::from(found.weight) * light;
+                let points = s + t - usize::from(found.is_merged);
+                let alone = if found.is_merged { &mut sums.merged } else { &mut sums.alone };
+                alone[points][s][batch as usize] += light;
+                sums.weighted[points][batch as usize] += f64::from(found.weight) * light;
             };
-            integrator.estimate(ctx.draws, &mut Counting::default(), place, &mut path, &mut add);
+            let ends = (&mut path, merging.as_ref());
+            integrator.estimate(ctx.draws, &mut Counting::default(), place, ends, &mut add);
         }
     }
     sums
@@ -123,6 +149,75 @@ pub(super) fn check_ways_within(text: &str, bounces: u32, samples: u32, noise: f
             assert_same_within(&alone, &all, noise, &format!("{points} points, {s} from the light"));
         }
     }
+}
+
+/// Merging at any point of a path finds all of its light alone, and all ways together do.
+#[track_caller]
+fn check_merging(text: &str, bounces: u32, (samples, paths, radius): (u32, u32, f32)) {
+    let samples = samples * effort();
+    let scene = scene(text);
+    let settings = BidirectionalSettings { bounces, roulette: false, ..both() };
+    let sums = ways_merging(&scene, settings, samples, Some((paths, radius)));
+    let without = ways(&scene, settings, samples);
+    for points in 3..=bounces + 3 {
+        let all = estimate(&sums.weighted[points as usize]);
+        let expected = estimate(&without.weighted[points as usize]);
+        assert_same(&all, &expected, &format!("{points} points, all ways"));
+        for s in 2..points {
+            let alone = estimate(&sums.merged[points as usize][s as usize]);
+            assert_same(&alone, &all, &format!("{points} points, merged after {s} from the light"));
+        }
+    }
+}
+
+/// All ways together find the same light with merging and without, where not all of it can be found by merging alone.
+#[track_caller]
+pub(super) fn check_merged_light(text: &str, bounces: u32, (samples, paths, radius): (u32, u32, f32)) {
+    let (scene, samples) = (scene(text), samples * effort());
+    let settings = BidirectionalSettings { bounces, roulette: false, ..both() };
+    let with = ways_merging(&scene, settings, samples, Some((paths, radius)));
+    let without = ways(&scene, settings, samples);
+    for points in 3..=bounces as usize + 3 {
+        let [with, without] = [&with, &without].map(|ways| estimate(&ways.weighted[points]));
+        assert_same_within(&with, &without, 0.04, &format!("{points} points"));
+    }
+}
+
+#[test]
+fn merging_finds_all_light_of_a_matt_room() {
+    check_merging(&room(WIDE, CEILING, ""), 2, (400, 20_000, 0.03));
+    let open = room(PARALLEL, CEILING, "").replace("Box { min -1 -1 -1  max 1 1 1 }", CORNER);
+    check_merging(&open, 1, (400, 20_000, 0.03));
+}
+
+#[test]
+fn merging_finds_all_light_of_gold_glass_and_shading_normals() {
+    let mesh = "Transform { Translate 0 -0.2 -0.2 YRotate 20 UniformScale 0.6 TriangleMesh { file gem.obj smooth on } }";
+    let things = format!(
+        "MaterialIndex gold {mesh} MaterialIndex frosted Sphere {{ center 0.4 -0.6 -0.2  radius 0.35 }}"
+    );
+    check_merging(&room(WIDE, CEILING, &things), 1, (800, 20_000, 0.03));
+}
+
+/// Parts of mixtures are drawn anew at each end; what shows holes is not merged.
+#[test]
+fn merging_finds_all_light_of_mixtures_and_holes() {
+    let materials =
+        "Principled paint { color 0.5 0.6 0.3  coat 0.5 }  Matte gauze { color 0.5 0.3 0.2  opacity 0.4 }
+                     Principled misty { color 0.9 0.6 0.3  transmission 0.6  roughness 0.5 }";
+    let things = "MaterialIndex paint Quad { corner -1 -0.99 -1  edge1 0 0 2  edge2 2 0 0 }
+                  MaterialIndex gauze Quad { corner -1 0.6 -1  edge1 0 0 2  edge2 2 0 0 }
+                  MaterialIndex misty Sphere { center 0.4 -0.6 -0.2  radius 0.35 }";
+    let text = room(WIDE, CEILING, things).replace("Materials {", &format!("Materials {{ {materials}"));
+    check_merged_light(&text, 2, (1500, 20_000, 0.03));
+}
+
+/// Things that move are merged with light of their own moment.
+#[test]
+fn merging_finds_all_light_of_what_moves() {
+    let ball = "MaterialIndex red Transform { Motion { key 0 { } key 1 { Translate 1 0 0 } } Sphere { center -0.5 -0.5 -0.2  radius 0.4 } }";
+    let camera = WIDE.replace("angle 70", "angle 70  shutter 0 1");
+    check_merging(&room(&camera, CEILING, ball), 1, (800, 40_000, 0.04));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use kajo_core::light::LightChoice;
 use kajo_math::Vec3;
 
 use super::*;
-use crate::integrator::bidir::partial_mis::mis_weight;
+use crate::integrator::bidir::partial_mis::{Growth, mis_weight};
 
 /// A point of a whole path, light first.
 struct Place<'s> {
@@ -23,6 +23,17 @@ struct Whole<'s> {
     light: [f64; 3],
     /// Density of the last but one point, of the camera's own rays.
     camera: f64,
+    /// Vertices of paths from lights for one of the camera's, times the area in which they are merged; 0 where none are.
+    merged: f64,
+}
+
+/// How a path was found.
+#[derive(Clone, Copy, Debug)]
+enum Way {
+    /// So many points come from the light.
+    Connected(usize),
+    /// This point comes from both ends.
+    Merged(usize),
 }
 
 impl Whole<'_> {
@@ -34,8 +45,8 @@ impl Whole<'_> {
         f64::from(pdf * c.n.dot(on).abs() / b.p.distance_squared(c.p))
     }
 
-    /// The densities of all ways but `t = 0`, which is none, with that of splats as it is in weights.
-    fn densities(&self) -> Vec<f64> {
+    /// The densities of all connections but `t = 0`, which is none, with that of splats as it is in weights, and of merging at each point.
+    fn densities(&self) -> [Vec<f64>; 2] {
         let n = self.places.len();
         let from_light = |i: usize| match i {
             0 => self.light[0],
@@ -56,23 +67,35 @@ impl Whole<'_> {
             let density = light * (s..n).map(from_camera).product::<f64>();
             if s + 1 == n { 0.2 * density } else { density }
         };
-        (0..n).map(way).collect()
+        let merged = |i: usize| {
+            let is_inner = (1..n - 1).contains(&i);
+            let both = (0..=i).map(from_light).product::<f64>() * (i..n).map(from_camera).product::<f64>();
+            if is_inner { self.merged * both } else { 0.0 }
+        };
+        [(0..n).map(way).collect(), (0..n).map(merged).collect()]
     }
 }
 
-/// Draws paths from both ends, and hands all whole ones to `look` with the points from the light and the weight.
-fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
+/// Draws paths from both ends, and hands all whole ones to `look` with the way in which they were found and the weight.
+///
+/// * `radius`: in which vertices are merged, if they are
+fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Way, f32)) {
     let scene = scene(text);
     let it = Bidirectional::new(&scene, both(), [1, 1], LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
     let wavelengths = Wavelengths::RGB;
     let mut rays = Counting::default();
+    let merging = radius.map(|radius| {
+        let pass = MergePass { k: 0, paths: 1000, radius, moments: 1, wavelengths };
+        it.merging(pass, &setup(0)).expect("vertices").0
+    });
+    let merging = merging.as_ref();
     for k in 0..300 {
         let mut ctx = SampleContext::new(&sampler, 5);
         let place = ctx.begin([k, 0], 0);
         let mut draws = ctx.draws;
         let (mut again, mut path) = (draws.split(0, 0, 1), Vec::new());
-        let began = Carried { wavelengths: &wavelengths, time: 0.0, hero: 0 };
+        let began = Carried { wavelengths: &wavelengths, time: 0.0, hero: 0, merging };
         it.follow_light(&mut rays, &mut path, again, began);
         again.skip(1);
         let [position, direction] = [again.next_2d(), again.next_2d()];
@@ -109,13 +132,16 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
                 path_from_camera.departure.pdf = weighted_pdf_across(pdf_camera);
             }
             let bsdf = shade(&scene, &path_from_camera.state, &surface);
-            let z = path_from_camera.vertex(&scene, &surface, bsdf, LightGroup::default());
+            let mut z = path_from_camera.vertex(&scene, &surface, bsdf, LightGroup::default());
+            if let Some(merging) = merging {
+                merging.weigh(&scene, &surface, &mut z);
+            }
             views.push((z, z.at.p));
             if !path_from_camera.scatter(&z, &surface, false, &mut counting) {
                 break;
             }
         }
-        let mut whole = |from_light: &[Vertex], from_camera: &[Vertex], n: usize, weight: f32| {
+        let mut whole = |from_light: &[Vertex], from_camera: &[Vertex], way: Way, weight: f32| {
             let mut places = vec![Place { p: emitted.at.p(), n: emitted.at.n(), vertex: None }];
             let chain = from_light.iter().chain(from_camera.iter().rev());
             places.extend(chain.map(|v| Place { p: v.at.p, n: v.at.ng, vertex: Some(*v) }));
@@ -130,7 +156,9 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             let camera = pdf_camera_at(&it, &ray, last);
             let pdf = scene.pdf_le(chosen.light, 0.0, &emitted.at, -wi, world);
             let (end, rest) = (f64::from(chosen.probability * pdf.position), f64::from(pdf.direction));
-            look(&Whole { places, light: [end, rest, f64::from(drawn * spread)], camera }, n, weight);
+            let merged = merging.map_or(0.0, Merging::density);
+            let light = [end, rest, f64::from(drawn * spread)];
+            look(&Whole { places, light, camera, merged }, way, weight);
         };
         let views: Vec<Vertex> = views.into_iter().map(|view| view.0).collect();
         for i in 1..=path.len() {
@@ -138,15 +166,33 @@ fn each_path(text: &str, look: &mut dyn FnMut(&Whole, usize, f32)) {
             for j in 1..=views.len() {
                 let way = [i as u32 + 1, j as u32 + 1];
                 if let Some(found) = it.join([y, &views[j - 1]], way, began, &mut again, &mut rays) {
-                    whole(&path[..i], &views[..j], i + 1, found.weight);
+                    whole(&path[..i], &views[..j], Way::Connected(i + 1), found.weight);
+                    if let Some(merging) = merging {
+                        let merged = merging.mis_weight_of(y, &drawn_from(&views[j - 1], y, merging));
+                        whole(&path[..i], &views[..j], Way::Merged(i), merged);
+                    }
                 }
             }
             if let Some(found) = it.splat(y, [i as u32 + 1, 1], began, &mut again, &mut rays) {
-                whole(&path[..i], &[], i + 1, found.weight);
+                whole(&path[..i], &[], Way::Connected(i + 1), found.weight);
             }
         }
         assert!(pdf_camera > 0.0);
     }
+}
+
+/// The vertex `y` as the camera's path has it that comes from `z`.
+fn drawn_from<'s>(z: &Vertex<'s>, y: &Vertex<'s>, merging: &Merging) -> Vertex<'s> {
+    let (wi, distance2) = ((y.at.p - z.at.p).normalize(), y.at.p.distance_squared(z.at.p));
+    let growth = Growth {
+        pdf: z.pdf(z.wo, wi) * y.cosine(wi) / distance2,
+        g: z.cosine(wi) / distance2,
+        pdf_back: z.pdf(wi, z.wo),
+        connectable: true,
+    };
+    let mut mis = z.mis.grown(growth);
+    mis.d_vcm += merging.density().powi(2);
+    Vertex { wo: -wi, mis, ..*y }
 }
 
 /// The density per area at the last point of a surface of the camera's own rays.
@@ -172,20 +218,29 @@ const ROOM: &str = "Background { color 0 0 0 }
 
 #[test]
 fn weights_are_those_of_the_definition() {
-    for light in ["", "Lights { PointLight { position 0.3 0.6 0.2  intensity 1 1 1 } }"] {
-        let mut counts = [0; 8];
-        each_path(&format!("{VIEW} {ROOM} {light}"), &mut |whole, s, weight| {
+    let point = "Lights { PointLight { position 0.3 0.6 0.2  intensity 1 1 1 } }";
+    for (light, radius) in [("", None), (point, None), ("", Some(0.1)), (point, Some(0.02))] {
+        let (mut counts, mut merged) = ([0; 8], [0; 8]);
+        each_path(&format!("{VIEW} {ROOM} {light}"), radius, &mut |whole, way, weight| {
             let is_point = whole.places[0].n == Vec3::ZERO;
             let mut densities = whole.densities();
             if is_point {
-                densities[0] = 0.0;
+                densities[0][0] = 0.0;
             }
-            let sum: f64 = densities.iter().map(|p| p * p).sum();
-            let expected = densities[s] * densities[s] / sum;
-            assert!((f64::from(weight) - expected).abs() < 2e-3, "{s}: {weight} {expected} {densities:?}");
+            let sum: f64 = densities.iter().flatten().map(|p| p * p).sum();
+            let (own, counts) = match way {
+                Way::Connected(s) => (densities[0][s], &mut counts),
+                Way::Merged(i) => (densities[1][i], &mut merged),
+            };
+            let expected = own * own / sum;
+            assert!(
+                (f64::from(weight) - expected).abs() < 2e-3,
+                "{way:?}: {weight} {expected} {densities:?}"
+            );
             counts[whole.places.len().min(7)] += 1;
         });
         assert!(counts[3..].iter().all(|&n| n > 20), "{counts:?}");
+        assert!(radius.is_none() || merged[4..].iter().all(|&n| n > 20), "{merged:?}");
     }
 }
 

@@ -1,0 +1,330 @@
+//! Vertex merging: one more way to find a path, by a point of a path from a light that lies beside a point of the camera's.
+//!
+//! A pass has `N` paths from lights, whose vertices are kept in a map. The camera's path takes those that lie within `r` of its
+//! own vertex `z` for paths that come to `z` itself,
+//!
+//! ```text
+//! L  =  1/(N pi r^2)  sum over y  of  beta_y f_z(wi_y, wo) beta_z w                  [Georgiev et al. 2012]
+//! ```
+//!
+//! This way draws `z` from both sides, and takes it if both points are close: its density is that of a connection before `z`, times that of
+//! drawing `z` from the light, times the area of the disk. With `N` paths from lights it is worth `N` samples, so in weights it has the
+//! density
+//!
+//! ```text
+//! p_m  =  eta p>(z) p_s,      eta = pi r^2 N                                         [Georgiev 2012, eq. 20]
+//! ```
+//!
+//! if `p_s` is that of the connection before `z`; it counts as if it were rarer, see [`MERGE_DENSITY`]. A connection that ends at `z` from the light has the density `p_s p>(z) / p<(next)`, so
+//! merging at the end of a path adds `eta^2` to what stands for the connection before it: in `d_vcm` of `partial_mis.rs`, from which it gets
+//! into `d_vc` of all later vertices. In terms of the sums with that, the weight of merging is
+//!
+//! ```text
+//! w_m  =  1 / (a_light + a_camera - 1),      a = (d_vcm + b^2 d_vc) / eta^2          [Georgiev 2012, eq. 37 to 39]
+//! ```
+//!
+//! Each `a` is at least one, which is merging itself. Points in media and holes are not merged, neither are mirrors.
+//!
+//! What moves is merged with light of its own moment: the shutter interval is divided into equal parts, `eta` becomes that of one of them, and
+//! only vertices of one part are merged, at the places which they have in the middle of it.
+
+use std::f32::consts::PI;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use kajo_color::Wavelengths;
+use kajo_core::LightGroup;
+use kajo_core::sampler::{SampleStream, Sampler, SamplerKind};
+use kajo_core::scene::Scene;
+use kajo_math::Vec3;
+use kajo_math::rng::{mix, unit};
+
+use super::partial_mis::square;
+use super::{Bidirectional, CameraEnd, Carried, Contribution, Vertex, Volume};
+use crate::integrator::photon_map::{Arrival, GatherPoint, Photon, PhotonMap, Stored};
+use crate::integrator::transport::{LaneMis, SurfaceInteraction};
+use crate::trail::{Counting, PathObserver};
+use crate::{RayCounters, SampleContext, Setup, SetupError};
+
+/// Sets the numbers of light paths that are kept apart from those of samples.
+const SALT: u64 = 0x006d_6572_6765;
+
+/// Paths that one piece of work follows.
+const PATHS_A_PIECE: u32 = 4096;
+
+/// Most parts of a shutter interval.
+const MOST_MOMENTS: u32 = 250;
+
+/// The density of merging in weights, in parts of the true one: all samples of a pass share its vertices, while those that are joined are
+/// their own.
+///
+/// By relative variance of `gallery/looking_glass.txt` at equal samples: 1.46 with 1, 1 with 1/10, 1.12 with 1/50. Light that merging
+/// alone finds is the same with all of them.
+const MERGE_DENSITY: f64 = 0.1;
+
+/// A vertex of a path from a light, as it is kept.
+#[derive(Clone, Copy, Debug)]
+pub struct LightVertex {
+    photon: Photon,
+    /// Square roots of `d_vcm / eta^2` and `d_vc / eta^2`.
+    d_vcm: f32,
+    d_vc: f32,
+    /// How often light was scattered before.
+    scatterings: u16,
+    group: LightGroup,
+    /// Part of the shutter interval.
+    moment: u8,
+}
+
+impl Stored for LightVertex {
+    fn photon(&self) -> &Photon {
+        &self.photon
+    }
+
+    fn photon_mut(&mut self) -> &mut Photon {
+        &mut self.photon
+    }
+}
+
+/// How the vertices of a pass are merged.
+#[derive(Clone, Copy, Debug)]
+pub struct MergePass {
+    /// The number of the pass, from 0.
+    pub k: u32,
+    /// Paths from lights, at least 1.
+    pub paths: u32,
+    /// Radius of the disks, above zero.
+    pub radius: f32,
+    /// Parts of the shutter interval that are merged among themselves, from 1 to 250.
+    pub moments: u32,
+    /// What all paths carry, since none of different ones can be merged.
+    pub wavelengths: Wavelengths,
+}
+
+/// The vertices of paths from lights of a pass.
+#[derive(Debug)]
+pub struct Merging {
+    pass: MergePass,
+    map: PhotonMap<LightVertex>,
+    /// `eta^2`.
+    density2: f64,
+    /// `1/(pi r^2)`, for one part of the shutter interval.
+    kernel: f32,
+}
+
+impl Merging {
+    fn new(pass: MergePass) -> Merging {
+        let moments = pass.moments.clamp(1, MOST_MOMENTS);
+        let area = f64::from(pass.radius).powi(2) * std::f64::consts::PI / f64::from(moments);
+        let density = MERGE_DENSITY * area * f64::from(pass.paths);
+        let kernel = moments as f32 / (PI * pass.radius * pass.radius);
+        Merging {
+            pass: MergePass { moments, ..pass },
+            map: PhotonMap::new(Vec::new(), 1),
+            density2: density * density,
+            kernel,
+        }
+    }
+
+    /// What all paths of the pass carry.
+    pub fn wavelengths(&self) -> &Wavelengths {
+        &self.pass.wavelengths
+    }
+
+    /// Whether nothing can be merged.
+    pub fn is_empty(&self) -> bool {
+        self.map.is_empty()
+    }
+
+    fn moment(&self, time: f32) -> u8 {
+        ((time * self.pass.moments as f32) as u32).min(self.pass.moments - 1) as u8
+    }
+
+    /// Notes that a vertex on a surface can be merged, if so: light that goes on from there may have been found so.
+    #[inline(never)]
+    pub fn weigh<V: Volume>(&self, scene: &Scene, surface: &SurfaceInteraction, vertex: &mut Vertex<'_, V>) {
+        let (at, appearance) = (&surface.at, &scene.appearance);
+        // A hole that light came by was not seen at all.
+        let has_holes = appearance.has_passages && appearance.has_passages(at.material);
+        let is_delta = vertex.bsdf.is_delta();
+        // Of a mixture another part may be seen from the camera.
+        if has_holes || is_delta && !scene.is_mixture(at) {
+            return;
+        }
+        vertex.merged_at = Some(match self.pass.moments {
+            1 => at.point.p,
+            n => scene.geometry.point_at(at, (f32::from(self.moment(at.time)) + 0.5) / n as f32),
+        });
+        if !is_delta {
+            vertex.mis.d_vcm += self.density2;
+        }
+    }
+
+    /// The weight of merging `y` with `z` [Georgiev 2012, eq. 37 to 39].
+    ///
+    /// * `wi`: unit direction from which light comes to `y`
+    fn mis_weight<V: Volume>(&self, y: &LightVertex, z: &Vertex<'_, V>, wi: Vec3) -> f32 {
+        let from_light = square(y.d_vcm) + square(z.pdf(z.wo, wi)) * square(y.d_vc);
+        let from_camera = z.mis.weighed(1.0, z.pdf(wi, z.wo)) / self.density2;
+        let weight = (1.0 / (from_light + from_camera - 1.0)) as f32;
+        // Densities beyond all numbers belong to ways that find the path for certain.
+        if weight.is_nan() { 0.0 } else { weight }
+    }
+
+    /// A vertex of a path from a light as it is kept; `None` where it cannot be merged.
+    ///
+    /// * `dither`: in [0, 1)
+    fn stored<V: Volume>(
+        &self,
+        vertex: &Vertex<'_, V>,
+        (scatterings, moment): (u32, u8),
+        dither: f32,
+    ) -> Option<LightVertex> {
+        let arrival = Arrival {
+            p: vertex.merged_at?,
+            n: vertex.at.ng,
+            wi: vertex.wo,
+            power: vertex.beta * (1.0 / self.pass.paths as f32),
+            scatterings,
+            is_single: vertex.is_single,
+        };
+        let mis = vertex.mis;
+        // The camera's path sees the part of a mixture that it draws itself.
+        let own = if vertex.bsdf.is_delta() { 1.0 } else { 0.0 };
+        Some(LightVertex {
+            photon: Photon::new(&arrival, dither),
+            d_vcm: (mis.d_vcm / self.density2 + own).sqrt() as f32,
+            d_vc: (mis.d_vc / self.density2).sqrt() as f32,
+            scatterings: scatterings.min(u16::MAX.into()) as u16,
+            group: vertex.group,
+            moment,
+        })
+    }
+}
+
+#[cfg(test)]
+impl Merging {
+    /// What a merged path counts if `y`, drawn from the light, and `z`, drawn from the camera, are one.
+    pub fn mis_weight_of(&self, y: &Vertex<'_>, z: &Vertex<'_>) -> f32 {
+        let stored = self.stored(y, (0, 0), 0.5).expect("a vertex that can be merged");
+        self.mis_weight(&stored, z, y.wo)
+    }
+
+    /// `eta`.
+    pub fn density(&self) -> f64 {
+        self.density2.sqrt()
+    }
+}
+
+impl<'a, V: Volume> Bidirectional<'a, V> {
+    /// Follows the paths from lights of a pass. Returns their vertices, and the rays that they took.
+    ///
+    /// The numbers of path `i` are those of sample `i` of one pixel of a Sobol sequence.
+    ///
+    /// # Errors
+    /// [`SetupError`]; when there is no room for the vertices.
+    pub fn merging(&self, pass: MergePass, setup: &Setup<'_>) -> Result<(Merging, RayCounters), SetupError> {
+        let mut merging = Merging::new(pass);
+        let sampler = Sampler::new(SamplerKind::Sobol, pass.paths);
+        let kept = AtomicU64::new(0);
+        let pieces = setup.pieces(pass.paths.div_ceil(PATHS_A_PIECE), |piece| {
+            let begin = piece * PATHS_A_PIECE;
+            let end = begin.saturating_add(PATHS_A_PIECE).min(pass.paths);
+            let (mut batch, mut path) = (Vec::new(), Vec::new());
+            let mut counting = Counting::new(&SampleContext::new(&sampler, 0));
+            for i in begin..end {
+                let draws = SampleStream::new(&sampler, mix(setup.seed ^ SALT), [pass.k, 0], i);
+                self.keep_path(&merging, draws, (&mut counting, &mut path), i, &mut batch);
+            }
+            // All of them are copied once.
+            let bytes = (2 * batch.len() * size_of::<LightVertex>()) as u64;
+            let kept = kept.fetch_add(bytes, Ordering::Relaxed) + bytes;
+            if kept > setup.memory {
+                Err(too_many(pass.paths, setup.memory))
+            } else {
+                Ok((batch, counting.rays))
+            }
+        })?;
+        let (mut vertices, mut rays) = (Vec::new(), RayCounters::default());
+        vertices.reserve_exact(pieces.iter().map(|(batch, _)| batch.len()).sum());
+        for (batch, taken) in pieces {
+            vertices.extend(batch);
+            rays += taken;
+        }
+        merging.map = PhotonMap::new(vertices, setup.threads);
+        Ok((merging, rays))
+    }
+
+    /// Follows one path from a light and keeps its vertices.
+    ///
+    /// * `path`: room for them
+    fn keep_path(
+        &self,
+        merging: &Merging,
+        mut draws: SampleStream<'_>,
+        (counting, path): (&mut Counting, &mut Vec<Vertex<'a, V>>),
+        i: u32,
+        batch: &mut Vec<LightVertex>,
+    ) {
+        let wavelengths = merging.wavelengths();
+        let time = draws.number_if(self.view.scene.moves());
+        let hero = if V::CARRIED { LaneMis::new(wavelengths, draws.next_1d()).hero } else { 0 };
+        path.clear();
+        self.follow_light(counting, path, draws, Carried { wavelengths, time, hero, merging: Some(merging) });
+        let moment = merging.moment(time);
+        for (j, vertex) in (0..).zip(&*path) {
+            // A golden sequence rounds the powers of many photons evenly.
+            let dither = i.wrapping_mul(0x9E37_79B9).wrapping_add(0x6180_3399u32.wrapping_mul(j));
+            batch.extend(merging.stored(vertex, (j, moment), unit(dither)));
+        }
+    }
+
+    /// Merges a vertex of the camera's path with those of paths from lights.
+    #[inline(never)]
+    pub(super) fn merge<O: PathObserver>(
+        &self,
+        end: &CameraEnd<'_, '_, '_, V>,
+        z: &mut Vertex<'_, V>,
+        merging: &Merging,
+        observer: &mut O,
+        found: &mut impl FnMut(Contribution, &Wavelengths),
+    ) {
+        if end.collision.is_some() {
+            return;
+        }
+        merging.weigh(self.scene(), &end.surface, z);
+        let Some(p) = z.merged_at.filter(|_| !z.is_delta()) else { return };
+        let (t, Carried { wavelengths, time, .. }) = (end.t, end.began.1);
+        let (moment, most) = (merging.moment(time), self.longest() - 1 - t);
+        let point = GatherPoint { p, n: z.at.ng };
+        merging.map.within(&point, merging.pass.radius, |y| {
+            let scatterings = u32::from(y.scatterings);
+            if scatterings > most || y.moment != moment {
+                return;
+            }
+            let wi = y.photon.wi();
+            let scattered = z.gathered(wi);
+            let cosine = z.cosine(wi);
+            if scattered.is_black() || cosine <= 0.0 {
+                return;
+            }
+            let merged = Contribution {
+                way: [scatterings + 2, t],
+                is_merged: true,
+                light: z.beta * scattered * y.photon.power() * (merging.kernel / cosine),
+                weight: merging.mis_weight(y, z, wi),
+                is_single: y.photon.is_single() || z.is_single,
+                group: y.group,
+                raster: None,
+            };
+            observer.found(|| merged.value(wavelengths));
+            found(merged, wavelengths);
+        });
+    }
+}
+
+fn too_many(paths: u32, memory: u64) -> SetupError {
+    SetupError::Refused(format!(
+        "the vertices of {paths} paths from lights need more memory than the {} MB that can be had; ask for fewer `photons`",
+        memory >> 20
+    ))
+}
