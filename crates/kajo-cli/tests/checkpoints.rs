@@ -139,7 +139,7 @@ enum Role {
 use Role::{Decides, DecidesOfModel, Harmless, Refused};
 
 /// Every option of `kajo render`.
-const ROLES: [(&str, Role); 69] = [
+const ROLES: [(&str, Role); 72] = [
     ("output", Harmless("-o other.exr", "where the picture goes")),
     ("size", Decides("", "--size 21 14")),
     ("crop", Decides("", "--crop 1 1 5 5")),
@@ -163,6 +163,9 @@ const ROLES: [(&str, Role); 69] = [
     ("branches", Decides("--integrator distribution", "--branches 3")),
     ("photons", Decides("--integrator sppm", "--photons 500")),
     ("photon-map", Decides("--integrator photon", "--photon-map direct")),
+    ("merging", Decides("--integrator vcm", "--merging off")),
+    ("merge-radius", Decides("--integrator vcm", "--merge-radius 0.2")),
+    ("merge-alpha", Decides("--integrator vcm", "--merge-alpha 0.5")),
     ("accuracy", Decides("--integrator irradiance", "--accuracy 0.5")),
     ("rays", Decides("--integrator irradiance", "--rays 100")),
     ("gradients", Decides("--integrator irradiance", "--gradients off")),

@@ -293,6 +293,12 @@ pub struct Settings {
     pub photons: Option<u32>,
     /// What a photon map is used for.
     pub photon_map: Option<PhotonMapUse>,
+    /// Whether vertices of paths from lights are merged with those of paths from the camera.
+    pub merging: Option<bool>,
+    /// Radius of the first disks in which they are, world units; 0 for one that suits the picture.
+    pub merge_radius: Option<f32>,
+    /// How the disks of pass `i` shrink, from 0 to 1: their area goes as `i^(alpha - 1)`.
+    pub merge_alpha: Option<f32>,
     /// The error that a record of irradiance may make, as a share.
     pub accuracy: Option<f32>,
     /// Rays by which a record of irradiance is made.
@@ -328,7 +334,10 @@ impl FilterChoice {
 impl Settings {
     /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
-        let numbers = [self.weight, self.accuracy, self.reach, self.exposure].into_iter().flatten();
+        let numbers =
+            [self.weight, self.accuracy, self.reach, self.exposure, self.merge_radius, self.merge_alpha]
+                .into_iter()
+                .flatten();
         let mut all = numbers.chain(self.depth_range.into_iter().flatten());
         all.all(f32::is_finite)
             && self.filter.is_none_or(FilterChoice::is_finite)
@@ -363,6 +372,9 @@ impl Settings {
             roulette: self.roulette.or(there.roulette),
             photons: self.photons.or(there.photons),
             photon_map: self.photon_map.or(there.photon_map),
+            merging: self.merging.or(there.merging),
+            merge_radius: self.merge_radius.or(there.merge_radius),
+            merge_alpha: self.merge_alpha.or(there.merge_alpha),
             accuracy: self.accuracy.or(there.accuracy),
             rays: self.rays.or(there.rays),
             gradients: self.gradients.or(there.gradients),
@@ -392,6 +404,9 @@ pub enum SettingsKey {
     Branches,
     Photons,
     PhotonMap,
+    Merging,
+    MergeRadius,
+    MergeAlpha,
     Accuracy,
     Rays,
     Gradients,
@@ -404,7 +419,7 @@ pub enum SettingsKey {
 
 impl SettingsKey {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [SettingsKey; 21] = [
+    pub const ALL: [SettingsKey; 24] = [
         SettingsKey::Bounces,
         SettingsKey::Weight,
         SettingsKey::Fresnel,
@@ -418,6 +433,9 @@ impl SettingsKey {
         SettingsKey::Branches,
         SettingsKey::Photons,
         SettingsKey::PhotonMap,
+        SettingsKey::Merging,
+        SettingsKey::MergeRadius,
+        SettingsKey::MergeAlpha,
         SettingsKey::Accuracy,
         SettingsKey::Rays,
         SettingsKey::Gradients,
@@ -447,6 +465,9 @@ impl SettingsKey {
             SettingsKey::Branches => said(settings.branches.is_some(), "branches"),
             SettingsKey::Photons => said(settings.photons.is_some(), "photons"),
             SettingsKey::PhotonMap => said(settings.photon_map.is_some(), "photonMap"),
+            SettingsKey::Merging => said(settings.merging.is_some(), "merging"),
+            SettingsKey::MergeRadius => said(settings.merge_radius.is_some(), "mergeRadius"),
+            SettingsKey::MergeAlpha => said(settings.merge_alpha.is_some(), "mergeAlpha"),
             SettingsKey::Accuracy => said(settings.accuracy.is_some(), "accuracy"),
             SettingsKey::Rays => said(settings.rays.is_some(), "rays"),
             SettingsKey::Gradients => said(settings.gradients.is_some(), "gradients"),

@@ -55,6 +55,12 @@ pub const SPPM: Method = method("sppm", "integrator sppm  photons 20000");
 /// The same by wavelength.
 pub const SPPM_SPECTRAL: Method = method("sppm, spectral", "integrator sppm  photons 20000  spectral on");
 
+/// Paths from the camera and from lights, joined and merged.
+pub const VCM: Method = method("vcm", "integrator vcm  photons 5000");
+
+/// The same by wavelength.
+pub const VCM_SPECTRAL: Method = method("vcm, spectral", "integrator vcm  photons 5000  spectral on");
+
 /// Irradiance of few points, interpolated.
 pub const IRRADIANCE: Method = method("irradiance", "integrator irradiance  rays 256");
 
@@ -65,7 +71,7 @@ pub const CACHES: &[Method] = &[IRRADIANCE];
 pub const MLT: Method = method("mlt", "integrator mlt");
 
 /// What keeps photons, and makes as many of them as it takes samples.
-pub const PHOTONS: &[Method] = &[SPPM, SPPM_SPECTRAL];
+pub const PHOTONS: &[Method] = &[SPPM, SPPM_SPECTRAL, VCM, VCM_SPECTRAL];
 
 /// Ambient occlusion.
 pub const OCCLUSION: Method = method("occlusion", "integrator occlusion");

@@ -352,7 +352,7 @@ mod tests {
         assert_eq!(left_out("path", true), "");
         assert!(left_out("direct", false).contains("Doppler"));
         assert!(left_out("distribution", true).contains("one path"));
-        for integrator in ["classic", "bidirectional", "light", "mlt", "photon", "sppm", "occlusion"] {
+        for integrator in ["classic", "bidirectional", "light", "mlt", "photon", "sppm", "vcm", "occlusion"] {
             assert!(left_out(integrator, false).contains("`Lorentz`"), "{integrator}");
         }
     }

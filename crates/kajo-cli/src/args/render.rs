@@ -116,6 +116,15 @@ pub struct RenderArgs {
     /// Photon maps: what the map is used for: gather, direct or caustics
     #[arg(long, value_name = "NAME", help_heading = "Paths", value_parser = values::choice(PhotonMapUse::NAMES))]
     pub photon_map: Option<PhotonMapUse>,
+    /// Vertex merging: whether vertices are merged
+    #[arg(long, value_name = "ON|OFF", help_heading = "Paths", value_parser = values::on_off())]
+    pub merging: Option<bool>,
+    /// Vertex merging: radius of the first disks; 0 for one that suits the picture
+    #[arg(long, value_name = "LENGTH", help_heading = "Paths", value_parser = values::not_negative)]
+    pub merge_radius: Option<f64>,
+    /// Vertex merging: how slowly the disks shrink, from 0 to 1
+    #[arg(long, value_name = "ALPHA", help_heading = "Paths", value_parser = values::share)]
+    pub merge_alpha: Option<f64>,
     /// Irradiance caching: the error that a record may make, as a share
     #[arg(long, value_name = "SHARE", help_heading = "Paths", value_parser = values::positive)]
     pub accuracy: Option<f64>,
@@ -234,6 +243,9 @@ impl RenderArgs {
             branches: self.branches,
             photons: self.photons,
             photon_map: self.photon_map,
+            merging: self.merging,
+            merge_radius: self.merge_radius.map(|radius| radius as f32),
+            merge_alpha: self.merge_alpha.map(|alpha| alpha as f32),
             accuracy: self.accuracy.map(|accuracy| accuracy as f32),
             rays: self.rays,
             gradients: self.gradients,

@@ -135,6 +135,13 @@ keys! {
             .ruled(photons, "by the integrator", "paths from lights for a photon map"),
         photon_map: Option<PhotonMapUse> = choice::<PhotonMapUse>("photonMap")
             .presumed(Constant::Word("gather"), "what the photon map is used for"),
+        merging: Option<bool> =
+            flag("merging").presumed(Constant::Word("on"), "merges paths from lights with those from the camera"),
+        merge_radius: Option<f32> = at_least("mergeRadius", 0.0)
+            .unit("length")
+            .unlike("by the picture", "0.01", "radius of the first disks in which paths are merged"),
+        merge_alpha: Option<f32> = between("mergeAlpha", 0.0, 1.0)
+            .presumed(Constant::Number(0.75), "how slowly these disks shrink from sample to sample"),
         accuracy: Option<f32> = positive("accuracy")
             .presumed(Constant::Number(0.1), "error that a record of irradiance may make, as a share"),
         rays: Option<u32> = count("rays", RECORD_RAYS[0], RECORD_RAYS[1])
@@ -255,6 +262,9 @@ impl From<SettingsKeys> for Settings {
             roulette: keys.roulette,
             photons: keys.photons,
             photon_map: keys.photon_map,
+            merging: keys.merging,
+            merge_radius: keys.merge_radius,
+            merge_alpha: keys.merge_alpha,
             accuracy: keys.accuracy,
             rays: keys.rays,
             gradients: keys.gradients,

@@ -17,6 +17,7 @@ mod photon_map;
 mod shadow;
 mod spec;
 mod transport;
+pub mod vcm;
 
 pub use ambient_occlusion::{AmbientOcclusion, AmbientOcclusionSettings};
 pub use bidir::{Bidirectional, BidirectionalSettings};
@@ -28,6 +29,7 @@ pub use path::{Path, PathSettings};
 pub use photon::{PhotonMapping, PhotonSettings};
 pub(crate) use spec::{BOUNCES_IN_MEDIA, without_curves, without_media};
 pub use spec::{Defaults, IntegratorSpec, Prepare, Quantity, SettingsContext};
+pub use vcm::{VertexMerging, VertexMergingSettings};
 
 use kajo_core::camera::Camera;
 use kajo_core::scene::Scene;
@@ -97,10 +99,12 @@ settings! {
     Path(PathSettings),
     /// Photon mapping, of one map or of many.
     Photon(PhotonSettings),
+    /// Vertex connection and merging.
+    VertexMerging(VertexMergingSettings),
 }
 
 /// All integrators, by their names.
-pub const INTEGRATORS: [&IntegratorSpec; 11] = [
+pub const INTEGRATORS: [&IntegratorSpec; 12] = [
     &bidir::BIDIRECTIONAL,
     &classic::CLASSIC,
     &path::DIRECT,
@@ -112,6 +116,7 @@ pub const INTEGRATORS: [&IntegratorSpec; 11] = [
     &path::PATH,
     &photon::PHOTON,
     &photon::SPPM,
+    &vcm::VCM,
 ];
 
 /// The names of all integrators, in the same order.

@@ -145,6 +145,29 @@ fn path_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings)
                 choice(ui, "photon map", value, &PhotonMapUse::NAMES)
             });
         }
+        _ => merge_row(ui, key, asked, now),
+    }
+}
+
+fn merge_row(ui: &mut Ui, key: SettingsKey, asked: &mut Settings, now: &Settings) {
+    match key {
+        SettingsKey::Merging => {
+            let hint = "Paths from lights are merged with those from the camera";
+            known(ui, ["Merging", hint], &mut asked.merging, now.merging, on);
+        }
+        SettingsKey::MergeRadius => {
+            let hint =
+                "Radius of the first disks in which paths are merged; 0 for one that suits the picture";
+            known(ui, ["Merge radius", hint], &mut asked.merge_radius, now.merge_radius, |ui, radius| {
+                ui.add(DragValue::new(radius).range(0.0..=f32::MAX).speed(0.001).max_decimals(5))
+            });
+        }
+        SettingsKey::MergeAlpha => {
+            let hint = "How slowly these disks shrink; 1 for not at all";
+            known(ui, ["Merge alpha", hint], &mut asked.merge_alpha, now.merge_alpha, |ui, alpha| {
+                ui.add(Slider::new(alpha, 0.0..=1.0))
+            });
+        }
         _ => record_row(ui, key, asked, now),
     }
 }

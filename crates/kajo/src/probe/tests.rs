@@ -73,6 +73,8 @@ fn ways() -> Vec<Settings> {
         of("photon"),
         of("sppm"),
         of("mlt"),
+        of("vcm"),
+        Settings { merging: Some(false), ..of("vcm") },
     ]
 }
 

@@ -61,7 +61,10 @@ mod tests {
     fn keys_for_other_integrators_are_told() {
         let key = |text: &str| text.split_whitespace().next().unwrap().to_owned();
         for (text, users) in [
-            ("bounces 3", "classic path direct distribution bidirectional irradiance light photon sppm mlt"),
+            (
+                "bounces 3",
+                "classic path direct distribution bidirectional irradiance light photon sppm mlt vcm",
+            ),
             ("weight 0.1", "classic"),
             ("shadows off", "classic"),
             ("shadows transparent", "classic"),
@@ -70,17 +73,20 @@ mod tests {
             ("totalReflection on", "classic"),
             ("rayOffset reference", "classic"),
             ("branches 4", "distribution"),
-            ("photons 1000", "photon sppm"),
+            ("photons 1000", "photon sppm vcm"),
             ("photonMap direct", "photon"),
+            ("merging off", "vcm"),
+            ("mergeRadius 0.1", "vcm"),
+            ("mergeAlpha 0.5", "vcm"),
             ("accuracy 0.2", "irradiance"),
             ("rays 500", "irradiance"),
             ("gradients off", "irradiance"),
             ("showRecords on", "irradiance"),
             ("directions cosine", "path direct distribution"),
             ("technique lights", "path direct distribution"),
-            ("roulette off", "path direct distribution bidirectional irradiance light photon sppm mlt"),
-            ("spectral on", "path direct distribution bidirectional light sppm mlt"),
-            ("lightChoice uniform", "path direct distribution bidirectional irradiance photon sppm mlt"),
+            ("roulette off", "path direct distribution bidirectional irradiance light photon sppm mlt vcm"),
+            ("spectral on", "path direct distribution bidirectional light sppm mlt vcm"),
+            ("lightChoice uniform", "path direct distribution bidirectional irradiance photon sppm mlt vcm"),
             ("reach 2", "occlusion"),
         ] {
             for name in integrator::NAMES {

@@ -100,7 +100,7 @@ class Settings(Block):
     Args:
         size: columns and rows of the picture (2 whole numbers, pixels). Default: 800 600.
         integrator: how light is followed (auto, bidirectional, classic, direct, distribution,
-            irradiance, light, mlt, occlusion, path, photon or sppm). Default: classic.
+            irradiance, light, mlt, occlusion, path, photon, sppm or vcm). Default: classic.
         samples: rays of each pixel (bluenoise, cmj, jittered, pmj, poisson, regular, sobol,
             uniform or zsobol; then a whole number). Default: by the integrator.
         bounces: surfaces that light is followed over (whole number from 0 to 1000). Default: by
@@ -127,6 +127,11 @@ class Settings(Block):
             by the integrator.
         photon_map: what the photon map is used for (caustics, direct or gather). Default:
             gather.
+        merging: merges paths from lights with those from the camera (on or off). Default: on.
+        merge_radius: radius of the first disks in which paths are merged (number ≥ 0, length).
+            Default: by the picture.
+        merge_alpha: how slowly these disks shrink from sample to sample (number from 0 to 1).
+            Default: 0.75.
         accuracy: error that a record of irradiance may make, as a share (number > 0). Default:
             0.1.
         rays: rays for a record of irradiance (whole number from 16 to 1048576). Default: 2048.
@@ -153,7 +158,7 @@ class Settings(Block):
     def __init__(
         self, *children: Item, name: str | None = None,
         size: int | Sequence[int] | None = None,
-        integrator: Literal["auto", "bidirectional", "classic", "direct", "distribution", "irradiance", "light", "mlt", "occlusion", "path", "photon", "sppm"] | None = None,
+        integrator: Literal["auto", "bidirectional", "classic", "direct", "distribution", "irradiance", "light", "mlt", "occlusion", "path", "photon", "sppm", "vcm"] | None = None,
         samples: Literal["bluenoise", "cmj", "jittered", "pmj", "poisson", "regular", "sobol", "uniform", "zsobol"] | tuple[Literal["bluenoise", "cmj", "jittered", "pmj", "poisson", "regular", "sobol", "uniform", "zsobol"], int] | None = None,
         bounces: int | None = None,
         shadows: Literal["off", "on", "transparent"] | None = None,
@@ -172,6 +177,9 @@ class Settings(Block):
         roulette: bool | None = None,
         photons: int | None = None,
         photon_map: Literal["caustics", "direct", "gather"] | None = None,
+        merging: bool | None = None,
+        merge_radius: Number | None = None,
+        merge_alpha: Number | None = None,
         accuracy: Number | None = None,
         rays: int | None = None,
         gradients: Literal["occlusion", "off", "strata"] | None = None,
@@ -205,6 +213,9 @@ class Settings(Block):
         self.roulette = roulette
         self.photons = photons
         self.photon_map = photon_map
+        self.merging = merging
+        self.merge_radius = merge_radius
+        self.merge_alpha = merge_alpha
         self.accuracy = accuracy
         self.rays = rays
         self.gradients = gradients
