@@ -106,6 +106,8 @@ fn assets(scene: &str) -> MemoryAssets {
             assets = assets.with(word, "TILT=NONE\n1 -1 1  2 1 1 2  0 0 0\n1 1 60\n0 90\n0\n800 0\n");
         } else if word.ends_with(".ttf") {
             assets = assets.with(word, include_bytes!("../../../scenes/gallery/fonts/kajo.ttf"));
+        } else if word.ends_with(".vdb") {
+            assets = assets.with(word, include_bytes!("../../../fuzz/corpus/vdb/plain.vdb"));
         } else if word.ends_with("knot.raw") {
             assets = assets.with(word, include_bytes!("../../../scenes/gallery/grids/knot.raw"));
         } else if word.ends_with(".txt") {

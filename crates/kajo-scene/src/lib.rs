@@ -59,7 +59,9 @@ mod text_encoding;
 mod tree;
 mod tri_mesh;
 mod triangulate;
+mod vdb;
 mod volume;
+mod voxels;
 mod weld;
 
 pub use args::Args;
@@ -93,4 +95,6 @@ pub use source::{Position, Source, SourceId, Sources, Span};
 pub use stl::read_stl;
 pub use tree::{Item, Items, NamedValue, SceneDesc, Value, Word};
 pub use tri_mesh::{Corners, MeshReport, NO_INDEX, TriMesh};
+pub use vdb::{GridEntry, GridMap, VoxelGrid, is_vdb, list_vdb, read_vdb};
 pub use volume::{RawVolume, VolumeEncoding, VolumeError, VolumeFile, read_volume};
+pub use voxels::{Block, SparseVoxels, VoxelValue};

@@ -1,8 +1,9 @@
 //! The seeds of `fuzz/corpus`, replayed and mutated with a fixed seed.
 
 use kajo_scene::{
-    Assets, Corners, Limits, MemoryAssets, MeshFileError, MeshReport, NO_INDEX, SceneDesc, Sources, TriMesh,
-    print, read_gltf, read_ies, read_mtl, read_obj, read_ply, read_stl, render, render_one, tokens,
+    Assets, Corners, Limits, MemoryAssets, MemoryBudget, MeshFileError, MeshReport, NO_INDEX, SceneDesc,
+    Sources, TriMesh, VoxelValue, list_vdb, print, read_gltf, read_ies, read_mtl, read_obj, read_ply,
+    read_stl, read_vdb, render, render_one, tokens,
 };
 use kajo_testkit::corpus;
 
@@ -246,4 +247,35 @@ fn check_ies(data: &[u8]) {
 #[test]
 fn files_of_luminaires_never_panic_and_keep_their_promises() {
     run("ies", 10_000, check_ies);
+}
+
+fn check_voxels<T: VoxelValue + std::fmt::Debug>(assets: &MemoryAssets, wanted: usize, limits: &Limits) {
+    if let Ok(grid) = read_vdb::<T>(assets.open("v", "").expect("the file is there"), wanted, limits) {
+        let size = grid.voxels.size();
+        assert!(size.iter().all(|&n| n > 0));
+        assert!(grid.map.point([0.5; 3]).iter().all(|x| x.is_finite()));
+        // The corners, and the middle.
+        for k in 0..9 {
+            let voxel = [0, 1, 2]
+                .map(|axis| if k == 8 { size[axis] / 2 } else { (k >> axis & 1) * (size[axis] - 1) });
+            let shifted = [0, 1, 2].map(|axis| voxel[axis] + grid.voxels.offset()[axis]);
+            assert_eq!(grid.voxels.at(voxel).bits(), grid.voxels.block(shifted).at(shifted).bits());
+        }
+    }
+}
+
+fn check_vdb(data: &[u8]) {
+    let assets = MemoryAssets::new().with("v", data);
+    let limits = Limits { memory: MemoryBudget::new(64 << 20), ..Limits::default() };
+    let entries = list_vdb(assets.open("v", "").expect("the file is there"), &limits).unwrap_or_default();
+    for wanted in 0..entries.len().clamp(1, 4) {
+        check_voxels::<f32>(&assets, wanted, &limits);
+        check_voxels::<[f32; 3]>(&assets, wanted, &limits);
+    }
+    assert_eq!(limits.memory.used(), 0, "what is not kept is given back");
+}
+
+#[test]
+fn files_of_voxels_never_panic_and_keep_their_promises() {
+    run("vdb", 2000, check_vdb);
 }

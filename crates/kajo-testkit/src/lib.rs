@@ -8,9 +8,11 @@ pub mod corpus;
 pub mod delta_e;
 pub mod image;
 pub mod mean;
+pub mod nano_vdb;
 mod special;
 pub mod spectrum;
 pub mod sphere;
+pub mod vdb;
 
 pub use chi_square::ChiSquare;
 pub use corpus::corpus;

@@ -1,7 +1,10 @@
 //! Numbers on a grid, as densities and distances are written: in a file, or in the scene itself.
 
 use kajo_math::Vec3;
-use kajo_scene::{Args, Diagnostic, Params, RawVolume, VolumeEncoding, VolumeFile, read_volume};
+use kajo_scene::{
+    Args, AssetFile, Diagnostic, GridEntry, Item, Params, RawVolume, VolumeEncoding, VolumeFile, VoxelGrid,
+    is_vdb, list_vdb, nearest, read_vdb, read_volume,
+};
 
 use super::Compiler;
 use super::fields::{
@@ -42,13 +45,27 @@ impl Plain<'_> for GridValues {
     }
 }
 
+/// The name of a grid of a file.
+pub struct GridName(pub String);
+
+impl Plain<'_> for GridName {
+    fn parse(_: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<GridName, Diagnostic> {
+        args.text().map(|name| GridName(name.into_owned()))
+    }
+}
+
 keys! {
     /// Where numbers are from, and the box that they are in.
     GridKeys<'t> {
         file: Option<At<'t, FileName>> = file("file")
             .not_beside(&["values"])
             .placed()
-            .option("its numbers: .vol of Mitsuba, .df3 of POV-Ray, or raw values"),
+            .option("its numbers: .vdb of OpenVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values"),
+        grid: Option<At<'t, GridName>> = Typed::<GridName>::new("grid", FieldKind::Text)
+            .only_beside("file")
+            .not_beside(&["values", "size"])
+            .placed()
+            .unlike("`density`, or the first", "density", "name of the grid in a .vdb or .nvdb"),
         values: Option<GridValues> = Typed::<GridValues>::new("values", FieldKind::Numbers(8))
             .not_beside(&["file", "encoding"])
             .unlike("those of `file`", "-1 -1 -1 -1 1 1 1 1", "its numbers, as many as `size` says, x first"),
@@ -84,8 +101,12 @@ fn high(around: &Around<'_>) -> Option<FieldValue> {
 pub fn grid_keys<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<GridKeys<'t>> {
     if params.contains("file") {
         report_beside(params, GridKeys::FIELDS, "file");
-    } else if params.contains("encoding") {
+    } else {
         params.refuse("encoding", "without `file`");
+        report_without(params, GridKeys::FIELDS, "file");
+    }
+    if params.contains("size") {
+        report_beside(params, GridKeys::FIELDS, "size");
     }
     if !params.contains("size") {
         report_without(params, GridKeys::FIELDS, "size");
@@ -100,15 +121,108 @@ pub fn grid_keys<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> 
     None
 }
 
+/// What keys ask for.
+pub enum GridSource<'t> {
+    /// Numbers in a box.
+    Dense(Grid),
+    /// A grid of a file that says where its voxels are.
+    Voxels(Box<FileVoxels<'t>>),
+}
+
+/// A grid of a file that says where its voxels are.
+pub struct FileVoxels<'t> {
+    pub grid: VoxelGrid<f32>,
+    pub file: At<'t, FileName>,
+    /// The corners that the scene gives to its box.
+    pub corners: [Option<Vec3>; 2],
+}
+
+impl FileVoxels<'_> {
+    /// The box of the voxels in the world, by the file.
+    ///
+    /// * `margin`: what is left out on each side, in voxels
+    pub fn file_corners(&self, margin: f64) -> [Vec3; 2] {
+        let size = self.grid.voxels.size().map(f64::from);
+        let ends = [[margin; 3], size.map(|n| n - margin)];
+        let mut corners = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for k in 0..8 {
+            let p = self.grid.map.point([0, 1, 2].map(|axis| ends[k >> axis & 1][axis]));
+            for axis in 0..3 {
+                corners[0][axis] = corners[0][axis].min(p[axis]);
+                corners[1][axis] = corners[1][axis].max(p[axis]);
+            }
+        }
+        corners.map(|corner| Vec3::from(corner.map(|x| x as f32)))
+    }
+}
+
 impl Compiler<'_> {
-    /// The numbers that keys ask for; why there are none is reported.
-    pub(super) fn grid(&mut self, keys: GridKeys<'_>) -> Option<Grid> {
-        let GridKeys { file, values, size, encoding, min, max } = keys;
+    /// The numbers that keys ask for, each of them; why there are none is reported.
+    pub(super) fn grid(&mut self, item: Item<'_>, keys: GridKeys<'_>) -> Option<Grid> {
+        match self.grid_source(keys)? {
+            GridSource::Dense(grid) => Some(grid),
+            GridSource::Voxels(voxels) => self.points(item, *voxels),
+        }
+    }
+
+    /// Numbers on points whose outermost ones are on the faces of their box.
+    fn points(&mut self, item: Item<'_>, voxels: FileVoxels<'_>) -> Option<Grid> {
+        let [low, high] = voxels.file_corners(0.5);
+        let FileVoxels { grid, corners: [min, max], .. } = voxels;
+        let size = grid.voxels.size();
+        let count = size.into_iter().map(u64::from).product::<u64>();
+        let is_upright = (0..3).all(|axis| {
+            grid.map.axes[axis].iter().enumerate().all(|(k, &x)| if k == axis { x > 0.0 } else { x == 0.0 })
+        });
+        let bytes = count.saturating_mul(size_of::<f32>() as u64);
+        let memory = &self.options.limits.memory;
+        let mut values = Vec::new();
+        let room = match is_upright || (min.is_some() && max.is_some()) {
+            true => memory
+                .take(bytes)
+                .and_then(|()| {
+                    let count = usize::try_from(count).unwrap_or(usize::MAX);
+                    values.try_reserve_exact(count).map_err(|_| memory.exceeded(bytes))
+                })
+                .map_err(|over| over.to_string()),
+            false => Err(format!("the grid `{}` is turned in the world: write `min` and `max`", grid.name)),
+        };
+        if let Err(message) = room {
+            self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "no such surface"));
+            return None;
+        }
+        for z in 0..size[2] {
+            for y in 0..size[1] {
+                values.extend((0..size[0]).map(|x| grid.voxels.at([x, y, z])));
+            }
+        }
+        Some(Grid { size, values, bounds: [min.unwrap_or(low), max.unwrap_or(high)] })
+    }
+
+    /// What keys ask for; why there is none is reported.
+    pub(super) fn grid_source<'t>(&mut self, keys: GridKeys<'t>) -> Option<GridSource<'t>> {
+        let GridKeys { file, values, size, encoding, min, max, grid } = keys;
         let size = size.map(|GridSize(size)| size);
         let (size, values, bounds) = match (file, values) {
             (Some(file), _) => {
                 let raw =
                     size.map(|size| RawVolume { size, encoding: encoding.unwrap_or(VolumeEncoding::F32) });
+                if raw.is_none() && self.has_grids(&file)? {
+                    let grid = self.voxels(&file, grid.as_ref(), "density")?;
+                    return Some(GridSource::Voxels(Box::new(FileVoxels {
+                        grid,
+                        file,
+                        corners: [min, max],
+                    })));
+                }
+                if let Some(At { item, .. }) = grid {
+                    let message = format!("there is one grid in `{}`, and it has no name", file.value.0);
+                    self.diagnostics.push(
+                        Diagnostic::error(message)
+                            .label(item.head_span(), "only a .vdb has grids with names"),
+                    );
+                    return None;
+                }
                 let VolumeFile { size, values, bounds, .. } = self.volume(&file, raw)?;
                 (size, values, bounds)
             }
@@ -116,27 +230,103 @@ impl Compiler<'_> {
         };
         let [low, high] = bounds.unwrap_or([[-1.0; 3], [1.0; 3]]);
         let bounds = [min.unwrap_or(low.into()), max.unwrap_or(high.into())];
-        Some(Grid { size, values, bounds })
+        Some(GridSource::Dense(Grid { size, values, bounds }))
+    }
+
+    /// Reports why a file cannot be read.
+    fn unreadable(&mut self, file: &At<'_, FileName>, reason: String) {
+        let error = Diagnostic::error(format!("cannot read `{}`: {reason}", file.value.0));
+        self.diagnostics.push(error.label(file.item.head_span(), "named here"));
+    }
+
+    fn opened(&mut self, file: &At<'_, FileName>) -> Option<AssetFile> {
+        let opened = self.assets.open(&file.value.0, file.item.path());
+        opened.map_err(|error| self.unreadable(file, error.to_string())).ok()
+    }
+
+    /// Whether a file has grids with names and places.
+    fn has_grids(&mut self, file: &At<'_, FileName>) -> Option<bool> {
+        let head = self.opened(file)?.head(8);
+        head.map_err(|error| self.unreadable(file, error.to_string())).map(|head| is_vdb(&head)).ok()
+    }
+
+    /// A grid of a file, whose memory is taken for good.
+    ///
+    /// * `named`: its name; without one it is that of the name `usual`, or the first one that has numbers
+    pub(super) fn voxels(
+        &mut self,
+        file: &At<'_, FileName>,
+        named: Option<&At<'_, GridName>>,
+        usual: &str,
+    ) -> Option<VoxelGrid<f32>> {
+        let limits = &self.options.limits;
+        let entries = list_vdb(self.opened(file)?, limits).map_err(|error| error.to_string());
+        let entries = entries.map_err(|reason| self.unreadable(file, reason)).ok()?;
+        let index = match named {
+            Some(At { value: GridName(name), item }) => {
+                let index = entries.iter().position(|entry| entry.name == *name);
+                if index.is_none() {
+                    let mut error =
+                        Diagnostic::error(format!("there is no grid `{name}` in `{}`", file.value.0))
+                            .label(item.head_span(), "named here");
+                    let near = nearest(name, entries.iter().map(|entry| &*entry.name));
+                    error = match near {
+                        Some(near) => error.help(format!("did you mean `{near}`?")),
+                        None => error.help(format!("it has {}", names(&entries))),
+                    };
+                    self.diagnostics.push(error);
+                }
+                index?
+            }
+            None => {
+                let is_usable = |entry: &GridEntry| entry.channels == Ok(1);
+                let found = entries.iter().position(|entry| is_usable(entry) && entry.name == usual);
+                let found = found.or_else(|| entries.iter().position(is_usable));
+                if found.is_none() {
+                    self.unreadable(
+                        file,
+                        format!("it has no grid of one number in a voxel, but {}", names(&entries)),
+                    );
+                }
+                found?
+            }
+        };
+        let limits = &self.options.limits;
+        let read = read_vdb(self.opened(file)?, index, limits).map_err(|error| error.to_string());
+        let kept = read.and_then(|grid: VoxelGrid<f32>| {
+            let VoxelGrid { name, voxels, map, memory } = grid;
+            drop(memory);
+            limits.memory.take(voxels.bytes()).map_err(|over| over.to_string())?;
+            let memory = limits.memory.share(0).map_err(|over| over.to_string())?;
+            Ok(VoxelGrid { name, voxels, map, memory })
+        });
+        kept.map_err(|reason| self.unreadable(file, reason)).ok()
     }
 
     /// The grid of a file, whose memory is taken for good.
     fn volume(&mut self, file: &At<'_, FileName>, raw: Option<RawVolume>) -> Option<VolumeFile> {
-        let At { value: FileName(name), item } = file;
+        let opened = self.opened(file)?;
         let limits = &self.options.limits;
-        let opened = self.assets.open(name, item.path()).map_err(|error| error.to_string());
-        let read = opened.and_then(|file| read_volume(file, raw, limits).map_err(|error| error.to_string()));
-        let kept = read.and_then(|file| {
-            let bytes = size_of_val(&*file.values) as u64;
-            let VolumeFile { size, values, bounds, memory } = file;
+        let read = read_volume(opened, raw, limits).map_err(|error| error.to_string());
+        let kept = read.and_then(|read| {
+            let bytes = size_of_val(&*read.values) as u64;
+            let VolumeFile { size, values, bounds, memory } = read;
             drop(memory);
             limits.memory.take(bytes).map_err(|over| over.to_string())?;
             let memory = limits.memory.share(0).map_err(|over| over.to_string())?;
             Ok(VolumeFile { size, values, bounds, memory })
         });
-        let report = |reason: String| {
-            let error = Diagnostic::error(format!("cannot read `{name}`: {reason}"));
-            self.diagnostics.push(error.label(item.head_span(), "named here"));
-        };
-        kept.map_err(report).ok()
+        kept.map_err(|reason| self.unreadable(file, reason)).ok()
     }
+}
+
+/// The names of the grids of a file, as a message says them.
+fn names(entries: &[GridEntry]) -> String {
+    const SHOWN: usize = 8;
+    let mut names: Vec<String> =
+        entries.iter().take(SHOWN).map(|entry| format!("`{}`", entry.name)).collect();
+    if entries.len() > SHOWN {
+        names.push("others".to_owned());
+    }
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

@@ -1,23 +1,55 @@
 //! Media as the language writes them, and what is said of those that are none.
 
+use std::sync::LazyLock;
+
 use kajo_color::Wavelengths;
+use kajo_math::Vec3;
 use kajo_scene::{Diagnostics, Limits, MemoryAssets, MemoryBudget, SceneDesc};
+use kajo_testkit::nano_vdb;
+use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
 
 use super::{CompileOptions, compile};
 use crate::scene::Scene;
 
-fn compiled(text: &str) -> (Option<Scene>, Vec<String>) {
-    let assets = MemoryAssets::new()
+static FILES: LazyLock<MemoryAssets> = LazyLock::new(|| {
+    MemoryAssets::new()
         .with("cloud.df3", [0, 2, 0, 1, 0, 1, 255, 51])
         .with("short.df3", [0, 9, 0, 9, 0, 9, 255])
         .with("empty.vol", [])
-        .with("bytes.raw", [0, 255, 51, 102]);
+        .with("bytes.raw", [0, 255, 51, 102])
+        .with("cloud.vdb", cloud_vdb())
+        .with("cloud.nvdb", nano_vdb::to_bytes(&[smoke("density", [1.0, 0.5])], VdbCompression::Zip))
+        .with("cut.vdb", &cloud_vdb()[..2000])
+});
+
+/// A grid of three voxels, the middle one empty.
+fn smoke(name: &str, values: [f32; 2]) -> VdbGrid {
+    let mut grid = VdbGrid::new(name, VdbKind::Float, VdbMap::ScaleTranslate([2.0; 3], [10.0, 0.0, 0.0]));
+    grid.set([-1, 0, 0], [values[0]; 3]);
+    grid.set([1, 0, 0], [values[1]; 3]);
+    grid
+}
+
+fn cloud_vdb() -> Vec<u8> {
+    let mut colors = smoke("Cd", [1.0; 2]);
+    colors.kind = VdbKind::Vec3;
+    let grids = vec![
+        colors,
+        smoke("flame", [2.0, 3.0]),
+        smoke("density", [1.0, 0.5]),
+        smoke("sdf", [1.0, -0.5]),
+        smoke("bad", [1.0, f32::NAN]),
+    ];
+    VdbFile { version: 224, compression: VdbCompression::Zip, masks: true, grids }.to_bytes()
+}
+
+fn compiled(text: &str) -> (Option<Scene>, Vec<String>) {
     let limits = Limits { memory: MemoryBudget::new(64 << 20), ..Limits::default() };
     let options = CompileOptions { limits, ..CompileOptions::default() };
     let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
     let mut parsed = SceneDesc::parse_str(&format!("{camera} {text}"));
     let mut diagnostics = Diagnostics::default();
-    let scene = compile(&mut parsed.desc, &assets, &options, &mut diagnostics);
+    let scene = compile(&mut parsed.desc, &*FILES, &options, &mut diagnostics);
     (scene, diagnostics.iter().map(|d| d.message.clone()).collect())
 }
 
@@ -48,6 +80,11 @@ fn grids_come_from_files_and_from_the_text() {
         "GridMedium m { file cloud.df3 density 1 }",
         "GridMedium m { file bytes.raw size 4 1 1 encoding u8 density 1 }",
         "GridMedium m { size 2 1 1 values 0 1 density 1 min 0 0 0 max 1 2 3 }",
+        "GridMedium m { file cloud.vdb density 1 }",
+        "GridMedium m { file cloud.vdb grid flame density 1 min 0 0 0 }",
+        "GridMedium m { file cloud.nvdb density 1 } exterior m",
+        "GridMedium m { file cloud.vdb density 1 temperature flame temperatureScale 900 temperatureOffset 300 brightness 2 }",
+        "GridMedium m { file cloud.vdb sigma_a 0 temperature flame }",
         "FunctionMedium m { function = x + y density 1 }",
         "Medium m { emission blackbody 1900 5 }",
         "Medium m { emission 1 2 3  sigma_a 1 } exterior m",
@@ -56,6 +93,27 @@ fn grids_come_from_files_and_from_the_text() {
     ] {
         let (scene, said) = media(text);
         assert!(scene.is_some() && said.is_empty(), "{text}: {said:?}");
+    }
+}
+
+/// A grid of a file is where the file says, or in the box that the scene says.
+#[test]
+fn voxels_of_a_file_have_their_places() {
+    for (text, corners, places) in [
+        ("file cloud.vdb", [[7.0, -1.0, -1.0], [13.0, 1.0, 1.0]], [8.0, 10.0, 12.0]),
+        ("file cloud.nvdb", [[7.0, -1.0, -1.0], [13.0, 1.0, 1.0]], [8.0, 10.0, 12.0]),
+        ("file cloud.vdb min 0 0 0 max 3 1 1", [[0.0; 3], [3.0, 1.0, 1.0]], [0.5, 1.5, 2.5]),
+        ("file cloud.vdb max 19 1 1", [[7.0, -1.0, -1.0], [19.0, 1.0, 1.0]], [9.0, 13.0, 17.0]),
+    ] {
+        let (scene, said) = media(&format!("GridMedium m {{ {text} density 1 }} exterior m"));
+        let scene = scene.unwrap_or_else(|| panic!("{text}: {said:?}"));
+        let (air, media) = (scene.lighting.air.expect("the air"), &scene.appearance.media);
+        let bounds = media.bounds(air).expect("an end");
+        let is_at = |found: Vec3, corner: [f32; 3]| found.abs_diff_eq(corner.into(), 1e-4);
+        assert!(is_at(bounds.min, corners[0]) && is_at(bounds.max, corners[1]), "{text}: {bounds:?}");
+        let y = 0.5 * (bounds.min.y + bounds.max.y);
+        let found = places.map(|x| media.density(air, &scene.appearance.textures, Vec3::new(x, y, y)));
+        assert_eq!(found, [1.0, 0.0, 0.5], "{text}");
     }
 }
 
@@ -89,6 +147,38 @@ fn mistakes_are_named() {
         ("GridMedium m { density 1 file none.vol }", "cannot read `none.vol`: there is no such file"),
         ("GridMedium m { density 1 file short.df3 }", "the file ends after 1 of its 729 values"),
         ("GridMedium m { density 1 file empty.vol }", "the file ends within its header"),
+        ("GridMedium m { density 1 file cloud.vdb grid flames }", "there is no grid `flames` in `cloud.vdb`"),
+        (
+            "GridMedium m { density 1 file cloud.vdb grid Cd }",
+            "the grid `Cd` has 3 numbers in a voxel, not 1",
+        ),
+        ("GridMedium m { density 1 file cloud.vdb grid sdf }", "voxel (2, 0, 0) of the grid is -0.5"),
+        ("GridMedium m { density 1 file cloud.vdb min 99 0 0 }", "`min` must be less"),
+        ("GridMedium m { density 1 file cloud.df3 grid density }", "there is one grid in `cloud.df3`"),
+        ("GridMedium m { density 1 file cut.vdb }", "cannot read `cut.vdb`: the file ends within a grid"),
+        (
+            "GridMedium m { density 1 file cloud.vdb temperature heat }",
+            "there is no grid `heat` in `cloud.vdb`",
+        ),
+        (
+            "GridMedium m { density 1 file cloud.vdb temperature bad }",
+            "voxel (2, 0, 0) of the temperatures is NaN",
+        ),
+        ("GridMedium m { density 1 file cloud.vdb temperature flame emission 1 }", "cannot stand beside"),
+        (
+            "GridMedium m { density 1 file cloud.vdb brightness 2 }",
+            "`brightness` cannot stand without `temperature`",
+        ),
+        (
+            "GridMedium m { density 1 file cloud.df3 temperature flame }",
+            "`temperature` names a grid of a .vdb",
+        ),
+        ("GridMedium m { density 1 file cloud.vdb temperature flame brightness -1 }", "at least 0"),
+        (
+            "GridMedium m { density 1 file bytes.raw size 4 1 1 encoding u8 grid a }",
+            "`grid` cannot stand beside `size`",
+        ),
+        ("GridMedium m { density 1 grid a size 2 1 1 values 1 2 }", "`grid` cannot stand without `file`"),
         (
             "GridMedium m { density 1 file bytes.raw size 10000 10000 10000 encoding u8 }",
             "the file ends after 4 of its 1000000000000 values",

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kajo_color::{Emission, Spectrum, Unbounded, Wavelengths};
 
-use super::Phase;
+use super::{Heat, Phase};
 
 /// Absorption, scattering and the phase function of a medium, all per unit of density.
 ///
@@ -20,6 +20,7 @@ pub struct Coefficients {
     scatters: bool,
     phase: Phase,
     emission: Option<Arc<Emission>>,
+    heat: Option<Arc<Heat>>,
 }
 
 /// Why there are no such coefficients.
@@ -49,7 +50,7 @@ impl Coefficients {
         }
         let scatters = sigma_s.iter().any(|&v| v > 0.0);
         let [sigma_a, sigma_s] = [sigma_a, sigma_s].map(Unbounded::from_rgb);
-        Ok(Coefficients { sigma_a, sigma_s, scatters, phase, emission: None })
+        Ok(Coefficients { sigma_a, sigma_s, scatters, phase, emission: None, heat: None })
     }
 
     /// Of a clear medium.
@@ -61,6 +62,7 @@ impl Coefficients {
             scatters: false,
             phase: Phase::Isotropic,
             emission: None,
+            heat: None,
         }
     }
 
@@ -107,7 +109,19 @@ impl Coefficients {
         Coefficients { emission: Some(Arc::new(emission)).filter(|emission| !emission.is_black()), ..self }
     }
 
-    /// Radiance per unit length that it gives itself, where it does.
+    /// The same medium that also glows by its temperature.
+    #[must_use]
+    pub fn with_heat(self, heat: Heat) -> Coefficients {
+        Coefficients { heat: Some(Arc::new(heat)), ..self }
+    }
+
+    /// What it gives by its temperature, where it does.
+    #[inline]
+    pub fn heat(&self) -> Option<&Heat> {
+        self.heat.as_deref()
+    }
+
+    /// Radiance per unit length that it gives itself, where that is the same everywhere but for the density.
     #[inline]
     pub fn emission(&self, wavelengths: &Wavelengths) -> Option<Spectrum> {
         self.emission.as_ref().map(|emission| emission.at(wavelengths))
@@ -116,7 +130,7 @@ impl Coefficients {
     /// Whether it gives light.
     #[inline]
     pub fn emits(&self) -> bool {
-        self.emission.is_some()
+        self.emission.is_some() || self.heat.is_some()
     }
 
     /// Whether it gives light that any amount of it does not weaken.

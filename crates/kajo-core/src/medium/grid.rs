@@ -42,6 +42,22 @@ pub enum GridError {
         /// What it is.
         value: f32,
     },
+    /// A temperature that is none.
+    #[error("voxel ({}, {}, {}) of the temperatures is {value}", voxel[0], voxel[1], voxel[2])]
+    Temperature {
+        /// Its place, from the corner of the box of the grid.
+        voxel: [u32; 3],
+        /// What it is.
+        value: f32,
+    },
+    /// A density that is none, of a file with places.
+    #[error("voxel ({}, {}, {}) of the grid is {value}: densities are finite and not negative", voxel[0], voxel[1], voxel[2])]
+    Voxel {
+        /// Its place, from the corner of the box of the grid.
+        voxel: [u32; 3],
+        /// What it is.
+        value: f32,
+    },
 }
 
 impl DensityGrid {

@@ -18,10 +18,13 @@ mod fog;
 mod function;
 pub mod gradient_index;
 mod grid;
+mod heat;
 mod homogeneous;
 mod majorant;
 mod majorant_grid;
 pub mod phase;
+mod placed_voxels;
+mod sparse;
 mod textured;
 mod wormhole;
 
@@ -31,10 +34,13 @@ pub use fog::Fog;
 pub use function::{FunctionMedium, FunctionMediumError};
 pub use gradient_index::GradientIndex;
 pub use grid::{DensityGrid, GridError, GridMedium};
+pub use heat::{Heat, REFERENCE_KELVIN};
 pub use homogeneous::HomogeneousMedium;
 pub use majorant::Majorants;
 pub use majorant_grid::{GridWalk, Majorant, MajorantGrid};
 pub use phase::{Phase, PhaseSample};
+pub use placed_voxels::{PlacedVoxels, affine};
+pub use sparse::SparseGridMedium;
 pub use textured::TextureMedium;
 pub use wormhole::{WormholeError, WormholeMedium, WormholeShape};
 
@@ -125,6 +131,7 @@ family! {
         gradient_indices: GradientIndex,
         grids: GridMedium,
         homogeneous: HomogeneousMedium,
+        sparse_grids: SparseGridMedium,
         textured: TextureMedium,
         wormholes: WormholeMedium,
     }

@@ -51,7 +51,7 @@ impl Compiler<'_> {
         keys: DistanceGridKeys,
     ) -> Option<ShapeId> {
         let DistanceGridKeys { level, closed, smooth } = keys;
-        let Grid { size, values, bounds } = self.grid(grid)?;
+        let Grid { size, values, bounds } = self.grid(item, grid)?;
         match DistanceGrid::new(size, values, bounds, level, [closed, smooth]) {
             Ok(grid) => {
                 if grid.is_empty() {
@@ -75,6 +75,7 @@ impl Compiler<'_> {
 mod tests {
     use kajo_math::{Ray, Vec3};
     use kajo_scene::{Diagnostics, MemoryAssets, SceneDesc};
+    use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
 
     use crate::compile::{CompileOptions, compile};
     use crate::scene::Scene;
@@ -85,7 +86,22 @@ mod tests {
              Materials {{ Matte {{ }} }} Group {{ MaterialIndex 0 {object} }}"
         );
         let raw: Vec<u8> = [-1.0_f32, 1.0].iter().cycle().take(8).flat_map(|x| x.to_le_bytes()).collect();
+        // A ball of radius 3 around (2, 0, 0), by voxels of half a unit.
+        let mut ball =
+            VdbGrid::new("ball", VdbKind::Float, VdbMap::ScaleTranslate([0.5; 3], [2.0, 0.0, 0.0]));
+        for k in 0..17 * 17 * 17 {
+            let index = [k % 17 - 8, k / 17 % 17 - 8, k / 289 - 8];
+            let r2 = index.iter().map(|x| x * x).sum::<i32>() as f32;
+            ball.set(index, [0.5 * r2.sqrt() - 3.0; 3]);
+        }
+        let mut turned = ball.clone();
+        turned.map = VdbMap::Affine([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]);
+        let vdb = |grid| {
+            VdbFile { version: 224, compression: VdbCompression::Blosc, masks: true, grids: vec![grid] }
+                .to_bytes()
+        };
         let assets = MemoryAssets::new().with("steps.raw", raw).with("short.raw", [0_u8; 7]);
+        let assets = assets.with("ball.vdb", vdb(ball)).with("turned.vdb", vdb(turned));
         let mut parsed = SceneDesc::parse_str(&text);
         let mut diagnostics = Diagnostics::default();
         let scene = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut diagnostics);
@@ -113,6 +129,20 @@ mod tests {
     }
 
     #[test]
+    fn level_sets_are_surfaces() {
+        let scene = compiled("DistanceGrid { file ball.vdb }").unwrap();
+        // The ray is a quarter beside the middle; between the numbers the function is linear, not a distance.
+        let half = (9.0f32 - 0.0625).sqrt();
+        for (d, expected) in [(1.0, 2.0 - half), (-1.0, 2.0 + half)] {
+            let x = first(&scene, 0.0, d).unwrap();
+            assert!((x - expected).abs() < 0.015, "{x} {expected}");
+        }
+        let moved = compiled("DistanceGrid { file turned.vdb  min -8 -8 -8  max 8 8 8 }").unwrap();
+        let x = first(&moved, 0.0, 1.0).unwrap();
+        assert!((x + 6.0).abs() < 0.04, "{x}");
+    }
+
+    #[test]
     fn what_is_no_grid_is_refused() {
         for (object, words) in [
             ("DistanceGrid { }", "`DistanceGrid` needs `file`"),
@@ -124,6 +154,7 @@ mod tests {
                 "DistanceGrid { size 2 2 2  values 1 1 1 1 1 1 1 0  min 1 1 1  max 0 2 2 }",
                 "less than that of `max`",
             ),
+            ("DistanceGrid { file turned.vdb }", "turned in the world: write `min` and `max`"),
             ("DistanceGrid { file nowhere.vol }", "there is no such file"),
             ("DistanceGrid { file short.raw  size 2 2 2 }", "ends after"),
             ("DistanceGrid { file steps.raw  size 4000000000 4000000000 4000000000 }", "steps.raw"),

@@ -1,53 +1,170 @@
 //! `GridMedium`: a cloud or smoke whose density is given voxel by voxel.
 
-use kajo_math::Aabb;
-use kajo_scene::{Diagnostic, Item};
+use kajo_math::{Aabb, DAffine3, DMat3, Vec3};
+use kajo_scene::{Diagnostic, Item, Params, VoxelGrid};
 
 use super::medium::{CoefficientKeys, coefficients};
 use crate::compile::Compiler;
-use crate::compile::grid::{Grid, GridKeys, grid_keys};
+use crate::compile::fields::{
+    At, Keys, Sources, Typed, at_least, keys, number, report_beside, report_without,
+};
+use crate::compile::grid::{FileVoxels, Grid, GridKeys, GridName, GridSource, grid_keys};
 use crate::compile::member::{MediumMember, Member};
-use crate::medium::{Coefficients, DensityGrid, GridMedium};
-use crate::schema::{Block, Kind};
+use crate::medium::{
+    Coefficients, DensityGrid, GridError, GridMedium, Heat, PlacedVoxels, SparseGridMedium, affine,
+};
+use crate::schema::{Block, Constant, FieldKind, Kind};
+
+keys! {
+    /// The glow of what is hot.
+    HeatKeys<'t> {
+        temperature: Option<At<'t, GridName>> = Typed::<GridName>::new("temperature", FieldKind::Text)
+            .only_beside("file")
+            .not_beside(&["emission", "values", "size"])
+            .placed()
+            .unlike("none", "temperature", "name of a grid in the same .vdb: it glows as hot as this says"),
+        temperature_scale: Option<f32> = number("temperatureScale")
+            .unit("K")
+            .only_beside("temperature")
+            .presumed(Constant::Number(1.0), "kelvin of the number 1 more in that grid"),
+        temperature_offset: Option<f32> = number("temperatureOffset")
+            .unit("K")
+            .only_beside("temperature")
+            .presumed(Constant::Number(0.0), "kelvin of the number 0"),
+        brightness: Option<f32> = at_least("brightness", 0.0)
+            .unit("W/(m³ sr)")
+            .only_beside("temperature")
+            .presumed(Constant::Number(1.0), "luminance per length that it gives at 2000 K"),
+    }
+}
 
 pub const MEMBER: MediumMember = Member {
     block: Block {
         keyword: "GridMedium",
         kind: Kind::Medium,
-        about: "a cloud or smoke, given voxel by voxel",
-        groups: &[GridKeys::FIELDS, CoefficientKeys::FIELDS],
+        about: "a cloud, smoke or fire, given voxel by voxel",
+        groups: &[GridKeys::FIELDS, HeatKeys::FIELDS, CoefficientKeys::FIELDS],
     },
     read: |compiler, item| {
         let read = compiler.read_keys(item, |params, sources| {
             params.name();
+            let heat = heat_keys(params, sources);
             let (keys, coefficients) = (grid_keys(params, sources), coefficients(params, sources));
-            Some((keys?, coefficients?))
+            Some((keys?, heat?, coefficients?))
         });
-        let (keys, coefficients) = read?;
-        let medium = compiler.grid_medium(item, keys, coefficients)?;
-        let stored = compiler.scene.medium(medium);
-        compiler.accepted(stored, item.head_span())
+        let (keys, heat, coefficients) = read?;
+        match compiler.grid_source(keys)? {
+            GridSource::Dense(grid) => {
+                if let Some(At { item, .. }) = heat.temperature {
+                    let error = Diagnostic::error(
+                        "`temperature` names a grid of a .vdb or .nvdb, and this file is another one",
+                    );
+                    compiler.diagnostics.push(error.label(item.head_span(), "there is no such grid"));
+                    return None;
+                }
+                let medium = compiler.grid_medium(item, grid, coefficients)?;
+                let stored = compiler.scene.medium(medium);
+                compiler.accepted(stored, item.head_span())
+            }
+            GridSource::Voxels(voxels) => {
+                let medium = compiler.voxel_medium(item, *voxels, heat, coefficients)?;
+                let stored = compiler.scene.medium(medium);
+                compiler.accepted(stored, item.head_span())
+            }
+        }
     },
 };
 
+fn heat_keys<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>) -> Option<HeatKeys<'t>> {
+    for key in ["file", "temperature"] {
+        if !params.contains(key) {
+            report_without(params, HeatKeys::FIELDS, key);
+        }
+    }
+    for key in ["emission", "size", "values"] {
+        if params.contains(key) {
+            report_beside(params, HeatKeys::FIELDS, key);
+        }
+    }
+    HeatKeys::read(params, sources)
+}
+
 impl Compiler<'_> {
-    fn grid_medium(
-        &mut self,
-        item: Item<'_>,
-        keys: GridKeys<'_>,
-        coefficients: Coefficients,
-    ) -> Option<GridMedium> {
-        let Grid { size, values, bounds: [min, max] } = self.grid(keys)?;
-        let mut report = |message: String| {
-            self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "no such medium"));
-        };
-        let grid = DensityGrid::new(size, values).map_err(|error| report(error.to_string())).ok()?;
+    fn grid_medium(&mut self, item: Item<'_>, grid: Grid, coefficients: Coefficients) -> Option<GridMedium> {
+        let Grid { size, values, bounds: [min, max] } = grid;
+        let grid = DensityGrid::new(size, values).map_err(|error| self.no_medium(item, error)).ok()?;
         let medium = GridMedium::new(coefficients, grid, Aabb { min, max });
         if medium.is_none() {
-            let message = "every coordinate of `min` must be less than that of `max`";
-            self.diagnostics
-                .push(Diagnostic::error(message).label(item.head_span(), "the box of this is empty"));
+            self.empty_box(item);
         }
         medium
     }
+
+    fn voxel_medium(
+        &mut self,
+        item: Item<'_>,
+        voxels: FileVoxels<'_>,
+        heat: HeatKeys<'_>,
+        coefficients: Coefficients,
+    ) -> Option<SparseGridMedium> {
+        let mut moved = DAffine3::IDENTITY;
+        if voxels.corners != [None; 2] {
+            let from = voxels.file_corners(0.0);
+            let to = [0, 1].map(|k| voxels.corners[k].unwrap_or(from[k]));
+            if !(to[1] - to[0]).cmpgt(Vec3::ZERO).all() {
+                self.empty_box(item);
+                return None;
+            }
+            moved = between(from, to);
+        }
+        let coefficients = match &heat.temperature {
+            Some(name) => {
+                let grid = self.voxels(&voxels.file, Some(name), "temperature")?;
+                let placed = self.placed(item, grid, &moved)?;
+                if let Some((voxel, value)) = placed.not_finite() {
+                    self.no_medium(item, GridError::Temperature { voxel, value });
+                    return None;
+                }
+                let scale = [heat.temperature_scale.unwrap_or(1.0), heat.temperature_offset.unwrap_or(0.0)];
+                coefficients.with_heat(Heat::new(placed, scale, heat.brightness.unwrap_or(1.0)))
+            }
+            None => coefficients,
+        };
+        let placed = self.placed(item, voxels.grid, &moved)?;
+        SparseGridMedium::new(coefficients, placed).map_err(|error| self.no_medium(item, error)).ok()
+    }
+
+    /// The voxels of a file in the world; that they are flat there is reported.
+    ///
+    /// * `moved`: from where the file says that they are
+    fn placed(&mut self, item: Item<'_>, grid: VoxelGrid<f32>, moved: &DAffine3) -> Option<PlacedVoxels> {
+        let placed = PlacedVoxels::new(grid.voxels, &(*moved * affine(&grid.map)));
+        if placed.is_none() {
+            let message = format!("the voxels of the grid `{}` are flat", grid.name);
+            self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "no such medium"));
+        }
+        placed
+    }
+
+    fn no_medium(&mut self, item: Item<'_>, error: GridError) {
+        let is_negative = matches!(error, GridError::Voxel { value, .. } if value < 0.0);
+        let mut error = Diagnostic::error(error.to_string()).label(item.head_span(), "no such medium");
+        if is_negative {
+            error = error
+                .help("a level set holds distances: save it as a fog volume, or make a `DistanceGrid` of it");
+        }
+        self.diagnostics.push(error);
+    }
+
+    fn empty_box(&mut self, item: Item<'_>) {
+        let message = "every coordinate of `min` must be less than that of `max`";
+        self.diagnostics.push(Diagnostic::error(message).label(item.head_span(), "the box of this is empty"));
+    }
+}
+
+/// Takes one box to another one.
+fn between(from: [Vec3; 2], to: [Vec3; 2]) -> DAffine3 {
+    let [from, to] = [from, to].map(|corners| corners.map(Vec3::as_dvec3));
+    let scale = (to[1] - to[0]) / (from[1] - from[0]);
+    DAffine3 { matrix3: DMat3::from_diagonal(scale), translation: to[0] - scale * from[0] }
 }

@@ -68,11 +68,13 @@ class Medium(MediumBlock):
 
 
 class GridMedium(MediumBlock):
-    """A cloud or smoke, given voxel by voxel.
+    """A cloud, smoke or fire, given voxel by voxel.
 
     Args:
-        file: its numbers: .vol of Mitsuba, .df3 of POV-Ray, or raw values (file). Default:
-            none.
+        file: its numbers: .vdb of OpenVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values
+            (file). Default: none.
+        grid: name of the grid in a .vdb or .nvdb (word or text). Default: `density`, or the
+            first.
         values: its numbers, as many as `size` says, x first (8 numbers). Default: those of
             `file`.
         size: numbers along x, y and z, of `values` and of raw files (3 whole numbers). Default:
@@ -82,6 +84,12 @@ class GridMedium(MediumBlock):
             or -1 -1 -1.
         max: the corner of its box with the largest coordinates (x y z). Default: by the file,
             or 1 1 1.
+        temperature: name of a grid in the same .vdb: it glows as hot as this says (word or
+            text). Default: none.
+        temperature_scale: kelvin of the number 1 more in that grid (number, K). Default: 1.
+        temperature_offset: kelvin of the number 0 (number, K). Default: 0.
+        brightness: luminance per length that it gives at 2000 K (number ≥ 0, W/(m³ sr)).
+            Default: 1.
         sigma_a: absorption per length (r g b, 1/length). Default: none.
         sigma_s: scattering per length (r g b, 1/length). Default: none.
         albedo: share of light that a collision scatters (r g b). Default: 1 1 1.
@@ -102,11 +110,16 @@ class GridMedium(MediumBlock):
     def __init__(
         self, *children: Item, name: str | None = None,
         file: File | None = None,
+        grid: str | None = None,
         values: Number | Vector | None = None,
         size: int | Sequence[int] | None = None,
         encoding: Literal["f32", "u16", "u8"] | None = None,
         min: Vector | None = None,
         max: Vector | None = None,
+        temperature: str | None = None,
+        temperature_scale: Number | None = None,
+        temperature_offset: Number | None = None,
+        brightness: Number | None = None,
         sigma_a: Vector | None = None,
         sigma_s: Vector | None = None,
         albedo: Vector | None = None,
@@ -119,11 +132,16 @@ class GridMedium(MediumBlock):
     ) -> None:
         super().__init__(*children, name=name)
         self.file = file
+        self.grid = grid
         self.values = values
         self.size = size
         self.encoding = encoding
         self.min = min
         self.max = max
+        self.temperature = temperature
+        self.temperature_scale = temperature_scale
+        self.temperature_offset = temperature_offset
+        self.brightness = brightness
         self.sigma_a = sigma_a
         self.sigma_s = sigma_s
         self.albedo = albedo

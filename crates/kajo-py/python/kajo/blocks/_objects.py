@@ -53,8 +53,10 @@ class DistanceGrid(ObjectBlock):
     """The surface through numbers on a grid, such as signed distances.
 
     Args:
-        file: its numbers: .vol of Mitsuba, .df3 of POV-Ray, or raw values (file). Default:
-            none.
+        file: its numbers: .vdb of OpenVDB, .vol of Mitsuba, .df3 of POV-Ray, or raw values
+            (file). Default: none.
+        grid: name of the grid in a .vdb or .nvdb (word or text). Default: `density`, or the
+            first.
         values: its numbers, as many as `size` says, x first (8 numbers). Default: those of
             `file`.
         size: numbers along x, y and z, of `values` and of raw files (3 whole numbers). Default:
@@ -74,6 +76,7 @@ class DistanceGrid(ObjectBlock):
     def __init__(
         self, *children: Item, name: str | None = None, material: MaterialName | None = None,
         file: File | None = None,
+        grid: str | None = None,
         values: Number | Vector | None = None,
         size: int | Sequence[int] | None = None,
         encoding: Literal["f32", "u16", "u8"] | None = None,
@@ -85,6 +88,7 @@ class DistanceGrid(ObjectBlock):
     ) -> None:
         super().__init__(*children, name=name, material=material)
         self.file = file
+        self.grid = grid
         self.values = values
         self.size = size
         self.encoding = encoding

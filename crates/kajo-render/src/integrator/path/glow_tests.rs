@@ -1,8 +1,13 @@
 //! Media that give light, against closed forms, by paths from the camera and from both ends.
 
+use kajo_color::{BlackBodies, Wavelengths};
 use kajo_core::camera::Camera;
+use kajo_core::compile::{CompileOptions, compile};
+use kajo_core::medium::REFERENCE_KELVIN;
 use kajo_core::sampler::{Sampler, SamplerKind};
+use kajo_scene::{MemoryAssets, SceneDesc};
 use kajo_testkit::Estimate;
+use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
 
 use super::tests::{camera, scene};
 use super::*;
@@ -145,5 +150,71 @@ fn a_flame_lights_what_is_around_it() {
     let expected = sum / std::f64::consts::PI;
     for integrator in integrators(&scene, false) {
         mean_of(&*integrator, 20_000, 0).check(expected, 0.02).unwrap();
+    }
+}
+
+/// Two blocks of voxels, one behind the other along z from 0 to 2, with a density and a heat each.
+fn fire(view: &str, medium: &str) -> Scene {
+    let grid = |name: &str, values: [f32; 2]| {
+        let mut grid = VdbGrid::new(name, VdbKind::Float, VdbMap::ScaleTranslate([0.125; 3], [0.0625; 3]));
+        grid.tile(3, [0, 0, 0], [values[0]; 3], true);
+        grid.tile(3, [0, 0, 8], [values[1]; 3], true);
+        grid
+    };
+    let grids = vec![grid("density", [1.0, 0.5]), grid("flame", [1.0, 0.25])];
+    let file = VdbFile { version: 224, compression: VdbCompression::Zip, masks: true, grids }.to_bytes();
+    let text = format!(
+        "{view} Media {{ GridMedium m {{ file fire.vdb  temperature flame  {medium} }} }}
+         Materials {{ Interface i {{ medium m }} }} Group {{ MaterialIndex i Box {{ min -1 -1 -1  max 2 2 3 }} }}"
+    );
+    let mut parsed = SceneDesc::parse_str(&text);
+    let assets = MemoryAssets::new().with("fire.vdb", file);
+    let made = compile(&mut parsed.desc, &assets, &CompileOptions::default(), &mut parsed.diagnostics);
+    made.unwrap_or_else(|| panic!("{text}\n{:?}", parsed.diagnostics))
+}
+
+/// `e d B(T)/Y`, weakened by what is before it, by quadrature.
+#[test]
+fn a_fire_glows_as_hot_as_it_is() {
+    let bodies = BlackBodies::new(REFERENCE_KELVIN);
+    let scene = fire(
+        &camera([0.5, 0.5, 5.0], [0.5, 0.5, 0.0]),
+        "sigma_a 0.7  temperatureScale 2000  temperatureOffset 600  brightness 3",
+    );
+    let value = |z: f64, values: [f64; 2]| {
+        let t = (8.0 * z - 7.5).clamp(0.0, 1.0);
+        values[0] + t * (values[1] - values[0])
+    };
+    let n = 4000;
+    let h = 2.0 / f64::from(n);
+    let (mut depth, mut expected) = (0.0, [0.0; 3]);
+    for k in 0..n {
+        let z = 2.0 - h * (f64::from(k) + 0.5);
+        let d = value(z, [1.0, 0.5]);
+        let kelvin = 600.0 + 2000.0 * value(z, [1.0, 0.25]);
+        let light = bodies.at(kelvin, &Wavelengths::RGB).to_rgb();
+        let weight = 3.0 * d * f64::exp(-0.7 * (depth + 0.5 * h * d)) * h;
+        (0..3).for_each(|lane| expected[lane] += weight * f64::from(light[lane]));
+        depth += d * h;
+    }
+    assert!(expected[0] > 3.0 * expected[2], "{expected:?}");
+    for integrator in integrators(&scene, false) {
+        for (lane, expected) in expected.into_iter().enumerate() {
+            mean_of(&*integrator, 4000, lane).check(expected, 0.02).unwrap();
+        }
+    }
+}
+
+/// In an even sky of the radiance of black bodies of its temperature a medium that absorbs 1 and glows with 1 is not to be seen.
+#[test]
+fn a_fire_as_hot_as_its_surroundings_is_not_seen() {
+    let [r, g, b] = BlackBodies::new(REFERENCE_KELVIN).at(1700.0, &Wavelengths::RGB).to_rgb();
+    let view = camera([0.6, 0.4, 4.0], [0.4, 0.5, 0.1]).replace("color 0 0 0", &format!("color {r} {g} {b}"));
+    let medium = "sigma_a 1  sigma_s 3 1 2  g 0.4  temperatureScale 0  temperatureOffset 1700";
+    let scene = fire(&view, medium);
+    for integrator in integrators(&scene, false) {
+        for (lane, expected) in [r, g, b].into_iter().enumerate() {
+            mean_of(&*integrator, 500, lane).check(expected.into(), 0.05).unwrap();
+        }
     }
 }

@@ -31,7 +31,7 @@
 
 use kajo_color::{Spectrum, Wavelengths, sensor};
 use kajo_core::bsdf::Transport;
-use kajo_core::medium::{MediumId, Phase};
+use kajo_core::medium::{Heat, MediumId, Phase};
 use kajo_core::sampler::SampleStream;
 use kajo_core::scene::Scene;
 use kajo_math::{Ray, Vec3, fmath};
@@ -215,23 +215,40 @@ struct Travel<'a> {
     glow: Option<(Spectrum, Spectrum, Spectrum)>,
 }
 
-impl Walker for Travel<'_> {
+impl Travel<'_> {
     /// Adds the light that the medium gives along a stretch without collisions, at one point of it drawn evenly.
     ///
     /// In the mean over the lengths of such stretches that is the integral of `T e d`, with the radiance `e` per unit length at the density
     /// 1 and the density `d`, since the path gets to a point without a collision with the probability `T[h]`.
+    ///
+    /// * `emission_at`: that radiance at a point, of what it is everywhere
     #[inline]
-    fn pass(&mut self, draws: &mut SampleStream<'_>, (from, to): (f32, f32), t: Spectrum, majorant: f32) {
+    fn glow(
+        &mut self,
+        draws: &mut SampleStream<'_>,
+        (from, to): (f32, f32),
+        t: Spectrum,
+        majorant: f32,
+        emission_at: impl FnOnce(Vec3, Spectrum) -> Spectrum,
+    ) {
         let Some((emission, sigma_a, found)) = &mut self.glow else { return };
         let at = from + draws.next_1d() * (to - from);
         let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(self.ray.at(at)) };
         let t = t * self.stretch.transmittance(majorant, at - from);
         let ratio = t * (1.0 / t[self.stretch.hero]);
         let mean = self.wavelengths.mean(self.lanes.r_u * ratio);
-        let added = self.beta * ratio * *emission * (*sigma_a * -at).exp() * (density * (to - from) / mean);
+        let emission = emission_at(self.ray.at(at), *emission);
+        let added = self.beta * ratio * emission * (*sigma_a * -at).exp() * (density * (to - from) / mean);
         if added.is_finite() {
             *found += added;
         }
+    }
+}
+
+impl Walker for Travel<'_> {
+    #[inline]
+    fn pass(&mut self, draws: &mut SampleStream<'_>, ends: (f32, f32), t: Spectrum, majorant: f32) {
+        self.glow(draws, ends, t, majorant, |_, emission| emission);
     }
 
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
@@ -257,6 +274,25 @@ impl Walker for Travel<'_> {
     }
 }
 
+/// A path on its way through a medium that glows by its temperature.
+struct HotTravel<'a> {
+    travel: Travel<'a>,
+    heat: &'a Heat,
+}
+
+impl Walker for HotTravel<'_> {
+    #[inline]
+    fn pass(&mut self, draws: &mut SampleStream<'_>, ends: (f32, f32), t: Spectrum, majorant: f32) {
+        let (heat, wavelengths) = (self.heat, self.travel.wavelengths);
+        self.travel.glow(draws, ends, t, majorant, |p, _| heat.emission(p, &wavelengths));
+    }
+
+    #[inline]
+    fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
+        self.travel.collide(draws, at, t, majorant)
+    }
+}
+
 /// Takes a path along its ray through a medium, up to `length`; where it is scattered on the way.
 ///
 /// Takes a number for each collision with the majorant and, where the density varies, another one for what it is; where the medium gives
@@ -270,7 +306,8 @@ fn travel(
     let stretch = Stretch::new(scene, medium, &path.wavelengths, path.lanes.hero);
     let is_homogeneous = scene.appearance.media.is_homogeneous(medium);
     let coefficients = scene.appearance.media.coefficients(medium);
-    let emission = coefficients.emission(&path.wavelengths).filter(|_| path.mode == Transport::Radiance);
+    let gives_light = path.mode == Transport::Radiance;
+    let emission = coefficients.emission(&path.wavelengths).filter(|_| gives_light);
     let absorption = || path.media.absorption().unwrap_or(Spectrum::BLACK);
     if is_homogeneous && !coefficients.scatters() {
         if let Some(emission) = emission {
@@ -290,7 +327,16 @@ fn travel(
         scattered: None,
         glow: emission.map(|emission| (emission, absorption(), path.glow)),
     };
-    let arrives = walk(&stretch, &ray, &mut path.draws, &mut travel);
+    let arrives = match coefficients.heat() {
+        None => walk(&stretch, &ray, &mut path.draws, &mut travel),
+        Some(heat) => {
+            travel.glow = gives_light.then(|| (Spectrum::WHITE, absorption(), path.glow));
+            let mut hot = HotTravel { travel, heat };
+            let arrives = walk(&stretch, &ray, &mut path.draws, &mut hot);
+            travel = hot.travel;
+            arrives
+        }
+    };
     let Travel { mut beta, mut lanes, scattered, glow, .. } = travel;
     if let Some(t) = arrives {
         let hero = 1.0 / t[stretch.hero];

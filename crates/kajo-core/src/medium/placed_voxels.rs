@@ -1,0 +1,89 @@
+//! Numbers in the voxels of a file, at points of the world.
+
+use std::sync::Arc;
+
+use kajo_math::{Aabb, DAffine3, DMat3, DVec3, Transform, Vec3};
+use kajo_scene::{Block, GridMap, SparseVoxels};
+
+/// Numbers in voxels, and where they are in the world.
+#[derive(Clone, Debug)]
+pub struct PlacedVoxels {
+    pub(super) voxels: Arc<SparseVoxels<f32>>,
+    /// Between the world and voxels, of which the first fills the unit cube.
+    pub(super) place: Transform,
+}
+
+impl PlacedVoxels {
+    /// * `map`: from voxels to the world
+    ///
+    /// `None` for a map that has no inverse.
+    pub fn new(voxels: SparseVoxels<f32>, map: &DAffine3) -> Option<PlacedVoxels> {
+        Some(PlacedVoxels { voxels: Arc::new(voxels), place: Transform::new(map)? })
+    }
+
+    /// The box of the voxels, in their own space.
+    pub(super) fn extent(&self) -> Aabb {
+        Aabb { min: Vec3::ZERO, max: Vec3::from(self.voxels.size().map(|n| n as f32)) }
+    }
+
+    /// Whether a world-space point is in the box of the voxels.
+    pub fn contains(&self, p: Vec3) -> bool {
+        self.extent().contains(self.place.object_from_world.transform_point3(p))
+    }
+
+    /// The number of a voxel that is none, with its place from the corner of the box.
+    pub fn not_finite(&self) -> Option<([u32; 3], f32)> {
+        let mut found = None;
+        let offset = self.voxels.offset();
+        self.voxels.for_each_block(|low, high, block| {
+            for x in low[0]..high[0] {
+                for y in low[1]..high[1] {
+                    for z in low[2]..high[2] {
+                        let value = block.at([x + offset[0], y + offset[1], z + offset[2]]);
+                        if !value.is_finite() {
+                            found = found.or(Some(([x, y, z], value)));
+                        }
+                        if matches!(block, Block::Constant(_)) {
+                            return;
+                        }
+                    }
+                }
+            }
+        });
+        found
+    }
+
+    /// The number at a world-space point, interpolated; outside of the box that of its nearest voxel.
+    pub fn at(&self, p: Vec3) -> f32 {
+        let last = self.voxels.size().map(|n| n - 1);
+        let p = self.place.object_from_world.transform_point3(p);
+        let p = (p - 0.5).clamp(Vec3::ZERO, Vec3::from(last.map(|n| n as f32)));
+        let low = p.to_array().map(|x| x as u32);
+        let f = p - Vec3::from(low.map(|n| n as f32));
+        let offset = self.voxels.offset();
+        let high = [0, 1, 2].map(|axis| (low[axis] + 1).min(last[axis]) + offset[axis]);
+        let low = [0, 1, 2].map(|axis| low[axis] + offset[axis]);
+        if (0..3).all(|axis| low[axis] >> 3 == high[axis] >> 3) {
+            return match self.voxels.block(low) {
+                Block::Constant(value) => value,
+                block => trilinear([low, high], f, |voxel| block.at(voxel)),
+            };
+        }
+        trilinear([low, high], f, |voxel| self.voxels.block(voxel).at(voxel))
+    }
+}
+
+/// Interpolates between the eight voxels of which two are opposite ones.
+#[inline]
+fn trilinear([low, high]: [[u32; 3]; 2], f: Vec3, value: impl Fn([u32; 3]) -> f32) -> f32 {
+    let mix = |a: f32, b: f32, t: f32| a + t * (b - a);
+    let row = |y: u32, z: u32| mix(value([low[0], y, z]), value([high[0], y, z]), f.x);
+    let plane = |z: u32| mix(row(low[1], z), row(high[1], z), f.y);
+    mix(plane(low[2]), plane(high[2]), f.z)
+}
+
+/// The map of a file in double precision.
+pub fn affine(map: &GridMap) -> DAffine3 {
+    let [x, y, z] = map.axes.map(DVec3::from);
+    DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: map.origin.into() }
+}

@@ -1,0 +1,241 @@
+//! A medium whose density is given at the voxels of a grid that is mostly empty, placed by any affine map: clouds and smoke of OpenVDB.
+//!
+//! As in [`GridMedium`](super::GridMedium), values belong to the middles of voxels, and are interpolated linearly along the three axes of the
+//! grid between them. The ray is taken to the space of the voxels, where the bounds on its stretches are.
+//!
+//! Scene: `Media { GridMedium cloud { file cloud.vdb  grid density  density 20  albedo 1 } }`
+
+use kajo_math::{Aabb, Ray, Vec3};
+use kajo_scene::{Block, SparseVoxels};
+
+use super::{Coefficients, GridError, MajorantGrid, Majorants, Medium, PlacedVoxels};
+use crate::texture::Textures;
+
+/// Voxels that share a bound, along an axis, at least.
+const LEAST_BLOCK: u32 = 4;
+
+/// Bounds along an axis, at most.
+const MOST_CELLS: u32 = 64;
+
+/// A medium by voxels of which most may be empty.
+#[derive(Clone, Debug)]
+pub struct SparseGridMedium {
+    coefficients: Coefficients,
+    grid: PlacedVoxels,
+    /// In the space of the voxels.
+    majorants: MajorantGrid,
+    /// Around all of it in the world.
+    bounds: Aabb,
+}
+
+impl SparseGridMedium {
+    /// * `coefficients`: of the density 1
+    ///
+    /// # Errors
+    /// [`GridError::Voxel`] for a density that is none.
+    pub fn new(coefficients: Coefficients, grid: PlacedVoxels) -> Result<SparseGridMedium, GridError> {
+        let extent = grid.extent();
+        let bounds = grid.place.bounds(&extent);
+        let majorants = majorants(&grid.voxels, extent)?;
+        Ok(SparseGridMedium { coefficients, grid, majorants, bounds })
+    }
+}
+
+/// Bounds on what interpolation makes of voxels, by cells of their box.
+fn majorants(voxels: &SparseVoxels<f32>, extent: Aabb) -> Result<MajorantGrid, GridError> {
+    let size = voxels.size();
+    let cells = size.map(|n| n.div_ceil(LEAST_BLOCK).min(MOST_CELLS));
+    let mut maxima = vec![0f32; cells.into_iter().product::<u32>() as usize];
+    let mut wrong = None;
+    let offset = voxels.offset();
+    voxels.for_each_block(|low, high, block| {
+        let mut largest = 0f32;
+        let mut check = |voxel: [u32; 3], value: f32| {
+            if !value.is_finite() || value < 0.0 {
+                wrong = wrong.or(Some(GridError::Voxel { voxel, value }));
+            }
+            largest = largest.max(value);
+        };
+        match block {
+            Block::Constant(value) => check(low, value),
+            Block::Leaf(_) => {
+                for x in low[0]..high[0] {
+                    for y in low[1]..high[1] {
+                        for z in low[2]..high[2] {
+                            check([x, y, z], block.at([x + offset[0], y + offset[1], z + offset[2]]));
+                        }
+                    }
+                }
+            }
+        }
+        if largest <= 0.0 {
+            return;
+        }
+        // A voxel counts from the middle of the one before to that of the one behind.
+        let reach = [0, 1, 2].map(|axis| {
+            let cell = |twice: u64| (twice * u64::from(cells[axis]) / (2 * u64::from(size[axis]))) as u32;
+            let first = cell((2 * u64::from(low[axis])).saturating_sub(1));
+            first..=cell(2 * u64::from(high[axis]) + 1).min(cells[axis] - 1)
+        });
+        let [xs, ys, zs] = reach;
+        for z in zs {
+            for y in ys.clone() {
+                for x in xs.clone() {
+                    let cell = &mut maxima[((z * cells[1] + y) * cells[0] + x) as usize];
+                    *cell = cell.max(largest);
+                }
+            }
+        }
+    });
+    match wrong {
+        Some(error) => Err(error),
+        None => Ok(MajorantGrid::new(extent, cells, |[x, y, z]| {
+            maxima[((z * cells[1] + y) * cells[0] + x) as usize]
+        })),
+    }
+}
+
+impl Medium for SparseGridMedium {
+    fn is_finite(&self) -> bool {
+        self.bounds.is_finite()
+    }
+
+    #[inline]
+    fn coefficients(&self) -> &Coefficients {
+        &self.coefficients
+    }
+
+    fn density(&self, _textures: &Textures, p: Vec3) -> f32 {
+        self.grid.at(p)
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        Some(self.bounds)
+    }
+
+    fn majorants(&self, ray: &Ray) -> Majorants<'_> {
+        Majorants::cells(self.majorants.walk(&self.grid.place.ray_in_object(ray)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kajo_math::{Vec2, rng::Stream, warp};
+    use kajo_scene::{Assets, Limits, MemoryAssets, VoxelGrid, read_vdb};
+    use kajo_testkit::vdb::{VdbCompression, VdbFile, VdbGrid, VdbKind, VdbMap};
+
+    use super::*;
+    use crate::medium::{DensityGrid, GridMedium, Phase, affine};
+
+    /// As the file that it would be in.
+    fn read(grid: VdbGrid) -> VoxelGrid<f32> {
+        let file =
+            VdbFile { version: 224, compression: VdbCompression::None, masks: true, grids: vec![grid] };
+        let assets = MemoryAssets::new().with("v", file.to_bytes());
+        read_vdb(assets.open("v", "").unwrap(), 0, &Limits::default()).unwrap()
+    }
+
+    fn medium(grid: VdbGrid) -> Result<SparseGridMedium, GridError> {
+        let grid = read(grid);
+        let coefficients = Coefficients::new([0.0; 3], [1.0; 3], Phase::Isotropic).unwrap();
+        SparseGridMedium::new(coefficients, PlacedVoxels::new(grid.voxels, &affine(&grid.map)).unwrap())
+    }
+
+    /// Voxels of a box that are a number each, some of them 0; a block of one value, and one that is empty.
+    fn values(size: [i32; 3]) -> impl Iterator<Item = ([i32; 3], f32)> {
+        let [nx, ny, nz] = size;
+        let all = (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+        all.enumerate().map(move |(k, index)| {
+            let value = match index.map(|x| x >> 3) {
+                [1, 1, 0] => 0.25,
+                [0, 1, 1] => 0.0,
+                _ => Stream::new(5, [k as u32, 0], 0).uniform(0).powi(3),
+            };
+            let is_corner = index == [0; 3] || index == size.map(|n| n - 1);
+            (index, if is_corner { 1.0 } else { value })
+        })
+    }
+
+    fn grid(size: [i32; 3], low: [i32; 3], map: VdbMap) -> VdbGrid {
+        let mut grid = VdbGrid::new("density", VdbKind::Float, map);
+        for (index, value) in values(size) {
+            if value > 0.0 {
+                grid.set([0, 1, 2].map(|axis| index[axis] + low[axis]), [value; 3]);
+            }
+        }
+        grid
+    }
+
+    #[test]
+    fn the_density_is_that_of_a_grid_with_all_voxels() {
+        let (size, low) = ([21, 17, 30], [-5, 3, -11]);
+        let sparse =
+            medium(grid(size, low, VdbMap::ScaleTranslate([0.5, 0.25, 2.0], [1.0, 2.0, 3.0]))).unwrap();
+        let dense =
+            DensityGrid::new(size.map(|n| n as u32), values(size).map(|(_, value)| value).collect()).unwrap();
+        let corner =
+            |by: [f32; 3]| Vec3::new(1.0, 2.0, 3.0) + Vec3::new(0.5, 0.25, 2.0) * (Vec3::from(by) - 0.5);
+        let first = low.map(|x| x as f32);
+        let bounds = Aabb { min: corner(first), max: corner([0, 1, 2].map(|k| first[k] + size[k] as f32)) };
+        let coefficients = Coefficients::new([0.0; 3], [1.0; 3], Phase::Isotropic).unwrap();
+        let dense = GridMedium::new(coefficients, dense, bounds).unwrap();
+        let found = sparse.bounds().unwrap();
+        assert!(
+            found.min.abs_diff_eq(bounds.min, 1e-3) && found.max.abs_diff_eq(bounds.max, 1e-3),
+            "{found:?}"
+        );
+        let mut inside = 0;
+        for i in 0..20_000 {
+            let number = Stream::new(8, [i, 1], 0);
+            let p = bounds.min
+                + Vec3::new(number.uniform(0), number.uniform(1), number.uniform(2)) * bounds.extent();
+            let found = sparse.density(&Textures::default(), p);
+            let expected = dense.density(&Textures::default(), p);
+            assert!((found - expected).abs() < 2e-4, "{p}: {found} {expected}");
+            inside += usize::from(found > 0.0);
+        }
+        assert!(inside > 10_000);
+    }
+
+    #[test]
+    fn no_density_is_above_its_bound() {
+        let turned = VdbMap::Affine([[0.3, 0.4, 0.0], [-0.4, 0.3, 0.1], [0.0, 0.2, -0.5]], [1.0, -2.0, 0.5]);
+        for (size, map) in
+            [([21, 17, 30], VdbMap::Uniform(0.1)), ([300, 2, 3], turned), ([16, 9, 20], turned)]
+        {
+            let medium = medium(grid(size, [-7, 1, 130], map)).unwrap();
+            let bounds = medium.bounds().unwrap();
+            let mut met = 0;
+            for i in 0..2000 {
+                let number = Stream::new(8, [i, 1], 0);
+                let u = |k| number.uniform(k);
+                let d = warp::uniform_sphere(Vec2::new(u(0), u(1)));
+                let middle = bounds.min + Vec3::new(u(2), u(3), u(4)) * bounds.extent();
+                let ray = Ray::new(middle - 80.0 * d, d);
+                for m in medium.majorants(&ray) {
+                    met += 1;
+                    for k in 0..8 {
+                        let p = ray.at(m.t_min + (k as f32 + 0.5) / 8.0 * (m.t_max - m.t_min));
+                        let density = medium.density(&Textures::default(), p);
+                        assert!(density <= m.density * 1.001 + 1e-4, "{size:?} {p}: {density} {m:?}");
+                        assert!(bounds.padded(1e-4).contains(p), "{p}");
+                    }
+                }
+            }
+            assert!(met > 100, "{met}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_density_is_refused() {
+        for value in [-1.0, f32::NAN, f32::INFINITY] {
+            let mut grid = grid([9, 9, 9], [0; 3], VdbMap::Uniform(1.0));
+            grid.set([8, 2, 1], [value; 3]);
+            let error = medium(grid).err();
+            assert!(matches!(error, Some(GridError::Voxel { voxel: [8, 2, 1], .. })), "{error:?}");
+            let mut tile = VdbGrid::new("d", VdbKind::Float, VdbMap::Uniform(1.0));
+            tile.tile(7, [0; 3], [value; 3], true);
+            assert!(medium(tile).is_err());
+        }
+    }
+}
