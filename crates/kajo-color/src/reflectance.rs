@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::tabulated::Tabulated;
+use crate::tabulated::{Outside, Tabulated};
 use crate::uplift::Uplift;
 use crate::{Spectrum, Wavelengths, illuminant, observer, sensor};
 
@@ -86,6 +86,13 @@ pub struct Unbounded {
     shape: Shape,
 }
 
+/// The first wavelength of [`Unbounded::from_each`]'s table in nm.
+const TABLE_START: f64 = 360.0;
+/// The distance of its wavelengths in nm.
+const TABLE_STEP: f64 = 5.0;
+/// How many it has.
+const TABLE_LEN: usize = 95;
+
 impl Unbounded {
     /// The quantity whose three values are `rgb`. Components below zero, or not numbers, are zero.
     ///
@@ -108,6 +115,25 @@ impl Unbounded {
         let bounded = table.map(non_negative);
         let rgb = rgb_under_d65(&bounded).map(non_negative);
         Unbounded { rgb, scale: 1.0, shape: Shape::Table(Arc::new(bounded)) }
+    }
+
+    /// What `f` makes of a reflectance and a quantity: of their three values, and by wavelength in a table with a step of 5 nm.
+    /// What is negative, or no finite number, becomes zero.
+    pub fn from_each(
+        reflectance: &Reflectance,
+        quantity: &Unbounded,
+        f: impl Fn(f32, f32) -> f32,
+    ) -> Unbounded {
+        let f = |r: f32, q: f32| Some(f(r, q)).filter(|v| v.is_finite()).map_or(0.0, non_negative);
+        let rgb = [0, 1, 2].map(|i| f(reflectance.rgb[i], quantity.rgb[i]));
+        let values: Vec<f64> = (0..TABLE_LEN)
+            .map(|i| {
+                let nm = [(TABLE_START + TABLE_STEP * i as f64) as f32; 4];
+                f64::from(f(reflectance.shape.at(nm)[0], quantity.shape.at(nm)[0] * quantity.scale))
+            })
+            .collect();
+        let table = Tabulated::regular(TABLE_START, TABLE_STEP, &values, Outside::Clamp);
+        Unbounded { rgb, scale: 1.0, shape: Shape::Table(Arc::new(table)) }
     }
 
     /// The quantity in the lanes of a path.
@@ -158,7 +184,6 @@ fn clamped(rgb: [f32; 3]) -> ([f32; 3], bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tabulated::Outside;
 
     #[test]
     fn a_colour_is_itself_in_rgb_mode() {
@@ -181,6 +206,23 @@ mod tests {
             let lanes = Unbounded::from_rgb([odd, 0.0, 0.0]).at(&Wavelengths::sample(0.7));
             assert!((0..4).all(|i| lanes[i] >= 0.0), "{odd}: {lanes:?}");
         }
+    }
+
+    #[test]
+    fn what_is_made_of_two_is_made_at_each_wavelength() {
+        let (color, rate) = (Reflectance::from_rgb([0.9, 0.4, 0.2]), Unbounded::from_rgb([1.0, 5.0, 10.0]));
+        let product = Unbounded::from_each(&color, &rate, |r, q| r * q);
+        let exact = |lambda: &Wavelengths| color.at(lambda) * rate.at(lambda);
+        assert_eq!(product.at(&Wavelengths::RGB), exact(&Wavelengths::RGB));
+        for i in 0..20 {
+            let lambda = Wavelengths::sample((i as f32 + 0.5) / 20.0);
+            let (a, b) = (product.at(&lambda), exact(&lambda));
+            for lane in 0..4 {
+                assert!((a[lane] - b[lane]).abs() < 2e-3 * b[lane], "{a:?} {b:?}");
+            }
+        }
+        let odd = Unbounded::from_each(&color, &rate, |r, _| if r > 0.5 { f32::INFINITY } else { -1.0 });
+        assert_eq!(odd.rgb(), [0.0; 3]);
     }
 
     #[test]

@@ -187,6 +187,7 @@ impl<'s> Bsdf<'s> {
             Bsdf::Principled(layers) => {
                 layers.has_diffuse().then(|| Bsdf::Principled(layers.bumped(DiffuseNormal::above(n, wo))))
             }
+            Bsdf::Subsurface(layers) => Some(Bsdf::Subsurface(layers.bumped(DiffuseNormal::new(n)))),
             Bsdf::BumpedDiffuse(_)
             | Bsdf::Conductor(_)
             | Bsdf::Dielectric(_)

@@ -34,6 +34,7 @@ mod oren_nayar;
 mod phong;
 mod phong_lobes;
 mod principled;
+mod subsurface;
 mod thin;
 
 pub use btf::BtfLobe;
@@ -47,6 +48,7 @@ pub use oren_nayar::OrenNayar;
 pub use phong::{Highlight, Phong};
 pub use phong_lobes::PhongLobes;
 pub use principled::{Base, Principled, Specular};
+pub use subsurface::Subsurface;
 pub(crate) use thin::POLISHED;
 pub use thin::ThinDielectric;
 
@@ -72,6 +74,8 @@ pub enum Bsdf<'s> {
     Phong(PhongLobes),
     /// Layers of coat and fuzz on a metal, a diffuse base or a glass.
     Principled(Principled),
+    /// Layers of coat and fuzz on a body that light enters.
+    Subsurface(Subsurface),
     /// A texel of a bidirectional texture function.
     Btf(BtfLobe<'s>),
     /// A measured BRDF.
@@ -156,6 +160,7 @@ impl Bsdf<'_> {
             Bsdf::Dielectric(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Phong(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Principled(lobe) => lobe.eval(wo, wi, mode),
+            Bsdf::Subsurface(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::ThinDielectric(lobe) => lobe.eval(wo, wi),
             Bsdf::Btf(lobe) => lobe.eval(wo, wi, mode),
             Bsdf::Measured(lobe) => lobe.eval(wo, wi, mode),
@@ -177,6 +182,7 @@ impl Bsdf<'_> {
             Bsdf::Dielectric(lobe) => lobe.pdf(wo, wi),
             Bsdf::Phong(lobe) => lobe.pdf(wo, wi),
             Bsdf::Principled(lobe) => lobe.pdf(wo, wi),
+            Bsdf::Subsurface(lobe) => lobe.pdf(wo, wi),
             Bsdf::ThinDielectric(lobe) => lobe.pdf(wo, wi),
             Bsdf::Btf(lobe) => lobe.pdf(wo, wi),
             Bsdf::Measured(lobe) => lobe.pdf(wo, wi),
@@ -209,6 +215,7 @@ impl Bsdf<'_> {
             Bsdf::ThinDielectric(lobe) => lobe.sample(wo, u, uc),
             Bsdf::Phong(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Principled(lobe) => lobe.sample(wo, u, uc, mode),
+            Bsdf::Subsurface(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Btf(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Measured(lobe) => lobe.sample(wo, u, uc, mode),
             Bsdf::Null => BsdfSample::new(-wo, Spectrum::WHITE, 1.0, ScatterKind::STRAIGHT),
@@ -240,6 +247,7 @@ impl Bsdf<'_> {
             | Bsdf::OrenNayar(_)
             | Bsdf::BumpedDiffuse(_)
             | Bsdf::Principled(_)
+            | Bsdf::Subsurface(_)
             | Bsdf::Btf(_)
             | Bsdf::Measured(_) => false,
             Bsdf::Conductor(lobe) => lobe.is_smooth(),
@@ -258,6 +266,7 @@ impl Bsdf<'_> {
             Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::BumpedDiffuse(_) => true,
             Bsdf::Phong(lobe) => lobe.is_broad(),
             Bsdf::Principled(lobe) => lobe.base == Base::Diffuse,
+            Bsdf::Subsurface(_) => true,
             _ => false,
         }
     }
@@ -271,6 +280,7 @@ impl Bsdf<'_> {
             Bsdf::Dielectric(lobe) => !lobe.is_smooth(),
             Bsdf::ThinDielectric(lobe) => !lobe.is_polished(),
             Bsdf::Principled(lobe) => lobe.base == Base::Glass,
+            Bsdf::Subsurface(_) => true,
             _ => false,
         }
     }
@@ -288,6 +298,7 @@ impl Bsdf<'_> {
             Bsdf::ThinDielectric(lobe) => lobe.albedo(wo),
             Bsdf::Phong(lobe) => lobe.albedo(),
             Bsdf::Principled(lobe) => lobe.albedo(wo),
+            Bsdf::Subsurface(lobe) => lobe.albedo(wo),
             Bsdf::Btf(lobe) => lobe.albedo(wo),
             Bsdf::Measured(lobe) => lobe.albedo(wo),
             Bsdf::Null => Spectrum::WHITE,

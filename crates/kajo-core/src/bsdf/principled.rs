@@ -15,7 +15,8 @@
 //! The price is that the formula is not symmetric. Paths from the lights use it with both directions
 //! exchanged, so that they find the same picture.
 //!
-//! Left out: the darkening of a base by light that the coat throws back to it, thin films, subsurface scattering.
+//! Left out: the darkening of a base by light that the coat throws back to it, and thin films. A body that light enters in the place
+//! of the diffuse base is a [`Subsurface`](super::Subsurface).
 //! From inside a glass base there is neither fuzz nor coat.
 
 use kajo_color::Spectrum;
@@ -230,11 +231,30 @@ impl Principled {
         if self.coat <= 0.0 || v.z <= 0.0 || self.coat_color == Spectrum::WHITE {
             return Spectrum::WHITE;
         }
-        let inverse_cos = |w: Vec3| {
-            let sin2 = (1.0 - w.z * w.z).max(0.0) / (self.coat_eta * self.coat_eta);
-            1.0 / (1.0 - sin2).max(1e-4).sqrt()
-        };
-        let length = 0.5 * (inverse_cos(wo) + inverse_cos(wi));
+        self.tinted_by_coat(0.5 * (self.inverse_cos_in_coat(wo) + self.inverse_cos_in_coat(wi)), v)
+    }
+
+    /// Share of light that gets through the layers to a diffuse base, seen from `v` above, the tint of the coat left out.
+    pub(super) fn passed_to_base(&self, v: Vec3) -> f32 {
+        self.seen(v).through * (1.0 - self.gloss_kept(&self.gloss(), v))
+    }
+
+    /// Factor of light that passes the tinted coat once, from or to `v` above; see [`Principled::coat_tint`].
+    pub(super) fn one_way_tint(&self, v: Vec3) -> Spectrum {
+        if self.coat <= 0.0 || self.coat_color == Spectrum::WHITE {
+            return Spectrum::WHITE;
+        }
+        self.tinted_by_coat(0.5 * self.inverse_cos_in_coat(v), v)
+    }
+
+    /// One over the cosine of a direction where it goes through the coat.
+    fn inverse_cos_in_coat(&self, w: Vec3) -> f32 {
+        let sin2 = (1.0 - w.z * w.z).max(0.0) / (self.coat_eta * self.coat_eta);
+        1.0 / (1.0 - sin2).max(1e-4).sqrt()
+    }
+
+    /// The tint of the coat over a length, relative to clear coat, of light that is seen from `v`.
+    fn tinted_by_coat(&self, length: f32, v: Vec3) -> Spectrum {
         let passed = self.coat * (1.0 - self.coat_lobe().albedo(v));
         let bare = 1.0 - self.coat;
         if passed + bare <= 0.0 {

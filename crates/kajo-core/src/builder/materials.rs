@@ -202,6 +202,8 @@ impl SceneBuilder {
             || materials.any(|id| appearance.materials.wants_footprint(id));
         appearance.has_passages = appearance.materials.ids().any(|id| appearance.has_passages(id));
         appearance.has_media = appearance.materials.ids().any(|id| appearance.has_medium(id));
+        appearance.has_subsurface =
+            appearance.media.ids().any(|id| appearance.media.coefficients(id).is_subsurface());
         appearance.bends_light = appearance.materials.ids().any(|id| appearance.bends_light(id));
         appearance.has_orientations = appearance.materials.ids().any(|id| appearance.is_oriented(id));
     }

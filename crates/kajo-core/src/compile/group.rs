@@ -243,7 +243,7 @@ impl Compiler<'_> {
         } else if (bends || appearance.has_medium(material)) && !shapes.is_solid(shape) {
             let error = Diagnostic::error("a medium fills closed shapes, and this one is open");
             let error = error.label(by.keyword_span(), "has no inside");
-            let help = "close it, or give it a material without a `medium`";
+            let help = "close it, or give it a material without `medium` and `subsurface`";
             self.diagnostics.push(error.help(help));
         }
     }

@@ -255,3 +255,76 @@ fn a_medium_in_an_open_shape_is_refused() {
     let (_, said) = compiled("Materials { Glass g { medium milk } }");
     assert_eq!(said, ["there is no medium named `milk`"]);
 }
+
+#[test]
+fn a_body_below_a_surface_is_filled_with_its_colour() {
+    let of = |keys: &str, shape: &str| {
+        compiled(&format!(
+            "Textures {{ Clouds share {{ }} Ramp paint {{ texture share  stop 0 0.3 0.3 0.3  stop 1 0.9 0.5 0.5 }} }}
+             Materials {{ Principled b {{ {keys} }} }} Group {{ MaterialIndex b {shape} }}"
+        ))
+    };
+    let ball = "Sphere { center 0 0 0 radius 1 }";
+    let sigma_t = |keys: &str| {
+        let (scene, said) = of(keys, ball);
+        let scene = scene.filter(|_| said.is_empty()).unwrap_or_else(|| panic!("{keys}: {said:?}"));
+        assert!(scene.appearance.has_subsurface && scene.has_media() && scene.geometry.transmits);
+        let media = &scene.appearance.media;
+        let made = media.coefficients(media.ids().next().expect("a medium"));
+        let rgb = Wavelengths::RGB;
+        let [a, s] = [made.sigma_a(&rgb), made.sigma_s(&rgb)];
+        ((a + s).to_rgb().map(|v| (v * 1e3).round() / 1e3), a.to_rgb()[1] == 0.0, made.phase().mean_cosine())
+    };
+    assert_eq!(sigma_t("subsurface 1"), ([20.0, 100.0, 200.0], false, 0.0));
+    assert_eq!(
+        sigma_t(
+            "color 0.5 1 0.5  subsurface 0.5  subsurfaceRadius 2  subsurfaceScale 0.25  subsurfaceAnisotropy 0.7"
+        ),
+        ([2.0; 3], true, 0.7)
+    );
+    // A colour that differs from place to place is one of the surface.
+    assert!(sigma_t("color paint  subsurface 1").1);
+    assert!(sigma_t("subsurface share  metalness share  priority 3").0[0] > 0.0);
+
+    let without = of("subsurface 0  color 0.5 0.5 0.5", ball).0.expect("a scene");
+    assert!(!without.has_media() && !without.geometry.transmits && !without.appearance.has_subsurface);
+
+    for (keys, shape, message) in [
+        (
+            "subsurface 1",
+            "Disk { center 0 0 0 normal 0 1 0 radius 1 }",
+            "a medium fills closed shapes, and this one is open",
+        ),
+        (
+            "subsurface 1 transmission 0.5",
+            ball,
+            "`transmission` cannot stand beside `subsurface`: a body has one inside",
+        ),
+        ("subsurface 1 opacity 0.5", ball, "light passes this material anyway, so that it can have no holes"),
+        ("subsurface 1 subsurfaceRadius 1 0 1", ball, "`subsurfaceRadius` is more than 0"),
+        (
+            "subsurface 1 subsurfaceRadius 1e-30 subsurfaceScale 1e-30",
+            ball,
+            "`subsurfaceRadius` times `subsurfaceScale` is out of range",
+        ),
+    ] {
+        let (scene, said) = of(keys, shape);
+        assert!(scene.is_none() && said == [message], "{keys}: {said:?}");
+    }
+    for keys in ["subsurface 2", "subsurface 1 subsurfaceAnisotropy 1", "subsurface 1 subsurfaceScale 0"] {
+        let (scene, said) = of(keys, ball);
+        assert!(scene.is_none() && said.len() == 1, "{keys}: {said:?}");
+    }
+    for (keys, message) in [
+        ("subsurfaceScale 3", "`subsurfaceScale` has no effect without `subsurface`"),
+        (
+            "subsurface 1 metalness 1",
+            "`subsurface` has no effect with `metalness 1`: light does not enter metal",
+        ),
+        ("subsurface 1 thin on", "`thin` has no effect beside `subsurface`"),
+        ("subsurface 1 diffuseRoughness 1", "`diffuseRoughness` has no effect beside `subsurface`"),
+    ] {
+        let (scene, said) = of(keys, ball);
+        assert!(scene.is_some() && said == [message], "{keys}: {said:?}");
+    }
+}

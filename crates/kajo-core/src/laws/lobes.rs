@@ -6,7 +6,7 @@ use kajo_math::Vec3;
 
 use super::{Census, Draw, Furnace, Who, kinds};
 
-kinds!(Bsdf: Lambert, OrenNayar, BumpedDiffuse, Conductor, Dielectric, ThinDielectric, Phong, Principled, Btf, Measured, Null);
+kinds!(Bsdf: Lambert, OrenNayar, BumpedDiffuse, Conductor, Dielectric, ThinDielectric, Phong, Principled, Subsurface, Btf, Measured, Null);
 
 fn who(kind: &'static str, name: String) -> Who {
     Who { family: "lobe", kind, name }

@@ -13,10 +13,11 @@ use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
 use crate::material::{
     Appearance, Blend, BtfMaterial, BtfSettings, Embossed, Glass, GlassSettings, Grain, LayeredMaterial,
     Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, Perforated, PhongMaterial, Relief,
-    ShadingPoint, Specular, Substance,
+    ShadingPoint, Specular, Substance, SubsurfaceBody,
 };
 use crate::measured::btf::tests::cloth_texture;
 use crate::measured::{MeasuredBrdf, merl};
+use crate::medium::{Coefficients, HomogeneousMedium, Phase};
 use crate::texture::{
     Channel, Checker, ColorTexture, Encoding, FloatTexture, Noise, Picture, PictureChannel, PictureMap,
     SurfaceUv, TextureContext, TextureFootprint,
@@ -102,6 +103,7 @@ fn white_layers() -> Layers {
         fuzz_roughness: 0.5.into(),
         priority: 0,
         medium: None,
+        subsurface: None,
     }
 }
 
@@ -127,6 +129,14 @@ fn made() -> Samples {
     all.add("pane", true, glass(0.0, Some(0.1)));
     all.add("frosted pane", true, glass(0.5, Some(0.0)));
     all.add("layers", true, LayeredMaterial::from(white_layers()));
+    let milk = Coefficients::subsurface(&white(), [0.1; 3], Phase::Isotropic).expect("a medium");
+    let milk = HomogeneousMedium { coefficients: milk };
+    let medium = milk.store(&mut all.appearance.media).expect("there is room");
+    let body = SubsurfaceBody { share: 0.8.into(), medium, is_tinted: false };
+    let wax = || Layers { subsurface: Some(body), ..white_layers() };
+    all.add("wax below layers", true, LayeredMaterial::from(wax()));
+    let painted = SubsurfaceBody { is_tinted: true, ..body };
+    all.add("painted wax", true, LayeredMaterial::from(Layers { subsurface: Some(painted), ..wax() }));
     let thin = || Layers { thin: true, ..white_layers() };
     all.add("layers with a frosted pane", true, LayeredMaterial::from(thin()));
     let polished = Layers { roughness: 0.1.into(), ..thin() };

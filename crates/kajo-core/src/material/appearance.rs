@@ -30,6 +30,9 @@ pub struct Appearance {
     pub has_filters: bool,
     /// Whether a body of any material is filled with a medium.
     pub has_media: bool,
+    /// Whether a body of any material is filled with what light is scattered in many times; see
+    /// [`crate::medium::Coefficients::is_subsurface`].
+    pub has_subsurface: bool,
     /// Whether a body of any material bends light, so that paths within have to be followed along curves.
     pub bends_light: bool,
     pub(crate) numbers: HashMap<MaterialId, u32>,

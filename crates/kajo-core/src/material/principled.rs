@@ -3,7 +3,8 @@
 //! The parameters are the core of OpenPBR 1.1; [`Principled`](crate::bsdf::Principled) has the equations. At each
 //! hit the base is a metal with probability `metalness`, else glass with probability `transmission`, else diffuse base.
 //! Roughnesses are as they look: facets have their squares. Where the surface is thin, its glass is a pane that
-//! light crosses without being bent, or a frosted one, and of which `color` is what one crossing lets through.
+//! light crosses without being bent, or a frosted one, and of which `color` is what one crossing lets through. A share of the
+//! diffuse base may be a body instead, [`SubsurfaceBody`], which light enters and is scattered in.
 //!
 //! Scene: `Principled { color 0.8 0.1 0.05  roughness 0.3  coat 1 }`
 
@@ -14,7 +15,8 @@ use super::{
     Appearance, Grain, Interior, Material, Orientation, PhongMaterial, ShadingPoint, may_be_polished,
 };
 use crate::bsdf::{
-    self, Base, Bsdf, DiffuseNormal, Microfacets, Phong, Principled, ThinDielectric, microfacet::Shape,
+    self, Base, Bsdf, DiffuseNormal, Microfacets, Phong, Principled, Subsurface, ThinDielectric,
+    microfacet::Shape,
 };
 use crate::medium::MediumId;
 use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
@@ -76,6 +78,20 @@ impl Specular {
     }
 }
 
+/// What is below a surface that light enters in the place of its diffuse base.
+///
+/// Its medium decides the colour of the body; [`crate::medium::Coefficients::subsurface`] has the one of a given colour. Where the colour
+/// differs from place to place the medium is white, and light takes the square root of the colour on its way in and out.
+#[derive(Clone, Copy, Debug)]
+pub struct SubsurfaceBody {
+    /// Share of the body in the diffuse base.
+    pub share: FloatTexture,
+    /// What the body is filled with.
+    pub medium: MediumId,
+    /// Whether the surface has the colour in the place of the medium.
+    pub is_tinted: bool,
+}
+
 /// What a layered surface is like; shares and roughnesses are in [0, 1], colours in linear RGB.
 #[derive(Clone, Debug)]
 pub struct Layers {
@@ -119,6 +135,8 @@ pub struct Layers {
     pub priority: i32,
     /// What scatters light inside of the glass.
     pub medium: Option<MediumId>,
+    /// What light enters in the place of the diffuse base. There is no other inside then: neither `transmission` nor `medium` count.
+    pub subsurface: Option<SubsurfaceBody>,
 }
 
 impl Default for Layers {
@@ -146,6 +164,7 @@ impl Default for Layers {
             fuzz_roughness: 0.5.into(),
             priority: 0,
             medium: None,
+            subsurface: None,
         }
     }
 }
@@ -204,6 +223,7 @@ impl Layers {
             || self.numbers().into_iter().any(FloatTexture::varies)
             || self.specular.varies()
             || self.grain.varies()
+            || self.subsurface.is_some_and(|body| body.share.varies())
     }
 
     fn classic(&self, place: TextureEvaluator<'_>) -> Phong {
@@ -228,6 +248,38 @@ impl Layers {
         self.grain.facets(Shape::Ggx, squared(self.roughness, place), place)
     }
 
+    /// The layers over the body.
+    fn over_body(
+        &self,
+        body: SubsurfaceBody,
+        place: TextureEvaluator<'_>,
+        at: &ShadingPoint<'_>,
+    ) -> Subsurface {
+        let wavelengths = at.wavelengths;
+        let facets = self.facets(place);
+        let color = self.color_at(place, wavelengths);
+        let specular = match self.specular.at(place, wavelengths) {
+            bsdf::Specular::Factor(color) => color,
+            bsdf::Specular::F0 { factor, weight, .. } => (factor * weight).clamp(0.0, 1.0),
+        };
+        Subsurface {
+            color,
+            share: body.share.at(place),
+            is_tinted: body.is_tinted,
+            specular,
+            alpha: Vec2::new(facets.alpha_x, facets.alpha_y),
+            eta: (self.eta.at(place) / at.eta_outside).max(1.0),
+            coat: self.coat.at(place),
+            coat_color: self.coat_color.at(place, wavelengths),
+            coat_alpha: squared(self.coat_roughness, place),
+            coat_eta: (self.coat_eta.at(place) / at.eta_outside).max(1.0),
+            fuzz: self.fuzz.at(place),
+            fuzz_color: self.fuzz_color.at(place, wavelengths),
+            fuzz_roughness: self.fuzz_roughness.at(place),
+            diffuse_normal: DiffuseNormal::SAME,
+        }
+    }
+
     fn color_at(&self, place: TextureEvaluator<'_>, wavelengths: &Wavelengths) -> Spectrum {
         place.at.tinted(self.color.at(place, wavelengths), wavelengths)
     }
@@ -248,9 +300,9 @@ impl Layers {
         ThinDielectric { eta: self.eta.at(place) / at.eta_outside, optical_depth, microfacets }
     }
 
-    /// Whether light enters the material anywhere.
+    /// Whether light enters its glass anywhere.
     fn transmit(&self) -> bool {
-        self.metalness.range()[0] < 1.0 && self.transmission.range()[1] > 0.0
+        self.subsurface.is_none() && self.metalness.range()[0] < 1.0 && self.transmission.range()[1] > 0.0
     }
 }
 
@@ -274,6 +326,7 @@ impl Material for LayeredMaterial {
         let mut textures: Vec<AnyTexture<'_>> = numbers.map(AnyTexture::from).collect();
         textures.extend(layers.colors().map(AnyTexture::from));
         textures.extend(layers.specular.textures().0);
+        textures.extend(layers.subsurface.map(|body| AnyTexture::from(body.share)));
         textures.extend(self.look.iter().flat_map(|look| look.textures()));
         textures
     }
@@ -307,13 +360,16 @@ impl Material for LayeredMaterial {
     }
 
     fn may_transmit(&self, _appearance: &Appearance) -> bool {
-        self.layers.transmit()
+        self.layers.transmit() || self.layers.subsurface.is_some()
     }
 
     fn bsdf<'a>(&'a self, appearance: &'a Appearance, at: &ShadingPoint<'_>) -> Bsdf<'a> {
         let layers = &self.layers;
         let (place, wavelengths) = (appearance.textures.evaluator(&at.context), at.wavelengths);
         let metal = layers.metalness.at(place);
+        if let Some(body) = layers.subsurface.filter(|_| at.u >= metal) {
+            return Bsdf::Subsurface(layers.over_body(body, place, at));
+        }
         let glass = metal + (1.0 - metal) * layers.transmission.at(place);
         let base = match at.u {
             u if u < metal => Base::Metal,
@@ -361,7 +417,11 @@ impl Material for LayeredMaterial {
     }
 
     fn interior(&self, appearance: &Appearance, at: &ShadingPoint<'_>) -> Option<Interior> {
-        let Layers { priority, thin, medium, ref dispersion, .. } = self.layers;
+        let Layers { priority, thin, medium, ref dispersion, subsurface, .. } = self.layers;
+        if let Some(body) = subsurface {
+            let (absorption, medium) = (Spectrum::BLACK, Some(body.medium));
+            return Some(Interior { eta: None, is_dispersive: false, absorption, priority, medium });
+        }
         (self.layers.transmit() && !thin).then(|| Interior {
             eta: Some(self.layers.glass_eta(appearance.textures.evaluator(&at.context), at.wavelengths)),
             is_dispersive: dispersion.as_ref().is_some_and(Dispersion::is_dispersive),
@@ -372,6 +432,7 @@ impl Material for LayeredMaterial {
     }
 
     fn medium(&self) -> Option<MediumId> {
-        self.layers.medium.filter(|_| self.layers.transmit() && !self.layers.thin)
+        let of_glass = self.layers.medium.filter(|_| self.layers.transmit() && !self.layers.thin);
+        self.layers.subsurface.map(|body| body.medium).or(of_glass)
     }
 }

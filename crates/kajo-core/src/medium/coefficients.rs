@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use kajo_color::{Emission, Spectrum, Unbounded, Wavelengths};
+use kajo_color::{Emission, Reflectance, Spectrum, Unbounded, Wavelengths};
 
-use super::{Heat, Phase};
+use super::{Heat, Phase, albedo_of};
 
 /// Absorption, scattering and the phase function of a medium, all per unit of density.
 ///
@@ -21,6 +21,7 @@ pub struct Coefficients {
     phase: Phase,
     emission: Option<Arc<Emission>>,
     heat: Option<Arc<Heat>>,
+    is_subsurface: bool,
 }
 
 /// Why there are no such coefficients.
@@ -50,7 +51,15 @@ impl Coefficients {
         }
         let scatters = sigma_s.iter().any(|&v| v > 0.0);
         let [sigma_a, sigma_s] = [sigma_a, sigma_s].map(Unbounded::from_rgb);
-        Ok(Coefficients { sigma_a, sigma_s, scatters, phase, emission: None, heat: None })
+        Ok(Coefficients {
+            sigma_a,
+            sigma_s,
+            scatters,
+            phase,
+            emission: None,
+            heat: None,
+            is_subsurface: false,
+        })
     }
 
     /// Of a clear medium.
@@ -63,6 +72,7 @@ impl Coefficients {
             phase: Phase::Isotropic,
             emission: None,
             heat: None,
+            is_subsurface: false,
         }
     }
 
@@ -81,6 +91,45 @@ impl Coefficients {
         let sigma_s = [0, 1, 2].map(|i| sigma_t[i] * albedo[i]);
         let sigma_a = [0, 1, 2].map(|i| sigma_t[i] * (1.0 - albedo[i]));
         Coefficients::new(sigma_a, sigma_s, phase)
+    }
+
+    /// What is below the surface of a body that looks as if it had a diffuse surface: a half space of it that light enters
+    /// and leaves without reflection gives back the share `color` of light that comes from all around; see [`super::albedo_of`].
+    ///
+    /// * `color`: by wavelength
+    /// * `radius`: mean free path, `1 / sigma_t`, in linear RGB
+    ///
+    /// # Errors
+    /// [`CoefficientsError::Coefficient`] for a radius that is not above 0.
+    pub fn subsurface(
+        color: &Reflectance,
+        radius: [f32; 3],
+        phase: Phase,
+    ) -> Result<Coefficients, CoefficientsError> {
+        let sigma_t = radius.map(f32::recip);
+        if !sigma_t.iter().all(|v| v.is_finite() && *v > 0.0) {
+            return Err(CoefficientsError::Coefficient);
+        }
+        let sigma_t = Unbounded::from_rgb(sigma_t);
+        let albedo = |color| albedo_of(color, phase.mean_cosine());
+        let sigma_a = Unbounded::from_each(color, &sigma_t, |color, sigma_t| sigma_t * (1.0 - albedo(color)));
+        let sigma_s = Unbounded::from_each(color, &sigma_t, |color, sigma_t| sigma_t * albedo(color));
+        let scatters = color.rgb().iter().any(|&v| v > 0.0);
+        Ok(Coefficients {
+            sigma_a,
+            sigma_s,
+            scatters,
+            phase,
+            emission: None,
+            heat: None,
+            is_subsurface: true,
+        })
+    }
+
+    /// Whether it was made by [`Coefficients::subsurface`], so that light is scattered many times on its way out again.
+    #[inline]
+    pub fn is_subsurface(&self) -> bool {
+        self.is_subsurface
     }
 
     /// Absorption per unit length.
@@ -160,6 +209,28 @@ mod tests {
         assert!(made.scatters());
         let clear = Coefficients::new([1.0; 3], [0.0; 3], Phase::Isotropic).unwrap();
         assert!(!clear.scatters());
+    }
+
+    #[test]
+    fn a_body_below_a_surface_is_inverted_by_wavelength() {
+        let color = Reflectance::from_rgb([0.8, 0.5, 0.0]);
+        let made = Coefficients::subsurface(&color, [1.0, 0.5, 0.1], Phase::Isotropic).unwrap();
+        assert!(made.is_subsurface() && made.scatters());
+        for lambda in [Wavelengths::RGB, Wavelengths::sample(0.3), Wavelengths::sample(0.8)] {
+            let [sigma_a, sigma_s] = [made.sigma_a(&lambda), made.sigma_s(&lambda)];
+            let (albedo, color) = (sigma_s.safe_div(sigma_s + sigma_a), color.at(&lambda));
+            for lane in 0..3 {
+                let exact = albedo_of(color[lane], 0.0);
+                assert!((albedo[lane] - exact).abs() < 3e-3, "{lambda:?} {lane}: {} {exact}", albedo[lane]);
+            }
+        }
+        let rgb = Wavelengths::RGB;
+        let sigma_t = (made.sigma_a(&rgb) + made.sigma_s(&rgb)).to_rgb();
+        assert!((0..3).all(|i| (sigma_t[i] / [1.0, 2.0, 10.0][i] - 1.0).abs() < 1e-6), "{sigma_t:?}");
+        for radius in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-39] {
+            let made = Coefficients::subsurface(&color, [1.0, radius, 1.0], Phase::Isotropic);
+            assert_eq!(made.err(), Some(CoefficientsError::Coefficient), "{radius}");
+        }
     }
 
     #[test]

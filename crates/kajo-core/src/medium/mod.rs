@@ -25,6 +25,7 @@ mod majorant_grid;
 pub mod phase;
 mod placed_voxels;
 mod sparse;
+mod subsurface;
 mod textured;
 mod wormhole;
 
@@ -41,6 +42,7 @@ pub use majorant_grid::{GridWalk, Majorant, MajorantGrid};
 pub use phase::{Phase, PhaseSample};
 pub use placed_voxels::{PlacedVoxels, affine};
 pub use sparse::SparseGridMedium;
+pub use subsurface::albedo_of;
 pub use textured::TextureMedium;
 pub use wormhole::{WormholeError, WormholeMedium, WormholeShape};
 

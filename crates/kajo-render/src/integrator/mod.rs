@@ -27,8 +27,8 @@ pub use irradiance::{IrradianceCaching, IrradianceSettings};
 pub use metropolis::{Metropolis, MetropolisSettings};
 pub use path::{Path, PathSettings};
 pub use photon::{PhotonMapping, PhotonSettings};
-pub(crate) use spec::{BOUNCES_IN_MEDIA, without_curves, without_media};
 pub use spec::{Defaults, IntegratorSpec, Prepare, Quantity, SettingsContext};
+pub(crate) use spec::{bounces_from_both_ends, bounces_of_paths, without_curves, without_media};
 pub use vcm::{VertexMerging, VertexMergingSettings};
 
 use kajo_core::camera::Camera;

@@ -177,4 +177,6 @@ mod media_tests;
 #[cfg(test)]
 mod relativistic_tests;
 #[cfg(test)]
+mod subsurface_tests;
+#[cfg(test)]
 mod tests;

@@ -78,9 +78,31 @@ pub struct SettingsContext<'a> {
     pub uv: bool,
 }
 
+/// How often light is scattered by integrators that follow paths from the camera in a scene, unless something else is said: light leaves a
+/// dense body after hundreds of collisions, and some of it after thousands.
+///
+/// * `without`: in scenes without such bodies
+pub fn bounces_of_paths(scene: &Scene, without: u32) -> u32 {
+    if scene.appearance.has_subsurface { 15_000 } else { without }
+}
+
 /// How often light is scattered in a scene with participating media by integrators that join paths from both ends, or look photons up,
 /// unless something else is said.
-pub const BOUNCES_IN_MEDIA: u32 = 64;
+const BOUNCES_IN_MEDIA: u32 = 64;
+
+/// The same where bodies are filled with what light is scattered in many times.
+const BOUNCES_IN_BODIES: u32 = 256;
+
+/// How often light is scattered by such integrators in a scene, unless something else is said.
+///
+/// * `without`: in scenes without media
+pub fn bounces_from_both_ends(scene: &Scene, without: u32) -> u32 {
+    match scene.has_media() {
+        true if scene.appearance.has_subsurface => BOUNCES_IN_BODIES,
+        true => BOUNCES_IN_MEDIA,
+        false => without,
+    }
+}
 
 /// What integrators say that know nothing of participating media.
 pub const WITHOUT_MEDIA: &str = "media are left out: what scatters or absorbs light between surfaces is carried by the \

@@ -68,6 +68,12 @@ fn layered(base: Base, alpha: f32, coat: f32, fuzz: f32) -> Bsdf<'static> {
     Bsdf::Principled(Principled { base, color, alpha, coat, coat_alpha, fuzz, ..Principled::default() })
 }
 
+/// White layers over a body.
+fn skin(share: f32, alpha: f32, coat: f32, fuzz: f32) -> Subsurface {
+    let (color, alpha, coat_alpha) = (Spectrum::WHITE, Vec2::splat(alpha), (0.3 * alpha).max(0.05));
+    Subsurface { color, share, alpha, coat, coat_alpha, fuzz, ..Subsurface::default() }
+}
+
 /// A white diffuse base below a gloss whose facets reflect a factor of what they do at normal incidence.
 fn glossy(alpha: f32, eta: f32, factor: f32, weight: f32) -> Bsdf<'static> {
     let specular = Specular::F0 { factor: Spectrum::grey(factor), largest: factor, weight };
@@ -261,6 +267,34 @@ pub fn families() -> Vec<Family> {
         Family { name: "peach", lobe: |a| layered(Base::Diffuse, a, 0.0, 0.9), lossless: true, ..PLAIN },
         Family { name: "dusty coat", lobe: |a| layered(Base::Diffuse, a, 1.0, 0.5), lossless: true, ..PLAIN },
         Family { name: "coated glass", lobe: |a| layered(Base::Glass, a, 0.5, 0.3), lossless: true, ..PLAIN },
+        Family { name: "jade", lobe: |a| Bsdf::Subsurface(skin(1.0, a, 0.0, 0.0)), lossless: true, ..PLAIN },
+        Family {
+            name: "half of wax under a coat",
+            lobe: |a| Bsdf::Subsurface(skin(0.5, a, 0.7, 0.0)),
+            lossless: true,
+            ..PLAIN
+        },
+        Family { name: "skin", lobe: |a| Bsdf::Subsurface(skin(0.9, a, 0.4, 0.6)), lossless: true, ..PLAIN },
+        Family {
+            name: "body below tinted layers",
+            lobe: |a| {
+                Bsdf::Subsurface(Subsurface {
+                    color: Spectrum::rgb(0.2, 0.5, 0.9),
+                    is_tinted: true,
+                    specular: Spectrum::rgb(1.0, 0.8, 0.6),
+                    coat_color: Spectrum::rgb(0.9, 0.5, 0.3),
+                    fuzz_color: Spectrum::rgb(0.9, 0.3, 0.3),
+                    ..skin(0.7, a, 0.6, 0.4)
+                })
+            },
+            ..PLAIN
+        },
+        Family {
+            name: "body with a relief",
+            lobe: |a| bumped(Bsdf::Subsurface(skin(0.7, a, 0.5, 0.4))),
+            tolerance: 0.1,
+            ..PLAIN
+        },
         Family {
             name: "tinted layers",
             lobe: |a| {

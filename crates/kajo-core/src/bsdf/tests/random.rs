@@ -52,6 +52,25 @@ fn layers() -> impl Strategy<Value = Principled> {
     })
 }
 
+fn body() -> impl Strategy<Value = Subsurface> {
+    (layers(), color(), share(), any::<bool>()).prop_map(|(layers, specular, share, is_tinted)| Subsurface {
+        color: layers.color,
+        share,
+        is_tinted,
+        specular,
+        alpha: layers.alpha,
+        eta: layers.eta,
+        coat: layers.coat,
+        coat_color: layers.coat_color,
+        coat_alpha: layers.coat_alpha,
+        coat_eta: layers.coat_eta,
+        fuzz: layers.fuzz,
+        fuzz_color: layers.fuzz_color,
+        fuzz_roughness: layers.fuzz_roughness,
+        ..Subsurface::default()
+    })
+}
+
 fn direction() -> impl Strategy<Value = Vec3> {
     (0f32..1.0, 0f32..1.0).prop_map(|(x, y)| warp::uniform_sphere(Vec2::new(x, y)))
 }
@@ -63,29 +82,42 @@ proptest! {
         (wo, wi) in (direction(), direction()),
         (u, v, uc) in (0f32..1.0, 0f32..1.0, 0f32..1.0),
     ) {
-        let lobe = Bsdf::Principled(layers);
-        for mode in [Transport::Radiance, Transport::Importance] {
-            let f = lobe.eval(wo, wi, mode);
-            prop_assert!(f.is_finite() && f.to_rgb().iter().all(|&v| v >= 0.0), "{f:?}");
-            let Some(sample) = lobe.sample(wo, Vec2::new(u, v), uc, mode) else { continue };
-            prop_assert!((sample.wi.length() - 1.0).abs() < 1e-4);
-            prop_assert!(sample.weight.is_finite() && sample.pdf > 0.0);
-            if sample.kind.delta {
-                continue;
-            }
-            let pdf = lobe.pdf(wo, sample.wi);
-            prop_assert!((pdf / sample.pdf - 1.0).abs() < 1e-2, "{pdf} {}", sample.pdf);
-            let weight = lobe.eval(wo, sample.wi, mode) * (1.0 / pdf);
-            prop_assert!((weight - sample.weight).map(f32::abs).max_lane() < 1e-2 * weight.max_lane().max(1.0));
-        }
-        let albedo = lobe.albedo(wo);
-        prop_assert!(albedo.to_rgb().iter().all(|v| (0.0..=1.001).contains(v)), "{albedo:?}");
-        let pdf = lobe.pdf(wo, wi);
-        prop_assert!(pdf.is_finite() && pdf >= 0.0);
-        // What leaves to the camera from a light is what leaves to the light from the camera.
-        let (there, back) = (lobe.eval(wo, wi, Transport::Radiance), lobe.eval(wi, wo, Transport::Importance));
-        let (there, back) = (there * wo.z.abs(), back * wi.z.abs());
-        let off = (there - back).map(f32::abs).max_lane();
-        prop_assert!(off <= 1e-5 * there.max_lane().max(1e-3), "{there:?} {back:?}");
+        check(&Bsdf::Principled(layers), (wo, wi), (Vec2::new(u, v), uc))?;
     }
+
+    #[test]
+    fn bodies_below_layers_give_numbers_and_fair_weights(
+        body in body(),
+        (wo, wi) in (direction(), direction()),
+        (u, v, uc) in (0f32..1.0, 0f32..1.0, 0f32..1.0),
+    ) {
+        check(&Bsdf::Subsurface(body), (wo, wi), (Vec2::new(u, v), uc))?;
+    }
+}
+
+fn check(lobe: &Bsdf<'_>, (wo, wi): (Vec3, Vec3), (u, uc): (Vec2, f32)) -> Result<(), TestCaseError> {
+    for mode in [Transport::Radiance, Transport::Importance] {
+        let f = lobe.eval(wo, wi, mode);
+        prop_assert!(f.is_finite() && f.to_rgb().iter().all(|&v| v >= 0.0), "{f:?}");
+        let Some(sample) = lobe.sample(wo, u, uc, mode) else { continue };
+        prop_assert!((sample.wi.length() - 1.0).abs() < 1e-4);
+        prop_assert!(sample.weight.is_finite() && sample.pdf > 0.0);
+        if sample.kind.delta {
+            continue;
+        }
+        let pdf = lobe.pdf(wo, sample.wi);
+        prop_assert!((pdf / sample.pdf - 1.0).abs() < 1e-2, "{pdf} {}", sample.pdf);
+        let weight = lobe.eval(wo, sample.wi, mode) * (1.0 / pdf);
+        prop_assert!((weight - sample.weight).map(f32::abs).max_lane() < 1e-2 * weight.max_lane().max(1.0));
+    }
+    let albedo = lobe.albedo(wo);
+    prop_assert!(albedo.to_rgb().iter().all(|v| (0.0..=1.001).contains(v)), "{albedo:?}");
+    let pdf = lobe.pdf(wo, wi);
+    prop_assert!(pdf.is_finite() && pdf >= 0.0);
+    // What leaves to the camera from a light is what leaves to the light from the camera.
+    let (there, back) = (lobe.eval(wo, wi, Transport::Radiance), lobe.eval(wi, wo, Transport::Importance));
+    let (there, back) = (there * wo.z.abs(), back * wi.z.abs());
+    let off = (there - back).map(f32::abs).max_lane();
+    prop_assert!(off <= 1e-5 * there.max_lane().max(1e-3), "{there:?} {back:?}");
+    Ok(())
 }

@@ -42,7 +42,7 @@ impl Plain<'_> for Albedo {
 
 /// A length that light goes without a collision, one or three; above 0.
 #[derive(Clone, Copy)]
-pub struct FreePath([f32; 3]);
+pub struct FreePath(pub [f32; 3]);
 
 impl Plain<'_> for FreePath {
     fn parse(spec: &FieldSpec, args: &mut Args<'_>, _: &mut Sources<'_>) -> Result<FreePath, Diagnostic> {

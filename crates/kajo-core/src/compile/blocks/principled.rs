@@ -1,17 +1,24 @@
 //! `Principled`: fuzz over a coat over a mixture of a base, metal and glass, in the terms of OpenPBR.
 
-use kajo_scene::Params;
+use kajo_color::Reflectance;
+use kajo_scene::{Diagnostic, Params};
 
 use super::glass::{MEDIUM, PRIORITY};
+use super::medium::FreePath;
 use super::metal::{ANISOTROPY, ROTATION};
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{
-    Absorption, Inside, Keys, Sources, absorption, color_texture, flag, float_texture, keys, share,
+    Absorption, Inside, Keys, Sources, Typed, absorption, between, color_texture, flag, float_texture, keys,
+    positive, share,
 };
 use crate::compile::member::{MaterialMember, Member};
-use crate::material::{Grain, LayeredMaterial, Layers, Specular};
-use crate::schema::{Block, Kind};
+use crate::material::{Grain, LayeredMaterial, Layers, Specular, SubsurfaceBody};
+use crate::medium::phase::HenyeyGreenstein;
+use crate::medium::{Coefficients, HomogeneousMedium, Phase};
+use crate::schema::{Block, Constant, FieldKind, Kind};
 use crate::texture::{ColorTexture, FloatTexture};
+
+const SUBSURFACE: &str = "subsurface";
 
 keys! {
     PrincipledKeys {
@@ -34,6 +41,17 @@ keys! {
         fuzz: FloatTexture = share("fuzz").or(0.0, "share of fuzz, as of velvet"),
         fuzz_color: ColorTexture = color_texture("fuzzColor").or([1.0; 3], "colour of the fuzz"),
         fuzz_roughness: FloatTexture = share("fuzzRoughness").or(0.5, "of the fuzz"),
+        subsurface: FloatTexture = share("subsurface").or(0.0, "from plastic to wax, skin and marble"),
+        subsurface_radius: Option<FreePath> = Typed::<FreePath>::new("subsurfaceRadius", FieldKind::Color)
+            .unit("length")
+            .only_beside(SUBSURFACE)
+            .presumed(Constant::Triple([1.0, 0.2, 0.1]), "how far light goes inside between collisions"),
+        subsurface_scale: f32 = positive("subsurfaceScale")
+            .only_beside(SUBSURFACE)
+            .or(0.05, "a factor of `subsurfaceRadius`"),
+        subsurface_anisotropy: f32 = between("subsurfaceAnisotropy", -0.99, 0.99)
+            .only_beside(SUBSURFACE)
+            .or(0.0, "mean cosine inside: 0 to all sides, 0.8 as in skin"),
         medium: Option<Inside> = MEDIUM,
         priority: i32 = PRIORITY,
     }
@@ -46,12 +64,70 @@ pub const MEMBER: MaterialMember = Member {
         about: "one material for most things: fuzz over a coat over a base, metal and glass",
         groups: &[PrincipledKeys::FIELDS, ExtraKeys::FIELDS],
     },
-    read: |compiler, item| compiler.pooled(item, read),
+    read: |compiler, item| {
+        compiler.pooled_from(item, read, |compiler, (layers, body)| {
+            let Some(body) = body else { return Some(layers.into()) };
+            let stored = compiler.scene.medium(HomogeneousMedium { coefficients: body.coefficients });
+            let medium = compiler.accepted(stored, item.head_span())?;
+            let Body { share, is_tinted, .. } = body;
+            let subsurface = Some(SubsurfaceBody { share, medium, is_tinted });
+            Some(LayeredMaterial::from(Layers { subsurface, ..layers }))
+        })
+    },
 };
 
-fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<LayeredMaterial> {
+/// A body below the surface, before its medium is stored.
+struct Body {
+    share: FloatTexture,
+    is_tinted: bool,
+    coefficients: Coefficients,
+}
+
+/// What is below the surface, where light enters it; `Err` of what was reported.
+fn body(keys: &PrincipledKeys, params: &mut Params<'_, '_>) -> Result<Option<Body>, ()> {
+    let share = keys.subsurface;
+    if share.range()[1] <= 0.0 {
+        let keys = ["subsurfaceRadius", "subsurfaceScale", "subsurfaceAnisotropy"];
+        params.idle(&keys, "without `subsurface`");
+        return Ok(None);
+    }
+    if keys.metalness.range()[0] >= 1.0 {
+        let keys = [SUBSURFACE, "subsurfaceRadius", "subsurfaceScale", "subsurfaceAnisotropy"];
+        params.idle(&keys, "with `metalness 1`: light does not enter metal");
+        return Ok(None);
+    }
+    if keys.transmission.range()[1] > 0.0 {
+        params.refuse("transmission", "beside `subsurface`: a body has one inside");
+        return Err(());
+    }
+    params.idle(&["diffuseRoughness"], "beside `subsurface`");
+    let FreePath(radius) = keys.subsurface_radius.unwrap_or(FreePath([1.0, 0.2, 0.1]));
+    let radius = radius.map(|r| r * keys.subsurface_scale);
+    let white = Reflectance::constant(1.0);
+    let (color, is_tinted) = match &keys.color {
+        ColorTexture::Constant(color) => (color, false),
+        ColorTexture::Node(_) => (&white, true),
+    };
+    let phase = match keys.subsurface_anisotropy {
+        0.0 => Phase::Isotropic,
+        g => HenyeyGreenstein::new(g).map_or(Phase::Isotropic, Phase::HenyeyGreenstein),
+    };
+    match Coefficients::subsurface(color, radius, phase) {
+        Ok(coefficients) => Ok(Some(Body { share, is_tinted, coefficients })),
+        Err(_) => {
+            let error = Diagnostic::error("`subsurfaceRadius` times `subsurfaceScale` is out of range");
+            params.report(error, "light would collide at every point, or never");
+            Err(())
+        }
+    }
+}
+
+fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<(Layers, Option<Body>)> {
     let keys = PrincipledKeys::read(params, sources)?;
-    if !params.contains("transmission") {
+    let body = body(&keys, params).ok()?;
+    if body.is_some() {
+        params.idle(&["absorption", "medium", "thin"], "beside `subsurface`");
+    } else if !params.contains("transmission") {
         params.idle(&["absorption", "medium", "priority", "thin"], "without `transmission`");
     } else if keys.thin {
         params.idle(&["absorption", "medium", "priority"], "with `thin on`: a pane has no inside");
@@ -82,6 +158,7 @@ fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Layere
         fuzz_roughness: keys.fuzz_roughness,
         priority: keys.priority,
         medium: keys.medium.map(|Inside(medium)| medium),
+        subsurface: None,
     };
-    Some(layers.into())
+    Some((layers, body))
 }

@@ -365,6 +365,13 @@ class Principled(MaterialBlock):
         fuzz_color: colour of the fuzz (r g b, or a file or spectrum, or a texture). Default: 1
             1 1.
         fuzz_roughness: of the fuzz (number from 0 to 1, or a texture). Default: 0.5.
+        subsurface: from plastic to wax, skin and marble (number from 0 to 1, or a texture).
+            Default: 0.
+        subsurface_radius: how far light goes inside between collisions (r g b, length).
+            Default: 1 0.2 0.1.
+        subsurface_scale: a factor of `subsurfaceRadius` (number > 0). Default: 0.05.
+        subsurface_anisotropy: mean cosine inside: 0 to all sides, 0.8 as in skin (number from
+            -0.99 to 0.99). Default: 0.
         medium: name of the medium that scatters light inside (word or text). Default: none.
         priority: of bodies that overlap, the one with the highest counts (whole number from
             -1000 to 1000). Default: 0.
@@ -402,6 +409,10 @@ class Principled(MaterialBlock):
         fuzz: Number | Texture | None = None,
         fuzz_color: Reflectance | Texture | None = None,
         fuzz_roughness: Number | Texture | None = None,
+        subsurface: Number | Texture | None = None,
+        subsurface_radius: Vector | None = None,
+        subsurface_scale: Number | None = None,
+        subsurface_anisotropy: Number | None = None,
         medium: MediumName | None = None,
         priority: int | None = None,
         emission: Emission | Texture | None = None,
@@ -430,6 +441,10 @@ class Principled(MaterialBlock):
         self.fuzz = fuzz
         self.fuzz_color = fuzz_color
         self.fuzz_roughness = fuzz_roughness
+        self.subsurface = subsurface
+        self.subsurface_radius = subsurface_radius
+        self.subsurface_scale = subsurface_scale
+        self.subsurface_anisotropy = subsurface_anisotropy
         self.medium = medium
         self.priority = priority
         self.emission = emission

@@ -6,7 +6,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use crate::integrator::{
-    BOUNCES_IN_MEDIA, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext,
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends,
 };
 use crate::{LayerSet, PixelIntegrator};
 
@@ -68,7 +68,7 @@ pub const LIGHT: IntegratorSpec = IntegratorSpec {
 /// What is said for the keys that both of them listen to, and `default` where nothing is.
 fn said(context: &SettingsContext<'_>, default: BidirectionalSettings) -> BidirectionalSettings {
     let said = context.said;
-    let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { default.bounces };
+    let bounces = bounces_from_both_ends(context.scene, default.bounces);
     BidirectionalSettings {
         bounces: said.bounces.unwrap_or(bounces),
         roulette: said.roulette.unwrap_or(default.roulette),

@@ -13,7 +13,7 @@ use super::partial_mis::{Growth, PartialMis};
 use super::vertex::Vertex;
 use super::volume::{Filled, Volume, grown_through_media};
 use crate::integrator::transport::{
-    MediumInteraction, PathState, SurfaceInteraction, follow, follow_phase, survives,
+    MediumInteraction, PathState, SurfaceInteraction, follow, follow_phase, survives, survives_in_medium,
 };
 use crate::trail::PathObserver;
 
@@ -197,7 +197,7 @@ impl Subpath<'_> {
             mis: vertex.mis,
         };
         let bounces = state.scatterings;
-        survives(state, bounces, roulette)
+        survives_in_medium(state, at, bounces, roulette)
     }
 
     /// Goes on from a vertex along a direction drawn by its scattering; `false` when the path ends there.

@@ -7,7 +7,7 @@ use kajo_core::settings::{Gradients, IntegratorName, Settings, SettingsKey};
 
 use super::IrradianceCaching;
 use crate::integrator::path::PathSettings;
-use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity};
+use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, bounces_of_paths};
 use crate::{LayerSet, PixelIntegrator};
 
 /// Options of [`IrradianceCaching`].
@@ -71,7 +71,7 @@ pub const IRRADIANCE: IntegratorSpec = IntegratorSpec {
     settings: |context| {
         let (said, default) = (context.said, IrradianceSettings::default());
         IntegratorSettings::Irradiance(IrradianceSettings {
-            bounces: said.bounces.unwrap_or(default.bounces),
+            bounces: said.bounces.unwrap_or(bounces_of_paths(context.scene, default.bounces)),
             accuracy: said.accuracy.unwrap_or(default.accuracy),
             rays: said.rays.unwrap_or(default.rays),
             gradients: said.gradients.unwrap_or(default.gradients),

@@ -6,7 +6,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use super::Metropolis;
-use crate::integrator::{BOUNCES_IN_MEDIA, IntegratorSettings, IntegratorSpec, Prepare, Quantity};
+use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, bounces_from_both_ends};
 use crate::{LayerSet, PixelIntegrator};
 
 /// Options of [`Metropolis`].
@@ -46,7 +46,7 @@ pub const METROPOLIS: IntegratorSpec = IntegratorSpec {
     keys: &[SettingsKey::Bounces, SettingsKey::LightChoice, SettingsKey::Roulette, SettingsKey::Spectral],
     settings: |context| {
         let (said, default) = (context.said, MetropolisSettings::default());
-        let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { default.bounces };
+        let bounces = bounces_from_both_ends(context.scene, default.bounces);
         IntegratorSettings::Metropolis(MetropolisSettings {
             bounces: said.bounces.unwrap_or(bounces),
             light_choice: said.light_choice.unwrap_or(default.light_choice),

@@ -6,7 +6,9 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{Directions, IntegratorName, Settings, SettingsKey, Technique};
 use kajo_core::space::Space;
 
-use crate::integrator::{IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext};
+use crate::integrator::{
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_of_paths,
+};
 use crate::{LayerSet, PixelIntegrator};
 
 /// Options of [`Path`](super::Path).
@@ -64,6 +66,7 @@ pub const PATH: IntegratorSpec = IntegratorSpec {
         let path = PathSettings::default();
         // Light in clouds is scattered hundreds of times before it gets out, and with fewer they would be grey.
         let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { path.bounces };
+        let bounces = bounces_of_paths(context.scene, bounces);
         IntegratorSettings::Path(said(context, PathSettings { bounces, ..path }))
     },
 };

@@ -18,7 +18,7 @@ use crate::integrator::camera_view::CameraView;
 use crate::integrator::transport::{
     DrawnLight, Event, Joining, LocalFrame, MediumInteraction, MediumStack, PathState, SurfaceInteraction,
     advance, connect, connect_through_media, follow, follow_phase, leave, pass_straight, sample_light, shade,
-    survives,
+    survives, survives_in_medium,
 };
 use crate::trail::{About, PathObserver, RayKind};
 use equiangular::Along;
@@ -548,7 +548,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         path.collided = path.along.map(|along| (along, at.length));
         path.pdf = sample.pdf;
         path.bounces += 1;
-        survives(&mut path.state, path.bounces, settings.roulette)
+        survives_in_medium(&mut path.state, at, path.bounces, settings.roulette)
     }
 
     /// Adds the light that media gave on the way: no light is drawn in them.

@@ -57,6 +57,9 @@ pub struct MediumInteraction {
     pub length: f32,
     /// Moment within the shutter interval.
     pub time: f32,
+    /// Whether it is within a body that light is scattered in many times before it leaves; see
+    /// [`kajo_core::medium::Coefficients::is_subsurface`].
+    pub is_subsurface: bool,
 }
 
 impl PathState<'_> {
@@ -353,8 +356,14 @@ fn travel(
         path.beta = Spectrum::BLACK;
     }
     let at = scattered?;
-    let phase = coefficients.phase();
-    Some(MediumInteraction { p: ray.at(at), wo: -ray.d, phase, length: at, time: ray.time })
+    Some(MediumInteraction {
+        p: ray.at(at),
+        wo: -ray.d,
+        phase: coefficients.phase(),
+        length: at,
+        time: ray.time,
+        is_subsurface: coefficients.is_subsurface(),
+    })
 }
 
 /// The integral of `exp(-sigma t)` over a length, by lanes.

@@ -49,4 +49,7 @@ pub use local_frame::LocalFrame;
 pub use media::{Joining, connect_through_media, follow_phase};
 pub use medium_stack::{Interface, MediumStack};
 pub use path_state::{PathState, SurfaceInteraction};
-pub use steps::{DrawnLight, Event, advance, connect, follow, pass_straight, sample_light, shade, survives};
+pub use steps::{
+    DrawnLight, Event, advance, connect, follow, pass_straight, sample_light, shade, survives,
+    survives_in_medium,
+};

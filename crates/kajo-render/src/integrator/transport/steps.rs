@@ -260,6 +260,25 @@ pub fn follow(
 /// Takes a number where chance decides.
 #[inline]
 pub fn survives(path: &mut PathState<'_>, bounces: u32, plays: bool) -> bool {
+    survives_at_most(path, bounces, plays, LARGEST_SURVIVAL)
+}
+
+/// The same behind a collision in a medium.
+///
+/// In a body that light is scattered in hundreds of times paths that have lost nothing go on: with a chance to end each time few of them would
+/// come out, each of a large weight.
+#[inline]
+pub fn survives_in_medium(
+    path: &mut PathState<'_>,
+    at: &MediumInteraction,
+    bounces: u32,
+    plays: bool,
+) -> bool {
+    survives_at_most(path, bounces, plays, if at.is_subsurface { 1.0 } else { LARGEST_SURVIVAL })
+}
+
+#[inline]
+fn survives_at_most(path: &mut PathState<'_>, bounces: u32, plays: bool, most: f32) -> bool {
     let left = path.wavelengths.max_lane(path.beta) * path.eta_scale;
     if left.is_nan() || left <= 0.0 {
         return false;
@@ -267,7 +286,7 @@ pub fn survives(path: &mut PathState<'_>, bounces: u32, plays: bool) -> bool {
     if !plays || bounces <= SAFE_BOUNCES {
         return true;
     }
-    let q = left.min(LARGEST_SURVIVAL);
+    let q = left.min(most);
     if path.draws.next_1d() >= q {
         return false;
     }

@@ -6,7 +6,7 @@ use kajo_core::scene::Scene;
 use kajo_core::settings::{IntegratorName, Settings, SettingsKey};
 
 use crate::integrator::{
-    BOUNCES_IN_MEDIA, IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext,
+    IntegratorSettings, IntegratorSpec, Prepare, Quantity, SettingsContext, bounces_from_both_ends,
 };
 use crate::{LayerSet, PixelIntegrator};
 
@@ -68,7 +68,7 @@ pub const VCM: IntegratorSpec = IntegratorSpec {
 
 fn settings(context: &SettingsContext<'_>) -> IntegratorSettings {
     let (said, default) = (context.said, VertexMergingSettings::default());
-    let bounces = if context.scene.has_media() { BOUNCES_IN_MEDIA } else { default.bounces };
+    let bounces = bounces_from_both_ends(context.scene, default.bounces);
     IntegratorSettings::VertexMerging(VertexMergingSettings {
         bounces: said.bounces.unwrap_or(bounces),
         photons: said.photons.unwrap_or(default.photons),

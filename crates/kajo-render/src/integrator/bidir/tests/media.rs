@@ -19,6 +19,8 @@ const GRID: &str =
     "GridMedium m { size 2 2 2 values 1 0.2 0 0.7 0.4 1 0.6 0.1 min -0.7 -0.7 -0.7 max 0.6 0.6 0.6";
 const BODY: &str = "MaterialIndex body Box { min -0.7 -0.7 -0.7  max 0.6 0.6 0.6 }";
 
+const LOW: &str = "MaterialIndex body Box { min -0.6 -0.9 -0.6  max 0.6 -0.3 0.3 }";
+
 /// Each way of drawing a path of some length finds all of its light alone, with collisions anywhere on it. Alone some are noisy, where
 /// collisions near the camera or near each other are joined.
 #[test]
@@ -43,6 +45,22 @@ fn merging_in_media_takes_nothing_and_adds_nothing() {
     for text in [air, body] {
         check_merged_light(&text, 1, (1500, 20_000, 0.03));
     }
+}
+
+/// The same with a body below layers in the place of a diffuse base, all of it or a part: its formula is not symmetric.
+#[test]
+fn all_ways_through_bodies_are_one() {
+    let layers =
+        "roughness 0.5  coat 0.5  coatColor 0.9 0.6 0.8  coatRoughness 0.5  fuzz 0.3  subsurfaceScale 0.6";
+    for share in [1.0, 0.6] {
+        let body = format!("Principled body {{ color 0.9 0.7 0.6  subsurface {share}  {layers} }}");
+        check_ways_within(&room("", &body, CEILING, LOW), 2, 6000, 0.4);
+    }
+    let painted = format!("Principled body {{ color 0.9 0.7 0.6  subsurface 0.8  {layers} }}");
+    let text = room("", &painted, CEILING, LOW).replace("color 0.9 0.7 0.6", "color paint");
+    let paint =
+        "Clouds any { size 0.5 } Ramp paint { texture any  stop 0.3 0.2 0.3 0.3  stop 0.7 0.9 0.5 0.5 }";
+    check_ways_within(&format!("Textures {{ {paint} }} {text}"), 2, 6000, 0.4);
 }
 
 #[test]
