@@ -49,6 +49,9 @@ const NO_TEXTURES: &[(&str, &str)] = &[
     ("PhongMaterial", "refractionIndex"),
     ("PhongMaterial", "absorption"),
     ("Principled", "absorption"),
+    ("Principled", "subsurfaceAnisotropy"),
+    ("Principled", "subsurfaceRadius"),
+    ("Principled", "subsurfaceScale"),
     ("Wood", "frequency"),
     ("Wood", "amplitude"),
 ];
