@@ -255,21 +255,37 @@ class Engine:
 
     def _on_done(self, host: _Host, stage: int, unit: int, future: Any) -> None:
         """A task has ended, somehow."""
-        if self._futures.pop((host.address, stage, unit), None) is None or host.unit != (stage, unit):
+        known: Any = self._futures.get((host.address, stage, unit))
+        if known is not future:
             return
-        if future.status != "finished":
-            why = self._quietly(lambda: str(future.exception())) or "its task was lost"
-            future.release()
+        if future.status == "finished":
+            threading.Thread(target=self._gather, args=(host, stage, unit, future), daemon=True).start()
+            return
+        why = self._quietly(lambda: str(future.exception())) or "its task was lost"
+        self._on_gathered(host, stage, unit, future, None, why)
+
+    def _gather(self, host: _Host, stage: int, unit: int, future: Any) -> None:
+        """Fetches a result, on a thread of its own: of a worker that is gone it comes when the task is cancelled."""
+        try:
+            result, why = future.result(), ""
+        except Exception as error:
+            result, why = None, f"{type(error).__name__}: {error}"
+        self._events.put(("gathered", host, stage, unit, future, result, why))
+
+    def _on_gathered(
+        self, host: _Host, stage: int, unit: int, future: Any, result: tuple[dict[str, Any], bytes] | None, why: str
+    ) -> None:
+        """A result has been fetched, or there is none."""
+        key = (host.address, stage, unit)
+        known: Any = self._futures.get(key)
+        if known is not future:
+            return
+        del self._futures[key]
+        future.release()
+        if result is None:
             self._lost(host, "worker", why)
         else:
-            try:
-                answer, part = future.result()
-            except Exception as error:
-                self._lost(host, "worker", f"{type(error).__name__}: {error}")
-                return
-            finally:
-                future.release()
-            self._answered(host, stage, unit, answer, part)
+            self._answered(host, stage, unit, *result)
         self._hand_out()
 
     def _answered(self, host: _Host, stage: int, unit: int, answer: dict[str, Any], part: bytes) -> None:
@@ -294,7 +310,9 @@ class Engine:
         if host.unit is None:
             return
         stage, unit = host.unit
-        self._futures.pop((host.address, stage, unit), None)
+        future = self._futures.pop((host.address, stage, unit), None)
+        if future is not None:
+            future.cancel()
         host.unit = None
         host.faults += 1
         self._say(
@@ -323,7 +341,7 @@ class Engine:
                 self._end_children([host.address])
 
     def _end_children(self, addresses: list[str]) -> threading.Thread:
-        """Has workers end what they render, on a thread of its own: one that was killed a moment ago is called for long."""
+        """Has workers end what they render, on a thread of its own: one that was just killed is called for long."""
 
         def act() -> None:
             self._quietly(lambda: self._client.run(_worker.drop, workers=addresses, on_error="ignore"))
