@@ -41,7 +41,7 @@ fn a_scene_may_choose_its_integrator() {
     let folder = Folder::new();
     let line = "render ball.txt --size 20 15 --integrator";
     let told = folder.succeed(&format!("{line} auto -o a.png")).stderr;
-    assert!(told.contains("note: integrator auto takes `classic`: its lights"), "{told}");
+    assert!(told.contains("note: integrator auto takes `classic`: its lights, ambient"), "{told}");
     folder.succeed(&format!("{line} classic -o b.png"));
     assert!(folder.read("a.png") == folder.read("b.png"));
     assert!(!folder.succeed(&format!("{line} auto -o a.png --quiet")).stderr.contains("auto"));

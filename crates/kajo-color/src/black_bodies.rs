@@ -85,6 +85,15 @@ mod tests {
     use crate::Emission;
 
     #[test]
+    fn colder_bodies_are_much_darker() {
+        let bodies = BlackBodies::new(2000.0);
+        for (kelvin, factor) in [(1500.0, 60.0), (1000.0, 1.7e5)] {
+            let found = 1.0 / bodies.at(kelvin, &Wavelengths::RGB).luminance();
+            assert!((found / factor - 1.0).abs() < 0.05, "{kelvin}: {found}");
+        }
+    }
+
+    #[test]
     fn the_table_has_the_colours_of_single_bodies() {
         let bodies = BlackBodies::new(5000.0);
         assert!((bodies.at(5000.0, &Wavelengths::RGB).luminance() - 1.0).abs() < 1e-3);

@@ -4,11 +4,14 @@ import contextlib
 import os
 import random
 import re
+import select
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
+from concurrent.futures import CancelledError
 from pathlib import Path
 
 import kajo
@@ -16,7 +19,7 @@ import pytest
 
 distributed = pytest.importorskip("distributed")
 import kajo.farm  # noqa: E402
-from kajo.farm import _certificates, _protocol, _worker  # noqa: E402
+from kajo.farm import _certificates, _engine, _protocol, _worker  # noqa: E402
 
 PROGRAM = os.environ.get("KAJO_PROGRAM")
 pytestmark = pytest.mark.skipif(PROGRAM is None, reason="the program kajo is not there")
@@ -352,6 +355,79 @@ def test_ctrl_c_keeps_what_is_finished(certificates):
         assert command.returncode == 0 or "the same command goes on with it" in told, told
         ran = machines.render(*job)
         assert ran.returncode == 0 and same(certificates), ran.stderr
+
+
+class _Future:
+    """A finished Dask future; without a result, one whose worker has died: it ends when it is cancelled."""
+
+    status = "finished"
+
+    def __init__(self, result=None):
+        self._result, self._cancelled = result, threading.Event()
+
+    def add_done_callback(self, act):
+        act(self)
+
+    def result(self):
+        if self._result is None:
+            self._cancelled.wait()
+            raise CancelledError
+        return self._result
+
+    def cancel(self):
+        self._cancelled.set()
+
+    def release(self):
+        pass
+
+
+class _Client:
+    """A cluster whose worker `a` dies when it has rendered, before anybody has its result; then `b` joins."""
+
+    status = "running"
+    worker = "a"
+
+    def scheduler_info(self, n_workers):
+        return {"workers": {f"tcp://{self.worker}:1": {"name": self.worker, "nthreads": 1}}}
+
+    def submit(self, function, *arguments, workers, **options):
+        if function is _worker.take:
+            return _Future(-1)
+        if workers == ["tcp://a:1"]:
+            self.worker = "b"
+            return _Future()
+        return _Future(({"ok": True}, b"part"))
+
+    def run(self, *arguments, **options):
+        pass
+
+
+def test_a_result_that_died_with_its_worker_is_rendered_again(tmp_path):
+    (tmp_path / "bundle").write_bytes(b"bundle")
+    (orders, give), (take, news) = os.pipe(), os.pipe()
+    with open(orders, "rb") as orders, open(give, "wb") as give, open(take, "rb") as take, open(news, "wb") as news:
+        engine = threading.Thread(target=_engine.Engine(_Client(), orders, news).run, daemon=True)
+        engine.start()
+
+        def until(kind):
+            message, data = {"is": ""}, b""
+            while message["is"] != kind:
+                assert message["is"] in ("", "room", "note"), message
+                assert select.select([take], [], [], HANGS)[0], f"nothing is told of a {kind}"
+                message, data = _protocol.receive(take)
+            return message, data
+
+        _protocol.send(give, {"do": "plan", "plan": "{}", "bundle": str(tmp_path / "bundle")})
+        _protocol.send(give, {"do": "stage", "stage": 0})
+        _protocol.send(give, {"do": "unit", "stage": 0, "unit": 3, "avoid": []})
+        lost, _ = until("lost")
+        assert (lost["unit"], lost["kind"]) == (3, "worker") and "a: its worker is gone" in lost["message"]
+        _protocol.send(give, {"do": "unit", "stage": 0, "unit": 3, "avoid": ["a"]})
+        part, data = until("part")
+        assert (part["unit"], part["host"], data) == (3, "b", b"part")
+        _protocol.send(give, {"do": "end"})
+        engine.join(HANGS)
+        assert not engine.is_alive()
 
 
 def test_bundles_arrive_in_pieces():

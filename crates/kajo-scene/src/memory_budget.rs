@@ -55,6 +55,22 @@ impl MemoryShare {
         self.bytes += bytes;
         Ok(())
     }
+
+    /// Leaves a number of bytes taken for good, and gives back what else it has.
+    ///
+    /// # Errors
+    /// As [`MemoryBudget::take`], where that is more than it has.
+    pub fn keep(&mut self, bytes: u64) -> Result<(), OverBudget> {
+        if let Some(more) = bytes.checked_sub(self.bytes) {
+            self.budget.take(more)?;
+            self.bytes = 0;
+        } else {
+            self.bytes -= bytes;
+            let rest = std::mem::take(&mut self.bytes);
+            self.budget.shared.used.fetch_sub(rest, Ordering::Relaxed);
+        }
+        Ok(())
+    }
 }
 
 impl Drop for MemoryShare {
@@ -159,6 +175,22 @@ mod tests {
         drop(share);
         assert_eq!(clone.left(), 60);
         assert_eq!(budget.take(u64::MAX).unwrap_err().left, 60, "a sum that overflows is refused too");
+    }
+
+    #[test]
+    fn of_a_share_some_may_be_kept() {
+        let budget = MemoryBudget::new(100);
+        for (kept, used) in [(20, 20), (0, 20), (30, 50), (45, 95)] {
+            let mut share = budget.share(30).unwrap_or_else(|_| budget.share(0).unwrap());
+            share.keep(kept).unwrap();
+            assert_eq!(budget.used(), used);
+            drop(share);
+            assert_eq!(budget.used(), used, "{kept}");
+        }
+        let mut share = budget.share(1).unwrap();
+        assert!(share.keep(7).is_err());
+        drop(share);
+        assert_eq!(budget.used(), 95, "what was not kept is given back");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A writer of NanoVDB files, for tests: the first number of each voxel of a [`VdbGrid`].
 //!
-//! The layout is told by the reader, in `kajo_scene`; `nanovdb_convert` makes the same grids of its files. Statistics and checksums are left out.
+//! The layout is told by the reader, in `kajo_scene`. Statistics and checksums are left out.
 
 use std::collections::BTreeMap;
 

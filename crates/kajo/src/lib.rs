@@ -86,6 +86,7 @@ pub use kajo_core::settings::{
 };
 pub use kajo_image::{BitDepth, EncodeOptions, Format, Image, ImageError, encode, is_contained};
 pub use kajo_math;
+pub use kajo_render::integrator::CHOICES as INTEGRATOR_CHOICES;
 pub use kajo_render::integrator::classic::MAX_BOUNCES;
 pub use kajo_render::integrator::{AUTO, Defaults, INTEGRATORS, IntegratorSettings, IntegratorSpec};
 pub use kajo_render::schedule::{LARGEST_TILE, MOST_THREADS};

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use kajo::{AUTO, Dialect, FilterChoice, INTEGRATORS, IntegratorName, SamplerKind, View};
+use kajo::{Dialect, FilterChoice, INTEGRATOR_CHOICES, IntegratorName, SamplerKind, View};
 
 /// Columns and rows: `800x600`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,9 +149,7 @@ pub fn dialect() -> impl TypedValueParser<Value = Dialect> {
 
 /// Reads the name of an integrator.
 pub fn integrator() -> impl TypedValueParser<Value = IntegratorName> {
-    let names: [IntegratorName; INTEGRATORS.len() + 1] =
-        std::array::from_fn(|i| i.checked_sub(1).map_or(AUTO, |i| INTEGRATORS[i].name));
-    choice(names.map(|name| (name.0, name)))
+    choice(INTEGRATOR_CHOICES.map(|name| (name, IntegratorName(name))))
 }
 
 /// Reads one of a few words.

@@ -21,6 +21,8 @@ use super::diffuse_normal::DiffuseNormal;
 use super::{Base, BsdfSample, Lambert, Principled, Specular, Transport, same_side};
 
 /// A layered surface over a body, at one point.
+///
+/// It has the fields of [`Principled`] that count here, and not one of these: with the share beside it, lobes would be larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Subsurface {
     /// Albedo of what is below the layers, be it diffuse or the body.
@@ -56,10 +58,22 @@ pub struct Subsurface {
 impl Default for Subsurface {
     /// A grey body under a gloss.
     fn default() -> Subsurface {
-        let Principled { color, alpha, eta, coat, coat_color, coat_alpha, coat_eta, .. } =
-            Principled::default();
-        let Principled { fuzz, fuzz_color, fuzz_roughness, diffuse_normal, .. } = Principled::default();
-        let (share, is_tinted, specular) = (1.0, false, Spectrum::WHITE);
+        Subsurface::below(&Principled::default(), 1.0, false)
+    }
+}
+
+impl Subsurface {
+    /// A body in the place of a share of a diffuse base.
+    ///
+    /// * `layers`: what is above, with the colour of base and body
+    /// * `share`, `is_tinted`: see the fields
+    pub fn below(layers: &Principled, share: f32, is_tinted: bool) -> Subsurface {
+        let Principled { color, alpha, eta, coat, coat_color, coat_alpha, coat_eta, .. } = *layers;
+        let Principled { fuzz, fuzz_color, fuzz_roughness, diffuse_normal, .. } = *layers;
+        let specular = match layers.specular {
+            Specular::Factor(color) => color,
+            Specular::F0 { factor, weight, .. } => (factor * weight).clamp(0.0, 1.0),
+        };
         Subsurface {
             color,
             share,
@@ -77,9 +91,7 @@ impl Default for Subsurface {
             diffuse_normal,
         }
     }
-}
 
-impl Subsurface {
     /// The same about another normal.
     pub(super) fn bumped(self, diffuse_normal: DiffuseNormal) -> Subsurface {
         Subsurface { diffuse_normal, ..self }

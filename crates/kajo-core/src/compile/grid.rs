@@ -293,12 +293,9 @@ impl Compiler<'_> {
         };
         let limits = &self.options.limits;
         let read = read_vdb(self.opened(file)?, index, limits).map_err(|error| error.to_string());
-        let kept = read.and_then(|grid: VoxelGrid<f32>| {
-            let VoxelGrid { name, voxels, map, memory } = grid;
-            drop(memory);
-            limits.memory.take(voxels.bytes()).map_err(|over| over.to_string())?;
-            let memory = limits.memory.share(0).map_err(|over| over.to_string())?;
-            Ok(VoxelGrid { name, voxels, map, memory })
+        let kept = read.and_then(|mut grid: VoxelGrid<f32>| {
+            grid.memory.keep(grid.voxels.bytes()).map_err(|over| over.to_string())?;
+            Ok(grid)
         });
         kept.map_err(|reason| self.unreadable(file, reason)).ok()
     }
@@ -308,13 +305,9 @@ impl Compiler<'_> {
         let opened = self.opened(file)?;
         let limits = &self.options.limits;
         let read = read_volume(opened, raw, limits).map_err(|error| error.to_string());
-        let kept = read.and_then(|read| {
-            let bytes = size_of_val(&*read.values) as u64;
-            let VolumeFile { size, values, bounds, memory } = read;
-            drop(memory);
-            limits.memory.take(bytes).map_err(|over| over.to_string())?;
-            let memory = limits.memory.share(0).map_err(|over| over.to_string())?;
-            Ok(VolumeFile { size, values, bounds, memory })
+        let kept = read.and_then(|mut read| {
+            read.memory.keep(size_of_val(&*read.values) as u64).map_err(|over| over.to_string())?;
+            Ok(read)
         });
         kept.map_err(|reason| self.unreadable(file, reason)).ok()
     }

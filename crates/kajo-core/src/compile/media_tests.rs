@@ -85,6 +85,7 @@ fn grids_come_from_files_and_from_the_text() {
         "GridMedium m { file cloud.nvdb density 1 } exterior m",
         "GridMedium m { file cloud.vdb density 1 temperature flame temperatureScale 900 temperatureOffset 300 brightness 2 }",
         "GridMedium m { file cloud.vdb sigma_a 0 temperature flame }",
+        "GridMedium m { file cloud.vdb temperature flame }",
         "FunctionMedium m { function = x + y density 1 }",
         "Medium m { emission blackbody 1900 5 }",
         "Medium m { emission 1 2 3  sigma_a 1 } exterior m",

@@ -248,33 +248,24 @@ impl Layers {
         self.grain.facets(Shape::Ggx, squared(self.roughness, place), place)
     }
 
-    /// The layers over the body.
-    fn over_body(
-        &self,
-        body: SubsurfaceBody,
-        place: TextureEvaluator<'_>,
-        at: &ShadingPoint<'_>,
-    ) -> Subsurface {
-        let wavelengths = at.wavelengths;
+    /// The layers over a base.
+    ///
+    /// * `eta`: index of refraction of the base over that of the medium above
+    fn above(&self, base: Base, eta: f32, place: TextureEvaluator<'_>, at: &ShadingPoint<'_>) -> Principled {
         let facets = self.facets(place);
-        let color = self.color_at(place, wavelengths);
-        let specular = match self.specular.at(place, wavelengths) {
-            bsdf::Specular::Factor(color) => color,
-            bsdf::Specular::F0 { factor, weight, .. } => (factor * weight).clamp(0.0, 1.0),
-        };
-        Subsurface {
-            color,
-            share: body.share.at(place),
-            is_tinted: body.is_tinted,
-            specular,
+        Principled {
+            base,
+            color: self.color_at(place, at.wavelengths),
+            specular: self.specular.at(place, at.wavelengths),
+            diffuse_roughness: self.diffuse_roughness.at(place),
             alpha: Vec2::new(facets.alpha_x, facets.alpha_y),
-            eta: (self.eta.at(place) / at.eta_outside).max(1.0),
+            eta: if base == Base::Glass { eta } else { eta.max(1.0) },
             coat: self.coat.at(place),
-            coat_color: self.coat_color.at(place, wavelengths),
+            coat_color: self.coat_color.at(place, at.wavelengths),
             coat_alpha: squared(self.coat_roughness, place),
             coat_eta: (self.coat_eta.at(place) / at.eta_outside).max(1.0),
             fuzz: self.fuzz.at(place),
-            fuzz_color: self.fuzz_color.at(place, wavelengths),
+            fuzz_color: self.fuzz_color.at(place, at.wavelengths),
             fuzz_roughness: self.fuzz_roughness.at(place),
             diffuse_normal: DiffuseNormal::SAME,
         }
@@ -368,7 +359,8 @@ impl Material for LayeredMaterial {
         let (place, wavelengths) = (appearance.textures.evaluator(&at.context), at.wavelengths);
         let metal = layers.metalness.at(place);
         if let Some(body) = layers.subsurface.filter(|_| at.u >= metal) {
-            return Bsdf::Subsurface(layers.over_body(body, place, at));
+            let above = layers.above(Base::Diffuse, layers.eta.at(place) / at.eta_outside, place, at);
+            return Bsdf::Subsurface(Subsurface::below(&above, body.share.at(place), body.is_tinted));
         }
         let glass = metal + (1.0 - metal) * layers.transmission.at(place);
         let base = match at.u {
@@ -376,31 +368,14 @@ impl Material for LayeredMaterial {
             u if u < glass => Base::Glass,
             _ => Base::Diffuse,
         };
+        if layers.thin && base == Base::Glass {
+            return Bsdf::ThinDielectric(layers.pane(place, at));
+        }
         let eta = match base {
             Base::Glass => layers.glass_eta(place, wavelengths),
             Base::Diffuse | Base::Metal => layers.eta.at(place),
         };
-        let eta = eta / at.eta_outside;
-        if layers.thin && base == Base::Glass {
-            return Bsdf::ThinDielectric(layers.pane(place, at));
-        }
-        let facets = layers.facets(place);
-        Bsdf::Principled(Principled {
-            base,
-            color: layers.color_at(place, wavelengths),
-            specular: layers.specular.at(place, wavelengths),
-            diffuse_roughness: layers.diffuse_roughness.at(place),
-            alpha: Vec2::new(facets.alpha_x, facets.alpha_y),
-            eta: if base == Base::Glass { eta } else { eta.max(1.0) },
-            coat: layers.coat.at(place),
-            coat_color: layers.coat_color.at(place, wavelengths),
-            coat_alpha: squared(layers.coat_roughness, place),
-            coat_eta: (layers.coat_eta.at(place) / at.eta_outside).max(1.0),
-            fuzz: layers.fuzz.at(place),
-            fuzz_color: layers.fuzz_color.at(place, wavelengths),
-            fuzz_roughness: layers.fuzz_roughness.at(place),
-            diffuse_normal: DiffuseNormal::SAME,
-        })
+        Bsdf::Principled(layers.above(base, eta / at.eta_outside, place, at))
     }
 
     fn passage(&self, appearance: &Appearance, at: &ShadingPoint<'_>, cos: f32) -> Spectrum {

@@ -39,8 +39,7 @@ impl Heat {
 
     /// The temperature in kelvin at a world-space point.
     pub fn kelvin(&self, p: Vec3) -> f32 {
-        let value = if self.grid.contains(p) { self.grid.at(p) } else { 0.0 };
-        self.scale * value + self.offset
+        self.scale * self.grid.within(p).unwrap_or(0.0) + self.offset
     }
 
     /// Radiance per unit length that the density 1 gives at a world-space point.

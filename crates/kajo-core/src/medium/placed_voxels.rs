@@ -26,9 +26,10 @@ impl PlacedVoxels {
         Aabb { min: Vec3::ZERO, max: Vec3::from(self.voxels.size().map(|n| n as f32)) }
     }
 
-    /// Whether a world-space point is in the box of the voxels.
-    pub fn contains(&self, p: Vec3) -> bool {
-        self.extent().contains(self.place.object_from_world.transform_point3(p))
+    /// The number at a world-space point, interpolated; `None` outside of the box of the voxels.
+    pub fn within(&self, p: Vec3) -> Option<f32> {
+        let p = self.place.object_from_world.transform_point3(p);
+        self.extent().contains(p).then(|| self.interpolated(p))
     }
 
     /// The number of a voxel that is none, with its place from the corner of the box.
@@ -55,8 +56,13 @@ impl PlacedVoxels {
 
     /// The number at a world-space point, interpolated; outside of the box that of its nearest voxel.
     pub fn at(&self, p: Vec3) -> f32 {
+        self.interpolated(self.place.object_from_world.transform_point3(p))
+    }
+
+    /// * `p`: in the space of the voxels
+    #[inline]
+    fn interpolated(&self, p: Vec3) -> f32 {
         let last = self.voxels.size().map(|n| n - 1);
-        let p = self.place.object_from_world.transform_point3(p);
         let p = (p - 0.5).clamp(Vec3::ZERO, Vec3::from(last.map(|n| n as f32)));
         let low = p.to_array().map(|x| x as u32);
         let f = p - Vec3::from(low.map(|n| n as f32));

@@ -69,7 +69,7 @@ fn try_out(scene: &Scene) -> Choice {
         return of(&path::PATH, "light is bent here, so that points cannot be joined by straight lines");
     }
     if scene.lighting.fog.is_some() || is_of_the_formula(scene) {
-        return of(&classic::CLASSIC, "its lights and its fog are those of the classic formula");
+        return of(&classic::CLASSIC, "its lights, ambient light or fog are those of the classic formula");
     }
     let power_sampler = scene.power_light_sampler();
     if power_sampler.sample(0.5).is_none() {
@@ -94,13 +94,14 @@ fn try_out(scene: &Scene) -> Choice {
     of(&path::PATH, "most of what is seen is lit by lights themselves")
 }
 
-/// Whether lights are meant as numbers of the classic formula: ambient light beside others, or lights that do not fade, and no surface
+/// Whether light is meant as numbers of the classic formula: ambient light beside others, or lights that do not fade, and no surface
 /// that glows.
 fn is_of_the_formula(scene: &Scene) -> bool {
     let lights = &scene.lighting.lights;
     let fades = |attenuation: [f32; 3]| attenuation[2] != 0.0;
     let unfading = lights.point.iter().any(|light| !fades(light.attenuation))
         || lights.spots.iter().any(|light| !fades(light.point.attenuation));
+    // Scenes without lights have ambient light of their own accord.
     let has_ambient = !scene.lighting.ambient.is_black() && has_points(scene);
     lights.areas.is_empty() && (has_ambient || unfading)
 }

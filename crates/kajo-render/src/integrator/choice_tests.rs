@@ -90,6 +90,13 @@ fn what_one_integrator_alone_knows_is_for_that_one() {
     let point = "PointLight { position 0 4 0  color 1 1 1 }";
     check(&format!("Lights {{ {point} }}"), BALL, "classic", "classic formula");
     check(&format!("Fog {{ color 0.5 0.5 0.5  density 0.1 }} Lights {{ {point} }}"), "", "classic", "fog");
+    let fading = "Lights { PointLight { position 0 4 0  intensity 1 1 1 } }";
+    check(
+        &format!("Background {{ color 0 0 0  ambientLight 1 1 1 }} {fading}"),
+        BALL,
+        "classic",
+        "ambient light",
+    );
     check("", "", "path", "nothing in it gives light");
 }
 

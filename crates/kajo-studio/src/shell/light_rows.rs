@@ -2,8 +2,8 @@
 
 use egui::{DragValue, Response, Slider, Ui};
 use kajo::{
-    AUTO, Directions, Gradients, INTEGRATORS, LightChoice, PhotonMapUse, RayOffset, RenderSettings, Settings,
-    SettingsKey, ShadowAttenuation, Shadows, Technique,
+    AUTO, Directions, Gradients, INTEGRATOR_CHOICES, IntegratorName, LightChoice, PhotonMapUse, RayOffset,
+    RenderSettings, Settings, SettingsKey, ShadowAttenuation, Shadows, Technique,
 };
 
 use super::widgets::{choice, option, rows, section};
@@ -22,10 +22,8 @@ pub fn light(ui: &mut Ui, asked: &mut Settings, settings: &RenderSettings) {
                 Some(why) => (AUTO, format!("{about}; `{}`: {why}", settings.integrator.name)),
                 None => (settings.integrator.name, about),
             };
-            let all: Vec<_> = std::iter::once(AUTO).chain(INTEGRATORS.map(|spec| spec.name)).collect();
-            let all: Vec<_> = all.iter().map(|name| (name.0, *name)).collect();
             option(ui, "Integrator", &hint, &mut asked.integrator, name, |ui, name| {
-                choice(ui, "integrator", name, &all)
+                choice(ui, "integrator", name, &INTEGRATOR_CHOICES.map(|name| (name, IntegratorName(name))))
             });
             let now = settings.values();
             for key in keys(settings).filter(|key| !OF_SURFACES.contains(key)) {

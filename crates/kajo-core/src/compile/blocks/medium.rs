@@ -130,7 +130,9 @@ pub fn coefficients(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> O
             report_beside(params, CoefficientKeys::FIELDS, key);
         }
     }
-    let has_none = ![SIGMA_A, SIGMA_S, "density", "meanFreePath"].into_iter().any(|key| params.contains(key));
+    // Grids may only glow, by a `temperature`.
+    let any = [SIGMA_A, SIGMA_S, "density", "meanFreePath", "temperature"];
+    let has_none = !any.into_iter().any(|key| params.contains(key));
     let keys = CoefficientKeys::read(params, sources)?;
     if has_none && keys.emission.is_none() {
         let error = Diagnostic::error("this medium has no density");

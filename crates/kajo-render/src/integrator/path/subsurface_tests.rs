@@ -134,4 +134,7 @@ fn light_spreads_by_the_radius() {
     let noise = near.standard_error.hypot(4.0 * far.standard_error);
     assert!((near.mean - 4.0 * far.mean).abs() < 4.0 * noise, "{near:?} {far:?}");
     assert!(noise < 0.2 * near.mean, "{near:?} {far:?}");
+    // A diffuse surface has 0.8/π cos θ / r² from a light so low; light that has entered below it comes from there.
+    let diffuse = 0.8 / std::f64::consts::PI * 0.1 / 1.01f64.powf(1.5);
+    assert!(near.mean - 4.0 * near.standard_error > 1.5 * diffuse, "{near:?} {diffuse}");
 }
