@@ -58,7 +58,7 @@ pub struct Scene {
 pub struct Lighting {
     /// Lights.
     pub lights: Lights,
-    /// The lights in the order of the file, and then the pieces of glowing objects.
+    /// The lights in the order of the file, and then the patches of emissive objects.
     pub list: Vec<LightId>,
     /// Names of the groups of lights; the first is that of lights without one.
     pub groups: Arc<[String]>,

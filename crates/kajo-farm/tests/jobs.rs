@@ -18,12 +18,12 @@ use kajo_farm::{
 const SCENE: &str = "
     PerspectiveCamera { center 0 1 7  direction 0 -0.1 -1  up 0 1 0  angle 35 }
     Background { color 0.2 0.3 0.5 }
-    Materials { Matte grey { color 0.6 0.5 0.4 }  Glass pane { indexOfRefraction 1.5 }  Material glow { diffuseColor 0 0 0  emission 4 4 3 } }
+    Materials { Matte grey { color 0.6 0.5 0.4 }  Glass pane { indexOfRefraction 1.5 }  Material bright { diffuseColor 0 0 0  emission 4 4 3 } }
     Group {
         MaterialIndex grey  Plane { normal 0 1 0  offset -1 }
         MaterialIndex pane  Sphere { center -0.8 0 0  radius 1 }
         MaterialIndex grey  Sphere { center 1.2 -0.2 0.5  radius 0.8 }
-        MaterialIndex glow  Sphere { center 0 4 1  radius 0.5 }
+        MaterialIndex bright  Sphere { center 0 4 1  radius 0.5 }
     }";
 
 const VIEWS: [View; 3] = [View::Color, View::Depth, View::Normals];

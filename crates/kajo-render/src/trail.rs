@@ -60,7 +60,7 @@ pub struct TrailHit {
 pub enum LightSource {
     /// A light of the file: its place in their order, from 0.
     Listed(u32),
-    /// A glowing object: its number in the id layers, counted from 1.
+    /// An emissive object: its number in the id layers, counted from 1.
     Object(u32),
     /// The background.
     Background,

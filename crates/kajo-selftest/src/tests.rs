@@ -89,7 +89,7 @@ fn batches_that_agree_by_chance_are_measured_on() {
     assert_eq!(row(form.expected * 1.001).verdict, Verdict::Wrong);
 }
 
-/// A glowing wall before the camera.
+/// An emissive wall before the camera.
 const WALL: &str = "PerspectiveCamera { center 0 0 5  direction 0 0 -1  up 0 1 0  angle 1 }
     Background { color 0 0 0 }
     Materials { Material m { diffuseColor 0 0 0  emission 2 2 2 } }

@@ -37,7 +37,7 @@ pub enum SceneError {
     #[error(
         "air without end that gives light has to absorb or scatter all colours, or all of it together would be endlessly bright"
     )]
-    EndlessGlow,
+    EndlessEmission,
     /// A texture that this builder has not named.
     #[error("the scene has no such texture")]
     UnknownTexture,

@@ -19,15 +19,15 @@ impl SceneBuilder {
     /// Fills the air with a medium: all that is outside of bodies.
     ///
     /// # Errors
-    /// [`SceneError::UnknownMedium`], [`SceneError::CurvedAir`], [`SceneError::EndlessGlow`].
+    /// [`SceneError::UnknownMedium`], [`SceneError::CurvedAir`], [`SceneError::EndlessEmission`].
     pub fn air(&mut self, medium: MediumId) -> Result<(), SceneError> {
         self.check_medium(medium)?;
         if self.appearance.media.bends_light(medium) {
             return Err(SceneError::CurvedAir);
         }
         let media = &self.appearance.media;
-        if media.bounds(medium).is_none() && media.coefficients(medium).glows_through() {
-            return Err(SceneError::EndlessGlow);
+        if media.bounds(medium).is_none() && media.coefficients(medium).emits_without_extinction() {
+            return Err(SceneError::EndlessEmission);
         }
         self.air = Some(medium);
         Ok(())

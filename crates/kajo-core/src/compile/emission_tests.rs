@@ -268,13 +268,13 @@ fn model(words: &str) -> Scene {
 }
 
 #[test]
-fn models_glow_and_have_holes() {
+fn models_emit_and_have_holes() {
     let ray =
         |x: f32, y: f32, from: f32| Ray::new(Vec3::new(x, y, from), Vec3::new(0.0, 0.0, -from.signum()));
     let seen = |scene: &Scene, ray: Ray| {
         let event = scene.trace(&ray);
-        let glow = event.surface().and_then(|at| scene.surface_light(at, ray.d, &Wavelengths::RGB));
-        glow.map(|glow| glow.radiance.to_rgb())
+        let emitted = event.surface().and_then(|at| scene.surface_light(at, ray.d, &Wavelengths::RGB));
+        emitted.map(|emitted| emitted.radiance.to_rgb())
     };
     let dark = model("\"roughnessFactor\":1}");
     assert_eq!(seen(&dark, ray(0.0, 0.0, 5.0)), None);

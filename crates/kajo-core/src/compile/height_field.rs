@@ -267,8 +267,8 @@ mod tests {
         assert!(cut("base -1").is_ok());
         assert!(cut("").is_err_and(|said| said.contains("must have an inside")), "{:?}", cut("").err());
         for (more, count) in [("", 1), ("base -1", 6)] {
-            let glows = compiled(&format!("MaterialIndex 1 {}", field(more))).unwrap();
-            assert_eq!(glows.lighting.lights.areas.len(), count, "one for each part");
+            let emissive = compiled(&format!("MaterialIndex 1 {}", field(more))).unwrap();
+            assert_eq!(emissive.lighting.lights.areas.len(), count, "one for each part");
         }
     }
 }

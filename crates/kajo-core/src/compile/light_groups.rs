@@ -45,8 +45,8 @@ mod tests {
              Lights { PointLight { position 0 1 0 color 1 1 1 group key }
                       SpotLight { position 0 1 0 direction 0 -1 0 angle 9 color 1 1 1 }
                       DirectionalLight { direction 0 -1 0 color 1 1 1 group \"key\" } }
-             Materials { Matte emitter { emission 1 group rim } Material glow { emission 2 } }
-             Group { MaterialIndex glow Sphere { center 0 0 0 radius 1 }
+             Materials { Matte emitter { emission 1 group rim } Material bright { emission 2 } }
+             Group { MaterialIndex bright Sphere { center 0 0 0 radius 1 }
                      MaterialIndex emitter Sphere { center 3 0 0 radius 1 } }",
         )
         .unwrap();

@@ -210,10 +210,10 @@ fn surfaces_without_lighting_shine_in_the_colours_of_their_vertices() {
         r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1]},"extensions":{"KHR_materials_unlit":{}}"#;
     let unlit = scene("Model { file a.gltf }", &triangle(r#","COLOR_0":3"#, material));
     for (x, y) in [(-0.5, -0.5), (1.0, 0.5)] {
-        let glow = unlit.surface_light(&met(&unlit, x, y), Vec3::NEG_Z, &Wavelengths::RGB).unwrap();
+        let emitted = unlit.surface_light(&met(&unlit, x, y), Vec3::NEG_Z, &Wavelengths::RGB).unwrap();
         let (green, blue) = (0.25 * (x + 1.0), 0.25 * (y + 1.0));
         let expected = Vec3::new(0.5 * (1.0 - green - blue), green, blue);
-        assert!(Vec3::from(glow.radiance.to_rgb()).distance(expected) < 1e-5, "{glow:?} at {x} {y}");
+        assert!(Vec3::from(emitted.radiance.to_rgb()).distance(expected) < 1e-5, "{emitted:?} at {x} {y}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! The gas that a black hole swallows: it goes around, glows, and lets nothing pass.
+//! The gas that a black hole swallows: it goes around, emits, and lets nothing pass.
 //!
 //! The surface is flat in the equatorial plane, or near it. It scatters nothing; its light is that of [`OrbitingGas`], through a pattern.
 //!
@@ -11,10 +11,10 @@ use crate::bsdf::{Bsdf, Lambert, Phong};
 use crate::emission::{OrbitingGas, SurfaceEmission};
 use crate::texture::{AnyTexture, FloatTexture, TextureContext, Textures};
 
-/// Glowing gas around a black hole.
+/// Hot gas around a black hole.
 #[derive(Clone, Debug)]
 pub struct AccretionDisk {
-    /// What glows.
+    /// What emits.
     pub gas: OrbitingGas,
     /// What its light is multiplied by.
     pub pattern: FloatTexture,

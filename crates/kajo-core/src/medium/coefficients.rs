@@ -158,7 +158,7 @@ impl Coefficients {
         Coefficients { emission: Some(Arc::new(emission)).filter(|emission| !emission.is_black()), ..self }
     }
 
-    /// The same medium that also glows by its temperature.
+    /// The same medium that also emits by its temperature.
     #[must_use]
     pub fn with_heat(self, heat: Heat) -> Coefficients {
         Coefficients { heat: Some(Arc::new(heat)), ..self }
@@ -183,7 +183,7 @@ impl Coefficients {
     }
 
     /// Whether it gives light that any amount of it does not weaken.
-    pub fn glows_through(&self) -> bool {
+    pub fn emits_without_extinction(&self) -> bool {
         let rgb = &Wavelengths::RGB;
         let sigma_t = (self.sigma_a(rgb) + self.sigma_s(rgb)).to_rgb();
         self.emits() && sigma_t.iter().any(|&sigma| sigma <= 0.0)

@@ -6,7 +6,7 @@
 //! T L + (1 - T) C,    T = exp(-tau),
 //! ```
 //!
-//! exact for fog that glows with the constant colour `C`. Even fog has `tau = density * length`.
+//! exact for fog that emits the constant colour `C`. Even fog has `tau = density * length`.
 //! Fog that thins with height, `density * exp(-k (y - h0))`, has along `o + s w`, `w` a unit vector,
 //!
 //! ```text

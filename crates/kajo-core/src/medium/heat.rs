@@ -1,4 +1,4 @@
-//! Media that glow as hot as they are: flames by a grid of temperatures.
+//! Media that emit by their temperature: flames by a grid of temperatures.
 //!
 //! What is in equilibrium with its own temperature `T` gives what it absorbs of the light of a black body [Kirchhoff 1860]: the radiance per
 //! unit length is in proportion to the density `d`,

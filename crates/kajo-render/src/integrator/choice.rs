@@ -95,7 +95,7 @@ fn try_out(scene: &Scene) -> Choice {
 }
 
 /// Whether light is meant as numbers of the classic formula: ambient light beside others, or lights that do not fade, and no surface
-/// that glows.
+/// that emits.
 fn is_of_the_formula(scene: &Scene) -> bool {
     let lights = &scene.lighting.lights;
     let fades = |attenuation: [f32; 3]| attenuation[2] != 0.0;

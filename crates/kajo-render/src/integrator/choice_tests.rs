@@ -9,7 +9,7 @@ use super::{CHOICES, IntegratorSpec, choose};
 const MATERIALS: &str = "Materials {
     Matte white { color 0.7 0.7 0.7 }
     Glass glass { indexOfRefraction 1.5 }
-    Matte glowing { color 0 0 0  emission 20 20 20 }
+    Matte bright { color 0 0 0  emission 20 20 20 }
     Matte dim { color 0 0 0  emission 2 2 2 }
 }";
 const FLOOR: &str = "MaterialIndex white  Quad { corner -4 -1 4  edge1 8 0 0  edge2 0 0 -8 }";
@@ -36,7 +36,7 @@ fn check(around: &str, things: &str, expected: &str, why: &str) {
 
 #[test]
 fn what_lights_shine_on_is_for_paths() {
-    let quad = "MaterialIndex glowing  Quad { corner -1 4 1  edge1 0 0 -2  edge2 2 0 0 }";
+    let quad = "MaterialIndex bright  Quad { corner -1 4 1  edge1 0 0 -2  edge2 2 0 0 }";
     check("", quad, "path", "lit by lights themselves");
     check(
         "Lights { PointLight { position 0 4 0  intensity 9 9 9 } }",
@@ -54,11 +54,11 @@ fn light_of_points_through_glass_is_for_both_ends() {
 
 #[test]
 fn a_light_in_glass_is_for_both_ends() {
-    let bulb = format!("{BALL}  MaterialIndex glowing  Sphere {{ center 0 0 0  radius 0.2 }}");
+    let bulb = format!("{BALL}  MaterialIndex bright  Sphere {{ center 0 0 0  radius 0.2 }}");
     check("", &bulb, "bidirectional", "much of its light");
     check(
         "",
-        "MaterialIndex glowing  Sphere { center 0 0 0  radius 0.2 }",
+        "MaterialIndex bright  Sphere { center 0 0 0  radius 0.2 }",
         "path",
         "lit by lights themselves",
     );
@@ -69,7 +69,7 @@ fn a_room_lit_by_its_ceiling_is_for_both_ends() {
     // A light over a shade, below a ceiling.
     let room = "MaterialIndex white  Quad { corner -9 6 -9  edge1 18 0 0  edge2 0 0 18 }
         Quad { corner -9 2.5 -9  edge1 18 0 0  edge2 0 0 18 }
-        MaterialIndex glowing  Quad { corner -0.5 3 -0.5  edge1 0 0 1  edge2 1 0 0 }";
+        MaterialIndex bright  Quad { corner -0.5 3 -0.5  edge1 0 0 1  edge2 1 0 0 }";
     let up = room.replace("edge1 0 0 1  edge2 1 0 0", "edge1 1 0 0  edge2 0 0 1");
     let ajar = up.replace("corner -9 2.5 -9  edge1 18 0 0", "corner -9 2.5 -9  edge1 15 0 0");
     check("", &ajar, "bidirectional", "little of what is seen");

@@ -56,7 +56,7 @@ const PIXELS_PER_CELL: u64 = 32;
 /// Lights that get an item buffer; each takes up to some megabytes.
 const LIGHTS_WITH_ITEMS: usize = 16;
 
-/// Pieces of a glowing object that are asked for light; those of a mesh may be a million.
+/// Patches of an emissive object that are asked for light; those of a mesh may be a million.
 const PIECES_OF_OBJECT: usize = 16;
 
 /// Paths into which one sample may fork, 2^18: all forks of eighteen in a row are followed.

@@ -171,7 +171,7 @@ fn emptied<A, B>(mut list: Vec<A>) -> Vec<B> {
 #[cfg(test)]
 mod curved_tests;
 #[cfg(test)]
-mod glow_tests;
+mod emission_tests;
 #[cfg(test)]
 mod media_tests;
 #[cfg(test)]

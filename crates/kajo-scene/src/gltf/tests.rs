@@ -408,7 +408,7 @@ fn pictures_of_normals_and_roughness_are_found() {
 fn light_and_cover_are_read() {
     let material = |more: &str| {
         let mesh = MESH.replace("\"alphaMode\":\"BLEND\"", more);
-        let textures = r#""textures":[{"source":0}],"images":[{"uri":"glow.png"}]"#;
+        let textures = r#""textures":[{"source":0}],"images":[{"uri":"bright.png"}]"#;
         let model = read_square(&format!("{mesh},\"nodes\":[{{\"mesh\":0}}],{textures}")).unwrap();
         assert!(model.left_out.is_empty(), "{:?}", model.left_out);
         (model.materials[0].clone(), model.pictures)
@@ -421,7 +421,10 @@ fn light_and_cover_are_read() {
         "extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}"#,
     );
     assert_eq!((strong.emissive, strong.emissive_picture), ([4.0, 2.0, 8.0], Some(as_it_is(0))));
-    assert_eq!((strong.two_sided, pictures), (true, vec![Some(PictureSource::File("glow.png".to_owned()))]));
+    assert_eq!(
+        (strong.two_sided, pictures),
+        (true, vec![Some(PictureSource::File("bright.png".to_owned()))])
+    );
     assert_eq!(material("\"alphaMode\":\"BLEND\"").0.cover, ModelCover::Share);
     assert_eq!(material("\"alphaMode\":\"MASK\"").0.cover, ModelCover::FromOn(0.5));
     assert_eq!(material("\"alphaMode\":\"MASK\",\"alphaCutoff\":0.1").0.cover, ModelCover::FromOn(0.1));

@@ -33,7 +33,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms
 }
 
-/// Materials of this file. The light has an ambient colour for the classic integrator, to which nothing glows.
+/// Materials of this file. The light has an ambient colour for the classic integrator, to which nothing emits.
 fn materials(body: &str) -> String {
     format!(
         "Background {{ color 0 0 0 }}\nMaterials {{\n  Material body {{ diffuseColor 0 0 0  {body} }}\n  \

@@ -118,7 +118,7 @@ fn pane(draw: &mut Parameters, is_block: bool, reflected: bool) -> Form {
     Form::new(name, scene, le * share, CLEAR).bounces(60).rounding(1e-4)
 }
 
-/// A glowing wall seen through objects in front of it.
+/// An emissive wall seen through objects in front of it.
 fn before_a_wall(
     draw: &mut Parameters,
     view: &str,

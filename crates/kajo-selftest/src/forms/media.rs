@@ -15,7 +15,7 @@
 //! L = integral over t of  s I / (4pi r^2) exp(-s (t + r)),    r^2 = b^2 + (t - a)^2
 //! ```
 //!
-//! *A slab that glows* by the radiance `e` per unit length and absorbs is as bright as `e / sigma_a (1 - exp(-sigma_a d))`; a body that gives `sigma_a` times the
+//! *A slab that emits* by the radiance `e` per unit length and absorbs is as bright as `e / sigma_a (1 - exp(-sigma_a d))`; a body that gives `sigma_a` times the
 //! radiance of an even sky is not to be seen.
 //!
 //! *Nothing is lost.* Whatever scatters all light is not to be seen under an even sky: homogeneous, by voxels, by a function, in clear
@@ -102,7 +102,7 @@ fn flame(draw: &mut Parameters) -> Form {
     let medium = format!("Medium m {{ sigma_a {sigma}  emission {e} }}");
     let scene = filled(&view, &medium, "Interface b { medium m }", CUBE);
     let expected = e / sigma * (1.0 - (-2.0 * sigma).exp());
-    Form::new(format!("S9 slab that absorbs {sigma} and glows by {e}"), scene, expected, MEDIA)
+    Form::new(format!("S9 slab that absorbs {sigma} and emits {e}"), scene, expected, MEDIA)
 }
 
 fn hot(draw: &mut Parameters) -> Form {

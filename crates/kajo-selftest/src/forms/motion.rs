@@ -28,7 +28,7 @@ use crate::method::{CLASSIC, DIRECT, LIGHTS, Method, PATH};
 const MOMENTS: &[Method] = &[PATH, DIRECT, CLASSIC];
 
 /// An emitter that is seen, not what it lights.
-const GLOW: &str =
+const BRIGHT: &str =
     "Materials { Material emitter { diffuseColor 0 0 0  ambientColor 1 1 1  emission 1 1 1 } }\n";
 
 /// A full turn around the z axis.
@@ -47,7 +47,7 @@ fn bar(draw: &mut Parameters, [w, d, start]: [f64; 3]) -> Form {
     let keys = [start - 0.5 * d, start + 1.5 * d];
     let meter = spot_meter(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO).replacen('{', "{ shutter 1 3 ", 1);
     let scene = format!(
-        "{meter}{GLOW}Group {{ MaterialIndex emitter Transform {{ ZRotate {}\n  \
+        "{meter}{BRIGHT}Group {{ MaterialIndex emitter Transform {{ ZRotate {}\n  \
          Motion {{ key 0 {{ Translate {} 0 0 }}  key 4 {{ Translate {} 0 0 }} }}\n  \
          Quad {{ corner 0 -1 0  edge1 {w} 0 0  edge2 0 2 0 }} }} }}",
         draw.between(0.0, 360.0),
@@ -91,7 +91,7 @@ fn sector(draw: &mut Parameters, together: bool) -> Form {
     let meter = spot_meter(DVec3::new(0.0, 0.0, 5.0), seen).replacen('{', &format!("{{ {along} "), 1);
     let blade = [DVec3::ZERO, DVec3::new(2.0 * cos, -2.0 * sin, 0.0), DVec3::new(2.0 * cos, 2.0 * sin, 0.0)];
     let scene = format!(
-        "{meter}{GLOW}Group {{ MaterialIndex emitter Transform {{ {along} {SPIN} {} }} }}",
+        "{meter}{BRIGHT}Group {{ MaterialIndex emitter Transform {{ {along} {SPIN} {} }} }}",
         triangle(blade)
     );
     let name = format!("spinning sector of {angle} rad{}", if together { ", camera goes along" } else { "" });
@@ -107,7 +107,7 @@ fn pan(draw: &mut Parameters, by_camera: bool) -> Form {
         if by_camera { (turn(-angle), String::new()) } else { (String::new(), turn(angle)) };
     let meter = spot_meter(DVec3::ZERO, DVec3::NEG_Z).replacen('{', &format!("{{ {camera} "), 1);
     let scene = format!(
-        "{meter}{GLOW}Group {{ MaterialIndex emitter Transform {{ {world}\n  \
+        "{meter}{BRIGHT}Group {{ MaterialIndex emitter Transform {{ {world}\n  \
          Quad {{ corner {} -9 -4  edge1 9 0 0  edge2 0 18 0 }} }} }}",
         4.0 * edge.to_radians().tan()
     );

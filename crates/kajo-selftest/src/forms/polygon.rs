@@ -55,7 +55,7 @@ fn painted(draw: &mut Parameters, by: &str) -> Form {
     form.bounces(0).file("quarters.pgm", format!("P2 2 2 255 {c} {d} {e} {f}\n"))
 }
 
-/// A light of stripes, a mixture of a material that glows and one that does not.
+/// A light of stripes, a mixture of a material that emits and one that does not.
 fn striped(draw: &mut Parameters) -> Form {
     let (x, width, height) = (draw.between(-1.0, 0.0), draw.between(1.0, 2.0), draw.between(0.6, 1.5));
     let (rho, le, per_unit) = (draw.between(0.3, 0.9), draw.between(0.5, 4.0), draw.between(2.0, 4.0));

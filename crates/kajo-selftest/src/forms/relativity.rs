@@ -7,7 +7,7 @@
 //!         D = 1 / (gamma (1 - mu))         for an observer who moves, mu of the direction that he sees
 //! ```
 //!
-//! [Rybicki and Lightman 1979, 4.9]. So an observer who moves sees an even sky as bright as `D^4`; a glowing room that flies past is the room
+//! [Rybicki and Lightman 1979, 4.9]. So an observer who moves sees an even sky as bright as `D^4`; an emissive room that flies past is the room
 //! at rest times `D^4`; and the irradiance of a small emitter that flies past is
 //!
 //! ```text
@@ -104,7 +104,7 @@ fn room(draw: &mut Parameters) -> Form {
         velocity(v),
     );
     let expected = doppler(n, v).powi(4) * le / (1.0 - rho);
-    Form::new(format!("glowing room that moves at {:.4}", v.length()), scene, expected, ALL)
+    Form::new(format!("emissive room that moves at {:.4}", v.length()), scene, expected, ALL)
         .bounces(200)
         .rounding(ROUNDING)
 }

@@ -1,6 +1,6 @@
 //! Closed rooms, in which light goes on for ever.
 //!
-//! *A glowing room.* All walls send out `Le` and scatter the share `rho` evenly. The same light comes from
+//! *An emissive room.* All walls send out `Le` and scatter the share `rho` evenly. The same light comes from
 //! everywhere, so after `k` scatterings
 //!
 //! ```text
@@ -32,10 +32,10 @@ const WITHOUT_END: u32 = 200;
 
 pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     let mut forms: Vec<Form> =
-        ROOMS.iter().flat_map(|room| [glowing(draw, room, None), glowing(draw, room, Some(1))]).collect();
-    forms.push(glowing(draw, &ROOMS[0], Some(0)));
+        ROOMS.iter().flat_map(|room| [emissive(draw, room, None), emissive(draw, room, Some(1))]).collect();
+    forms.push(emissive(draw, &ROOMS[0], Some(0)));
     for room in [&ROOMS[2], &ROOMS[6]] {
-        let wide = glowing(draw, room, Some(1));
+        let wide = emissive(draw, room, Some(1));
         forms.push(Form {
             name: wide.name.replace(room.name, &format!("{}, seen widely", room.name)),
             scene: wide.scene.replace("angle 0.001", "angle 70"),
@@ -47,7 +47,7 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
     forms.push(light_in_ball(draw, &[DIRECT], false));
     // All pixels share the photons of a sample, and the samples that chains begin at.
     for bounces in [None, Some(1)] {
-        let room = glowing(draw, &ROOMS[0], bounces);
+        let room = emissive(draw, &ROOMS[0], bounces);
         forms.push(Form {
             name: format!("{}, by photons", room.name),
             scene: room.scene.replace("angle 0.001", "angle 70"),
@@ -61,10 +61,10 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
         methods: CACHES,
         ..form.rounding(RECORDS).size([16, 16])
     };
-    let room = glowing(draw, &ROOMS[0], None);
+    let room = emissive(draw, &ROOMS[0], None);
     forms.push(cached(Form { scene: room.scene.replace("angle 0.001", "angle 70"), ..room }));
     forms.push(cached(light_in_ball(draw, CACHES, true)));
-    let room = glowing(draw, &ROOMS[2], None);
+    let room = emissive(draw, &ROOMS[2], None);
     forms.push(Form { name: format!("{}, by chains", room.name), methods: CHAINS, ..room.size([32, 32]) });
     let ball = light_in_ball(draw, CHAINS, true);
     forms.push(Form { name: format!("{}, by chains", ball.name), ..ball.size([32, 32]) });
@@ -119,7 +119,7 @@ const ROOMS: [Room; 7] = [
 const OCTAHEDRON: &str = "v 2 0 0\nv -2 0 0\nv 0 1.5 0\nv 0 -1.5 0\nv 0 0 1.8\nv 0 0 -1.8\n\
     f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
 
-fn glowing(draw: &mut Parameters, room: &Room, bounces: Option<u32>) -> Form {
+fn emissive(draw: &mut Parameters, room: &Room, bounces: Option<u32>) -> Form {
     let (rho, le) = (draw.between(0.2, 0.85), draw.between(0.5, 4.0));
     let spin = draw.between(0.0, 360.0);
     let (from, to) = (draw.point(0.2), draw.direction(-1.0));
@@ -135,7 +135,7 @@ fn glowing(draw: &mut Parameters, room: &Room, bounces: Option<u32>) -> Form {
         None => "no end of bounces".to_owned(),
         Some(n) => format!("light scattered {} times", n + 1),
     };
-    let name = format!("S1 glowing {}, albedo {rho}, {ended}", room.name);
+    let name = format!("S1 emissive {}, albedo {rho}, {ended}", room.name);
     let methods = if bounces.is_none() { GLOBAL } else { BOUNCES };
     let form = Form::new(name, scene, expected, methods).bounces(bounces.unwrap_or(WITHOUT_END));
     if room.mesh.is_empty() { form } else { form.file("room.obj", room.mesh.to_owned()) }

@@ -281,7 +281,7 @@ fn a_pick_knows_the_words_of_the_text() {
     assert!(pick(scene, &camera, DVec2::new(1.0, 1.0), size).is_none());
 }
 
-/// Shadow rays know the light they are cast to: that of the file, the glowing object, the background.
+/// Shadow rays know the light they are cast to: that of the file, the emissive object, the background.
 #[test]
 fn shadow_rays_know_their_light() {
     let text = |lights: &str, group: &str| {
@@ -296,8 +296,8 @@ fn shadow_rays_know_their_light() {
     let lights =
         "DirectionalLight { direction 0 -1 0.1 color 1 1 1 } PointLight { position 0 3 0 color 1 1 1 }";
     let block = "Box { min -9 2 -9 max 9 2.2 9 }";
-    let glowing = "MaterialIndex emitter Quad { corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }";
-    let scene = text(lights, &format!("{block} {glowing}"));
+    let emissive = "MaterialIndex emitter Quad { corner -1 3 -1 edge1 2 0 0 edge2 0 0 2 }";
+    let scene = text(lights, &format!("{block} {emissive}"));
     let camera = CameraPose::perspective(DVec3::new(0.0, 1.0, 6.0), DVec3::ZERO, DVec3::Y, 0.5);
     for asked in ways() {
         let settings = settings(&scene, asked);

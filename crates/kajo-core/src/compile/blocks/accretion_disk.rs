@@ -1,4 +1,4 @@
-//! `AccretionDisk`: glowing gas around a black hole.
+//! `AccretionDisk`: hot gas around a black hole.
 
 use kajo_scene::{Diagnostic, Params};
 
@@ -25,7 +25,7 @@ pub const MEMBER: MaterialMember = Member {
     block: Block {
         keyword: "AccretionDisk",
         kind: Kind::Material,
-        about: "gas that glows on its way around a black hole",
+        about: "gas that emits on its way around a black hole",
         groups: &[AccretionDiskKeys::FIELDS, ExtraKeys::FIELDS],
     },
     read: |compiler, item| {

@@ -16,13 +16,13 @@ use crate::medium::{
 use crate::schema::{Block, Constant, FieldKind, Kind};
 
 keys! {
-    /// The glow of what is hot.
+    /// The emission of what is hot.
     HeatKeys<'t> {
         temperature: Option<At<'t, GridName>> = Typed::<GridName>::new("temperature", FieldKind::Text)
             .only_beside("file")
             .not_beside(&["emission", "values", "size"])
             .placed()
-            .unlike("none", "temperature", "name of a grid in the same .vdb: it glows as hot as this says"),
+            .unlike("none", "temperature", "name of a grid in the same .vdb: it emits as a black body this hot"),
         temperature_scale: Option<f32> = number("temperatureScale")
             .unit("K")
             .only_beside("temperature")

@@ -130,7 +130,7 @@ pub fn coefficients(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> O
             report_beside(params, CoefficientKeys::FIELDS, key);
         }
     }
-    // Grids may only glow, by a `temperature`.
+    // Grids may only emit, by a `temperature`.
     let any = [SIGMA_A, SIGMA_S, "density", "meanFreePath", "temperature"];
     let has_none = !any.into_iter().any(|key| params.contains(key));
     let keys = CoefficientKeys::read(params, sources)?;

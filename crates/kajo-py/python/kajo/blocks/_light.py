@@ -84,7 +84,7 @@ class GridMedium(MediumBlock):
             or -1 -1 -1.
         max: the corner of its box with the largest coordinates (x y z). Default: by the file,
             or 1 1 1.
-        temperature: name of a grid in the same .vdb: it glows as hot as this says (word or
+        temperature: name of a grid in the same .vdb: it emits as a black body this hot (word or
             text). Default: none.
         temperature_scale: kelvin of the number 1 more in that grid (number, K). Default: 1.
         temperature_offset: kelvin of the number 0 (number, K). Default: 0.

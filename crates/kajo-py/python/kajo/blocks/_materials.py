@@ -598,7 +598,7 @@ class Interface(MaterialBlock):
 
 
 class AccretionDisk(MaterialBlock):
-    """Gas that glows on its way around a black hole.
+    """Gas that emits on its way around a black hole.
 
     Args:
         hole: name of the `BlackHole` that it goes around (word or text).

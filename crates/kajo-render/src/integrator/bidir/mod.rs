@@ -412,10 +412,10 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         let is_last = *t == self.longest();
         loop {
             let event = advance(scene, &mut path.state, surface, &mut visible.first, observer);
-            if V::CARRIED && !path.state.glow.is_black() {
-                let glow = path.glow();
-                observer.found(|| glow.value(wavelengths));
-                found(glow, wavelengths);
+            if V::CARRIED && !path.state.emitted.is_black() {
+                let emitted = path.medium_emission();
+                observer.found(|| emitted.value(wavelengths));
+                found(emitted, wavelengths);
             }
             match event {
                 Event::Surface => {}

@@ -88,8 +88,8 @@ impl Subpath<'_> {
     }
 
     /// Light that media gave on the way of a path from the camera: no other way finds it.
-    pub(super) fn glow(&mut self) -> Contribution {
-        let light = std::mem::take(&mut self.state.glow);
+    pub(super) fn medium_emission(&mut self) -> Contribution {
+        let light = std::mem::take(&mut self.state.emitted);
         Contribution { light, ..self.met(Spectrum::BLACK, LightGroup::default(), 1.0) }
     }
 

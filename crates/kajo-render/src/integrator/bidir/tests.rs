@@ -104,7 +104,7 @@ fn from_lights() -> BidirectionalSettings {
 }
 
 #[test]
-fn a_glowing_room_is_as_bright_as_its_series() {
+fn an_emissive_room_is_as_bright_as_its_series() {
     let shells = [
         "Sphere { center 0 0 0 radius 1 }",
         "Box { min -1 -1 -1 max 1 1 1 }",

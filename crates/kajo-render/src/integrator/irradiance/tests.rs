@@ -70,7 +70,7 @@ fn records(scene: &Scene, settings: IrradianceSettings, size: [u32; 2], seed: u6
 
 /// All light is the same everywhere, so no record is wrong but by noise.
 #[test]
-fn a_glowing_room_is_as_bright_as_its_series() {
+fn an_emissive_room_is_as_bright_as_its_series() {
     let text = format!(
         "{} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
          Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",

@@ -171,8 +171,8 @@ fn a_chain_finds_a_ramp_of_known_brightness() {
 }
 
 #[test]
-fn a_glowing_room_and_a_white_ball_are_as_bright_as_their_series() {
-    let glowing = format!(
+fn an_emissive_room_and_a_white_ball_are_as_bright_as_their_series() {
+    let emissive = format!(
         "{} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
          Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
         camera([0.2, 0.1, -0.1], [0.7, -0.3, 0.5], 70.0)
@@ -183,7 +183,7 @@ fn a_glowing_room_and_a_white_ball_are_as_bright_as_their_series() {
          Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",
         camera([0.0, 0.6, 0.0], [-1.0, 0.0, 0.0], 0.01)
     );
-    let forms = [(&glowing, 30, 2.0), (&glowing, 1, 1.75), (&white, 60, 0.8 / PI * (1.0 / 2.25 + 4.0))];
+    let forms = [(&emissive, 30, 2.0), (&emissive, 1, 1.75), (&white, 60, 0.8 / PI * (1.0 / 2.25 + 4.0))];
     for (text, bounces, expected) in forms {
         let scene = scene(text);
         for by_paths in [false, true] {

@@ -19,7 +19,7 @@ fn settings(bounces: u32) -> PathSettings {
 fn filled(view: &str, medium: &str, objects: &str) -> Scene {
     scene(&format!(
         "{view} Media {{ {medium} }} Materials {{ Interface i {{ medium m }}
-             Matte white {{ color 0.8 0.8 0.8 }} Matte glow {{ color 0 0 0  emission 1 }} }} Group {{ {objects} }}"
+             Matte white {{ color 0.8 0.8 0.8 }} Matte bright {{ color 0 0 0  emission 1 }} }} Group {{ {objects} }}"
     ))
 }
 
@@ -54,7 +54,7 @@ fn a_body_of_index_one_is_not_there() {
     let objects = |ball: &str| {
         format!(
             "{ball} MaterialIndex white Quad {{ corner -9 -1.2 -9 edge1 0 0 18 edge2 18 0 0 }}
-             MaterialIndex glow Quad {{ corner -0.5 2 -0.5 edge1 1 0 0 edge2 0 0 1 }}
+             MaterialIndex bright Quad {{ corner -0.5 2 -0.5 edge1 1 0 0 edge2 0 0 1 }}
              MaterialIndex white Sphere {{ center 0.3 0 0.2 radius 0.4 }}"
         )
     };
@@ -85,10 +85,10 @@ fn all_ways_of_finding_light_agree_behind_a_luneburg_ball() {
     let lens = "LuneburgLens m { }";
     let wall = "MaterialIndex i Sphere { center 0 0 0 radius 1 }
         MaterialIndex white Quad { corner -3 -3 -1.2 edge1 6 0 0 edge2 0 6 0 }
-        MaterialIndex glow Sphere { center 0.5 0.3 3 radius 0.5 }";
+        MaterialIndex bright Sphere { center 0.5 0.3 3 radius 0.5 }";
     let within = "MaterialIndex i Sphere { center 0 0 0 radius 1 }
         MaterialIndex white Sphere { center 0 -0.3 0 radius 0.4 } Quad { corner -3 -3 -1.2 edge1 6 0 0 edge2 0 6 0 }
-        MaterialIndex glow Sphere { center 0.2 0.6 0.1 radius 0.2 }";
+        MaterialIndex bright Sphere { center 0.2 0.6 0.1 radius 0.2 }";
     for (objects, from, to) in
         [(wall, [3.2, 0.0, 0.2], [0.05, 0.0, -1.2]), (within, [2.5, 0.2, 2.0], [0.1, -0.1, 0.4])]
     {
@@ -151,7 +151,7 @@ fn photons_are_thrown_by_a_luneburg_ball_as_paths_are() {
         "LuneburgLens m { }",
         "MaterialIndex i Sphere { center 0 0 0 radius 1 }
         MaterialIndex white Quad { corner -3 -3 -1.2 edge1 6 0 0 edge2 0 6 0 }
-        MaterialIndex glow Sphere { center 0.5 0.3 4 radius 1.5 }",
+        MaterialIndex bright Sphere { center 0.5 0.3 4 radius 1.5 }",
     );
     let path = mean(&scene, settings(1), 1000, 0);
     let photons = PhotonSettings { photons: 300_000, bounces: 1, ..PhotonSettings::default() };
@@ -165,7 +165,7 @@ fn photons_are_thrown_by_a_luneburg_ball_as_paths_are() {
 #[test]
 fn threads_tiles_and_stops_make_the_same_picture() {
     let objects = "MaterialIndex i Sphere { center 0 0 0 radius 3 } MaterialIndex white Sphere { center 1.4 0 0.5 radius 0.4 }
-        MaterialIndex glow Quad { corner -3 3.2 -3 edge1 6 0 0 edge2 0 0 6 }";
+        MaterialIndex bright Quad { corner -3 3.2 -3 edge1 6 0 0 edge2 0 0 6 }";
     for (medium, spectral) in [
         ("LuneburgLens m { radius 3 }", false),
         ("GradientIndex m { index = 1.5 - 0.02 * (x^2 + y^2 + z^2)  abbeNumber 30  noise 0.05 }", true),

@@ -66,7 +66,7 @@ pub(super) fn check(scene: &Scene, settings: PathSettings, paths: u32, expected:
 pub(super) const TECHNIQUES: [Technique; 3] = [Technique::Combined, Technique::Lights, Technique::Scattering];
 
 #[test]
-fn a_glowing_room_is_as_bright_as_its_series() {
+fn an_emissive_room_is_as_bright_as_its_series() {
     let shells = [
         "Sphere { center 0 0 0 radius 1 }",
         "Box { min -1 -1.2 -1 max 1.1 1 1 }",
@@ -156,7 +156,7 @@ fn mirrors_before_the_first_surface_may_be_free() {
 }
 
 #[test]
-fn holes_do_not_glow() {
+fn holes_do_not_emit() {
     let text = |opacity: f32| {
         format!(
             "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }}
@@ -330,7 +330,7 @@ fn lights_shine_through_panes() {
     for (pane, passes) in panes {
         let text = |emitter: &str| {
             format!(
-                "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }} {pane} Matte glow {{ color 0 0 0  emission 3  emits front }} }}
+                "{} Materials {{ Matte floor {{ color 0.7 0.7 0.7 }} {pane} Matte bright {{ color 0 0 0  emission 3  emits front }} }}
                  Group {{ MaterialIndex floor Quad {{ corner -9 0 -9 edge1 0 0 18 edge2 18 0 0 }}
                           MaterialIndex pane Quad {{ corner -9 0.6 -9 edge1 0 0 18 edge2 18 0 0 }} {emitter} }}",
                 camera([0.0, 0.5, 2.0], [0.0, 0.0, 0.0])
@@ -343,7 +343,7 @@ fn lights_shine_through_panes() {
         let expected = 0.7 / std::f64::consts::PI * 3.0 * cos.powi(3) * passes(cos);
         check(&scene(&point), PathSettings { bounces: 1, ..PathSettings::default() }, 200, expected);
         // A square light, piece by piece.
-        let square = text("MaterialIndex glow Quad { corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }");
+        let square = text("MaterialIndex bright Quad { corner -0.5 1 -0.5 edge1 1 0 0 edge2 0 0 1 }");
         let n = 200;
         let middle = |i: i32| (f64::from(i) + 0.5) / f64::from(n) - 0.5;
         let pieces = (0..n * n).map(|i| {

@@ -552,10 +552,10 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     }
 
     /// Adds the light that media gave on the way: no light is drawn in them.
-    fn add_glow(&mut self, path: &mut CameraPath<'s>) {
-        let glow = std::mem::take(&mut path.state.glow);
-        if !glow.is_black() {
-            self.add_met(&path.state, glow, LightGroup::default());
+    fn add_medium_emission(&mut self, path: &mut CameraPath<'s>) {
+        let emitted = std::mem::take(&mut path.state.emitted);
+        if !emitted.is_black() {
+            self.add_met(&path.state, emitted, LightGroup::default());
         }
     }
 

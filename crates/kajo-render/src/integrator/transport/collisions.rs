@@ -214,8 +214,18 @@ struct Travel<'a> {
     beta: Spectrum,
     lanes: LaneMis,
     scattered: Option<f32>,
-    /// Where the medium gives light that counts: its radiance per unit length at the density 1, what else absorbs it there, and the light found.
-    glow: Option<(Spectrum, Spectrum, Spectrum)>,
+    /// Where the medium gives light that counts.
+    emission: Option<EmissionOnTheWay>,
+}
+
+/// What a medium emits towards the camera along a ray.
+struct EmissionOnTheWay {
+    /// Radiance per unit length at the density 1.
+    radiance: Spectrum,
+    /// What absorbs it besides the medium: the body's own absorption.
+    sigma_a: Spectrum,
+    /// The sum so far.
+    found: Spectrum,
 }
 
 impl Travel<'_> {
@@ -226,7 +236,7 @@ impl Travel<'_> {
     ///
     /// * `emission_at`: that radiance at a point, of what it is everywhere
     #[inline]
-    fn glow(
+    fn add_emission(
         &mut self,
         draws: &mut SampleStream<'_>,
         (from, to): (f32, f32),
@@ -234,14 +244,14 @@ impl Travel<'_> {
         majorant: f32,
         emission_at: impl FnOnce(Vec3, Spectrum) -> Spectrum,
     ) {
-        let Some((emission, sigma_a, found)) = &mut self.glow else { return };
+        let Some(EmissionOnTheWay { radiance, sigma_a, found }) = &mut self.emission else { return };
         let at = from + draws.next_1d() * (to - from);
         let density = if self.is_homogeneous { 1.0 } else { self.stretch.density(self.ray.at(at)) };
         let t = t * self.stretch.transmittance(majorant, at - from);
         let ratio = t * (1.0 / t[self.stretch.hero]);
         let mean = self.wavelengths.mean(self.lanes.r_u * ratio);
-        let emission = emission_at(self.ray.at(at), *emission);
-        let added = self.beta * ratio * emission * (*sigma_a * -at).exp() * (density * (to - from) / mean);
+        let radiance = emission_at(self.ray.at(at), *radiance);
+        let added = self.beta * ratio * radiance * (*sigma_a * -at).exp() * (density * (to - from) / mean);
         if added.is_finite() {
             *found += added;
         }
@@ -251,7 +261,7 @@ impl Travel<'_> {
 impl Walker for Travel<'_> {
     #[inline]
     fn pass(&mut self, draws: &mut SampleStream<'_>, ends: (f32, f32), t: Spectrum, majorant: f32) {
-        self.glow(draws, ends, t, majorant, |_, emission| emission);
+        self.add_emission(draws, ends, t, majorant, |_, emission| emission);
     }
 
     fn collide(&mut self, draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
@@ -277,7 +287,7 @@ impl Walker for Travel<'_> {
     }
 }
 
-/// A path on its way through a medium that glows by its temperature.
+/// A path on its way through a medium that emits by its temperature.
 struct HotTravel<'a> {
     travel: Travel<'a>,
     heat: &'a Heat,
@@ -287,7 +297,7 @@ impl Walker for HotTravel<'_> {
     #[inline]
     fn pass(&mut self, draws: &mut SampleStream<'_>, ends: (f32, f32), t: Spectrum, majorant: f32) {
         let (heat, wavelengths) = (self.heat, self.travel.wavelengths);
-        self.travel.glow(draws, ends, t, majorant, |p, _| heat.emission(p, &wavelengths));
+        self.travel.add_emission(draws, ends, t, majorant, |p, _| heat.emission(p, &wavelengths));
     }
 
     #[inline]
@@ -314,11 +324,12 @@ fn travel(
     let absorption = || path.media.absorption().unwrap_or(Spectrum::BLACK);
     if is_homogeneous && !coefficients.scatters() {
         if let Some(emission) = emission {
-            path.glow += path.beta * emission * even_glow(stretch.sigma_t + absorption(), length);
+            path.emitted += path.beta * emission * emission_integral(stretch.sigma_t + absorption(), length);
         }
         path.beta *= stretch.transmittance(1.0, length);
         return None;
     }
+    let on_the_way = |radiance| EmissionOnTheWay { radiance, sigma_a: absorption(), found: path.emitted };
     let ray = Ray { t_min: 0.0, t_max: length, ..path.ray };
     let mut travel = Travel {
         stretch: &stretch,
@@ -328,19 +339,19 @@ fn travel(
         beta: path.beta,
         lanes: path.lanes,
         scattered: None,
-        glow: emission.map(|emission| (emission, absorption(), path.glow)),
+        emission: emission.map(on_the_way),
     };
     let arrives = match coefficients.heat() {
         None => walk(&stretch, &ray, &mut path.draws, &mut travel),
         Some(heat) => {
-            travel.glow = gives_light.then(|| (Spectrum::WHITE, absorption(), path.glow));
+            travel.emission = gives_light.then(|| on_the_way(Spectrum::WHITE));
             let mut hot = HotTravel { travel, heat };
             let arrives = walk(&stretch, &ray, &mut path.draws, &mut hot);
             travel = hot.travel;
             arrives
         }
     };
-    let Travel { mut beta, mut lanes, scattered, glow, .. } = travel;
+    let Travel { mut beta, mut lanes, scattered, emission, .. } = travel;
     if let Some(t) = arrives {
         let hero = 1.0 / t[stretch.hero];
         beta *= t * hero;
@@ -348,8 +359,8 @@ fn travel(
         lanes.r_l *= if is_homogeneous { Spectrum::WHITE * hero } else { t * hero };
     }
     (path.beta, path.lanes) = (beta, lanes);
-    if let Some((.., found)) = glow {
-        path.glow = found;
+    if let Some(emission) = emission {
+        path.emitted = emission.found;
     }
     path.normalize_lanes();
     if arrives.is_none() && scattered.is_none() {
@@ -367,7 +378,7 @@ fn travel(
 }
 
 /// The integral of `exp(-sigma t)` over a length, by lanes.
-fn even_glow(sigma: Spectrum, length: f32) -> Spectrum {
+fn emission_integral(sigma: Spectrum, length: f32) -> Spectrum {
     sigma.map(|sigma| {
         let depth = sigma * length;
         // For small depths without the difference of near numbers; what has no end has a depth in each lane that counts.

@@ -43,7 +43,7 @@ pub struct PathState<'s> {
     /// What distances in media were drawn by.
     pub lanes: LaneMis,
     /// Light that media gave on the way to the camera since it was taken last.
-    pub glow: Spectrum,
+    pub emitted: Spectrum,
     /// How far the ray that was followed last reached through a medium, or would have without a collision.
     pub extent: f32,
 }
@@ -74,7 +74,7 @@ impl<'s> PathState<'s> {
             differential: None,
             carries_media: false,
             lanes: LaneMis::default(),
-            glow: Spectrum::BLACK,
+            emitted: Spectrum::BLACK,
             extent: 0.0,
         }
     }

@@ -69,7 +69,7 @@ fn check(scene: &Scene, settings: VertexMergingSettings, samples: u32, expected:
 }
 
 #[test]
-fn a_glowing_room_is_as_bright_as_its_series() {
+fn an_emissive_room_is_as_bright_as_its_series() {
     let text = format!(
         "{} Materials {{ Material m {{ diffuseColor 0.5 0.5 0.5  emission 1 1 1 }} }}
          Group {{ MaterialIndex m Sphere {{ center 0 0 0 radius 1 }} }}",

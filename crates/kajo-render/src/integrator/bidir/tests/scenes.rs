@@ -44,7 +44,7 @@ fn random_scene(i: u32) -> String {
             "Transform { Translate 0 1.3 0 Scale 0.6 0.2 0.4 Sphere { center 0 0 0  radius 1 } }",
         ],
     );
-    let glow = pick(
+    let bright = pick(
         u(8),
         &[
             "Material emitter { diffuseColor 0.2 0.2 0.2  emission 2 2 2 }",
@@ -81,7 +81,7 @@ fn random_scene(i: u32) -> String {
             Glass flint {{ glass N-SF10  roughness 0.2 }}
             Principled paint {{ color 0.2 0.5 0.3  coat 0.7  roughness 0.5 }}
             Material gloss {{ diffuseColor 0.3 0.2 0.1  specularColor 0.3 0.3 0.3  exponent 20  reflectiveColor 0.2 0.2 0.2 }}
-            {glow} }}
+            {bright} }}
          Group {{ MaterialIndex white {ground}  MaterialIndex emitter {light}
             MaterialIndex {a} Sphere {{ center -0.5 -0.5 0  radius 0.5 }}  MaterialIndex {b} {thing} }}"
     )
@@ -171,7 +171,7 @@ fn panes_let_as_much_light_through_as_by_path_tracing() {
     }
 }
 
-/// A matt ball on the ground behind gauze, lit by a light behind a screen, a window in a wall, a veil that glows, and a sky.
+/// A matt ball on the ground behind gauze, lit by a light behind a screen, a window in a wall, a veil that emits, and a sky.
 /// Holes cost no bounce, and connections go through them.
 #[test]
 fn holes_let_as_much_light_through_as_by_path_tracing() {

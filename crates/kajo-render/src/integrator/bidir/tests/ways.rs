@@ -257,7 +257,7 @@ fn lights_seen_through_a_lens_are_found_both_ways() {
 }
 
 #[test]
-fn all_ways_of_a_glowing_ball_are_one() {
+fn all_ways_of_an_emissive_ball_are_one() {
     let ball = "MaterialIndex emitter Sphere { center 0.2 0.3 -0.2  radius 0.4 }";
     check_ways(&room(WIDE, ball, ""), 1, 2000);
 }

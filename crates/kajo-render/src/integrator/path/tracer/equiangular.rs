@@ -133,7 +133,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let start = path.state;
         path.along = None;
         let event = advance(scene, &mut path.state, surface, &mut self.estimate.first, self.observer);
-        self.add_glow(path);
+        self.add_medium_emission(path);
         if C::IS_ASKED
             || path.ends_at_lights
             || self.settings.technique == Technique::Scattering

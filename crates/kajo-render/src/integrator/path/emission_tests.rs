@@ -50,7 +50,7 @@ const BOX: &str = "Box { min -1 -1 -1 max 1 1 1 }";
 
 /// `e/s (1 - exp(-s L))`, and `e L` where nothing is absorbed: without noise.
 #[test]
-fn a_slab_that_glows_has_its_closed_form() {
+fn a_slab_that_emits_has_its_closed_form() {
     for (from, length) in [([0.0, 0.0, 5.0], 2.0), ([0.0, 0.0, 0.5], 1.5)] {
         let medium = "Medium m { emission 3 2 1  sigma_a 0.5 0 2 }";
         let scene = filled(&camera(from, [0.0, 0.0, -9.0]), medium, BOX);
@@ -73,9 +73,9 @@ fn a_slab_that_glows_has_its_closed_form() {
     assert!((found - 1.5).abs() < 1e-5, "{found}");
 }
 
-/// What only glows by a function of the place, and what absorbs in other places as well, by quadrature.
+/// What only emits by a function of the position, and what absorbs in other places as well, by quadrature.
 #[test]
-fn a_glow_that_varies_is_its_integral() {
+fn emission_that_varies_is_its_integral() {
     let density = |z: f64| (1.0 + z).max(0.0);
     for sigma in [0.0, 1.2] {
         let n = 20_000;
@@ -126,7 +126,7 @@ fn a_medium_as_hot_as_its_surroundings_is_not_seen() {
     }
 }
 
-/// A flame lights a floor: an even ball that only glows has the intensity `e V` to all sides, far away.
+/// A flame lights a floor: an even ball that only emits has the intensity `e V` to all sides, far away.
 #[test]
 fn a_flame_lights_what_is_around_it() {
     let text = format!(
@@ -175,7 +175,7 @@ fn fire(view: &str, medium: &str) -> Scene {
 
 /// `e d B(T)/Y`, weakened by what is before it, by quadrature.
 #[test]
-fn a_fire_glows_as_hot_as_it_is() {
+fn a_fire_emits_by_its_temperature() {
     let bodies = BlackBodies::new(REFERENCE_KELVIN);
     let scene = fire(
         &camera([0.5, 0.5, 5.0], [0.5, 0.5, 0.0]),
@@ -205,7 +205,7 @@ fn a_fire_glows_as_hot_as_it_is() {
     }
 }
 
-/// In an even sky of the radiance of black bodies of its temperature a medium that absorbs 1 and glows with 1 is not to be seen.
+/// In an even sky of the radiance of black bodies of its temperature a medium that absorbs 1 and emits 1 is not to be seen.
 #[test]
 fn a_fire_as_hot_as_its_surroundings_is_not_seen() {
     let [r, g, b] = BlackBodies::new(REFERENCE_KELVIN).at(1700.0, &Wavelengths::RGB).to_rgb();
