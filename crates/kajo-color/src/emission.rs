@@ -25,11 +25,11 @@ pub struct Emission {
     rgb: [f32; 3],
     luminance: f32,
     scale: f32,
-    shape: Shape,
+    shape: EmissionSpectrum,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Shape {
+enum EmissionSpectrum {
     /// D65 of luminance 1 through a filter.
     Filtered(Uplift),
     Table(Arc<Tabulated>),
@@ -39,8 +39,12 @@ enum Shape {
 
 impl Emission {
     /// No light.
-    pub const BLACK: Emission =
-        Emission { rgb: [0.0; 3], luminance: 0.0, scale: 0.0, shape: Shape::Filtered(Uplift::Constant(0.0)) };
+    pub const BLACK: Emission = Emission {
+        rgb: [0.0; 3],
+        luminance: 0.0,
+        scale: 0.0,
+        shape: EmissionSpectrum::Filtered(Uplift::Constant(0.0)),
+    };
 
     /// The light of a linear sRGB colour. Components below zero, or not numbers, are zero.
     pub fn from_rgb(rgb: [f32; 3]) -> Emission {
@@ -50,7 +54,7 @@ impl Emission {
             rgb,
             luminance: Spectrum::rgb(rgb[0], rgb[1], rgb[2]).luminance(),
             scale,
-            shape: Shape::Filtered(filter),
+            shape: EmissionSpectrum::Filtered(filter),
         }
     }
 
@@ -60,20 +64,20 @@ impl Emission {
     /// does, keeps its spectrum; only [`rgb`](Emission::rgb) is held to non-negative values.
     pub fn from_spectrum(table: Tabulated, scale: f32) -> Emission {
         let table = table.map(non_negative);
-        Emission::with_xyz(observer::xyz_of(&table), Shape::Table(Arc::new(table))).scaled(scale)
+        Emission::with_xyz(observer::xyz_of(&table), EmissionSpectrum::Table(Arc::new(table))).scaled(scale)
     }
 
     /// A black body of luminance 1; the temperature is held to [300, 1e6] K.
     pub fn blackbody(kelvin: f32) -> Emission {
         let kelvin = if kelvin > 300.0 { kelvin.min(1e6) } else { 300.0 };
         let xyz = observer::xyz(&[], |nm| f64::from(black_body_shape(nm, kelvin)));
-        let unit = Emission::with_xyz(xyz, Shape::BlackBody(kelvin));
+        let unit = Emission::with_xyz(xyz, EmissionSpectrum::BlackBody(kelvin));
         let brightness = 1.0 / unit.luminance;
         Emission { luminance: 1.0, ..unit.scaled(brightness) }
     }
 
     /// A spectrum of scale 1 that is seen as `xyz`.
-    fn with_xyz(xyz: [f64; 3], shape: Shape) -> Emission {
+    fn with_xyz(xyz: [f64; 3], shape: EmissionSpectrum) -> Emission {
         let rgb = crate::matrix::apply(&sensor::RGB_FROM_XYZ, xyz).map(|x| non_negative(x as f32));
         Emission { rgb, luminance: xyz[1] as f32, scale: 1.0, shape }
     }
@@ -100,9 +104,9 @@ impl Emission {
     pub fn at(&self, lambda: &Wavelengths) -> Spectrum {
         let Some(nm) = lambda.nm() else { return Spectrum::rgb(self.rgb[0], self.rgb[1], self.rgb[2]) };
         let shape: Spectrum = match &self.shape {
-            Shape::Filtered(filter) => filter.at(nm) * lambda.daylight(),
-            Shape::Table(table) => nm.map(|nm| table.at(nm)).into(),
-            Shape::BlackBody(kelvin) => nm.map(|nm| black_body_shape(nm, *kelvin)).into(),
+            EmissionSpectrum::Filtered(filter) => filter.at(nm) * lambda.daylight(),
+            EmissionSpectrum::Table(table) => nm.map(|nm| table.at(nm)).into(),
+            EmissionSpectrum::BlackBody(kelvin) => nm.map(|nm| black_body_shape(nm, *kelvin)).into(),
         };
         shape * self.scale
     }
@@ -122,8 +126,8 @@ impl Emission {
     /// The spectrum but for its scale, if it is a table.
     pub(crate) fn table(&self) -> Option<&Arc<Tabulated>> {
         match &self.shape {
-            Shape::Table(table) => Some(table),
-            Shape::Filtered(_) | Shape::BlackBody(_) => None,
+            EmissionSpectrum::Table(table) => Some(table),
+            EmissionSpectrum::Filtered(_) | EmissionSpectrum::BlackBody(_) => None,
         }
     }
 

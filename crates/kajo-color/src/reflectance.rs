@@ -15,22 +15,22 @@ use crate::{Spectrum, Wavelengths, illuminant, observer, sensor};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reflectance {
     rgb: [f32; 3],
-    shape: Shape,
+    shape: ReflectanceSpectrum,
     was_clamped: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Shape {
+enum ReflectanceSpectrum {
     Colour(Uplift),
     Table(Arc<Tabulated>),
 }
 
-impl Shape {
+impl ReflectanceSpectrum {
     #[inline]
     fn at(&self, nm: [f32; 4]) -> Spectrum {
         match self {
-            Shape::Colour(uplift) => uplift.at(nm),
-            Shape::Table(table) => nm.map(|nm| table.at(nm)).into(),
+            ReflectanceSpectrum::Colour(uplift) => uplift.at(nm),
+            ReflectanceSpectrum::Table(table) => nm.map(|nm| table.at(nm)).into(),
         }
     }
 }
@@ -40,7 +40,7 @@ impl Reflectance {
     /// is 0; [`was_clamped`](Reflectance::was_clamped) tells.
     pub fn from_rgb(rgb: [f32; 3]) -> Reflectance {
         let (rgb, was_clamped) = clamped(rgb);
-        Reflectance { rgb, shape: Shape::Colour(Uplift::of(rgb)), was_clamped }
+        Reflectance { rgb, shape: ReflectanceSpectrum::Colour(Uplift::of(rgb)), was_clamped }
     }
 
     /// The same at every wavelength, held to [0, 1].
@@ -53,7 +53,7 @@ impl Reflectance {
         let bounded = table.map(|v| v.clamp(0.0, 1.0));
         let (rgb, colour_clamped) = clamped(rgb_under_d65(&bounded));
         let was_clamped = colour_clamped || bounded != *table;
-        Reflectance { rgb, shape: Shape::Table(Arc::new(bounded)), was_clamped }
+        Reflectance { rgb, shape: ReflectanceSpectrum::Table(Arc::new(bounded)), was_clamped }
     }
 
     /// The reflectance in the lanes of a path.
@@ -83,7 +83,7 @@ impl Reflectance {
 pub struct Unbounded {
     rgb: [f32; 3],
     scale: f32,
-    shape: Shape,
+    shape: ReflectanceSpectrum,
 }
 
 /// The first wavelength of [`Unbounded::from_each`]'s table in nm.
@@ -101,7 +101,7 @@ impl Unbounded {
     pub fn from_rgb(rgb: [f32; 3]) -> Unbounded {
         let rgb = rgb.map(non_negative);
         let (scale, shape) = scaled_colour(rgb);
-        Unbounded { rgb, scale, shape: Shape::Colour(shape) }
+        Unbounded { rgb, scale, shape: ReflectanceSpectrum::Colour(shape) }
     }
 
     /// The same at every wavelength.
@@ -114,7 +114,7 @@ impl Unbounded {
     pub fn from_spectrum(table: &Tabulated) -> Unbounded {
         let bounded = table.map(non_negative);
         let rgb = rgb_under_d65(&bounded).map(non_negative);
-        Unbounded { rgb, scale: 1.0, shape: Shape::Table(Arc::new(bounded)) }
+        Unbounded { rgb, scale: 1.0, shape: ReflectanceSpectrum::Table(Arc::new(bounded)) }
     }
 
     /// What `f` makes of a reflectance and a quantity: of their three values, and by wavelength in a table with a step of 5 nm.
@@ -133,7 +133,7 @@ impl Unbounded {
             })
             .collect();
         let table = Tabulated::regular(TABLE_START, TABLE_STEP, &values, Outside::Clamp);
-        Unbounded { rgb, scale: 1.0, shape: Shape::Table(Arc::new(table)) }
+        Unbounded { rgb, scale: 1.0, shape: ReflectanceSpectrum::Table(Arc::new(table)) }
     }
 
     /// The quantity in the lanes of a path.

@@ -75,8 +75,8 @@ static RESPONSE: [(f64, [f64; 3]); POINTS] = {
         let side = if i.is_multiple_of(2) { -GAUSS } else { GAUSS };
         let nm = FIRST_NM + STRETCH_NM * ((i / 2) as f64 + 0.5 + 0.5 * side);
         let light = 0.5 * STRETCH_NM * D65_SCALE / LUMINANCE_NM * line(&D65, DAY_STEP_NM, nm);
-        let seen = [line(&X, STEP_NM, nm), line(&Y, STEP_NM, nm), line(&Z, STEP_NM, nm)];
-        let xyz = [light * seen[0], light * seen[1], light * seen[2]];
+        let response = [line(&X, STEP_NM, nm), line(&Y, STEP_NM, nm), line(&Z, STEP_NM, nm)];
+        let xyz = [light * response[0], light * response[1], light * response[2]];
         table[i] = ((nm - MIDDLE_NM) / HALF_NM, apply(&RGB_FROM_XYZ, xyz));
         i += 1;
     }
@@ -84,45 +84,45 @@ static RESPONSE: [(f64, [f64; 3]); POINTS] = {
 };
 
 /// What the sensor sees of a spectrum, and how that changes with its coefficients.
-struct Seen {
+struct SensorResponse {
     rgb: [f64; 3],
     /// `slope[i][k]` = d rgb[i] / d c[k].
     slope: [[f64; 3]; 3],
 }
 
-fn see(c: [f64; 3]) -> Seen {
-    let mut seen = Seen { rgb: [0.0; 3], slope: [[0.0; 3]; 3] };
+fn sensor_response(c: [f64; 3]) -> SensorResponse {
+    let mut response = SensorResponse { rgb: [0.0; 3], slope: [[0.0; 3]; 3] };
     for (x, weight) in &RESPONSE {
         let p = (c[0] * x + c[1]) * x + c[2];
         let r = 1.0 / (1.0 + p * p).sqrt();
         let (value, slope) = (0.5 + 0.5 * p * r, 0.5 * r * r * r);
         for (i, weight) in weight.iter().enumerate() {
-            seen.rgb[i] += weight * value;
+            response.rgb[i] += weight * value;
             let by_c2 = weight * slope;
-            seen.slope[i][0] += by_c2 * x * x;
-            seen.slope[i][1] += by_c2 * x;
-            seen.slope[i][2] += by_c2;
+            response.slope[i][0] += by_c2 * x * x;
+            response.slope[i][1] += by_c2 * x;
+            response.slope[i][2] += by_c2;
         }
     }
-    seen
+    response
 }
 
 /// Coefficients for linear sRGB in [0, 1].
 fn fit(rgb: [f64; 3]) -> [f64; 3] {
     const ENOUGH: f64 = 1e-14;
-    let residual = |seen: &Seen| [0, 1, 2].map(|i| seen.rgb[i] - rgb[i]);
+    let residual = |response: &SensorResponse| [0, 1, 2].map(|i| response.rgb[i] - rgb[i]);
     let square = |v: [f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let (mut c, mut damping) = ([0.0; 3], 1e-3);
-    let mut seen = see(c);
+    let mut response = sensor_response(c);
     for _ in 0..200 {
-        let error = square(residual(&seen));
+        let error = square(residual(&response));
         if error < ENOUGH || damping > 1e12 {
             break;
         }
-        let next = step(c, &seen.slope, residual(&seen), damping);
-        let there = see(next);
+        let next = step(c, &response.slope, residual(&response), damping);
+        let there = sensor_response(next);
         if square(residual(&there)) < error {
-            (c, seen, damping) = (next, there, damping * 0.2);
+            (c, response, damping) = (next, there, damping * 0.2);
         } else {
             damping *= 6.0;
         }
@@ -153,7 +153,7 @@ mod tests {
         let levels = [0.0, 0.003, 0.04, 0.2, 0.5, 0.8, 0.96, 1.0];
         let colours = levels.map(|r| levels.map(|g| levels.map(|b| [r, g, b])));
         for rgb in colours.as_flattened().as_flattened() {
-            let found = see(fit(*rgb)).rgb;
+            let found = sensor_response(fit(*rgb)).rgb;
             assert!((0..3).all(|i| (found[i] - rgb[i]).abs() < 1e-4), "{rgb:?}: {found:?}");
         }
     }
@@ -161,12 +161,12 @@ mod tests {
     #[test]
     fn slopes_are_the_changes_of_what_is_seen() {
         let c = [0.7, -1.3, 0.4];
-        let slope = see(c).slope;
+        let slope = sensor_response(c).slope;
         for k in 0..3 {
             let moved = |by: f64| {
                 let mut c = c;
                 c[k] += by;
-                see(c).rgb
+                sensor_response(c).rgb
             };
             let (up, down) = (moved(1e-5), moved(-1e-5));
             for i in 0..3 {

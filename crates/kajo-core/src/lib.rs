@@ -44,6 +44,6 @@ pub use ids::{LightGroup, LightIndex, ObjectId};
 pub use interaction::RayOffset;
 pub use item_buffer::ItemBuffer;
 pub use motion::{MovingTransform, Shutter};
-pub use nested::{NestedPiece, PieceContent};
+pub use nested::{ElementContent, NestedElement};
 pub use objects::{Object, Objects};
 pub use scene::{Event, Interaction, Scene};

@@ -26,7 +26,7 @@
 //!
 //! Objects in assemblies are numbered after all others, in the order of the text.
 
-mod pieces;
+mod elements;
 
 use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::{Aabb, DAffine3, Ray, Transform, Vec3};
@@ -36,7 +36,7 @@ use crate::interaction::{Hit, SurfacePoint};
 use crate::material::MaterialId;
 use crate::objects::Label;
 use crate::shape::{ShapeId, Shapes};
-pub use pieces::{NestedPiece, PieceContent};
+pub use elements::{ElementContent, NestedElement};
 
 /// Most levels of assemblies within assemblies: a ray keeps a stack of a few kilobytes for each.
 pub(crate) const MOST_LEVELS: u32 = 32;
@@ -140,8 +140,8 @@ impl Leaf {
 }
 
 /// The way from the world down to an assembly.
-struct Way<'a> {
-    above: Option<&'a Way<'a>>,
+struct AssemblyPath<'a> {
+    above: Option<&'a AssemblyPath<'a>>,
     assembly: &'a Assembly,
     /// To the space above.
     map: &'a DAffine3,
@@ -152,10 +152,10 @@ struct Way<'a> {
     placed_by: u32,
 }
 
-impl<'a> Way<'a> {
+impl<'a> AssemblyPath<'a> {
     /// The way on into a member that is an assembly.
-    fn into(&'a self, member: &'a Member, assembly: &'a Assembly) -> Way<'a> {
-        Way {
+    fn into(&'a self, member: &'a Member, assembly: &'a Assembly) -> AssemblyPath<'a> {
+        AssemblyPath {
             above: Some(self),
             assembly,
             map: &member.map,
@@ -270,9 +270,9 @@ impl Nested {
         Transform::of_invertible(map).bounds(&own)
     }
 
-    fn way(&self, placement: u32) -> Way<'_> {
+    fn path_to(&self, placement: u32) -> AssemblyPath<'_> {
         let placement = &self.placements[placement as usize];
-        Way {
+        AssemblyPath {
             above: None,
             assembly: self.assembly(placement.assembly),
             map: &placement.map,
@@ -293,13 +293,13 @@ impl Nested {
     pub fn closest(&self, ray: &Ray, mut hit: impl FnMut(&Leaf, f32) -> f32) {
         let extent = self.extent(ray);
         self.tree.closest(ray, |i, t_max| {
-            self.closest_in(&self.way(i), &ray.over(ray.t_min, t_max), extent, &mut hit)
+            self.closest_in(&self.path_to(i), &ray.over(ray.t_min, t_max), extent, &mut hit)
         });
     }
 
     fn closest_in<F: FnMut(&Leaf, f32) -> f32>(
         &self,
-        way: &Way<'_>,
+        way: &AssemblyPath<'_>,
         ray: &Ray,
         extent: Vec3,
         hit: &mut F,
@@ -323,10 +323,16 @@ impl Nested {
     /// As [`Bvh::any`], with objects in place of numbers.
     pub fn any(&self, ray: &Ray, mut hit: impl FnMut(&Leaf) -> bool) -> bool {
         let extent = self.extent(ray);
-        self.tree.any(ray, |i| self.any_in(&self.way(i), ray, extent, &mut hit))
+        self.tree.any(ray, |i| self.any_in(&self.path_to(i), ray, extent, &mut hit))
     }
 
-    fn any_in<F: FnMut(&Leaf) -> bool>(&self, way: &Way<'_>, ray: &Ray, extent: Vec3, hit: &mut F) -> bool {
+    fn any_in<F: FnMut(&Leaf) -> bool>(
+        &self,
+        way: &AssemblyPath<'_>,
+        ray: &Ray,
+        extent: Vec3,
+        hit: &mut F,
+    ) -> bool {
         let (inner, size) = way.ray(ray, extent);
         way.assembly.tree.any_of_derived(&inner, size, |i| {
             let member = &way.assembly.members[i as usize];
@@ -345,10 +351,10 @@ impl Nested {
             return None;
         }
         let placement = self.placements.partition_point(|p| p.first <= number).checked_sub(1)?;
-        self.find_in(&self.way(placement as u32), number)
+        self.find_in(&self.path_to(placement as u32), number)
     }
 
-    fn find_in(&self, way: &Way<'_>, number: u32) -> Option<Leaf> {
+    fn find_in(&self, way: &AssemblyPath<'_>, number: u32) -> Option<Leaf> {
         let members = &way.assembly.members;
         let place = members.partition_point(|m| way.first + m.first <= number).checked_sub(1)?;
         let member = &members[place];

@@ -31,14 +31,14 @@ pub struct Completion {
 
 /// What may be typed at the byte `at` of a text; `None` within comments, strings and numbers, and where nothing may.
 pub fn completion(text: &str, at: usize) -> Option<Completion> {
-    let place = Place::find(text, at)?;
-    let mut suggestions = match place.value_of {
-        Some(key) => place.words_of(key),
-        None => place.keys(),
+    let position = TypingPosition::find(text, at)?;
+    let mut suggestions = match position.value_of {
+        Some(key) => position.words_of(key),
+        None => position.keys(),
     };
-    let begun = text[place.range.start..at].to_lowercase();
+    let begun = text[position.range.start..at].to_lowercase();
     suggestions.retain(|suggestion| suggestion.word.to_lowercase().starts_with(&begun));
-    (!suggestions.is_empty()).then_some(Completion { range: place.range, suggestions })
+    (!suggestions.is_empty()).then_some(Completion { range: position.range, suggestions })
 }
 
 /// A block around the place.
@@ -63,7 +63,7 @@ fn is_key(open: &[Open<'_>], word: &str) -> bool {
 }
 
 /// Where in a text something is to be typed.
-struct Place<'t> {
+struct TypingPosition<'t> {
     range: Range<usize>,
     /// The text and the blocks around the place, the innermost last, with all keys that stand in that one.
     open: Vec<Open<'t>>,
@@ -71,8 +71,8 @@ struct Place<'t> {
     value_of: Option<&'t str>,
 }
 
-impl<'t> Place<'t> {
-    fn find(text: &'t str, at: usize) -> Option<Place<'t>> {
+impl<'t> TypingPosition<'t> {
+    fn find(text: &'t str, at: usize) -> Option<TypingPosition<'t>> {
         let mut open = vec![Open { keyword: "", keys: Vec::new() }];
         // The last keyword, and whether its one word may still follow.
         let (mut keyword, mut takes_word) = ("", false);
@@ -123,7 +123,7 @@ impl<'t> Place<'t> {
         let end = Found { range: at..at, value_of: takes_word.then_some(keyword), depth: open.len() };
         let Found { range, value_of, depth } = found.unwrap_or(end);
         open.truncate(depth);
-        Some(Place { range, open, value_of })
+        Some(TypingPosition { range, open, value_of })
     }
 
     fn block(&self) -> Option<&'static Block> {

@@ -21,7 +21,7 @@ use kajo_core::scene::Scene;
 use kajo_core::shape::{
     Cuboid, Disk, Mesh, Plane, Quad, ShapeId, Shapes, Sphere, Surface, Tessellation, Triangle,
 };
-use kajo_core::{NestedPiece, ObjectId, PieceContent, Pooled};
+use kajo_core::{ElementContent, NestedElement, ObjectId, Pooled};
 use kajo_math::{Aabb, Affine3A, Transform, Vec3};
 
 pub use lines::{Line, LineKind};
@@ -108,8 +108,8 @@ impl Preview {
             let Some(place) = scene.snapshot_place(object, 0.0) else { continue };
             builder.add(object.number(), primitive.shape, &place, primitive.material);
         }
-        for piece in scene.geometry.nested_pieces(|shape| builder.cost(shape), NESTED_TRIANGLES) {
-            builder.add_piece(&piece);
+        for element in scene.geometry.nested_elements(|shape| builder.cost(shape), NESTED_TRIANGLES) {
+            builder.add_element(&element);
         }
         let lines = lines::of(scene, &bounds);
         builder.finish(lines)
@@ -199,16 +199,23 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn add_piece(&mut self, piece: &NestedPiece) {
-        let object = piece.object.number();
-        match piece.content {
-            PieceContent::Shape(shape) => self.add(object, shape, &piece.place, piece.material),
-            PieceContent::Whole(bounds) => {
+    fn add_element(&mut self, element: &NestedElement) {
+        let object = element.object.number();
+        match element.content {
+            ElementContent::Shape(shape) => {
+                self.add(object, shape, &element.world_from_object, element.material)
+            }
+            ElementContent::Whole(bounds) => {
                 self.has_boxes = true;
                 let sized = Affine3A::from_scale(0.5 * bounds.extent());
                 let from_cube = Affine3A::from_translation(bounds.center()) * sized;
                 let mesh = self.unit_cube();
-                self.instance(mesh, object, piece.place.world_from_object * from_cube, piece.material);
+                self.instance(
+                    mesh,
+                    object,
+                    element.world_from_object.world_from_object * from_cube,
+                    element.material,
+                );
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The texts a scene is made of, and changes to them that can be taken back.
 //!
-//! A change is a list of replaced pieces. It holds the bytes before and after, so that it can be turned round: applied
+//! A change is a list of replacements. It holds the bytes before and after, so that it can be turned round: applied
 //! to what it made, the inverse gives the old bytes again, whatever they were.
 
 use std::ops::Range;
@@ -32,7 +32,7 @@ impl SceneFile {
     }
 }
 
-/// A piece of text to be replaced.
+/// A range of text to be replaced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextEdit {
     /// The text.
@@ -50,9 +50,9 @@ impl TextEdit {
     }
 }
 
-/// A replaced piece, with both its texts.
+/// A replaced range, with its text before and after.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Piece {
+struct Replacement {
     file: FileId,
     /// First byte, in the text before the change.
     at: usize,
@@ -64,7 +64,7 @@ struct Piece {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Change {
     /// Sorted by file and place.
-    pieces: Vec<Piece>,
+    replacements: Vec<Replacement>,
 }
 
 impl Change {
@@ -74,89 +74,95 @@ impl Change {
     /// When two edits overlap or one does not fit.
     pub fn of(files: &[SceneFile], mut edits: Vec<TextEdit>) -> Result<Change, EditError> {
         edits.sort_by_key(|edit| (edit.file, edit.range.start, edit.range.end));
-        let mut pieces: Vec<Piece> = Vec::with_capacity(edits.len());
+        let mut replacements: Vec<Replacement> = Vec::with_capacity(edits.len());
         for edit in edits {
             let text = files.get(edit.file.0 as usize).map_or("", |file| &*file.text);
             let old = text.get(edit.range.clone()).ok_or(EditError::OutOfRange(edit.range.clone()))?;
             if old == edit.new {
                 continue;
             }
-            let piece = Piece { file: edit.file, at: edit.range.start, old: old.to_owned(), new: edit.new };
-            match pieces.last_mut().filter(|last| last.file == piece.file) {
-                // What is inserted before a replaced piece becomes part of its new text.
-                Some(last) if last.at == piece.at && last.old.is_empty() => {
-                    last.new.push_str(&piece.new);
-                    last.old = piece.old;
+            let replacement =
+                Replacement { file: edit.file, at: edit.range.start, old: old.to_owned(), new: edit.new };
+            match replacements.last_mut().filter(|last| last.file == replacement.file) {
+                // What is inserted before a replacement becomes part of its new text.
+                Some(last) if last.at == replacement.at && last.old.is_empty() => {
+                    last.new.push_str(&replacement.new);
+                    last.old = replacement.old;
                 }
-                // What is taken out side by side is one piece: the way back has one place for all of it.
+                // What is taken out side by side is one replacement: the way back has one position for all of it.
                 Some(last)
-                    if piece.at == last.at + last.old.len()
+                    if replacement.at == last.at + last.old.len()
                         && last.new.is_empty()
-                        && piece.new.is_empty() =>
+                        && replacement.new.is_empty() =>
                 {
-                    last.old.push_str(&piece.old);
+                    last.old.push_str(&replacement.old);
                 }
-                Some(last) if piece.at < last.at + last.old.len() => {
-                    return Err(EditError::Overlap(last.range(), piece.range()));
+                Some(last) if replacement.at < last.at + last.old.len() => {
+                    return Err(EditError::Overlap(last.range(), replacement.range()));
                 }
-                _ => pieces.push(piece),
+                _ => replacements.push(replacement),
             }
         }
-        Ok(Change { pieces })
+        Ok(Change { replacements })
     }
 
     /// The one change between two versions of a text: all between their common beginning and end.
     pub fn between(file: FileId, old: &str, new: &str) -> Change {
         let start = common_prefix(old, new);
         let end = common_suffix(&old[start..], &new[start..]);
-        let piece = Piece {
+        let replacement = Replacement {
             file,
             at: start,
             old: old[start..old.len() - end].to_owned(),
             new: new[start..new.len() - end].to_owned(),
         };
-        Change { pieces: if old == new { Vec::new() } else { vec![piece] } }
+        Change { replacements: if old == new { Vec::new() } else { vec![replacement] } }
     }
 
-    /// The change between two versions of a text, as other programs make them: a piece for each few words that differ,
+    /// The change between two versions of a text, as other programs make them: a replacement for each few words that differ,
     /// among the lines that differ.
     pub fn by_words(file: FileId, old: &str, new: &str) -> Change {
-        let mut pieces = Vec::new();
+        let mut replacements = Vec::new();
         each_hunk(&lines(old), &lines(new), |start, old, new| {
             each_hunk(&words(&old), &words(&new), |offset, old, new| {
-                pieces.push(Piece { file, at: start + offset, old, new });
+                replacements.push(Replacement { file, at: start + offset, old, new });
             });
         });
-        Change { pieces }
+        Change { replacements }
     }
 
     pub fn is_empty(&self) -> bool {
-        self.pieces.is_empty()
+        self.replacements.is_empty()
     }
 
     /// Whether it changes no other file.
     pub fn is_only_in(&self, file: FileId) -> bool {
-        self.pieces.iter().all(|piece| piece.file == file)
+        self.replacements.iter().all(|replacement| replacement.file == file)
     }
 
     /// The change as edits.
     pub fn edits(self) -> impl Iterator<Item = TextEdit> {
-        self.pieces.into_iter().map(|p| TextEdit { file: p.file, range: p.range(), new: p.new })
+        self.replacements.into_iter().map(|p| TextEdit { file: p.file, range: p.range(), new: p.new })
     }
 
     /// The change back.
     pub fn inverse(&self) -> Change {
-        let mut pieces = Vec::with_capacity(self.pieces.len());
+        let mut replacements = Vec::with_capacity(self.replacements.len());
         let mut shift = (FileId(0), 0_isize);
-        for piece in &self.pieces {
-            if piece.file != shift.0 {
-                shift = (piece.file, 0);
+        for replacement in &self.replacements {
+            if replacement.file != shift.0 {
+                shift = (replacement.file, 0);
             }
-            let at = piece.at.saturating_add_signed(shift.1);
-            pieces.push(Piece { file: piece.file, at, old: piece.new.clone(), new: piece.old.clone() });
-            shift.1 += piece.new.len() as isize - piece.old.len() as isize;
+            let at = replacement.at.saturating_add_signed(shift.1);
+            replacements.push(Replacement {
+                file: replacement.file,
+                at,
+                old: replacement.new.clone(),
+                new: replacement.old.clone(),
+            });
+            shift.1 += replacement.new.len() as isize - replacement.old.len() as isize;
         }
-        Change { pieces }
+        Change { replacements }
     }
 
     /// Changes the texts. They must be those that the change was made for.
@@ -165,13 +171,16 @@ impl Change {
     /// When they are not, as far as that shows; then nothing has changed.
     pub fn apply(&self, files: &mut [SceneFile]) -> Result<(), EditError> {
         let mut changed = Vec::new();
-        for pieces in self.pieces.chunk_by(|a, b| a.file == b.file) {
-            let index = pieces[0].file.0 as usize;
+        for replacements in self.replacements.chunk_by(|a, b| a.file == b.file) {
+            let index = replacements[0].file.0 as usize;
             let text = files.get(index).map_or("", |file| &*file.text);
-            if let Some(piece) = pieces.iter().find(|p| text.get(p.range()) != Some(&*p.old)) {
-                return Err(EditError::OutOfRange(piece.range()));
+            if let Some(replacement) = replacements.iter().find(|p| text.get(p.range()) != Some(&*p.old)) {
+                return Err(EditError::OutOfRange(replacement.range()));
             }
-            let edits: Vec<_> = pieces.iter().map(|piece| (piece.range(), piece.new.clone())).collect();
+            let edits: Vec<_> = replacements
+                .iter()
+                .map(|replacement| (replacement.range(), replacement.new.clone()))
+                .collect();
             changed.push((index, apply_edits(text, &edits)?));
         }
         for (index, text) in changed {
@@ -185,22 +194,22 @@ impl Change {
     /// What is inserted at `at` comes before it.
     pub fn carry(&self, file: FileId, at: usize) -> Option<usize> {
         let mut shift = 0_isize;
-        for piece in self.pieces.iter().filter(|piece| piece.file == file) {
-            let end = piece.at + piece.old.len();
-            if at < piece.at {
+        for replacement in self.replacements.iter().filter(|replacement| replacement.file == file) {
+            let end = replacement.at + replacement.old.len();
+            if at < replacement.at {
                 break;
             }
             if at < end {
-                let stays = at == piece.at && !piece.new.is_empty();
+                let stays = at == replacement.at && !replacement.new.is_empty();
                 return stays.then(|| at.saturating_add_signed(shift));
             }
-            shift += piece.new.len() as isize - piece.old.len() as isize;
+            shift += replacement.new.len() as isize - replacement.old.len() as isize;
         }
         Some(at.saturating_add_signed(shift))
     }
 }
 
-impl Piece {
+impl Replacement {
     fn range(&self) -> Range<usize> {
         self.at..self.at + self.old.len()
     }
@@ -309,6 +318,6 @@ mod tests {
         }
         let change =
             Change::by_words(FileId(0), "Sphere { r 1 }\nBox { a 2 }\n", "Sphere { r 5 }\nBox { a 3 }\n");
-        assert_eq!(change.pieces.len(), 2);
+        assert_eq!(change.replacements.len(), 2);
     }
 }

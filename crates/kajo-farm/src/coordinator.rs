@@ -10,7 +10,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use kajo::Pieces;
+use kajo::SplitRender;
 
 use crate::hosts::HostShare;
 use crate::{FailedUnit, FarmError, Job, Layout, Part};
@@ -105,14 +105,14 @@ pub trait Watch: Sync {
 /// [`Job::publish`] says.
 pub fn coordinate(
     job: &Job,
-    pieces: &Pieces<'_>,
+    split: &SplitRender<'_>,
     workers: usize,
     start: &dyn Start,
     watch: &dyn Watch,
 ) -> Result<(), FarmError> {
-    let (stage, position) = job.stage(pieces)?;
+    let (stage, position) = job.stage(split)?;
     let bytes: Arc<[u8]> = job.stage_bytes()?.map(|(_, bytes)| bytes).unwrap_or_default().into();
-    let layout = job.layout(pieces, &position)?;
+    let layout = job.layout(split, &position)?;
     let finished = job.finished(&layout)?;
     let waiting: VecDeque<u64> =
         (0..layout.units()).filter(|&unit| !finished.contains(&(stage, unit))).collect();
@@ -121,7 +121,7 @@ pub fn coordinate(
         state: Mutex::new(State { done: total - waiting.len() as u64, waiting, ..State::default() }),
         changed: Condvar::new(),
     };
-    let shared = Shared { job, pieces, layout, stage, position: bytes, start, watch, queue, total };
+    let shared = Shared { job, split, layout, stage, position: bytes, start, watch, queue, total };
     watch.done(shared.queue.lock().done, total, 0, 0);
     thread::scope(|scope| {
         let shared = &shared;
@@ -146,7 +146,7 @@ pub fn coordinate(
 
 struct Shared<'a> {
     job: &'a Job,
-    pieces: &'a Pieces<'a>,
+    split: &'a SplitRender<'a>,
     layout: Layout,
     stage: u32,
     position: Arc<[u8]>,
@@ -266,7 +266,7 @@ impl Shared<'_> {
         if (part.stage, part.unit) != (self.stage, unit) {
             return Err(Loss::Worker("the worker sent another unit than it was asked for".to_owned()));
         }
-        if let Err(error) = self.job.publish(&part, &self.layout, self.pieces) {
+        if let Err(error) = self.job.publish(&part, &self.layout, self.split) {
             self.stop(error);
         }
         Ok(Reply { bytes: Vec::new(), ..reply })

@@ -13,7 +13,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use kajo::Pieces;
+use kajo::SplitRender;
 use serde::{Deserialize, Serialize};
 
 use crate::coordinator::{LEASE, LEAST_LEASE, MOST_LOSSES, TRIES};
@@ -194,9 +194,14 @@ impl Engine {
     ///
     /// # Errors
     /// As [`coordinate`](crate::coordinate); [`FarmError::NotYet`] when the engine is gone.
-    pub fn coordinate(&mut self, job: &Job, pieces: &Pieces<'_>, watch: &dyn Watch) -> Result<(), FarmError> {
-        let (stage, position) = job.stage(pieces)?;
-        let layout = job.layout(pieces, &position)?;
+    pub fn coordinate(
+        &mut self,
+        job: &Job,
+        split: &SplitRender<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(), FarmError> {
+        let (stage, position) = job.stage(split)?;
+        let layout = job.layout(split, &position)?;
         let bytes = job.stage_bytes()?.map(|(_, bytes)| bytes).unwrap_or_default();
         let finished = job.finished(&layout)?;
         let waiting = (0..layout.units()).filter(|&unit| !finished.contains(&(stage, unit)));
@@ -206,7 +211,7 @@ impl Engine {
         let done = total - waiting.len() as u64;
         watch.done(done, total, 0, 0);
         let ledger = Ledger { waiting, done, ..Ledger::default() };
-        Rendering { engine: self, job, pieces, layout, stage, watch, total, ledger }.run()
+        Rendering { engine: self, job, split, layout, stage, watch, total, ledger }.run()
     }
 }
 
@@ -262,7 +267,7 @@ impl Ledger {
 struct Rendering<'a> {
     engine: &'a mut Engine,
     job: &'a Job,
-    pieces: &'a Pieces<'a>,
+    split: &'a SplitRender<'a>,
     layout: Layout,
     stage: u32,
     watch: &'a dyn Watch,
@@ -354,7 +359,7 @@ impl Rendering<'_> {
             }
         };
         // A second copy is compared with the first, also when nobody waits for it.
-        self.job.publish(&part, &self.layout, self.pieces)?;
+        self.job.publish(&part, &self.layout, self.split)?;
         let Some((since, copies)) = self.ledger.out.remove(&unit) else { return Ok(()) };
         if copies > 1 {
             self.drop_unit(unit)?;

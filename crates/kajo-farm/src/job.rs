@@ -5,7 +5,7 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use kajo::{Film, Pieces, Position};
+use kajo::{Film, Position, SplitRender};
 
 use crate::part::{PartError, Reader};
 use crate::sums::TileSums;
@@ -57,7 +57,7 @@ impl Job {
     ///
     /// # Errors
     /// [`FarmError::Input`] when the folder belongs to another render; [`FarmError::Io`].
-    pub fn create(folder: &Path, plan: &Plan, pieces: &Pieces<'_>) -> Result<Job, FarmError> {
+    pub fn create(folder: &Path, plan: &Plan, split: &SplitRender<'_>) -> Result<Job, FarmError> {
         let io = FarmError::io(folder);
         for name in ["parts", "sums", "stages", "damaged", "logs"] {
             fs::create_dir_all(folder.join(name)).map_err(io)?;
@@ -65,7 +65,7 @@ impl Job {
         let text = serde_json::to_string_pretty(plan).map_err(|error| FarmError::Input(error.to_string()))?;
         files::publish(&folder.join("plan.json"), text.as_bytes()).map_err(io)?;
         let job = Job::open(folder)?;
-        job.plan.check(pieces).map_err(|error| {
+        job.plan.check(split).map_err(|error| {
             FarmError::Input(format!(
                 "the folder `{}` belongs to another render: {error}; remove it, or name another with --job",
                 folder.display()
@@ -142,11 +142,11 @@ impl Job {
     ///
     /// # Errors
     /// [`FarmError::Io`].
-    pub fn stage(&self, pieces: &Pieces<'_>) -> Result<(u32, Position), FarmError> {
+    pub fn stage(&self, split: &SplitRender<'_>) -> Result<(u32, Position), FarmError> {
         let bytes = self.stage_bytes()?;
         match bytes {
             None => Ok((0, Position::default())),
-            Some((stage, bytes)) => Ok((stage, position(pieces, &bytes)?)),
+            Some((stage, bytes)) => Ok((stage, position(split, &bytes)?)),
         }
     }
 
@@ -181,10 +181,10 @@ impl Job {
         is_ours.then_some(rest.0)
     }
 
-    fn begin_stage(&self, stage: u32, pieces: &Pieces<'_>, position: &Position) -> Result<(), FarmError> {
+    fn begin_stage(&self, stage: u32, split: &SplitRender<'_>, position: &Position) -> Result<(), FarmError> {
         let path = self.folder.join("stages").join(stage_name(stage));
         let mut bytes = [STAGE_MAGIC.as_slice(), &self.hash].concat();
-        pieces.save_position(position, &mut bytes).map_err(FarmError::io(&path))?;
+        split.save_position(position, &mut bytes).map_err(FarmError::io(&path))?;
         bytes.extend(*blake3::hash(&bytes).as_bytes());
         files::publish(&path, &bytes).map(|_| ()).map_err(FarmError::io(&path))
     }
@@ -193,8 +193,8 @@ impl Job {
     ///
     /// # Errors
     /// When there are too many.
-    pub fn layout(&self, pieces: &Pieces<'_>, position: &Position) -> Result<Layout, FarmError> {
-        self.plan.layout(pieces.stage(position).unwrap_or_default())
+    pub fn layout(&self, split: &SplitRender<'_>, position: &Position) -> Result<Layout, FarmError> {
+        self.plan.layout(split.stage(position).unwrap_or_default())
     }
 
     /// The units that are finished, by stage, as far as files are found whole; others are set aside.
@@ -226,7 +226,12 @@ impl Job {
     ///
     /// # Errors
     /// [`FarmError::TwoResults`] when another result of the unit is there; [`FarmError::Io`].
-    pub fn publish(&self, part: &Part, layout: &Layout, pieces: &Pieces<'_>) -> Result<Published, FarmError> {
+    pub fn publish(
+        &self,
+        part: &Part,
+        layout: &Layout,
+        split: &SplitRender<'_>,
+    ) -> Result<Published, FarmError> {
         let path = self.part_path(part.stage, part.unit);
         let tile = layout.tile_of(part.unit);
         if let Some((_, sums)) = self.sums(tile)?
@@ -239,7 +244,7 @@ impl Job {
                 let of_tile =
                     self.parts()?.iter().filter(|(_, _, unit)| layout.tile_of(*unit) == tile).count();
                 if of_tile >= PARTS_OF_A_TILE {
-                    self.fold(tile, layout, pieces)?;
+                    self.fold(tile, layout, split)?;
                 }
                 return Ok(Published::First);
             }
@@ -266,7 +271,7 @@ impl Job {
     ///
     /// # Errors
     /// [`FarmError::TwoResults`]; [`FarmError::Io`].
-    pub fn fold(&self, tile: u64, layout: &Layout, pieces: &Pieces<'_>) -> Result<(), FarmError> {
+    pub fn fold(&self, tile: u64, layout: &Layout, split: &SplitRender<'_>) -> Result<(), FarmError> {
         let lock = open_lock(&self.folder.join("sums").join("lock"))?;
         if let Err(TryLockError::WouldBlock) = lock.try_lock() {
             return Ok(());
@@ -280,8 +285,8 @@ impl Job {
         if parts.is_empty() {
             return Ok(());
         }
-        let film = pieces.new_film()?;
-        let (generation, mut units) = match self.tile_film(tile, pieces)? {
+        let film = split.new_film()?;
+        let (generation, mut units) = match self.tile_film(tile, split)? {
             Some((generation, sums, old)) => {
                 add(&film, old)?;
                 (generation + 1, sums.units)
@@ -292,7 +297,7 @@ impl Job {
             let Some(part) = self.part(path)? else { continue };
             match units.get(&(part.stage, part.unit)) {
                 Some(&first) => _ = self.compare(&part, first, "an earlier worker")?,
-                None => match part.film(pieces) {
+                None => match part.film(split) {
                     Ok(more) => {
                         add(&film, more)?;
                         units.insert((part.stage, part.unit), part.digest);
@@ -329,14 +334,14 @@ impl Job {
     ///
     /// # Errors
     /// [`FarmError::NotYet`] when units are missing; [`FarmError::TwoResults`]; [`FarmError::Io`].
-    pub fn merge(&self, pieces: &Pieces<'_>) -> Result<Merged, FarmError> {
-        let (stage, mut position) = self.stage(pieces)?;
-        let layout = self.layout(pieces, &position)?;
+    pub fn merge(&self, split: &SplitRender<'_>) -> Result<Merged, FarmError> {
+        let (stage, mut position) = self.stage(split)?;
+        let layout = self.layout(split, &position)?;
         let (film, found) = {
             let lock = open_lock(&self.folder.join("sums").join("lock"))?;
             // Where there are no locks, a file that is tidied away meanwhile is found missing, and one tries again.
             let _ = lock.lock();
-            self.sum(&layout, pieces)?
+            self.sum(&layout, split)?
         };
         let missing: Vec<u64> = (0..layout.units()).filter(|&unit| !found.contains(&(stage, unit))).collect();
         if let Some(first) = missing.first() {
@@ -346,10 +351,10 @@ impl Job {
                 layout.units()
             )));
         }
-        if pieces.end_stage(&mut position, &film) {
+        if split.end_stage(&mut position, &film) {
             return Ok(Merged::Complete(Box::new(film)));
         }
-        self.begin_stage(stage + 1, pieces, &position)?;
+        self.begin_stage(stage + 1, split, &position)?;
         Ok(Merged::Next(stage + 1))
     }
 
@@ -357,17 +362,21 @@ impl Job {
     ///
     /// # Errors
     /// As [`Job::merge`].
-    pub fn so_far(&self, pieces: &Pieces<'_>) -> Result<Film, FarmError> {
-        let (_, position) = self.stage(pieces)?;
-        Ok(self.sum(&self.layout(pieces, &position)?, pieces)?.0)
+    pub fn so_far(&self, split: &SplitRender<'_>) -> Result<Film, FarmError> {
+        let (_, position) = self.stage(split)?;
+        Ok(self.sum(&self.layout(split, &position)?, split)?.0)
     }
 
     /// The sum of all results, and whose they are.
-    fn sum(&self, layout: &Layout, pieces: &Pieces<'_>) -> Result<(Film, BTreeSet<(u32, u64)>), FarmError> {
-        let film = pieces.new_film()?;
+    fn sum(
+        &self,
+        layout: &Layout,
+        split: &SplitRender<'_>,
+    ) -> Result<(Film, BTreeSet<(u32, u64)>), FarmError> {
+        let film = split.new_film()?;
         let mut digests = BTreeMap::new();
         for tile in 0..layout.tiles() {
-            if let Some((_, sums, of_tile)) = self.tile_film(tile, pieces)? {
+            if let Some((_, sums, of_tile)) = self.tile_film(tile, split)? {
                 add(&film, of_tile)?;
                 digests.extend(sums.units);
             }
@@ -376,7 +385,7 @@ impl Job {
             let Some(part) = self.part(&path)? else { continue };
             match digests.get(&(part.stage, part.unit)) {
                 Some(&first) => _ = self.compare(&part, first, "an earlier worker")?,
-                None => match part.film(pieces) {
+                None => match part.film(split) {
                     Ok(more) => {
                         add(&film, more)?;
                         digests.insert((part.stage, part.unit), part.digest);
@@ -389,9 +398,13 @@ impl Job {
     }
 
     /// The newest sums of a tile that are whole, with their film.
-    fn tile_film(&self, tile: u64, pieces: &Pieces<'_>) -> Result<Option<(u32, TileSums, Film)>, FarmError> {
+    fn tile_film(
+        &self,
+        tile: u64,
+        split: &SplitRender<'_>,
+    ) -> Result<Option<(u32, TileSums, Film)>, FarmError> {
         while let Some((generation, sums)) = self.sums(tile)? {
-            match sums.film(pieces) {
+            match sums.film(split) {
                 Ok(film) => return Ok(Some((generation, sums, film))),
                 Err(_) => self.set_aside(&self.sums_path(tile, generation))?,
             }
@@ -471,11 +484,11 @@ impl Job {
 ///
 /// # Errors
 /// [`FarmError::Input`] when it is of another render.
-pub(crate) fn position(pieces: &Pieces<'_>, mut bytes: &[u8]) -> Result<Position, FarmError> {
+pub(crate) fn position(split: &SplitRender<'_>, mut bytes: &[u8]) -> Result<Position, FarmError> {
     if bytes.is_empty() {
         return Ok(Position::default());
     }
-    pieces
+    split
         .restore_position(&mut bytes)
         .map_err(|error| FarmError::Input(format!("this is no beginning of a stage: {error}")))
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kajo::{Piece, Rect};
+use kajo::{Rect, WorkUnit};
 
 /// The units of a stage: all tiles with the first samples, then all with the next, so that a whole picture is there
 /// early.
@@ -43,7 +43,7 @@ impl Layout {
     }
 
     /// What a unit is; `None` beyond the last.
-    pub fn piece(&self, unit: u64) -> Option<Piece> {
+    pub fn work_unit(&self, unit: u64) -> Option<WorkUnit> {
         if unit >= self.units() {
             return None;
         }
@@ -59,7 +59,7 @@ impl Layout {
             y1: top.saturating_add(self.tile).min(y1),
         };
         let start = self.samples.start + range * self.step;
-        Some(Piece { tile, samples: start..start.saturating_add(self.step).min(self.samples.end) })
+        Some(WorkUnit { tile, samples: start..start.saturating_add(self.step).min(self.samples.end) })
     }
 
     fn grid(&self) -> [u32; 2] {
@@ -78,17 +78,17 @@ mod tests {
             let layout = Layout::new(sampled, tile, samples.clone(), step);
             let mut seen = std::collections::BTreeMap::new();
             for unit in 0..layout.units() {
-                let piece = layout.piece(unit).unwrap();
-                assert!(piece.tile.area() > 0 && !piece.samples.is_empty());
-                for (x, y) in (piece.tile.y0..piece.tile.y1)
-                    .flat_map(|y| (piece.tile.x0..piece.tile.x1).map(move |x| (x, y)))
+                let unit = layout.work_unit(unit).unwrap();
+                assert!(unit.tile.area() > 0 && !unit.samples.is_empty());
+                for (x, y) in (unit.tile.y0..unit.tile.y1)
+                    .flat_map(|y| (unit.tile.x0..unit.tile.x1).map(move |x| (x, y)))
                 {
-                    piece.samples.clone().for_each(|k| *seen.entry((x, y, k)).or_insert(0) += 1);
+                    unit.samples.clone().for_each(|k| *seen.entry((x, y, k)).or_insert(0) += 1);
                 }
             }
             assert_eq!(seen.len() as u64, sampled.area() * u64::from(samples.end - samples.start));
             assert!(seen.values().all(|&n| n == 1));
-            assert_eq!(layout.piece(layout.units()), None);
+            assert_eq!(layout.work_unit(layout.units()), None);
         }
     }
 }

@@ -10,7 +10,7 @@
 //! | `plan.json` | the [`Plan`]; never changes |
 //! | `parts/` | results of units |
 //! | `sums/` | for each tile the sum of results that were put together, so that space is bounded by the picture |
-//! | `stages/` | where each stage but the first begins, see [`kajo::Pieces`] |
+//! | `stages/` | where each stage but the first begins, see [`kajo::SplitRender`] |
 //! | `damaged/` | what was found damaged and is rendered again |
 //! | `logs/` | what was said about each try of a unit that failed |
 //!

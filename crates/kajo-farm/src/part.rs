@@ -12,7 +12,7 @@
 //!
 //! Numbers are little-endian.
 
-use kajo::{Film, Pieces};
+use kajo::{Film, SplitRender};
 
 use crate::FarmError;
 
@@ -120,10 +120,10 @@ impl Part {
     /// The sums.
     ///
     /// # Errors
-    /// [`PartError::Damaged`] when they are no film of these pieces.
-    pub fn film(&self, pieces: &Pieces<'_>) -> Result<Film, PartError> {
+    /// [`PartError::Damaged`] when they are no film of this split.
+    pub fn film(&self, split: &SplitRender<'_>) -> Result<Film, PartError> {
         let mut rest = &self.bytes[self.film.clone()];
-        let film = pieces.restore_film(&mut rest).map_err(|_| PartError::Damaged)?;
+        let film = split.restore_film(&mut rest).map_err(|_| PartError::Damaged)?;
         if rest.is_empty() { Ok(film) } else { Err(PartError::Damaged) }
     }
 }

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use kajo::{Pieces, Rect};
+use kajo::{Rect, SplitRender};
 use serde::{Deserialize, Serialize};
 
 use crate::{FarmError, Layout};
@@ -21,7 +21,7 @@ pub(crate) const LONGEST: u64 = 64 << 20;
 pub struct Plan {
     /// The version of the format.
     pub format: u32,
-    /// Everything that decides a bit of the picture, see [`Pieces::identity`]; the first line names the program.
+    /// Everything that decides a bit of the picture, see [`SplitRender::identity`]; the first line names the program.
     pub identity: String,
     /// The command line of the render, without the program's name.
     pub arguments: Vec<String>,
@@ -52,22 +52,22 @@ pub struct PlannedFile {
 }
 
 impl Plan {
-    /// A plan for these pieces.
+    /// A plan for this split.
     ///
     /// * `tile`, `samples`: of a unit, at least 1
     ///
     /// # Errors
     /// When it would be too many units.
     pub fn new(
-        pieces: &Pieces<'_>,
+        split: &SplitRender<'_>,
         (arguments, folder): (Vec<String>, String),
         files: Vec<PlannedFile>,
         (tile, samples): (u32, u32),
     ) -> Result<Plan, FarmError> {
-        let Rect { x0, y0, x1, y1 } = pieces.sampled();
+        let Rect { x0, y0, x1, y1 } = split.sampled();
         let plan = Plan {
             format: FORMAT,
-            identity: pieces.identity(),
+            identity: split.identity(),
             arguments,
             folder,
             files,
@@ -76,7 +76,7 @@ impl Plan {
             samples: samples.max(1),
             shared: None,
         };
-        let stage = pieces.stage(&kajo::Position::default()).unwrap_or_default();
+        let stage = split.stage(&kajo::Position::default()).unwrap_or_default();
         plan.layout(stage).map(|_| plan)
     }
 
@@ -119,23 +119,23 @@ impl Plan {
         }
     }
 
-    /// Makes sure that pieces are those of the plan.
+    /// Makes sure that a split is that of the plan.
     ///
     /// # Errors
     /// [`FarmError::Input`] says the first difference.
-    pub fn check(&self, pieces: &Pieces<'_>) -> Result<(), FarmError> {
-        if pieces.identity() == self.identity {
+    pub fn check(&self, split: &SplitRender<'_>) -> Result<(), FarmError> {
+        if split.identity() == self.identity {
             return Ok(());
         }
         let build = |text: &str| text.lines().next().unwrap_or_default().to_owned();
-        let (then, now) = (build(&self.identity), build(&pieces.identity()));
+        let (then, now) = (build(&self.identity), build(&split.identity()));
         if then != now {
             return Err(FarmError::Input(format!(
                 "the plan was made by {then}, and this is {now}: their pictures may differ; take the same version \
                  everywhere"
             )));
         }
-        let (then, now) = pieces.difference(&self.identity).unwrap_or_default();
+        let (then, now) = split.difference(&self.identity).unwrap_or_default();
         Err(FarmError::Input(format!(
             "the plan is of another render: it has `{then}` where this one has `{now}`"
         )))

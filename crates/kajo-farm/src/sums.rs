@@ -13,7 +13,7 @@
 
 use std::collections::BTreeMap;
 
-use kajo::{Film, Pieces};
+use kajo::{Film, SplitRender};
 
 use crate::FarmError;
 use crate::part::{PartError, Reader};
@@ -83,9 +83,9 @@ impl TileSums {
         if rest.0.is_empty() { Ok(TileSums { units, film }) } else { Err(PartError::Damaged) }
     }
 
-    pub fn film(&self, pieces: &Pieces<'_>) -> Result<Film, PartError> {
+    pub fn film(&self, split: &SplitRender<'_>) -> Result<Film, PartError> {
         let mut rest = &self.film[..];
-        let film = pieces.restore_film(&mut rest).map_err(|_| PartError::Damaged)?;
+        let film = split.restore_film(&mut rest).map_err(|_| PartError::Damaged)?;
         if rest.is_empty() { Ok(film) } else { Err(PartError::Damaged) }
     }
 }

@@ -7,9 +7,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use kajo::{
-    BitDepth, Defaults, Format, Goal, IntegratorName, LoadOptions, MemoryAssets, Passes, Pieces, Position,
+    BitDepth, Defaults, Format, Goal, IntegratorName, LoadOptions, MemoryAssets, Passes, Position,
     RenderRequest, RenderSettings, RenderStats, Resources, SamplerKind, Scene, SceneDigest, Settings, Silent,
-    View,
+    SplitRender, View,
 };
 use kajo_farm::{
     FarmError, Job, Loss, Merged, Part, Plan, Published, Reply, Start, Task, Watch, Worker, coordinate,
@@ -58,8 +58,8 @@ impl Setup {
         Setup::new("path", SamplerKind::Sobol, 4, Goal::default())
     }
 
-    /// Calls `act` with the pieces of the render, and the bytes of its file when it is rendered at once.
-    fn run(&self, act: impl FnOnce(&Pieces<'_>, &[u8])) {
+    /// Calls `act` with the split of the render, and the bytes of its file when it is rendered at once.
+    fn run(&self, act: impl FnOnce(&SplitRender<'_>, &[u8])) {
         let outputs = VIEWS.map(|view| (view, Format::Exr));
         let resources = Resources { threads: 2, ..Resources::default() };
         let request = RenderRequest::new(&self.scene, &self.settings, &outputs).with(resources);
@@ -72,22 +72,22 @@ impl Setup {
             }
         };
         let expected = picture.encode(&VIEWS, Format::Exr, BitDepth::Eight).unwrap();
-        act(&Pieces::new(&request, &self.goal, SceneDigest::default()).unwrap(), &expected);
+        act(&SplitRender::new(&request, &self.goal, SceneDigest::default()).unwrap(), &expected);
     }
 }
 
-fn job(folder: &Path, pieces: &Pieces<'_>, tile: u32, samples: u32) -> Job {
-    let plan = Plan::new(pieces, (Vec::new(), String::new()), Vec::new(), (tile, samples)).unwrap();
-    Job::create(folder, &plan, pieces).unwrap()
+fn job(folder: &Path, split: &SplitRender<'_>, tile: u32, samples: u32) -> Job {
+    let plan = Plan::new(split, (Vec::new(), String::new()), Vec::new(), (tile, samples)).unwrap();
+    Job::create(folder, &plan, split).unwrap()
 }
 
-fn bytes(pieces: &Pieces<'_>, film: kajo::Film) -> Vec<u8> {
-    pieces.picture(film, RenderStats::default()).encode(&VIEWS, Format::Exr, BitDepth::Eight).unwrap()
+fn bytes(split: &SplitRender<'_>, film: kajo::Film) -> Vec<u8> {
+    split.picture(film, RenderStats::default()).encode(&VIEWS, Format::Exr, BitDepth::Eight).unwrap()
 }
 
-fn part(job: &Job, pieces: &Pieces<'_>, stage: u32, unit: u64, position: &Position) -> Part {
-    let piece = job.layout(pieces, position).unwrap().piece(unit).unwrap();
-    let (film, _) = pieces.render(position, &piece, &Silent).unwrap();
+fn part(job: &Job, split: &SplitRender<'_>, stage: u32, unit: u64, position: &Position) -> Part {
+    let work = job.layout(split, position).unwrap().work_unit(unit).unwrap();
+    let (film, _) = split.render(position, &work, &Silent).unwrap();
     Part::new(job.hash(), (stage, unit), &film, "a test").unwrap()
 }
 
@@ -97,7 +97,7 @@ type Mishap<'a> = &'a (dyn Fn(u64, u64) -> Option<Loss> + Sync);
 /// Workers that are threads.
 struct Threads<'a> {
     job: &'a Job,
-    pieces: &'a Pieces<'a>,
+    split: &'a SplitRender<'a>,
     /// Asked with the unit and the number of the call.
     mishap: Mishap<'a>,
     calls: AtomicU64,
@@ -106,8 +106,8 @@ struct Threads<'a> {
 struct Thread<'a>(&'a Threads<'a>);
 
 impl<'a> Threads<'a> {
-    fn new(job: &'a Job, pieces: &'a Pieces<'a>, mishap: Mishap<'a>) -> Threads<'a> {
-        Threads { job, pieces, mishap, calls: AtomicU64::new(0) }
+    fn new(job: &'a Job, split: &'a SplitRender<'a>, mishap: Mishap<'a>) -> Threads<'a> {
+        Threads { job, split, mishap, calls: AtomicU64::new(0) }
     }
 }
 
@@ -124,8 +124,8 @@ impl Worker for Thread<'_> {
         if let Some(loss) = (all.mishap)(task.unit, call) {
             return Err(loss);
         }
-        let (stage, position) = all.job.stage(all.pieces).unwrap();
-        let part = part(all.job, all.pieces, stage, task.unit, &position);
+        let (stage, position) = all.job.stage(all.split).unwrap();
+        let part = part(all.job, all.split, stage, task.unit, &position);
         Ok(Reply { bytes: part.bytes().to_vec(), samples: 1, rays: 1 })
     }
 
@@ -159,13 +159,13 @@ impl Watch for Notes {
 /// Renders all stages.
 fn render(
     job: &Job,
-    pieces: &Pieces<'_>,
+    split: &SplitRender<'_>,
     workers: usize,
     mishap: Mishap<'_>,
 ) -> Result<kajo::Film, FarmError> {
     loop {
-        coordinate(job, pieces, workers, &Threads::new(job, pieces, mishap), &Notes::default())?;
-        if let Merged::Complete(film) = job.merge(pieces)? {
+        coordinate(job, split, workers, &Threads::new(job, split, mishap), &Notes::default())?;
+        if let Merged::Complete(film) = job.merge(split)? {
             return Ok(*film);
         }
     }
@@ -193,17 +193,17 @@ fn the_picture_has_the_bytes_of_a_plain_render() {
         (Setup::new("path", SamplerKind::Sobol, 4096, noisy), 1),
         (Setup::new("path", SamplerKind::Sobol, 24, adaptive), 2),
     ] {
-        setup.run(|pieces, expected| {
-            for split in 0..splits {
+        setup.run(|split, expected| {
+            for i in 0..splits {
                 let folder = tempfile::tempdir().unwrap();
                 let many = setup.settings.samples.1 > 1000;
                 let (tile, samples) =
                     (9 + dice.below(50) as u32, 1 + dice.below(if many { 64 } else { 4 }) as u32);
-                let job = job(folder.path(), pieces, tile, samples);
-                let workers = [1, 2, 7][split % 3];
-                let film = render(&job, pieces, workers, &|_, _| None).unwrap();
+                let job = job(folder.path(), split, tile, samples);
+                let workers = [1, 2, 7][i % 3];
+                let film = render(&job, split, workers, &|_, _| None).unwrap();
                 assert!(
-                    bytes(pieces, film) == expected,
+                    bytes(split, film) == expected,
                     "{workers} workers, {tile} pixels, {samples} samples"
                 );
             }
@@ -213,32 +213,32 @@ fn the_picture_has_the_bytes_of_a_plain_render() {
 
 #[test]
 fn workers_that_are_lost_cost_nothing() {
-    Setup::plain().run(|pieces, expected| {
+    Setup::plain().run(|split, expected| {
         let folder = tempfile::tempdir().unwrap();
-        let job = job(folder.path(), pieces, 16, 1);
+        let job = job(folder.path(), split, 16, 1);
         // Two of three are lost, or cannot do it the first time.
-        let film = render(&job, pieces, 3, &|_, call| match call % 3 {
+        let film = render(&job, split, 3, &|_, call| match call % 3 {
             0 => None,
             _ => Some(Loss::Worker("on purpose".to_owned())),
         });
-        assert!(bytes(pieces, film.unwrap()) == expected);
+        assert!(bytes(split, film.unwrap()) == expected);
     });
 }
 
 #[test]
 fn a_unit_that_always_fails_does_not_keep_the_others() {
-    Setup::plain().run(|pieces, expected| {
+    Setup::plain().run(|split, expected| {
         let folder = tempfile::tempdir().unwrap();
-        let job = job(folder.path(), pieces, 16, 2);
+        let job = job(folder.path(), split, 16, 2);
         let tries = Mutex::new(BTreeMap::<u64, usize>::new());
         let failing = |unit, _| {
             *tries.lock().unwrap().entry(unit).or_default() += 1;
             (unit == 5).then(|| Loss::Unit("on purpose\nat great length".to_owned()))
         };
-        let Err(FarmError::Failed { units }) = render(&job, pieces, 2, &failing) else { panic!("it failed") };
+        let Err(FarmError::Failed { units }) = render(&job, split, 2, &failing) else { panic!("it failed") };
         assert_eq!((units.len(), units[0].unit, &*units[0].message), (1, 5, "on purpose"));
-        let (_, position) = job.stage(pieces).unwrap();
-        let layout = job.layout(pieces, &position).unwrap();
+        let (_, position) = job.stage(split).unwrap();
+        let layout = job.layout(split, &position).unwrap();
         assert_eq!(
             job.finished(&layout).unwrap().len() as u64,
             layout.units() - 1,
@@ -247,24 +247,24 @@ fn a_unit_that_always_fails_does_not_keep_the_others() {
         assert!(tries.lock().unwrap().iter().all(|(&unit, &n)| n == if unit == 5 { 3 } else { 1 }));
         let logs: Vec<_> = fs::read_dir(folder.path().join("logs")).unwrap().collect();
         assert_eq!(logs.len(), 3, "one for each try");
-        let missing = job.merge(pieces).unwrap_err();
+        let missing = job.merge(split).unwrap_err();
         assert!(matches!(&missing, FarmError::NotYet(text) if text.contains("1 of")), "{missing}");
         // Another run begins with three new tries, and does only what is missing.
         tries.lock().unwrap().clear();
-        let film = render(&job, pieces, 2, &|unit, _| {
+        let film = render(&job, split, 2, &|unit, _| {
             *tries.lock().unwrap().entry(unit).or_default() += 1;
             None
         });
-        assert!(bytes(pieces, film.unwrap()) == expected);
+        assert!(bytes(split, film.unwrap()) == expected);
         assert_eq!(tries.into_inner().unwrap().into_iter().collect::<Vec<_>>(), [(5, 1)]);
     });
 }
 
 #[test]
 fn what_is_finished_is_never_rendered_again() {
-    Setup::plain().run(|pieces, expected| {
+    Setup::plain().run(|split, expected| {
         let folder = tempfile::tempdir().unwrap();
-        let job = job(folder.path(), pieces, 10, 1);
+        let job = job(folder.path(), split, 10, 1);
         let rendered = Mutex::new(Vec::new());
         let mut before = 0;
         for patience in [3, 17, 40, u64::MAX] {
@@ -273,7 +273,7 @@ fn what_is_finished_is_never_rendered_again() {
                 None
             };
             let notes = Notes { patience: Some(patience), ..Notes::default() };
-            let result = coordinate(&job, pieces, 2, &Threads::new(&job, pieces, &note), &notes);
+            let result = coordinate(&job, split, 2, &Threads::new(&job, split, &note), &notes);
             assert_eq!(matches!(result, Err(FarmError::Cancelled)), patience < u64::MAX);
             let now = rendered.lock().unwrap().len();
             assert!(now > before);
@@ -284,27 +284,27 @@ fn what_is_finished_is_never_rendered_again() {
         units.sort_unstable();
         units.dedup();
         assert_eq!(units.len(), n, "no unit twice");
-        let Merged::Complete(film) = job.merge(pieces).unwrap() else { panic!("it is complete") };
-        assert!(bytes(pieces, *film) == expected);
+        let Merged::Complete(film) = job.merge(split).unwrap() else { panic!("it is complete") };
+        assert!(bytes(split, *film) == expected);
     });
 }
 
 #[test]
 fn space_is_bounded_by_the_picture() {
-    Setup::new("path", SamplerKind::Sobol, 40, Goal::default()).run(|pieces, expected| {
+    Setup::new("path", SamplerKind::Sobol, 40, Goal::default()).run(|split, expected| {
         let folder = tempfile::tempdir().unwrap();
-        let job = job(folder.path(), pieces, 32, 1);
+        let job = job(folder.path(), split, 32, 1);
         let most = Mutex::new((0, 0));
         let count = |name: &str, ending: &str| {
             let entries = fs::read_dir(folder.path().join(name)).unwrap();
             entries.flatten().filter(|entry| entry.file_name().to_string_lossy().ends_with(ending)).count()
         };
-        let film = render(&job, pieces, 2, &|_, _| {
+        let film = render(&job, split, 2, &|_, _| {
             let mut most = most.lock().unwrap();
             *most = (most.0.max(count("parts", ".kpart")), most.1.max(count("sums", ".ksums")));
             None
         });
-        assert!(bytes(pieces, film.unwrap()) == expected);
+        assert!(bytes(split, film.unwrap()) == expected);
         let (parts, sums) = most.into_inner().unwrap();
         // Four tiles of forty units each.
         assert!(parts <= 4 * 4 + 2 && sums <= 4 + 2, "{parts} parts, {sums} sums");
@@ -313,10 +313,10 @@ fn space_is_bounded_by_the_picture() {
 
 #[test]
 fn damage_is_found_and_rendered_again() {
-    Setup::plain().run(|pieces, expected| {
+    Setup::plain().run(|split, expected| {
         let folder = tempfile::tempdir().unwrap();
-        let job = job(folder.path(), pieces, 25, 1);
-        let whole = part(&job, pieces, 0, 1, &Position::default());
+        let job = job(folder.path(), split, 25, 1);
+        let whole = part(&job, split, 0, 1, &Position::default());
         let mut dice = Dice(1);
         for _ in 0..300 {
             let mut bytes = whole.bytes().to_vec();
@@ -328,7 +328,7 @@ fn damage_is_found_and_rendered_again() {
         }
         assert_eq!(Part::read(whole.bytes().to_vec(), job.hash()).unwrap(), whole);
         assert!(Part::read(whole.bytes().to_vec(), &[0; 32]).is_err(), "another plan");
-        render(&job, pieces, 2, &|_, _| None).unwrap();
+        render(&job, split, 2, &|_, _| None).unwrap();
         let files = |name: &str, ending: &str| -> Vec<PathBuf> {
             let entries = fs::read_dir(folder.path().join(name)).unwrap().flatten();
             entries
@@ -347,46 +347,46 @@ fn damage_is_found_and_rendered_again() {
             damaged += 1;
         }
         assert!(damaged > 0);
-        assert!(matches!(job.merge(pieces), Err(FarmError::NotYet(_))), "what was damaged is missing");
+        assert!(matches!(job.merge(split), Err(FarmError::NotYet(_))), "what was damaged is missing");
         assert_eq!(files("damaged", "").len(), damaged);
-        let film = render(&job, pieces, 2, &|_, _| None).unwrap();
-        assert!(bytes(pieces, film) == expected);
+        let film = render(&job, split, 2, &|_, _| None).unwrap();
+        assert!(bytes(split, film) == expected);
     });
 }
 
 #[test]
 fn a_second_result_must_be_equal() {
-    Setup::plain().run(|pieces, _| {
+    Setup::plain().run(|split, _| {
         let folder = tempfile::tempdir().unwrap();
-        let job = job(folder.path(), pieces, 25, 1);
+        let job = job(folder.path(), split, 25, 1);
         let position = Position::default();
-        let layout = job.layout(pieces, &position).unwrap();
-        let first = part(&job, pieces, 0, 0, &position);
-        assert_eq!(job.publish(&first, &layout, pieces).unwrap(), Published::First);
-        assert_eq!(job.publish(&first, &layout, pieces).unwrap(), Published::Again);
+        let layout = job.layout(split, &position).unwrap();
+        let first = part(&job, split, 0, 0, &position);
+        assert_eq!(job.publish(&first, &layout, split).unwrap(), Published::First);
+        assert_eq!(job.publish(&first, &layout, split).unwrap(), Published::Again);
         // Another unit's sums under the first one's number: what bad memory would bring.
-        let piece = layout.piece(1).unwrap();
-        let (film, _) = pieces.render(&position, &piece, &Silent).unwrap();
+        let unit = layout.work_unit(1).unwrap();
+        let (film, _) = split.render(&position, &unit, &Silent).unwrap();
         let wrong = Part::new(job.hash(), (0, 0), &film, "a machine with bad memory").unwrap();
         let refused = |job: &Job| {
-            let error = job.publish(&wrong, &layout, pieces).unwrap_err().to_string();
+            let error = job.publish(&wrong, &layout, split).unwrap_err().to_string();
             assert!(error.contains("unit 0") && error.contains("a machine with bad memory"), "{error}");
         };
         refused(&job);
         // The same once the part itself was put together with others.
-        job.fold(0, &layout, pieces).unwrap();
+        job.fold(0, &layout, split).unwrap();
         assert_eq!(fs::read_dir(folder.path().join("parts")).unwrap().count(), 0);
         refused(&job);
-        assert_eq!(job.publish(&first, &layout, pieces).unwrap(), Published::Again);
+        assert_eq!(job.publish(&first, &layout, split).unwrap(), Published::Again);
     });
 }
 
 #[test]
 fn a_folder_belongs_to_one_render_and_one_coordinator() {
     let folder = tempfile::tempdir().unwrap();
-    Setup::plain().run(|pieces, _| {
-        let first = job(folder.path(), pieces, 25, 1);
-        let again = job(folder.path(), pieces, 7, 3);
+    Setup::plain().run(|split, _| {
+        let first = job(folder.path(), split, 25, 1);
+        let again = job(folder.path(), split, 7, 3);
         assert_eq!(again.plan().tile, 25, "the plan stays what it was");
         let lock = first.lock().unwrap();
         let refused = again.lock().unwrap_err().to_string();
@@ -394,13 +394,13 @@ fn a_folder_belongs_to_one_render_and_one_coordinator() {
         drop(lock);
         assert!(again.lock().is_ok());
     });
-    Setup::new("path", SamplerKind::Sobol, 5, Goal::default()).run(|pieces, _| {
-        let plan = Plan::new(pieces, (Vec::new(), String::new()), Vec::new(), (25, 1)).unwrap();
-        let refused = Job::create(folder.path(), &plan, pieces).unwrap_err().to_string();
+    Setup::new("path", SamplerKind::Sobol, 5, Goal::default()).run(|split, _| {
+        let plan = Plan::new(split, (Vec::new(), String::new()), Vec::new(), (25, 1)).unwrap();
+        let refused = Job::create(folder.path(), &plan, split).unwrap_err().to_string();
         assert!(refused.contains("`samples 4` where this one has `samples 5`"), "{refused}");
         let text = serde_json::to_string(&plan).unwrap();
         let other = Plan::read(&text.replace("epoch 1", "epoch 2")).unwrap();
-        let refused = other.check(pieces).unwrap_err().to_string();
+        let refused = other.check(split).unwrap_err().to_string();
         assert!(refused.contains("epoch 2") && refused.contains("epoch 1"), "{refused}");
     });
     assert!(Job::open(&folder.path().join("nothing")).unwrap_err().to_string().contains("kajo plan"));
@@ -424,11 +424,11 @@ fn workers_that_lie_are_not_believed() {
             Box::new(|| ())
         }
     }
-    Setup::plain().run(|pieces, _| {
+    Setup::plain().run(|split, _| {
         let folder = tempfile::tempdir().unwrap();
-        let job = job(folder.path(), pieces, 100, 4);
+        let job = job(folder.path(), split, 100, 4);
         let liars = Liars(AtomicUsize::new(0), b"nothing of the kind".to_vec());
-        let result = coordinate(&job, pieces, 1, &liars, &Notes::default());
+        let result = coordinate(&job, split, 1, &liars, &Notes::default());
         assert!(matches!(result, Err(FarmError::Failed { .. })), "it is given up in the end");
         assert!(liars.0.load(Ordering::SeqCst) > 3);
     });

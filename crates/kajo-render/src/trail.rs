@@ -108,7 +108,7 @@ pub struct Segment {
 
 /// Who is told of the rays of a sample.
 pub(crate) trait PathObserver: Default {
-    /// A place in the tree of rays.
+    /// A position in the tree of rays.
     type Mark: Copy + 'static;
 
     /// The counters of rays.
@@ -224,23 +224,23 @@ pub struct Trail {
     segments: Vec<Segment>,
     left_out: usize,
     counters: RayCounters,
-    place: Place,
-    noted: Vec<Place>,
+    position: TreePosition,
+    noted: Vec<TreePosition>,
     next: Option<RayKind>,
 }
 
-/// A place in the tree of rays.
+/// A position in the tree of rays.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct TreePosition {
     /// The ray at hand.
     segment: Option<u32>,
     /// Of all that is told there.
     factor: [f32; 3],
 }
 
-impl Default for Place {
-    fn default() -> Place {
-        Place { segment: None, factor: [1.0; 3] }
+impl Default for TreePosition {
+    fn default() -> TreePosition {
+        TreePosition { segment: None, factor: [1.0; 3] }
     }
 }
 
@@ -268,7 +268,7 @@ impl Trail {
         hit: Option<(TrailHit, f32)>,
         about: About,
     ) -> Option<u32> {
-        let Place { segment: parent, factor } = self.place;
+        let TreePosition { segment: parent, factor } = self.position;
         let length = ray.d.length();
         let segment = Segment {
             kind,
@@ -293,7 +293,7 @@ impl Trail {
 
     fn add(&mut self, segment: Option<u32>, light: [f32; 3]) {
         if let Some(segment) = segment {
-            let light = product(self.place.factor, light);
+            let light = product(self.position.factor, light);
             let sum = &mut self.segments[segment as usize].contribution;
             sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
         }
@@ -301,7 +301,7 @@ impl Trail {
 }
 
 impl PathObserver for Trail {
-    type Mark = Place;
+    type Mark = TreePosition;
 
     fn counters(&mut self) -> &mut RayCounters {
         &mut self.counters
@@ -314,7 +314,7 @@ impl PathObserver for Trail {
     fn ended(&mut self, scene: &Scene, ray: &Ray, end: Option<&Interaction>, about: impl FnOnce() -> About) {
         let kind = self.next.take().unwrap_or(RayKind::Camera);
         let hit = end.map(|at| (TrailHit::of(scene, at), at.hit.t));
-        self.place.segment = self.push(kind, scene, ray, hit, about()).or(self.place.segment);
+        self.position.segment = self.push(kind, scene, ray, hit, about()).or(self.position.segment);
     }
 
     fn bent(&mut self, scene: &Scene, piece: &Ray, about: impl FnOnce() -> About) {
@@ -322,11 +322,11 @@ impl PathObserver for Trail {
             return;
         }
         let kind = *self.next.get_or_insert(RayKind::Camera);
-        self.place.segment = self.push(kind, scene, piece, None, about()).or(self.place.segment);
+        self.position.segment = self.push(kind, scene, piece, None, about()).or(self.position.segment);
     }
 
     fn found(&mut self, light: impl FnOnce() -> [f32; 3]) {
-        self.add(self.place.segment, light());
+        self.add(self.position.segment, light());
     }
 
     fn joined(
@@ -342,7 +342,7 @@ impl PathObserver for Trail {
             Event::Surface(at) if light == [0.0; 3] => Some((TrailHit::of(scene, &at), at.hit.t)),
             _ => None,
         };
-        let segment = self.push(kind, scene, ray, in_the_way, about()).or(self.place.segment);
+        let segment = self.push(kind, scene, ray, in_the_way, about()).or(self.position.segment);
         self.add(segment, light);
     }
 
@@ -354,23 +354,23 @@ impl PathObserver for Trail {
     }
 
     fn weaken(&mut self, factor: impl FnOnce() -> [f32; 3]) {
-        self.place.factor = product(self.place.factor, factor());
+        self.position.factor = product(self.position.factor, factor());
     }
 
-    fn mark(&self) -> Place {
-        self.place
+    fn mark(&self) -> TreePosition {
+        self.position
     }
 
-    fn back_to(&mut self, mark: Place) {
-        self.place = mark;
+    fn back_to(&mut self, mark: TreePosition) {
+        self.position = mark;
     }
 
     fn note(&mut self) {
-        self.noted.push(self.place);
+        self.noted.push(self.position);
     }
 
     fn back_to_noted(&mut self, number: u32) {
-        self.place = self.noted.get(number as usize).copied().unwrap_or_default();
+        self.position = self.noted.get(number as usize).copied().unwrap_or_default();
     }
 }
 

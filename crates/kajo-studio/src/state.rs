@@ -42,7 +42,7 @@ pub use handling::{GIZMOS, Grip, Handles};
 pub use histogram::{BINS, Histogram, stops_of};
 pub use navigation::{Held, Navigation};
 pub use pictures::{Apart, Kept, Pictures, effort};
-pub use problems::{Place, Problem, problems};
+pub use problems::{Problem, SourcePosition, problems};
 pub use rays::{Rays, color as ray_color, kind_name as ray_kind, legend as ray_legend};
 pub use recovery::LeftOver;
 pub use render_options::{Habits, PictureSize, RenderOptions};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use kajo::output::Target;
-use kajo::{LoadOptions, Loaded, Pieces};
+use kajo::{LoadOptions, Loaded, SplitRender};
 use kajo_farm::{Bundle, Engine, FarmError, Job as Folder, Recording, Watch};
 
 use super::pool::WorkerPool;
@@ -45,8 +45,8 @@ impl WorkerPool for Machines {
         Ok(self.engine.lock().unwrap_or_else(PoisonError::into_inner).begin(folder, &path)?)
     }
 
-    fn stage(&self, folder: &Folder, pieces: &Pieces<'_>, watch: &dyn Watch) -> Result<(), FarmError> {
-        self.engine.lock().unwrap_or_else(PoisonError::into_inner).coordinate(folder, pieces, watch)
+    fn stage(&self, folder: &Folder, split: &SplitRender<'_>, watch: &dyn Watch) -> Result<(), FarmError> {
+        self.engine.lock().unwrap_or_else(PoisonError::into_inner).coordinate(folder, split, watch)
     }
 
     fn threads(&self) -> usize {

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::thread;
 
-use kajo::Pieces;
+use kajo::SplitRender;
 use kajo_farm::{FarmError, Job as Folder, ProcessWorkers, Watch, coordinate};
 
 use super::pool::WorkerPool;
@@ -27,7 +27,7 @@ impl Local {
 }
 
 impl WorkerPool for Local {
-    fn stage(&self, folder: &Folder, pieces: &Pieces<'_>, watch: &dyn Watch) -> Result<(), FarmError> {
+    fn stage(&self, folder: &Folder, split: &SplitRender<'_>, watch: &dyn Watch) -> Result<(), FarmError> {
         let program = std::env::current_exe().map_err(|error| FarmError::Input(error.to_string()))?;
         let threads = self.each.to_string();
         let command = |_| {
@@ -36,7 +36,7 @@ impl WorkerPool for Local {
             command
         };
         let start = ProcessWorkers { plan: folder.text().to_owned(), command };
-        coordinate(folder, pieces, self.workers.into(), &start, watch)
+        coordinate(folder, split, self.workers.into(), &start, watch)
     }
 
     fn threads(&self) -> usize {

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use kajo::output::Target;
-use kajo::{Loaded, Piece, Pieces, Position, Rect, RenderRequest, RenderStats, Silent};
+use kajo::{Loaded, Position, Rect, RenderRequest, RenderStats, Silent, SplitRender, WorkUnit};
 use kajo_farm::{Bundle, FarmError, Job as Folder, Layout, Merged, Part, Plan, PlannedFile, Recording};
 
 use crate::args::{
@@ -54,12 +54,12 @@ pub fn render(
     }
 }
 
-/// Calls `act` with the pieces of a render and what its scene was read from.
-fn with_pieces<T>(
+/// Calls `act` with the split of a render and what its scene was read from.
+fn with_split_render<T>(
     job: &Job,
     bundle: Option<&Bundle>,
     quiet: bool,
-    act: impl FnOnce(&Pieces<'_>, &Loaded) -> Result<T, Failure>,
+    act: impl FnOnce(&SplitRender<'_>, &Loaded) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     refuse(job)?;
     let meter = Meter::new(true, false);
@@ -76,7 +76,7 @@ fn with_pieces<T>(
     let settings = job.settings(&scene, &mut Voice { color: false, quiet, say: &mut say })?;
     let outputs = job.recorded();
     let request = RenderRequest::new(&scene, &settings, &outputs).with(job.resources);
-    act(&Pieces::new(&request, &job.passes.goal(), Job::scene_digest(&loaded)?)?, &loaded)
+    act(&SplitRender::new(&request, &job.passes.goal(), Job::scene_digest(&loaded)?)?, &loaded)
 }
 
 /// What cannot be shared among workers.
@@ -147,34 +147,39 @@ fn folder_of(job: &Job) -> PathBuf {
 /// Makes the folder of a job, or finds it.
 ///
 /// * `line`: the command line of the render, without the program's name
-fn folder(job: &Job, pieces: &Pieces<'_>, loaded: &Loaded, line: Vec<OsString>) -> Result<Folder, Failure> {
+fn folder(
+    job: &Job,
+    split: &SplitRender<'_>,
+    loaded: &Loaded,
+    line: Vec<OsString>,
+) -> Result<Folder, Failure> {
     let arguments: Result<Vec<String>, OsString> = line.into_iter().map(OsString::into_string).collect();
     let here = std::env::current_dir().ok().and_then(|folder| folder.into_os_string().into_string().ok());
     let (Ok(arguments), Some(here)) = (arguments, here) else {
         return Err(Failure::Input("a plan can hold names in UTF-8 only".to_owned()));
     };
-    let unit = unit_of(job, pieces)?;
-    let plan = Plan::new(pieces, (arguments, here), PlannedFile::of_all(&loaded.files)?, unit)?;
-    Ok(Folder::create(&folder_of(job), &plan, pieces)?)
+    let unit = unit_of(job, split)?;
+    let plan = Plan::new(split, (arguments, here), PlannedFile::of_all(&loaded.files)?, unit)?;
+    Ok(Folder::create(&folder_of(job), &plan, split)?)
 }
 
 /// Side of a tile and samples of a unit.
-fn unit_of(job: &Job, pieces: &Pieces<'_>) -> Result<(u32, u32), Failure> {
+fn unit_of(job: &Job, split: &SplitRender<'_>) -> Result<(u32, u32), Failure> {
     /// Side of a tile.
     const TILE: u32 = 128;
     /// Seconds that a unit should take.
     const SECONDS: f64 = 10.0;
     /// Units that there should be, if there are samples enough.
     const UNITS: u64 = 64;
-    let sampled = pieces.sampled();
+    let sampled = split.sampled();
     // Splats fall anywhere, so that a small tile would make results as large as the picture.
     let whole = sampled.width().max(sampled.height());
-    let tile = job.farm.unit_tile.unwrap_or(if pieces.splats() { whole } else { TILE.min(whole) });
+    let tile = job.farm.unit_tile.unwrap_or(if split.splats() { whole } else { TILE.min(whole) });
     let samples = match job.farm.unit_samples {
         Some(samples) => samples,
         None => {
-            let stage = pieces.stage(&Position::default()).unwrap_or(0..1);
-            let wanted = SECONDS * samples_per_second(pieces)? / (f64::from(tile) * f64::from(tile));
+            let stage = split.stage(&Position::default()).unwrap_or(0..1);
+            let wanted = SECONDS * samples_per_second(split)? / (f64::from(tile) * f64::from(tile));
             let tiles = Layout::new(sampled, tile, 0..1, 1).tiles().max(1);
             let ranges = UNITS.div_ceil(tiles) as u32;
             let most = (stage.end - stage.start).div_ceil(ranges).max(1);
@@ -185,17 +190,17 @@ fn unit_of(job: &Job, pieces: &Pieces<'_>) -> Result<(u32, u32), Failure> {
 }
 
 /// Renders a few small squares to see how long samples take.
-fn samples_per_second(pieces: &Pieces<'_>) -> Result<f64, Failure> {
+fn samples_per_second(split: &SplitRender<'_>) -> Result<f64, Failure> {
     const SQUARES: u32 = 4;
     const SIDE: u32 = 16;
-    let Rect { x0, y0, x1, y1 } = pieces.sampled();
+    let Rect { x0, y0, x1, y1 } = split.sampled();
     let at = |a: u32, b: u32, i: u32| a + ((b - a) as u64 * (2 * i as u64 + 1) / (2 * SQUARES as u64)) as u32;
     let (start, mut samples) = (Instant::now(), 0);
     for (i, j) in (0..SQUARES).flat_map(|i| (0..SQUARES).map(move |j| (i, j))) {
         let (x, y) = (at(x0, x1, i), at(y0, y1, j));
         let tile =
             Rect { x0: x, y0: y, x1: x.saturating_add(SIDE).min(x1), y1: y.saturating_add(SIDE).min(y1) };
-        let (_, stats) = pieces.render(&Position::default(), &Piece { tile, samples: 0..1 }, &Silent)?;
+        let (_, stats) = split.render(&Position::default(), &WorkUnit { tile, samples: 0..1 }, &Silent)?;
         samples += stats.samples;
         if start.elapsed().as_secs_f64() > 1.0 {
             break;
@@ -217,19 +222,19 @@ fn job_of(plan: &Plan) -> Result<Job, Failure> {
     }
 }
 
-/// Calls `act` with the pieces of a plan, once they are found to be what was planned.
+/// Calls `act` with the split of a plan, once it is found to be what was planned.
 fn with_planned<T>(
     plan: &Plan,
     job: &Job,
     bundle: Option<&Bundle>,
-    act: impl FnOnce(&Pieces<'_>, &Loaded) -> Result<T, Failure>,
+    act: impl FnOnce(&SplitRender<'_>, &Loaded) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     if bundle.is_none() {
         plan.check_files()?;
     }
-    with_pieces(job, bundle, true, |pieces, loaded| {
-        plan.check(pieces)?;
-        act(pieces, loaded)
+    with_split_render(job, bundle, true, |split, loaded| {
+        plan.check(split)?;
+        act(split, loaded)
     })
 }
 
@@ -244,10 +249,10 @@ fn read_bundle(path: Option<&Path>) -> Result<Option<Bundle>, Failure> {
 pub fn plan(args: &PlanArgs) -> Result<(), Failure> {
     let job = args.render.job()?;
     let line: Vec<OsString> = std::env::args_os().skip(1).collect();
-    with_pieces(&job, None, args.render.run.quiet, |pieces, loaded| {
-        let folder = folder(&job, pieces, loaded, line)?;
-        let (stage, position) = folder.stage(pieces)?;
-        let layout = folder.layout(pieces, &position)?;
+    with_split_render(&job, None, args.render.run.quiet, |split, loaded| {
+        let folder = folder(&job, split, loaded, line)?;
+        let (stage, position) = folder.stage(split)?;
+        let layout = folder.layout(split, &position)?;
         let done = folder.finished(&layout)?.iter().filter(|(of, _)| *of == stage).count();
         if args.count {
             return console::answer(&format!("{}\n", layout.units()));
@@ -269,9 +274,9 @@ pub fn unit(args: &UnitArgs, interrupt: &Interrupt) -> Result<(), Failure> {
     let bundle = read_bundle(args.bundle.as_deref())?;
     let mut job = job_of(folder.plan())?;
     job.resources.threads = args.threads.into();
-    with_planned(folder.plan(), &job, bundle.as_ref(), |pieces, _| {
-        let (stage, position) = folder.stage(pieces)?;
-        let layout = folder.layout(pieces, &position)?;
+    with_planned(folder.plan(), &job, bundle.as_ref(), |split, _| {
+        let (stage, position) = folder.stage(split)?;
+        let layout = folder.layout(split, &position)?;
         if args.of.is_none() && args.index >= layout.units() {
             return Err(Failure::Input(format!(
                 "there is no unit {}: they are counted from 0 to {}",
@@ -285,9 +290,9 @@ pub fn unit(args: &UnitArgs, interrupt: &Interrupt) -> Result<(), Failure> {
             if folder.has(&layout, stage, unit) {
                 continue;
             }
-            let Some(piece) = layout.piece(unit) else { break };
+            let Some(work) = layout.work_unit(unit) else { break };
             let (rendered, stopped) = interrupt.during(Work::Render, || {
-                pieces.render(&position, &piece, &Meter::new(true, false).watched(interrupt))
+                split.render(&position, &work, &Meter::new(true, false).watched(interrupt))
             });
             if stopped {
                 return Err(Failure::Unfinished(format!(
@@ -297,7 +302,7 @@ pub fn unit(args: &UnitArgs, interrupt: &Interrupt) -> Result<(), Failure> {
             let (film, _) = rendered?;
             let part = Part::new(folder.hash(), (stage, unit), &film, &kajo_farm::host())?;
             let (published, stopped) =
-                interrupt.during(Work::Write, || folder.publish(&part, &layout, pieces));
+                interrupt.during(Work::Write, || folder.publish(&part, &layout, split));
             published?;
             if stopped {
                 return Err(Failure::Unfinished(format!("interrupted after unit {unit}, which is kept")));
@@ -328,12 +333,12 @@ pub fn merge(args: &MergeArgs, interrupt: &Interrupt) -> Result<(), Failure> {
         }
         first.destination = destination;
     }
-    with_planned(folder.plan(), &job, bundle.as_ref(), |pieces, loaded| match folder.merge(pieces)? {
+    with_planned(folder.plan(), &job, bundle.as_ref(), |split, loaded| match folder.merge(split)? {
         Merged::Next(stage) => Err(Failure::NotYet(format!(
             "the picture is not good enough yet; units of stage {stage} can be rendered now"
         ))),
         Merged::Complete(film) => {
-            let picture = pieces.picture(*film, RenderStats::default());
+            let picture = split.picture(*film, RenderStats::default());
             let mut say = |text: &str| console::report(text);
             let mut voice = Voice { color: false, quiet: args.quiet, say: &mut say };
             let done = job.write(picture, &loaded.files, interrupt, &mut voice)?;

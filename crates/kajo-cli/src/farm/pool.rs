@@ -8,7 +8,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use kajo::output::Target;
-use kajo::{Film, Format, Loaded, Picture, Pieces, Progress, RayCounters, RenderRequest, RenderStats, View};
+use kajo::{
+    Film, Format, Loaded, Picture, Progress, RayCounters, RenderRequest, RenderStats, SplitRender, View,
+};
 use kajo_farm::{FarmError, HostShare, Job as Folder, Merged, Watch};
 
 use super::{folder, line_of, refuse};
@@ -40,7 +42,7 @@ pub trait WorkerPool {
     ///
     /// # Errors
     /// As [`kajo_farm::coordinate`].
-    fn stage(&self, folder: &Folder, pieces: &Pieces<'_>, watch: &dyn Watch) -> Result<(), FarmError>;
+    fn stage(&self, folder: &Folder, split: &SplitRender<'_>, watch: &dyn Watch) -> Result<(), FarmError>;
 
     /// Threads that render, as far as that is known.
     fn threads(&self) -> usize;
@@ -77,12 +79,12 @@ pub fn render(
     let preview = job.farm.preview.as_deref().map(|path| Preview::new(path, &loaded)).transpose()?;
     let outputs = job.recorded();
     let request = RenderRequest::new(&scene, &settings, &outputs).with(job.resources);
-    let pieces = Pieces::new(&request, &job.passes.goal(), Job::scene_digest(&loaded)?)?;
-    let folder = folder(job, &pieces, &loaded, line_of(job))?;
+    let split = SplitRender::new(&request, &job.passes.goal(), Job::scene_digest(&loaded)?)?;
+    let folder = folder(job, &split, &loaded, line_of(job))?;
     let lock = folder.lock()?;
     pool.begin(&folder)?;
     let render = PooledRender { job, pool, interrupt, meter, quiet: voice.quiet };
-    let picture = render.picture(&folder, &pieces, preview.as_ref())?;
+    let picture = render.picture(&folder, &split, preview.as_ref())?;
     let done = job.write(picture, &loaded.files, interrupt, voice)?;
     drop(lock);
     if job.farm.job.is_none() {
@@ -97,7 +99,7 @@ impl PooledRender<'_> {
     fn picture(
         &self,
         folder: &Folder,
-        pieces: &Pieces<'_>,
+        split: &SplitRender<'_>,
         preview: Option<&Preview>,
     ) -> Result<Picture, Failure> {
         let (started, every) = (Instant::now(), self.job.farm.preview_every);
@@ -105,7 +107,7 @@ impl PooledRender<'_> {
             let watch = Watcher {
                 progress: self.meter.watched(self.interrupt),
                 meter: self.meter,
-                pixels: pieces.sampled().area(),
+                pixels: split.sampled().area(),
                 quiet: self.quiet,
                 taken: Mutex::new([0; 2]),
                 hosts: Mutex::default(),
@@ -113,11 +115,11 @@ impl PooledRender<'_> {
             let result = thread::scope(|scope| {
                 let (over, heard) = channel::<()>();
                 if let Some(preview) = preview {
-                    let show = move || preview.show(&heard, every, folder, pieces);
+                    let show = move || preview.show(&heard, every, folder, split);
                     // Without a thread there is no preview.
                     let _ = thread::Builder::new().name("preview".to_owned()).spawn_scoped(scope, show);
                 }
-                let result = self.stages(folder, pieces, &watch);
+                let result = self.stages(folder, split, &watch);
                 drop(over);
                 result
             });
@@ -139,16 +141,16 @@ impl PooledRender<'_> {
             threads: self.pool.threads(),
             ..RenderStats::default()
         };
-        Ok(pieces.picture(result?, stats))
+        Ok(split.picture(result?, stats))
     }
 
-    fn stages(&self, folder: &Folder, pieces: &Pieces<'_>, watch: &dyn Watch) -> Result<Film, FarmError> {
+    fn stages(&self, folder: &Folder, split: &SplitRender<'_>, watch: &dyn Watch) -> Result<Film, FarmError> {
         /// Times that units are found damaged after they were finished, before something is wrong with the disk.
         const MOST_REPAIRS: usize = 3;
         let mut repairs = 0;
         loop {
-            self.pool.stage(folder, pieces, watch)?;
-            match folder.merge(pieces) {
+            self.pool.stage(folder, split, watch)?;
+            match folder.merge(split) {
                 Ok(Merged::Complete(film)) => return Ok(*film),
                 Ok(Merged::Next(_)) => {}
                 Err(FarmError::NotYet(_)) if repairs < MOST_REPAIRS => repairs += 1,
@@ -177,11 +179,11 @@ impl Preview {
     }
 
     /// Writes the picture so far until `over` is closed.
-    fn show(&self, over: &Receiver<()>, every: Duration, folder: &Folder, pieces: &Pieces<'_>) {
+    fn show(&self, over: &Receiver<()>, every: Duration, folder: &Folder, split: &SplitRender<'_>) {
         while let Err(RecvTimeoutError::Timeout) = over.recv_timeout(every.max(Duration::from_millis(100))) {
             // What cannot be shown now will be shown later, or never: it is a look and no result.
-            let Ok(film) = folder.so_far(pieces) else { continue };
-            let picture = pieces.picture(film, RenderStats::default());
+            let Ok(film) = folder.so_far(split) else { continue };
+            let picture = split.picture(film, RenderStats::default());
             let views = &[View::Color];
             if let Ok(bytes) = picture.encode(views, self.format, kajo::BitDepth::Eight) {
                 let _ = self.target.write(&bytes);

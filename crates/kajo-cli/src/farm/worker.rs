@@ -5,7 +5,7 @@ use std::process;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 
-use kajo::{Pieces, Position, Silent};
+use kajo::{Position, Silent, SplitRender};
 use kajo_farm::protocol::{FailureKind, Request, Response, receive, send};
 use kajo_farm::{Bundle, Part, Plan};
 
@@ -96,9 +96,9 @@ fn open(
     };
     let served = job_of(&plan).and_then(|mut job| {
         job.resources.threads = args.threads.into();
-        with_planned(&plan, &job, bundle.as_ref(), |pieces, _| {
+        with_planned(&plan, &job, bundle.as_ref(), |split, _| {
             // What goes wrong from here on is no answer to this request.
-            Ok(serve(&plan, &hash, pieces, job.resources.threads as u64, requests))
+            Ok(serve(&plan, &hash, split, job.resources.threads as u64, requests))
         })
     });
     match served {
@@ -111,14 +111,14 @@ fn open(
 fn serve(
     plan: &Plan,
     hash: &[u8; 32],
-    pieces: &Pieces<'_>,
+    split: &SplitRender<'_>,
     threads: u64,
     requests: &Receiver<Message>,
 ) -> Result<Option<Message>, Failure> {
     answer(&Response { ok: true, threads, ..Response::default() }, &[])?;
     while let Ok((request, bytes)) = requests.recv() {
         let Request::Unit { stage, unit } = request else { return Ok(Some((request, bytes))) };
-        match render(plan, hash, pieces, (stage, unit), &bytes) {
+        match render(plan, hash, split, (stage, unit), &bytes) {
             Ok((response, part)) => answer(&response, part.bytes())?,
             Err(response) => answer(&response, &[])?,
         }
@@ -129,21 +129,20 @@ fn serve(
 fn render(
     plan: &Plan,
     hash: &[u8; 32],
-    pieces: &Pieces<'_>,
+    split: &SplitRender<'_>,
     (stage, unit): (u32, u64),
     beginning: &[u8],
 ) -> Result<(Response, Part), Response> {
     let input = |message: String| Response::failed(FailureKind::Input, message);
     let position = match beginning {
         [] => Position::default(),
-        mut bytes => pieces.restore_position(&mut bytes).map_err(|error| input(error.to_string()))?,
+        mut bytes => split.restore_position(&mut bytes).map_err(|error| input(error.to_string()))?,
     };
     let layout =
-        plan.layout(pieces.stage(&position).unwrap_or_default()).map_err(|error| input(error.to_string()))?;
-    let piece = layout.piece(unit).ok_or_else(|| input(format!("there is no unit {unit}")))?;
+        plan.layout(split.stage(&position).unwrap_or_default()).map_err(|error| input(error.to_string()))?;
+    let work = layout.work_unit(unit).ok_or_else(|| input(format!("there is no unit {unit}")))?;
     let failed = |message: String| Response::failed(FailureKind::Unit, message);
-    let (film, stats) =
-        pieces.render(&position, &piece, &Silent).map_err(|error| failed(error.to_string()))?;
+    let (film, stats) = split.render(&position, &work, &Silent).map_err(|error| failed(error.to_string()))?;
     let part = Part::new(hash, (stage, unit), &film, &kajo_farm::host())
         .map_err(|error| failed(error.to_string()))?;
     let (samples, rays, seconds) = (stats.samples, stats.rays.total(), stats.seconds);

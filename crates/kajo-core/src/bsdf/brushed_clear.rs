@@ -17,7 +17,7 @@ use std::f32::consts::FRAC_2_PI;
 use kajo_math::{Vec3, fmath};
 
 use super::energy_tables::{Between, EvenTables, outlets};
-use super::microfacet::Shape;
+use super::microfacet::NormalDistribution;
 
 /// Nodes of the cosine, of the azimuth in a quarter, of the ratio of both roughnesses, of the greater one, and of the index.
 pub(super) const COSINES: usize = 16;
@@ -62,7 +62,7 @@ enum Table {
 }
 
 /// A direction as the tables see it: in one quarter, grain along x.
-struct Seen {
+struct TableDirection {
     cos: f32,
     /// The square of the cosine of the azimuth.
     cos2_phi: f32,
@@ -104,22 +104,22 @@ impl BrushedClear {
         (even + self.difference(Table::Reflected, &seen)).clamp(0.0, 1.0)
     }
 
-    fn seen(&self, w: Vec3) -> Seen {
+    fn seen(&self, w: Vec3) -> TableDirection {
         let (along, across) = (w.x.abs(), w.y.abs());
         let (along, across) = if self.is_across { (across, along) } else { (along, across) };
         let across_the_normal = along * along + across * across;
         let cos2_phi = if across_the_normal > 0.0 { along * along / across_the_normal } else { 0.5 };
-        Seen { cos: w.z.abs(), cos2_phi, turn: FRAC_2_PI * fmath::atan2(across, along) }
+        TableDirection { cos: w.z.abs(), cos2_phi, turn: FRAC_2_PI * fmath::atan2(across, along) }
     }
 
     /// The tables for the roughness along the azimuth.
-    fn even(&self, seen: &Seen) -> EvenTables {
+    fn even(&self, seen: &TableDirection) -> EvenTables {
         let [rough, fine] = self.alphas.map(|alpha| alpha * alpha);
         let alpha = (seen.cos2_phi * rough + (1.0 - seen.cos2_phi) * fine).sqrt();
-        EvenTables::new(Shape::Ggx, alpha, self.n)
+        EvenTables::new(NormalDistribution::Ggx, alpha, self.n)
     }
 
-    fn difference(&self, table: Table, seen: &Seen) -> f32 {
+    fn difference(&self, table: Table, seen: &TableDirection) -> f32 {
         let (turn, cosine) = (Between::new(seen.turn, TURNS), Between::cosine(seen.cos, COSINES));
         let node = |n: usize, a: usize, q: usize, p: usize, j: usize| {
             let node = (((n * ALPHAS + a) * ASPECTS + q) * TURNS + p) * COSINES + j;

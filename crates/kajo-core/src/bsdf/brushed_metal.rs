@@ -19,7 +19,7 @@ use kajo_math::{Vec3, fmath};
 
 use super::Microfacets;
 use super::energy_tables::{Between, LARGEST};
-use super::microfacet::Shape;
+use super::microfacet::NormalDistribution;
 
 /// Nodes of the cosine, of the azimuth in a quarter, of the greater roughness and of the ratio of both.
 pub(super) const COSINES: usize = 20;
@@ -41,7 +41,7 @@ pub(super) fn factor(facets: &Microfacets, w: Vec3) -> f32 {
     } else {
         (facets.alpha_y, facets.alpha_x, across, along)
     };
-    let start = if facets.shape == Shape::Ggx { 0 } else { OF_SHAPE };
+    let start = if facets.shape == NormalDistribution::Ggx { 0 } else { OF_SHAPE };
     let alpha = Between::new(rough.sqrt(), ALPHAS);
     let aspect = Between::new((fine / rough).sqrt(), ASPECTS);
     let turn = Between::new(FRAC_2_PI * fmath::atan2(across, along), TURNS);

@@ -33,10 +33,10 @@ use kajo_math::{Vec2, Vec3, fmath};
 
 use super::brushed_clear::BrushedClear;
 use super::energy_tables::{
-    Between, COSINES, EvenTables, LARGEST, METAL, METAL_ALPHAS, OF_SHAPE, Piece, Table, average, offset,
-    outlets, short,
+    Between, COSINES, EvenTables, LARGEST, LinearSegment, METAL, METAL_ALPHAS, OF_SHAPE, Table, average,
+    offset, outlets, short,
 };
-use super::microfacet::Shape;
+use super::microfacet::NormalDistribution;
 use super::{Microfacets, brushed_metal};
 
 /// The factor `s` of metals at the unit direction `w` above the surface.
@@ -83,7 +83,7 @@ impl Loss {
     #[inline]
     pub fn new(facets: &Microfacets, n: f32) -> Loss {
         let Microfacets { shape, alpha_x, alpha_y } = *facets;
-        let is_brushed = alpha_x != alpha_y && shape == Shape::Ggx;
+        let is_brushed = alpha_x != alpha_y && shape == NormalDistribution::Ggx;
         let alpha = if is_brushed { alpha_x.max(alpha_y) } else { alpha_x.min(alpha_y) };
         Loss {
             even: EvenLoss::new(shape, alpha, n),
@@ -170,7 +170,7 @@ struct EvenLoss {
 
 impl EvenLoss {
     #[inline]
-    fn new(shape: Shape, alpha: f32, n: f32) -> EvenLoss {
+    fn new(shape: NormalDistribution, alpha: f32, n: f32) -> EvenLoss {
         let tables = EvenTables::new(shape, alpha, n);
         let (density, thin_share) = outlets(tables.averages(), n);
         EvenLoss { tables, density, thin_share }
@@ -196,13 +196,13 @@ impl EvenLoss {
         let nodes: [f64; COSINES] = std::array::from_fn(|j| f64::from(self.tables.node(table, j)));
         let mut left = u * average(&nodes);
         for j in 0..COSINES - 1 {
-            let piece = Piece::new(&nodes, j);
-            let mass = piece.integral(piece.end);
+            let segment = LinearSegment::new(&nodes, j);
+            let mass = segment.integral(segment.end);
             if left < mass {
-                let (mut low, mut high) = (piece.start, piece.end);
+                let (mut low, mut high) = (segment.start, segment.end);
                 for _ in 0..32 {
                     let middle = 0.5 * (low + high);
-                    if piece.integral(middle) < left { low = middle } else { high = middle }
+                    if segment.integral(middle) < left { low = middle } else { high = middle }
                 }
                 return (low * low) as f32;
             }

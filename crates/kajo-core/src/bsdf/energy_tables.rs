@@ -1,6 +1,6 @@
 //! The tables of what microfacets lose, and places between their nodes: see `energy.rs`.
 
-use super::microfacet::Shape;
+use super::microfacet::NormalDistribution;
 
 /// Nodes of the cosine, of the roughness of metals and clear media, and of the index of refraction.
 pub(super) const COSINES: usize = 32;
@@ -61,10 +61,10 @@ impl Between {
 }
 
 /// Where the tables of a shape begin.
-pub(super) fn offset(shape: Shape) -> usize {
+pub(super) fn offset(shape: NormalDistribution) -> usize {
     match shape {
-        Shape::Ggx => 0,
-        Shape::Beckmann => OF_SHAPE,
+        NormalDistribution::Ggx => 0,
+        NormalDistribution::Beckmann => OF_SHAPE,
     }
 }
 
@@ -101,7 +101,7 @@ pub(super) enum Table {
 impl EvenTables {
     /// * `n`: the higher index over the lower
     #[inline]
-    pub fn new(shape: Shape, alpha: f32, n: f32) -> EvenTables {
+    pub fn new(shape: NormalDistribution, alpha: f32, n: f32) -> EvenTables {
         let (alpha, index) = (Between::alpha(alpha, ALPHAS), Between::index(n, INDICES));
         EvenTables { start: offset(shape) + METAL, alpha, index }
     }
@@ -151,19 +151,19 @@ pub(super) fn outlets([thin, dense]: [f32; 2], n: f32) -> ([f32; 2], f32) {
 }
 
 /// A tabulated function between two nodes, `base + slope x`.
-pub(super) struct Piece {
+pub(super) struct LinearSegment {
     pub start: f64,
     pub end: f64,
     base: f64,
     slope: f64,
 }
 
-impl Piece {
-    pub fn new(nodes: &[f64; COSINES], j: usize) -> Piece {
+impl LinearSegment {
+    pub fn new(nodes: &[f64; COSINES], j: usize) -> LinearSegment {
         let step = 1.0 / (COSINES - 1) as f64;
         let slope = (nodes[j + 1] - nodes[j]) / step;
         let start = j as f64 * step;
-        Piece { start, end: start + step, base: nodes[j] - slope * start, slope }
+        LinearSegment { start, end: start + step, base: nodes[j] - slope * start, slope }
     }
 
     /// The integral of `(base + slope x) 4x³` from the start to `x`.
@@ -175,5 +175,5 @@ impl Piece {
 
 /// The average of a tabulated function over the hemisphere, weighted by the cosine: `∫ f 2μ dμ = ∫ f 4x³ dx`.
 pub(super) fn average(nodes: &[f64; COSINES]) -> f64 {
-    (0..COSINES - 1).map(|j| Piece::new(nodes, j)).map(|piece| piece.integral(piece.end)).sum()
+    (0..COSINES - 1).map(|j| LinearSegment::new(nodes, j)).map(|segment| segment.integral(segment.end)).sum()
 }

@@ -23,9 +23,9 @@ use kajo_math::{Vec2, Vec3, fmath};
 /// Below this roughness a surface is a mirror: single precision cannot hold the lobe.
 pub const SMOOTH: f32 = 1e-3;
 
-/// The shape of a distribution.
+/// A distribution of facet normals, of any width.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shape {
+pub enum NormalDistribution {
     /// Long tails; also known as Trowbridge-Reitz.
     #[default]
     Ggx,
@@ -37,7 +37,7 @@ pub enum Shape {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Microfacets {
     /// Shape of the distribution.
-    pub shape: Shape,
+    pub shape: NormalDistribution,
     /// Roughness along the local x axis.
     pub alpha_x: f32,
     /// Roughness along the local y axis.
@@ -46,7 +46,7 @@ pub struct Microfacets {
 
 impl Microfacets {
     /// The same roughness in every direction, in [0, 1].
-    pub fn new(shape: Shape, alpha: f32) -> Microfacets {
+    pub fn new(shape: NormalDistribution, alpha: f32) -> Microfacets {
         Microfacets { shape, alpha_x: alpha, alpha_y: alpha }
     }
 
@@ -54,7 +54,7 @@ impl Microfacets {
     ///
     /// * `alpha`: the root of the mean square of both roughnesses
     /// * `anisotropy`: in [0, 1], one minus the lesser roughness over the greater [OpenPBR 1.1, sec. 3.4.1]
-    pub fn brushed(shape: Shape, alpha: f32, anisotropy: f32) -> Microfacets {
+    pub fn brushed(shape: NormalDistribution, alpha: f32, anisotropy: f32) -> Microfacets {
         let aspect = 1.0 - anisotropy;
         let alpha_x = alpha * (2.0 / (1.0 + aspect * aspect)).sqrt();
         Microfacets { shape, alpha_x, alpha_y: aspect * alpha_x }
@@ -89,8 +89,8 @@ impl Microfacets {
         let area = PI * self.alpha_x * self.alpha_y;
         let z2 = m.z * m.z;
         match self.shape {
-            Shape::Ggx => 1.0 / (area * sqr(t2 + z2)),
-            Shape::Beckmann => fmath::exp(-t2 / z2) / (area * z2 * z2),
+            NormalDistribution::Ggx => 1.0 / (area * sqr(t2 + z2)),
+            NormalDistribution::Beckmann => fmath::exp(-t2 / z2) / (area * z2 * z2),
         }
     }
 
@@ -111,8 +111,8 @@ impl Microfacets {
         let a2 = a2.min(1e30);
         match self.shape {
             // The same as (√(1 + a²) - 1)/2 and exact for small a.
-            Shape::Ggx => 0.5 * a2 / (1.0 + (1.0 + a2).sqrt()),
-            Shape::Beckmann => {
+            NormalDistribution::Ggx => 0.5 * a2 / (1.0 + (1.0 + a2).sqrt()),
+            NormalDistribution::Beckmann => {
                 let a = a2.sqrt();
                 if a < 0.2 {
                     // Less than 1e-12.
@@ -167,8 +167,8 @@ impl Microfacets {
     pub fn sample(&self, w: Vec3, u: Vec2) -> Vec3 {
         let stretched = Vec3::new(self.alpha_x * w.x, self.alpha_y * w.y, w.z).normalize();
         let m = match self.shape {
-            Shape::Ggx => sample_ggx(stretched, u),
-            Shape::Beckmann => sample_beckmann(stretched, u),
+            NormalDistribution::Ggx => sample_ggx(stretched, u),
+            NormalDistribution::Beckmann => sample_beckmann(stretched, u),
         };
         Vec3::new(self.alpha_x * m.x, self.alpha_y * m.y, m.z.max(0.0)).normalize_or(Vec3::Z)
     }

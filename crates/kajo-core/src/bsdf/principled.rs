@@ -25,7 +25,7 @@ use kajo_math::{Vec2, Vec3, fmath};
 use super::diffuse_normal::DiffuseNormal;
 use super::fuzz::Fuzz;
 use super::gloss::Gloss;
-use super::microfacet::Shape;
+use super::microfacet::NormalDistribution;
 use super::{
     BsdfSample, Conductor, Dielectric, MetalFresnel, Microfacets, OrenNayar, ScatterKind, Transport,
     same_side, upright,
@@ -124,7 +124,7 @@ struct Shares {
 }
 
 /// What passes through the layers above the base, and how much each layer reflects.
-struct Seen {
+struct LayerTransmission {
     fuzz: f32,
     coat: f32,
     /// Share of light that passes fuzz and coat, their tint left out.
@@ -142,7 +142,7 @@ impl Principled {
     }
 
     fn facets(&self) -> Microfacets {
-        Microfacets { shape: Shape::Ggx, alpha_x: self.alpha.x, alpha_y: self.alpha.y }.held()
+        Microfacets { shape: NormalDistribution::Ggx, alpha_x: self.alpha.x, alpha_y: self.alpha.y }.held()
     }
 
     fn gloss(&self) -> Gloss {
@@ -150,7 +150,7 @@ impl Principled {
     }
 
     fn coat_lobe(&self) -> Gloss {
-        Gloss::new(self.coat_eta, Microfacets::new(Shape::Ggx, self.coat_alpha))
+        Gloss::new(self.coat_eta, Microfacets::new(NormalDistribution::Ggx, self.coat_alpha))
     }
 
     fn diffuse_base(&self) -> OrenNayar {
@@ -216,13 +216,13 @@ impl Principled {
     }
 
     /// What the layers above the base do to light that is seen from `v`.
-    fn seen(&self, v: Vec3) -> Seen {
+    fn seen(&self, v: Vec3) -> LayerTransmission {
         if v.z <= 0.0 {
-            return Seen { fuzz: 0.0, coat: 0.0, through: 1.0 };
+            return LayerTransmission { fuzz: 0.0, coat: 0.0, through: 1.0 };
         }
         let fuzz = if self.fuzz > 0.0 { self.fuzz * Fuzz::new(v, self.fuzz_roughness).albedo } else { 0.0 };
         let coat = if self.coat > 0.0 { self.coat * self.coat_lobe().albedo(v) } else { 0.0 };
-        Seen { fuzz, coat: (1.0 - fuzz) * coat, through: (1.0 - fuzz) * (1.0 - coat) }
+        LayerTransmission { fuzz, coat: (1.0 - fuzz) * coat, through: (1.0 - fuzz) * (1.0 - coat) }
     }
 
     /// Factor of light that passes the tinted coat from `wi` and back to `wo`, relative to clear coat

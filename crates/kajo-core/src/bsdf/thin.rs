@@ -26,7 +26,7 @@
 use kajo_color::Spectrum;
 use kajo_math::{Vec2, Vec3};
 
-use super::microfacet::Shape;
+use super::microfacet::NormalDistribution;
 use super::{BsdfSample, Conductor, MetalFresnel, Microfacets, ScatterKind, energy, fresnel, same_side};
 
 /// Up to this `α`, which is a roughness of 0.1, a pane is taken as polished. It would scatter light by about a degree, and
@@ -58,7 +58,7 @@ impl ThinDielectric {
             return Ok(t * (1.0 / (1.0 - p)));
         }
         let fresnel = MetalFresnel::Constant(r * (1.0 / p));
-        Err(Conductor { fresnel, microfacets: Microfacets::new(Shape::Ggx, 0.0) })
+        Err(Conductor { fresnel, microfacets: Microfacets::new(NormalDistribution::Ggx, 0.0) })
     }
 
     /// Reflected and transmitted share at the cosine `cos` outside.

@@ -7,7 +7,7 @@ use kajo_scene::{Diagnostic, Diagnostics, Item, Params};
 
 use super::aim::{Aim, Subject};
 use super::blocks::CAMERAS as MEMBERS;
-use super::camera_keys::{OwnKeys, ShutterKeys, View};
+use super::camera_keys::{CameraAim, OwnKeys, ShutterKeys};
 use super::fields::{Keys, Sources};
 use super::lens::{Focus, LensKeys};
 use super::lorentz::Velocity;
@@ -65,7 +65,7 @@ impl<'a> Compiler<'_> {
             let aim = Aim::read(params, sources, member.read.other_fits);
             let is_fitted = aim.as_ref().is_some_and(|aim| aim.fit.is_some());
             let frame = aim.as_ref().map(|aim| known_frame(aim, params, raw_up));
-            let own = (member.read.read)(params, sources, &View { frame, is_fitted });
+            let own = (member.read.read)(params, sources, &CameraAim { frame, is_fitted });
             let frames = frames_at(item, sources, member.read.other_fits, raw_up);
             Some((name, keys, moves, aim, frames, own))
         })?;

@@ -14,11 +14,11 @@ use crate::schema::{Constant, FieldKind};
 pub(super) struct CameraReader {
     /// Words after `fit` that mean something else to this camera.
     pub other_fits: &'static [&'static str],
-    pub read: for<'t> fn(&mut Params<'t, '_>, &mut Sources<'_>, &View) -> OwnKeys<'t>,
+    pub read: for<'t> fn(&mut Params<'t, '_>, &mut Sources<'_>, &CameraAim) -> OwnKeys<'t>,
 }
 
 /// Where a camera stands and looks, as far as that is known before the scene is.
-pub(super) struct View {
+pub(super) struct CameraAim {
     pub frame: Option<Frame>,
     /// Whether what it sees is found by what it is to see.
     pub is_fitted: bool,
@@ -67,10 +67,10 @@ pub(super) fn opening(
     key: &'static str,
     written: Option<f32>,
     usual: f32,
-    view: &View,
+    aim: &CameraAim,
 ) -> (Option<f32>, bool) {
     let has_opening = params.contains(key);
-    if view.is_fitted && !has_opening {
+    if aim.is_fitted && !has_opening {
         return (Some(usual), false);
     }
     if written.is_none() {

@@ -3,9 +3,9 @@
 use kajo_scene::{Diagnostic, Item};
 
 use super::Compiler;
+use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::group::OBJECTS;
 use super::part::Part;
-use super::place::{Place, Walk};
 use crate::material::MaterialId;
 use crate::nested::PartContent;
 use crate::shape::{AnyShape, Csg, CsgError, SetOperation, SolidPart};
@@ -22,28 +22,28 @@ impl Compiler<'_> {
         &mut self,
         item: Item<'_>,
         operation: SetOperation,
-        place: &mut Place,
-        walk: &mut Walk,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
     ) {
-        let mut inner = Walk {
+        let mut inner = GraphicsState {
             parts: Some(Vec::new()),
             is_operand: true,
-            material: walk.material,
-            material_failed: walk.material_failed,
+            material: state.material,
+            material_failed: state.material_failed,
         };
         let mut operands = Vec::new();
         for child in self.children(item) {
-            self.object(child, item.keyword(), &mut Place::origin(), &mut inner);
+            self.object(child, item.keyword(), &mut CurrentTransform::origin(), &mut inner);
             let parts = inner.parts.replace(Vec::new()).unwrap_or_default();
             if OBJECTS.contains(&child.keyword()) {
                 operands.push(Operand { item: child, parts });
             }
         }
         // As after a group, the material stays in force.
-        (walk.material, walk.material_failed) = (inner.material, inner.material_failed);
+        (state.material, state.material_failed) = (inner.material, inner.material_failed);
         let solid = self.solid_of(item, operation, &operands);
         let shape = solid.and_then(|(solid, _)| self.shape(item, solid));
-        self.put_shape(shape, item, place, walk);
+        self.put_shape(shape, item, ctm, state);
     }
 
     /// The solid, and the material that all of it has if that is one; why there is none is reported.

@@ -9,8 +9,8 @@
 use kajo_math::{DAffine3, Motion};
 use kajo_scene::{Diagnostic, Item, OverBudget, Params, Span};
 
+use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::part::{BYTES_PER_OBJECT, Part, Parts};
-use super::place::{Place, Walk};
 use super::{Compiler, operations};
 use crate::ids::AssemblyId;
 use crate::material::Appearance;
@@ -24,16 +24,19 @@ pub(super) struct Definition {
 }
 
 impl Compiler<'_> {
-    pub(super) fn define(&mut self, item: Item<'_>, walk: &mut Walk) {
+    pub(super) fn define(&mut self, item: Item<'_>, state: &mut GraphicsState) {
         let Some(name) = item.word().map(|word| word.text().into_owned()) else {
             let error =
                 Diagnostic::error("`Define` needs a name").label(item.head_span(), "nothing can use this");
             self.diagnostics.push(error.help("write `Define NAME { ... }` and place it by `Instance NAME`"));
             return;
         };
-        let mut inner =
-            Walk { parts: Some(Vec::new()), material_failed: walk.material_failed, ..Walk::default() };
-        self.group(item, &mut Place::origin(), &mut inner);
+        let mut inner = GraphicsState {
+            parts: Some(Vec::new()),
+            material_failed: state.material_failed,
+            ..GraphicsState::default()
+        };
+        self.group(item, &mut CurrentTransform::origin(), &mut inner);
         let parts: Parts = inner.parts.unwrap_or_default().into();
         self.parts_defined += parts.len();
         let definition = Definition { parts, assembly: None };
@@ -43,7 +46,7 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn instance(&mut self, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+    pub(super) fn instance(&mut self, item: Item<'_>, ctm: &mut CurrentTransform, state: &mut GraphicsState) {
         let operations = if item.has_block() { self.operations(item) } else { Vec::new() };
         let Some(name) = item.word().map(|word| word.text()) else {
             let error = Diagnostic::error("`Instance` needs the name of a definition");
@@ -61,16 +64,16 @@ impl Compiler<'_> {
             return;
         };
         let mut there;
-        let place = if operations.is_empty() {
-            place
+        let ctm = if operations.is_empty() {
+            ctm
         } else {
-            there = self.moved(item, &operations, place);
+            there = self.moved(item, &operations, ctm);
             &mut there
         };
-        let assembly = if walk.is_operand || self.is_moving() {
+        let assembly = if state.is_operand || self.is_moving() {
             None
         } else {
-            self.assembly_of(&name, &definition, place, walk, item)
+            self.assembly_of(&name, &definition, ctm, state, item)
         };
         if self.too_many {
             return;
@@ -78,9 +81,9 @@ impl Compiler<'_> {
         match assembly {
             Some(number) => {
                 let part = self.assembly_part(number, item);
-                self.place_parts(&[part], item, place, walk);
+                self.place_parts(&[part], item, ctm, state);
             }
-            None => self.place_parts(&definition.parts, item, place, walk),
+            None => self.place_parts(&definition.parts, item, ctm, state),
         }
     }
 
@@ -93,27 +96,33 @@ impl Compiler<'_> {
         operations
     }
 
-    /// Makes objects of all parts of a definition that stands at `place`.
-    pub(super) fn place_parts(&mut self, parts: &[Part], item: Item<'_>, place: &mut Place, walk: &mut Walk) {
-        if !self.has_room(parts.len(), item.head_span(), walk.parts.as_ref().map_or(0, Vec::len)) {
+    /// Makes objects of all parts of a definition that stands at `ctm`.
+    pub(super) fn place_parts(
+        &mut self,
+        parts: &[Part],
+        item: Item<'_>,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
+    ) {
+        if !self.has_room(parts.len(), item.head_span(), state.parts.as_ref().map_or(0, Vec::len)) {
             return;
         }
         // Neighbours often stand at the same place, which they then share.
-        let mut latest: Option<(&Motion, Place)> = None;
+        let mut latest: Option<(&Motion, CurrentTransform)> = None;
         for part in parts {
             if part.map.constant() == Some(&DAffine3::IDENTITY) {
-                self.put(part, item, place, walk);
+                self.put(part, item, ctm, state);
                 continue;
             }
             if latest.as_ref().is_none_or(|(map, _)| **map != part.map) {
-                let there = place.around(&part.map);
+                let there = ctm.around(&part.map);
                 if !self.has_memory(there.world.bytes(), item.head_span()) {
                     return;
                 }
                 latest = Some((&part.map, there));
             }
             if let Some((_, there)) = &mut latest {
-                self.put(part, item, there, walk);
+                self.put(part, item, there, state);
             }
         }
     }

@@ -87,7 +87,7 @@ fn nothing_is_hit_and_nothing_shines() {
                 assert!(!said.is_empty(), "{text}");
                 assert!(!scene.occluded(&ray.over(0.0, 1.0)), "{text}");
                 scene.geometry.item_buffer(Vec3::ZERO, 64);
-                assert!(scene.geometry.nested_pieces(|_| 1, 1000).len() <= 140);
+                assert!(scene.geometry.nested_elements(|_| 1, 1000).len() <= 140);
             }
         }
     }

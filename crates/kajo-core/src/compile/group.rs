@@ -5,11 +5,11 @@ use kajo_scene::{Args, Diagnostic, Item, Params, not_supported_yet, unknown_word
 
 use super::blocks::{self, MATERIAL_INDEX, OBJECTS as MEMBERS};
 use super::fields::Sources;
+use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::material_draft::Reference;
 use super::member::keywords;
+use super::misplaced::misplaced;
 use super::part::{BYTES_PER_OBJECT, Part};
-use super::place::{Place, Walk};
-use super::places::misplaced;
 use super::{Compiler, motion, operations};
 use crate::ids::PoseId;
 use crate::material::MaterialId;
@@ -27,7 +27,7 @@ const LATER: [&str; 3] = ["BezierCurve", "BsplineCurve", "RevSurface"];
 impl Compiler<'_> {
     /// Everything in the scene's group.
     pub(super) fn objects(&mut self, group: Item<'_>) {
-        self.group(group, &mut Place::origin(), &mut Walk::default());
+        self.group(group, &mut CurrentTransform::origin(), &mut GraphicsState::default());
         if let Some((count, first)) = self.flat_triangles {
             let message = match count {
                 1 => "this triangle has no area and is left out".to_owned(),
@@ -38,7 +38,7 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn group(&mut self, group: Item<'_>, place: &mut Place, walk: &mut Walk) {
+    pub(super) fn group(&mut self, group: Item<'_>, ctm: &mut CurrentTransform, state: &mut GraphicsState) {
         let mut objects = 0;
         let mut count = None;
         for item in self.children(group) {
@@ -48,24 +48,30 @@ impl Compiler<'_> {
                     // A misspelt object was meant to be one.
                     let is_object = OBJECTS.contains(&word) || (item.has_block() && word != DEFINE);
                     objects += usize::from(is_object);
-                    self.object(item, group.keyword(), place, walk);
+                    self.object(item, group.keyword(), ctm, state);
                 }
             }
         }
         self.check_count("numObjects", count, objects, "object");
     }
 
-    pub(super) fn object(&mut self, item: Item<'_>, parent: &str, place: &mut Place, walk: &mut Walk) {
+    pub(super) fn object(
+        &mut self,
+        item: Item<'_>,
+        parent: &str,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
+    ) {
         match item.keyword() {
-            DEFINE => self.define(item, walk),
+            DEFINE => self.define(item, state),
             MATERIAL_INDEX => {
                 let reference = Args::read(item, self.diagnostics, Reference::read);
                 let material = reference.and_then(|reference| self.material(&reference));
-                walk.material_failed |= material.is_none();
-                walk.material = material.or(walk.material);
+                state.material_failed |= material.is_none();
+                state.material = material.or(state.material);
             }
             word if let Some(member) = MEMBERS.iter().find(|member| member.block.keyword == word) => {
-                (member.read)(self, item, place, walk);
+                (member.read)(self, item, ctm, state);
             }
             word if LATER.contains(&word) => self.diagnostics.push(not_supported_yet(item)),
             _ => {
@@ -77,12 +83,12 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn transform(&mut self, item: Item<'_>, place: &Place, walk: &mut Walk) {
+    pub(super) fn transform(&mut self, item: Item<'_>, ctm: &CurrentTransform, state: &mut GraphicsState) {
         let children = self.children(item);
         let (operations, objects) = self.operations_first(item, children);
-        let mut there = self.moved(item, &operations, place);
+        let mut there = self.moved(item, &operations, ctm);
         for object in objects {
-            self.object(object, item.keyword(), &mut there, walk);
+            self.object(object, item.keyword(), &mut there, state);
         }
     }
 
@@ -112,8 +118,13 @@ impl Compiler<'_> {
         (operations, objects)
     }
 
-    /// The place that `operations` of `item` lead to from `place`; one that cannot be is reported.
-    pub(super) fn moved(&mut self, item: Item<'_>, operations: &[Item<'_>], place: &Place) -> Place {
+    /// The transform that `operations` of `item` make of `ctm`; one that cannot be is reported.
+    pub(super) fn moved(
+        &mut self,
+        item: Item<'_>,
+        operations: &[Item<'_>],
+        ctm: &CurrentTransform,
+    ) -> CurrentTransform {
         let mut local = Motion::still(DAffine3::IDENTITY);
         let mut flattens = false;
         for &operation in operations {
@@ -121,8 +132,8 @@ impl Compiler<'_> {
             // Rounding in a later product could hide that there is no inverse.
             flattens |= local.at(0.0).matrix3.determinant() == 0.0;
         }
-        let there = Place::new(place.world.then(&local));
-        if place.is_flat() {
+        let there = CurrentTransform::new(ctm.world.then(&local));
+        if ctm.is_flat() {
             return there.flattened();
         }
         if flattens || there.is_flat() {
@@ -160,8 +171,8 @@ impl Compiler<'_> {
     pub(super) fn solid<'t, S: Into<AnyShape>>(
         &mut self,
         item: Item<'t>,
-        place: &mut Place,
-        walk: &mut Walk,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
         read: impl FnOnce(&mut Params<'t, '_>, &mut Sources<'_>) -> Option<S>,
     ) {
         let shape = self.read_keys(item, |params, sources| {
@@ -169,7 +180,7 @@ impl Compiler<'_> {
             read(params, sources)
         });
         let shape = shape.and_then(|shape| self.shape(item, shape));
-        self.put_shape(shape, item, place, walk);
+        self.put_shape(shape, item, ctm, state);
     }
 
     /// Makes an object of a shape; `None` for one that there is nothing of, which was reported.
@@ -177,12 +188,12 @@ impl Compiler<'_> {
         &mut self,
         shape: Option<ShapeId>,
         item: Item<'_>,
-        place: &mut Place,
-        walk: &mut Walk,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
     ) {
         let keyword = OBJECTS.into_iter().find(|word| *word == item.keyword());
         let (Some(shape), Some(keyword)) = (shape, keyword) else {
-            self.material_for(item, walk);
+            self.material_for(item, state);
             return;
         };
         if !self.has_memory(BYTES_PER_OBJECT, item.head_span()) {
@@ -195,43 +206,55 @@ impl Compiler<'_> {
             material: None,
             label: self.scene.label(name, keyword, item.index()),
         };
-        self.put(&part, item, place, walk);
+        self.put(&part, item, ctm, state);
     }
 
-    /// Makes `part` an object at `place`: of the definition that is being read, else of the scene.
+    /// Makes `part` an object at `ctm`: of the definition that is being read, else of the scene.
     ///
     /// * `by`: what puts it there
-    pub(super) fn put(&mut self, part: &Part, by: Item<'_>, place: &mut Place, walk: &mut Walk) {
-        if let Some(parts) = &mut walk.parts {
-            if !place.is_flat() && self.may_stand(part, by, place) {
-                let own = part.material.or(walk.material);
+    pub(super) fn put(
+        &mut self,
+        part: &Part,
+        by: Item<'_>,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
+    ) {
+        if let Some(parts) = &mut state.parts {
+            if !ctm.is_flat() && self.may_stand(part, by, ctm) {
+                let own = part.material.or(state.material);
                 let material = own.map(|material| self.see_through(part.content, material));
-                parts.push(Part { map: place.world.clone(), material, ..part.clone() });
+                parts.push(Part { map: ctm.world.clone(), material, ..part.clone() });
             }
             return;
         }
         let shape = match part.content {
             PartContent::Shape(shape) => shape,
             PartContent::Assembly(number) => {
-                return self.place_assembly(number, part.material, by, place, walk);
+                return self.place_assembly(number, part.material, by, ctm, state);
             }
         };
-        if !self.may_rest(place, by) {
+        if !self.may_rest(ctm, by) {
             return;
         }
-        let material = part.material.or_else(|| self.material_for(by, walk));
-        let (Some(material), Some(pose)) = (material, self.pose(place, by)) else { return };
+        let material = part.material.or_else(|| self.material_for(by, state));
+        let (Some(material), Some(pose)) = (material, self.pose(ctm, by)) else { return };
         let material = self.see_through(part.content, material);
-        self.check_filled(part.content, material, place, by);
+        self.check_filled(part.content, material, ctm, by);
         self.scene.put(shape, material, pose, part.label, by.index());
     }
 
     /// Reports a body that a medium would fill, and that has no inside.
-    fn check_filled(&mut self, content: PartContent, material: MaterialId, place: &Place, by: Item<'_>) {
+    fn check_filled(
+        &mut self,
+        content: PartContent,
+        material: MaterialId,
+        ctm: &CurrentTransform,
+        by: Item<'_>,
+    ) {
         let PartContent::Shape(shape) = content else { return };
         let (appearance, shapes) = (self.scene.appearance(), &self.scene.geometry().shapes);
         let bends = appearance.bends_light(material);
-        if bends && place.world.constant().is_none() {
+        if bends && ctm.world.constant().is_none() {
             let error = Diagnostic::error("a body that bends light does not move");
             let error = error.label(by.keyword_span(), "moves while the shutter is open");
             self.diagnostics
@@ -259,33 +282,33 @@ impl Compiler<'_> {
     }
 
     /// The material in force; its absence is reported.
-    pub(super) fn material_for(&mut self, item: Item<'_>, walk: &Walk) -> Option<MaterialId> {
+    pub(super) fn material_for(&mut self, item: Item<'_>, state: &GraphicsState) -> Option<MaterialId> {
         let materials_failed = self.diagnostics.has_errors() && self.scene.appearance().list.is_empty();
-        if walk.material.is_none() && walk.parts.is_none() && !walk.material_failed && !materials_failed {
+        if state.material.is_none() && state.parts.is_none() && !state.material_failed && !materials_failed {
             let error = Diagnostic::error(format!("`{}` has no material", item.keyword()));
             let help = "write `MaterialIndex 0`, or the name of a material, before it";
             let error = error.label(item.keyword_span(), "no `MaterialIndex` before this");
             self.diagnostics.push(error.help(help));
         }
-        walk.material
+        state.material
     }
 
-    /// The pose of a place; `None` when it has none and nothing there can be hit.
-    fn pose(&mut self, place: &mut Place, by: Item<'_>) -> Option<PoseId> {
-        let transform = place.transform?;
-        if place.pose.is_none() {
-            let moves = place.world.constant().is_none();
+    /// The pose of a transform; `None` when it has no inverse and nothing there can be hit.
+    fn pose(&mut self, ctm: &mut CurrentTransform, by: Item<'_>) -> Option<PoseId> {
+        let transform = ctm.transform?;
+        if ctm.pose.is_none() {
+            let moves = ctm.world.constant().is_none();
             let bytes = if moves { size_of::<MovingTransform>() } else { size_of::<Transform>() };
             if !self.has_memory(bytes, by.head_span()) {
                 return None;
             }
         }
-        let pose = match (place.pose, place.world.constant()) {
+        let pose = match (ctm.pose, ctm.world.constant()) {
             (Some(pose), _) => pose,
             (None, Some(_)) => self.scene.place(transform).ok()?,
-            (None, None) => self.scene.motion(place.world.clone()).ok()?,
+            (None, None) => self.scene.motion(ctm.world.clone()).ok()?,
         };
-        place.pose = Some(pose);
+        ctm.pose = Some(pose);
         Some(pose)
     }
 

@@ -6,7 +6,7 @@ use super::Compiler;
 use super::blocks::LIGHTS as MEMBERS;
 use super::fields::Sources;
 use super::member::keywords;
-use super::places::misplaced;
+use super::misplaced::misplaced;
 use crate::ids::LightGroup;
 use crate::light::AnyLight;
 

@@ -7,7 +7,7 @@ use kajo_scene::{Args, Diagnostic, Item, Params};
 
 use super::Compiler;
 use super::fields::{Keys, Plain, Sources, Stated, Typed, keys};
-use super::place::{Place, Walk};
+use super::graphics_state::{CurrentTransform, GraphicsState};
 use crate::ids::FrameId;
 use crate::schema::{Constant, FieldKind, FieldSpec};
 
@@ -47,16 +47,16 @@ keys! {
 
 impl Compiler<'_> {
     /// Everything in a `Lorentz` block, in its own frame.
-    pub(super) fn lorentz(&mut self, item: Item<'_>, place: &Place, walk: &mut Walk) {
+    pub(super) fn lorentz(&mut self, item: Item<'_>, ctm: &CurrentTransform, state: &mut GraphicsState) {
         let (keys, children) = self.lorentz_keys(item);
         let (operations, objects) = self.operations_first(item, children);
-        let there = self.moved(item, &operations, place);
-        if !self.may_hold_frame(item, &there, walk) {
+        let there = self.moved(item, &operations, ctm);
+        if !self.may_hold_frame(item, &there, state) {
             return;
         }
         let outer = self.scene.rest();
         let frame = keys.and_then(|LorentzKeys { velocity }| {
-            let map = place.world.constant()?;
+            let map = ctm.world.constant()?;
             let frame = self.scene.moving_frame(turned(map, velocity.0), origin(&there));
             self.accepted(frame, item.head_span())
         });
@@ -66,11 +66,12 @@ impl Compiler<'_> {
         let mut inner = if offset == DVec3::ZERO {
             there
         } else {
-            let moved = Place::new(Motion::still(DAffine3::from_translation(offset)).then(&there.world));
+            let moved =
+                CurrentTransform::new(Motion::still(DAffine3::from_translation(offset)).then(&there.world));
             if there.is_flat() { moved.flattened() } else { moved }
         };
         for object in objects {
-            self.object(object, item.keyword(), &mut inner, walk);
+            self.object(object, item.keyword(), &mut inner, state);
         }
         self.scene.rest_in(outer);
     }
@@ -86,12 +87,12 @@ impl Compiler<'_> {
         (keys, children)
     }
 
-    /// Whether a frame can be made at a place; if not, that is reported.
-    fn may_hold_frame(&mut self, item: Item<'_>, there: &Place, walk: &Walk) -> bool {
-        let (message, label, help) = if walk.is_operand {
+    /// Whether a frame can be made here; if not, that is reported.
+    fn may_hold_frame(&mut self, item: Item<'_>, there: &CurrentTransform, state: &GraphicsState) -> bool {
+        let (message, label, help) = if state.is_operand {
             let message = "what a solid is made of cannot move by itself";
             (message, "not within a solid", "write `Lorentz { ... }` around the whole solid")
-        } else if walk.parts.is_some() {
+        } else if state.parts.is_some() {
             let message = "a definition cannot hold a `Lorentz`";
             (
                 message,
@@ -118,9 +119,9 @@ impl Compiler<'_> {
         self.scene.rest().frame != FrameId::WORLD
     }
 
-    /// Whether an object can stand at a place, which does not move within a `Lorentz` block; if not, that is reported.
-    pub(super) fn may_rest(&mut self, place: &Place, by: Item<'_>) -> bool {
-        if !self.is_moving() || place.world.constant().is_some() {
+    /// Whether an object can stand by this transform, which does not move within a `Lorentz` block; if not, that is reported.
+    pub(super) fn may_rest(&mut self, ctm: &CurrentTransform, by: Item<'_>) -> bool {
+        if !self.is_moving() || ctm.world.constant().is_some() {
             return true;
         }
         let message = "what a `Lorentz` holds rests in it, and cannot be moved by a `Motion` as well";
@@ -139,9 +140,9 @@ fn turned(map: &DAffine3, velocity: DVec3) -> DVec3 {
     map.transform_vector3(velocity).normalize_or_zero() * velocity.length()
 }
 
-/// Where the origin of a place is.
-fn origin(place: &Place) -> DVec3 {
-    place.world.constant().map_or(DVec3::ZERO, |map| map.translation)
+/// Where a transform takes the origin.
+fn origin(ctm: &CurrentTransform) -> DVec3 {
+    ctm.world.constant().map_or(DVec3::ZERO, |map| map.translation)
 }
 
 #[cfg(test)]

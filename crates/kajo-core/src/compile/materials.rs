@@ -14,7 +14,7 @@ use super::extras::Extras;
 use super::fields::Sources;
 use super::material_draft::{BlendDraft, Draft, PART, Reference};
 use super::member::keywords;
-use super::places::misplaced;
+use super::misplaced::misplaced;
 use super::{Compiler, transform};
 use crate::emission::SurfaceEmission;
 use crate::material::{AnyMaterial, Blend, Embossed, MaterialId, Perforated};

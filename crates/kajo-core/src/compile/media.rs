@@ -6,7 +6,7 @@ use super::Compiler;
 use super::blocks::{EXTERIOR, MEDIA as MEMBERS};
 use super::fields::{Sources, named_medium};
 use super::member::keywords;
-use super::places::misplaced;
+use super::misplaced::misplaced;
 use crate::family::Pooled;
 use crate::medium::{AnyMedium, BlackHole, MediumId};
 

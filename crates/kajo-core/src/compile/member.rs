@@ -5,9 +5,9 @@ use kajo_scene::{Diagnostic, Item, Params};
 use super::Compiler;
 use super::camera_keys::CameraReader;
 use super::fields::Sources;
+use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::material_draft::Draft;
 use super::named_texture::NamedTexture;
-use super::place::{Place, Walk};
 use crate::medium::MediumId;
 use crate::schema::Block;
 
@@ -29,7 +29,8 @@ pub(super) const fn keywords<F, const N: usize>(members: &[&Member<F>; N]) -> [&
 }
 
 /// A kind of object, groups and transforms included.
-pub(super) type ObjectMember = Member<fn(&mut Compiler<'_>, Item<'_>, &mut Place, &mut Walk)>;
+pub(super) type ObjectMember =
+    Member<fn(&mut Compiler<'_>, Item<'_>, &mut CurrentTransform, &mut GraphicsState)>;
 
 /// A kind of light.
 pub(super) type LightMember = Member<fn(&mut Compiler<'_>, Item<'_>)>;

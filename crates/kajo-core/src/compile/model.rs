@@ -14,11 +14,11 @@ use kajo_scene::{
 };
 
 use super::Compiler;
+use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::mesh::{corner_colors, corner_values};
 use super::model_beads::{BeadMaterials, BeadRadii, Stored};
 use super::model_material::ModelPictures;
 use super::part::{Part, Parts};
-use super::place::{Place, Walk};
 use super::subdivision::{ReadFaces, Subdivision};
 use crate::ids::LightGroup;
 use crate::material::MaterialId;
@@ -72,7 +72,13 @@ pub(super) struct ModelRequest {
 }
 
 impl Compiler<'_> {
-    pub(super) fn model(&mut self, item: Item<'_>, keys: ModelRequest, place: &mut Place, walk: &mut Walk) {
+    pub(super) fn model(
+        &mut self,
+        item: Item<'_>,
+        keys: ModelRequest,
+        ctm: &mut CurrentTransform,
+        state: &mut GraphicsState,
+    ) {
         let ModelRequest { ref name, at, .. } = keys;
         let file = match self.assets.open(name, item.path()) {
             Ok(file) => file,
@@ -99,11 +105,11 @@ impl Compiler<'_> {
             self.lacks_a_model = true;
             return;
         };
-        self.place_parts(&model.parts, item, place, walk);
+        self.place_parts(&model.parts, item, ctm, state);
         let lights = if keys.lights { &model.lights[..] } else { &[] };
-        if walk.parts.is_none() {
-            self.model_lights(lights, (keys.light_scale, keys.group), place, item);
-            self.list_model_cameras(&model.cameras, place);
+        if state.parts.is_none() {
+            self.model_lights(lights, (keys.light_scale, keys.group), ctm, item);
+            self.list_model_cameras(&model.cameras, ctm);
         } else if !lights.is_empty() {
             let warning = Diagnostic::warning("the lights of a model within a `Define` block are left out");
             let help = "write `lights off`, or the model outside of the definition";

@@ -8,13 +8,13 @@ use kajo_math::DAffine3;
 use kajo_scene::{Diagnostic, Item, ModelCamera, ModelLight, ModelLightKind, ModelView};
 
 use super::Compiler;
-use super::place::Place;
+use super::graphics_state::CurrentTransform;
 use crate::camera::{Camera, Frame, NamedCamera, OrthographicCamera, PerspectiveCamera};
 use crate::ids::LightGroup;
 use crate::light::{Cone, DirectionalLight, PointLight, SpotLight};
 
 impl Compiler<'_> {
-    /// Adds the lights of a model that stands at `place`.
+    /// Adds the lights of a model that stands at `ctm`.
     ///
     /// * `scale`: factor of their intensities
     /// * `group`: of the light groups
@@ -22,17 +22,17 @@ impl Compiler<'_> {
         &mut self,
         lights: &[ModelLight],
         (scale, group): (f32, LightGroup),
-        place: &Place,
+        ctm: &CurrentTransform,
         item: Item<'_>,
     ) {
-        if lights.is_empty() || place.is_flat() || scale == 0.0 {
+        if lights.is_empty() || ctm.is_flat() || scale == 0.0 {
             return;
         }
-        if place.world.constant().is_none() {
+        if ctm.world.constant().is_none() {
             let warning = Diagnostic::warning("the lights of a model that moves stay where it begins");
             self.diagnostics.push(warning.label(item.keyword_span(), "holds lights"));
         }
-        let (map, at) = (place.world.at(0.0), item.head_span());
+        let (map, at) = (ctm.world.at(0.0), item.head_span());
         for light in lights {
             let emission = Emission::from_rgb(light.intensity).scaled(scale);
             let direction = map.transform_vector3(light.direction).normalize_or_zero().as_vec3();
@@ -53,12 +53,12 @@ impl Compiler<'_> {
         }
     }
 
-    /// Lists the cameras of a model that stands at `place`, as it stands when the shutter opens.
-    pub(super) fn list_model_cameras(&mut self, cameras: &[ModelCamera], place: &Place) {
-        if place.is_flat() {
+    /// Lists the cameras of a model that stands at `ctm`, as it stands when the shutter opens.
+    pub(super) fn list_model_cameras(&mut self, cameras: &[ModelCamera], ctm: &CurrentTransform) {
+        if ctm.is_flat() {
             return;
         }
-        let map = place.world.at(0.0);
+        let map = ctm.world.at(0.0);
         let placed = cameras.iter().map(|camera| NamedCamera {
             name: camera.name.as_deref().map(str::to_owned),
             camera: placed(camera, &map),

@@ -15,9 +15,9 @@ use kajo_scene::{Diagnostic, Item, Limits, SceneDesc};
 
 use super::Compiler;
 use super::definition::Definition;
+use super::graphics_state::{CurrentTransform, GraphicsState};
 use super::group::OBJECTS;
 use super::part::{BYTES_PER_OBJECT, Part};
-use super::place::{Place, Walk};
 use crate::builder::{self, SceneError};
 use crate::ids::AssemblyId;
 use crate::material::MaterialId;
@@ -114,19 +114,19 @@ impl Compiler<'_> {
         found.is_none_or(|(item, count)| self.has_room(count, item.head_span(), 0))
     }
 
-    /// The assembly that stands for a definition at a place; `None` where its parts are to be placed one by one.
+    /// The assembly that stands for a definition here; `None` where its parts are to be placed one by one.
     pub(super) fn assembly_of(
         &mut self,
         name: &str,
         definition: &Definition,
-        place: &Place,
-        walk: &Walk,
+        ctm: &CurrentTransform,
+        state: &GraphicsState,
         item: Item<'_>,
     ) -> Option<AssemblyId> {
         let id = definition.assembly.or_else(|| self.assemble(name, definition, item))?;
         let assembly = self.scene.nested().assembly(id);
-        let light = walk.material.is_some_and(|material| self.scene.is_emissive(material));
-        let may_stand = place.world.constant().is_some() && !(light && assembly.inherits);
+        let light = state.material.is_some_and(|material| self.scene.is_emissive(material));
+        let may_stand = ctm.world.constant().is_some() && !(light && assembly.inherits);
         // Where it may not, what holds assemblies cannot be taken apart either, and one error is enough.
         (may_stand || assembly.levels > 1).then_some(id)
     }
@@ -175,10 +175,10 @@ impl Compiler<'_> {
         }
     }
 
-    /// Whether a part can stand at a place of a definition; if not, that is reported.
-    pub(super) fn may_stand(&mut self, part: &Part, by: Item<'_>, place: &Place) -> bool {
+    /// Whether a part can stand here in a definition; if not, that is reported.
+    pub(super) fn may_stand(&mut self, part: &Part, by: Item<'_>, ctm: &CurrentTransform) -> bool {
         let PartContent::Assembly(assembly) = part.content else { return true };
-        if place.world.constant().is_some() {
+        if ctm.world.constant().is_some() {
             return true;
         }
         let count = self.scene.nested().assembly(assembly).count;
@@ -196,12 +196,12 @@ impl Compiler<'_> {
         assembly: AssemblyId,
         material: Option<MaterialId>,
         by: Item<'_>,
-        place: &Place,
-        walk: &Walk,
+        ctm: &CurrentTransform,
+        state: &GraphicsState,
     ) {
         let Assembly { count, inherits, .. } = *self.scene.nested().assembly(assembly);
         let stands = Part { material, ..self.assembly_part(assembly, by) };
-        if place.is_flat() || !self.may_stand(&stands, by, place) {
+        if ctm.is_flat() || !self.may_stand(&stands, by, ctm) {
             return;
         }
         if self.is_moving() {
@@ -212,8 +212,8 @@ impl Compiler<'_> {
             self.diagnostics.push(error);
             return;
         }
-        let material = if inherits { material.or_else(|| self.material_for(by, walk)) } else { None };
-        let Some(map) = place.world.constant() else { return };
+        let material = if inherits { material.or_else(|| self.material_for(by, state)) } else { None };
+        let Some(map) = ctm.world.constant() else { return };
         match self.scene.put_assembly(assembly, map, material, by.index()) {
             Ok(()) | Err(SceneError::NoMaterial) => {}
             Err(SceneError::EmissivePart) => {

@@ -7,7 +7,7 @@ use kajo_scene::{MemoryAssets, MemoryBudget};
 use super::*;
 use crate::ids::ObjectId;
 use crate::scene::{Event, Interaction};
-use crate::{NestedPiece, PieceContent};
+use crate::{ElementContent, NestedElement};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }\n";
 const MATERIALS: &str = "Materials { Material grey { diffuseColor 0.5 0.5 0.5 }
@@ -249,47 +249,49 @@ fn lights_and_motion_stay_flat_or_are_refused() {
 fn all_pieces_of_nested_instances_are_the_flat_list() {
     let text = forest();
     let (flat, nested) = (scene(&text, 10_000_000), scene(&text, 4_000));
-    let mut pieces = nested.geometry.nested_pieces(|_| 1, usize::MAX);
-    pieces.sort_by_key(|piece| piece.object);
+    let mut elements = nested.geometry.nested_elements(|_| 1, usize::MAX);
+    elements.sort_by_key(|element| element.object);
     // The sphere before them, the plane and the box after them are in the list of both scenes.
     let listed = &flat.geometry.primitives[1..flat.geometry.primitives.len() - 2];
-    assert_eq!(pieces.len(), listed.len());
-    for (i, (piece, primitive)) in (0..).zip(pieces.iter().zip(listed)) {
-        assert_eq!(piece.object.index(), nested.geometry.primitives.len() + i);
-        let PieceContent::Shape(shape) = piece.content else { panic!("{piece:?}") };
-        let found = piece.place.bounds(&nested.geometry.shapes.bounds(shape));
+    assert_eq!(elements.len(), listed.len());
+    for (i, (element, primitive)) in (0..).zip(elements.iter().zip(listed)) {
+        assert_eq!(element.object.index(), nested.geometry.primitives.len() + i);
+        let ElementContent::Shape(shape) = element.content else { panic!("{element:?}") };
+        let found = element.world_from_object.bounds(&nested.geometry.shapes.bounds(shape));
         let expected =
             flat.geometry.place(primitive, 0.0).bounds(&flat.geometry.shapes.bounds(primitive.shape));
-        assert!(found.min.distance(expected.min) + found.max.distance(expected.max) < 1e-4, "{piece:?}");
+        assert!(found.min.distance(expected.min) + found.max.distance(expected.max) < 1e-4, "{element:?}");
         let number = |scene: &Scene, material| scene.appearance.number(material);
-        assert_eq!(number(&nested, piece.material), number(&flat, primitive.material));
+        assert_eq!(number(&nested, element.material), number(&flat, primitive.material));
     }
 }
 
 #[test]
 fn few_pieces_of_nested_instances_leave_nothing_out() {
     let nested = scene(&forest(), 4_000);
-    let all = nested.geometry.nested_pieces(|_| 1, usize::MAX);
-    let bounds = |piece: &NestedPiece| {
-        piece.place.bounds(&match piece.content {
-            PieceContent::Shape(shape) => nested.geometry.shapes.bounds(shape),
-            PieceContent::Whole(bounds) => bounds,
+    let all = nested.geometry.nested_elements(|_| 1, usize::MAX);
+    let bounds = |element: &NestedElement| {
+        element.world_from_object.bounds(&match element.content {
+            ElementContent::Shape(shape) => nested.geometry.shapes.bounds(shape),
+            ElementContent::Whole(bounds) => bounds,
         })
     };
     for budget in [48, 400, 3000] {
-        let mut few = nested.geometry.nested_pieces(|_| 1, budget);
-        let cost = |piece: &NestedPiece| if matches!(piece.content, PieceContent::Shape(_)) { 1 } else { 12 };
+        let mut few = nested.geometry.nested_elements(|_| 1, budget);
+        let cost = |element: &NestedElement| {
+            if matches!(element.content, ElementContent::Shape(_)) { 1 } else { 12 }
+        };
         assert!(few.iter().map(cost).sum::<usize>() <= budget && few.len() >= 4, "{budget} {}", few.len());
-        few.sort_by_key(|piece| piece.object);
+        few.sort_by_key(|element| element.object);
         assert_eq!(few[0].object.index(), 3);
-        for piece in &all {
-            let place = few.partition_point(|whole| whole.object <= piece.object) - 1;
-            let (inner, outer) = (bounds(piece), bounds(&few[place]));
+        for element in &all {
+            let place = few.partition_point(|whole| whole.object <= element.object) - 1;
+            let (inner, outer) = (bounds(element), bounds(&few[place]));
             let grown = outer.extent().length() * 1e-4;
             assert!((inner.min + grown).cmpge(outer.min).all() && (inner.max - grown).cmple(outer.max).all());
         }
     }
-    assert!(scene("", 4_000).geometry.nested_pieces(|_| 1, 100).is_empty());
+    assert!(scene("", 4_000).geometry.nested_elements(|_| 1, 100).is_empty());
 }
 
 #[test]

@@ -12,35 +12,35 @@ use crate::shape::{ControlPoint, Path};
 
 /// An item of a path, and what it is made of.
 #[derive(Clone, Copy, PartialEq)]
-enum Piece {
+enum PathSegment {
     Line,
     Quadratic,
     Cubic,
     Spline,
 }
 
-const PIECES: [(&str, Piece); 4] = [
-    ("line", Piece::Line),
-    ("quadratic", Piece::Quadratic),
-    ("cubic", Piece::Cubic),
-    ("spline", Piece::Spline),
+const SEGMENTS: [(&str, PathSegment); 4] = [
+    ("line", PathSegment::Line),
+    ("quadratic", PathSegment::Quadratic),
+    ("cubic", PathSegment::Cubic),
+    ("spline", PathSegment::Spline),
 ];
 
-impl Piece {
+impl PathSegment {
     /// How many points it takes to go on.
     fn group(self) -> usize {
         match self {
-            Piece::Line | Piece::Spline => 1,
-            Piece::Quadratic => 2,
-            Piece::Cubic => 3,
+            PathSegment::Line | PathSegment::Spline => 1,
+            PathSegment::Quadratic => 2,
+            PathSegment::Cubic => 3,
         }
     }
 
     fn about(self) -> &'static str {
         match self {
-            Piece::Line | Piece::Spline => "points",
-            Piece::Quadratic => "pairs of points: one it is drawn towards, and its end",
-            Piece::Cubic => "three points each: two it is drawn towards, and its end",
+            PathSegment::Line | PathSegment::Spline => "points",
+            PathSegment::Quadratic => "pairs of points: one it is drawn towards, and its end",
+            PathSegment::Cubic => "three points each: two it is drawn towards, and its end",
         }
     }
 }
@@ -65,17 +65,18 @@ pub(super) fn read<'t, V: ControlPoint>(
     point: impl Fn(&mut Args<'t>) -> Result<V, Diagnostic>,
 ) -> Option<Path<V>> {
     let mut params = Params::new(block, diagnostics);
-    let items = params.take(&PIECES.map(|(word, _)| word));
-    let mut pieces = Vec::with_capacity(items.len());
+    let items = params.take(&SEGMENTS.map(|(word, _)| word));
+    let mut segments = Vec::with_capacity(items.len());
     for (i, &item) in items.iter().enumerate() {
-        let piece = PIECES.iter().find(|(word, _)| *word == item.keyword()).map(|(_, piece)| *piece)?;
+        let segment =
+            SEGMENTS.iter().find(|(word, _)| *word == item.keyword()).map(|(_, segment)| *segment)?;
         let points =
-            Args::read(item, params.diagnostics(), |args| points(args, piece, i == 0, numbers, &point));
-        pieces.push(points.map(|points| (piece, points)));
+            Args::read(item, params.diagnostics(), |args| points(args, segment, i == 0, numbers, &point));
+        segments.push(points.map(|points| (segment, points)));
     }
     params.finish();
-    let pieces: Vec<(Piece, Vec<V>)> = pieces.into_iter().collect::<Option<_>>()?;
-    let Some(start) = pieces.first().and_then(|(_, points)| points.first()) else {
+    let segments: Vec<(PathSegment, Vec<V>)> = segments.into_iter().collect::<Option<_>>()?;
+    let Some(start) = segments.first().and_then(|(_, points)| points.first()) else {
         if block.has_block() {
             let error = Diagnostic::error(format!("this `{}` goes nowhere", block.keyword()));
             let help = "write `line`, `quadratic`, `cubic` or `spline`, and points";
@@ -83,20 +84,20 @@ pub(super) fn read<'t, V: ControlPoint>(
         }
         return None;
     };
-    if let [(Piece::Spline, points)] = &*pieces {
+    if let [(PathSegment::Spline, points)] = &*segments {
         let returns = points.len() > 2 && points.first() == points.last();
         if returns || ends == Ends::Joined {
             return Path::closed_spline(&points[..points.len() - usize::from(returns)]);
         }
     }
     let mut path = Path::new(*start);
-    for (i, (piece, points)) in pieces.iter().enumerate() {
+    for (i, (segment, points)) in segments.iter().enumerate() {
         let onward = if i == 0 { &points[1..] } else { &points[..] };
-        match piece {
-            Piece::Line => onward.iter().for_each(|&p| path.line_to(p)),
-            Piece::Quadratic => onward.as_chunks().0.iter().for_each(|&[a, b]| path.quadratic_to(a, b)),
-            Piece::Cubic => onward.as_chunks().0.iter().for_each(|&[a, b, c]| path.cubic_to([a, b], c)),
-            Piece::Spline => path.spline_through(onward),
+        match segment {
+            PathSegment::Line => onward.iter().for_each(|&p| path.line_to(p)),
+            PathSegment::Quadratic => onward.as_chunks().0.iter().for_each(|&[a, b]| path.quadratic_to(a, b)),
+            PathSegment::Cubic => onward.as_chunks().0.iter().for_each(|&[a, b, c]| path.cubic_to([a, b], c)),
+            PathSegment::Spline => path.spline_through(onward),
         }
     }
     if ends == Ends::Joined {
@@ -108,7 +109,7 @@ pub(super) fn read<'t, V: ControlPoint>(
 /// The points of an item.
 fn points<'t, V>(
     args: &mut Args<'t>,
-    piece: Piece,
+    segment: PathSegment,
     is_first: bool,
     numbers: usize,
     point: impl Fn(&mut Args<'t>) -> Result<V, Diagnostic>,
@@ -120,9 +121,9 @@ fn points<'t, V>(
     }
     let count = found / numbers;
     let onward = count - usize::from(is_first);
-    if !onward.is_multiple_of(piece.group()) {
+    if !onward.is_multiple_of(segment.group()) {
         let begins = if is_first { "the path begins at the first point and " } else { "" };
-        let message = format!("{begins}`{word}` goes on by {}; found {onward}", piece.about());
+        let message = format!("{begins}`{word}` goes on by {}; found {onward}", segment.about());
         return Err(args.error(message));
     }
     (0..count).map(|_| point(args)).collect()

@@ -18,8 +18,8 @@ use kajo_scene::{Diagnostic, Item, Params};
 use super::Compiler;
 use super::blocks::TEXTURES as MEMBERS;
 use super::member::keywords;
+use super::misplaced::misplaced;
 use super::named_texture::NamedTexture;
-use super::places::misplaced;
 
 pub(super) const KEYWORDS: [&str; MEMBERS.len()] = keywords(&MEMBERS);
 

@@ -40,7 +40,7 @@ pub(super) fn around(
 ) -> ([Face; 6], Vec<Cell>, Vec<Item>) {
     let mut outlines: Vec<Outline> = bodies.iter().map(|b| Outline::new(b, center, slack)).collect();
     outlines.sort_by(|a, b| a.near.total_cmp(&b.near));
-    let seen = [0, 1, 2, 3, 4, 5].map(|face| Seen::through(face, &outlines));
+    let seen = [0, 1, 2, 3, 4, 5].map(|face| VisibleOutline::through(face, &outlines));
     let shown: usize = seen.iter().map(Vec::len).sum();
     let mut lists = Lists::default();
     let faces = [0, 1, 2, 3, 4, 5].map(|face| {
@@ -124,15 +124,15 @@ impl Cone {
 }
 
 /// A body and the window of a face through which it is seen.
-struct Seen<'a> {
+struct VisibleOutline<'a> {
     outline: &'a Outline,
     window: [[f64; 2]; 2],
 }
 
-impl<'a> Seen<'a> {
+impl<'a> VisibleOutline<'a> {
     /// What is seen through a face, in the same order.
-    fn through(face: usize, outlines: &'a [Outline]) -> Vec<Seen<'a>> {
-        let seen = |outline: &'a Outline| Some(Seen { outline, window: outline.window(face)? });
+    fn through(face: usize, outlines: &'a [Outline]) -> Vec<VisibleOutline<'a>> {
+        let seen = |outline: &'a Outline| Some(VisibleOutline { outline, window: outline.window(face)? });
         outlines.iter().filter_map(seen).collect()
     }
 }
@@ -154,7 +154,7 @@ struct Growing {
 
 impl Lists {
     /// Adds the grid of a face and what is seen through it, sorted from near to far.
-    fn draw(&mut self, face: usize, seen: &[Seen<'_>], cells: usize) -> Face {
+    fn draw(&mut self, face: usize, seen: &[VisibleOutline<'_>], cells: usize) -> Face {
         let first = self.cells.len();
         let Some(whole) = seen.iter().map(|body| body.window).reduce(|[a, b], [c, d]| {
             let union = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
@@ -178,7 +178,7 @@ impl Lists {
     }
 
     /// Adds a body to all cells of a grid where it can be seen.
-    fn add(&mut self, first: usize, body: &Seen<'_>, grid: &Grid) {
+    fn add(&mut self, first: usize, body: &VisibleOutline<'_>, grid: &Grid) {
         let outline = body.outline;
         // A ray's parameter differs from its distance by half of `UNIT`.
         let near = (outline.near * (1.0 - f64::from(UNIT))) as f32;

@@ -9,7 +9,7 @@ use kajo_math::{Vec2, Vec3};
 use super::{Census, Draw, Furnace, Who};
 use crate::Pooled;
 use crate::bsdf::tests::list::directions;
-use crate::bsdf::{Bsdf, Phong, Transport, microfacet::Shape};
+use crate::bsdf::{Bsdf, Phong, Transport, microfacet::NormalDistribution};
 use crate::material::{
     Appearance, Blend, BtfMaterial, BtfSettings, Embossed, Glass, GlassSettings, Grain, LayeredMaterial,
     Layers, MaterialId, Materials, Matte, MeasuredMaterial, Metal, Perforated, PhongMaterial, Relief,
@@ -70,7 +70,7 @@ impl Samples {
 fn glass(roughness: f32, pane: Option<f32>) -> Glass {
     Glass::from(GlassSettings {
         index: Dispersion::Constant(1.5),
-        shape: Shape::Ggx,
+        shape: NormalDistribution::Ggx,
         roughness: roughness.into(),
         grain: Grain::default(),
         absorption: [0.0; 3],
@@ -118,12 +118,13 @@ fn made() -> Samples {
     let grey = Spectrum::grey;
     let plaster = all.add("plaster", true, Matte::new(white(), 0.0));
     let clay = all.add("clay", false, Matte::new(Reflectance::from_rgb([0.7, 0.4, 0.3]), 0.8));
-    let silver = all.add("silver", true, Metal::new(Substance::Color(white().into()), Shape::Ggx, 0.6));
+    let silver =
+        all.add("silver", true, Metal::new(Substance::Color(white().into()), NormalDistribution::Ggx, 0.6));
     let gold = named::metal("gold").expect("a known metal");
-    all.add("gold", false, Metal::new(Substance::Measured(gold.clone()), Shape::Beckmann, 0.5));
+    all.add("gold", false, Metal::new(Substance::Measured(gold.clone()), NormalDistribution::Beckmann, 0.5));
     all.add("frosted glass", true, glass(0.5, None));
     let brushed = Grain { anisotropy: 0.7.into(), rotation: 0.1.into() };
-    let tray = Metal::new(Substance::Measured(gold), Shape::Ggx, 0.5).brushed(brushed);
+    let tray = Metal::new(Substance::Measured(gold), NormalDistribution::Ggx, 0.5).brushed(brushed);
     all.add("tray", false, tray);
     all.add("knife", false, LayeredMaterial::from(Layers { grain: brushed, ..white_layers() }));
     all.add("pane", true, glass(0.0, Some(0.1)));
@@ -168,7 +169,7 @@ fn made() -> Samples {
     let (share, color) = (textures.float(node).unwrap(), textures.color(map.clone()).unwrap());
     let (checks, clouds) = (textures.float(Checker).unwrap(), textures.float(Noise { octaves: 2 }).unwrap());
     all.add("painted", false, Matte::new(color.clone(), share));
-    all.add("tarnished", true, Metal::new(Substance::Color(white().into()), Shape::Ggx, share));
+    all.add("tarnished", true, Metal::new(Substance::Color(white().into()), NormalDistribution::Ggx, share));
     all.add("net", true, Perforated { material: plaster, opacity: share });
     let layers = Layers { roughness: share, metalness: share, coat: share, ..white_layers() };
     all.add("worn", true, LayeredMaterial::from(layers));

@@ -11,7 +11,7 @@ use kajo_color::{Spectrum, Unbounded, Wavelengths, dispersion::Dispersion};
 use kajo_math::Vec3;
 
 use super::{Appearance, Grain, Interior, Material, Orientation, ShadingPoint, may_be_polished};
-use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::Shape};
+use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, ThinDielectric, microfacet::NormalDistribution};
 use crate::medium::MediumId;
 use crate::texture::{AnyTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
 
@@ -21,7 +21,7 @@ pub struct GlassSettings {
     /// Index of refraction.
     pub index: Dispersion,
     /// Distribution of facets.
-    pub shape: Shape,
+    pub shape: NormalDistribution,
     /// In [0, 1]; facets have its square.
     pub roughness: FloatTexture,
     /// Which way the facets run.
@@ -41,7 +41,7 @@ impl Default for GlassSettings {
     fn default() -> GlassSettings {
         GlassSettings {
             index: Dispersion::Constant(1.5),
-            shape: Shape::Ggx,
+            shape: NormalDistribution::Ggx,
             roughness: 0.0.into(),
             grain: Grain::default(),
             absorption: [0.0; 3],

@@ -9,7 +9,7 @@ use kajo_color::{Spectrum, Wavelengths, metal};
 use kajo_math::Vec3;
 
 use super::{Appearance, Grain, Material, Orientation, ShadingPoint};
-use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::Shape};
+use crate::bsdf::{Bsdf, Conductor, MetalFresnel, Microfacets, Phong, microfacet::NormalDistribution};
 use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
 
 /// What a metal is made of.
@@ -25,7 +25,7 @@ pub enum Substance {
 #[derive(Clone, Debug)]
 pub struct Metal {
     substance: Substance,
-    shape: Shape,
+    shape: NormalDistribution,
     roughness: FloatTexture,
     grain: Grain,
     /// Where it is the same everywhere.
@@ -34,7 +34,7 @@ pub struct Metal {
 
 impl Metal {
     /// * `roughness`: in [0, 1]
-    pub fn new(substance: Substance, shape: Shape, roughness: impl Into<FloatTexture>) -> Metal {
+    pub fn new(substance: Substance, shape: NormalDistribution, roughness: impl Into<FloatTexture>) -> Metal {
         let (roughness, grain) = (roughness.into(), Grain::default());
         Metal { substance, shape, roughness, grain, constant: None }.known()
     }

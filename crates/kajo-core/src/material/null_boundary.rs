@@ -10,7 +10,7 @@ use kajo_color::{Spectrum, Wavelengths};
 use kajo_math::Vec3;
 
 use super::{Appearance, Interior, Material, ShadingPoint};
-use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, microfacet::Shape};
+use crate::bsdf::{Bsdf, Dielectric, Microfacets, Phong, microfacet::NormalDistribution};
 use crate::medium::MediumId;
 use crate::texture::{AnyTexture, TextureContext};
 
@@ -61,7 +61,9 @@ impl Material for NullBoundary {
         let eta = self.index(appearance, at.context.p, at.wavelengths).map(|index| index / at.eta_outside);
         match eta.filter(|eta| (eta - 1.0).abs() > SAME_INDEX) {
             None => Bsdf::Null,
-            Some(eta) => Bsdf::Dielectric(Dielectric::new(eta, Microfacets::new(Shape::Ggx, 0.0))),
+            Some(eta) => {
+                Bsdf::Dielectric(Dielectric::new(eta, Microfacets::new(NormalDistribution::Ggx, 0.0)))
+            }
         }
     }
 

@@ -5,7 +5,7 @@
 
 use kajo_math::{Vec2, Vec3};
 
-use crate::bsdf::{Microfacets, microfacet::Shape};
+use crate::bsdf::{Microfacets, microfacet::NormalDistribution};
 use crate::texture::{FloatTexture, TextureEvaluator};
 
 /// What a material asks of its frame at a point.
@@ -50,7 +50,7 @@ impl Default for Grain {
 impl Grain {
     /// The facets of a surface with the roughness `alpha` on the whole.
     #[inline]
-    pub fn facets(&self, shape: Shape, alpha: f32, place: TextureEvaluator<'_>) -> Microfacets {
+    pub fn facets(&self, shape: NormalDistribution, alpha: f32, place: TextureEvaluator<'_>) -> Microfacets {
         match self.anisotropy {
             FloatTexture::Constant(0.0) => Microfacets::new(shape, alpha),
             _ => Microfacets::brushed(shape, alpha, self.anisotropy.at(place)),

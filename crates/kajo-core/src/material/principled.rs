@@ -16,7 +16,7 @@ use super::{
 };
 use crate::bsdf::{
     self, Base, Bsdf, DiffuseNormal, Microfacets, Phong, Principled, Subsurface, ThinDielectric,
-    microfacet::Shape,
+    microfacet::NormalDistribution,
 };
 use crate::medium::MediumId;
 use crate::texture::{AnyTexture, ColorTexture, FloatTexture, TextureContext, TextureEvaluator, Textures};
@@ -245,7 +245,7 @@ impl Layers {
 
     /// The facets of the glossy surface.
     fn facets(&self, place: TextureEvaluator<'_>) -> Microfacets {
-        self.grain.facets(Shape::Ggx, squared(self.roughness, place), place)
+        self.grain.facets(NormalDistribution::Ggx, squared(self.roughness, place), place)
     }
 
     /// The layers over a base.

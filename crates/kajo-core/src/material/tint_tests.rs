@@ -4,7 +4,7 @@ use kajo_color::{Reflectance, Spectrum, Wavelengths};
 use kajo_math::{Vec2, Vec3};
 
 use super::*;
-use crate::bsdf::{Phong, Transport, microfacet::Shape};
+use crate::bsdf::{Phong, Transport, microfacet::NormalDistribution};
 use crate::family::Pooled;
 
 const TINT: Vec3 = Vec3::new(0.5, 0.25, 1.0);
@@ -27,7 +27,8 @@ fn materials(by: Vec3) -> [(&'static str, Appearance, MaterialId); 5] {
     let ids = [
         Matte::new(grey.clone(), 0.3).store(&mut pools[0].materials),
         Matte::new(grey.clone(), 0.0).store(&mut pools[1].materials),
-        Metal::new(Substance::Color(grey.into()), Shape::Ggx, 0.4).store(&mut pools[2].materials),
+        Metal::new(Substance::Color(grey.into()), NormalDistribution::Ggx, 0.4)
+            .store(&mut pools[2].materials),
         PhongMaterial::from(phong).store(&mut pools[3].materials),
         LayeredMaterial::from(layers).store(&mut pools[4].materials),
     ];

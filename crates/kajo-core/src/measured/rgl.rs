@@ -41,7 +41,7 @@ pub struct RglBrdf {
 }
 
 /// A pair of directions as the tables have it.
-struct Place {
+struct DirectionPair {
     slices: Slices,
     /// Of the viewer, and of the facet.
     u_o: Vec2,
@@ -166,22 +166,22 @@ impl RglBrdf {
         (turned(o), turned(i), [sx, sy])
     }
 
-    fn place(&self, o: Vec3, m: Vec3) -> Place {
+    fn pair(&self, o: Vec3, m: Vec3) -> DirectionPair {
         let (theta_o, phi_o) = (elevation(o), fmath::atan2(o.y, o.x));
         let phi_m = fmath::atan2(m.y, m.x) - if self.is_isotropic { phi_o } else { 0.0 };
         let slices = self.viewers.slices([phi_o, theta_o]);
-        Place { slices, u_o: unit_of(theta_o, phi_o), u_m: unit_of(elevation(m), phi_m), m, o }
+        DirectionPair { slices, u_o: unit_of(theta_o, phi_o), u_m: unit_of(elevation(m), phi_m), m, o }
     }
 
     /// The place of a pair of directions above the surface; `None` where there is no facet between them.
-    fn between(&self, o: Vec3, i: Vec3) -> Option<Place> {
+    fn between(&self, o: Vec3, i: Vec3) -> Option<DirectionPair> {
         let (o, i, _) = self.reduced(o, i);
         let m = (o + i).try_normalize()?;
-        Some(self.place(o, m))
+        Some(self.pair(o, m))
     }
 
     /// The factor of what is stored.
-    fn facets(&self, at: &Place) -> f32 {
+    fn facets(&self, at: &DirectionPair) -> f32 {
         if !self.has_facets {
             return 1.0;
         }
@@ -210,7 +210,7 @@ impl RglBrdf {
     }
 
     /// Stretch from the square of facets to directions of light.
-    fn jacobian(at: &Place) -> f32 {
+    fn jacobian(at: &DirectionPair) -> f32 {
         let sin = at.m.truncate().length();
         (2.0 * PI * PI * at.u_m.x * sin).max(1e-6) * 4.0 * at.o.dot(at.m)
     }

@@ -14,7 +14,7 @@ use crate::interaction::{SurfaceUv, Tangents};
 use crate::item_buffer::{Body, ItemBuffer};
 use crate::material::MaterialId;
 use crate::motion::MovingTransform;
-use crate::nested::{Leaf, Nested, NestedPiece};
+use crate::nested::{Leaf, Nested, NestedElement};
 use crate::objects::{Object, Objects};
 use crate::shape::{ShapeId, Shapes, Sphere};
 
@@ -145,10 +145,10 @@ impl Geometry {
     /// * `cost`: of showing a shape; a box costs 12
     /// * `budget`: what the pieces may cost together. The largest instances are taken apart first, and what is left is
     ///   boxes; of more than a twelfth of the budget some are left out
-    pub fn nested_pieces(&self, cost: impl Fn(ShapeId) -> usize, budget: usize) -> Vec<NestedPiece> {
+    pub fn nested_elements(&self, cost: impl Fn(ShapeId) -> usize, budget: usize) -> Vec<NestedElement> {
         let first = self.first_nested();
         let nested = self.aggregate.nested();
-        nested.map_or_else(Vec::new, |nested| nested.pieces(&self.shapes, first, cost, budget))
+        nested.map_or_else(Vec::new, |nested| nested.elements(&self.shapes, first, cost, budget))
     }
 
     /// The objects in nested instances that items of the text put into the scene, in order.

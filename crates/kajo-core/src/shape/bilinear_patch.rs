@@ -31,9 +31,6 @@ pub struct BilinearPatch {
     corners: [DVec3; 4],
 }
 
-/// Where a line crosses: surface coordinates, not quite within [0, 1] where rounding says so.
-type Place = DVec2;
-
 impl BilinearPatch {
     /// The patch with these corners, one after the other around it: u runs from the first to the second, v from the first to the
     /// last.
@@ -75,7 +72,7 @@ impl BilinearPatch {
     }
 
     /// Where a line crosses the patch: none, one or two places.
-    fn places(&self, line: &Ray64) -> impl Iterator<Item = Place> {
+    fn crossings(&self, line: &Ray64) -> impl Iterator<Item = DVec2> {
         let (x, y) = basis64(line.d.normalize_or_zero());
         let seen = self.corners.map(|p| DVec2::new((p - line.o).dot(x), (p - line.o).dot(y)));
         let [p00, p10, p01, p11] = seen;
@@ -83,7 +80,7 @@ impl BilinearPatch {
         let is_odd = [(p00, p10), (p10, p11), (p11, p01), (p01, p00)]
             .into_iter()
             .fold(false, |odd, (p, q)| odd != crosses_axis(p, q));
-        let mut found: [Option<Place>; 2] = [None; 2];
+        let mut found: [Option<DVec2>; 2] = [None; 2];
         for (u, place) in columns(b).into_iter().zip(&mut found) {
             *place = u.map(|u| {
                 let (near, far) = (p00.lerp(p10, u), p01.lerp(p11, u));
@@ -123,7 +120,7 @@ fn columns(b: [f64; 3]) -> [Option<f64>; 2] {
 }
 
 /// The place on the border that is nearest to the origin.
-fn nearest_of_border([p00, p10, p01, p11]: [DVec2; 4]) -> Place {
+fn nearest_of_border([p00, p10, p01, p11]: [DVec2; 4]) -> DVec2 {
     let edges = [
         (p00, p10, DVec2::ZERO, DVec2::X),
         (p10, p11, DVec2::X, DVec2::ONE),
@@ -140,7 +137,7 @@ fn nearest_of_border([p00, p10, p01, p11]: [DVec2; 4]) -> Place {
 }
 
 /// Of the places on the lines that go through the origin, those within a patch seen so: as many, odd or even, as its edges say.
-fn settled(found: [Option<Place>; 2], seen: [DVec2; 4], is_odd: bool) -> [Option<Place>; 2] {
+fn settled(found: [Option<DVec2>; 2], seen: [DVec2; 4], is_odd: bool) -> [Option<DVec2>; 2] {
     let inside = found.map(|place| place.filter(|place| (0.0..=1.0).contains(&place.y)));
     let count = inside.iter().flatten().count();
     if (count % 2 == 1) == is_odd {
@@ -150,7 +147,7 @@ fn settled(found: [Option<Place>; 2], seen: [DVec2; 4], is_odd: bool) -> [Option
     if count == 0 {
         return [Some(nearest_of_border(seen)), None];
     }
-    let from_border = |place: Option<Place>| place.map_or(f64::INFINITY, |place| place.y.min(1.0 - place.y));
+    let from_border = |uv: Option<DVec2>| uv.map_or(f64::INFINITY, |uv| uv.y.min(1.0 - uv.y));
     let nearest = usize::from(from_border(inside[1]) < from_border(inside[0]));
     [inside[1 - nearest], None]
 }
@@ -171,7 +168,7 @@ impl Surface for BilinearPatch {
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
         let line = Ray64::new(ray);
-        for uv in self.places(&line) {
+        for uv in self.crossings(&line) {
             let t = (self.at(uv).0 - line.o).dot(line.d) / line.d.length_squared();
             in_range(ray, t)
                 .into_iter()
@@ -249,7 +246,7 @@ mod tests {
             }
             for far in [2.0, 1e4] {
                 let line = Ray64 { o: patch.at(uv).0 - far * d, d };
-                let found: Vec<Place> = patch.places(&line).collect();
+                let found: Vec<DVec2> = patch.crossings(&line).collect();
                 assert!(
                     found.iter().any(|place| place.distance(uv) < 1e-8),
                     "{seed}: {found:?} without {uv}"
@@ -284,7 +281,7 @@ mod tests {
                 let from = 4.0 * warp::uniform_sphere(Vec2::new(s.uniform(3), s.uniform(4)));
                 let d = target - from;
                 let line = Ray64::new(&Ray::new(if i % 2 == 0 { from } else { from - 1e3 * d }, d));
-                let count: usize = faces.iter().map(|face| face.places(&line).count()).sum();
+                let count: usize = faces.iter().map(|face| face.crossings(&line).count()).sum();
                 assert!(count.is_multiple_of(2), "{seed}: ray {i} crosses {count} times");
                 hits += count;
             }

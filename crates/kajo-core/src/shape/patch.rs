@@ -1,4 +1,4 @@
-//! Pieces of surface that give light, in world space, and how a point draws a place on them.
+//! Emissive patches of surface in world space, and how a point samples a position on them.
 //!
 //! Flat pieces and spheres are drawn uniformly over the solid angle they fill, so that the estimate of
 //! unobstructed light has no variance but the cosine's; ellipses, cones and what is seen too small or from too
@@ -291,30 +291,32 @@ impl Patch {
     }
 
     /// How the piece is seen from `o`, where it is drawn by solid angle.
-    fn view(&self, o: DVec3) -> Option<View> {
+    fn view(&self, o: DVec3) -> Option<SphericalProjection> {
         if self.is_far_from(o) {
             return None;
         }
         let view = match self {
-            Patch::Triangle(corners) => View::Triangle(SphericalTriangle::new(o, *corners)?),
-            Patch::Rectangle(rectangle) => View::Rectangle(SphericalRectangle::new(o, rectangle)?),
+            Patch::Triangle(corners) => SphericalProjection::Triangle(SphericalTriangle::new(o, *corners)?),
+            Patch::Rectangle(rectangle) => {
+                SphericalProjection::Rectangle(SphericalRectangle::new(o, rectangle)?)
+            }
             Patch::Quad(quad) => {
                 let [first, second] = quad.halves().map(|half| SphericalTriangle::new(o, half));
-                View::Halves([first?, second?])
+                SphericalProjection::Halves([first?, second?])
             }
             Patch::Sphere { center, radius } => {
                 let reach = o.distance_squared(*center) / (radius * radius);
                 if reach < 1.0 / ON_SPHERE {
-                    View::Around
+                    SphericalProjection::Around
                 } else if reach > ON_SPHERE {
-                    View::Cap(SphericalCap::new(o, *center, *radius)?)
+                    SphericalProjection::Cap(SphericalCap::new(o, *center, *radius)?)
                 } else {
                     return None;
                 }
             }
             Patch::Disk(_) | Patch::Curved(_) | Patch::Traced(_) => return None,
         };
-        let flat = !matches!(view, View::Cap(_) | View::Around);
+        let flat = !matches!(view, SphericalProjection::Cap(_) | SphericalProjection::Around);
         let usable = !flat || (SMALLEST_SOLID_ANGLE..LARGEST_SOLID_ANGLE).contains(&view.solid_angle());
         usable.then_some(view)
     }
@@ -419,8 +421,8 @@ fn seen_from(pdf_area: f32, from: Vec3, p: Vec3, n: Vec3) -> Option<(f32, Vec3)>
     (pdf.is_finite() && pdf > 0.0).then_some((pdf, wi))
 }
 
-/// A piece as a point sees it.
-enum View {
+/// A patch projected to the unit sphere around a point.
+enum SphericalProjection {
     Triangle(SphericalTriangle),
     Rectangle(SphericalRectangle),
     /// The two triangles of a parallelogram.
@@ -430,30 +432,30 @@ enum View {
     Around,
 }
 
-impl View {
+impl SphericalProjection {
     fn solid_angle(&self) -> f64 {
         match self {
-            View::Triangle(view) => view.solid_angle(),
-            View::Rectangle(view) => view.solid_angle(),
-            View::Halves([a, b]) => a.solid_angle() + b.solid_angle(),
-            View::Cap(view) => view.solid_angle(),
-            View::Around => SPHERE,
+            SphericalProjection::Triangle(view) => view.solid_angle(),
+            SphericalProjection::Rectangle(view) => view.solid_angle(),
+            SphericalProjection::Halves([a, b]) => a.solid_angle() + b.solid_angle(),
+            SphericalProjection::Cap(view) => view.solid_angle(),
+            SphericalProjection::Around => SPHERE,
         }
     }
 
     /// A place of `patch` whose direction from `o` is uniform over the view.
     fn sample(&self, o: DVec3, u: Vec2, patch: &Patch) -> Option<DVec3> {
         match self {
-            View::Triangle(view) => onto_plane(o, view.sample(u), patch),
-            View::Rectangle(view) => Some(o + view.sample(u)),
-            View::Halves([a, b]) => {
+            SphericalProjection::Triangle(view) => onto_plane(o, view.sample(u), patch),
+            SphericalProjection::Rectangle(view) => Some(o + view.sample(u)),
+            SphericalProjection::Halves([a, b]) => {
                 let share = (a.solid_angle() / self.solid_angle()) as f32;
                 let (half, x) =
                     if u.x < share { (a, u.x / share) } else { (b, (u.x - share) / (1.0 - share)) };
                 onto_plane(o, half.sample(Vec2::new(x.min(1.0f32.next_down()), u.y)), patch)
             }
-            View::Cap(view) => patch.along(o, view.sample(u), -1.0),
-            View::Around => patch.along(o, on_unit_sphere(u.x.into(), u.y.into()), 1.0),
+            SphericalProjection::Cap(view) => patch.along(o, view.sample(u), -1.0),
+            SphericalProjection::Around => patch.along(o, on_unit_sphere(u.x.into(), u.y.into()), 1.0),
         }
     }
 }

@@ -58,7 +58,7 @@ pub fn flip(reference: &Image, test: &Image, pixels_per_degree: f32) -> Result<I
             "{pixels_per_degree} pixels per degree are not 5 to 1000"
         )));
     }
-    let seen = [reference, test].map(|image| Seen::new(image, pixels_per_degree));
+    let seen = [reference, test].map(|image| PerceivedImage::new(image, pixels_per_degree));
     let max_distance = max_distance();
     let data = seen[0].pixels.iter().zip(&seen[1].pixels).map(|(r, x)| error(r, x, max_distance)).collect();
     Image::from_data(reference.width(), reference.height(), 1, data)
@@ -75,11 +75,11 @@ struct Percept {
 }
 
 /// A picture as the eye sees it.
-struct Seen {
+struct PerceivedImage {
     pixels: Vec<Percept>,
 }
 
-impl Seen {
+impl PerceivedImage {
     fn new(image: &Image, pixels_per_degree: f32) -> Self {
         let [y, cx, cz] = opponent_planes(image);
         let grey = Plane { values: y.values.iter().map(|y| (y + 16.0) / 116.0).collect(), ..y };

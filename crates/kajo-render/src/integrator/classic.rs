@@ -137,7 +137,7 @@ impl<'a> Classic<'a> {
         observer: &mut O,
         scratch: &mut Scratch,
     ) -> Spectrum {
-        let mut walk = Walk { ray, path, light: Spectrum::BLACK, beta: Spectrum::WHITE };
+        let mut walk = FollowedPath { ray, path, light: Spectrum::BLACK, beta: Spectrum::WHITE };
         let mut n_waiting = 0;
         loop {
             let branches = self.surface(&mut walk, meets.then_some(&mut *at), observer);
@@ -149,7 +149,7 @@ impl<'a> Classic<'a> {
                     n_waiting -= 1;
                     observer.back_to(fork.mark);
                     let light = fork.light + fork.weight * walk.light;
-                    walk = Walk { light, beta: fork.beta, ..walk };
+                    walk = FollowedPath { light, beta: fork.beta, ..walk };
                     *at = fork.at;
                     refracted(fork.refracted, observer)
                 }
@@ -169,7 +169,7 @@ impl<'a> Classic<'a> {
                     let mirrored = reflected(mirrored, observer);
                     let (mark, weight) = (observer.mark(), walk.beta * mirrored.factor);
                     observer.weaken(|| weight.to_rgb());
-                    let Walk { light, beta, .. } = walk;
+                    let FollowedPath { light, beta, .. } = walk;
                     let fork = Fork { light, beta, weight, refracted: behind, at: *at, mark };
                     scratch.get::<Forks<O::Mark>>().0.push(fork);
                     n_waiting += 1;
@@ -185,11 +185,11 @@ impl<'a> Classic<'a> {
     /// Adds the light of the end of a path's ray, and says how it goes on from there: mirrored, and refracted.
     fn surface(
         &self,
-        walk: &mut Walk,
+        walk: &mut FollowedPath,
         end: Option<&mut Interaction>,
         observer: &mut impl PathObserver,
     ) -> (Option<Branch>, Option<Branch>) {
-        let Walk { ray, path, light, beta } = walk;
+        let FollowedPath { ray, path, light, beta } = walk;
         let about = || About { eta: path.eta, weight: beta.to_rgb(), light: None };
         observer.ended(self.scene, ray, end.as_deref(), about);
         let Some(at) = end else {
@@ -382,7 +382,7 @@ struct Branch {
 }
 
 /// A path while it is followed.
-struct Walk {
+struct FollowedPath {
     /// The ray that has been followed last.
     ray: Ray,
     path: Path,

@@ -33,13 +33,13 @@ const SCALES: [f64; 5] = [1e-6, 1e-3, 1.0, 1e3, 1e6];
 
 /// A plane with its axes: the first and the last lie in it, the second is its normal, counter-clockwise.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct PlaneFrame {
     origin: DVec3,
     axes: [DVec3; 3],
     scale: f64,
 }
 
-impl Place {
+impl PlaneFrame {
     /// World space from coordinates in the plane, of the order of 1, and above it.
     fn at(&self, [x, y, z]: [f64; 3]) -> DVec3 {
         let [u, n, v] = self.axes;
@@ -61,7 +61,7 @@ fn numbers(v: DVec3) -> String {
 }
 
 /// Coordinate planes from either side and planes across all axes; through the origin, and not.
-fn places() -> impl Iterator<Item = Place> {
+fn frames() -> impl Iterator<Item = PlaneFrame> {
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
     let n = DVec3::new(2.0, 1.0, -2.0) / 3.0;
     let u = n.any_orthonormal_vector();
@@ -70,7 +70,7 @@ fn places() -> impl Iterator<Item = Place> {
     SCALES.into_iter().flat_map(move |scale| {
         frames
             .into_iter()
-            .flat_map(move |axes| origins.into_iter().map(move |origin| Place { origin, axes, scale }))
+            .flat_map(move |axes| origins.into_iter().map(move |origin| PlaneFrame { origin, axes, scale }))
     })
 }
 
@@ -121,44 +121,44 @@ fn grid(squares: u32, point: impl Fn([f64; 3]) -> DVec3) -> String {
 }
 
 impl Flat {
-    fn text(self, place: &Place) -> String {
-        let n = place.axes[1];
+    fn text(self, frame: &PlaneFrame) -> String {
+        let n = frame.axes[1];
         match self {
             Flat::Plane => {
-                format!("Plane {{ normal {} offset {} }}", numbers(n), place.at([0.0; 3]).dot(n) as f32)
+                format!("Plane {{ normal {} offset {} }}", numbers(n), frame.at([0.0; 3]).dot(n) as f32)
             }
             Flat::Disk => format!(
                 "Disk {{ center {} normal {} radius {} }}",
-                place.text([0.0; 3]),
+                frame.text([0.0; 3]),
                 numbers(n),
-                2.0 * place.scale as f32
+                2.0 * frame.scale as f32
             ),
             Flat::Quad => format!(
                 "Quad {{ corner {} edge1 {} edge2 {} }}",
-                place.text([-2.0, 0.0, -2.0]),
-                numbers(place.scale * place.direction([0.0, 0.0, 4.0])),
-                numbers(place.scale * place.direction([4.0, 0.0, 0.0])),
+                frame.text([-2.0, 0.0, -2.0]),
+                numbers(frame.scale * frame.direction([0.0, 0.0, 4.0])),
+                numbers(frame.scale * frame.direction([4.0, 0.0, 0.0])),
             ),
             Flat::Triangle => {
-                let [a, b, c] = TRIANGLE.map(|[x, z]| place.text([x, 0.0, z]));
+                let [a, b, c] = TRIANGLE.map(|[x, z]| frame.text([x, 0.0, z]));
                 format!("Triangle {{ vertex0 {a} vertex1 {b} vertex2 {c} }}")
             }
-            Flat::Lid => Flat::placed(place, "Box { min -2 -1 -2 max 2 0 2 }"),
+            Flat::Lid => Flat::placed(frame, "Box { min -2 -1 -2 max 2 0 2 }"),
             Flat::Mesh(_) => "TriangleMesh { file mesh.obj }".to_string(),
-            Flat::Placed(_) => Flat::placed(place, "TriangleMesh { file mesh.obj }"),
+            Flat::Placed(_) => Flat::placed(frame, "TriangleMesh { file mesh.obj }"),
         }
     }
 
     /// A thing of unit size in the plane y = 0, moved to its place.
-    fn placed(place: &Place, thing: &str) -> String {
-        let [u, n, v] = place.axes.map(|axis| numbers(place.scale * axis));
-        let origin = place.text([0.0; 3]);
+    fn placed(frame: &PlaneFrame, thing: &str) -> String {
+        let [u, n, v] = frame.axes.map(|axis| numbers(frame.scale * axis));
+        let origin = frame.text([0.0; 3]);
         format!("Transform {{ Matrix {{ {u} 0 {n} 0 {v} 0 {origin} 1 }} {thing} }}")
     }
 
-    fn assets(self, place: &Place) -> MemoryAssets {
+    fn assets(self, frame: &PlaneFrame) -> MemoryAssets {
         let mesh = match self {
-            Flat::Mesh(squares) => grid(squares, |p| place.at(p)),
+            Flat::Mesh(squares) => grid(squares, |p| frame.at(p)),
             Flat::Placed(squares) => grid(squares, DVec3::from),
             _ => return MemoryAssets::new(),
         };
@@ -166,8 +166,8 @@ impl Flat {
     }
 
     /// Its outline, if that is a polygon.
-    fn outline(self, place: &Place) -> Option<Vec<DVec3>> {
-        let corner = |&[x, z]: &[f64; 2]| place.at([x, 0.0, z]);
+    fn outline(self, frame: &PlaneFrame) -> Option<Vec<DVec3>> {
+        let corner = |&[x, z]: &[f64; 2]| frame.at([x, 0.0, z]);
         match self {
             Flat::Quad | Flat::Mesh(_) | Flat::Placed(_) => Some(SQUARE.iter().map(corner).collect()),
             Flat::Triangle => Some(TRIANGLE.iter().map(corner).collect()),
@@ -177,31 +177,31 @@ impl Flat {
 }
 
 /// A camera that sees nothing but the middle of the plane, from above; how steeply is up to `from`.
-fn camera(place: &Place, from: [f64; 3]) -> String {
-    let d = -place.direction(from);
+fn camera(frame: &PlaneFrame, from: [f64; 3]) -> String {
+    let d = -frame.direction(from);
     format!(
         "PerspectiveCamera {{ center {} direction {} up 0.31 0.82 0.2 angle 4 }}",
-        place.text(from),
+        frame.text(from),
         numbers(d.normalize())
     )
 }
 
-fn scene(flat: Flat, place: &Place, text: &str) -> Scene {
-    scene_with(text, &flat.assets(place))
+fn scene(flat: Flat, frame: &PlaneFrame, text: &str) -> Scene {
+    scene_with(text, &flat.assets(frame))
 }
 
 /// Steep and grazing.
 const VIEWS: [[f64; 3]; 2] = [[0.4, 3.0, 1.0], [2.4, 0.4, 1.5]];
 
 /// The scene of one flat thing under a white sky.
-fn under_a_sky(flat: Flat, place: &Place, view: [f64; 3], material: &str) -> Scene {
+fn under_a_sky(flat: Flat, frame: &PlaneFrame, view: [f64; 3], material: &str) -> Scene {
     let text = format!(
         "{} Background {{ color 1 1 1 ambientLight 0 0 0 }} Lights {{ }} Materials {{ {material} }}
          Group {{ MaterialIndex m {} }}",
-        camera(place, view),
-        flat.text(place)
+        camera(frame, view),
+        flat.text(frame)
     );
-    scene(flat, place, &text)
+    scene(flat, frame, &text)
 }
 
 /// Sixteen samples over the picture.
@@ -217,10 +217,10 @@ fn samples(integrator: &dyn PixelIntegrator) -> Vec<f32> {
 }
 
 #[track_caller]
-fn check(what: &str, place: &Place, values: &[f32], expected: f32) {
+fn check(what: &str, frame: &PlaneFrame, values: &[f32], expected: f32) {
     let is_right = |v: &f32| (v - expected).abs() < 1e-4;
     let wrong = values.iter().filter(|v| !is_right(v)).count();
-    assert!(wrong == 0, "{what} at {place:?}: {wrong} of {} are wrong: {values:?}", values.len());
+    assert!(wrong == 0, "{what} at {frame:?}: {wrong} of {} are wrong: {values:?}", values.len());
 }
 
 fn by_scattering() -> PathSettings {
@@ -230,7 +230,7 @@ fn by_scattering() -> PathSettings {
 #[test]
 fn nothing_flat_hides_the_sky_from_itself() {
     let empty = || LayerSet::of(&[]);
-    for place in places() {
+    for frame in frames() {
         for flat in FLATS {
             for view in VIEWS {
                 let is_solid = flat == Flat::Lid;
@@ -242,22 +242,22 @@ fn nothing_flat_hides_the_sky_from_itself() {
                     ("cut-out", "Matte m { color 1 0 0 opacity 0 }", 1.0),
                 ];
                 for (name, material, expected) in materials {
-                    let scene = under_a_sky(flat, &place, view, material);
+                    let scene = under_a_sky(flat, &frame, view, material);
                     let what = format!("{name} {flat:?} from {view:?}");
                     if is_solid && name == "holes" {
                         continue; // Light goes to and fro within the box, and not for ever.
                     }
                     let path = Path::new(&scene, by_scattering(), [4, 4], empty());
-                    check(&format!("path, {what}"), &place, &samples(&path), expected);
+                    check(&format!("path, {what}"), &frame, &samples(&path), expected);
                     if name == "matt" {
                         let reach = AmbientOcclusionSettings { reach: f32::INFINITY };
                         let occlusion = AmbientOcclusion::new(&scene, reach, [4, 4], empty());
-                        check(&format!("occlusion, {what}"), &place, &samples(&occlusion), 1.0);
+                        check(&format!("occlusion, {what}"), &frame, &samples(&occlusion), 1.0);
                     }
                     if name == "cut-out" {
                         let both = BidirectionalSettings::default();
                         let both = Bidirectional::new(&scene, both, [4, 4], empty());
-                        check(&format!("bidirectional, {what}"), &place, &samples(&both), 1.0);
+                        check(&format!("bidirectional, {what}"), &frame, &samples(&both), 1.0);
                     }
                 }
             }
@@ -267,20 +267,20 @@ fn nothing_flat_hides_the_sky_from_itself() {
 
 #[test]
 fn the_classic_integrator_sees_the_sky_in_flat_mirrors_and_no_shadow_on_flat_things() {
-    for place in places() {
+    for frame in frames() {
         for flat in FLATS {
             for view in VIEWS {
-                let to_light = place.direction([0.5, 0.2, -0.3]).normalize();
+                let to_light = frame.direction([0.5, 0.2, -0.3]).normalize();
                 let text = format!(
                     "{} Background {{ color 1 1 1 ambientLight 0 0 0 }}
                      Lights {{ DirectionalLight {{ direction {} color 1 1 1 }} }}
                      Materials {{ PhongMaterial m {{ diffuseColor 1 1 1 reflectiveColor 0.25 0.25 0.25 }} }}
                      Group {{ MaterialIndex m {} }}",
-                    camera(&place, view),
+                    camera(&frame, view),
                     numbers(-to_light),
-                    flat.text(&place)
+                    flat.text(&frame)
                 );
-                let scene = scene(flat, &place, &text);
+                let scene = scene(flat, &frame, &text);
                 let settings = ClassicSettings {
                     bounces: 2,
                     shadows: Shadows::Opaque,
@@ -289,8 +289,8 @@ fn the_classic_integrator_sees_the_sky_in_flat_mirrors_and_no_shadow_on_flat_thi
                     ..plain(&scene)
                 };
                 let classic = Classic::new(&scene, settings, [4, 4], LayerSet::of(&[]));
-                let expected = to_light.dot(place.axes[1]) as f32 + 0.25;
-                check(&format!("classic, {flat:?} from {view:?}"), &place, &samples(&classic), expected);
+                let expected = to_light.dot(frame.axes[1]) as f32 + 0.25;
+                check(&format!("classic, {flat:?} from {view:?}"), &frame, &samples(&classic), expected);
             }
         }
     }
@@ -300,29 +300,29 @@ fn the_classic_integrator_sees_the_sky_in_flat_mirrors_and_no_shadow_on_flat_thi
 ///
 /// * `height`: of the receiver, where the light is some 4 wide
 fn flat_lights_reach(height: f64) {
-    for place in places() {
+    for frame in frames() {
         for flat in FLATS {
-            let Some(outline) = flat.outline(&place) else { continue };
+            let Some(outline) = flat.outline(&frame) else { continue };
             let text = format!(
                 "PerspectiveCamera {{ center {} direction {} up 0.31 0.82 0.2 angle 0.5 }}
                  Background {{ color 0 0 0 }} Lights {{ }}
                  Materials {{ Matte r {{ color 0.5 0.5 0.5 }} Matte m {{ color 0 0 0 emission 2 2 2 }} }}
                  Group {{ MaterialIndex m {} MaterialIndex r Quad {{ corner {} edge1 {} edge2 {} }} }}",
-                place.text([0.3, height - 1.0, 0.2]),
-                numbers(place.direction([-0.3, 1.0, -0.2]).normalize()),
-                flat.text(&place),
-                place.text([-0.5, height, -0.5]),
-                numbers(place.scale * place.direction([1.0, 0.0, 0.0])),
-                numbers(place.scale * place.direction([0.0, 0.0, 1.0])),
+                frame.text([0.3, height - 1.0, 0.2]),
+                numbers(frame.direction([-0.3, 1.0, -0.2]).normalize()),
+                flat.text(&frame),
+                frame.text([-0.5, height, -0.5]),
+                numbers(frame.scale * frame.direction([1.0, 0.0, 0.0])),
+                numbers(frame.scale * frame.direction([0.0, 0.0, 1.0])),
             );
-            let scene = scene(flat, &place, &text);
-            let (from, n) = (place.at([0.0, height, 0.0]), -place.axes[1]);
+            let scene = scene(flat, &frame, &text);
+            let (from, n) = (frame.at([0.0, height, 0.0]), -frame.axes[1]);
             let expected = (2.0 * 0.5 / PI * polygon_irradiance(from, n, &outline).abs()) as f32;
             for technique in [Technique::Combined, Technique::Lights] {
                 let settings = PathSettings { technique, bounces: 1, ..PathSettings::default() };
                 let path = Path::new(&scene, settings, [1, 1], LayerSet::of(&[]));
                 let found = mean(&path, 256);
-                let what = format!("{technique:?}: {flat:?} lights {found} at {place:?}");
+                let what = format!("{technique:?}: {flat:?} lights {found} at {frame:?}");
                 assert!((found / expected - 1.0).abs() < 0.04, "{what}, {expected} expected");
             }
         }

@@ -18,7 +18,7 @@ const SIZE: [u32; 2] = [200, 200];
 
 /// What happens at a surface on the way.
 #[derive(Clone, Copy, Debug)]
-enum Way {
+enum SurfaceKind {
     Mirror,
     /// Into glass, or out of it.
     Glass,
@@ -38,7 +38,7 @@ fn scene(camera: &str, things: &str) -> Scene {
 }
 
 /// Follows a ray by a way to the last surface: its point, and what the path says that a sample covers.
-fn reach(scene: &Scene, start: PathState<'_>, way: &[Way]) -> Option<(Vec3, [Vec3; 2], u32)> {
+fn reach(scene: &Scene, start: PathState<'_>, way: &[SurfaceKind]) -> Option<(Vec3, [Vec3; 2], u32)> {
     let (mut path, mut surface) = (start, SurfaceInteraction::default());
     let mut observer = Trail::default();
     for &step in way {
@@ -50,8 +50,8 @@ fn reach(scene: &Scene, start: PathState<'_>, way: &[Way]) -> Option<(Vec3, [Vec
         let n = if enters { n } else { -n };
         let cos = d.dot(n);
         let (wi, eta) = match step {
-            Way::Mirror => (d - 2.0 * cos * n, 1.0),
-            Way::Glass => {
+            SurfaceKind::Mirror => (d - 2.0 * cos * n, 1.0),
+            SurfaceKind::Glass => {
                 let eta = if enters { 1.5 } else { 1.0 / 1.5 };
                 let cos_t = 1.0 - (1.0 - cos * cos) / (eta * eta);
                 if cos_t < 0.1 {
@@ -61,7 +61,8 @@ fn reach(scene: &Scene, start: PathState<'_>, way: &[Way]) -> Option<(Vec3, [Vec
             }
         };
         let wi = wi.normalize();
-        let kind = ScatterKind { transmission: matches!(step, Way::Glass), delta: true, straight: false };
+        let kind =
+            ScatterKind { transmission: matches!(step, SurfaceKind::Glass), delta: true, straight: false };
         let sample = BsdfSample { wi: Vec3::Z, weight: Spectrum::WHITE, pdf: 1.0, kind, eta };
         if path.differential.is_some() {
             leave(scene, &mut path, &surface, wi, &sample);
@@ -75,7 +76,7 @@ fn reach(scene: &Scene, start: PathState<'_>, way: &[Way]) -> Option<(Vec3, [Vec
 }
 
 /// Compares the two for pixels all over the picture; returns how many could be compared.
-fn check(scene: &Scene, way: &[Way], tolerance: f32) -> usize {
+fn check(scene: &Scene, way: &[SurfaceKind], tolerance: f32) -> usize {
     let view = CameraView::new(scene, &scene.output.camera, SIZE, LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
     let draws = SampleStream::new(&sampler, 0, [0, 0], 0);
@@ -130,15 +131,15 @@ fn footprints_are_those_of_traced_rays() {
 #[test]
 fn footprints_in_a_mirror_ball_are_those_of_traced_rays() {
     let ball = "MaterialIndex mirror Sphere { center 0 0.5 0  radius 1.5 }";
-    assert!(check(&scene(CAMERA, ball), &[Way::Mirror], 0.01) > 100);
+    assert!(check(&scene(CAMERA, ball), &[SurfaceKind::Mirror], 0.01) > 100);
     let squeezed = "MaterialIndex mirror Transform { Translate 0 0.5 0  Scale 1.6 1.2 0.8  Sphere { center 0 0 0  radius 1.2 } }";
-    assert!(check(&scene(CAMERA, squeezed), &[Way::Mirror], 0.01) > 50);
+    assert!(check(&scene(CAMERA, squeezed), &[SurfaceKind::Mirror], 0.01) > 50);
 }
 
 #[test]
 fn footprints_through_a_glass_ball_are_those_of_traced_rays() {
     let ball = "MaterialIndex glass Sphere { center 0 0.5 0  radius 1.5 }";
-    assert!(check(&scene(CAMERA, ball), &[Way::Glass, Way::Glass], 0.01) > 100);
+    assert!(check(&scene(CAMERA, ball), &[SurfaceKind::Glass, SurfaceKind::Glass], 0.01) > 100);
 }
 
 /// A chequered plane to the horizon under light of irradiance pi, whose picture is filtered.

@@ -75,7 +75,7 @@ impl Strip<'_> {
 }
 
 /// Elements of `N` numbers each.
-pub(super) struct View<'b, const N: usize> {
+pub(super) struct AccessorView<'b, const N: usize> {
     pub count: usize,
     /// `None` means zeros.
     strip: Option<Strip<'b>>,
@@ -84,7 +84,7 @@ pub(super) struct View<'b, const N: usize> {
     sparse: Option<(Vec<u32>, Strip<'b>)>,
 }
 
-impl<'b, const N: usize> View<'b, N> {
+impl<'b, const N: usize> AccessorView<'b, N> {
     /// The accessor of this number.
     pub fn new(document: &Document, buffers: &'b Buffers<'_>, number: usize) -> Result<Self, String> {
         let named = |said: String| format!("accessors[{number}]: {said}");
@@ -141,7 +141,7 @@ impl<'b, const N: usize> View<'b, N> {
                 Some((places, values))
             }
         };
-        Ok(View { count, strip: dense, normalized: accessor.normalized, sparse })
+        Ok(AccessorView { count, strip: dense, normalized: accessor.normalized, sparse })
     }
 
     /// Whether every element has bytes of its own, so that their number is no mere claim.

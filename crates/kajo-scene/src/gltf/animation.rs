@@ -12,7 +12,7 @@
 //! joints of skins and all that hangs on the nodes.
 
 use super::Budget;
-use super::accessor::View;
+use super::accessor::AccessorView;
 use super::container::Buffers;
 use super::json::{Animation, AnimationSampler, Document};
 use kajo_math::DQuat;
@@ -173,7 +173,7 @@ impl<'d> Curve<'d> {
         sampler: &'d AnimationSampler,
         budget: &mut Budget,
     ) -> Result<Curve<'d>, String> {
-        let view = View::<1>::new(document, buffers, sampler.input)?;
+        let view = AccessorView::<1>::new(document, buffers, sampler.input)?;
         if !view.is_backed() || view.count == 0 {
             return Err("it has no times".to_owned());
         }
@@ -200,10 +200,10 @@ impl<'d> Curve<'d> {
         let elements = self.times.len() * if is_cubic { 3 } else { 1 };
         let values = match width {
             3 if !is_rotation && is_triple(document, output) => {
-                Values::Three(View::new(document, buffers, output)?)
+                Values::Three(AccessorView::new(document, buffers, output)?)
             }
-            4 if is_rotation => Values::Four(View::new(document, buffers, output)?),
-            _ => Values::One(View::new(document, buffers, output)?, width),
+            4 if is_rotation => Values::Four(AccessorView::new(document, buffers, output)?),
+            _ => Values::One(AccessorView::new(document, buffers, output)?, width),
         };
         if values.count() < elements {
             return Err(format!("there are {elements} values to be, and only {}", values.count()));
@@ -240,10 +240,10 @@ fn is_triple(document: &Document, accessor: usize) -> bool {
 
 /// Values of keys.
 enum Values<'b> {
-    Three(View<'b, 3>),
-    Four(View<'b, 4>),
+    Three(AccessorView<'b, 3>),
+    Four(AccessorView<'b, 4>),
     /// Numbers, so many of them for a key.
-    One(View<'b, 1>, usize),
+    One(AccessorView<'b, 1>, usize),
 }
 
 impl Values<'_> {

@@ -1,6 +1,6 @@
 //! The tree of nodes: which mesh, light and camera stands where.
 
-use super::accessor::View;
+use super::accessor::AccessorView;
 use super::container::Buffers;
 use super::json::{Document, Instancing, Node};
 use super::{Budget, Model, ModelCamera, ModelInstance, ModelLight};
@@ -139,9 +139,9 @@ fn placed(translation: [f64; 3], [x, y, z, w]: [f64; 4], scale: [f64; 3]) -> DAf
 /// The places of `EXT_mesh_gpu_instancing`.
 struct Many<'b> {
     count: usize,
-    translation: Option<View<'b, 3>>,
-    rotation: Option<View<'b, 4>>,
-    scale: Option<View<'b, 3>>,
+    translation: Option<AccessorView<'b, 3>>,
+    rotation: Option<AccessorView<'b, 4>>,
+    scale: Option<AccessorView<'b, 3>>,
 }
 
 impl<'b> Many<'b> {
@@ -154,9 +154,11 @@ impl<'b> Many<'b> {
         let (translation, rotation, scale) = (number("TRANSLATION"), number("ROTATION"), number("SCALE"));
         let many = Many {
             count: 0,
-            translation: translation.map(|number| View::new(document, buffers, number)).transpose()?,
-            rotation: rotation.map(|number| View::new(document, buffers, number)).transpose()?,
-            scale: scale.map(|number| View::new(document, buffers, number)).transpose()?,
+            translation: translation
+                .map(|number| AccessorView::new(document, buffers, number))
+                .transpose()?,
+            rotation: rotation.map(|number| AccessorView::new(document, buffers, number)).transpose()?,
+            scale: scale.map(|number| AccessorView::new(document, buffers, number)).transpose()?,
         };
         let counts = [
             many.translation.as_ref().map(|v| (v.count, v.is_backed())),

@@ -1,6 +1,6 @@
 //! Meshes of triangles, lines and points from the accessors of a glTF primitive.
 
-use super::accessor::View;
+use super::accessor::AccessorView;
 use super::container::Buffers;
 use super::json::{Document, Primitive};
 use super::material::Sets;
@@ -131,7 +131,7 @@ impl Reader<'_, '_> {
         budget: &mut Budget,
         skipped: &mut Skipped,
     ) -> Result<ModelPart, String> {
-        let positions = View::<3>::new(self.document, self.buffers, position)?;
+        let positions = AccessorView::<3>::new(self.document, self.buffers, position)?;
         let count = positions.count;
         let mut indices = self.indices(&positions, budget)?;
         let used = used_vertices(&mut indices, count);
@@ -218,7 +218,7 @@ impl Reader<'_, '_> {
     ) -> Result<(), String> {
         for (target, &weight) in self.primitive.targets.iter().zip(pose.weights) {
             let Some(&number) = target.get(name).filter(|_| weight != 0.0) else { continue };
-            let view = View::<3>::new(self.document, self.buffers, number)?;
+            let view = AccessorView::<3>::new(self.document, self.buffers, number)?;
             // This takes time in place of memory.
             budget.take::<[f32; 3]>(values.len())?;
             if used.iter().any(|v| v >= view.count) {
@@ -270,9 +270,13 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    fn attribute<const N: usize>(&self, name: &str, count: usize) -> Result<Option<View<'_, N>>, String> {
+    fn attribute<const N: usize>(
+        &self,
+        name: &str,
+        count: usize,
+    ) -> Result<Option<AccessorView<'_, N>>, String> {
         let Some(&number) = self.primitive.attributes.get(name) else { return Ok(None) };
-        let view = View::new(self.document, self.buffers, number)?;
+        let view = AccessorView::new(self.document, self.buffers, number)?;
         if view.count != count {
             return Err(format!("there are {count} vertices, but {} of `{name}`", view.count));
         }
@@ -280,7 +284,7 @@ impl Reader<'_, '_> {
     }
 
     /// The vertices of the corners, all of which exist.
-    fn indices(&self, positions: &View<'_, 3>, budget: &mut Budget) -> Result<Vec<u32>, String> {
+    fn indices(&self, positions: &AccessorView<'_, 3>, budget: &mut Budget) -> Result<Vec<u32>, String> {
         let count = positions.count;
         let Some(number) = self.primitive.indices else {
             if !positions.is_backed() {
@@ -292,7 +296,7 @@ impl Reader<'_, '_> {
                 _ => Err(format!("{count} vertices are too many")),
             };
         };
-        let view = View::<1>::new(self.document, self.buffers, number)?;
+        let view = AccessorView::<1>::new(self.document, self.buffers, number)?;
         if !view.is_backed() {
             return Err("its indices have no data".to_owned());
         }

@@ -10,7 +10,7 @@
 //! target [Khronos 2021, sec. 3.7.2.2 and 3.7.3.3].
 
 use super::Budget;
-use super::accessor::View;
+use super::accessor::AccessorView;
 use super::container::Buffers;
 use super::json::{Document, Skin};
 use super::nodes::{Shown, Tree, affine};
@@ -74,7 +74,8 @@ impl<'d> Poses<'d> {
         budget: &mut Budget,
     ) -> Result<Option<Rc<[DAffine3]>>, String> {
         let bound = skin.inverse_bind_matrices;
-        let bound = bound.map(|number| View::<16>::new(self.document, self.buffers, number)).transpose()?;
+        let bound =
+            bound.map(|number| AccessorView::<16>::new(self.document, self.buffers, number)).transpose()?;
         if bound.as_ref().is_some_and(|bound| bound.count < skin.joints.len()) {
             return Err("there are fewer matrices than joints".to_owned());
         }

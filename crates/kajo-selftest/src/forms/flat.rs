@@ -38,14 +38,14 @@ pub fn forms(draw: &mut Parameters) -> Vec<Form> {
 }
 
 /// A plane through the origin: its axes, of which the second is its normal, and the size of what lies in it.
-struct Place {
+struct PlaneFrame {
     axes: [DVec3; 3],
     scale: f64,
     name: String,
 }
 
-impl Place {
-    fn draw(draw: &mut Parameters) -> Place {
+impl PlaneFrame {
+    fn draw(draw: &mut Parameters) -> PlaneFrame {
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
         let frames = [
             ("x = 0", [y, x, -z]),
@@ -61,7 +61,7 @@ impl Place {
         let sign = if draw.index(2) == 0 { 1.0 } else { -1.0 };
         let exponent = draw.index(11) as i32 - 5;
         let name = format!("{name} at scale 1e{exponent}");
-        Place { axes: [u, sign * n, sign * v], scale: 10f64.powi(exponent), name }
+        PlaneFrame { axes: [u, sign * n, sign * v], scale: 10f64.powi(exponent), name }
     }
 
     /// World space from coordinates in the plane, of the order of 1, and above it.
@@ -139,56 +139,56 @@ fn form(
 }
 
 fn receiver(draw: &mut Parameters, shape: &str) -> Form {
-    let (place, rho, sky) = (Place::draw(draw), draw.between(0.2, 0.9), draw.between(0.5, 2.0));
-    let scene = place.seen(draw, shape, sky, &format!("Matte m {{ color {rho} {rho} {rho} }}"));
-    form(scene, format!("flat {shape} under the sky, {}", place.name), rho * sky, SKIES).bounces(0)
+    let (frame, rho, sky) = (PlaneFrame::draw(draw), draw.between(0.2, 0.9), draw.between(0.5, 2.0));
+    let scene = frame.seen(draw, shape, sky, &format!("Matte m {{ color {rho} {rho} {rho} }}"));
+    form(scene, format!("flat {shape} under the sky, {}", frame.name), rho * sky, SKIES).bounces(0)
 }
 
 fn mirror(draw: &mut Parameters, shape: &str) -> Form {
-    let (place, sky) = (Place::draw(draw), draw.between(0.5, 2.0));
-    let scene = place.seen(draw, shape, sky, "Metal m { color 1 1 1 }");
-    form(scene, format!("flat {shape} as a mirror, {}", place.name), sky, MIRRORS)
+    let (frame, sky) = (PlaneFrame::draw(draw), draw.between(0.5, 2.0));
+    let scene = frame.seen(draw, shape, sky, "Metal m { color 1 1 1 }");
+    form(scene, format!("flat {shape} as a mirror, {}", frame.name), sky, MIRRORS)
 }
 
 fn pane(draw: &mut Parameters, shape: &str) -> Form {
-    let (place, sky) = (Place::draw(draw), draw.between(0.5, 2.0));
-    let scene = place.seen(draw, shape, sky, "Glass m { thin on }");
-    form(scene, format!("flat {shape} as a pane, {}", place.name), sky, GLASS)
+    let (frame, sky) = (PlaneFrame::draw(draw), draw.between(0.5, 2.0));
+    let scene = frame.seen(draw, shape, sky, "Glass m { thin on }");
+    form(scene, format!("flat {shape} as a pane, {}", frame.name), sky, GLASS)
 }
 
 fn holes(draw: &mut Parameters, shape: &str) -> Form {
-    let (place, rho, sky) = (Place::draw(draw), draw.between(0.2, 0.9), draw.between(0.5, 2.0));
+    let (frame, rho, sky) = (PlaneFrame::draw(draw), draw.between(0.2, 0.9), draw.between(0.5, 2.0));
     // Light goes to and fro in a box that is there.
     let opacity = if shape == "box" { 0.0 } else { draw.between(0.0, 0.6) };
     let material = format!("Matte m {{ color {rho} {rho} {rho}  opacity {opacity} }}");
-    let scene = place.seen(draw, shape, sky, &material);
+    let scene = frame.seen(draw, shape, sky, &material);
     let expected = (opacity * rho + 1.0 - opacity) * sky;
-    form(scene, format!("flat {shape} with holes, {}", place.name), expected, HOLES)
+    form(scene, format!("flat {shape} with holes, {}", frame.name), expected, HOLES)
 }
 
 fn light(draw: &mut Parameters, shape: &str) -> Form {
-    let (place, rho, le) = (Place::draw(draw), draw.between(0.3, 0.9), draw.between(0.5, 4.0));
+    let (frame, rho, le) = (PlaneFrame::draw(draw), draw.between(0.3, 0.9), draw.between(0.5, 4.0));
     // Near or far, by the logarithm.
     let height = 10f64.powf(draw.between(-0.3, 2.0));
     let methods = if height < 4.0 { LIGHTS } else { SMALL_LIGHTS };
-    let floor = place.at([0.0, height, 0.0]);
-    let (thing, file) = place.shape(shape);
-    let n = -place.axes[1];
+    let floor = frame.at([0.0, height, 0.0]);
+    let (thing, file) = frame.shape(shape);
+    let n = -frame.axes[1];
     let scene = format!(
         "{}{}Group {{\n  MaterialIndex floor Disk {{ center {}  normal {}  radius {} }}\n  MaterialIndex emitter {thing}\n}}",
-        spot_meter(floor + place.at([0.01, -0.02, 0.0]), floor),
+        spot_meter(floor + frame.at([0.01, -0.02, 0.0]), floor),
         floor_and_light(rho, le),
         text(floor),
         text(n),
-        0.001 * place.scale as f32,
+        0.001 * frame.scale as f32,
     );
     let received = match shape {
         "disk" => PI / (1.0 + height * height),
         "triangle" => {
-            irradiance(&outline(shape)[..3].iter().map(|&c| place.at(c) - floor).collect::<Vec<_>>(), n)
+            irradiance(&outline(shape)[..3].iter().map(|&c| frame.at(c) - floor).collect::<Vec<_>>(), n)
         }
-        _ => irradiance(&outline(shape).map(|corner| place.at(corner) - floor), n),
+        _ => irradiance(&outline(shape).map(|corner| frame.at(corner) - floor), n),
     };
-    let name = format!("flat {shape} as a light, {}", place.name);
+    let name = format!("flat {shape} as a light, {}", frame.name);
     form((scene, file), name, rho / PI * le * received, methods).bounces(0)
 }

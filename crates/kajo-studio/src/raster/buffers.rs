@@ -7,15 +7,15 @@ use wgpu::util::DeviceExt as _;
 
 use super::is_within;
 use super::pipelines::Pipelines;
-use super::vertices::{Place, Vertex};
+use super::vertices::{InstanceTransform, Vertex};
 
 /// Corners, triangles and places of everything.
 #[derive(Default)]
 pub(super) struct SceneBuffers {
     meshes: Vec<MeshBuffers>,
     places: Option<wgpu::Buffer>,
-    /// For each place its mesh and what it adds to the object numbers of it; sorted by mesh.
-    of_places: Vec<(usize, u32)>,
+    /// For each instance its mesh and what it adds to the object numbers of it; sorted by mesh.
+    of_instances: Vec<(usize, u32)>,
 }
 
 struct MeshBuffers {
@@ -32,22 +32,23 @@ impl SceneBuffers {
     pub fn new(device: &wgpu::Device, preview: &Preview) -> SceneBuffers {
         let meshes: Vec<MeshBuffers> =
             preview.meshes.iter().map(|mesh| MeshBuffers::new(device, mesh)).collect();
-        let most = device.limits().max_buffer_size as usize / size_of::<Place>();
+        let most = device.limits().max_buffer_size as usize / size_of::<InstanceTransform>();
         let instances = &preview.instances[..preview.instances.len().min(most)];
-        let rows: Vec<Place> = instances.iter().map(place).collect();
+        let rows: Vec<InstanceTransform> = instances.iter().map(transform_of).collect();
         let places = (!rows.is_empty())
             .then(|| buffer(device, "places", bytemuck::cast_slice(&rows), wgpu::BufferUsages::VERTEX));
-        let of_places = instances.iter().map(|place| (place.mesh as usize, place.object)).collect();
-        SceneBuffers { meshes, places, of_places }
+        let of_instances =
+            instances.iter().map(|instance| (instance.mesh as usize, instance.object)).collect();
+        SceneBuffers { meshes, places, of_instances }
     }
 
     pub fn triangles(&self) -> u64 {
-        self.of_places.iter().map(|&(mesh, _)| u64::from(self.meshes[mesh].n_indices / 3)).sum()
+        self.of_instances.iter().map(|&(mesh, _)| u64::from(self.meshes[mesh].n_indices / 3)).sum()
     }
 
     pub fn draw_all(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &Pipelines) {
         let mut first = 0;
-        for run in self.of_places.chunk_by(|a, b| a.0 == b.0) {
+        for run in self.of_instances.chunk_by(|a, b| a.0 == b.0) {
             let places = first..first + run.len() as u32;
             first = places.end;
             let mesh = &self.meshes[run[0].0];
@@ -59,11 +60,11 @@ impl SceneBuffers {
     /// Draws some objects; whether there are any of them.
     pub fn draw_some(&self, pass: &mut wgpu::RenderPass<'_>, objects: &[Range<u32>]) -> bool {
         let mut any = false;
-        for (place, &(mesh, base)) in (0..).zip(&self.of_places) {
+        for (instance, &(mesh, base)) in (0..).zip(&self.of_instances) {
             let mesh = &self.meshes[mesh];
             for (object, corners) in &mesh.runs {
                 if is_within(object + base, objects) {
-                    self.draw(pass, mesh, corners.clone(), place..place + 1);
+                    self.draw(pass, mesh, corners.clone(), instance..instance + 1);
                     any = true;
                 }
             }
@@ -121,9 +122,9 @@ fn vertex(vertex: &kajo_edit::preview::Vertex) -> Vertex {
     Vertex { p: vertex.position, n: [x, y, z, 0], color: vertex.color }
 }
 
-fn place(instance: &PreviewInstance) -> Place {
+fn transform_of(instance: &PreviewInstance) -> InstanceTransform {
     let matrix = kajo_math::Mat4::from(instance.world_from_mesh);
-    Place { rows: [0, 1, 2].map(|row| matrix.row(row).to_array()), color: instance.color }
+    InstanceTransform { rows: [0, 1, 2].map(|row| matrix.row(row).to_array()), color: instance.color }
 }
 
 fn buffer(device: &wgpu::Device, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {

@@ -181,7 +181,7 @@ fn pipeline(
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module,
-            entry_point: Some("place_picture"),
+            entry_point: Some("project_picture"),
             buffers: &[],
             compilation_options: wgpu::PipelineCompilationOptions::default(),
         },

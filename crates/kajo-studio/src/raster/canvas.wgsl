@@ -9,7 +9,7 @@ struct Corner {
 }
 
 @vertex
-fn place_picture(@builtin(vertex_index) corner: u32) -> Corner {
+fn project_picture(@builtin(vertex_index) corner: u32) -> Corner {
     // A triangle around the viewport.
     let uv = vec2<f32>(f32(corner & 1u), f32(corner >> 1u)) * 2.0;
     var out: Corner;

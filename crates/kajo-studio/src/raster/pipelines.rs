@@ -1,6 +1,6 @@
 //! How the graphics card draws surfaces, lines, the mask of the selection and its outline.
 
-use super::vertices::{LineInstance, Place, Vertex};
+use super::vertices::{InstanceTransform, LineInstance, Vertex};
 
 /// Format of the picture: values as shown, which is what the window expects.
 pub(super) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -56,7 +56,7 @@ impl Pipelines {
                 attributes: &corners,
             }),
             Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Place>() as u64,
+                array_stride: size_of::<InstanceTransform>() as u64,
                 step_mode: wgpu::VertexStepMode::Instance,
                 attributes: &places,
             }),
@@ -67,7 +67,7 @@ impl Pipelines {
             attributes: &line,
         })];
         let surfaces = Plan {
-            vertex: "place_surface",
+            vertex: "project_surface",
             fragment: "shade_surface",
             buffers: &of_surfaces,
             strip: false,
@@ -75,10 +75,10 @@ impl Pipelines {
             blend: None,
             depth: Some((wgpu::CompareFunction::Less, true)),
         };
-        let flat_surfaces = Plan { vertex: "place_flat", fragment: "shade_flat", ..surfaces };
+        let flat_surfaces = Plan { vertex: "project_flat", fragment: "shade_flat", ..surfaces };
         let marks = Plan { fragment: "mark_surface", target: MASK, depth: None, ..flat_surfaces };
         let lines = Plan {
-            vertex: "place_line",
+            vertex: "project_line",
             fragment: "shade_line",
             buffers: &of_lines,
             strip: true,
@@ -92,7 +92,7 @@ impl Pipelines {
             ..lines
         };
         let outline = Plan {
-            vertex: "place_outline",
+            vertex: "project_outline",
             fragment: "shade_outline",
             buffers: &[],
             strip: false,

@@ -40,21 +40,21 @@ struct Corner {
     @location(2) color: vec4<f32>,
 }
 
-struct Place {
+struct InstanceTransform {
     @location(3) row0: vec4<f32>,
     @location(4) row1: vec4<f32>,
     @location(5) row2: vec4<f32>,
     @location(6) tint: vec4<f32>,
 }
 
-fn clip_of(p: vec3<f32>, to: Place) -> vec4<f32> {
+fn clip_of(p: vec3<f32>, to: InstanceTransform) -> vec4<f32> {
     let local = vec4<f32>(p, 1.0);
     let world = vec3<f32>(dot(to.row0, local), dot(to.row1, local), dot(to.row2, local));
     return view.clip_from_world * vec4<f32>(world, 1.0);
 }
 
 @vertex
-fn place_surface(corner: Corner, to: Place) -> Surface {
+fn project_surface(corner: Corner, to: InstanceTransform) -> Surface {
     // Normals go by the cofactors of the matrix, its inverse transposed up to a factor.
     let cofactors = mat3x3<f32>(
         cross(to.row1.xyz, to.row2.xyz),
@@ -69,7 +69,7 @@ fn place_surface(corner: Corner, to: Place) -> Surface {
 }
 
 @vertex
-fn place_flat(corner: Corner, to: Place) -> FlatSurface {
+fn project_flat(corner: Corner, to: InstanceTransform) -> FlatSurface {
     var out: FlatSurface;
     out.clip = clip_of(corner.p, to);
     out.color = corner.color.rgb * to.tint.rgb;
@@ -115,7 +115,7 @@ struct Line {
 }
 
 @vertex
-fn place_line(
+fn project_line(
     @builtin(vertex_index) corner: u32,
     @location(0) from_point: vec4<f32>,
     @location(1) to_point: vec4<f32>,
@@ -165,7 +165,7 @@ fn shade_hidden_line(in: Line) -> @location(0) vec4<f32> {
 @group(0) @binding(1) var marked: texture_2d<f32>;
 
 @vertex
-fn place_outline(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
+fn project_outline(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
     let x = f32(corner & 1u) * 4.0 - 1.0;
     let y = f32(corner >> 1u) * 4.0 - 1.0;
     return vec4<f32>(x, y, 0.0, 1.0);

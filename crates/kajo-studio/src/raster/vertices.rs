@@ -1,4 +1,4 @@
-//! Corners, places and lines as the shaders read them.
+//! Corners, transforms of instances and lines as the shaders read them.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -8,7 +8,7 @@ use super::Line;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(super) struct Vertex {
-    /// Place in the mesh's own space.
+    /// Position in the mesh's own space.
     pub p: [f32; 3],
     /// Normal in the same space, each part times 127, and a spare; zero for the triangle's own.
     pub n: [i8; 4],
@@ -19,7 +19,7 @@ pub(super) struct Vertex {
 /// Where a mesh stands, and a colour that its own is multiplied with.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(super) struct Place {
+pub(super) struct InstanceTransform {
     /// World from the mesh's space, row by row.
     pub rows: [[f32; 4]; 3],
     pub color: [u8; 4],

@@ -5,7 +5,7 @@ use egui::{Color32, FontId, RichText, ScrollArea, Ui};
 use kajo::Severity;
 
 use super::theme;
-use crate::state::{Place, Problem};
+use crate::state::{Problem, SourcePosition};
 
 /// The whole list.
 pub fn show(ui: &mut Ui, problems: &[Problem]) {
@@ -49,7 +49,7 @@ pub fn color(ui: &Ui, severity: Severity) -> Color32 {
 /// The line, its number before it, and `^^^ label` under the place.
 ///
 /// * `colors`: of the margin, of the line, of what is below it
-fn excerpt(place: &Place, [quiet, text, color]: [Color32; 3]) -> LayoutJob {
+fn excerpt(place: &SourcePosition, [quiet, text, color]: [Color32; 3]) -> LayoutJob {
     let number = format!("{:>5} | ", place.line);
     let margin = " ".repeat(number.len() - 2) + "| ";
     let tabless = place.text.replace('\t', " ");
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn the_mark_is_under_the_place() {
-        let place = Place {
+        let place = SourcePosition {
             file: "a.txt".into(),
             line: 12,
             column: 3,

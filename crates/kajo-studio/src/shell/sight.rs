@@ -20,13 +20,13 @@ const ON_SURFACE: f64 = 0.01;
 
 /// What was seen, on the card.
 #[derive(Default)]
-pub struct Seen {
+pub struct SightPainter {
     /// The picture that the sheet shows, and the objects that have an outline in it.
     shown: Option<(Arc<TracedPreview>, Vec<Range<u32>>)>,
     sheet: Option<Sheet>,
 }
 
-impl Seen {
+impl SightPainter {
     /// Paints what the camera sees, the outline of what is selected, and the lines.
     pub fn paint(&mut self, ui: &Ui, studio: &Studio, area: Area, canvas: &Canvas) {
         let Some(seen) = studio.sight() else { return };

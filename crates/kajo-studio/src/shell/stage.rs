@@ -8,7 +8,7 @@ use kajo::View;
 
 use super::picture::{self, TracedPicture};
 use super::picture_panel::title;
-use super::sight::Seen;
+use super::sight::SightPainter;
 use super::theme;
 use super::viewport::Area;
 use crate::raster::{Raster, Sheet, Shot};
@@ -20,7 +20,7 @@ pub struct Stage {
     /// The version of the scene that the card has.
     on_card: Option<Version>,
     /// The preview that rays make.
-    seen: Seen,
+    seen: SightPainter,
     picture: TracedPicture,
     kept_picture: TracedPicture,
     map: TracedPicture,
@@ -34,7 +34,7 @@ impl Stage {
         Stage {
             raster: Raster::new(card),
             on_card: None,
-            seen: Seen::default(),
+            seen: SightPainter::default(),
             picture: TracedPicture::default(),
             kept_picture: TracedPicture::default(),
             map: TracedPicture::default(),

@@ -14,7 +14,7 @@ use kajo_edit::{Document, FileId, NodeId, SceneFile};
 
 use super::completion::{Chosen, CompletionList};
 use super::{problems_panel, theme};
-use crate::state::{Action, Place, Problem, Selection, line_ends};
+use crate::state::{Action, Problem, Selection, SourcePosition, line_ends};
 
 /// Room for the numbers of lines, in points.
 const GUTTER: i8 = 46;
@@ -200,7 +200,7 @@ impl Rows<'_> {
     /// Underlines the place of a problem and says behind its line what it is; returns where the words end.
     ///
     /// * `after`: where the line ends, and what is said there already
-    fn mark(&self, ui: &mut Ui, problem: &Problem, place: &Place, after: f32) -> f32 {
+    fn mark(&self, ui: &mut Ui, problem: &Problem, place: &SourcePosition, after: f32) -> f32 {
         let color = problems_panel::color(ui, problem.severity);
         let row = self.rect(place.line - 1);
         let first = self.galley.rows.iter().take(place.line - 1);

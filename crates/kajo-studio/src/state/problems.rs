@@ -12,12 +12,12 @@ pub struct Problem {
     /// What to do about it.
     pub help: Option<String>,
     /// Where it is, if anywhere.
-    pub place: Option<Place>,
+    pub place: Option<SourcePosition>,
 }
 
 /// A piece of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct SourcePosition {
     /// The file, as the scene names it.
     pub file: String,
     /// The line, from 1.
@@ -45,7 +45,7 @@ pub fn problems(diagnostics: &Diagnostics, sources: &Sources) -> Vec<Problem> {
                 let text = line_of(sources.get(label.span.source).text(), label.span.range().start);
                 let rest = text.chars().count().saturating_sub(position.column - 1);
                 let width = sources.text(label.span).lines().next().map_or(1, |line| line.chars().count());
-                Place {
+                SourcePosition {
                     file: sources.get(label.span.source).path().to_owned(),
                     line: position.line,
                     column: position.column,

@@ -7,7 +7,7 @@ use std::f32::consts::FRAC_PI_2;
 
 use kajo_math::{Vec2, Vec3};
 
-use super::super::microfacet::Shape;
+use super::super::microfacet::NormalDistribution;
 use super::super::*;
 use brushed_clear::{ALPHAS, ASPECTS, BrushedClear, COSINES, INDICES, OF_TABLE, SURFACES, TURNS};
 use energy_tables::{EvenTables, STRONGEST};
@@ -28,7 +28,7 @@ impl Surface {
         let square = |i: usize, n: usize| (i as f32 / (n - 1) as f32).powi(2);
         let rough = square(number / ASPECTS % ALPHAS, ALPHAS);
         let alpha_y = square(number % ASPECTS, ASPECTS) * rough;
-        let facets = Microfacets { shape: Shape::Ggx, alpha_x: rough, alpha_y }.held();
+        let facets = Microfacets { shape: NormalDistribution::Ggx, alpha_x: rough, alpha_y }.held();
         let y = STRONGEST * square(number / (ASPECTS * ALPHAS), INDICES);
         Surface { facets, n: ((1.0 + y) / (1.0 - y)).max(1.002) }
     }

@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_2_PI, FRAC_PI_2};
 
 use kajo_math::{Vec2, Vec3};
 
-use super::super::microfacet::Shape;
+use super::super::microfacet::NormalDistribution;
 use super::super::*;
 use brushed_metal::{ALPHAS, ASPECTS, COSINES, OF_SHAPE, TURNS};
 use energy_tables::LARGEST;
@@ -26,7 +26,7 @@ fn direction(p: usize, j: usize) -> Vec3 {
 }
 
 /// The facets of the nodes `a` of the roughness and `q` of the ratio.
-fn facets(shape: Shape, a: usize, q: usize) -> Microfacets {
+fn facets(shape: NormalDistribution, a: usize, q: usize) -> Microfacets {
     let square = |i: usize, n: usize| (i as f32 / (n - 1) as f32).powi(2);
     let alpha_x = square(a, ALPHAS);
     Microfacets { shape, alpha_x, alpha_y: square(q, ASPECTS) * alpha_x }.held()
@@ -76,7 +76,7 @@ fn factors(facets: &Microfacets) -> Vec<f64> {
     s
 }
 
-fn values(shape: Shape) -> Vec<u8> {
+fn values(shape: NormalDistribution) -> Vec<u8> {
     std::thread::scope(|scope| {
         let rough =
             |a| move || (0..ASPECTS).flat_map(|q| factors(&facets(shape, a, q))).collect::<Vec<f64>>();
@@ -91,12 +91,12 @@ fn values(shape: Shape) -> Vec<u8> {
 fn brushed_metal_tables_are_what_the_generator_makes() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/brushed_metal.bin");
     if std::env::var_os("KAJO_WRITE_TABLES").is_some() {
-        let tables = [Shape::Ggx, Shape::Beckmann].map(values).concat();
+        let tables = [NormalDistribution::Ggx, NormalDistribution::Beckmann].map(values).concat();
         assert_eq!(tables.len(), 4 * OF_SHAPE);
         std::fs::write(path, tables).expect("the table is written");
         return;
     }
-    for (shape, a, q) in [(Shape::Ggx, 9, 2), (Shape::Beckmann, ALPHAS - 1, 3)] {
+    for (shape, a, q) in [(NormalDistribution::Ggx, 9, 2), (NormalDistribution::Beckmann, ALPHAS - 1, 3)] {
         let facets = facets(shape, a, q);
         for (i, s) in factors(&facets).into_iter().enumerate() {
             let w = direction(i / COSINES, i % COSINES);
@@ -109,7 +109,7 @@ fn brushed_metal_tables_are_what_the_generator_makes() {
 /// Grain along y is grain along x seen from the side, and all four quarters are alike.
 #[test]
 fn quarters_are_alike() {
-    let along = Microfacets { shape: Shape::Ggx, alpha_x: 0.6, alpha_y: 0.2 };
+    let along = Microfacets { shape: NormalDistribution::Ggx, alpha_x: 0.6, alpha_y: 0.2 };
     let across = Microfacets { alpha_x: 0.2, alpha_y: 0.6, ..along };
     for (p, j) in [(0, 3), (2, 8), (5, 12), (9, 19)] {
         let w = direction(p, j);

@@ -8,7 +8,7 @@ use kajo_color::{RgbBasis, Spectrum, Wavelengths};
 use super::super::*;
 use crate::measured::btf::{Btf, tests::cloth_texture};
 use crate::measured::{MeasuredBrdf, merl, rgl};
-use microfacet::Shape;
+use microfacet::NormalDistribution;
 
 /// Roughness from a sharp gloss to the end of the range.
 pub const ROUGHNESSES: [f32; 10] = [0.03, 0.06, 0.1, 0.15, 0.25, 0.35, 0.5, 0.65, 0.8, 1.0];
@@ -30,7 +30,7 @@ pub fn gold() -> MetalFresnel {
     }
 }
 
-fn anisotropic(shape: Shape, alpha: f32) -> Microfacets {
+fn anisotropic(shape: NormalDistribution, alpha: f32) -> Microfacets {
     Microfacets { shape, alpha_x: alpha, alpha_y: (0.3 * alpha).max(0.03) }
 }
 
@@ -140,90 +140,103 @@ pub fn families() -> Vec<Family> {
         Family { name: "cloth", lobe: |r| cloth((7.0 * r) as i64), ..PLAIN },
         Family { name: "table of RGL", lobe: |_| measured(false), tolerance: 0.02, ..PLAIN },
         Family { name: "table of MERL", lobe: |_| measured(true), tolerance: 0.02, ..PLAIN },
-        Family { name: "white metal", lobe: |a| conductor(WHITE, Microfacets::new(Shape::Ggx, a)), ..PLAIN },
+        Family {
+            name: "white metal",
+            lobe: |a| conductor(WHITE, Microfacets::new(NormalDistribution::Ggx, a)),
+            ..PLAIN
+        },
         Family {
             name: "white metal, Beckmann",
-            lobe: |a| conductor(WHITE, Microfacets::new(Shape::Beckmann, a)),
+            lobe: |a| conductor(WHITE, Microfacets::new(NormalDistribution::Beckmann, a)),
             lossless: true,
             ..PLAIN
         },
-        Family { name: "gold", lobe: |a| conductor(gold(), Microfacets::new(Shape::Ggx, a)), ..PLAIN },
+        Family {
+            name: "gold",
+            lobe: |a| conductor(gold(), Microfacets::new(NormalDistribution::Ggx, a)),
+            ..PLAIN
+        },
         Family {
             name: "brushed white metal",
-            lobe: |a| conductor(WHITE, anisotropic(Shape::Ggx, a)),
+            lobe: |a| conductor(WHITE, anisotropic(NormalDistribution::Ggx, a)),
             lossless: true,
             tolerance: 0.01,
         },
         Family {
             name: "grooved white metal",
-            lobe: |a| conductor(WHITE, Microfacets::brushed(Shape::Ggx, a, 0.95)),
+            lobe: |a| conductor(WHITE, Microfacets::brushed(NormalDistribution::Ggx, a, 0.95)),
             lossless: true,
             tolerance: 0.01,
         },
         Family {
             name: "brushed white metal, Beckmann",
-            lobe: |a| conductor(WHITE, anisotropic(Shape::Beckmann, a)),
+            lobe: |a| conductor(WHITE, anisotropic(NormalDistribution::Beckmann, a)),
             lossless: true,
             tolerance: 0.02,
         },
-        Family { name: "brushed gold", lobe: |a| conductor(gold(), anisotropic(Shape::Ggx, a)), ..PLAIN },
+        Family {
+            name: "brushed gold",
+            lobe: |a| conductor(gold(), anisotropic(NormalDistribution::Ggx, a)),
+            ..PLAIN
+        },
         Family {
             name: "brushed gold, Beckmann",
-            lobe: |a| conductor(gold(), anisotropic(Shape::Beckmann, a)),
+            lobe: |a| conductor(gold(), anisotropic(NormalDistribution::Beckmann, a)),
             ..PLAIN
         },
         Family {
             name: "glass",
-            lobe: |a| glass(1.5, Microfacets::new(Shape::Ggx, a)),
+            lobe: |a| glass(1.5, Microfacets::new(NormalDistribution::Ggx, a)),
             lossless: true,
             ..PLAIN
         },
         Family {
             name: "diamond",
-            lobe: |a| glass(2.417, Microfacets::new(Shape::Ggx, a)),
+            lobe: |a| glass(2.417, Microfacets::new(NormalDistribution::Ggx, a)),
             lossless: true,
             ..PLAIN
         },
         Family {
             name: "bubble",
-            lobe: |a| glass(1.0 / 1.33, Microfacets::new(Shape::Ggx, a)),
+            lobe: |a| glass(1.0 / 1.33, Microfacets::new(NormalDistribution::Ggx, a)),
             lossless: true,
             ..PLAIN
         },
         Family {
             name: "glass, Beckmann",
-            lobe: |a| glass(1.5, Microfacets::new(Shape::Beckmann, a)),
+            lobe: |a| glass(1.5, Microfacets::new(NormalDistribution::Beckmann, a)),
             lossless: true,
             ..PLAIN
         },
         Family {
             name: "scratched glass",
-            lobe: |a| glass(1.5, anisotropic(Shape::Ggx, a)),
+            lobe: |a| glass(1.5, anisotropic(NormalDistribution::Ggx, a)),
             lossless: true,
             tolerance: 0.02,
         },
         Family {
             name: "scratched glass, Beckmann",
-            lobe: |a| glass(1.5, anisotropic(Shape::Beckmann, a)),
+            lobe: |a| glass(1.5, anisotropic(NormalDistribution::Beckmann, a)),
             tolerance: 0.03,
             ..PLAIN
         },
         Family {
             name: "grooved diamond",
-            lobe: |a| glass(2.417, Microfacets::brushed(Shape::Ggx, a, 0.9)),
+            lobe: |a| glass(2.417, Microfacets::brushed(NormalDistribution::Ggx, a, 0.9)),
             lossless: true,
             tolerance: 0.03,
         },
         Family {
             name: "brushed bubble",
-            lobe: |a| glass(1.0 / 1.33, Microfacets::brushed(Shape::Ggx, a, 0.5)),
+            lobe: |a| glass(1.0 / 1.33, Microfacets::brushed(NormalDistribution::Ggx, a, 0.5)),
             lossless: true,
             tolerance: 0.02,
         },
         Family {
             name: "brushed plastic",
             lobe: |a| {
-                let Microfacets { alpha_x, alpha_y, .. } = Microfacets::brushed(Shape::Ggx, a, 0.8);
+                let Microfacets { alpha_x, alpha_y, .. } =
+                    Microfacets::brushed(NormalDistribution::Ggx, a, 0.8);
                 let alpha = Vec2::new(alpha_x, alpha_y);
                 Bsdf::Principled(Principled { color: Spectrum::WHITE, alpha, ..Principled::default() })
             },
@@ -232,19 +245,19 @@ pub fn families() -> Vec<Family> {
         },
         Family {
             name: "frosted pane",
-            lobe: |a| pane(1.5, Spectrum::BLACK, Microfacets::new(Shape::Ggx, a)),
+            lobe: |a| pane(1.5, Spectrum::BLACK, Microfacets::new(NormalDistribution::Ggx, a)),
             lossless: true,
             ..PLAIN
         },
         Family {
             name: "frosted pane, Beckmann",
-            lobe: |a| pane(2.0, Spectrum::BLACK, Microfacets::new(Shape::Beckmann, a)),
+            lobe: |a| pane(2.0, Spectrum::BLACK, Microfacets::new(NormalDistribution::Beckmann, a)),
             lossless: true,
             ..PLAIN
         },
         Family {
             name: "brushed green pane",
-            lobe: |a| pane(1.5, Spectrum::rgb(0.8, 0.1, 1.2), anisotropic(Shape::Ggx, a)),
+            lobe: |a| pane(1.5, Spectrum::rgb(0.8, 0.1, 1.2), anisotropic(NormalDistribution::Ggx, a)),
             tolerance: 0.01,
             ..PLAIN
         },
@@ -341,7 +354,7 @@ pub fn families() -> Vec<Family> {
 
 /// Lobes that scatter into single directions.
 pub fn mirrors() -> Vec<(&'static str, Bsdf<'static>)> {
-    let smooth = Microfacets::new(Shape::Ggx, 0.0);
+    let smooth = Microfacets::new(NormalDistribution::Ggx, 0.0);
     vec![
         ("mirror", conductor(MetalFresnel::Constant(Spectrum::WHITE), smooth)),
         ("smooth glass", glass(1.5, smooth)),

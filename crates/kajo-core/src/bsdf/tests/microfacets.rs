@@ -7,10 +7,10 @@ use kajo_math::{Vec2, Vec3, fmath, rng::Stream};
 use kajo_testkit::sphere;
 
 use super::super::conductor::complex_polarised;
-use super::super::microfacet::Shape;
+use super::super::microfacet::NormalDistribution;
 use super::super::*;
 
-const SHAPES: [Shape; 2] = [Shape::Ggx, Shape::Beckmann];
+const SHAPES: [NormalDistribution; 2] = [NormalDistribution::Ggx, NormalDistribution::Beckmann];
 
 fn at(cos: f32) -> Vec3 {
     Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos)
@@ -24,8 +24,8 @@ fn integrate(facets: Microfacets, g: impl Fn(Vec3) -> f64) -> f64 {
         let u = (f64::from(i) + 0.5) / f64::from(rings);
         // r² and its derivative by u.
         let (r2, slope) = match facets.shape {
-            Shape::Ggx => (u / (1.0 - u), 1.0 / (1.0 - u).powi(2)),
-            Shape::Beckmann => (-(1.0 - u).ln(), 1.0 / (1.0 - u)),
+            NormalDistribution::Ggx => (u / (1.0 - u), 1.0 / (1.0 - u).powi(2)),
+            NormalDistribution::Beckmann => (-(1.0 - u).ln(), 1.0 / (1.0 - u)),
         };
         for k in 0..sectors {
             let (s, c) = (TAU * (f64::from(k) + 0.5) / f64::from(sectors)).sin_cos();
@@ -83,7 +83,7 @@ fn single_scattering_loses_what_is_known() {
         (1.0, [0.307, 0.451, 0.409]),
     ];
     for (alpha, expected) in table {
-        let facets = Microfacets::new(Shape::Ggx, alpha);
+        let facets = Microfacets::new(NormalDistribution::Ggx, alpha);
         let albedo = |cos: f32| {
             sphere::stratified_mean(128, 1, |u, _| {
                 let wi = fresnel::reflect(-at(cos), facets.sample(at(cos), u));
@@ -175,7 +175,7 @@ fn repeated_reflection_is_a_geometric_series() {
 
 #[test]
 fn a_pane_adds_up_its_echoes() {
-    let microfacets = Microfacets::new(Shape::Ggx, 0.0);
+    let microfacets = Microfacets::new(NormalDistribution::Ggx, 0.0);
     let clear = ThinDielectric { eta: 1.5, optical_depth: Spectrum::BLACK, microfacets };
     let (r, t) = clear.shares(1.0);
     assert!((r[0] - 0.076_923_1).abs() < 1e-6 && (t[0] - 0.923_076_9).abs() < 1e-6);
@@ -247,8 +247,11 @@ fn a_factor_at_normal_incidence_fades_at_grazing_angles() {
 #[test]
 fn a_frosted_pane_divides_light_as_a_polished_one() {
     let optical_depth = Spectrum::rgb(0.0, 0.3, 1.0);
-    let pane =
-        |alpha| ThinDielectric { eta: 1.5, optical_depth, microfacets: Microfacets::new(Shape::Ggx, alpha) };
+    let pane = |alpha| ThinDielectric {
+        eta: 1.5,
+        optical_depth,
+        microfacets: Microfacets::new(NormalDistribution::Ggx, alpha),
+    };
     assert!(pane(POLISHED).is_polished() && !pane(0.02).is_polished());
     for cos in [1.0, 0.6, 0.3] {
         let (r, t) = pane(0.0).shares(cos);
@@ -266,7 +269,7 @@ fn a_frosted_pane_divides_light_as_a_polished_one() {
 /// them next to the ends of their ranges.
 #[test]
 fn slopes_of_beckmann_have_their_share_below_them() {
-    let facets = Microfacets::new(Shape::Beckmann, 1.0);
+    let facets = Microfacets::new(NormalDistribution::Beckmann, 1.0);
     let (mut worst, mut sum, n) = (0.0f64, 0.0, 1 << 19);
     for i in 0..n {
         let numbers = Stream::new(12, [i, 0], 0);

@@ -4,7 +4,7 @@
 
 use kajo_math::{Vec2, Vec3};
 
-use super::super::microfacet::Shape;
+use super::super::microfacet::NormalDistribution;
 use super::super::*;
 use energy_tables::{ALPHAS, COSINES, INDICES, LARGEST, METAL_ALPHAS, STRONGEST, average};
 
@@ -34,7 +34,7 @@ fn scatter(facets: Microfacets, eta: Option<f32>, j: usize) -> Row {
         // Both sides of the plane of `wo` are alike.
         let u = Vec2::new(0.5 * across as f32, along as f32);
         // The number that turns normals out of that plane is the second one for Beckmann.
-        let u = if facets.shape == Shape::Ggx { u } else { Vec2::new(u.y, u.x) };
+        let u = if facets.shape == NormalDistribution::Ggx { u } else { Vec2::new(u.y, u.x) };
         let m = facets.sample(wo, u);
         let cos = wo.dot(m);
         if cos <= 0.0 {
@@ -99,7 +99,7 @@ fn at(cos: f32) -> Vec3 {
 }
 
 /// The facets of node `a` of `nodes`.
-fn facets(shape: Shape, a: usize, nodes: usize) -> Microfacets {
+fn facets(shape: NormalDistribution, a: usize, nodes: usize) -> Microfacets {
     let root = a as f32 / (nodes - 1) as f32;
     Microfacets::new(shape, root * root).held()
 }
@@ -125,7 +125,7 @@ struct Clear {
 }
 
 impl Clear {
-    fn new(shape: Shape, n: usize) -> Clear {
+    fn new(shape: NormalDistribution, n: usize) -> Clear {
         let mut tables = Clear::default();
         for a in 0..ALPHAS {
             let facets = facets(shape, a, ALPHAS);
@@ -144,13 +144,13 @@ impl Clear {
 }
 
 /// The albedos of mirrors that are met once.
-fn mirrors(shape: Shape) -> Vec<u8> {
+fn mirrors(shape: NormalDistribution) -> Vec<u8> {
     let rows = (0..METAL_ALPHAS).map(|a| mirrored(facets(shape, a, METAL_ALPHAS)));
     rows.flat_map(|rows| once(&rows).map(short).collect::<Vec<u16>>()).flat_map(u16::to_le_bytes).collect()
 }
 
 /// All values of one shape in the order of the file but those.
-fn values(shape: Shape) -> Vec<u8> {
+fn values(shape: NormalDistribution) -> Vec<u8> {
     let (metals, clears) = std::thread::scope(|scope| {
         let clears: Vec<_> = (0..INDICES).map(|n| scope.spawn(move || Clear::new(shape, n))).collect();
         let metals = (0..METAL_ALPHAS)
@@ -172,13 +172,13 @@ fn values(shape: Shape) -> Vec<u8> {
 fn energy_tables_are_what_the_generator_makes() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bsdf/energy.bin");
     if std::env::var_os("KAJO_WRITE_TABLES").is_some() {
-        let shapes = [Shape::Ggx, Shape::Beckmann];
+        let shapes = [NormalDistribution::Ggx, NormalDistribution::Beckmann];
         let tables = [shapes.map(values).concat(), shapes.map(mirrors).concat()];
         std::fs::write(path, tables.concat()).expect("the table is written");
         return;
     }
     let close = |a: f32, b: f64| (f64::from(a) - b).abs() < 1e-4;
-    for (shape, a) in [(Shape::Ggx, 40), (Shape::Beckmann, METAL_ALPHAS - 1)] {
+    for (shape, a) in [(NormalDistribution::Ggx, 40), (NormalDistribution::Beckmann, METAL_ALPHAS - 1)] {
         let facets = facets(shape, a, METAL_ALPHAS);
         let rows = mirrored(facets);
         for (j, s) in metal(&rows).into_iter().enumerate() {
@@ -188,7 +188,11 @@ fn energy_tables_are_what_the_generator_makes() {
             assert!(close(energy::mirrored_once(&facets, cosine_of(j)), once), "{shape:?} {a} {j}: {once}");
         }
     }
-    for (shape, a, n) in [(Shape::Ggx, 11, 4), (Shape::Ggx, ALPHAS - 1, 8), (Shape::Beckmann, 20, 5)] {
+    for (shape, a, n) in [
+        (NormalDistribution::Ggx, 11, 4),
+        (NormalDistribution::Ggx, ALPHAS - 1, 8),
+        (NormalDistribution::Beckmann, 20, 5),
+    ] {
         let facets = facets(shape, a, ALPHAS);
         let loss = energy::Loss::new(&facets, index(n));
         let [thin, reflected] = clear(facets, index(n));

@@ -74,8 +74,8 @@ macro_rules! algebraic {
 
         pub const $member: ObjectMember = Member {
             block: Block { keyword: $keyword, kind: Kind::Shape, about: $about, groups: &[$keys::FIELDS] },
-            read: |compiler, item, place, walk| {
-                compiler.solid(item, place, walk, |params: &mut Params<'_, '_>, sources: &mut Sources<'_>| {
+            read: |compiler, item, ctm, state| {
+                compiler.solid(item, ctm, state, |params: &mut Params<'_, '_>, sources: &mut Sources<'_>| {
                     let $keys { coefficients, min, max, closed } = $keys::read(params, sources)?;
                     surface(params, Arc::new(coefficients.function()), [min, max], closed)
                 })

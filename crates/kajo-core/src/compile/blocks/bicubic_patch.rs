@@ -39,7 +39,7 @@ pub const MEMBER: ObjectMember = Member {
         about: "a Bézier patch of sixteen control points",
         groups: &[BicubicPatchKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.solid(item, place, walk, read),
+    read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<BicubicPatch> {

@@ -47,7 +47,7 @@ pub const MEMBER: ObjectMember = Member {
         about: "balls and cylinders that flow into each other",
         groups: &[BlobKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.solid(item, place, walk, read),
+    read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };
 
 pub const SPHERE: Block = Block {

@@ -38,7 +38,7 @@ pub const MEMBER: ObjectMember = Member {
         about: "a cone, pointed or cut off, with or without caps",
         groups: &[ConeKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.solid(item, place, walk, read),
+    read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Cone> {

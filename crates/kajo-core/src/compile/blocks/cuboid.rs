@@ -22,7 +22,7 @@ pub const MEMBER: ObjectMember = Member {
         about: "a box with faces parallel to the axes",
         groups: &[BoxKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.solid(item, place, walk, read),
+    read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Cuboid> {

@@ -5,8 +5,8 @@ use kajo_scene::{Diagnostic, Item, Params};
 use crate::compile::Compiler;
 use crate::compile::curves::CurvesRequest;
 use crate::compile::fields::{At, FileName, Keys, Sources, at_least, choice, choices, file, keys};
+use crate::compile::graphics_state::{CurrentTransform, GraphicsState};
 use crate::compile::member::{Member, ObjectMember};
-use crate::compile::place::{Place, Walk};
 use crate::schema::{Block, Kind};
 use crate::shape::{CurveBasis, CurveForm, Strands};
 
@@ -53,9 +53,14 @@ pub const MEMBER: ObjectMember = Member {
 pub const STRAND: Block =
     Block { keyword: "strand", kind: Kind::Part, about: "one of many curves, by its points", groups: &[] };
 
-fn place_curves(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+fn place_curves(
+    compiler: &mut Compiler<'_>,
+    item: Item<'_>,
+    ctm: &mut CurrentTransform,
+    state: &mut GraphicsState,
+) {
     let shape = compiler.read_keys(item, read).and_then(|request| compiler.curves(item, request));
-    compiler.put_shape(shape, item, place, walk);
+    compiler.put_shape(shape, item, ctm, state);
 }
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<CurvesRequest> {

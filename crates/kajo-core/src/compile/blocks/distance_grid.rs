@@ -4,9 +4,9 @@ use kajo_scene::{Diagnostic, Item, Params};
 
 use crate::compile::Compiler;
 use crate::compile::fields::{Keys, Sources, flag, keys, number};
+use crate::compile::graphics_state::{CurrentTransform, GraphicsState};
 use crate::compile::grid::{Grid, GridKeys, grid_keys};
 use crate::compile::member::{Member, ObjectMember};
-use crate::compile::place::{Place, Walk};
 use crate::schema::{Block, Kind};
 use crate::shape::{DistanceGrid, ShapeId};
 
@@ -28,10 +28,15 @@ pub const MEMBER: ObjectMember = Member {
     read: place_distance_grid,
 };
 
-fn place_distance_grid(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+fn place_distance_grid(
+    compiler: &mut Compiler<'_>,
+    item: Item<'_>,
+    ctm: &mut CurrentTransform,
+    state: &mut GraphicsState,
+) {
     let shape =
         compiler.read_keys(item, read).and_then(|(grid, keys)| compiler.distance_grid(item, grid, keys));
-    compiler.put_shape(shape, item, place, walk);
+    compiler.put_shape(shape, item, ctm, state);
 }
 
 fn read<'t>(

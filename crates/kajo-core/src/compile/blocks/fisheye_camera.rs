@@ -4,7 +4,7 @@ use kajo_scene::{Args, Item, Params};
 
 use crate::camera::{Camera, FisheyeCamera, FisheyeProjection};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraReader, OwnKeys, ShutterKeys, View};
+use crate::compile::camera_keys::{CameraAim, CameraReader, OwnKeys, ShutterKeys};
 use crate::compile::fields::{
     Choice, Defaulted, Field, Given, Keys, Sources, choice, choices, degrees, keys,
 };
@@ -59,7 +59,7 @@ pub const MEMBER: CameraMember = Member {
     read: CameraReader { other_fits: DiskFit::WORDS, read },
 };
 
-fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, view: &View) -> OwnKeys<'t> {
+fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, aim: &CameraAim) -> OwnKeys<'t> {
     let keys = FisheyeKeys::read(params, sources);
     let is_disk = |item: Item<'_>| item.word().is_some_and(|word| DiskFit::WORDS.contains(&&*word.text()));
     let fit = FIT.read_where(params, sources, is_disk);
@@ -71,7 +71,7 @@ fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, view: &View)
     if let Some(item) = too_wide {
         Args::read(item, params.diagnostics(), |args| args.number_in(1e-3..=widest));
     }
-    let camera = view.frame.map(|frame| {
+    let camera = aim.frame.map(|frame| {
         let angle = f64::from(angle.value).to_radians();
         Camera::Fisheye(FisheyeCamera { frame, angle, projection, to_corners: fit == DiskFit::Corners })
     });

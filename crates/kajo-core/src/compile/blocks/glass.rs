@@ -4,7 +4,7 @@ use kajo_color::{Dispersion, named};
 use kajo_scene::{Args, Diagnostic, Params};
 
 use super::metal::{ANISOTROPY, DISTRIBUTION, ROTATION, by_name};
-use crate::bsdf::microfacet::Shape;
+use crate::bsdf::microfacet::NormalDistribution;
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{
     Absorption, Defaulted, Inside, Keys, Optional, Plain, Sources, Typed, absorption, between, flag,
@@ -38,7 +38,7 @@ keys! {
             float_texture("thickness", 0.0, f64::MAX).unit("length").unlike("a solid body", "0.01", "of a pane"),
         thin: Option<bool> =
             flag("thin").ruled(thin, "on with a `thickness`", "a pane, whose surface stands for both its sides"),
-        distribution: Shape = DISTRIBUTION,
+        distribution: NormalDistribution = DISTRIBUTION,
         roughness: FloatTexture = share("roughness").or(0.0, "0 is clear, more is frosted"),
         anisotropy: FloatTexture = ANISOTROPY,
         rotation: FloatTexture = ROTATION,

@@ -6,7 +6,7 @@ use crate::schema::{Block, Kind};
 
 pub const GROUP: ObjectMember = Member {
     block: Block { keyword: "Group", kind: Kind::Group, about: "objects together", groups: &[] },
-    read: |compiler, item, place, walk| compiler.group(item, place, walk),
+    read: |compiler, item, ctm, state| compiler.group(item, ctm, state),
 };
 
 pub const INSTANCE: ObjectMember = Member {
@@ -16,7 +16,7 @@ pub const INSTANCE: ObjectMember = Member {
         about: "what was defined, put into its place",
         groups: &[operations::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.instance(item, place, walk),
+    read: |compiler, item, ctm, state| compiler.instance(item, ctm, state),
 };
 
 pub const TRANSFORM: ObjectMember = Member {
@@ -26,7 +26,7 @@ pub const TRANSFORM: ObjectMember = Member {
         about: "moves, turns and scales an object or a group",
         groups: &[operations::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.transform(item, place, walk),
+    read: |compiler, item, ctm, state| compiler.transform(item, ctm, state),
 };
 
 pub const DEFINE: Block =

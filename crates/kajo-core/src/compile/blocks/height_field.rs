@@ -11,9 +11,9 @@ use crate::compile::fields::{
     At, FileName, Keys, Sources, count, file, flag, function, keys, number, pair, point, report_beside,
     report_without,
 };
+use crate::compile::graphics_state::{CurrentTransform, GraphicsState};
 use crate::compile::height_field::{HeightFieldRequest, HeightSource};
 use crate::compile::member::{Member, ObjectMember};
-use crate::compile::place::{Place, Walk};
 use crate::schema::{Block, Kind};
 
 keys! {
@@ -48,9 +48,14 @@ pub const MEMBER: ObjectMember = Member {
     read: place_height_field,
 };
 
-fn place_height_field(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+fn place_height_field(
+    compiler: &mut Compiler<'_>,
+    item: Item<'_>,
+    ctm: &mut CurrentTransform,
+    state: &mut GraphicsState,
+) {
     let shape = compiler.read_keys(item, read).and_then(|request| compiler.height_field(item, request));
-    compiler.put_shape(shape, item, place, walk);
+    compiler.put_shape(shape, item, ctm, state);
 }
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<HeightFieldRequest> {

@@ -27,7 +27,7 @@ pub const MEMBER: ObjectMember = Member {
         about: "the surface where a function is zero, in a box",
         groups: &[IsosurfaceKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.solid(item, place, walk, read),
+    read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Isosurface> {

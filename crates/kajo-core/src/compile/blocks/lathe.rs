@@ -25,8 +25,8 @@ pub const MEMBER: ObjectMember = Member {
         about: "a profile, turned about an axis",
         groups: &[LatheKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| {
-        compiler.solid(item, place, walk, |params, sources| read(item, params, sources))
+    read: |compiler, item, ctm, state| {
+        compiler.solid(item, ctm, state, |params, sources| read(item, params, sources))
     },
 };
 

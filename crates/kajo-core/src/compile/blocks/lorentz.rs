@@ -12,5 +12,5 @@ pub const MEMBER: ObjectMember = Member {
         about: "objects that move nearly as fast as light, and look it",
         groups: &[LorentzKeys::FIELDS, operations::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.lorentz(item, place, walk),
+    read: |compiler, item, ctm, state| compiler.lorentz(item, ctm, state),
 };

@@ -3,7 +3,7 @@
 use kajo_color::{metal, named};
 use kajo_scene::{Args, Diagnostic, Params, nearest};
 
-use crate::bsdf::microfacet::Shape;
+use crate::bsdf::microfacet::NormalDistribution;
 use crate::compile::extras::ExtraKeys;
 use crate::compile::fields::{
     Defaulted, Keys, Plain, Sources, Typed, choice, choices, color_texture, keys, share,
@@ -14,15 +14,15 @@ use crate::schema::{Block, FieldKind, FieldSpec, Kind};
 use crate::texture::{ColorTexture, FloatTexture};
 
 choices! {
-    Shape {
-        "beckmann" => Shape::Beckmann,
-        "ggx" => Shape::Ggx,
+    NormalDistribution {
+        "beckmann" => NormalDistribution::Beckmann,
+        "ggx" => NormalDistribution::Ggx,
     }
 }
 
 /// The distribution of the facets of a rough surface.
-pub const DISTRIBUTION: Defaulted<Shape> =
-    choice::<Shape>("distribution").or_word("ggx", "how the facets of a rough surface lie");
+pub const DISTRIBUTION: Defaulted<NormalDistribution> =
+    choice::<NormalDistribution>("distribution").or_word("ggx", "how the facets of a rough surface lie");
 /// The strength of a grain.
 pub const ANISOTROPY: Defaulted<FloatTexture> =
     share("anisotropy").or(0.0, "how far the highlight of a brushed surface is drawn out");
@@ -38,7 +38,7 @@ keys! {
         metal: Option<Measured> = Typed::<Measured>::new("metal", FieldKind::Text)
             .unlike("by `color`", "", "a measured metal, such as gold"),
         color: ColorTexture = color_texture("color").or([0.9; 3], "its colour, where no metal is named"),
-        distribution: Shape = DISTRIBUTION,
+        distribution: NormalDistribution = DISTRIBUTION,
         roughness: FloatTexture = share("roughness").or(0.0, "0 is a mirror"),
         anisotropy: FloatTexture = ANISOTROPY,
         rotation: FloatTexture = ROTATION,

@@ -5,10 +5,10 @@ use kajo_scene::{Args, Diagnostic, Item, Params};
 use crate::compile::Compiler;
 use crate::compile::fields;
 use crate::compile::fields::{At, FileName, Keys, Plain, Sources, Typed, at_least, file, flag, keys, number};
+use crate::compile::graphics_state::{CurrentTransform, GraphicsState};
 use crate::compile::member::{Member, ObjectMember};
 use crate::compile::model::ModelRequest;
 use crate::compile::model_beads::BeadRadii;
-use crate::compile::place::{Place, Walk};
 use crate::compile::subdivision::{Subdivision, SubdivisionKeys};
 use crate::ids::LightGroup;
 use crate::schema::{Block, FieldKind, FieldSpec, Kind};
@@ -53,9 +53,14 @@ pub const MEMBER: ObjectMember = Member {
     read: place_model,
 };
 
-fn place_model(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+fn place_model(
+    compiler: &mut Compiler<'_>,
+    item: Item<'_>,
+    ctm: &mut CurrentTransform,
+    state: &mut GraphicsState,
+) {
     if let Some(request) = compiler.read_keys(item, read) {
-        compiler.model(item, request, place, walk);
+        compiler.model(item, request, ctm, state);
     }
 }
 

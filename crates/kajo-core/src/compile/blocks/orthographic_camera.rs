@@ -4,7 +4,7 @@ use kajo_scene::Params;
 
 use crate::camera::{Camera, OrthographicCamera};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraReader, OwnKeys, ShutterKeys, View, opening};
+use crate::compile::camera_keys::{CameraAim, CameraReader, OwnKeys, ShutterKeys, opening};
 use crate::compile::fields::{Keys, Sources, keys, number};
 use crate::compile::lens::{LensFields, LensKeys};
 use crate::compile::member::{CameraMember, Member};
@@ -35,13 +35,13 @@ pub const MEMBER: CameraMember = Member {
     read: CameraReader { other_fits: &[], read },
 };
 
-fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, view: &View) -> OwnKeys<'t> {
+fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, aim: &CameraAim) -> OwnKeys<'t> {
     let keys = OrthographicKeys::read(params, sources);
     let lens = LensKeys::read(params, sources);
     let written = keys.and_then(|keys| keys.size);
-    let (size, has_opening) = opening(params, "size", written, USUAL_SIZE, view);
+    let (size, has_opening) = opening(params, "size", written, USUAL_SIZE, aim);
     warn_of_size(params, size);
-    let camera = view.frame.zip(size).map(|(frame, size)| {
+    let camera = aim.frame.zip(size).map(|(frame, size)| {
         Camera::Orthographic(OrthographicCamera { frame, size: size.into(), lens: None })
     });
     OwnKeys { has_opening, lens, ..OwnKeys::of(camera) }

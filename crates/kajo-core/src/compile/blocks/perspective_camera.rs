@@ -4,7 +4,7 @@ use kajo_scene::{Diagnostic, Params};
 
 use crate::camera::{Camera, PerspectiveCamera};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraReader, OwnKeys, ShutterKeys, View, opening};
+use crate::compile::camera_keys::{CameraAim, CameraReader, OwnKeys, ShutterKeys, opening};
 use crate::compile::fields::{At, Keys, Sources, any_angle, count, keys};
 use crate::compile::lens::{LensFields, LensKeys};
 use crate::compile::member::{CameraMember, Member};
@@ -46,14 +46,14 @@ pub const MEMBER: CameraMember = Member {
     read: CameraReader { other_fits: &[], read },
 };
 
-fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, view: &View) -> OwnKeys<'t> {
+fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, aim: &CameraAim) -> OwnKeys<'t> {
     let keys = PerspectiveKeys::read(params, sources);
     let lens = LensKeys::read(params, sources);
     let Some(PerspectiveKeys { angle, width, height }) = keys else { return OwnKeys::of(None) };
-    let (angle, has_opening) = opening(params, "angle", angle, USUAL_ANGLE, view);
+    let (angle, has_opening) = opening(params, "angle", angle, USUAL_ANGLE, aim);
     warn_of_angle(params, angle);
     let size = picture_size(params, width, height);
-    let camera = view.frame.zip(angle).map(|(frame, angle)| {
+    let camera = aim.frame.zip(angle).map(|(frame, angle)| {
         Camera::Perspective(PerspectiveCamera::new(frame, f64::from(angle).to_radians()))
     });
     OwnKeys { has_opening, lens, size, ..OwnKeys::of(camera) }

@@ -63,8 +63,8 @@ pub const MEMBER: ObjectMember = Member {
         about: "where a polynomial of any degree is zero, in a box",
         groups: &[PolynomialKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| {
-        compiler.solid(item, place, walk, |params, sources| read(params, sources))
+    read: |compiler, item, ctm, state| {
+        compiler.solid(item, ctm, state, |params, sources| read(params, sources))
     },
 };
 

@@ -70,8 +70,8 @@ pub const MEMBER: ObjectMember = Member {
         about: "an outline, drawn out across its plane",
         groups: &[PrismKeys::FIELDS, BevelKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| {
-        compiler.solid(item, place, walk, |params, sources| read(item, params, sources))
+    read: |compiler, item, ctm, state| {
+        compiler.solid(item, ctm, state, |params, sources| read(item, params, sources))
     },
 };
 

@@ -17,7 +17,7 @@ keys! {
 
 pub const MEMBER: ObjectMember = Member {
     block: Block { keyword: "Sphere", kind: Kind::Shape, about: "a ball", groups: &[SphereKeys::FIELDS] },
-    read: |compiler, item, place, walk| compiler.solid(item, place, walk, read),
+    read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Sphere> {

@@ -15,7 +15,7 @@ pub const MEMBER: ObjectMember = Member {
         about: "all balls along paths, whose radii change on the way",
         groups: &[],
     },
-    read: |compiler, item, place, walk| compiler.solid(item, place, walk, |params, _| read(item, params)),
+    read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, |params, _| read(item, params)),
 };
 
 pub const PATH: Block =

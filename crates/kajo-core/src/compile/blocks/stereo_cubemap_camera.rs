@@ -4,7 +4,7 @@ use kajo_scene::Params;
 
 use crate::camera::{Camera, EyePair, Stereo, StereoCubemapCamera};
 use crate::compile::aim;
-use crate::compile::camera_keys::{CameraReader, EYE_SEPARATION, OwnKeys, ShutterKeys, View};
+use crate::compile::camera_keys::{CameraAim, CameraReader, EYE_SEPARATION, OwnKeys, ShutterKeys};
 use crate::compile::fields::{Keys, Sources, choice, choices, keys};
 use crate::compile::member::{CameraMember, Member};
 use crate::schema::{Block, Kind};
@@ -33,9 +33,9 @@ pub const MEMBER: CameraMember = Member {
     read: CameraReader { other_fits: &[], read },
 };
 
-fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, view: &View) -> OwnKeys<'t> {
+fn read<'t>(params: &mut Params<'t, '_>, sources: &mut Sources<'_>, aim: &CameraAim) -> OwnKeys<'t> {
     let keys = StereoCubemapKeys::read(params, sources);
-    OwnKeys::of(view.frame.zip(keys).map(|(frame, keys)| {
+    OwnKeys::of(aim.frame.zip(keys).map(|(frame, keys)| {
         let eyes = EyePair { separation: keys.eye_separation.into() };
         Camera::StereoCubemap(StereoCubemapCamera { frame, eyes, stereo: keys.stereo })
     }))

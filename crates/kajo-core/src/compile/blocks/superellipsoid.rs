@@ -26,7 +26,7 @@ pub const MEMBER: ObjectMember = Member {
         about: "between a box, a ball and an octahedron",
         groups: &[SuperellipsoidKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| compiler.solid(item, place, walk, read),
+    read: |compiler, item, ctm, state| compiler.solid(item, ctm, state, read),
 };
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<Superellipsoid> {

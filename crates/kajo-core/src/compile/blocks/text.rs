@@ -60,8 +60,8 @@ pub const MEMBER: ObjectMember = Member {
         about: "lettering in a font, drawn out across its plane",
         groups: &[TextKeys::FIELDS, BevelKeys::FIELDS],
     },
-    read: |compiler, item, place, walk| {
-        compiler.solid(item, place, walk, |params, sources| read(item, params, sources))
+    read: |compiler, item, ctm, state| {
+        compiler.solid(item, ctm, state, |params, sources| read(item, params, sources))
     },
 };
 

@@ -5,8 +5,8 @@ use kajo_scene::{Item, Params};
 
 use crate::compile::Compiler;
 use crate::compile::fields::{Keys, Sources, keys, pair, point};
+use crate::compile::graphics_state::{CurrentTransform, GraphicsState};
 use crate::compile::member::{Member, ObjectMember};
-use crate::compile::place::{Place, Walk};
 use crate::schema::{Block, Kind};
 use crate::shape::{ShapeId, Triangle};
 
@@ -31,24 +31,29 @@ pub const MEMBER: ObjectMember = Member {
     read: place_triangle,
 };
 
-fn place_triangle(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
-    let shape = compiler.triangle(item, place);
-    match place.world.constant() {
-        Some(_) => compiler.put_shape(shape, item, &mut place.baked(), walk),
-        None => compiler.put_shape(shape, item, place, walk),
+fn place_triangle(
+    compiler: &mut Compiler<'_>,
+    item: Item<'_>,
+    ctm: &mut CurrentTransform,
+    state: &mut GraphicsState,
+) {
+    let shape = compiler.triangle(item, ctm);
+    match ctm.world.constant() {
+        Some(_) => compiler.put_shape(shape, item, &mut ctm.baked(), state),
+        None => compiler.put_shape(shape, item, ctm, state),
     }
 }
 
 impl Compiler<'_> {
     /// A single triangle, taken to its place at once unless it moves: no ray is ever transformed for it.
-    fn triangle(&mut self, item: Item<'_>, place: &Place) -> Option<ShapeId> {
+    fn triangle(&mut self, item: Item<'_>, ctm: &CurrentTransform) -> Option<ShapeId> {
         let mut triangle = self.read_keys(item, read)?;
         if triangle.is_degenerate() {
             let (count, _) = self.flat_triangles.get_or_insert((0, item.keyword_span()));
             *count += 1;
             return None;
         }
-        if let Some(transform) = place.fixed().filter(|transform| !transform.is_identity()) {
+        if let Some(transform) = ctm.fixed().filter(|transform| !transform.is_identity()) {
             triangle.vertices = triangle.vertices.map(|v| transform.point(v));
             if transform.mirrors() {
                 // The normal keeps its side of the surface: the order of the corners turns round.

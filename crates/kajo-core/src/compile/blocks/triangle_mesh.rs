@@ -9,10 +9,10 @@ use crate::compile::Compiler;
 use crate::compile::fields::{
     At, FileName, Keys, Sources, file, flag, float_texture, function, keys, report_beside,
 };
+use crate::compile::graphics_state::{CurrentTransform, GraphicsState};
 use crate::compile::member::{Member, ObjectMember};
 use crate::compile::mesh::MeshRequest;
 use crate::compile::mesh_store::Shading;
-use crate::compile::place::{Place, Walk};
 use crate::compile::subdivision::{Displacement, Subdivision, SubdivisionKeys};
 use crate::schema::{Around, Block, FieldValue, Kind};
 use crate::texture::FloatTexture;
@@ -51,9 +51,14 @@ fn smooth(around: &Around<'_>) -> Option<FieldValue> {
     (!around.rules().smooth_meshes).then(|| FieldValue::flag(false))
 }
 
-fn place_mesh(compiler: &mut Compiler<'_>, item: Item<'_>, place: &mut Place, walk: &mut Walk) {
+fn place_mesh(
+    compiler: &mut Compiler<'_>,
+    item: Item<'_>,
+    ctm: &mut CurrentTransform,
+    state: &mut GraphicsState,
+) {
     let shape = compiler.read_keys(item, read).and_then(|request| compiler.mesh(item, request));
-    compiler.put_shape(shape, item, place, walk);
+    compiler.put_shape(shape, item, ctm, state);
 }
 
 fn read(params: &mut Params<'_, '_>, sources: &mut Sources<'_>) -> Option<MeshRequest> {

@@ -21,14 +21,14 @@ use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3};
 
-use self::net::{Net, Piece};
+use self::net::{Net, SubPatch};
 use super::{
     Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, nearest_crossing, nearest_place, stored,
 };
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 
 /// A patch is divided into this many pieces each way, whose boxes a tree holds.
-const PIECES: u32 = 4;
+const SUB_PATCHES: u32 = 4;
 
 /// A bicubic patch. A clone is the same patch.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ impl BicubicPatch {
         let longest = all().fold(DVec3::ZERO, |a, b| if b.length() > a.length() { b } else { a });
         let has_area = all().any(|p| p.cross(longest).length() > 1e-12 * longest.length_squared());
         has_area.then_some(())?;
-        let nets: Vec<Net<DVec3>> = net.grid(PIECES);
+        let nets: Vec<Net<DVec3>> = net.grid(SUB_PATCHES);
         let bounds =
             |net: &Net<DVec3>| Aabb::around(net.0.into_iter().flatten().map(DVec3::as_vec3)).padded(1e-6);
         let tree = Bvh::build(&nets.iter().map(bounds).collect::<Vec<_>>(), &BuildSettings::default());
@@ -74,10 +74,10 @@ impl BicubicPatch {
         let seen = |p: DVec3| DVec2::new((p - line.o).dot(x), (p - line.o).dot(y));
         self.0.tree.each(ray, |i| {
             let net = self.0.nets[i as usize].map(seen);
-            let low = DVec2::new((i % PIECES).into(), (i / PIECES).into()) / f64::from(PIECES);
-            let piece = Piece { net, low, size: DVec2::splat(1.0 / f64::from(PIECES)) };
+            let low = DVec2::new((i % SUB_PATCHES).into(), (i / SUB_PATCHES).into()) / f64::from(SUB_PATCHES);
+            let sub_patch = SubPatch { net, low, size: DVec2::splat(1.0 / f64::from(SUB_PATCHES)) };
             let smallest = 4.0 * f64::EPSILON * (self.0.reach + line.o.abs().max_element());
-            piece.zeros(smallest, &mut found);
+            sub_patch.zeros(smallest, &mut found);
         });
         found
     }

@@ -63,7 +63,7 @@ impl Net<DVec3> {
 }
 
 /// A piece of a patch as a ray sees it, which is the origin.
-pub(super) struct Piece {
+pub(super) struct SubPatch {
     pub net: Net<DVec2>,
     /// Where it is in the patch.
     pub low: DVec2,
@@ -77,37 +77,37 @@ const SAME: f64 = 1e-9;
 const MARGIN: f64 = 1e-10;
 
 /// More pieces than this are looked at only where a ray lies in a flat patch, which it meets everywhere or nowhere.
-const MOST_PIECES: u32 = 4000;
+const MOST_SUB_PATCHES: u32 = 4000;
 
-impl Piece {
+impl SubPatch {
     /// Adds the places in the patch where it is zero.
     ///
     /// * `smallest`: what is seen no larger than this is a point
     pub fn zeros(self, smallest: f64, found: &mut Vec<DVec2>) {
         let mut stack = vec![self];
         let mut looked_at = 0;
-        while let Some(piece) = stack.pop() {
+        while let Some(sub_patch) = stack.pop() {
             looked_at += 1;
-            if piece.is_beside() || looked_at > MOST_PIECES {
+            if sub_patch.is_beside() || looked_at > MOST_SUB_PATCHES {
                 continue;
             }
-            let (along_u, along_v) = (piece.net.differences(), piece.net.transposed().differences());
+            let (along_u, along_v) = (sub_patch.net.differences(), sub_patch.net.transposed().differences());
             let [longer_u, longer_v] = [&along_u, &along_v]
                 .map(|all| all.iter().fold(0.0f64, |longest, d| longest.max(d.abs().max_element())));
             let zero = match () {
                 () if longer_u.max(longer_v) <= smallest => Some(DVec2::splat(0.5)),
-                () if turn_one_way(&along_u, &along_v) => piece.newton(smallest),
+                () if turn_one_way(&along_u, &along_v) => sub_patch.newton(smallest),
                 () => None,
             };
             if let Some(zero) = zero {
-                let place = (piece.low + zero.clamp(DVec2::ZERO, DVec2::ONE) * piece.size)
+                let place = (sub_patch.low + zero.clamp(DVec2::ZERO, DVec2::ONE) * sub_patch.size)
                     .clamp(DVec2::ZERO, DVec2::ONE);
                 if found.iter().all(|known| (*known - place).abs().max_element() > SAME) {
                     found.push(place);
                 }
                 continue;
             }
-            stack.extend(piece.halved(longer_u >= longer_v));
+            stack.extend(sub_patch.halved(longer_u >= longer_v));
         }
     }
 
@@ -122,13 +122,13 @@ impl Piece {
     }
 
     /// Both halves, along u or along v.
-    fn halved(&self, along_u: bool) -> [Piece; 2] {
+    fn halved(&self, along_u: bool) -> [SubPatch; 2] {
         let middle = |a: DVec2, b: DVec2| 0.5 * (a + b);
         let nets = if along_u { self.net.split(middle) } else { self.net.split_across(middle) };
         let size = self.size * if along_u { DVec2::new(0.5, 1.0) } else { DVec2::new(1.0, 0.5) };
         let step = self.size - size;
         let [first, second] = nets;
-        [Piece { net: first, low: self.low, size }, Piece { net: second, low: self.low + step, size }]
+        [SubPatch { net: first, low: self.low, size }, SubPatch { net: second, low: self.low + step, size }]
     }
 
     /// The zero of a piece over which the map does not fold, in coordinates of the piece; `None` where none within it is found.

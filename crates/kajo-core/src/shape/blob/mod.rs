@@ -196,11 +196,11 @@ impl Parts {
                 }
                 scratch.active.clear();
                 scratch.active.extend(active.map(|passage| self.terms[passage.term as usize]));
-                let piece = Piece { parts: self, line: &line, terms: &scratch.active };
-                let [a, b] = [from, to].map(|t| piece.at(t).0);
+                let span = RaySpan { parts: self, line: &line, terms: &scratch.active };
+                let [a, b] = [from, to].map(|t| span.at(t).0);
                 // At borders components that begin or end are zero but for rounding, which must not hide a crossing.
                 let a = before.unwrap_or(a);
-                piece.isolate([from, to], [a, b], &mut scratch.roots);
+                span.isolate([from, to], [a, b], &mut scratch.roots);
                 if scratch.roots.drain(..).any(&mut visit) {
                     break;
                 }
@@ -233,13 +233,13 @@ impl Parts {
 }
 
 /// A piece of a ray on which the same components say anything.
-struct Piece<'a> {
+struct RaySpan<'a> {
     parts: &'a Parts,
     line: &'a Ray64,
     terms: &'a [Term],
 }
 
-impl Piece<'_> {
+impl RaySpan<'_> {
     /// The field less the threshold, and its derivative.
     fn at(&self, t: f64) -> (f64, f64) {
         let p = self.line.at(t);

@@ -7,17 +7,17 @@
 //! ```
 //!
 //! Along a ray, `s` follows from the first equation, and `g(t) = |p - c(s)|^2 - r(s)^2` changes its sign where the ray crosses; of a
-//! straight piece of one width it is the quadratic of a cylinder. Curves are cut into pieces that turn by a few degrees, on
+//! straight span of one width it is the quadratic of a cylinder. Curves are cut into spans that turn by a few degrees, on
 //! each of which `g` has one extremum at most. No tube is made of cylinders or cones: what is met is the surface itself.
 //!
 //! A **ribbon** is flat and faces whoever looks: seen along a ray, it is what is nearer to the curve than the radius. The
 //! nearest places of the curve are roots of a quintic, which are isolated by Bernstein coefficients [`kajo_math::roots`].
 //!
-//! Pieces of all strands lie in one tree. Neighbours share the numbers where they join, see [`piece`].
+//! Spans of all strands lie in one tree. Neighbours share the numbers where they join, see [`span`].
 //!
 //! Scene: `Curves { radius 0.05  tipRadius 0  strand { points 0 0 0  0 1 0  0.3 2 0 } }`
 
-mod piece;
+mod span;
 mod strands;
 
 use std::f64::consts::TAU;
@@ -27,25 +27,25 @@ use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, fmath, roots};
 
-use self::piece::{End, Meeting, Piece, Place};
+use self::span::{CurvePoint, CurveSpan, End, Meeting};
 use self::strands::Node;
 pub use self::strands::Strands;
 use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 
-/// How far a piece may turn, in radians.
+/// How far a span may turn, in radians.
 const MOST_TURN: f64 = 0.26;
 
-/// A segment is cut into 2 to this many pieces at most.
+/// A segment is cut into 2 to this many spans at most.
 const MOST_LEVELS: u32 = 6;
 
 /// Neighbours whose directions differ by more than the square root of this, in radians, meet in a corner.
 const CORNER: f64 = 1e-10;
 
-/// Tubes of more pieces are met by chance if they give light.
+/// Tubes of more spans are met by chance if they give light.
 const MOST_PATCHES: usize = 512;
 
-/// From so many pieces on two neighbours share a box of the tree, which halves its size.
+/// From so many spans on two neighbours share a box of the tree, which halves its size.
 const MANY: usize = 50_000;
 
 /// How control points make a curve.
@@ -88,7 +88,7 @@ pub enum CurvesError {
         strand: usize,
     },
     /// More than 32-bit numbers tell apart.
-    #[error("there are more pieces of curves than can be told apart")]
+    #[error("there are more spans of curves than can be told apart")]
     TooMany,
     /// No strand is longer than a point.
     #[error("there are no curves: the points of each strand are all the same")]
@@ -116,12 +116,12 @@ struct Parts {
     dropped: usize,
 }
 
-/// A piece of a segment, or a corner.
+/// A span of a segment, or a corner.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     node: u32,
-    /// Which of 2 to the power of `level` pieces.
-    piece: u8,
+    /// Which of 2 to the power of `level` spans.
+    span: u8,
     level: u8,
     kind: LeafKind,
 }
@@ -194,8 +194,8 @@ impl Curves {
         Ok(Curves(Arc::new(parts)))
     }
 
-    /// How many segments and corners there are, cut into pieces that turn little.
-    pub fn piece_count(&self) -> usize {
+    /// How many segments and corners there are, cut into spans that turn little.
+    pub fn span_count(&self) -> usize {
         self.0.leaves.len()
     }
 
@@ -220,7 +220,7 @@ impl Curves {
 }
 
 impl Parts {
-    /// Adds the pieces of the strand whose nodes begin here; whether there are any.
+    /// Adds the spans of the strand whose nodes begin here; whether there are any.
     fn add_leaves(&mut self, first: usize) -> bool {
         let (stride, last) = (self.basis.stride(), self.nodes.len() - 1);
         let before = self.leaves.len();
@@ -235,15 +235,15 @@ impl Parts {
             if previous.is_some_and(|previous| {
                 starts.cross(previous).length_squared() > CORNER || starts.dot(previous) < 0.0
             }) {
-                self.leaves.push(Leaf { node: node as u32, piece: 0, level: 0, kind: LeafKind::Corner });
+                self.leaves.push(Leaf { node: node as u32, span: 0, level: 0, kind: LeafKind::Corner });
             }
             previous = Some(ends);
             let turn = whole.turn();
             let level = (0..MOST_LEVELS).find(|level| turn <= MOST_TURN * f64::from(1_u32 << level));
             let level = level.unwrap_or(MOST_LEVELS);
-            for piece in 0..1_u32 << level {
+            for span in 0..1_u32 << level {
                 let kind = LeafKind::Side { begins: false, ends: false };
-                self.leaves.push(Leaf { node: node as u32, piece: piece as u8, level: level as u8, kind });
+                self.leaves.push(Leaf { node: node as u32, span: span as u8, level: level as u8, kind });
             }
         }
         let mark = |leaf: Option<&mut Leaf>, of: fn(&mut bool, &mut bool)| {
@@ -257,13 +257,13 @@ impl Parts {
     }
 
     /// The cubic from a node to the next.
-    fn segment(&self, node: u32) -> Piece {
+    fn segment(&self, node: u32) -> CurveSpan {
         let [a, b] = [&self.nodes[node as usize], &self.nodes[node as usize + 1]];
         if self.basis == CurveBasis::Linear {
-            return Piece::line(a.place(), b.place());
+            return CurveSpan::line(a.position(), b.position());
         }
         let ends = [a, b].map(|node| {
-            let ((p, r), (m, mr)) = (node.place(), node.slope());
+            let ((p, r), (m, mr)) = (node.position(), node.slope());
             End { p, m, r, mr, axis: m }
         });
         // Where a tangent is zero the curve goes towards the other control points.
@@ -279,17 +279,17 @@ impl Parts {
         if ends[1].m == DVec3::ZERO {
             ends[1].axis = -towards(ends[1].p, [p, ends[0].p]);
         }
-        Piece::new(ends)
+        CurveSpan::new(ends)
     }
 
-    fn piece(&self, leaf: &Leaf) -> Piece {
-        self.segment(leaf.node).part(leaf.piece.into(), leaf.level.into())
+    fn span(&self, leaf: &Leaf) -> CurveSpan {
+        self.segment(leaf.node).part(leaf.span.into(), leaf.level.into())
     }
 
     fn leaf_bounds(&self, leaf: &Leaf) -> Aabb {
-        let (p, r) = self.nodes[leaf.node as usize].place();
+        let (p, r) = self.nodes[leaf.node as usize].position();
         match leaf.kind {
-            LeafKind::Side { .. } => self.piece(leaf).bounds(),
+            LeafKind::Side { .. } => self.span(leaf).bounds(),
             LeafKind::Corner => Aabb { min: (p - r).as_vec3(), max: (p + r).as_vec3() }.padded(1e-6),
         }
     }
@@ -305,22 +305,22 @@ impl Parts {
         let LeafKind::Side { begins, ends } = leaf.kind else {
             return self.meet_corner(leaf, line, |t| visit(t, [0.0; 2]));
         };
-        let piece = self.piece(leaf);
+        let span = self.span(leaf);
         if self.form == CurveForm::Ribbon {
-            return piece.meet_ribbon(line, &mut |Meeting { t, s, across }| {
+            return span.meet_ribbon(line, &mut |Meeting { t, s, across }| {
                 visit(t, [leaf.in_segment(s), across as f32]);
             });
         }
-        piece.cross_tube(line, &mut |t| visit(t, [0.5, 0.0]));
+        span.cross_tube(line, &mut |t| visit(t, [0.5, 0.0]));
         for (i, is_cap) in [begins, ends].into_iter().enumerate() {
-            if is_cap && let Some(t) = piece.cross_cap(line, i) {
+            if is_cap && let Some(t) = span.cross_cap(line, i) {
                 visit(t, [CAPS[i], 0.0]);
             }
         }
     }
 
     fn meet_corner(&self, leaf: &Leaf, line: &Ray64, mut visit: impl FnMut(f64)) {
-        let (p, r) = self.nodes[leaf.node as usize].place();
+        let (p, r) = self.nodes[leaf.node as usize].position();
         let dd = line.d.dot(line.d);
         let shift = (p - line.o).dot(line.d) / dd;
         let w = line.at(shift) - p;
@@ -349,36 +349,36 @@ impl Parts {
     fn reference(&self, node: u32) -> DVec3 {
         let (first, count) = self.strand(node);
         let last = first + count * self.basis.stride() as u32 - u32::from(self.basis.stride() == 2);
-        let [a, b] = [first, last].map(|node| self.nodes[node as usize].place().0);
+        let [a, b] = [first, last].map(|node| self.nodes[node as usize].position().0);
         basis64((b - a).try_normalize().unwrap_or(DVec3::Y)).0
     }
 
     /// The place along a leaf that a point of it belongs to, and where in the leaf that is.
-    fn place_at(&self, leaf: &Leaf, hit: &Hit, q: DVec3) -> (Place, f64, Piece) {
-        let piece = self.piece(leaf);
+    fn point_at(&self, leaf: &Leaf, hit: &Hit, q: DVec3) -> (CurvePoint, f64, CurveSpan) {
+        let span = self.span(leaf);
         let s = match self.form {
             _ if hit.u < 0.0 => 0.0,
             _ if hit.u > 1.0 => 1.0,
-            CurveForm::Tube => piece.along(q),
+            CurveForm::Tube => span.along(q),
             CurveForm::Ribbon => leaf.in_piece(hit.u.into()),
         };
-        let mut place = piece.at(s);
-        if place.m == DVec3::ZERO {
-            place.m = piece.ends[usize::from(s > 0.5)].axis;
+        let mut point = span.at(s);
+        if point.m == DVec3::ZERO {
+            point.m = span.ends[usize::from(s > 0.5)].axis;
         }
-        (place, s, piece)
+        (point, s, span)
     }
 
     /// Unit vectors around a place of a tube: along it, from its middle to a point, and across both; with how fast the
     /// direction from which angles count turns around it.
-    fn frame(&self, leaf: &Leaf, place: &Place, q: DVec3) -> Around {
-        let along = place.m.normalize_or(DVec3::Y);
+    fn frame(&self, leaf: &Leaf, point: &CurvePoint, q: DVec3) -> Around {
+        let along = point.m.normalize_or(DVec3::Y);
         let reference = self.reference(leaf.node);
         let flat = reference - reference.dot(along) * along;
         let zero = flat.try_normalize().unwrap_or_else(|| basis64(along).0);
-        let w = q - place.p;
+        let w = q - point.p;
         let out = (w - w.dot(along) * along).normalize_or(zero);
-        let bend = (place.k - place.k.dot(along) * along) / place.m.length();
+        let bend = (point.k - point.k.dot(along) * along) / point.m.length();
         let twist = -reference.dot(along) * bend.dot(along.cross(zero)) / flat.length();
         let twist = if twist.is_finite() { twist } else { 0.0 };
         Around { along, out, across: along.cross(out), zero, bend, twist }
@@ -391,33 +391,33 @@ struct Around {
     out: DVec3,
     across: DVec3,
     zero: DVec3,
-    /// How `along` changes along the piece.
+    /// How `along` changes along the span.
     bend: DVec3,
     twist: f64,
 }
 
 impl Around {
-    /// How a point of the side changes along the piece.
-    fn slope(&self, place: &Place) -> DVec3 {
+    /// How a point of the side changes along the span.
+    fn slope(&self, point: &CurvePoint) -> DVec3 {
         let turned = self.twist * self.across - self.out.dot(self.bend) * self.along;
-        place.m + place.mr * self.out + place.r * turned
+        point.m + point.mr * self.out + point.r * turned
     }
 
     /// Normal of the side.
-    fn normal(&self, place: &Place) -> DVec3 {
-        self.across.cross(self.slope(place)).normalize_or(self.out)
+    fn normal(&self, point: &CurvePoint) -> DVec3 {
+        self.across.cross(self.slope(point)).normalize_or(self.out)
     }
 }
 
 impl Leaf {
     /// The place within the segment, from that within the leaf.
     fn in_segment(&self, s: f64) -> f32 {
-        ((f64::from(self.piece) + s) / f64::from(1_u32 << self.level)) as f32
+        ((f64::from(self.span) + s) / f64::from(1_u32 << self.level)) as f32
     }
 
     /// And back.
     fn in_piece(&self, u: f64) -> f64 {
-        (u * f64::from(1_u32 << self.level) - f64::from(self.piece)).clamp(0.0, 1.0)
+        (u * f64::from(1_u32 << self.level) - f64::from(self.span)).clamp(0.0, 1.0)
     }
 }
 
@@ -484,30 +484,30 @@ impl Surface for Curves {
             (back - back.dot(along) * along).normalize_or(back)
         };
         if leaf.kind == LeafKind::Corner {
-            let (center, r) = parts.nodes[leaf.node as usize].place();
+            let (center, r) = parts.nodes[leaf.node as usize].position();
             let is_ball = parts.form == CurveForm::Tube;
             let n = if is_ball { (q - center).normalize_or(DVec3::Y) } else { facing(DVec3::ZERO) };
             let (p, p_error) = stored(if is_ball { center + r * n } else { q }, parts.reach);
             let p_error = if is_ball { p_error } else { p_error + r as f32 };
             return SurfacePoint::flat(p, p_error, n.as_vec3());
         }
-        let (place, _, piece) = parts.place_at(leaf, hit, q);
+        let (point, _, span) = parts.point_at(leaf, hit, q);
         if parts.form == CurveForm::Ribbon {
-            let n = facing(place.m.normalize_or_zero());
-            let off = q - place.p;
-            let (p, p_error) = stored(place.p + off - off.dot(n) * n, parts.reach);
+            let n = facing(point.m.normalize_or_zero());
+            let off = q - point.p;
+            let (p, p_error) = stored(point.p + off - off.dot(n) * n, parts.reach);
             // Whoever leaves is faced by the ribbon again, and must not be met by what it leaves.
-            return SurfacePoint::flat(p, p_error + place.r as f32, n.as_vec3());
+            return SurfacePoint::flat(p, p_error + point.r as f32, n.as_vec3());
         }
         let cap = CAPS.iter().position(|cap| *cap == hit.u);
         let (p, n) = match cap {
             Some(i) => {
-                let n = piece.ends[i].axis.normalize_or(DVec3::Y);
-                (q - (q - piece.ends[i].p).dot(n) * n, if i == 0 { -n } else { n })
+                let n = span.ends[i].axis.normalize_or(DVec3::Y);
+                (q - (q - span.ends[i].p).dot(n) * n, if i == 0 { -n } else { n })
             }
             None => {
-                let around = parts.frame(leaf, &place, q);
-                (place.p + place.r * around.out, around.normal(&place))
+                let around = parts.frame(leaf, &point, q);
+                (point.p + point.r * around.out, around.normal(&point))
             }
         };
         let (p, p_error) = stored(p, parts.reach);
@@ -519,9 +519,9 @@ impl Surface for Curves {
         let leaf = &parts.leaves[part as usize];
         let mut hit = Hit { u: 0.5, part, ..Hit::default() };
         let LeafKind::Side { begins, ends } = leaf.kind else { return hit };
-        let (piece, q) = (parts.piece(leaf), p.as_dvec3());
+        let (span, q) = (parts.span(leaf), p.as_dvec3());
         for (i, is_cap) in [begins, ends].into_iter().enumerate() {
-            let End { p, axis, r, .. } = piece.ends[i];
+            let End { p, axis, r, .. } = span.ends[i];
             let w = q - p;
             let height = w.dot(axis.normalize_or_zero()).abs();
             if is_cap && height <= 1e-5 * r && w.length() < r * (1.0 - 1e-5) {
@@ -542,12 +542,12 @@ impl Surface for Curves {
             return Vec2::new(along(0.0), 0.5);
         }
         let q = p.as_dvec3();
-        let (place, s, _) = parts.place_at(leaf, hit, q);
+        let (point, s, _) = parts.point_at(leaf, hit, q);
         let u = along(leaf.in_segment(s).into());
         if parts.form == CurveForm::Ribbon {
             return Vec2::new(u, hit.v);
         }
-        let around = parts.frame(leaf, &place, q);
+        let around = parts.frame(leaf, &point, q);
         let y = around.out.dot(around.along.cross(around.zero));
         let turn = fmath::atan2_64(y, around.out.dot(around.zero)) / TAU;
         Vec2::new(u, (if turn < 0.0 { turn + 1.0 } else { turn }) as f32)
@@ -561,19 +561,19 @@ impl Surface for Curves {
             return Tangents::default();
         }
         let q = p.as_dvec3();
-        let (place, _, _) = parts.place_at(leaf, hit, q);
+        let (point, _, _) = parts.point_at(leaf, hit, q);
         let (_, count) = parts.strand(leaf.node);
         let scale = f64::from(count) * f64::from(1_u32 << leaf.level);
         if parts.form == CurveForm::Ribbon {
-            return Tangents { dpdu: (scale * place.m).as_vec3(), dpdv: Vec3::ZERO };
+            return Tangents { dpdu: (scale * point.m).as_vec3(), dpdv: Vec3::ZERO };
         }
-        let around = parts.frame(leaf, &place, q);
+        let around = parts.frame(leaf, &point, q);
         if CAPS.contains(&hit.u) {
-            let off = (q - place.p).dot(around.out);
+            let off = (q - point.p).dot(around.out);
             return Tangents { dpdu: Vec3::ZERO, dpdv: (TAU * off * around.across).as_vec3() };
         }
-        let dpdu = scale * around.slope(&place);
-        Tangents { dpdu: dpdu.as_vec3(), dpdv: (TAU * place.r * around.across).as_vec3() }
+        let dpdu = scale * around.slope(&point);
+        Tangents { dpdu: dpdu.as_vec3(), dpdv: (TAU * point.r * around.across).as_vec3() }
     }
 
     /// Tubes have caps, but where they bend more tightly than they are wide their surface crosses itself.
@@ -585,7 +585,7 @@ impl Surface for Curves {
         self.0.leaves.len() as u32
     }
 
-    /// A piece of a tube is one. Ribbons, which look different from everywhere, and many pieces are met by chance.
+    /// A span of a tube is one. Ribbons, which look different from everywhere, and many spans are met by chance.
     fn patches<F: FnMut(u32, Patch)>(&self, mut visit: F) {
         let parts = &*self.0;
         if !self.has_patches() {
@@ -615,15 +615,15 @@ impl Surface for Curves {
             if strand % skip != 0 || leaf.kind == LeafKind::Corner {
                 continue;
             }
-            let piece = parts.piece(leaf);
+            let span = parts.span(leaf);
             let rows = if leaf.level == 0 && parts.basis != CurveBasis::Linear { 2 } else { 1 };
             out.grid(i as u32, [sides, rows], |x, y| {
-                let place = piece.at(y);
-                let probe = parts.frame(leaf, &place, place.p);
+                let point = span.at(y);
+                let probe = parts.frame(leaf, &point, point.p);
                 let (sin, cos) = fmath::sincos64(TAU * x);
                 let e = cos * probe.zero + sin * probe.along.cross(probe.zero);
-                let there = parts.frame(leaf, &place, place.p + e);
-                (place.p + place.r * e, there.normal(&place))
+                let there = parts.frame(leaf, &point, point.p + e);
+                (point.p + point.r * e, there.normal(&point))
             });
         }
     }

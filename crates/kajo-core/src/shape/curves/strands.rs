@@ -69,7 +69,7 @@ impl Node {
         Node { p: p.0.as_vec3().to_array(), r: r as f32, m: m.0.as_vec3().to_array(), mr: mr as f32 }
     }
 
-    pub fn place(&self) -> (DVec3, f64) {
+    pub fn position(&self) -> (DVec3, f64) {
         (Vec3::from(self.p).as_dvec3(), self.r.into())
     }
 

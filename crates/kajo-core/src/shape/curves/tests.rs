@@ -45,17 +45,17 @@ fn all_crossings(curves: &Curves, ray: &Ray) -> Vec<Hit> {
 }
 
 /// Places of a strand, `n` in each segment, and its end.
-fn places(curves: &Curves, n: u32) -> Vec<Place> {
+fn places(curves: &Curves, n: u32) -> Vec<CurvePoint> {
     let parts = &*curves.0;
-    let leaves = parts.leaves.iter().filter(|leaf| leaf.kind != LeafKind::Corner && leaf.piece == 0);
-    let segments: Vec<Piece> = leaves.map(|leaf| parts.segment(leaf.node)).collect();
+    let leaves = parts.leaves.iter().filter(|leaf| leaf.kind != LeafKind::Corner && leaf.span == 0);
+    let segments: Vec<CurveSpan> = leaves.map(|leaf| parts.segment(leaf.node)).collect();
     let inner = segments.iter().flat_map(|segment| (0..n).map(|i| segment.at(f64::from(i) / f64::from(n))));
     inner.chain(segments.last().map(|segment| segment.at(1.0))).collect()
 }
 
 /// Whether a point is nearer to a curve than its radius, beside the curve and not beyond its ends; `None` where that cannot be told
 /// from places this far from each other.
-fn is_inside(places: &[Place], q: DVec3) -> Option<bool> {
+fn is_inside(places: &[CurvePoint], q: DVec3) -> Option<bool> {
     let n = places.len();
     let (i, nearest) = places
         .iter()
@@ -89,9 +89,9 @@ fn tubes_are_where_their_curves_are_near() {
             }
             for hit in hits.iter().filter(|hit| !CAPS.contains(&hit.u)) {
                 let p = curves.surface_at(&ray, hit).p.as_dvec3();
-                let (place, ..) = curves.0.place_at(&curves.0.leaves[hit.part as usize], hit, p);
-                let off = p.distance(place.p) - place.r;
-                assert!(off.abs() < 2e-7 && (p - place.p).dot(place.m).abs() < 2e-6, "{off}");
+                let (point, ..) = curves.0.point_at(&curves.0.leaves[hit.part as usize], hit, p);
+                let off = p.distance(point.p) - point.r;
+                assert!(off.abs() < 2e-7 && (p - point.p).dot(point.m).abs() < 2e-6, "{off}");
             }
         }
         assert!(checked > 300, "{basis:?}: {checked}");
@@ -144,7 +144,7 @@ fn rays_along_the_axes_are_no_exception() {
         let found = all_crossings(&curves, &Ray::new(Vec3::new(0.0, 0.25, -3.0), Vec3::Z));
         let ts: Vec<f32> = found.iter().map(|hit| hit.t).collect();
         assert_eq!(ts, [2.75, 3.25], "{basis:?}");
-        // Exactly on the plane between two pieces.
+        // Exactly on the plane between two spans.
         let found = all_crossings(&curves, &Ray::new(Vec3::new(0.0, -0.5, -3.0), Vec3::Z));
         assert_eq!(found.len(), 2, "{basis:?}: {found:?}");
         let found = all_crossings(&curves, &Ray::new(Vec3::new(0.1, -3.0, 0.1), Vec3::Y));
@@ -159,7 +159,7 @@ fn rays_along_the_axes_are_no_exception() {
     }
 }
 
-/// A million rays at the planes between pieces: none goes through, and each leaves as often as it enters.
+/// A million rays at the planes between spans: none goes through, and each leaves as often as it enters.
 #[test]
 fn there_are_no_gaps_between_pieces() {
     for (form, basis) in [CurveForm::Tube, CurveForm::Ribbon]
@@ -168,12 +168,12 @@ fn there_are_no_gaps_between_pieces() {
     {
         let curves = Curves::new(&bent(), basis, form).unwrap();
         let parts = &*curves.0;
-        let inner: Vec<Piece> = parts
+        let inner: Vec<CurveSpan> = parts
             .leaves
             .iter()
             .skip(1)
             .filter(|leaf| leaf.kind != LeafKind::Corner)
-            .map(|leaf| parts.piece(leaf))
+            .map(|leaf| parts.span(leaf))
             .collect();
         for i in 0..170_000_u32 {
             let s = Stream::new(31, [i, 0], 0);
@@ -268,7 +268,7 @@ fn corners_of_lines_are_round() {
     let zigzag = strands(&[[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]], &[0.2; 3]);
     for form in [CurveForm::Tube, CurveForm::Ribbon] {
         let curves = Curves::new(&zigzag, CurveBasis::Linear, form).unwrap();
-        assert_eq!(curves.piece_count(), 3);
+        assert_eq!(curves.span_count(), 3);
         let above = Ray::new(Vec3::new(0.0, 1.19, 3.0), Vec3::NEG_Z);
         assert!(curves.blocks(&above) && !curves.blocks(&Ray { o: Vec3::new(0.0, 1.21, 3.0), ..above }));
     }
@@ -288,7 +288,7 @@ fn coordinates_run_along_the_strand() {
 #[test]
 fn what_is_no_curve_is_told() {
     let new = |strands: &Strands, basis| {
-        Curves::new(strands, basis, CurveForm::Tube).map(|curves| curves.piece_count())
+        Curves::new(strands, basis, CurveForm::Tube).map(|curves| curves.span_count())
     };
     let one = strands(&[[0.0; 3]], &[0.1]);
     assert_eq!(new(&one, CurveBasis::BSpline), Err(CurvesError::PointCount { strand: 0, points: 1 }));
@@ -341,7 +341,7 @@ fn a_segment_takes_few_bytes() {
     }
     let curves = Curves::new(&hair, CurveBasis::BSpline, CurveForm::Tube).unwrap();
     let segments = 5 * hair.len();
-    assert!(curves.piece_count() <= segments * 11 / 10, "{} pieces", curves.piece_count());
+    assert!(curves.span_count() <= segments * 11 / 10, "{} spans", curves.span_count());
     let each = curves.heap_bytes() / segments;
     assert!(each < 90, "{each} bytes a segment");
 }

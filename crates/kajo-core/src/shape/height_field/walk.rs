@@ -26,7 +26,7 @@ enum Face {
 }
 
 /// A ray from where it enters the box, in cells from the corner with the least x and z; y is in units of length.
-struct Way<'a, V> {
+struct CellWalk<'a, V> {
     parts: &'a Parts,
     o: DVec3,
     d: DVec3,
@@ -55,7 +55,7 @@ impl Parts {
         {
             return;
         }
-        let mut way = Way { parts: self, o, d, from: span.lo, is_below, visit };
+        let mut way = CellWalk { parts: self, o, d, from: span.lo, is_below, visit };
         if way.block(self.bounds.top(), [0, 0], [0.0, span.hi - span.lo]) || !way.is_below {
             return;
         }
@@ -103,7 +103,7 @@ impl Parts {
     }
 }
 
-impl<V: FnMut(f64, u32) -> bool> Way<'_, V> {
+impl<V: FnMut(f64, u32) -> bool> CellWalk<'_, V> {
     /// Goes through a block of `2^level` cells a side between two parameters; whether that is enough.
     fn block(&mut self, level: u32, at: [u32; 2], [t0, t1]: [f64; 2]) -> bool {
         if level == 0 {

@@ -166,7 +166,7 @@ impl Turning {
 }
 
 /// A point beside the axis.
-struct Place {
+struct ProfilePoint {
     /// Distance from the axis, and height.
     at: DVec2,
     /// Unit direction from the axis.
@@ -174,11 +174,11 @@ struct Place {
 }
 
 impl Parts {
-    fn place(&self, p: DVec3) -> Place {
+    fn profile_point(&self, p: DVec3) -> ProfilePoint {
         let w = p - self.turning.origin;
         let height = w.dot(self.turning.axis);
         let across = w - height * self.turning.axis;
-        Place { at: DVec2::new(across.length(), height), radial: across.normalize_or(self.across[0]) }
+        ProfilePoint { at: DVec2::new(across.length(), height), radial: across.normalize_or(self.across[0]) }
     }
 
     /// A point of the half plane in a direction from the axis.
@@ -277,7 +277,7 @@ impl Surface for Lathe {
     /// The point is brought onto the curve in its half plane.
     fn surface_at(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let parts = &*self.0;
-        let Place { at, radial } = parts.place(Ray64::new(ray).at(hit.t.into()));
+        let ProfilePoint { at, radial } = parts.profile_point(Ray64::new(ray).at(hit.t.into()));
         let (i, s) = parts.curve_at(hit, at);
         let curve = &parts.curves[i];
         let n = parts.normal(curve, s, hit.v > 0.0, radial);
@@ -290,7 +290,7 @@ impl Surface for Lathe {
     fn hit_at(&self, _part: u32, p: Vec3) -> Hit {
         const STEPS: u32 = 8;
         let parts = &*self.0;
-        let Place { at, .. } = parts.place(p.as_dvec3());
+        let ProfilePoint { at, .. } = parts.profile_point(p.as_dvec3());
         let nearest = |(i, curve): (usize, &Bezier<DVec2>)| {
             let starts = (0..=STEPS).map(|k| f64::from(k) / f64::from(STEPS));
             let start = starts.min_by(|&a, &b| curve.at(a).distance(at).total_cmp(&curve.at(b).distance(at)));
@@ -309,14 +309,14 @@ impl Surface for Lathe {
         let w = p.as_dvec3() - parts.turning.origin;
         let [x, y] = parts.across.map(|axis| w.dot(axis));
         let turn = fmath::atan2_64(y, x) / TAU;
-        let (i, s) = parts.curve_at(hit, parts.place(p.as_dvec3()).at);
+        let (i, s) = parts.curve_at(hit, parts.profile_point(p.as_dvec3()).at);
         let [from, share] = parts.shares[i];
         Vec2::new((if turn < 0.0 { turn + 1.0 } else { turn }) as f32, (from + share * s) as f32)
     }
 
     fn tangents_at(&self, hit: &Hit, p: Vec3) -> Tangents {
         let parts = &*self.0;
-        let Place { at, radial } = parts.place(p.as_dvec3());
+        let ProfilePoint { at, radial } = parts.profile_point(p.as_dvec3());
         let (i, s) = parts.curve_at(hit, at);
         let along = direction(&parts.curves[i], s) / parts.shares[i][1];
         let dpdu = TAU * at.x * parts.turning.axis.cross(radial);

@@ -1,4 +1,4 @@
-//! Pieces that have moved since they were made, for lights that move: everything is drawn and measured on the
+//! Patches that have moved since they were made, for lights that move: everything is drawn and measured on the
 //! image of the piece under a map, and nothing is allocated for it.
 
 use super::{

@@ -24,7 +24,7 @@ use kajo_math::{Frame, Ray, Vec2, Vec3};
 use super::hemisphere::{Derivatives, Hemisphere, RayResult, Strata};
 use super::mesh::eigenvalues;
 use super::octree::Octree;
-use super::record::{Place, Record};
+use super::record::{IrradianceQuery, Record};
 use super::{Cache, IrradianceSettings};
 use crate::integrator::camera_view::CameraView;
 use crate::integrator::path::{
@@ -72,15 +72,15 @@ pub struct Builder<'b, 'a> {
 struct Proposal {
     priority: u32,
     pixel: [u32; 2],
-    at: Place,
+    at: IrradianceQuery,
 }
 
 /// What a proposal sees.
-struct Seen {
+struct ProposalVertex {
     surface: SurfaceInteraction,
     media: MediumStack,
     time: f32,
-    at: Place,
+    at: IrradianceQuery,
     /// Size of a pixel there, in units of the world.
     pixel_size: f32,
 }
@@ -172,7 +172,7 @@ impl<'b, 'a> Builder<'b, 'a> {
     }
 
     /// The surface that a pixel sees, by way of mirrors and glass, where its light is to be known.
-    fn look(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2]) -> Option<Seen> {
+    fn look(&self, ctx: &mut SampleContext<'_>, pixel: [u32; 2]) -> Option<ProposalVertex> {
         let place = ctx.begin(pixel, 0);
         let raster = Vec2::new(pixel[0] as f32, pixel[1] as f32) + place;
         let mut draws = ctx.draws;
@@ -190,7 +190,10 @@ impl<'b, 'a> Builder<'b, 'a> {
     }
 
     /// The record of a proposal, with its place, and the rays that it took; none where it is of no use.
-    fn record(&self, proposal: &Proposal) -> Result<(Option<(Place, Record)>, RayCounters), SetupError> {
+    fn record(
+        &self,
+        proposal: &Proposal,
+    ) -> Result<(Option<(IrradianceQuery, Record)>, RayCounters), SetupError> {
         let sampler = Sampler::new(SamplerKind::Sobol, 1);
         let mut ctx = SampleContext::new(&sampler, mix(self.setup.seed ^ SALTS[0]));
         let seen = self.look(&mut ctx, proposal.pixel);
@@ -202,7 +205,7 @@ impl<'b, 'a> Builder<'b, 'a> {
     }
 
     /// Sends a ray into each stratum.
-    fn gather(&self, seen: &Seen, pixel: [u32; 2], counting: &mut Counting<'_>) -> Hemisphere {
+    fn gather(&self, seen: &ProposalVertex, pixel: [u32; 2], counting: &mut Counting<'_>) -> Hemisphere {
         let strata = self.strata;
         let sampler = Sampler::new(SamplerKind::Sobol, strata.len() as u32);
         let seed = mix(self.setup.seed ^ SALTS[1]);
@@ -221,7 +224,7 @@ impl<'b, 'a> Builder<'b, 'a> {
     /// it comes from.
     fn follow(
         &self,
-        seen: &Seen,
+        seen: &ProposalVertex,
         wi: Vec3,
         mut draws: SampleStream<'_>,
         counting: &mut Counting<'_>,
@@ -251,7 +254,7 @@ impl<'b, 'a> Builder<'b, 'a> {
     }
 
     /// What is kept of a hemisphere.
-    fn summary(&self, seen: &Seen, hemisphere: &Hemisphere) -> Record {
+    fn summary(&self, seen: &ProposalVertex, hemisphere: &Hemisphere) -> Record {
         let derivatives = match self.settings.gradients {
             Gradients::Off => Derivatives::default(),
             Gradients::Strata => {
@@ -268,20 +271,20 @@ impl<'b, 'a> Builder<'b, 'a> {
             n: seen.at.n,
             irradiance: hemisphere.irradiance().map(|e| e as f32),
             by_normal,
-            by_place: derivatives.gradient.map(|gradient| gradient.as_vec2()),
+            by_position: derivatives.gradient.map(|gradient| gradient.as_vec2()),
             radii: [0.0; 2],
             axis: 1.0,
         };
         let (radii, axis) = self.radii(&record, &derivatives, hemisphere.mean_distance(), seen.pixel_size);
         let [least, most] = RADII.map(|radius| radius * seen.pixel_size);
         // Further away than this, light would be negative.
-        let mean = (record.by_place[0] + record.by_place[1] + record.by_place[2]) / 3.0;
+        let mean = (record.by_position[0] + record.by_position[1] + record.by_position[2]) / 3.0;
         let positive = record.mean() / mean.length();
         let positive = if positive.is_finite() { positive } else { f32::INFINITY };
         // Where a record has to hold further than it is good for, it is at least no further off than where it is.
         let held = radii[1].min(positive) / least;
         if held < 1.0 {
-            record.by_place = record.by_place.map(|gradient| gradient * held);
+            record.by_position = record.by_position.map(|gradient| gradient * held);
         }
         record.radii = radii.map(|radius| radius.min(positive).clamp(least, most));
         record.axis = axis;
@@ -325,7 +328,7 @@ pub struct Look {
     /// Where the path has been last.
     last: Option<Vec3>,
     length: f32,
-    seen: Option<Seen>,
+    seen: Option<ProposalVertex>,
 }
 
 impl Look {
@@ -335,7 +338,7 @@ impl Look {
     }
 
     /// The place whose light was to be known.
-    pub fn place(&self) -> Option<Place> {
+    pub fn place(&self) -> Option<IrradianceQuery> {
         self.seen.as_ref().map(|seen| seen.at)
     }
 }
@@ -345,9 +348,14 @@ impl IndirectLight for Look {
 
     fn irradiance(&mut self, vertex: &DiffuseVertex<'_, '_>) -> Indirect {
         let &DiffuseVertex { state, surface, n, relief } = vertex;
-        let at = Place { p: surface.at.point.p, n, relief };
-        self.seen =
-            Some(Seen { surface: *surface, media: state.media, time: state.ray.time, at, pixel_size: 0.0 });
+        let at = IrradianceQuery { p: surface.at.point.p, n, relief };
+        self.seen = Some(ProposalVertex {
+            surface: *surface,
+            media: state.media,
+            time: state.ray.time,
+            at,
+            pixel_size: 0.0,
+        });
         Indirect::Unwanted
     }
 

@@ -31,7 +31,7 @@ use crate::{LayerSet, PixelSample, SampleContext};
 use crate::{Setup, SetupError, WithState};
 use builder::{Builder, Look};
 use octree::Octree;
-use record::Place;
+use record::IrradianceQuery;
 pub use settings::{IRRADIANCE, IrradianceSettings};
 
 /// An irradiance cache over one scene and one picture size, before it has records: it follows paths.
@@ -61,7 +61,7 @@ const POINT_COLOR: [f32; 3] = [1.0, 0.0, 0.0];
 
 impl Cache {
     /// The picture of the cache itself: what a white surface would send back of the indirect light, and points where records are.
-    fn shown(&self, at: &Place) -> [f32; 3] {
+    fn shown(&self, at: &IrradianceQuery) -> [f32; 3] {
         if self.tree.is_record(at, self.turn, POINT) {
             return POINT_COLOR;
         }
@@ -70,7 +70,7 @@ impl Cache {
     }
 
     /// Whether no more records are needed for a place.
-    fn covers(&self, at: &Place) -> bool {
+    fn covers(&self, at: &IrradianceQuery) -> bool {
         self.tree.weight(at, self.turn) >= builder::COVERED
     }
 }
@@ -166,7 +166,7 @@ impl IndirectLight for Lookup<'_> {
 
     fn irradiance(&mut self, vertex: &DiffuseVertex<'_, '_>) -> Indirect {
         let &DiffuseVertex { surface, n, relief, .. } = vertex;
-        let at = Place { p: surface.at.point.p, n, relief };
+        let at = IrradianceQuery { p: surface.at.point.p, n, relief };
         match self.0.tree.irradiance(&at, self.0.turn) {
             Some([r, g, b]) => Indirect::Irradiance(Spectrum::rgb(r, g, b)),
             None => Indirect::Unknown,

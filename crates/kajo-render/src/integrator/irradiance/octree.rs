@@ -9,7 +9,7 @@
 
 use kajo_math::Vec3;
 
-use super::record::{Place, Record};
+use super::record::{IrradianceQuery, Record};
 
 /// Stands for none.
 const NONE: u32 = u32::MAX;
@@ -122,7 +122,7 @@ impl Octree {
     /// The sum of the weights at a place.
     ///
     /// * `turn`: as for [`Record::weight`]
-    pub fn weight(&self, at: &Place, turn: f32) -> f32 {
+    pub fn weight(&self, at: &IrradianceQuery, turn: f32) -> f32 {
         let mut sum = 0.0;
         self.near(at.p, 0.0, &mut |i| sum += self.records[i as usize].weight(at, turn).max(0.0));
         sum
@@ -131,7 +131,7 @@ impl Octree {
     /// The irradiance of a place, linear RGB; `None` where no record holds.
     ///
     /// * `turn`: as for [`Record::weight`]
-    pub fn irradiance(&self, at: &Place, turn: f32) -> Option<[f32; 3]> {
+    pub fn irradiance(&self, at: &IrradianceQuery, turn: f32) -> Option<[f32; 3]> {
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         self.near(at.p, 0.0, &mut |i| {
             let record = &self.records[i as usize];
@@ -146,7 +146,7 @@ impl Octree {
     }
 
     /// Whether a record lies no further from a place than this share of its smaller radius.
-    pub fn is_record(&self, at: &Place, turn: f32, share: f32) -> bool {
+    pub fn is_record(&self, at: &IrradianceQuery, turn: f32, share: f32) -> bool {
         let mut is_record = false;
         self.near(at.p, 0.0, &mut |i| {
             let record = &self.records[i as usize];
@@ -207,7 +207,7 @@ mod tests {
         let mut found = 0;
         for i in 0..400 {
             let p = point(i + 20_000);
-            let at = Place { p, n: Vec3::Y, relief: Vec3::Y };
+            let at = IrradianceQuery { p, n: Vec3::Y, relief: Vec3::Y };
             let weights = || tree.records().iter().map(|record| record.weight(&at, 0.1).max(0.0));
             let all: f32 = weights().sum();
             assert!((tree.weight(&at, 0.1) - all).abs() <= 1e-5 * all, "{p}");

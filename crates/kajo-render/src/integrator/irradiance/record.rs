@@ -22,7 +22,7 @@ pub struct Record {
     /// Of each channel, by the components of another unit normal in the tangent plane.
     pub by_normal: [Vec2; 3],
     /// Of each channel, by the place in the tangent plane, per unit of the world.
-    pub by_place: [Vec2; 3],
+    pub by_position: [Vec2; 3],
     /// How far it holds, in units of the world: along `axis` and across, the larger one first.
     pub radii: [f32; 2],
     /// Cosine of the angle from the x axis of the tangent plane to the axis of the larger radius, which lies in the upper half.
@@ -31,7 +31,7 @@ pub struct Record {
 
 /// A place where irradiance is asked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct IrradianceQuery {
     /// World space.
     pub p: Vec3,
     /// Unit normal on the side that is lit, without relief.
@@ -48,7 +48,7 @@ impl Record {
     ///
     /// * `turn`: how far normals may be apart, as `1 - cos`
     #[inline]
-    pub fn weight(&self, at: &Place, turn: f32) -> f32 {
+    pub fn weight(&self, at: &IrradianceQuery, turn: f32) -> f32 {
         let d = at.p - self.p;
         let [r1, r2] = self.radii;
         let length2 = d.length_squared();
@@ -70,12 +70,12 @@ impl Record {
 
     /// The irradiance of a place by this record alone, linear RGB; not negative.
     #[inline]
-    pub fn extrapolated(&self, at: &Place) -> [f32; 3] {
+    pub fn extrapolated(&self, at: &IrradianceQuery) -> [f32; 3] {
         let frame = Frame::from_normal(self.n);
         let moved = frame.to_local(at.p - self.p).truncate();
         let turned = frame.to_local(at.relief).truncate();
         [0, 1, 2].map(|i| {
-            let e = self.irradiance[i] + self.by_normal[i].dot(turned) + self.by_place[i].dot(moved);
+            let e = self.irradiance[i] + self.by_normal[i].dot(turned) + self.by_position[i].dot(moved);
             e.max(0.0)
         })
     }
@@ -111,14 +111,14 @@ mod tests {
     fn record() -> Record {
         let n = Vec3::Z;
         let radii = [2.0, 0.5];
-        let by_place = [Vec2::new(0.5, 0.25); 3];
+        let by_position = [Vec2::new(0.5, 0.25); 3];
         let by_normal = [Vec2::new(0.0, 1.0); 3];
-        Record { n, radii, axis: 0.0, irradiance: [1.0; 3], by_place, by_normal, ..Record::default() }
+        Record { n, radii, axis: 0.0, irradiance: [1.0; 3], by_position, by_normal, ..Record::default() }
     }
 
-    fn place(along: f32, across: f32) -> Place {
+    fn place(along: f32, across: f32) -> IrradianceQuery {
         let Frame { s, t, n } = Frame::from_normal(Vec3::Z);
-        Place { p: across * s + along * t, n, relief: n }
+        IrradianceQuery { p: across * s + along * t, n, relief: n }
     }
 
     #[test]
@@ -135,10 +135,10 @@ mod tests {
     fn other_sides_and_what_is_in_front_are_not_known() {
         let record = record();
         let here = place(0.0, 0.0);
-        assert!(record.weight(&Place { n: -Vec3::Z, ..here }, 0.1) <= 0.0);
-        assert!(record.weight(&Place { n: Vec3::X, ..here }, 0.1) <= 0.0);
-        assert!(record.weight(&Place { p: Vec3::Z * -0.1, ..here }, 0.1) <= 0.0, "below a floor");
-        let above = record.weight(&Place { p: Vec3::Z * 0.1, ..here }, 0.1);
+        assert!(record.weight(&IrradianceQuery { n: -Vec3::Z, ..here }, 0.1) <= 0.0);
+        assert!(record.weight(&IrradianceQuery { n: Vec3::X, ..here }, 0.1) <= 0.0);
+        assert!(record.weight(&IrradianceQuery { p: Vec3::Z * -0.1, ..here }, 0.1) <= 0.0, "below a floor");
+        let above = record.weight(&IrradianceQuery { p: Vec3::Z * 0.1, ..here }, 0.1);
         assert!(above > 0.0 && above < 1.0);
     }
 
@@ -149,7 +149,7 @@ mod tests {
         assert!((moved[0] - 1.2).abs() < 1e-6, "{moved:?}");
         let Frame { t, n, .. } = Frame::from_normal(Vec3::Z);
         let relief = (0.6 * t + 0.8 * n).normalize();
-        let turned = record.extrapolated(&Place { relief, ..place(0.0, 0.0) });
+        let turned = record.extrapolated(&IrradianceQuery { relief, ..place(0.0, 0.0) });
         assert!((turned[0] - 1.6).abs() < 1e-6, "{turned:?}");
         let far = record.extrapolated(&place(-40.0, 0.0));
         assert_eq!(far, [0.0; 3], "light is not negative");

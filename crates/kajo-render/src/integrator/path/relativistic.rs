@@ -35,7 +35,7 @@ use crate::integrator::Integrator;
 use crate::integrator::camera_view::{CameraView, in_white_light};
 use crate::integrator::transport::steps::{MOST_SURFACES, straight_on};
 use crate::integrator::transport::{
-    Event, LocalFrame, MediumStack, PathState, SurfaceInteraction, Way, arrive, pass_straight,
+    Event, LocalFrame, MediumStack, PathState, Segment, SurfaceInteraction, arrive, pass_straight,
     radiance_factor, shade,
 };
 use crate::trail::{About, PathObserver, RayKind};
@@ -287,7 +287,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         path.t = own.time_at(s, eta);
         let state = &mut path.path.state;
         let wo = -state.ray.d;
-        arrive(scene, state, surface, Way { wo, length: s, g: 1.0 });
+        arrive(scene, state, surface, Segment { wo, length: s, g: 1.0 });
         Event::Surface
     }
 

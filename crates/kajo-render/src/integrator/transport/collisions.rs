@@ -135,7 +135,7 @@ impl<'a> Stretch<'a> {
 }
 
 /// Who follows a walk from collision to collision.
-trait Walker {
+trait CollisionVisitor {
     /// Passes a stretch without collisions.
     ///
     /// * `from`, `to`: distances of its ends
@@ -164,7 +164,7 @@ fn walk(
     stretch: &Stretch<'_>,
     ray: &Ray,
     draws: &mut SampleStream<'_>,
-    walker: &mut impl Walker,
+    walker: &mut impl CollisionVisitor,
 ) -> Option<Spectrum> {
     let hero = stretch.sigma_t[stretch.hero];
     let mut optical_depth = exponential(draws);
@@ -258,7 +258,7 @@ impl Travel<'_> {
     }
 }
 
-impl Walker for Travel<'_> {
+impl CollisionVisitor for Travel<'_> {
     #[inline]
     fn pass(&mut self, draws: &mut SampleStream<'_>, ends: (f32, f32), t: Spectrum, majorant: f32) {
         self.add_emission(draws, ends, t, majorant, |_, emission| emission);
@@ -293,7 +293,7 @@ struct HotTravel<'a> {
     heat: &'a Heat,
 }
 
-impl Walker for HotTravel<'_> {
+impl CollisionVisitor for HotTravel<'_> {
     #[inline]
     fn pass(&mut self, draws: &mut SampleStream<'_>, ends: (f32, f32), t: Spectrum, majorant: f32) {
         let (heat, wavelengths) = (self.heat, self.travel.wavelengths);
@@ -486,7 +486,7 @@ struct Tracking<'a> {
     passage: Passage,
 }
 
-impl Walker for Tracking<'_> {
+impl CollisionVisitor for Tracking<'_> {
     fn collide(&mut self, _draws: &mut SampleStream<'_>, at: f32, t: Spectrum, majorant: f32) -> bool {
         let (factor, real) =
             (self.stretch.collision(t), (self.stretch.density(self.ray.at(at)) / majorant).min(1.0));

@@ -9,7 +9,7 @@ use kajo_core::space::Space;
 use kajo_core::{LightIndex, RayOffset};
 use kajo_math::{Ray, Vec3};
 
-use super::arrival::{Way, arrive};
+use super::arrival::{Segment, arrive};
 use super::collisions::travel_to;
 use super::curves::{self, Curve};
 use super::{MediumInteraction, PathState, SurfaceInteraction, differentials};
@@ -89,7 +89,7 @@ pub fn extend(
         differentials::arrive(path, surface);
     }
     let (wo, length) = (-path.ray.d, surface.at.hit.t);
-    arrive(scene, path, surface, Way { wo, length, g: 1.0 });
+    arrive(scene, path, surface, Segment { wo, length, g: 1.0 });
     Event::Surface
 }
 

@@ -9,7 +9,7 @@ use std::fmt::Write;
 use kajo_math::DVec3;
 use kajo_math::fmath::tan64;
 
-use super::scene::{Ball, View, WhittedScene};
+use super::scene::{Ball, BenchView, WhittedScene};
 
 /// Columns, rows, and surfaces that a camera ray may meet in a row.
 const WIDTH: u32 = 1024;
@@ -49,7 +49,7 @@ const FINISHES: [Finish; 3] = [
 impl WhittedScene {
     /// The scene for POV-Ray 3.7.
     pub fn povray(self) -> String {
-        let View { eye, target, fov_degrees, lights } = self.view();
+        let BenchView { eye, target, fov_degrees, lights } = self.view();
         let at = |v: DVec3| format!("<{:.7},{:.7},{:.7}>", v.x, v.y, v.z);
         let mut text = format!(
             "#version 3.7;\n\
@@ -85,7 +85,7 @@ impl WhittedScene {
 
     /// The scene for Tachyon.
     pub fn tachyon(self) -> String {
-        let View { eye, target, fov_degrees, lights } = self.view();
+        let BenchView { eye, target, fov_degrees, lights } = self.view();
         let at = |v: DVec3| format!("{:.7} {:.7} {:.7}", v.x, v.y, -v.z);
         let mut text = format!(
             "BEGIN_SCENE\nRESOLUTION {WIDTH} {HEIGHT}\nCAMERA\nZOOM {:.7}\nASPECTRATIO 1.0\nANTIALIASING 0\n\

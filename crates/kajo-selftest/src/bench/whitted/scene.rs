@@ -41,7 +41,7 @@ pub struct Ball {
 }
 
 /// Where the camera stands, and the lights.
-pub(super) struct View {
+pub(super) struct BenchView {
     pub eye: DVec3,
     pub target: DVec3,
     /// Vertical.
@@ -75,7 +75,7 @@ impl WhittedScene {
 
     /// The scene, with the settings of the benchmark in its `Settings` block.
     pub fn text(self) -> String {
-        let View { eye, target, fov_degrees, lights } = self.view();
+        let BenchView { eye, target, fov_degrees, lights } = self.view();
         let mut text = format!(
             "PerspectiveCamera {{ center {} direction {} up 0 1 0 angle {fov_degrees} }}\n\
              Background {{ color 0.3 0.5 0.8 ambientLight 0.1 0.1 0.1 }}\nLights {{\n",
@@ -98,18 +98,18 @@ impl WhittedScene {
         text
     }
 
-    pub(super) fn view(self) -> View {
+    pub(super) fn view(self) -> BenchView {
         const FLAKE: [DVec3; 3] =
             [DVec3::new(4.0, 6.0, 2.0), DVec3::new(-3.0, 5.0, 4.0), DVec3::new(1.0, 7.0, -5.0)];
         const MARBLES: [DVec3; 2] = [DVec3::new(10.0, 14.0, 6.0), DVec3::new(-12.0, 10.0, 8.0)];
         match self {
-            WhittedScene::Flake => View {
+            WhittedScene::Flake => BenchView {
                 eye: DVec3::new(1.9, 1.6, 1.9),
                 target: DVec3::new(0.0, 0.42, 0.0),
                 fov_degrees: 35.0,
                 lights: &FLAKE,
             },
-            WhittedScene::Marbles => View {
+            WhittedScene::Marbles => BenchView {
                 eye: DVec3::new(0.0, 4.5, 15.0),
                 target: DVec3::new(0.0, 0.0, 1.0),
                 fov_degrees: 40.0,

@@ -9,7 +9,7 @@ use super::*;
 use crate::integrator::bidir::partial_mis::{Growth, mis_weight};
 
 /// A point of a whole path, light first.
-struct Place<'s> {
+struct PathPoint<'s> {
     p: Vec3,
     /// Zero where there is no surface.
     n: Vec3,
@@ -18,7 +18,7 @@ struct Place<'s> {
 
 /// A path in the order from the light to the lens, and how it starts.
 struct Whole<'s> {
-    places: Vec<Place<'s>>,
+    places: Vec<PathPoint<'s>>,
     /// Density of the light's end, of the way on, and of the light's end as it is drawn for the second point.
     light: [f64; 3],
     /// Density of the last but one point, of the camera's own rays.
@@ -29,7 +29,7 @@ struct Whole<'s> {
 
 /// How a path was found.
 #[derive(Clone, Copy, Debug)]
-enum Way {
+enum Technique {
     /// So many points come from the light.
     Connected(usize),
     /// This point comes from both ends.
@@ -79,7 +79,7 @@ impl Whole<'_> {
 /// Draws paths from both ends, and hands all whole ones to `look` with the way in which they were found and the weight.
 ///
 /// * `radius`: in which vertices are merged, if they are
-fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Way, f32)) {
+fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Technique, f32)) {
     let scene = scene(text);
     let it = Bidirectional::new(&scene, both(), [1, 1], LayerSet::of(&[]));
     let sampler = Sampler::new(SamplerKind::Uniform, 1);
@@ -141,11 +141,11 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Way, 
                 break;
             }
         }
-        let mut whole = |from_light: &[Vertex], from_camera: &[Vertex], way: Way, weight: f32| {
-            let mut places = vec![Place { p: emitted.at.p(), n: emitted.at.n(), vertex: None }];
+        let mut whole = |from_light: &[Vertex], from_camera: &[Vertex], way: Technique, weight: f32| {
+            let mut places = vec![PathPoint { p: emitted.at.p(), n: emitted.at.n(), vertex: None }];
             let chain = from_light.iter().chain(from_camera.iter().rev());
-            places.extend(chain.map(|v| Place { p: v.at.p, n: v.at.ng, vertex: Some(*v) }));
-            places.push(Place { p: ray.o, n: Vec3::ZERO, vertex: None });
+            places.extend(chain.map(|v| PathPoint { p: v.at.p, n: v.at.ng, vertex: Some(*v) }));
+            places.push(PathPoint { p: ray.o, n: Vec3::ZERO, vertex: None });
             let first = &places[1];
             let wi = (emitted.at.p() - first.p).normalize();
             let receiver = first.vertex.as_ref().expect("a surface").receiver(0.0);
@@ -166,15 +166,15 @@ fn each_path(text: &str, radius: Option<f32>, look: &mut dyn FnMut(&Whole, Way, 
             for j in 1..=views.len() {
                 let way = [i as u32 + 1, j as u32 + 1];
                 if let Some(found) = it.join([y, &views[j - 1]], way, began, &mut again, &mut rays) {
-                    whole(&path[..i], &views[..j], Way::Connected(i + 1), found.weight);
+                    whole(&path[..i], &views[..j], Technique::Connected(i + 1), found.weight);
                     if let Some(merging) = merging {
                         let merged = merging.mis_weight_of(y, &drawn_from(&views[j - 1], y, merging));
-                        whole(&path[..i], &views[..j], Way::Merged(i), merged);
+                        whole(&path[..i], &views[..j], Technique::Merged(i), merged);
                     }
                 }
             }
             if let Some(found) = it.splat(y, [i as u32 + 1, 1], began, &mut again, &mut rays) {
-                whole(&path[..i], &[], Way::Connected(i + 1), found.weight);
+                whole(&path[..i], &[], Technique::Connected(i + 1), found.weight);
             }
         }
         assert!(pdf_camera > 0.0);
@@ -196,7 +196,7 @@ fn drawn_from<'s>(z: &Vertex<'s>, y: &Vertex<'s>, merging: &Merging) -> Vertex<'
 }
 
 /// The density per area at the last point of a surface of the camera's own rays.
-fn pdf_camera_at(it: &Bidirectional<'_>, ray: &Ray, last: &Place) -> f64 {
+fn pdf_camera_at(it: &Bidirectional<'_>, ray: &Ray, last: &PathPoint) -> f64 {
     let d = (last.p - ray.o).normalize();
     let seen = Ray { d, ..*ray };
     it.view.pdf_across(&seen, last.p).map_or(0.0, |pdf| f64::from(pdf * last.n.dot(d).abs()))
@@ -229,8 +229,8 @@ fn weights_are_those_of_the_definition() {
             }
             let sum: f64 = densities.iter().flatten().map(|p| p * p).sum();
             let (own, counts) = match way {
-                Way::Connected(s) => (densities[0][s], &mut counts),
-                Way::Merged(i) => (densities[1][i], &mut merged),
+                Technique::Connected(s) => (densities[0][s], &mut counts),
+                Technique::Merged(i) => (densities[1][i], &mut merged),
             };
             let expected = own * own / sum;
             assert!(

@@ -1,6 +1,6 @@
-//! A piece of a curve that turns little, and where a ray meets it as a tube or as a ribbon.
+//! A span of a curve that turns little, and where a ray meets it as a tube or as a ribbon.
 //!
-//! Both ends of a piece are numbers that its neighbours share. Whether a ray crosses the surface on the plane between two pieces is
+//! Both ends of a span are numbers that its neighbours share. Whether a ray crosses the surface on the plane between two spans is
 //! worked out from these numbers alone, so that both give the same answer and no ray passes between them.
 
 use kajo_math::solid_angle::basis64;
@@ -8,10 +8,10 @@ use kajo_math::{Aabb, DVec3, Vec3, roots};
 
 use super::super::Ray64;
 
-/// An end of a piece.
+/// An end of a span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
-    /// Where it is, and how that changes along the piece, which is 1 long.
+    /// Where it is, and how that changes along the span, which is 1 long.
     pub p: DVec3,
     pub m: DVec3,
     /// The radius, and how it changes.
@@ -21,19 +21,19 @@ pub(super) struct End {
     pub axis: DVec3,
 }
 
-/// Where a ray meets a piece.
+/// Where a ray meets a span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
     pub t: f64,
-    /// Place along the piece, in [0, 1].
+    /// Position along the span, in [0, 1].
     pub s: f64,
-    /// Place across a ribbon, in [0, 1].
+    /// Position across a ribbon, in [0, 1].
     pub across: f64,
 }
 
 /// A point of the curve with what is known of it there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct CurvePoint {
     pub p: DVec3,
     pub m: DVec3,
     /// Second derivative.
@@ -44,14 +44,14 @@ pub(super) struct Place {
 
 /// A cubic in space with a cubic radius, `s` in [0, 1].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct CurveSpan {
     pub ends: [End; 2],
     /// Coefficients of the powers of `s`.
     p: [DVec3; 4],
     r: [f64; 4],
 }
 
-/// A place of a ray: its parameter, where along the piece the disk is that it lies in, the square of its distance from the curve
+/// A place of a ray: its parameter, where along the span the disk is that it lies in, the square of its distance from the curve
 /// less that of the radius, and how this changes along the ray.
 #[derive(Clone, Copy)]
 struct Sample {
@@ -60,28 +60,32 @@ struct Sample {
     slope: f64,
 }
 
-impl Piece {
-    pub fn new(ends: [End; 2]) -> Piece {
+impl CurveSpan {
+    pub fn new(ends: [End; 2]) -> CurveSpan {
         let [a, b] = &ends;
         let (dp, dr) = (b.p - a.p, b.r - a.r);
         let p = [a.p, a.m, 3.0 * dp - 2.0 * a.m - b.m, a.m + b.m - 2.0 * dp];
         let r = [a.r, a.mr, 3.0 * dr - 2.0 * a.mr - b.mr, a.mr + b.mr - 2.0 * dr];
-        Piece { ends, p, r }
+        CurveSpan { ends, p, r }
     }
 
     /// The straight line between two places, with a radius that changes steadily.
-    pub fn line(from: (DVec3, f64), to: (DVec3, f64)) -> Piece {
+    pub fn line(from: (DVec3, f64), to: (DVec3, f64)) -> CurveSpan {
         let (m, mr) = (to.0 - from.0, to.1 - from.1);
         let end = |(p, r)| End { p, m, r, mr, axis: m };
         let none = (DVec3::ZERO, 0.0);
-        Piece { ends: [end(from), end(to)], p: [from.0, m, none.0, none.0], r: [from.1, mr, none.1, none.1] }
+        CurveSpan {
+            ends: [end(from), end(to)],
+            p: [from.0, m, none.0, none.0],
+            r: [from.1, mr, none.1, none.1],
+        }
     }
 
     #[inline]
-    pub fn at(&self, s: f64) -> Place {
+    pub fn at(&self, s: f64) -> CurvePoint {
         let [p0, p1, p2, p3] = self.p;
         let [r0, r1, r2, r3] = self.r;
-        Place {
+        CurvePoint {
             p: p0 + s * (p1 + s * (p2 + s * p3)),
             m: p1 + s * (2.0 * p2 + (3.0 * s) * p3),
             k: 2.0 * p2 + (6.0 * s) * p3,
@@ -90,8 +94,8 @@ impl Piece {
         }
     }
 
-    /// The piece `k` of `2^level`. Ends of neighbours have the same bits.
-    pub fn part(&self, k: u32, level: u32) -> Piece {
+    /// The span `k` of `2^level`. Ends of neighbours have the same bits.
+    pub fn part(&self, k: u32, level: u32) -> CurveSpan {
         if level == 0 {
             return *self;
         }
@@ -102,13 +106,13 @@ impl Piece {
                 0 => self.ends[0],
                 _ if k == 1 << level => self.ends[1],
                 _ => {
-                    let Place { p, m, r, mr, .. } = self.at(width * f64::from(k));
+                    let CurvePoint { p, m, r, mr, .. } = self.at(width * f64::from(k));
                     End { p, m, r, mr, axis: m }
                 }
             };
             End { m: width * whole.m, mr: width * whole.mr, ..whole }
         };
-        Piece::new([end(k), end(k + 1)])
+        CurveSpan::new([end(k), end(k + 1)])
     }
 
     /// The control points of the curve and its radii.
@@ -183,7 +187,7 @@ impl Piece {
     }
 
     /// What a sample says that lies in the disk at a place.
-    fn sample_in(&self, at: &Place, q: DVec3, d: DVec3, t: f64) -> Sample {
+    fn sample_in(&self, at: &CurvePoint, q: DVec3, d: DVec3, t: f64) -> Sample {
         let w = q - at.p;
         let turns = d.dot(at.m) / (at.m.dot(at.m) - w.dot(at.k));
         let turns = if turns.is_finite() { turns } else { 0.0 };
@@ -194,7 +198,7 @@ impl Piece {
     fn sample_at_end(&self, i: usize, line: &Ray64, t: f64) -> Sample {
         let End { p, m, r, mr, .. } = self.ends[i];
         let k = if i == 0 { 2.0 * self.p[2] } else { 2.0 * self.p[2] + 6.0 * self.p[3] };
-        self.sample_in(&Place { p, m, k, r, mr }, line.at(t), line.d, t)
+        self.sample_in(&CurvePoint { p, m, k, r, mr }, line.at(t), line.d, t)
     }
 
     /// Where a line comes between the planes of the two ends and where it leaves, each with the end that is met there.
@@ -259,7 +263,7 @@ impl Piece {
         self.isolate(line, middle, hi, visit);
     }
 
-    /// Visits the sign changes between two samples. Along a piece that turns little the function has one extremum at most, or is as good
+    /// Visits the sign changes between two samples. Along a span that turns little the function has one extremum at most, or is as good
     /// as flat.
     fn isolate(&self, line: &Ray64, mut a: Sample, mut b: Sample, visit: &mut impl FnMut(f64)) {
         const MOST_STEPS: u32 = 64;

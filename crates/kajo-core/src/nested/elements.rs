@@ -1,4 +1,4 @@
-//! Nested instances in a bounded number of pieces, for pictures that are made of lists.
+//! Nested instances in a bounded number of elements, for pictures that are made of lists.
 //!
 //! The largest things are taken apart first: what stands in the world, then what stands in that, as long as the list does
 //! not grow too long. What is left whole is a box.
@@ -16,20 +16,20 @@ use crate::shape::{ShapeId, Shapes};
 
 /// An object in a nested instance, or a whole instance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NestedPiece {
+pub struct NestedElement {
     /// The object, or the first one in the instance.
     pub object: ObjectId,
     /// What it is.
-    pub content: PieceContent,
+    pub content: ElementContent,
     /// From its space to the world's.
-    pub place: Transform,
+    pub world_from_object: Transform,
     /// Of the object, unless its shape brings its own; of a whole instance, of the first object in it.
     pub material: MaterialId,
 }
 
-/// What a [`NestedPiece`] is.
+/// What a [`NestedElement`] is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PieceContent {
+pub enum ElementContent {
     /// One object.
     Shape(ShapeId),
     /// A box around all that is in an instance.
@@ -37,20 +37,20 @@ pub enum PieceContent {
 }
 
 impl Nested {
-    /// What stands in the world, in pieces.
+    /// What stands in the world, in elements.
     ///
     /// * `first_object`: of nested objects
     /// * `cost`: of showing a shape; a box costs 12
-    /// * `budget`: what the pieces may cost together; of placements more than a twelfth of it are left out
-    pub fn pieces(
+    /// * `budget`: what the elements may cost together; of placements more than a twelfth of it are left out
+    pub fn elements(
         &self,
         shapes: &Shapes,
         first_object: ObjectId,
         cost: impl Fn(ShapeId) -> usize,
         budget: usize,
-    ) -> Vec<NestedPiece> {
-        let (pieces, wholes) = (Vec::new(), BinaryHeap::new());
-        let mut gathering = Gathering { nested: self, shapes, first_object, pieces, wholes };
+    ) -> Vec<NestedElement> {
+        let (elements, wholes) = (Vec::new(), BinaryHeap::new());
+        let mut gathering = Gathering { nested: self, shapes, first_object, elements, wholes };
         // The cost of what stands in each assembly, one level down.
         let of_member = |content| match content {
             PartContent::Shape(shape) => cost(shape),
@@ -72,7 +72,7 @@ impl Nested {
                 gathering.keep(&whole);
             }
         }
-        gathering.pieces
+        gathering.elements
     }
 
     /// The objects that items of the text put into the scene, in order.
@@ -97,7 +97,7 @@ struct Gathering<'a> {
     nested: &'a Nested,
     shapes: &'a Shapes,
     first_object: ObjectId,
-    pieces: Vec<NestedPiece>,
+    elements: Vec<NestedElement>,
     wholes: BinaryHeap<Whole>,
 }
 
@@ -127,7 +127,7 @@ impl Gathering<'_> {
             let material = member.material.or(whole.material);
             match member.content {
                 PartContent::Assembly(number) => self.hold(number, map, material, first),
-                PartContent::Shape(shape) => self.push(PieceContent::Shape(shape), &map, material, first),
+                PartContent::Shape(shape) => self.push(ElementContent::Shape(shape), &map, material, first),
             }
         }
     }
@@ -135,14 +135,14 @@ impl Gathering<'_> {
     fn keep(&mut self, whole: &Whole) {
         let assembly = self.nested.assembly(whole.assembly);
         let material = self.first_material(assembly, whole.material);
-        self.push(PieceContent::Whole(assembly.tree.bounds()), &whole.map, material, whole.first);
+        self.push(ElementContent::Whole(assembly.tree.bounds()), &whole.map, material, whole.first);
     }
 
-    fn push(&mut self, content: PieceContent, map: &DAffine3, material: Option<MaterialId>, first: u32) {
+    fn push(&mut self, content: ElementContent, map: &DAffine3, material: Option<MaterialId>, first: u32) {
         // Rounding may have left a map without an inverse; rays meet nothing there either.
         let Some(place) = Transform::new(map) else { return };
         let (object, material) = (self.first_object.after(first), material.unwrap_or_default());
-        self.pieces.push(NestedPiece { object, content, place, material });
+        self.elements.push(NestedElement { object, content, world_from_object: place, material });
     }
 
     /// The material of the first object in an assembly.

@@ -1,6 +1,6 @@
-//! A render in pieces that several programs do, on one machine or on many.
+//! A render in units of work that several programs do, on one machine or on many.
 //!
-//! A piece is a rectangle of pixels and a range of samples. Each is rendered into a film of its own; films add up to
+//! A unit is a rectangle of pixels and a range of samples. Each is rendered into a film of its own; films add up to
 //! that of the whole picture exactly, however it was cut. Some renders have several stages, between which the whole
 //! picture decides on what follows; see [`Position::stage`].
 
@@ -17,23 +17,23 @@ use crate::{Picture, RenderError, RenderRequest};
 
 /// Some pixels and some of their samples.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Piece {
+pub struct WorkUnit {
     /// Pixels.
     pub tile: Rect,
     /// Samples in the order in which they are taken.
     pub samples: Range<u32>,
 }
 
-/// A render that is cut into pieces.
+/// A render that is cut into units of work.
 #[derive(Debug)]
-pub struct Pieces<'a> {
+pub struct SplitRender<'a> {
     request: RenderRequest<'a>,
     goal: Goal,
     spec: FilmSpec,
     identity: Identity,
 }
 
-impl<'a> Pieces<'a> {
+impl<'a> SplitRender<'a> {
     /// What is to be rendered, until the goal is reached.
     ///
     /// * `goal`: its time and its interval are left aside: they are of one machine's clock
@@ -45,13 +45,13 @@ impl<'a> Pieces<'a> {
         request: &RenderRequest<'a>,
         goal: &Goal,
         scene: SceneDigest,
-    ) -> Result<Pieces<'a>, RenderError> {
+    ) -> Result<SplitRender<'a>, RenderError> {
         let goal = Goal { time: None, interval: None, ..*goal };
         let spec = request.spec_of_passes(&goal)?;
         request.check_memory(&spec)?;
         let identity =
             Identity::new(scene, (request.scene, request.camera()), request.settings, &spec, &goal);
-        Ok(Pieces { request: *request, goal, spec, identity })
+        Ok(SplitRender { request: *request, goal, spec, identity })
     }
 
     /// Everything that decides a bit of the picture, in lines, of which the first names the program.
@@ -77,7 +77,7 @@ impl<'a> Pieces<'a> {
         self.spec.sampled(&self.request.settings.sampler())
     }
 
-    /// Whether samples bring light to pixels anywhere in the picture, so that pieces are best whole pictures of few
+    /// Whether samples bring light to pixels anywhere in the picture, so that units are best whole pictures of few
     /// samples.
     pub fn splats(&self) -> bool {
         self.request.settings.integrator.splats
@@ -122,7 +122,7 @@ impl<'a> Pieces<'a> {
         position.save(out)
     }
 
-    /// Reads what [`Pieces::save_position`] wrote.
+    /// Reads what [`SplitRender::save_position`] wrote.
     ///
     /// # Errors
     /// Those of `input`; `InvalidData` when it holds something else.
@@ -131,19 +131,19 @@ impl<'a> Pieces<'a> {
         Position::restore(&film, &self.schedule(), input)
     }
 
-    /// Renders a piece of the stage that begins at `position` into a film of its own.
+    /// Renders a unit of the stage that begins at `position` into a film of its own.
     ///
     /// # Errors
-    /// As [`render`](crate::render()); nothing is kept of a piece that was not finished.
+    /// As [`render`](crate::render()); nothing is kept of a unit that was not finished.
     pub fn render(
         &self,
         position: &Position,
-        piece: &Piece,
+        unit: &WorkUnit,
         progress: &dyn Progress,
     ) -> Result<(Film, RenderStats), RenderError> {
         let film = self.new_film()?;
         let integrator = self.request.integrator(self.spec.layers);
-        let unit = Unit { tile: piece.tile, samples: piece.samples.clone(), limits: Unit::UNLIMITED };
+        let unit = Unit { tile: unit.tile, samples: unit.samples.clone(), limits: Unit::UNLIMITED };
         let result =
             kajo_render::render_piece(&*integrator, &film, &self.schedule(), position, &unit, progress);
         match result {

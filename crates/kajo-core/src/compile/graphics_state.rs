@@ -1,4 +1,4 @@
-//! Where objects stand, and what holds for them there.
+//! The current transform and the graphics state: what holds for the objects of a group, as in [Pharr, Jakob and Humphreys 2023, C.2].
 
 use kajo_math::{DAffine3, Motion, Transform};
 
@@ -6,9 +6,9 @@ use super::part::Part;
 use crate::ids::PoseId;
 use crate::material::MaterialId;
 
-/// The running state of a walk through groups.
+/// What holds for the next object while groups are read.
 #[derive(Default)]
-pub(super) struct Walk {
+pub(super) struct GraphicsState {
     /// Set by `MaterialIndex`; stays in force after the group it stands in, as in the classic format.
     pub material: Option<MaterialId>,
     /// A `MaterialIndex` was wrong, which has been reported: objects without a material are no news.
@@ -19,8 +19,8 @@ pub(super) struct Walk {
     pub is_operand: bool,
 }
 
-/// Where objects stand.
-pub(super) struct Place {
+/// From the space of objects to the world's: the current transformation matrix, over time.
+pub(super) struct CurrentTransform {
     pub world: Motion,
     /// The same with its inverse at a moment; `None` when there is none, and what stands here is never hit.
     pub transform: Option<Transform>,
@@ -28,40 +28,40 @@ pub(super) struct Place {
     pub pose: Option<PoseId>,
 }
 
-impl Place {
+impl CurrentTransform {
     /// Where nothing has been moved.
-    pub fn origin() -> Place {
-        Place::new(Motion::still(DAffine3::IDENTITY))
+    pub fn origin() -> CurrentTransform {
+        CurrentTransform::new(Motion::still(DAffine3::IDENTITY))
     }
 
-    pub fn new(world: Motion) -> Place {
+    pub fn new(world: Motion) -> CurrentTransform {
         let transform = match world.constant() {
             Some(map) => Transform::new(map),
             None => Transform::new(&world.at(0.0)),
         };
         let stays = transform.filter(|transform| world.constant().is_some() && transform.is_identity());
-        Place { world, transform, pose: stays.map(|_| PoseId::IDENTITY) }
+        CurrentTransform { world, transform, pose: stays.map(|_| PoseId::IDENTITY) }
     }
 
-    /// The transform of a place that does not move.
+    /// The transform, where it does not move.
     pub fn fixed(&self) -> Option<&Transform> {
         self.transform.as_ref().filter(|_| self.world.constant().is_some())
     }
 
-    /// The same place for something that has no inverse whatever rounding makes of it.
-    pub fn flattened(self) -> Place {
-        Place { transform: None, ..self }
+    /// The same for something that has no inverse whatever rounding makes of it.
+    pub fn flattened(self) -> CurrentTransform {
+        CurrentTransform { transform: None, ..self }
     }
 
-    /// The place of something that stands within what stands here.
-    pub fn around(&self, map: &Motion) -> Place {
-        let there = Place::new(self.world.then(map));
+    /// That of something that stands within what stands here.
+    pub fn around(&self, map: &Motion) -> CurrentTransform {
+        let there = CurrentTransform::new(self.world.then(map));
         if self.is_flat() { there.flattened() } else { there }
     }
 
-    /// The place of something that has been taken here already.
-    pub fn baked(&self) -> Place {
-        let origin = Place::origin();
+    /// That of something whose points have been transformed already.
+    pub fn baked(&self) -> CurrentTransform {
+        let origin = CurrentTransform::origin();
         if self.is_flat() { origin.flattened() } else { origin }
     }
 
