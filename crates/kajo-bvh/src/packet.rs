@@ -111,14 +111,15 @@ impl Tree {
         let (mut current, mut place) = (root, 0);
         loop {
             if current.is_leaf() {
-                let active = slabs.meet(simd, &nodes[place as usize / WIDTH], place as usize % WIDTH, t_max);
+                let active =
+                    slabs.intersect(simd, &nodes[place as usize / WIDTH], place as usize % WIDTH, t_max);
                 if active != 0 {
                     t_max = leaf(current.index(), active);
                     longest = largest(simd, t_max);
                 }
             } else {
                 let node = &nodes[current.index() as usize];
-                let (met, near) = slabs.beam.meet(simd, node, longest);
+                let (met, near) = slabs.beam.intersect(simd, node, longest);
                 if met != 0 {
                     let number = |slot: usize| current.index() * WIDTH as u32 + slot as u32;
                     place = if met & (met - 1) == 0 {

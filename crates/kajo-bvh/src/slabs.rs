@@ -78,7 +78,7 @@ impl<S: Simd> Slabs<S> {
 
     /// Which children's boxes the ray meets before `t_max`, and where it enters each.
     #[inline(always)]
-    pub(crate) fn meet(&self, node: &impl Wide, t_max: f32) -> (u32, S::F32x8) {
+    pub(crate) fn intersect(&self, node: &impl Wide, t_max: f32) -> (u32, S::F32x8) {
         let simd = self.simd;
         let at = |axis: usize, side: usize, c: &[S::F32x8; 3]| {
             simd.mul_add(node.planes(simd, 2 * axis + (side & 1), self.time), self.rd[axis], c[axis])

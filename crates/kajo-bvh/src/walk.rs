@@ -97,7 +97,7 @@ impl<N: Wide> Tree<N> {
         loop {
             if !current.is_leaf() {
                 let node = &nodes[current.index() as usize];
-                let (mask, near) = slabs.meet(node, t_max);
+                let (mask, near) = slabs.intersect(node, t_max);
                 if mask != 0 {
                     current = if mask & (mask - 1) == 0 {
                         node.child(mask.trailing_zeros() as usize)
@@ -139,7 +139,7 @@ impl<N: Wide> Tree<N> {
         loop {
             if !current.is_leaf() {
                 let node = &nodes[current.index() as usize];
-                let (mut mask, _) = slabs.meet(node, ray.t_max);
+                let (mut mask, _) = slabs.intersect(node, ray.t_max);
                 if mask != 0 {
                     current = node.child(take_lowest(&mut mask));
                     while mask != 0 {

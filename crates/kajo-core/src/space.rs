@@ -106,7 +106,7 @@ struct SceneChords<'a, F> {
 }
 
 impl<F: FnMut(&Ray)> Chords for SceneChords<'_, F> {
-    fn meets(&mut self, chord: &Ray) -> Option<f32> {
+    fn hit(&mut self, chord: &Ray) -> Option<f32> {
         self.scene.trace_into(None, chord, self.at).then_some(self.at.hit.t)
     }
 

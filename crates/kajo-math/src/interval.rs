@@ -60,7 +60,7 @@ impl Interval {
 
     /// The numbers in both, which both are bounds of one thing.
     #[inline]
-    pub fn meet(self, other: Interval) -> Interval {
+    pub fn intersection(self, other: Interval) -> Interval {
         Interval { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi), ..self }
     }
 
@@ -196,7 +196,7 @@ impl Interval {
         let (sin, cos) = (self.sin(), self.cos());
         let quotient = sin / cos;
         // On a branch without a pole the function rises.
-        if cos.contains(0.0) { quotient } else { quotient.meet(self.rising(fmath::tan64)) }
+        if cos.contains(0.0) { quotient } else { quotient.intersection(self.rising(fmath::tan64)) }
     }
 
     /// The arc sine, which numbers from -1 to 1 have.
@@ -218,11 +218,11 @@ impl Interval {
     /// The angle of the point `(x, self)` from the x axis, from -pi to pi.
     pub fn atan2(self, x: Interval) -> Interval {
         let domain = self.domain.min(x.domain);
-        let meets_cut = x.lo <= 0.0 && self.contains(0.0);
+        let crosses_cut = x.lo <= 0.0 && self.contains(0.0);
         let corners = [(self.lo, x.lo), (self.lo, x.hi), (self.hi, x.lo), (self.hi, x.hi)];
         let angles = corners.map(|(y, x)| fmath::atan2_64(y, x));
         let bounds = Interval { domain, ..self };
-        if meets_cut || angles.iter().any(|angle| angle.is_nan()) {
+        if crosses_cut || angles.iter().any(|angle| angle.is_nan()) {
             return Interval { domain, ..Interval::new(-PI, PI) };
         }
         bounds.loose(angles.into_iter().fold(PI, f64::min), angles.into_iter().fold(-PI, f64::max))
@@ -285,7 +285,7 @@ impl Interval {
         if rest.lo.is_nan() || rest.hi.is_nan() {
             return Interval { domain: rest.domain, ..bound };
         }
-        rest.meet(bound)
+        rest.intersection(bound)
     }
 
     /// The part of the numbers that is not negative; zero where there is none.

@@ -33,11 +33,11 @@ pub(super) fn cut(corners: [Vec3; 3], bounds: Box4, axis: usize, plane: f32) -> 
     let (mut before, mut behind) = (bounds, bounds);
     before.hi[axis] = before.hi[axis].min(plane);
     behind.lo[axis] = behind.lo[axis].max(plane);
-    let meet = |side: Box4, half: Box4| {
+    let intersection = |side: Box4, half: Box4| {
         let part = Box4 { lo: side.lo.max(half.lo), hi: side.hi.min(half.hi) };
         part.lo.truncate().cmple(part.hi.truncate()).all().then_some(part)
     };
-    [meet(sides[0], before), meet(sides[1], behind)]
+    [intersection(sides[0], before), intersection(sides[1], behind)]
 }
 
 /// The corners of a box around the point where the edge from `p` to `q` crosses the plane.

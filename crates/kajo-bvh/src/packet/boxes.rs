@@ -67,7 +67,7 @@ impl<S: Simd> BeamAxis<S> {
 impl<S: Simd> Beam<S> {
     /// The children whose boxes some ray may meet before `t_max`, and where the first enters each.
     #[inline(always)]
-    pub(super) fn meet(&self, simd: S, node: &Node, t_max: f32) -> (u32, S::F32x8) {
+    pub(super) fn intersect(&self, simd: S, node: &Node, t_max: f32) -> (u32, S::F32x8) {
         // These nodes do not move: the time does not matter.
         let ([x, y, z], time) = (&self.axes, self.t_min);
         let near = simd.max(
@@ -124,7 +124,7 @@ impl<S: Simd> Slabs<S> {
 
     /// Which rays meet a child's box before their `t_max`.
     #[inline(always)]
-    pub(super) fn meet(&self, simd: S, node: &Node, slot: usize, t_max: S::F32x8) -> u32 {
+    pub(super) fn intersect(&self, simd: S, node: &Node, slot: usize, t_max: S::F32x8) -> u32 {
         let near = simd.max(
             simd.max(self.enter(simd, node, slot, 0), self.enter(simd, node, slot, 1)),
             simd.max(self.enter(simd, node, slot, 2), self.t_min),

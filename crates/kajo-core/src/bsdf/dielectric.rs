@@ -40,7 +40,7 @@ pub struct Dielectric {
 }
 
 /// The boundary as it is met from the side of `wo`, which is turned to be above.
-struct Met {
+struct IncidentSide {
     eta: f32,
     wo: Vec3,
 }
@@ -58,9 +58,9 @@ impl Dielectric {
     }
 
     #[inline]
-    fn met(&self, wo: Vec3) -> Met {
+    fn incident_side(&self, wo: Vec3) -> IncidentSide {
         let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
-        Met { eta, wo: Vec3::new(wo.x, wo.y, wo.z.abs()) }
+        IncidentSide { eta, wo: Vec3::new(wo.x, wo.y, wo.z.abs()) }
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: Transport) -> Spectrum {
@@ -82,7 +82,7 @@ impl Dielectric {
         let loss = self.loss();
         let lost = loss.lost(self.is_dense(wo), wo);
         let again_pdf = loss.pdf(self.is_dense(wi), wi);
-        let scale = if reflects { 1.0 } else { mode.scale(self.met(wo).eta) };
+        let scale = if reflects { 1.0 } else { mode.scale(self.incident_side(wo).eta) };
         let again = lost * loss.returned(self.is_dense(wi), wi) * scale;
         let tint = if reflects { self.reflection_tint } else { self.transmission_tint };
         (tint * (once + again), (1.0 - lost) * once_pdf + lost * again_pdf)
@@ -94,7 +94,7 @@ impl Dielectric {
         let seen = |m: Vec3| facets.visible_over_cos(side * wo, m);
         if same_side(wo, wi) {
             let m = side * (wo + wi).normalize_or_zero();
-            let f = fresnel::dielectric(side * wo.dot(m), self.met(wo).eta);
+            let f = fresnel::dielectric(side * wo.dot(m), self.incident_side(wo).eta);
             let value = 0.25 * f * facets.d(m) * facets.g2(wo, wi) / wo.z.abs();
             return (value, 0.25 * f * seen(m));
         }
@@ -139,7 +139,7 @@ impl Dielectric {
     }
 
     fn sample_smooth(&self, wo: Vec3, uc: f32, mode: Transport) -> Option<BsdfSample> {
-        let Met { eta, wo: above } = self.met(wo);
+        let IncidentSide { eta, wo: above } = self.incident_side(wo);
         let side = wo.z.signum();
         let f = fresnel::dielectric(above.z, eta);
         if uc < f {
@@ -152,7 +152,7 @@ impl Dielectric {
 
     /// A direction by way of one facet.
     fn sample_facet(&self, wo: Vec3, u: Vec2, uc: f32) -> Option<Vec3> {
-        let Met { eta, wo: above } = self.met(wo);
+        let IncidentSide { eta, wo: above } = self.incident_side(wo);
         let m = self.microfacets.held().sample(above, u);
         let cos = above.dot(m);
         let reflects = uc < fresnel::dielectric(cos, eta);
@@ -165,11 +165,11 @@ impl Dielectric {
         let transmission = !same_side(wo, wi);
         let kind = ScatterKind { transmission, delta, straight: false };
         let sample = BsdfSample::new(wi, weight, pdf, kind)?;
-        Some(BsdfSample { eta: if transmission { self.met(wo).eta } else { 1.0 }, ..sample })
+        Some(BsdfSample { eta: if transmission { self.incident_side(wo).eta } else { 1.0 }, ..sample })
     }
 
     pub(super) fn albedo(&self, wo: Vec3) -> Spectrum {
-        let Met { eta, wo } = self.met(wo);
+        let IncidentSide { eta, wo } = self.incident_side(wo);
         let f = fresnel::dielectric(wo.z, eta);
         self.reflection_tint * f + self.transmission_tint * (1.0 - f)
     }

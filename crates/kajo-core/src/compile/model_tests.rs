@@ -75,10 +75,10 @@ fn scene(objects: &str, content: &str) -> Scene {
     scene.expect("a scene without mistakes")
 }
 
-/// Where a ray along the z axis meets the triangle.
+/// Where a ray along the z axis hits the triangle.
 fn met(scene: &Scene, x: f32, y: f32) -> Interaction {
     let event = scene.trace(&Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z));
-    *event.surface().expect("the ray meets the model")
+    *event.surface().expect("the ray hits the model")
 }
 
 /// The colour that the classic integrator sees there.
@@ -305,16 +305,16 @@ fn points_and_lines_are_shown_on_request() {
 #[test]
 fn models_are_subdivided() {
     let content = triangle("", "");
-    let meets = |objects: &str, x: f32, y: f32| {
+    let hits = |objects: &str, x: f32, y: f32| {
         let ray = Ray::new(Vec3::new(x, y, 5.0), Vec3::NEG_Z);
         scene(objects, &content).trace(&ray).surface().is_some()
     };
     let [x, y] = [10.0 / 6.0, -2.0 / 6.0];
     for keys in ["subdivide 1", "subdivide 4", "subdivide 3  scheme loop"] {
         let model = format!("Model {{ file a.gltf {keys} }}");
-        assert!(meets(&model, x - 0.01, y) && !meets(&model, x + 0.01, y), "{keys}");
+        assert!(hits(&model, x - 0.01, y) && !hits(&model, x + 0.01, y), "{keys}");
     }
-    assert!(meets("Model { file a.gltf }", x + 0.01, y));
+    assert!(hits("Model { file a.gltf }", x + 0.01, y));
     let material =
         r#""normalTexture":{"index":0},"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1}}"#;
     let with_second = triangle(r#","TEXCOORD_0":1,"TEXCOORD_1":2"#, material);

@@ -125,8 +125,8 @@ fn functions_displace() {
     }
     // Where there is no value there is no surface.
     let scene = with("sqrt(x)").0.unwrap();
-    let meets = |x: f32| scene.trace(&Ray::new(Vec3::new(x, 0.1, 5.0), Vec3::NEG_Z)).surface().is_some();
-    assert!(meets(0.2) && !meets(-0.2));
+    let hits = |x: f32| scene.trace(&Ray::new(Vec3::new(x, 0.1, 5.0), Vec3::NEG_Z)).surface().is_some();
+    assert!(hits(0.2) && !hits(-0.2));
 }
 
 #[test]

@@ -175,7 +175,7 @@ impl<E: RayEquation> BodyUnits<'_, E> {
 
     fn meeting(&self, chord: &Ray, chords: &mut impl Chords) -> Option<f32> {
         // A chord that rounding left nothing of has no direction.
-        if chord.d.length_squared() == 0.0 { None } else { chords.meets(chord) }
+        if chord.d.length_squared() == 0.0 { None } else { chords.hit(chord) }
     }
 
     /// Where the curve first meets something within a part of a step, and the chord that meets it there.

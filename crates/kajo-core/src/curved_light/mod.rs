@@ -156,7 +156,7 @@ impl Region {
 /// What stands in the way of chords.
 pub trait Chords {
     /// Where a chord meets the nearest surface, as the ray's parameter; what it is has to be kept until the next question.
-    fn meets(&mut self, chord: &Ray) -> Option<f32>;
+    fn hit(&mut self, chord: &Ray) -> Option<f32>;
 
     /// Light has gone along this whole chord.
     fn passed(&mut self, _chord: &Ray) {}

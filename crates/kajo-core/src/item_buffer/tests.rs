@@ -19,7 +19,7 @@ fn bodies(n: u32, seed: u64) -> Vec<Body> {
 }
 
 /// Where a ray meets a body, if it does: a sphere, or a box in place of another shape.
-fn meets(body: &Body, ray: &Ray) -> Option<f32> {
+fn hit(body: &Body, ray: &Ray) -> Option<f32> {
     match body.sphere {
         Some(sphere) => sphere.hit(ray).map(|hit| hit.t),
         None => body.bounds.clip(ray).map(|(near, _)| near),
@@ -55,7 +55,7 @@ fn lists_hold_all_that_a_ray_from_the_apex_can_meet_first() {
                 let ray = Ray::new(apex, (target - apex).normalize());
                 let Some(items) = buffer.seen_along(&ray) else { continue };
                 listed += items.len();
-                let nearest = bodies.iter().filter_map(|b| Some((meets(b, &ray)?, b.object)));
+                let nearest = bodies.iter().filter_map(|b| Some((hit(b, &ray)?, b.object)));
                 if let Some((t, object)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)) {
                     let item = items.iter().find(|item| item.object == object);
                     assert!(item.is_some_and(|item| item.near <= t), "{apex} {ray:?} {object:?}");
@@ -78,7 +78,7 @@ fn rays_to_the_apex_find_what_blocks_them() {
             let ray = Ray::new(p, wi).over(1e-3, distance);
             let Some(between) = buffer.between(&ray) else { continue };
             answered += 1;
-            let met: Vec<&Body> = bodies.iter().filter(|b| meets(b, &ray).is_some()).collect();
+            let met: Vec<&Body> = bodies.iter().filter(|b| hit(b, &ray).is_some()).collect();
             let hidden = met.iter().any(|b| b.opaque && b.sphere.is_some());
             blocked += u32::from(hidden);
             let items = match between {

@@ -234,7 +234,7 @@ mod tests {
     struct Empty;
 
     impl Chords for Empty {
-        fn meets(&mut self, _chord: &Ray) -> Option<f32> {
+        fn hit(&mut self, _chord: &Ray) -> Option<f32> {
             None
         }
     }

@@ -54,7 +54,7 @@ impl PlaneLine {
 
     /// Whether any point of a box may be on the line, or be found on another side than a neighbour.
     #[inline]
-    pub fn meets(&self, [min, max]: [DVec2; 2]) -> bool {
+    pub fn overlaps(&self, [min, max]: [DVec2; 2]) -> bool {
         let (middle, half) = (0.5 * (min + max), 0.5 * (max - min));
         let reach = self.n.x.abs() * half.x + self.n.y.abs() * half.y + self.rounding;
         // Not for boxes of nothing.

@@ -49,12 +49,12 @@ impl Handle {
     /// The place on the handle's track that appears at `there`, or nearest to it.
     fn followed(&self, eye: &Eye<'_>, there: DVec2) -> Option<DVec3> {
         match self.track {
-            Track::Screen if eye.pose.is_flat() => eye.sight(there)?.meets(self.at, eye.pose.forward()),
+            Track::Screen if eye.pose.is_flat() => eye.sight(there)?.intersect(self.at, eye.pose.forward()),
             Track::Screen => {
                 let sight = eye.sight(there)?;
                 Some(sight.origin + sight.direction * self.at.distance(sight.origin))
             }
-            Track::Plane(normal) => eye.sight(there)?.meets(self.at, normal),
+            Track::Plane(normal) => eye.sight(there)?.intersect(self.at, normal),
             Track::Line(direction) if eye.pose.is_flat() => along(eye, self.at, direction, there),
             // The line is curved: from each point its tangent leads to a better one.
             Track::Line(direction) => {
@@ -160,7 +160,7 @@ impl Handle {
         snap: &Snap,
     ) -> Option<Dragged> {
         let spoke = |place: DVec2| {
-            let hit = eye.sight(place)?.meets(center, axis)?;
+            let hit = eye.sight(place)?.intersect(center, axis)?;
             (hit - center).try_normalize()
         };
         let angle = match spoke(from).zip(spoke(to)) {
@@ -204,7 +204,7 @@ fn along(eye: &Eye<'_>, at: DVec3, direction: DVec3, there: DVec2) -> Option<DVe
     let sight = eye.sight(foot)?;
     let across = direction.cross(sight.direction);
     // The plane through the line that is as square to the sight as can be.
-    sight.meets(at, across.cross(direction)).map(|hit| at + direction * (hit - at).dot(direction))
+    sight.intersect(at, across.cross(direction)).map(|hit| at + direction * (hit - at).dot(direction))
 }
 
 /// How values are rounded.

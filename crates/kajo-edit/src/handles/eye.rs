@@ -24,7 +24,7 @@ pub(super) struct Sight {
 
 impl Sight {
     /// Where it meets the plane through `p` with this normal; `None` where it does not, or the plane is seen edge on.
-    pub fn meets(&self, p: DVec3, normal: DVec3) -> Option<DVec3> {
+    pub fn intersect(&self, p: DVec3, normal: DVec3) -> Option<DVec3> {
         let slope = self.direction.dot(normal);
         let t = (p - self.origin).dot(normal) / slope;
         // Edge on, a pixel would move it out of sight.

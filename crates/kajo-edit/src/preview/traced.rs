@@ -16,7 +16,7 @@ const OUTLINE: [u8; 3] = [255, 168, 51];
 
 /// What one ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Met {
+struct PixelHit {
     /// Encoded in sRGB.
     color: [u8; 3],
     /// Number in the id layers, counted from 1; 0 for nothing.
@@ -32,7 +32,7 @@ pub struct TracedPreview {
     /// Columns and rows of rays.
     size: [u32; 2],
     /// Row by row, from the top.
-    met: Vec<Met>,
+    met: Vec<PixelHit>,
 }
 
 impl TracedPreview {
@@ -51,13 +51,13 @@ impl TracedPreview {
         goes_on: impl Fn() -> bool + Sync,
     ) -> Option<TracedPreview> {
         let [columns, rows] = size.map(|n| n.max(1) as usize);
-        let nothing = Met { color: background, object: 0, distance: f32::INFINITY };
+        let nothing = PixelHit { color: background, object: 0, distance: f32::INFINITY };
         let mut met = vec![nothing; columns * rows];
         let share =
             DVec2::new(picture[0].into(), picture[1].into()) / DVec2::new(columns as f64, rows as f64);
         let look = |x: usize, y: usize| {
             let place = (DVec2::new(x as f64, y as f64) + 0.5) * share;
-            camera.ray(place, picture).and_then(|ray| meet(scene, &ray)).unwrap_or(nothing)
+            camera.ray(place, picture).and_then(|ray| hit(scene, &ray)).unwrap_or(nothing)
         };
         let threads = thread::available_parallelism().map_or(1, usize::from).min(rows);
         let band = rows.div_ceil(threads);
@@ -92,7 +92,7 @@ impl TracedPreview {
         self.at(place).map_or(f32::INFINITY, |met| met.distance)
     }
 
-    fn at(&self, place: DVec2) -> Option<&Met> {
+    fn at(&self, place: DVec2) -> Option<&PixelHit> {
         let share = place / DVec2::new(self.picture[0].into(), self.picture[1].into());
         let inside = (0.0..1.0).contains(&share.x) && (0.0..1.0).contains(&share.y);
         let [columns, rows] = self.size.map(f64::from);
@@ -123,12 +123,12 @@ impl TracedPreview {
     }
 }
 
-fn meet(scene: &Scene, ray: &Ray) -> Option<Met> {
+fn hit(scene: &Scene, ray: &Ray) -> Option<PixelHit> {
     let (at, point) = scene.trace_snapshot(ray)?;
     let [r, g, b, _] = color::of(scene, at.material, at.point.p);
     let light = 0.28 + 0.72 * point.n.dot(ray.d).abs().min(1.0);
     let color = [r, g, b].map(|v| (f32::from(v) * light).round() as u8);
-    Some(Met { color, object: at.object.number(), distance: at.hit.t })
+    Some(PixelHit { color, object: at.object.number(), distance: at.hit.t })
 }
 
 #[cfg(test)]

@@ -104,10 +104,10 @@ impl Integrator for AmbientOcclusion<'_> {
         draws.skip(1); // There are no wavelengths.
         observer.counters().camera += 1;
         let mut at = Interaction::default();
-        let meets = scene.trace_into(None, &ray, &mut at);
+        let hits = scene.trace_into(None, &ray, &mut at);
         let about = || About { eta: 1.0, weight: [1.0; 3], light: None };
-        observer.ended(scene, &ray, meets.then_some(&at), about);
-        if !meets {
+        observer.ended(scene, &ray, hits.then_some(&at), about);
+        if !hits {
             observer.found(|| [1.0; 3]);
             ctx.aux.lights[0] = [1.0; 3];
             return PixelSample { radiance: [1.0; 3], first: None };

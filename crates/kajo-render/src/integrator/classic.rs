@@ -1,6 +1,6 @@
 //! Recursive ray tracing in the manner of the course's reference program [Whitted 1980].
 //!
-//! The light along a ray that meets a surface is
+//! The light along a ray that hits a surface is
 //!
 //! ```text
 //! L = ambient + sum of visible lights (Phong) + reflective L(mirror ray) + transparent L(refracted ray)
@@ -111,7 +111,7 @@ impl<'a> Classic<'a> {
         Classic { scene, settings, view, camera_items, emitters, light_items }
     }
 
-    /// Writes where a ray ends that leaves the surface at `at`; `false` where it meets nothing.
+    /// Writes where a ray ends that leaves the surface at `at`; `false` where it hits nothing.
     fn follow(&self, ray: &Ray, at: &mut Interaction) -> bool {
         if ray.d.dot(at.point.ng) < 0.0 {
             self.scene.trace_inwards(ray, at)
@@ -129,18 +129,18 @@ impl<'a> Classic<'a> {
     /// A sum over a tree of rays; nothing is drawn. Where only one branch goes on, the path goes on along it. Where both do,
     /// the mirrored one is followed to all its ends first, and the other waits in a list.
     ///
-    /// * `at`: the surface that the ray meets, if it `meets` one
+    /// * `at`: the surface that the ray hits, if it `hits` one
     fn li<O: PathObserver>(
         &self,
         (ray, path): (Ray, Path),
-        (at, mut meets): (&mut Interaction, bool),
+        (at, mut hits): (&mut Interaction, bool),
         observer: &mut O,
         scratch: &mut Scratch,
     ) -> Spectrum {
         let mut walk = FollowedPath { ray, path, light: Spectrum::BLACK, beta: Spectrum::WHITE };
         let mut n_waiting = 0;
         loop {
-            let branches = self.surface(&mut walk, meets.then_some(&mut *at), observer);
+            let branches = self.surface(&mut walk, hits.then_some(&mut *at), observer);
             let branch = match branches {
                 (None, None) => {
                     // Most paths never fork, and ask for no list.
@@ -178,7 +178,7 @@ impl<'a> Classic<'a> {
                 }
             };
             (walk.ray, walk.path, walk.beta) = (branch.ray, branch.path, walk.beta * branch.factor);
-            meets = self.follow(&walk.ray, at);
+            hits = self.follow(&walk.ray, at);
         }
     }
 
@@ -428,7 +428,7 @@ fn refracted(branch: Branch, observer: &mut impl PathObserver) -> Branch {
     branch
 }
 
-/// The two sides of a surface as a ray meets it.
+/// The two sides of a surface as a ray hits it.
 struct Crossing {
     /// Unit normal against the ray.
     n: Vec3,
@@ -464,12 +464,12 @@ impl Integrator for Classic<'_> {
             inside: false,
         };
         let mut at = Interaction::default();
-        let meets = self.scene.trace_into(self.camera_items.as_ref(), &ray, &mut at);
-        let first = meets.then(|| self.view.first_hit(&at, &mut ctx.aux));
-        if meets && self.view.wants_albedo() {
+        let hits = self.scene.trace_into(self.camera_items.as_ref(), &ray, &mut at);
+        let first = hits.then(|| self.view.first_hit(&at, &mut ctx.aux));
+        if hits && self.view.wants_albedo() {
             ctx.aux.albedo = self.albedo(&at);
         }
-        let mut light = self.li((ray, path), (&mut at, meets), observer, &mut ctx.scratch);
+        let mut light = self.li((ray, path), (&mut at, hits), observer, &mut ctx.scratch);
         if self.settings.uv {
             light = self.uv_picture(pixel);
             observer.shown_instead(|| light.to_rgb());

@@ -13,7 +13,7 @@
 //! beta <- beta f |cos| / p
 //! ```
 //!
-//! and all light that the path meets is added with it. At every surface the light of one light is
+//! and all light that the path hits is added with it. At every surface the light of one light is
 //! added as well, drawn by what it may contribute. A light that is met by chance and one that was drawn are two
 //! estimates of the same light; each counts with the weight `p^2 / (p^2 + q^2)` of its density against the other's
 //! [Veach and Guibas 1995]. Paths that carry little end at random, and the survivors count more [Arvo and

@@ -173,7 +173,7 @@ fn a_ball_lens_bends_rays_as_its_formula_says() {
          Background { color 0 0 0 ambientLight 1 1 1 }
          Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } MaterialIndex 1 Disk { center 0 0 -1.391573 normal 0 0 1 radius 0.0005 } }",
     );
-    // At height 0.5 the ray crosses the axis 1.391573 behind the centre and meets the small disk there.
+    // At height 0.5 the ray crosses the axis 1.391573 behind the centre and hits the small disk there.
     let settings = ClassicSettings { bounces: 2, ..plain(&s) };
     near(look(&s, settings, 0.5, 0.0).0[0], 1.0, 1e-6);
     near(look(&s, settings, 0.0, 0.5).0[0], 1.0, 1e-6);
@@ -195,7 +195,7 @@ fn a_camera_inside_glass_sees_straight_out() {
 
 #[test]
 fn total_internal_reflection_is_dark_unless_asked_for() {
-    // A ray enters the lower face of a prism straight and meets the slanted face at 45 degrees.
+    // A ray enters the lower face of a prism straight and hits the slanted face at 45 degrees.
     let s = scene(
         "OrthographicCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 size 2 } Background { color 0.25 0.5 0.75 }
          Lights { DirectionalLight { direction 0 0 -1 color 0 0 0 } }

@@ -247,7 +247,7 @@ impl Data<'_> {
 struct Left(usize);
 
 impl Left {
-    fn meet(&mut self, bytes: usize) -> Result<(), VolumeError> {
+    fn take(&mut self, bytes: usize) -> Result<(), VolumeError> {
         self.0 = self
             .0
             .checked_sub(bytes)
@@ -278,7 +278,7 @@ fn grid<T: VoxelValue>(
     let mut left = Left(data.0.len());
     let mut known = std::collections::BTreeSet::new();
     for tile in 0..tiles {
-        left.meet(ROOT_TILE)?;
+        left.take(ROOT_TILE)?;
         let at = root + ROOT_HEAD + ROOT_TILE * tile;
         let key = data.u64(at)?;
         // 21 bits for each axis, x first.
@@ -319,7 +319,7 @@ fn upper<T: VoxelValue>(
         leaves.clear();
         entries(data, at, origin, LOWER, made, left, &mut leaves)?;
         for &(origin, at) in &leaves {
-            left.meet(LEAF_HEAD + 4 * LEAF_VOXELS)?;
+            left.take(LEAF_HEAD + 4 * LEAF_VOXELS)?;
             let mask = Mask::of_bytes(data.slice(at.checked_add(16).ok_or_else(outside)?, LEAF_VOXELS / 8)?);
             made.leaf(origin, &mask, at)?;
         }
@@ -339,7 +339,7 @@ fn entries<T: VoxelValue>(
 ) -> Result<(), VolumeError> {
     let ([active, has_child], table) = data.node(at, shape)?;
     let count = 1usize << (3 * shape[0]);
-    left.meet(8 * count)?;
+    left.take(8 * count)?;
     data.slice(table, 8 * count)?;
     for index in 0..count {
         let place = entry_origin(origin, shape, index);

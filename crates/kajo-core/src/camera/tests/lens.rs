@@ -25,7 +25,7 @@ fn grid(n: u32) -> impl Iterator<Item = Vec2> {
 }
 
 /// Where the ray of a place of the picture meets the plane at depth `z`.
-fn meets(camera: &Camera, at: Vec2, lens: Vec2, z: f64) -> DVec3 {
+fn crossing(camera: &Camera, at: Vec2, lens: Vec2, z: f64) -> DVec3 {
     let ray = camera.ray(at, 1.5, lens, 0.0).expect("a ray");
     let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
     o - d * (z + o.z) / d.z
@@ -41,8 +41,8 @@ fn the_circle_of_confusion_has_its_diameter() {
         }] {
             let camera = lens(perspective(round(0.2, 5.0)), Some(round(0.2, 5.0)));
             let at = Vec2::new(0.3, -0.7);
-            let middle = meets(&camera, at, Vec2::splat(0.5), z);
-            let radii = grid(100).map(|u| meets(&camera, at, u, z).distance(middle));
+            let middle = crossing(&camera, at, Vec2::splat(0.5), z);
+            let radii = grid(100).map(|u| crossing(&camera, at, u, z).distance(middle));
             let widest = radii.fold(0.0, f64::max);
             // The outermost points of the grid lie half a cell inside.
             assert!((widest - 0.5 * diameter).abs() < 0.006 * diameter + 1e-6, "{z}: {widest}");
@@ -81,7 +81,7 @@ fn an_edge_out_of_focus_fades_as_the_disk_does() {
         // The ray through the middle of the lens passes the edge at x = 0 by t radii.
         let at = Vec2::new((t * radius / z / 0.3f64.tan() / 1.5) as f32, 0.0);
         let n = 300;
-        let right = grid(n).filter(|&u| meets(&camera, at, u, z).x > 0.0).count();
+        let right = grid(n).filter(|&u| crossing(&camera, at, u, z).x > 0.0).count();
         let share = right as f64 / f64::from(n * n);
         assert!((share - side_of_disk(t)).abs() < 2e-3, "{t}: {share}");
     }
@@ -94,7 +94,7 @@ fn the_blurred_disk_is_uniform() {
     let mut counts = vec![0u32; rings * sectors];
     for i in 0..n {
         let u = Vec2::from_array(sobol::point(i).map(unit));
-        let p = meets(&camera, Vec2::ZERO, u, 10.0) / 0.1;
+        let p = crossing(&camera, Vec2::ZERO, u, 10.0) / 0.1;
         let ring = ((p.x * p.x + p.y * p.y) * rings as f64) as usize;
         let sector = ((p.y.atan2(p.x) / PI + 1.0) * 0.5 * sectors as f64) as usize;
         counts[ring.min(rings - 1) * sectors + sector.min(sectors - 1)] += 1;

@@ -7,7 +7,7 @@ use crate::curved_light::{Outcome, RayEquation, position};
 struct Empty;
 
 impl Chords for Empty {
-    fn meets(&mut self, _chord: &Ray) -> Option<f32> {
+    fn hit(&mut self, _chord: &Ray) -> Option<f32> {
         None
     }
 }

@@ -29,7 +29,7 @@ impl Ball {
 }
 
 impl Chords for Ball {
-    fn meets(&mut self, chord: &Ray) -> Option<f32> {
+    fn hit(&mut self, chord: &Ray) -> Option<f32> {
         let (o, d) = (chord.o.as_dvec3() - self.center, chord.d.as_dvec3());
         let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - self.radius * self.radius);
         let t = ((-b + (b * b - a * c).sqrt()) / a) as f32;

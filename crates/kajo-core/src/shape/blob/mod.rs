@@ -182,8 +182,8 @@ impl Parts {
                 if to <= from {
                     continue;
                 }
-                let meets = |passage: &&Passage| passage.from < to && passage.to > from;
-                let active = scratch.passages.iter().filter(meets);
+                let overlaps = |passage: &&Passage| passage.from < to && passage.to > from;
+                let active = scratch.passages.iter().filter(overlaps);
                 if self.is_quartic {
                     let mut sum = [-self.threshold; 5];
                     active.for_each(|passage| passage.add_quartic([from, to], &mut sum));

@@ -57,7 +57,7 @@ impl Solid {
         let mut rest = &mut crossings[..];
         while let Some(first) = rest.first() {
             let mut together = 1;
-            while rest.get(together).is_some_and(|next| line.meet(first, next)) {
+            while rest.get(together).is_some_and(|next| line.coincide(first, next)) {
                 together += 1;
             }
             let (group, later) = rest.split_at_mut(together);
@@ -226,14 +226,15 @@ impl<'a> Line<'a> {
 
     /// Whether two crossings, of which `b` is not nearer, are too near to each other to say which comes first.
     #[inline]
-    fn meet(&self, a: &Crossing, b: &Crossing) -> bool {
+    fn coincide(&self, a: &Crossing, b: &Crossing) -> bool {
         let (gap, error) = (b.hit.t - a.hit.t, self.error(b.hit.t));
-        gap <= error || (a.leaf != b.leaf && gap <= STEEPEST * error && self.meet_slanting(a, b, gap / error))
+        gap <= error
+            || (a.leaf != b.leaf && gap <= STEEPEST * error && self.coincide_slanting(a, b, gap / error))
     }
 
     /// The same for surfaces that the ray meets at an angle, along which errors across are longer.
     #[cold]
-    fn meet_slanting(&self, a: &Crossing, b: &Crossing, gap: f32) -> bool {
+    fn coincide_slanting(&self, a: &Crossing, b: &Crossing, gap: f32) -> bool {
         let steepness = |crossing: &Crossing| {
             let leaf = &self.solid.leaves[crossing.leaf as usize];
             let n = self.solid.leaf_surface(leaf, &self.whole, &crossing.hit).ng;

@@ -27,7 +27,7 @@ use kajo_bvh::{BuildSettings, Bvh};
 use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DVec3, Ray, Vec2, Vec3, fmath, roots};
 
-use self::span::{CurvePoint, CurveSpan, End, Meeting};
+use self::span::{CurvePoint, CurveSpan, End, SpanHit};
 use self::strands::Node;
 pub use self::strands::Strands;
 use super::{Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, stored};
@@ -300,14 +300,14 @@ impl Parts {
     }
 
     /// Visits where a line meets a leaf: the parameter, and what a hit says.
-    fn meet(&self, index: u32, line: &Ray64, mut visit: impl FnMut(f64, [f32; 2])) {
+    fn intersect(&self, index: u32, line: &Ray64, mut visit: impl FnMut(f64, [f32; 2])) {
         let leaf = &self.leaves[index as usize];
         let LeafKind::Side { begins, ends } = leaf.kind else {
-            return self.meet_corner(leaf, line, |t| visit(t, [0.0; 2]));
+            return self.hit_corner(leaf, line, |t| visit(t, [0.0; 2]));
         };
         let span = self.span(leaf);
         if self.form == CurveForm::Ribbon {
-            return span.meet_ribbon(line, &mut |Meeting { t, s, across }| {
+            return span.hit_ribbon(line, &mut |SpanHit { t, s, across }| {
                 visit(t, [leaf.in_segment(s), across as f32]);
             });
         }
@@ -319,7 +319,7 @@ impl Parts {
         }
     }
 
-    fn meet_corner(&self, leaf: &Leaf, line: &Ray64, mut visit: impl FnMut(f64)) {
+    fn hit_corner(&self, leaf: &Leaf, line: &Ray64, mut visit: impl FnMut(f64)) {
         let (p, r) = self.nodes[leaf.node as usize].position();
         let dd = line.d.dot(line.d);
         let shift = (p - line.o).dot(line.d) / dd;
@@ -436,7 +436,7 @@ impl Surface for Curves {
         self.0.tree.closest(ray, |index, far| {
             let mut least = far;
             for part in self.0.in_box(index) {
-                self.0.meet(part, &line, |t, [u, v]| {
+                self.0.intersect(part, &line, |t, [u, v]| {
                     let Some(t) = in_range(ray, t) else { return };
                     // Of equally near ones the first in the file.
                     let is_first = || nearest.is_none_or(|hit| hit.t > t || hit.part > part);
@@ -456,7 +456,7 @@ impl Surface for Curves {
         self.0.tree.any(ray, |index| {
             let mut found = false;
             for part in self.0.in_box(index) {
-                self.0.meet(part, &line, |t, _| found |= in_range(ray, t).is_some());
+                self.0.intersect(part, &line, |t, _| found |= in_range(ray, t).is_some());
             }
             found
         })
@@ -466,7 +466,7 @@ impl Surface for Curves {
         let line = Ray64::new(ray);
         self.0.tree.each(ray, |index| {
             for part in self.0.in_box(index) {
-                self.0.meet(part, &line, |t, [u, v]| {
+                self.0.intersect(part, &line, |t, [u, v]| {
                     if let Some(t) = in_range(ray, t) {
                         visit(Hit { t, u, v, part });
                     }

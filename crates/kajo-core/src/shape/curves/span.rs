@@ -23,7 +23,7 @@ pub(super) struct End {
 
 /// Where a ray meets a span.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Meeting {
+pub(super) struct SpanHit {
     pub t: f64,
     /// Position along the span, in [0, 1].
     pub s: f64,
@@ -313,7 +313,7 @@ impl CurveSpan {
     ///
     /// Seen along the line, the ribbon is what is nearer than the radius to the curve. The nearest places are those where
     /// `C . C' = 0` for the curve `C` in the plane across the line, as seen from it: a quintic.
-    pub fn meet_ribbon(&self, line: &Ray64, visit: &mut impl FnMut(Meeting)) {
+    pub fn hit_ribbon(&self, line: &Ray64, visit: &mut impl FnMut(SpanHit)) {
         let length = line.d.length();
         let (x, y) = basis64(line.d / length);
         let flat = |v: DVec3| [v.dot(x), v.dot(y)];
@@ -349,7 +349,7 @@ impl CurveSpan {
             let off = line.at(t) - at.p;
             if off.dot(off) < at.r * at.r {
                 let across = at.m.cross(line.d).normalize_or_zero();
-                visit(Meeting { t, s, across: 0.5 + 0.5 * off.dot(across) / at.r });
+                visit(SpanHit { t, s, across: 0.5 + 0.5 * off.dot(across) / at.r });
             }
         });
     }

@@ -217,7 +217,7 @@ impl Search<'_> {
             // At the border of where it has values it jumps.
             return Known::Mixed([Interval::EVERYTHING; 3]);
         }
-        one_sign(value.meet(mean)).unwrap_or(Known::Mixed(found.slopes))
+        one_sign(value.intersection(mean)).unwrap_or(Known::Mixed(found.slopes))
     }
 }
 

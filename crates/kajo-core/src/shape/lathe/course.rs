@@ -51,7 +51,7 @@ pub(super) struct Course {
 
 /// A place of a curve that a line meets.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Meeting {
+pub(super) struct CourseCrossing {
     /// On the line as it was given.
     pub t: f64,
     /// On the curve.
@@ -118,7 +118,7 @@ impl Course {
 
     /// Whether the line may meet anything in a box, or find it on another side than a neighbour.
     #[inline]
-    pub fn meets(&self, [min, max]: [DVec2; 2]) -> bool {
+    pub fn overlaps(&self, [min, max]: [DVec2; 2]) -> bool {
         let (below, above) = (min.y - self.z0 - self.rounding, max.y - self.z0 + self.rounding);
         // Not for boxes of nothing.
         if below > above {
@@ -140,28 +140,28 @@ impl Course {
     }
 
     /// Visits the places at which the line meets a curve.
-    pub fn crossings(&self, curve: &Bezier<DVec2>, mut visit: impl FnMut(Meeting)) {
+    pub fn crossings(&self, curve: &Bezier<DVec2>, mut visit: impl FnMut(CourseCrossing)) {
         if self.rise == 0.0 {
             return self.level_crossings(curve, visit);
         }
         // Going up, what is away from the axis is on the right.
         let mut from_right = (self.side(curve.start()) < 0.0) == (self.rise > 0.0);
         let mut add = |s: f64| {
-            visit(Meeting { t: self.shift + self.parameter(curve.at(s)), s, from_right });
+            visit(CourseCrossing { t: self.shift + self.parameter(curve.at(s)), s, from_right });
             from_right = !from_right;
         };
         self.piece(curve, [0.0, 1.0], &mut add);
     }
 
     /// Of a level line, which comes in from far away and goes out again at the same height.
-    fn level_crossings(&self, curve: &Bezier<DVec2>, mut visit: impl FnMut(Meeting)) {
+    fn level_crossings(&self, curve: &Bezier<DVec2>, mut visit: impl FnMut(CourseCrossing)) {
         let height = PlaneLine { n: DVec2::Y, c: -self.z0, rounding: 0.0 };
         height.crossings(curve, |s, rises| {
             let squared = curve.at(s).x.powi(2) - self.c;
             if squared > 0.0 {
                 let away = (squared / self.a).sqrt();
-                visit(Meeting { t: self.shift - away, s, from_right: !rises });
-                visit(Meeting { t: self.shift + away, s, from_right: rises });
+                visit(CourseCrossing { t: self.shift - away, s, from_right: !rises });
+                visit(CourseCrossing { t: self.shift + away, s, from_right: rises });
             }
         });
     }

@@ -198,7 +198,7 @@ impl Parts {
         let mut crossings = SCRATCH.take();
         crossings.clear();
         self.tree.each(
-            |bounds| course.meets(bounds),
+            |bounds| course.overlaps(bounds),
             |i| {
                 course.crossings(&self.curves[i as usize], |at| {
                     crossings.push(Crossing { t: at.t, curve: i, s: at.s, from_right: at.from_right });

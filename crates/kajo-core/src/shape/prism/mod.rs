@@ -261,7 +261,7 @@ impl Parts {
         let mut crossings = SCRATCH.take();
         crossings.clear();
         self.tree.each(
-            |bounds| side.meets(bounds),
+            |bounds| side.overlaps(bounds),
             |i| {
                 let curve = &self.curves[i as usize];
                 side.crossings(curve, |s, from_right| {
@@ -289,7 +289,7 @@ impl Parts {
         let right = PlaneLine::new(DVec2::Y, -p.y, self.reach);
         let mut sum = 0;
         self.tree.each(
-            |bounds| right.meets(bounds) && bounds[1].x >= p.x,
+            |bounds| right.overlaps(bounds) && bounds[1].x >= p.x,
             |i| sum += winding(&self.curves[i as usize..=i as usize], p),
         );
         sum

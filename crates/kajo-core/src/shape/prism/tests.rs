@@ -309,7 +309,7 @@ fn many_curves_are_found_by_a_tree() {
             PlaneLine::new(line.d.truncate().perp(), line.o.truncate().perp_dot(line.d.truncate()), 1.0);
         let (mut found, mut expected) = (Vec::new(), Vec::new());
         shape.0.tree.each(
-            |bounds| side.meets(bounds),
+            |bounds| side.overlaps(bounds),
             |i| side.crossings(&shape.0.curves[i as usize], |s, _| found.push((i, s))),
         );
         for (i, curve) in shape.0.curves.iter().enumerate() {

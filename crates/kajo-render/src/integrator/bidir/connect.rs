@@ -4,7 +4,7 @@
 //! the camera's. With the throughputs `beta` of both ends, what is summed over paths of vertices per area is
 //!
 //! ```text
-//! s = 0           beta_z Le(z -> back)                                       a light that the camera's path meets
+//! s = 0           beta_z Le(z -> back)                                       a light that the camera's path hits
 //! s = 1           beta_z f_z |cos| Le T V / q(wi)                            a light drawn for z, q per solid angle
 //! s > 1, t > 1    beta_y f_y f_z |cos cos'| / d^2 T V beta_z                 two vertices y, z that see each other
 //! s > 1, t = 1    beta_y f_y |cos| We T V / p(lens)                          a vertex y that the lens sees
@@ -59,10 +59,10 @@ struct Share {
 }
 
 impl<V: Volume> Bidirectional<'_, V> {
-    /// `s = 0`: the emission of a surface that the camera's path meets, `beta Le w`.
+    /// `s = 0`: the emission of a surface that the camera's path hits, `beta Le w`.
     ///
     /// * `from`: the camera's ray, and the vertex before, `None` where that is the lens
-    pub(super) fn met_emission(
+    pub(super) fn hit_emission(
         &self,
         path: &Subpath<'_>,
         at: &Interaction,
@@ -77,15 +77,15 @@ impl<V: Volume> Bidirectional<'_, V> {
             let pdf_li = self.pdf_li(hit.light, &from.receiver(at.time), &end, -wo) * cosine
                 / p.distance_squared(from.at.p);
             let pdf_le = self.pdf_le(hit.light, at.time, &end, wo);
-            mis_weight_of_met(&path.mis_at::<V>(p, cosine, None), pdf_li, pdf_le)
+            mis_weight_of_hit(&path.mis_at::<V>(p, cosine, None), pdf_li, pdf_le)
         });
-        Some(path.met(hit.radiance, hit.group, weight))
+        Some(path.hit(hit.radiance, hit.group, weight))
     }
 
     /// `s = 0`: hands the light to `found` of the background and of the discs in the sky that the camera's path comes to.
     ///
     /// * `d`: unit direction in which it leaves the scene
-    pub(super) fn met_background(
+    pub(super) fn hit_background(
         &self,
         path: &Subpath<'_>,
         d: Vec3,
@@ -103,9 +103,9 @@ impl<V: Volume> Bidirectional<'_, V> {
                 let end = LightPoint::Infinite { through: from.at.p };
                 let pdf_li = self.pdf_li(hit.light, &from.receiver(ray.time), &end, d);
                 let pdf_le = self.pdf_le(hit.light, ray.time, &end, -d);
-                mis_weight_of_met(&path.mis_at_infinity::<V>(), pdf_li, pdf_le)
+                mis_weight_of_hit(&path.mis_at_infinity::<V>(), pdf_li, pdf_le)
             });
-            found(path.met(hit.radiance, hit.group, weight));
+            found(path.hit(hit.radiance, hit.group, weight));
         }
     }
 
@@ -277,7 +277,7 @@ impl<V: Volume> Bidirectional<'_, V> {
         let chosen = scene.lighting.sampler.sample(&receiver, u.x, self.settings.light_choice)?;
         let SampledLight { light, probability, .. } = chosen;
         let li = scene.sample_li(light, &receiver, chosen.pair(u), wavelengths)?;
-        // No ray of the camera meets a light without extent, which is therefore left out of pictures.
+        // No ray of the camera hits a light without extent, which is therefore left out of pictures.
         if li.is_delta || li.radiance.is_black() {
             return None;
         }
@@ -427,6 +427,6 @@ fn lanes<V: Volume>(vertex: &Vertex<'_, V>) -> Spectrum {
 ///
 /// * `pdf_li`: density per area of the light's end of the path among lights drawn for a vertex
 /// * `pdf_le`: densities of the end and of the way on among paths from lights
-fn mis_weight_of_met(mis: &PartialMis, pdf_li: f32, (end, rest): (f32, f32)) -> f32 {
+fn mis_weight_of_hit(mis: &PartialMis, pdf_li: f32, (end, rest): (f32, f32)) -> f32 {
     mis_weight(0.0, square(pdf_li) * mis.d_vcm + square(end) * square(rest) * mis.d_vc)
 }

@@ -5,7 +5,7 @@
 //! from the camera, light and lens counted:
 //!
 //! ```text
-//! s = 0           the path from the camera meets a light or leaves the scene
+//! s = 0           the path from the camera hits a light or leaves the scene
 //! s = 1           a point of the camera's path is lit by a light drawn for it
 //! s > 1, t > 1    two points are connected:  beta f G f' beta'
 //! s > 1, t = 1    a point of the light's path is seen by the camera; its light is a splat
@@ -395,7 +395,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         end.visible
     }
 
-    /// Follows the camera's path to its next vertex, and hands over the light that it meets on its way there (`s = 0`). Returns
+    /// Follows the camera's path to its next vertex, and hands over the light that it hits on its way there (`s = 0`). Returns
     /// the scattering there, that of nothing in a medium; `None` where the path ends.
     fn next_vertex<O: PathObserver>(
         &self,
@@ -420,7 +420,7 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             match event {
                 Event::Surface => {}
                 Event::Escaped(d) => {
-                    self.met_background(path, d, (camera_ray, from.as_ref()), |far| {
+                    self.hit_background(path, d, (camera_ray, from.as_ref()), |far| {
                         observer.found(|| far.value(wavelengths));
                         found(far, wavelengths);
                     });
@@ -442,9 +442,9 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             if *t == 2 {
                 self.see(path, camera_ray, surface.at.point.p);
             }
-            if let Some(met) = self.met_emission(path, &surface.at, surface.wo, (camera_ray, from.as_ref())) {
-                observer.found(|| met.value(wavelengths));
-                found(met, wavelengths);
+            if let Some(hit) = self.hit_emission(path, &surface.at, surface.wo, (camera_ray, from.as_ref())) {
+                observer.found(|| hit.value(wavelengths));
+                found(hit, wavelengths);
             }
             // The last surface may be a hole or a pane.
             if is_last && !scene.appearance.has_passages {

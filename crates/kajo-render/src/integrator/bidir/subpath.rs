@@ -75,7 +75,7 @@ impl Subpath<'_> {
     }
 
     /// Light that the ray of a path from the camera has met.
-    pub(super) fn met(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
+    pub(super) fn hit(&self, radiance: Spectrum, group: LightGroup, weight: f32) -> Contribution {
         Contribution {
             way: [0, self.state.scatterings + 2],
             is_merged: false,
@@ -90,7 +90,7 @@ impl Subpath<'_> {
     /// Light that media gave on the way of a path from the camera: no other way finds it.
     pub(super) fn medium_emission(&mut self) -> Contribution {
         let light = std::mem::take(&mut self.state.emitted);
-        Contribution { light, ..self.met(Spectrum::BLACK, LightGroup::default(), 1.0) }
+        Contribution { light, ..self.hit(Spectrum::BLACK, LightGroup::default(), 1.0) }
     }
 
     /// The path's vertex on a surface.

@@ -359,7 +359,7 @@ impl IndirectLight for Look {
         Indirect::Unwanted
     }
 
-    fn met(&mut self, bounces: u32, p: Option<Vec3>) {
+    fn hit(&mut self, bounces: u32, p: Option<Vec3>) {
         if let Some(p) = p.filter(|_| bounces == 0) {
             self.length += self.last.map_or(0.0, |last| p.distance(last));
             self.last = Some(p);
@@ -378,7 +378,7 @@ struct FromRecord {
 impl IndirectLight for FromRecord {
     const IS_ASKED: bool = true;
 
-    fn met(&mut self, bounces: u32, p: Option<Vec3>) {
+    fn hit(&mut self, bounces: u32, p: Option<Vec3>) {
         if bounces == 1 {
             let inverse = p.map_or(0.0, |p| p.distance(self.p).recip());
             self.inverse_distance = if inverse.is_finite() { inverse } else { 0.0 };

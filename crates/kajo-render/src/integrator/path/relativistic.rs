@@ -1,7 +1,7 @@
 //! Path tracing between things that move at speeds not much below that of light.
 //!
 //! A path is at an event of one inertial frame at a time. Its ray is followed in all of them [`Scene::trace_light`], and it goes on in
-//! that of the surface that it meets, where it is scattered as ever: directions, normals, lengths and densities are those of that frame.
+//! that of the surface that it hits, where it is scattered as ever: directions, normals, lengths and densities are those of that frame.
 //! With the Doppler factor `D = ν / ν'` of light that goes from frame `'` to the one before along the path,
 //!
 //! ```text
@@ -467,7 +467,7 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let at = LightPoint::Infinite { through };
         for hit in scene.lights_at_infinity(d, &state.wavelengths) {
             let weight = self.mis_weight(path, &hit, &at, d);
-            self.add_met(path, state.beta * hit.radiance * weight, hit.group);
+            self.add_hit(path, state.beta * hit.radiance * weight, hit.group);
         }
     }
 
@@ -476,12 +476,12 @@ impl<O: PathObserver> Tracer<'_, '_, O> {
         let (state, d) = (&path.path.state, -surface.wo);
         if let Some(hit) = self.scene().surface_light(&surface.at, d, &state.wavelengths) {
             let weight = self.mis_weight(path, &hit, &LightPoint::on(&surface.at.point), d);
-            self.add_met(path, state.beta * hit.radiance * weight, hit.group);
+            self.add_hit(path, state.beta * hit.radiance * weight, hit.group);
         }
     }
 
     /// Adds light that the path has met.
-    fn add_met(&mut self, path: &FramePath<'_>, light: Spectrum, group: LightGroup) {
+    fn add_hit(&mut self, path: &FramePath<'_>, light: Spectrum, group: LightGroup) {
         self.observer.found(|| sensor::to_rgb(light, &path.path.state.wavelengths));
         self.add(path, light, group);
     }

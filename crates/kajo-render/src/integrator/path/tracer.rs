@@ -24,7 +24,7 @@ use crate::trail::{About, PathObserver, RayKind};
 use equiangular::Along;
 pub use indirect::{DiffuseVertex, Indirect, IndirectLight, Sampled};
 
-/// A path from the camera, and what the weights of the light that it meets go by.
+/// A path from the camera, and what the weights of the light that it hits go by.
 #[derive(Clone, Copy)]
 pub(in crate::integrator) struct CameraPath<'s> {
     pub state: PathState<'s>,
@@ -258,7 +258,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
                 Event::Absorbed => return,
             }
             if C::IS_ASKED {
-                self.indirect.met(path.bounces, Some(surface.at.point.p));
+                self.indirect.hit(path.bounces, Some(surface.at.point.p));
             }
             self.add_emission(path, surface);
             // The last surface may be a hole or a pane.
@@ -400,7 +400,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     /// Light from infinitely far away along a ray that leaves the scene: `beta Le(d) w`.
     fn add_background(&mut self, path: &CameraPath<'s>, d: Vec3) {
         if C::IS_ASKED {
-            self.indirect.met(path.bounces, None);
+            self.indirect.hit(path.bounces, None);
             if !self.indirect.counts_lights() {
                 return;
             }
@@ -409,7 +409,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let at = LightPoint::Infinite { through: path.receiver.p };
         for hit in scene.lights_at_infinity(d, &state.wavelengths) {
             let weight = self.mis_weight(path, &hit, &at, d);
-            self.add_met(state, state.beta * hit.radiance * weight, hit.group);
+            self.add_hit(state, state.beta * hit.radiance * weight, hit.group);
         }
     }
 
@@ -421,12 +421,12 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
         let (state, d) = (&path.state, -surface.wo);
         if let Some(hit) = self.scene().surface_light(&surface.at, d, &state.wavelengths) {
             let weight = self.mis_weight(path, &hit, &LightPoint::on(&surface.at.point), d);
-            self.add_met(state, state.beta * hit.radiance * weight, hit.group);
+            self.add_hit(state, state.beta * hit.radiance * weight, hit.group);
         }
     }
 
     /// Adds light that the path has met.
-    fn add_met(&mut self, state: &PathState<'s>, light: Spectrum, group: LightGroup) {
+    fn add_hit(&mut self, state: &PathState<'s>, light: Spectrum, group: LightGroup) {
         self.observer.found(|| sensor::to_rgb(light, &state.wavelengths));
         self.estimate.add(state, light, group);
     }
@@ -528,7 +528,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
             self.estimate.first = Some(Interaction::default());
         }
         if C::IS_ASKED {
-            self.indirect.met(path.bounces, Some(at.p));
+            self.indirect.hit(path.bounces, Some(at.p));
         }
         if path.ends_at_lights || (C::IS_ASKED && !self.settle(path)) {
             return false;
@@ -555,7 +555,7 @@ impl<'a: 's, 's, O: PathObserver, C: IndirectLight> PathTracer<'a, 's, O, C> {
     fn add_medium_emission(&mut self, path: &mut CameraPath<'s>) {
         let emitted = std::mem::take(&mut path.state.emitted);
         if !emitted.is_black() {
-            self.add_met(&path.state, emitted, LightGroup::default());
+            self.add_hit(&path.state, emitted, LightGroup::default());
         }
     }
 

@@ -225,7 +225,7 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let through = from.map_or(state.ray.o, |from| from.receiver.p);
         for hit in self.scene().lights_at_infinity(d, &state.wavelengths) {
             let weight = self.weight(state, &hit, &LightPoint::Infinite { through }, from);
-            self.add_met(state, hit.radiance * weight);
+            self.add_hit(state, hit.radiance * weight);
         }
     }
 
@@ -233,11 +233,11 @@ impl<'a, O: PathObserver> Gatherer<'a, O> {
         let hit = self.scene().surface_light(&surface.at, -surface.wo, &state.wavelengths);
         if let Some(hit) = hit {
             let weight = self.weight(state, &hit, &LightPoint::on(&surface.at.point), from);
-            self.add_met(state, hit.radiance * weight);
+            self.add_hit(state, hit.radiance * weight);
         }
     }
 
-    fn add_met(&mut self, state: &PathState<'_>, radiance: Spectrum) {
+    fn add_hit(&mut self, state: &PathState<'_>, radiance: Spectrum) {
         let light = state.beta * radiance;
         self.observer.found(|| sensor::to_rgb(light, &state.wavelengths));
         self.add(light, &state.wavelengths);

@@ -12,7 +12,7 @@
 //!
 //! ```text
 //! direct      all light of the first surface that is no mirror
-//! gather      caustics at that surface, and all light of the surfaces that one more ray meets from there
+//! gather      caustics at that surface, and all light of the surfaces that one more ray hits from there
 //! caustics    caustics; paths find the rest
 //! sppm        all but direct light, from new photons for each sample and in ever smaller disks
 //! ```

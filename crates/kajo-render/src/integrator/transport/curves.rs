@@ -17,7 +17,7 @@ use crate::trail::{About, PathObserver};
 /// What becomes of a path in a body that bends light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curve {
-    /// It meets a surface, which is known.
+    /// It hits a surface, which is known.
     Meets,
     /// It is outside of the body without having met its surface: its ray is to be followed from there.
     GoesOn,
@@ -36,7 +36,7 @@ pub enum Curve {
 ///
 /// Where the path is a camera's first ray, it is seen as the camera moves.
 ///
-/// No connection finds what the path meets at the end, so it counts in full. What neighbouring samples cover there is not known.
+/// No connection finds what the path hits at the end, so it counts in full. What neighbouring samples cover there is not known.
 /// Where the way depends on the wavelength only one is followed from here on.
 #[cold]
 #[inline(never)]

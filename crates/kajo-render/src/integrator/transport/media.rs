@@ -76,12 +76,12 @@ pub fn connect_through_media(
     let mut ray = *segment;
     let mut at = Interaction::default();
     for _ in 0..MOST_SURFACES {
-        let meets = scene.trace_into(None, &ray, &mut at);
-        if meets {
+        let hits = scene.trace_into(None, &ray, &mut at);
+        if hits {
             ray.t_max = at.hit.t;
         }
         along(scene, &unit(&ray), &media, &mut with, &mut passage);
-        if !meets || passage.t.is_black() {
+        if !hits || passage.t.is_black() {
             return passage;
         }
         if !cross(scene, &ray, &at, &mut media, with.wavelengths, &mut passage) {

@@ -30,7 +30,7 @@ pub const MOST_SURFACES: u32 = 1 << 14;
 /// What becomes of a ray that is followed.
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
-    /// It meets a surface, which was written to a [`SurfaceInteraction`].
+    /// It hits a surface, which was written to a [`SurfaceInteraction`].
     Surface,
     /// It is scattered by a medium on its way.
     Medium(MediumInteraction),
@@ -70,19 +70,18 @@ pub fn extend(
         }
     }
     let at = &mut surface.at;
-    let meets = scene.trace_into(None, &path.ray, at);
+    let hits = scene.trace_into(None, &path.ray, at);
     if path.carries_media
-        && let Some(collision) =
-            travel_to(scene, path, if meets { at.hit.t } else { f32::INFINITY }, observer)
+        && let Some(collision) = travel_to(scene, path, if hits { at.hit.t } else { f32::INFINITY }, observer)
     {
         return Event::Medium(collision);
     }
-    observer.ended(scene, &path.ray, meets.then_some(&*at), || About {
+    observer.ended(scene, &path.ray, hits.then_some(&*at), || About {
         eta: path.media.eta(),
         weight: sensor::to_rgb(path.beta, &path.wavelengths),
         light: None,
     });
-    if !meets {
+    if !hits {
         return Event::Escaped(path.ray.d);
     }
     if path.differential.is_some() {
@@ -115,7 +114,7 @@ pub fn advance(
         }
         let Some(hidden) = surface.interface.filter(|interface| !interface.is_real) else { return event };
         path.media.cross(&hidden);
-        // Connections are held up here: what the path meets from here on could not have been found by one.
+        // Connections are held up here: what the path hits from here on could not have been found by one.
         path.connectable = false;
         observer.next(RayKind::Transmitted);
         path.ray = straight_on(path, surface);

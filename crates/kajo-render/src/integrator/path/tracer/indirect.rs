@@ -53,7 +53,7 @@ pub trait IndirectLight {
     }
 
     /// The path has come to a point, or with none to the sky, with so many bounces behind it.
-    fn met(&mut self, _bounces: u32, _p: Option<Vec3>) {}
+    fn hit(&mut self, _bounces: u32, _p: Option<Vec3>) {}
 
     /// The path has come to what scatters light into more than single directions.
     fn scatters(&mut self) {}
