@@ -157,7 +157,7 @@ impl CubeMap {
     }
 
     /// Which picture shows the direction, and where: `u` to the right and `v` upward, in [0, 1].
-    fn place(d: Vec3) -> (usize, f32, f32) {
+    fn face_coordinates(d: Vec3) -> (usize, f32, f32) {
         let a = d.abs();
         let unit = |v: f32| 0.5 * (v + 1.0);
         if a.x >= a.y && a.x >= a.z {
@@ -173,7 +173,7 @@ impl CubeMap {
     }
 
     fn color(&self, d: Vec3) -> Spectrum {
-        let (face, u, v) = CubeMap::place(d);
+        let (face, u, v) = CubeMap::face_coordinates(d);
         bilinear(&self.faces[face], u, v)
     }
 }
@@ -220,7 +220,7 @@ mod tests {
             (Vec3::new(0.5, 0.5, 1.0), 4, 1.0 - mid, mid),
             (Vec3::new(0.5, 0.5, -1.0), 5, mid, mid),
         ] {
-            let (f, a, b) = CubeMap::place(d);
+            let (f, a, b) = CubeMap::face_coordinates(d);
             assert!(f == face && (a - u).abs() < eps && (b - v).abs() < eps, "{d}: {f} {a} {b}");
         }
     }

@@ -41,7 +41,7 @@ pub fn direction_of(uv: Vec2) -> Vec3 {
 
 /// The place of a picture that shows the direction `d`, not necessarily of unit length; in [0, 1]².
 #[inline]
-pub fn place_of(d: Vec3) -> Vec2 {
+pub fn uv_of(d: Vec3) -> Vec2 {
     let horizontal = (d.x * d.x + d.z * d.z).sqrt();
     let u = 0.5 + fmath::atan2(d.x, -d.z) / TAU;
     Vec2::new(u, FRAC_1_PI * fmath::atan2(horizontal, d.y))
@@ -49,9 +49,9 @@ pub fn place_of(d: Vec3) -> Vec2 {
 
 /// A place turned around by a share of the full circle; its x stays in [0, 1).
 #[inline]
-fn turned(place: Vec2, by: f32) -> Vec2 {
-    let x = place.x + by;
-    Vec2::new((x - x.floor()).min(1.0f32.next_down()), place.y)
+fn turned(uv: Vec2, by: f32) -> Vec2 {
+    let x = uv.x + by;
+    Vec2::new((x - x.floor()).min(1.0f32.next_down()), uv.y)
 }
 
 /// A picture of all directions.
@@ -105,8 +105,8 @@ impl Environment {
     /// Linear RGB from the direction `d`, not necessarily of unit length.
     #[inline]
     pub fn color(&self, d: Vec3) -> Spectrum {
-        let place = turned(place_of(d), -self.turn);
-        let (x, y) = (place.x * self.width as f32 - 0.5, place.y * self.height as f32 - 0.5);
+        let uv = turned(uv_of(d), -self.turn);
+        let (x, y) = (uv.x * self.width as f32 - 0.5, uv.y * self.height as f32 - 0.5);
         let (left, top) = (x.floor(), y.floor());
         // Around the circle the picture goes on, at the poles it ends.
         let column = |i: isize| i.rem_euclid(self.width as isize) as usize;
@@ -151,7 +151,7 @@ fn mean_luminance(pixels: &[Vec3], width: usize) -> f32 {
 pub struct SphereDensity {
     /// Its columns and rows of nodes are the middles of pixels. The first column is there again at the end, and before and
     /// after the rows, at half the distance, are the poles.
-    places: Bilinear2D,
+    positions: Bilinear2D,
     /// By what share of the circle the first column is turned.
     turn: f32,
 }
@@ -181,8 +181,8 @@ impl SphereDensity {
             pole if pole == 0 || pole > height => 0.0,
             _ => values[(row - 1) * width + x % width].max(least[row - 1]) * sines[row - 1],
         };
-        let places = Bilinear2D::new([width, height + 1], 0.5, node)?;
-        Some(SphereDensity { places, turn: turn + 0.5 / width as f32 })
+        let positions = Bilinear2D::new([width, height + 1], 0.5, node)?;
+        Some(SphereDensity { positions, turn: turn + 0.5 / width as f32 })
     }
 
     /// A unit direction drawn with this density, and its density per solid angle.
@@ -190,24 +190,24 @@ impl SphereDensity {
     /// * `u`: uniform in [0, 1)²
     #[inline]
     pub fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
-        let (place, pdf) = self.places.sample(u);
-        let pdf = pdf / area_of_places(place);
-        (pdf > 0.0 && pdf.is_finite()).then(|| (direction_of(turned(place, self.turn)), pdf))
+        let (uv, pdf) = self.positions.sample(u);
+        let pdf = pdf / solid_angle_per_area(uv);
+        (pdf > 0.0 && pdf.is_finite()).then(|| (direction_of(turned(uv, self.turn)), pdf))
     }
 
     /// Density per solid angle of the unit direction `wi`.
     #[inline]
     pub fn pdf(&self, wi: Vec3) -> f32 {
-        let place = turned(place_of(wi), -self.turn);
-        let pdf = self.places.pdf(place) / area_of_places(place);
+        let uv = turned(uv_of(wi), -self.turn);
+        let pdf = self.positions.pdf(uv) / solid_angle_per_area(uv);
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 }
 
-/// Solid angle per area of the unit square of places.
+/// Solid angle per area of the unit square of uv.
 #[inline]
-fn area_of_places(place: Vec2) -> f32 {
-    2.0 * PI * PI * fmath::sin(PI * place.y)
+fn solid_angle_per_area(uv: Vec2) -> f32 {
+    2.0 * PI * PI * fmath::sin(PI * uv.y)
 }
 
 #[cfg(test)]
@@ -236,12 +236,12 @@ mod tests {
     fn places_and_directions_agree() {
         for i in 0..1000 {
             let d = uniform(i);
-            assert!((direction_of(place_of(3.0 * d)) - d).length() < 1e-5, "{d}");
+            assert!((direction_of(uv_of(3.0 * d)) - d).length() < 1e-5, "{d}");
         }
-        assert_eq!(place_of(Vec3::NEG_Z), Vec2::splat(0.5));
+        assert_eq!(uv_of(Vec3::NEG_Z), Vec2::splat(0.5));
         // From the middle the right is to the right, and the top is up.
-        assert!(place_of(Vec3::X).abs_diff_eq(Vec2::new(0.75, 0.5), 1e-6));
-        assert!(place_of(Vec3::Y).y == 0.0 && place_of(Vec3::NEG_Y).y == 1.0);
+        assert!(uv_of(Vec3::X).abs_diff_eq(Vec2::new(0.75, 0.5), 1e-6));
+        assert!(uv_of(Vec3::Y).y == 0.0 && uv_of(Vec3::NEG_Y).y == 1.0);
     }
 
     #[test]

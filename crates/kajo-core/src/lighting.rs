@@ -245,7 +245,7 @@ impl EmissiveSurfaces for Scene {
         wavelengths: &Wavelengths,
     ) -> Spectrum {
         let primitive = &self.geometry.primitives[light.object.index()];
-        let own = self.geometry.place(primitive, time).object_from_world.transform_point3(p);
+        let own = self.geometry.transform_of(primitive, time).object_from_world.transform_point3(p);
         let hit = self.geometry.shapes.hit_at(primitive.shape, light.part, own);
         let point = SurfacePoint { p, ..SurfacePoint::default() };
         let at = Interaction { point, hit, object: light.object, time, ..Interaction::default() };
@@ -255,7 +255,7 @@ impl EmissiveSurfaces for Scene {
     #[inline(never)]
     fn shows(&self, light: &AreaLight, p: Vec3, time: f32) -> bool {
         let primitive = &self.geometry.primitives[light.object.index()];
-        let own = self.geometry.place(primitive, time).object_from_world.transform_point3(p);
+        let own = self.geometry.transform_of(primitive, time).object_from_world.transform_point3(p);
         self.geometry.shapes.shows(primitive.shape, light.part, own)
     }
 }

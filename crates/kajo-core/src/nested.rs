@@ -129,7 +129,7 @@ impl Leaf {
     }
 
     /// The object's map to the world.
-    pub fn place(&self) -> Transform {
+    pub fn world_from_object(&self) -> Transform {
         self.map.unwrap_or(Transform::IDENTITY)
     }
 

@@ -135,10 +135,10 @@ impl Edit {
                 "the text has blocks that are not closed or files that cannot be read",
             ));
         }
-        expressions::kept(tree, self.pieces(tree)?)
+        expressions::kept(tree, self.text_edits(tree)?)
     }
 
-    fn pieces(&self, tree: &Tree) -> Result<Vec<TextEdit>, EditRefused> {
+    fn text_edits(&self, tree: &Tree) -> Result<Vec<TextEdit>, EditRefused> {
         match self {
             Edit::Set { node, key, nth, value } => tree.set_field(tree.node(*node)?, key, *nth, Some(value)),
             Edit::Unset { node, key, nth } => tree.set_field(tree.node(*node)?, key, *nth, None),
@@ -153,7 +153,7 @@ impl Edit {
             Edit::MoveInto { node, into } => tree.move_into(tree.node(*node)?, tree.node(*into)?),
             Edit::Rewrite { .. } => Ok(Vec::new()),
             Edit::Together(edits) => {
-                let plans = edits.iter().map(|edit| edit.pieces(tree)).collect::<Result<Vec<_>, _>>();
+                let plans = edits.iter().map(|edit| edit.text_edits(tree)).collect::<Result<Vec<_>, _>>();
                 Ok(plans?.concat())
             }
         }

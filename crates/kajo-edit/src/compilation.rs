@@ -134,8 +134,8 @@ impl Document {
     }
 
     /// The file and bytes that a message is about, where they are in the texts that were compiled last.
-    pub fn place_of(&self, diagnostic: &kajo_scene::Diagnostic) -> Option<(FileId, Range<usize>)> {
-        diagnostic.span().map(|span| self.tree.place_of(span))
+    pub fn range_of(&self, diagnostic: &kajo_scene::Diagnostic) -> Option<(FileId, Range<usize>)> {
+        diagnostic.span().map(|span| self.tree.range_of(span))
     }
 
     /// The messages as they are shown to people, with the lines they are about; in colour on request.

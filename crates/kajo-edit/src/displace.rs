@@ -202,7 +202,7 @@ impl Tree {
         if let ("Scale", [factor]) = (item.keyword(), &*value.numbers) {
             return self.replace_values(item, &FieldValue::numbers([*factor; 3]));
         }
-        let (file, range) = self.place(item);
+        let (file, range) = self.range(item);
         vec![TextEdit { file, range, new: piece.to_owned() }]
     }
 
@@ -219,8 +219,8 @@ impl Tree {
             Where::Last => operations.last(),
         };
         let (at, new) = match (after, first_child) {
-            (Some(after), _) => layout::after(text, &self.place(*after).1, piece),
-            (None, Some(child)) => layout::before(text, self.place(child).1.start, piece),
+            (Some(after), _) => layout::after(text, &self.range(*after).1, piece),
+            (None, Some(child)) => layout::before(text, self.range(child).1.start, piece),
             (None, None) => match layout::first_in(text, &node.span, piece) {
                 Some(place) => place,
                 None => (node.span.end, format!(" {{ {piece} }}")),

@@ -24,7 +24,7 @@ pub(super) fn kept(tree: &Tree, edits: Vec<TextEdit>) -> Result<Vec<TextEdit>, E
             let written = sources.text(place);
             return Err(EditRefused::new(format!("it is written as `{written}`: change that in the text")));
         };
-        let (file, range) = tree.place_of(literal);
+        let (file, range) = tree.range_of(literal);
         match kept.iter().find(|other| other.file == file && other.range == range) {
             Some(other) if other.new == edit.new => {}
             Some(_) => {
@@ -41,7 +41,7 @@ pub(super) fn kept(tree: &Tree, edits: Vec<TextEdit>) -> Result<Vec<TextEdit>, E
 
 /// The expression that an edit replaces, and nothing else.
 fn expression_at(tree: &Tree, edit: &TextEdit) -> Option<(Span, Option<NamedValue>)> {
-    tree.desc.expressions().find(|(place, _)| tree.place_of(*place) == (edit.file, edit.range.clone()))
+    tree.desc.expressions().find(|(place, _)| tree.range_of(*place) == (edit.file, edit.range.clone()))
 }
 
 #[cfg(test)]

@@ -107,7 +107,7 @@ impl Tree {
             kind: spec.kind,
             about: spec.about,
             value: Some(value.clone()),
-            span: Some(self.place(item)),
+            span: Some(self.range(item)),
             means: "",
             start: value,
             idle: None,
@@ -216,7 +216,7 @@ impl Tree {
     fn without(&self, items: &[Item<'_>]) -> Vec<TextEdit> {
         let mut edits: Vec<TextEdit> = Vec::new();
         for item in items {
-            let (file, span) = self.place(*item);
+            let (file, span) = self.range(*item);
             let range = layout::removal(self.text(file), &span);
             match edits.last_mut().filter(|last| last.file == file && last.range.end >= range.start) {
                 Some(last) => last.range.end = last.range.end.max(range.end),
@@ -270,7 +270,7 @@ impl Tree {
         let text = self.text(node.file);
         let is_operation = matches!(node.kind, Kind::Transform | Kind::Instance);
         if let Some(last) = self.values_of(node).last() {
-            let span = self.place(last).1;
+            let span = self.range(last).1;
             let inserted = pieces.iter().map(|piece| {
                 let (at, new) = layout::after(text, &span, piece);
                 TextEdit::insert(node.file, at, new)

@@ -146,7 +146,7 @@ impl<'a> AimEdits<'a> {
         }
         let mut stale = self.stale.into_iter();
         if let Some(first) = stale.next().filter(|_| !self.missing.is_empty()) {
-            let (file, range) = self.tree.place(first);
+            let (file, range) = self.tree.range(first);
             let texts: Vec<String> =
                 self.missing.iter().map(|(key, v)| format!("{key} {}", v.text())).collect();
             self.edits.push(TextEdit { file, range, new: texts.join("  ") });
@@ -156,7 +156,7 @@ impl<'a> AimEdits<'a> {
             }
         }
         for item in stale {
-            let (file, range) = self.tree.place(item);
+            let (file, range) = self.tree.range(item);
             self.edits.push(TextEdit { file, range, new: String::new() });
         }
         Ok(self.edits)

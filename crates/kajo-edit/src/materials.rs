@@ -115,7 +115,7 @@ impl Tree {
 
     /// The bytes of an item.
     pub(super) fn source_of(&self, item: Item<'_>) -> &str {
-        let (file, range) = self.place(item);
+        let (file, range) = self.range(item);
         &self.text(file)[range]
     }
 
@@ -199,7 +199,7 @@ impl Tree {
     /// Sets all indices of a group, and one for what stands in it before the first.
     fn repaint(&self, inner: &[Item<'_>], group: Item<'_>, material: &Node) -> Vec<TextEdit> {
         let mut edits: Vec<TextEdit> = inner.iter().flat_map(|&i| self.set_reference(i, material)).collect();
-        let (file, span) = self.place(group);
+        let (file, span) = self.range(group);
         if self.is_used_within(group) {
             let piece = format!("{INDEX} {}", self.reference(material));
             let (at, new) = layout::before(self.text(file), span.start, &piece);
@@ -214,7 +214,7 @@ impl Tree {
 
     fn is_in_block_of(&self, item: Item<'_>, node: &Node) -> bool {
         let beside = self.parent(node).into_iter().flat_map(|parent| self.values_of(parent));
-        beside.into_iter().any(|other| other.index() == item.index()) && self.place(item).0 == node.file
+        beside.into_iter().any(|other| other.index() == item.index()) && self.range(item).0 == node.file
     }
 
     /// Makes a reference mean this material.
@@ -239,7 +239,7 @@ impl Tree {
         let mut edits = Vec::new();
         for reference in self.references().filter(|reference| !own.contains(&reference.index())) {
             if self.meant(reference).is_some_and(|meant| meant.id == material.id) {
-                let (file, range) = self.place(reference);
+                let (file, range) = self.range(reference);
                 return Err(EditRefused::new(format!(
                     "this material is in use: {} names it",
                     self.line_of(file, &range)

@@ -80,7 +80,7 @@ impl Tree {
         let edit =
             |(file, range): (_, Range<usize>)| TextEdit { file, range, new: quoted(name).into_owned() };
         let instances = self.instances_of(definition);
-        instances.filter_map(|node| Some(edit(self.place_of(self.item(node)?.word()?.span)))).collect()
+        instances.filter_map(|node| Some(edit(self.range_of(self.item(node)?.word()?.span)))).collect()
     }
 
     /// The instances of a definition.

@@ -105,7 +105,7 @@ impl Preview {
         let mut builder = Builder::new(scene, bounds);
         for (index, primitive) in (0..).zip(&scene.geometry.primitives) {
             let object = ObjectId::from_index(index);
-            let Some(place) = scene.snapshot_place(object, 0.0) else { continue };
+            let Some(place) = scene.snapshot_transform(object, 0.0) else { continue };
             builder.add(object.number(), primitive.shape, &place, primitive.material);
         }
         for element in scene.geometry.nested_elements(|shape| builder.cost(shape), NESTED_TRIANGLES) {
@@ -138,7 +138,7 @@ struct Builder<'a> {
     unit_cube: Option<u32>,
     has_boxes: bool,
     /// The pieces of a mesh that have a material in common, and that material where the mesh brings it.
-    pieces: HashMap<ShapeId, Vec<(u32, Option<MaterialId>)>>,
+    parts: HashMap<ShapeId, Vec<(u32, Option<MaterialId>)>>,
     meshes: Vec<PreviewMesh>,
     instances: Vec<PreviewInstance>,
 }
@@ -161,7 +161,7 @@ impl<'a> Builder<'a> {
             unit_sphere: None,
             unit_cube: None,
             has_boxes: false,
-            pieces: HashMap::new(),
+            parts: HashMap::new(),
             meshes: Vec::new(),
             instances: Vec::new(),
         }
@@ -183,8 +183,8 @@ impl<'a> Builder<'a> {
             let sphere = Affine3A::from_translation(sphere.center) * sized;
             self.instance(mesh, object, place * sphere, material);
         } else if let Some(mesh) = Mesh::find(&scene.geometry.shapes, id) {
-            for (piece, own) in self.pieces(id, mesh) {
-                self.instance(piece, object, place, own.unwrap_or(material));
+            for (part, own) in self.material_parts(id, mesh) {
+                self.instance(part, object, place, own.unwrap_or(material));
             }
         } else {
             let mut triangles = Tessellation::default();
@@ -255,8 +255,8 @@ impl<'a> Builder<'a> {
     }
 
     /// The meshes of a mesh: one, or one for each material that it brings.
-    fn pieces(&mut self, id: ShapeId, mesh: &Mesh) -> Vec<(u32, Option<MaterialId>)> {
-        if let Some(known) = self.pieces.get(&id) {
+    fn material_parts(&mut self, id: ShapeId, mesh: &Mesh) -> Vec<(u32, Option<MaterialId>)> {
+        if let Some(known) = self.parts.get(&id) {
             return known.clone();
         }
         let mut triangles = Tessellation::default();
@@ -273,14 +273,14 @@ impl<'a> Builder<'a> {
             });
             indices.extend(face);
         }
-        let mut pieces = Vec::with_capacity(materials.len());
+        let mut parts = Vec::with_capacity(materials.len());
         for material in materials {
             let indices = by_material.remove(&material).unwrap_or_default();
-            let piece = PreviewMesh { vertices: vertices.clone(), indices };
-            pieces.push((self.push(if material.is_none() { piece } else { compact(piece) }), material));
+            let part = PreviewMesh { vertices: vertices.clone(), indices };
+            parts.push((self.push(if material.is_none() { part } else { compact(part) }), material));
         }
-        self.pieces.insert(id, pieces.clone());
-        pieces
+        self.parts.insert(id, parts.clone());
+        parts
     }
 
     fn push(&mut self, mesh: PreviewMesh) -> u32 {

@@ -94,7 +94,7 @@ impl Tree {
         let (at, new) = match last {
             // The end of what is included is not in this file.
             _ if self.ends_with_include(into) => layout::before(text, into.span.end - 1, block),
-            Some(last) => layout::after(text, &self.place(last).1, block),
+            Some(last) => layout::after(text, &self.range(last).1, block),
             None => layout::first_in(text, &into.span, block)
                 .ok_or_else(|| EditRefused::new(format!("`{}` has no block", into.keyword)))?,
         };

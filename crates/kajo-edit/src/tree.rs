@@ -81,11 +81,11 @@ impl Tree {
     }
 
     /// The file and bytes of an item.
-    pub fn place(&self, item: Item<'_>) -> (FileId, Range<usize>) {
-        self.place_of(item.span())
+    pub fn range(&self, item: Item<'_>) -> (FileId, Range<usize>) {
+        self.range_of(item.span())
     }
 
-    pub fn place_of(&self, span: Span) -> (FileId, Range<usize>) {
+    pub fn range_of(&self, span: Span) -> (FileId, Range<usize>) {
         (self.file_of(span.source), span.range())
     }
 

@@ -26,7 +26,7 @@ pub use rect::Rect;
 pub use sample::{FirstHit, PixelIntegrator, PixelSample, WithState};
 pub use schedule::{
     FailedUnit, Goal, Position, RenderError, RenderSettings, RenderStats, Unit, render, render_passes,
-    render_piece, render_unit,
+    render_work_unit,
 };
 pub use setup::{Setup, SetupError};
 pub use trail::{LightSource, RayKind, Segment, Trail, TrailHit};

@@ -61,7 +61,7 @@ impl Neg for Step {
 /// Column and row of place `index` on the curve through `columns × rows` cells.
 ///
 /// `index` is less than their number, which is at most 2^62; the work is proportional to the logarithm of that.
-pub fn place(index: u64, columns: u32, rows: u32) -> (u32, u32) {
+pub fn cell(index: u64, columns: u32, rows: u32) -> (u32, u32) {
     debug_assert!(index < u64::from(columns) * u64::from(rows));
     let (right, down) = (Step(i64::from(columns), 0), Step(0, i64::from(rows)));
     // The part of the curve at hand starts at `at`, goes along `a` and is as wide as `b`.
@@ -114,7 +114,7 @@ mod tests {
             let mut seen = vec![false; (columns * rows) as usize];
             let mut last = None;
             for index in 0..u64::from(columns * rows) {
-                let (x, y) = place(index, columns, rows);
+                let (x, y) = cell(index, columns, rows);
                 assert!(
                     x < columns && y < rows && !seen[(y * columns + x) as usize],
                     "{columns} x {rows}: {index}"
@@ -131,13 +131,13 @@ mod tests {
     #[test]
     fn a_stretch_of_the_curve_is_compact() {
         // 256 cells in a row of tiles would span 64 × 4; on the curve they fill 16 × 16.
-        let places: Vec<_> = (0..256).map(|i| place(i, 64, 64)).collect();
+        let places: Vec<_> = (0..256).map(|i| cell(i, 64, 64)).collect();
         assert!(places.iter().all(|&(x, y)| x < 16 && y < 16));
     }
 
     #[test]
     fn the_largest_picture_in_tiles_of_one_pixel_has_a_last_place() {
-        let (x, y) = place((1 << 31) - 1, 1 << 16, 1 << 15);
+        let (x, y) = cell((1 << 31) - 1, 1 << 16, 1 << 15);
         assert_eq!((x, y), ((1 << 16) - 1, 0));
     }
 }

@@ -31,7 +31,7 @@ use crate::{
 };
 use pass::{Plan, Share, carry_out};
 pub use passes::{Goal, Position, render_passes};
-pub use stages::render_piece;
+pub use stages::render_work_unit;
 
 /// Side of a tile in pixels unless the settings say otherwise.
 const TILE: u32 = 32;

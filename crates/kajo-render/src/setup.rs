@@ -41,13 +41,13 @@ pub enum SetupError {
 }
 
 impl Setup<'_> {
-    /// Does `n` pieces of work on all threads, and returns what came of them in their order.
+    /// Does `n` tasks on all threads, and returns what came of them in their order.
     ///
-    /// * `work`: what piece `i` is; it may depend on nothing but `i`
+    /// * `work`: what task `i` is; it may depend on nothing but `i`
     ///
     /// # Errors
     /// Those of `work`; [`SetupError::Cancelled`]; [`SetupError::Panicked`] when `work` panics.
-    pub fn pieces<T: Send>(
+    pub fn tasks<T: Send>(
         &self,
         n: u32,
         work: impl Fn(u32) -> Result<T, SetupError> + Sync,
@@ -68,7 +68,7 @@ impl Setup<'_> {
                 };
                 let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
                 match result {
-                    Ok(piece) => found.0.push((i, piece)),
+                    Ok(task) => found.0.push((i, task)),
                     Err(error) => {
                         stop.store(true, Ordering::Relaxed);
                         found.1.get_or_insert(error);
@@ -86,12 +86,12 @@ impl Setup<'_> {
             }
             run();
         });
-        let (mut pieces, error) = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let (mut tasks, error) = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         match error {
             Some(error) => Err(error),
             None => {
-                pieces.sort_unstable_by_key(|&(i, _)| i);
-                Ok(pieces.into_iter().map(|(_, piece)| piece).collect())
+                tasks.sort_unstable_by_key(|&(i, _)| i);
+                Ok(tasks.into_iter().map(|(_, task)| task).collect())
             }
         }
     }

@@ -48,7 +48,7 @@ pub use recovery::LeftOver;
 pub use render_options::{Habits, PictureSize, RenderOptions};
 pub use selection::Selection;
 pub use sight::BACKGROUND;
-pub use steps::CameraPlace;
+pub use steps::CameraState;
 pub use tracer::{Request, Tracer, Wake};
 pub use watch::Watch;
 
@@ -433,7 +433,7 @@ impl Studio {
                 job.views = self.views();
                 job.coarse_views = vec![self.view];
                 let job = if habits.endless { job.without_end() } else { job };
-                let place = self.place();
+                let place = self.camera_state();
                 self.tracer.start(request, job, place);
             }
             Err(error) => {

@@ -23,7 +23,7 @@ fn through(camera: &str) -> Window {
 
 fn places(window: &mut Window, p: DVec3) -> Vec<DVec2> {
     let size = window.app().area().unwrap().size;
-    window.studio().camera.places(p, size).into_iter().flatten().collect()
+    window.studio().camera.projections(p, size).into_iter().flatten().collect()
 }
 
 const CAMERAS: [(&str, usize); 6] = [

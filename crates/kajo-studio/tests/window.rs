@@ -376,7 +376,7 @@ fn a_click_selects_nested_instances() {
     assert!(window.studio().camera.is_flat() && !window.studio().is_drawn());
     window.wait(|studio| studio.sight_is_current());
     let at = window.point([20.0, 30.0, -0.4]);
-    let place = window.app().area().unwrap().place(at).unwrap();
+    let place = window.app().area().unwrap().picture_position(at).unwrap();
     let seen = window.studio().sight().unwrap().object(place);
     window.studio().apply(Action::DebugRay(place));
     let hit = window.studio().rays.as_ref().unwrap().ray.segments[0].hit.unwrap();

@@ -306,14 +306,14 @@ impl CameraPose {
     /// beyond its edges too. `None` where the camera does not see that way, or sees everything twice.
     pub fn project(&self, p: DVec3, size: [u32; 2]) -> Option<DVec2> {
         let raster = self.raster(size);
-        Some(raster.place(self.still.project(p, raster.aspect().into(), 0.0)?))
+        Some(raster.film_position(self.still.project(p, raster.aspect().into(), 0.0)?))
     }
 
     /// All places where the world-space point `p` appears: as [`CameraPose::project`], or for two eyes that of the left
     /// one and that of the right one.
-    pub fn places(&self, p: DVec3, size: [u32; 2]) -> [Option<DVec2>; 2] {
+    pub fn projections(&self, p: DVec3, size: [u32; 2]) -> [Option<DVec2>; 2] {
         let raster = self.raster(size);
-        self.still.places(p, raster.aspect().into(), 0.0).map(|at| Some(raster.place(at?)))
+        self.still.projections(p, raster.aspect().into(), 0.0).map(|at| Some(raster.film_position(at?)))
     }
 
     /// The ray through a place of a picture of `size` pixels, from the middle of the lens.
@@ -326,7 +326,7 @@ impl CameraPose {
     ///
     /// Pictures of another shape show more or less at their sides. For two eyes, and where the camera sees nothing, it is
     /// the same share of the picture.
-    pub fn place_in(&self, place: DVec2, of: [u32; 2], to: [u32; 2]) -> DVec2 {
+    pub fn position_in(&self, place: DVec2, of: [u32; 2], to: [u32; 2]) -> DVec2 {
         if of == to {
             return place;
         }

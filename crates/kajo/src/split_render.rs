@@ -145,7 +145,7 @@ impl<'a> SplitRender<'a> {
         let integrator = self.request.integrator(self.spec.layers);
         let unit = Unit { tile: unit.tile, samples: unit.samples.clone(), limits: Unit::UNLIMITED };
         let result =
-            kajo_render::render_piece(&*integrator, &film, &self.schedule(), position, &unit, progress);
+            kajo_render::render_work_unit(&*integrator, &film, &self.schedule(), position, &unit, progress);
         match result {
             Ok(stats) => Ok((film, stats)),
             Err(error) => Err(failed(error, |stats| self.picture(film, stats))),

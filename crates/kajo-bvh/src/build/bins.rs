@@ -34,7 +34,7 @@ impl Bins {
 
     /// Bin numbers on three axes, as what is added to [`ROUND`].
     #[inline(always)]
-    fn place(&self, center2: Vec4) -> Vec4 {
+    fn bin_position(&self, center2: Vec4) -> Vec4 {
         let place = (center2 - self.base) * self.scale - Vec4::splat(0.5) + Vec4::splat(ROUND);
         place.max(Vec4::splat(ROUND)).min(Vec4::splat(self.last))
     }
@@ -109,7 +109,7 @@ impl<const N: usize> Histogram<N> {
     #[inline(always)]
     fn add(&mut self, simd: impl Simd, prim: &Prim, bins: &Bins) {
         let row = simd.load(&prim.row().0);
-        let place = bins.place(prim.center2()).to_array();
+        let place = bins.bin_position(prim.center2()).to_array();
         for (axis, place) in place.into_iter().take(3).enumerate() {
             let bin = place.to_bits() as usize % N;
             let sum = &mut self.boxes[bin][axis].0;

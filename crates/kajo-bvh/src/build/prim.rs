@@ -79,7 +79,7 @@ impl Row {
 pub(crate) struct Prim(Row);
 
 /// Primitives that a thread takes at a time where all threads work on a large set.
-pub(super) const PIECE: usize = 1 << 13;
+pub(super) const BLOCK: usize = 1 << 13;
 
 /// Bits of the number in each of the two floats.
 const ID_BITS: u32 = 23;
@@ -152,14 +152,14 @@ impl Prims {
         let prim = |id: u32| bounds(id).map_or_else(Prim::none, |bounds| Prim::new(bounds, id));
         let fill = |(i, prims): (usize, &mut [Prim])| {
             let mut kept = true;
-            for (id, place) in (i * PIECE..).zip(prims) {
+            for (id, place) in (i * BLOCK..).zip(prims) {
                 *place = prim(id as u32);
                 kept &= !place.is_none();
             }
             kept
         };
-        let pieces = all.par_chunks_mut(PIECE).enumerate().map(fill);
-        let len = if pieces.reduce(|| true, |a, b| a & b) { count } else { squeeze(&mut all) };
+        let blocks = all.par_chunks_mut(BLOCK).enumerate().map(fill);
+        let len = if blocks.reduce(|| true, |a, b| a & b) { count } else { squeeze(&mut all) };
         Prims { all, len }
     }
 
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn what_has_no_box_is_left_out_and_the_rest_keeps_its_order() {
         let point = |id: u32| Aabb::around([Vec3::splat(id as f32)]);
-        for count in [0, 1, 5, PIECE + 7] {
+        for count in [0, 1, 5, BLOCK + 7] {
             let ids = |prims: &mut Prims| prims.as_mut_slice().iter().map(Prim::id).collect::<Vec<_>>();
             let mut whole = Prims::new(count, |id| Some(point(id).into()));
             assert!(ids(&mut whole).into_iter().eq(0..count as u32));

@@ -152,7 +152,7 @@ impl Links {
         let (mut count, most) = TOGETHER;
         while !nodes.is_empty() {
             let (now, later) = nodes.split_at(count.min(nodes.len()));
-            let place = |waiting: &mut Vec<_>, &node: &u32| self.better_place(node, waiting);
+            let place = |waiting: &mut Vec<_>, &node: &u32| self.better_position(node, waiting);
             let places: Vec<_> = now.par_iter().with_min_len(16).map_init(Vec::new, place).collect();
             for (&node, place) in now.iter().zip(places) {
                 if let Some(place) = place.filter(|&place| self.gain(node, place) > 0.0) {
@@ -210,7 +210,7 @@ impl Links {
     fn improve(&mut self, nodes: &[u32]) {
         let mut waiting = Vec::new();
         for &node in nodes {
-            if let Some(place) = self.better_place(node, &mut waiting) {
+            if let Some(place) = self.better_position(node, &mut waiting) {
                 self.reinsert(node, place);
             }
         }
@@ -231,7 +231,7 @@ impl Links {
 
     /// The node beside which `node` would make the tree cheapest, if that is not where it is.
     /// `waiting` is empty before and after.
-    fn better_place(&self, node: u32, waiting: &mut Vec<(f32, u32)>) -> Option<u32> {
+    fn better_position(&self, node: u32, waiting: &mut Vec<(f32, u32)>) -> Option<u32> {
         let (bounds, area) = (self.bounds[node as usize], self.area(node));
         let parent = self.parent(node);
         let old_sibling = self.sibling(node).filter(|_| parent != ROOT)?;

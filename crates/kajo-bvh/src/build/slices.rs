@@ -8,7 +8,7 @@ use kajo_math::Vec3;
 use rayon::prelude::*;
 
 use super::cut::cut;
-use super::prim::{Box4, PIECE, Prim};
+use super::prim::{BLOCK, Box4, Prim};
 
 /// Most slices on an axis.
 const MOST: usize = 32;
@@ -120,11 +120,11 @@ impl Cutting {
     ) -> Option<Cutting> {
         let planes = Planes::new(bounds, prims.len());
         let of = |prims: &[Prim]| Slices::of(prims, &planes, corners);
-        let all = if prims.len() < 2 * PIECE {
+        let all = if prims.len() < 2 * BLOCK {
             of(prims)
         } else {
             let and = |a: [Slices; 3], b: [Slices; 3]| [0, 1, 2].map(|axis| a[axis].and(&b[axis]));
-            prims.par_chunks(PIECE).map(of).reduce(|| [Slices::EMPTY; 3], and)
+            prims.par_chunks(BLOCK).map(of).reduce(|| [Slices::EMPTY; 3], and)
         };
         let mut best: Option<Cutting> = None;
         for (axis, slices) in all.iter().enumerate() {

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::LeafShape;
 use super::bins::{Bins, Border, Histogram};
-use super::prim::{Box4, PIECE, Prim};
+use super::prim::{BLOCK, Box4, Prim};
 use crate::simd::{Portable, Simd, dispatch};
 
 /// Bins on an axis for large, for small and for tiny sets.
@@ -25,7 +25,7 @@ const LEAST: usize = 4;
 pub(super) struct Split {
     bins: Bins,
     best: Border,
-    /// Primitives on the left of each piece of a large set.
+    /// Primitives on the left of each block of a large set.
     lefts: Vec<usize>,
 }
 
@@ -36,7 +36,7 @@ impl Split {
             dispatch!(simd => Split::small::<LEAST>(simd, prims, shape))
         } else if prims.len() < 10 * FEW {
             dispatch!(simd => Split::small::<FEW>(simd, prims, shape))
-        } else if prims.len() < 2 * PIECE {
+        } else if prims.len() < 2 * BLOCK {
             dispatch!(simd => Split::small::<MANY>(simd, prims, shape))
         } else {
             Split::large(prims, shape)
@@ -58,7 +58,7 @@ impl Split {
     fn large(prims: &[Prim], shape: LeafShape) -> Option<Split> {
         let bins = Bins::new(centers(prims), MANY);
         let of = |prims: &[Prim]| Histogram::<MANY>::of(prims, &bins);
-        let histograms: Vec<_> = prims.par_chunks(PIECE).map(of).collect();
+        let histograms: Vec<_> = prims.par_chunks(BLOCK).map(of).collect();
         let mut sum = Histogram::<MANY>::empty(Portable);
         histograms.iter().for_each(|histogram| sum.merge(Portable, histogram));
         let best = sum.best(Portable, shape)?;
@@ -80,31 +80,31 @@ impl Split {
     /// Moves the left side of `prims` to the front.
     pub(super) fn part(&self, prims: &mut [Prim]) {
         if self.lefts.is_empty() {
-            return self.part_piece(prims);
+            return self.part_block(prims);
         }
-        prims.par_chunks_mut(PIECE).for_each(|piece| self.part_piece(piece));
+        prims.par_chunks_mut(BLOCK).for_each(|block| self.part_block(block));
         // What is right but stands before the border changes places with what is left behind it.
         let (mut front, mut back) = prims.split_at_mut(self.best.left);
         let (mut rights, mut lefts) = (Vec::new(), Vec::new());
         for &n_left in &self.lefts {
-            let piece = PIECE.min(front.len() + back.len());
-            let n_front = piece.min(front.len());
+            let block = BLOCK.min(front.len() + back.len());
+            let n_front = block.min(front.len());
             let (here, rest) = front.split_at_mut(n_front);
             front = rest;
             rights.push(here.split_at_mut(n_left.min(n_front)).1);
-            let (here, rest) = back.split_at_mut(piece - n_front);
+            let (here, rest) = back.split_at_mut(block - n_front);
             back = rest;
             lefts.push(here.split_at_mut(n_left.saturating_sub(n_front)).0);
         }
         pairs(rights, lefts).into_par_iter().for_each(|(right, left)| right.swap_with_slice(left));
     }
 
-    fn part_piece(&self, prims: &mut [Prim]) {
-        dispatch!(_simd => self.part_piece_on(prims))
+    fn part_block(&self, prims: &mut [Prim]) {
+        dispatch!(_simd => self.part_block_on(prims))
     }
 
     #[inline(always)]
-    fn part_piece_on(&self, prims: &mut [Prim]) {
+    fn part_block_on(&self, prims: &mut [Prim]) {
         let is_left = self.bins.is_left(&self.best);
         let mut left = 0;
         for i in 0..prims.len() {
@@ -150,11 +150,11 @@ pub(super) fn bounds(prims: &[Prim]) -> Box4 {
 }
 
 fn around(prims: &[Prim], grow: impl Fn(Box4, &Prim) -> Box4 + Sync) -> Box4 {
-    if prims.len() < 2 * PIECE {
+    if prims.len() < 2 * BLOCK {
         return prims.iter().fold(Box4::EMPTY, grow);
     }
-    let piece = |prims: &[Prim]| prims.iter().fold(Box4::EMPTY, &grow);
-    prims.par_chunks(PIECE).map(piece).reduce(|| Box4::EMPTY, Box4::union)
+    let block = |prims: &[Prim]| prims.iter().fold(Box4::EMPTY, &grow);
+    prims.par_chunks(BLOCK).map(block).reduce(|| Box4::EMPTY, Box4::union)
 }
 
 #[cfg(test)]
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn parting_keeps_everything_and_agrees_with_the_border() {
-        for n in [2, 3, 9, 100, 1000, 2 * PIECE, 2 * PIECE + 1, 5 * PIECE - 3] {
+        for n in [2, 3, 9, 100, 1000, 2 * BLOCK, 2 * BLOCK + 1, 5 * BLOCK - 3] {
             let mut prims = prims(n);
             let prims = prims.as_mut_slice();
             let split = Split::best(prims, LeafShape { block_bits: 2, most: 8, limit: n }).unwrap();

@@ -36,8 +36,8 @@ pub(super) struct EmissivePatch<'a> {
 
 impl EmissivePatch<'_> {
     /// What is at coordinates of the patch.
-    fn place(&self, builder: &SceneBuilder, at: Vec2) -> TextureContext {
-        let p = self.patch.place_at(at).map_or(Vec3::ZERO, |place| place.p);
+    fn context(&self, builder: &SceneBuilder, at: Vec2) -> TextureContext {
+        let p = self.patch.point_at(at).map_or(Vec3::ZERO, |point| point.p);
         let own = self.object_from_world.transform_point3(p.as_dvec3()).as_vec3();
         let shapes = &builder.geometry.shapes;
         let hit = shapes.hit_at(self.shape, self.part, own);
@@ -48,9 +48,9 @@ impl EmissivePatch<'_> {
     }
 
     fn luminance(&self, builder: &SceneBuilder, at: Vec2) -> f32 {
-        let place = self.place(builder, at);
-        let leaving = Leaving { p: place.p, d: None };
-        self.varied.at(&builder.appearance.textures, &place, leaving, &Wavelengths::RGB).luminance()
+        let context = self.context(builder, at);
+        let leaving = Leaving { p: context.p, d: None };
+        self.varied.at(&builder.appearance.textures, &context, leaving, &Wavelengths::RGB).luminance()
     }
 
     /// Texels of its pictures across and up.
@@ -61,7 +61,7 @@ impl EmissivePatch<'_> {
         let at = |i: u8, j: u8| (Vec2::new(i.into(), j.into()) + 0.5) / f32::from(side);
         let mut texels = Vec2::ZERO;
         for map in &self.varied.detail().pictures {
-            let place = |i, j| map.in_texels(self.place(builder, at(i, j)).uv);
+            let place = |i, j| map.in_texels(self.context(builder, at(i, j)).uv);
             let [across, up] = [[1, 0], [0, 1]].map(|[di, dj]| {
                 let starts = (0..side - dj).flat_map(|j| (0..side - di).map(move |i| (i, j)));
                 let step = |(i, j)| (place(i + di, j + dj) - place(i, j)).abs().max_element();

@@ -49,9 +49,9 @@ impl MovingCamera {
         self.camera.pdf_across(&ray, distance, aspect)
     }
 
-    /// See [`Camera::places`].
-    pub(super) fn places(&self, p: DVec3, aspect: f64, time: f32) -> [Option<DVec2>; 2] {
-        self.camera.places(self.map.map_at(time).inverse().transform_point3(p), aspect, time)
+    /// See [`Camera::projections`].
+    pub(super) fn projections(&self, p: DVec3, aspect: f64, time: f32) -> [Option<DVec2>; 2] {
+        self.camera.projections(self.map.map_at(time).inverse().transform_point3(p), aspect, time)
     }
 
     /// See [`Camera::project`].

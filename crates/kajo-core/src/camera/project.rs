@@ -95,9 +95,9 @@ impl Camera {
 
     /// The places where the camera shows a point: as [`Camera::project`], or for two eyes that of the left one and that of
     /// the right one.
-    pub fn places(&self, p: DVec3, aspect: f64, time: f32) -> [Option<DVec2>; 2] {
+    pub fn projections(&self, p: DVec3, aspect: f64, time: f32) -> [Option<DVec2>; 2] {
         match self {
-            Camera::Moving(moving) => moving.places(p, aspect, time),
+            Camera::Moving(moving) => moving.projections(p, aspect, time),
             Camera::Panorama(camera) if camera.is_stereo() => [-1.0, 1.0].map(|side| camera.project(p, side)),
             Camera::StereoCubemap(camera) => [-1.0, 1.0].map(|side| camera.project(p, side)),
             _ => [self.project(p, aspect, time), None],
@@ -238,10 +238,10 @@ mod tests {
                 let at = 2.0 * Vec2::new(s.uniform(0), s.uniform(1)) - 1.0;
                 let ray = camera.ray(at, aspect, Vec2::splat(0.5), 0.0).unwrap();
                 let p = ray.o.as_dvec3() + f64::from(0.5 + 9.0 * s.uniform(2)) * ray.d.as_dvec3();
-                let places = camera.places(p, aspect.into(), 0.0).map(|place| place.unwrap());
-                let nearest = places.map(|place| place.distance(at.as_dvec2()));
-                assert!(nearest[0].min(nearest[1]) < 1e-4, "{camera:?}: {places:?} for {at}");
-                for place in places {
+                let found = camera.projections(p, aspect.into(), 0.0).map(|place| place.unwrap());
+                let nearest = found.map(|place| place.distance(at.as_dvec2()));
+                assert!(nearest[0].min(nearest[1]) < 1e-4, "{camera:?}: {found:?} for {at}");
+                for place in found {
                     let ray = camera.ray(place.as_vec2(), aspect, Vec2::splat(0.5), 0.0).unwrap();
                     let beside = (p - ray.o.as_dvec3()).cross(ray.d.as_dvec3()).length();
                     assert!(beside < 1e-4, "{camera:?}: {place} misses by {beside}");

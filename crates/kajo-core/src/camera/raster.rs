@@ -45,7 +45,7 @@ impl Raster {
     }
 
     /// The place on the film of picture coordinates.
-    pub fn place(&self, at: DVec2) -> DVec2 {
+    pub fn film_position(&self, at: DVec2) -> DVec2 {
         let [w, h] = self.size.map(f64::from);
         let at = at / f64::from(self.scale());
         let [across, down] = [0.5 * (at.x + 1.0), 0.5 * (1.0 - at.y)];
@@ -74,7 +74,7 @@ mod tests {
             let raster = Raster { size: [40, 30], corner_samples, spans_width };
             for place in [Vec2::new(0.5, 0.5), Vec2::new(13.25, 29.0), Vec2::new(39.5, 2.0)] {
                 let at = raster.picture(place).as_dvec2();
-                assert!(raster.place(at).distance(place.as_dvec2()) < 1e-5);
+                assert!(raster.film_position(at).distance(place.as_dvec2()) < 1e-5);
                 let [w, h] = [40.0, 30.0];
                 let over_film =
                     DVec2::new(2.0 * f64::from(place.x) / w - 1.0, 1.0 - 2.0 * f64::from(place.y) / h);

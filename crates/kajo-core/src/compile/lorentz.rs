@@ -195,7 +195,7 @@ mod tests {
         for (object, x) in [(0, 1.0), (1, 5.0)] {
             let object = ObjectId::from_index(object);
             let primitive = &scene.geometry.primitives[object.index()];
-            let rests = scene.geometry.place(primitive, 0.0).world_from_object.translation;
+            let rests = scene.geometry.transform_of(primitive, 0.0).world_from_object.translation;
             let seen =
                 all.snapshot(object).unwrap().transform_point3(kajo_math::Vec3::from(rests).as_dvec3());
             assert!(seen.distance(DVec3::new(x, 2.0, 0.0)) < 1e-6, "{seen}");

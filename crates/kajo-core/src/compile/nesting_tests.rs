@@ -259,7 +259,7 @@ fn all_pieces_of_nested_instances_are_the_flat_list() {
         let ElementContent::Shape(shape) = element.content else { panic!("{element:?}") };
         let found = element.world_from_object.bounds(&nested.geometry.shapes.bounds(shape));
         let expected =
-            flat.geometry.place(primitive, 0.0).bounds(&flat.geometry.shapes.bounds(primitive.shape));
+            flat.geometry.transform_of(primitive, 0.0).bounds(&flat.geometry.shapes.bounds(primitive.shape));
         assert!(found.min.distance(expected.min) + found.max.distance(expected.max) < 1e-4, "{element:?}");
         let number = |scene: &Scene, material| scene.appearance.number(material);
         assert_eq!(number(&nested, element.material), number(&flat, primitive.material));

@@ -69,9 +69,9 @@ impl EmissionDensity {
     /// A point drawn for nobody, its density per area.
     pub fn sample_area(&self, patch: &PlacedPatch<'_>, u: Vec2) -> Option<PatchSample> {
         let (at, density) = self.density.sample(u);
-        let place = patch.place_at(at)?;
-        let pdf = density * place.pdf;
-        (pdf.is_finite() && pdf > 0.0).then_some(PatchSample { pdf, ..place })
+        let sample = patch.point_at(at)?;
+        let pdf = density * sample.pdf;
+        (pdf.is_finite() && pdf > 0.0).then_some(PatchSample { pdf, ..sample })
     }
 
     /// Density per area with which [`EmissionDensity::sample_area`] draws the point `p`.

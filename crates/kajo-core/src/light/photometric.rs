@@ -102,8 +102,8 @@ impl Photometry {
         if !(vertical_deg >= ends.0 && vertical_deg <= ends.1) {
             return 0.0;
         }
-        let (v, s) = place(&self.vertical, vertical_deg);
-        let (h, t) = place(&self.horizontal, self.symmetry.fold(horizontal_deg));
+        let (v, s) = interval_of(&self.vertical, vertical_deg);
+        let (h, t) = interval_of(&self.horizontal, self.symmetry.fold(horizontal_deg));
         let n = self.vertical.len();
         let at = |h: usize| {
             let row = &self.candela[h * n..(h + 1) * n];
@@ -160,7 +160,7 @@ impl Photometry {
 
 /// Which two of the increasing `nodes` `x` lies between, and how far from the first to the second. A single node has
 /// itself for a neighbour.
-fn place(nodes: &[f32], x: f32) -> (usize, f32) {
+fn interval_of(nodes: &[f32], x: f32) -> (usize, f32) {
     if nodes.len() < 2 {
         return (0, 0.0);
     }

@@ -104,7 +104,7 @@ impl<'a> SampleStream<'a> {
         match self.sampler.kind {
             SamplerKind::Uniform => self.independent(d),
             SamplerKind::Sobol | SamplerKind::ZSobol => {
-                let (index, [seed, _]) = self.place_in_sequence(d);
+                let (index, [seed, _]) = self.index_in_sequence(d);
                 unit(sobol::scrambled_number(index, seed))
             }
             _ => self.stratum(d),
@@ -245,13 +245,13 @@ impl<'a> SampleStream<'a> {
     /// A scrambled point of the (0, 2)-sequence.
     #[inline]
     fn sobol(&self, d: u32) -> [u32; 2] {
-        let (index, seeds) = self.place_in_sequence(d);
+        let (index, seeds) = self.index_in_sequence(d);
         sobol::scrambled_point(index, seeds)
     }
 
     /// Which point of the (0, 2)-sequence is this sample's, and random bits for scrambling it.
     #[inline]
-    fn place_in_sequence(&self, d: u32) -> (u32, [u32; 2]) {
+    fn index_in_sequence(&self, d: u32) -> (u32, [u32; 2]) {
         if self.sampler.kind == SamplerKind::ZSobol {
             return zorder::index(self.seed, self.pixel, self.sample, self.count, d);
         }
@@ -264,7 +264,7 @@ impl<'a> SampleStream<'a> {
     /// In the pixel the points come in their own order, so that the first few samples are well spread already.
     #[inline]
     fn progressive(&self, d: u32) -> [u32; 2] {
-        let (place, by) = self.place_in_set(d);
+        let (place, by) = self.index_in_set(d);
         let [x, y] = self.sampler.points[place];
         [x ^ by[0], y ^ by[1]]
     }
@@ -272,14 +272,14 @@ impl<'a> SampleStream<'a> {
     /// A point of the Poisson-disk set, moved around the torus.
     #[inline]
     fn disk(&self, d: u32) -> [u32; 2] {
-        let (place, by) = self.place_in_set(d);
+        let (place, by) = self.index_in_set(d);
         let [x, y] = self.sampler.points[place];
         [x.wrapping_add(by[0]), y.wrapping_add(by[1])]
     }
 
     /// Which point of the shared set is this sample's, and random bits for moving the set.
     #[inline]
-    fn place_in_set(&self, d: u32) -> (usize, [u32; 2]) {
+    fn index_in_set(&self, d: u32) -> (usize, [u32; 2]) {
         let n = self.sampler.points.len().max(1) as u32;
         let [x, y, order] = self.pattern(d, self.sample / n);
         let own = self.sample % n;

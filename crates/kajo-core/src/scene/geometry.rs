@@ -104,7 +104,7 @@ impl Geometry {
     /// The map of a primitive from its own space to the world's.
     ///
     /// * `time`: moment within the shutter interval
-    pub fn place(&self, primitive: &Primitive, time: f32) -> Transform {
+    pub fn transform_of(&self, primitive: &Primitive, time: f32) -> Transform {
         self.transform_at(primitive.pose, time, |map| *map)
     }
 
@@ -252,9 +252,9 @@ impl Geometry {
             Some(&Primitive { shape, pose, .. }) => {
                 self.shapes.uv_at(shape, &at.hit, self.transform_at(pose, at.time, own))
             }
-            None => self
-                .leaf(at.object)
-                .map_or(Vec2::ZERO, |leaf| self.shapes.uv_at(leaf.shape, &at.hit, own(&leaf.place()))),
+            None => self.leaf(at.object).map_or(Vec2::ZERO, |leaf| {
+                self.shapes.uv_at(leaf.shape, &at.hit, own(&leaf.world_from_object()))
+            }),
         }
     }
 
@@ -264,7 +264,7 @@ impl Geometry {
             Some(primitive) => self.world_bounds(primitive),
             None => self
                 .leaf(object)
-                .map_or(Aabb::EMPTY, |leaf| leaf.place().bounds(&self.shapes.bounds(leaf.shape))),
+                .map_or(Aabb::EMPTY, |leaf| leaf.world_from_object().bounds(&self.shapes.bounds(leaf.shape))),
         }
     }
 
@@ -302,7 +302,7 @@ impl Geometry {
             Some(&Primitive { shape, pose, .. }) => self.transform_at(pose, at.time, |map| of(shape, map)),
             None => {
                 let leaf = self.leaf(at.object);
-                leaf.map_or_else(Tangents::default, |leaf| of(leaf.shape, &leaf.place()))
+                leaf.map_or_else(Tangents::default, |leaf| of(leaf.shape, &leaf.world_from_object()))
             }
         }
     }

@@ -273,8 +273,8 @@ impl Scene {
 
     /// The map of an object that is no nested one to the world, at a moment of the shutter, or of what moves with a velocity at the moment
     /// 0 of the world.
-    pub fn snapshot_place(&self, object: ObjectId, time: f32) -> Option<Transform> {
-        let place = self.geometry.place(self.geometry.primitives.get(object.index())?, time);
+    pub fn snapshot_transform(&self, object: ObjectId, time: f32) -> Option<Transform> {
+        let place = self.geometry.transform_of(self.geometry.primitives.get(object.index())?, time);
         let now = self.relativity.as_ref().and_then(|all| all.snapshot(object));
         let Some(now) = now.map(|now| Transform::of_invertible(&now)) else { return Some(place) };
         Some(Transform {

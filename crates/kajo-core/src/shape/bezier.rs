@@ -118,7 +118,7 @@ impl<V: ControlPoint> Bezier<V> {
     }
 
     /// The curve in `2^levels` pieces, in order.
-    pub fn pieces(&self, levels: u32) -> Vec<Bezier<V>> {
+    pub fn subdivided(&self, levels: u32) -> Vec<Bezier<V>> {
         let mut pieces = vec![*self];
         for _ in 0..levels {
             pieces = pieces.iter().flat_map(|piece| piece.split(0.5)).collect();
@@ -246,7 +246,7 @@ mod tests {
                 assert!((before.at(s) - curve.at(0.3 * s)).length() < 1e-15);
                 assert!((behind.at(s) - curve.at(0.3 + 0.7 * s)).length() < 2e-15);
             }
-            assert_eq!(curve.pieces(3).len(), 8);
+            assert_eq!(curve.subdivided(3).len(), 8);
         }
     }
 

@@ -20,7 +20,7 @@ use kajo_math::solid_angle::basis64;
 use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3, roots};
 
 use super::{
-    Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, nearest_crossing, nearest_place, stored,
+    Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, nearest_crossing, nearest_uv, stored,
 };
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 
@@ -199,7 +199,7 @@ impl Surface for BilinearPatch {
     }
 
     fn hit_at(&self, part: u32, p: Vec3) -> Hit {
-        let uv = nearest_place(p.as_dvec3(), |uv| self.at(uv));
+        let uv = nearest_uv(p.as_dvec3(), |uv| self.at(uv));
         Hit { t: 0.0, u: uv.x as f32, v: uv.y as f32, part }
     }
 

@@ -296,7 +296,7 @@ pub(crate) fn nearest_crossing(shape: &impl Surface, ray: &Ray) -> Option<Hit> {
 /// of places on by least squares.
 ///
 /// * `at`: the point at coordinates, and its derivatives
-pub(crate) fn nearest_place(p: DVec3, at: impl Fn(DVec2) -> (DVec3, DVec3, DVec3)) -> DVec2 {
+pub(crate) fn nearest_uv(p: DVec3, at: impl Fn(DVec2) -> (DVec3, DVec3, DVec3)) -> DVec2 {
     const GRID: u32 = 8;
     const STEPS: u32 = 12;
     let off = |uv: DVec2| at(uv).0.distance_squared(p);

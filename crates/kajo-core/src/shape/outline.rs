@@ -126,7 +126,7 @@ impl Border {
 /// * `crossings`: all of them; they are sorted
 /// * `before`: the winding number before the first
 /// * `nearer`: crossings that are nearer to each other are one
-pub(super) fn inside_pieces(
+pub(super) fn inside_intervals(
     crossings: &mut [Crossing],
     rule: FillRule,
     before: i32,
@@ -255,7 +255,7 @@ impl BoxTree {
 /// A box around a curve: that of the control points of pieces of it.
 pub(super) fn box_of(curve: &Bezier<DVec2>) -> [DVec2; 2] {
     const LEVELS: u32 = 3;
-    let pieces = curve.pieces(if curve.points().len() > 2 { LEVELS } else { 0 });
+    let pieces = curve.subdivided(if curve.points().len() > 2 { LEVELS } else { 0 });
     let points = pieces.iter().flat_map(Bezier::points);
     points.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[min, max], p| [min.min(*p), max.max(*p)])
 }

@@ -243,7 +243,7 @@ impl Patch {
         let o = from.as_dvec3();
         if let Some(view) = self.view(o) {
             let p = view.sample(o, u, self)?;
-            let at = self.place(p, (1.0 / view.solid_angle()) as f32);
+            let at = self.sample_at(p, (1.0 / view.solid_angle()) as f32);
             return Some(PatchWay { at, wi: (at.p - from).normalize_or_zero() });
         }
         match self {
@@ -278,7 +278,7 @@ impl Patch {
             _ => self.point(x, y)?,
         };
         let pdf = (1.0 / self.area()) as f32;
-        (pdf.is_finite() && pdf > 0.0).then(|| self.place(p, pdf))
+        (pdf.is_finite() && pdf > 0.0).then(|| self.sample_at(p, pdf))
     }
 
     /// Density per area with which [`Patch::sample_area`] draws the place `p`.
@@ -355,10 +355,10 @@ impl Patch {
     }
 
     /// A place with its normal and the bound on its error.
-    fn place(&self, p: DVec3, pdf: f32) -> PatchSample {
+    fn sample_at(&self, p: DVec3, pdf: f32) -> PatchSample {
         let n = match self {
             Patch::Sphere { center, .. } => (p - center).normalize_or(DVec3::Z),
-            Patch::Curved(curved) => return curved.place(p, pdf),
+            Patch::Curved(curved) => return curved.sample_at(p, pdf),
             _ => self.normal().unwrap_or(DVec3::Z),
         };
         let single = p.as_vec3();
@@ -526,12 +526,12 @@ impl CurvedPatch {
     /// See [`Patch::sample_area`].
     fn sample_area(&self, u: Vec2) -> Option<PatchSample> {
         let p = self.map.transform_point3(self.canonical(u.x.into(), u.y.into()));
-        let placed = self.place(p, 0.0);
+        let placed = self.sample_at(p, 0.0);
         let pdf = self.pdf_area(placed.p.as_dvec3()) as f32;
         (pdf.is_finite() && pdf > 0.0).then_some(PatchSample { pdf, ..placed })
     }
 
-    fn place(&self, p: DVec3, pdf: f32) -> PatchSample {
+    fn sample_at(&self, p: DVec3, pdf: f32) -> PatchSample {
         let single = p.as_vec3();
         let p_error = gamma(4) * (single.abs() + self.reach());
         PatchSample { p: single, p_error, n: self.normal(p).as_vec3(), pdf }

@@ -143,7 +143,7 @@ impl Tessellation {
             let extent = Aabb::around(corners.map(|corner| corner.0)).extent().length();
             let least = (extent / coarse).max(1.0).log2().ceil() as u32;
             let mut kept = Vec::new();
-            Cut { keeps: &keeps, least, most: least + AT_BORDER }.piece(corners, 0, &mut kept);
+            Cut { keeps: &keeps, least, most: least + AT_BORDER }.cut(corners, 0, &mut kept);
             for corners in kept {
                 let face = corners.map(|(p, n)| out.vertex(p, n));
                 out.face(first_part + part, face);
@@ -244,7 +244,7 @@ struct Cut<'a, F> {
 
 impl<F: Fn(Vec3) -> bool> Cut<'_, F> {
     /// Adds what is kept of a piece, position and normal of each corner; whether that is all of it.
-    fn piece(&self, corners: [(Vec3, Vec3); 3], depth: u32, kept: &mut Vec<[(Vec3, Vec3); 3]>) -> bool {
+    fn cut(&self, corners: [(Vec3, Vec3); 3], depth: u32, kept: &mut Vec<[(Vec3, Vec3); 3]>) -> bool {
         let [a, b, c] = corners;
         let middle = (a.0 + b.0 + c.0) / 3.0;
         if depth >= self.least {
@@ -259,8 +259,8 @@ impl<F: Fn(Vec3) -> bool> Cut<'_, F> {
         let half = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (0.5 * (a.0 + b.0), (a.1 + b.1).normalize_or_zero());
         let (ab, bc, ca) = (half(a, b), half(b, c), half(c, a));
         let before = kept.len();
-        let pieces = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
-        let whole = pieces.map(|piece| self.piece(piece, depth + 1, kept)).iter().all(|&whole| whole);
+        let parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        let whole = parts.map(|part| self.cut(part, depth + 1, kept)).iter().all(|&whole| whole);
         if whole {
             kept.truncate(before);
             kept.push(corners);

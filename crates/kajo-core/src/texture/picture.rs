@@ -253,17 +253,17 @@ impl PictureMap {
     /// Red, green, blue and alpha at surface coordinates, linear and in [0, 1].
     #[inline]
     pub fn at(&self, uv: impl Into<SurfaceUv>) -> [f32; 4] {
-        let texel = self.unscaled(self.place(uv.into()));
+        let texel = self.unscaled(self.picture_uv(uv.into()));
         std::array::from_fn(|c| self.factor[c] * texel[c])
     }
 
     /// Where surface coordinates are on the picture and its repetitions, in texels.
     pub(crate) fn in_texels(&self, uv: SurfaceUv) -> Vec2 {
-        self.place(uv) * Vec2::new(self.picture.width as f32, self.picture.height as f32)
+        self.picture_uv(uv) * Vec2::new(self.picture.width as f32, self.picture.height as f32)
     }
 
     #[inline]
-    fn place(&self, uv: SurfaceUv) -> Vec2 {
+    fn picture_uv(&self, uv: SurfaceUv) -> Vec2 {
         let place = match self.set {
             UvSet::First => uv.first,
             UvSet::Second => uv.second,

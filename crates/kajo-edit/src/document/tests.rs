@@ -348,7 +348,7 @@ fn a_broken_scene_keeps_the_last_good_one() {
     d.compile();
     assert!(!d.is_current() && Arc::ptr_eq(d.scene().unwrap(), &scene));
     assert_eq!(d.lines().collect::<Vec<_>>().len(), 1);
-    let (file, range) = d.place_of(d.diagnostics().errors().next().unwrap()).unwrap();
+    let (file, range) = d.range_of(d.diagnostics().errors().next().unwrap()).unwrap();
     assert_eq!((file, &d.text()[range]), (FileId(0), "Sphere"));
     assert_eq!(d.node_of_object(1), Some(ball), "of the scene that is shown");
     d.apply(&Edit::Rewrite { file: FileId(0), text: SCENE.replace("Group {", "Group { {") }).unwrap();

@@ -36,7 +36,7 @@ impl Handle {
     ///
     /// `None` where the handle cannot be seen, or cannot follow: its plane is seen edge on, or a shape would vanish.
     pub fn drag(&self, eye: &Eye<'_>, from: DVec2, to: DVec2, snap: &Snap) -> Option<Dragged> {
-        let there = eye.place_near(self.at, from)? + (to - from);
+        let there = eye.projection_near(self.at, from)? + (to - from);
         if let Track::Circle { center, axis } = self.track {
             return self.turned(eye, from, to, center, axis, snap);
         }
@@ -191,10 +191,10 @@ impl Handle {
 /// The projection of a line is a line, or follows one nearby, on which places follow `(a t + b) / (c t + 1)`; the nearest point of that line is
 /// found in the picture, and what is seen there is the point of the line in space that lies nearest to the sight.
 fn along(eye: &Eye<'_>, at: DVec3, direction: DVec3, there: DVec2) -> Option<DVec3> {
-    let here = eye.place_near(at, there)?;
+    let here = eye.projection_near(at, there)?;
     let step = direction * eye.pixel_at(at);
-    let ahead = eye.place_near(at + step, here);
-    let way = ahead.or_else(|| eye.place_near(at - step, here).map(|back| 2.0 * here - back))? - here;
+    let ahead = eye.projection_near(at + step, here);
+    let way = ahead.or_else(|| eye.projection_near(at - step, here).map(|back| 2.0 * here - back))? - here;
     // Seen end on, no pixel moves it.
     if way.length() < 1e-3 {
         return None;

@@ -37,17 +37,17 @@ impl Sight {
 impl Eye<'_> {
     /// Where a point appears, in pixels from the top left; of two eyes, to the left one.
     pub fn project(&self, p: DVec3) -> Option<DVec2> {
-        self.places(p).into_iter().flatten().next()
+        self.projections(p).into_iter().flatten().next()
     }
 
     /// All places where a point appears: one, or one for each eye.
-    pub fn places(&self, p: DVec3) -> [Option<DVec2>; 2] {
-        self.pose.places(p, self.size).map(|place| place.filter(|place| place.is_finite()))
+    pub fn projections(&self, p: DVec3) -> [Option<DVec2>; 2] {
+        self.pose.projections(p, self.size).map(|place| place.filter(|place| place.is_finite()))
     }
 
     /// The place where a point appears that is nearest to another place.
-    pub(super) fn place_near(&self, p: DVec3, near: DVec2) -> Option<DVec2> {
-        let places = self.places(p).into_iter().flatten();
+    pub(super) fn projection_near(&self, p: DVec3, near: DVec2) -> Option<DVec2> {
+        let places = self.projections(p).into_iter().flatten();
         places.min_by(|a, b| a.distance_squared(near).total_cmp(&b.distance_squared(near)))
     }
 

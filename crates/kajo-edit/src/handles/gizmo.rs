@@ -164,7 +164,7 @@ pub fn pick<'a>(handles: &'a [Handle], eye: &Eye<'_>, cursor: DVec2, reach: f64)
                     .map(|stroke| to_segment(cursor, stroke.ends[0], stroke.ends[1]))
                     .fold(f64::INFINITY, f64::min)
             }
-            _ => eye.place_near(handle.at, cursor)?.distance(cursor),
+            _ => eye.projection_near(handle.at, cursor)?.distance(cursor),
         };
         (pixels <= reach).then_some((pixels, depth))
     };

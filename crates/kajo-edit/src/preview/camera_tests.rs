@@ -125,7 +125,7 @@ fn the_object_under_a_thousand_pixels_is_the_one_drawn_there() {
             things.insert(object);
             let Some(seen) = seen else { continue };
             // A handle there would be here.
-            let places = pose.places(seen.point.as_dvec3(), size).into_iter().flatten();
+            let places = pose.projections(seen.point.as_dvec3(), size).into_iter().flatten();
             let nearest = places.map(|found| found.distance(place)).fold(f64::INFINITY, f64::min);
             assert!(nearest < 0.05, "{camera}: {} is {nearest} from {place}", seen.point);
             if is_pinhole {
@@ -193,7 +193,7 @@ fn what_rays_show_of_nested_instances_is_picked_there_through_every_camera() {
                 (traced.distance(place) - distance).abs() < 1e-3 * distance.abs() + 1e-4,
                 "{camera}: at {place}"
             );
-            let places = pose.places(seen.point.as_dvec3(), size).into_iter().flatten();
+            let places = pose.projections(seen.point.as_dvec3(), size).into_iter().flatten();
             let nearest = places.map(|found| found.distance(place)).fold(f64::INFINITY, f64::min);
             assert!(nearest < 0.05, "{camera}: {} is {nearest} from {place}", seen.point);
             if is_pinhole {
@@ -214,11 +214,11 @@ fn a_place_is_the_same_in_a_picture_of_another_shape() {
         let pose = CameraPose::of(&scene);
         let [of, to] = [[480, 320], [480, 250]].map(|size| suitable_size(&scene.output.camera, size));
         let place = 0.4 * DVec2::new(of[0].into(), of[1].into());
-        let there = pose.place_in(place, of, to);
+        let there = pose.position_in(place, of, to);
         let [a, b] = [pose.ray(place, of).unwrap(), pose.ray(there, to).unwrap()];
         assert!(a.d.distance(b.d) < 1e-3, "{camera}: {there}: {} {}", a.d, b.d);
         let share = there / DVec2::new(to[0].into(), to[1].into());
         assert!((share.y - 0.4).abs() < 1e-3 || camera.contains("corners"), "{camera}: {share}");
-        assert!(pose.place_in(there, to, of).distance(place) < 0.05, "{camera}");
+        assert!(pose.position_in(there, to, of).distance(place) < 0.05, "{camera}");
     }
 }

@@ -36,7 +36,7 @@ pub struct Kerr {
 
 /// What the metric is at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KerrPlace {
+pub struct KerrMetric {
     /// The radial coordinate of Boyer and Lindquist, constant on oblate spheroids.
     pub r: f64,
     /// By how much the metric departs from that of flat spacetime.
@@ -98,13 +98,13 @@ impl Kerr {
     ///
     /// Near the ring `x² + y² = a², z = 0`, where it has no value, the radius is held to a millionth of the mass.
     #[inline]
-    pub fn place(&self, x: DVec3) -> KerrPlace {
+    pub fn metric(&self, x: DVec3) -> KerrMetric {
         let r = self.radius(x).max(1e-6 * self.mass);
-        self.place_of(x, r)
+        self.metric_at(x, r)
     }
 
     #[inline]
-    fn place_of(&self, x: DVec3, r: f64) -> KerrPlace {
+    fn metric_at(&self, x: DVec3, r: f64) -> KerrMetric {
         let a = self.spin;
         let (r2, q) = (r * r, r * r + a * a);
         let f = if r > 0.0 { 2.0 * self.mass * r * r2 / (r2 * r2 + a * a * x.z * x.z) } else { 0.0 };
@@ -114,7 +114,7 @@ impl Kerr {
         } else {
             DVec3::ZERO
         };
-        KerrPlace { r, f, k }
+        KerrMetric { r, f, k }
     }
 
     /// The right-hand sides of Hamilton's equations: how place and momentum change.
@@ -124,17 +124,17 @@ impl Kerr {
     /// * `energy`: `-p_t`, which stays the same; negative for light that is followed into the past
     #[inline]
     pub fn flow(&self, x: DVec3, p: DVec3, energy: f64) -> (DVec3, DVec3) {
-        self.flow_at(&self.place(x), x, p, energy)
+        self.flow_at(&self.metric(x), x, p, energy)
     }
 
     /// [`Kerr::flow`] where the metric is known.
     #[inline]
-    pub fn flow_at(&self, place: &KerrPlace, x: DVec3, p: DVec3, energy: f64) -> (DVec3, DVec3) {
+    pub fn flow_at(&self, metric: &KerrMetric, x: DVec3, p: DVec3, energy: f64) -> (DVec3, DVec3) {
         if self.mass == 0.0 {
             return (p, DVec3::ZERO);
         }
         let a = self.spin;
-        let &KerrPlace { r, f, k } = place;
+        let &KerrMetric { r, f, k } = metric;
         let (r2, a2z2) = (r * r, a * a * x.z * x.z);
         let r4 = r2 * r2;
         let d = r4 + a2z2;
@@ -154,14 +154,14 @@ impl Kerr {
     /// The rate at which the coordinate time passes along a ray, `dt/dλ`.
     #[inline]
     pub fn time_rate(&self, x: DVec3, p: DVec3, energy: f64) -> f64 {
-        let KerrPlace { f, k, .. } = self.place(x);
+        let KerrMetric { f, k, .. } = self.metric(x);
         energy + f * (energy + k.dot(p))
     }
 
     /// `g^mn p_m p_n`, zero for light.
     #[inline]
     pub fn norm(&self, x: DVec3, p: DVec3, energy: f64) -> f64 {
-        let KerrPlace { f, k, .. } = self.place(x);
+        let KerrMetric { f, k, .. } = self.metric(x);
         let s = energy + k.dot(p);
         p.length_squared() - energy * energy - f * s * s
     }
@@ -171,7 +171,7 @@ impl Kerr {
     /// Removes what rounding and the errors of steps add to the norm.
     #[inline]
     pub fn null_projected(&self, x: DVec3, p: DVec3, energy: f64) -> DVec3 {
-        let KerrPlace { f, k, .. } = self.place(x);
+        let KerrMetric { f, k, .. } = self.metric(x);
         let kp = k.dot(p);
         let (a, h) = (p.length_squared() - f * kp * kp, -f * energy * kp);
         let c = -energy * energy * (1.0 + f);
@@ -213,13 +213,13 @@ impl Kerr {
     }
 }
 
-impl KerrPlace {
+impl KerrMetric {
     /// The energy at infinity of light with a momentum: the root of `g^mn p_m p_n = 0` that goes towards the future, or the other one.
     ///
     /// * `p`: the spatial part of the momentum, a covector
     #[inline]
     pub fn energy(&self, p: DVec3, into_future: bool) -> f64 {
-        let KerrPlace { f, k, .. } = *self;
+        let KerrMetric { f, k, .. } = *self;
         let kp = k.dot(p);
         let root = (p.length_squared() * (1.0 + f) - f * kp * kp).max(0.0).sqrt();
         let root = if into_future { root } else { -root };
@@ -229,7 +229,7 @@ impl KerrPlace {
     /// The frequency of that light for the observer whose velocity is normal to the slice of constant time.
     #[inline]
     pub fn normal_frequency(&self, p: DVec3) -> f64 {
-        let KerrPlace { f, k, .. } = *self;
+        let KerrMetric { f, k, .. } = *self;
         let kp = k.dot(p);
         (p.length_squared() - f / (1.0 + f) * kp * kp).max(0.0).sqrt()
     }

@@ -16,7 +16,7 @@ pub mod schwarzschild;
 pub mod thin_disk;
 mod wormhole;
 
-pub use kerr::{Conserved, Kerr, KerrPlace};
+pub use kerr::{Conserved, Kerr, KerrMetric};
 pub use observer::{Observer, seen_from_rest};
 pub use thin_disk::ThinDisk;
 pub use wormhole::{Profile, ThroatPassage, Wormhole};

@@ -12,12 +12,12 @@
 //! rests where `f >= 1`.
 
 use crate::DVec3;
-use crate::gravity::{Kerr, KerrPlace};
+use crate::gravity::{Kerr, KerrMetric};
 
 /// An orthonormal frame at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
-    place: KerrPlace,
+    metric: KerrMetric,
     /// Velocity in the frame normal to the slice, shorter than 1.
     velocity: DVec3,
     gamma: f64,
@@ -55,21 +55,21 @@ impl Observer {
     /// `None` unless the velocity is shorter than 1.
     pub fn moving(kerr: &Kerr, x: DVec3, velocity: DVec3) -> Option<Observer> {
         let v2 = velocity.length_squared();
-        (v2 < 1.0).then(|| Observer { place: kerr.place(x), velocity, gamma: 1.0 / (1.0 - v2).sqrt() })
+        (v2 < 1.0).then(|| Observer { metric: kerr.metric(x), velocity, gamma: 1.0 / (1.0 - v2).sqrt() })
     }
 
     /// Somebody with this 4-velocity, but for its length; `None` where that is not towards the future and slower than light.
     ///
     /// * `u`: its part in time and those in space
     pub fn of_velocity(kerr: &Kerr, x: DVec3, (time, space): (f64, DVec3)) -> Option<Observer> {
-        let place = kerr.place(x);
-        let KerrPlace { f, k, .. } = place;
+        let metric = kerr.metric(x);
+        let KerrMetric { f, k, .. } = metric;
         let shift = f / (1.0 + f) * k;
         let lapse = 1.0 / (1.0 + f).sqrt();
         let along = stretched(space + time * shift, k, (1.0 + f).sqrt());
         let velocity = along / (lapse * time);
         let v2 = velocity.length_squared();
-        (time > 0.0 && v2 < 1.0).then(|| Observer { place, velocity, gamma: 1.0 / (1.0 - v2).sqrt() })
+        (time > 0.0 && v2 < 1.0).then(|| Observer { metric, velocity, gamma: 1.0 / (1.0 - v2).sqrt() })
     }
 
     /// Somebody at rest in the coordinates; `None` inside of the ergosphere, where nobody can be.
@@ -116,18 +116,18 @@ impl Observer {
 
     /// Somebody with the covector `-dt + u_r dr`.
     fn radial(kerr: &Kerr, x: DVec3, u_r: impl Fn(f64, f64) -> f64) -> Option<Observer> {
-        let place = kerr.place(x);
-        let (r, a) = (place.r, kerr.spin());
+        let metric = kerr.metric(x);
+        let (r, a) = (metric.r, kerr.spin());
         let u_r = u_r((2.0 * kerr.mass() * r).sqrt(), (r * r + a * a).sqrt());
         let q = r * r + a * a;
         let d = r.powi(4) + a * a * x.z * x.z;
         let dr = DVec3::new(x.x * r * r, x.y * r * r, x.z * q) * (r / d);
-        Observer::of_velocity(kerr, x, place.raised((-1.0, u_r * dr)))
+        Observer::of_velocity(kerr, x, metric.raised((-1.0, u_r * dr)))
     }
 
     /// The 4-velocity, its part in time and those in space.
     pub fn velocity(&self) -> (f64, DVec3) {
-        let KerrPlace { f, k, .. } = self.place;
+        let KerrMetric { f, k, .. } = self.metric;
         let time = self.gamma * (1.0 + f).sqrt();
         let along = stretched(self.gamma * self.velocity, k, 1.0 / (1.0 + f).sqrt());
         (time, along - time * f / (1.0 + f) * k)
@@ -144,7 +144,7 @@ impl Observer {
     /// Light of frequency 1 in this frame that travels along a unit vector: its energy at infinity and the covector of its momentum.
     #[inline]
     pub fn emitted(&self, direction: DVec3) -> (f64, DVec3) {
-        let KerrPlace { f, k, .. } = self.place;
+        let KerrMetric { f, k, .. } = self.metric;
         let (frequency, momentum) = boosted((1.0, direction), self.velocity, self.gamma);
         let p = stretched(momentum, k, (1.0 + f).sqrt());
         let lapse = 1.0 / (1.0 + f).sqrt();
@@ -157,7 +157,7 @@ impl Observer {
     /// * `p`: the covector of its momentum
     #[inline]
     pub fn received(&self, energy: f64, p: DVec3) -> (f64, DVec3) {
-        let KerrPlace { f, k, .. } = self.place;
+        let KerrMetric { f, k, .. } = self.metric;
         let root = (1.0 + f).sqrt();
         let frequency = root * (energy + f / (1.0 + f) * k.dot(p));
         let momentum = stretched(p, k, 1.0 / root);
@@ -169,7 +169,7 @@ impl Observer {
     ///
     /// For somebody at rest in the coordinates; the metric of space there is `δ + f/(1 - f) k k`.
     pub fn covector(&self, n: DVec3) -> DVec3 {
-        let KerrPlace { f, k, .. } = self.place;
+        let KerrMetric { f, k, .. } = self.metric;
         stretched(n, k, (1.0 - f).max(0.0).sqrt())
     }
 }
@@ -205,7 +205,7 @@ mod tests {
             ];
             for observer in observers.into_iter().flatten() {
                 let u = observer.velocity();
-                check(kerr.place(x).product(u, u), -1.0, 1e-12);
+                check(kerr.metric(x).product(u, u), -1.0, 1e-12);
                 let (energy, p) = observer.emitted(direction);
                 check(kerr.norm(x, p, energy), 0.0, 1e-12);
                 // The frequency is -p·u, by definition.
@@ -215,8 +215,8 @@ mod tests {
                 check(back.distance(direction), 0.0, 1e-12);
                 // Two directions of light make the angle that their momenta say: 1 - cos = -p·q.
                 let (energy2, p2) = observer.emitted(DVec3::X);
-                let place = kerr.place(x);
-                let product = place.product(place.raised((-energy, p)), place.raised((-energy2, p2)));
+                let metric = kerr.metric(x);
+                let product = metric.product(metric.raised((-energy, p)), metric.raised((-energy2, p2)));
                 check(-product, 1.0 - direction.x, 1e-12);
             }
         }
@@ -258,7 +258,7 @@ mod tests {
         for (x, _) in draws(20) {
             let x = 0.3 * x;
             let Some(observer) = Observer::dragged(&kerr, x) else { continue };
-            let (t, v) = kerr.place(x).lowered(observer.velocity());
+            let (t, v) = kerr.metric(x).lowered(observer.velocity());
             check(x.x * v.y - x.y * v.x, 0.0, 1e-9 * t.abs());
         }
         assert!(Observer::dragged(&kerr, DVec3::new(1.8, 0.0, 0.0)).is_some(), "in the ergosphere");

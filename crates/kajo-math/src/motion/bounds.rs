@@ -43,7 +43,7 @@ impl Motion {
         let radius = corners.iter().map(|p| self.still.transform_point3(*p).length()).fold(0.0, f64::max);
         let size = b.extent().as_dvec3().length() * norm(&self.still.matrix3);
         let mut moments = Vec::new();
-        for ends in self.smooth_pieces([open, close]).windows(2) {
+        for ends in self.smooth_intervals([open, close]).windows(2) {
             let length = ends[1] - ends[0];
             let bend = self.acceleration(0.5 * (ends[0] + ends[1]), radius) * length * length / 8.0;
             let steps = (bend / (TOLERANCE * size)).sqrt().ceil().clamp(1.0, MOST_STEPS);
@@ -58,7 +58,7 @@ impl Motion {
     }
 
     /// The interval's ends, and the keys within.
-    fn smooth_pieces(&self, [open, close]: [f64; 2]) -> Vec<f64> {
+    fn smooth_intervals(&self, [open, close]: [f64; 2]) -> Vec<f64> {
         let keys = self.links().iter().flat_map(|link| link.keys.times.iter().copied());
         let mut ends: Vec<f64> = keys.filter(|t| (open..close).contains(t)).chain([open, close]).collect();
         ends.sort_by(f64::total_cmp);

@@ -5,7 +5,7 @@
 //! nothing is repeated after 256 cells. Over all places its mean is 0, its standard deviation [`SIGMA`], and the mean of its absolute
 //! value [`MEAN_ABS`].
 
-use super::{cell_and_place, hash, lerp};
+use super::{cell_and_offset, hash, lerp};
 use crate::Vec3;
 
 /// Standard deviation of the noise.
@@ -18,7 +18,7 @@ pub(super) const MEAN_ABS: f32 = 0.220_2;
 ///
 /// * `q`: finite
 pub fn noise(q: Vec3, seed: u32) -> f32 {
-    let [(x, fx), (y, fy), (z, fz)] = q.to_array().map(cell_and_place);
+    let [(x, fx), (y, fy), (z, fz)] = q.to_array().map(cell_and_offset);
     let [u, v, w] = [fx, fy, fz].map(fade);
     let plane = |i: i32, fx: f32| {
         let h = hash::with(seed, x.wrapping_add(i));

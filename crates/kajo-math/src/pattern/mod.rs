@@ -68,7 +68,7 @@ pub fn passed(width: f32, frequency: f32) -> f32 {
 
 /// A number and its fraction: the cell of a lattice and the place within.
 #[inline]
-fn cell_and_place(v: f32) -> (i32, f32) {
+fn cell_and_offset(v: f32) -> (i32, f32) {
     let floor = v.floor();
     (floor as i32, v - floor)
 }

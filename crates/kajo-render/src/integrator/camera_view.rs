@@ -186,7 +186,7 @@ impl<'a> CameraView<'a> {
     pub fn connect(&self, p: Vec3, lens: Vec2, time: f32) -> Option<(Connection, Vec2)> {
         let film = &self.film;
         let way = self.camera.connect(p, lens, film.aspect(), time).filter(|_| self.is_joined())?;
-        Some((way, film.place(way.at.as_dvec2()).as_vec2()))
+        Some((way, film.film_position(way.at.as_dvec2()).as_vec2()))
     }
 
     /// A point from which camera rays start; `None` for cameras without a lens, or where points cannot be
@@ -203,7 +203,7 @@ impl<'a> CameraView<'a> {
         let film = &self.film;
         let seen = self.camera.importance(o, d, film.aspect(), time)?;
         let pdf = seen.pdf_area * seen.pdf_direction / seen.pdf_origin;
-        Some((pdf, film.place(seen.at.as_dvec2()).as_vec2()))
+        Some((pdf, film.film_position(seen.at.as_dvec2()).as_vec2()))
     }
 
     /// Density per area across a camera ray with which [`CameraView::connect`] could have found it from `p`.
@@ -248,7 +248,7 @@ impl<'a> CameraView<'a> {
         let film = &self.film;
         let place = |time: f32| {
             let p = self.scene.geometry.point_at(at, time).as_dvec3();
-            self.camera.project(p, film.aspect().into(), time).map(|at| film.place(at))
+            self.camera.project(p, film.aspect().into(), time).map(|at| film.film_position(at))
         };
         Some((place(1.0)? - place(0.0)?).as_vec2())
     }

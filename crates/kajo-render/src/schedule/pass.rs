@@ -96,7 +96,7 @@ impl Plan {
     }
 
     fn tile_unit(&self, index: u64, samples: Range<u32>) -> Unit {
-        let (column, row) = order::place(index, self.grid.columns(), self.grid.rows());
+        let (column, row) = order::cell(index, self.grid.columns(), self.grid.rows());
         let place = row as usize * self.grid.columns() as usize + column as usize;
         let limits = self.limits.get(place).copied().unwrap_or(Unit::UNLIMITED);
         Unit { tile: self.grid.cell(column, row).intersection(&self.sampled), samples, limits }

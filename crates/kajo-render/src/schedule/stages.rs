@@ -1,9 +1,9 @@
-//! A render in pieces that anybody may do, in any order, anywhere.
+//! A render in units of work that anybody may do, in any order, anywhere.
 //!
 //! A *stage* is a range of samples of all pixels that can be taken before anybody need look at the picture. Most
 //! renders have one. A goal for noise has one up to each look at the noise; adaptive sampling has a pilot and a rest.
-//! A stage is cut into pieces, each some pixels and some of the samples, which [`render_piece`] puts into a film. The
-//! films of all pieces add up ([`Film::absorb`]) to that of [`render_passes`](super::render_passes), to the bit.
+//! A stage is cut into units, each some pixels and some of the samples, which [`render_work_unit`] puts into a film. The
+//! films of all units add up ([`Film::absorb`]) to that of [`render_passes`](super::render_passes), to the bit.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -37,27 +37,27 @@ impl Position {
     }
 }
 
-/// Renders a piece of a stage and adds it to a film, on as many threads as the settings say.
+/// Renders a unit of a stage and adds it to a film, on as many threads as the settings say.
 ///
 /// * `position`: at the beginning of the stage
-/// * `piece`: some samples of the stage, of some pixels; those that are not sampled are left out
+/// * `unit`: some samples of the stage, of some pixels; those that are not sampled are left out
 ///
 /// # Errors
 /// [`RenderError`] when the render was cancelled or a tile panicked; the film then holds some of it.
-pub fn render_piece<I: PixelIntegrator + ?Sized>(
+pub fn render_work_unit<I: PixelIntegrator + ?Sized>(
     integrator: &I,
     film: &Film,
     settings: &RenderSettings,
     position: &Position,
-    piece: &Unit,
+    unit: &Unit,
     progress: &dyn Progress,
 ) -> Result<RenderStats, RenderError> {
     let start = Instant::now();
-    let sampled = film.spec().sampled(&settings.sampler).intersection(&piece.tile);
+    let sampled = film.spec().sampled(&settings.sampler).intersection(&unit.tile);
     let mut states = States::new(integrator);
     let mut stats = RenderStats::default();
-    let (mut begin, all) = (piece.samples.start, piece.samples.end);
-    let in_all = Plan::over(film, settings, sampled, piece.samples.clone(), &position.limits).samples();
+    let (mut begin, all) = (unit.samples.start, unit.samples.end);
+    let in_all = Plan::over(film, settings, sampled, unit.samples.clone(), &position.limits).samples();
     loop {
         let end = states.end_of_part(begin).min(all);
         let with_state = states.at(begin, &settings.setup(progress), &mut stats.rays);

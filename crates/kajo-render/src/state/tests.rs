@@ -10,7 +10,7 @@ use crate::{
     Film, FilmSpec, Goal, Layer, LayerSet, PixelSample, Position, Progress, RenderError, RenderSettings,
     RenderStats, SampleContext, Silent, WithState, render, render_passes,
 };
-use crate::{Rect, Unit, render_piece};
+use crate::{Rect, Unit, render_work_unit};
 
 /// Light that depends on a table that three samples of each pixel share.
 struct Shared;
@@ -28,7 +28,7 @@ impl PixelIntegrator for Shared {
 
     fn with_state<'a>(&'a self, k: u32, setup: &Setup<'_>) -> Result<WithState<'a>, SetupError> {
         let seed = setup.seed;
-        let table = setup.pieces(11, |i| Ok(mix(seed ^ mix(u64::from(k) << 32 | u64::from(i)))))?;
+        let table = setup.tasks(11, |i| Ok(mix(seed ^ mix(u64::from(k) << 32 | u64::from(i)))))?;
         let rays = RayCounters { light: 11, ..RayCounters::default() };
         Ok(WithState { integrator: Box::new(Table(table)), rays, notes: Vec::new() })
     }
@@ -111,15 +111,15 @@ fn pieces_come_in_order_and_the_first_failure_ends_the_work() {
     let setup = |threads, progress| Setup { seed: 0, threads, memory: 0, progress };
     for threads in [1, 2, 7] {
         let setup = setup(threads, &Silent);
-        assert_eq!(setup.pieces(100, |i| Ok(i * i)).unwrap(), (0..100).map(|i| i * i).collect::<Vec<_>>());
-        assert_eq!(setup.pieces(0, |_| Ok(())), Ok(Vec::new()));
+        assert_eq!(setup.tasks(100, |i| Ok(i * i)).unwrap(), (0..100).map(|i| i * i).collect::<Vec<_>>());
+        assert_eq!(setup.tasks(0, |_| Ok(())), Ok(Vec::new()));
         let refused = SetupError::Refused("no".to_owned());
-        assert_eq!(setup.pieces(9, |i| if i == 3 { Err(refused.clone()) } else { Ok(()) }), Err(refused));
-        let panicked = setup.pieces(9, |i| if i == 4 { panic!("oops") } else { Ok(()) });
+        assert_eq!(setup.tasks(9, |i| if i == 3 { Err(refused.clone()) } else { Ok(()) }), Err(refused));
+        let panicked = setup.tasks(9, |i| if i == 4 { panic!("oops") } else { Ok(()) });
         assert_eq!(panicked, Err(SetupError::Panicked("oops".to_owned())));
     }
     let stop = StopAfter(AtomicUsize::new(2));
-    assert_eq!(setup(1, &stop).pieces(9, |_| Ok(())), Err(SetupError::Cancelled));
+    assert_eq!(setup(1, &stop).tasks(9, |_| Ok(())), Err(SetupError::Cancelled));
 }
 
 /// Pieces end anywhere, and each makes the states that it needs.
@@ -130,10 +130,10 @@ fn pieces_of_a_picture_add_up_to_it() {
     render(&Shared, &whole, &settings, &Silent).unwrap();
     for samples in [0..2, 2..9, 9..16] {
         for tile in [Rect { x0: 0, y0: 0, x1: 17, y1: 30 }, Rect { x0: 17, y0: 0, x1: 40, y1: 30 }] {
-            let (piece, limits) = (film(), Unit::UNLIMITED);
+            let (task, limits) = (film(), Unit::UNLIMITED);
             let unit = Unit { tile, samples: samples.clone(), limits };
-            render_piece(&Shared, &piece, &settings, &Position::default(), &unit, &Silent).unwrap();
-            sum.absorb(piece).unwrap();
+            render_work_unit(&Shared, &task, &settings, &Position::default(), &unit, &Silent).unwrap();
+            sum.absorb(task).unwrap();
         }
     }
     assert!(bits(&whole) == bits(&sum));

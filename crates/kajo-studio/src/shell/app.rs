@@ -479,7 +479,9 @@ impl App {
     fn shoot(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
         let Some(area) = self.area else { return };
         let pointer = ctx.input(|input| input.pointer.hover_pos());
-        let place = pointer.and_then(|point| area.place(point)).or_else(|| area.place(area.rect.center()));
+        let place = pointer
+            .and_then(|point| area.picture_position(point))
+            .or_else(|| area.picture_position(area.rect.center()));
         actions.extend(place.map(Action::DebugRay));
         self.shot_at = pointer;
         self.layout.bottom = Some(Bottom::Rays);
@@ -496,7 +498,7 @@ impl App {
         let (Some(shot_at), Some(area)) = (self.shot_at, self.area) else { return };
         let pointer = ctx.input(|input| input.pointer.hover_pos());
         let Some(pointer) = pointer.filter(|pointer| pointer.distance(shot_at) > STILL) else { return };
-        if let Some(place) = area.place(pointer) {
+        if let Some(place) = area.picture_position(pointer) {
             actions.push(Action::DebugRay(place));
             self.shot_at = Some(pointer);
         }

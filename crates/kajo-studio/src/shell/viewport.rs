@@ -21,7 +21,7 @@ pub struct Area {
 
 impl Area {
     /// The place in the picture under a point of the window, in its pixels from the top left corner.
-    pub fn place(&self, point: egui::Pos2) -> Option<DVec2> {
+    pub fn picture_position(&self, point: egui::Pos2) -> Option<DVec2> {
         let share = (point - self.rect.min) / self.rect.size();
         let inside = (0.0..=1.0).contains(&share.x) && (0.0..=1.0).contains(&share.y);
         let [width, height] = self.size.map(f64::from);
@@ -29,7 +29,7 @@ impl Area {
     }
 
     /// The same for a point that may be outside of the picture.
-    fn place_beyond(&self, point: egui::Pos2) -> DVec2 {
+    fn picture_position_beyond(&self, point: egui::Pos2) -> DVec2 {
         let share = (point - self.rect.min) / self.rect.size();
         DVec2::new(f64::from(share.x) * f64::from(self.size[0]), f64::from(share.y) * f64::from(self.size[1]))
     }
@@ -43,7 +43,7 @@ impl Area {
 
     /// The pixel under a point of the window.
     pub fn pixel(&self, point: egui::Pos2) -> Option<[u32; 2]> {
-        let place = self.place(point)?;
+        let place = self.picture_position(point)?;
         let [width, height] = self.size;
         Some([(place.x as u32).min(width.saturating_sub(1)), (place.y as u32).min(height.saturating_sub(1))])
     }
@@ -56,7 +56,7 @@ pub fn mouse(ui: &Ui, response: &Response, area: Area, studio: &Studio, handles:
         return actions;
     }
     if response.clicked()
-        && let Some(place) = response.interact_pointer_pos().and_then(|point| area.place(point))
+        && let Some(place) = response.interact_pointer_pos().and_then(|point| area.picture_position(point))
     {
         let several = ui.input(|input| input.modifiers.command || input.modifiers.shift);
         actions.push(Action::Pick(place, several));
@@ -95,14 +95,16 @@ fn handle_drag(
     handles: &Handles,
 ) -> Option<Vec<Action>> {
     let in_steps = ui.input(|input| input.modifiers.command);
-    let to = response.interact_pointer_pos().map(|point| Action::DragTo(area.place_beyond(point), in_steps));
+    let to = response
+        .interact_pointer_pos()
+        .map(|point| Action::DragTo(area.picture_position_beyond(point), in_steps));
     if studio.has_grip() {
         return response.dragged_by(PointerButton::Primary).then(|| to.into_iter().collect());
     }
     if !response.drag_started_by(PointerButton::Primary) {
         return None;
     }
-    let from = area.place(ui.input(|input| input.pointer.press_origin())?)?;
+    let from = area.picture_position(ui.input(|input| input.pointer.press_origin())?)?;
     studio.handle_at(handles, from)?;
     Some(std::iter::once(Action::Grab(from)).chain(to).collect())
 }
@@ -128,7 +130,7 @@ pub fn paint_debug_pixel(ui: &Ui, area: Area, studio: &Studio) {
 /// Paints the handles of what is selected, the one under the pointer brighter.
 pub fn paint_handles(ui: &Ui, area: Area, studio: &Studio, handles: &Handles) {
     let painter = ui.painter().with_clip_rect(area.rect);
-    let pointer = ui.input(|input| input.pointer.hover_pos()).and_then(|point| area.place(point));
+    let pointer = ui.input(|input| input.pointer.hover_pos()).and_then(|point| area.picture_position(point));
     let hovered = pointer.and_then(|place| studio.handle_at(handles, place)).filter(|_| !studio.has_grip());
     for line in &handles.lines {
         let width = if hovered == Some(line.handle) { 3.0 } else { 1.5 };
@@ -138,7 +140,7 @@ pub fn paint_handles(ui: &Ui, area: Area, studio: &Studio, handles: &Handles) {
         }
     }
     let points = handles.all.iter().enumerate().flat_map(|(index, handle)| {
-        let places = studio.camera.places(handle.at, area.size).into_iter().flatten();
+        let places = studio.camera.projections(handle.at, area.size).into_iter().flatten();
         places.map(move |place| (index, handle, area.point(place)))
     });
     for (index, handle, at) in points.filter(|(_, handle, _)| !matches!(handle.kind, HandleKind::Ring(_))) {
@@ -206,10 +208,10 @@ mod tests {
     fn places_are_counted_in_pixels_of_the_picture() {
         let rect = Rect::from_min_max(pos2(100.0, 50.0), pos2(300.0, 150.0));
         let area = Area { rect, size: [400, 200] };
-        assert_eq!(area.place(pos2(100.0, 50.0)), Some(DVec2::ZERO));
-        assert_eq!(area.place(pos2(200.0, 100.0)), Some(DVec2::new(200.0, 100.0)));
+        assert_eq!(area.picture_position(pos2(100.0, 50.0)), Some(DVec2::ZERO));
+        assert_eq!(area.picture_position(pos2(200.0, 100.0)), Some(DVec2::new(200.0, 100.0)));
         assert_eq!(area.pixel(pos2(300.0, 150.0)), Some([399, 199]));
-        assert_eq!(area.place(pos2(99.0, 60.0)), None);
+        assert_eq!(area.picture_position(pos2(99.0, 60.0)), None);
         assert_eq!(area.pixel(pos2(200.0, 151.0)), None);
     }
 }

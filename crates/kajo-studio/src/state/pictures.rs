@@ -10,7 +10,7 @@ use kajo::memory;
 use kajo::session::Frame;
 
 use super::tracer::Request;
-use super::{Action, CameraPlace, Compare, Shown, Studio};
+use super::{Action, CameraState, Compare, Shown, Studio};
 
 /// Pictures that are kept, at most.
 const MOST: usize = 8;
@@ -31,7 +31,7 @@ pub struct Kept {
     /// The name of its scene.
     pub title: String,
     request: Request,
-    place: CameraPlace,
+    place: CameraState,
 }
 
 impl Kept {
@@ -111,7 +111,7 @@ impl Pictures {
     }
 
     /// Keeps a picture. One that was made alike gives way to it, and so do the oldest where there are too many.
-    fn keep(&mut self, frame: Arc<Frame>, request: Request, place: CameraPlace, title: String) {
+    fn keep(&mut self, frame: Arc<Frame>, request: Request, place: CameraState, title: String) {
         if let Some(alike) = self.kept.iter_mut().find(|kept| kept.request == request) {
             alike.frame = frame;
             return;
@@ -249,7 +249,7 @@ impl Studio {
     }
 
     fn keep(&mut self, frame: Arc<Frame>, request: Request) {
-        let place = self.tracer.place().unwrap_or_else(|| self.place());
+        let place = self.tracer.camera_state().unwrap_or_else(|| self.camera_state());
         let title = self.title();
         self.pictures.keep(frame, request, place, title);
     }

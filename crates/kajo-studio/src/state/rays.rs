@@ -53,7 +53,7 @@ impl Rays {
         }
         let inside = |place: DVec2| place.max(DVec2::ZERO).min(DVec2::new(of[0].into(), of[1].into()) - 1e-6);
         let corner = inside(*place).floor();
-        let [a, b] = [corner, corner + DVec2::ONE].map(|place| camera.place_in(place, *of, size));
+        let [a, b] = [corner, corner + DVec2::ONE].map(|place| camera.position_in(place, *of, size));
         Some([a, b - a])
     }
 

@@ -9,7 +9,7 @@ const MOST: usize = 200;
 
 /// Where the camera stood.
 #[derive(Clone, Debug)]
-pub struct CameraPlace {
+pub struct CameraState {
     camera: CameraPose,
     navigation: Navigation,
     version: u64,
@@ -19,8 +19,8 @@ pub struct CameraPlace {
 /// Where the camera was before, and where it was before that was taken back.
 #[derive(Clone, Debug, Default)]
 pub struct CameraSteps {
-    back: Vec<CameraPlace>,
-    forth: Vec<CameraPlace>,
+    back: Vec<CameraState>,
+    forth: Vec<CameraState>,
     /// Numbers of places given out so far.
     used: u64,
     is_moving: bool,
@@ -60,8 +60,8 @@ impl CameraSteps {
 
 impl Studio {
     /// Where the camera stands.
-    pub(super) fn place(&self) -> CameraPlace {
-        CameraPlace {
+    pub(super) fn camera_state(&self) -> CameraState {
+        CameraState {
             camera: self.camera.clone(),
             navigation: self.navigation,
             version: self.camera_version,
@@ -74,7 +74,7 @@ impl Studio {
     /// * `at_once`: whether it jumps, rather than being dragged or flown
     pub(super) fn begin_camera_step(&mut self, at_once: bool) {
         if at_once || !self.steps.is_moving {
-            let place = self.place();
+            let place = self.camera_state();
             self.steps.back.push(place);
             if self.steps.back.len() > MOST {
                 self.steps.back.remove(0);
@@ -100,12 +100,12 @@ impl Studio {
     }
 
     /// Puts the camera where it stood, as a step.
-    pub(super) fn go_to(&mut self, place: CameraPlace) {
+    pub(super) fn go_to(&mut self, place: CameraState) {
         self.begin_camera_step(true);
         self.stand_at(place);
     }
 
-    fn stand_at(&mut self, place: CameraPlace) {
+    fn stand_at(&mut self, place: CameraState) {
         let speed = self.navigation.speed;
         self.navigation = place.navigation;
         self.navigation.speed = speed;
@@ -118,7 +118,7 @@ impl Studio {
 
     /// Takes the last step of the camera back, or does it again. `false` when there is none.
     pub(super) fn step_camera(&mut self, is_back: bool) -> bool {
-        let here = self.place();
+        let here = self.camera_state();
         let steps = &mut self.steps;
         let (from, to) =
             if is_back { (&mut steps.back, &mut steps.forth) } else { (&mut steps.forth, &mut steps.back) };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kajo::session::{Frame, Job, Session, Status};
 
-use super::{CameraPlace, RenderOptions, Version, priority};
+use super::{CameraState, RenderOptions, Version, priority};
 
 /// Wakes the window up; may be called by any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -36,7 +36,7 @@ pub struct Tracer {
     wake: Wake,
     last: Option<Request>,
     /// Where the camera stood for it.
-    place: Option<CameraPlace>,
+    place: Option<CameraState>,
     job: u64,
 }
 
@@ -49,7 +49,7 @@ impl Tracer {
     /// Drops what runs and traces this.
     ///
     /// * `place`: where the camera stands
-    pub fn start(&mut self, request: Request, job: Job, place: CameraPlace) {
+    pub fn start(&mut self, request: Request, job: Job, place: CameraState) {
         let threads = request.options.habits.threads;
         if threads != self.threads {
             self.session = session(threads, &self.wake);
@@ -106,7 +106,7 @@ impl Tracer {
     }
 
     /// Where the camera stood for the trace that was started last.
-    pub fn place(&self) -> Option<CameraPlace> {
+    pub fn camera_state(&self) -> Option<CameraState> {
         self.place.clone()
     }
 

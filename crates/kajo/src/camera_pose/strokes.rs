@@ -31,7 +31,7 @@ impl CameraPose {
         let mut strokes = Vec::new();
         for eye in [0, 1] {
             let line = Line { pose: self, from, to, size, eye };
-            let ends = [line.place(0.0), line.place(1.0)];
+            let ends = [line.projection(0.0), line.projection(1.0)];
             if let ([Some(a), Some(b)], true) = (ends, self.is_flat()) {
                 strokes.push(Stroke { ends: [a, b], middle: 0.5 * (from + to) });
             } else if eye == 0 || self.camera().cells() != [1, 1] {
@@ -56,8 +56,8 @@ impl Line<'_> {
         self.from.lerp(self.to, t)
     }
 
-    fn place(&self, t: f64) -> Option<DVec2> {
-        self.pose.places(self.at(t), self.size)[self.eye]
+    fn projection(&self, t: f64) -> Option<DVec2> {
+        self.pose.projections(self.at(t), self.size)[self.eye]
     }
 
     /// Adds the strokes of the line between `t[0]` and `t[1]`, which was halved that often.
@@ -82,7 +82,7 @@ impl Line<'_> {
             }
         }
         let [a, b] = places;
-        let between = self.place(middle);
+        let between = self.projection(middle);
         self.halve([t[0], middle], [a, between], halvings + 1, strokes);
         self.halve([middle, t[1]], [between, b], halvings + 1, strokes);
     }

@@ -197,7 +197,7 @@ fn coordinates_name_places() {
         let [here, there] = [None, Some(moved)].map(|moved| PlacedPatch { patch: &patch, moved });
         for k in 0..200 {
             let coordinates = 0.01 + 0.98 * draw(k);
-            let [at, image] = [here, there].map(|patch| patch.place_at(coordinates).unwrap());
+            let [at, image] = [here, there].map(|patch| patch.point_at(coordinates).unwrap());
             let mapped = moved.transform_point3(at.p.as_dvec3()).as_vec3();
             assert!(image.p.distance(mapped) < 1e-5, "{simple:?}: {} for {mapped}", image.p);
             let again = [here.coordinates(at.p), there.coordinates(image.p)];

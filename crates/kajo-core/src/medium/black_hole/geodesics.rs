@@ -1,6 +1,6 @@
 //! Light around a black hole, as it is followed through a body.
 
-use kajo_math::gravity::{KerrPlace, Observer};
+use kajo_math::gravity::{KerrMetric, Observer};
 use kajo_math::{DMat3, DVec3};
 
 use super::{BlackHole, Sense, resting};
@@ -41,16 +41,16 @@ impl<'a> Geodesics<'a> {
 
     /// The place in the hole's coordinates, what the metric is there, and the momentum.
     #[inline]
-    fn parts(&self, y: &RayState) -> (DVec3, KerrPlace, DVec3) {
+    fn parts(&self, y: &RayState) -> (DVec3, KerrMetric, DVec3) {
         let x = self.space.point_in_hole(position(y));
-        (x, self.space.chart.place(x), self.space.vector_in_hole(momentum(y)))
+        (x, self.space.chart.metric(x), self.space.vector_in_hole(momentum(y)))
     }
 
     /// The frequency that somebody at rest sees, and the direction in which the light goes, in the axes of the hole; on the surface of
     /// the body the frequency far away.
     fn received(&self, y: &RayState) -> Option<(f64, DVec3)> {
-        let (x, place, p) = self.parts(y);
-        let energy = place.energy(p, self.follows_future());
+        let (x, metric, p) = self.parts(y);
+        let energy = metric.energy(p, self.follows_future());
         let observer = resting(&self.space.chart, x)?;
         let (frequency, d) = match self.space.sense {
             Sense::Reversed => observer.received(energy, p),
@@ -83,13 +83,13 @@ impl RayEquation for Geodesics<'_> {
 
     #[inline]
     fn slope(&self, y: &RayState) -> RayState {
-        let (x, place, p) = self.parts(y);
-        let energy = place.energy(p, self.follows_future());
-        let (dx, dp) = self.space.chart.flow_at(&place, x, p, energy);
+        let (x, metric, p) = self.parts(y);
+        let energy = metric.energy(p, self.follows_future());
+        let (dx, dp) = self.space.chart.flow_at(&metric, x, p, energy);
         let [dx, dp] = [dx, dp].map(|v| self.space.vector_in_world(v));
         // The proper length to whoever has the slice of constant time for space, which is finite at the horizon.
-        let length = place.normal_frequency(p);
-        let KerrPlace { f, k, .. } = place;
+        let length = metric.normal_frequency(p);
+        let KerrMetric { f, k, .. } = metric;
         let time = (energy + f * (energy + k.dot(p))).abs();
         [dx.x, dx.y, dx.z, dp.x, dp.y, dp.z, length, time]
     }

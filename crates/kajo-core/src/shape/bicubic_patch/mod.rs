@@ -23,7 +23,7 @@ use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3};
 
 use self::net::{Net, SubPatch};
 use super::{
-    Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, nearest_crossing, nearest_place, stored,
+    Patch, Ray64, Surface, Tessellation, TracedPatch, in_range, nearest_crossing, nearest_uv, stored,
 };
 use crate::interaction::{Hit, SurfacePoint, Tangents};
 
@@ -64,7 +64,7 @@ impl BicubicPatch {
     }
 
     /// Where a ray's line crosses the patch.
-    fn places(&self, ray: &Ray) -> Vec<DVec2> {
+    fn crossing_uvs(&self, ray: &Ray) -> Vec<DVec2> {
         let line = Ray64::new(ray);
         let (x, y) = basis64(line.d.normalize_or_zero());
         let mut found: Vec<DVec2> = Vec::new();
@@ -141,7 +141,7 @@ impl Surface for BicubicPatch {
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
         let line = Ray64::new(ray);
-        for uv in self.places(ray) {
+        for uv in self.crossing_uvs(ray) {
             let t = (self.derivatives(uv).p - line.o).dot(line.d) / line.d.length_squared();
             in_range(ray, t)
                 .into_iter()
@@ -169,7 +169,7 @@ impl Surface for BicubicPatch {
     }
 
     fn hit_at(&self, part: u32, p: Vec3) -> Hit {
-        let uv = nearest_place(p.as_dvec3(), |uv| {
+        let uv = nearest_uv(p.as_dvec3(), |uv| {
             let at = self.derivatives(uv);
             (at.p, at.u, at.v)
         });

@@ -38,7 +38,7 @@ fn points_of_the_patch_are_met() {
             if patch.normal(uv).dot(ray.d.as_dvec3()).abs() < grazing {
                 continue;
             }
-            let found = patch.places(&ray);
+            let found = patch.crossing_uvs(&ray);
             several += u32::from(found.len() > 1);
             let near = 1e-5 * f64::from(far);
             assert!(found.iter().any(|place| place.distance(uv) < near), "{seed}: {found:?} without {uv}");
@@ -82,7 +82,7 @@ fn no_crossing_is_missed_and_none_is_made_up() {
             };
             let expected: u32 =
                 (0..N).flat_map(|j| (0..N).map(move |i| (i, j))).map(|(i, j)| cell(i, j)).sum();
-            let found = patch.places(&ray);
+            let found = patch.crossing_uvs(&ray);
             hits += u32::from(!found.is_empty());
             // Near folds and borders both may be right.
             let is_clear = found.iter().all(|&place| {
@@ -139,7 +139,7 @@ fn edges_may_be_points() {
         let hit = dome.hit(&down(x, z)).unwrap_or_else(|| panic!("nothing at {x} {z}"));
         let y = dome.surface_at(&down(x, z), &hit).p;
         assert!((y.length() - 1.0).abs() < 2e-3, "{y}");
-        assert_eq!(dome.places(&down(x, z)).len(), 1, "{x} {z}");
+        assert_eq!(dome.crossing_uvs(&down(x, z)).len(), 1, "{x} {z}");
     }
     // The point itself belongs to all longitudes, and is found.
     assert!(dome.hit(&down(0.0, 0.0)).is_some());

@@ -360,7 +360,7 @@ impl Parts {
             _ if hit.u < 0.0 => 0.0,
             _ if hit.u > 1.0 => 1.0,
             CurveForm::Tube => span.along(q),
-            CurveForm::Ribbon => leaf.in_piece(hit.u.into()),
+            CurveForm::Ribbon => leaf.in_span(hit.u.into()),
         };
         let mut point = span.at(s);
         if point.m == DVec3::ZERO {
@@ -416,7 +416,7 @@ impl Leaf {
     }
 
     /// And back.
-    fn in_piece(&self, u: f64) -> f64 {
+    fn in_span(&self, u: f64) -> f64 {
         (u * f64::from(1_u32 << self.level) - f64::from(self.span)).clamp(0.0, 1.0)
     }
 }

@@ -150,7 +150,7 @@ impl Course {
             visit(CourseCrossing { t: self.shift + self.parameter(curve.at(s)), s, from_right });
             from_right = !from_right;
         };
-        self.piece(curve, [0.0, 1.0], &mut add);
+        self.segment(curve, [0.0, 1.0], &mut add);
     }
 
     /// Of a level line, which comes in from far away and goes out again at the same height.
@@ -167,7 +167,7 @@ impl Course {
     }
 
     /// Visits the places at which a piece of a curve changes its side, in ascending order.
-    fn piece(&self, curve: &Bezier<DVec2>, [from, width]: [f64; 2], visit: &mut impl FnMut(f64)) {
+    fn segment(&self, curve: &Bezier<DVec2>, [from, width]: [f64; 2], visit: &mut impl FnMut(f64)) {
         /// Below this width all that is left of a curve is rounding.
         const NARROWEST: f64 = 1.0 / (1u64 << 50) as f64;
         /// How much higher than what is in view a piece may be, so that its polynomial does not lose what is.
@@ -184,8 +184,8 @@ impl Course {
         if least.abs().max(most.abs()) > most_told {
             if width > NARROWEST {
                 let [left, right] = curve.split(0.5);
-                self.piece(&left, [from, 0.5 * width], visit);
-                self.piece(&right, [from + 0.5 * width, 0.5 * width], visit);
+                self.segment(&left, [from, 0.5 * width], visit);
+                self.segment(&right, [from + 0.5 * width, 0.5 * width], visit);
             } else if (ends[0] < 0.0) != (ends[1] < 0.0) {
                 visit(from + 0.5 * width);
             }

@@ -20,7 +20,7 @@ use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3, fmath, roots};
 
 use self::course::{Course, Rim};
 use super::outline::{
-    BorderCurve, BoxTree, Crossing, box_of, direction, inside_pieces, nearest_parameter, segments, shares,
+    BorderCurve, BoxTree, Crossing, box_of, direction, inside_intervals, nearest_parameter, segments, shares,
     winding,
 };
 use super::{
@@ -208,7 +208,7 @@ impl Parts {
         let mut found = |t: f64, border: BorderCurve| visit(from + t / length, border.hit());
         if self.closed {
             let nearer = SAME * (self.rim.radius + o.abs().max_element());
-            inside_pieces(&mut crossings, self.turning.rule, 0, nearer, |ends| {
+            inside_intervals(&mut crossings, self.turning.rule, 0, nearer, |ends| {
                 ends.iter().for_each(|end| end.curve.into_iter().for_each(|curve| found(end.t, curve)));
             });
         } else {

@@ -19,18 +19,18 @@ use super::{Canonical, CurvedPatch, Patch, PatchSample, on_unit_sphere, tube_are
 impl Patch {
     /// The place at coordinates in [0, 1)², its density per area that of evenly drawn coordinates; `None` for traced surfaces,
     /// which have none.
-    pub fn place_at(&self, at: Vec2) -> Option<PatchSample> {
+    pub fn point_at(&self, at: Vec2) -> Option<PatchSample> {
         let p = self.point(f64::from(at.x), f64::from(at.y))?;
-        Some(self.place(p, self.pdf_area(p.as_vec3())))
+        Some(self.sample_at(p, self.pdf_area(p.as_vec3())))
     }
 
-    /// [`Patch::place_at`] of the image of this patch under `m`.
-    pub fn place_at_moved(&self, m: &DAffine3, at: Vec2) -> Option<PatchSample> {
+    /// [`Patch::point_at`] of the image of this patch under `m`.
+    pub fn point_at_moved(&self, m: &DAffine3, at: Vec2) -> Option<PatchSample> {
         let p = m.transform_point3(self.point(f64::from(at.x), f64::from(at.y))?);
         let pdf = self.pdf_area_moved(m, p.as_vec3());
         Some(match self {
-            Patch::Curved(curved) => curved.moved(m).place(p, pdf),
-            other => other.moved(m)?.place(p, pdf),
+            Patch::Curved(curved) => curved.moved(m).sample_at(p, pdf),
+            other => other.moved(m)?.sample_at(p, pdf),
         })
     }
 

@@ -130,11 +130,11 @@ impl PlacedPatch<'_> {
         Some(traced.placed(self.moved.as_ref()))
     }
 
-    /// See [`Patch::place_at`].
-    pub fn place_at(&self, at: Vec2) -> Option<PatchSample> {
+    /// See [`Patch::point_at`].
+    pub fn point_at(&self, at: Vec2) -> Option<PatchSample> {
         match &self.moved {
-            None => self.patch.place_at(at),
-            Some(m) => self.patch.place_at_moved(m, at),
+            None => self.patch.point_at(at),
+            Some(m) => self.patch.point_at_moved(m, at),
         }
     }
 

@@ -68,7 +68,7 @@ struct Alone {
 /// The surface where it is at some moment.
 pub struct PlacedTraced<'a> {
     patch: &'a TracedPatch,
-    place: Transform,
+    world_from_object: Transform,
     center: DVec3,
     radius: f64,
 }
@@ -121,8 +121,8 @@ impl TracedPatch {
 
     /// A box around it.
     pub(super) fn bounds(&self) -> Aabb {
-        let PlacedTraced { place, .. } = self.placed(None);
-        place.bounds(&self.alone.shapes.bounds(self.alone.id))
+        let PlacedTraced { world_from_object, .. } = self.placed(None);
+        world_from_object.bounds(&self.alone.shapes.bounds(self.alone.id))
     }
 
     /// It as it is after a move.
@@ -131,7 +131,7 @@ impl TracedPatch {
         let stretch = scale_of_similarity(&map.matrix3).unwrap_or_else(|| largest_stretch(&map.matrix3));
         PlacedTraced {
             patch: self,
-            place: Transform::of_invertible(&map),
+            world_from_object: Transform::of_invertible(&map),
             center: map.transform_point3(self.center),
             radius: stretch * self.radius,
         }
@@ -230,7 +230,7 @@ impl PlacedTraced<'_> {
 
     /// `f` of all points of a ray, the nearest first.
     fn with_hits<T>(&self, ray: &Ray, f: impl FnOnce(&[Hit]) -> T) -> T {
-        let own = self.place.ray_in_object(ray);
+        let own = self.world_from_object.ray_in_object(ray);
         let Alone { shapes, id, part } = &*self.patch.alone;
         HITS.with_borrow_mut(|hits| {
             hits.clear();
@@ -247,7 +247,9 @@ impl PlacedTraced<'_> {
     /// The place of a hit, without its density.
     fn at(&self, ray: &Ray, hit: &Hit) -> PatchSample {
         let Alone { shapes, id, .. } = &*self.patch.alone;
-        let point = shapes.surface_at(*id, &self.place.ray_in_object(ray), hit).transformed(&self.place);
+        let point = shapes
+            .surface_at(*id, &self.world_from_object.ray_in_object(ray), hit)
+            .transformed(&self.world_from_object);
         PatchSample { p: point.p, p_error: point.p_error, n: point.ng, pdf: 0.0 }
     }
 

@@ -92,7 +92,10 @@ impl BevelledEdge {
         let mut kept = Vec::with_capacity(curves.len());
         for curve in curves {
             let levels = if curve.points().len() > 2 { LEVELS } else { 0 };
-            curve.pieces(levels).into_iter().for_each(|piece| keep_border(piece, size, &fills, 0, &mut kept));
+            curve
+                .subdivided(levels)
+                .into_iter()
+                .for_each(|piece| keep_border(piece, size, &fills, 0, &mut kept));
         }
         let tree = BoxTree::new(&kept.iter().map(box_of).collect::<Vec<_>>());
         BevelledEdge { bevel, curves: kept, tree }

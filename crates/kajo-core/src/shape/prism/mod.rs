@@ -25,7 +25,7 @@ use kajo_math::{Aabb, DVec2, DVec3, Ray, Vec2, Vec3};
 use self::bevel::BevelledEdge;
 
 use super::outline::{
-    Border, BoxTree, Crossing, PlaneLine, box_of, direction, inside_pieces, nearest_parameter, segments,
+    Border, BoxTree, Crossing, PlaneLine, box_of, direction, inside_intervals, nearest_parameter, segments,
     shares, winding,
 };
 use super::{
@@ -183,7 +183,7 @@ impl Parts {
     }
 
     /// Visits the pieces of a ray's line inside, with a hit for each end, in ascending order; none if it passes the box within its range.
-    fn pieces(&self, ray: &Ray, mut visit: impl FnMut([(f64, Hit); 2])) {
+    fn intervals(&self, ray: &Ray, mut visit: impl FnMut([(f64, Hit); 2])) {
         let Some((near, _)) = self.bounds.clip(ray) else { return };
         let shift = if near.is_finite() { f64::from(near) } else { 0.0 };
         let world = Ray64::new(ray);
@@ -280,7 +280,7 @@ impl Parts {
         let sum: i32 = crossings.iter().map(|crossing| if crossing.from_right { 1 } else { -1 }).sum();
         let before = if b < 0.0 { -sum } else { 0 };
         let nearer = SAME * (self.reach + o.abs().max_element()) / course.line.d.length();
-        inside_pieces(&mut crossings, self.sweep.rule, before, nearer, &mut visit);
+        inside_intervals(&mut crossings, self.sweep.rule, before, nearer, &mut visit);
         SCRATCH.set(crossings);
     }
 
@@ -335,7 +335,7 @@ impl Surface for Prism {
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
-        self.0.pieces(ray, |ends| {
+        self.0.intervals(ray, |ends| {
             for (t, hit) in ends {
                 if let Some(t) = in_range(ray, t) {
                     visit(Hit { t, ..hit });

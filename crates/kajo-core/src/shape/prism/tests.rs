@@ -47,7 +47,7 @@ pub(super) fn mixed() -> [Path<DVec2>; 2] {
 /// The parameters of all crossings of a ray's line.
 pub(super) fn crossings(prism: &Prism, ray: &Ray) -> Vec<(f64, u32)> {
     let mut found = Vec::new();
-    prism.0.pieces(ray, |ends| found.extend(ends.map(|(t, hit)| (t, hit.part))));
+    prism.0.intervals(ray, |ends| found.extend(ends.map(|(t, hit)| (t, hit.part))));
     found
 }
 

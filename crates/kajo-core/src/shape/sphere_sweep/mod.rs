@@ -77,7 +77,7 @@ impl SphereSweep {
 /// A box around the balls of a curve: that of the balls at the control points of pieces of it.
 fn bounds_of(curve: &Bezier<DVec4>) -> Aabb {
     const LEVELS: u32 = 3;
-    let pieces = curve.pieces(if curve.points().len() > 2 { LEVELS } else { 0 });
+    let pieces = curve.subdivided(if curve.points().len() > 2 { LEVELS } else { 0 });
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for p in pieces.iter().flat_map(Bezier::points) {
         let (middle, radius) = (p.truncate(), p.w.abs());
@@ -88,7 +88,7 @@ fn bounds_of(curve: &Bezier<DVec4>) -> Aabb {
 
 impl Parts {
     /// Visits the pieces of a ray's line that are inside, in ascending order; none if it passes the box within its range.
-    fn pieces(&self, ray: &Ray, mut visit: impl FnMut([End; 2])) {
+    fn intervals(&self, ray: &Ray, mut visit: impl FnMut([End; 2])) {
         let Some((near, _)) = self.bounds.clip(ray) else { return };
         let from = if near.is_finite() { f64::from(near) } else { 0.0 };
         let line = Ray64::new(ray);
@@ -188,7 +188,7 @@ impl Surface for SphereSweep {
     }
 
     fn crossings<F: FnMut(Hit)>(&self, ray: &Ray, mut visit: F) {
-        self.0.pieces(ray, |ends| {
+        self.0.intervals(ray, |ends| {
             for end in ends {
                 if let Some(t) = in_range(ray, end.t) {
                     visit(Hit { t, ..end.hit() });

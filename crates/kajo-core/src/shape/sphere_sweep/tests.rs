@@ -41,7 +41,7 @@ fn random_ray(i: u32, seed: u64) -> Ray {
 /// The parameters of all crossings of a ray's line, in pairs.
 fn crossings(sweep: &SphereSweep, ray: &Ray) -> Vec<f64> {
     let mut found = Vec::new();
-    sweep.0.pieces(ray, |ends| found.extend(ends.map(|end| end.t)));
+    sweep.0.intervals(ray, |ends| found.extend(ends.map(|end| end.t)));
     found
 }
 

@@ -202,7 +202,7 @@ impl PictureMap {
 
     #[inline(never)]
     fn over(&self, at: &TextureContext) -> [f32; 4] {
-        let (s, size) = (self.place(at.uv), self.picture.size().map(|n| n as f32));
+        let (s, size) = (self.picture_uv(at.uv), self.picture.size().map(|n| n as f32));
         let size = Vec2::from(size);
         let axes = at.footprint.uv.map(|duv| {
             let ds = duv * self.repeat + self.cross * Vec2::new(duv.y, duv.x);

@@ -50,7 +50,7 @@ fn the_metric_is_that_of_kerr() {
     for i in 0..50 {
         let kerr = Kerr::new(1.0, number(i, 0));
         let x = 4.0 * DVec3::new(number(i, 1), number(i, 2), number(i, 3));
-        let KerrPlace { r, f, k } = kerr.place(x);
+        let KerrMetric { r, f, k } = kerr.metric(x);
         let a2 = kerr.spin() * kerr.spin();
         check(r.powi(4) - (x.length_squared() - a2) * r * r, a2 * x.z * x.z, 1e-10);
         check(k.length(), 1.0, 1e-12);
@@ -58,9 +58,9 @@ fn the_metric_is_that_of_kerr() {
         let cos = x.z / r;
         check(f, 2.0 * r / (r * r + a2 * cos * cos), 1e-10);
         // Lowering undoes raising.
-        let place = kerr.place(x);
+        let metric = kerr.metric(x);
         let p = (number(i, 4), DVec3::new(number(i, 5), number(i, 6), number(i, 7)));
-        let (t, back) = place.lowered(place.raised(p));
+        let (t, back) = metric.lowered(metric.raised(p));
         check(t, p.0, 1e-9);
         check(back.distance(p.1), 0.0, 1e-9);
     }
@@ -110,8 +110,8 @@ fn what_is_conserved_stays() {
         check(after.momentum, before.momentum, 1e-9);
         check(after.carter, before.carter, 1e-9 * (1.0 + before.carter));
         check(kerr.norm(x, p, energy), 0.0, 1e-9);
-        check(kerr.place(x).energy(p, true), energy, 1e-9);
-        check(kerr.place(x).energy(-p, false), -energy, 1e-9);
+        check(kerr.metric(x).energy(p, true), energy, 1e-9);
+        check(kerr.metric(x).energy(-p, false), -energy, 1e-9);
         let projected = kerr.null_projected(x, p * (1.0 + 1e-6), energy);
         check(projected.distance(p), 0.0, 1e-9);
     }

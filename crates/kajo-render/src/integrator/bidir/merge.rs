@@ -48,8 +48,8 @@ use crate::{RayCounters, SampleContext, Setup, SetupError};
 /// Sets the numbers of light paths that are kept apart from those of samples.
 const SALT: u64 = 0x006d_6572_6765;
 
-/// Paths that one piece of work follows.
-const PATHS_A_PIECE: u32 = 4096;
+/// Paths that one task follows.
+const PATHS_A_TASK: u32 = 4096;
 
 /// Most parts of a shutter interval.
 const MOST_MOMENTS: u32 = 250;
@@ -226,9 +226,9 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
         let mut merging = Merging::new(pass);
         let sampler = Sampler::new(SamplerKind::Sobol, pass.paths);
         let kept = AtomicU64::new(0);
-        let pieces = setup.pieces(pass.paths.div_ceil(PATHS_A_PIECE), |piece| {
-            let begin = piece * PATHS_A_PIECE;
-            let end = begin.saturating_add(PATHS_A_PIECE).min(pass.paths);
+        let tasks = setup.tasks(pass.paths.div_ceil(PATHS_A_TASK), |task| {
+            let begin = task * PATHS_A_TASK;
+            let end = begin.saturating_add(PATHS_A_TASK).min(pass.paths);
             let (mut batch, mut path) = (Vec::new(), Vec::new());
             let mut counting = Counting::new(&SampleContext::new(&sampler, 0));
             for i in begin..end {
@@ -245,8 +245,8 @@ impl<'a, V: Volume> Bidirectional<'a, V> {
             }
         })?;
         let (mut vertices, mut rays) = (Vec::new(), RayCounters::default());
-        vertices.reserve_exact(pieces.iter().map(|(batch, _)| batch.len()).sum());
-        for (batch, taken) in pieces {
+        vertices.reserve_exact(tasks.iter().map(|(batch, _)| batch.len()).sum());
+        for (batch, taken) in tasks {
             vertices.extend(batch);
             rays += taken;
         }

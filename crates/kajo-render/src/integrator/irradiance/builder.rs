@@ -116,7 +116,7 @@ impl<'b, 'a> Builder<'b, 'a> {
                     break;
                 }
                 for (record, cast) in
-                    self.setup.pieces(round.len() as u32, |i| self.record(&round[i as usize]))?
+                    self.setup.tasks(round.len() as u32, |i| self.record(&round[i as usize]))?
                 {
                     rays += cast;
                     if let Some((at, record)) = record
@@ -147,7 +147,7 @@ impl<'b, 'a> Builder<'b, 'a> {
         let [columns, rows] = self.view.size;
         let first = (spacing / 2).min(columns.min(rows) / 2);
         let known: &Cache = cache;
-        let found = self.setup.pieces(rows.saturating_sub(first).div_ceil(spacing), |row| {
+        let found = self.setup.tasks(rows.saturating_sub(first).div_ceil(spacing), |row| {
             let sampler = Sampler::new(SamplerKind::Sobol, 1);
             let mut ctx = SampleContext::new(&sampler, mix(self.setup.seed ^ SALTS[0]));
             let (mut proposals, mut is_needed) = (Vec::new(), false);
@@ -338,7 +338,7 @@ impl Look {
     }
 
     /// The place whose light was to be known.
-    pub fn place(&self) -> Option<IrradianceQuery> {
+    pub fn query(&self) -> Option<IrradianceQuery> {
         self.seen.as_ref().map(|seen| seen.at)
     }
 }

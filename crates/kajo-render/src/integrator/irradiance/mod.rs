@@ -152,7 +152,7 @@ impl Integrator for Cached<'_> {
             return caching.paths.observe_with(ctx, raster, observer, Lookup(&self.cache)).0;
         }
         let (sample, look) = caching.paths.observe_with(ctx, raster, observer, Look::from_camera());
-        let radiance = look.place().map_or([0.0; 3], |at| self.cache.shown(&at));
+        let radiance = look.query().map_or([0.0; 3], |at| self.cache.shown(&at));
         observer.shown_instead(|| radiance);
         PixelSample { radiance, ..sample }
     }

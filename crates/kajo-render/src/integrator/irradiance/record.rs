@@ -116,7 +116,7 @@ mod tests {
         Record { n, radii, axis: 0.0, irradiance: [1.0; 3], by_position, by_normal, ..Record::default() }
     }
 
-    fn place(along: f32, across: f32) -> IrradianceQuery {
+    fn query(along: f32, across: f32) -> IrradianceQuery {
         let Frame { s, t, n } = Frame::from_normal(Vec3::Z);
         IrradianceQuery { p: across * s + along * t, n, relief: n }
     }
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn weights_fall_to_nothing_at_the_ellipse() {
         let record = record();
-        let weight = |along, across| record.weight(&place(along, across), 0.1);
+        let weight = |along, across| record.weight(&query(along, across), 0.1);
         assert_eq!(weight(0.0, 0.0), 1.0);
         assert!((weight(1.0, 0.0) - 0.5).abs() < 1e-6 && (weight(0.0, 0.25) - 0.5).abs() < 1e-6);
         assert!(weight(1.99, 0.0) > 0.0 && weight(2.01, 0.0) <= 0.0);
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn other_sides_and_what_is_in_front_are_not_known() {
         let record = record();
-        let here = place(0.0, 0.0);
+        let here = query(0.0, 0.0);
         assert!(record.weight(&IrradianceQuery { n: -Vec3::Z, ..here }, 0.1) <= 0.0);
         assert!(record.weight(&IrradianceQuery { n: Vec3::X, ..here }, 0.1) <= 0.0);
         assert!(record.weight(&IrradianceQuery { p: Vec3::Z * -0.1, ..here }, 0.1) <= 0.0, "below a floor");
@@ -145,13 +145,13 @@ mod tests {
     #[test]
     fn irradiance_goes_by_the_gradients() {
         let record = record();
-        let moved = record.extrapolated(&place(0.4, 0.2));
+        let moved = record.extrapolated(&query(0.4, 0.2));
         assert!((moved[0] - 1.2).abs() < 1e-6, "{moved:?}");
         let Frame { t, n, .. } = Frame::from_normal(Vec3::Z);
         let relief = (0.6 * t + 0.8 * n).normalize();
-        let turned = record.extrapolated(&IrradianceQuery { relief, ..place(0.0, 0.0) });
+        let turned = record.extrapolated(&IrradianceQuery { relief, ..query(0.0, 0.0) });
         assert!((turned[0] - 1.6).abs() < 1e-6, "{turned:?}");
-        let far = record.extrapolated(&place(-40.0, 0.0));
+        let far = record.extrapolated(&query(-40.0, 0.0));
         assert_eq!(far, [0.0; 3], "light is not negative");
     }
 

@@ -13,8 +13,8 @@ const SAMPLES_OF_PIXEL: u32 = 256;
 /// The least of them.
 const FEWEST: u32 = 1 << 12;
 
-/// Samples of one piece of work.
-const SAMPLES_A_PIECE: u32 = 2048;
+/// Samples of one task.
+const SAMPLES_A_TASK: u32 = 2048;
 
 /// Sets the seeds of these samples, and of the choice among them, apart from all others.
 const SALT: u64 = 0x7374_6172_7473;
@@ -58,17 +58,17 @@ impl Starts {
             )));
         }
         let seed = mix(setup.seed ^ SALT);
-        let pieces = setup.pieces(samples.div_ceil(SAMPLES_A_PIECE), |piece| {
-            let begin = piece * SAMPLES_A_PIECE;
+        let tasks = setup.tasks(samples.div_ceil(SAMPLES_A_TASK), |task| {
+            let begin = task * SAMPLES_A_TASK;
             let mut evaluation = Evaluation::alone(integrator, size);
             let importance = |i| evaluation.begin(&Start { seed, number: i }).importance;
-            let found: Vec<f32> = (begin..(begin + SAMPLES_A_PIECE).min(samples)).map(importance).collect();
+            let found: Vec<f32> = (begin..(begin + SAMPLES_A_TASK).min(samples)).map(importance).collect();
             Ok((found, evaluation.rays()))
         })?;
         let mut rays = RayCounters::default();
         let mut sums = Vec::with_capacity(samples as usize);
         let (mut sum, mut squares) = (0.0, 0.0);
-        for (found, cast) in pieces {
+        for (found, cast) in tasks {
             rays += cast;
             for importance in found.into_iter().map(f64::from) {
                 sum += importance;

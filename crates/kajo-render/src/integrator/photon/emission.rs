@@ -25,8 +25,8 @@ use crate::{Setup, SetupError};
 /// Sets the seeds of photons apart from those of samples.
 const SALT: u64 = 0x7068_6F74_6F6E;
 
-/// Paths that one piece of work follows.
-const PATHS_A_PIECE: u32 = 4096;
+/// Paths that one task follows.
+const PATHS_A_TASK: u32 = 4096;
 
 /// What photons are wanted of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,9 +87,9 @@ impl<'a> Emission<'a> {
         setup: &Setup<'_>,
     ) -> Result<PhotonBatch, SetupError> {
         let kept = std::sync::atomic::AtomicU64::new(0);
-        let pieces = setup.pieces(self.paths.div_ceil(PATHS_A_PIECE), |piece| {
-            let begin = piece * PATHS_A_PIECE;
-            let end = begin.saturating_add(PATHS_A_PIECE).min(self.paths);
+        let tasks = setup.tasks(self.paths.div_ceil(PATHS_A_TASK), |task| {
+            let begin = task * PATHS_A_TASK;
+            let end = begin.saturating_add(PATHS_A_TASK).min(self.paths);
             let mut batch = PhotonBatch::default();
             (begin..end)
                 .for_each(|i| self.follow([k, i], setup.seed, wavelengths, (wanted, both), &mut batch));
@@ -99,11 +99,11 @@ impl<'a> Emission<'a> {
             if kept > setup.memory { Err(self.too_many(setup.memory)) } else { Ok(batch) }
         })?;
         let mut all = PhotonBatch::default();
-        all.photons.reserve_exact(pieces.iter().map(|piece| piece.photons.len()).sum());
-        for piece in pieces {
-            all.photons.extend(piece.photons);
-            all.caustics.extend(piece.caustics);
-            all.rays += piece.rays;
+        all.photons.reserve_exact(tasks.iter().map(|task| task.photons.len()).sum());
+        for task in tasks {
+            all.photons.extend(task.photons);
+            all.caustics.extend(task.caustics);
+            all.rays += task.rays;
         }
         Ok(all)
     }

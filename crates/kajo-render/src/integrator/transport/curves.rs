@@ -59,8 +59,8 @@ pub fn follow(
     let weight = path.beta;
     let wavelengths = path.wavelengths;
     let about = || About { eta, weight: sensor::to_rgb(weight, &wavelengths), light: None };
-    let pieces = |piece: &Ray| observer.bent(scene, piece, about);
-    let way = scene.follow(&path.ray, (medium, body), &path.wavelengths, &mut surface.at, pieces);
+    let chords = |chord: &Ray| observer.bent(scene, chord, about);
+    let way = scene.follow(&path.ray, (medium, body), &path.wavelengths, &mut surface.at, chords);
     let Some(Arrival { outcome, d, length, chord, eta, squeeze, g }) = way else { return Curve::GoesOn };
     path.connectable = false;
     path.differential = None;

@@ -59,10 +59,10 @@ fn in_pieces(spec: FilmSpec, settings: &RenderSettings, goal: &Goal, dice: &mut 
             for start in samples.clone().step_by(step as usize) {
                 let tile = Rect { x0, y0, x1: x0 + w, y1: y0 + h };
                 let samples = start..(start + step).min(samples.end);
-                let piece = Unit { tile, samples, limits: Unit::UNLIMITED };
+                let unit = Unit { tile, samples, limits: Unit::UNLIMITED };
                 let part = film(spec);
                 let settings = RenderSettings { threads: 1 + dice.below(2) as usize, ..settings.clone() };
-                render_piece(&Noisy, &part, &settings, &position, &piece, &Silent).expect("rendered");
+                render_work_unit(&Noisy, &part, &settings, &position, &unit, &Silent).expect("rendered");
                 films.push(part);
             }
         }
@@ -122,8 +122,8 @@ fn a_crop_is_rendered_only_where_it_is_shown() {
     let spec = FilmSpec { shown: Some(shown), ..FilmSpec::new(70, 41) };
     let settings = RenderSettings::new(Sampler::new(SamplerKind::Uniform, 2));
     let part = film(spec);
-    let piece = Unit { tile: Rect::of_size(30, 41), samples: 0..2, limits: Unit::UNLIMITED };
-    render_piece(&Noisy, &part, &settings, &Position::default(), &piece, &Silent).expect("rendered");
+    let unit = Unit { tile: Rect::of_size(30, 41), samples: 0..2, limits: Unit::UNLIMITED };
+    render_work_unit(&Noisy, &part, &settings, &Position::default(), &unit, &Silent).expect("rendered");
     assert_eq!(part.samples(), 10 * 20 * 2);
 }
 
